@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "palpate/core/se3.hpp"
+#include "palpate/hand/joints.hpp"
+
+namespace palpate::hand {
+
+inline constexpr double kTick = 0.01;  ///< s between readings
+
+/// One contact that a fingertip feels, in the frame of that finger's distal link.
+struct TipContact {
+  Eigen::Vector3d p;  ///< point, m
+  Eigen::Vector3d n;  ///< outward unit normal of the object
+  Eigen::Vector3d f;  ///< force of the finger on the object, N; f.n < 0
+};
+
+/// Position of the hand's 6-DoF base: x, y, z (m), yaw, pitch, roll (rad).
+struct BasePosition {
+  Eigen::Vector3d xyz = Eigen::Vector3d::Zero();
+  Eigen::Vector3d ypr = Eigen::Vector3d::Zero();
+
+  /// T_world_base = Trans(xyz) Rz(yaw) Ry(pitch) Rx(roll).
+  Eigen::Isometry3d pose() const;
+};
+
+/// What the hand senses in one tick.
+struct HandReading {
+  double time = 0;                                  ///< s
+  JointVector joints = JointVector::Zero();         ///< rad
+  ActuatorVector torques = ActuatorVector::Zero();  ///< N m, of the actuators
+  BasePosition base;                                ///< measured
+  /// Force (N, world axes) that the base's drives exert beyond what the empty hand needs at rest.
+  Eigen::Vector3d base_force = Eigen::Vector3d::Zero();
+  std::array<std::vector<TipContact>, kFingers> contacts;
+};
+
+/// Targets of the position controllers for the next tick.
+struct HandCommand {
+  ActuatorVector positions = ActuatorVector::Zero();  ///< rad
+  BasePosition base;
+};
+
+/// A position-controlled actuator: torque = stiffness (command - position), within the limit.
+struct Actuator {
+  double stiffness = 1;  ///< N m / rad
+  Range command;         ///< rad
+  double max_torque = 1; ///< N m
+};
+
+/// An anthropomorphic hand with tactile fingertips on a 6-DoF base, simulated or real.
+class Hand {
+ public:
+  virtual ~Hand() = default;
+
+  virtual const std::array<Actuator, kActuators>& actuators() const = 0;
+
+  /// Applies the command for one tick of kTick and returns what was sensed at its end.
+  virtual HandReading step(const HandCommand& command) = 0;
+};
+
+}  // namespace palpate::hand

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Geometry>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "palpate/geometry/known_object.hpp"
+#include "palpate/touch/contact.hpp"
+
+namespace palpate::localization {
+
+/// A ball known to be free of the object: a part of the hand, at a place it has been.
+struct FreeSphere {
+  Eigen::Vector3d center;  ///< m
+  double radius = 0;       ///< m
+};
+
+/// The object rests (nearly) on a table in one of its stances, its position roughly known.
+struct TableSupport {
+  Eigen::Isometry3d T_frame_table;      ///< table frame: z up, z = 0 the surface; x, y the rough place
+  std::vector<double> stance_weights;   ///< one per KnownObject::stances; empty: their probabilities
+  double tilt_sigma = 0.02;             ///< rad
+  double height_sigma = 0.001;          ///< m
+  double half_width = 0.02;             ///< object's centroid within +- of the origin in x and y, m
+  double edge_sigma = 0.002;            ///< softness of that bound, m
+};
+
+/// All that touch knows of the object at one instant, in one frame.
+struct Evidence {
+  std::vector<touch::Contact> contacts;
+  double false_contact_share = 0.02;  ///< prior share of contacts with something else
+  std::vector<FreeSphere> free_space;
+  double penetration_sigma = 0.0015;  ///< m
+  std::optional<TableSupport> table;
+};
+
+}  // namespace palpate::localization

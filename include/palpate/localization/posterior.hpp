@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Geometry>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "palpate/core/se3.hpp"
+
+namespace palpate::localization {
+
+/// A one-parameter family of equally credible poses: rotation about a line by -extent..+extent.
+struct FreeAxis {
+  Eigen::Vector3d point;      ///< on the line, in the evidence's frame, m
+  Eigen::Vector3d direction;  ///< unit
+  double extent = 0;          ///< rad, to either side of the mode's pose; pi: all round
+};
+
+/// A cluster of credible poses.
+struct Mode {
+  Eigen::Isometry3d T_frame_object = Eigen::Isometry3d::Identity();
+  double weight = 0;                              ///< share of the posterior mass
+  Matrix6d covariance = Matrix6d::Zero();         ///< of [rotation; translation], frame's axes
+  std::optional<FreeAxis> free_axis;
+};
+
+enum class PoseStatus { certain, ambiguous, no_pose };
+std::string_view to_string(PoseStatus status);
+
+/// What is known of the object's pose: at most 16 modes, heaviest first, equal poses of a symmetric
+/// object counted once.
+struct Posterior {
+  PoseStatus status = PoseStatus::no_pose;
+  std::vector<Mode> modes;
+  double seconds = 0;  ///< wall time of the search
+};
+
+struct PoseError {
+  double rotation = 0;     ///< rad
+  double translation = 0;  ///< of the volume centroid, m
+};
+
+/// Distance of a pose from the truth, modulo the object's symmetries.
+PoseError pose_error(const Eigen::Isometry3d& estimate, const Eigen::Isometry3d& truth,
+                     const std::vector<Eigen::Matrix3d>& symmetries);
+
+/// Least distance of any pose of the mode (along its free axis, if it has one) from the truth.
+PoseError mode_error(const Mode& mode, const Eigen::Isometry3d& truth,
+                     const std::vector<Eigen::Matrix3d>& symmetries);
+
+/// True when the truth is within 5 deg and 10 mm of the smallest set of modes that holds 95 % of
+/// the weight.
+bool truth_in_modes(const Posterior& posterior, const Eigen::Isometry3d& truth,
+                    const std::vector<Eigen::Matrix3d>& symmetries);
+
+}  // namespace palpate::localization

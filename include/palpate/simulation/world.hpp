@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <memory>
+
+#include "palpate/geometry/known_object.hpp"
+#include "palpate/hand/hand.hpp"
+#include "palpate/hand/kinematics.hpp"
+
+namespace palpate::simulation {
+
+/// Noise of the readers, per reading (conventions: "Readers add seeded noise by default").
+struct SensorNoise {
+  double point = 0.001;                     ///< m, per axis
+  double normal = 0.17453292519943295;      ///< rad, per tangent axis (10 deg)
+  double force = 0.05;                      ///< N, per axis
+  double joint = 0.008726646259971648;      ///< rad (.5 deg)
+  double link = 0.002;                      ///< m, how far each link is from the model (rms)
+
+  template <class Visitor>
+  void visit(Visitor&& v) {
+    v("point", point, 0.0, 0.05, "m, of contact points, per axis");
+    v("normal", normal, 0.0, 1.0, "rad, of contact normals, per tangent axis");
+    v("force", force, 0.0, 10.0, "N, of contact forces, per axis");
+    v("joint", joint, 0.0, 0.2, "rad, of joint angles");
+    v("link", link, 0.0, 0.02, "m, of each link's place in the hand, rms");
+  }
+};
+
+struct WorldOptions {
+  double time_step = 0.002;      ///< s
+  double hand_friction = 0.8;    ///< sliding, hand against object
+  double table_friction = 0.5;   ///< sliding, object against table
+  double stiffness_scale = 1.0;  ///< of the fingers' position controllers
+  SensorNoise noise;
+};
+
+/// Where the object starts.
+struct Start {
+  int stance = 0;                                    ///< index into KnownObject::stances
+  double yaw = 0;                                    ///< rad
+  Eigen::Vector2d xy = Eigen::Vector2d::Zero();      ///< of the centroid, m
+};
+
+/// What only the simulator knows. For judging and drawing; never for estimating or acting.
+struct Truth {
+  Eigen::Isometry3d T_world_object = Eigen::Isometry3d::Identity();
+  hand::JointVector joints = hand::JointVector::Zero();
+  double lowest_point = 0;  ///< z of the object's lowest vertex, m
+};
+
+/// A table, the Shadow hand on its base and one free object, in MuJoCo.
+class World {
+ public:
+  World(const geometry::KnownObject& object, const WorldOptions& options, std::uint64_t seed);
+  ~World();
+  World(const World&) = delete;
+  World& operator=(const World&) = delete;
+
+  /// Puts object and hand at their starts, at rest, at time 0.
+  void reset(const Start& start, const hand::HandCommand& command);
+
+  hand::Hand& hand();
+  /// The hand as its maker describes it (without the perturbation of SensorNoise::link).
+  const hand::HandModel& hand_model() const;
+  Truth truth() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// The Shadow hand's model, read from its MJCF.
+/// @throws BadInput if the file is missing or lacks a link or joint of the hand
+hand::HandModel load_shadow_hand(const std::filesystem::path& mjcf);
+
+}  // namespace palpate::simulation

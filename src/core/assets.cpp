@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/core/assets.hpp"
+
+#include <fmt/format.h>
+
+#include <cstdlib>
+
+#include "palpate/core/error.hpp"
+
+namespace palpate {
+
+std::filesystem::path asset(std::string_view relative_path) {
+  const char* chosen = std::getenv("PALPATE_ASSETS");
+  const auto path = std::filesystem::path(chosen ? chosen : PALPATE_ASSETS_DIR) / relative_path;
+  if (!std::filesystem::exists(path)) {
+    throw BadInput(fmt::format("{} is missing: run ./dev build, or set PALPATE_ASSETS to the folder "
+                               "that holds {}", path.string(), relative_path));
+  }
+  return path;
+}
+
+}  // namespace palpate
