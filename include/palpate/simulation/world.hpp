@@ -7,6 +7,7 @@
 #include "palpate/geometry/known_object.hpp"
 #include "palpate/hand/hand.hpp"
 #include "palpate/hand/kinematics.hpp"
+#include "palpate/hand/visuals.hpp"
 
 namespace palpate::simulation {
 
@@ -74,5 +75,8 @@ class World {
 /// The Shadow hand's model, read from its MJCF.
 /// @throws BadInput if the file is missing or lacks a link or joint of the hand
 hand::HandModel load_shadow_hand(const std::filesystem::path& mjcf);
+
+/// What the Shadow hand looks like: the drawn meshes of its MJCF, for load_shadow_hand's links.
+hand::HandVisuals load_shadow_hand_visuals(const std::filesystem::path& mjcf);
 
 }  // namespace palpate::simulation
