@@ -1,1 +1,104 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "palpate/touch/contact_window.hpp"
+
+#include <cmath>
+
+namespace palpate::touch {
+namespace {
+
+constexpr double kSamePlace = 0.005;    // m
+constexpr double kSameDirection = 0.5;  // cosine
+constexpr double kLastingShare = 1.0 / 3;
+
+/// Contacts of one tip that belong together, summed.
+struct Cluster {
+  int count = 0;
+  Eigen::Vector3d p = Eigen::Vector3d::Zero();
+  Eigen::Vector3d n = Eigen::Vector3d::Zero();
+  Eigen::Vector3d f = Eigen::Vector3d::Zero();
+
+  bool takes(const hand::TipContact& contact) const {
+    return (p / count - contact.p).norm() < kSamePlace &&
+           n.normalized().dot(contact.n) > kSameDirection;
+  }
+  void add(const hand::TipContact& contact) {
+    ++count;
+    p += contact.p;
+    n += contact.n;
+    f += contact.f;
+  }
+};
+
+bool finite(const hand::TipContact& contact) {
+  return contact.p.allFinite() && contact.n.allFinite() && contact.f.allFinite() &&
+         contact.n.norm() > 0.5;
+}
+
+std::vector<Cluster> cluster_tip(std::span<const hand::HandReading> window, std::size_t finger) {
+  std::vector<Cluster> clusters;
+  for (const auto& reading : window) {
+    for (const auto& contact : reading.contacts[finger]) {
+      if (!finite(contact)) continue;
+      const auto home = std::find_if(clusters.begin(), clusters.end(),
+                                     [&](const Cluster& c) { return c.takes(contact); });
+      (home == clusters.end() ? clusters.emplace_back() : *home).add(contact);
+    }
+  }
+  return clusters;
+}
+
+hand::JointVector mean_joints(std::span<const hand::HandReading> window) {
+  hand::JointVector sum = hand::JointVector::Zero();
+  for (const auto& reading : window) sum += reading.joints;
+  return sum / static_cast<double>(window.size());
+}
+
+/// Variance per axis of a point fixed to the link, from joint noise and misplaced links.
+double kinematic_variance(const hand::HandModel& hand, const hand::JointVector& joints, int link,
+                          const Eigen::Vector3d& p_link, const ContactErrorModel& errors,
+                          std::size_t readings) {
+  const auto J = hand::jacobian(hand, joints, link, p_link);
+  const double joint_variance = errors.joint * errors.joint / static_cast<double>(readings);
+  int misplaced = 0;
+  for (int i = link; i >= 0; i = hand.links[static_cast<std::size_t>(i)].parent) {
+    misplaced += !hand.links[static_cast<std::size_t>(i)].T_parent_link.translation().isZero();
+  }
+  return (J.bottomRows<3>().squaredNorm() * joint_variance +
+          misplaced * errors.link * errors.link) /
+         3.0;
+}
+
+}  // namespace
+
+std::vector<Contact> lasting_contacts(std::span<const hand::HandReading> window,
+                                      const hand::HandModel& hand,
+                                      const ContactErrorModel& errors) {
+  std::vector<Contact> contacts;
+  if (window.empty()) return contacts;
+  const hand::JointVector joints = mean_joints(window);
+  const auto T_base_link = hand::forward_kinematics(hand, joints);
+  const double least = std::max(1.0, kLastingShare * static_cast<double>(window.size()));
+  for (std::size_t finger = 0; finger < hand::kFingers; ++finger) {
+    const int link = hand.distal[finger];
+    const auto& T = T_base_link.at(static_cast<std::size_t>(link));
+    for (const Cluster& cluster : cluster_tip(window, finger)) {
+      if (cluster.count < least) continue;
+      const Eigen::Vector3d p_link = cluster.p / cluster.count;
+      Contact contact;
+      contact.finger = static_cast<int>(finger);
+      contact.time = window.back().time;
+      contact.p = T * p_link;
+      contact.n = T.linear() * cluster.n.normalized();
+      contact.f = T.linear() * cluster.f / cluster.count;
+      contact.point_sigma = std::sqrt(
+          errors.point * errors.point / cluster.count + errors.point_floor * errors.point_floor +
+          kinematic_variance(hand, joints, link, p_link, errors, window.size()));
+      contact.normal_sigma =
+          std::hypot(errors.normal / std::sqrt(cluster.count), errors.normal_floor);
+      contacts.push_back(contact);
+    }
+  }
+  return contacts;
+}
+
+}  // namespace palpate::touch

@@ -46,9 +46,9 @@ struct HandCommand {
 
 /// A position-controlled actuator: torque = stiffness (command - position), within the limit.
 struct Actuator {
-  double stiffness = 1;  ///< N m / rad
-  Range command;         ///< rad
-  double max_torque = 1; ///< N m
+  double stiffness = 1;   ///< N m / rad
+  Range command;          ///< rad
+  double max_torque = 1;  ///< N m
 };
 
 /// An anthropomorphic hand with tactile fingertips on a 6-DoF base, simulated or real.

@@ -31,7 +31,7 @@ using ActuatorVector = Eigen::Matrix<double, kActuators, 1>;  ///< rad or N m
 int joint_index(std::string_view name);
 int actuator_index(std::string_view name);
 
-/// Finger that an actuator moves; nothing for the wrist (returned as -1).
+/// Finger (index into kFingerNames) that an actuator moves; -1 for the wrist.
 int finger_of_actuator(int actuator);
 
 /// Actuator coordinates of joint angles: J0 = J1 + J2.
@@ -41,8 +41,26 @@ struct Range {
   double low, high;  ///< rad
 };
 
-/// Range of motion of the Shadow hand (thesis table A.1) and of the human hand (table A.2).
+/// Range of motion of the Shadow hand (thesis table A.1).
 const std::array<Range, kJoints>& shadow_ranges();
-const std::array<Range, kJoints>& human_ranges();
+
+/// Joints of the human hand that move together, named as in thesis table A.3, and their range.
+struct HumanRange {
+  std::string_view joints;
+  std::string_view latin_name;
+  Range range;
+};
+
+/// Range of motion of the human hand (thesis table A.2).
+inline constexpr std::array<HumanRange, 8> kHumanRanges = {{
+    {"TH1", "interphalangeal", {-0.262, 1.396}},
+    {"TH2+TH3", "metacarpophalangeal", {-0.175, 0.960}},
+    {"TH4+TH5", "carpometacarpal", {-0.175, 0.960}},
+    {"FF1 MF1 RF1 LF1", "distal interphalangeal", {0.0, 1.396}},
+    {"FF2 MF2 RF2 LF2", "proximal interphalangeal", {0.0, 1.745}},
+    {"FF3 MF3 RF3 LF3", "metacarpophalangeal", {-0.785, 1.571}},
+    {"WR1", "radiocarpal", {-1.396, 1.396}},
+    {"WR2", "radiocarpal", {-0.489, 0.349}},
+}};
 
 }  // namespace palpate::hand

@@ -20,7 +20,7 @@ struct LinkSphere {
 /// A rigid link and the hinge that joins it to its parent.
 struct Link {
   std::string name;
-  int parent = -1;                                               ///< -1: the base
+  int parent = -1;                                                  ///< -1: the base
   Eigen::Isometry3d T_parent_link = Eigen::Isometry3d::Identity();  ///< at joint angle 0
   Eigen::Vector3d axis = Eigen::Vector3d::Zero();  ///< of the joint, in the link's frame
   int joint = -1;                                  ///< index into JointVector; -1: fixed
@@ -30,8 +30,8 @@ struct Link {
 /// recording can be read back without a simulator.
 struct HandModel {
   std::vector<Link> links;
-  int palm = -1;                            ///< link of the palm
-  std::array<int, kFingers> distal{};       ///< link of each fingertip
+  int palm = -1;                       ///< link of the palm
+  std::array<int, kFingers> distal{};  ///< link of each fingertip
   /// Fingertip as a capsule along the distal link's z axis, from a to b, m.
   struct TipCapsule {
     Eigen::Vector3d a, b;
@@ -46,11 +46,12 @@ std::vector<Eigen::Isometry3d> forward_kinematics(const HandModel& hand, const J
 
 /// Geometric Jacobian [w; v] (6 x kJoints) of a point fixed to a link, in the base's axes.
 /// @param p_link  the point in the link's frame, m
-Eigen::Matrix<double, 6, kJoints> jacobian(const HandModel& hand, const JointVector& joints, int link,
-                                           const Eigen::Vector3d& p_link);
+Eigen::Matrix<double, 6, kJoints> jacobian(const HandModel& hand, const JointVector& joints,
+                                           int link, const Eigen::Vector3d& p_link);
 
 /// The same hand with every link displaced from where the model says, by a normal vector of root
-/// mean square length `rms` (m): how far a real hand is from its drawing.
+/// mean square length `rms` (m): how far a real hand is from its drawing. The two links of a
+/// universal joint, which share their place, stay together.
 HandModel with_perturbed_links(HandModel hand, double rms, RandomStream& random);
 
 }  // namespace palpate::hand

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/hand/kinematics.hpp"
+
+#include <cmath>
+
+#include "palpate/core/se3.hpp"
+#include "palpate/hand/hand.hpp"
+
+namespace palpate::hand {
+
+Eigen::Isometry3d BasePosition::pose() const {
+  Eigen::Isometry3d T_world_base = Eigen::Isometry3d::Identity();
+  T_world_base.translation() = xyz;
+  T_world_base.linear() = (Eigen::AngleAxisd(ypr[0], Eigen::Vector3d::UnitZ()) *
+                           Eigen::AngleAxisd(ypr[1], Eigen::Vector3d::UnitY()) *
+                           Eigen::AngleAxisd(ypr[2], Eigen::Vector3d::UnitX()))
+                              .toRotationMatrix();
+  return T_world_base;
+}
+
+std::vector<Eigen::Isometry3d> forward_kinematics(const HandModel& hand,
+                                                  const JointVector& joints) {
+  std::vector<Eigen::Isometry3d> T_base_link;
+  T_base_link.reserve(hand.links.size());
+  for (const Link& link : hand.links) {
+    Eigen::Isometry3d T = link.T_parent_link;
+    if (link.joint >= 0) T.rotate(Eigen::AngleAxisd(joints[link.joint], link.axis));
+    T_base_link.push_back(link.parent < 0 ? T
+                                          : T_base_link[static_cast<std::size_t>(link.parent)] * T);
+  }
+  return T_base_link;
+}
+
+Eigen::Matrix<double, 6, kJoints> jacobian(const HandModel& hand, const JointVector& joints,
+                                           int link, const Eigen::Vector3d& p_link) {
+  const auto T_base_link = forward_kinematics(hand, joints);
+  const Eigen::Vector3d p = T_base_link.at(static_cast<std::size_t>(link)) * p_link;
+  Eigen::Matrix<double, 6, kJoints> J = Eigen::Matrix<double, 6, kJoints>::Zero();
+  for (int i = link; i >= 0; i = hand.links[static_cast<std::size_t>(i)].parent) {
+    const Link& moved = hand.links[static_cast<std::size_t>(i)];
+    if (moved.joint < 0) continue;
+    const auto& T = T_base_link[static_cast<std::size_t>(i)];
+    const Eigen::Vector3d axis = T.linear() * moved.axis;
+    J.col(moved.joint).head<3>() = axis;
+    J.col(moved.joint).tail<3>() = axis.cross(p - T.translation());
+  }
+  return J;
+}
+
+HandModel with_perturbed_links(HandModel hand, double rms, RandomStream& random) {
+  const double sigma = rms / std::sqrt(3.0);
+  for (Link& link : hand.links) {
+    Eigen::Vector3d offset = sigma * random.normal3();
+    if (!link.T_parent_link.translation().isZero()) link.T_parent_link.translation() += offset;
+  }
+  return hand;
+}
+
+}  // namespace palpate::hand

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/hand/kinematics.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "palpate/core/se3.hpp"
+#include "palpate/hand/hand.hpp"
+
+namespace palpate::hand {
+namespace {
+
+/// Two hinges in a row, 0.1 m apart, and a fixed tip.
+HandModel planar_arm() {
+  HandModel hand;
+  hand.links.resize(3);
+  for (int i = 0; i < 3; ++i) {
+    Link& link = hand.links[static_cast<std::size_t>(i)];
+    link.parent = i - 1;
+    link.joint = i < 2 ? i : -1;
+    link.axis = Eigen::Vector3d::UnitZ();
+    if (i > 0) link.T_parent_link.translation() = Eigen::Vector3d(0.1, 0, 0);
+  }
+  return hand;
+}
+
+HandModel random_chain(RandomStream& random) {
+  HandModel hand;
+  hand.links.resize(6);
+  for (int i = 0; i < 6; ++i) {
+    Link& link = hand.links[static_cast<std::size_t>(i)];
+    link.parent = i - 1;
+    link.joint = i;
+    link.axis = random.unit_vector();
+    link.T_parent_link.linear() = random.rotation();
+    link.T_parent_link.translation() = 0.05 * random.normal3();
+  }
+  return hand;
+}
+
+TEST(Kinematics, PlanarArm) {
+  JointVector joints = JointVector::Zero();
+  joints[0] = M_PI / 2;
+  joints[1] = -M_PI / 2;
+  const auto T = forward_kinematics(planar_arm(), joints);
+  EXPECT_TRUE(T[2].translation().isApprox(Eigen::Vector3d(0.1, 0.1, 0), 1e-12));
+  EXPECT_TRUE(T[2].linear().isApprox(Eigen::Matrix3d::Identity(), 1e-12));
+}
+
+TEST(Kinematics, JacobianIsTheDerivativeOfThePose) {
+  RandomStream random(3, "jacobian");
+  for (int trial = 0; trial < 20; ++trial) {
+    const HandModel hand = random_chain(random);
+    JointVector joints;
+    for (int i = 0; i < kJoints; ++i) joints[i] = random.uniform(-1.5, 1.5);
+    const Eigen::Vector3d p_link = 0.02 * random.normal3();
+    const auto J = jacobian(hand, joints, 5, p_link);
+    const auto T0 = forward_kinematics(hand, joints)[5];
+    for (int i = 0; i < 6; ++i) {
+      JointVector moved = joints;
+      moved[i] += 1e-6;
+      const auto T1 = forward_kinematics(hand, moved)[5];
+      const Eigen::Vector3d w = log_so3(T1.linear() * T0.linear().transpose()) / 1e-6;
+      const Eigen::Vector3d v = (T1 * p_link - T0 * p_link) / 1e-6;
+      EXPECT_TRUE(J.col(i).head<3>().isApprox(w, 1e-4));
+      EXPECT_LT((J.col(i).tail<3>() - v).norm(), 1e-6);
+    }
+    EXPECT_TRUE(J.rightCols(kJoints - 6).isZero());
+  }
+}
+
+TEST(Kinematics, PerturbedLinksAreDisplacedByTheStatedAmount) {
+  RandomStream random(5, "links");
+  const HandModel hand = planar_arm();
+  double sum = 0;
+  const int trials = 2000;
+  for (int i = 0; i < trials; ++i) {
+    const HandModel perturbed = with_perturbed_links(hand, 0.002, random);
+    sum +=
+        (perturbed.links[1].T_parent_link.translation() - hand.links[1].T_parent_link.translation())
+            .squaredNorm();
+  }
+  EXPECT_NEAR(std::sqrt(sum / trials), 0.002, 0.0001);
+}
+
+TEST(BasePosition, PoseTurnsByYawThenPitchThenRoll) {
+  BasePosition base;
+  base.xyz = {1, 2, 3};
+  base.ypr = {M_PI / 2, 0, M_PI / 2};
+  const Eigen::Vector3d p = base.pose() * Eigen::Vector3d(0, 1, 0);
+  EXPECT_TRUE(p.isApprox(Eigen::Vector3d(1, 2, 4), 1e-12));
+}
+
+}  // namespace
+}  // namespace palpate::hand

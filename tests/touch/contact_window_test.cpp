@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/touch/contact_window.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "palpate/core/random.hpp"
+
+namespace palpate::touch {
+namespace {
+
+/// A palm with one hinged fingertip a finger, 0.1 m out.
+hand::HandModel toy_hand() {
+  hand::HandModel hand;
+  hand.links.resize(6);
+  hand.palm = 0;
+  for (int finger = 0; finger < hand::kFingers; ++finger) {
+    auto& link = hand.links[static_cast<std::size_t>(finger + 1)];
+    link.parent = 0;
+    link.joint = finger;
+    link.axis = Eigen::Vector3d::UnitZ();
+    link.T_parent_link.translation() = Eigen::Vector3d(0.1, 0.02 * finger, 0);
+    hand.distal[static_cast<std::size_t>(finger)] = finger + 1;
+  }
+  return hand;
+}
+
+std::vector<hand::HandReading> held(int readings, double noise, std::uint64_t seed) {
+  RandomStream random(seed, "held");
+  std::vector<hand::HandReading> window(static_cast<std::size_t>(readings));
+  for (auto& reading : window) {
+    hand::TipContact contact;
+    contact.p = Eigen::Vector3d(0.02, 0.005, 0) + noise * random.normal3();
+    contact.n = (Eigen::Vector3d(0, 1, 0) + 100 * noise * random.normal3()).normalized();
+    contact.f = Eigen::Vector3d(0, -2, 0);
+    reading.contacts[1] = {contact};
+  }
+  return window;
+}
+
+TEST(LastingContacts, AverageInTheBaseFrame) {
+  const auto contacts = lasting_contacts(held(100, 0.001, 1), toy_hand(), {});
+  ASSERT_EQ(contacts.size(), 1u);
+  EXPECT_EQ(contacts[0].finger, 1);
+  EXPECT_LT((contacts[0].p - Eigen::Vector3d(0.12, 0.025, 0)).norm(), 0.0005);
+  EXPECT_GT(contacts[0].n.y(), std::cos(0.05));
+  EXPECT_TRUE(contacts[0].f.isApprox(Eigen::Vector3d(0, -2, 0), 1e-9));
+}
+
+TEST(LastingContacts, UncertaintyIsThatOfTheErrorModel) {
+  ContactErrorModel errors{.joint = 0, .link = 0.003, .point_floor = 1e-5, .normal_floor = 1e-4};
+  const auto contacts = lasting_contacts(held(25, 0, 1), toy_hand(), errors);
+  ASSERT_EQ(contacts.size(), 1u);
+  EXPECT_NEAR(contacts[0].point_sigma, std::sqrt(1e-6 / 25 + 1e-10 + 9e-6 / 3), 1e-9);
+  EXPECT_NEAR(contacts[0].normal_sigma, errors.normal / 5, 1e-6);
+}
+
+TEST(LastingContacts, TwoPlacesOnOneTipStayApart) {
+  auto window = held(30, 0, 1);
+  for (auto& reading : window) {
+    hand::TipContact other = reading.contacts[1][0];
+    other.n = Eigen::Vector3d(1, 0, 0);
+    reading.contacts[1].push_back(other);
+  }
+  EXPECT_EQ(lasting_contacts(window, toy_hand(), {}).size(), 2u);
+}
+
+TEST(LastingContacts, PassingAndBrokenContactsAreDropped) {
+  auto window = held(30, 0, 1);
+  window[3].contacts[2] = window[3].contacts[1];
+  for (auto& reading : window) {
+    auto broken = reading.contacts[1][0];
+    broken.p.x() = std::numeric_limits<double>::quiet_NaN();
+    reading.contacts[4] = {broken};
+  }
+  const auto contacts = lasting_contacts(window, toy_hand(), {});
+  ASSERT_EQ(contacts.size(), 1u);
+  EXPECT_EQ(contacts[0].finger, 1);
+}
+
+TEST(LastingContacts, NoReadingsNoContacts) {
+  EXPECT_TRUE(lasting_contacts({}, toy_hand(), {}).empty());
+}
+
+}  // namespace
+}  // namespace palpate::touch
