@@ -8,7 +8,8 @@
 
 namespace palpate::geometry {
 
-/// Signed distance of a watertight mesh on a regular grid, with its gradient, interpolated linearly.
+/// Signed distance of a watertight mesh on a regular grid, with its gradient, interpolated
+/// linearly.
 class DistanceField {
  public:
   struct Sample {

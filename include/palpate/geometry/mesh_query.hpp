@@ -31,9 +31,16 @@ class MeshQuery {
   MeshQuery& operator=(MeshQuery&&) noexcept;
 
   const TriangleMesh& mesh() const;
-  ClosestPoint closest_point(const Eigen::Vector3d& p) const;
 
-  /// Distance to the surface, negative inside (by the parity of rays; the mesh is watertight).
+  /// @param guess  a triangle thought to be near p, which only makes the search faster
+  /// @throws BadInput if p is not finite
+  ClosestPoint closest_point(const Eigen::Vector3d& p, int guess = -1) const;
+
+  /// Whether p lies inside: the majority of the crossings' parities along three fixed rays, which
+  /// slivers cannot mislead as they do pseudonormals. The mesh is watertight.
+  bool inside(const Eigen::Vector3d& p) const;
+
+  /// Distance to the surface, negative where `inside`.
   double signed_distance(const Eigen::Vector3d& p) const;
 
   /// First triangle along origin + s direction, 0 <= s <= reach.

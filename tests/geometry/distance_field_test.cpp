@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/geometry/distance_field.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "geometry/test_meshes.hpp"
+#include "palpate/core/error.hpp"
+
+namespace palpate::geometry {
+namespace {
+
+using testing::box_mesh;
+using testing::torus_mesh;
+
+TEST(DistanceField, IsTheSignedDistanceWithinTheCell) {
+  const MeshQuery mesh(torus_mesh(0.03, 0.012, 40, 20));
+  const DistanceField field(mesh, 0.002, 0.01);
+  std::mt19937_64 bits(7);
+  const auto uniform = [&bits] { return 2 * static_cast<double>(bits() >> 11) * 0x1p-53 - 1; };
+  for (int i = 0; i < 3000; ++i) {
+    const Eigen::Vector3d p(0.05 * uniform(), 0.05 * uniform(), 0.02 * uniform());
+    const auto sample = field.at(p.cast<float>());
+    ASSERT_TRUE(sample);
+    // The distance changes by at most the way to the nodes; on a smooth surface by far less.
+    EXPECT_NEAR(sample->distance, mesh.signed_distance(p), 0.001) << p.transpose();
+    EXPECT_LE(sample->gradient.norm(), 1.0001F);
+  }
+}
+
+TEST(DistanceField, GradientPointsOutwardOnBothSides) {
+  const MeshQuery mesh(box_mesh(0.06, 0.06, 0.06));
+  const DistanceField field(mesh, 0.002, 0.02);
+  for (const float z : {0.024F, 0.0299F, 0.03F, 0.0301F, 0.04F}) {
+    const auto sample = field.at({0.003F, -0.004F, z});
+    ASSERT_TRUE(sample);
+    EXPECT_NEAR(sample->distance, z - 0.03F, 1e-6);
+    EXPECT_LT((sample->gradient - Eigen::Vector3f::UnitZ()).norm(), 1e-4F) << z;
+  }
+}
+
+TEST(DistanceField, OutsideTheGridIsBeyond) {
+  const MeshQuery mesh(box_mesh(0.06, 0.06, 0.06));
+  const DistanceField field(mesh, 0.004, 0.02);
+  EXPECT_FLOAT_EQ(field.beyond(), 0.02F);
+  EXPECT_FALSE(field.at({0, 0, 0.0555F}));
+  EXPECT_FALSE(field.at({0, 0, std::nanf("")}));
+  EXPECT_FLOAT_EQ(field.distance({0, 1, 0}), 0.02F);
+  EXPECT_TRUE(field.at({0, 0, 0.0499F}));
+  EXPECT_NEAR(field.distance({0, 0, 0.0499F}), 0.0199F, 1e-6);
+}
+
+TEST(DistanceField, BadInputIsNamed) {
+  const MeshQuery mesh(box_mesh(0.06, 0.06, 0.06));
+  EXPECT_THROW(DistanceField(mesh, 0, 0.02), BadInput);
+  EXPECT_THROW(DistanceField(mesh, 0.002, -1), BadInput);
+  EXPECT_THROW(DistanceField(mesh, 1e-6, 0.02), BadInput);
+}
+
+}  // namespace
+}  // namespace palpate::geometry
