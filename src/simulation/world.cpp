@@ -1,1 +1,107 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "palpate/simulation/world.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "palpate/core/assets.hpp"
+#include "palpate/core/error.hpp"
+#include "simulated_hand.hpp"
+
+namespace palpate::simulation {
+namespace {
+
+constexpr double kDropHeight = 0.0005;  // m, above the table at the start
+
+hand::HandModel believed_hand(const SensorNoise& noise, const RandomStream& random) {
+  hand::HandModel hand = load_shadow_hand(asset("shadow_hand/right_hand.xml"));
+  if (noise.link == 0) return hand;
+  RandomStream links = random.fork("links");
+  return hand::with_perturbed_links(std::move(hand), noise.link, links);
+}
+
+DataHandle make_data(const mjModel& model) {
+  DataHandle data(mj_makeData(&model));
+  if (!data) throw std::bad_alloc();
+  return data;
+}
+
+double lowest_point(const geometry::TriangleMesh& mesh, const Eigen::Isometry3d& T_world_mesh) {
+  double low = std::numeric_limits<double>::infinity();
+  for (const Eigen::Vector3d& v : mesh.vertices) low = std::min(low, (T_world_mesh * v).z());
+  return low;
+}
+
+}  // namespace
+
+struct World::Impl {
+  Impl(const geometry::KnownObject& known, const WorldOptions& options, const RandomStream& random)
+      : object(known),
+        surface(known.mesh),
+        scene(compose_scene(known, options)),
+        data(make_data(*scene.model)),
+        believed(believed_hand(options.noise, random)),
+        hand(scene, *data, surface, options.noise, random.fork("readers")) {}
+
+  void place_object(const Start& start);
+
+  geometry::KnownObject object;
+  geometry::MeshQuery surface;
+  Scene scene;
+  DataHandle data;
+  hand::HandModel believed;
+  SimulatedHand hand;
+};
+
+void World::Impl::place_object(const Start& start) {
+  if (start.stance < 0 || start.stance >= static_cast<int>(object.stances.size())) {
+    throw BadInput(fmt::format("object {} has {} stances, not number {}", object.name,
+                               object.stances.size(), start.stance));
+  }
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.linear() = Eigen::AngleAxisd(start.yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix() *
+               object.stances[static_cast<std::size_t>(start.stance)].R_table_object;
+  T.translation() << start.xy, kDropHeight - lowest_point(object.mesh, T);
+  mjtNum* const position = data->qpos + scene.object_position;
+  write_pose(T, position, position + 3);
+}
+
+World::World(const geometry::KnownObject& object, const WorldOptions& options, std::uint64_t seed)
+    : impl_(std::make_unique<Impl>(object, options, RandomStream(seed, "world"))) {}
+
+World::~World() = default;
+
+void World::reset(const Start& start, const hand::HandCommand& command) {
+  mj_resetData(impl_->scene.model.get(), impl_->data.get());
+  impl_->place_object(start);
+  impl_->hand.reset(command);
+  mj_forward(impl_->scene.model.get(), impl_->data.get());
+}
+
+hand::Hand& World::hand() { return impl_->hand; }
+
+const hand::HandModel& World::hand_model() const { return impl_->believed; }
+
+Truth World::truth() const {
+  const Scene& scene = impl_->scene;
+  const mjData& data = *impl_->data;
+  Truth truth;
+  const mjtNum* const position = data.qpos + scene.object_position;
+  truth.T_world_object = pose3(position, position + 3);
+  for (std::size_t i = 0; i < scene.joint_positions.size(); ++i) {
+    truth.joints[static_cast<int>(i)] = data.qpos[scene.joint_positions[i]];
+  }
+  truth.lowest_point = lowest_point(impl_->object.mesh, truth.T_world_object);
+  return truth;
+}
+
+bool World::diverged() const {
+  const mjData& data = *impl_->data;
+  const auto warned = [&](int kind) { return data.warning[kind].number > 0; };
+  return warned(mjWARN_BADQPOS) || warned(mjWARN_BADQVEL) || warned(mjWARN_BADQACC) ||
+         !Eigen::VectorXd::Map(data.qpos, impl_->scene.model->nq).allFinite();
+}
+
+}  // namespace palpate::simulation

@@ -63,9 +63,14 @@ class World {
   void reset(const Start& start, const hand::HandCommand& command);
 
   hand::Hand& hand();
-  /// The hand as its maker describes it (without the perturbation of SensorNoise::link).
+
+  /// The hand as the estimator knows it: the physics follows the MJCF, and this model's links are
+  /// off by SensorNoise::link. The same for every reset.
   const hand::HandModel& hand_model() const;
   Truth truth() const;
+
+  /// True when the simulation has become unstable since the last reset; readings then mean nothing.
+  bool diverged() const;
 
  private:
   struct Impl;

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "convex_parts.hpp"
+
+#include <fmt/format.h>
+
+#include <mutex>
+
+#include "coacd.hpp"
+#include "palpate/core/error.hpp"
+
+namespace palpate::simulation {
+namespace {
+
+constexpr double kConcavity = 0.05;
+constexpr int kHullVertices = 64;
+constexpr unsigned kSeed = 0;
+
+std::vector<double> flat_vertices(const geometry::TriangleMesh& mesh) {
+  std::vector<double> result;
+  for (const Eigen::Vector3d& v : mesh.vertices) result.insert(result.end(), v.begin(), v.end());
+  return result;
+}
+
+std::vector<int> flat_triangles(const geometry::TriangleMesh& mesh) {
+  std::vector<int> result;
+  for (const auto& t : mesh.triangles) result.insert(result.end(), t.begin(), t.end());
+  return result;
+}
+
+geometry::TriangleMesh mesh_from(const CoACD_Mesh& part) {
+  geometry::TriangleMesh mesh;
+  for (std::uint64_t i = 0; i < part.vertices_count; ++i) {
+    mesh.vertices.emplace_back(part.vertices_ptr + 3 * i);
+  }
+  for (std::uint64_t i = 0; i < part.triangles_count; ++i) {
+    const int* const t = part.triangles_ptr + 3 * i;
+    mesh.triangles.push_back({t[0], t[1], t[2]});
+  }
+  return mesh;
+}
+
+std::vector<geometry::TriangleMesh> decompose(const geometry::TriangleMesh& mesh) {
+  std::vector<double> vertices = flat_vertices(mesh);
+  std::vector<int> triangles = flat_triangles(mesh);
+  const CoACD_Mesh input = {vertices.data(), mesh.vertices.size(), triangles.data(),
+                            mesh.triangles.size()};
+  // The library keeps its random state and its log in globals.
+  static std::mutex mutex;
+  const std::scoped_lock lock(mutex);
+  CoACD_setLogLevel("off");
+  const CoACD_MeshArray parts =
+      CoACD_run(&input, kConcavity, /*max_convex_hull=*/-1, /*preprocess_mode=*/0,
+                /*preprocess_resolution=*/50, /*sample_resolution=*/2000, /*mcts_nodes=*/20,
+                /*mcts_iterations=*/150, /*mcts_max_depth=*/3, /*pca=*/false, /*merge=*/true,
+                /*decimate=*/true, kHullVertices, /*extrude=*/false, /*extrude_margin=*/0.01,
+                /*approximation_mode=*/0, kSeed, /*real_metric=*/false);
+  std::vector<geometry::TriangleMesh> result;
+  for (std::uint64_t i = 0; i < parts.meshes_count; ++i) {
+    result.push_back(mesh_from(parts.meshes_ptr[i]));
+  }
+  CoACD_freeMeshArray(parts);
+  return result;
+}
+
+}  // namespace
+
+std::vector<geometry::TriangleMesh> convex_parts(const geometry::TriangleMesh& mesh) {
+  std::vector<geometry::TriangleMesh> parts = decompose(mesh);
+  if (parts.empty()) {
+    throw BadInput(
+        fmt::format("no convex part found in a mesh of {} triangles", mesh.triangles.size()));
+  }
+  return parts;
+}
+
+}  // namespace palpate::simulation

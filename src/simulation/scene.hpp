@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+
+#include "mujoco_handles.hpp"
+#include "palpate/geometry/known_object.hpp"
+#include "palpate/hand/joints.hpp"
+#include "palpate/simulation/world.hpp"
+
+namespace palpate::simulation {
+
+/// The model of table, hand and object, and where in it each thing is.
+struct Scene {
+  ModelHandle model;
+  std::array<int, hand::kJoints> joint_positions{};  ///< addresses in qpos
+  std::array<int, hand::kActuators> actuators{};     ///< ids
+  std::array<int, 6> base_positions{};               ///< addresses in qpos: x y z yaw pitch roll
+  std::array<int, 6> base_actuators{};               ///< ids, in that order
+  std::array<int, hand::kFingers> tips{};            ///< geoms
+  int table = -1;                                    ///< geom
+  int object = -1;                                   ///< body
+  int object_position = -1;                          ///< address in qpos
+};
+
+/// Composes the scene: the options of the solver, the table, the hand on its driven base and the
+/// object of convex parts.
+/// @throws BadInput for options that are not positive, or if the hand or the object cannot be used
+Scene compose_scene(const geometry::KnownObject& object, const WorldOptions& options);
+
+}  // namespace palpate::simulation

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "simulated_hand.hpp"
+
+#include <cmath>
+#include <optional>
+
+#include "palpate/core/se3.hpp"
+
+namespace palpate::simulation {
+namespace {
+
+using Index = std::size_t;
+
+std::array<hand::Actuator, hand::kActuators> read_actuators(const Scene& scene) {
+  const mjModel& m = *scene.model;
+  std::array<hand::Actuator, hand::kActuators> result;
+  for (Index i = 0; i < result.size(); ++i) {
+    const int id = scene.actuators[i];
+    const mjtNum* const range = m.actuator_ctrlrange + 2 * id;
+    result[i] = {.stiffness = m.actuator_gainprm[mjNGAIN * id],
+                 .command = {range[0], range[1]},
+                 .max_torque = m.actuator_forcerange[2 * id + 1]};
+  }
+  return result;
+}
+
+Vector6d base_vector(const hand::BasePosition& base) {
+  Vector6d result;
+  result << base.xyz, base.ypr;
+  return result;
+}
+
+/// Joint angles with the given actuator positions.
+hand::JointVector joints_at(const hand::ActuatorVector& positions) {
+  hand::JointVector joints;
+  for (int i = 0; i < hand::kJoints; ++i) {
+    std::string name(hand::kJointNames[static_cast<Index>(i)]);
+    const bool coupled = !name.starts_with("TH") && !name.starts_with("WR") &&
+                         (name.ends_with("J1") || name.ends_with("J2"));
+    if (coupled) name.back() = '0';
+    joints[i] = positions[hand::actuator_index(name)] * (coupled ? 0.5 : 1.0);
+  }
+  return joints;
+}
+
+/// What one contact of the solver does to a fingertip, in the world.
+struct Touch {
+  int finger = 0;
+  Eigen::Vector3d p, n, f;
+};
+
+std::optional<Touch> read_touch(const Scene& scene, const mjData& data, int index) {
+  const mjContact& contact = data.contact[index];
+  for (int side = 0; side < 2; ++side) {
+    const int other = contact.geom[1 - side];
+    const bool felt = other == scene.table || scene.model->geom_bodyid[other] == scene.object;
+    for (int finger = 0; felt && finger < hand::kFingers; ++finger) {
+      if (contact.geom[side] != scene.tips[static_cast<Index>(finger)]) continue;
+      // The solver's normal and force point from the first body to the second.
+      const double sign = side == 0 ? 1 : -1;
+      std::array<mjtNum, 6> wrench{};
+      mj_contactForce(scene.model.get(), &data, index, wrench.data());
+      const Eigen::Matrix3d R_world_contact = rotation3(contact.frame).transpose();
+      const Eigen::Vector3d n = -sign * R_world_contact.col(0);
+      return Touch{.finger = finger,
+                   .p = vector3(contact.pos) - 0.5 * contact.dist * n,
+                   .n = n,
+                   .f = sign * (R_world_contact * vector3(wrench.data()))};
+    }
+  }
+  return std::nullopt;
+}
+
+hand::TipContact with_noise(hand::TipContact contact, const SensorNoise& noise,
+                            RandomStream& random) {
+  contact.p += noise.point * random.normal3();
+  const Eigen::Matrix3d tangents = frame_with_z(contact.n);
+  const double tilt_x = noise.normal * random.normal();
+  const double tilt_y = noise.normal * random.normal();
+  contact.n = (contact.n + tilt_x * tangents.col(0) + tilt_y * tangents.col(1)).normalized();
+  contact.f += noise.force * random.normal3();
+  return contact;
+}
+
+}  // namespace
+
+SimulatedHand::SimulatedHand(const Scene& scene, mjData& data, const geometry::MeshQuery& surface,
+                             const SensorNoise& noise, const RandomStream& random)
+    : scene_(scene),
+      data_(data),
+      surface_(surface),
+      noise_(noise),
+      random_(random),
+      steps_a_tick_(static_cast<int>(std::lround(hand::kTick / scene.model->opt.timestep))),
+      actuators_(read_actuators(scene)) {}
+
+void SimulatedHand::apply(const hand::HandCommand& command) {
+  for (Index i = 0; i < scene_.actuators.size(); ++i) {
+    data_.ctrl[scene_.actuators[i]] = command.positions[static_cast<int>(i)];
+  }
+  const Vector6d base = base_vector(command.base);
+  for (Index i = 0; i < scene_.base_actuators.size(); ++i) {
+    data_.ctrl[scene_.base_actuators[i]] = base[static_cast<int>(i)];
+  }
+}
+
+hand::HandReading SimulatedHand::step(const hand::HandCommand& command) {
+  apply(command);
+  for (int i = 0; i < steps_a_tick_; ++i) mj_step(scene_.model.get(), &data_);
+  ++tick_;
+  return read();
+}
+
+void SimulatedHand::reset(const hand::HandCommand& command) {
+  apply(command);
+  const hand::JointVector joints = joints_at(command.positions);
+  for (Index i = 0; i < scene_.joint_positions.size(); ++i) {
+    data_.qpos[scene_.joint_positions[i]] = joints[static_cast<int>(i)];
+  }
+  const Vector6d base = base_vector(command.base);
+  for (Index i = 0; i < scene_.base_positions.size(); ++i) {
+    data_.qpos[scene_.base_positions[i]] = base[static_cast<int>(i)];
+  }
+  tick_ = 0;
+}
+
+hand::HandReading SimulatedHand::read() {
+  RandomStream random = random_.fork("reading", tick_);
+  hand::HandReading reading;
+  reading.time = static_cast<double>(tick_) * hand::kTick;
+  for (int i = 0; i < hand::kJoints; ++i) {
+    reading.joints[i] =
+        data_.qpos[scene_.joint_positions[static_cast<Index>(i)]] + noise_.joint * random.normal();
+  }
+  for (int i = 0; i < hand::kActuators; ++i) {
+    reading.torques[i] = data_.actuator_force[scene_.actuators[static_cast<Index>(i)]];
+  }
+  for (int i = 0; i < 3; ++i) {
+    const auto k = static_cast<Index>(i);
+    reading.base.xyz[i] = data_.qpos[scene_.base_positions[k]];
+    reading.base.ypr[i] = data_.qpos[scene_.base_positions[k + 3]];
+    reading.base_force[i] = data_.actuator_force[scene_.base_actuators[k]];
+  }
+  read_contacts(reading, random);
+  return reading;
+}
+
+void SimulatedHand::read_contacts(hand::HandReading& reading, RandomStream& random) const {
+  for (int i = 0; i < data_.ncon; ++i) {
+    const auto touch = read_touch(scene_, data_, i);
+    if (!touch || !(touch->f.dot(touch->n) < 0)) continue;
+    const int link = scene_.model->geom_bodyid[scene_.tips[static_cast<Index>(touch->finger)]];
+    const Eigen::Matrix3d R_link_world = rotation3(data_.xmat + 9 * link).transpose();
+    const Eigen::Vector3d origin = vector3(data_.xpos + 3 * link);
+    const hand::TipContact felt = with_noise({.p = R_link_world * (touch->p - origin),
+                                              .n = R_link_world * touch->n,
+                                              .f = R_link_world * touch->f},
+                                             noise_, random);
+    // A force that drowns in the sensor's noise is not felt.
+    if (felt.f.dot(felt.n) < 0) {
+      reading.contacts[static_cast<Index>(touch->finger)].push_back(felt);
+    }
+  }
+}
+
+}  // namespace palpate::simulation

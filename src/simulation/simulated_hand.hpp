@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "palpate/core/random.hpp"
+#include "palpate/geometry/mesh_query.hpp"
+#include "palpate/hand/hand.hpp"
+#include "scene.hpp"
+
+namespace palpate::simulation {
+
+/// The Shadow hand of a scene: drives its actuators and reads its noisy sensors.
+class SimulatedHand : public hand::Hand {
+ public:
+  /// Keeps references: scene, data and surface must outlive the hand.
+  SimulatedHand(const Scene& scene, mjData& data, const geometry::MeshQuery& surface,
+                const SensorNoise& noise, const RandomStream& random);
+
+  const std::array<hand::Actuator, hand::kActuators>& actuators() const override {
+    return actuators_;
+  }
+  hand::HandReading step(const hand::HandCommand& command) override;
+
+  /// Puts the hand, at rest, where the command wants it, and starts the noise anew. The coupled
+  /// joints J1 and J2 share J0 equally.
+  void reset(const hand::HandCommand& command);
+
+ private:
+  void apply(const hand::HandCommand& command);
+  hand::HandReading read();
+  void read_contacts(hand::HandReading& reading, RandomStream& random) const;
+
+  const Scene& scene_;
+  mjData& data_;
+  const geometry::MeshQuery& surface_;
+  SensorNoise noise_;
+  RandomStream random_;
+  std::uint64_t tick_ = 0;
+  int steps_a_tick_;
+  std::array<hand::Actuator, hand::kActuators> actuators_;
+};
+
+}  // namespace palpate::simulation
