@@ -1,1 +1,62 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "palpate/pipeline/pick.hpp"
+
+#include <numbers>
+
+#include "palpate/pipeline/locate_phase.hpp"
+#include "palpate/pipeline/release_phase.hpp"
+
+namespace palpate::pipeline {
+namespace {
+
+constexpr double kGravity = 9.81;                       // m/s^2
+constexpr double kNextSide = 2 * std::numbers::pi / 3;  // rad between attempts
+
+/// Runs phases for one pick and keeps their reports.
+class Course {
+ public:
+  Course(Robot& robot, PickState& state, PickResult& result, const PhaseObserver& observer)
+      : robot_(robot), state_(state), result_(result), observer_(observer) {}
+
+  bool run(Phase&& phase) {
+    if (observer_.on_begin) observer_.on_begin(phase.name(), robot_.time());
+    result_.phases.push_back(run_phase(phase, robot_, state_));
+    const PhaseReport& report = result_.phases.back();
+    if (observer_.on_end) observer_.on_end(report, robot_.time());
+    const bool ok = report.status == PhaseStatus::ok;
+    if (!ok) result_.failed_phase = report.name;
+    return ok;
+  }
+
+ private:
+  Robot& robot_;
+  PickState& state_;
+  PickResult& result_;
+  const PhaseObserver& observer_;
+};
+
+}  // namespace
+
+PickResult pick(Robot& robot, const localization::ObjectModel& object, const PickOptions& options,
+                std::uint64_t seed, const PhaseObserver& observer) {
+  PickState state;
+  PickResult result;
+  Course course(robot, state, result, observer);
+  const double weight = object.object().mass * kGravity;
+
+  while (!result.held && result.attempts < options.attempts) {
+    if (result.attempts++ > 0) {
+      course.run(ReleasePhase());
+      state.yaw += kNextSide;
+    }
+    result.held = course.run(FeelPhase(options.feel)) && course.run(GraspPhase(options.grasp)) &&
+                  course.run(LiftPhase(options.lift, weight));
+  }
+  if (!result.held) return result;
+  result.failed_phase.clear();
+  course.run(LocatePhase(object, options.locate, seed));
+  result.estimate = state.estimate;
+  return result;
+}
+
+}  // namespace palpate::pipeline

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/touch/contact_window.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace palpate::touch {

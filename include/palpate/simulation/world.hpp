@@ -33,8 +33,17 @@ struct WorldOptions {
   double time_step = 0.002;      ///< s
   double hand_friction = 0.8;    ///< sliding, hand against object
   double table_friction = 0.5;   ///< sliding, object against table
-  double stiffness_scale = 1.0;  ///< of the fingers' position controllers
+  double stiffness_scale = 4.0;  ///< of the fingers' position controllers
   SensorNoise noise;
+
+  template <class Visitor>
+  void visit(Visitor&& v) {
+    v("time_step", time_step, 1e-4, 0.01, "s, of the physics");
+    v("hand_friction", hand_friction, 0.0, 5.0, "sliding, hand against object");
+    v("table_friction", table_friction, 0.0, 5.0, "sliding, object against table");
+    v("stiffness_scale", stiffness_scale, 0.1, 20.0, "of the fingers' position controllers");
+    v.section("noise", noise);
+  }
 };
 
 /// Where the object starts.

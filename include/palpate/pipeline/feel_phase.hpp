@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "palpate/pipeline/phase.hpp"
+
+namespace palpate::pipeline {
+
+struct FeelOptions {
+  double start_height = 0.26;  ///< of the hand's base, m
+  double speed = 0.05;         ///< downwards, m/s
+  double touch_force = 0.7;    ///< N of load on the base
+  double clearance = 0.012;    ///< stop this far above the table, m
+  double pitch = 0.45;         ///< of the forearm, rad, so that it stays clear of the table
+  double travel_speed = 0.5;   ///< through the air, m/s
+
+  template <class Visitor>
+  void visit(Visitor&& v) {
+    v("start_height", start_height, 0.1, 0.5, "m, of the hand's base above the table");
+    v("speed", speed, 0.001, 0.5, "m/s, downwards");
+    v("touch_force", touch_force, 0.05, 20.0, "N, load on the base that counts as touch");
+    v("clearance", clearance, 0.0, 0.1, "m, nearest approach to the table");
+    v("pitch", pitch, 0.0, 0.45, "rad, of the forearm, so that it stays clear of the table");
+    v("travel_speed", travel_speed, 0.01, 2.0, "m/s, through the air");
+  }
+};
+
+/// Height above the table of the lowest part of the hand, in a reading, m.
+double lowest_of_hand(const hand::HandModel& model, const hand::HandReading& reading);
+
+/// Lowers the flat hand onto the object to feel how tall it is.
+class FeelPhase : public Phase {
+ public:
+  explicit FeelPhase(const FeelOptions& options) : options_(options) {}
+  std::string_view name() const override { return "feel"; }
+  double time_limit() const override { return 20.0; }
+  PhaseEnd run(Robot& robot, PickState& state) override;
+
+ private:
+  FeelOptions options_;
+};
+
+}  // namespace palpate::pipeline

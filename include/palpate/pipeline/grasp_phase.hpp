@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "palpate/hand/closing.hpp"
+#include "palpate/pipeline/phase.hpp"
+
+namespace palpate::pipeline {
+
+/// How the hand comes to the object and closes: one set for grasps from the side, one from above.
+struct GraspRecipe {
+  double pitch, roll;            ///< of the base, rad
+  double offset_x, offset_y;     ///< of the base from the object's place, hand's axes, m
+  double height;                 ///< of the base above the table (side grasp), m
+  double approach_speed = 0.10;  ///< m/s
+  double contact_load;           ///< N on the base that ends the approach
+  double push;                   ///< m to go on after that
+  double thumb_base, thumb_opposition, thumb_middle;  ///< THJ5, THJ4, THJ2, rad
+  double proximal, distal, spread, little_base;       ///< J3, J0, -FFJ4 and -LFJ4, LFJ5, rad
+  double closing_rate;                                ///< of J3, rad/s
+  double thumb_limit;                                 ///< largest THJ5, rad
+  bool wait_for_all;  ///< each finger stops at contact until all have it
+  hand::ClosingTorque contact_torque, hold_torque;
+
+  template <class Visitor>
+  void visit(Visitor&& v) {
+    v("pitch", pitch, -1.6, 1.6, "rad, of the base");
+    v("roll", roll, -3.2, 3.2, "rad, of the base");
+    v("offset_x", offset_x, -0.2, 0.2, "m, base ahead of the object's place");
+    v("offset_y", offset_y, -0.2, 0.2, "m, base to the left of the object's place");
+    v("height", height, 0.0, 0.3, "m, of the base above the table (side grasp)");
+    v("approach_speed", approach_speed, 0.001, 0.5, "m/s");
+    v("contact_load", contact_load, 0.05, 50.0, "N on the base that ends the approach");
+    v("push", push, 0.0, 0.1, "m to go on after the touch");
+    v("thumb_base", thumb_base, -1.05, 1.05, "rad, THJ5 before closing");
+    v("thumb_opposition", thumb_opposition, 0.0, 1.23, "rad, THJ4");
+    v("thumb_middle", thumb_middle, -0.7, 0.7, "rad, THJ2 before closing");
+    v("proximal", proximal, -0.27, 1.58, "rad, J3 before closing");
+    v("distal", distal, 0.0, 3.15, "rad, J0 before closing");
+    v("spread", spread, -0.35, 0.35, "rad, of first and little finger to the outside");
+    v("little_base", little_base, 0.0, 0.79, "rad, LFJ5");
+    v("closing_rate", closing_rate, 0.01, 20.0, "rad/s, of J3");
+    v("thumb_limit", thumb_limit, -1.05, 1.05, "rad, largest THJ5");
+    v("wait_for_all", wait_for_all, "each finger stops at contact until all have it");
+    v.section("contact_torque", contact_torque);
+    v.section("hold_torque", hold_torque);
+  }
+};
+
+GraspRecipe side_recipe();
+GraspRecipe top_recipe();
+
+struct GraspOptions {
+  double side_from = 0.072;  ///< objects at least this tall are grasped from the side, m
+  GraspRecipe side = side_recipe();
+  GraspRecipe top = top_recipe();
+  double travel_speed = 0.5;  ///< m/s
+  double ramp_seconds = 0.8;  ///< from the contact torque to the holding torque
+  int least_contacts = 2;     ///< fingertip contacts that count as a grasp
+
+  template <class Visitor>
+  void visit(Visitor&& v) {
+    v("side_from", side_from, 0.0, 0.5, "m, objects at least this tall are grasped from the side");
+    v("travel_speed", travel_speed, 0.01, 2.0, "m/s, through the air");
+    v("ramp_seconds", ramp_seconds, 0.01, 10.0, "s, from the contact torque to the holding torque");
+    v("least_contacts", least_contacts, 0, 20, "fingertip contacts that count as a grasp");
+    v.section("side", side);
+    v.section("top", top);
+  }
+};
+
+/// Brings the hand to the object from the side or from above, by its height, and closes it by
+/// touch.
+class GraspPhase : public Phase {
+ public:
+  explicit GraspPhase(const GraspOptions& options) : options_(options) {}
+  std::string_view name() const override { return "grasp"; }
+  double time_limit() const override { return 30.0; }
+  PhaseEnd run(Robot& robot, PickState& state) override;
+
+ private:
+  void approach_from_side(Robot& robot, const PickState& state) const;
+  void approach_from_above(Robot& robot, const PickState& state) const;
+  void travel_to(Robot& robot, const hand::BasePosition& start, const GraspRecipe& recipe) const;
+  void close(Robot& robot, const GraspRecipe& recipe) const;
+
+  GraspOptions options_;
+};
+
+}  // namespace palpate::pipeline

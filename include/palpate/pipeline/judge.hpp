@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "palpate/pipeline/trial.hpp"
+
+namespace palpate::pipeline {
+
+/// Watches a simulated pick with the simulator's truth and judges it afterwards.
+class Judge {
+ public:
+  explicit Judge(const simulation::World& world) : world_(world) {}
+
+  /// Notes the truth of the tick that ended with this reading.
+  void observe(const hand::HandReading& reading);
+
+  Judgement verdict(const PickResult& result, const TouchLog& log, const LiftOptions& lift,
+                    const std::vector<Eigen::Matrix3d>& symmetries) const;
+
+ private:
+  struct Moment {
+    Eigen::Isometry3d T_base_object;
+    double lowest_point;
+  };
+  const simulation::World& world_;
+  std::vector<Moment> moments_;  // one a reading
+};
+
+}  // namespace palpate::pipeline

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "palpate/hand/kinematics.hpp"
+#include "palpate/localization/localizer.hpp"
+#include "palpate/pipeline/touch_log.hpp"
+#include "palpate/touch/contact_window.hpp"
+
+namespace palpate::pipeline {
+
+struct LocateOptions {
+  touch::ContactErrorModel errors;
+  double window = 0.5;               ///< s of readings, before the mark, that are averaged
+  double felt_sigma = 0.005;         ///< of the felt height, m
+  double other_stance = 0.03;        ///< chance that the grasp put the object into another stance
+  double tilt_sigma = 0.06;          ///< by which the closing hand tilts the object, rad
+  double height_sigma = 0.004;       ///< by which it raises it, m
+  double half_width = 0.045;         ///< object within +- of its rough place after the grasp, m
+  double false_contacts = 0.02;      ///< prior share of contacts with something else
+  bool free_space = true;            ///< use that the hand's links do not penetrate the object
+  double penetration_sigma = 0.004;  ///< m
+  localization::LocalizerOptions search;
+
+  template <class Visitor>
+  void visit(Visitor&& v) {
+    v("window", window, 0.01, 10.0, "s of readings that are averaged");
+    v("felt_sigma", felt_sigma, 1e-4, 0.1, "m, error of the felt height");
+    v("other_stance", other_stance, 0.0, 1.0, "chance that the grasp changed the stance");
+    v("tilt_sigma", tilt_sigma, 1e-3, 1.0, "rad, by which the closing hand tilts the object");
+    v("height_sigma", height_sigma, 1e-4, 0.1, "m, by which the closing hand raises the object");
+    v("half_width", half_width, 0.0, 0.3, "m, object within +- of its rough place");
+    v("false_contacts", false_contacts, 1e-6, 0.9, "prior share of contacts with something else");
+    v("free_space", free_space, "use that the hand's links do not penetrate the object");
+    v("penetration_sigma", penetration_sigma, 1e-4, 0.05, "m, error of the hand's surface");
+    v.section("errors", errors);
+    v.section("search", search);
+  }
+};
+
+/// What is known of the object's pose when it hangs in the hand.
+struct PoseEstimate {
+  localization::Posterior posterior;     ///< in the world, at the end of the log
+  std::vector<touch::Contact> contacts;  ///< it was made from, in the world
+};
+
+/// Estimates the pose of the held object from what the hand felt, and from nothing else.
+///
+/// Contacts are those of the held object; the table supported it when the fingers had closed; the
+/// felt height weighs its stances. All is expressed in the hand's base, in which the object rests.
+/// @return status no_pose if the log has no `held` mark
+PoseEstimate locate(const localization::ObjectModel& object, const hand::HandModel& hand,
+                    const TouchLog& log, const LocateOptions& options, std::uint64_t seed);
+
+}  // namespace palpate::pipeline

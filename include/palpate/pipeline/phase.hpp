@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "palpate/pipeline/locate.hpp"
+#include "palpate/pipeline/robot.hpp"
+
+namespace palpate::pipeline {
+
+enum class PhaseStatus { ok, failed, timed_out };
+std::string_view to_string(PhaseStatus status);
+
+/// What a phase reports of itself: whether its own success test passed, and in words.
+struct PhaseEnd {
+  bool ok = false;
+  std::string outcome;
+};
+
+/// What became of a phase.
+struct PhaseReport {
+  std::string name;
+  PhaseStatus status = PhaseStatus::failed;
+  std::string outcome;
+  double sim_seconds = 0;
+  double wall_seconds = 0;
+  int contacts = 0;       ///< fingertip contacts at its end
+  double peak_force = 0;  ///< largest force of a fingertip contact during it, N
+};
+
+/// What the phases hand on to each other: how the object is to be held, and how the hand holds it.
+struct PickState {
+  double height = 0;            ///< of the object, as felt, m
+  Eigen::Vector2d place{0, 0};  ///< rough place of the object, m
+  double yaw = 0;               ///< direction from which to grasp, rad
+  double held_load = 0;         ///< weight felt after the lift, N
+  PoseEstimate estimate;        ///< of the held object, in the world
+};
+
+/// A step of a pick. Its success test sees only what the hand sensed.
+class Phase {
+ public:
+  virtual ~Phase() = default;
+  virtual std::string_view name() const = 0;
+  virtual double time_limit() const = 0;  ///< s of the robot's time
+  virtual PhaseEnd run(Robot& robot, PickState& state) = 0;
+};
+
+/// Runs a phase under its time limit and reports on it.
+PhaseReport run_phase(Phase& phase, Robot& robot, PickState& state);
+
+/// Number of fingertip contacts pressed harder than `least` (N).
+int count_contacts(const hand::HandReading& reading, double least = 0.1);
+
+/// Normal force of the hardest pressed contact of a finger, N.
+double tip_force(const hand::HandReading& reading, int finger);
+
+}  // namespace palpate::pipeline

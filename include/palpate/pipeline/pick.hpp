@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+
+#include "palpate/pipeline/feel_phase.hpp"
+#include "palpate/pipeline/grasp_phase.hpp"
+#include "palpate/pipeline/lift_phase.hpp"
+#include "palpate/pipeline/locate.hpp"
+#include "palpate/pipeline/phase.hpp"
+
+namespace palpate::pipeline {
+
+struct PickOptions {
+  int attempts = 3;  ///< at most
+  FeelOptions feel;
+  GraspOptions grasp;
+  LiftOptions lift;
+  LocateOptions locate;
+
+  template <class Visitor>
+  void visit(Visitor&& v) {
+    v("attempts", attempts, 1, 20, "grasps tried at most");
+    v.section("feel", feel);
+    v.section("grasp", grasp);
+    v.section("lift", lift);
+    v.section("locate", locate);
+  }
+};
+
+/// What became of a pick, as the robot itself knows it.
+struct PickResult {
+  bool held = false;  ///< the object hangs in the hand
+  int attempts = 0;
+  std::string failed_phase;  ///< of the last attempt; empty if all went well
+  std::vector<PhaseReport> phases;
+  PoseEstimate estimate;
+};
+
+/// Who wants to know of the phases as they come and go; each may be empty.
+struct PhaseObserver {
+  std::function<void(std::string_view phase, double time)> on_begin;
+  std::function<void(const PhaseReport& report, double time)> on_end;
+};
+
+/// The main job (thesis chapter 1): feel how tall the object is, grasp it by touch, lift it, and
+/// estimate its pose in the hand. A grasp that fails is tried again from another side.
+///
+/// @param robot  stands free above the table; the object is near the world's origin
+PickResult pick(Robot& robot, const localization::ObjectModel& object, const PickOptions& options,
+                std::uint64_t seed, const PhaseObserver& observer = {});
+
+}  // namespace palpate::pipeline

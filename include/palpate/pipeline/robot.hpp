@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <optional>
+
+#include "palpate/hand/closing.hpp"
+#include "palpate/hand/hand.hpp"
+#include "palpate/hand/kinematics.hpp"
+#include "palpate/pipeline/touch_log.hpp"
+
+namespace palpate::pipeline {
+
+/// How a motion ended.
+enum class MotionEnd { reached, stopped, timed_out };
+
+/// What the fingers do while the base moves: close with limited torque.
+struct Grip {
+  hand::ClosingLaw law;
+  hand::ClosingTorque torque;
+  std::array<bool, hand::kFingers> active;
+};
+
+/// Moves a hand tick by tick and keeps all that it felt. It knows nothing but the hand's readings.
+class Robot {
+ public:
+  using StopCondition = std::function<bool(const hand::HandReading&)>;
+
+  /// Who wants to know what the robot does; each may be empty.
+  struct Observer {
+    std::function<void(const hand::HandReading&, const hand::HandCommand&)> on_tick;
+    std::function<void(Mark)> on_mark;
+  };
+
+  /// @param start  where the hand is commanded now
+  Robot(hand::Hand& hand, const hand::HandModel& model, const hand::HandCommand& start,
+        Observer observer = {});
+
+  const hand::HandModel& model() const { return model_; }
+  const hand::HandCommand& command() const { return command_; }
+  const hand::HandReading& reading() const { return log_.readings.back(); }
+  const TouchLog& log() const { return log_; }
+  const std::array<hand::Actuator, hand::kActuators>& actuators() const {
+    return hand_.actuators();
+  }
+  double time() const { return log_.readings.back().time; }
+
+  /// Motions end with timed_out once this time (s) has come.
+  void set_deadline(double time) { deadline_ = time; }
+
+  /// Remembers the present reading under a name that the estimator looks for.
+  void mark(Mark mark);
+
+  /// From now on every tick advances this grip; nothing releases it.
+  void set_grip(std::optional<Grip> grip) { grip_ = std::move(grip); }
+
+  /// Stays for `seconds`, or until `stop`.
+  MotionEnd wait(double seconds, const StopCondition& stop = {});
+
+  /// Moves the base on a straight line (m/s; it turns along in proportion), until there or `stop`.
+  MotionEnd move_base(const hand::BasePosition& target, double speed,
+                      const StopCondition& stop = {});
+
+  /// Moves all actuators to a posture in a given time.
+  MotionEnd move_fingers(const hand::ActuatorVector& posture, double seconds);
+
+ private:
+  void tick();
+  MotionEnd tick_until(const StopCondition& stop);
+
+  hand::Hand& hand_;
+  const hand::HandModel& model_;
+  hand::HandCommand command_;
+  Observer observer_;
+  TouchLog log_;
+  std::optional<Grip> grip_;
+  double deadline_;
+};
+
+}  // namespace palpate::pipeline

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/pipeline/recorder.hpp"
+
+#include <algorithm>
+
+namespace palpate::pipeline {
+namespace {
+
+constexpr std::string_view kMarkPrefix = "mark ";
+
+recording::PoseModeRecord to_record(const localization::Mode& mode) {
+  recording::PoseModeRecord record;
+  record.T_world_object = mode.T_frame_object;
+  record.weight = mode.weight;
+  record.covariance = mode.covariance;
+  if (mode.free_axis) {
+    record.free_axis = {mode.free_axis->point, mode.free_axis->direction, mode.free_axis->extent};
+  }
+  return record;
+}
+
+}  // namespace
+
+void Recorder::frame(const hand::HandReading& reading, const hand::HandCommand& command) {
+  time_ = reading.time;
+  if (!writer_) return;
+  const simulation::Truth truth = world_.truth();
+  writer_->frame({reading, command, recording::FrameTruth{truth.T_world_object, truth.joints}});
+}
+
+void Recorder::mark(Mark mark) {
+  if (!writer_) return;
+  writer_->event({time_, recording::EventKind::note, phase_,
+                  std::string(kMarkPrefix).append(kMarkNames[static_cast<std::size_t>(mark)])});
+}
+
+void Recorder::estimate(double time, const PoseEstimate& estimate) {
+  if (!writer_) return;
+  recording::EstimateRecord record;
+  record.time = time;
+  record.status = localization::to_string(estimate.posterior.status);
+  for (const auto& mode : estimate.posterior.modes) record.modes.push_back(to_record(mode));
+  record.contacts = estimate.contacts;
+  writer_->estimate(record);
+}
+
+PhaseObserver Recorder::phases_and(const PhaseObserver& other) {
+  const auto begin = [this, other](std::string_view phase, double time) {
+    phase_ = phase;
+    if (writer_) writer_->event({time, recording::EventKind::begin, phase_, ""});
+    if (other.on_begin) other.on_begin(phase, time);
+  };
+  const auto end = [this, other](const PhaseReport& report, double time) {
+    if (writer_) {
+      writer_->event({time, recording::EventKind::end, report.name,
+                      std::string(to_string(report.status)) + ": " + report.outcome});
+    }
+    if (other.on_end) other.on_end(report, time);
+  };
+  return {begin, end};
+}
+
+TouchLog touch_log(const recording::Recording& recording) {
+  TouchLog log;
+  for (const auto& frame : recording.frames) log.readings.push_back(frame.reading);
+  for (const auto& event : recording.events) {
+    for (std::size_t mark = 0; mark < kMarkNames.size(); ++mark) {
+      if (event.text != std::string(kMarkPrefix).append(kMarkNames[mark])) continue;
+      const auto reading =
+          std::find_if(log.readings.begin(), log.readings.end(),
+                       [&](const auto& candidate) { return candidate.time >= event.time; });
+      if (reading != log.readings.end()) {
+        log.marks[mark] = static_cast<std::size_t>(reading - log.readings.begin());
+      }
+    }
+  }
+  return log;
+}
+
+}  // namespace palpate::pipeline

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/pipeline/robot.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace palpate::pipeline {
+namespace {
+
+constexpr double kLeverArm = 0.2;  // m: what a turn of 1 rad counts as a way of the hand
+
+int ticks(double seconds) {
+  return std::max(1, static_cast<int>(std::lround(seconds / hand::kTick)));
+}
+
+hand::BasePosition between(const hand::BasePosition& a, const hand::BasePosition& b, double share) {
+  return {a.xyz + share * (b.xyz - a.xyz), a.ypr + share * (b.ypr - a.ypr)};
+}
+
+}  // namespace
+
+Robot::Robot(hand::Hand& hand, const hand::HandModel& model, const hand::HandCommand& start,
+             Observer observer)
+    : hand_(hand),
+      model_(model),
+      command_(start),
+      observer_(std::move(observer)),
+      deadline_(std::numeric_limits<double>::infinity()) {
+  tick();
+}
+
+void Robot::mark(Mark mark) {
+  log_.marks[static_cast<std::size_t>(mark)] = log_.readings.size() - 1;
+  if (observer_.on_mark) observer_.on_mark(mark);
+}
+
+void Robot::tick() {
+  if (grip_) grip_->law.advance(command_, reading(), grip_->torque, grip_->active);
+  log_.readings.push_back(hand_.step(command_));
+  if (observer_.on_tick) observer_.on_tick(log_.readings.back(), command_);
+}
+
+MotionEnd Robot::tick_until(const StopCondition& stop) {
+  tick();
+  if (time() >= deadline_) return MotionEnd::timed_out;
+  return stop && stop(reading()) ? MotionEnd::stopped : MotionEnd::reached;
+}
+
+MotionEnd Robot::wait(double seconds, const StopCondition& stop) {
+  for (int i = ticks(seconds); i > 0; --i) {
+    if (const auto end = tick_until(stop); end != MotionEnd::reached) return end;
+  }
+  return MotionEnd::reached;
+}
+
+MotionEnd Robot::move_base(const hand::BasePosition& target, double speed,
+                           const StopCondition& stop) {
+  const hand::BasePosition from = command_.base;
+  const double way = std::max((target.xyz - from.xyz).norm(),
+                              kLeverArm * (target.ypr - from.ypr).cwiseAbs().maxCoeff());
+  const int count = ticks(way / speed);
+  for (int i = 1; i <= count; ++i) {
+    command_.base = between(from, target, static_cast<double>(i) / count);
+    if (const auto end = tick_until(stop); end != MotionEnd::reached) return end;
+  }
+  return MotionEnd::reached;
+}
+
+MotionEnd Robot::move_fingers(const hand::ActuatorVector& posture, double seconds) {
+  const hand::ActuatorVector from = command_.positions;
+  const int count = ticks(seconds);
+  for (int i = 1; i <= count; ++i) {
+    command_.positions = from + static_cast<double>(i) / count * (posture - from);
+    if (const auto end = tick_until({}); end != MotionEnd::reached) return end;
+  }
+  return MotionEnd::reached;
+}
+
+}  // namespace palpate::pipeline

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/pipeline/trial.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "palpate/core/error.hpp"
+#include "palpate/pipeline/judge.hpp"
+#include "palpate/pipeline/recorder.hpp"
+
+namespace palpate::pipeline {
+
+simulation::Start draw_start(const geometry::KnownObject& object, const StartOptions& options,
+                             std::uint64_t seed) {
+  const int count = static_cast<int>(object.stances.size());
+  if (options.stance >= count) {
+    throw BadInput(fmt::format("start.stance = {}: {} has the stances 0..{}", options.stance,
+                               object.name, count - 1));
+  }
+  RandomStream random(seed, "start");
+  simulation::Start start;
+  double share = random.uniform();
+  while (start.stance + 1 < count &&
+         share >= object.stances[static_cast<std::size_t>(start.stance)].probability) {
+    share -= object.stances[static_cast<std::size_t>(start.stance)].probability;
+    ++start.stance;
+  }
+  if (options.stance >= 0) start.stance = options.stance;
+  start.yaw = random.uniform(-std::numbers::pi, std::numbers::pi);
+  start.xy = {random.uniform(-options.uncertainty, options.uncertainty),
+              random.uniform(-options.uncertainty, options.uncertainty)};
+  return start;
+}
+
+hand::HandCommand waiting_command() {
+  hand::HandCommand command;
+  command.base.xyz = {0, 0, 0.34};
+  return command;
+}
+
+Trial run_trial(const localization::ObjectModel& object, const TrialOptions& options,
+                std::uint64_t seed, recording::Writer* writer, const PhaseObserver& observer) {
+  Trial trial;
+  trial.start = draw_start(object.object(), options.start, seed);
+  simulation::World world(object.object(), options.world, seed);
+  world.reset(trial.start, waiting_command());
+
+  Judge judge(world);
+  Recorder recorder(writer, world);
+  Robot robot(world.hand(), world.hand_model(), waiting_command(),
+              {[&](const auto& reading, const auto& command) {
+                 judge.observe(reading);
+                 recorder.frame(reading, command);
+               },
+               [&](Mark mark) { recorder.mark(mark); }});
+  trial.result = pick(robot, object, options.pick, seed, recorder.phases_and(observer));
+  recorder.estimate(robot.time(), trial.result.estimate);
+  trial.judgement =
+      judge.verdict(trial.result, robot.log(), options.pick.lift, object.object().symmetries);
+  return trial;
+}
+
+}  // namespace palpate::pipeline
