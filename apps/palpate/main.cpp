@@ -1,2 +1,44 @@
 // SPDX-License-Identifier: Apache-2.0
-int main() {}
+#include <fmt/format.h>
+
+#include <exception>
+
+#include "common.hpp"
+#include "palpate/core/error.hpp"
+#include "palpate/core/version.hpp"
+
+namespace {
+
+int run(int argc, char** argv) {
+  using namespace palpate::app;
+  CLI::App program{"Palpate: knows what a hand holds by touch alone.", "palpate"};
+  program.set_version_flag("--version", std::string(palpate::version()));
+  program.require_subcommand(1);
+  program.footer("palpate COMMAND --help shows a command's options and examples.\n"
+                 "Exit codes: 0 done, 2 usage, 3 bad input, 4 no solution.");
+  Command chosen;
+  add_pick(program, chosen);
+  add_eval(program, chosen);
+  add_replay(program, chosen);
+  add_doctor(program, chosen);
+  try {
+    program.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return program.exit(error) == 0 ? kDone : kUsage;
+  }
+  return chosen();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const palpate::BadInput& error) {
+    fmt::print(stderr, "palpate: {}\n", error.what());
+    return palpate::app::kBadInput;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "palpate: unexpected failure: {}\n", error.what());
+    return 1;
+  }
+}

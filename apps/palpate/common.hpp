@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "palpate/core/options.hpp"
+
+namespace palpate::app {
+
+/// Exit codes of the program.
+enum ExitCode { kDone = 0, kUsage = 2, kBadInput = 3, kNoSolution = 4 };
+
+/// Options that all commands share.
+struct CommonOptions {
+  std::string config;
+  std::vector<std::string> set;
+  std::uint64_t seed = 0;
+  int threads = 1;
+  std::string out;
+  bool json = false;
+  bool quiet = false;
+};
+
+void add_common_options(CLI::App& command, CommonOptions& options);
+
+/// Options struct with the config file and then every --set applied.
+template <class Options>
+Options resolve(const CommonOptions& common) {
+  Options options;
+  if (!common.config.empty()) load_toml(common.config, options);
+  for (const auto& assignment : common.set) apply_setting(assignment, options);
+  return options;
+}
+
+/// Text of the resolved configuration, with the seed and the versions that made the result.
+std::string config_header(const CommonOptions& common);
+
+nlohmann::json to_json(const Eigen::Isometry3d& T);
+
+/// A command adds itself to the program and returns its exit code when it was chosen.
+using Command = std::function<int()>;
+void add_pick(CLI::App& program, Command& chosen);
+void add_eval(CLI::App& program, Command& chosen);
+void add_replay(CLI::App& program, Command& chosen);
+void add_doctor(CLI::App& program, Command& chosen);
+
+}  // namespace palpate::app
