@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/geometry/known_object.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "palpate/core/assets.hpp"
+#include "palpate/core/error.hpp"
+#include "palpate/geometry/mesh_io.hpp"
+#include "palpate/geometry/shapes.hpp"
+
+namespace palpate::geometry {
+namespace {
+
+constexpr double kSmallest = 0.010, kLargest = 0.400;  // m, of the longest side
+constexpr double kDensity = 300;                       // kg/m^3, of a file's mesh
+constexpr double kLightest = 0.05, kHeaviest = 0.6;    // kg, of a file's mesh
+
+struct Source {
+  TriangleMesh mesh;
+  double mass = 0;  ///< kg; 0: from the volume
+};
+
+Source built_in(const std::string& name) {
+  if (name == "mug") return {mug_mesh(), 0.12};
+  if (name == "bottle") return {bottle_mesh(), 0.40};
+  if (name == "box") return {box_mesh({0.050, 0.094, 0.175}), 0.40};
+  if (name == "bracket") return {bracket_mesh(), 0.25};
+  return {load_mesh(asset("bunny.ply")), 0.20};
+}
+
+/// Levenshtein distance.
+std::size_t edit_distance(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i + 1;
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      const std::size_t replaced = diagonal + (a[i] != b[j]);
+      diagonal = row[j + 1];
+      row[j + 1] = std::min({replaced, diagonal + 1, row[j] + 1});
+    }
+  }
+  return row.back();
+}
+
+[[noreturn]] void refuse_name(const std::string& name) {
+  const auto& known = built_in_objects();
+  const auto nearest = std::ranges::min_element(
+      known, {}, [&](const std::string& candidate) { return edit_distance(name, candidate); });
+  const bool similar = edit_distance(name, *nearest) <= (nearest->size() + 1) / 2;
+  throw BadInput(fmt::format("'{}' is neither a mesh file nor a built-in object ({}){}", name,
+                             fmt::join(known, ", "),
+                             similar ? fmt::format("; did you mean '{}'?", *nearest) : ""));
+}
+
+/// Refuses an object that a hand cannot hold.
+void check_size(const std::string& name, const TriangleMesh& mesh) {
+  const Eigen::Vector3d size = bounds(mesh).sizes();
+  const double longest = size.maxCoeff();
+  if (longest >= kSmallest && longest <= kLargest) return;
+  const std::string measured =
+      fmt::format("{} measures {:.4g} x {:.4g} x {:.4g} m", name, size.x(), size.y(), size.z());
+  const double as_millimetres = longest / 1000;
+  if (longest > 1 && as_millimetres >= kSmallest && as_millimetres <= kLargest) {
+    throw BadInput(measured + ": its mesh looks as if it were in millimetres; scale it by 0.001");
+  }
+  throw BadInput(fmt::format("{}; its longest side must be {:.0f} to {:.0f} mm", measured,
+                             1e3 * kSmallest, 1e3 * kLargest));
+}
+
+}  // namespace
+
+const std::vector<std::string>& built_in_objects() {
+  static const std::vector<std::string> names = {"mug", "bottle", "box", "bracket", "bunny"};
+  return names;
+}
+
+KnownObject load_known_object(const std::string& name_or_file) {
+  const bool is_built_in = std::ranges::count(built_in_objects(), name_or_file) > 0;
+  if (!is_built_in && !std::filesystem::exists(name_or_file)) refuse_name(name_or_file);
+  Source source = is_built_in ? built_in(name_or_file) : Source{load_mesh(name_or_file)};
+  check_size(name_or_file, source.mesh);
+
+  KnownObject object;
+  object.name = is_built_in ? name_or_file : std::filesystem::path(name_or_file).stem().string();
+  const MassProperties at_file = mass_properties(source.mesh, 1);
+  object.mass =
+      source.mass > 0 ? source.mass : std::clamp(kDensity * at_file.volume, kLightest, kHeaviest);
+  object.T_mesh_object.translation() = at_file.centroid;
+  object.mesh = transformed(object.T_mesh_object.inverse(), std::move(source.mesh));
+  object.mass_properties = mass_properties(object.mesh, object.mass);
+  object.symmetries = {Eigen::Matrix3d::Identity()};
+  return object;
+}
+
+}  // namespace palpate::geometry
