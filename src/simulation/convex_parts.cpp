@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "convex_parts.hpp"
+#include "palpate/simulation/convex_parts.hpp"
 
 #include <fmt/format.h>
 

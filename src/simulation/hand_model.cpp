@@ -12,7 +12,9 @@
 namespace palpate::simulation {
 namespace {
 
-constexpr double kSphereSpacing = 0.016;  // m, between the balls that stand for a link's surface
+constexpr double kSphereSpacing = 0.024;  // m, between the balls that stand for a link's surface
+constexpr double kThinnest = 0.003;       // m, half thickness below which a part is left out
+constexpr double kMeshFill = 0.85;
 constexpr int kWorldBody = 0;
 
 std::string without_prefix(const std::string& name) {
@@ -78,8 +80,8 @@ Eigen::Vector3d extents(const mjModel& model, int geom) {
     }
     case mjGEOM_BOX:
       return size;
-    default:
-      return vector3(model.geom_aabb + 6 * geom + 3);
+    default:  // a rounded mesh: balls that fill its whole box would stick out
+      return kMeshFill * vector3(model.geom_aabb + 6 * geom + 3);
   }
 }
 
@@ -88,6 +90,7 @@ void add_spheres(const mjModel& model, int geom, std::vector<hand::LinkSphere>& 
   const Eigen::Vector3d center = vector3(model.geom_aabb + 6 * geom);
   const Eigen::Vector3d half = extents(model, geom);
   const double radius = half.minCoeff();
+  if (radius < kThinnest) return;
   for (double x : offsets(half.x(), radius)) {
     for (double y : offsets(half.y(), radius)) {
       for (double z : offsets(half.z(), radius)) {

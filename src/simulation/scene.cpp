@@ -7,10 +7,10 @@
 #include <cmath>
 #include <string>
 
-#include "convex_parts.hpp"
 #include "hand_spec.hpp"
 #include "palpate/core/assets.hpp"
 #include "palpate/core/error.hpp"
+#include "palpate/simulation/convex_parts.hpp"
 
 namespace palpate::simulation {
 namespace {

@@ -13,7 +13,7 @@ namespace palpate::simulation {
 /// Slow (seconds), so the parts are kept in the cache under the mesh's content. Threads may call it
 /// at once; they wait for one another.
 /// @param mesh  watertight, m
-/// @throws BadInput if no part is found
+/// @throws BadInput for a mesh without triangles, or if no part is found
 std::vector<geometry::TriangleMesh> convex_parts(const geometry::TriangleMesh& mesh);
 
 }  // namespace palpate::simulation

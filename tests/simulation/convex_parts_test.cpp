@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/simulation/convex_parts.hpp"
+
+#include <gtest/gtest.h>
+
+#include "palpate/core/error.hpp"
+#include "simulation/scenes.hpp"
+
+namespace palpate::simulation {
+namespace {
+
+/// Prism of a counter-clockwise star-shaped outline about its first corner, of the given height
+/// (m).
+geometry::TriangleMesh prism(const std::vector<Eigen::Vector2d>& outline, double height) {
+  geometry::TriangleMesh mesh;
+  const int n = static_cast<int>(outline.size());
+  for (double z : {0.0, height}) {
+    for (const Eigen::Vector2d& p : outline) mesh.vertices.emplace_back(p.x(), p.y(), z);
+  }
+  for (int i = 1; i + 1 < n; ++i) {
+    mesh.triangles.push_back({0, i + 1, i});
+    mesh.triangles.push_back({n, n + i, n + i + 1});
+  }
+  for (int i = 0; i < n; ++i) {
+    const int next = (i + 1) % n;
+    mesh.triangles.push_back({i, next, n + next});
+    mesh.triangles.push_back({i, n + next, n + i});
+  }
+  return mesh;
+}
+
+/// An L of two arms; its inner corner comes first.
+geometry::TriangleMesh bracket() {
+  return prism({{0.02, 0.02}, {0.02, 0.08}, {0, 0.08}, {0, 0}, {0.12, 0}, {0.12, 0.02}}, 0.04);
+}
+
+double volume(const geometry::TriangleMesh& mesh) {
+  double sum = 0;
+  for (const auto& t : mesh.triangles) {
+    const auto corner = [&](std::size_t k) {
+      return mesh.vertices[static_cast<std::size_t>(t[k])];
+    };
+    sum += corner(0).dot(corner(1).cross(corner(2))) / 6;
+  }
+  return sum;
+}
+
+/// How far any vertex lies outside any of the part's faces, m.
+double concavity(const geometry::TriangleMesh& part) {
+  double worst = 0;
+  for (const auto& t : part.triangles) {
+    const auto corner = [&](std::size_t k) {
+      return part.vertices[static_cast<std::size_t>(t[k])];
+    };
+    const Eigen::Vector3d n = (corner(1) - corner(0)).cross(corner(2) - corner(0)).normalized();
+    for (const Eigen::Vector3d& v : part.vertices) worst = std::max(worst, n.dot(v - corner(0)));
+  }
+  return worst;
+}
+
+TEST(ConvexParts, AConvexBodyIsItsOnlyPart) {
+  const auto parts = convex_parts(cuboid_mesh({0.05, 0.094, 0.175}));
+  ASSERT_EQ(parts.size(), 1u);
+  EXPECT_NEAR(volume(parts[0]), 0.05 * 0.094 * 0.175, 1e-8);
+}
+
+TEST(ConvexParts, ABracketFallsIntoConvexArms) {
+  const auto parts = convex_parts(bracket());
+  EXPECT_GE(parts.size(), 2u);
+  double sum = 0;
+  for (const auto& part : parts) {
+    EXPECT_LT(concavity(part), 1e-6);
+    EXPECT_LE(part.vertices.size(), 64u);
+    sum += volume(part);
+  }
+  EXPECT_NEAR(sum, volume(bracket()), 0.1 * volume(bracket()));
+}
+
+TEST(ConvexParts, TheSameMeshGivesTheSameParts) {
+  const auto first = convex_parts(bracket());
+  const auto second = convex_parts(bracket());
+  ASSERT_EQ(first.size(), second.size());
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    EXPECT_EQ(first[i].vertices, second[i].vertices);
+    EXPECT_EQ(first[i].triangles, second[i].triangles);
+  }
+}
+
+TEST(ConvexParts, NothingHasNoParts) {
+  EXPECT_THROW(convex_parts(geometry::TriangleMesh{}), BadInput);
+}
+
+}  // namespace
+}  // namespace palpate::simulation

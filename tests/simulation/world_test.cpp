@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/simulation/world.hpp"
+
+#include <gtest/gtest.h>
+
+#include <thread>
+
+#include "palpate/core/assets.hpp"
+#include "palpate/core/error.hpp"
+#include "palpate/core/se3.hpp"
+#include "palpate/hand/kinematics.hpp"
+#include "simulation/scenes.hpp"
+
+namespace palpate::simulation {
+namespace {
+
+int contacts(const hand::HandReading& reading) {
+  int count = 0;
+  for (const auto& finger : reading.contacts) count += static_cast<int>(finger.size());
+  return count;
+}
+
+void expect_same(const hand::HandReading& a, const hand::HandReading& b) {
+  EXPECT_EQ(a.time, b.time);
+  EXPECT_EQ(a.joints, b.joints);
+  EXPECT_EQ(a.torques, b.torques);
+  EXPECT_EQ(a.base_force, b.base_force);
+  for (std::size_t i = 0; i < a.contacts.size(); ++i) {
+    ASSERT_EQ(a.contacts[i].size(), b.contacts[i].size());
+    for (std::size_t k = 0; k < a.contacts[i].size(); ++k) {
+      EXPECT_EQ(a.contacts[i][k].p, b.contacts[i][k].p);
+      EXPECT_EQ(a.contacts[i][k].n, b.contacts[i][k].n);
+      EXPECT_EQ(a.contacts[i][k].f, b.contacts[i][k].f);
+    }
+  }
+}
+
+TEST(World, AnObjectAtRestStaysAtRest) {
+  World world(cuboid({0.05, 0.094, 0.175}, 0.4), without_noise(), 1);
+  const hand::HandCommand away = open_hand(0.5);
+  world.reset({.stance = 0, .yaw = 0.7, .xy = {0.01, -0.02}}, away);
+  for (int tick = 0; tick < 50; ++tick) world.hand().step(away);
+  const Truth before = world.truth();
+  for (int tick = 0; tick < 200; ++tick) world.hand().step(away);
+  const Truth after = world.truth();
+  EXPECT_LT((after.T_world_object.translation() - before.T_world_object.translation()).norm(),
+            1e-5);
+  EXPECT_LT(rotation_distance(after.T_world_object.linear(), before.T_world_object.linear()), 1e-4);
+  EXPECT_NEAR(after.lowest_point, 0, 5e-4);
+  EXPECT_FALSE(world.diverged());
+}
+
+TEST(World, StartsWhereToldTo) {
+  World world(block(), without_noise(), 1);
+  world.reset({.stance = 0, .yaw = 0.4, .xy = {0.01, -0.02}}, fingers_down(0.3));
+  const Truth truth = world.truth();
+  EXPECT_NEAR(truth.lowest_point, 0.0005, 1e-12);
+  EXPECT_NEAR(truth.T_world_object.translation().x(), 0.01, 1e-12);
+  EXPECT_NEAR(truth.T_world_object.translation().y(), -0.02, 1e-12);
+  const Eigen::AngleAxisd yaw(0.4, Eigen::Vector3d::UnitZ());
+  EXPECT_LT((truth.T_world_object.linear() - yaw.toRotationMatrix()).norm(), 1e-9);
+  EXPECT_NEAR(truth.joints[hand::joint_index("FFJ3")], 1.3, 1e-12);
+}
+
+TEST(World, TheCoupledJointsShareTheirActuator) {
+  World world(block(), without_noise(), 1);
+  hand::HandCommand command = open_hand(0.5);
+  command.positions[hand::actuator_index("RFJ0")] = 1.2;
+  world.reset({}, command);
+  EXPECT_NEAR(world.truth().joints[hand::joint_index("RFJ1")], 0.6, 1e-12);
+  EXPECT_NEAR(world.truth().joints[hand::joint_index("RFJ2")], 0.6, 1e-12);
+  EXPECT_EQ(world.truth().joints[hand::joint_index("THJ1")], 0);
+}
+
+TEST(World, TheEmptyHandAtRestLoadsNoDrive) {
+  World world(block(), without_noise(), 1);
+  const hand::HandCommand away = open_hand(0.5);
+  world.reset({}, away);
+  hand::HandReading reading;
+  for (int tick = 0; tick < 100; ++tick) reading = world.hand().step(away);
+  EXPECT_LT(reading.base_force.norm(), 0.01);
+  EXPECT_LT(reading.torques.norm(), 0.01);
+  EXPECT_LT((reading.base.xyz - away.base.xyz).norm(), 1e-5);
+  EXPECT_EQ(contacts(reading), 0);
+  EXPECT_DOUBLE_EQ(reading.time, 1.0);
+}
+
+TEST(World, TheBaseFollowsItsCommand) {
+  World world(block(), without_noise(), 1);
+  hand::HandCommand command = open_hand(0.5);
+  world.reset({}, command);
+  command.base.xyz << 0.05, -0.1, 0.45;
+  command.base.ypr << 0.3, -0.2, 0.5;
+  hand::HandReading reading;
+  for (int tick = 0; tick < 200; ++tick) reading = world.hand().step(command);
+  EXPECT_LT((reading.base.xyz - command.base.xyz).norm(), 1e-3);
+  EXPECT_LT((reading.base.ypr - command.base.ypr).norm(), 1e-2);
+}
+
+TEST(World, TheDrivesCarryWhatTheTipsPress) {
+  World world(block(), without_noise(), 1);
+  const hand::HandReading reading = press_block(world, 200);
+  const auto T_base_link = hand::forward_kinematics(world.hand_model(), reading.joints);
+  const Eigen::Isometry3d T_world_base = reading.base.pose();
+  const Eigen::Vector3d up = world.truth().T_world_object.linear().col(2);
+  Eigen::Vector3d pressed = Eigen::Vector3d::Zero();
+  ASSERT_GE(contacts(reading), 1);
+  for (std::size_t i = 0; i < hand::kFingers; ++i) {
+    const auto link = static_cast<std::size_t>(world.hand_model().distal[i]);
+    const Eigen::Isometry3d T = T_world_base * T_base_link[link];
+    for (const hand::TipContact& contact : reading.contacts[i]) {
+      EXPECT_LT(contact.f.dot(contact.n), 0);
+      EXPECT_LT((T.linear() * contact.n - up).norm(), 1e-6);
+      EXPECT_NEAR((T * contact.p).z(), 0.06, 5e-4);
+      pressed += T.linear() * contact.f;
+    }
+  }
+  EXPECT_LT(pressed.z(), -1.0);
+  EXPECT_LT((pressed - reading.base_force).norm(), 0.05 * pressed.norm());
+}
+
+TEST(World, ResetGivesTheSameReadingsAgain) {
+  World world(block(), {}, 5);
+  const hand::HandReading first = press_block(world);
+  const hand::HandReading second = press_block(world);
+  EXPECT_GT(contacts(first), 0);
+  expect_same(first, second);
+}
+
+TEST(World, SeedsDecideTheNoise) {
+  World a(block(), {}, 5), b(block(), {}, 5), c(block(), {}, 6);
+  const hand::HandReading reading = press_block(a);
+  expect_same(reading, press_block(b));
+  EXPECT_GT((reading.joints - press_block(c).joints).norm(), 1e-4);
+  EXPECT_EQ(a.hand_model().links[5].T_parent_link.matrix(),
+            b.hand_model().links[5].T_parent_link.matrix());
+  EXPECT_NE(a.hand_model().links[5].T_parent_link.matrix(),
+            c.hand_model().links[5].T_parent_link.matrix());
+}
+
+TEST(World, WorldsInThreadsDoNotDisturbOneAnother) {
+  World alone(block(), {}, 5), left(block(), {}, 5), right(block(), {}, 5);
+  const hand::HandReading expected = press_block(alone);
+  hand::HandReading a, b;
+  std::thread first([&] { a = press_block(left); });
+  std::thread second([&] { b = press_block(right); });
+  first.join();
+  second.join();
+  expect_same(expected, a);
+  expect_same(expected, b);
+}
+
+TEST(World, JointNoiseHasItsSize) {
+  WorldOptions options;
+  World world(block(), options, 3);
+  const hand::HandCommand away = open_hand(0.5);
+  world.reset({}, away);
+  double sum = 0, squares = 0;
+  int count = 0;
+  for (int tick = 0; tick < 200; ++tick) {
+    const hand::JointVector error = world.hand().step(away).joints - world.truth().joints;
+    sum += error.sum();
+    squares += error.squaredNorm();
+    count += hand::kJoints;
+  }
+  EXPECT_NEAR(std::sqrt(squares / count), options.noise.joint, 0.05 * options.noise.joint);
+  EXPECT_NEAR(sum / count, 0, 0.1 * options.noise.joint);
+}
+
+TEST(World, ContactNoiseHasItsSizeAndLeavesThePhysicsAlone) {
+  WorldOptions options;
+  World exact(block(), without_noise(), 3), noisy(block(), options, 3);
+  press_block(exact, 200);
+  press_block(noisy, 200);
+  const hand::HandCommand hold = fingers_down(0.09);
+  double points = 0, tilts = 0, forces = 0;
+  int count = 0;
+  for (int tick = 0; tick < 300; ++tick) {
+    const hand::HandReading a = exact.hand().step(hold);
+    const hand::HandReading b = noisy.hand().step(hold);
+    ASSERT_EQ(a.torques, b.torques);
+    for (std::size_t i = 0; i < hand::kFingers; ++i) {
+      if (a.contacts[i].size() != b.contacts[i].size()) continue;
+      for (std::size_t k = 0; k < a.contacts[i].size(); ++k) {
+        points += (a.contacts[i][k].p - b.contacts[i][k].p).squaredNorm() / 3;
+        forces += (a.contacts[i][k].f - b.contacts[i][k].f).squaredNorm() / 3;
+        const double tilt = std::acos(a.contacts[i][k].n.dot(b.contacts[i][k].n));
+        tilts += std::pow(std::tan(tilt), 2) / 2;
+        ++count;
+      }
+    }
+  }
+  ASSERT_GT(count, 250);
+  EXPECT_NEAR(std::sqrt(points / count), options.noise.point, 0.1 * options.noise.point);
+  EXPECT_NEAR(std::sqrt(forces / count), options.noise.force, 0.1 * options.noise.force);
+  EXPECT_NEAR(std::sqrt(tilts / count), options.noise.normal, 0.1 * options.noise.normal);
+}
+
+TEST(World, WithoutLinkNoiseTheModelIsTheMakers) {
+  World world(block(), without_noise(), 3);
+  const hand::HandModel made = load_shadow_hand(asset("shadow_hand/right_hand.xml"));
+  for (std::size_t i = 0; i < made.links.size(); ++i) {
+    EXPECT_EQ(world.hand_model().links[i].T_parent_link.matrix(),
+              made.links[i].T_parent_link.matrix());
+  }
+}
+
+TEST(World, ActuatorsDescribeTheServos) {
+  WorldOptions plain = without_noise(), scaled = without_noise();
+  plain.stiffness_scale = 1;
+  scaled.stiffness_scale = 4;
+  World soft(block(), plain, 1), stiff(block(), scaled, 1);
+  for (std::size_t i = 0; i < hand::kActuators; ++i) {
+    const hand::Actuator& a = soft.hand().actuators()[i];
+    const hand::Actuator& b = stiff.hand().actuators()[i];
+    const bool wrist = hand::finger_of_actuator(static_cast<int>(i)) < 0;
+    EXPECT_DOUBLE_EQ(b.stiffness, (wrist ? 1 : 4) * a.stiffness);
+    EXPECT_DOUBLE_EQ(b.max_torque, a.max_torque);
+    EXPECT_LT(a.command.low, a.command.high);
+  }
+  const auto j0 = static_cast<std::size_t>(hand::actuator_index("MFJ0"));
+  EXPECT_DOUBLE_EQ(soft.hand().actuators()[j0].stiffness, 0.5);
+  EXPECT_NEAR(soft.hand().actuators()[j0].command.high, 3.1415, 1e-12);
+}
+
+TEST(World, StiffnessIsTorqueOverError) {
+  World world(block(), without_noise(), 1);
+  hand::HandCommand command = open_hand(0.5);
+  world.reset({}, command);
+  const int actuator = hand::actuator_index("FFJ3");
+  command.positions[actuator] = 0.1;
+  hand::HandReading reading;
+  for (int tick = 0; tick < 100; ++tick) reading = world.hand().step(command);
+  const double error = command.positions[actuator] - reading.joints[hand::joint_index("FFJ3")];
+  const double stiffness = world.hand().actuators()[static_cast<std::size_t>(actuator)].stiffness;
+  EXPECT_NEAR(reading.torques[actuator], stiffness * error, 1e-4);
+  EXPECT_GT(std::abs(reading.torques[actuator]), 1e-3);  // what friction holds
+}
+
+TEST(World, RejectsWhatItCannotSimulate) {
+  WorldOptions options;
+  options.time_step = 0.003;
+  EXPECT_THROW(World(block(), options, 1), BadInput);
+  options.time_step = 0;
+  EXPECT_THROW(World(block(), options, 1), BadInput);
+  options = {};
+  options.hand_friction = -0.1;
+  EXPECT_THROW(World(block(), options, 1), BadInput);
+  World world(block(), {}, 1);
+  EXPECT_THROW(world.reset({.stance = 1}, open_hand(0.3)), BadInput);
+}
+
+}  // namespace
+}  // namespace palpate::simulation
