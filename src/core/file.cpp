@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/core/file.hpp"
+
+#include <fmt/format.h>
+
+#include <fstream>
+#include <sstream>
+#include <system_error>
+
+#include "palpate/core/error.hpp"
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path partial(const fs::path& path) { return path.string() + ".partial"; }
+
+void make_parents(const fs::path& path) {
+  std::error_code error;
+  if (path.has_parent_path()) fs::create_directories(path.parent_path(), error);
+  if (error) {
+    throw BadInput(fmt::format("cannot make the folder {}: {}", path.parent_path().string(),
+                               error.message()));
+  }
+}
+
+}  // namespace
+
+void write_file_atomically(const fs::path& path, std::string_view bytes) {
+  make_parents(path);
+  const fs::path temporary = partial(path);
+  std::error_code error;
+  {
+    std::ofstream out(temporary, std::ios::binary);
+    out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    out.close();
+    if (!out) {
+      fs::remove(temporary, error);
+      throw BadInput(fmt::format("cannot write {}", path.string()));
+    }
+  }
+  fs::rename(temporary, path, error);
+  if (error) {
+    const std::string reason = error.message();
+    fs::remove(temporary, error);
+    throw BadInput(fmt::format("cannot write {}: {}", path.string(), reason));
+  }
+}
+
+std::string read_file(const fs::path& path) {
+  std::error_code error;
+  if (!fs::exists(path, error)) throw BadInput(fmt::format("{} does not exist", path.string()));
+  if (fs::is_directory(path, error)) throw BadInput(fmt::format("{} is a folder", path.string()));
+  std::ifstream in(path, std::ios::binary);
+  std::ostringstream content;
+  content << in.rdbuf();
+  if (!in) throw BadInput(fmt::format("cannot read {}", path.string()));
+  return std::move(content).str();
+}
+
+void make_writable_folder(const fs::path& path) {
+  const fs::path probe = path / ".palpate";
+  write_file_atomically(probe, "");
+  std::error_code ignored;
+  fs::remove(probe, ignored);
+}
+
+}  // namespace palpate
