@@ -13,8 +13,10 @@ std::filesystem::path asset(std::string_view relative_path) {
   const char* chosen = std::getenv("PALPATE_ASSETS");
   const auto path = std::filesystem::path(chosen ? chosen : PALPATE_ASSETS_DIR) / relative_path;
   if (!std::filesystem::exists(path)) {
-    throw BadInput(fmt::format("{} is missing: run ./dev build, or set PALPATE_ASSETS to the folder "
-                               "that holds {}", path.string(), relative_path));
+    throw BadInput(
+        fmt::format("{} is missing: run ./dev build, or set PALPATE_ASSETS to the folder "
+                    "that holds {}",
+                    path.string(), relative_path));
   }
   return path;
 }

@@ -20,8 +20,8 @@ void make_parents(const fs::path& path) {
   std::error_code error;
   if (path.has_parent_path()) fs::create_directories(path.parent_path(), error);
   if (error) {
-    throw BadInput(fmt::format("cannot make the folder {}: {}", path.parent_path().string(),
-                               error.message()));
+    throw BadInput(
+        fmt::format("cannot make the folder {}: {}", path.parent_path().string(), error.message()));
   }
 }
 

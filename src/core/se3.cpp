@@ -10,7 +10,8 @@
 namespace palpate {
 namespace {
 
-constexpr double kTinyAngle = 1e-4;  // rad: below it the Taylor terms are exact to machine precision
+constexpr double kTinyAngle =
+    1e-4;  // rad: below it the Taylor terms are exact to machine precision
 
 /// Coefficients of the left Jacobian: (1 - cos a) / a^2 and (a - sin a) / a^3.
 std::pair<double, double> jacobian_coefficients(double angle) {

@@ -7,8 +7,8 @@
 
 namespace palpate {
 
-/// Writes a file under a temporary name (PATH.partial) and renames it, so that nobody ever sees half
-/// of it. Parent folders are made.
+/// Writes a file under a temporary name (PATH.partial) and renames it, so that nobody ever sees
+/// half of it. Parent folders are made.
 /// @throws BadInput, naming the path, if it cannot be written; nothing is left behind
 void write_file_atomically(const std::filesystem::path& path, std::string_view bytes);
 
