@@ -10,7 +10,9 @@
 #include "palpate/core/assets.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/geometry/mesh_io.hpp"
+#include "palpate/geometry/mesh_repair.hpp"
 #include "palpate/geometry/shapes.hpp"
+#include "palpate/geometry/stable_poses.hpp"
 
 namespace palpate::geometry {
 namespace {
@@ -86,14 +88,18 @@ KnownObject load_known_object(const std::string& name_or_file) {
   Source source = is_built_in ? built_in(name_or_file) : Source{load_mesh(name_or_file)};
   check_size(name_or_file, source.mesh);
 
+  RepairedMesh repaired = repair(source.mesh);
+
   KnownObject object;
   object.name = is_built_in ? name_or_file : std::filesystem::path(name_or_file).stem().string();
-  const MassProperties at_file = mass_properties(source.mesh, 1);
+  object.repairs = std::move(repaired.actions);
+  const MassProperties in_file = mass_properties(repaired.mesh, 1);
   object.mass =
-      source.mass > 0 ? source.mass : std::clamp(kDensity * at_file.volume, kLightest, kHeaviest);
-  object.T_mesh_object.translation() = at_file.centroid;
-  object.mesh = transformed(object.T_mesh_object.inverse(), std::move(source.mesh));
+      source.mass > 0 ? source.mass : std::clamp(kDensity * in_file.volume, kLightest, kHeaviest);
+  object.T_mesh_object.translation() = in_file.centroid;
+  object.mesh = transformed(object.T_mesh_object.inverse(), std::move(repaired.mesh));
   object.mass_properties = mass_properties(object.mesh, object.mass);
+  object.stances = stable_poses(object.mesh, Eigen::Vector3d::Zero());
   object.symmetries = {Eigen::Matrix3d::Identity()};
   return object;
 }
