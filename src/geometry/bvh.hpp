@@ -32,6 +32,12 @@ class Bvh {
   /// Number of triangles along the whole ray.
   int count_hits(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const;
 
+  /// Calls visit(triangle) for every triangle that may meet the box (and a few more).
+  template <typename Visit>
+  void visit_box(const Eigen::AlignedBox3d& box, Visit visit) const {
+    visit_box(box, 0, visit);
+  }
+
  private:
   struct Node {
     Eigen::Vector3d low, high;
@@ -46,6 +52,17 @@ class Bvh {
 
   void build(std::vector<Leaf>::iterator begin, std::vector<Leaf>::iterator end);
   static void improve(Nearest& best, const Eigen::Vector3d& p, const Leaf& leaf);
+
+  template <typename Visit>
+  void visit_box(const Eigen::AlignedBox3d& box, int index, Visit& visit) const {
+    const Node& node = nodes_[static_cast<std::size_t>(index)];
+    if (!box.intersects(Eigen::AlignedBox3d(node.low, node.high))) return;
+    for (int i = node.begin; i < node.end; ++i)
+      visit(leaves_[static_cast<std::size_t>(i)].triangle);
+    if (node.right == 0) return;
+    visit_box(box, index + 1, visit);
+    visit_box(box, node.right, visit);
+  }
 
   template <typename Visit>
   void visit_ray(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "bvh.hpp"
+#include "mesh_topology.hpp"
 #include "palpate/core/error.hpp"
 #include "pseudonormals.hpp"
 
@@ -14,17 +15,7 @@ namespace {
 
 TriangleMesh checked(TriangleMesh mesh) {
   if (mesh.triangles.empty()) throw BadInput("mesh has no triangles");
-  const auto vertices = static_cast<int>(mesh.vertices.size());
-  for (const auto& triangle : mesh.triangles) {
-    for (const int i : triangle) {
-      if (i < 0 || i >= vertices) {
-        throw BadInput(fmt::format("triangle names vertex {}, but the mesh has {}", i, vertices));
-      }
-      if (!mesh.vertices[static_cast<std::size_t>(i)].allFinite()) {
-        throw BadInput(fmt::format("vertex {} of the mesh is not finite", i));
-      }
-    }
-  }
+  check_mesh(mesh);
   return mesh;
 }
 

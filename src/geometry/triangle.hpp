@@ -21,12 +21,12 @@ inline Corners corners(const TriangleMesh& mesh, const std::array<int, 3>& trian
 /// Normal of length twice the area, by the right-hand rule.
 inline Eigen::Vector3d area_normal(const Corners& t) { return (t[1] - t[0]).cross(t[2] - t[0]); }
 
-/// True if the sine of the angle at the first corner is so small that only the edges have a
-/// meaning (coinciding or collinear corners).
+/// True if the triangle is so thin (height below 1e-6 of the longest edge) that its face has no
+/// reliable normal and a point's closest point may as well be sought on its edges.
 inline bool is_degenerate(const Corners& t) {
   const double longest = std::max(
       {(t[1] - t[0]).squaredNorm(), (t[2] - t[1]).squaredNorm(), (t[0] - t[2]).squaredNorm()});
-  return area_normal(t).squaredNorm() <= 1e-20 * longest * longest;
+  return area_normal(t).squaredNorm() <= 1e-12 * longest * longest;
 }
 
 /// Which part of a triangle a point lies on: corner k, the edge from corner k to the next, the

@@ -27,4 +27,21 @@ std::vector<int> first_at_same_position(const TriangleMesh& mesh) {
   return first;
 }
 
+TriangleMesh merged(const TriangleMesh& mesh, const std::vector<int>& target) {
+  std::vector<int> place(mesh.vertices.size(), -1);
+  TriangleMesh result;
+  for (auto triangle : mesh.triangles) {
+    for (int& corner : triangle) {
+      const auto kept = static_cast<std::size_t>(target[static_cast<std::size_t>(corner)]);
+      if (place[kept] < 0) {
+        place[kept] = static_cast<int>(result.vertices.size());
+        result.vertices.push_back(mesh.vertices[kept]);
+      }
+      corner = place[kept];
+    }
+    result.triangles.push_back(triangle);
+  }
+  return result;
+}
+
 }  // namespace palpate::geometry
