@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/geometry/capsule_collider.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "palpate/core/random.hpp"
+
+namespace palpate::geometry {
+namespace {
+
+constexpr double kRadius = 0.007;
+
+TriangleMesh torus(double major, double minor, int around, int across) {
+  TriangleMesh mesh;
+  for (int i = 0; i < around; ++i) {
+    for (int j = 0; j < across; ++j) {
+      const double u = 2 * std::numbers::pi * i / around, v = 2 * std::numbers::pi * j / across;
+      const double r = major + minor * std::cos(v);
+      mesh.vertices.emplace_back(r * std::cos(u), r * std::sin(u), minor * std::sin(v));
+      const int i1 = (i + 1) % around, j1 = (j + 1) % across;
+      mesh.triangles.push_back({i * across + j, i1 * across + j, i1 * across + j1});
+      mesh.triangles.push_back({i * across + j, i1 * across + j1, i * across + j1});
+    }
+  }
+  return mesh;
+}
+
+/// Prism of an outline that is star-shaped about its first corner, counter-clockwise, centred in z.
+TriangleMesh prism(const std::vector<Eigen::Vector2d>& outline, double height) {
+  TriangleMesh mesh;
+  const int n = static_cast<int>(outline.size());
+  for (double z : {-0.5 * height, 0.5 * height}) {
+    for (const Eigen::Vector2d& p : outline) mesh.vertices.emplace_back(p.x(), p.y(), z);
+  }
+  for (int i = 0; i < n; ++i) {
+    const int next = (i + 1) % n;
+    mesh.triangles.push_back({i, next, n + next});
+    mesh.triangles.push_back({i, n + next, n + i});
+    if (i == 0 || next == 0) continue;
+    mesh.triangles.push_back({0, next, i});
+    mesh.triangles.push_back({n, n + i, n + next});
+  }
+  return mesh;
+}
+
+TriangleMesh slab(double x, double y, double z) {
+  return prism({{-x / 2, -y / 2}, {x / 2, -y / 2}, {x / 2, y / 2}, {-x / 2, y / 2}}, z);
+}
+
+/// An L whose inner corner is the z axis.
+TriangleMesh bracket() {
+  return prism({{0, 0}, {0, 0.06}, {-0.02, 0.06}, {-0.02, -0.02}, {0.06, -0.02}, {0.06, 0}}, 0.08);
+}
+
+Capsule ball(const Eigen::Vector3d& center) { return {center, center, kRadius}; }
+
+/// A point at the given signed distance from some place of the surface, along its normal.
+Eigen::Vector3d near_surface(const TriangleMesh& mesh, double offset, RandomStream& random) {
+  const auto& t = mesh.triangles[random.index(mesh.triangles.size())];
+  const auto corner = [&](std::size_t k) { return mesh.vertices[static_cast<std::size_t>(t[k])]; };
+  const double u = std::sqrt(random.uniform()), v = random.uniform();
+  const Eigen::Vector3d p = (1 - u) * corner(0) + u * (1 - v) * corner(1) + u * v * corner(2);
+  const Eigen::Vector3d n = (corner(1) - corner(0)).cross(corner(2) - corner(0)).normalized();
+  return p + offset * n;
+}
+
+class CapsuleColliderOf : public testing::TestWithParam<int> {
+ protected:
+  MeshQuery mesh_{GetParam() == 0   ? torus(0.03, 0.012, 48, 24)
+                  : GetParam() == 1 ? bracket()
+                                    : slab(0.05, 0.07, 0.004)};
+  CapsuleCollider collider_{mesh_};
+};
+
+TEST_P(CapsuleColliderOf, ABallTouchesAtTheClosestPoint) {
+  RandomStream random(1);
+  for (int trial = 0; trial < 500; ++trial) {
+    const Eigen::Vector3d center =
+        near_surface(mesh_.mesh(), random.uniform(-0.003, kRadius), random);
+    const double distance = mesh_.signed_distance(center);
+    const ClosestPoint closest = mesh_.closest_point(center);
+    const auto contacts = collider_.contacts(ball(center), 0, 4);
+    ASSERT_FALSE(contacts.empty());
+    EXPECT_NEAR(contacts[0].distance, distance - kRadius, 1e-12);
+    const Eigen::Vector3d out = (center - closest.point) / distance;
+    if (std::abs(distance) < 1e-6) continue;
+    EXPECT_NEAR((center - contacts[0].point).norm(), std::abs(distance), 1e-12);
+    // Several places may be equally close.
+    if ((contacts[0].point - closest.point).norm() < 1e-9) {
+      EXPECT_LT((contacts[0].normal - out).norm(), 1e-6);
+    }
+  }
+}
+
+TEST_P(CapsuleColliderOf, TheDeepestContactIsTheLeastDistanceAlongTheAxis) {
+  RandomStream random(2);
+  constexpr int kSamples = 1000;
+  constexpr double kLength = 0.018;
+  int tried = 0;
+  for (int trial = 0; trial < 200; ++trial) {
+    const Eigen::Vector3d middle =
+        near_surface(mesh_.mesh(), random.uniform(0.001, kRadius), random);
+    const Eigen::Vector3d half = 0.5 * kLength * random.unit_vector();
+    double least = 1;
+    for (int i = 0; i <= kSamples; ++i) {
+      least = std::min(least, mesh_.signed_distance(middle + (2.0 * i / kSamples - 1) * half));
+    }
+    if (least < 1e-5) continue;  // the axis itself is inside
+    ++tried;
+    const auto contacts = collider_.contacts({middle - half, middle + half, kRadius}, 0, 4);
+    ASSERT_FALSE(contacts.empty());
+    EXPECT_NEAR(contacts[0].distance, least - kRadius, kLength / kSamples);
+    EXPECT_LE(contacts[0].distance, least - kRadius + 1e-12);
+  }
+  EXPECT_GT(tried, 30);
+}
+
+TEST_P(CapsuleColliderOf, NormalsPointOutAndContactsAreOrdered) {
+  RandomStream random(3);
+  for (int trial = 0; trial < 300; ++trial) {
+    const Eigen::Vector3d middle = near_surface(mesh_.mesh(), random.uniform(0, 0.006), random);
+    const Eigen::Vector3d half = 0.009 * random.unit_vector();
+    const auto contacts = collider_.contacts({middle - half, middle + half, kRadius}, 0.001, 2);
+    EXPECT_LE(contacts.size(), 2u);
+    for (const CapsuleContact& contact : contacts) {
+      EXPECT_NEAR(contact.normal.norm(), 1, 1e-12);
+      EXPECT_LT(contact.distance, 0.001);
+      EXPECT_LT(mesh_.closest_point(contact.point).distance, 1e-9);
+      EXPECT_LE(contacts[0].distance, contact.distance);
+      EXPECT_FALSE(mesh_.inside(contact.point + 1e-5 * contact.normal));
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Shapes, CapsuleColliderOf, testing::Values(0, 1, 2));
+
+TEST(CapsuleCollider, LyingFlatItTouchesWithBothEnds) {
+  const MeshQuery mesh(slab(0.2, 0.2, 0.04));
+  const double z = 0.02 + kRadius - 0.0002;
+  const auto contacts =
+      CapsuleCollider(mesh).contacts({{-0.01, 0.003, z}, {0.01, 0.003, z}, kRadius}, 0, 2);
+  ASSERT_EQ(contacts.size(), 2u);
+  EXPECT_NEAR((contacts[0].point - contacts[1].point).norm(), 0.02, 1e-12);
+  for (const CapsuleContact& contact : contacts) {
+    EXPECT_LT((contact.normal - Eigen::Vector3d::UnitZ()).norm(), 1e-12);
+    EXPECT_NEAR(contact.distance, -0.0002, 1e-12);
+  }
+}
+
+TEST(CapsuleCollider, InAnInnerCornerItTouchesBothWalls) {
+  const MeshQuery mesh(bracket());
+  const double d = kRadius - 0.0001;
+  const auto contacts = CapsuleCollider(mesh).contacts(ball({d, d, 0.003}), 0, 2);
+  ASSERT_EQ(contacts.size(), 2u);
+  EXPECT_NEAR(contacts[0].normal.dot(contacts[1].normal), 0, 1e-9);
+}
+
+TEST(CapsuleCollider, TheFarSideOfAThinWallIsNotFelt) {
+  const MeshQuery mesh(slab(0.1, 0.1, 0.001));
+  const auto contacts = CapsuleCollider(mesh).contacts(ball({0.01, 0.02, 0.0005 + 0.004}), 0, 4);
+  ASSERT_EQ(contacts.size(), 1u);
+  EXPECT_LT((contacts[0].normal - Eigen::Vector3d::UnitZ()).norm(), 1e-12);
+  EXPECT_NEAR(contacts[0].distance, 0.004 - kRadius, 1e-12);
+}
+
+TEST(CapsuleCollider, AnEndInsideIsLedOutTheShortestWay) {
+  const MeshQuery mesh(slab(0.1, 0.1, 0.02));
+  const auto contacts = CapsuleCollider(mesh).contacts(ball({0.01, 0.02, 0.008}), 0, 4);
+  ASSERT_EQ(contacts.size(), 1u);
+  EXPECT_LT((contacts[0].normal - Eigen::Vector3d::UnitZ()).norm(), 1e-12);
+  EXPECT_NEAR(contacts[0].distance, -0.002 - kRadius, 1e-12);
+}
+
+TEST(CapsuleCollider, AcrossAnEdgeItTouchesTheEdge) {
+  const MeshQuery mesh(slab(0.1, 0.1, 0.02));
+  const Eigen::Vector3d edge(0.05, 0, 0.01), out = Eigen::Vector3d(1, 0, 1).normalized();
+  const Eigen::Vector3d middle = edge + 0.0065 * out;
+  const Eigen::Vector3d half = 0.009 * Eigen::Vector3d(1, 0, -1).normalized();
+  const auto contacts =
+      CapsuleCollider(mesh).contacts({middle - half, middle + half, kRadius}, 0, 2);
+  ASSERT_FALSE(contacts.empty());
+  EXPECT_LT((contacts[0].point - edge).norm(), 1e-9);
+  EXPECT_LT((contacts[0].normal - out).norm(), 1e-9);
+  EXPECT_NEAR(contacts[0].distance, 0.0065 - kRadius, 1e-12);
+}
+
+TEST(CapsuleCollider, OutOfReachOrWithoutRoomThereIsNoContact) {
+  const MeshQuery mesh(slab(0.1, 0.1, 0.02));
+  const CapsuleCollider collider(mesh);
+  EXPECT_TRUE(collider.contacts(ball({0, 0, 0.0171}), 0, 4).empty());
+  EXPECT_EQ(collider.contacts(ball({0, 0, 0.0171}), 0.001, 4).size(), 1u);
+  EXPECT_TRUE(collider.contacts(ball({0, 0, 0.0165}), 0, 0).empty());
+}
+
+}  // namespace
+}  // namespace palpate::geometry
