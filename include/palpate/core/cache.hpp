@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace palpate {
+
+/// Fingerprint of some bytes as 32 hexadecimal digits: FNV-1a of 128 bits (Fowler, Noll & Vo, IETF
+/// draft-eastlake-fnv). The same on every platform; not meant to withstand forgery.
+std::string content_hash(std::string_view bytes);
+
+/// What write_cache() kept under the key, or nothing if that is missing or damaged.
+///
+/// The cache is the folder $PALPATE_CACHE, else $XDG_CACHE_HOME/palpate, else ~/.cache/palpate. It
+/// holds only what can be computed anew and may be deleted at any time.
+/// @param key  any bytes; should name what was computed, how, and a version of its format
+std::optional<std::string> read_cache(std::string_view key);
+
+/// Keeps bytes under a key, in place of what is there. Readers see all of them or nothing. Where no
+/// file can be written, nothing happens: there is no cache then.
+void write_cache(std::string_view key, std::string_view bytes);
+
+}  // namespace palpate
