@@ -5,169 +5,194 @@
 #include <toml++/toml.h>
 
 #include <algorithm>
-#include <cmath>
-#include <numeric>
-#include <sstream>
+#include <charconv>
+#include <limits>
+#include <optional>
 
+#include "option_suggestion.hpp"
 #include "palpate/core/error.hpp"
 
 namespace palpate {
 namespace {
 
-std::size_t edit_distance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = std::exchange(row[0], i);
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t change = diagonal + (a[i - 1] != b[j - 1]);
-      diagonal = row[j];
-      row[j] = std::min({row[j] + 1, row[j - 1] + 1, change});
-    }
-  }
-  return row.back();
-}
+constexpr auto kLargestInteger = std::numeric_limits<std::int64_t>::max();  // of TOML
 
-const OptionField& find_field(const std::string& key, const std::vector<OptionField>& fields,
-                              const std::string& where) {
-  const auto distance = [&](const OptionField& field) { return edit_distance(key, field.key); };
-  const auto nearest =
-      std::min_element(fields.begin(), fields.end(),
-                       [&](const auto& a, const auto& b) { return distance(a) < distance(b); });
-  if (nearest == fields.end()) throw BadInput(fmt::format("{}: unknown key {}", where, key));
-  if (nearest->key != key) {
-    throw BadInput(fmt::format("{}: unknown key {}; did you mean {}?", where, key, nearest->key));
-  }
-  return *nearest;
-}
+/// A value as the user wrote it: `text` for messages; monostate if it is no scalar.
+struct Written {
+  std::variant<std::monostate, bool, std::int64_t, double, std::string> value;
+  std::string text;
+};
 
-void check_range(const OptionField& field, double value, const std::string& where) {
-  if (!(value >= field.low && value <= field.high)) {
-    throw BadInput(fmt::format("{}: {} = {} is outside {}..{} ({})", where, field.key, value,
-                               field.low, field.high, field.doc));
-  }
-}
-
-/// Puts a TOML value into a field.
-class Assign {
+/// Assigns a Written to each kind of field. @throws BadInput, one line
+class Assigner {
  public:
-  Assign(const OptionField& field, const toml::node& node, const std::string& where)
-      : field_(field), node_(node), where_(where) {}
+  Assigner(const OptionField& field, const Written& written, const std::string& where)
+      : field_(field), written_(written), where_(where) {}
 
-  void operator()(int* target) const {
-    const auto value = node_.value_exact<std::int64_t>();
-    if (!value) wrong_type("a whole number");
-    check_range(field_, static_cast<double>(*value), where_);
-    *target = static_cast<int>(*value);
+  void operator()(bool* target) const { *target = get<bool>("true or false"); }
+  void operator()(std::string* target) const { *target = get<std::string>("a string"); }
+
+  void operator()(const RangedOption<double>& target) const {
+    const auto* integer = std::get_if<std::int64_t>(&written_.value);
+    const double value = integer ? static_cast<double>(*integer) : get<double>("a number");
+    if (!(value >= target.low && value <= target.high)) fail_range(target.low, target.high);
+    *target.value = value;
   }
-  void operator()(double* target) const {
-    const auto value = node_.is_number() ? node_.value<double>() : std::nullopt;
-    if (!value) wrong_type("a number");
-    check_range(field_, *value, where_);
-    *target = *value;
-  }
-  void operator()(bool* target) const {
-    const auto value = node_.value_exact<bool>();
-    if (!value) wrong_type("true or false");
-    *target = *value;
-  }
-  void operator()(std::string* target) const {
-    const auto value = node_.value_exact<std::string>();
-    if (!value) wrong_type("a string");
-    *target = *value;
+
+  template <class Integer>
+  void operator()(const RangedOption<Integer>& target) const {
+    const std::int64_t value = get<std::int64_t>("an integer");
+    if (std::cmp_less(value, target.low) || std::cmp_greater(value, target.high)) {
+      fail_range(target.low, target.high);
+    }
+    *target.value = static_cast<Integer>(value);
   }
 
  private:
-  [[noreturn]] void wrong_type(std::string_view wanted) const {
-    std::ostringstream given;
-    node_.visit([&](const auto& node) { given << node; });
-    throw BadInput(fmt::format("{}: {} = {} is not {}", where_, field_.key, given.str(), wanted));
+  template <class T>
+  const T& get(std::string_view wanted) const {
+    if (const T* value = std::get_if<T>(&written_.value)) return *value;
+    throw BadInput(fmt::format("{}{} = {} is not {}", where_, field_.key, written_.text, wanted));
   }
+
+  template <class Number>
+  [[noreturn]] void fail_range(Number low, Number high) const {
+    throw BadInput(fmt::format("{}{} = {} is outside {} .. {} ({})", where_, field_.key,
+                               written_.text, low, high, field_.doc));
+  }
+
   const OptionField& field_;
-  const toml::node& node_;
+  const Written& written_;
   const std::string& where_;
 };
 
-void assign_table(const toml::table& table, const std::string& prefix, const std::string& name,
+const OptionField& find_field(std::string_view key, const std::vector<OptionField>& fields,
+                              const std::string& where) {
+  const auto found = std::find_if(fields.begin(), fields.end(),
+                                  [&](const OptionField& field) { return field.key == key; });
+  if (found != fields.end()) return *found;
+  const std::string nearest = nearest_key(key, fields);
+  throw BadInput(fmt::format("{}unknown option {}{}", where, key,
+                             nearest.empty() ? "" : "; did you mean " + nearest + "?"));
+}
+
+void assign(const OptionField& field, const Written& written, const std::string& where) {
+  std::visit(Assigner(field, written, where), field.value);
+}
+
+template <class Node>
+std::string text_of(const Node& node) {
+  std::ostringstream text;
+  text << node;
+  return text.str();
+}
+
+Written written_in_toml(const toml::node& node) {
+  if (const auto* value = node.as_boolean()) return {value->get(), text_of(*value)};
+  if (const auto* value = node.as_integer()) return {value->get(), text_of(*value)};
+  if (const auto* value = node.as_floating_point()) return {value->get(), text_of(*value)};
+  if (const auto* value = node.as_string()) return {value->get(), text_of(*value)};
+  std::ostringstream type;
+  type << node.type();
+  return {{}, fmt::format("({})", type.str())};
+}
+
+template <class Number>
+std::optional<Number> parse_number(std::string_view text) {
+  Number number{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return number;
+}
+
+Written written_in_setting(const OptionField& field, std::string_view text) {
+  Written written{std::string(text), std::string(text)};
+  if (std::holds_alternative<std::string*>(field.value)) return written;
+  if (text == "true" || text == "false") {
+    written.value = text == "true";
+  } else if (const auto integer = parse_number<std::int64_t>(text)) {
+    written.value = *integer;
+  } else if (const auto number = parse_number<double>(text)) {
+    written.value = *number;
+  }
+  return written;
+}
+
+std::string place(std::string_view source, const toml::source_region& region) {
+  return fmt::format("{}:{}: ", source, region.begin.line);
+}
+
+bool is_section(const std::string& key, const std::vector<OptionField>& fields) {
+  return std::any_of(fields.begin(), fields.end(),
+                     [&](const OptionField& field) { return field.key.starts_with(key + "."); });
+}
+
+void assign_table(const toml::table& table, const std::string& prefix, std::string_view source,
                   const std::vector<OptionField>& fields) {
-  for (const auto& [key, node] : table) {
-    const std::string full = prefix + std::string(key.str());
-    if (const toml::table* section = node.as_table()) {
-      assign_table(*section, full + ".", name, fields);
-      continue;
+  for (const auto& [name, node] : table) {
+    const std::string key = prefix + std::string(name.str());
+    if (node.is_table() && is_section(key, fields)) {
+      assign_table(*node.as_table(), key + ".", source, fields);
+    } else {
+      const std::string where = place(source, name.source());
+      assign(find_field(key, fields, where), written_in_toml(node), where);
     }
-    const std::string where = fmt::format("{}:{}", name, node.source().begin.line);
-    const OptionField& field = find_field(full, fields, where);
-    std::visit(Assign(field, node, where), field.value);
   }
 }
 
-toml::table parse(std::string_view text, const std::string& name) {
-  try {
-    return toml::parse(text);
-  } catch (const toml::parse_error& error) {
-    throw BadInput(fmt::format("{}:{}: {}", name, error.source().begin.line, error.description()));
-  }
+std::string_view trimmed(std::string_view text) {
+  const auto first = text.find_first_not_of(" \t");
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(" \t") - first + 1);
 }
-
-struct Printer {
-  std::string operator()(const int* value) const { return fmt::format("{}", *value); }
-  std::string operator()(const bool* value) const { return *value ? "true" : "false"; }
-  std::string operator()(const double* value) const {
-    const std::string text = fmt::format("{}", *value);
-    const bool whole = text.find_first_of(".en") == std::string::npos;
-    return whole ? text + ".0" : text;
-  }
-  std::string operator()(const std::string* value) const {
-    std::ostringstream out;
-    out << toml::value<std::string>(*value);
-    return out.str();
-  }
-};
 
 }  // namespace
 
-void load_toml_text(std::string_view text, const std::string& name,
-                    const std::vector<OptionField>& fields) {
-  assign_table(parse(text, name), "", name, fields);
+void OptionCollector::operator()(std::string_view name, int& value, int low, int high,
+                                 std::string_view doc) {
+  fields_.push_back(
+      {prefix_ + std::string(name), std::string(doc), RangedOption<int>{&value, low, high}});
 }
 
-void apply_setting_text(std::string_view assignment, const std::vector<OptionField>& fields) {
+void OptionCollector::operator()(std::string_view name, std::uint64_t& value, std::uint64_t low,
+                                 std::uint64_t high, std::string_view doc) {
+  const auto top = std::min(high, static_cast<std::uint64_t>(kLargestInteger));
+  fields_.push_back({prefix_ + std::string(name), std::string(doc),
+                     RangedOption<std::uint64_t>{&value, low, top}});
+}
+
+void OptionCollector::operator()(std::string_view name, double& value, double low, double high,
+                                 std::string_view doc) {
+  fields_.push_back(
+      {prefix_ + std::string(name), std::string(doc), RangedOption<double>{&value, low, high}});
+}
+
+void OptionCollector::operator()(std::string_view name, bool& value, std::string_view doc) {
+  fields_.push_back({prefix_ + std::string(name), std::string(doc), &value});
+}
+
+void OptionCollector::operator()(std::string_view name, std::string& value, std::string_view doc) {
+  fields_.push_back({prefix_ + std::string(name), std::string(doc), &value});
+}
+
+void assign_toml(std::string_view text, std::string_view source,
+                 const std::vector<OptionField>& fields) {
+  try {
+    assign_table(toml::parse(text), "", source, fields);
+  } catch (const toml::parse_error& error) {
+    std::string reason(error.description());
+    std::replace(reason.begin(), reason.end(), '\n', ' ');
+    throw BadInput(place(source, error.source()) + reason);
+  }
+}
+
+void assign_setting(std::string_view assignment, const std::vector<OptionField>& fields) {
   const auto equals = assignment.find('=');
-  if (equals == std::string_view::npos || equals == 0) {
-    throw BadInput(fmt::format("--set {}: not of the form KEY=VALUE", assignment));
+  if (equals == std::string_view::npos) {
+    throw BadInput(fmt::format("\"{}\" is not of the form key=value", assignment));
   }
-  const std::string where = fmt::format("--set {}", assignment);
-  const OptionField& field = find_field(std::string(assignment.substr(0, equals)), fields, where);
-  std::string value(assignment.substr(equals + 1));
-  if (std::holds_alternative<std::string*>(field.value)) {
-    *std::get<std::string*>(field.value) = value;
-    return;
-  }
-  const toml::table table = parse("value = " + value, where);
-  std::visit(Assign(field, *table.get("value"), where), field.value);
-}
-
-std::string to_toml_text(const std::vector<OptionField>& fields) {
-  // Keys outside sections must come first in TOML; within a section the order of visit() stays.
-  std::vector<const OptionField*> ordered;
-  for (const auto& field : fields) ordered.push_back(&field);
-  const auto section_of = [](const OptionField& field) {
-    const auto dot = field.key.rfind('.');
-    return dot == std::string::npos ? std::string() : field.key.substr(0, dot);
-  };
-  std::stable_sort(ordered.begin(), ordered.end(),
-                   [&](const auto* a, const auto* b) { return section_of(*a) < section_of(*b); });
-  std::string text, section;
-  for (const OptionField* field : ordered) {
-    if (section_of(*field) != section) {
-      section = section_of(*field);
-      text += fmt::format("\n[{}]\n", section);
-    }
-    const std::string name = field->key.substr(section.empty() ? 0 : section.size() + 1);
-    text += fmt::format("{} = {}  # {}\n", name, std::visit(Printer(), field->value), field->doc);
-  }
-  return text;
+  const auto& field = find_field(trimmed(assignment.substr(0, equals)), fields, "");
+  assign(field, written_in_setting(field, trimmed(assignment.substr(equals + 1))), "");
 }
 
 }  // namespace palpate

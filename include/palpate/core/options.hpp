@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
-#include <limits>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -13,42 +13,46 @@
 
 namespace palpate {
 
-/// One option of a struct: where its value lives, its bounds and what it means.
-struct OptionField {
-  std::string key;  ///< with the sections that hold it: "grasp.side.pitch"
-  std::variant<int*, double*, bool*, std::string*> value;
-  double low = -std::numeric_limits<double>::infinity();
-  double high = std::numeric_limits<double>::infinity();
-  std::string doc;
+/// A number of an options struct and the range it must stay in, ends included.
+template <class Number>
+struct RangedOption {
+  Number* value;
+  Number low, high;
 };
 
-/// Visitor that lists the options of a struct.
-///
-/// An options struct has `template <class Visitor> void visit(Visitor&& v)` that calls
-/// v("name", member, low, high, "doc") for numbers, v("name", member, "doc") for the rest, and
-/// v.section("name", member) for a struct of options.
-class OptionLister {
+/// One member of an options struct, nested ones included.
+struct OptionField {
+  std::string key;  ///< with its sections, as in "lift.way"
+  std::string doc;
+  std::variant<bool*, std::string*, RangedOption<int>, RangedOption<std::uint64_t>,
+               RangedOption<double>>
+      value;
+};
+
+/// What a user needs to know of one option.
+struct OptionInfo {
+  std::string key, type, value, range, doc;  ///< type: "bool", "string", "integer" or "number"
+};
+
+/// The visitor that lists an options struct's members; they stay owned by the struct.
+class OptionCollector {
  public:
-  template <class Number>
-  void operator()(std::string_view name, Number& value, double low, double high,
-                  std::string_view doc) {
-    fields_.push_back({prefix_ + std::string(name), &value, low, high, std::string(doc)});
-  }
-  template <class Value>
-  void operator()(std::string_view name, Value& value, std::string_view doc) {
-    OptionField field;
-    field.key = prefix_ + std::string(name);
-    field.value = &value;
-    field.doc = doc;
-    fields_.push_back(std::move(field));
-  }
+  void operator()(std::string_view name, int& value, int low, int high, std::string_view doc);
+  void operator()(std::string_view name, std::uint64_t& value, std::uint64_t low,
+                  std::uint64_t high, std::string_view doc);
+  void operator()(std::string_view name, double& value, double low, double high,
+                  std::string_view doc);
+  void operator()(std::string_view name, bool& value, std::string_view doc);
+  void operator()(std::string_view name, std::string& value, std::string_view doc);
+
   template <class Options>
-  void section(std::string_view name, Options& options) {
+  void section(std::string_view name, Options& nested) {
     const std::string outer = prefix_;
     prefix_ += std::string(name) + ".";
-    options.visit(*this);
+    nested.visit(*this);
     prefix_ = outer;
   }
+
   std::vector<OptionField> take() { return std::move(fields_); }
 
  private:
@@ -56,47 +60,59 @@ class OptionLister {
   std::vector<OptionField> fields_;
 };
 
-/// All options of a struct, in the order of its visit().
+/// All members of an options struct, in the order of its visit(), which calls
+/// v("name", member, low, high, "doc with unit") for numbers, v("name", member, "doc") for bool and
+/// std::string, and v.section("name", nested) for nested structs.
 template <class Options>
-std::vector<OptionField> list_options(Options& options) {
-  OptionLister lister;
-  options.visit(lister);
-  return lister.take();
+std::vector<OptionField> option_fields(Options& options) {
+  OptionCollector collector;
+  options.visit(collector);
+  return collector.take();
 }
 
-/// Sets the listed options from a TOML file (its text, and its name for messages).
-/// @throws BadInput for a syntax error, an unknown key (with the nearest known one), a value of the
-///         wrong type or outside its range, each with the line
-void load_toml_text(std::string_view text, const std::string& name,
-                    const std::vector<OptionField>& fields);
+/// Sets the fields that a TOML text names. @param source  named in errors, as in "run.toml:3: ..."
+void assign_toml(std::string_view text, std::string_view source,
+                 const std::vector<OptionField>& fields);
+/// Sets the one field that "section.key=value" names.
+void assign_setting(std::string_view assignment, const std::vector<OptionField>& fields);
+std::string fields_to_toml(const std::vector<OptionField>& fields);
+std::vector<OptionInfo> describe(const std::vector<OptionField>& fields);
 
-/// Sets one option from "key=value". @throws BadInput as load_toml_text
-void apply_setting_text(std::string_view assignment, const std::vector<OptionField>& fields);
+/// Sets the options that a TOML text names; the others keep their values.
+/// @param source  where the text is from; errors start with "source:line: "
+/// @throws BadInput for a syntax error, an unknown key (naming the nearest), a value of the wrong
+///         type or outside its range; `options` is then unchanged
+template <class Options>
+void parse_toml(std::string_view text, std::string_view source, Options& options) {
+  Options copy = options;
+  assign_toml(text, source, option_fields(copy));
+  options = std::move(copy);
+}
 
-/// TOML text of the listed options, with their meaning as comments.
-std::string to_toml_text(const std::vector<OptionField>& fields);
-
-/// Reads a TOML file into an options struct; keys that it lacks keep their values. If it throws,
-/// the struct is as before.
+/// As parse_toml, from a file. @throws BadInput also if the file cannot be read
 template <class Options>
 void load_toml(const std::filesystem::path& path, Options& options) {
-  Options changed = options;
-  load_toml_text(read_file(path), path.string(), list_options(changed));
-  options = changed;
+  parse_toml(read_file(path), path.string(), options);
 }
 
-/// Sets one option of a struct from "section.key=value".
+/// Sets one option from "section.key=value"; a string's value is taken as it stands, unquoted.
+/// @throws BadInput as parse_toml, and if there is no "="; `options` is then unchanged
 template <class Options>
 void apply_setting(std::string_view assignment, Options& options) {
-  Options changed = options;
-  apply_setting_text(assignment, list_options(changed));
-  options = changed;
+  assign_setting(assignment, option_fields(options));
 }
 
-/// TOML text of a struct's options.
+/// TOML text of all options, with their docs and ranges as comments; parse_toml reads it back
+/// exactly.
 template <class Options>
 std::string to_toml(Options options) {
-  return to_toml_text(list_options(options));
+  return fields_to_toml(option_fields(options));
+}
+
+/// Every option with its type, value, range and doc.
+template <class Options>
+std::vector<OptionInfo> list_options(Options options) {
+  return describe(option_fields(options));
 }
 
 }  // namespace palpate

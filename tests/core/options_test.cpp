@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/core/options.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "error_message.hpp"
+
+namespace palpate {
+namespace {
+
+struct Lift {
+  double way = 0.1;
+  double speed = 0.05;
+
+  template <class Visitor>
+  void visit(Visitor&& v) {
+    v("way", way, 0.01, 0.3, "m, upwards");
+    v("speed", speed, 0.001, 0.5, "m/s");
+  }
+};
+
+struct Pick {
+  Lift lift;
+  int attempts = 3;
+  std::uint64_t start = 7;
+  bool table = true;
+  std::string object = "mug";
+
+  template <class Visitor>
+  void visit(Visitor&& v) {
+    v.section("lift", lift);
+    v("attempts", attempts, 1, 20, "grasps tried at most");
+    v("start", start, 0, std::numeric_limits<std::uint64_t>::max(), "first seed");
+    v("table", table, "there is a table");
+    v("object", object, "name or file");
+  }
+};
+
+struct Trial {
+  Pick pick;
+
+  template <class Visitor>
+  void visit(Visitor&& v) {
+    v.section("pick", pick);
+  }
+};
+
+std::string toml_error(std::string_view text, Pick options = {}) {
+  return error_message([&] { parse_toml(text, "run.toml", options); });
+}
+
+std::string setting_error(std::string_view assignment, Pick options = {}) {
+  return error_message([&] { apply_setting(assignment, options); });
+}
+
+TEST(Options, ReadsEveryKindFromToml) {
+  Pick options;
+  parse_toml(R"(attempts = 5
+start = 9223372036854775807
+table = false
+object = "my mug.ply"  # a comment
+[lift]
+way = 0.2
+)",
+             "run.toml", options);
+  EXPECT_EQ(options.attempts, 5);
+  EXPECT_EQ(options.start, 9223372036854775807u);
+  EXPECT_FALSE(options.table);
+  EXPECT_EQ(options.object, "my mug.ply");
+  EXPECT_EQ(options.lift.way, 0.2);
+  EXPECT_EQ(options.lift.speed, 0.05);
+}
+
+TEST(Options, ReadsDottedAndInlineTables) {
+  Pick options;
+  parse_toml("lift = {way = 0.2}", "run.toml", options);
+  EXPECT_EQ(options.lift.way, 0.2);
+  parse_toml("lift.way = 0.3", "run.toml", options);
+  EXPECT_EQ(options.lift.way, 0.3);
+}
+
+TEST(Options, AppliesSettings) {
+  Trial options;
+  for (const char* setting : {"pick.lift.way=0.25", "pick.attempts = 1", "pick.table=false",
+                              "pick.object=a = b", "pick.start=12"}) {
+    apply_setting(setting, options);
+  }
+  EXPECT_EQ(options.pick.lift.way, 0.25);
+  EXPECT_EQ(options.pick.attempts, 1);
+  EXPECT_FALSE(options.pick.table);
+  EXPECT_EQ(options.pick.object, "a = b");
+  EXPECT_EQ(options.pick.start, 12u);
+}
+
+TEST(Options, StringSettingMayLookLikeANumber) {
+  Pick options;
+  apply_setting("object=12", options);
+  EXPECT_EQ(options.object, "12");
+  apply_setting("object=", options);
+  EXPECT_EQ(options.object, "");
+}
+
+TEST(Options, NumberTakesAnIntegerButNotTheReverse) {
+  Trial options;
+  Lift wide;
+  EXPECT_EQ(error_message([&] { apply_setting("way=1", wide); }),
+            "way = 1 is outside 0.01 .. 0.3 (m, upwards)");
+  EXPECT_EQ(setting_error("attempts=2.0"), "attempts = 2.0 is not an integer");
+}
+
+TEST(Options, UnknownKeyNamesTheNearestAndTheLine) {
+  EXPECT_EQ(toml_error("attempts = 3\n[lift]\nwya = 0.2\n"),
+            "run.toml:3: unknown option lift.wya; did you mean lift.way?");
+  EXPECT_EQ(setting_error("way=0.2"), "unknown option way; did you mean lift.way?");
+  EXPECT_EQ(setting_error("lift.sped=0.2"), "unknown option lift.sped; did you mean lift.speed?");
+  EXPECT_EQ(toml_error("[lfit]\nway = 0.2\n"),
+            "run.toml:1: unknown option lfit; did you mean lift.way?");
+  EXPECT_EQ(toml_error("[[lift]]\nway = 0.2\n"),
+            "run.toml:1: unknown option lift; did you mean lift.way?");
+}
+
+TEST(Options, WrongTypeIsNamed) {
+  EXPECT_EQ(toml_error("[lift]\nway = 'fast'"), "run.toml:2: lift.way = 'fast' is not a number");
+  EXPECT_EQ(toml_error("table = 1"), "run.toml:1: table = 1 is not true or false");
+  EXPECT_EQ(toml_error("object = 1"), "run.toml:1: object = 1 is not a string");
+  EXPECT_EQ(toml_error("attempts = [1, 2]"), "run.toml:1: attempts = (array) is not an integer");
+  EXPECT_EQ(toml_error("[attempts]\nx = 1"), "run.toml:1: attempts = (table) is not an integer");
+  EXPECT_EQ(setting_error("lift.way="), "lift.way =  is not a number");
+  EXPECT_EQ(setting_error("attempts=1x"), "attempts = 1x is not an integer");
+  EXPECT_EQ(setting_error("lift.way"), "\"lift.way\" is not of the form key=value");
+}
+
+TEST(Options, RangeIsNamed) {
+  EXPECT_EQ(toml_error("\nattempts = 21"),
+            "run.toml:2: attempts = 21 is outside 1 .. 20 (grasps tried at most)");
+  EXPECT_EQ(setting_error("start=-1"),
+            "start = -1 is outside 0 .. 9223372036854775807 (first seed)");
+  EXPECT_EQ(setting_error("attempts=5000000000"),
+            "attempts = 5000000000 is outside 1 .. 20 (grasps tried at most)");
+  EXPECT_EQ(setting_error("lift.way=nan"), "lift.way = nan is outside 0.01 .. 0.3 (m, upwards)");
+  EXPECT_NE(toml_error("lift.way = inf"), "");
+}
+
+TEST(Options, RangeIncludesItsEnds) {
+  Pick options;
+  apply_setting("attempts=20", options);
+  apply_setting("lift.way=0.01", options);
+  EXPECT_EQ(options.attempts, 20);
+  EXPECT_EQ(options.lift.way, 0.01);
+}
+
+TEST(Options, SyntaxErrorIsOneLineWithItsLine) {
+  const std::string message = toml_error("attempts = 3\nlift = = 2\n");
+  EXPECT_EQ(message.rfind("run.toml:2: ", 0), 0u) << message;
+  EXPECT_EQ(message.find('\n'), std::string::npos);
+}
+
+TEST(Options, ErrorLeavesTheOptionsUnchanged) {
+  Pick options;
+  EXPECT_THROW(parse_toml("attempts = 5\ntable = false\nlift.way = 9", "run.toml", options),
+               BadInput);
+  EXPECT_EQ(options.attempts, 3);
+  EXPECT_TRUE(options.table);
+}
+
+TEST(Options, MissingFileIsBadInput) {
+  Pick options;
+  EXPECT_THROW(load_toml("no/such/file.toml", options), BadInput);
+}
+
+TEST(Options, WritesTomlThatReadsBackExactly) {
+  Trial options;
+  options.pick.lift.way = 0.1 + 0.2 * 0.7;
+  options.pick.lift.speed = 1.0 / 3;
+  options.pick.object = "a \"b\" \\ c\n\u00e9";
+  options.pick.table = false;
+  options.pick.attempts = 19;
+  Trial read;
+  parse_toml(to_toml(options), "written", read);
+  EXPECT_EQ(read.pick.lift.way, options.pick.lift.way);
+  EXPECT_EQ(read.pick.lift.speed, options.pick.lift.speed);
+  EXPECT_EQ(read.pick.object, options.pick.object);
+  EXPECT_EQ(read.pick.table, options.pick.table);
+  EXPECT_EQ(read.pick.attempts, options.pick.attempts);
+}
+
+TEST(Options, TomlTextHasRootFirstAndDocs) {
+  EXPECT_EQ(to_toml(Pick{}),
+            "attempts = 3                      # grasps tried at most (1 .. 20)\n"
+            "start = 7                         # first seed (0 .. 9223372036854775807)\n"
+            "table = true                      # there is a table\n"
+            "object = 'mug'                    # name or file\n"
+            "\n[lift]\n"
+            "way = 0.1                         # m, upwards (0.01 .. 0.3)\n"
+            "speed = 0.05                      # m/s (0.001 .. 0.5)\n");
+}
+
+TEST(Options, ListsKeysWithDocs) {
+  const auto options = list_options(Trial{});
+  ASSERT_EQ(options.size(), 6u);
+  EXPECT_EQ(options[0].key, "pick.lift.way");
+  EXPECT_EQ(options[0].type, "number");
+  EXPECT_EQ(options[0].value, "0.1");
+  EXPECT_EQ(options[0].range, "0.01 .. 0.3");
+  EXPECT_EQ(options[0].doc, "m, upwards");
+  EXPECT_EQ(options[4].type, "bool");
+  EXPECT_EQ(options[4].range, "");
+}
+
+}  // namespace
+}  // namespace palpate
