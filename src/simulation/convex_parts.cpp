@@ -65,6 +65,7 @@ std::vector<geometry::TriangleMesh> decompose(const geometry::TriangleMesh& mesh
 }  // namespace
 
 std::vector<geometry::TriangleMesh> convex_parts(const geometry::TriangleMesh& mesh) {
+  if (mesh.triangles.empty()) throw BadInput("a mesh of 0 triangles has no convex parts");
   std::vector<geometry::TriangleMesh> parts = decompose(mesh);
   if (parts.empty()) {
     throw BadInput(

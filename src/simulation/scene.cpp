@@ -7,6 +7,7 @@
 #include <cmath>
 #include <string>
 
+#include "exact_contact.hpp"
 #include "hand_spec.hpp"
 #include "palpate/core/assets.hpp"
 #include "palpate/core/error.hpp"
@@ -23,18 +24,22 @@ constexpr double kRollFriction = 0.0002;
 constexpr double kContactTime = 0.007;  // s
 constexpr std::array<double, 5> kObjectImpedance = {0.9, 0.95, 0.001, 0.5, 2};
 
-// Who meets whom: type of one and affinity of the other must share a bit. Links of the hand and the
-// table meet all but what is touched exactly; fingertips are solid too.
+// Who meets whom: type of one and affinity of the other must share a bit. Fingertips meet the
+// object's true surface, all else its convex parts.
 struct ContactBits {
   int type, affinity;
 };
 constexpr ContactBits kSolidBits = {1, 7};
 constexpr ContactBits kPartBits = {2, 2};
+constexpr ContactBits kTipBits = {4, 12};
+constexpr ContactBits kSurfaceBits = {8, 0};
 
 void set_bits(mjsGeom& geom, ContactBits bits) {
   geom.contype = bits.type;
   geom.conaffinity = bits.affinity;
 }
+
+constexpr const char* kSurface = "surface";
 
 struct BaseAxis {
   const char* name;
@@ -79,6 +84,7 @@ void set_solver(mjSpec& spec, const WorldOptions& options) {
   spec.option.cone = mjCONE_ELLIPTIC;  // with pyramids objects slip out of the hand
   spec.option.impratio = 10;
   spec.option.noslip_iterations = 5;
+  spec.nuser_geom = kExactContactUserData;
   spec.option.disableflags |= mjDSBL_AUTORESET;  // a diverged world must stay visible
 }
 
@@ -136,8 +142,9 @@ void prepare_hand(mjSpec& spec, const WorldOptions& options) {
     set_bits(*mjs_asGeom(e), kSolidBits);
   }
   for (int finger = 0; finger < hand::kFingers; ++finger) {
-    mjsElement* tip = mjs_findElement(&spec, mjOBJ_GEOM, mjcf_tip(finger).c_str());
-    mjs_asGeom(tip)->solref[0] = kContactTime;
+    mjsGeom& tip = *mjs_asGeom(mjs_findElement(&spec, mjOBJ_GEOM, mjcf_tip(finger).c_str()));
+    tip.solref[0] = kContactTime;
+    set_bits(tip, kTipBits);
   }
   for (mjsElement* e = mjs_firstElement(&spec, mjOBJ_BODY); e; e = mjs_nextElement(&spec, e)) {
     mjs_asBody(e)->gravcomp = 1;
@@ -198,6 +205,9 @@ void add_object(mjSpec& spec, const geometry::KnownObject& object, const WorldOp
     set_friction(geom, options.hand_friction);
     set_bits(geom, kPartBits);
   }
+  mjsGeom& surface = add_mesh_geom(spec, body, kSurface, object.mesh);
+  set_friction(surface, options.hand_friction);
+  set_bits(surface, kSurfaceBits);
 }
 
 void locate(Scene& scene) {
@@ -223,7 +233,8 @@ void locate(Scene& scene) {
 
 }  // namespace
 
-Scene compose_scene(const geometry::KnownObject& object, const WorldOptions& options) {
+Scene compose_scene(const geometry::KnownObject& object, const geometry::CapsuleCollider& surface,
+                    const WorldOptions& options) {
   check(options);
   const SpecHandle spec = parse_shadow_hand(asset("shadow_hand/right_hand.xml"));
   prepare_hand(*spec, options);
@@ -233,6 +244,7 @@ Scene compose_scene(const geometry::KnownObject& object, const WorldOptions& opt
   add_object(*spec, object, options);
   Scene scene{.model = compile(*spec)};
   locate(scene);
+  use_exact_surface(*scene.model, find_id(*scene.model, mjOBJ_GEOM, kSurface), surface);
   return scene;
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 
 #include "mujoco_handles.hpp"
+#include "palpate/geometry/capsule_collider.hpp"
 #include "palpate/geometry/known_object.hpp"
 #include "palpate/hand/joints.hpp"
 #include "palpate/simulation/world.hpp"
@@ -24,8 +25,10 @@ struct Scene {
 };
 
 /// Composes the scene: the options of the solver, the table, the hand on its driven base and the
-/// object of convex parts.
+/// object: its true surface for the fingertips, convex parts for all else.
+/// @param surface  of the object, in its frame; must outlive the scene
 /// @throws BadInput for options that are not positive, or if the hand or the object cannot be used
-Scene compose_scene(const geometry::KnownObject& object, const WorldOptions& options);
+Scene compose_scene(const geometry::KnownObject& object, const geometry::CapsuleCollider& surface,
+                    const WorldOptions& options);
 
 }  // namespace palpate::simulation

@@ -84,11 +84,10 @@ hand::TipContact with_noise(hand::TipContact contact, const SensorNoise& noise,
 
 }  // namespace
 
-SimulatedHand::SimulatedHand(const Scene& scene, mjData& data, const geometry::MeshQuery& surface,
-                             const SensorNoise& noise, const RandomStream& random)
+SimulatedHand::SimulatedHand(const Scene& scene, mjData& data, const SensorNoise& noise,
+                             const RandomStream& random)
     : scene_(scene),
       data_(data),
-      surface_(surface),
       noise_(noise),
       random_(random),
       steps_a_tick_(static_cast<int>(std::lround(hand::kTick / scene.model->opt.timestep))),

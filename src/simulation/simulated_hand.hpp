@@ -2,7 +2,6 @@
 #pragma once
 
 #include "palpate/core/random.hpp"
-#include "palpate/geometry/mesh_query.hpp"
 #include "palpate/hand/hand.hpp"
 #include "scene.hpp"
 
@@ -11,9 +10,9 @@ namespace palpate::simulation {
 /// The Shadow hand of a scene: drives its actuators and reads its noisy sensors.
 class SimulatedHand : public hand::Hand {
  public:
-  /// Keeps references: scene, data and surface must outlive the hand.
-  SimulatedHand(const Scene& scene, mjData& data, const geometry::MeshQuery& surface,
-                const SensorNoise& noise, const RandomStream& random);
+  /// Keeps references: scene and data must outlive the hand.
+  SimulatedHand(const Scene& scene, mjData& data, const SensorNoise& noise,
+                const RandomStream& random);
 
   const std::array<hand::Actuator, hand::kActuators>& actuators() const override {
     return actuators_;
@@ -31,7 +30,6 @@ class SimulatedHand : public hand::Hand {
 
   const Scene& scene_;
   mjData& data_;
-  const geometry::MeshQuery& surface_;
   SensorNoise noise_;
   RandomStream random_;
   std::uint64_t tick_ = 0;

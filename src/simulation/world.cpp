@@ -39,16 +39,18 @@ double lowest_point(const geometry::TriangleMesh& mesh, const Eigen::Isometry3d&
 struct World::Impl {
   Impl(const geometry::KnownObject& known, const WorldOptions& options, const RandomStream& random)
       : object(known),
-        surface(known.mesh),
-        scene(compose_scene(known, options)),
+        mesh(known.mesh),
+        surface(mesh),
+        scene(compose_scene(known, surface, options)),
         data(make_data(*scene.model)),
         believed(believed_hand(options.noise, random)),
-        hand(scene, *data, surface, options.noise, random.fork("readers")) {}
+        hand(scene, *data, options.noise, random.fork("readers")) {}
 
   void place_object(const Start& start);
 
   geometry::KnownObject object;
-  geometry::MeshQuery surface;
+  geometry::MeshQuery mesh;
+  geometry::CapsuleCollider surface;
   Scene scene;
   DataHandle data;
   hand::HandModel believed;

@@ -9,26 +9,6 @@
 namespace palpate::simulation {
 namespace {
 
-/// Prism of a counter-clockwise star-shaped outline about its first corner, of the given height
-/// (m).
-geometry::TriangleMesh prism(const std::vector<Eigen::Vector2d>& outline, double height) {
-  geometry::TriangleMesh mesh;
-  const int n = static_cast<int>(outline.size());
-  for (double z : {0.0, height}) {
-    for (const Eigen::Vector2d& p : outline) mesh.vertices.emplace_back(p.x(), p.y(), z);
-  }
-  for (int i = 1; i + 1 < n; ++i) {
-    mesh.triangles.push_back({0, i + 1, i});
-    mesh.triangles.push_back({n, n + i, n + i + 1});
-  }
-  for (int i = 0; i < n; ++i) {
-    const int next = (i + 1) % n;
-    mesh.triangles.push_back({i, next, n + next});
-    mesh.triangles.push_back({i, n + next, n + i});
-  }
-  return mesh;
-}
-
 /// An L of two arms; its inner corner comes first.
 geometry::TriangleMesh bracket() {
   return prism({{0.02, 0.02}, {0.02, 0.08}, {0, 0.08}, {0, 0}, {0.12, 0}, {0.12, 0.02}}, 0.04);

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <string_view>
+#include <vector>
 
 #include "palpate/geometry/known_object.hpp"
 #include "palpate/hand/hand.hpp"
@@ -17,6 +19,25 @@ inline geometry::TriangleMesh cuboid_mesh(const Eigen::Vector3d& size) {
   }
   mesh.triangles = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
                     {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
+  return mesh;
+}
+
+/// Prism of an outline (m) that is star-shaped about its first corner, counter-clockwise, from z =
+/// 0 to `height` (m).
+inline geometry::TriangleMesh prism(const std::vector<Eigen::Vector2d>& outline, double height) {
+  geometry::TriangleMesh mesh;
+  const int n = static_cast<int>(outline.size());
+  for (double z : {0.0, height}) {
+    for (const Eigen::Vector2d& p : outline) mesh.vertices.emplace_back(p.x(), p.y(), z);
+  }
+  for (int i = 0; i < n; ++i) {
+    const int next = (i + 1) % n;
+    mesh.triangles.push_back({i, next, n + next});
+    mesh.triangles.push_back({i, n + next, n + i});
+    if (i == 0 || next == 0) continue;
+    mesh.triangles.push_back({0, next, i});
+    mesh.triangles.push_back({n, n + i, n + next});
+  }
   return mesh;
 }
 
@@ -36,6 +57,23 @@ inline geometry::KnownObject cuboid(const Eigen::Vector3d& size, double mass) {
 
 /// A broad block that pressing hands do not tip over.
 inline geometry::KnownObject block() { return cuboid({0.2, 0.2, 0.06}, 1.0); }
+
+/// The block with a round trough along its top, 15 mm deep, whose convex parts are not exact.
+inline geometry::KnownObject trough() {
+  std::vector<Eigen::Vector2d> outline = {{0, -0.03}, {0.1, -0.03}, {0.1, 0.03}};
+  for (int i = -8; i <= 8; ++i) {
+    const double x = -0.08 * i / 8.0;
+    outline.emplace_back(x, 0.03 - 0.015 * (1 - x * x / (0.08 * 0.08)));
+  }
+  outline.emplace_back(-0.1, 0.03);
+  outline.emplace_back(-0.1, -0.03);
+  geometry::KnownObject object = block();
+  Eigen::Isometry3d upright = Eigen::Isometry3d::Identity();
+  upright.linear() << 1, 0, 0, 0, 0, -1, 0, 1, 0;
+  upright.translation().y() = 0.1;
+  object.mesh = geometry::transformed(upright, prism(outline, 0.2));
+  return object;
+}
 
 inline WorldOptions without_noise() {
   WorldOptions options;
@@ -59,14 +97,14 @@ inline hand::HandCommand fingers_down(double z) {
   return command;
 }
 
-/// Presses the fingertips onto the block and returns the last reading.
-inline hand::HandReading press_block(World& world, int ticks = 100) {
-  constexpr double kStart = 0.12, kDepth = 0.03;  // m
+/// Lowers the fingertips onto the object by `depth` (m) and returns the last reading.
+inline hand::HandReading press_block(World& world, int ticks = 100, double depth = 0.03) {
+  constexpr double kStart = 0.12;  // m
   world.reset({}, fingers_down(kStart));
   hand::HandReading reading;
   for (int tick = 0; tick < ticks; ++tick) {
     const double way = std::min(1.0, tick / (0.6 * ticks));
-    reading = world.hand().step(fingers_down(kStart - way * kDepth));
+    reading = world.hand().step(fingers_down(kStart - way * depth));
   }
   return reading;
 }

@@ -3,11 +3,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <thread>
 
 #include "palpate/core/assets.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/se3.hpp"
+#include "palpate/geometry/mesh_query.hpp"
 #include "palpate/hand/kinematics.hpp"
 #include "simulation/scenes.hpp"
 
@@ -117,6 +120,30 @@ TEST(World, TheDrivesCarryWhatTheTipsPress) {
   }
   EXPECT_LT(pressed.z(), -1.0);
   EXPECT_LT((pressed - reading.base_force).norm(), 0.05 * pressed.norm());
+}
+
+TEST(World, TipsTouchTheTrueSurface) {
+  const geometry::KnownObject object = trough();
+  const geometry::MeshQuery surface(object.mesh);
+  World world(object, without_noise(), 1);
+  const hand::HandReading reading = press_block(world, 200, 0.04);
+  const auto T_base_link = hand::forward_kinematics(world.hand_model(), reading.joints);
+  const Eigen::Isometry3d T_object_base =
+      world.truth().T_world_object.inverse() * reading.base.pose();
+  ASSERT_GE(contacts(reading), 1);
+  for (std::size_t i = 0; i < hand::kFingers; ++i) {
+    const auto& tip = world.hand_model().tips[i];
+    const auto link = static_cast<std::size_t>(world.hand_model().distal[i]);
+    const Eigen::Isometry3d T = T_object_base * T_base_link[link];
+    for (const hand::TipContact& contact : reading.contacts[i]) {
+      const double z = std::clamp(contact.p.z(), tip.a.z(), tip.b.z());
+      const Eigen::Vector3d center = T * Eigen::Vector3d(0, 0, z);
+      const geometry::ClosestPoint closest = surface.closest_point(center);
+      EXPECT_LT((T * contact.p - closest.point).norm(), 2e-4);
+      const Eigen::Vector3d out = (center - closest.point).normalized();
+      EXPECT_LT(std::acos(std::min(1.0, out.dot(T.linear() * contact.n))), 0.5 * M_PI / 180);
+    }
+  }
 }
 
 TEST(World, ResetGivesTheSameReadingsAgain) {
