@@ -1,1 +1,95 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "palpate/localization/localizer.hpp"
+
+#include <algorithm>
+#include <chrono>
+
+#include "check_evidence.hpp"
+#include "contact_term.hpp"
+#include "free_space_term.hpp"
+#include "modes.hpp"
+#include "moves.hpp"
+#include "proposal.hpp"
+#include "table_term.hpp"
+#include "tempering.hpp"
+
+namespace palpate::localization {
+namespace {
+
+constexpr double kCertain = 0.95;
+constexpr int kWeighingShare = 2;  // the population that weighs the modes is so many times smaller
+
+Energy energy_at(const ObjectModel& model, const Evidence& evidence,
+                 const LocalizerOptions& options, double scale) {
+  Energy energy;  // cheap and telling terms first
+  if (evidence.table) energy.add(std::make_unique<TableTerm>(model, *evidence.table));
+  if (!evidence.contacts.empty()) {
+    energy.add(std::make_unique<ContactTerm>(model, evidence, options.contact_offset, scale));
+  }
+  if (!evidence.free_space.empty()) {
+    energy.add(std::make_unique<FreeSpaceTerm>(model, evidence, scale));
+  }
+  return energy;
+}
+
+std::vector<PosePoint> poses_of(const std::vector<Particle>& particles) {
+  std::vector<PosePoint> result;
+  for (const Particle& particle : particles) {
+    result.emplace_back(Eigen::Quaterniond(particle.pose.R.cast<double>()).normalized(),
+                        particle.pose.t.cast<double>());
+  }
+  return result;
+}
+
+/// Whether the best pose leaves more than half of the contacts unexplained.
+bool contradicted(const std::vector<Particle>& particles, const ObjectModel& model,
+                  const Evidence& evidence, const LocalizerOptions& options) {
+  const auto best =
+      std::min_element(particles.begin(), particles.end(),
+                       [](const Particle& a, const Particle& b) { return a.energy < b.energy; });
+  const ContactTerm contacts(model, evidence, options.contact_offset, 1.0);
+  return 2 * contacts.unexplained(best->pose) > static_cast<int>(contacts.size());
+}
+
+PoseStatus status_of(const std::vector<Mode>& modes) {
+  if (modes.empty()) return PoseStatus::no_pose;
+  const Mode& best = modes.front();
+  return best.weight > kCertain && !best.free_axis ? PoseStatus::certain : PoseStatus::ambiguous;
+}
+
+Posterior search(const ObjectModel& model, const Evidence& evidence, const RandomStream& random,
+                 const LocalizerOptions& options) {
+  const auto proposal = make_proposal(model, evidence, options);
+  const Moves moves(model, evidence);
+  const Target target{*proposal, moves,
+                      [&](double scale) { return energy_at(model, evidence, options, scale); }};
+  LocalizerOptions smaller = options;
+  smaller.proposals /= kWeighingShare;
+  smaller.particles /= kWeighingShare;
+  const auto chosen_on = sample_posterior(target, options, random.fork("choosing"));
+  if (chosen_on.empty() || contradicted(chosen_on, model, evidence, options)) return {};
+  const auto weighed_on = sample_posterior(target, smaller, random.fork("weighing"));
+  if (weighed_on.empty()) return {};
+  Posterior posterior;
+  posterior.modes = find_modes(poses_of(chosen_on), poses_of(weighed_on),
+                               symmetry_quaternions(model.object().symmetries));
+  posterior.status = status_of(posterior.modes);
+  return posterior;
+}
+
+}  // namespace
+
+Posterior localize(const ObjectModel& model, const Evidence& evidence, RandomStream random,
+                   const LocalizerOptions& options) {
+  const auto start = std::chrono::steady_clock::now();
+  check_evidence(model, evidence);
+  Posterior posterior;
+  if (evidence.table || !evidence.contacts.empty()) {
+    posterior = search(model, evidence, random, options);
+  }
+  posterior.seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return posterior;
+}
+
+}  // namespace palpate::localization

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "contact_term.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace palpate::localization {
+namespace {
+
+constexpr double kFalseVolume = 1e-3;      // m^3 in which a false contact may lie
+constexpr double kWidestNormal = 0.6;      // rad; a wider normal says nothing
+constexpr float kShortestGradient = 0.3F;  // interpolated across a medial sheet: no direction
+constexpr float kHopeless = 30;            // misfit whose likelihood rounds to that of a false one
+
+double true_to_false_odds(double false_share, double area, double sp, double sn) {
+  using std::numbers::pi;
+  const double point_density = 1 / (area * std::sqrt(2 * pi) * sp);
+  const double normal_density = 1 / (2 * pi * sn * sn * (1 - std::exp(-2 / (sn * sn))));
+  const double false_density = 1 / (kFalseVolume * 4 * pi);
+  return (1 - false_share) / false_share * point_density * normal_density / false_density;
+}
+
+}  // namespace
+
+ContactTerm::ContactTerm(const ObjectModel& model, const Evidence& evidence, double offset,
+                         double scale)
+    : field_(model.field()), offset_(static_cast<float>(offset)) {
+  for (const touch::Contact& contact : evidence.contacts) {
+    const double sp = scale * contact.point_sigma;
+    const double sn = std::min(scale * contact.normal_sigma, kWidestNormal);
+    const double odds = true_to_false_odds(evidence.false_contact_share, model.area(), sp, sn);
+    const Eigen::Vector3d n = contact.n.normalized();
+    contacts_.push_back({(contact.p + offset * n).cast<float>(), n.cast<float>(),
+                         static_cast<float>(0.5 / (sp * sp)), static_cast<float>(1 / (sn * sn)),
+                         static_cast<float>(odds), static_cast<float>(std::log1p(odds))});
+  }
+}
+
+float ContactTerm::misfit(const Datum& contact, const SearchPose& pose) const {
+  const auto sample = field_.at(pose.R.transpose() * (contact.raised - pose.t));
+  if (!sample) return kHopeless;
+  const float away = sample->distance - offset_;
+  const float length = std::max(kShortestGradient, sample->gradient.norm());
+  const float aligned = (pose.R.transpose() * contact.n).dot(sample->gradient) / length;
+  return away * away * contact.half_point_precision + (1 - aligned) * contact.normal_precision;
+}
+
+float ContactTerm::contact_energy(std::size_t k, const SearchPose& pose) const {
+  const Datum& contact = contacts_[k];
+  const float q = misfit(contact, pose);
+  return q < kHopeless ? contact.cap - std::log1p(contact.odds * std::exp(-q)) : contact.cap;
+}
+
+float ContactTerm::energy(const SearchPose& pose, float bound) const {
+  float sum = 0;
+  for (std::size_t k = 0; k < contacts_.size() && sum <= bound; ++k) {
+    sum += contact_energy(k, pose);
+  }
+  return sum;
+}
+
+int ContactTerm::unexplained(const SearchPose& pose) const {
+  return static_cast<int>(std::count_if(
+      contacts_.begin(), contacts_.end(),
+      [&](const Datum& contact) { return contact.odds * std::exp(-misfit(contact, pose)) < 1; }));
+}
+
+}  // namespace palpate::localization

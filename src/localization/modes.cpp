@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "modes.hpp"
+
+#include <algorithm>
+
+#include "free_axis_fit.hpp"
+#include "palpate/core/se3.hpp"
+
+namespace palpate::localization {
+namespace {
+
+constexpr std::size_t kMostModes = 16;
+constexpr std::size_t kCandidates = 100;  // centres tried for a ball
+constexpr double kLeastShare = 0.004;     // of the poses, for a mode
+constexpr double kAxisGain = 1.5;         // times a ball's poses that a free axis must hold
+
+using Poses = std::vector<PosePoint>;
+
+struct Cluster {
+  PoseFamily family;
+  Poses members;
+};
+
+Poses members_of(const PoseFamily& family, const Poses& poses,
+                 const PoseFamily::Symmetries& symmetries) {
+  Poses result;
+  for (const PosePoint& pose : poses) {
+    if (family.contains(pose, symmetries)) result.push_back(pose);
+  }
+  return result;
+}
+
+/// The members' mean, each in the symmetric copy nearest to the centre.
+PosePoint centered(const PosePoint& center, const Poses& members,
+                   const PoseFamily::Symmetries& symmetries) {
+  Poses images;
+  for (const PosePoint& member : members) {
+    images.push_back(PoseFamily(center).match(member, symmetries).image);
+  }
+  return mean_pose(images);
+}
+
+Cluster fullest_ball(const Poses& poses, const PoseFamily::Symmetries& symmetries) {
+  const std::size_t stride = std::max<std::size_t>(1, poses.size() / kCandidates);
+  std::size_t best = 0;
+  std::ptrdiff_t most = 0;
+  for (std::size_t i = 0; i < poses.size(); i += stride) {
+    const PoseFamily ball(poses[i]);
+    const auto held = std::count_if(poses.begin(), poses.end(), [&](const PosePoint& pose) {
+      return ball.contains(pose, symmetries);
+    });
+    if (held <= most) continue;
+    most = held;
+    best = i;
+  }
+  const PoseFamily rough(poses[best]);
+  const PoseFamily ball(centered(poses[best], members_of(rough, poses, symmetries), symmetries));
+  Poses members = members_of(ball, poses, symmetries);
+  if (static_cast<std::ptrdiff_t>(members.size()) < most) {
+    return {rough, members_of(rough, poses, symmetries)};
+  }
+  return {ball, std::move(members)};
+}
+
+Cluster fullest_cluster(const Poses& poses, const PoseFamily::Symmetries& symmetries) {
+  Cluster ball = fullest_ball(poses, symmetries);
+  const auto enough =
+      static_cast<std::size_t>(kAxisGain * static_cast<double>(ball.members.size()));
+  if (enough > poses.size()) return ball;
+  const auto family = fit_free_axis(poses, ball.family.pose(), symmetries);
+  if (!family) return ball;
+  Cluster arc{*family, members_of(*family, poses, symmetries)};
+  return arc.members.size() > enough ? arc : ball;
+}
+
+/// Removes from `poses` what the family holds and returns how many that were.
+std::size_t take(const PoseFamily& family, const PoseFamily::Symmetries& symmetries, Poses& poses) {
+  return std::erase_if(poses, [&](const PosePoint& p) { return family.contains(p, symmetries); });
+}
+
+std::vector<Cluster> cover(Poses poses, const PoseFamily::Symmetries& symmetries) {
+  const auto least = static_cast<std::size_t>(kLeastShare * static_cast<double>(poses.size()));
+  std::vector<Cluster> clusters;
+  while (clusters.size() < kMostModes && !poses.empty()) {
+    Cluster cluster = fullest_cluster(poses, symmetries);
+    if (cluster.members.size() <= least) break;
+    take(cluster.family, symmetries, poses);
+    clusters.push_back(std::move(cluster));
+  }
+  std::stable_sort(clusters.begin(), clusters.end(), [](const Cluster& a, const Cluster& b) {
+    return a.members.size() > b.members.size();
+  });
+  return clusters;
+}
+
+/// Spread of the members about the family, at the family's pose.
+Matrix6d covariance(const Cluster& cluster, const PoseFamily::Symmetries& symmetries) {
+  Matrix6d sum = Matrix6d::Zero();
+  for (const PosePoint& member : cluster.members) {
+    const auto match = cluster.family.match(member, symmetries);
+    const PosePoint nearest = cluster.family.at(match.along);
+    const Eigen::Quaterniond back = cluster.family.pose().q * nearest.q.conjugate();
+    Vector6d deviation;
+    deviation << back * log_so3((match.image.q * nearest.q.conjugate()).toRotationMatrix()),
+        back * (match.image.t - nearest.t);
+    sum += deviation * deviation.transpose();
+  }
+  return sum / static_cast<double>(cluster.members.size());
+}
+
+/// The nearest sequence that does not increase (pool adjacent violators).
+void make_decreasing(std::vector<Mode>& modes) {
+  for (std::size_t last = 1; last < modes.size(); ++last) {
+    std::size_t first = last;
+    double sum = modes[last].weight;
+    while (first > 0 && modes[first - 1].weight < sum / static_cast<double>(last + 1 - first)) {
+      sum += modes[--first].weight;
+    }
+    const double mean = sum / static_cast<double>(last + 1 - first);
+    for (std::size_t i = first; i <= last; ++i) modes[i].weight = mean;
+  }
+}
+
+}  // namespace
+
+std::vector<Mode> find_modes(const Poses& chosen_on, const Poses& weighed_on,
+                             const PoseFamily::Symmetries& symmetries) {
+  Poses left = weighed_on;
+  std::vector<Mode> modes;
+  for (const Cluster& cluster : cover(chosen_on, symmetries)) {
+    Mode mode;
+    mode.T_frame_object = cluster.family.pose().isometry();
+    mode.weight = static_cast<double>(take(cluster.family, symmetries, left)) /
+                  static_cast<double>(weighed_on.size());
+    mode.covariance = covariance(cluster, symmetries);
+    mode.free_axis = cluster.family.axis();
+    modes.push_back(std::move(mode));
+  }
+  make_decreasing(modes);
+  std::erase_if(modes, [](const Mode& mode) { return mode.weight <= 0; });
+  return modes;
+}
+
+}  // namespace palpate::localization

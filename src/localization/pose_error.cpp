@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/localization/posterior.hpp"
+#include "pose_family.hpp"
+
+namespace palpate::localization {
+namespace {
+
+constexpr double kCredible = 0.95;
+
+PoseFamily family_of(const Mode& mode) {
+  const PosePoint pose(mode.T_frame_object);
+  return mode.free_axis ? PoseFamily(pose, *mode.free_axis) : PoseFamily(pose);
+}
+
+}  // namespace
+
+std::string_view to_string(PoseStatus status) {
+  switch (status) {
+    case PoseStatus::certain:
+      return "certain";
+    case PoseStatus::ambiguous:
+      return "ambiguous";
+    case PoseStatus::no_pose:
+      return "no_pose";
+  }
+  return "unknown";
+}
+
+PoseError pose_error(const Eigen::Isometry3d& estimate, const Eigen::Isometry3d& truth,
+                     const std::vector<Eigen::Matrix3d>& symmetries) {
+  const PoseFamily family{PosePoint(estimate)};
+  return family.match(PosePoint(truth), symmetry_quaternions(symmetries)).error;
+}
+
+PoseError mode_error(const Mode& mode, const Eigen::Isometry3d& truth,
+                     const std::vector<Eigen::Matrix3d>& symmetries) {
+  return family_of(mode).match(PosePoint(truth), symmetry_quaternions(symmetries)).error;
+}
+
+bool truth_in_modes(const Posterior& posterior, const Eigen::Isometry3d& truth,
+                    const std::vector<Eigen::Matrix3d>& symmetries) {
+  const auto copies = symmetry_quaternions(symmetries);
+  double covered = 0;
+  for (const Mode& mode : posterior.modes) {
+    if (covered >= kCredible) break;
+    if (family_of(mode).contains(PosePoint(truth), copies)) return true;
+    covered += mode.weight;
+  }
+  return false;
+}
+
+}  // namespace palpate::localization

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "proposal.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "contact_term.hpp"
+#include "palpate/core/se3.hpp"
+#include "table_term.hpp"
+
+namespace palpate::localization {
+namespace {
+
+constexpr std::size_t kMostAnchors = 5;
+
+/// Contacts far from each other: each the farthest from those before it.
+std::vector<touch::Contact> spread_contacts(const std::vector<touch::Contact>& contacts) {
+  std::vector<touch::Contact> chosen;
+  std::vector<double> gap(contacts.size(), std::numeric_limits<double>::infinity());
+  std::size_t next = 0;
+  while (chosen.size() < std::min(kMostAnchors, contacts.size())) {
+    chosen.push_back(contacts[next]);
+    for (std::size_t k = 0; k < contacts.size(); ++k) {
+      gap[k] = std::min(gap[k], (contacts[k].p - chosen.back().p).squaredNorm());
+    }
+    next = static_cast<std::size_t>(std::max_element(gap.begin(), gap.end()) - gap.begin());
+  }
+  return chosen;
+}
+
+/// Poses that put some point of the surface at one of the contacts: a mixture of the posteriors
+/// given a single contact each.
+class AnchorProposal : public Proposal {
+ public:
+  AnchorProposal(const ObjectModel& model, Evidence evidence, double offset)
+      : surface_(model.surface()),
+        anchors_(spread_contacts(evidence.contacts)),
+        likelihood_(model, with_contacts(std::move(evidence), anchors_), offset, 1.0) {}
+
+  SearchPose draw(RandomStream& random) const override {
+    const touch::Contact& anchor = anchors_[random.index(anchors_.size())];
+    const auto& touched = surface_[random.index(surface_.size())];
+    const Eigen::Matrix3d tangent = frame_with_z(anchor.n);
+    const Eigen::Vector3d jitter(random.normal(), random.normal(), 0);
+    const Eigen::Vector3d n = (anchor.n + anchor.normal_sigma * (tangent * jitter)).normalized();
+    const double roll = random.uniform(-std::numbers::pi, std::numbers::pi);
+    const Eigen::Matrix3d onto = frame_with_z(n) * exp_so3(Eigen::Vector3d(0, 0, roll));
+    SearchPose pose;
+    pose.R = (onto * frame_with_z(touched.n.cast<double>()).transpose()).cast<float>();
+    const Eigen::Vector3d at = anchor.p + anchor.point_sigma * random.normal3();
+    pose.t = at.cast<float>() - pose.R * touched.p;
+    return pose;
+  }
+
+  float energy(const SearchPose& pose) const override {
+    float density = 0;
+    for (std::size_t k = 0; k < anchors_.size(); ++k) {
+      density += std::exp(-likelihood_.contact_energy(k, pose));
+    }
+    return -std::log(density);
+  }
+
+ private:
+  static Evidence with_contacts(Evidence evidence, const std::vector<touch::Contact>& contacts) {
+    evidence.contacts = contacts;
+    return evidence;
+  }
+
+  const std::vector<ObjectModel::SurfacePoint>& surface_;
+  std::vector<touch::Contact> anchors_;
+  ContactTerm likelihood_;
+};
+
+class TableProposal : public Proposal {
+ public:
+  TableProposal(const ObjectModel& model, const TableSupport& table) : prior_(model, table) {}
+  SearchPose draw(RandomStream& random) const override { return prior_.draw(random); }
+  float energy(const SearchPose& pose) const override { return prior_.energy(pose, kNoBound); }
+
+ private:
+  TableTerm prior_;
+};
+
+}  // namespace
+
+std::unique_ptr<Proposal> make_proposal(const ObjectModel& model, const Evidence& evidence,
+                                        const LocalizerOptions& options) {
+  if (evidence.table) return std::make_unique<TableProposal>(model, *evidence.table);
+  return std::make_unique<AnchorProposal>(model, evidence, options.contact_offset);
+}
+
+}  // namespace palpate::localization

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+
+#include "palpate/core/random.hpp"
+#include "palpate/localization/localizer.hpp"
+#include "search_pose.hpp"
+
+namespace palpate::localization {
+
+/// A distribution of poses that the search starts from.
+class Proposal {
+ public:
+  virtual ~Proposal() = default;
+  virtual SearchPose draw(RandomStream& random) const = 0;
+
+  /// Minus the logarithm of its density, up to a constant.
+  virtual float energy(const SearchPose& pose) const = 0;
+};
+
+/// From the table if there is one, else from single contacts (of which there must be one).
+std::unique_ptr<Proposal> make_proposal(const ObjectModel& model, const Evidence& evidence,
+                                        const LocalizerOptions& options);
+
+}  // namespace palpate::localization

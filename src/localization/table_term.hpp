@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "evidence_term.hpp"
+#include "palpate/core/random.hpp"
+#include "palpate/localization/localizer.hpp"
+
+namespace palpate::localization {
+
+/// The object rests on the table: a prior that can be both evaluated and drawn from.
+///
+/// E = min over stances s of (1 - u.u_s) / tilt^2 + (z - z_s)^2 / 2 height^2 - ln w_s, u being the
+/// table's up in the object's frame, plus a box with Gaussian edges in x and y.
+class TableTerm : public EvidenceTerm {
+ public:
+  TableTerm(const ObjectModel& model, const TableSupport& table);
+
+  float energy(const SearchPose& pose, float bound) const override;
+  SearchPose draw(RandomStream& random) const;
+
+ private:
+  struct Stance {
+    Eigen::Matrix3d R_table_object;
+    Eigen::Vector3f up;  // of the table, in the object's frame
+    double height, weight;
+    float minus_log_weight;
+  };
+  double draw_offset(RandomStream& random) const;
+
+  TableSupport table_;
+  Eigen::Vector3f origin_;
+  Eigen::Matrix3f axes_;  // columns: x, y, z of the table in the evidence's frame
+  std::vector<Stance> stances_;
+};
+
+}  // namespace palpate::localization
