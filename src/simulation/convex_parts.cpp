@@ -3,9 +3,13 @@
 
 #include <fmt/format.h>
 
+#include <cstring>
 #include <mutex>
+#include <string>
+#include <string_view>
 
 #include "coacd.hpp"
+#include "palpate/core/cache.hpp"
 #include "palpate/core/error.hpp"
 
 namespace palpate::simulation {
@@ -39,6 +43,49 @@ geometry::TriangleMesh mesh_from(const CoACD_Mesh& part) {
   return mesh;
 }
 
+/// Vertices and triangles as bytes, each with their count before them.
+void append(std::string& bytes, const geometry::TriangleMesh& mesh) {
+  const auto add = [&bytes](const auto& values) {
+    const std::uint64_t count = values.size();
+    bytes.append(reinterpret_cast<const char*>(&count), sizeof count);
+    bytes.append(reinterpret_cast<const char*>(values.data()), count * sizeof values[0]);
+  };
+  add(flat_vertices(mesh));
+  add(flat_triangles(mesh));
+}
+
+/// Takes values off the front of the bytes; false if there are too few.
+template <typename Value>
+bool take(std::string_view& bytes, std::vector<Value>& values) {
+  std::uint64_t count = 0;
+  if (bytes.size() < sizeof count) return false;
+  std::memcpy(&count, bytes.data(), sizeof count);
+  bytes.remove_prefix(sizeof count);
+  if (bytes.size() / sizeof(Value) < count) return false;
+  values.resize(count);
+  std::memcpy(values.data(), bytes.data(), count * sizeof(Value));
+  bytes.remove_prefix(count * sizeof(Value));
+  return true;
+}
+
+std::vector<geometry::TriangleMesh> read_parts(std::string_view bytes) {
+  std::vector<geometry::TriangleMesh> parts;
+  std::vector<double> vertices;
+  std::vector<int> triangles;
+  while (take(bytes, vertices) && take(bytes, triangles)) {
+    parts.push_back(
+        mesh_from({vertices.data(), vertices.size() / 3, triangles.data(), triangles.size() / 3}));
+  }
+  return parts;
+}
+
+std::string cache_key(const geometry::TriangleMesh& mesh) {
+  std::string key = fmt::format("convex parts 1: CoACD, concavity {}, {} vertices, seed {}\n",
+                                kConcavity, kHullVertices, kSeed);
+  append(key, mesh);
+  return key;
+}
+
 std::vector<geometry::TriangleMesh> decompose(const geometry::TriangleMesh& mesh) {
   std::vector<double> vertices = flat_vertices(mesh);
   std::vector<int> triangles = flat_triangles(mesh);
@@ -66,11 +113,16 @@ std::vector<geometry::TriangleMesh> decompose(const geometry::TriangleMesh& mesh
 
 std::vector<geometry::TriangleMesh> convex_parts(const geometry::TriangleMesh& mesh) {
   if (mesh.triangles.empty()) throw BadInput("a mesh of 0 triangles has no convex parts");
-  std::vector<geometry::TriangleMesh> parts = decompose(mesh);
+  const std::string key = cache_key(mesh);
+  if (const auto kept = read_cache(key)) return read_parts(*kept);
+  const std::vector<geometry::TriangleMesh> parts = decompose(mesh);
   if (parts.empty()) {
     throw BadInput(
         fmt::format("no convex part found in a mesh of {} triangles", mesh.triangles.size()));
   }
+  std::string bytes;
+  for (const geometry::TriangleMesh& part : parts) append(bytes, part);
+  write_cache(key, bytes);
   return parts;
 }
 

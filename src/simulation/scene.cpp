@@ -167,6 +167,7 @@ void add_mesh(mjSpec& spec, const std::string& name, const geometry::TriangleMes
   for (const auto& t : mesh.triangles) faces.insert(faces.end(), t.begin(), t.end());
   mjsMesh* asset = mjs_addMesh(&spec, mjs_getSpecDefault(&spec));
   mjs_setName(asset->element, name.c_str());
+  asset->inertia = mjMESH_INERTIA_SHELL;  // unused, but that of a thin part's volume would fail
   mjs_setFloat(asset->uservert, vertices.data(), static_cast<int>(vertices.size()));
   mjs_setInt(asset->userface, faces.data(), static_cast<int>(faces.size()));
 }

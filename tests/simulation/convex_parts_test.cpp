@@ -3,6 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+
 #include "palpate/core/error.hpp"
 #include "simulation/scenes.hpp"
 
@@ -56,14 +60,53 @@ TEST(ConvexParts, ABracketFallsIntoConvexArms) {
   EXPECT_NEAR(sum, volume(bracket()), 0.1 * volume(bracket()));
 }
 
-TEST(ConvexParts, TheSameMeshGivesTheSameParts) {
-  const auto first = convex_parts(bracket());
-  const auto second = convex_parts(bracket());
-  ASSERT_EQ(first.size(), second.size());
-  for (std::size_t i = 0; i < first.size(); ++i) {
-    EXPECT_EQ(first[i].vertices, second[i].vertices);
-    EXPECT_EQ(first[i].triangles, second[i].triangles);
+/// A cache of its own for as long as it lives.
+class OwnCache {
+ public:
+  explicit OwnCache(const std::string& name) : folder_(testing::TempDir() + name) {
+    std::filesystem::remove_all(folder_);
+    setenv("PALPATE_CACHE", folder_.c_str(), 1);
   }
+  ~OwnCache() {
+    unsetenv("PALPATE_CACHE");
+    std::filesystem::remove_all(folder_);
+  }
+  bool is_empty() const {
+    return !std::filesystem::exists(folder_) || std::filesystem::is_empty(folder_);
+  }
+
+ private:
+  std::filesystem::path folder_;
+};
+
+void expect_same(const std::vector<geometry::TriangleMesh>& a,
+                 const std::vector<geometry::TriangleMesh>& b) {
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    EXPECT_EQ(a[i].vertices, b[i].vertices);
+    EXPECT_EQ(a[i].triangles, b[i].triangles);
+  }
+}
+
+TEST(ConvexParts, TheSameMeshGivesTheSameParts) {
+  std::vector<geometry::TriangleMesh> first, second;
+  {
+    const OwnCache cache("convex_parts_first");
+    first = convex_parts(bracket());
+  }
+  {
+    const OwnCache cache("convex_parts_second");
+    second = convex_parts(bracket());
+  }
+  expect_same(first, second);
+}
+
+TEST(ConvexParts, AreKeptInTheCache) {
+  const OwnCache cache("convex_parts_kept");
+  EXPECT_TRUE(cache.is_empty());
+  const auto computed = convex_parts(bracket());
+  EXPECT_FALSE(cache.is_empty());
+  expect_same(computed, convex_parts(bracket()));
 }
 
 TEST(ConvexParts, NothingHasNoParts) {
