@@ -13,6 +13,7 @@
 #include "palpate/geometry/mesh_repair.hpp"
 #include "palpate/geometry/shapes.hpp"
 #include "palpate/geometry/stable_poses.hpp"
+#include "palpate/geometry/symmetry.hpp"
 
 namespace palpate::geometry {
 namespace {
@@ -100,7 +101,7 @@ KnownObject load_known_object(const std::string& name_or_file) {
   object.mesh = transformed(object.T_mesh_object.inverse(), std::move(repaired.mesh));
   object.mass_properties = mass_properties(object.mesh, object.mass);
   object.stances = stable_poses(object.mesh, Eigen::Vector3d::Zero());
-  object.symmetries = {Eigen::Matrix3d::Identity()};
+  object.symmetries = rotational_symmetries(object.mesh, Eigen::Vector3d::Zero());
   return object;
 }
 

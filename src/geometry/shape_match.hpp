@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "palpate/geometry/distance_field.hpp"
+#include "palpate/geometry/mesh_query.hpp"
+#include "palpate/geometry/symmetry.hpp"
+
+namespace palpate::geometry {
+
+/// How well a shape, rotated about the origin, matches itself.
+class ShapeMatch {
+ public:
+  /// @param mesh  with its centroid at the origin
+  ShapeMatch(const TriangleMesh& mesh, const SymmetryTolerance& tolerance);
+
+  /// Mean distance of the rotated shape from the shape on a coarse distance field, m: quick.
+  double screen(const Eigen::Matrix3d& R) const;
+
+  /// The rotation near R of least squared distance, on the coarse field.
+  Eigen::Matrix3d refine_coarsely(Eigen::Matrix3d R) const;
+
+  /// The rotation near R of least squared distance, on the surface itself.
+  Eigen::Matrix3d refine(Eigen::Matrix3d R) const;
+
+  /// Whether the rotated shape lies within the tolerance of the shape.
+  bool accepts(const Eigen::Matrix3d& R) const;
+
+ private:
+  struct Distances {
+    double mean, quantile_95, quantile_997;  // m
+  };
+  Distances distances(const std::vector<Eigen::Vector3d>& points, const Eigen::Matrix3d& R) const;
+
+  SymmetryTolerance tolerance_;  // scaled to the object's radius
+  MeshQuery query_;
+  DistanceField field_;
+  std::vector<Eigen::Vector3d> few_points_, points_;
+};
+
+}  // namespace palpate::geometry
