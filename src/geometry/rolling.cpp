@@ -146,7 +146,7 @@ std::vector<RestingFacet> keep_lowest(const std::vector<RestingFacet>& all,
                                       const std::vector<double>& floor, double barrier) {
   std::vector<RestingFacet> kept, high;
   for (const RestingFacet& facet : all) {
-    (facet.height - floor[index(facet.family)] < barrier ? kept : high).push_back(facet);
+    (facet.height - floor[index(facet.family)] <= barrier ? kept : high).push_back(facet);
   }
   for (const RestingFacet& facet : high) {
     const auto nearness = [&](const RestingFacet& other) {

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/geometry/known_object.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <map>
+
+#include "palpate/core/error.hpp"
+#include "palpate/geometry/mesh_io.hpp"
+#include "palpate/geometry/mesh_repair.hpp"
+#include "palpate/geometry/shapes.hpp"
+
+namespace palpate::geometry {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string complaint(const std::string& name_or_file) {
+  try {
+    load_known_object(name_or_file);
+  } catch (const BadInput& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+class KnownObjectFile : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() /
+              ("palpate_known_object_" +
+               std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()));
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  std::string file_of(const TriangleMesh& mesh, const std::string& name = "thing.ply") {
+    save_ply(folder_ / name, mesh);
+    return (folder_ / name).string();
+  }
+
+  fs::path folder_;
+};
+
+TEST(KnownObject, BuiltInsAreWatertightCentredAndComplete) {
+  const std::map<std::string, double> masses = {
+      {"mug", 0.12}, {"bottle", 0.40}, {"box", 0.40}, {"bracket", 0.25}, {"bunny", 0.20}};
+  const std::map<std::string, std::size_t> orders = {
+      {"mug", 1}, {"bottle", 2}, {"box", 4}, {"bracket", 1}, {"bunny", 1}};
+  ASSERT_EQ(built_in_objects().size(), masses.size());
+  for (const std::string& name : built_in_objects()) {
+    const KnownObject object = load_known_object(name);
+    EXPECT_EQ(object.name, name);
+    EXPECT_TRUE(inspect(object.mesh).watertight) << name;
+    EXPECT_EQ(inspect(object.mesh).components, 1) << name;
+    EXPECT_EQ(object.mass, masses.at(name));
+    EXPECT_LT(object.mass_properties.centroid.norm(), 1e-12);
+    EXPECT_EQ(object.symmetries.size(), orders.at(name)) << name;
+    ASSERT_FALSE(object.stances.empty());
+    double total = 0;
+    for (const Stance& stance : object.stances) total += stance.probability;
+    EXPECT_NEAR(total, 1, 1e-12);
+  }
+}
+
+TEST(KnownObject, UnknownNamesAreAnsweredWithTheBuiltIns) {
+  EXPECT_TRUE(contains(complaint("mugg"), "did you mean 'mug'"));
+  EXPECT_TRUE(contains(complaint("botle"), "did you mean 'bottle'"));
+  const std::string far = complaint("no/such/file.ply");
+  EXPECT_TRUE(contains(far, "no/such/file.ply"));
+  EXPECT_TRUE(contains(far, "mug, bottle, box, bracket, bunny"));
+  EXPECT_FALSE(contains(far, "did you mean"));
+}
+
+TEST_F(KnownObjectFile, ComesBackInItsOwnFrame) {
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.translation() = Eigen::Vector3d(0.3, -0.2, 0.1);
+  const TriangleMesh moved = transformed(T, bracket_mesh());
+  const KnownObject object = load_known_object(file_of(moved));
+  EXPECT_EQ(object.name, "thing");
+  EXPECT_EQ(object.T_mesh_object.linear(), Eigen::Matrix3d::Identity());
+  const auto in_file = bounds(transformed(object.T_mesh_object, object.mesh));
+  EXPECT_LT((in_file.min() - bounds(moved).min()).norm(), 1e-9);
+  EXPECT_LT((in_file.max() - bounds(moved).max()).norm(), 1e-9);
+}
+
+TEST_F(KnownObjectFile, WeighsThreeHundredKilogramsACubicMetreWithinLimits) {
+  EXPECT_NEAR(load_known_object(file_of(box_mesh({0.1, 0.1, 0.1}))).mass, 0.3, 1e-9);
+  EXPECT_EQ(load_known_object(file_of(box_mesh({0.02, 0.02, 0.02}))).mass, 0.05);
+  EXPECT_EQ(load_known_object(file_of(box_mesh({0.2, 0.2, 0.2}))).mass, 0.6);
+}
+
+TEST_F(KnownObjectFile, SizesThatAHandCannotHoldAreRefused) {
+  const std::string small = complaint(file_of(box_mesh({0.009, 0.005, 0.005})));
+  EXPECT_TRUE(contains(small, "0.009 x 0.005 x 0.005 m")) << small;
+  EXPECT_TRUE(contains(small, "10 to 400 mm")) << small;
+  const std::string large = complaint(file_of(box_mesh({0.41, 0.1, 0.1})));
+  EXPECT_TRUE(contains(large, "0.41 x 0.1 x 0.1 m")) << large;
+  EXPECT_FALSE(contains(large, "millimetres")) << large;
+  const std::string millimetres = complaint(file_of(box_mesh({50, 94, 175})));
+  EXPECT_TRUE(contains(millimetres, "50 x 94 x 175 m")) << millimetres;
+  EXPECT_TRUE(contains(millimetres, "millimetres")) << millimetres;
+  EXPECT_EQ(complaint(file_of(box_mesh({0.4, 0.1, 0.1}))), "accepted");
+}
+
+TEST_F(KnownObjectFile, DefectsAreRepairedAndReported) {
+  TriangleMesh open = bottle_mesh();
+  open.triangles.pop_back();
+  const KnownObject object = load_known_object(file_of(open));
+  EXPECT_TRUE(inspect(object.mesh).watertight);
+  EXPECT_FALSE(object.repairs.empty());
+  EXPECT_TRUE(load_known_object(file_of(bottle_mesh())).repairs.empty());
+}
+
+TEST(KnownObject, ScannedMugAndMustardBottle) {
+  const char* data = std::getenv("PALPATE_DATA");
+  if (!data) GTEST_SKIP() << "PALPATE_DATA is not set";
+  const KnownObject mug = load_known_object((fs::path(data) / "ycb/025_mug.ply").string());
+  EXPECT_EQ(mug.symmetries.size(), 1u);
+  EXPECT_EQ(mug.stances.size(), 4u);
+  EXPECT_NEAR(mug.mass, 300 * mug.mass_properties.volume, 0.02);
+  const KnownObject mustard =
+      load_known_object((fs::path(data) / "ycb/006_mustard_bottle.ply").string());
+  EXPECT_EQ(mustard.symmetries.size(), 2u);
+  EXPECT_GE(mustard.stances.size(), 4u);
+}
+
+}  // namespace
+}  // namespace palpate::geometry
