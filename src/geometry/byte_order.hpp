@@ -23,7 +23,7 @@ template <typename T>
 void append_value(std::string& bytes, T value) {
   auto raw = std::bit_cast<std::array<char, sizeof(T)>>(value);
   if (std::endian::native != std::endian::little) std::reverse(raw.begin(), raw.end());
-  bytes.append(raw.begin(), raw.end());
+  bytes.append(raw.data(), raw.size());
 }
 
 }  // namespace palpate::geometry

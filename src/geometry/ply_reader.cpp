@@ -59,7 +59,7 @@ class PlyValues {
     const double length = next(*list.count_type);
     if (!(length >= 0 && length == std::floor(length) &&
           length <= most_values(smallest_size(list.type)))) {
-      fail(fmt::format("list of {} values", length));
+      fail(fmt::format("a list of {} values does not fit the file", length));
     }
     return static_cast<std::size_t>(length);
   }
