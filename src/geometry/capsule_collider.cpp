@@ -42,6 +42,33 @@ Eigen::AlignedBox3d reach_of(const Capsule& capsule, double reach) {
   return {capsule.a.cwiseMin(capsule.b) - around, capsule.a.cwiseMax(capsule.b) + around};
 }
 
+/// The ball around a triangle's middle.
+struct Bound {
+  Eigen::Vector3d center;
+  double radius = 0;  // negative for a degenerate triangle, which nothing needs to meet
+};
+
+Bound bound_of(const Corners& t) {
+  const Eigen::Vector3d center = (t[0] + t[1] + t[2]) / 3;
+  if (is_degenerate(t)) return {center, -1};
+  return {center,
+          std::max({(t[0] - center).norm(), (t[1] - center).norm(), (t[2] - center).norm()})};
+}
+
+double squared_distance_to_axis(const Capsule& capsule, const Eigen::Vector3d& p) {
+  const Eigen::Vector3d axis = capsule.b - capsule.a;
+  const double squared = axis.squaredNorm();
+  const double s = squared > 0 ? std::clamp(axis.dot(p - capsule.a) / squared, 0.0, 1.0) : 0;
+  return (capsule.a + s * axis - p).squaredNorm();
+}
+
+/// Whether the axis stays farther than `reach` from a plane.
+bool is_beyond(const Capsule& capsule, double reach, const Eigen::Vector3d& on_plane,
+               const Eigen::Vector3d& normal) {
+  const double a = normal.dot(capsule.a - on_plane), b = normal.dot(capsule.b - on_plane);
+  return std::min(a, b) > reach || std::max(a, b) < -reach;
+}
+
 /// Closest points of the axis' interior and an edge (Ericson, Real-Time Collision Detection, 2004,
 /// 5.1.9); none if the axis is closest with an end, or parallel, which its ends tell.
 std::optional<Candidate> axis_to_edge(const Capsule& capsule, const Corners& t, int k) {
@@ -83,7 +110,11 @@ bool close(const CapsuleContact& a, const CapsuleContact& b) {
 
 struct CapsuleCollider::Surface {
   explicit Surface(const MeshQuery& source)
-      : query(source), bvh(source.mesh()), normals(source.mesh()), adjacency(source.mesh()) {}
+      : query(source), bvh(source.mesh()), normals(source.mesh()), adjacency(source.mesh()) {
+    for (const auto& triangle : source.mesh().triangles) {
+      bounds.push_back(bound_of(corners(source.mesh(), triangle)));
+    }
+  }
 
   Corners corners_of(int triangle) const {
     return corners(query.mesh(), query.mesh().triangles[static_cast<std::size_t>(triangle)]);
@@ -104,6 +135,7 @@ struct CapsuleCollider::Surface {
   Bvh bvh;
   Pseudonormals normals;
   Adjacency adjacency;
+  std::vector<Bound> bounds;  // of the triangles
 };
 
 /// Pairs of every nearby triangle with the axis, whichever side of the triangle the axis is on.
@@ -112,12 +144,16 @@ std::vector<Candidate> CapsuleCollider::Surface::candidates(const Capsule& capsu
   std::vector<Candidate> result;
   const bool is_ball = (capsule.b - capsule.a).squaredNorm() < kOnSurface * kOnSurface;
   const auto add = [&](Candidate c, int triangle) {
+    if (c.length() >= reach) return;
     c.triangle = triangle;
-    if (c.length() < reach) result.push_back(c);
+    result.push_back(c);
   };
   bvh.visit_box(reach_of(capsule, reach), [&](int triangle) {
+    const Bound& bound = bounds[static_cast<std::size_t>(triangle)];
+    const double far = reach + bound.radius;
+    if (bound.radius < 0 || squared_distance_to_axis(capsule, bound.center) > far * far) return;
+    if (is_beyond(capsule, reach, bound.center, normals.at(triangle, Feature::kFace))) return;
     const Corners t = corners_of(triangle);
-    if (is_degenerate(t)) return;
     for (const Eigen::Vector3d& end : {capsule.a, capsule.b}) {
       const TrianglePoint nearest = closest_point_on_triangle(end, t);
       add({.p = end, .q = nearest.point, .feature = nearest.feature}, triangle);
@@ -190,8 +226,8 @@ bool CapsuleCollider::Surface::is_local_minimum(const Candidate& c) const {
   if (c.is_interior && is_flat(c)) return false;
   bool result = true;
   const auto compare = [&](int triangle) {
+    if (bounds[static_cast<std::size_t>(triangle)].radius < 0) return;
     const Corners t = corners_of(triangle);
-    if (is_degenerate(t)) return;
     const double length = (closest_point_on_triangle(c.p, t).point - c.p).norm();
     result = result && length >= c.length() - kTie;
   };
