@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/core/parallel.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <atomic>
 #include <exception>
 #include <thread>
+
+#include "palpate/core/error.hpp"
 
 namespace palpate {
 namespace {
@@ -36,6 +40,7 @@ class FirstFailure {
 }  // namespace
 
 void parallel_for(std::size_t count, int threads, const std::function<void(std::size_t)>& work) {
+  if (threads < 1) throw BadInput(fmt::format("{} threads: at least 1 is needed", threads));
   std::atomic<std::size_t> next = 0;
   FirstFailure failure;
   const auto take_turns = [&] {
@@ -47,13 +52,12 @@ void parallel_for(std::size_t count, int threads, const std::function<void(std::
       }
     }
   };
-  std::vector<std::thread> others;
-  for (std::size_t i = 1; i < std::min<std::size_t>(count, static_cast<std::size_t>(threads));
-       ++i) {
-    others.emplace_back(take_turns);
+  {
+    std::vector<std::jthread> others;  // joined at the brace, even if one cannot be started
+    const std::size_t used = std::min(count, static_cast<std::size_t>(threads));
+    for (std::size_t i = 1; i < used; ++i) others.emplace_back(take_turns);
+    take_turns();
   }
-  take_turns();
-  for (auto& thread : others) thread.join();
   failure.rethrow();
 }
 

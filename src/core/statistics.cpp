@@ -18,6 +18,9 @@ void need(const std::vector<double>& values, std::size_t least) {
   if (values.size() < least) {
     throw BadInput(fmt::format("{} values given, at least {} needed", values.size(), least));
   }
+  for (const double value : values) {
+    if (std::isnan(value)) throw BadInput("a statistic of values with nan among them");
+  }
 }
 
 }  // namespace
@@ -37,8 +40,9 @@ double standard_deviation(const std::vector<double>& values) {
 
 double quantile(std::vector<double> values, double share) {
   need(values, 1);
-  if (!(share >= 0 && share <= 1))
+  if (!(share >= 0 && share <= 1)) {
     throw BadInput(fmt::format("quantile share {}: not 0..1", share));
+  }
   std::sort(values.begin(), values.end());
   const double place = share * static_cast<double>(values.size() - 1);
   const auto below = static_cast<std::size_t>(place);
@@ -56,7 +60,8 @@ Interval wilson_interval(std::size_t successes, std::size_t trials) {
   const double center = (p + z2 / (2 * n)) / (1 + z2 / n);
   const double half =
       kNormalQuantile / (1 + z2 / n) * std::sqrt(p * (1 - p) / n + z2 / (4 * n * n));
-  return {std::max(0.0, center - half), std::min(1.0, center + half)};
+  // The ends are exactly 0 and 1 there; rounding must not say otherwise.
+  return {successes == 0 ? 0.0 : center - half, successes == trials ? 1.0 : center + half};
 }
 
 }  // namespace palpate

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/core/file.hpp"
+
+#include <gtest/gtest.h>
+
+#include "error_message.hpp"
+#include "scratch_folder.hpp"
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+
+TEST(File, ReadsBackWhatWasWritten) {
+  const ScratchFolder folder;
+  std::string bytes("a\0b\r\n\xff", 6);
+  for (int i = 0; i < 100000; ++i) bytes += static_cast<char>(i);
+  const fs::path path = folder.path() / "new" / "folders" / "file.bin";
+  write_file_atomically(path, bytes);
+  EXPECT_EQ(read_file(path), bytes);
+  write_file_atomically(path, "");
+  EXPECT_EQ(read_file(path), "");
+}
+
+TEST(File, LeavesNoPartialFile) {
+  const ScratchFolder folder;
+  write_file_atomically(folder.path() / "file", "x");
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder.path()), fs::directory_iterator()), 1);
+}
+
+TEST(File, FailedWriteNamesThePathAndLeavesNothing) {
+  const ScratchFolder folder;
+  const fs::path target = folder.path() / "taken";
+  fs::create_directories(target / "inside");
+  EXPECT_NE(error_message([&] { write_file_atomically(target, "x"); }).find(target.string()),
+            std::string::npos);
+  EXPECT_FALSE(fs::exists(target.string() + ".partial"));
+  EXPECT_TRUE(fs::exists(target / "inside"));
+}
+
+TEST(File, FileInThePlaceOfAFolderIsBadInput) {
+  const ScratchFolder folder;
+  write_file_atomically(folder.path() / "file", "x");
+  const fs::path below = folder.path() / "file" / "below";
+  EXPECT_NE(error_message([&] { write_file_atomically(below, "y"); }), "");
+  EXPECT_NE(error_message([&] { make_writable_folder(below); }), "");
+}
+
+TEST(File, ReadErrorsNameThePath) {
+  const ScratchFolder folder;
+  const fs::path missing = folder.path() / "missing";
+  EXPECT_EQ(error_message([&] { read_file(missing); }), missing.string() + " does not exist");
+  EXPECT_EQ(error_message([&] { read_file(folder.path()); }),
+            folder.path().string() + " is a folder");
+}
+
+TEST(File, WritableFolderIsMadeAndStaysEmpty) {
+  const ScratchFolder folder;
+  make_writable_folder(folder.path() / "a" / "b");
+  EXPECT_TRUE(fs::is_empty(folder.path() / "a" / "b"));
+  make_writable_folder(folder.path() / "a" / "b");
+}
+
+}  // namespace
+}  // namespace palpate
