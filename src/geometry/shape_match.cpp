@@ -80,7 +80,7 @@ double ShapeMatch::screen(const Eigen::Matrix3d& R) const {
   return sum / static_cast<double>(few_points_.size());
 }
 
-Eigen::Matrix3d ShapeMatch::refine_coarsely(Eigen::Matrix3d R) const {
+Eigen::Matrix3d ShapeMatch::refine_coarsely(const Eigen::Matrix3d& R) const {
   return rotate_onto(few_points_, R, 12,
                      [&](const Eigen::Vector3d& p, Eigen::Vector3d& direction, double& distance) {
                        const auto sample = field_.at(p.cast<float>());
@@ -91,7 +91,7 @@ Eigen::Matrix3d ShapeMatch::refine_coarsely(Eigen::Matrix3d R) const {
                      });
 }
 
-Eigen::Matrix3d ShapeMatch::refine(Eigen::Matrix3d R) const {
+Eigen::Matrix3d ShapeMatch::refine(const Eigen::Matrix3d& R) const {
   return rotate_onto(few_points_, R, 4,
                      [&](const Eigen::Vector3d& p, Eigen::Vector3d& direction, double& distance) {
                        const ClosestPoint closest = query_.closest_point(p);
@@ -104,6 +104,7 @@ Eigen::Matrix3d ShapeMatch::refine(Eigen::Matrix3d R) const {
 ShapeMatch::Distances ShapeMatch::distances(const std::vector<Eigen::Vector3d>& points,
                                             const Eigen::Matrix3d& R) const {
   std::vector<double> sorted;
+  sorted.reserve(points.size());
   for (const Eigen::Vector3d& p : points) sorted.push_back(query_.closest_point(R * p).distance);
   std::ranges::sort(sorted);
   const double last = static_cast<double>(sorted.size() - 1);

@@ -19,10 +19,10 @@ class ShapeMatch {
   double screen(const Eigen::Matrix3d& R) const;
 
   /// The rotation near R of least squared distance, on the coarse field.
-  Eigen::Matrix3d refine_coarsely(Eigen::Matrix3d R) const;
+  Eigen::Matrix3d refine_coarsely(const Eigen::Matrix3d& R) const;
 
   /// The rotation near R of least squared distance, on the surface itself.
-  Eigen::Matrix3d refine(Eigen::Matrix3d R) const;
+  Eigen::Matrix3d refine(const Eigen::Matrix3d& R) const;
 
   /// Whether the rotated shape lies within the tolerance of the shape.
   bool accepts(const Eigen::Matrix3d& R) const;

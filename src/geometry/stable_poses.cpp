@@ -5,10 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <numbers>
-#include <set>
 
 #include "palpate/core/error.hpp"
 #include "rolling.hpp"
