@@ -3,24 +3,23 @@
 
 #include <gtest/gtest.h>
 
-#include "error_message.hpp"
+#include "core/error_message.hpp"
+#include "core/temporary_folder.hpp"
 #include "palpate/core/file.hpp"
-#include "scoped_environment.hpp"
-#include "scratch_folder.hpp"
 
 namespace palpate {
 namespace {
 
 TEST(Assets, AreFoundUnderTheChosenFolder) {
-  const ScratchFolder folder;
-  const ScopedEnvironment chosen("PALPATE_ASSETS", folder.path().string());
+  const TemporaryFolder folder;
+  const ScopedVariable chosen("PALPATE_ASSETS", folder.path().string());
   write_file_atomically(folder.path() / "hand" / "hand.xml", "x");
   EXPECT_EQ(asset("hand/hand.xml"), folder.path() / "hand" / "hand.xml");
 }
 
 TEST(Assets, MissingOneSaysHowToGetIt) {
-  const ScratchFolder folder;
-  const ScopedEnvironment chosen("PALPATE_ASSETS", folder.path().string());
+  const TemporaryFolder folder;
+  const ScopedVariable chosen("PALPATE_ASSETS", folder.path().string());
   const std::string message = error_message([] { asset("hand.xml"); });
   EXPECT_NE(message.find((folder.path() / "hand.xml").string()), std::string::npos);
   EXPECT_NE(message.find("PALPATE_ASSETS"), std::string::npos);

@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "error_message.hpp"
-#include "scratch_folder.hpp"
+#include "core/error_message.hpp"
+#include "core/temporary_folder.hpp"
 
 namespace palpate {
 namespace {
@@ -12,7 +12,7 @@ namespace {
 namespace fs = std::filesystem;
 
 TEST(File, ReadsBackWhatWasWritten) {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   std::string bytes("a\0b\r\n\xff", 6);
   for (int i = 0; i < 100000; ++i) bytes += static_cast<char>(i);
   const fs::path path = folder.path() / "new" / "folders" / "file.bin";
@@ -23,13 +23,13 @@ TEST(File, ReadsBackWhatWasWritten) {
 }
 
 TEST(File, LeavesNoPartialFile) {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   write_file_atomically(folder.path() / "file", "x");
   EXPECT_EQ(std::distance(fs::directory_iterator(folder.path()), fs::directory_iterator()), 1);
 }
 
 TEST(File, FailedWriteNamesThePathAndLeavesNothing) {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   const fs::path target = folder.path() / "taken";
   fs::create_directories(target / "inside");
   EXPECT_NE(error_message([&] { write_file_atomically(target, "x"); }).find(target.string()),
@@ -39,7 +39,7 @@ TEST(File, FailedWriteNamesThePathAndLeavesNothing) {
 }
 
 TEST(File, FileInThePlaceOfAFolderIsBadInput) {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   write_file_atomically(folder.path() / "file", "x");
   const fs::path below = folder.path() / "file" / "below";
   EXPECT_NE(error_message([&] { write_file_atomically(below, "y"); }), "");
@@ -47,7 +47,7 @@ TEST(File, FileInThePlaceOfAFolderIsBadInput) {
 }
 
 TEST(File, ReadErrorsNameThePath) {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   const fs::path missing = folder.path() / "missing";
   EXPECT_EQ(error_message([&] { read_file(missing); }), missing.string() + " does not exist");
   EXPECT_EQ(error_message([&] { read_file(folder.path()); }),
@@ -55,7 +55,7 @@ TEST(File, ReadErrorsNameThePath) {
 }
 
 TEST(File, WritableFolderIsMadeAndStaysEmpty) {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   make_writable_folder(folder.path() / "a" / "b");
   EXPECT_TRUE(fs::is_empty(folder.path() / "a" / "b"));
   make_writable_folder(folder.path() / "a" / "b");

@@ -5,7 +5,7 @@
 
 #include <limits>
 
-#include "error_message.hpp"
+#include "core/error_message.hpp"
 
 namespace palpate {
 namespace {

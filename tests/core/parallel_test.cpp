@@ -9,7 +9,7 @@
 #include <string>
 #include <thread>
 
-#include "error_message.hpp"
+#include "core/error_message.hpp"
 
 namespace palpate {
 namespace {

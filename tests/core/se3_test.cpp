@@ -8,7 +8,7 @@
 #include <unsupported/Eigen/MatrixFunctions>
 #include <vector>
 
-#include "error_message.hpp"
+#include "core/error_message.hpp"
 #include "palpate/core/random.hpp"
 
 namespace palpate {
