@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "simulated_hand.hpp"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <cmath>
 #include <optional>
+#include <string>
 
+#include "palpate/core/error.hpp"
 #include "palpate/core/se3.hpp"
 
 namespace palpate::simulation {
@@ -94,10 +99,16 @@ SimulatedHand::SimulatedHand(const Scene& scene, mjData& data, const SensorNoise
       actuators_(read_actuators(scene)) {}
 
 void SimulatedHand::apply(const hand::HandCommand& command) {
+  const Vector6d base = base_vector(command.base);
+  if (!command.positions.allFinite() || !base.allFinite()) {
+    throw BadInput(
+        fmt::format("the hand's command has a value that is not finite: base {}, sum of "
+                    "positions {}",
+                    fmt::join(base, " "), command.positions.sum()));
+  }
   for (Index i = 0; i < scene_.actuators.size(); ++i) {
     data_.ctrl[scene_.actuators[i]] = command.positions[static_cast<int>(i)];
   }
-  const Vector6d base = base_vector(command.base);
   for (Index i = 0; i < scene_.base_actuators.size(); ++i) {
     data_.ctrl[scene_.base_actuators[i]] = base[static_cast<int>(i)];
   }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <mutex>
 
 #include "palpate/core/assets.hpp"
 #include "palpate/core/error.hpp"
@@ -20,6 +21,14 @@ hand::HandModel believed_hand(const SensorNoise& noise, const RandomStream& rand
   if (noise.link == 0) return hand;
   RandomStream links = random.fork("links");
   return hand::with_perturbed_links(std::move(hand), noise.link, links);
+}
+
+/// The simulator would print its warnings and log them to a file; they are counted in its data too.
+void silence_warnings() {
+  static std::once_flag silenced;
+  std::call_once(silenced, [] {
+    if (!mju_user_warning) mju_user_warning = [](const char*) {};
+  });
 }
 
 DataHandle make_data(const mjModel& model) {
@@ -71,7 +80,9 @@ void World::Impl::place_object(const Start& start) {
 }
 
 World::World(const geometry::KnownObject& object, const WorldOptions& options, std::uint64_t seed)
-    : impl_(std::make_unique<Impl>(object, options, RandomStream(seed, "world"))) {}
+    : impl_(std::make_unique<Impl>(object, options, RandomStream(seed, "world"))) {
+  silence_warnings();
+}
 
 World::~World() = default;
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <thread>
 
 #include "palpate/core/assets.hpp"
@@ -262,6 +263,29 @@ TEST(World, StiffnessIsTorqueOverError) {
   const double stiffness = world.hand().actuators()[static_cast<std::size_t>(actuator)].stiffness;
   EXPECT_NEAR(reading.torques[actuator], stiffness * error, 1e-4);
   EXPECT_GT(std::abs(reading.torques[actuator]), 1e-3);  // what friction holds
+}
+
+TEST(World, SaysWhenTheSimulationIsUnstable) {
+  World world(block(), without_noise(), 1);
+  const hand::HandCommand far = open_hand(1e11);
+  world.reset({}, far);
+  testing::internal::CaptureStdout();
+  world.hand().step(far);
+  EXPECT_EQ(testing::internal::GetCapturedStdout(), "");
+  EXPECT_TRUE(world.diverged());
+  world.reset({}, open_hand(0.5));
+  world.hand().step(open_hand(0.5));
+  EXPECT_FALSE(world.diverged());
+}
+
+TEST(World, RejectsCommandsThatAreNotFinite) {
+  World world(block(), without_noise(), 1);
+  hand::HandCommand command = open_hand(0.5);
+  world.reset({}, command);
+  command.positions[3] = std::nan("");
+  EXPECT_THROW(world.hand().step(command), BadInput);
+  command = open_hand(std::numeric_limits<double>::infinity());
+  EXPECT_THROW(world.reset({}, command), BadInput);
 }
 
 TEST(World, RejectsWhatItCannotSimulate) {
