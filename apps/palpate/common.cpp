@@ -13,7 +13,8 @@ void add_common_options(CLI::App& command, CommonOptions& options) {
   command.add_option("--set", options.set, "set one option, e.g. --set lift.way=0.15")
       ->option_text("KEY=VALUE");
   command.add_option("--seed", options.seed, "seed of all randomness")->capture_default_str();
-  command.add_option("--threads", options.threads, "threads; the results are the same for any number")
+  command
+      .add_option("--threads", options.threads, "threads; the results are the same for any number")
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();
   command.add_option("--out", options.out, "folder for the results")->option_text("DIR");

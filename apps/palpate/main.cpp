@@ -14,8 +14,9 @@ int run(int argc, char** argv) {
   CLI::App program{"Palpate: knows what a hand holds by touch alone.", "palpate"};
   program.set_version_flag("--version", std::string(palpate::version()));
   program.require_subcommand(1);
-  program.footer("palpate COMMAND --help shows a command's options and examples.\n"
-                 "Exit codes: 0 done, 2 usage, 3 bad input, 4 no solution.");
+  program.footer(
+      "palpate COMMAND --help shows a command's options and examples.\n"
+      "Exit codes: 0 done, 2 usage, 3 bad input, 4 no solution.");
   Command chosen;
   add_pick(program, chosen);
   add_eval(program, chosen);

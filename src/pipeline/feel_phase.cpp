@@ -11,11 +11,21 @@ namespace {
 
 constexpr double kRetreat = 0.06;  // m, up from the touch
 
-/// All fingers straight, the thumb aside, the wrist bent so that the palm is level.
-hand::ActuatorVector flat_hand(double pitch) {
+// With the forearm raised, these angles of wrist and knuckles make the underside of the fingers and
+// of the palm's front one level plane; kLevelCenter is its middle, seen from the base.
+constexpr double kForearmPitch = 0.5;               // rad
+constexpr double kWristBend = -0.25;                // rad
+constexpr double kKnuckleBend = -0.25;              // rad
+const Eigen::Vector2d kLevelCenter(0.072, -0.005);  // m
+
+hand::ActuatorVector flat_hand() {
   hand::ActuatorVector posture = hand::ActuatorVector::Zero();
-  posture[hand::actuator_index("WRJ1")] = -pitch;
-  posture[hand::actuator_index("THJ5")] = -0.9;
+  posture[hand::actuator_index("WRJ1")] = kWristBend;
+  posture[hand::actuator_index("THJ5")] = -1.0;
+  posture[hand::actuator_index("THJ2")] = -0.5;
+  for (const char* knuckle : {"FFJ3", "MFJ3", "RFJ3", "LFJ3"}) {
+    posture[hand::actuator_index(knuckle)] = kKnuckleBend;
+  }
   return posture;
 }
 
@@ -34,23 +44,22 @@ double lowest_of_hand(const hand::HandModel& model, const hand::HandReading& rea
 }
 
 PhaseEnd FeelPhase::run(Robot& robot, PickState& state) {
+  const Eigen::Vector2d xy = state.place - Eigen::Rotation2Dd(state.yaw) * kLevelCenter;
   hand::BasePosition above;
-  above.xyz = {state.place.x(), state.place.y(), options_.start_height};
-  above.ypr = {state.yaw, options_.pitch, 0};
-  robot.move_fingers(flat_hand(options_.pitch), 0.4);
+  above.xyz = {xy.x(), xy.y(), options_.start_height};
+  above.ypr = {state.yaw, kForearmPitch, 0};
+  robot.move_fingers(flat_hand(), 0.4);
   robot.move_base(above, options_.travel_speed);
   robot.wait(0.2);
 
   hand::BasePosition low = above;
-  low.xyz.z() = 0;
-  const auto touched = [&](const hand::HandReading& reading) {
-    return reading.base_force.z() < -options_.touch_force;
-  };
-  const auto stop = [&](const hand::HandReading& reading) {
-    return touched(reading) || lowest_of_hand(robot.model(), reading) < options_.clearance;
-  };
-  robot.move_base(low, options_.speed, stop);
-  const bool found = touched(robot.reading());
+  low.xyz.z() = -options_.start_height;
+  const auto touched = lasting_load(robot, -Eigen::Vector3d::UnitZ(), options_.touch_force);
+  bool found = false;
+  robot.move_base(low, options_.speed, [&](const hand::HandReading& reading) {
+    found = touched(reading);
+    return found || lowest_of_hand(robot.model(), reading) < options_.clearance;
+  });
   if (found) {
     robot.mark(Mark::felt);
     state.height = lowest_of_hand(robot.model(), robot.reading());

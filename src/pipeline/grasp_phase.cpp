@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <numbers>
 
 #include "palpate/pipeline/feel_phase.hpp"
 
@@ -14,11 +15,10 @@ constexpr double kSideDistance = 0.22;   // m before the object where a side app
 constexpr double kSideOvershoot = 0.03;  // m past the object's place where it ends at the latest
 constexpr double kTopDistance = 0.13;    // m above the object where an approach from above starts
 constexpr double kTopClearance = 0.003;  // m above the table where it ends at the latest
+constexpr double kClear = 0.06;          // m up from where the fingers landed on top
 constexpr double kSafeHeight = 0.34;     // m of the base while it travels
-constexpr double kIgnoreStart = 0.4;     // s of an approach in which the load is that of starting
 constexpr double kTipContact = 0.15;     // N at which a finger counts as touching
 constexpr double kLongestClose = 2.5;    // s
-constexpr int kLoadedTicks = 5;
 constexpr int kStalledTicks = 8;
 
 hand::ActuatorVector open_posture(const GraspRecipe& recipe) {
@@ -45,15 +45,6 @@ hand::BasePosition base_at(const PickState& state, const GraspRecipe& recipe, do
   const Eigen::Rotation2Dd turn(state.yaw);
   const Eigen::Vector2d xy = state.place + turn * Eigen::Vector2d(ahead, left);
   return {{xy.x(), xy.y(), height}, {state.yaw, recipe.pitch, recipe.roll}};
-}
-
-/// True once the base has felt more than `load` along `direction` for some ticks on end.
-Robot::StopCondition lasting_load(const Eigen::Vector3d& direction, double load, double from_time) {
-  return [=, loaded = 0](const hand::HandReading& reading) mutable {
-    const bool now = reading.time > from_time && direction.dot(reading.base_force) > load;
-    loaded = now ? loaded + 1 : 0;
-    return loaded >= kLoadedTicks;
-  };
 }
 
 /// Which fingers are done: they touch, or their drive has pressed at its limit for a while.
@@ -122,25 +113,39 @@ void GraspPhase::approach_from_side(Robot& robot, const PickState& state) const 
   travel_to(robot, base_at(state, recipe, recipe.offset_x, -kSideDistance, recipe.height), recipe);
   const Eigen::Vector3d forward(-std::sin(state.yaw), std::cos(state.yaw), 0);
   robot.move_base(base_at(state, recipe, recipe.offset_x, kSideOvershoot, recipe.height),
-                  recipe.approach_speed,
-                  lasting_load(forward, recipe.contact_load, robot.time() + kIgnoreStart));
+                  recipe.approach_speed, lasting_load(robot, forward, recipe.contact_load));
   hand::BasePosition further = robot.command().base;
   further.xyz += recipe.push * forward;
   robot.move_base(further, 0.5 * recipe.approach_speed);
   robot.wait(0.1);
 }
 
-void GraspPhase::approach_from_above(Robot& robot, const PickState& state) const {
+void GraspPhase::approach_from_above(Robot& robot, PickState& state) const {
   const GraspRecipe& recipe = options_.top;
-  const hand::BasePosition start =
-      base_at(state, recipe, recipe.offset_x, recipe.offset_y, state.height + kTopDistance);
-  travel_to(robot, start, recipe);
-  hand::BasePosition low = start;
-  low.xyz.z() = 0.02;
-  const double settled = robot.time() + kIgnoreStart / 2;
+  travel_to(robot,
+            base_at(state, recipe, recipe.offset_x, recipe.offset_y, state.height + kTopDistance),
+            recipe);
+  for (int turn = 0; turn < options_.turns; ++turn) {
+    descend(robot, state);
+    const bool beside =
+        lowest_of_hand(robot.model(), robot.reading()) < state.height - options_.least_depth;
+    if (beside || turn + 1 == options_.turns) break;
+    state.yaw += std::numbers::pi / options_.turns;
+    hand::BasePosition raised = robot.command().base;
+    raised.xyz.z() += kClear;
+    robot.move_base(raised, options_.travel_speed);
+    robot.move_base(base_at(state, recipe, recipe.offset_x, recipe.offset_y, raised.xyz.z()),
+                    options_.travel_speed);
+    robot.wait(0.2);
+  }
+}
+
+void GraspPhase::descend(Robot& robot, const PickState& state) const {
+  const GraspRecipe& recipe = options_.top;
+  const hand::BasePosition low = base_at(state, recipe, recipe.offset_x, recipe.offset_y, 0.02);
+  const auto loaded = lasting_load(robot, -Eigen::Vector3d::UnitZ(), recipe.contact_load);
   robot.move_base(low, recipe.approach_speed, [&](const hand::HandReading& reading) {
-    const bool loaded = reading.time > settled && -reading.base_force.z() > recipe.contact_load;
-    return loaded || lowest_of_hand(robot.model(), reading) < kTopClearance;
+    return loaded(reading) || lowest_of_hand(robot.model(), reading) < kTopClearance;
   });
   robot.wait(0.15);
 }

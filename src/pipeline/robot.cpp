@@ -9,6 +9,8 @@
 namespace palpate::pipeline {
 namespace {
 
+constexpr double kSettingOut = 0.4;  // s of a motion in which the load is that of setting out
+constexpr int kLoadedTicks = 3;
 constexpr double kLeverArm = 0.2;  // m: what a turn of 1 rad counts as a way of the hand
 
 int ticks(double seconds) {
@@ -76,6 +78,16 @@ MotionEnd Robot::move_fingers(const hand::ActuatorVector& posture, double second
     if (const auto end = tick_until({}); end != MotionEnd::reached) return end;
   }
   return MotionEnd::reached;
+}
+
+Robot::StopCondition lasting_load(const Robot& robot, const Eigen::Vector3d& direction,
+                                  double load) {
+  return [direction, load, start = robot.time(),
+          loaded = 0](const hand::HandReading& reading) mutable {
+    const bool now = reading.time > start + kSettingOut && direction.dot(reading.base_force) > load;
+    loaded = now ? loaded + 1 : 0;
+    return loaded >= kLoadedTicks;
+  };
 }
 
 }  // namespace palpate::pipeline

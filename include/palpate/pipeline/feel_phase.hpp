@@ -10,7 +10,6 @@ struct FeelOptions {
   double speed = 0.05;         ///< downwards, m/s
   double touch_force = 0.7;    ///< N of load on the base
   double clearance = 0.012;    ///< stop this far above the table, m
-  double pitch = 0.45;         ///< of the forearm, rad, so that it stays clear of the table
   double travel_speed = 0.5;   ///< through the air, m/s
 
   template <class Visitor>
@@ -19,7 +18,6 @@ struct FeelOptions {
     v("speed", speed, 0.001, 0.5, "m/s, downwards");
     v("touch_force", touch_force, 0.05, 20.0, "N, load on the base that counts as touch");
     v("clearance", clearance, 0.0, 0.1, "m, nearest approach to the table");
-    v("pitch", pitch, 0.0, 0.45, "rad, of the forearm, so that it stays clear of the table");
     v("travel_speed", travel_speed, 0.01, 2.0, "m/s, through the air");
   }
 };

@@ -50,9 +50,11 @@ GraspRecipe side_recipe();
 GraspRecipe top_recipe();
 
 struct GraspOptions {
-  double side_from = 0.072;  ///< objects at least this tall are grasped from the side, m
+  double side_from = 0.11;  ///< objects at least this tall are grasped from the side, m
   GraspRecipe side = side_recipe();
   GraspRecipe top = top_recipe();
+  int turns = 4;              ///< directions tried from above when fingers land on the object
+  double least_depth = 0.02;  ///< m below the object's top that the fingers must reach
   double travel_speed = 0.5;  ///< m/s
   double ramp_seconds = 0.8;  ///< from the contact torque to the holding torque
   int least_contacts = 2;     ///< fingertip contacts that count as a grasp
@@ -60,6 +62,8 @@ struct GraspOptions {
   template <class Visitor>
   void visit(Visitor&& v) {
     v("side_from", side_from, 0.0, 0.5, "m, objects at least this tall are grasped from the side");
+    v("turns", turns, 1, 36, "directions tried from above when fingers land on the object");
+    v("least_depth", least_depth, 0.0, 0.2, "m below the object's top that the fingers must reach");
     v("travel_speed", travel_speed, 0.01, 2.0, "m/s, through the air");
     v("ramp_seconds", ramp_seconds, 0.01, 10.0, "s, from the contact torque to the holding torque");
     v("least_contacts", least_contacts, 0, 20, "fingertip contacts that count as a grasp");
@@ -79,7 +83,8 @@ class GraspPhase : public Phase {
 
  private:
   void approach_from_side(Robot& robot, const PickState& state) const;
-  void approach_from_above(Robot& robot, const PickState& state) const;
+  void approach_from_above(Robot& robot, PickState& state) const;
+  void descend(Robot& robot, const PickState& state) const;
   void travel_to(Robot& robot, const hand::BasePosition& start, const GraspRecipe& recipe) const;
   void close(Robot& robot, const GraspRecipe& recipe) const;
 

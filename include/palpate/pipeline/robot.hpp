@@ -77,4 +77,10 @@ class Robot {
   double deadline_;
 };
 
+/// Stop condition: the base has pushed along `direction` (unit, world) with more than `load` (N)
+/// for some ticks on end. The load of setting out, in the first moments of a motion, does not
+/// count.
+Robot::StopCondition lasting_load(const Robot& robot, const Eigen::Vector3d& direction,
+                                  double load);
+
 }  // namespace palpate::pipeline

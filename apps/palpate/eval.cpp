@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <chrono>
+
+#include "common.hpp"
+#include "palpate/core/file.hpp"
+#include "palpate/core/progress.hpp"
+#include "palpate/core/statistics.hpp"
+#include "palpate/pipeline/evaluation.hpp"
+
+namespace palpate::app {
+namespace {
+
+using nlohmann::json;
+using pipeline::ObjectSummary;
+
+struct EvalArguments {
+  CommonOptions common;
+  std::vector<std::string> objects = {"mug", "bottle", "box", "bracket", "bunny"};
+  std::size_t trials = 30;
+};
+
+json quantiles_json(const std::vector<double>& values) {
+  if (values.empty()) return {{"median", nullptr}, {"p95", nullptr}};
+  return {{"median", median(values)}, {"p95", quantile(values, 0.95)}};
+}
+
+double rate(std::size_t count, std::size_t trials) {
+  return trials == 0 ? 0 : static_cast<double>(count) / static_cast<double>(trials);
+}
+
+json summary_json(const ObjectSummary& summary) {
+  return {{"trials", summary.trials},
+          {"lifted", rate(summary.lifted, summary.trials)},
+          {"pose_ok", rate(summary.pose_ok, summary.trials)},
+          {"truth_in_modes", rate(summary.truth_in_modes, summary.trials)},
+          {"truth_in_modes_of_lifted", rate(summary.truth_in_modes, summary.lifted)},
+          {"false_hold", rate(summary.false_hold, summary.trials)},
+          {"modes_median", summary.modes_median},
+          {"placed", 0.0},
+          {"rotation_error_deg", quantiles_json(summary.rotation_error_deg)},
+          {"translation_error_mm", quantiles_json(summary.translation_error_mm)},
+          {"slip_mm", quantiles_json(summary.slip_mm)},
+          {"failures", summary.failures},
+          {"symmetry_order", summary.symmetry_order}};
+}
+
+std::string rate_text(std::size_t count, std::size_t trials) {
+  if (trials == 0) return "-";
+  const auto interval = wilson_interval(count, trials);
+  return fmt::format("{:.2f} [{:.2f}, {:.2f}]", rate(count, trials), interval.low, interval.high);
+}
+
+std::string median_text(const std::vector<double>& values) {
+  return values.empty() ? "-" : fmt::format("{:.1f}", median(values));
+}
+
+std::string failures_text(const ObjectSummary& summary) {
+  std::string text;
+  for (const auto& [phase, count] : summary.failures) {
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", phase, count);
+  }
+  return text.empty() ? "-" : text;
+}
+
+void print_row(const std::string& name, const ObjectSummary& summary) {
+  fmt::print("{:<10} {:<18} {:<18} {:<18} {:>6.1f} {:>7} {:>7}   {}\n", name,
+             rate_text(summary.lifted, summary.trials), rate_text(summary.pose_ok, summary.trials),
+             rate_text(summary.truth_in_modes, summary.lifted), summary.modes_median,
+             median_text(summary.rotation_error_deg), median_text(summary.translation_error_mm),
+             failures_text(summary));
+}
+
+ObjectSummary total(const std::vector<ObjectSummary>& summaries) {
+  ObjectSummary sum;
+  for (const auto& summary : summaries) {
+    sum.trials += summary.trials;
+    sum.lifted += summary.lifted;
+    sum.pose_ok += summary.pose_ok;
+    sum.truth_in_modes += summary.truth_in_modes;
+    sum.false_hold += summary.false_hold;
+  }
+  return sum;
+}
+
+class ProgressBar {
+ public:
+  ProgressBar(std::string label, std::size_t total, bool shown)
+      : label_(std::move(label)), total_(total), shown_(shown) {}
+  ~ProgressBar() {
+    if (shown_) fmt::print(stderr, "\r\033[K");
+  }
+  void show(std::size_t done) const {
+    if (!shown_) return;
+    const double elapsed =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+    fmt::print(stderr, "\r{} {}\033[K", label_, progress_bar(done, total_, elapsed));
+  }
+
+ private:
+  std::string label_;
+  std::size_t total_;
+  bool shown_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+int eval(const EvalArguments& arguments) {
+  const auto options = resolve<pipeline::TrialOptions>(arguments.common);
+  std::vector<geometry::KnownObject> objects;
+  for (const auto& name : arguments.objects) objects.push_back(geometry::load_known_object(name));
+  if (!arguments.common.out.empty()) make_writable_folder(arguments.common.out);
+
+  const bool table = !arguments.common.json;
+  if (table) {
+    fmt::print("{:<10} {:<18} {:<18} {:<18} {:>6} {:>7} {:>7}   {}\n", "object", "lifted",
+               "pose right", "truth in modes*", "modes", "deg", "mm", "failures");
+  }
+  json report = {{"trials", arguments.trials}, {"seed", arguments.common.seed}};
+  std::vector<ObjectSummary> summaries;
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    const localization::ObjectModel model(objects[i]);
+    const ProgressBar bar(arguments.objects[i], arguments.trials,
+                          !arguments.common.quiet && isatty(STDERR_FILENO));
+    bar.show(0);
+    summaries.push_back(pipeline::evaluate(
+        model, options, arguments.common.seed, arguments.trials, arguments.common.threads,
+        [&](std::size_t done, const pipeline::Trial&) { bar.show(done); }));
+    report["objects"][arguments.objects[i]] = summary_json(summaries.back());
+    if (table) print_row(arguments.objects[i], summaries.back());
+  }
+  if (table) {
+    print_row("all", total(summaries));
+    fmt::print("rates over all trials with 95 % Wilson intervals; * of the lifted\n");
+  } else {
+    fmt::print("{}\n", report.dump(2));
+  }
+  if (!arguments.common.out.empty()) {
+    write_file_atomically(std::filesystem::path(arguments.common.out) / "eval.json",
+                          report.dump(2) + "\n");
+  }
+  return kDone;
+}
+
+}  // namespace
+
+void add_eval(CLI::App& program, Command& chosen) {
+  auto arguments = std::make_shared<EvalArguments>();
+  auto& command = *program.add_subcommand("eval", "Repeat the pick over seeds and report rates");
+  command.add_option("--object", arguments->objects, "built-in objects or mesh files")
+      ->delimiter(',')
+      ->capture_default_str();
+  command.add_option("--trials", arguments->trials, "picks an object")
+      ->check(CLI::Range(1, 1000000))
+      ->capture_default_str();
+  add_common_options(command, arguments->common);
+  command.footer(
+      "Trial i of every object has the seed SEED + i.\n\nExamples:\n"
+      "  palpate eval --object mug,box --trials 30 --threads 2 --seed 9000\n"
+      "  palpate eval --object bunny --trials 10 --set attempts=1 --json");
+  command.callback([arguments, &chosen] { chosen = [arguments] { return eval(*arguments); }; });
+}
+
+}  // namespace palpate::app

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pick_report.hpp"
+
+#include <fmt/format.h>
+
+#include <numbers>
+
+#include "common.hpp"
+
+namespace palpate::app {
+namespace {
+
+using nlohmann::json;
+
+constexpr double kDegrees = 180 / std::numbers::pi;
+
+json free_axis_json(const std::optional<localization::FreeAxis>& axis) {
+  if (!axis) return nullptr;
+  return {{"point", {axis->point.x(), axis->point.y(), axis->point.z()}},
+          {"direction", {axis->direction.x(), axis->direction.y(), axis->direction.z()}},
+          {"extent", axis->extent}};
+}
+
+json modes_json(const localization::Posterior& posterior) {
+  json modes = json::array();
+  for (const auto& mode : posterior.modes) {
+    modes.push_back({{"T_world_object", to_json(mode.T_frame_object)},
+                     {"weight", mode.weight},
+                     {"free_axis", free_axis_json(mode.free_axis)}});
+  }
+  return modes;
+}
+
+json estimate_json(const pipeline::Trial& trial) {
+  const auto& posterior = trial.result.estimate.posterior;
+  const auto& judgement = trial.judgement;
+  if (posterior.modes.empty()) return nullptr;
+  return {{"status", localization::to_string(posterior.status)},
+          {"T_world_object", to_json(posterior.modes[0].T_frame_object)},
+          {"weight", posterior.modes[0].weight},
+          {"rotation_error_deg", kDegrees * judgement.error.rotation},
+          {"translation_error_mm", 1e3 * judgement.error.translation},
+          {"rotation_error_without_symmetry_deg", kDegrees * judgement.error_no_symmetry.rotation},
+          {"truth_in_modes", judgement.truth_in_modes},
+          {"modes", modes_json(posterior)},
+          {"seconds", posterior.seconds}};
+}
+
+json phase_json(const pipeline::PhaseReport& report) {
+  return {{"name", report.name},
+          {"status", pipeline::to_string(report.status)},
+          {"outcome", report.outcome},
+          {"sim_seconds", report.sim_seconds},
+          {"wall_seconds", report.wall_seconds},
+          {"contacts", report.contacts},
+          {"peak_force", report.peak_force}};
+}
+
+std::string weights_of_others(const std::vector<localization::Mode>& modes) {
+  std::string text;
+  for (std::size_t i = 1; i < modes.size(); ++i) {
+    text += fmt::format("{}{:.2f}", i == 1 ? "" : ", ", modes[i].weight);
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string phase_heading() {
+  return fmt::format("{:<8} {:<44} {:>9} {:>8} {:>9} {:>7}", "phase", "outcome", "simulated",
+                     "wall", "contacts", "force");
+}
+
+std::string phase_row(const pipeline::PhaseReport& report) {
+  const std::string outcome =
+      report.status == pipeline::PhaseStatus::ok
+          ? report.outcome
+          : fmt::format("{}: {}", pipeline::to_string(report.status), report.outcome);
+  return fmt::format("{:<8} {:<44} {:>7.1f} s {:>6.2f} s {:>9} {:>5.1f} N", report.name, outcome,
+                     report.sim_seconds, report.wall_seconds, report.contacts, report.peak_force);
+}
+
+std::string estimate_text(const pipeline::Trial& trial) {
+  const auto& posterior = trial.result.estimate.posterior;
+  if (posterior.modes.empty()) return "no pose explains what was felt";
+  const auto& best = posterior.modes[0];
+  std::string text = fmt::format(
+      "pose: {} ({:.2f}){}: {:.1f} deg, {:.1f} mm from the truth; searched {:.2f} s",
+      localization::to_string(posterior.status), best.weight,
+      best.free_axis
+          ? fmt::format(", free by +-{:.0f} deg about an axis", kDegrees * best.free_axis->extent)
+          : "",
+      kDegrees * trial.judgement.error.rotation, 1e3 * trial.judgement.error.translation,
+      posterior.seconds);
+  if (posterior.modes.size() > 1) {
+    text += fmt::format("\n{} other modes ({}); the truth is {} them", posterior.modes.size() - 1,
+                        weights_of_others(posterior.modes),
+                        trial.judgement.truth_in_modes ? "among" : "NOT among");
+  }
+  return text;
+}
+
+nlohmann::json trial_json(const pipeline::Trial& trial) {
+  const bool ok = trial.result.held && trial.judgement.has_pose;
+  json phases = json::array();
+  for (const auto& report : trial.result.phases) phases.push_back(phase_json(report));
+  json failed_phase = nullptr;
+  if (!trial.result.failed_phase.empty()) failed_phase = trial.result.failed_phase;
+  return {{"status", ok ? "ok" : "failed"},
+          {"failed_phase", failed_phase},
+          {"held", trial.result.held},
+          {"lifted", trial.judgement.lifted},
+          {"placed", false},
+          {"attempts", trial.result.attempts},
+          {"slip_mm", 1e3 * trial.judgement.slip},
+          {"stance", trial.start.stance},
+          {"estimate", estimate_json(trial)},
+          {"T_world_object_true", to_json(trial.judgement.T_world_object)},
+          {"phases", phases}};
+}
+
+}  // namespace palpate::app

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "palpate/pipeline/trial.hpp"
+
+namespace palpate::app {
+
+/// Heading of the table of phases, and a row of it, for a person.
+std::string phase_heading();
+std::string phase_row(const pipeline::PhaseReport& report);
+
+/// The estimate in words: the best pose with its error, and the other modes.
+std::string estimate_text(const pipeline::Trial& trial);
+
+/// What `palpate pick --json` prints and report.json holds.
+nlohmann::json trial_json(const pipeline::Trial& trial);
+
+}  // namespace palpate::app

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/pipeline/evaluation.hpp"
+
+#include <numbers>
+
+#include "palpate/core/parallel.hpp"
+#include "palpate/core/statistics.hpp"
+
+namespace palpate::pipeline {
+namespace {
+
+constexpr double kDegrees = 180 / std::numbers::pi;
+
+std::string failed_phase(const Trial& trial) {
+  return trial.result.held ? "slip" : trial.result.failed_phase;
+}
+
+void count(const Trial& trial, ObjectSummary& summary, std::vector<double>& modes) {
+  const Judgement& judgement = trial.judgement;
+  ++summary.trials;
+  if (!judgement.lifted) {
+    ++summary.failures[failed_phase(trial)];
+    summary.false_hold += trial.result.held;
+    return;
+  }
+  ++summary.lifted;
+  summary.slip_mm.push_back(1e3 * judgement.slip);
+  if (!judgement.has_pose) {
+    ++summary.failures["pose"];
+    return;
+  }
+  summary.pose_ok += judgement.pose_ok;
+  summary.truth_in_modes += judgement.truth_in_modes;
+  summary.rotation_error_deg.push_back(kDegrees * judgement.error.rotation);
+  summary.translation_error_mm.push_back(1e3 * judgement.error.translation);
+  modes.push_back(static_cast<double>(trial.result.estimate.posterior.modes.size()));
+}
+
+}  // namespace
+
+ObjectSummary evaluate(const localization::ObjectModel& object, const TrialOptions& options,
+                       std::uint64_t first_seed, std::size_t trials, int threads,
+                       const TrialObserver& observer) {
+  ObjectSummary summary;
+  summary.symmetry_order = object.object().symmetries.size();
+  std::vector<double> modes;
+  parallel_ordered(
+      trials, threads, [&](std::size_t i) { return run_trial(object, options, first_seed + i); },
+      [&](std::size_t i, const Trial& trial) {
+        count(trial, summary, modes);
+        if (observer) observer(i + 1, trial);
+      });
+  if (!modes.empty()) summary.modes_median = median(modes);
+  return summary;
+}
+
+}  // namespace palpate::pipeline
