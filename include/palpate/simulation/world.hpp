@@ -13,11 +13,11 @@ namespace palpate::simulation {
 
 /// Noise of the readers, per reading (conventions: "Readers add seeded noise by default").
 struct SensorNoise {
-  double point = 0.001;                     ///< m, per axis
-  double normal = 0.17453292519943295;      ///< rad, per tangent axis (10 deg)
-  double force = 0.05;                      ///< N, per axis
-  double joint = 0.008726646259971648;      ///< rad (.5 deg)
-  double link = 0.002;                      ///< m, how far each link is from the model (rms)
+  double point = 0.001;                 ///< m, per axis
+  double normal = 0.17453292519943295;  ///< rad, per tangent axis (10 deg)
+  double force = 0.05;                  ///< N, per axis
+  double joint = 0.008726646259971648;  ///< rad (.5 deg)
+  double link = 0.002;                  ///< m, how far each link is from the model (rms)
 
   template <class Visitor>
   void visit(Visitor&& v) {
@@ -48,9 +48,9 @@ struct WorldOptions {
 
 /// Where the object starts.
 struct Start {
-  int stance = 0;                                    ///< index into KnownObject::stances
-  double yaw = 0;                                    ///< rad
-  Eigen::Vector2d xy = Eigen::Vector2d::Zero();      ///< of the centroid, m
+  int stance = 0;                                ///< index into KnownObject::stances
+  double yaw = 0;                                ///< rad
+  Eigen::Vector2d xy = Eigen::Vector2d::Zero();  ///< of the centroid, m
 };
 
 /// What only the simulator knows. For judging and drawing; never for estimating or acting.
