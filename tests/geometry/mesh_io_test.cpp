@@ -5,11 +5,10 @@
 
 #include <algorithm>
 #include <bit>
-#include <functional>
+#include <fstream>
 
 #include "core/temporary_folder.hpp"
 #include "geometry/test_meshes.hpp"
-#include "palpate/core/assets.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
 #include "palpate/core/random.hpp"
@@ -24,7 +23,7 @@ class MeshFiles : public ::testing::Test {
  protected:
   std::filesystem::path write(const std::string& name, std::string_view content) {
     const auto path = folder_.path() / name;
-    write_file_atomically(path, content);
+    std::ofstream(path, std::ios::binary) << content;
     return path;
   }
 
