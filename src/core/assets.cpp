@@ -11,8 +11,10 @@ namespace palpate {
 
 std::filesystem::path asset(std::string_view relative_path) {
   const char* chosen = std::getenv("PALPATE_ASSETS");
-  const auto path = std::filesystem::path(chosen ? chosen : PALPATE_ASSETS_DIR) / relative_path;
-  if (!std::filesystem::exists(path)) {
+  const bool named = chosen && *chosen != '\0';
+  const auto path = std::filesystem::path(named ? chosen : PALPATE_ASSETS_DIR) / relative_path;
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) {
     throw BadInput(
         fmt::format("{} is missing: run ./dev build, or set PALPATE_ASSETS to the folder "
                     "that holds {}",

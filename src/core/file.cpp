@@ -4,8 +4,9 @@
 #include <fmt/format.h>
 
 #include <fstream>
-#include <sstream>
+#include <iterator>
 #include <system_error>
+#include <vector>
 
 #include "palpate/core/error.hpp"
 
@@ -53,14 +54,18 @@ std::string read_file(const fs::path& path) {
   if (!fs::exists(path, error)) throw BadInput(fmt::format("{} does not exist", path.string()));
   if (fs::is_directory(path, error)) throw BadInput(fmt::format("{} is a folder", path.string()));
   std::ifstream in(path, std::ios::binary);
-  std::ostringstream content;
-  content << in.rdbuf();
-  if (!in) throw BadInput(fmt::format("cannot read {}", path.string()));
-  return std::move(content).str();
+  std::string content;
+  std::vector<char> chunk(1 << 16);
+  while (in.read(chunk.data(), std::ssize(chunk)) || in.gcount() > 0) {
+    content.append(chunk.data(), static_cast<std::size_t>(in.gcount()));
+  }
+  // Neither a file that does not open nor one that fails midway gets to its end.
+  if (!in.eof() || in.bad()) throw BadInput(fmt::format("cannot read {}", path.string()));
+  return content;
 }
 
 void make_writable_folder(const fs::path& path) {
-  const fs::path probe = path / ".palpate";
+  const fs::path probe = path / ".palpate-write-probe";
   write_file_atomically(probe, "");
   std::error_code ignored;
   fs::remove(probe, ignored);

@@ -4,14 +4,15 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <utility>
 
 #include "palpate/core/error.hpp"
 
 namespace palpate {
 namespace {
 
-constexpr double kTinyAngle =
-    1e-4;  // rad: below it the Taylor terms are exact to machine precision
+/// rad; below it the Taylor terms are exact to machine precision.
+constexpr double kTinyAngle = 1e-4;
 
 /// Coefficients of the left Jacobian: (1 - cos a) / a^2 and (a - sin a) / a^3.
 std::pair<double, double> jacobian_coefficients(double angle) {
@@ -92,7 +93,11 @@ Eigen::Matrix3d frame_with_z(const Eigen::Vector3d& axis) {
 Eigen::Isometry3d pose_from_row_major(const std::array<double, 16>& values) {
   const Eigen::Matrix4d M =
       Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(values.data());
-  if (!M.allFinite()) throw BadInput("a pose holds a value that is not finite");
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (!std::isfinite(values[i])) {
+      throw BadInput(fmt::format("element {} of a pose is {}", i, values[i]));
+    }
+  }
   const Eigen::Matrix3d R = M.topLeftCorner<3, 3>();
   const double off = (R * R.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
   if (off > 1e-6 || R.determinant() < 0) {

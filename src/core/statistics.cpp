@@ -47,7 +47,10 @@ double quantile(std::vector<double> values, double share) {
   const double place = share * static_cast<double>(values.size() - 1);
   const auto below = static_cast<std::size_t>(place);
   const auto above = std::min(below + 1, values.size() - 1);
-  return std::lerp(values[below], values[above], place - static_cast<double>(below));
+  const double fraction = place - static_cast<double>(below);
+  // Without this an infinite value beside the quantile would turn it into nan.
+  if (fraction == 0 || values[below] == values[above]) return values[below];
+  return std::lerp(values[below], values[above], fraction);
 }
 
 Interval wilson_interval(std::size_t successes, std::size_t trials) {

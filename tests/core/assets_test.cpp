@@ -17,6 +17,12 @@ TEST(Assets, AreFoundUnderTheChosenFolder) {
   EXPECT_EQ(asset("hand/hand.xml"), folder.path() / "hand" / "hand.xml");
 }
 
+TEST(Assets, AnEmptyVariableChoosesNothing) {
+  const ScopedVariable chosen("PALPATE_ASSETS", "");
+  const std::string message = error_message([] { asset("no such asset"); });
+  EXPECT_EQ(message.front(), '/');  // the build's own folder, not the current one
+}
+
 TEST(Assets, MissingOneSaysHowToGetIt) {
   const TemporaryFolder folder;
   const ScopedVariable chosen("PALPATE_ASSETS", folder.path().string());

@@ -54,6 +54,13 @@ TEST(File, ReadErrorsNameThePath) {
             folder.path().string() + " is a folder");
 }
 
+TEST(File, FailureAmidReadingIsBadInput) {
+  // Opens like any file, but its first page cannot be read.
+  const fs::path unreadable = "/proc/self/mem";
+  if (!fs::exists(unreadable)) GTEST_SKIP() << "needs " << unreadable;
+  EXPECT_EQ(error_message([&] { read_file(unreadable); }), "cannot read /proc/self/mem");
+}
+
 TEST(File, WritableFolderIsMadeAndStaysEmpty) {
   const TemporaryFolder folder;
   make_writable_folder(folder.path() / "a" / "b");

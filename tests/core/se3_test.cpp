@@ -193,7 +193,7 @@ TEST(Se3, PoseOfBadNumbersIsRefused) {
     values[index] = value;
     return error_message([&] { pose_from_row_major(values); });
   };
-  EXPECT_NE(refusal(3, std::numeric_limits<double>::quiet_NaN()), "");
+  EXPECT_EQ(refusal(3, std::numeric_limits<double>::quiet_NaN()), "element 3 of a pose is nan");
   EXPECT_NE(refusal(3, std::numeric_limits<double>::infinity()), "");
   EXPECT_NE(refusal(0, 1.0001), "");
   EXPECT_NE(refusal(0, -1).find("determinant"), std::string::npos);  // a reflection

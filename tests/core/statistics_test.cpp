@@ -28,6 +28,26 @@ TEST(Statistics, Median) {
   EXPECT_EQ(median({7}), 7);
 }
 
+// Seven values against numpy 2: mean, std(ddof=1) and quantile.
+TEST(Statistics, AgreesWithNumpy) {
+  const std::vector<double> values = {3.1, -2.0, 8.5, 0.25, 4.0, 4.0, 11.75};
+  EXPECT_DOUBLE_EQ(mean(values), 4.228571428571429);
+  EXPECT_DOUBLE_EQ(standard_deviation(values), 4.669391211465825);
+  EXPECT_DOUBLE_EQ(quantile(values, 0.05), -1.325);
+  EXPECT_DOUBLE_EQ(quantile(values, 0.25), 1.675);
+  EXPECT_DOUBLE_EQ(quantile(values, 0.6), 4.0);
+  EXPECT_DOUBLE_EQ(quantile(values, 0.9), 9.8);
+  EXPECT_DOUBLE_EQ(quantile(values, 0.95), 10.774999999999999);
+}
+
+TEST(Statistics, InfiniteValuesDoNotSpoilAFiniteQuantile) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(median({1, 2, kInfinity}), 2);
+  EXPECT_EQ(median({1, kInfinity}), kInfinity);
+  EXPECT_EQ(quantile({1, kInfinity, kInfinity}, 0.75), kInfinity);
+  EXPECT_EQ(quantile({-kInfinity, 1, 2}, 0.5), 1);
+}
+
 TEST(Statistics, QuantileInterpolates) {
   const std::vector<double> values = {15, 20, 35, 40, 50};
   EXPECT_EQ(quantile(values, 0), 15);

@@ -19,7 +19,7 @@ class RandomStream {
 
   std::uint64_t bits();
   double uniform();                         ///< in [0, 1)
-  double uniform(double low, double high);  ///< in [low, high)
+  double uniform(double low, double high);  ///< in [low, high), high only by rounding
   double normal();                          ///< standard normal
   std::size_t index(std::size_t count);     ///< in 0..count-1; count > 0
   Eigen::Vector3d normal3();                ///< three independent standard normals
