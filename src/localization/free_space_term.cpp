@@ -32,8 +32,10 @@ double bounding_radius(const geometry::TriangleMesh& mesh) {
 
 }  // namespace
 
-FreeSpaceTerm::FreeSpaceTerm(const ObjectModel& model, const Evidence& evidence, double scale)
+FreeSpaceTerm::FreeSpaceTerm(const ObjectModel& model, const Evidence& evidence,
+                             std::shared_ptr<const Clearance> clearance, double scale)
     : field_(model.field()),
+      clearance_(std::move(clearance)),
       half_precision_(static_cast<float>(0.5 / std::pow(scale * evidence.penetration_sigma, 2))) {
   const double object_radius = bounding_radius(model.object().mesh);
   for (const FreeSphere& sphere : spread_first(evidence.free_space)) {
@@ -49,7 +51,9 @@ float FreeSpaceTerm::energy(const SearchPose& pose, float bound) const {
   for (const Ball& ball : balls_) {
     const Eigen::Vector3f arm = ball.center - pose.t;
     if (arm.squaredNorm() > ball.reach_squared) continue;
-    const float depth = ball.radius - field_.distance(R_object_frame * arm);
+    const Eigen::Vector3f center = R_object_frame * arm;
+    if (clearance_->at_least(center) >= ball.radius) continue;
+    const float depth = ball.radius - field_.distance(center);
     if (depth <= 0) continue;
     sum += depth * depth * half_precision_;
     if (sum > bound) break;

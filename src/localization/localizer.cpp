@@ -19,18 +19,33 @@ namespace {
 constexpr double kCertain = 0.95;
 constexpr int kWeighingShare = 2;  // the population that weighs the modes is so many times smaller
 
-Energy energy_at(const ObjectModel& model, const Evidence& evidence,
-                 const LocalizerOptions& options, double scale) {
-  Energy energy;  // cheap and telling terms first
-  if (evidence.table) energy.add(std::make_unique<TableTerm>(model, *evidence.table));
-  if (!evidence.contacts.empty()) {
-    energy.add(std::make_unique<ContactTerm>(model, evidence, options.contact_offset, scale));
+/// Builds the sum of the terms that the evidence calls for, at any noise scale.
+class EnergyMaker {
+ public:
+  EnergyMaker(const ObjectModel& model, const Evidence& evidence, const LocalizerOptions& options)
+      : model_(model), evidence_(evidence), options_(options) {
+    if (evidence.free_space.empty()) return;
+    clearance_ = std::make_shared<const Clearance>(model.field(), model.object().mesh);
   }
-  if (!evidence.free_space.empty()) {
-    energy.add(std::make_unique<FreeSpaceTerm>(model, evidence, scale));
+
+  Energy operator()(double scale) const {
+    Energy energy;  // cheap and telling terms first
+    if (evidence_.table) energy.add(std::make_unique<TableTerm>(model_, *evidence_.table));
+    if (!evidence_.contacts.empty()) {
+      energy.add(std::make_unique<ContactTerm>(model_, evidence_, options_.contact_offset, scale));
+    }
+    if (clearance_) {
+      energy.add(std::make_unique<FreeSpaceTerm>(model_, evidence_, clearance_, scale));
+    }
+    return energy;
   }
-  return energy;
-}
+
+ private:
+  const ObjectModel& model_;
+  const Evidence& evidence_;
+  const LocalizerOptions& options_;
+  std::shared_ptr<const Clearance> clearance_;
+};
 
 std::vector<PosePoint> poses_of(const std::vector<Particle>& particles) {
   std::vector<PosePoint> result;
@@ -61,8 +76,7 @@ Posterior search(const ObjectModel& model, const Evidence& evidence, const Rando
                  const LocalizerOptions& options) {
   const auto proposal = make_proposal(model, evidence, options);
   const Moves moves(model, evidence);
-  const Target target{*proposal, moves,
-                      [&](double scale) { return energy_at(model, evidence, options, scale); }};
+  const Target target{*proposal, moves, EnergyMaker(model, evidence, options)};
   LocalizerOptions smaller = options;
   smaller.proposals /= kWeighingShare;
   smaller.particles /= kWeighingShare;

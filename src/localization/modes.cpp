@@ -83,7 +83,7 @@ std::vector<Cluster> cover(Poses poses, const PoseFamily::Symmetries& symmetries
   std::vector<Cluster> clusters;
   while (clusters.size() < kMostModes && !poses.empty()) {
     Cluster cluster = fullest_cluster(poses, symmetries);
-    if (cluster.members.size() <= least) break;
+    if (!clusters.empty() && cluster.members.size() <= least) break;
     take(cluster.family, symmetries, poses);
     clusters.push_back(std::move(cluster));
   }
@@ -137,7 +137,7 @@ std::vector<Mode> find_modes(const Poses& chosen_on, const Poses& weighed_on,
     modes.push_back(std::move(mode));
   }
   make_decreasing(modes);
-  std::erase_if(modes, [](const Mode& mode) { return mode.weight <= 0; });
+  while (modes.size() > 1 && modes.back().weight <= 0) modes.pop_back();
   return modes;
 }
 

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "../../src/localization/proposal.hpp"
+
+#include <gtest/gtest.h>
+
+#include "../../src/localization/moves.hpp"
+#include "../../src/localization/table_term.hpp"
+#include "scenes.hpp"
+
+namespace palpate::localization {
+namespace {
+
+TEST(TableTerm, DrawsFromTheDensityItEvaluates) {
+  const ObjectModel& model = model_of("bracket");
+  SceneOptions options;
+  options.table = true;
+  const Scene scene = make_scene(model, options, RandomStream(1));
+  TableSupport table = *scene.evidence.table;
+  table.stance_weights.assign(model.object().stances.size(), 0);
+  table.stance_weights[1] = 2;
+  const TableTerm term(model, table);
+  RandomStream random(2);
+  constexpr int kDraws = 20000;
+  double energy = 0, height = 0, spread_x = 0;
+  for (int i = 0; i < kDraws; ++i) {
+    const SearchPose pose = term.draw(random);
+    const Eigen::Vector3d at = table.T_frame_table.inverse() * pose.t.cast<double>();
+    energy += static_cast<double>(term.energy(pose, kNoBound)) / kDraws;
+    height += at.z() / kDraws;
+    spread_x += at.x() * at.x() / kDraws;
+  }
+  // Half a unit each: two tilts, the height, and the edges where they are (5 % of x and y each).
+  const double edge = table.edge_sigma * std::sqrt(2 * M_PI);
+  EXPECT_NEAR(energy, 1.5 + edge / (2 * table.half_width + edge), 0.03);
+  EXPECT_NEAR(height, model.object().stances[1].height, 0.0001);
+  EXPECT_NEAR(std::sqrt(spread_x), table.half_width / std::sqrt(3), 0.1 * table.half_width);
+}
+
+TEST(AnchorProposal, PutsTheSurfaceAtAContact) {
+  const ObjectModel& model = model_of("bracket");
+  const Scene scene = make_scene(model, {}, RandomStream(3));
+  const auto proposal = make_proposal(model, scene.evidence, {});
+  RandomStream random(4);
+  int near = 0;
+  for (int i = 0; i < 200; ++i) {
+    const SearchPose pose = proposal->draw(random);
+    EXPECT_NEAR((pose.R * pose.R.transpose() - Eigen::Matrix3f::Identity()).norm(), 0, 1e-4);
+    double least = 1;
+    for (const auto& contact : scene.evidence.contacts) {
+      const Eigen::Vector3f p = pose.R.transpose() * (contact.p.cast<float>() - pose.t);
+      least = std::min<double>(least, std::abs(model.field().distance(p)));
+    }
+    near += least < 0.003;
+  }
+  EXPECT_GT(near, 190);
+}
+
+TEST(Moves, AreRigidAndStaySmallWhenNarrow) {
+  const ObjectModel& model = model_of("bracket");
+  SceneOptions options;
+  options.table = true;
+  const Scene scene = make_scene(model, options, RandomStream(5));
+  const Moves moves(model, scene.evidence);
+  RandomStream random(6);
+  SearchPose pose{scene.truth.linear().cast<float>(), scene.truth.translation().cast<float>()};
+  int small = 0;
+  for (int i = 0; i < 1000; ++i) {
+    const SearchPose to = moves.draw(pose, 0.1, random);
+    EXPECT_NEAR((to.R * to.R.transpose() - Eigen::Matrix3f::Identity()).norm(), 0, 1e-5);
+    small += (to.t - pose.t).norm() < 0.001 && (to.R - pose.R).norm() < 0.05;
+  }
+  EXPECT_GT(small, 500);
+  EXPECT_LT(small, 1000);  // the heavy-tailed ones
+}
+
+}  // namespace
+}  // namespace palpate::localization
