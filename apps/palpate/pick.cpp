@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cstdio>
+
+#include "common.hpp"
+#include "palpate/core/assets.hpp"
+#include "palpate/core/file.hpp"
+#include "palpate/core/version.hpp"
+#include "palpate/pipeline/trial.hpp"
+#include "palpate/recording/replay_page.hpp"
+#include "pick_report.hpp"
+
+namespace palpate::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct PickArguments {
+  CommonOptions common;
+  std::string object = "mug";
+};
+
+fs::path output_folder(const PickArguments& arguments) {
+  if (!arguments.common.out.empty()) return arguments.common.out;
+  return fs::path("out") / fmt::format("pick-{}-{}", fs::path(arguments.object).stem().string(),
+                                       arguments.common.seed);
+}
+
+/// Prints the phases as they end, and on a terminal the one that runs.
+pipeline::PhaseObserver phase_printer(const CommonOptions& common) {
+  if (common.json) return {};
+  fmt::print("{}\n", phase_heading());
+  const bool live = !common.quiet && isatty(STDERR_FILENO);
+  return {[live](std::string_view phase, double) {
+            if (live) fmt::print(stderr, "{} ...\r", phase);
+          },
+          [](const pipeline::PhaseReport& report, double) {
+            fmt::print("{}\n", phase_row(report));
+            std::fflush(stdout);
+          }};
+}
+
+void write_replay_page(const fs::path& recording, const fs::path& page, const std::string& title) {
+  const auto visuals = simulation::load_shadow_hand_visuals(asset("shadow_hand/right_hand.xml"));
+  write_file_atomically(page, recording::replay_page(recording::read_recording(recording), visuals,
+                                                     read_file(asset("page.html")),
+                                                     read_file(asset("viewer.js")), title));
+}
+
+int pick(const PickArguments& arguments) {
+  const CommonOptions& common = arguments.common;
+  const auto options = resolve<pipeline::TrialOptions>(common);
+  const localization::ObjectModel object(geometry::load_known_object(arguments.object));
+  const fs::path folder = output_folder(arguments);
+  make_writable_folder(folder);
+  const std::string config = config_header(common) + to_toml(options);
+
+  const simulation::World world(object.object(), options.world, common.seed);
+  recording::Writer writer(folder / "recording.h5", {std::string(version()), common.seed,
+                                                     object.object(), world.hand_model(), config});
+  const auto trial =
+      pipeline::run_trial(object, options, common.seed, &writer, phase_printer(common));
+  writer.finish();
+  write_file_atomically(folder / "config.toml", config);
+  const auto report = trial_json(trial);
+  write_file_atomically(folder / "report.json", report.dump(2) + "\n");
+  write_replay_page(
+      folder / "recording.h5", folder / "replay.html",
+      fmt::format("palpate pick --object {} --seed {}", arguments.object, common.seed));
+  if (common.json) {
+    fmt::print("{}\n", report.dump(2));
+  } else {
+    fmt::print("{}\nwrote {}: recording.h5, config.toml, report.json, replay.html\n",
+               trial.result.held ? estimate_text(trial)
+                                 : "gave up: " + trial.result.failed_phase + " failed",
+               folder.string());
+  }
+  return report["status"] == "ok" ? kDone : kNoSolution;
+}
+
+}  // namespace
+
+void add_pick(CLI::App& program, Command& chosen) {
+  auto arguments = std::make_shared<PickArguments>();
+  auto& command = *program.add_subcommand(
+      "pick", "Feel, grasp and lift an object, and estimate its pose in the hand by touch");
+  command
+      .add_option("--object", arguments->object,
+                  "mug, bottle, box, bracket, bunny, or a mesh file in metres")
+      ->capture_default_str();
+  add_common_options(command, arguments->common);
+  command.footer(
+      "Writes recording.h5, config.toml, report.json and replay.html (open it in a browser) into\n"
+      "DIR, by default out/pick-OBJECT-SEED. A grasp that fails ends with exit code 4.\n\n"
+      "Examples:\n"
+      "  palpate pick --object mug --seed 7\n"
+      "  palpate pick --object part.stl --set lift.way=0.15 --out run1 --json\n"
+      "  palpate pick --object box --set start.stance=0 --set world.noise.normal=0.05");
+  command.callback([arguments, &chosen] { chosen = [arguments] { return pick(*arguments); }; });
+}
+
+}  // namespace palpate::app

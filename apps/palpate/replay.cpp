@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <numbers>
+
+#include "common.hpp"
+#include "palpate/core/file.hpp"
+#include "palpate/pipeline/recorder.hpp"
+#include "palpate/pipeline/trial.hpp"
+
+namespace palpate::app {
+namespace {
+
+struct ReplayArguments {
+  CommonOptions common;
+  std::string recording;
+};
+
+/// Options of the recording, changed by --config and --set.
+pipeline::TrialOptions replay_options(const recording::Recording& recording,
+                                      const CommonOptions& common, const std::string& name) {
+  pipeline::TrialOptions options;
+  parse_toml(recording.header.config_toml, name, options);
+  if (!common.config.empty()) load_toml(common.config, options);
+  for (const auto& assignment : common.set) apply_setting(assignment, options);
+  return options;
+}
+
+nlohmann::json posterior_json(const localization::Posterior& posterior) {
+  auto modes = nlohmann::json::array();
+  for (const auto& mode : posterior.modes) {
+    modes.push_back({{"T_world_object", to_json(mode.T_frame_object)}, {"weight", mode.weight}});
+  }
+  return {{"status", localization::to_string(posterior.status)}, {"modes", modes}};
+}
+
+int replay(const ReplayArguments& arguments) {
+  const auto recording = recording::read_recording(arguments.recording);
+  const auto options = replay_options(recording, arguments.common, arguments.recording);
+  const localization::ObjectModel object(recording.header.object);
+  const auto estimate =
+      pipeline::locate(object, recording.header.hand, pipeline::touch_log(recording),
+                       options.pick.locate, recording.header.seed);
+  const auto& posterior = estimate.posterior;
+  if (arguments.common.json) {
+    fmt::print("{}\n", posterior_json(posterior).dump(2));
+  } else {
+    fmt::print("{}, {} contacts, {:.2f} s\n", localization::to_string(posterior.status),
+               estimate.contacts.size(), posterior.seconds);
+    for (const auto& mode : posterior.modes) {
+      const auto& p = mode.T_frame_object.translation();
+      fmt::print("  weight {:.3f} at ({:.1f}, {:.1f}, {:.1f}) mm\n", mode.weight, 1e3 * p.x(),
+                 1e3 * p.y(), 1e3 * p.z());
+    }
+  }
+  return posterior.modes.empty() ? kNoSolution : kDone;
+}
+
+}  // namespace
+
+void add_replay(CLI::App& program, Command& chosen) {
+  auto arguments = std::make_shared<ReplayArguments>();
+  auto& command =
+      *program.add_subcommand("replay", "Estimate the pose from a recording, without a simulator");
+  command.add_option("recording", arguments->recording, "recording.h5 of a pick")->required();
+  add_common_options(command, arguments->common);
+  command.footer(
+      "Uses the recording's own configuration and seed, so that it gives the pose that the pick\n"
+      "gave, bit for bit; --set changes the estimator's options.\n\n"
+      "Examples:\n"
+      "  palpate replay out/pick-mug-7/recording.h5\n"
+      "  palpate replay out/pick-mug-7/recording.h5 --set locate.free_space=false --json");
+  command.callback([arguments, &chosen] { chosen = [arguments] { return replay(*arguments); }; });
+}
+
+}  // namespace palpate::app
