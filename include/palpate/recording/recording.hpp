@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "palpate/core/se3.hpp"
+#include "palpate/geometry/known_object.hpp"
+#include "palpate/hand/hand.hpp"
+#include "palpate/hand/kinematics.hpp"
+#include "palpate/touch/contact.hpp"
+
+namespace palpate::recording {
+
+inline constexpr int kFormatVersion = 1;
+
+/// What holds for a whole recording: enough to run the estimator from the recording alone.
+struct Header {
+  std::string program_version;
+  std::uint64_t seed = 0;
+  geometry::KnownObject object;
+  hand::HandModel hand;
+  std::string config_toml;  ///< resolved configuration
+};
+
+/// What only a simulator knows. For judging and drawing; never for estimating.
+struct FrameTruth {
+  Eigen::Isometry3d T_world_object = Eigen::Isometry3d::Identity();
+  hand::JointVector joints = hand::JointVector::Zero();  ///< rad
+};
+
+/// One tick: what was sensed at its end, and what was commanded for it.
+struct Frame {
+  hand::HandReading reading;
+  hand::HandCommand command;
+  std::optional<FrameTruth> truth;
+};
+
+enum class EventKind { begin, note, end };
+std::string_view to_string(EventKind kind);
+
+/// A mark in the course of the work; the text of an `end` is the phase's outcome.
+struct Event {
+  double time = 0;  ///< s
+  EventKind kind = EventKind::note;
+  std::string phase;
+  std::string text;
+};
+
+/// Rotations about a line, by -extent..+extent (rad), that the estimate cannot tell apart.
+struct FreeAxisRecord {
+  Eigen::Vector3d point;      ///< on the line, in the world, m
+  Eigen::Vector3d direction;  ///< unit
+  double extent = 0;          ///< rad; pi: all round
+};
+
+/// One of the poses that an estimate holds for credible.
+struct PoseModeRecord {
+  Eigen::Isometry3d T_world_object = Eigen::Isometry3d::Identity();
+  double weight = 0;
+  Matrix6d covariance = Matrix6d::Zero();  ///< of [rotation; translation], world axes
+  std::optional<FreeAxisRecord> free_axis;
+};
+
+/// An estimate of the object's pose, in the world, and what it was made from.
+struct EstimateRecord {
+  double time = 0;                       ///< s
+  std::string status;                    ///< "certain", "ambiguous" or "no_pose"
+  std::vector<PoseModeRecord> modes;     ///< heaviest first
+  std::vector<touch::Contact> contacts;  ///< in the world
+};
+
+/// A whole recording in memory. Without the truth it holds no more than a real hand could sense.
+struct Recording {
+  Header header;
+  std::vector<Frame> frames;
+  std::vector<Event> events;
+  std::vector<EstimateRecord> estimates;
+  bool finished = true;  ///< false: what was flushed before the writer stopped
+};
+
+/// Reads a recording, or the ".partial" file of one that was never finished.
+///
+/// @throws BadInput, naming the path and what is wrong, for a file that is missing, is not a
+///         recording, has another format version, is damaged, or holds a sensed value that is not
+///         finite
+Recording read_recording(const std::filesystem::path& path);
+
+}  // namespace palpate::recording

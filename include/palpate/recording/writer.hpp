@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <memory>
+
+#include "palpate/recording/recording.hpp"
+
+namespace palpate::recording {
+
+/// Writes a recording as it happens, to PATH.partial, which finish() renames to PATH.
+///
+/// Frames reach the disk once a second of them, events and estimates at once; a program that dies
+/// leaves a PATH.partial that read_recording() opens. A writer that is destroyed without finish()
+/// flushes what it has and leaves PATH.partial too.
+class Writer {
+ public:
+  /// @throws BadInput if the file cannot be written or the header could not be read back
+  Writer(std::filesystem::path path, const Header& header);
+  ~Writer();
+  Writer(const Writer&) = delete;
+  Writer& operator=(const Writer&) = delete;
+
+  void frame(const Frame& frame);
+  void event(const Event& event);
+  /// @throws BadInput for an estimate with a value that is not finite
+  void estimate(const EstimateRecord& estimate);
+
+  /// Seals and renames the file; nothing may be written afterwards.
+  void finish();
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// Writes a whole recording at once, as finished.
+void write_recording(const std::filesystem::path& path, const Recording& recording);
+
+}  // namespace palpate::recording

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <array>
+
+#include "matrix_json.hpp"
+#include "palpate/core/error.hpp"
+#include "record_json.hpp"
+
+namespace palpate::recording {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::array<EventKind, 3> kEventKinds = {EventKind::begin, EventKind::note,
+                                                  EventKind::end};
+
+json mode_to_json(const PoseModeRecord& mode) {
+  json j = {{"T_world_object", pose_to_json(mode.T_world_object)},
+            {"weight", mode.weight},
+            {"covariance", matrix_to_json(mode.covariance)},
+            {"free_axis", nullptr}};
+  if (mode.free_axis) {
+    j["free_axis"] = {{"point", matrix_to_json(mode.free_axis->point)},
+                      {"direction", matrix_to_json(mode.free_axis->direction)},
+                      {"extent", mode.free_axis->extent}};
+  }
+  return j;
+}
+
+PoseModeRecord mode_from_json(const json& j) {
+  PoseModeRecord mode = {.T_world_object = pose_from_json(j.at("T_world_object")),
+                         .weight = finite_from_json(j.at("weight")),
+                         .covariance = matrix_from_json<Matrix6d>(j.at("covariance")),
+                         .free_axis = {}};
+  if (const json& axis = j.at("free_axis"); !axis.is_null()) {
+    mode.free_axis = {vector_from_json(axis.at("point")), vector_from_json(axis.at("direction")),
+                      finite_from_json(axis.at("extent"))};
+  }
+  return mode;
+}
+
+json contact_to_json(const touch::Contact& contact) {
+  return {{"finger", contact.finger},
+          {"time", contact.time},
+          {"p", matrix_to_json(contact.p)},
+          {"n", matrix_to_json(contact.n)},
+          {"f", matrix_to_json(contact.f)},
+          {"point_sigma", contact.point_sigma},
+          {"normal_sigma", contact.normal_sigma}};
+}
+
+touch::Contact contact_from_json(const json& j) {
+  touch::Contact contact;
+  contact.finger = j.at("finger").get<int>();
+  contact.time = finite_from_json(j.at("time"));
+  contact.p = vector_from_json(j.at("p"));
+  contact.n = vector_from_json(j.at("n"));
+  contact.f = vector_from_json(j.at("f"));
+  contact.point_sigma = finite_from_json(j.at("point_sigma"));
+  contact.normal_sigma = finite_from_json(j.at("normal_sigma"));
+  return contact;
+}
+
+EventKind kind_from(std::string_view name) {
+  for (const EventKind kind : kEventKinds) {
+    if (to_string(kind) == name) return kind;
+  }
+  throw BadInput(fmt::format("event of unknown kind \"{}\"", name));
+}
+
+}  // namespace
+
+std::string_view to_string(EventKind kind) {
+  switch (kind) {
+    case EventKind::begin:
+      return "begin";
+    case EventKind::note:
+      return "note";
+    case EventKind::end:
+      return "end";
+  }
+  return "";
+}
+
+json to_json(const Event& event) {
+  return {{"time", event.time},
+          {"kind", to_string(event.kind)},
+          {"phase", event.phase},
+          {"text", event.text}};
+}
+
+Event event_from_json(const json& j) {
+  return {finite_from_json(j.at("time")), kind_from(j.at("kind").get<std::string>()),
+          j.at("phase").get<std::string>(), j.at("text").get<std::string>()};
+}
+
+json to_json(const EstimateRecord& estimate) {
+  json modes = json::array(), contacts = json::array();
+  for (const auto& mode : estimate.modes) modes.push_back(mode_to_json(mode));
+  for (const auto& contact : estimate.contacts) contacts.push_back(contact_to_json(contact));
+  return {{"time", estimate.time},
+          {"status", estimate.status},
+          {"modes", modes},
+          {"contacts", contacts}};
+}
+
+EstimateRecord estimate_from_json(const json& j) {
+  EstimateRecord estimate;
+  estimate.time = finite_from_json(j.at("time"));
+  estimate.status = j.at("status").get<std::string>();
+  for (const auto& mode : j.at("modes")) estimate.modes.push_back(mode_from_json(mode));
+  for (const auto& contact : j.at("contacts")) {
+    estimate.contacts.push_back(contact_from_json(contact));
+  }
+  return estimate;
+}
+
+}  // namespace palpate::recording

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <H5Cpp.h>
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <mutex>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "palpate/core/error.hpp"
+
+namespace palpate::recording {
+
+/// Held around every use of HDF5, whose library is not safe for threads.
+inline std::mutex& hdf5_mutex() {
+  static std::mutex mutex;
+  return mutex;
+}
+
+/// Runs body() alone in HDF5, whose errors become a BadInput that names the path.
+template <class Body>
+auto with_hdf5(const std::filesystem::path& path, Body&& body) {
+  const std::lock_guard lock(hdf5_mutex());
+  H5::Exception::dontPrint();
+  try {
+    return body();
+  } catch (const H5::Exception& error) {
+    throw BadInput(fmt::format("{}: HDF5 cannot {} ({})", path.string(), error.getFuncName(),
+                               error.getDetailMsg()));
+  }
+}
+
+template <class T>
+const H5::PredType& hdf5_type() {
+  if constexpr (std::is_same_v<T, double>) return H5::PredType::IEEE_F64LE;
+  if constexpr (std::is_same_v<T, int>) return H5::PredType::STD_I32LE;
+  if constexpr (std::is_same_v<T, char>) return H5::PredType::STD_U8LE;
+}
+
+template <class T>
+const H5::PredType& native_type() {
+  if constexpr (std::is_same_v<T, double>) return H5::PredType::NATIVE_DOUBLE;
+  if constexpr (std::is_same_v<T, int>) return H5::PredType::NATIVE_INT;
+  if constexpr (std::is_same_v<T, char>) return H5::PredType::NATIVE_UINT8;
+}
+
+/// Access to a file that one process may read while another appends; every block carries a
+/// checksum.
+H5::FileAccPropList file_access();
+
+/// A dataset of N rows and `width` columns that grows by rows, in chunks with checksums.
+void create_growing(H5::Group& parent, const std::string& name, const H5::DataType& type,
+                    hsize_t width, hsize_t rows_per_chunk);
+
+/// Appends whole rows of `width` values.
+void append_rows(H5::DataSet& dataset, const void* values, hsize_t rows, hsize_t width,
+                 const H5::DataType& memory_type);
+
+/// Number of rows of a dataset.
+/// @throws BadInput unless it is N x width, of the type's class, and no larger than `file_size`
+hsize_t checked_rows(const H5::DataSet& dataset, const std::string& name, hsize_t width,
+                     const H5::DataType& type, std::uintmax_t file_size);
+
+/// All rows of the dataset, row after row.
+template <class T>
+std::vector<T> read_rows(const H5::H5File& file, const std::string& name, hsize_t width) {
+  const H5::DataSet dataset = file.openDataSet(name);
+  const auto rows = checked_rows(dataset, name, width, hdf5_type<T>(), file.getFileSize());
+  std::vector<T> values(rows * width);
+  if (rows > 0) dataset.read(values.data(), native_type<T>());
+  return values;
+}
+
+}  // namespace palpate::recording

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "hdf5_file.hpp"
+#include "record_json.hpp"
+#include "schema.hpp"
+#include "seal.hpp"
+
+namespace palpate::recording {
+namespace {
+
+/// A dataset of text, one record a line; a last line without its end was never wholly written.
+template <class Record>
+std::vector<Record> read_lines(const H5::H5File& file, const char* name,
+                               Record (*from_json)(const nlohmann::json&)) {
+  const std::vector<char> text = read_rows<char>(file, name, 1);
+  std::vector<Record> records;
+  auto line = text.begin();
+  for (auto end = line; (end = std::find(line, text.end(), '\n')) != text.end(); line = end + 1) {
+    records.push_back(from_json(nlohmann::json::parse(line, end)));
+  }
+  return records;
+}
+
+geometry::TriangleMesh read_mesh(const H5::H5File& file) {
+  geometry::TriangleMesh mesh;
+  const auto vertices = read_rows<double>(file, kVertices, 3);
+  const auto triangles = read_rows<int>(file, kTriangles, 3);
+  for (std::size_t i = 0; i < vertices.size(); i += 3) {
+    mesh.vertices.emplace_back(vertices[i], vertices[i + 1], vertices[i + 2]);
+    if (!mesh.vertices.back().allFinite()) throw BadInput("the mesh has a vertex not finite");
+  }
+  const int count = static_cast<int>(mesh.vertices.size());
+  for (std::size_t i = 0; i < triangles.size(); i += 3) {
+    const std::array<int, 3> t = {triangles[i], triangles[i + 1], triangles[i + 2]};
+    for (const int v : t) {
+      if (v < 0 || v >= count) throw BadInput(fmt::format("the mesh has no vertex {}", v));
+    }
+    mesh.triangles.push_back(t);
+  }
+  return mesh;
+}
+
+Header read_header(const H5::H5File& file) {
+  const std::vector<char> text = read_rows<char>(file, kHeaderText, 1);
+  Header header = header_from_json(nlohmann::json::parse(text.begin(), text.end()));
+  header.object.mesh = read_mesh(file);
+  return header;
+}
+
+/// Number of leading frames whose contacts are all there.
+std::size_t complete_frames(const std::vector<int>& counts, std::size_t contacts) {
+  std::size_t frames = 0, used = 0;
+  for (; (frames + 1) * hand::kFingers <= counts.size(); ++frames) {
+    for (std::size_t finger = 0; finger < hand::kFingers; ++finger) {
+      const int count = counts[frames * hand::kFingers + finger];
+      if (count < 0) throw BadInput(fmt::format("frame {} has {} contacts", frames, count));
+      used += static_cast<std::size_t>(count);
+    }
+    if (used > contacts) break;
+  }
+  return frames;
+}
+
+void check_finite(const std::vector<double>& values, const char* name, int width) {
+  const auto bad = std::find_if(values.begin(), values.end(),
+                                [](double value) { return !std::isfinite(value); });
+  if (bad == values.end()) return;
+  throw BadInput(
+      fmt::format("{} of frame {} holds {}", name, (bad - values.begin()) / width, *bad));
+}
+
+void set_contacts(const std::vector<int>& counts, const std::vector<double>& rows,
+                  std::vector<Frame>& frames) {
+  const double* row = rows.data();
+  std::size_t k = 0;
+  for (Frame& frame : frames) {
+    for (auto& finger : frame.reading.contacts) {
+      for (int i = counts[k++]; i > 0; --i, row += kContactWidth) {
+        using Eigen::Vector3d;
+        finger.push_back({Vector3d(row), Vector3d(row + 3), Vector3d(row + 6)});
+      }
+    }
+  }
+}
+
+std::vector<Frame> read_frames(const H5::H5File& file, bool finished) {
+  const auto counts = read_rows<int>(file, kContactCounts, hand::kFingers);
+  const auto contacts = read_rows<double>(file, kContacts, kContactWidth);
+  check_finite(contacts, kContacts, kContactWidth);
+  std::size_t frames = complete_frames(counts, contacts.size() / kContactWidth);
+  std::size_t longest = counts.size() / hand::kFingers;
+  std::vector<std::vector<double>> columns;
+  for (const FrameField& field : frame_fields()) {
+    const auto width = static_cast<hsize_t>(field.width);
+    columns.push_back(read_rows<double>(file, field.name, width));
+    if (!field.may_be_absent) check_finite(columns.back(), field.name, field.width);
+    frames = std::min<std::size_t>(frames, columns.back().size() / width);
+    longest = std::max<std::size_t>(longest, columns.back().size() / width);
+  }
+  if (finished && frames != longest) {
+    throw BadInput(fmt::format("only {} of {} frames are whole", frames, longest));
+  }
+  std::vector<Frame> result(frames);
+  for (std::size_t f = 0; f < columns.size(); ++f) {
+    const FrameField& field = frame_fields()[f];
+    const auto width = static_cast<std::size_t>(field.width);
+    for (std::size_t i = 0; i < frames; ++i) field.set(&columns[f][i * width], result[i]);
+  }
+  set_contacts(counts, contacts, result);
+  return result;
+}
+
+Recording read_contents(const std::filesystem::path& path, bool finished) {
+  const unsigned access = finished ? H5F_ACC_RDONLY : H5F_ACC_RDONLY | H5F_ACC_SWMR_READ;
+  const H5::H5File file(path.string(), access, H5::FileCreatPropList::DEFAULT, file_access());
+  return {.header = read_header(file),
+          .frames = read_frames(file, finished),
+          .events = read_lines(file, kEvents, &event_from_json),
+          .estimates = read_lines(file, kEstimates, &estimate_from_json),
+          .finished = finished};
+}
+
+}  // namespace
+
+Recording read_recording(const std::filesystem::path& path) {
+  const bool finished = check_seal(path);
+  return with_hdf5(path, [&] {
+    try {
+      return read_contents(path, finished);
+    } catch (const nlohmann::json::exception& error) {
+      throw BadInput(fmt::format("{}: damaged: {}", path.string(), error.what()));
+    } catch (const BadInput& error) {
+      throw BadInput(fmt::format("{}: damaged: {}", path.string(), error.what()));
+    }
+  });
+}
+
+}  // namespace palpate::recording

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "schema.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace palpate::recording {
+namespace {
+
+using hand::kActuators;
+using hand::kJoints;
+using RowMajor4d = Eigen::Matrix<double, 4, 4, Eigen::RowMajor>;
+
+template <class Vector>
+void store(const Vector& vector, double* values) {
+  Eigen::Map<Vector>{values} = vector;
+}
+
+template <class Vector>
+void load(const double* values, Vector& vector) {
+  vector = Eigen::Map<const Vector>(values);
+}
+
+void store_base(const hand::BasePosition& base, double* values) {
+  store(base.xyz, values);
+  store(base.ypr, values + 3);
+}
+
+void load_base(const double* values, hand::BasePosition& base) {
+  load(values, base.xyz);
+  load(values + 3, base.ypr);
+}
+
+void store_object(const Frame& frame, double* values) {
+  if (frame.truth) {
+    Eigen::Map<RowMajor4d>{values} = frame.truth->T_world_object.matrix();
+  } else {
+    std::fill_n(values, 16, std::numeric_limits<double>::quiet_NaN());
+  }
+}
+
+void load_object(const double* values, Frame& frame) {
+  if (std::isnan(values[0])) return;
+  if (!frame.truth) frame.truth.emplace();
+  frame.truth->T_world_object.matrix() = Eigen::Map<const RowMajor4d>(values);
+}
+
+void store_true_joints(const Frame& frame, double* values) {
+  if (frame.truth) {
+    store(frame.truth->joints, values);
+  } else {
+    std::fill_n(values, kJoints, std::numeric_limits<double>::quiet_NaN());
+  }
+}
+
+void load_true_joints(const double* values, Frame& frame) {
+  if (frame.truth) load(values, frame.truth->joints);
+}
+
+using F = Frame;
+using D = double;
+
+constexpr std::array kFields = {
+    FrameField{"frames/time", 1, false, [](const F& f, D* v) { *v = f.reading.time; },
+               [](const D* v, F& f) { f.reading.time = *v; }},
+    FrameField{"frames/joints", kJoints, false,
+               [](const F& f, D* v) { store(f.reading.joints, v); },
+               [](const D* v, F& f) { load(v, f.reading.joints); }},
+    FrameField{"frames/torques", kActuators, false,
+               [](const F& f, D* v) { store(f.reading.torques, v); },
+               [](const D* v, F& f) { load(v, f.reading.torques); }},
+    FrameField{"frames/base_xyz_ypr", 6, false,
+               [](const F& f, D* v) { store_base(f.reading.base, v); },
+               [](const D* v, F& f) { load_base(v, f.reading.base); }},
+    FrameField{"frames/base_force", 3, false,
+               [](const F& f, D* v) { store(f.reading.base_force, v); },
+               [](const D* v, F& f) { load(v, f.reading.base_force); }},
+    FrameField{"frames/command_positions", kActuators, false,
+               [](const F& f, D* v) { store(f.command.positions, v); },
+               [](const D* v, F& f) { load(v, f.command.positions); }},
+    FrameField{"frames/command_base_xyz_ypr", 6, false,
+               [](const F& f, D* v) { store_base(f.command.base, v); },
+               [](const D* v, F& f) { load_base(v, f.command.base); }},
+    FrameField{"frames/true_T_world_object", 16, true, store_object, load_object},
+    FrameField{"frames/true_joints", kJoints, true, store_true_joints, load_true_joints},
+};
+
+}  // namespace
+
+std::span<const FrameField> frame_fields() { return kFields; }
+
+}  // namespace palpate::recording

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "seal.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <charconv>
+#include <cstdint>
+#include <fstream>
+#include <string>
+#include <string_view>
+
+#include "palpate/core/error.hpp"
+#include "palpate/recording/recording.hpp"
+
+namespace palpate::recording {
+namespace {
+
+constexpr std::string_view kMagic = "PALPATE RECORDING ";
+constexpr std::string_view kOpen = "unfinished\n";
+
+/// FNV-1a, 64 bits, of all bytes after the seal.
+std::uint64_t checksum(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  file.seekg(kSealSize);
+  std::uint64_t hash = 0xcbf29ce484222325u;
+  std::array<char, 1 << 16> buffer;
+  while (file) {
+    file.read(buffer.data(), buffer.size());
+    for (std::streamsize i = 0; i < file.gcount(); ++i) {
+      hash =
+          (hash ^ static_cast<unsigned char>(buffer[static_cast<std::size_t>(i)])) * 0x100000001b3u;
+    }
+  }
+  return hash;
+}
+
+std::string closed_mark(const std::filesystem::path& path) {
+  return fmt::format("finished {:016x}\n", checksum(path));
+}
+
+void write_seal(const std::filesystem::path& path, std::string_view mark) {
+  std::string seal = fmt::format("{}{}\n{}", kMagic, kFormatVersion, mark);
+  seal.resize(kSealSize, '\0');
+  std::fstream file(path, std::ios::binary | std::ios::in | std::ios::out);
+  file.write(seal.data(), static_cast<std::streamsize>(seal.size()));
+  file.flush();
+  if (!file) throw BadInput(fmt::format("{}: cannot write", path.string()));
+}
+
+std::string read_seal(const std::filesystem::path& path) {
+  if (!std::filesystem::exists(path)) {
+    const auto partial = path.string() + ".partial";
+    throw BadInput(std::filesystem::exists(partial)
+                       ? fmt::format("{}: no such file; the recording was not finished, see {}",
+                                     path.string(), partial)
+                       : fmt::format("{}: no such file", path.string()));
+  }
+  if (!std::filesystem::is_regular_file(path)) {
+    throw BadInput(fmt::format("{}: not a file", path.string()));
+  }
+  std::string seal(kSealSize, '\0');
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw BadInput(fmt::format("{}: cannot be opened", path.string()));
+  file.read(seal.data(), kSealSize);
+  seal.resize(static_cast<std::size_t>(file.gcount()));
+  return seal;
+}
+
+}  // namespace
+
+void write_open_seal(const std::filesystem::path& path) { write_seal(path, kOpen); }
+
+void write_closed_seal(const std::filesystem::path& path) { write_seal(path, closed_mark(path)); }
+
+bool check_seal(const std::filesystem::path& path) {
+  const std::string seal = read_seal(path);
+  std::string_view rest = seal;
+  if (!rest.starts_with(kMagic)) {
+    throw BadInput(fmt::format("{}: not a palpate recording", path.string()));
+  }
+  rest.remove_prefix(kMagic.size());
+  const std::string_view version = rest.substr(0, rest.find('\n'));
+  if (version != std::to_string(kFormatVersion)) {
+    throw BadInput(fmt::format("{}: recording format {:?} is not {}, the one this program reads",
+                               path.string(), version.substr(0, 20), kFormatVersion));
+  }
+  rest.remove_prefix(std::min(rest.size(), version.size() + 1));
+  if (rest.starts_with(kOpen)) return false;
+  if (!rest.starts_with(closed_mark(path))) {
+    throw BadInput(fmt::format("{}: damaged: its checksum does not match", path.string()));
+  }
+  return true;
+}
+
+}  // namespace palpate::recording

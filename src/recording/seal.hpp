@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+
+namespace palpate::recording {
+
+/// Bytes before the HDF5 part of a recording (its "user block"). They name the format and, once the
+/// recording is finished, hold a checksum of all that follows.
+inline constexpr std::size_t kSealSize = 512;
+
+/// Marks the file as begun.
+void write_open_seal(const std::filesystem::path& path);
+
+/// Marks the file as finished, with its checksum.
+void write_closed_seal(const std::filesystem::path& path);
+
+/// True if the file was finished and is intact, false if it was never finished.
+/// @throws BadInput if it is missing, not a recording, of another version, or damaged
+bool check_seal(const std::filesystem::path& path);
+
+}  // namespace palpate::recording

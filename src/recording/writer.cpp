@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/recording/writer.hpp"
+
+#include <fmt/format.h>
+
+#include <map>
+#include <optional>
+
+#include "hdf5_file.hpp"
+#include "record_json.hpp"
+#include "schema.hpp"
+#include "seal.hpp"
+
+namespace palpate::recording {
+namespace {
+
+constexpr hsize_t kTextChunk = 4096, kContactsPerChunk = 512, kMeshRowsPerChunk = 4096;
+
+/// Text of JSON that any reader accepts: bytes that are not UTF-8 are replaced.
+std::string dump(const nlohmann::json& json) {
+  return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+void append_text(H5::DataSet dataset, const std::string& text) {
+  append_rows(dataset, text.data(), text.size(), 1, native_type<char>());
+}
+
+/// @throws BadInput if what will be in the file could not be read back
+void check_readable(const Header& header) {
+  try {
+    header_from_json(to_json(header));
+  } catch (const nlohmann::json::exception& error) {
+    throw BadInput(fmt::format("header of a recording: {}", error.what()));
+  }
+}
+
+void check_readable(const EstimateRecord& estimate) {
+  try {
+    estimate_from_json(to_json(estimate));
+  } catch (const nlohmann::json::exception& error) {
+    throw BadInput(fmt::format("estimate at {} s: {}", estimate.time, error.what()));
+  }
+}
+
+void write_mesh(const H5::H5File& file, const geometry::TriangleMesh& mesh) {
+  std::vector<double> vertices;
+  std::vector<int> triangles;
+  for (const auto& vertex : mesh.vertices) {
+    vertices.insert(vertices.end(), vertex.data(), vertex.data() + 3);
+  }
+  for (const auto& t : mesh.triangles) triangles.insert(triangles.end(), t.begin(), t.end());
+  H5::DataSet vertex_rows = file.openDataSet(kVertices);
+  append_rows(vertex_rows, vertices.data(), mesh.vertices.size(), 3, native_type<double>());
+  H5::DataSet triangle_rows = file.openDataSet(kTriangles);
+  append_rows(triangle_rows, triangles.data(), mesh.triangles.size(), 3, native_type<int>());
+}
+
+void create_datasets(H5::H5File& file) {
+  for (const char* group : {"header", "frames", "events", "estimates"}) file.createGroup(group);
+  for (const char* text : {kHeaderText, kEvents, kEstimates}) {
+    create_growing(file, text, hdf5_type<char>(), 1, kTextChunk);
+  }
+  create_growing(file, kVertices, hdf5_type<double>(), 3, kMeshRowsPerChunk);
+  create_growing(file, kTriangles, hdf5_type<int>(), 3, kMeshRowsPerChunk);
+  for (const FrameField& field : frame_fields()) {
+    create_growing(file, field.name, hdf5_type<double>(), static_cast<hsize_t>(field.width),
+                   kFramesPerChunk);
+  }
+  create_growing(file, kContactCounts, hdf5_type<int>(), hand::kFingers, kFramesPerChunk);
+  create_growing(file, kContacts, hdf5_type<double>(), kContactWidth, kContactsPerChunk);
+}
+
+/// The file with everything that does not grow, closed again.
+void create_file(const std::filesystem::path& path, const Header& header) {
+  H5::FileCreatPropList properties;
+  properties.setUserblock(kSealSize);
+  H5::H5File file(path.string(), H5F_ACC_TRUNC, properties, file_access());
+  create_datasets(file);
+  append_text(file.openDataSet(kHeaderText), dump(to_json(header)));
+  write_mesh(file, header.object.mesh);
+}
+
+void append_contact(const hand::TipContact& contact, std::vector<double>& rows) {
+  for (const Eigen::Vector3d* v : {&contact.p, &contact.n, &contact.f}) {
+    rows.insert(rows.end(), v->data(), v->data() + 3);
+  }
+}
+
+}  // namespace
+
+struct Writer::Impl {
+  std::filesystem::path path, partial;
+  std::optional<H5::H5File> file;
+  std::vector<Frame> pending;  // until a chunk is full: chunks are then written once
+
+  void flush() { file->flush(H5F_SCOPE_GLOBAL); }
+
+  void append(const char* name, const std::vector<double>& values, int width) {
+    H5::DataSet dataset = file->openDataSet(name);
+    append_rows(dataset, values.data(), values.size() / static_cast<std::size_t>(width),
+                static_cast<hsize_t>(width), native_type<double>());
+  }
+
+  void append_contacts() {
+    std::vector<int> counts;
+    std::vector<double> rows;
+    for (const Frame& frame : pending) {
+      for (const auto& finger : frame.reading.contacts) {
+        counts.push_back(static_cast<int>(finger.size()));
+        for (const auto& contact : finger) append_contact(contact, rows);
+      }
+    }
+    append(kContacts, rows, kContactWidth);
+    H5::DataSet dataset = file->openDataSet(kContactCounts);
+    append_rows(dataset, counts.data(), pending.size(), hand::kFingers, native_type<int>());
+  }
+
+  void write_pending() {
+    if (pending.empty()) return;
+    // Contacts first: a frame that a reader finds then always has its contacts.
+    append_contacts();
+    flush();
+    for (const FrameField& field : frame_fields()) {
+      const auto width = static_cast<std::size_t>(field.width);
+      std::vector<double> values(pending.size() * width);
+      for (std::size_t i = 0; i < pending.size(); ++i) field.get(pending[i], &values[i * width]);
+      append(field.name, values, field.width);
+    }
+    flush();
+    pending.clear();
+  }
+
+  void append_line(const char* dataset, const nlohmann::json& json) {
+    with_hdf5(partial, [&] {
+      append_text(file->openDataSet(dataset), dump(json) + "\n");
+      flush();
+    });
+  }
+};
+
+Writer::Writer(std::filesystem::path path, const Header& header) : impl_(new Impl) {
+  impl_->path = std::move(path);
+  impl_->partial = impl_->path.string() + ".partial";
+  check_readable(header);
+  if (std::filesystem::is_directory(impl_->path)) {
+    throw BadInput(fmt::format("{}: a folder, not a file to write", impl_->path.string()));
+  }
+  with_hdf5(impl_->partial, [&] { create_file(impl_->partial, header); });
+  write_open_seal(impl_->partial);
+  with_hdf5(impl_->partial, [&] {
+    impl_->file.emplace(impl_->partial.string(), H5F_ACC_RDWR | H5F_ACC_SWMR_WRITE,
+                        H5::FileCreatPropList::DEFAULT, file_access());
+  });
+}
+
+Writer::~Writer() {
+  if (!impl_->file) return;
+  try {
+    with_hdf5(impl_->partial, [&] {
+      impl_->write_pending();
+      impl_->file.reset();
+    });
+  } catch (const BadInput&) {
+    // The disk is full or gone; what was flushed before remains.
+  }
+}
+
+void Writer::frame(const Frame& frame) {
+  impl_->pending.push_back(frame);
+  if (impl_->pending.size() < kFramesPerChunk) return;
+  with_hdf5(impl_->partial, [&] { impl_->write_pending(); });
+}
+
+void Writer::event(const Event& event) { impl_->append_line(kEvents, to_json(event)); }
+
+void Writer::estimate(const EstimateRecord& estimate) {
+  check_readable(estimate);
+  impl_->append_line(kEstimates, to_json(estimate));
+}
+
+void Writer::finish() {
+  with_hdf5(impl_->partial, [&] {
+    impl_->write_pending();
+    impl_->file.reset();
+  });
+  write_closed_seal(impl_->partial);
+  std::error_code error;
+  std::filesystem::rename(impl_->partial, impl_->path, error);
+  if (error) throw BadInput(fmt::format("{}: {}", impl_->path.string(), error.message()));
+}
+
+void write_recording(const std::filesystem::path& path, const Recording& recording) {
+  Writer writer(path, recording.header);
+  for (const auto& frame : recording.frames) writer.frame(frame);
+  for (const auto& event : recording.events) writer.event(event);
+  for (const auto& estimate : recording.estimates) writer.estimate(estimate);
+  writer.finish();
+}
+
+}  // namespace palpate::recording

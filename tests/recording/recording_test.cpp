@@ -1,0 +1,316 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/recording/recording.hpp"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "palpate/core/error.hpp"
+#include "palpate/recording/writer.hpp"
+#include "recording/toy_recording.hpp"
+
+namespace palpate::recording {
+namespace {
+
+template <class Value>
+void expect_same(const Value& a, const Value& b) {
+  EXPECT_EQ(a, b);
+}
+
+void expect_same(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
+  EXPECT_EQ(a.matrix(), b.matrix());
+}
+
+void expect_same_object(const geometry::KnownObject& a, const geometry::KnownObject& b) {
+  EXPECT_EQ(a.name, b.name);
+  EXPECT_EQ(a.mesh.vertices, b.mesh.vertices);
+  EXPECT_EQ(a.mesh.triangles, b.mesh.triangles);
+  expect_same(a.T_mesh_object, b.T_mesh_object);
+  EXPECT_EQ(a.mass, b.mass);
+  EXPECT_EQ(a.mass_properties.volume, b.mass_properties.volume);
+  EXPECT_EQ(a.mass_properties.centroid, b.mass_properties.centroid);
+  EXPECT_EQ(a.mass_properties.inertia, b.mass_properties.inertia);
+  EXPECT_EQ(a.symmetries, b.symmetries);
+  EXPECT_EQ(a.repairs, b.repairs);
+  ASSERT_EQ(a.stances.size(), b.stances.size());
+  for (std::size_t i = 0; i < a.stances.size(); ++i) {
+    EXPECT_EQ(a.stances[i].R_table_object, b.stances[i].R_table_object);
+    EXPECT_EQ(a.stances[i].height, b.stances[i].height);
+    EXPECT_EQ(a.stances[i].probability, b.stances[i].probability);
+  }
+}
+
+void expect_same_hand(const hand::HandModel& a, const hand::HandModel& b) {
+  ASSERT_EQ(a.links.size(), b.links.size());
+  for (std::size_t i = 0; i < a.links.size(); ++i) {
+    EXPECT_EQ(a.links[i].name, b.links[i].name);
+    EXPECT_EQ(a.links[i].parent, b.links[i].parent);
+    expect_same(a.links[i].T_parent_link, b.links[i].T_parent_link);
+    EXPECT_EQ(a.links[i].axis, b.links[i].axis);
+    EXPECT_EQ(a.links[i].joint, b.links[i].joint);
+  }
+  EXPECT_EQ(a.palm, b.palm);
+  EXPECT_EQ(a.distal, b.distal);
+  for (std::size_t i = 0; i < hand::kFingers; ++i) {
+    EXPECT_EQ(a.tips[i].a, b.tips[i].a);
+    EXPECT_EQ(a.tips[i].b, b.tips[i].b);
+    EXPECT_EQ(a.tips[i].radius, b.tips[i].radius);
+  }
+  ASSERT_EQ(a.spheres.size(), b.spheres.size());
+  for (std::size_t i = 0; i < a.spheres.size(); ++i) {
+    EXPECT_EQ(a.spheres[i].link, b.spheres[i].link);
+    EXPECT_EQ(a.spheres[i].center, b.spheres[i].center);
+    EXPECT_EQ(a.spheres[i].radius, b.spheres[i].radius);
+  }
+}
+
+void expect_same_reading(const hand::HandReading& a, const hand::HandReading& b) {
+  EXPECT_EQ(a.time, b.time);
+  EXPECT_EQ(a.joints, b.joints);
+  EXPECT_EQ(a.torques, b.torques);
+  EXPECT_EQ(a.base.xyz, b.base.xyz);
+  EXPECT_EQ(a.base.ypr, b.base.ypr);
+  EXPECT_EQ(a.base_force, b.base_force);
+  for (std::size_t finger = 0; finger < hand::kFingers; ++finger) {
+    ASSERT_EQ(a.contacts[finger].size(), b.contacts[finger].size());
+    for (std::size_t i = 0; i < a.contacts[finger].size(); ++i) {
+      EXPECT_EQ(a.contacts[finger][i].p, b.contacts[finger][i].p);
+      EXPECT_EQ(a.contacts[finger][i].n, b.contacts[finger][i].n);
+      EXPECT_EQ(a.contacts[finger][i].f, b.contacts[finger][i].f);
+    }
+  }
+}
+
+void expect_same_frame(const Frame& a, const Frame& b) {
+  expect_same_reading(a.reading, b.reading);
+  EXPECT_EQ(a.command.positions, b.command.positions);
+  EXPECT_EQ(a.command.base.xyz, b.command.base.xyz);
+  EXPECT_EQ(a.command.base.ypr, b.command.base.ypr);
+  ASSERT_EQ(a.truth.has_value(), b.truth.has_value());
+  if (!a.truth) return;
+  expect_same(a.truth->T_world_object, b.truth->T_world_object);
+  EXPECT_EQ(a.truth->joints, b.truth->joints);
+}
+
+void expect_same_estimate(const EstimateRecord& a, const EstimateRecord& b) {
+  EXPECT_EQ(a.time, b.time);
+  EXPECT_EQ(a.status, b.status);
+  ASSERT_EQ(a.modes.size(), b.modes.size());
+  for (std::size_t i = 0; i < a.modes.size(); ++i) {
+    expect_same(a.modes[i].T_world_object, b.modes[i].T_world_object);
+    EXPECT_EQ(a.modes[i].weight, b.modes[i].weight);
+    EXPECT_EQ(a.modes[i].covariance, b.modes[i].covariance);
+    ASSERT_EQ(a.modes[i].free_axis.has_value(), b.modes[i].free_axis.has_value());
+    if (!a.modes[i].free_axis) continue;
+    EXPECT_EQ(a.modes[i].free_axis->point, b.modes[i].free_axis->point);
+    EXPECT_EQ(a.modes[i].free_axis->direction, b.modes[i].free_axis->direction);
+    EXPECT_EQ(a.modes[i].free_axis->extent, b.modes[i].free_axis->extent);
+  }
+  ASSERT_EQ(a.contacts.size(), b.contacts.size());
+  for (std::size_t i = 0; i < a.contacts.size(); ++i) {
+    EXPECT_EQ(a.contacts[i].finger, b.contacts[i].finger);
+    EXPECT_EQ(a.contacts[i].time, b.contacts[i].time);
+    EXPECT_EQ(a.contacts[i].p, b.contacts[i].p);
+    EXPECT_EQ(a.contacts[i].n, b.contacts[i].n);
+    EXPECT_EQ(a.contacts[i].f, b.contacts[i].f);
+    EXPECT_EQ(a.contacts[i].point_sigma, b.contacts[i].point_sigma);
+    EXPECT_EQ(a.contacts[i].normal_sigma, b.contacts[i].normal_sigma);
+  }
+}
+
+void expect_same_events(const std::vector<Event>& a, const std::vector<Event>& b) {
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    EXPECT_EQ(a[i].time, b[i].time);
+    EXPECT_EQ(a[i].kind, b[i].kind);
+    EXPECT_EQ(a[i].phase, b[i].phase);
+    EXPECT_EQ(a[i].text, b[i].text);
+  }
+}
+
+std::string message_of(const std::filesystem::path& path) {
+  try {
+    read_recording(path);
+  } catch (const BadInput& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(RecordingTest, ReadsBackBitForBit) {
+  const TestFolder folder;
+  for (const int ticks : {0, 1, 100, 257}) {
+    const Recording written = toy_recording(ticks);
+    write_recording(folder / "toy.h5", written);
+    const Recording read = read_recording(folder / "toy.h5");
+    EXPECT_TRUE(read.finished);
+    EXPECT_EQ(read.header.program_version, written.header.program_version);
+    EXPECT_EQ(read.header.seed, written.header.seed);
+    EXPECT_EQ(read.header.config_toml, written.header.config_toml);
+    expect_same_object(read.header.object, written.header.object);
+    expect_same_hand(read.header.hand, written.header.hand);
+    ASSERT_EQ(read.frames.size(), written.frames.size());
+    for (std::size_t i = 0; i < read.frames.size(); ++i) {
+      expect_same_frame(read.frames[i], written.frames[i]);
+    }
+    expect_same_events(read.events, written.events);
+    ASSERT_EQ(read.estimates.size(), written.estimates.size());
+    for (std::size_t i = 0; i < read.estimates.size(); ++i) {
+      expect_same_estimate(read.estimates[i], written.estimates[i]);
+    }
+  }
+}
+
+TEST(RecordingTest, TruthOverwrittenWithNanReadsAsAbsent) {
+  const TestFolder folder;
+  Recording recording = toy_recording(20);
+  for (Frame& frame : recording.frames) {
+    if (frame.truth) frame.truth->T_world_object.matrix().setConstant(std::nan(""));
+  }
+  write_recording(folder / "blind.h5", recording);
+  for (const Frame& frame : read_recording(folder / "blind.h5").frames) {
+    EXPECT_FALSE(frame.truth.has_value());
+  }
+}
+
+TEST(RecordingTest, NamesWhatIsWrongWithAFile) {
+  const TestFolder folder;
+  EXPECT_NE(message_of(folder / "none.h5").find("none.h5: no such file"), std::string::npos);
+  EXPECT_NE(message_of(folder / "").find("not a file"), std::string::npos);
+  std::ofstream(folder / "empty.h5");
+  EXPECT_NE(message_of(folder / "empty.h5").find("not a palpate recording"), std::string::npos);
+  std::ofstream(folder / "text.h5") << std::string(4096, 'x');
+  EXPECT_NE(message_of(folder / "text.h5").find("not a palpate recording"), std::string::npos);
+  write_recording(folder / "toy.h5", toy_recording(3));
+  std::fstream(folder / "toy.h5", std::ios::in | std::ios::out) << "PALPATE RECORDING 7\n";
+  EXPECT_NE(message_of(folder / "toy.h5").find("format \"7\" is not 1"), std::string::npos);
+}
+
+TEST(RecordingTest, RefusesValuesThatAreNotFinite) {
+  const TestFolder folder;
+  Recording recording = toy_recording(9);
+  recording.frames[5].reading.joints[3] = std::nan("");
+  write_recording(folder / "nan.h5", recording);
+  EXPECT_NE(message_of(folder / "nan.h5").find("frames/joints of frame 5 holds nan"),
+            std::string::npos);
+
+  recording = toy_recording(9);
+  recording.estimates[0].modes[0].weight = std::nan("");
+  EXPECT_THROW(write_recording(folder / "nan.h5", recording), BadInput);
+  recording = toy_recording(9);
+  recording.header.object.stances[0].height = std::numeric_limits<double>::infinity();
+  EXPECT_THROW(write_recording(folder / "nan.h5", recording), BadInput);
+}
+
+TEST(RecordingTest, RefusesAHandWhoseLinksDoNotExist) {
+  const TestFolder folder;
+  Recording recording = toy_recording(1);
+  recording.header.hand.links[1].parent = 2;
+  EXPECT_THROW(write_recording(folder / "toy.h5", recording), BadInput);
+  recording = toy_recording(1);
+  recording.header.hand.links[1].joint = hand::kJoints;
+  EXPECT_THROW(write_recording(folder / "toy.h5", recording), BadInput);
+  recording = toy_recording(1);
+  recording.header.object.mesh.triangles[4][1] = 99;
+  write_recording(folder / "toy.h5", recording);
+  EXPECT_NE(message_of(folder / "toy.h5").find("no vertex 99"), std::string::npos);
+}
+
+TEST(RecordingTest, RefusesAPathThatCannotBeWritten) {
+  const TestFolder folder;
+  const Recording recording = toy_recording(1);
+  EXPECT_THROW(Writer(folder / "", recording.header), BadInput);
+  EXPECT_THROW(Writer(folder / "no/such/folder/toy.h5", recording.header), BadInput);
+}
+
+TEST(RecordingTest, UnfinishedRecordingKeepsWhatWasFlushed) {
+  const TestFolder folder;
+  const Recording recording = toy_recording(250);
+  {
+    Writer writer(folder / "toy.h5", recording.header);
+    for (const Frame& frame : recording.frames) writer.frame(frame);
+    writer.event(recording.events[0]);
+    writer.estimate(recording.estimates[0]);
+    // As left by a program that dies here, and as seen by one that reads along.
+    std::filesystem::copy_file(folder / "toy.h5.partial", folder / "dead.h5.partial");
+    EXPECT_EQ(read_recording(folder / "toy.h5.partial").frames.size(), 200u);
+  }
+  EXPECT_NE(message_of(folder / "toy.h5").find("toy.h5.partial"), std::string::npos);
+  const Recording closed = read_recording(folder / "toy.h5.partial");
+  EXPECT_EQ(closed.frames.size(), 250u);
+  const Recording dead = read_recording(folder / "dead.h5.partial");
+  EXPECT_FALSE(dead.finished);
+  ASSERT_EQ(dead.frames.size(), 200u);
+  for (std::size_t i = 0; i < dead.frames.size(); ++i) {
+    expect_same_frame(dead.frames[i], recording.frames[i]);
+  }
+  expect_same_events(dead.events, {recording.events[0]});
+  ASSERT_EQ(dead.estimates.size(), 1u);
+  expect_same_estimate(dead.estimates[0], recording.estimates[0]);
+}
+
+std::string bytes_of(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+void write_bytes(const std::filesystem::path& path, const std::string& bytes) {
+  std::ofstream(path, std::ios::binary).write(bytes.data(), static_cast<long>(bytes.size()));
+}
+
+TEST(RecordingTest, FinishedRecordingDetectsEveryDamage) {
+  const TestFolder folder;
+  write_recording(folder / "toy.h5", toy_recording(120));
+  const std::string whole = bytes_of(folder / "toy.h5");
+  RandomStream random(11, "damage");
+  for (int trial = 0; trial < 200; ++trial) {
+    std::string bytes = whole;
+    // The seal's padding (bytes 50..511) carries nothing.
+    bytes[512 + random.index(bytes.size() - 512)] ^= static_cast<char>(1 + random.index(255));
+    write_bytes(folder / "bad.h5", bytes);
+    EXPECT_NE(message_of(folder / "bad.h5"), "");
+    write_bytes(folder / "bad.h5", whole.substr(0, random.index(whole.size())));
+    EXPECT_NE(message_of(folder / "bad.h5"), "");
+  }
+  for (std::size_t i = 0; i < 40; ++i) {
+    std::string bytes = whole;
+    bytes[i] ^= 1;
+    write_bytes(folder / "bad.h5", bytes);
+    EXPECT_NE(message_of(folder / "bad.h5"), "");
+  }
+}
+
+TEST(RecordingTest, DamagedUnfinishedRecordingLoadsOrIsRefused) {
+  const TestFolder folder;
+  const Recording recording = toy_recording(220);
+  Writer writer(folder / "toy.h5", recording.header);
+  for (const Frame& frame : recording.frames) writer.frame(frame);
+  for (const Event& event : recording.events) writer.event(event);
+  const std::string whole = bytes_of(folder / "toy.h5.partial");
+  RandomStream random(12, "damage");
+  int refused = 0;
+  for (int trial = 0; trial < 400; ++trial) {
+    std::string bytes = whole;
+    // Most of HDF5's own tables lie at the front, so half of the damage goes there.
+    const std::size_t reach = trial % 2 ? bytes.size() : 8192;
+    for (int flips = 0; flips < 1 + trial % 4; ++flips) {
+      bytes[random.index(reach)] ^= static_cast<char>(1 + random.index(255));
+    }
+    write_bytes(folder / "bad.h5", trial % 5 ? bytes : whole.substr(0, random.index(whole.size())));
+    refused += message_of(folder / "bad.h5").empty() ? 0 : 1;
+  }
+  EXPECT_GT(refused, 100);
+}
+
+TEST(RecordingTest, MessagesAreOneLine) {
+  const TestFolder folder;
+  write_recording(folder / "toy.h5", toy_recording(3));
+  const std::string whole = bytes_of(folder / "toy.h5");
+  for (const std::size_t size : {0, 10, 100, 511, 600, 3000}) {
+    write_bytes(folder / "bad.h5", whole.substr(0, size));
+    EXPECT_EQ(message_of(folder / "bad.h5").find('\n'), std::string::npos);
+  }
+}
+
+}  // namespace
+}  // namespace palpate::recording
