@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "palpate/hand/visuals.hpp"
+#include "palpate/recording/recording.hpp"
+
+namespace palpate::recording {
+
+/// A page that replays the recording in any browser: one file that loads nothing else.
+///
+/// The hand is drawn from the recorded joints. Frames are thinned to at most 50 a second and 1500
+/// in all, meshes coarsened where they are fine. Without visuals the hand's spheres are drawn
+/// instead.
+/// @param page    HTML with the marks {{title}}, {{recording}} and {{script}}, in that order
+/// @param script  the bundled viewer
+/// @param title   plain text
+/// @throws BadInput for a page without a mark, or visuals of a link or mesh that does not exist
+std::string replay_page(const Recording& recording, const hand::HandVisuals& visuals,
+                        std::string_view page, std::string_view script, std::string_view title);
+
+}  // namespace palpate::recording

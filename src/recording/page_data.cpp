@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "page_data.hpp"
+
+#include <algorithm>
+#include <vector>
+
+#include "base64.hpp"
+#include "palpate/hand/kinematics.hpp"
+
+namespace palpate::recording {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::size_t kMostFrames = 1500, kLeastStride = 2;  // of recorded frames, 100 a second
+
+/// Recorded frames that the page holds: every so-manieth and the last.
+std::vector<std::size_t> chosen_frames(std::size_t count) {
+  std::vector<std::size_t> chosen;
+  const std::size_t stride = std::max(kLeastStride, (count + kMostFrames - 1) / kMostFrames);
+  for (std::size_t i = 0; i + 1 < count; i += stride) chosen.push_back(i);
+  if (count > 0) chosen.push_back(count - 1);
+  return chosen;
+}
+
+void append(const Eigen::Vector3d& v, std::vector<float>& values) {
+  for (const double x : v) values.push_back(static_cast<float>(x));
+}
+
+void append_pose(const Eigen::Isometry3d& T, std::vector<float>& values) {
+  append(T.translation(), values);
+  const Eigen::Quaterniond q(T.linear());
+  for (const double x : q.coeffs()) values.push_back(static_cast<float>(x));
+}
+
+/// Series of the page, frame after frame.
+struct Series {
+  std::vector<float> time, links, object, contacts;  // a contact: p, n in the world, force along n
+  std::vector<std::uint32_t> contact_counts;
+  std::vector<std::uint8_t> has_object, fingers;
+};
+
+void append_contacts(const hand::HandReading& reading, const hand::HandModel& hand,
+                     const std::vector<Eigen::Isometry3d>& T_world_links, Series& series) {
+  std::uint32_t count = 0;
+  for (std::size_t finger = 0; finger < hand::kFingers; ++finger) {
+    const auto& T = T_world_links[static_cast<std::size_t>(hand.distal[finger])];
+    for (const auto& contact : reading.contacts[finger]) {
+      append(T * contact.p, series.contacts);
+      append(T.linear() * contact.n, series.contacts);
+      series.contacts.push_back(static_cast<float>(-contact.f.dot(contact.n)));
+      series.fingers.push_back(static_cast<std::uint8_t>(finger));
+      ++count;
+    }
+  }
+  series.contact_counts.push_back(count);
+}
+
+void append_frame(const Frame& frame, const hand::HandModel& hand, Series& series) {
+  series.time.push_back(static_cast<float>(frame.reading.time));
+  auto T_world_links = hand::forward_kinematics(hand, frame.reading.joints);
+  const Eigen::Isometry3d T_world_base = frame.reading.base.pose();
+  for (auto& T : T_world_links) {
+    T = T_world_base * T;
+    append_pose(T, series.links);
+  }
+  append_pose(frame.truth ? frame.truth->T_world_object : Eigen::Isometry3d::Identity(),
+              series.object);
+  series.has_object.push_back(frame.truth.has_value());
+  append_contacts(frame.reading, hand, T_world_links, series);
+}
+
+json series_to_json(const Recording& recording) {
+  Series series;
+  for (const std::size_t i : chosen_frames(recording.frames.size())) {
+    append_frame(recording.frames[i], recording.header.hand, series);
+  }
+  return {{"count", series.time.size()},
+          {"links", recording.header.hand.links.size()},
+          {"time", base64<float>(series.time)},
+          {"link_poses", base64<float>(series.links)},
+          {"object_poses", base64<float>(series.object)},
+          {"has_object", base64<std::uint8_t>(series.has_object)},
+          {"contact_counts", base64<std::uint32_t>(series.contact_counts)},
+          {"contacts", base64<float>(series.contacts)},
+          {"contact_fingers", base64<std::uint8_t>(series.fingers)}};
+}
+
+}  // namespace
+
+json page_data(const Recording& recording, const hand::HandVisuals& visuals) {
+  const Header& header = recording.header;
+  json data = {{"program_version", header.program_version},
+               {"seed", std::to_string(header.seed)},
+               {"finished", recording.finished},
+               {"object", header.object.name},
+               {"mass", header.object.mass},
+               {"symmetries", header.object.symmetries.size()},
+               {"recorded_frames", recording.frames.size()},
+               {"frames", series_to_json(recording)}};
+  data.update(page_shapes(recording, visuals));
+  data.update(page_story(recording));
+  return data;
+}
+
+}  // namespace palpate::recording

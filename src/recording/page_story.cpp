@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "matrix_json.hpp"
+#include "page_data.hpp"
+
+namespace palpate::recording {
+namespace {
+
+using nlohmann::json;
+
+constexpr double kDegree = std::numbers::pi / 180;
+
+/// Phases in order; one that never ended lasts to the last frame.
+json phases_to_json(const Recording& recording) {
+  json phases = json::array();
+  const double last = recording.frames.empty() ? 0 : recording.frames.back().reading.time;
+  for (const Event& event : recording.events) {
+    if (event.kind == EventKind::begin) {
+      phases.push_back({{"name", event.phase},
+                        {"begin", event.time},
+                        {"end", std::max(last, event.time)},
+                        {"outcome", ""}});
+    }
+    if (event.kind != EventKind::end || phases.empty()) continue;
+    if (phases.back()["name"] != event.phase) continue;
+    phases.back()["end"] = event.time;
+    phases.back()["outcome"] = event.text;
+  }
+  return phases;
+}
+
+json notes_to_json(const std::vector<Event>& events) {
+  json notes = json::array();
+  for (const Event& event : events) {
+    if (event.kind != EventKind::note) continue;
+    notes.push_back({{"time", event.time}, {"phase", event.phase}, {"text", event.text}});
+  }
+  return notes;
+}
+
+/// The truth in the last frame up to that time, if any.
+const FrameTruth* truth_at(const std::vector<Frame>& frames, double time) {
+  const auto after =
+      std::upper_bound(frames.begin(), frames.end(), time + hand::kTick / 2,
+                       [](double t, const Frame& frame) { return t < frame.reading.time; });
+  if (after == frames.begin()) return nullptr;
+  const auto& truth = std::prev(after)->truth;
+  return truth ? &*truth : nullptr;
+}
+
+/// Rotation (rad) between the poses, modulo the symmetries of the object.
+double rotation_error(const Eigen::Isometry3d& estimate, const Eigen::Isometry3d& truth,
+                      const std::vector<Eigen::Matrix3d>& symmetries) {
+  double least = rotation_distance(estimate.linear(), truth.linear());
+  for (const auto& S : symmetries) {
+    least = std::min(least, rotation_distance(estimate.linear() * S, truth.linear()));
+  }
+  return least;
+}
+
+/// Poses of a mode: one, or steps of one degree along its free axis.
+std::vector<Eigen::Isometry3d> poses_of(const PoseModeRecord& mode) {
+  if (!mode.free_axis) return {mode.T_world_object};
+  std::vector<Eigen::Isometry3d> poses;
+  const FreeAxisRecord& axis = *mode.free_axis;
+  const int steps = static_cast<int>(std::min(axis.extent, std::numbers::pi) / kDegree);
+  for (int k = -steps; k <= steps; ++k) {
+    poses.push_back(Eigen::Translation3d(axis.point) *
+                    Eigen::AngleAxisd(k * kDegree, axis.direction) *
+                    Eigen::Translation3d(-axis.point) * mode.T_world_object);
+  }
+  return poses;
+}
+
+void add_errors(const PoseModeRecord& mode, const Eigen::Isometry3d& truth,
+                const std::vector<Eigen::Matrix3d>& symmetries, json& j) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const auto& pose : poses_of(mode)) {
+    const double error = rotation_error(pose, truth, symmetries);
+    if (error >= least) continue;
+    least = error;
+    j["rotation_error_deg"] = error / kDegree;
+    j["translation_error_mm"] = 1000 * (pose.translation() - truth.translation()).norm();
+  }
+}
+
+json mode_to_json(const PoseModeRecord& mode) {
+  const auto sigma = [&](int block) {
+    return std::sqrt(std::max(0.0, mode.covariance.diagonal().segment<3>(block).mean()));
+  };
+  json j = {{"T_world_object", pose_to_json(mode.T_world_object)},
+            {"weight", mode.weight},
+            {"rotation_sigma_deg", sigma(0) / kDegree},
+            {"translation_sigma_mm", 1000 * sigma(3)}};
+  if (mode.free_axis) {
+    j["free_axis"] = {{"point", matrix_to_json(mode.free_axis->point)},
+                      {"direction", matrix_to_json(mode.free_axis->direction)},
+                      {"extent_deg", mode.free_axis->extent / kDegree}};
+  }
+  return j;
+}
+
+json estimate_to_json(const EstimateRecord& estimate, const Recording& recording) {
+  json modes = json::array(), contacts = json::array();
+  const FrameTruth* truth = truth_at(recording.frames, estimate.time);
+  for (const auto& mode : estimate.modes) {
+    modes.push_back(mode_to_json(mode));
+    if (!truth) continue;
+    add_errors(mode, truth->T_world_object, recording.header.object.symmetries, modes.back());
+  }
+  for (const auto& contact : estimate.contacts) {
+    contacts.push_back({{"finger", contact.finger},
+                        {"p", matrix_to_json(contact.p)},
+                        {"n", matrix_to_json(contact.n)}});
+  }
+  return {{"time", estimate.time},
+          {"status", estimate.status},
+          {"modes", modes},
+          {"contacts", contacts}};
+}
+
+}  // namespace
+
+json page_story(const Recording& recording) {
+  json estimates = json::array();
+  for (const auto& estimate : recording.estimates) {
+    estimates.push_back(estimate_to_json(estimate, recording));
+  }
+  return {{"phases", phases_to_json(recording)},
+          {"notes", notes_to_json(recording.events)},
+          {"estimates", estimates}};
+}
+
+}  // namespace palpate::recording
