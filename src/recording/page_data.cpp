@@ -77,6 +77,7 @@ json series_to_json(const Recording& recording) {
   }
   return {{"count", series.time.size()},
           {"links", recording.header.hand.links.size()},
+          {"palm", std::max(recording.header.hand.palm, 0)},
           {"time", base64<float>(series.time)},
           {"link_poses", base64<float>(series.links)},
           {"object_poses", base64<float>(series.object)},

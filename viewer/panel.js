@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Apache-2.0
+// The panel at the side: what the recording is, forces, phases, the estimate and what is shown.
+import { FINGER_COLORS, modeColor, phaseColors } from './colors.js';
+import { FINGERS } from './recording.js';
+
+const FULL_FORCE = 10; // N, a full meter
+
+/** Element with attributes and children; text is never parsed as HTML. */
+function make(tag, attributes = {}, ...children) {
+  const element = document.createElement(tag);
+  for (const [name, value] of Object.entries(attributes)) {
+    if (name === 'color') element.style.background = value;
+    else if (name.startsWith('on')) element.addEventListener(name.slice(2), value);
+    else element[name] = value;
+  }
+  element.append(...children);
+  return element;
+}
+
+const swatch = (color) => make('span', { className: 'swatch', color });
+const byId = (id) => document.getElementById(id);
+const known = (value, unit) => (value === undefined ? '–' : `${value.toFixed(1)}${unit}`);
+
+export class Panel {
+  /** @param shown what is switched on, changed in place @param actions {seek(t), changed()} */
+  constructor(recording, title, shown, actions) {
+    this.recording = recording;
+    this.shown = shown;
+    this.actions = actions;
+    byId('title').textContent = title;
+    this.#fillAbout();
+    this.#fillForces();
+    this.#fillPhases();
+    this.#fillLayers();
+  }
+
+  show(t) {
+    const frame = this.recording.frameAt(t);
+    this.meters.forEach(({ bar, text }, finger) => {
+      const force = this.recording.count ? this.recording.forces[finger][frame] : 0;
+      bar.style.width = `${Math.min(100, (100 * force) / FULL_FORCE)}%`;
+      text.textContent = force > 0 ? `${force.toFixed(1)} N` : '–';
+    });
+    const phase = this.recording.phaseAt(t);
+    this.phaseRows.forEach((row, i) => row.classList.toggle('now', i === phase));
+    this.#fillEstimate(t);
+  }
+
+  #fillAbout() {
+    const r = this.recording;
+    const parts = [`${r.object}, ${Math.round(1000 * r.mass)} g`, `seed ${r.seed}`, `palpate ${r.program_version}`];
+    if (r.symmetries > 1) parts.splice(1, 0, `symmetry of order ${r.symmetries}`);
+    byId('about').append(parts.join(' · '));
+    if (!r.finished) byId('about').append(' ', make('span', { className: 'badge warn' }, 'unfinished recording'));
+  }
+
+  #fillForces() {
+    this.meters = FINGERS.map((name, finger) => {
+      const bar = make('i', { color: FINGER_COLORS[finger] });
+      const text = make('span', { className: 'newton quiet' });
+      byId('forces').append(make('div', { className: 'row' }, make('span', { className: 'finger' }, name),
+        make('span', { className: 'meter' }, bar), text));
+      return { bar, text };
+    });
+  }
+
+  #fillPhases() {
+    const colors = phaseColors(this.recording.phases);
+    this.phaseRows = this.recording.phases.map((phase, i) =>
+      make('button', { className: 'row', onclick: () => this.actions.seek(phase.begin) }, swatch(colors[i]),
+        make('span', { className: 'grow' }, phase.name, make('span', { className: 'outcome' }, phase.outcome)),
+        make('span', { className: 'quiet' }, `${(phase.end - phase.begin).toFixed(1)} s`)));
+    byId('phases').append(...this.phaseRows);
+    if (!this.phaseRows.length) byId('phases').append(make('span', { className: 'quiet' }, 'none recorded'));
+  }
+
+  /** The estimate drawn at t, else the next to come. */
+  #fillEstimate(t) {
+    const { estimates } = this.recording;
+    let index = this.recording.estimateAt(t);
+    if (index < 0) index = estimates.findIndex((estimate) => estimate.time >= t);
+    if (index < 0) index = estimates.length - 1;
+    if (index === this.estimateShown) return;
+    this.estimateShown = index;
+    if (index < 0) byId('estimate').replaceChildren(make('span', { className: 'quiet' }, 'none recorded'));
+    else this.#fillModes(estimates[index]);
+  }
+
+  #fillModes(estimate) {
+    const head = make('tr', {}, ...['pose', 'weight', 'rotation', 'place'].map((text) => make('th', {}, text)));
+    const rows = estimate.modes.map((mode, i) => this.#modeRow(mode, i));
+    const judged = estimate.modes.some((mode) => mode.rotation_error_deg !== undefined);
+    const state = estimate.status === 'certain' ? 'good' : 'warn';
+    byId('estimate').replaceChildren(
+      make('div', { className: 'row' }, make('span', { className: `badge ${state}` }, estimate.status.replace('_', ' ')),
+        make('span', { className: 'grow quiet' }, `from ${estimate.contacts.length} contacts`),
+        make('button', { onclick: () => this.actions.seek(estimate.time) }, `at ${estimate.time.toFixed(2)} s`)),
+      make('table', {}, head, ...rows),
+      make('div', { className: 'quiet' }, judged
+        ? 'Rotation and place: how far each pose is from the truth, modulo symmetry.' : 'The truth was not recorded.'));
+  }
+
+  #modeRow(mode, i) {
+    const box = make('input', {
+      type: 'checkbox', checked: this.shown.modes[i] !== false,
+      onchange: (event) => {
+        this.shown.modes[i] = event.target.checked;
+        this.actions.changed();
+      },
+    });
+    const free = mode.free_axis ? ` ⟳ ±${Math.round(mode.free_axis.extent_deg)}°` : '';
+    return make('tr', {}, make('td', {}, make('label', {}, box, swatch(modeColor(i)), `${i + 1}${free}`)),
+      make('td', {}, `${(100 * mode.weight).toFixed(0)} %`),
+      make('td', {}, known(mode.rotation_error_deg, '°')), make('td', {}, known(mode.translation_error_mm, ' mm')));
+  }
+
+  #fillLayers() {
+    const r = this.recording;
+    const layers = [
+      ['hand', 'Hand, from the joints it sensed', '#8d98a6', true],
+      ['seeThrough', 'Hand see-through', '', true],
+      ['truth', 'Object, where it truly was', 'var(--truth)', r.hasObject.some((x) => x)],
+      ['estimate', 'Object, where it was felt to be', modeColor(0), r.estimates.length > 0],
+      ['contacts', 'Contacts now: normal, as long as the force', FINGER_COLORS[0], true],
+      ['evidence', 'Contacts the estimate is made of', FINGER_COLORS[2], r.estimates.length > 0],
+    ];
+    for (const [key, text, color, there] of layers) {
+      if (!there) continue;
+      const box = make('input', {
+        type: 'checkbox', checked: this.shown[key],
+        onchange: (event) => {
+          this.shown[key] = event.target.checked;
+          this.actions.changed();
+        },
+      });
+      byId('layers').append(make('label', { className: 'row' }, box, swatch(color || 'transparent'), make('span', { className: 'grow' }, text)));
+    }
+  }
+}
