@@ -10,7 +10,8 @@ function ghost(geometry, edges, mode, i) {
     color, transparent: true, opacity: 0.1 + 0.4 * mode.weight, depthWrite: false, roughness: 0.8,
     polygonOffset: true, polygonOffsetFactor: -1,
   });
-  const stroke = new THREE.LineBasicMaterial({ color, transparent: true, opacity: 0.35 + 0.6 * mode.weight });
+  // Outlines show through everything, so that a pose inside the hand or the true object is seen.
+  const stroke = new THREE.LineBasicMaterial({ color, transparent: true, opacity: 0.25 + 0.6 * mode.weight, depthTest: false });
   const group = new THREE.Group();
   group.add(new THREE.Mesh(geometry, fill), new THREE.LineSegments(edges, stroke));
   group.matrix.set(...mode.T_world_object);

@@ -37,7 +37,7 @@ function show() {
   const phase = recording.phases[recording.phaseAt(now)];
   const [name, outcome] = byId('caption').children;
   name.textContent = phase?.name ?? '';
-  outcome.textContent = phase && now >= phase.end - 0.02 ? phase.outcome : '';
+  outcome.textContent = phase && now >= phase.end - 0.02 ? phase.outcome.replace(/^ok: /, '') : '';
   const clock = document.createElement('small');
   clock.textContent = ` / ${recording.end.toFixed(2)} s`;
   byId('clock').replaceChildren(now.toFixed(2), clock);

@@ -5,8 +5,8 @@ import { FINGER_COLORS } from './colors.js';
 
 const MOST = 256;
 const DOT = 0.0026; // m
-const BARE = 0.012; // length of an arrow without force, m
-const PER_NEWTON = 0.007; // m
+const BARE = 0.01; // length of an arrow without force, m
+const PER_NEWTON = 0.004; // m
 const LONGEST = 0.09; // m
 const UP = new THREE.Vector3(0, 1, 0);
 

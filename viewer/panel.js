@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The panel at the side: what the recording is, forces, phases, the estimate and what is shown.
 import { FINGER_COLORS, modeColor, phaseColors } from './colors.js';
-import { FINGERS } from './recording.js';
+import { FINGERS, modeShown } from './recording.js';
 
-const FULL_FORCE = 10; // N, a full meter
+const FULL_FORCE = 20; // N, a full meter
 
 /** Element with attributes and children; text is never parsed as HTML. */
 function make(tag, attributes = {}, ...children) {
@@ -15,6 +15,16 @@ function make(tag, attributes = {}, ...children) {
   }
   element.append(...children);
   return element;
+}
+
+const MODES_LISTED = 5; // until asked for more
+
+/** "ok: 91 mm tall" as a check mark and words. */
+function outcome(text) {
+  const [, status, words] = /^(ok|failed|timed[ _]out)(?:: )?(.*)$/s.exec(text) ?? [undefined, '', text];
+  const marks = { ok: ['good', '✓ '], '': ['quiet', ''] };
+  const [style, mark] = marks[status] ?? ['warn', `${status.replace('_', ' ')}: `];
+  return make('span', { className: 'outcome' }, make('span', { className: style }, mark), words);
 }
 
 const swatch = (color) => make('span', { className: 'swatch', color });
@@ -68,7 +78,7 @@ export class Panel {
     const colors = phaseColors(this.recording.phases);
     this.phaseRows = this.recording.phases.map((phase, i) =>
       make('button', { className: 'row', onclick: () => this.actions.seek(phase.begin) }, swatch(colors[i]),
-        make('span', { className: 'grow' }, phase.name, make('span', { className: 'outcome' }, phase.outcome)),
+        make('span', { className: 'grow' }, phase.name, outcome(phase.outcome)),
         make('span', { className: 'quiet' }, `${(phase.end - phase.begin).toFixed(1)} s`)));
     byId('phases').append(...this.phaseRows);
     if (!this.phaseRows.length) byId('phases').append(make('span', { className: 'quiet' }, 'none recorded'));
@@ -88,21 +98,32 @@ export class Panel {
 
   #fillModes(estimate) {
     const head = make('tr', {}, ...['pose', 'weight', 'rotation', 'place'].map((text) => make('th', {}, text)));
-    const rows = estimate.modes.map((mode, i) => this.#modeRow(mode, i));
+    const rows = estimate.modes.map((mode, i) => this.#modeRow(estimate, i));
+    const lighter = rows.slice(MODES_LISTED);
+    for (const row of lighter) row.hidden = true;
+    const more = make('button', {
+      hidden: !lighter.length,
+      onclick: () => {
+        for (const row of lighter) row.hidden = false;
+        more.hidden = true;
+      },
+    }, `${lighter.length} lighter poses`);
     const judged = estimate.modes.some((mode) => mode.rotation_error_deg !== undefined);
     const state = estimate.status === 'certain' ? 'good' : 'warn';
     byId('estimate').replaceChildren(
       make('div', { className: 'row' }, make('span', { className: `badge ${state}` }, estimate.status.replace('_', ' ')),
         make('span', { className: 'grow quiet' }, `from ${estimate.contacts.length} contacts`),
         make('button', { onclick: () => this.actions.seek(estimate.time) }, `at ${estimate.time.toFixed(2)} s`)),
-      make('table', {}, head, ...rows),
+      make('table', {}, head, ...rows), more,
       make('div', { className: 'quiet' }, judged
-        ? 'Rotation and place: how far each pose is from the truth, modulo symmetry.' : 'The truth was not recorded.'));
+        ? 'Rotation and place: how far each pose is from the truth, modulo symmetry. ' : 'The truth was not recorded. ',
+      'At other times the poses move with the palm.'));
   }
 
-  #modeRow(mode, i) {
+  #modeRow(estimate, i) {
+    const mode = estimate.modes[i];
     const box = make('input', {
-      type: 'checkbox', checked: this.shown.modes[i] !== false,
+      type: 'checkbox', checked: modeShown(this.shown, estimate, i),
       onchange: (event) => {
         this.shown.modes[i] = event.target.checked;
         this.actions.changed();
@@ -121,8 +142,8 @@ export class Panel {
       ['seeThrough', 'Hand see-through', '', true],
       ['truth', 'Object, where it truly was', 'var(--truth)', r.hasObject.some((x) => x)],
       ['estimate', 'Object, where it was felt to be', modeColor(0), r.estimates.length > 0],
-      ['contacts', 'Contacts now: normal, as long as the force', FINGER_COLORS[0], true],
-      ['evidence', 'Contacts the estimate is made of', FINGER_COLORS[2], r.estimates.length > 0],
+      ['contacts', 'Contacts, arrows as long as the force', FINGER_COLORS[0], true],
+      ['evidence', 'Contacts behind the estimate', FINGER_COLORS[2], r.estimates.length > 0],
     ];
     for (const [key, text, color, there] of layers) {
       if (!there) continue;

@@ -3,6 +3,7 @@
 
 export const POSE = 7; // x, y, z, qx, qy, qz, qw
 const CONTACT = 7; // point, outward normal, force along it
+const LEAST_WEIGHT = 0.05; // of a mode shown unasked
 
 export const FINGERS = ['thumb', 'first', 'middle', 'ring', 'little'];
 
@@ -15,6 +16,11 @@ function bytes(text) {
 
 export const floats = (text) => new Float32Array(bytes(text).buffer);
 export const uints = (text) => new Uint32Array(bytes(text).buffer);
+
+/** Light modes are off until asked for. */
+export function modeShown(shown, estimate, i) {
+  return shown.modes[i] ?? (i === 0 || estimate.modes[i].weight >= LEAST_WEIGHT);
+}
 
 export class Recording {
   constructor(data) {
@@ -75,18 +81,24 @@ export class Recording {
     return found;
   }
 
-  /** Time from which an estimate is drawn: that of its first contact, since it holds the object since. */
+  /**
+   * Time from which the first estimate is drawn, in hindsight: the object was already held as it was
+   * felt to be in the phase before, as long as two fingers touched it without a break.
+   */
   heldSince(estimate) {
-    const times = estimate.contacts.map((contact) => contact.time).filter((t) => t > 0);
-    return Math.min(estimate.time, ...times);
+    const phase = this.phaseAt(estimate.time);
+    const earliest = phase > 0 ? this.phases[phase - 1].begin : estimate.time;
+    let frame = this.frameAt(estimate.time);
+    const touching = (f) => this.forces.filter((finger) => finger[f] > 0).length >= 2;
+    while (frame > 0 && this.time[frame - 1] >= earliest && touching(frame - 1)) --frame;
+    return this.count ? Math.min(estimate.time, this.time[frame]) : estimate.time;
   }
 
   /** Index of the estimate to draw at time t, or -1. */
   estimateAt(t) {
-    return this.estimates.findIndex((estimate, i) => {
-      const next = this.estimates[i + 1];
-      return t + 1e-3 >= this.heldSince(estimate) && (!next || t < Math.max(estimate.time, this.heldSince(next)));
-    });
+    const index = this.estimates.findLastIndex((estimate) => estimate.time <= t + 1e-3);
+    if (index >= 0 || !this.estimates.length) return index;
+    return t + 1e-3 >= this.heldSince(this.estimates[0]) ? 0 : -1;
   }
 
   /** Force of each finger in each frame, N. */

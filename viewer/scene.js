@@ -6,9 +6,9 @@ import { mergeVertices, toCreasedNormals } from 'three/examples/jsm/utils/Buffer
 import { onThemeChange, theme } from './colors.js';
 import { EstimateView } from './estimates.js';
 import { ContactMarks } from './marks.js';
-import { floats, POSE, uints } from './recording.js';
+import { floats, modeShown, POSE, uints } from './recording.js';
 
-const VIEWS = { corner: [0.62, -0.78, 0.42], front: [0, -1.05, 0.12], side: [1.05, 0, 0.12], top: [0.001, -0.06, 1.1] };
+const VIEWS = { corner: [0.62, -0.76, 0.4], front: [0, -1.1, 0.1], side: [1.1, 0, 0.1], top: [0.001, -0.06, 1.2] };
 const CREASE = Math.PI / 5;
 const TABLE = 0.45; // half width, m
 
@@ -56,6 +56,7 @@ export class Scene {
     sun.castShadow = true;
     sun.shadow.mapSize.set(2048, 2048);
     sun.shadow.radius = 5;
+    sun.shadow.intensity = 0.6;
     sun.shadow.bias = -0.0004;
     sun.shadow.normalBias = 0.002;
     Object.assign(sun.shadow.camera, { left: -0.5, right: 0.5, top: 0.5, bottom: -0.5, near: 0.2, far: 3 });
@@ -139,12 +140,12 @@ export class Scene {
     // Keeps the width of the scene in view on a tall screen.
     this.camera.fov = this.camera.aspect < 1 ? 32 / Math.max(0.55, this.camera.aspect) : 32;
     this.camera.updateProjectionMatrix();
-    this.redraw();
+    this.#draw(); // at once: the new size has emptied the canvas
   }
 
   /** Looks at the place of the object from one of VIEWS. */
   look(name) {
-    const center = new THREE.Vector3(0, 0, 0.14);
+    const center = new THREE.Vector3(0, 0, 0.19);
     if (this.recording.count && this.recording.hasObject[0]) {
       center.x = this.recording.objectPoses[0];
       center.y = this.recording.objectPoses[1];
@@ -198,7 +199,7 @@ export class Scene {
     const palm = this.links[r.palm];
     palm.updateMatrix();
     view.matrix.copy(palm.matrix).multiply(then.matrix.invert());
-    view.modes.forEach((mode, i) => (mode.visible = shown.estimate && shown.modes[i] !== false));
+    view.modes.forEach((mode, i) => (mode.visible = shown.estimate && modeShown(shown, estimate, i)));
     view.evidence.visible = shown.evidence;
   }
 
@@ -216,8 +217,12 @@ export class Scene {
   redraw() {
     this.pending ??= requestAnimationFrame(() => {
       this.pending = undefined;
-      this.controls.update();
-      this.renderer.render(this.scene, this.camera);
+      this.#draw();
     });
+  }
+
+  #draw() {
+    this.controls.update();
+    this.renderer.render(this.scene, this.camera);
   }
 }

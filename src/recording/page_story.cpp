@@ -114,7 +114,6 @@ json estimate_to_json(const EstimateRecord& estimate, const Recording& recording
   }
   for (const auto& contact : estimate.contacts) {
     contacts.push_back({{"finger", contact.finger},
-                        {"time", contact.time},
                         {"p", matrix_to_json(contact.p)},
                         {"n", matrix_to_json(contact.n)}});
   }

@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/recording/replay_page.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <nlohmann/json.hpp>
+#include <regex>
+
+#include "palpate/core/assets.hpp"
+#include "palpate/core/error.hpp"
+#include "palpate/core/file.hpp"
+#include "recording/toy_recording.hpp"
+
+namespace palpate::recording {
+namespace {
+
+constexpr std::string_view kPage = "<title>{{title}}</title>|{{recording}}|{{script}}|";
+
+std::string page_of(const Recording& recording, const hand::HandVisuals& visuals = {}) {
+  return replay_page(recording, visuals, kPage, "script()", "toy");
+}
+
+/// What kPage holds in place of {{recording}}.
+nlohmann::json data_of(const std::string& page) {
+  const auto begin = page.find('|') + 1;
+  return nlohmann::json::parse(page.substr(begin, page.rfind("|script()") - begin));
+}
+
+template <class T>
+std::vector<T> decoded(const std::string& text) {
+  constexpr std::string_view kDigits =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string bytes;
+  unsigned bits = 0, count = 0;
+  for (const char c : text.substr(0, text.find('='))) {
+    bits = bits << 6 | static_cast<unsigned>(kDigits.find(c));
+    count += 6;
+    if (count < 8) continue;
+    count -= 8;
+    bytes += static_cast<char>(bits >> count & 0xff);
+  }
+  std::vector<T> values(bytes.size() / sizeof(T));
+  std::memcpy(values.data(), bytes.data(), bytes.size());
+  return values;
+}
+
+TEST(ReplayPageTest, HoldsEveryOtherFrameAndTheLast) {
+  for (const int ticks : {0, 1, 2, 101, 250}) {
+    const Recording recording = toy_recording(ticks);
+    const auto frames = data_of(page_of(recording))["frames"];
+    const std::size_t expected = ticks == 0 ? 0 : static_cast<std::size_t>(ticks) / 2 + 1;
+    const auto time = decoded<float>(frames["time"]);
+    ASSERT_EQ(frames["count"], expected);
+    ASSERT_EQ(time.size(), expected);
+    EXPECT_EQ(decoded<float>(frames["object_poses"]).size(), 7 * expected);
+    EXPECT_EQ(decoded<float>(frames["link_poses"]).size(), 7 * 3 * expected);
+    for (std::size_t i = 0; i + 1 < expected; ++i) {
+      EXPECT_EQ(time[i], static_cast<float>(recording.frames[2 * i].reading.time));
+    }
+    if (ticks > 0) {
+      EXPECT_EQ(time.back(), static_cast<float>(recording.frames.back().reading.time));
+    }
+  }
+}
+
+TEST(ReplayPageTest, ThinsLongRecordings) {
+  Recording recording = toy_recording(10);
+  recording.frames.resize(9001, recording.frames[0]);
+  const std::size_t count = data_of(page_of(recording))["frames"]["count"];
+  EXPECT_LE(count, 1501u);
+  EXPECT_GT(count, 1000u);
+}
+
+TEST(ReplayPageTest, PlacesLinksAndContactsInTheWorld) {
+  const Recording recording = toy_recording(1);
+  const auto frames = data_of(page_of(recording))["frames"];
+  const hand::HandReading& reading = recording.frames[0].reading;
+  const auto T_world_distal =
+      reading.base.pose() * hand::forward_kinematics(recording.header.hand, reading.joints)[2];
+  const auto links = decoded<float>(frames["link_poses"]);
+  const auto contacts = decoded<float>(frames["contacts"]);
+  const auto counts = decoded<std::uint32_t>(frames["contact_counts"]);
+  std::vector<hand::TipContact> felt;
+  for (const auto& finger : reading.contacts) felt.insert(felt.end(), finger.begin(), finger.end());
+  ASSERT_GT(felt.size(), 0u);
+  ASSERT_EQ(counts.at(0), felt.size());
+  ASSERT_EQ(contacts.size(), 7 * felt.size());
+  for (std::size_t i = 0; i < felt.size(); ++i) {
+    const Eigen::Vector3d p = T_world_distal * felt[i].p, n = T_world_distal.linear() * felt[i].n;
+    for (int k = 0; k < 3; ++k) {
+      const auto at = 7 * i + static_cast<std::size_t>(k);
+      EXPECT_NEAR(contacts[at], p[k], 1e-6);
+      EXPECT_NEAR(contacts[at + 3], n[k], 1e-6);
+    }
+    EXPECT_NEAR(contacts[7 * i + 6], -felt[i].f.dot(felt[i].n), 1e-6);
+  }
+  for (int k = 0; k < 3; ++k) {
+    EXPECT_NEAR(links[static_cast<std::size_t>(14 + k)], T_world_distal.translation()[k], 1e-6);
+  }
+}
+
+TEST(ReplayPageTest, TellsErrorsModuloSymmetryAndAlongTheFreeAxis) {
+  Recording recording = toy_recording(60);
+  const std::size_t last = 59;
+  recording.frames[last].truth.emplace();
+  auto& truth = recording.frames[last].truth->T_world_object;
+  truth = Eigen::Translation3d(0.1, 0.2, 0.3) * Eigen::Isometry3d::Identity();
+  EstimateRecord& estimate = recording.estimates.at(1);
+  PoseModeRecord& twin = estimate.modes[0];
+  twin.T_world_object =
+      Eigen::Translation3d(0.1, 0.2, 0.304) *
+      Eigen::Isometry3d(Eigen::Quaterniond(recording.header.object.symmetries[1]));
+  PoseModeRecord& turned = estimate.modes[1];
+  turned.free_axis = {truth.translation(), Eigen::Vector3d::UnitX(), std::numbers::pi};
+  turned.T_world_object = truth * Eigen::AngleAxisd(2.0, Eigen::Vector3d::UnitX());
+  const auto modes = data_of(page_of(recording))["estimates"][1]["modes"];
+  EXPECT_NEAR(modes[0]["rotation_error_deg"], 0, 1e-6);
+  EXPECT_NEAR(modes[0]["translation_error_mm"], 4, 1e-9);
+  EXPECT_LE(modes[1]["rotation_error_deg"], 0.51);
+  EXPECT_NEAR(modes[1]["translation_error_mm"], 0, 1e-6);
+
+  for (Frame& frame : recording.frames) frame.truth.reset();
+  EXPECT_FALSE(
+      data_of(page_of(recording))["estimates"][1]["modes"][0].contains("rotation_error_deg"));
+}
+
+TEST(ReplayPageTest, TellsPhasesInOrder) {
+  Recording recording = toy_recording(100);
+  recording.events.push_back({1.0, EventKind::begin, "lift", ""});
+  const auto phases = data_of(page_of(recording))["phases"];
+  ASSERT_EQ(phases.size(), 3u);
+  EXPECT_EQ(phases[0]["name"], "feel");
+  EXPECT_EQ(phases[0]["end"], 0.5);
+  EXPECT_EQ(phases[0]["outcome"], "81 mm tall: side grasp");
+  EXPECT_EQ(phases[2]["outcome"], "");
+  EXPECT_GE(phases[2]["end"], 1.0);
+}
+
+TEST(ReplayPageTest, NamesCannotBreakOut) {
+  Recording recording = toy_recording(2);
+  const std::string nasty = "</script><script>alert(1)</script>{{script}}&\"'";
+  recording.header.object.name = nasty;
+  recording.events[0].phase = nasty;
+  recording.events[1].text = std::string("\xff\xfe") + nasty;
+  const std::string page = replay_page(recording, {}, kPage, "var s = '</script>{{title}}'", nasty);
+  EXPECT_EQ(page.find("</script"), std::string::npos);
+  EXPECT_EQ(page.find("<script"), std::string::npos);
+  EXPECT_NE(page.find("&lt;/script&gt;"), std::string::npos);
+  const auto begin = page.find('|') + 1;
+  const auto data = nlohmann::json::parse(page.substr(begin, page.find("|var s") - begin));
+  EXPECT_EQ(data["object"], nasty);
+}
+
+TEST(ReplayPageTest, DrawsPartsOnceAndSpheresWithoutThem) {
+  const Recording recording = toy_recording(1);
+  hand::HandVisuals visuals;
+  visuals.meshes["box"] = box_mesh({0.01, 0.01, 0.02});
+  visuals.parts = {{0, "box", Eigen::Isometry3d::Identity(), {1, 0, 0}},
+                   {2, "box", Eigen::Isometry3d::Identity(), {0, 1, 0}}};
+  const auto data = data_of(page_of(recording, visuals));
+  EXPECT_EQ(data["meshes"].size(), 2u);
+  EXPECT_EQ(data["parts"].size(), 2u);
+  EXPECT_TRUE(data["spheres"].empty());
+  EXPECT_EQ(data_of(page_of(recording))["spheres"].size(), recording.header.hand.spheres.size());
+
+  visuals.parts[0].link = 3;
+  EXPECT_THROW(page_of(recording, visuals), BadInput);
+  visuals.parts[0] = {0, "ball", Eigen::Isometry3d::Identity(), {1, 0, 0}};
+  EXPECT_THROW(page_of(recording, visuals), BadInput);
+}
+
+TEST(ReplayPageTest, CoarsensFineMeshes) {
+  const Recording recording = toy_recording(1);
+  hand::HandVisuals visuals;
+  geometry::TriangleMesh& sheet = visuals.meshes["sheet"];
+  constexpr int kSide = 200;
+  for (int i = 0; i < kSide * kSide; ++i) {
+    sheet.vertices.emplace_back(0.001 * (i % kSide), 0.001 * (i / kSide), 0);
+    if (i % kSide + 1 < kSide && i / kSide + 1 < kSide) {
+      sheet.triangles.push_back({i, i + 1, i + kSide});
+    }
+  }
+  visuals.parts = {{0, "sheet", Eigen::Isometry3d::Identity(), {1, 0, 0}}};
+  const auto mesh = data_of(page_of(recording, visuals))["meshes"][1];
+  const std::size_t vertices = decoded<float>(mesh["positions"]).size() / 3;
+  EXPECT_LT(vertices, sheet.vertices.size() / 2);
+  for (const auto v : decoded<std::uint32_t>(mesh["indices"])) EXPECT_LT(v, vertices);
+}
+
+TEST(ReplayPageTest, RefusesATemplateWithoutItsMarks) {
+  const Recording recording = toy_recording(1);
+  EXPECT_THROW(replay_page(recording, {}, "{{title}} {{recording}}", "", ""), BadInput);
+}
+
+TEST(ReplayPageTest, ShippedPageLoadsNothing) {
+  const std::string page = replay_page(toy_recording(2500), {}, read_file(asset("page.html")),
+                                       read_file(asset("viewer.js")), "toy");
+  EXPECT_LT(page.size(), 6'000'000u);
+  EXPECT_EQ(page.find("{{"), page.npos);
+  const std::string shell = page.substr(0, page.find("<script type=\"application/json\""));
+  EXPECT_FALSE(std::regex_search(shell, std::regex("https?://|url\\(|@import|(src|href)\\s*=")));
+  EXPECT_NE(shell.find("default-src 'none'"), shell.npos);  // the browser then refuses any request
+  std::size_t scripts = 0;
+  for (auto at = page.find("<script"); at != page.npos; at = page.find("<script", at + 1))
+    ++scripts;
+  EXPECT_EQ(scripts, 2u);
+}
+
+}  // namespace
+}  // namespace palpate::recording
