@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Geometry>
+#include <vector>
+
+namespace palpate::registration {
+
+/// Pairs of points thought to be the same point of an object, seen in two frames.
+struct Correspondences {
+  std::vector<Eigen::Vector3d> source, target;                  ///< m, equally many
+  std::vector<Eigen::Vector3d> source_normals, target_normals;  ///< unit; empty, or one a point
+
+  std::size_t size() const { return source.size(); }
+  bool has_normals() const { return !source_normals.empty() && !target_normals.empty(); }
+};
+
+/// What a source point is held against.
+enum class Primitive {
+  kPoint,  ///< the target point, thesis eq. 6.5
+  kPlane,  ///< the plane through the target point along its normal, thesis eq. 6.6
+};
+
+/// @throws BadInput, naming the pair, for lists of different lengths, a coordinate that is not
+///         finite, a normal that is not of unit length to 1e-3, or planes without target normals
+void check(const Correspondences& correspondences, Primitive primitive = Primitive::kPoint);
+
+/// Squared distance of every moved source point to its primitive, m^2 (thesis eqs 6.5 and 6.6).
+std::vector<double> squared_residuals(const Correspondences& correspondences,
+                                      const Eigen::Isometry3d& T_target_source,
+                                      Primitive primitive);
+
+/// The pairs that `indices` names, in that order.
+Correspondences subset(const Correspondences& correspondences, const std::vector<int>& indices);
+
+}  // namespace palpate::registration

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/registration/correspondences.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "palpate/core/error.hpp"
+
+namespace palpate::registration {
+namespace {
+
+using Points = std::vector<Eigen::Vector3d>;
+
+std::string text(const Eigen::Vector3d& p) { return fmt::format("({}, {}, {})", p[0], p[1], p[2]); }
+
+void check_points(const Points& points, const char* name) {
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (!points[i].allFinite()) {
+      throw BadInput(fmt::format("{} point {} is {}, not finite", name, i, text(points[i])));
+    }
+  }
+}
+
+void check_normals(const Points& normals, std::size_t points, const char* name) {
+  if (normals.empty()) return;
+  if (normals.size() != points) {
+    throw BadInput(fmt::format("{} {} normals for {} points", normals.size(), name, points));
+  }
+  for (std::size_t i = 0; i < normals.size(); ++i) {
+    if (!(std::abs(normals[i].norm() - 1) < 1e-3)) {
+      throw BadInput(
+          fmt::format("{} normal {} is {}, not a unit vector", name, i, text(normals[i])));
+    }
+  }
+}
+
+Points chosen(const Points& points, const std::vector<int>& indices) {
+  Points result;
+  if (points.empty()) return result;
+  result.reserve(indices.size());
+  for (const int index : indices) result.push_back(points[static_cast<std::size_t>(index)]);
+  return result;
+}
+
+}  // namespace
+
+void check(const Correspondences& correspondences, Primitive primitive) {
+  const auto& [source, target, source_normals, target_normals] = correspondences;
+  if (source.size() != target.size()) {
+    throw BadInput(
+        fmt::format("{} source points but {} target points", source.size(), target.size()));
+  }
+  check_points(source, "source");
+  check_points(target, "target");
+  check_normals(source_normals, source.size(), "source");
+  check_normals(target_normals, target.size(), "target");
+  if (primitive == Primitive::kPlane && target_normals.empty() && !target.empty()) {
+    throw BadInput("the plane primitive needs target normals, but there are none");
+  }
+}
+
+std::vector<double> squared_residuals(const Correspondences& correspondences,
+                                      const Eigen::Isometry3d& T_target_source,
+                                      Primitive primitive) {
+  const Eigen::Matrix3d R = T_target_source.linear();
+  const Eigen::Vector3d t = T_target_source.translation();
+  std::vector<double> squared(correspondences.size());
+  for (std::size_t i = 0; i < squared.size(); ++i) {
+    const Eigen::Vector3d d = R * correspondences.source[i] + t - correspondences.target[i];
+    if (primitive == Primitive::kPoint) {
+      squared[i] = d.squaredNorm();
+    } else {
+      const double distance = correspondences.target_normals[i].dot(d);
+      squared[i] = distance * distance;
+    }
+  }
+  return squared;
+}
+
+Correspondences subset(const Correspondences& correspondences, const std::vector<int>& indices) {
+  return {chosen(correspondences.source, indices), chosen(correspondences.target, indices),
+          chosen(correspondences.source_normals, indices),
+          chosen(correspondences.target_normals, indices)};
+}
+
+}  // namespace palpate::registration
