@@ -14,7 +14,8 @@ export function phaseColors(phases) {
 export const modeColor = (i) => MODE_COLORS[i % MODE_COLORS.length];
 
 /** A colour of the page's theme. */
-export const theme = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
+export const theme = (name) =>
+  getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
 
 /** Calls back when the system turns dark or light. */
 export function onThemeChange(callback) {

@@ -7,11 +7,21 @@ import { evidenceMarks } from './marks.js';
 function ghost(geometry, edges, mode, i) {
   const color = modeColor(i);
   const fill = new THREE.MeshStandardMaterial({
-    color, transparent: true, opacity: 0.1 + 0.4 * mode.weight, depthWrite: false, roughness: 0.8,
-    polygonOffset: true, polygonOffsetFactor: -1,
+    color,
+    transparent: true,
+    opacity: 0.1 + 0.4 * mode.weight,
+    depthWrite: false,
+    roughness: 0.8,
+    polygonOffset: true,
+    polygonOffsetFactor: -1,
   });
   // Outlines show through everything, so that a pose inside the hand or the true object is seen.
-  const stroke = new THREE.LineBasicMaterial({ color, transparent: true, opacity: 0.25 + 0.6 * mode.weight, depthTest: false });
+  const stroke = new THREE.LineBasicMaterial({
+    color,
+    transparent: true,
+    opacity: 0.25 + 0.6 * mode.weight,
+    depthTest: false,
+  });
   const group = new THREE.Group();
   group.add(new THREE.Mesh(geometry, fill), new THREE.LineSegments(edges, stroke));
   group.matrix.set(...mode.T_world_object);
@@ -25,7 +35,11 @@ function axisLine(axis, i) {
   const d = new THREE.Vector3(...axis.direction).multiplyScalar(0.15);
   const p = new THREE.Vector3(...axis.point);
   const geometry = new THREE.BufferGeometry().setFromPoints([p.clone().sub(d), p.clone().add(d)]);
-  const material = new THREE.LineDashedMaterial({ color: modeColor(i), dashSize: 0.008, gapSize: 0.006 });
+  const material = new THREE.LineDashedMaterial({
+    color: modeColor(i),
+    dashSize: 0.008,
+    gapSize: 0.006,
+  });
   return new THREE.Line(geometry, material).computeLineDistances();
 }
 

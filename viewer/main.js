@@ -7,7 +7,15 @@ import { Timeline } from './timeline.js';
 
 const byId = (id) => document.getElementById(id);
 const recording = new Recording(JSON.parse(byId('recording').textContent));
-const shown = { hand: true, seeThrough: false, truth: true, estimate: true, contacts: true, evidence: false, modes: {} };
+const shown = {
+  hand: true,
+  seeThrough: false,
+  truth: true,
+  estimate: true,
+  contacts: true,
+  evidence: false,
+  modes: {},
+};
 const play = byId('play');
 const speed = byId('speed');
 
@@ -15,7 +23,7 @@ let now = recording.begin;
 let playing = false;
 let last;
 
-/** The scene, or nothing where the browser cannot draw in three dimensions: the rest still works. */
+/** The scene, or nothing where the browser cannot draw in 3D: the rest still works. */
 function makeScene() {
   try {
     return new Scene(byId('view'), recording);
@@ -28,7 +36,10 @@ function makeScene() {
 
 const scene = makeScene();
 const timeline = new Timeline(byId('timeline'), recording, seek);
-const panel = new Panel(recording, document.title, shown, { seek, changed: () => scene?.show(now, shown) });
+const panel = new Panel(recording, document.title, shown, {
+  seek,
+  changed: () => scene?.show(now, shown),
+});
 
 function show() {
   scene?.show(now, shown);
@@ -70,12 +81,17 @@ function changeSpeed(by) {
 }
 
 function onKey(event) {
-  if (event.target.closest?.('select, input') || event.ctrlKey || event.metaKey || event.altKey) return;
+  if (event.target.closest?.('select, input') || event.ctrlKey || event.metaKey || event.altKey)
+    return;
   const step = event.shiftKey ? 1 : 0.1;
   const actions = {
-    ' ': () => setPlaying(!playing), ArrowLeft: () => seek(now - step), ArrowRight: () => seek(now + step),
-    ArrowUp: () => changeSpeed(1), ArrowDown: () => changeSpeed(-1),
-    Home: () => seek(recording.begin), End: () => seek(recording.end),
+    ' ': () => setPlaying(!playing),
+    ArrowLeft: () => seek(now - step),
+    ArrowRight: () => seek(now + step),
+    ArrowUp: () => changeSpeed(1),
+    ArrowDown: () => changeSpeed(-1),
+    Home: () => seek(recording.begin),
+    End: () => seek(recording.end),
   };
   if (!actions[event.key]) return;
   event.preventDefault();
@@ -98,10 +114,14 @@ function seekAddress() {
 play.addEventListener('click', () => setPlaying(!playing));
 document.addEventListener('keydown', onKey);
 // A focused button would take the space bar for a click as well.
-document.addEventListener('keyup', (event) => event.key === ' ' && event.target.closest?.('button') && event.preventDefault());
+document.addEventListener(
+  'keyup',
+  (event) => event.key === ' ' && event.target.closest?.('button') && event.preventDefault(),
+);
 addEventListener('hashchange', seekAddress);
 for (const button of document.querySelectorAll('[data-view]')) {
   button.addEventListener('click', () => scene?.look(button.dataset.view));
 }
 seek(timeInAddress() ?? recording.begin);
-if (timeInAddress() === undefined && !matchMedia('(prefers-reduced-motion: reduce)').matches) setPlaying(true);
+if (timeInAddress() === undefined && !matchMedia('(prefers-reduced-motion: reduce)').matches)
+  setPlaying(true);

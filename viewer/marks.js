@@ -42,7 +42,10 @@ export class ContactMarks extends THREE.Group {
       q.setFromUnitVectors(UP, n);
       this.dots.setMatrixAt(i, m.compose(p, q, new THREE.Vector3(DOT, DOT, DOT)));
       this.shafts.setMatrixAt(i, m.compose(p, q, new THREE.Vector3(1, length, 1)));
-      this.heads.setMatrixAt(i, m.compose(p.clone().addScaledVector(n, length), q, new THREE.Vector3(1, 1, 1)));
+      this.heads.setMatrixAt(
+        i,
+        m.compose(p.clone().addScaledVector(n, length), q, new THREE.Vector3(1, 1, 1)),
+      );
       color.set(FINGER_COLORS[contact.finger] ?? '#888888');
       for (const mesh of this.children) mesh.setColorAt(i, color);
     });
@@ -72,7 +75,11 @@ export function evidenceMarks(contacts) {
   const group = new THREE.Group();
   group.add(new THREE.LineSegments(strokes, new THREE.LineBasicMaterial(style)));
   contacts.forEach((contact, i) => {
-    const material = new THREE.MeshBasicMaterial({ ...style, vertexColors: false, color: new THREE.Color().fromArray(colors, 6 * i) });
+    const material = new THREE.MeshBasicMaterial({
+      ...style,
+      vertexColors: false,
+      color: new THREE.Color().fromArray(colors, 6 * i),
+    });
     const dot = new THREE.Mesh(new THREE.SphereGeometry(0.0013, 10, 8), material);
     dot.position.fromArray(contact.p);
     group.add(dot);

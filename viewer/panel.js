@@ -21,7 +21,11 @@ const MODES_LISTED = 5; // until asked for more
 
 /** "ok: 91 mm tall" as a check mark and words. */
 function outcome(text) {
-  const [, status, words] = /^(ok|failed|timed[ _]out)(?:: )?(.*)$/s.exec(text) ?? [undefined, '', text];
+  const [, status, words] = /^(ok|failed|timed[ _]out)(?:: )?(.*)$/s.exec(text) ?? [
+    undefined,
+    '',
+    text,
+  ];
   const marks = { ok: ['good', '✓ '], '': ['quiet', ''] };
   const [style, mark] = marks[status] ?? ['warn', `${status.replace('_', ' ')}: `];
   return make('span', { className: 'outcome' }, make('span', { className: style }, mark), words);
@@ -58,18 +62,30 @@ export class Panel {
 
   #fillAbout() {
     const r = this.recording;
-    const parts = [`${r.object}, ${Math.round(1000 * r.mass)} g`, `seed ${r.seed}`, `palpate ${r.program_version}`];
+    const parts = [
+      `${r.object}, ${Math.round(1000 * r.mass)} g`,
+      `seed ${r.seed}`,
+      `palpate ${r.program_version}`,
+    ];
     if (r.symmetries > 1) parts.splice(1, 0, `symmetry of order ${r.symmetries}`);
     byId('about').append(parts.join(' · '));
-    if (!r.finished) byId('about').append(' ', make('span', { className: 'badge warn' }, 'unfinished recording'));
+    if (!r.finished)
+      byId('about').append(' ', make('span', { className: 'badge warn' }, 'unfinished recording'));
   }
 
   #fillForces() {
     this.meters = FINGERS.map((name, finger) => {
       const bar = make('i', { color: FINGER_COLORS[finger] });
       const text = make('span', { className: 'newton quiet' });
-      byId('forces').append(make('div', { className: 'row' }, make('span', { className: 'finger' }, name),
-        make('span', { className: 'meter' }, bar), text));
+      byId('forces').append(
+        make(
+          'div',
+          { className: 'row' },
+          make('span', { className: 'finger' }, name),
+          make('span', { className: 'meter' }, bar),
+          text,
+        ),
+      );
       return { bar, text };
     });
   }
@@ -77,11 +93,17 @@ export class Panel {
   #fillPhases() {
     const colors = phaseColors(this.recording.phases);
     this.phaseRows = this.recording.phases.map((phase, i) =>
-      make('button', { className: 'row', onclick: () => this.actions.seek(phase.begin) }, swatch(colors[i]),
+      make(
+        'button',
+        { className: 'row', onclick: () => this.actions.seek(phase.begin) },
+        swatch(colors[i]),
         make('span', { className: 'grow' }, phase.name, outcome(phase.outcome)),
-        make('span', { className: 'quiet' }, `${(phase.end - phase.begin).toFixed(1)} s`)));
+        make('span', { className: 'quiet' }, `${(phase.end - phase.begin).toFixed(1)} s`),
+      ),
+    );
     byId('phases').append(...this.phaseRows);
-    if (!this.phaseRows.length) byId('phases').append(make('span', { className: 'quiet' }, 'none recorded'));
+    if (!this.phaseRows.length)
+      byId('phases').append(make('span', { className: 'quiet' }, 'none recorded'));
   }
 
   /** The estimate drawn at t, else the next to come. */
@@ -92,47 +114,77 @@ export class Panel {
     if (index < 0) index = estimates.length - 1;
     if (index === this.estimateShown) return;
     this.estimateShown = index;
-    if (index < 0) byId('estimate').replaceChildren(make('span', { className: 'quiet' }, 'none recorded'));
+    if (index < 0)
+      byId('estimate').replaceChildren(make('span', { className: 'quiet' }, 'none recorded'));
     else this.#fillModes(estimates[index]);
   }
 
   #fillModes(estimate) {
-    const head = make('tr', {}, ...['pose', 'weight', 'rotation', 'place'].map((text) => make('th', {}, text)));
+    const head = make(
+      'tr',
+      {},
+      ...['pose', 'weight', 'rotation', 'place'].map((text) => make('th', {}, text)),
+    );
     const rows = estimate.modes.map((mode, i) => this.#modeRow(estimate, i));
     const lighter = rows.slice(MODES_LISTED);
     for (const row of lighter) row.hidden = true;
-    const more = make('button', {
-      hidden: !lighter.length,
-      onclick: () => {
-        for (const row of lighter) row.hidden = false;
-        more.hidden = true;
+    const more = make(
+      'button',
+      {
+        hidden: !lighter.length,
+        onclick: () => {
+          for (const row of lighter) row.hidden = false;
+          more.hidden = true;
+        },
       },
-    }, `${lighter.length} lighter poses`);
+      `${lighter.length} lighter poses`,
+    );
     const judged = estimate.modes.some((mode) => mode.rotation_error_deg !== undefined);
     const state = estimate.status === 'certain' ? 'good' : 'warn';
     byId('estimate').replaceChildren(
-      make('div', { className: 'row' }, make('span', { className: `badge ${state}` }, estimate.status.replace('_', ' ')),
+      make(
+        'div',
+        { className: 'row' },
+        make('span', { className: `badge ${state}` }, estimate.status.replace('_', ' ')),
         make('span', { className: 'grow quiet' }, `from ${estimate.contacts.length} contacts`),
-        make('button', { onclick: () => this.actions.seek(estimate.time) }, `at ${estimate.time.toFixed(2)} s`)),
-      make('table', {}, head, ...rows), more,
-      make('div', { className: 'quiet' }, judged
-        ? 'Rotation and place: how far each pose is from the truth, modulo symmetry. ' : 'The truth was not recorded. ',
-      'At other times the poses move with the palm.'));
+        make(
+          'button',
+          { onclick: () => this.actions.seek(estimate.time) },
+          `at ${estimate.time.toFixed(2)} s`,
+        ),
+      ),
+      make('table', {}, head, ...rows),
+      more,
+      make(
+        'div',
+        { className: 'quiet' },
+        judged
+          ? 'Rotation and place: how far each pose is from the truth, modulo symmetry. '
+          : 'The truth was not recorded. ',
+        'At other times the poses move with the palm.',
+      ),
+    );
   }
 
   #modeRow(estimate, i) {
     const mode = estimate.modes[i];
     const box = make('input', {
-      type: 'checkbox', checked: modeShown(this.shown, estimate, i),
+      type: 'checkbox',
+      checked: modeShown(this.shown, estimate, i),
       onchange: (event) => {
         this.shown.modes[i] = event.target.checked;
         this.actions.changed();
       },
     });
     const free = mode.free_axis ? ` ⟳ ±${Math.round(mode.free_axis.extent_deg)}°` : '';
-    return make('tr', {}, make('td', {}, make('label', {}, box, swatch(modeColor(i)), `${i + 1}${free}`)),
+    return make(
+      'tr',
+      {},
+      make('td', {}, make('label', {}, box, swatch(modeColor(i)), `${i + 1}${free}`)),
       make('td', {}, `${(100 * mode.weight).toFixed(0)} %`),
-      make('td', {}, known(mode.rotation_error_deg, '°')), make('td', {}, known(mode.translation_error_mm, ' mm')));
+      make('td', {}, known(mode.rotation_error_deg, '°')),
+      make('td', {}, known(mode.translation_error_mm, ' mm')),
+    );
   }
 
   #fillLayers() {
@@ -148,13 +200,22 @@ export class Panel {
     for (const [key, text, color, there] of layers) {
       if (!there) continue;
       const box = make('input', {
-        type: 'checkbox', checked: this.shown[key],
+        type: 'checkbox',
+        checked: this.shown[key],
         onchange: (event) => {
           this.shown[key] = event.target.checked;
           this.actions.changed();
         },
       });
-      byId('layers').append(make('label', { className: 'row' }, box, swatch(color || 'transparent'), make('span', { className: 'grow' }, text)));
+      byId('layers').append(
+        make(
+          'label',
+          { className: 'row' },
+          box,
+          swatch(color || 'transparent'),
+          make('span', { className: 'grow' }, text),
+        ),
+      );
     }
   }
 }

@@ -68,7 +68,12 @@ export class Recording {
     const list = [];
     for (let i = this.contactStart[frame]; i < this.contactStart[frame + 1]; ++i) {
       const v = this.contactValues.subarray(i * CONTACT, (i + 1) * CONTACT);
-      list.push({ finger: this.contactFingers[i], p: v.subarray(0, 3), n: v.subarray(3, 6), force: v[6] });
+      list.push({
+        finger: this.contactFingers[i],
+        p: v.subarray(0, 3),
+        n: v.subarray(3, 6),
+        force: v[6],
+      });
     }
     return list;
   }
@@ -82,8 +87,8 @@ export class Recording {
   }
 
   /**
-   * Time from which the first estimate is drawn, in hindsight: the object was already held as it was
-   * felt to be in the phase before, as long as two fingers touched it without a break.
+   * Time from which the first estimate is drawn, in hindsight: in the phase before it the object was
+   * already held as it was felt to be, as long as two fingers touched it without a break.
    */
   heldSince(estimate) {
     const phase = this.phaseAt(estimate.time);
@@ -105,7 +110,8 @@ export class Recording {
   #forces() {
     const forces = FINGERS.map(() => new Float32Array(this.count));
     for (let frame = 0; frame < this.count; ++frame) {
-      for (const contact of this.contacts(frame)) forces[contact.finger][frame] += Math.max(0, contact.force);
+      for (const contact of this.contacts(frame))
+        forces[contact.finger][frame] += Math.max(0, contact.force);
     }
     return forces;
   }

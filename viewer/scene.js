@@ -8,7 +8,12 @@ import { EstimateView } from './estimates.js';
 import { ContactMarks } from './marks.js';
 import { floats, modeShown, POSE, uints } from './recording.js';
 
-const VIEWS = { corner: [0.62, -0.76, 0.4], front: [0, -1.1, 0.1], side: [1.1, 0, 0.1], top: [0.001, -0.06, 1.2] };
+const VIEWS = {
+  corner: [0.62, -0.76, 0.4],
+  front: [0, -1.1, 0.1],
+  side: [1.1, 0, 0.1],
+  top: [0.001, -0.06, 1.2],
+};
 const CREASE = Math.PI / 5;
 const TABLE = 0.45; // half width, m
 
@@ -59,14 +64,24 @@ export class Scene {
     sun.shadow.intensity = 0.6;
     sun.shadow.bias = -0.0004;
     sun.shadow.normalBias = 0.002;
-    Object.assign(sun.shadow.camera, { left: -0.5, right: 0.5, top: 0.5, bottom: -0.5, near: 0.2, far: 3 });
+    Object.assign(sun.shadow.camera, {
+      left: -0.5,
+      right: 0.5,
+      top: 0.5,
+      bottom: -0.5,
+      near: 0.2,
+      far: 3,
+    });
     const back = new THREE.DirectionalLight('#cfe0ff', 0.7);
     back.position.set(-0.8, 0.9, 0.6);
     this.scene.add(sun, back);
   }
 
   #addTable() {
-    this.table = new THREE.Mesh(new THREE.BoxGeometry(2 * TABLE, 2 * TABLE, 0.02), new THREE.MeshStandardMaterial({ roughness: 0.95 }));
+    this.table = new THREE.Mesh(
+      new THREE.BoxGeometry(2 * TABLE, 2 * TABLE, 0.02),
+      new THREE.MeshStandardMaterial({ roughness: 0.95 }),
+    );
     this.table.position.z = -0.0105;
     this.table.receiveShadow = true;
     this.grid = new THREE.GridHelper(2 * TABLE, 18);
@@ -92,7 +107,10 @@ export class Scene {
       this.#addPart(part.link, mesh);
     }
     for (const sphere of this.recording.spheres) {
-      const mesh = new THREE.Mesh(new THREE.SphereGeometry(sphere.radius, 20, 14), this.#handMaterial([0.5, 0.54, 0.6]));
+      const mesh = new THREE.Mesh(
+        new THREE.SphereGeometry(sphere.radius, 20, 14),
+        this.#handMaterial([0.5, 0.54, 0.6]),
+      );
       mesh.position.fromArray(sphere.center);
       this.#addPart(sphere.link, mesh);
     }
@@ -108,8 +126,13 @@ export class Scene {
     const key = rgb.join();
     if (!this.handMaterials.has(key)) {
       // Lifted from the maker's near-black, so that the form can be read.
-      const color = new THREE.Color().setRGB(...rgb, THREE.SRGBColorSpace).lerp(new THREE.Color('#c4ccd6'), 0.35);
-      this.handMaterials.set(key, new THREE.MeshStandardMaterial({ color, roughness: 0.55, metalness: 0.15 }));
+      const color = new THREE.Color()
+        .setRGB(...rgb, THREE.SRGBColorSpace)
+        .lerp(new THREE.Color('#c4ccd6'), 0.35);
+      this.handMaterials.set(
+        key,
+        new THREE.MeshStandardMaterial({ color, roughness: 0.55, metalness: 0.15 }),
+      );
     }
     return this.handMaterials.get(key);
   }
@@ -120,7 +143,9 @@ export class Scene {
     this.object.castShadow = this.object.receiveShadow = true;
     this.scene.add(this.object);
     const edges = new THREE.EdgesGeometry(geometry, 35);
-    this.estimates = this.recording.estimates.map((estimate) => new EstimateView(estimate, geometry, edges));
+    this.estimates = this.recording.estimates.map(
+      (estimate) => new EstimateView(estimate, geometry, edges),
+    );
     this.estimates.forEach((view) => this.scene.add(view));
   }
 
@@ -156,21 +181,23 @@ export class Scene {
     this.redraw();
   }
 
-  setHandOpacity(opacity) {
+  #setSeeThrough(on) {
+    if (this.seeThrough === on) return;
+    this.seeThrough = on;
     for (const material of this.handMaterials.values()) {
-      material.transparent = opacity < 1;
-      material.depthWrite = opacity === 1;
-      material.opacity = opacity;
+      material.transparent = on;
+      material.depthWrite = !on;
+      material.opacity = on ? 0.25 : 1;
       material.needsUpdate = true;
     }
+    this.hand.traverse((child) => (child.castShadow = !on));
   }
 
   /** Moves everything to time t. @param shown what the panel has switched on */
   show(t, shown) {
     if (this.recording.count) this.#place(t, shown);
     this.hand.visible = shown.hand;
-    this.setHandOpacity(shown.seeThrough ? 0.25 : 1);
-    this.hand.traverse((child) => (child.castShadow = !shown.seeThrough));
+    this.#setSeeThrough(shown.seeThrough);
     this.redraw();
   }
 
@@ -199,7 +226,9 @@ export class Scene {
     const palm = this.links[r.palm];
     palm.updateMatrix();
     view.matrix.copy(palm.matrix).multiply(then.matrix.invert());
-    view.modes.forEach((mode, i) => (mode.visible = shown.estimate && modeShown(shown, estimate, i)));
+    view.modes.forEach(
+      (mode, i) => (mode.visible = shown.estimate && modeShown(shown, estimate, i)),
+    );
     view.evidence.visible = shown.evidence;
   }
 

@@ -88,7 +88,11 @@ export class Timeline {
     const room = bottom - PHASES - 4;
     const below = new Float32Array(count);
     let most = 1;
-    for (let f = 0; f < count; ++f) most = Math.max(most, forces.reduce((sum, finger) => sum + finger[f], 0));
+    for (let f = 0; f < count; ++f)
+      most = Math.max(
+        most,
+        forces.reduce((sum, finger) => sum + finger[f], 0),
+      );
     const y = (value) => bottom - (value / most) * room;
     FINGERS.forEach((_, finger) => {
       c.beginPath();
@@ -107,7 +111,10 @@ export class Timeline {
 
   #drawTicks(c) {
     const { begin, end } = this.recording;
-    const step = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 60, 120, 300].find((s) => ((end - begin) / s) * 56 < this.width) ?? 600;
+    const step =
+      [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 60, 120, 300].find(
+        (s) => ((end - begin) / s) * 56 < this.width,
+      ) ?? 600;
     c.fillStyle = theme('quiet');
     c.strokeStyle = theme('line');
     c.textBaseline = 'bottom';
@@ -118,7 +125,11 @@ export class Timeline {
       c.lineTo(x, this.height - TICKS + 4);
       const label = `${+t.toFixed(1)} s`;
       const width = c.measureText(label).width;
-      c.fillText(label, Math.min(Math.max(2, x - width / 2), this.width - width - 2), this.height - 0.5);
+      c.fillText(
+        label,
+        Math.min(Math.max(2, x - width / 2), this.width - width - 2),
+        this.height - 0.5,
+      );
     }
     c.moveTo(0, this.height - TICKS + 0.5);
     c.lineTo(this.width, this.height - TICKS + 0.5);
@@ -132,7 +143,13 @@ export class Timeline {
       const x = this.#x(estimate.time);
       const y = PHASES + 9;
       c.beginPath();
-      for (const [dx, dy] of [[0, -6], [5, 0], [0, 6], [-5, 0]]) c.lineTo(x + dx, y + dy);
+      for (const [dx, dy] of [
+        [0, -6],
+        [5, 0],
+        [0, 6],
+        [-5, 0],
+      ])
+        c.lineTo(x + dx, y + dy);
       c.closePath();
       c.fill();
       c.stroke();

@@ -20,16 +20,16 @@ inline std::mutex& hdf5_mutex() {
   return mutex;
 }
 
-/// Runs body() alone in HDF5, whose errors become a BadInput that names the path.
+/// Runs body() alone in HDF5, whose errors become a BadInput: the path, and in words what they
+/// mean.
 template <class Body>
-auto with_hdf5(const std::filesystem::path& path, Body&& body) {
+auto with_hdf5(const std::filesystem::path& path, const char* meaning, Body&& body) {
   const std::lock_guard lock(hdf5_mutex());
   H5::Exception::dontPrint();
   try {
     return body();
   } catch (const H5::Exception& error) {
-    throw BadInput(fmt::format("{}: HDF5 cannot {} ({})", path.string(), error.getFuncName(),
-                               error.getDetailMsg()));
+    throw BadInput(fmt::format("{}: {} (HDF5: {})", path.string(), meaning, error.getDetailMsg()));
   }
 }
 

@@ -128,7 +128,7 @@ Recording read_contents(const std::filesystem::path& path, bool finished) {
 
 Recording read_recording(const std::filesystem::path& path) {
   const bool finished = check_seal(path);
-  return with_hdf5(path, [&] {
+  return with_hdf5(path, "damaged", [&] {
     try {
       return read_contents(path, finished);
     } catch (const nlohmann::json::exception& error) {

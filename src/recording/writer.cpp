@@ -16,6 +16,8 @@ namespace {
 
 constexpr hsize_t kTextChunk = 4096, kContactsPerChunk = 512, kMeshRowsPerChunk = 4096;
 
+constexpr const char* kCannotWrite = "cannot be written";
+
 /// Text of JSON that any reader accepts: bytes that are not UTF-8 are replaced.
 std::string dump(const nlohmann::json& json) {
   return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
@@ -131,7 +133,7 @@ struct Writer::Impl {
   }
 
   void append_line(const char* dataset, const nlohmann::json& json) {
-    with_hdf5(partial, [&] {
+    with_hdf5(partial, kCannotWrite, [&] {
       append_text(file->openDataSet(dataset), dump(json) + "\n");
       flush();
     });
@@ -145,9 +147,9 @@ Writer::Writer(std::filesystem::path path, const Header& header) : impl_(new Imp
   if (std::filesystem::is_directory(impl_->path)) {
     throw BadInput(fmt::format("{}: a folder, not a file to write", impl_->path.string()));
   }
-  with_hdf5(impl_->partial, [&] { create_file(impl_->partial, header); });
+  with_hdf5(impl_->partial, kCannotWrite, [&] { create_file(impl_->partial, header); });
   write_open_seal(impl_->partial);
-  with_hdf5(impl_->partial, [&] {
+  with_hdf5(impl_->partial, kCannotWrite, [&] {
     impl_->file.emplace(impl_->partial.string(), H5F_ACC_RDWR | H5F_ACC_SWMR_WRITE,
                         H5::FileCreatPropList::DEFAULT, file_access());
   });
@@ -156,7 +158,7 @@ Writer::Writer(std::filesystem::path path, const Header& header) : impl_(new Imp
 Writer::~Writer() {
   if (!impl_->file) return;
   try {
-    with_hdf5(impl_->partial, [&] {
+    with_hdf5(impl_->partial, kCannotWrite, [&] {
       impl_->write_pending();
       impl_->file.reset();
     });
@@ -168,7 +170,7 @@ Writer::~Writer() {
 void Writer::frame(const Frame& frame) {
   impl_->pending.push_back(frame);
   if (impl_->pending.size() < kFramesPerChunk) return;
-  with_hdf5(impl_->partial, [&] { impl_->write_pending(); });
+  with_hdf5(impl_->partial, kCannotWrite, [&] { impl_->write_pending(); });
 }
 
 void Writer::event(const Event& event) { impl_->append_line(kEvents, to_json(event)); }
@@ -179,7 +181,7 @@ void Writer::estimate(const EstimateRecord& estimate) {
 }
 
 void Writer::finish() {
-  with_hdf5(impl_->partial, [&] {
+  with_hdf5(impl_->partial, kCannotWrite, [&] {
     impl_->write_pending();
     impl_->file.reset();
   });
