@@ -87,7 +87,7 @@ export class Recording {
   }
 
   /**
-   * Time from which the first estimate is drawn, in hindsight: in the phase before it the object was
+   * Time from which the first estimate is drawn, in hindsight: in the phase before, the object was
    * already held as it was felt to be, as long as two fingers touched it without a break.
    */
   heldSince(estimate) {
