@@ -3,15 +3,19 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <numeric>
 
 #include "palpate/core/error.hpp"
+#include "pose_mixture.hpp"
 
 namespace palpate::localization {
 namespace {
 
 constexpr double kUnitTolerance = 1e-3;
+constexpr double kWeightTolerance = 1e-6;
+constexpr double kAsymmetry = 1e-9;  // of a covariance, relative to its largest entry
 
 void check_positive(const std::string& what, double value) {
   if (!(std::isfinite(value) && value > 0)) {
@@ -64,6 +68,43 @@ void check_table(const TableSupport& table, std::size_t stances) {
   check_not_negative("table: half_width", table.half_width);
 }
 
+void check_covariance(const std::string& name, const Matrix6d& covariance) {
+  if (!covariance.allFinite()) throw BadInput(name + "covariance holds a value that is not finite");
+  const double skewness = (covariance - covariance.transpose()).cwiseAbs().maxCoeff();
+  if (skewness > kAsymmetry * covariance.cwiseAbs().maxCoeff()) {
+    throw BadInput(fmt::format("{}covariance is not symmetric, by {}", name, skewness));
+  }
+  if (covariance.llt().info() != Eigen::Success) {
+    const Eigen::SelfAdjointEigenSolver<Matrix6d> spectrum(covariance, Eigen::EigenvaluesOnly);
+    throw BadInput(fmt::format("{}covariance is not positive definite, least eigenvalue {}", name,
+                               spectrum.eigenvalues()[0]));
+  }
+}
+
+void check_component(const PosePrior::Component& component, std::size_t index) {
+  const std::string name = fmt::format("prior: component {}: ", index);
+  const Eigen::Matrix3d R = component.T_frame_object.linear();
+  const double distortion = (R * R.transpose() - Eigen::Matrix3d::Identity()).norm();
+  if (!(distortion < kUnitTolerance && R.determinant() > 0)) {
+    throw BadInput(fmt::format("{}its rotation is off a rotation by {}", name, distortion));
+  }
+  check_finite(name + "translation", component.T_frame_object.translation());
+  check_not_negative(name + "weight", component.weight);
+  check_covariance(name, component.covariance);
+}
+
+void check_prior(const PosePrior& prior) {
+  for (std::size_t i = 0; i < prior.components.size(); ++i) check_component(prior.components[i], i);
+  const double total = total_weight(prior);
+  if (!(total > 0 && total <= 1 + kWeightTolerance)) {
+    throw BadInput(fmt::format("prior: the sum of {} weights is {}, not > 0 and <= 1",
+                               prior.components.size(), total));
+  }
+  if (!(prior.floor > 0 && prior.floor < 1)) {
+    throw BadInput(fmt::format("prior: floor is {}, not between 0 and 1", prior.floor));
+  }
+}
+
 }  // namespace
 
 void check_evidence(const ObjectModel& model, const Evidence& evidence) {
@@ -79,6 +120,7 @@ void check_evidence(const ObjectModel& model, const Evidence& evidence) {
     throw BadInput(fmt::format("false_contact_share is {}, not between 0 and 1", share));
   }
   if (evidence.table) check_table(*evidence.table, model.object().stances.size());
+  if (evidence.prior) check_prior(*evidence.prior);
 }
 
 }  // namespace palpate::localization

@@ -14,14 +14,19 @@ constexpr float kShortestGradient = 0.3F;  // interpolated across a medial sheet
 constexpr float kHopeless = 30;            // misfit whose likelihood rounds to that of a false one
 
 double true_to_false_odds(double false_share, double area, double sp, double sn) {
-  using std::numbers::pi;
-  const double point_density = 1 / (area * std::sqrt(2 * pi) * sp);
-  const double normal_density = 1 / (2 * pi * sn * sn * (1 - std::exp(-2 / (sn * sn))));
-  const double false_density = 1 / (kFalseVolume * 4 * pi);
-  return (1 - false_share) / false_share * point_density * normal_density / false_density;
+  const double false_density = 1 / (kFalseVolume * 4 * std::numbers::pi);
+  return (1 - false_share) / false_share * peak_contact_density(area, sp, sn) / false_density;
 }
 
 }  // namespace
+
+double peak_contact_density(double area, double point_sigma, double normal_sigma) {
+  using std::numbers::pi;
+  const double sn = std::min(normal_sigma, kWidestNormal);
+  const double point_density = 1 / (area * std::sqrt(2 * pi) * point_sigma);
+  const double normal_density = 1 / (2 * pi * sn * sn * (1 - std::exp(-2 / (sn * sn))));
+  return point_density * normal_density;
+}
 
 ContactTerm::ContactTerm(const ObjectModel& model, const Evidence& evidence, double offset,
                          double scale)

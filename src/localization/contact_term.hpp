@@ -8,6 +8,10 @@
 
 namespace palpate::localization {
 
+/// Density (per m and sr) of a true contact's distance and normal at its peak, the contact lying
+/// anywhere on the surface (per m^2).
+double peak_contact_density(double area, double point_sigma, double normal_sigma);
+
 /// Contacts (p, n) with the surface, each with its own noise, some share of them false.
 ///
 /// With y = R'(p + d n - t), a = phi(y) - d and m = R grad phi: q = a^2 / 2 sp^2 + (1 - n.m) / sn^2

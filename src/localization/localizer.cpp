@@ -9,6 +9,7 @@
 #include "free_space_term.hpp"
 #include "modes.hpp"
 #include "moves.hpp"
+#include "prior_term.hpp"
 #include "proposal.hpp"
 #include "table_term.hpp"
 #include "tempering.hpp"
@@ -17,6 +18,7 @@ namespace palpate::localization {
 namespace {
 
 constexpr double kCertain = 0.95;
+constexpr double kUncontestedFloor = 1e-12;  // of a prior that no contact can overrule
 constexpr int kWeighingShare = 2;  // the population that weighs the modes is so many times smaller
 
 /// Builds the sum of the terms that the evidence calls for, at any noise scale.
@@ -24,12 +26,14 @@ class EnergyMaker {
  public:
   EnergyMaker(const ObjectModel& model, const Evidence& evidence, const LocalizerOptions& options)
       : model_(model), evidence_(evidence), options_(options) {
+    if (evidence.prior) prior_ = std::make_shared<const PoseMixture>(*evidence.prior);
     if (evidence.free_space.empty()) return;
     clearance_ = std::make_shared<const Clearance>(model.field(), model.object().mesh);
   }
 
   Energy operator()(double scale) const {
     Energy energy;  // cheap and telling terms first
+    if (prior_) energy.add(std::make_unique<PriorTerm>(prior_, prior_floor()));
     if (evidence_.table) energy.add(std::make_unique<TableTerm>(model_, *evidence_.table));
     if (!evidence_.contacts.empty()) {
       energy.add(std::make_unique<ContactTerm>(model_, evidence_, options_.contact_offset, scale));
@@ -41,9 +45,15 @@ class EnergyMaker {
   }
 
  private:
+  /// The floor holds nearly everywhere, so without contacts most of the mass would be on it.
+  double prior_floor() const {
+    return evidence_.contacts.empty() ? kUncontestedFloor : evidence_.prior->floor;
+  }
+
   const ObjectModel& model_;
   const Evidence& evidence_;
   const LocalizerOptions& options_;
+  std::shared_ptr<const PoseMixture> prior_;
   std::shared_ptr<const Clearance> clearance_;
 };
 
@@ -98,7 +108,7 @@ Posterior localize(const ObjectModel& model, const Evidence& evidence, RandomStr
   const auto start = std::chrono::steady_clock::now();
   check_evidence(model, evidence);
   Posterior posterior;
-  if (evidence.table || !evidence.contacts.empty()) {
+  if (evidence.prior || evidence.table || !evidence.contacts.empty()) {
     posterior = search(model, evidence, random, options);
   }
   posterior.seconds =

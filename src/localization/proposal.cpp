@@ -3,16 +3,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "contact_term.hpp"
 #include "palpate/core/se3.hpp"
+#include "pose_mixture.hpp"
 #include "table_term.hpp"
 
 namespace palpate::localization {
 namespace {
 
 constexpr std::size_t kMostAnchors = 5;
+constexpr double kLeastElsewhere = 0.2;  // of the draws, however sure the prior is
 
 /// Contacts far from each other: each the farthest from those before it.
 std::vector<touch::Contact> spread_contacts(const std::vector<touch::Contact>& contacts) {
@@ -36,7 +39,14 @@ class AnchorProposal : public Proposal {
   AnchorProposal(const ObjectModel& model, Evidence evidence, double offset)
       : surface_(model.surface()),
         anchors_(spread_contacts(evidence.contacts)),
-        likelihood_(model, with_contacts(std::move(evidence), anchors_), offset, 1.0) {}
+        likelihood_(model, with_contacts(std::move(evidence), anchors_), offset, 1.0) {
+    const auto count = static_cast<double>(anchors_.size());
+    for (const touch::Contact& contact : anchors_) {  // the roll is uniform
+      peaks_.push_back(
+          peak_contact_density(model.area(), contact.point_sigma, contact.normal_sigma) /
+          (2 * std::numbers::pi * count));
+    }
+  }
 
   SearchPose draw(RandomStream& random) const override {
     const touch::Contact& anchor = anchors_[random.index(anchors_.size())];
@@ -54,11 +64,11 @@ class AnchorProposal : public Proposal {
   }
 
   float energy(const SearchPose& pose) const override {
-    float density = 0;
+    double density = 0;
     for (std::size_t k = 0; k < anchors_.size(); ++k) {
-      density += std::exp(-likelihood_.contact_energy(k, pose));
+      density += peaks_[k] * static_cast<double>(std::exp(-likelihood_.contact_energy(k, pose)));
     }
-    return -std::log(density);
+    return static_cast<float>(-std::log(density));
   }
 
  private:
@@ -70,24 +80,65 @@ class AnchorProposal : public Proposal {
   const std::vector<ObjectModel::SurfacePoint>& surface_;
   std::vector<touch::Contact> anchors_;
   ContactTerm likelihood_;
+  std::vector<double> peaks_;
 };
 
 class TableProposal : public Proposal {
  public:
-  TableProposal(const ObjectModel& model, const TableSupport& table) : prior_(model, table) {}
+  TableProposal(const ObjectModel& model, const TableSupport& table)
+      : prior_(model, table), log_peak_(static_cast<float>(prior_.log_peak())) {}
   SearchPose draw(RandomStream& random) const override { return prior_.draw(random); }
-  float energy(const SearchPose& pose) const override { return prior_.energy(pose, kNoBound); }
+  float energy(const SearchPose& pose) const override {
+    return prior_.energy(pose, kNoBound) - log_peak_;
+  }
 
  private:
   TableTerm prior_;
+  float log_peak_;
 };
+
+/// The prior's mixture and, lest it be wrong, a share of some other proposal (which may be none).
+class PriorProposal : public Proposal {
+ public:
+  PriorProposal(const PosePrior& prior, std::unique_ptr<Proposal> elsewhere)
+      : mixture_(prior),
+        elsewhere_(std::move(elsewhere)),
+        share_(elsewhere_ ? std::max(kLeastElsewhere, 1 - total_weight(prior)) : 0),
+        peak_((1 - share_) * std::exp(mixture_.log_peak())) {}
+
+  SearchPose draw(RandomStream& random) const override {
+    return random.uniform() < share_ ? elsewhere_->draw(random) : mixture_.draw(random);
+  }
+
+  float energy(const SearchPose& pose) const override {
+    double density = std::numeric_limits<double>::min();  // its logarithm stays finite
+    density += peak_ * mixture_.relative_density(pose);
+    if (elsewhere_) density += share_ * std::exp(-static_cast<double>(elsewhere_->energy(pose)));
+    return static_cast<float>(-std::log(density));
+  }
+
+ private:
+  PoseMixture mixture_;
+  std::unique_ptr<Proposal> elsewhere_;
+  double share_;
+  double peak_;
+};
+
+/// What the search starts from without a prior; none without a table and contacts.
+std::unique_ptr<Proposal> proposal_without_prior(const ObjectModel& model, const Evidence& evidence,
+                                                 const LocalizerOptions& options) {
+  if (evidence.table) return std::make_unique<TableProposal>(model, *evidence.table);
+  if (evidence.contacts.empty()) return nullptr;
+  return std::make_unique<AnchorProposal>(model, evidence, options.contact_offset);
+}
 
 }  // namespace
 
 std::unique_ptr<Proposal> make_proposal(const ObjectModel& model, const Evidence& evidence,
                                         const LocalizerOptions& options) {
-  if (evidence.table) return std::make_unique<TableProposal>(model, *evidence.table);
-  return std::make_unique<AnchorProposal>(model, evidence, options.contact_offset);
+  auto proposal = proposal_without_prior(model, evidence, options);
+  if (!evidence.prior) return proposal;
+  return std::make_unique<PriorProposal>(*evidence.prior, std::move(proposal));
 }
 
 }  // namespace palpate::localization

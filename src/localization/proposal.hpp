@@ -15,11 +15,13 @@ class Proposal {
   virtual ~Proposal() = default;
   virtual SearchPose draw(RandomStream& random) const = 0;
 
-  /// Minus the logarithm of its density, up to a constant.
+  /// Minus the logarithm of its density, per rad^3 m^3.
   virtual float energy(const SearchPose& pose) const = 0;
 };
 
-/// From the table if there is one, else from single contacts (of which there must be one).
+/// From the prior if there is one (and beside it, in a share of the draws, from what would be used
+/// without it), else from the table if there is one, else from single contacts (of which there must
+/// be one).
 std::unique_ptr<Proposal> make_proposal(const ObjectModel& model, const Evidence& evidence,
                                         const LocalizerOptions& options);
 

@@ -52,6 +52,14 @@ float TableTerm::energy(const SearchPose& pose, float) const {
   return resting;
 }
 
+double TableTerm::log_peak() const {
+  const double root = std::sqrt(2 * std::numbers::pi);
+  const double side = 2 * table_.half_width + root * table_.edge_sigma;
+  const double tilts = std::pow(root * table_.tilt_sigma, 2);
+  const double yaws = 2 * std::numbers::pi;
+  return -std::log(tilts * yaws * root * table_.height_sigma * side * side);
+}
+
 double TableTerm::draw_offset(RandomStream& random) const {
   const double flat = 2 * table_.half_width;
   const double edges = table_.edge_sigma * std::sqrt(2 * std::numbers::pi);

@@ -20,6 +20,10 @@ class TableTerm : public EvidenceTerm {
   float energy(const SearchPose& pose, float bound) const override;
   SearchPose draw(RandomStream& random) const;
 
+  /// ln of what scales e^-E to a density (per rad^3 m^3): E lacks the normal distributions' and the
+  /// box's peaks, and the yaw's 1 / 2 pi.
+  double log_peak() const;
+
  private:
   struct Stance {
     Eigen::Matrix3d R_table_object;

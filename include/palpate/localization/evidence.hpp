@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "palpate/core/se3.hpp"
 #include "palpate/geometry/known_object.hpp"
 #include "palpate/touch/contact.hpp"
 
@@ -27,6 +28,24 @@ struct TableSupport {
   double edge_sigma = 0.002;            ///< softness of that bound, m
 };
 
+/// What was known of the pose before, as a mixture of normal distributions, heaviest first.
+struct PosePrior {
+  struct Component {
+    Eigen::Isometry3d T_frame_object;
+    /// Sums to <= 1 over the components; the rest is spread over the component `elsewhere`: the
+    /// table's stances if there is a table, else wherever single contacts let the object be.
+    double weight;
+    /// Of [rotation; translation] (rad, m), frame's axes, rotation about the object's origin:
+    /// R = exp(w) R0, t = t0 + v.
+    Matrix6d covariance;
+  };
+  std::vector<Component> components;
+  /// Density relative to the highest component's peak that every pose keeps, so that touch can
+  /// overrule the prior; as it holds everywhere, a sharp prior with few contacts wants it lower.
+  /// Without contacts it is not used.
+  double floor = 1e-3;
+};
+
 /// All that touch knows of the object at one instant, in one frame.
 struct Evidence {
   std::vector<touch::Contact> contacts;
@@ -34,6 +53,7 @@ struct Evidence {
   std::vector<FreeSphere> free_space;
   double penetration_sigma = 0.0015;  ///< m
   std::optional<TableSupport> table;
+  std::optional<PosePrior> prior;  ///< instead of the table or together with it
 };
 
 }  // namespace palpate::localization

@@ -31,11 +31,12 @@ class ObjectModel {
 };
 
 struct LocalizerOptions {
-  int proposals = 60000;       ///< poses screened
-  int particles = 1200;        ///< carried through the tempering
-  int moves = 8;               ///< Metropolis moves a particle and level
-  double first_scale = 3.0;    ///< noise scale at which the search starts
-  double contact_offset = 0.003;  ///< distance outside the surface at which contacts are compared, m
+  int proposals = 60000;     ///< poses screened
+  int particles = 1200;      ///< carried through the tempering
+  int moves = 8;             ///< Metropolis moves a particle and level
+  double first_scale = 3.0;  ///< noise scale at which the search starts
+  double contact_offset =
+      0.003;  ///< distance outside the surface at which contacts are compared, m
 
   template <class Visitor>
   void visit(Visitor&& v) {
@@ -49,8 +50,9 @@ struct LocalizerOptions {
 
 /// Posterior of the object's pose in the evidence's frame, by tempered sequential Monte Carlo.
 ///
-/// Without a table at least one contact is needed, else the status is no_pose.
-/// @throws BadInput for evidence with values that are not finite or sigmas that are not positive
+/// Without a table or a prior at least one contact is needed, else the status is no_pose.
+/// @throws BadInput for evidence with values that are not finite or sigmas that are not positive,
+///         and for a prior whose weights or covariances are none
 Posterior localize(const ObjectModel& model, const Evidence& evidence, RandomStream random,
                    const LocalizerOptions& options = {});
 

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/localization/pose_prior.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "palpate/core/error.hpp"
+#include "pose_family.hpp"
+
+namespace palpate::localization {
+namespace {
+
+using std::numbers::pi;
+
+constexpr double kDegree = pi / 180;
+constexpr double kSpacing = 10 * kDegree;  // of components along a free axis, at most
+constexpr double kLeastRotation = 2 * kDegree;
+constexpr double kLeastTranslation = 0.002;  // m
+constexpr double kRounding = 1e-12;
+
+void check_motion(const Matrix6d& covariance) {
+  if (!covariance.allFinite()) {
+    throw BadInput("motion_covariance holds a value that is not finite");
+  }
+  const double skewness = (covariance - covariance.transpose()).cwiseAbs().maxCoeff();
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> spectrum(covariance, Eigen::EigenvaluesOnly);
+  const double least = spectrum.eigenvalues()[0];
+  if (skewness > kRounding || least < -kRounding) {
+    throw BadInput(fmt::format("motion_covariance is off symmetry by {}, its least eigenvalue {}",
+                               skewness, least));
+  }
+}
+
+Matrix6d least_covariance() {
+  Vector6d variances;
+  variances << Eigen::Vector3d::Constant(kLeastRotation * kLeastRotation),
+      Eigen::Vector3d::Constant(kLeastTranslation * kLeastTranslation);
+  return variances.asDiagonal();
+}
+
+/// The mode's covariance at its pose with the spread along the free axis replaced by that of a
+/// step.
+Matrix6d covariance_across(const Mode& mode, double step) {
+  const Eigen::Vector3d& axis = mode.free_axis->direction;
+  Vector6d along;  // change of the pose per radian about the free axis
+  along << axis, axis.cross(mode.T_frame_object.translation() - mode.free_axis->point);
+  const double spread = step / 2;          // of neighbours that join into an even density
+  Matrix6d across = Matrix6d::Identity();  // turns a deviation back till none is about the axis
+  across.leftCols<3>() -= along * axis.transpose();
+  return across * mode.covariance * across.transpose() +
+         spread * spread * along * along.transpose();
+}
+
+Matrix6d turned(const Matrix6d& covariance, const Eigen::Matrix3d& turn) {
+  Matrix6d both = Matrix6d::Zero();
+  both.topLeftCorner<3, 3>() = turn;
+  both.bottomRightCorner<3, 3>() = turn;
+  return both * covariance * both.transpose();
+}
+
+/// One component, or those along the free axis, before the motion.
+std::vector<PosePrior::Component> components_of(const Mode& mode) {
+  if (!mode.free_axis) return {{mode.T_frame_object, mode.weight, mode.covariance}};
+  const FreeAxis& axis = *mode.free_axis;
+  const int count = std::max(1, static_cast<int>(std::ceil(2 * axis.extent / kSpacing - 1e-6)));
+  const double step = 2 * axis.extent / count;
+  const PoseFamily family(PosePoint(mode.T_frame_object), axis);
+  const Matrix6d covariance = covariance_across(mode, step);
+  std::vector<PosePrior::Component> result;
+  for (int k = 0; k < count; ++k) {
+    const double angle = -axis.extent + (k + 0.5) * step;
+    const Eigen::Matrix3d turn = Eigen::AngleAxisd(angle, axis.direction).toRotationMatrix();
+    result.push_back({family.at(angle).isometry(), mode.weight / count, turned(covariance, turn)});
+  }
+  return result;
+}
+
+}  // namespace
+
+PosePrior prior_from(const Posterior& posterior, const Matrix6d& motion_covariance) {
+  if (posterior.modes.empty()) throw BadInput("a prior from a posterior of 0 modes");
+  check_motion(motion_covariance);
+  PosePrior prior;
+  for (const Mode& mode : posterior.modes) {
+    for (PosePrior::Component& component : components_of(mode)) {
+      component.covariance += motion_covariance + least_covariance();
+      component.covariance =
+          (0.5 * (component.covariance + component.covariance.transpose())).eval();
+      prior.components.push_back(component);
+    }
+  }
+  std::stable_sort(prior.components.begin(), prior.components.end(),
+                   [](const auto& a, const auto& b) { return a.weight > b.weight; });
+  return prior;
+}
+
+}  // namespace palpate::localization
