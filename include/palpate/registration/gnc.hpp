@@ -30,9 +30,9 @@ std::optional<double> initial_mu(RobustCost cost, double largest_squared_residua
 struct GncOptions {
   RobustCost cost = RobustCost::kTruncatedLeastSquares;
   Primitive primitive = Primitive::kPoint;
-  double noise_bound = 0.004;      ///< c, m: the largest residual of an inlier
-  double factor = 1.4;             ///< mu grows (TLS) or shrinks (Geman-McClure) by this, > 1
-  std::optional<double> start_mu;  ///< instead of initial_mu()
+  double noise_bound = 0.004;  ///< c, m: the largest residual of an inlier
+  double factor = 1.4;         ///< mu grows (TLS) or shrinks (Geman-McClure) by this, > 1
+  std::optional<double> start_mu = std::nullopt;  ///< instead of initial_mu()
   int max_iterations = 200;
   /// Stops once the weighted cost changes by less than this share of c^2 a pair, thesis eq. 6.17.
   double cost_tolerance = 1e-9;

@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "consensus.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include "palpate/registration/chance.hpp"
+#include "palpate/registration/consistency_graph.hpp"
+#include "palpate/registration/gnc.hpp"
+#include "scorer.hpp"
+
+namespace palpate::registration {
+namespace {
+
+constexpr int kSampleSizes[] = {64, 200, 1000, 2500};
+constexpr int kLargestClique = 16;
+
+/// `count` of 0..size-1, one from each of as many equal strata, ascending.
+std::vector<int> stratified_sample(int size, int count, RandomStream random) {
+  std::vector<int> sample(static_cast<std::size_t>(std::min(size, count)));
+  const double width = static_cast<double>(size) / static_cast<double>(sample.size());
+  for (std::size_t i = 0; i < sample.size(); ++i) {
+    const double position =
+        (static_cast<double>(i) + (size > count ? random.uniform() : 0)) * width;
+    sample[i] = std::min(size - 1, static_cast<int>(position));
+  }
+  return sample;
+}
+
+/// Chance of a pose, cheaply where that suffices.
+class ChanceTest {
+ public:
+  ChanceTest(const Scorer& scorer, const Correspondences& correspondences,
+             const ConsensusOptions& options, const RandomStream& random)
+      : scorer_(scorer), correspondences_(correspondences), options_(options), random_(random) {}
+
+  /// @param density  of a consistency graph of the same correspondences, inliers included
+  double operator()(const Eigen::Isometry3d& T, double density) const {
+    const Score score = scorer_.score(T);
+    if (score.count < 3) return triples(density);
+    // Inliers only raise the density: a pose that passes with it passes.
+    const double quick = expected(T, score, density, 4);
+    if (quick < 1e-3 * options_.false_alarm) return quick;
+    return expected(T, score, std::min(density, wrong_density()), 64);
+  }
+
+ private:
+  double triples(double density) const {
+    const double n = scorer_.size();
+    return n * (n - 1) * (n - 2) / 6 * density * density * density;
+  }
+
+  double expected(const Eigen::Isometry3d& T, const Score& score, double density,
+                  int shifts) const {
+    const int n = scorer_.size();
+    shifts = std::min(shifts, n - 1);
+    RandomStream random = random_.fork("shift");
+    double hits = 1, samples = 1;
+    for (int k = 0; k < shifts; ++k) {
+      const int low = 1 + k * (n - 1) / shifts, high = 1 + (k + 1) * (n - 1) / shifts;
+      const int shift = low + static_cast<int>(random.index(static_cast<std::size_t>(high - low)));
+      hits += scorer_.count_shifted(T, shift);
+      samples += n;
+    }
+    const ChanceModel model{.triples = triples(density),
+                            .rate = n * std::min(1.0, hits / samples),
+                            .dimensions = scorer_.dimensions()};
+    return expected_by_chance(model, score.gain_beyond_three, score.count);
+  }
+
+  /// Density of the consistency graph of wrong correspondences: targets paired anew at random.
+  double wrong_density() const {
+    constexpr int kPairings = 4, kVertices = 128;
+    RandomStream random = random_.fork("pairing");
+    double sum = 0, edges = 0;
+    for (int k = 0; k < kPairings; ++k) {
+      Correspondences wrong =
+          subset(correspondences_,
+                 stratified_sample(scorer_.size(), kVertices,
+                                   random_.fork("wrong", static_cast<std::uint64_t>(k))));
+      const std::size_t n = wrong.size();
+      for (std::size_t i = 0; i + 1 < n; ++i) {
+        const std::size_t j = i + 1 + random.index(n - i - 1);  // Sattolo: none stays in place
+        std::swap(wrong.target[i], wrong.target[j]);
+        if (wrong.has_normals()) std::swap(wrong.target_normals[i], wrong.target_normals[j]);
+      }
+      const double pairs = static_cast<double>(n) * static_cast<double>(n - 1) / 2;
+      sum += pairs * graph_of(wrong, options_).density();
+      edges += pairs;
+    }
+    return (sum + 1) / (edges + 1);
+  }
+
+ public:
+  static ConsistencyGraph graph_of(const Correspondences& correspondences,
+                                   const ConsensusOptions& options) {
+    return ConsistencyGraph(correspondences, {.noise_bound = options.noise_bound,
+                                              .normal_noise_deg = options.normal_noise_deg});
+  }
+
+ private:
+  const Scorer& scorer_;
+  const Correspondences& correspondences_;
+  const ConsensusOptions& options_;
+  const RandomStream& random_;
+};
+
+/// The search over one sample's cliques.
+class CliqueSearch {
+ public:
+  CliqueSearch(const Scorer& scorer, const ChanceTest& chance, const Correspondences& all,
+               const ConsensusOptions& options)
+      : scorer_(scorer), chance_(chance), all_(all), options_(options) {}
+
+  /// @return whether a pose was found that chance does not explain
+  bool run(const std::vector<int>& sample, Consensus& best) {
+    const ConsistencyGraph graph = ChanceTest::graph_of(subset(all_, sample), options_);
+    std::vector<int> order(sample.size());
+    std::iota(order.begin(), order.end(), 0);
+    std::ranges::stable_sort(order,
+                             [&](int a, int b) { return graph.degree(a) > graph.degree(b); });
+    std::vector<bool> used(sample.size(), false);
+    for (const int seed : order) {
+      if (used[static_cast<std::size_t>(seed)] || graph.degree(seed) < 2) continue;
+      std::vector<int> clique = grow_clique(graph, seed, kLargestClique);
+      if (clique.size() < 3) continue;
+      for (const int vertex : clique) used[static_cast<std::size_t>(vertex)] = true;
+      for (int& vertex : clique) vertex = sample[static_cast<std::size_t>(vertex)];
+      if (propose(clique, graph.density(), best)) return true;
+    }
+    return false;
+  }
+
+ private:
+  bool propose(const std::vector<int>& clique, double density, Consensus& best) {
+    ++best.hypotheses;
+    Eigen::Isometry3d T = pose_of(clique);
+    // The first pose of a clique is rough: half of the best gain is worth a refinement.
+    if (scorer_.gain(T) < 0.5 * gain_) return false;
+    const double gain = scorer_.descend(T);
+    if (gain <= gain_) return false;
+    gain_ = gain;
+    best.T_target_source = scorer_.uncentred(T);
+    best.expected_by_chance = chance_(T, density);
+    best.found = best.expected_by_chance < options_.false_alarm;
+    return best.found;
+  }
+
+  /// Least squares where a clique's pairs agree, else GNC on them.
+  Eigen::Isometry3d pose_of(const std::vector<int>& clique) const {
+    constexpr std::size_t kSmall = 6;
+    const Eigen::Isometry3d T = scorer_.align(clique);
+    if (clique.size() <= kSmall || scorer_.gain(T) >= 0.5 * static_cast<double>(clique.size())) {
+      return T;
+    }
+    const GncResult gnc =
+        graduated_non_convexity(subset(all_, clique), {.noise_bound = options_.noise_bound});
+    return scorer_.centred(gnc.T_target_source);
+  }
+
+  const Scorer& scorer_;
+  const ChanceTest& chance_;
+  const Correspondences& all_;
+  const ConsensusOptions& options_;
+  double gain_ = 0;
+};
+
+}  // namespace
+
+double chord_bound(const Correspondences& correspondences, double normal_noise_deg) {
+  if (normal_noise_deg <= 0 || !correspondences.has_normals()) return 0;
+  // Four standard deviations, as the noise bound is of a position's.
+  const double angle = std::min(4 * normal_noise_deg * std::numbers::pi / 180, std::numbers::pi);
+  return 2 * std::sin(angle / 2);
+}
+
+Consensus find_consensus(const Correspondences& correspondences, const ConsensusOptions& options,
+                         const RandomStream& random) {
+  const Scorer scorer(correspondences, options.noise_bound,
+                      chord_bound(correspondences, options.normal_noise_deg));
+  const ChanceTest chance(scorer, correspondences, options, random);
+  CliqueSearch search(scorer, chance, correspondences, options);
+  Consensus best;
+  best.expected_by_chance = 1;
+  int previous = 0;
+  for (std::uint64_t stage = 0; stage < std::size(kSampleSizes); ++stage) {
+    const auto sample =
+        stratified_sample(scorer.size(), kSampleSizes[stage], random.fork("sample", stage));
+    if (static_cast<int>(sample.size()) == previous) break;
+    previous = static_cast<int>(sample.size());
+    if (search.run(sample, best)) break;
+  }
+  return best;
+}
+
+double chance_of(const Eigen::Isometry3d& T_target_source, const Correspondences& correspondences,
+                 const ConsensusOptions& options, const RandomStream& random) {
+  const Scorer scorer(correspondences, options.noise_bound,
+                      chord_bound(correspondences, options.normal_noise_deg));
+  const ChanceTest chance(scorer, correspondences, options, random);
+  return chance(scorer.centred(T_target_source), 1);
+}
+
+}  // namespace palpate::registration

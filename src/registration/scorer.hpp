@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Geometry>
+#include <vector>
+
+#include "palpate/registration/correspondences.hpp"
+
+namespace palpate::registration {
+
+/// What a pose's inliers gain: 1 - (residual / bound)^2 each, and with normals less their squared
+/// chord over its bound. N minus the gain is the truncated least-squares cost in squared bounds.
+struct Score {
+  double gain = 0;
+  double gain_beyond_three = 0;  ///< without the three largest
+  int count = 0;                 ///< correspondences that gain
+};
+
+/// Correspondences one axis after the other in single precision, about their means and in units of
+/// the noise bound, for poses in those coordinates.
+class Scorer {
+ public:
+  /// @param chord_bound  largest chord between an inlier's normals; 0 for no normals
+  Scorer(const Correspondences& correspondences, double noise_bound, double chord_bound);
+
+  int size() const { return static_cast<int>(x_[0].size()); }
+  int dimensions() const { return chord_bound_ > 0 ? 5 : 3; }
+
+  double gain(const Eigen::Isometry3d& T) const;
+  Score score(const Eigen::Isometry3d& T) const;
+
+  /// Alternates inliers and least squares, from T until the gain grows no more.
+  /// @return gain reached
+  double descend(Eigen::Isometry3d& T) const;
+
+  /// Least-squares pose of some correspondences.
+  Eigen::Isometry3d align(const std::vector<int>& indices) const;
+
+  /// Mean gain count over wrong pairings: every source with the target `shift` places on.
+  /// @return pairs within the bounds
+  int count_shifted(const Eigen::Isometry3d& T, int shift) const;
+
+  /// The pose in the coordinates of the correspondences.
+  Eigen::Isometry3d uncentred(const Eigen::Isometry3d& T) const;
+  /// The opposite.
+  Eigen::Isometry3d centred(const Eigen::Isometry3d& T) const;
+
+ private:
+  Eigen::ArrayXf gains(const Eigen::Isometry3d& T) const;
+  Eigen::Isometry3d align_weighted(const Eigen::ArrayXf& weights) const;
+
+  double unit_ = 1;
+  float chord_bound_ = 0;
+  Eigen::Vector3d source_origin_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d target_origin_ = Eigen::Vector3d::Zero();
+  Eigen::ArrayXf x_[3], y_[3], n_[3], m_[3];
+};
+
+}  // namespace palpate::registration
