@@ -9,6 +9,7 @@
 
 #include "exact_contact.hpp"
 #include "hand_spec.hpp"
+#include "mesh_geom.hpp"
 #include "palpate/core/assets.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/simulation/convex_parts.hpp"
@@ -158,30 +159,12 @@ void prepare_hand(mjSpec& spec, const WorldOptions& options) {
   }
 }
 
-void add_mesh(mjSpec& spec, const std::string& name, const geometry::TriangleMesh& mesh) {
-  std::vector<float> vertices;
-  for (const Eigen::Vector3d& v : mesh.vertices) {
-    for (int k = 0; k < 3; ++k) vertices.push_back(static_cast<float>(v[k]));
-  }
-  std::vector<int> faces;
-  for (const auto& t : mesh.triangles) faces.insert(faces.end(), t.begin(), t.end());
-  mjsMesh* asset = mjs_addMesh(&spec, mjs_getSpecDefault(&spec));
-  mjs_setName(asset->element, name.c_str());
-  asset->inertia = mjMESH_INERTIA_SHELL;  // unused, but that of a thin part's volume would fail
-  mjs_setFloat(asset->uservert, vertices.data(), static_cast<int>(vertices.size()));
-  mjs_setInt(asset->userface, faces.data(), static_cast<int>(faces.size()));
-}
-
-mjsGeom& add_mesh_geom(mjSpec& spec, mjsBody& body, const std::string& name,
-                       const geometry::TriangleMesh& mesh) {
-  add_mesh(spec, name, mesh);
-  mjsGeom* geom = mjs_addGeom(&body, mjs_getSpecDefault(&spec));
-  mjs_setName(geom->element, name.c_str());
-  mjs_setString(geom->meshname, name.c_str());
-  geom->type = mjGEOM_MESH;
-  geom->solref[0] = kContactTime;
-  std::copy(kObjectImpedance.begin(), kObjectImpedance.end(), geom->solimp);
-  return *geom;
+mjsGeom& add_solid(mjSpec& spec, mjsBody& body, const std::string& name,
+                   const geometry::TriangleMesh& mesh) {
+  mjsGeom& geom = add_mesh(spec, body, name, mesh);
+  geom.solref[0] = kContactTime;
+  std::copy(kObjectImpedance.begin(), kObjectImpedance.end(), geom.solimp);
+  return geom;
 }
 
 mjsBody& add_object_body(mjSpec& spec, const geometry::KnownObject& object) {
@@ -202,11 +185,11 @@ void add_object(mjSpec& spec, const geometry::KnownObject& object, const WorldOp
   mjsBody& body = add_object_body(spec, object);
   int number = 0;
   for (const geometry::TriangleMesh& part : convex_parts(object.mesh)) {
-    mjsGeom& geom = add_mesh_geom(spec, body, fmt::format("part_{}", number++), part);
+    mjsGeom& geom = add_solid(spec, body, fmt::format("part_{}", number++), part);
     set_friction(geom, options.hand_friction);
     set_bits(geom, kPartBits);
   }
-  mjsGeom& surface = add_mesh_geom(spec, body, kSurface, object.mesh);
+  mjsGeom& surface = add_solid(spec, body, kSurface, object.mesh);
   set_friction(surface, options.hand_friction);
   set_bits(surface, kSurfaceBits);
 }

@@ -117,4 +117,6 @@ bool World::diverged() const {
          !Eigen::VectorXd::Map(data.qpos, impl_->scene.model->nq).allFinite();
 }
 
+std::string_view simulator_version() { return mj_versionString(); }
+
 }  // namespace palpate::simulation

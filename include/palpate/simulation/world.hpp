@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <string_view>
 
 #include "palpate/geometry/known_object.hpp"
 #include "palpate/hand/hand.hpp"
@@ -92,5 +93,8 @@ hand::HandModel load_shadow_hand(const std::filesystem::path& mjcf);
 
 /// What the Shadow hand looks like: the drawn meshes of its MJCF, for load_shadow_hand's links.
 hand::HandVisuals load_shadow_hand_visuals(const std::filesystem::path& mjcf);
+
+/// Version of MuJoCo, as in "3.17.0".
+std::string_view simulator_version();
 
 }  // namespace palpate::simulation
