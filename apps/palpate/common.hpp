@@ -50,5 +50,6 @@ void add_pick(CLI::App& program, Command& chosen);
 void add_eval(CLI::App& program, Command& chosen);
 void add_replay(CLI::App& program, Command& chosen);
 void add_doctor(CLI::App& program, Command& chosen);
+void add_render(CLI::App& program, Command& chosen);
 
 }  // namespace palpate::app

@@ -22,6 +22,7 @@ int run(int argc, char** argv) {
   add_eval(program, chosen);
   add_replay(program, chosen);
   add_doctor(program, chosen);
+  add_render(program, chosen);
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

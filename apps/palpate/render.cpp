@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "common.hpp"
+#include "palpate/core/error.hpp"
+#include "palpate/core/file.hpp"
+#include "palpate/core/version.hpp"
+#include "palpate/pipeline/trial.hpp"
+#include "palpate/recording/recording.hpp"
+#include "palpate/simulation/renderer.hpp"
+
+namespace palpate::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct RenderArguments {
+  CommonOptions common;
+  std::string object = "mug";
+  std::string recording;
+  std::string size = "1200x800";
+  simulation::Camera camera;
+};
+
+struct Picture {
+  std::string phase;
+  double time = 0;  ///< s
+  fs::path file;
+};
+
+/// Width and height of a text like 1200x800.
+std::pair<int, int> parse_size(const std::string& text) {
+  int width = 0, height = 0, end = 0;
+  if (std::sscanf(text.c_str(), "%5dx%5d%n", &width, &height, &end) != 2 ||
+      static_cast<std::size_t>(end) != text.size()) {
+    throw BadInput(fmt::format("--size is WIDTHxHEIGHT in pixels, not {}", text));
+  }
+  return {width, height};
+}
+
+fs::path output_folder(const RenderArguments& arguments) {
+  if (!arguments.common.out.empty()) return arguments.common.out;
+  if (!arguments.recording.empty()) return fs::path(arguments.recording).parent_path();
+  return fs::path("out") / fmt::format("render-{}-{}", fs::path(arguments.object).stem().string(),
+                                       arguments.common.seed);
+}
+
+/// Picks the object up and records it. Whether that succeeds does not matter to a picture.
+fs::path record_pick(const RenderArguments& arguments, const fs::path& folder) {
+  const CommonOptions& common = arguments.common;
+  const auto options = resolve<pipeline::TrialOptions>(common);
+  const localization::ObjectModel object(geometry::load_known_object(arguments.object));
+  const simulation::World world(object.object(), options.world, common.seed);
+  const fs::path path = folder / "recording.h5";
+  recording::Writer writer(path, {std::string(version()), common.seed, object.object(),
+                                  world.hand_model(), config_header(common) + to_toml(options)});
+  pipeline::run_trial(object, options, common.seed, &writer);
+  writer.finish();
+  return path;
+}
+
+/// The last frame that is not later than the time.
+const recording::Frame& frame_at(const recording::Recording& recording, double time) {
+  const auto later = std::upper_bound(
+      recording.frames.begin() + 1, recording.frames.end(), time,
+      [](double t, const recording::Frame& frame) { return t < frame.reading.time; });
+  return *(later - 1);
+}
+
+simulation::Image draw(simulation::Renderer& renderer, const recording::Frame& frame,
+                       simulation::Camera camera) {
+  const Eigen::Isometry3d& T_world_object = frame.truth->T_world_object;
+  camera.lookat =
+      0.6 * T_world_object.translation() + 0.4 * frame.reading.base.pose().translation();
+  return renderer.render({T_world_object, frame.truth->joints, frame.reading.base}, camera);
+}
+
+/// One picture at the end of every phase.
+std::vector<Picture> draw_phases(const recording::Recording& recording, const fs::path& folder,
+                                 const RenderArguments& arguments) {
+  const auto [width, height] = parse_size(arguments.size);
+  simulation::Renderer renderer(recording.header.object, width, height);
+  std::vector<Picture> pictures;
+  for (const recording::Event& event : recording.events) {
+    if (event.kind != recording::EventKind::end) continue;
+    Picture picture{event.phase, event.time,
+                    folder / fmt::format("{}-{}.png", pictures.size() + 1, event.phase)};
+    simulation::save_png(picture.file,
+                         draw(renderer, frame_at(recording, event.time), arguments.camera));
+    pictures.push_back(std::move(picture));
+  }
+  return pictures;
+}
+
+recording::Recording read_drawable(const fs::path& path) {
+  auto recording = recording::read_recording(path);
+  const bool drawable =
+      !recording.frames.empty() &&
+      std::all_of(recording.frames.begin(), recording.frames.end(),
+                  [](const recording::Frame& frame) { return frame.truth.has_value(); });
+  if (!drawable) {
+    throw BadInput(fmt::format("{} does not tell where the object was", path.string()));
+  }
+  return recording;
+}
+
+int render(const RenderArguments& arguments) {
+  parse_size(arguments.size);
+  const fs::path folder = output_folder(arguments);
+  make_writable_folder(folder);
+  const fs::path path =
+      arguments.recording.empty() ? record_pick(arguments, folder) : fs::path(arguments.recording);
+  const auto pictures = draw_phases(read_drawable(path), folder, arguments);
+  auto files = nlohmann::json::array();
+  for (const Picture& picture : pictures) {
+    files.push_back(
+        {{"phase", picture.phase}, {"time", picture.time}, {"file", picture.file.string()}});
+    if (arguments.common.json) continue;
+    fmt::print("{:<10} {:7.2f} s  {}\n", picture.phase, picture.time, picture.file.string());
+  }
+  if (arguments.common.json) fmt::print("{}\n", nlohmann::json{{"files", files}}.dump(2));
+  return kDone;
+}
+
+}  // namespace
+
+void add_render(CLI::App& program, Command& chosen) {
+  auto arguments = std::make_shared<RenderArguments>();
+  auto& command =
+      *program.add_subcommand("render", "Draw a pick: one PNG picture at the end of each phase");
+  command.add_option("recording", arguments->recording,
+                     "recording.h5 of a pick; without it, an object is picked up first");
+  command
+      .add_option("--object", arguments->object,
+                  "mug, bottle, box, bracket, bunny, or a mesh file in metres")
+      ->capture_default_str();
+  command.add_option("--size", arguments->size, "of a picture, pixels")
+      ->option_text("WxH")
+      ->capture_default_str();
+  command.add_option("--azimuth", arguments->camera.azimuth_deg, "of the view about z, deg")
+      ->capture_default_str();
+  command
+      .add_option("--elevation", arguments->camera.elevation_deg,
+                  "of the view, deg; negative: from above")
+      ->capture_default_str();
+  command.add_option("--distance", arguments->camera.distance, "from the hand, m")
+      ->capture_default_str();
+  add_common_options(command, arguments->common);
+  command.footer(
+      "Writes into DIR: by default where the recording is, else out/render-OBJECT-SEED. Needs no\n"
+      "screen; palpate doctor tells whether it can draw.\n\n"
+      "Examples:\n"
+      "  palpate render --object mug --seed 7\n"
+      "  palpate render out/pick-mug-7/recording.h5 --size 640x480 --azimuth 90 --out pictures");
+  command.callback([arguments, &chosen] { chosen = [arguments] { return render(*arguments); }; });
+}
+
+}  // namespace palpate::app
