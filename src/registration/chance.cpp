@@ -9,7 +9,7 @@
 namespace palpate::registration {
 namespace {
 
-constexpr int kBins = 32;  // of the gain of one correspondence, 0..1
+constexpr int kBins = 64;  // of the gain of one correspondence, 0..1
 
 using Masses = std::array<double, kBins + 1>;
 
@@ -28,9 +28,11 @@ Masses gain_masses(int dimensions) {
 double log_chernoff(const Masses& masses, double rate, double gain) {
   double least = 0;
   for (double theta = 0.25; theta < 64; theta *= 1.2) {
-    double moment = 0;
+    const double factor = std::exp(theta / kBins);
+    double moment = 0, power = 1;
     for (int j = 1; j <= kBins; ++j) {
-      moment += masses[static_cast<std::size_t>(j)] * std::exp(theta * j / kBins);
+      power *= factor;
+      moment += masses[static_cast<std::size_t>(j)] * power;
     }
     least = std::min(least, rate * (moment - 1) - theta * gain);
   }
@@ -57,7 +59,7 @@ double exact_tail(const Masses& masses, double rate, double gain) {
 
 }  // namespace
 
-double expected_by_chance(const ChanceModel& model, double gain, int count) {
+double expected_by_chance(const ChanceModel& model, double gain) {
   // Below this the difference 1 - P(less) is mere rounding, and the bound says enough.
   constexpr double kLogRounding = -25;
   if (!(gain > 0)) return model.triples;
@@ -67,9 +69,7 @@ double expected_by_chance(const ChanceModel& model, double gain, int count) {
       log_bound < kLogRounding || model.rate > 500
           ? std::exp(log_bound)
           : std::clamp(exact_tail(masses, model.rate, gain), 1e-15, std::exp(log_bound));
-  const double k = count;
-  const double proposals = std::max(1.0, k * (k - 1) * (k - 2) / 6);
-  return model.triples * tail / proposals;
+  return model.triples * tail;
 }
 
 }  // namespace palpate::registration

@@ -16,6 +16,13 @@ namespace {
 
 constexpr int kSampleSizes[] = {64, 200, 1000, 2500};
 constexpr int kLargestClique = 16;
+// Chance proposes cliques too; those well below the largest are passed over, up to this size.
+constexpr std::size_t kSurelyLarge = 8;
+// A pose through a part of the inliers barely beats chance, and its residuals fill the ball (mean
+// gain 0.4); that of all does so by far, with residuals of normal noise (0.8), and ends the search.
+// Else log(100) / share of inliers more seeds follow, by which one of a larger consensus comes up
+// 99 times in 100.
+constexpr double kClear = 1e-4, kTight = 0.65, kSeeds = 4.6;
 
 /// `count` of 0..size-1, one from each of as many equal strata, ascending.
 std::vector<int> stratified_sample(int size, int count, RandomStream random) {
@@ -36,38 +43,62 @@ class ChanceTest {
              const ConsensusOptions& options, const RandomStream& random)
       : scorer_(scorer), correspondences_(correspondences), options_(options), random_(random) {}
 
+  /// Keeps a pose that few correspondences propose, as chance does.
+  void add_pose(const Eigen::Isometry3d& T) {
+    if (poses_.size() < kPoses) poses_.push_back(T);
+  }
+
   /// @param density  of a consistency graph of the same correspondences, inliers included
-  double operator()(const Eigen::Isometry3d& T, double density) const {
+  double operator()(const Eigen::Isometry3d& T, double density) {
     const Score score = scorer_.score(T);
     if (score.count < 3) return triples(density);
-    // Inliers only raise the density: a pose that passes with it passes.
-    const double quick = expected(T, score, density, 4);
+    // Inliers only raise the density, and the rate at a pose where the surfaces coincide is higher
+    // than at those that chance proposes: a pose that passes with both passes.
+    const double quick = expected(score, density, rate({T}, 4));
     if (quick < 1e-3 * options_.false_alarm) return quick;
-    return expected(T, score, std::min(density, wrong_density()), 64);
+    const bool few = scorer_.size() <= kFew, pooled = poses_.size() == kPoses;
+    if (!few && !pooled && quick > 1e3 * options_.false_alarm) return quick;
+    if (few && wrong_density_ < 0) wrong_density_ = wrong_density();
+    if (pooled && wrong_rate_ < 0) wrong_rate_ = rate(poses_, 64 / kPoses);
+    return expected(score, few ? std::min(density, wrong_density_) : density,
+                    pooled ? wrong_rate_ : rate({T}, 64));
+  }
+
+  static ConsistencyGraph graph_of(const Correspondences& correspondences,
+                                   const ConsensusOptions& options) {
+    return ConsistencyGraph(correspondences, {.noise_bound = options.noise_bound,
+                                              .normal_noise_deg = options.normal_noise_deg});
   }
 
  private:
+  static constexpr std::size_t kPoses = 32;
+  // Among more than these, inliers that would raise the density are clear of chance anyway.
+  static constexpr int kFew = 256;
+
   double triples(double density) const {
     const double n = scorer_.size();
     return n * (n - 1) * (n - 2) / 6 * density * density * density;
   }
 
-  double expected(const Eigen::Isometry3d& T, const Score& score, double density,
-                  int shifts) const {
-    const int n = scorer_.size();
-    shifts = std::min(shifts, n - 1);
+  double expected(const Score& score, double density, double rate) const {
+    const ChanceModel model{
+        .triples = triples(density), .rate = rate, .dimensions = scorer_.dimensions()};
+    return expected_by_chance(model, score.gain_beyond_three);
+  }
+
+  /// Mean number of correspondences within the bound at the poses, were they paired anew: every
+  /// source with the targets some places on.
+  double rate(const std::vector<Eigen::Isometry3d>& poses, std::size_t shifts) const {
+    const auto others = static_cast<std::size_t>(scorer_.size() - 1);
     RandomStream random = random_.fork("shift");
     double hits = 1, samples = 1;
-    for (int k = 0; k < shifts; ++k) {
-      const int low = 1 + k * (n - 1) / shifts, high = 1 + (k + 1) * (n - 1) / shifts;
-      const int shift = low + static_cast<int>(random.index(static_cast<std::size_t>(high - low)));
-      hits += scorer_.count_shifted(T, shift);
-      samples += n;
+    for (const Eigen::Isometry3d& T : poses) {
+      for (std::size_t k = 0; k < std::min(shifts, others); ++k) {
+        hits += scorer_.count_shifted(T, 1 + static_cast<int>(random.index(others)));
+        samples += scorer_.size();
+      }
     }
-    const ChanceModel model{.triples = triples(density),
-                            .rate = n * std::min(1.0, hits / samples),
-                            .dimensions = scorer_.dimensions()};
-    return expected_by_chance(model, score.gain_beyond_three, score.count);
+    return scorer_.size() * std::min(1.0, hits / samples);
   }
 
   /// Density of the consistency graph of wrong correspondences: targets paired anew at random.
@@ -93,24 +124,18 @@ class ChanceTest {
     return (sum + 1) / (edges + 1);
   }
 
- public:
-  static ConsistencyGraph graph_of(const Correspondences& correspondences,
-                                   const ConsensusOptions& options) {
-    return ConsistencyGraph(correspondences, {.noise_bound = options.noise_bound,
-                                              .normal_noise_deg = options.normal_noise_deg});
-  }
-
- private:
   const Scorer& scorer_;
   const Correspondences& correspondences_;
   const ConsensusOptions& options_;
   const RandomStream& random_;
+  std::vector<Eigen::Isometry3d> poses_;
+  double wrong_density_ = -1, wrong_rate_ = -1;  // not known yet
 };
 
 /// The search over one sample's cliques.
 class CliqueSearch {
  public:
-  CliqueSearch(const Scorer& scorer, const ChanceTest& chance, const Correspondences& all,
+  CliqueSearch(const Scorer& scorer, ChanceTest& chance, const Correspondences& all,
                const ConsensusOptions& options)
       : scorer_(scorer), chance_(chance), all_(all), options_(options) {}
 
@@ -122,13 +147,15 @@ class CliqueSearch {
     std::ranges::stable_sort(order,
                              [&](int a, int b) { return graph.degree(a) > graph.degree(b); });
     std::vector<bool> used(sample.size(), false);
+    std::size_t largest = 0;
     for (const int seed : order) {
       if (used[static_cast<std::size_t>(seed)] || graph.degree(seed) < 2) continue;
       std::vector<int> clique = grow_clique(graph, seed, kLargestClique);
-      if (clique.size() < 3) continue;
+      largest = std::max(largest, clique.size());
+      if (clique.size() < 3 || clique.size() + 1 < std::min(largest, kSurelyLarge)) continue;
       for (const int vertex : clique) used[static_cast<std::size_t>(vertex)] = true;
       for (int& vertex : clique) vertex = sample[static_cast<std::size_t>(vertex)];
-      if (propose(clique, graph.density(), best)) return true;
+      if (propose(clique, graph.density(), best) || exhausted(best)) return true;
     }
     return false;
   }
@@ -137,6 +164,7 @@ class CliqueSearch {
   bool propose(const std::vector<int>& clique, double density, Consensus& best) {
     ++best.hypotheses;
     Eigen::Isometry3d T = pose_of(clique);
+    chance_.add_pose(T);
     // The first pose of a clique is rough: half of the best gain is worth a refinement.
     if (scorer_.gain(T) < 0.5 * gain_) return false;
     const double gain = scorer_.descend(T);
@@ -145,7 +173,14 @@ class CliqueSearch {
     best.T_target_source = scorer_.uncentred(T);
     best.expected_by_chance = chance_(T, density);
     best.found = best.expected_by_chance < options_.false_alarm;
-    return best.found;
+    inliers_ = scorer_.score(T).count;
+    found_after_ = best.hypotheses;
+    return best.expected_by_chance < kClear * options_.false_alarm && gain_ > kTight * inliers_;
+  }
+
+  /// Whether enough seeds followed the best pose: a pose of more inliers would have come up.
+  bool exhausted(const Consensus& best) const {
+    return best.found && (best.hypotheses - found_after_) * inliers_ > kSeeds * scorer_.size();
   }
 
   /// Least squares where a clique's pairs agree, else GNC on them.
@@ -161,10 +196,11 @@ class CliqueSearch {
   }
 
   const Scorer& scorer_;
-  const ChanceTest& chance_;
+  ChanceTest& chance_;
   const Correspondences& all_;
   const ConsensusOptions& options_;
   double gain_ = 0;
+  int inliers_ = 0, found_after_ = 0;  // of the best pose
 };
 
 }  // namespace
@@ -180,7 +216,7 @@ Consensus find_consensus(const Correspondences& correspondences, const Consensus
                          const RandomStream& random) {
   const Scorer scorer(correspondences, options.noise_bound,
                       chord_bound(correspondences, options.normal_noise_deg));
-  const ChanceTest chance(scorer, correspondences, options, random);
+  ChanceTest chance(scorer, correspondences, options, random);
   CliqueSearch search(scorer, chance, correspondences, options);
   Consensus best;
   best.expected_by_chance = 1;
@@ -199,7 +235,7 @@ double chance_of(const Eigen::Isometry3d& T_target_source, const Correspondences
                  const ConsensusOptions& options, const RandomStream& random) {
   const Scorer scorer(correspondences, options.noise_bound,
                       chord_bound(correspondences, options.normal_noise_deg));
-  const ChanceTest chance(scorer, correspondences, options, random);
+  ChanceTest chance(scorer, correspondences, options, random);
   return chance(scorer.centred(T_target_source), 1);
 }
 

@@ -19,9 +19,8 @@ struct ChanceModel {
 /// A correspondence gains g = max(0, 1 - (residual / bound)^2). By chance its residual is uniform
 /// in the ball, P(g > x) = (1 - x)^(dimensions / 2), and the number in the ball is Poisson. The sum
 /// of gains is then a compound Poisson variable, whose tail is summed exactly on a grid (Panjer
-/// 1981), rounded up. A consensus of k counts once, though C(k, 3) triples propose it.
+/// 1981), rounded up.
 /// @param gain  sum of gains beyond those of the three largest, which the pose was fitted to
-/// @param count  correspondences that gain
-double expected_by_chance(const ChanceModel& model, double gain, int count);
+double expected_by_chance(const ChanceModel& model, double gain);
 
 }  // namespace palpate::registration

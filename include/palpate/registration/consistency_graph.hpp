@@ -9,8 +9,8 @@
 namespace palpate::registration {
 
 struct ConsistencyOptions {
-  double noise_bound = 0.004;     ///< m, largest error of an inlier's position
-  double length_tolerance = 1.5;  ///< in noise bounds, on the difference of two lengths
+  double noise_bound = 0.004;      ///< m, largest error of an inlier's position
+  double length_tolerance = 1.25;  ///< in noise bounds, on the difference of two lengths
   /// Noise of a normal per tangent axis, deg; with it, the three angles between the two normals
   /// and the line that joins the points must agree too. 0: normals are not used.
   double normal_noise_deg = 0;

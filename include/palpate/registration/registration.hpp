@@ -32,7 +32,7 @@ struct RegistrationOptions {
     v("noise_bound", noise_bound, 1e-9, 1e9, "largest position error of an inlier, m");
     v("normal_noise_deg", normal_noise_deg, 0.0, 90.0,
       "noise of normals per tangent axis, deg; 0: normals are not used in the search");
-    v("false_alarm", false_alarm, 1e-12, 1.0,
+    v("false_alarm", false_alarm, 1e-12, 1e12,
       "poses as good as the answer that chance may propose, per problem");
   }
 };

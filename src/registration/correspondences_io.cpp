@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/registration/correspondences_io.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <optional>
+
+#include "palpate/core/error.hpp"
+#include "palpate/core/file.hpp"
+
+namespace palpate::registration {
+namespace {
+
+using Triple = std::array<std::size_t, 3>;  // columns of x, y and z
+
+std::string_view trimmed(std::string_view text) {
+  constexpr std::string_view kBlank = " \t\r";
+  const auto first = text.find_first_not_of(kBlank);
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
+}
+
+std::vector<std::string_view> cells_of(std::string_view line) {
+  std::vector<std::string_view> cells;
+  while (true) {
+    const auto comma = line.find(',');
+    cells.push_back(trimmed(line.substr(0, comma)));
+    if (comma == std::string_view::npos) return cells;
+    line.remove_prefix(comma + 1);
+  }
+}
+
+/// A CSV file's header and where its rows are.
+class Table {
+ public:
+  Table(std::string_view header, std::string_view source)
+      : names_(cells_of(header)), source_(source) {}
+
+  std::optional<Triple> find(const std::string& prefix) const {
+    Triple columns;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const std::string name = prefix + "xyz"[axis];
+      std::size_t column = 0;
+      while (column < names_.size() && names_[column] != name) ++column;
+      if (column == names_.size()) return std::nullopt;
+      columns[axis] = column;
+    }
+    return columns;
+  }
+
+  Triple require(const std::string& prefix) const {
+    const auto columns = find(prefix);
+    if (!columns) {
+      throw BadInput(fmt::format("{}:1: no columns {}x, {}y, {}z in the header", source_, prefix,
+                                 prefix, prefix));
+    }
+    return *columns;
+  }
+
+  std::vector<double> row(std::string_view line, std::size_t number) const {
+    const auto cells = cells_of(line);
+    if (cells.size() != names_.size()) {
+      throw BadInput(fmt::format("{}:{}: {} values for {} columns", source_, number, cells.size(),
+                                 names_.size()));
+    }
+    std::vector<double> values(cells.size());
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+      const auto [end, error] =
+          std::from_chars(cells[i].data(), cells[i].data() + cells[i].size(), values[i]);
+      const bool complete = error == std::errc() && end == cells[i].data() + cells[i].size();
+      if (!complete || !std::isfinite(values[i])) {
+        throw BadInput(fmt::format("{}:{}: '{}' in column {} is not a finite number", source_,
+                                   number, cells[i], names_[i]));
+      }
+    }
+    return values;
+  }
+
+ private:
+  std::vector<std::string_view> names_;
+  std::string_view source_;
+};
+
+Eigen::Vector3d pick(const std::vector<double>& values, const Triple& columns) {
+  return {values[columns[0]], values[columns[1]], values[columns[2]]};
+}
+
+}  // namespace
+
+Correspondences parse_correspondences(std::string_view text, std::string_view source) {
+  std::optional<Table> table;
+  std::optional<Triple> s, t, sn, tn;
+  Correspondences result;
+  const auto add_normal = [&](const Eigen::Vector3d& n, std::size_t number, auto& normals) {
+    if (!(n.norm() > 1e-6)) {
+      throw BadInput(fmt::format("{}:{}: a normal of length {}", source, number, n.norm()));
+    }
+    normals.push_back(n.normalized());
+  };
+  for (std::size_t number = 1; !text.empty(); ++number) {
+    const auto end = std::min(text.find('\n'), text.size());
+    const std::string_view line = trimmed(text.substr(0, end));
+    text.remove_prefix(std::min(end + 1, text.size()));
+    if (line.empty() && table) continue;
+    if (!table) {
+      table.emplace(line, source);
+      s = table->require("s");
+      t = table->require("t");
+      sn = table->find("sn");
+      tn = table->find("tn");
+      continue;
+    }
+    const auto values = table->row(line, number);
+    result.source.push_back(pick(values, *s));
+    result.target.push_back(pick(values, *t));
+    if (sn) add_normal(pick(values, *sn), number, result.source_normals);
+    if (tn) add_normal(pick(values, *tn), number, result.target_normals);
+  }
+  if (!table) throw BadInput(fmt::format("{} is empty: expected a CSV header", source));
+  return result;
+}
+
+Correspondences read_correspondences(const std::filesystem::path& path) {
+  return parse_correspondences(read_file(path), path.string());
+}
+
+}  // namespace palpate::registration

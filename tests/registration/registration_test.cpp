@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/registration/registration.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "palpate/core/error.hpp"
+#include "problems.hpp"
+
+namespace palpate::registration {
+namespace {
+
+using testing::make_problem;
+using testing::rotation_error_deg;
+using testing::translation_error_mm;
+
+const double kNan = std::numeric_limits<double>::quiet_NaN();
+const double kInf = std::numeric_limits<double>::infinity();
+
+bool succeeded(const RegistrationResult& result, const Eigen::Isometry3d& truth) {
+  return result.T_target_source && rotation_error_deg(*result.T_target_source, truth) < 5 &&
+         translation_error_mm(*result.T_target_source, truth) < 10;
+}
+
+int successes(const testing::ProblemOptions& problem_options, const RegistrationOptions& options,
+              std::uint64_t runs) {
+  int count = 0;
+  for (std::uint64_t seed = 0; seed < runs; ++seed) {
+    const auto problem = make_problem(problem_options, RandomStream(seed, "register"));
+    count += succeeded(register_correspondences(problem.correspondences, options), problem.truth);
+  }
+  return count;
+}
+
+TEST(Register, SucceedsThroughNinetyFivePercentOutliers) {
+  for (const bool box : {false, true}) {
+    for (const double outliers : {0.0, 0.1, 0.5, 0.9, 0.95}) {
+      EXPECT_EQ(successes({.outliers = outliers, .noise = 0.001, .box_outliers = box}, {}, 20), 20)
+          << outliers;
+    }
+  }
+  EXPECT_GE(successes({.outliers = 0.98, .noise = 0.001}, {}, 20), 19);
+  EXPECT_GE(successes({.outliers = 0.99, .noise = 0.001}, {}, 20), 17);
+}
+
+TEST(Register, NormalsHelp) {
+  EXPECT_GE(successes({.outliers = 0.99, .noise = 0.001, .normal_deg = 5, .normals = true},
+                      {.normal_noise_deg = 5}, 20),
+            18);
+}
+
+TEST(Register, IsAccurateAndExplainsItself) {
+  const auto problem = make_problem({.outliers = 0.5, .noise = 0.001}, RandomStream(1, "register"));
+  const auto result = register_correspondences(problem.correspondences);
+  ASSERT_EQ(result.status, Status::kCertified);
+  EXPECT_LT(rotation_error_deg(*result.T_target_source, problem.truth), 0.4);
+  EXPECT_LT(translation_error_mm(*result.T_target_source, problem.truth), 0.3);
+  EXPECT_LT(result.expected_by_chance, 1e-100);
+  EXPECT_EQ(result.rank, 6);
+  EXPECT_GT(result.information.diagonal().minCoeff(), 0);
+  ASSERT_EQ(result.residuals.size(), 1000u);
+  double sum = 0;
+  for (const int i : result.inliers) {
+    const auto index = static_cast<std::size_t>(i);
+    EXPECT_EQ(result.weights[index], 1);
+    EXPECT_LT(result.residuals[index], 1.05 * 0.004);
+    sum += result.residuals[index] * result.residuals[index];
+  }
+  EXPECT_NEAR(result.cost, sum, 1e-9);
+  EXPECT_NEAR(static_cast<double>(result.inliers.size()), 500, 10);
+  EXPECT_LE(result.bound, 1e-6 * result.cost);
+  EXPECT_GE(result.seconds, result.search_seconds);
+}
+
+TEST(Register, PlanesRefineToo) {
+  const auto problem =
+      make_problem({.pairs = 400, .outliers = 0.5, .noise = 0.001, .normals = true},
+                   RandomStream(2, "register"));
+  const auto result =
+      register_correspondences(problem.correspondences, {.primitive = Primitive::kPlane});
+  ASSERT_EQ(result.status, Status::kCertified);
+  EXPECT_TRUE(succeeded(result, problem.truth));
+}
+
+TEST(Register, GncAloneToHalfOutliers) {
+  for (const RobustCost cost : {RobustCost::kTruncatedLeastSquares, RobustCost::kGemanMcClure}) {
+    EXPECT_EQ(successes({.pairs = 300, .outliers = 0.5, .noise = 0.001},
+                        {.method = Method::kGnc, .cost = cost}, 10),
+              10);
+  }
+}
+
+TEST(Register, IsTheSameEachTime) {
+  const auto problem =
+      make_problem({.outliers = 0.97, .noise = 0.001}, RandomStream(3, "register"));
+  const auto first = register_correspondences(problem.correspondences, {.seed = 5});
+  const auto again = register_correspondences(problem.correspondences, {.seed = 5});
+  EXPECT_EQ(first.inliers, again.inliers);
+  EXPECT_EQ(first.T_target_source->matrix(), again.T_target_source->matrix());
+}
+
+TEST(Register, OutliersAloneAreNoConsensus) {
+  int consensus = 0;
+  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+    const std::size_t pairs = seed % 3 == 0 ? 1000 : seed % 3 == 1 ? 100 : 12;
+    const auto problem = make_problem({.pairs = pairs, .outliers = 1, .noise = 0.001},
+                                      RandomStream(seed, "outliers"));
+    const auto result = register_correspondences(problem.correspondences);
+    if (result.status == Status::kNoConsensus) {
+      EXPECT_FALSE(result.T_target_source);
+      EXPECT_TRUE(result.inliers.empty());
+      EXPECT_GE(result.expected_by_chance, 0.01);
+    } else {
+      ++consensus;
+    }
+  }
+  EXPECT_LE(consensus, 1);
+  const auto problem = make_problem({.pairs = 200, .outliers = 1}, RandomStream(1, "outliers"));
+  EXPECT_EQ(register_correspondences(problem.correspondences, {.method = Method::kGnc}).status,
+            Status::kNoConsensus);
+}
+
+TEST(Register, FewCorrespondences) {
+  for (std::size_t pairs = 0; pairs < 8; ++pairs) {
+    Correspondences few;
+    if (pairs > 0) {
+      few = make_problem({.pairs = pairs}, RandomStream(4, "register")).correspondences;
+    }
+    const auto result = register_correspondences(few);
+    EXPECT_EQ(result.weights.size(), pairs);
+    if (pairs < 3) {
+      EXPECT_EQ(result.status, Status::kDegenerate);
+      EXPECT_FALSE(result.T_target_source);
+    }
+    // Three lengths that agree may be chance; from five pairs on they cannot be.
+    EXPECT_TRUE(pairs < 5 || result.status == Status::kCertified) << pairs;
+  }
+}
+
+TEST(Register, IdenticalAndCollinearPointsAreDegenerate) {
+  Correspondences same;
+  same.source.assign(20, Eigen::Vector3d(0.1, 0, 0));
+  same.target.assign(20, Eigen::Vector3d(0, 0.2, 0));
+  EXPECT_EQ(register_correspondences(same).status, Status::kDegenerate);
+
+  RandomStream random(5, "register");
+  auto problem = make_problem({.pairs = 200}, RandomStream(5, "register"));
+  for (const double noise : {0.0, 0.001}) {
+    for (std::size_t i = 0; i < 200; ++i) {
+      problem.correspondences.source[i] = random.uniform(-0.1, 0.1) * Eigen::Vector3d::UnitX();
+      problem.correspondences.target[i] =
+          problem.truth * problem.correspondences.source[i] + noise * random.normal3();
+    }
+    EXPECT_EQ(register_correspondences(problem.correspondences).status, Status::kDegenerate);
+  }
+}
+
+TEST(Register, DuplicatedPointsChangeNothing) {
+  auto problem = make_problem({.pairs = 100, .noise = 0.001}, RandomStream(6, "register"));
+  auto& c = problem.correspondences;
+  for (std::size_t i = 0; i < 100; ++i) {
+    c.source.push_back(c.source[i]);
+    c.target.push_back(c.target[i]);
+  }
+  c.target_normals.clear();
+  const auto result = register_correspondences(c);
+  EXPECT_EQ(result.status, Status::kCertified);
+  EXPECT_TRUE(succeeded(result, problem.truth));
+}
+
+TEST(Register, HugeAndTinyCoordinates) {
+  for (const double scale : {1e-6, 1e6}) {
+    auto problem =
+        make_problem({.pairs = 300, .outliers = 0.5, .noise = 0.001}, RandomStream(7, "register"));
+    for (auto& p : problem.correspondences.source) p *= scale;
+    for (auto& p : problem.correspondences.target) p *= scale;
+    const auto result =
+        register_correspondences(problem.correspondences, {.noise_bound = 0.004 * scale});
+    ASSERT_EQ(result.status, Status::kCertified);
+    EXPECT_LT(rotation_error_deg(*result.T_target_source, problem.truth), 1);
+  }
+  auto far = make_problem({.pairs = 300, .outliers = 0.5, .noise = 0.001}, RandomStream(7, "far"));
+  for (auto& p : far.correspondences.source) p += Eigen::Vector3d(1e6, 1e6, 1e6);
+  const auto result = register_correspondences(far.correspondences);
+  ASSERT_EQ(result.status, Status::kCertified);
+  EXPECT_LT(rotation_error_deg(*result.T_target_source, far.truth), 1);
+}
+
+TEST(Register, MirroredCloudGivesNoReflection) {
+  auto problem = make_problem({.pairs = 500}, RandomStream(8, "register"));
+  for (auto& p : problem.correspondences.source) p[1] = -p[1];
+  const auto result = register_correspondences(problem.correspondences);
+  if (result.T_target_source) {
+    EXPECT_NEAR(result.T_target_source->linear().determinant(), 1, 1e-9);
+    EXPECT_LT(result.inliers.size(), 250u);
+  }
+}
+
+TEST(Register, BadInput) {
+  const auto good = make_problem({.pairs = 10}, RandomStream(9, "register")).correspondences;
+  for (const double bound : {0.0, -0.004, kNan, kInf}) {
+    EXPECT_THROW(register_correspondences(good, {.noise_bound = bound}), BadInput);
+  }
+  EXPECT_THROW(register_correspondences(good, {.normal_noise_deg = -1}), BadInput);
+  EXPECT_THROW(register_correspondences(good, {.false_alarm = 0}), BadInput);
+  for (const double value : {kNan, kInf, -kInf}) {
+    auto bad = good;
+    bad.source[3][0] = value;
+    EXPECT_THROW(register_correspondences(bad), BadInput);
+    bad = good;
+    bad.target[3][2] = value;
+    EXPECT_THROW(register_correspondences(bad), BadInput);
+  }
+}
+
+TEST(Register, ManyCorrespondences) {
+  const auto problem =
+      make_problem({.pairs = 50000, .outliers = 0.9, .noise = 0.001}, RandomStream(10, "register"));
+  const auto result = register_correspondences(problem.correspondences);
+  EXPECT_EQ(result.status, Status::kCertified);
+  EXPECT_LT(rotation_error_deg(*result.T_target_source, problem.truth), 0.2);
+  EXPECT_NEAR(static_cast<double>(result.inliers.size()), 5000, 150);
+}
+
+}  // namespace
+}  // namespace palpate::registration
