@@ -32,8 +32,8 @@ struct TableSupport {
 struct PosePrior {
   struct Component {
     Eigen::Isometry3d T_frame_object;
-    /// Sums to <= 1 over the components; the rest is spread over the component `elsewhere`: the
-    /// table's stances if there is a table, else wherever single contacts let the object be.
+    /// Sums to <= 1 over the components; the rest, at least a fifth, is the share of the search that
+    /// starts `elsewhere`: where the table or else single contacts let the object be.
     double weight;
     /// Of [rotation; translation] (rad, m), frame's axes, rotation about the object's origin:
     /// R = exp(w) R0, t = t0 + v.
@@ -41,7 +41,7 @@ struct PosePrior {
   };
   std::vector<Component> components;
   /// Density relative to the highest component's peak that every pose keeps, so that touch can
-  /// overrule the prior; as it holds everywhere, a sharp prior with few contacts wants it lower.
+  /// overrule the prior; as it holds everywhere, with one or two contacts 1e-6 is the better value.
   /// Without contacts it is not used.
   double floor = 1e-3;
 };
