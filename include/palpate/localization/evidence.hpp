@@ -32,8 +32,8 @@ struct TableSupport {
 struct PosePrior {
   struct Component {
     Eigen::Isometry3d T_frame_object;
-    /// Sums to <= 1 over the components; the rest, at least a fifth, is the share of the search that
-    /// starts `elsewhere`: where the table or else single contacts let the object be.
+    /// Sums to <= 1 over the components; the rest, at least a fifth, is the share of the search
+    /// that starts `elsewhere`: where the table or else single contacts let the object be.
     double weight;
     /// Of [rotation; translation] (rad, m), frame's axes, rotation about the object's origin:
     /// R = exp(w) R0, t = t0 + v.
