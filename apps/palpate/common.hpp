@@ -49,6 +49,8 @@ using Command = std::function<int()>;
 void add_pick(CLI::App& program, Command& chosen);
 void add_eval(CLI::App& program, Command& chosen);
 void add_replay(CLI::App& program, Command& chosen);
+void add_register(CLI::App& program, Command& chosen);
+void add_certify(CLI::App& program, Command& chosen);
 void add_doctor(CLI::App& program, Command& chosen);
 void add_render(CLI::App& program, Command& chosen);
 

@@ -21,6 +21,8 @@ int run(int argc, char** argv) {
   add_pick(program, chosen);
   add_eval(program, chosen);
   add_replay(program, chosen);
+  add_register(program, chosen);
+  add_certify(program, chosen);
   add_doctor(program, chosen);
   add_render(program, chosen);
   try {
