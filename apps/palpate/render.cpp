@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdio>
 
 #include "common.hpp"
 #include "palpate/core/error.hpp"
@@ -42,13 +43,14 @@ std::pair<int, int> parse_size(const std::string& text) {
 
 fs::path output_folder(const RenderArguments& arguments) {
   if (!arguments.common.out.empty()) return arguments.common.out;
-  if (!arguments.recording.empty()) return fs::path(arguments.recording).parent_path();
+  if (!arguments.recording.empty()) return fs::absolute(arguments.recording).parent_path();
   return fs::path("out") / fmt::format("render-{}-{}", fs::path(arguments.object).stem().string(),
                                        arguments.common.seed);
 }
 
 /// Picks the object up and records it. Whether that succeeds does not matter to a picture.
 fs::path record_pick(const RenderArguments& arguments, const fs::path& folder) {
+  make_writable_folder(folder);
   const CommonOptions& common = arguments.common;
   const auto options = resolve<pipeline::TrialOptions>(common);
   const localization::ObjectModel object(geometry::load_known_object(arguments.object));

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "drawn_scene.hpp"
 
+#include <fmt/format.h>
+
 #include <string>
 
 #include "hand_spec.hpp"
@@ -11,12 +13,15 @@
 namespace palpate::simulation {
 namespace {
 
+constexpr double kTableThickness = 0.02;  // m
+
 using Color = Eigen::Vector3f;
 
 const Color kObjectColor(0.93f, 0.46f, 0.16f);
-const Color kTableColor(0.78f, 0.80f, 0.83f);
-const Color kSkyTop(0.55f, 0.63f, 0.74f);
-const Color kSkyHorizon(0.93f, 0.94f, 0.96f);
+const Color kHandColor(0.25f, 0.27f, 0.31f);
+const Color kTableColor(0.80f, 0.74f, 0.66f);
+const Color kSkyTop(0.96f, 0.97f, 0.98f);
+const Color kSkyBottom(0.62f, 0.69f, 0.77f);
 
 void set(float* rgb, const Color& color) { Eigen::Vector3f::Map(rgb) = color; }
 Color gray(float value) { return Color::Constant(value); }
@@ -26,12 +31,12 @@ void set_quality(mjVisual& visual, int width, int height) {
   visual.global.offheight = height;
   visual.global.fovy = 30;
   visual.quality.offsamples = 8;
-  visual.quality.shadowsize = 4096;
+  visual.quality.shadowsize = 8192;
+  visual.quality.numslices = 200;  // of the round table
   visual.map.znear = 0.02f;
-  visual.map.haze = 0.6f;
-  set(visual.rgba.haze, kSkyHorizon);
-  set(visual.headlight.ambient, gray(0.28f));
-  set(visual.headlight.diffuse, gray(0.25f));
+  visual.map.shadowclip = 0.6f;
+  set(visual.headlight.ambient, gray(0.36f));
+  set(visual.headlight.diffuse, gray(0.2f));
   set(visual.headlight.specular, gray(0.1f));
 }
 
@@ -42,8 +47,8 @@ void add_sky(mjSpec& spec) {
   sky->builtin = mjBUILTIN_GRADIENT;
   sky->width = 512;
   sky->height = 512;
-  Eigen::Vector3d::Map(sky->rgb1) = kSkyHorizon.cast<double>();
-  Eigen::Vector3d::Map(sky->rgb2) = kSkyTop.cast<double>();
+  Eigen::Vector3d::Map(sky->rgb1) = kSkyTop.cast<double>();
+  Eigen::Vector3d::Map(sky->rgb2) = kSkyBottom.cast<double>();
 }
 
 mjsMaterial& add_material(mjSpec& spec, const char* name, const Color& color) {
@@ -53,30 +58,35 @@ mjsMaterial& add_material(mjSpec& spec, const char* name, const Color& color) {
   return *material;
 }
 
-void add_light(mjsBody& world, const Eigen::Vector3d& position, float brightness, bool shadow) {
+void add_sun(mjsBody& world, const Eigen::Vector3d& from, float brightness, bool shadow) {
   mjsLight* light = mjs_addLight(&world, nullptr);
-  light->type = mjLIGHT_SPOT;
-  Eigen::Vector3d::Map(light->pos) = position;
-  Eigen::Vector3d::Map(light->dir) = (Eigen::Vector3d(0, 0, 0.1) - position).normalized();
-  light->cutoff = 50;
-  light->exponent = 5;
+  light->type = mjLIGHT_DIRECTIONAL;
+  Eigen::Vector3d::Map(light->pos) = from;
+  Eigen::Vector3d::Map(light->dir) = -from.normalized();
   light->castshadow = shadow;
   set(light->diffuse, gray(brightness));
-  set(light->specular, gray(0.4f * brightness));
+  set(light->specular, gray(0.5f * brightness));
 }
 
 void add_surroundings(mjSpec& spec) {
   add_sky(spec);
   mjsBody& world = *mjs_findBody(&spec, "world");
   mjsGeom* table = mjs_addGeom(&world, mjs_getSpecDefault(&spec));
-  table->type = mjGEOM_PLANE;
-  Eigen::Vector3d::Map(table->size) << 0, 0, 0.1;  // without end
+  table->type = mjGEOM_CYLINDER;
+  Eigen::Vector3d::Map(table->size) << 0.55, kTableThickness / 2, 0;
+  table->pos[2] = -kTableThickness / 2;
   mjsMaterial& material = add_material(spec, "table", kTableColor);
-  material.reflectance = 0.06f;
-  material.specular = 0.1f;
+  material.specular = 0;
   mjs_setString(table->material, "table");
-  add_light(world, {0.5, 0.9, 1.6}, 0.65f, true);
-  add_light(world, {0.9, -1.0, 1.0}, 0.25f, false);
+  add_sun(world, {0.5, 0.5, 1.6}, 0.42f, true);
+  add_sun(world, {0.9, -1.0, 0.6}, 0.3f, false);
+  add_sun(world, {1.0, 0.8, 0.3}, 0.3f, false);
+}
+
+/// The MJCF's plastic is so dark that its shape would not show.
+void brighten_hand(mjSpec& spec) {
+  mjsMaterial* plastic = mjs_asMaterial(mjs_findElement(&spec, mjOBJ_MATERIAL, "black"));
+  if (plastic) set(plastic->rgba, kHandColor);
 }
 
 void add_free_body(mjsBody& body) {
@@ -112,7 +122,9 @@ DrawnScene compose_drawn_scene(const geometry::KnownObject& object, int width, i
   add_free_body(hand);
   add_surroundings(*spec);
   add_object(*spec, object.mesh);
+  spec->stat.extent = 1;  // m: what the distances in mjVisual are relative to
   set_quality(spec->visual, width, height);
+  brighten_hand(*spec);
   scene.model = compile(*spec);
   const mjModel& model = *scene.model;
   for (std::size_t i = 0; i < scene.joint_positions.size(); ++i) {
@@ -128,7 +140,12 @@ void pose_scene(const DrawnScene& scene, const DrawnState& state, mjData& data) 
   const Eigen::Isometry3d T_world_hand = state.base.pose() * scene.T_base_hand;
   if (!T_world_hand.matrix().allFinite() || !state.T_world_object.matrix().allFinite() ||
       !state.joints.allFinite()) {
-    throw BadInput("cannot draw a hand or an object at a place that is not finite");
+    const Eigen::Vector3d& object = state.T_world_object.translation();
+    const Eigen::Vector3d hand = T_world_hand.translation();
+    throw BadInput(fmt::format(
+        "cannot draw what is not finite: object at ({}, {}, {}), hand at ({}, {}, {}), "
+        "joints' sum {}",
+        object.x(), object.y(), object.z(), hand.x(), hand.y(), hand.z(), state.joints.sum()));
   }
   mjtNum* const hand = data.qpos + scene.hand_position;
   mjtNum* const object = data.qpos + scene.object_position;

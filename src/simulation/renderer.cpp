@@ -24,7 +24,7 @@ std::unique_ptr<GlContext> working_context() {
   if (!context) {
     throw BadInput(
         "nothing here draws without a screen: neither EGL nor OSMesa gives an OpenGL context "
-        "(Debian: apt-get install libegl1 libgl1-mesa-dri)");
+        "(Debian: apt-get install libegl1 libgl1-mesa-dri libopengl0)");
   }
   return context;
 }

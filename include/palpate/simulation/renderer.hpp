@@ -22,9 +22,9 @@ std::optional<RenderBackend> working_render_backend();
 /// Looks at a point from a distance.
 struct Camera {
   Eigen::Vector3d lookat = Eigen::Vector3d(0, 0, 0.1);  ///< m, in the world
-  double distance = 0.8;                                ///< m
-  double azimuth_deg = 145;    ///< of the view's direction about z, from +x
-  double elevation_deg = -18;  ///< negative: from above
+  double distance = 0.75;                               ///< m
+  double azimuth_deg = 275;    ///< of the view's direction about z, from +x
+  double elevation_deg = -16;  ///< negative: from above
 };
 
 /// Where the things that are drawn are.
