@@ -111,10 +111,10 @@ recording::Recording read_drawable(const fs::path& path) {
 int render(const RenderArguments& arguments) {
   parse_size(arguments.size);
   const fs::path folder = output_folder(arguments);
+  const auto recording = read_drawable(arguments.recording.empty() ? record_pick(arguments, folder)
+                                                                   : arguments.recording);
   make_writable_folder(folder);
-  const fs::path path =
-      arguments.recording.empty() ? record_pick(arguments, folder) : fs::path(arguments.recording);
-  const auto pictures = draw_phases(read_drawable(path), folder, arguments);
+  const auto pictures = draw_phases(recording, folder, arguments);
   auto files = nlohmann::json::array();
   for (const Picture& picture : pictures) {
     files.push_back(
