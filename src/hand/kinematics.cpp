@@ -47,11 +47,15 @@ Eigen::Matrix<double, 6, kJoints> jacobian(const HandModel& hand, const JointVec
   return J;
 }
 
+bool may_be_misplaced(const Link& link) {
+  return link.joint >= 0 && !link.T_parent_link.translation().isZero();
+}
+
 HandModel with_perturbed_links(HandModel hand, double rms, RandomStream& random) {
   const double sigma = rms / std::sqrt(3.0);
   for (Link& link : hand.links) {
     Eigen::Vector3d offset = sigma * random.normal3();
-    if (!link.T_parent_link.translation().isZero()) link.T_parent_link.translation() += offset;
+    if (may_be_misplaced(link)) link.T_parent_link.translation() += offset;
   }
   return hand;
 }

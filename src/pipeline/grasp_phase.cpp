@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "palpate/pipeline/feel_phase.hpp"
+#include "palpate/pipeline/grasp_aim.hpp"
 
 namespace palpate::pipeline {
 namespace {
@@ -19,7 +20,8 @@ constexpr double kClear = 0.06;          // m up from where the fingers landed o
 constexpr double kSafeHeight = 0.34;     // m of the base while it travels
 constexpr double kTipContact = 0.15;     // N at which a finger counts as touching
 constexpr double kLongestClose = 2.5;    // s
-constexpr int kStalledTicks = 8;
+constexpr int kStillTicks = 12;
+constexpr double kStillStep = 0.0006;  // rad a tick
 
 hand::ActuatorVector open_posture(const GraspRecipe& recipe) {
   hand::ActuatorVector posture = hand::ActuatorVector::Zero();
@@ -47,18 +49,18 @@ hand::BasePosition base_at(const PickState& state, const GraspRecipe& recipe, do
   return {{xy.x(), xy.y(), height}, {state.yaw, recipe.pitch, recipe.roll}};
 }
 
-/// Which fingers are done: they touch, or their drive has pressed at its limit for a while.
+/// Which fingers are done: they touch, or their command, which never leads the joint by more than
+/// the torque limit allows, has stood still for a while.
 class FingersDone {
  public:
-  void update(const hand::HandReading& reading, const hand::ClosingTorque& limit) {
-    static constexpr std::array<std::string_view, hand::kFingers> kDrives = {"THJ5", "FFJ3", "MFJ3",
-                                                                             "RFJ3", "LFJ3"};
+  void update(const hand::HandReading& reading, const hand::HandCommand& command) {
     for (std::size_t finger = 0; finger < hand::kFingers; ++finger) {
-      const double torque = reading.torques[hand::actuator_index(kDrives[finger])];
-      const double least = 0.95 * (finger == 0 ? limit.thumb : limit.proximal);
-      stalled_[finger] = torque > least ? stalled_[finger] + 1 : 0;
+      const double position = command.positions[hand::actuator_index(kDrives[finger])];
+      const bool still = std::abs(position - last_[finger]) < kStillStep;
+      still_[finger] = still ? still_[finger] + 1 : 0;
+      last_[finger] = position;
       if (tip_force(reading, static_cast<int>(finger)) > kTipContact ||
-          stalled_[finger] > kStalledTicks) {
+          still_[finger] > kStillTicks) {
         done_[finger] = true;
       }
     }
@@ -74,7 +76,10 @@ class FingersDone {
 
  private:
   std::array<bool, hand::kFingers> done_{};
-  std::array<int, hand::kFingers> stalled_{};
+  static constexpr std::array<std::string_view, hand::kFingers> kDrives = {"THJ5", "FFJ3", "MFJ3",
+                                                                           "RFJ3", "LFJ3"};
+  std::array<int, hand::kFingers> still_{};
+  std::array<double, hand::kFingers> last_{};
 };
 
 constexpr std::array<bool, hand::kFingers> kAllFingers = {true, true, true, true, true};
@@ -83,16 +88,25 @@ constexpr std::array<bool, hand::kFingers> kAllFingers = {true, true, true, true
 
 PhaseEnd GraspPhase::run(Robot& robot, PickState& state) {
   const bool from_side = state.height >= options_.side_from;
+  if (state.resting) aim(state, from_side);
   if (from_side) {
     approach_from_side(robot, state);
   } else {
     approach_from_above(robot, state);
   }
   close(robot, from_side ? options_.side : options_.top);
-  robot.mark(Mark::closed);
   const int contacts = count_contacts(robot.reading());
   return {contacts >= options_.least_contacts,
           fmt::format("{} grasp, {} contacts", from_side ? "side" : "top", contacts)};
+}
+
+void GraspPhase::aim(PickState& state, bool from_side) const {
+  const Eigen::Isometry3d& T_world_object = state.resting->modes.front().T_frame_object;
+  state.place = T_world_object.translation().head<2>();
+  if (from_side) return;
+  const GraspAim aim = aim_from_above(mesh_, T_world_object, options_.closing_angle);
+  state.place = aim.place;
+  state.yaw = aim.yaw;
 }
 
 void GraspPhase::travel_to(Robot& robot, const hand::BasePosition& start,
@@ -158,8 +172,9 @@ void GraspPhase::close(Robot& robot, const GraspRecipe& recipe) const {
     robot.set_grip(
         Grip{law, recipe.contact_torque, recipe.wait_for_all ? done.still_closing() : kAllFingers});
     if (robot.wait(hand::kTick) == MotionEnd::timed_out) return;
-    done.update(robot.reading(), recipe.contact_torque);
+    done.update(robot.reading(), robot.command());
   }
+  robot.mark(Mark::closed);
   const hand::ClosingLaw firm(robot.actuators(), 4.0, recipe.thumb_limit);
   const double start = robot.time();
   while (robot.time() < start + options_.ramp_seconds) {

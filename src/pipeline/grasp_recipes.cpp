@@ -32,8 +32,8 @@ GraspRecipe top_recipe() {
   GraspRecipe recipe{};
   recipe.pitch = 0.475;
   recipe.roll = -0.30;
-  recipe.offset_x = -0.027;
-  recipe.offset_y = -0.020;
+  recipe.offset_x = -0.005;
+  recipe.offset_y = -0.030;
   recipe.contact_load = 2.5;
   recipe.thumb_base = -0.20;
   recipe.thumb_opposition = 1.03;

@@ -6,10 +6,15 @@
 #include <limits>
 #include <span>
 
+#include "palpate/localization/pose_prior.hpp"
 #include "palpate/pipeline/feel_phase.hpp"
 
 namespace palpate::pipeline {
 namespace {
+
+constexpr double kTouchWindow = 0.1;     // s of a touch that are averaged
+constexpr double kTouchMargin = 0.004;   // m before a touch that do not count as free
+constexpr double kSweptSpacing = 0.008;  // m between the places of a swept fingertip
 
 using geometry::KnownObject;
 using localization::Evidence;
@@ -49,14 +54,31 @@ std::vector<double> stance_weights(const KnownObject& object, std::optional<doub
   return weights;
 }
 
+std::optional<double> felt_height(const hand::HandModel& hand, const TouchLog& log) {
+  const auto felt = log.at(Mark::felt);
+  if (!felt) return std::nullopt;
+  return lowest_of_hand(hand, log.readings[*felt]);
+}
+
+/// The table under the object that nobody has moved yet. Misplaced links of the hand shift all that
+/// it feels, so that height and place are uncertain by that much.
+TableSupport resting_table(const KnownObject& object, const hand::HandModel& hand,
+                           const TouchLog& log, const LocateOptions& options) {
+  TableSupport table;
+  table.T_frame_table = Eigen::Isometry3d::Identity();
+  table.stance_weights = stance_weights(object, felt_height(hand, log), options);
+  table.height_sigma = options.resting_height_sigma;
+  table.half_width = options.resting_half_width;
+  table.edge_sigma = 0.005;
+  return table;
+}
+
 TableSupport table_at_closing(const KnownObject& object, const hand::HandModel& hand,
                               const TouchLog& log, const LocateOptions& options) {
   TableSupport table;
   const auto& closed = log.readings[*log.at(Mark::closed)];
   table.T_frame_table = closed.base.pose().inverse();
-  std::optional<double> felt;
-  if (const auto at = log.at(Mark::felt)) felt = lowest_of_hand(hand, log.readings[*at]);
-  table.stance_weights = stance_weights(object, felt, options);
+  table.stance_weights = stance_weights(object, felt_height(hand, log), options);
   table.tilt_sigma = options.tilt_sigma;
   table.height_sigma = options.height_sigma;
   table.half_width = options.half_width;
@@ -75,26 +97,102 @@ std::vector<localization::FreeSphere> hand_spheres(const hand::HandModel& hand,
   return spheres;
 }
 
-void move_to_world(const Eigen::Isometry3d& T_world_base, PoseEstimate& estimate) {
+/// Expresses a posterior in another frame.
+void move(const Eigen::Isometry3d& T_new_old, localization::Posterior& posterior) {
   Matrix6d turn = Matrix6d::Zero();
-  turn.topLeftCorner<3, 3>() = T_world_base.linear();
-  turn.bottomRightCorner<3, 3>() = T_world_base.linear();
-  for (auto& mode : estimate.posterior.modes) {
-    mode.T_frame_object = T_world_base * mode.T_frame_object;
+  turn.topLeftCorner<3, 3>() = T_new_old.linear();
+  turn.bottomRightCorner<3, 3>() = T_new_old.linear();
+  for (auto& mode : posterior.modes) {
+    mode.T_frame_object = T_new_old * mode.T_frame_object;
     mode.covariance = turn * mode.covariance * turn.transpose();
     if (mode.free_axis) {
-      mode.free_axis->point = T_world_base * mode.free_axis->point;
-      mode.free_axis->direction = T_world_base.linear() * mode.free_axis->direction;
+      mode.free_axis->point = T_new_old * mode.free_axis->point;
+      mode.free_axis->direction = T_new_old.linear() * mode.free_axis->direction;
     }
-  }
-  for (auto& contact : estimate.contacts) {
-    contact.p = T_world_base * contact.p;
-    contact.n = T_world_base.linear() * contact.n;
-    contact.f = T_world_base.linear() * contact.f;
   }
 }
 
+void move(const Eigen::Isometry3d& T_new_old, touch::Contact& contact) {
+  contact.p = T_new_old * contact.p;
+  contact.n = T_new_old.linear() * contact.n;
+  contact.f = T_new_old.linear() * contact.f;
+}
+
+bool carries(const hand::LinkSphere& sphere, const hand::HandModel& hand, hand::Finger finger) {
+  return sphere.link == hand.distal[static_cast<std::size_t>(finger)];
+}
+
+/// Where the probing fingertip has been between two readings, without the last `margin` metres.
+void add_swept_tip(const hand::HandModel& hand, const TouchLog& log, std::size_t first,
+                   std::size_t last, double margin, std::vector<localization::FreeSphere>& swept) {
+  const auto T_base_link = hand::forward_kinematics(hand, log.readings[first].joints);
+  const Eigen::Vector3d end = log.readings[last].base.xyz;
+  Eigen::Vector3d previous = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
+  for (std::size_t i = first; i <= last; ++i) {
+    const auto& base = log.readings[i].base;
+    if ((base.xyz - end).norm() < margin) break;
+    if ((base.xyz - previous).norm() < kSweptSpacing) continue;
+    previous = base.xyz;
+    for (const auto& sphere : hand.spheres) {
+      if (!carries(sphere, hand, hand::Finger::first)) continue;
+      swept.push_back(
+          {base.pose() * T_base_link[static_cast<std::size_t>(sphere.link)] * sphere.center,
+           sphere.radius});
+    }
+  }
+}
+
+/// Contacts and free space of the sweeps around the resting object, in the world.
+Evidence evidence_of_sweeps(const hand::HandModel& hand, const TouchLog& log,
+                            const LocateOptions& options) {
+  touch::ContactErrorModel errors = options.errors;
+  errors.link = 0;  // the hand keeps its posture: a misplaced link shifts all contacts alike
+  Evidence evidence;
+  std::size_t sweep = 0;
+  for (const auto& moment : log.since_release()) {
+    if (moment.mark == Mark::sweep) sweep = moment.reading;
+    if (moment.mark != Mark::touched && moment.mark != Mark::missed) continue;
+    const bool touched = moment.mark == Mark::touched;
+    add_swept_tip(hand, log, sweep, moment.reading, touched ? kTouchMargin : 0.0,
+                  evidence.free_space);
+    if (!touched) continue;
+    const Eigen::Isometry3d T_world_base = log.readings[moment.reading].base.pose();
+    const auto window = window_before(log, moment.reading, kTouchWindow);
+    for (auto contact : touch::lasting_contacts(window, hand, errors)) {
+      move(T_world_base, contact);
+      evidence.contacts.push_back(contact);
+    }
+  }
+  return evidence;
+}
+
+double total_weight(const localization::Posterior& posterior) {
+  double sum = 0;
+  for (const auto& mode : posterior.modes) sum += mode.weight;
+  return sum;
+}
+
+/// By how much closing, pressing and lifting move the object in the hand.
+Matrix6d motion_covariance(const LocateOptions& options) {
+  Vector6d variance;
+  variance << Eigen::Vector3d::Constant(options.motion_angle_sigma * options.motion_angle_sigma),
+      Eigen::Vector3d::Constant(options.motion_sigma * options.motion_sigma);
+  return variance.asDiagonal();
+}
+
 }  // namespace
+
+localization::Posterior locate_resting(const localization::ObjectModel& object,
+                                       const hand::HandModel& hand, const TouchLog& log,
+                                       const LocateOptions& options, std::uint64_t seed) {
+  Evidence evidence = evidence_of_sweeps(hand, log, options);
+  if (evidence.contacts.empty()) return {};
+  evidence.false_contact_share = options.false_contacts;
+  evidence.penetration_sigma = 0.002;
+  evidence.table = resting_table(object.object(), hand, log, options);
+  return localization::localize(object, evidence, RandomStream(seed, "locate resting"),
+                                options.search);
+}
 
 PoseEstimate locate(const localization::ObjectModel& object, const hand::HandModel& hand,
                     const TouchLog& log, const LocateOptions& options, std::uint64_t seed) {
@@ -108,13 +206,21 @@ PoseEstimate locate(const localization::ObjectModel& object, const hand::HandMod
   evidence.false_contact_share = options.false_contacts;
   evidence.penetration_sigma = options.penetration_sigma;
   if (options.free_space) evidence.free_space = hand_spheres(hand, log.readings[*held]);
-  if (log.at(Mark::closed)) {
-    evidence.table = table_at_closing(object.object(), hand, log, options);
+  if (const auto closed = log.at(Mark::closed)) {
+    auto resting = locate_resting(object, hand, log, options, seed);
+    if (total_weight(resting) <= 0) {
+      evidence.table = table_at_closing(object.object(), hand, log, options);
+    } else {
+      move(log.readings[*closed].base.pose().inverse(), resting);
+      evidence.prior = localization::prior_from(resting, motion_covariance(options));
+    }
   }
   estimate.posterior =
       localization::localize(object, evidence, RandomStream(seed, "locate"), options.search);
   estimate.contacts = evidence.contacts;
-  move_to_world(log.readings[*held].base.pose(), estimate);
+  const Eigen::Isometry3d T_world_base = log.readings[*held].base.pose();
+  move(T_world_base, estimate.posterior);
+  for (auto& contact : estimate.contacts) move(T_world_base, contact);
   return estimate;
 }
 

@@ -3,6 +3,7 @@
 
 #include <numbers>
 
+#include "palpate/pipeline/explore_phase.hpp"
 #include "palpate/pipeline/locate_phase.hpp"
 #include "palpate/pipeline/release_phase.hpp"
 
@@ -44,12 +45,17 @@ PickResult pick(Robot& robot, const localization::ObjectModel& object, const Pic
   Course course(robot, state, result, observer);
   const double weight = object.object().mass * kGravity;
 
+  const auto explore = [&] {
+    return options.explore.touches == 0 ||
+           course.run(ExplorePhase(object, options.explore, options.locate, seed));
+  };
   while (!result.held && result.attempts < options.attempts) {
     if (result.attempts++ > 0) {
       course.run(ReleasePhase());
       state.yaw += kNextSide;
     }
-    result.held = course.run(FeelPhase(options.feel)) && course.run(GraspPhase(options.grasp)) &&
+    result.held = course.run(FeelPhase(options.feel)) && explore() &&
+                  course.run(GraspPhase(options.grasp, object.object().mesh)) &&
                   course.run(LiftPhase(options.lift, weight));
   }
   if (!result.held) return result;

@@ -19,6 +19,13 @@ recording::PoseModeRecord to_record(const localization::Mode& mode) {
   return record;
 }
 
+std::optional<Mark> mark_of(const recording::Event& event) {
+  for (std::size_t i = 0; i < kMarkNames.size(); ++i) {
+    if (event.text == std::string(kMarkPrefix).append(kMarkNames[i])) return static_cast<Mark>(i);
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 void Recorder::frame(const hand::HandReading& reading, const hand::HandCommand& command) {
@@ -64,15 +71,12 @@ TouchLog touch_log(const recording::Recording& recording) {
   TouchLog log;
   for (const auto& frame : recording.frames) log.readings.push_back(frame.reading);
   for (const auto& event : recording.events) {
-    for (std::size_t mark = 0; mark < kMarkNames.size(); ++mark) {
-      if (event.text != std::string(kMarkPrefix).append(kMarkNames[mark])) continue;
-      const auto reading =
-          std::find_if(log.readings.begin(), log.readings.end(),
-                       [&](const auto& candidate) { return candidate.time >= event.time; });
-      if (reading != log.readings.end()) {
-        log.marks[mark] = static_cast<std::size_t>(reading - log.readings.begin());
-      }
-    }
+    const auto mark = mark_of(event);
+    const auto reading =
+        std::find_if(log.readings.begin(), log.readings.end(),
+                     [&](const auto& candidate) { return candidate.time >= event.time; });
+    if (!mark || reading == log.readings.end()) continue;
+    log.moments.push_back({*mark, static_cast<std::size_t>(reading - log.readings.begin())});
   }
   return log;
 }

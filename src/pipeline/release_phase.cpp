@@ -58,6 +58,7 @@ PhaseEnd ReleasePhase::run(Robot& robot, PickState& state) {
   }
   robot.move_fingers(open, 0.6);
   robot.move_base(at_height(robot.command().base, kFreeHeight), kUpSpeed);
+  robot.mark(Mark::released);
   return {true, fmt::format("next try at ({:.0f}, {:.0f}) mm", 1e3 * state.place.x(),
                             1e3 * state.place.y())};
 }

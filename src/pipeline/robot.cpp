@@ -34,7 +34,7 @@ Robot::Robot(hand::Hand& hand, const hand::HandModel& model, const hand::HandCom
 }
 
 void Robot::mark(Mark mark) {
-  log_.marks[static_cast<std::size_t>(mark)] = log_.readings.size() - 1;
+  log_.moments.push_back({mark, log_.readings.size() - 1});
   if (observer_.on_mark) observer_.on_mark(mark);
 }
 

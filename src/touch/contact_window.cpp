@@ -62,7 +62,7 @@ double kinematic_variance(const hand::HandModel& hand, const hand::JointVector& 
   const double joint_variance = errors.joint * errors.joint / static_cast<double>(readings);
   int misplaced = 0;
   for (int i = link; i >= 0; i = hand.links[static_cast<std::size_t>(i)].parent) {
-    misplaced += !hand.links[static_cast<std::size_t>(i)].T_parent_link.translation().isZero();
+    misplaced += hand::may_be_misplaced(hand.links[static_cast<std::size_t>(i)]);
   }
   return (J.bottomRows<3>().squaredNorm() * joint_variance +
           misplaced * errors.link * errors.link) /

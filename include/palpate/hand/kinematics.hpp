@@ -49,9 +49,12 @@ std::vector<Eigen::Isometry3d> forward_kinematics(const HandModel& hand, const J
 Eigen::Matrix<double, 6, kJoints> jacobian(const HandModel& hand, const JointVector& joints,
                                            int link, const Eigen::Vector3d& p_link);
 
-/// The same hand with every link displaced from where the model says, by a normal vector of root
-/// mean square length `rms` (m): how far a real hand is from its drawing. The two links of a
-/// universal joint, which share their place, stay together.
+/// True of the links whose place in a real hand differs from the model: those that a joint moves,
+/// but only one of the two that share their place in a universal joint.
+bool may_be_misplaced(const Link& link);
+
+/// The same hand with every such link displaced from where the model says, by a normal vector of
+/// root mean square length `rms` (m): how far a real hand is from its drawing.
 HandModel with_perturbed_links(HandModel hand, double rms, RandomStream& random);
 
 }  // namespace palpate::hand

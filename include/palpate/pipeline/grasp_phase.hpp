@@ -53,17 +53,19 @@ struct GraspOptions {
   double side_from = 0.11;  ///< objects at least this tall are grasped from the side, m
   GraspRecipe side = side_recipe();
   GraspRecipe top = top_recipe();
-  int turns = 4;              ///< directions tried from above when fingers land on the object
-  double least_depth = 0.02;  ///< m below the object's top that the fingers must reach
-  double travel_speed = 0.5;  ///< m/s
-  double ramp_seconds = 0.8;  ///< from the contact torque to the holding torque
-  int least_contacts = 2;     ///< fingertip contacts that count as a grasp
+  int turns = 4;                 ///< directions tried from above when fingers land on the object
+  double least_depth = 0.02;     ///< m below the object's top that the fingers must reach
+  double closing_angle = -0.35;  ///< from thumb to fingers, from the hand's x axis, rad
+  double travel_speed = 0.5;     ///< m/s
+  double ramp_seconds = 0.8;     ///< from the contact torque to the holding torque
+  int least_contacts = 2;        ///< fingertip contacts that count as a grasp
 
   template <class Visitor>
   void visit(Visitor&& v) {
     v("side_from", side_from, 0.0, 0.5, "m, objects at least this tall are grasped from the side");
     v("turns", turns, 1, 36, "directions tried from above when fingers land on the object");
     v("least_depth", least_depth, 0.0, 0.2, "m below the object's top that the fingers must reach");
+    v("closing_angle", closing_angle, -3.2, 3.2, "rad, of thumb to fingers from the hand's x axis");
     v("travel_speed", travel_speed, 0.01, 2.0, "m/s, through the air");
     v("ramp_seconds", ramp_seconds, 0.01, 10.0, "s, from the contact torque to the holding torque");
     v("least_contacts", least_contacts, 0, 20, "fingertip contacts that count as a grasp");
@@ -76,12 +78,14 @@ struct GraspOptions {
 /// touch.
 class GraspPhase : public Phase {
  public:
-  explicit GraspPhase(const GraspOptions& options) : options_(options) {}
+  GraspPhase(const GraspOptions& options, const geometry::TriangleMesh& mesh)
+      : options_(options), mesh_(mesh) {}
   std::string_view name() const override { return "grasp"; }
   double time_limit() const override { return 30.0; }
   PhaseEnd run(Robot& robot, PickState& state) override;
 
  private:
+  void aim(PickState& state, bool from_side) const;
   void approach_from_side(Robot& robot, const PickState& state) const;
   void approach_from_above(Robot& robot, PickState& state) const;
   void descend(Robot& robot, const PickState& state) const;
@@ -89,6 +93,7 @@ class GraspPhase : public Phase {
   void close(Robot& robot, const GraspRecipe& recipe) const;
 
   GraspOptions options_;
+  const geometry::TriangleMesh& mesh_;
 };
 
 }  // namespace palpate::pipeline

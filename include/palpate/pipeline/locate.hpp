@@ -10,12 +10,17 @@ namespace palpate::pipeline {
 
 struct LocateOptions {
   touch::ContactErrorModel errors;
-  double window = 0.5;               ///< s of readings, before the mark, that are averaged
-  double felt_sigma = 0.005;         ///< of the felt height, m
+  double window = 0.5;                  ///< s of readings, before the mark, that are averaged
+  double felt_sigma = 0.005;            ///< of the felt height, m
+  double resting_height_sigma = 0.003;  ///< of the fingertip's place in the hand, m
+  double resting_half_width =
+      0.025;  ///< object within +- of its rough place before it is touched, m
+  double motion_angle_sigma = 0.38;  ///< by which the grasp turns the object in the hand, rad
+  double motion_sigma = 0.022;       ///< by which it moves it, m
   double other_stance = 0.03;        ///< chance that the grasp put the object into another stance
-  double tilt_sigma = 0.06;          ///< by which the closing hand tilts the object, rad
-  double height_sigma = 0.004;       ///< by which it raises it, m
-  double half_width = 0.045;         ///< object within +- of its rough place after the grasp, m
+  double tilt_sigma = 0.30;          ///< by which the closing hand tilts the object, rad
+  double height_sigma = 0.015;       ///< by which it raises it, m
+  double half_width = 0.08;          ///< object within +- of its rough place after the grasp, m
   double false_contacts = 0.02;      ///< prior share of contacts with something else
   bool free_space = true;            ///< use that the hand's links do not penetrate the object
   double penetration_sigma = 0.004;  ///< m
@@ -25,6 +30,11 @@ struct LocateOptions {
   void visit(Visitor&& v) {
     v("window", window, 0.01, 10.0, "s of readings that are averaged");
     v("felt_sigma", felt_sigma, 1e-4, 0.1, "m, error of the felt height");
+    v("resting_height_sigma", resting_height_sigma, 1e-4, 0.1, "m, of the fingertip's height");
+    v("resting_half_width", resting_half_width, 0.0, 0.3,
+      "m, resting object within +- of its place");
+    v("motion_angle_sigma", motion_angle_sigma, 0.01, 3.0, "rad, turn of the object in the grasp");
+    v("motion_sigma", motion_sigma, 1e-3, 0.2, "m, motion of the object in the grasp");
     v("other_stance", other_stance, 0.0, 1.0, "chance that the grasp changed the stance");
     v("tilt_sigma", tilt_sigma, 1e-3, 1.0, "rad, by which the closing hand tilts the object");
     v("height_sigma", height_sigma, 1e-4, 0.1, "m, by which the closing hand raises the object");
@@ -36,6 +46,12 @@ struct LocateOptions {
     v.section("search", search);
   }
 };
+
+/// Estimates how the object lies on the table from the felt height and the touches of a fingertip.
+/// @return in the world; status no_pose if the log has no touch
+localization::Posterior locate_resting(const localization::ObjectModel& object,
+                                       const hand::HandModel& hand, const TouchLog& log,
+                                       const LocateOptions& options, std::uint64_t seed);
 
 /// What is known of the object's pose when it hangs in the hand.
 struct PoseEstimate {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -32,11 +33,12 @@ struct PhaseReport {
 
 /// What the phases hand on to each other: how the object is to be held, and how the hand holds it.
 struct PickState {
-  double height = 0;            ///< of the object, as felt, m
-  Eigen::Vector2d place{0, 0};  ///< rough place of the object, m
-  double yaw = 0;               ///< direction from which to grasp, rad
-  double held_load = 0;         ///< weight felt after the lift, N
-  PoseEstimate estimate;        ///< of the held object, in the world
+  double height = 0;                               ///< of the object, as felt, m
+  Eigen::Vector2d place{0, 0};                     ///< rough place of the object, m
+  std::optional<localization::Posterior> resting;  ///< pose on the table, in the world
+  double yaw = 0;                                  ///< direction from which to grasp, rad
+  double held_load = 0;                            ///< weight felt after the lift, N
+  PoseEstimate estimate;                           ///< of the held object, in the world
 };
 
 /// A step of a pick. Its success test sees only what the hand sensed.

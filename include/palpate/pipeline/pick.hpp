@@ -3,6 +3,7 @@
 
 #include <functional>
 
+#include "palpate/pipeline/explore_phase.hpp"
 #include "palpate/pipeline/feel_phase.hpp"
 #include "palpate/pipeline/grasp_phase.hpp"
 #include "palpate/pipeline/lift_phase.hpp"
@@ -14,6 +15,7 @@ namespace palpate::pipeline {
 struct PickOptions {
   int attempts = 3;  ///< at most
   FeelOptions feel;
+  ExploreOptions explore;
   GraspOptions grasp;
   LiftOptions lift;
   LocateOptions locate;
@@ -22,6 +24,7 @@ struct PickOptions {
   void visit(Visitor&& v) {
     v("attempts", attempts, 1, 20, "grasps tried at most");
     v.section("feel", feel);
+    v.section("explore", explore);
     v.section("grasp", grasp);
     v.section("lift", lift);
     v.section("locate", locate);

@@ -12,18 +12,31 @@ namespace palpate::pipeline {
 
 /// Moments of a pick that matter to the estimator.
 enum class Mark {
-  felt,    ///< the flat hand rests on the object's top
-  closed,  ///< the fingers hold the object, which still stands on the table
-  held,    ///< the object hangs in the hand, settled
+  felt,      ///< the flat hand rests on the object's top
+  sweep,     ///< a fingertip sets out to touch the resting object
+  touched,   ///< it touches it
+  missed,    ///< it came to the end of its way and felt nothing
+  closed,    ///< the fingers have met the object
+  held,      ///< the object hangs in the hand, settled
+  released,  ///< the hand has let go: what was felt before no longer holds
 };
-inline constexpr std::array<std::string_view, 3> kMarkNames = {"felt", "closed", "held"};
+inline constexpr std::array<std::string_view, 7> kMarkNames = {
+    "felt", "sweep", "touched", "missed", "closed", "held", "released"};
 
 /// All that was felt, and when what was reached: everything that the pose estimate depends on.
 struct TouchLog {
-  std::vector<hand::HandReading> readings;            ///< one a tick
-  std::array<std::optional<std::size_t>, 3> marks{};  ///< index into readings, latest of its kind
+  struct Moment {
+    Mark mark;
+    std::size_t reading;  ///< index into readings
+  };
+  std::vector<hand::HandReading> readings;  ///< one a tick
+  std::vector<Moment> moments;              ///< in the order of time
 
-  std::optional<std::size_t> at(Mark mark) const { return marks[static_cast<std::size_t>(mark)]; }
+  /// Moments since the hand last let go.
+  std::vector<Moment> since_release() const;
+
+  /// Reading of the latest moment of a kind since the hand last let go.
+  std::optional<std::size_t> at(Mark mark) const;
 };
 
 }  // namespace palpate::pipeline

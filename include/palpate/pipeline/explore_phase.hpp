@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "palpate/pipeline/phase.hpp"
+
+namespace palpate::pipeline {
+
+struct ExploreOptions {
+  int touches = 8;            ///< sweeps around the object; 0: none
+  double radius = 0.135;      ///< of the circle from which they start, m
+  double speed = 0.03;        ///< of a sweep, m/s
+  double touch_force = 0.1;   ///< N at the fingertip
+  double travel_speed = 0.4;  ///< m/s
+  double reach = 0.013;       ///< below the object's top, where only the fingertip touches, m
+
+  template <class Visitor>
+  void visit(Visitor&& v) {
+    v("touches", touches, 0, 64, "sweeps around the object; 0: none");
+    v("radius", radius, 0.02, 0.3, "m, of the circle from which they start");
+    v("speed", speed, 0.001, 0.2, "m/s, of a sweep");
+    v("touch_force", touch_force, 0.02, 5.0, "N at the fingertip");
+    v("travel_speed", travel_speed, 0.01, 2.0, "m/s, between sweeps");
+    v("reach", reach, 0.005, 0.07, "m, below the object's top");
+  }
+};
+
+/// Touches the resting object from all sides with the first finger, gently enough not to move it,
+/// and estimates how it lies. The hand keeps its posture and only travels, so that what is wrong
+/// with the model of the finger shifts all contacts alike and leaves their shape.
+class ExplorePhase : public Phase {
+ public:
+  ExplorePhase(const localization::ObjectModel& object, const ExploreOptions& options,
+               const LocateOptions& locate, std::uint64_t seed)
+      : object_(object), options_(options), locate_(locate), seed_(seed) {}
+  std::string_view name() const override { return "explore"; }
+  double time_limit() const override { return 180.0; }
+  PhaseEnd run(Robot& robot, PickState& state) override;
+
+ private:
+  bool sweep(Robot& robot, const PickState& state, double angle) const;
+
+  const localization::ObjectModel& object_;
+  ExploreOptions options_;
+  LocateOptions locate_;
+  std::uint64_t seed_;
+};
+
+}  // namespace palpate::pipeline

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/pipeline/touch_log.hpp"
+
+#include <algorithm>
+
+namespace palpate::pipeline {
+
+std::vector<TouchLog::Moment> TouchLog::since_release() const {
+  const auto release = std::find_if(moments.rbegin(), moments.rend(), [](const Moment& moment) {
+    return moment.mark == Mark::released;
+  });
+  return {release.base(), moments.end()};
+}
+
+std::optional<std::size_t> TouchLog::at(Mark mark) const {
+  std::optional<std::size_t> reading;
+  for (const Moment& moment : since_release()) {
+    if (moment.mark == mark) reading = moment.reading;
+  }
+  return reading;
+}
+
+}  // namespace palpate::pipeline
