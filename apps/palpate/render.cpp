@@ -111,8 +111,8 @@ recording::Recording read_drawable(const fs::path& path) {
 int render(const RenderArguments& arguments) {
   parse_size(arguments.size);
   const fs::path folder = output_folder(arguments);
-  const auto recording = read_drawable(arguments.recording.empty() ? record_pick(arguments, folder)
-                                                                   : arguments.recording);
+  const fs::path given = arguments.recording;
+  const auto recording = read_drawable(given.empty() ? record_pick(arguments, folder) : given);
   make_writable_folder(folder);
   const auto pictures = draw_phases(recording, folder, arguments);
   auto files = nlohmann::json::array();
