@@ -11,6 +11,7 @@
 #include "certificate.hpp"
 #include "nearest_rotation.hpp"
 #include "palpate/core/error.hpp"
+#include "palpate/registration/dual_sdp.hpp"
 
 namespace palpate::registration {
 namespace {
@@ -108,6 +109,16 @@ class Search {
     return detailed.certificate.certified;
   }
 
+  /// Starts from the dual's own solution and takes over its bound, if that is the better one.
+  void follow_dual() {
+    const DualSolution dual = solve_dual(objective_);
+    if (start(dual.R)) certify();
+    RotationCertificate& certificate = estimate_.certificate;
+    certificate.bound = std::min(certificate.bound, std::max(0.0, certificate.cost - dual.value));
+    const double reference = std::max(certificate.cost, objective_.trace() / 10);
+    certificate.certified = certificate.bound <= options_.relative_gap * reference;
+  }
+
   /// Starts along the direction in which the relaxed problem descends.
   bool follow_escape() {
     bool better = false;
@@ -169,7 +180,8 @@ RotationEstimate solve_rotation(const Matrix10d& objective, const RotationOption
   static const std::vector<Eigen::Matrix3d> cube = cube_rotations();
   bool better = false;
   for (const Eigen::Matrix3d& R : cube) better |= search.start(R);
-  if (better) search.certify();
+  if (better && search.certify()) return search.estimate();
+  search.follow_dual();
   return search.estimate();
 }
 

@@ -100,6 +100,25 @@ TEST(Rotation, BoundHoldsForAnyRotation) {
   }
 }
 
+// Forms of no registration problem, for which the dual may not be tight.
+TEST(Rotation, BoundHoldsForAnyForm) {
+  RandomStream random(3, "any");
+  int uncertified = 0;
+  for (int k = 0; k < 60; ++k) {
+    const int rank = 1 + k % 10;
+    Eigen::MatrixXd factor(10, rank);
+    for (double& value : factor.reshaped()) value = random.normal();
+    const Matrix10d objective = factor * factor.transpose();
+    const RotationEstimate estimate = solve_rotation(objective);
+    uncertified += !estimate.certificate.certified;
+    for (int j = 0; j < 30; ++j) {
+      const double other = cost_of(objective, refine_rotation(objective, random.rotation()));
+      EXPECT_GE(other, estimate.certificate.cost - estimate.certificate.bound - 1e-9);
+    }
+  }
+  EXPECT_LE(uncertified, 6);
+}
+
 TEST(Rotation, CertificateDoesNotDependOnScale) {
   const Matrix10d objective = plane_objective(30, 0.001, 1);
   const RotationEstimate estimate = solve_rotation(objective);

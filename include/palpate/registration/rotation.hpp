@@ -47,7 +47,8 @@ struct RotationEstimate {
 ///
 /// Briales & Gonzalez-Jimenez, CVPR 2017 (thesis eqs 6.24-6.34), solved from the other end: a local
 /// minimum first, then the dual variables that prove it. Where they do not exist, the dual's
-/// direction of descent and the 24 rotations of a cube start further searches.
+/// direction of descent, the 24 rotations of a cube and at last the solution of solve_dual() start
+/// further searches.
 /// @throws BadInput if the objective holds a value that is not finite
 RotationEstimate solve_rotation(const Matrix10d& objective, const RotationOptions& options = {});
 
