@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstring>
 #include <numbers>
+#include <utility>
 
 #include "palpate/core/error.hpp"
 
@@ -159,13 +160,16 @@ ConsistencyGraph::ConsistencyGraph(const Correspondences& correspondences,
     for_each_bit(later.data() + first, words_ - first, [&](int offset) {
       const int j = first * kWordBits + offset;
       if (angles && !angle_test(index, static_cast<std::size_t>(j))) return;
-      bits_[index * static_cast<std::size_t>(words_) + static_cast<std::size_t>(j / kWordBits)] |=
-          std::uint64_t{1} << (j % kWordBits);
-      bits_[static_cast<std::size_t>(j) * static_cast<std::size_t>(words_) +
-            static_cast<std::size_t>(i / kWordBits)] |= std::uint64_t{1} << (i % kWordBits);
-      ++degrees_[index];
-      ++degrees_[static_cast<std::size_t>(j)];
+      join(i, j);
     });
+  }
+}
+
+void ConsistencyGraph::join(int i, int j) {
+  for (const auto& [a, b] : {std::pair{i, j}, std::pair{j, i}}) {
+    bits_[static_cast<std::size_t>(std::ptrdiff_t{a} * words_ + b / kWordBits)] |=
+        std::uint64_t{1} << (b % kWordBits);
+    ++degrees_[static_cast<std::size_t>(a)];
   }
 }
 

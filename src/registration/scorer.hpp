@@ -36,8 +36,7 @@ class Scorer {
   /// Least-squares pose of some correspondences.
   Eigen::Isometry3d align(const std::vector<int>& indices) const;
 
-  /// Mean gain count over wrong pairings: every source with the target `shift` places on.
-  /// @return pairs within the bounds
+  /// Pairs within the bounds if every source is paired with the target `shift` places on.
   int count_shifted(const Eigen::Isometry3d& T, int shift) const;
 
   /// The pose in the coordinates of the correspondences.

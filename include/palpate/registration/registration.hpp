@@ -23,7 +23,8 @@ struct RegistrationOptions {
   /// Noise of normals per tangent axis, deg, both frames' together; 0 leaves normals out of the
   /// search.
   double normal_noise_deg = 0;
-  /// Consensus must be so good that wrong correspondences alone would propose fewer such poses.
+  /// Consensus must be so good that wrong correspondences alone would propose fewer such poses. A
+  /// large number, as 1000, accepts the best pose found even where chance explains it.
   double false_alarm = 0.01;
   std::uint64_t seed = 0;
 
