@@ -68,6 +68,7 @@ PhaseEnd ExplorePhase::run(Robot& robot, PickState& state) {
   }
   state.resting = locate_resting(object_, robot.model(), robot.log(), locate_, seed_);
   if (state.resting->modes.empty()) {
+    state.resting.reset();
     return {false, fmt::format("{} touches that no pose explains", touches)};
   }
   return {true, fmt::format("{} touches, {} ({:.2f})", touches,
@@ -83,7 +84,7 @@ bool ExplorePhase::sweep(Robot& robot, const PickState& state, double angle) con
     return base_for_probe(robot, {xy.x(), xy.y(), height});
   };
   const hand::BasePosition start = at(options_.radius, depth);
-  const hand::BasePosition end = at(0, depth);
+  const hand::BasePosition end = at(-options_.past, depth);
   hand::BasePosition above = start;
   above.xyz.z() += state.height - depth + kAbove;
   robot.move_base(above, options_.travel_speed);

@@ -172,6 +172,11 @@ double total_weight(const localization::Posterior& posterior) {
   return sum;
 }
 
+/// Fingers that close draw the object towards the palm, against the base's x axis.
+Eigen::Isometry3d drawn_in(const LocateOptions& options) {
+  return Eigen::Isometry3d(Eigen::Translation3d(-options.draw_in, 0, 0));
+}
+
 /// By how much closing, pressing and lifting move the object in the hand.
 Matrix6d motion_covariance(const LocateOptions& options) {
   Vector6d variance;
@@ -211,7 +216,7 @@ PoseEstimate locate(const localization::ObjectModel& object, const hand::HandMod
     if (total_weight(resting) <= 0) {
       evidence.table = table_at_closing(object.object(), hand, log, options);
     } else {
-      move(log.readings[*closed].base.pose().inverse(), resting);
+      move(drawn_in(options) * log.readings[*closed].base.pose().inverse(), resting);
       evidence.prior = localization::prior_from(resting, motion_covariance(options));
     }
   }

@@ -45,9 +45,12 @@ PickResult pick(Robot& robot, const localization::ObjectModel& object, const Pic
   Course course(robot, state, result, observer);
   const double weight = object.object().mass * kGravity;
 
+  // Without a pose to aim by, the grasp goes for the rough place.
   const auto explore = [&] {
-    return options.explore.touches == 0 ||
-           course.run(ExplorePhase(object, options.explore, options.locate, seed));
+    if (options.explore.touches > 0) {
+      course.run(ExplorePhase(object, options.explore, options.locate, seed));
+    }
+    return true;
   };
   while (!result.held && result.attempts < options.attempts) {
     if (result.attempts++ > 0) {

@@ -8,6 +8,7 @@ namespace palpate::pipeline {
 struct ExploreOptions {
   int touches = 8;            ///< sweeps around the object; 0: none
   double radius = 0.135;      ///< of the circle from which they start, m
+  double past = 0.05;         ///< how far they go past the object's place, m
   double speed = 0.03;        ///< of a sweep, m/s
   double touch_force = 0.1;   ///< N at the fingertip
   double travel_speed = 0.4;  ///< m/s
@@ -17,6 +18,7 @@ struct ExploreOptions {
   void visit(Visitor&& v) {
     v("touches", touches, 0, 64, "sweeps around the object; 0: none");
     v("radius", radius, 0.02, 0.3, "m, of the circle from which they start");
+    v("past", past, 0.0, 0.2, "m, how far they go past the object's place");
     v("speed", speed, 0.001, 0.2, "m/s, of a sweep");
     v("touch_force", touch_force, 0.02, 5.0, "N at the fingertip");
     v("travel_speed", travel_speed, 0.01, 2.0, "m/s, between sweeps");

@@ -50,7 +50,7 @@ GraspRecipe side_recipe();
 GraspRecipe top_recipe();
 
 struct GraspOptions {
-  double side_from = 0.11;  ///< objects at least this tall are grasped from the side, m
+  double side_from = 0.3;  ///< objects at least this tall are grasped from the side, m
   GraspRecipe side = side_recipe();
   GraspRecipe top = top_recipe();
   int turns = 4;                 ///< directions tried from above when fingers land on the object
