@@ -16,7 +16,7 @@ struct LocateOptions {
   double resting_half_width =
       0.025;               ///< object within +- of its rough place before it is touched, m
   double draw_in = 0.019;  ///< by which closing fingers draw the object towards the palm, m
-  double motion_angle_sigma = 0.30;  ///< by which the grasp turns the object in the hand, rad
+  double motion_angle_sigma = 0.40;  ///< by which the grasp turns the object in the hand, rad
   double motion_sigma = 0.012;       ///< by which it moves it, m
   double other_stance = 0.03;        ///< chance that the grasp put the object into another stance
   double tilt_sigma = 0.30;          ///< by which the closing hand tilts the object, rad

@@ -13,12 +13,12 @@ namespace palpate::touch {
 /// How far contacts, joints and the hand's geometry are off, as the estimator believes. All
 /// standard deviations; `link` is a root mean square length.
 struct ContactErrorModel {
-  double point = 0.001;          ///< m, per axis and reading
-  double normal = 0.1745;        ///< rad, per tangent axis and reading
-  double joint = 0.0087;         ///< rad, per reading
-  double link = 0.002;           ///< m, of each link's place, the same in all readings
-  double point_floor = 0.0005;   ///< m, of what averaging cannot remove
-  double normal_floor = 0.0524;  ///< rad
+  double point = 0.001;         ///< m, per axis and reading
+  double normal = 0.1745;       ///< rad, per tangent axis and reading
+  double joint = 0.0087;        ///< rad, per reading
+  double link = 0.002;          ///< m, of each link's place, the same in all readings
+  double point_floor = 0.0005;  ///< m, of what averaging cannot remove
+  double normal_floor = 0.12;   ///< rad
 
   template <class Visitor>
   void visit(Visitor&& v) {
