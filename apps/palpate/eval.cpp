@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <cstdio>
 
 #include "common.hpp"
 #include "palpate/core/file.hpp"
@@ -71,6 +72,7 @@ void print_row(const std::string& name, const ObjectSummary& summary) {
              rate_text(summary.truth_in_modes, summary.lifted), summary.modes_median,
              median_text(summary.rotation_error_deg), median_text(summary.translation_error_mm),
              failures_text(summary));
+  std::fflush(stdout);
 }
 
 ObjectSummary total(const std::vector<ObjectSummary>& summaries) {

@@ -9,11 +9,21 @@
 
 namespace {
 
+/// One line; names an unknown command, of which CLI11 says only that one is required.
+std::string usage_error(const CLI::App* program, const CLI::Error& error) {
+  const auto unknown = program->remaining();
+  const std::string what = program->get_subcommands().empty() && !unknown.empty()
+                               ? fmt::format("'{}' is no command", unknown.front())
+                               : error.what();
+  return fmt::format("palpate: {}; palpate --help shows what there is\n", what);
+}
+
 int run(int argc, char** argv) {
   using namespace palpate::app;
   CLI::App program{"Palpate: knows what a hand holds by touch alone.", "palpate"};
   program.set_version_flag("--version", std::string(palpate::version()));
   program.require_subcommand(1);
+  program.failure_message(usage_error);
   program.footer(
       "palpate COMMAND --help shows a command's options and examples.\n"
       "Exit codes: 0 done, 2 usage, 3 bad input, 4 no solution.");

@@ -1,0 +1,252 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Runs the program as a person would and checks its exit codes, messages and results.
+
+Usage: cli_test.py PALPATE
+"""
+
+import json
+import os
+import pathlib
+import struct
+import subprocess
+import sys
+import tempfile
+import unittest
+
+PROGRAM = None
+COMMANDS = ["pick", "eval", "replay", "register", "certify", "doctor", "render"]
+DONE, USAGE, BAD_INPUT = 0, 2, 3
+QUICK = [
+    "--set", "explore.touches=2", "--set", "lift.hold=0.2",
+    "--set", "locate.search.proposals=20000", "--set", "locate.search.particles=400",
+]  # fmt: skip
+ESTIMATE_KEYS = {
+    "T_world_object", "weight", "rotation_error_deg", "translation_error_mm", "truth_in_modes",
+    "modes",
+}  # fmt: skip
+EVAL_KEYS = {
+    "trials", "lifted", "pose_ok", "truth_in_modes", "modes_median", "placed",
+    "rotation_error_deg", "translation_error_mm", "failures", "symmetry_order",
+}  # fmt: skip
+
+
+def binary_stl(triangles, corners):
+    """Binary STL of triangles (indices) over corners (x, y, z)."""
+    data = b"\0" * 80 + struct.pack("<I", len(triangles))
+    for triangle in triangles:
+        data += struct.pack("<3f", 0, 0, 0)
+        for index in triangle:
+            data += struct.pack("<3f", *corners[index])
+        data += b"\0\0"
+    return data
+
+
+def box_stl(x, y, z):
+    corners = [(x * (i & 1), y * (i >> 1 & 1), z * (i >> 2 & 1)) for i in range(8)]
+    triangles = [
+        (0, 2, 1), (1, 2, 3), (4, 5, 6), (5, 7, 6), (0, 1, 4), (1, 5, 4),
+        (2, 6, 3), (3, 6, 7), (0, 4, 2), (2, 4, 6), (1, 3, 5), (3, 7, 5),
+    ]  # fmt: skip
+    return binary_stl(triangles, corners)
+
+
+class CliTest(unittest.TestCase):
+    """Every test has a folder of its own, which is the working directory of the program."""
+
+    def setUp(self):
+        temporary = tempfile.TemporaryDirectory()
+        self.addCleanup(temporary.cleanup)
+        self.cache = pathlib.Path(temporary.name) / "cache"
+        self.folder = pathlib.Path(temporary.name) / "work"
+        self.folder.mkdir()
+
+    def run_program(self, *arguments):
+        environment = dict(os.environ, PALPATE_CACHE=str(self.cache))
+        return subprocess.run(
+            [PROGRAM, *arguments], cwd=self.folder, env=environment, capture_output=True,
+            text=True, timeout=300,
+        )  # fmt: skip
+
+    def run_json(self, *arguments):
+        """The one JSON object that the program prints when all goes well."""
+        done = self.run_program(*arguments, "--json")
+        self.assertEqual(done.returncode, DONE, done.stderr)
+        value = json.loads(done.stdout)
+        self.assertIsInstance(value, dict)
+        return value
+
+    def write(self, name, data):
+        path = self.folder / name
+        path.write_bytes(data if isinstance(data, bytes) else data.encode())
+        return name
+
+    def contents(self):
+        return sorted(str(path.relative_to(self.folder)) for path in self.folder.rglob("*"))
+
+    def assert_refused(self, code, arguments, *words):
+        """The program ends with the code, one line on stderr with the words, and no trace."""
+        before = self.contents()
+        done = self.run_program(*arguments)
+        self.assertEqual(done.returncode, code, (arguments, done.stderr))
+        self.assertEqual(done.stdout, "", arguments)
+        lines = done.stderr.splitlines()
+        self.assertEqual(len(lines), 1, (arguments, done.stderr))
+        self.assertTrue(lines[0].startswith("palpate: "), lines[0])
+        for word in words:
+            self.assertIn(word, lines[0])
+        self.assertEqual(self.contents(), before, arguments)
+
+
+class Usage(CliTest):
+    def test_wrong_usage_ends_with_2(self):
+        self.assert_refused(USAGE, ["pik"], "pik")
+        self.assert_refused(USAGE, [])
+        self.assert_refused(USAGE, ["pick", "--objekt", "mug"], "--objekt")
+        self.assert_refused(USAGE, ["pick", "--seed", "many"], "many")
+        self.assert_refused(USAGE, ["pick", "--threads", "0"], "0")
+        self.assert_refused(USAGE, ["eval", "--trials", "0"], "0")
+        self.assert_refused(USAGE, ["replay"], "recording")
+
+    def test_version(self):
+        done = self.run_program("--version")
+        self.assertEqual(done.returncode, DONE)
+        self.assertRegex(done.stdout, r"^\d+\.\d+\.\d+")
+
+    def test_program_help_names_every_command(self):
+        done = self.run_program("--help")
+        self.assertEqual(done.returncode, DONE)
+        for command in COMMANDS:
+            self.assertIn(f"  {command} ", done.stdout)
+
+    def test_help_of_every_command_has_examples(self):
+        for command in COMMANDS:
+            done = self.run_program(command, "--help")
+            self.assertEqual(done.returncode, DONE, command)
+            self.assertEqual(done.stderr, "", command)
+            examples = done.stdout.partition("Examples:")[2]
+            self.assertIn(f"palpate {command}", examples)
+
+
+class BadInput(CliTest):
+    def assert_bad_object(self, name, *words):
+        for command in ["pick", "eval"]:
+            self.assert_refused(BAD_INPUT, [command, "--object", name, "--out", "new"], *words)
+
+    def assert_bad_option(self, arguments, *words):
+        for command in ["pick", "eval"]:
+            self.assert_refused(BAD_INPUT, [command, *arguments, "--out", "new"], *words)
+
+    def test_unknown_object_is_suggested(self):
+        self.assert_bad_object("bracet", "'bracet'", "did you mean 'bracket'?")
+
+    def test_missing_mesh(self):
+        self.assert_bad_object("nowhere.stl", "nowhere.stl")
+
+    def test_folder_for_a_mesh(self):
+        (self.folder / "folder.stl").mkdir()
+        self.assert_bad_object("folder.stl", "folder.stl")
+
+    def test_empty_mesh(self):
+        for name in ["empty.stl", "empty.obj", "empty.ply"]:
+            self.assert_bad_object(self.write(name, b""), name)
+
+    def test_truncated_mesh(self):
+        self.assert_bad_object(self.write("cut.stl", box_stl(0.1, 0.1, 0.1)[:-70]), "cut.stl")
+
+    def test_mesh_with_a_value_that_is_no_number(self):
+        self.assert_bad_object(self.write("nan.stl", box_stl(float("nan"), 0.1, 0.1)), "nan.stl")
+
+    def test_mesh_in_millimetres_is_measured(self):
+        name = self.write("mm.stl", box_stl(80, 60, 50))
+        self.assert_bad_object(name, "80 x 60 x 50 m", "millimetres")
+
+    def test_unknown_key_is_suggested(self):
+        self.assert_bad_option(["--set", "lift.wey=0.1"], "lift.wey", "lift.way")
+
+    def test_value_out_of_range(self):
+        self.assert_bad_option(["--set", "lift.way=7"], "lift.way", "7")
+
+    def test_value_that_is_no_number(self):
+        self.assert_bad_option(["--set", "lift.way=high"], "lift.way", "high")
+        self.assert_bad_option(["--set", "lift.way=nan"], "lift.way", "nan")
+
+    def test_assignment_without_value(self):
+        self.assert_bad_option(["--set", "lift.way"], "lift.way")
+
+    def test_bad_toml_has_its_line(self):
+        name = self.write("bad.toml", "attempts = 2\n[lift\nway = 0.1\n")
+        self.assert_bad_option(["--config", name], "bad.toml", "2")
+        name = self.write("key.toml", "attempts = 2\n\n[lift]\nwey = 0.1\n")
+        self.assert_bad_option(["--config", name], "key.toml", "lift.wey")
+        self.assert_bad_option(["--config", "missing.toml"], "missing.toml")
+
+    def test_folder_that_cannot_be_made(self):
+        self.write("file", "")
+        for command in ["pick", "eval"]:
+            self.assert_refused(
+                BAD_INPUT, [command, "--object", "box", "--out", "file/below"], "file/below")
+
+    def test_no_recording(self):
+        self.assert_refused(BAD_INPUT, ["replay", "missing.h5"], "missing.h5")
+        name = self.write("text.h5", "not a recording")
+        self.assert_refused(BAD_INPUT, ["replay", name], "text.h5")
+
+
+class Results(CliTest):
+    def test_doctor(self):
+        checks = self.run_json("doctor")["checks"]
+        self.assertIn("MuJoCo", [check["name"] for check in checks])
+        for check in checks:
+            self.assertIsInstance(check["ok"], bool)
+            self.assertIsInstance(check["hint"], str)
+
+    def test_pick_reports_and_its_recording_gives_the_same_pose(self):
+        report = self.run_json("pick", "--object", "box", "--seed", "3", "--out", "run", *QUICK)
+        self.check_pick_report(report)
+        files = sorted(path.name for path in (self.folder / "run").iterdir())
+        self.assertEqual(files, ["config.toml", "recording.h5", "replay.html", "report.json"])
+        self.assertEqual(json.loads((self.folder / "run/report.json").read_text()), report)
+        self.assertIn("<html", (self.folder / "run/replay.html").read_text()[:1000].lower())
+
+        replay = self.run_json("replay", "--set", "lift.way=0.1", "run/recording.h5")
+        poses = [(mode["T_world_object"], mode["weight"]) for mode in replay["modes"]]
+        picked = report["estimate"]["modes"]
+        self.assertEqual(poses, [(mode["T_world_object"], mode["weight"]) for mode in picked])
+
+        # The configuration that was written makes the same pick again.
+        again = self.run_json(
+            "pick", "--object", "box", "--seed", "3", "--out", "again", "--config",
+            "run/config.toml")  # fmt: skip
+        self.assertEqual(again["estimate"]["modes"], picked)
+
+    def check_pick_report(self, report):
+        self.assertEqual(report["status"], "ok")
+        self.assertIsNone(report["failed_phase"])
+        for key in ["lifted", "placed"]:
+            self.assertIsInstance(report[key], bool)
+        self.assertGreaterEqual(report["attempts"], 1)
+        self.assertLessEqual(ESTIMATE_KEYS, report["estimate"].keys())
+        self.assertEqual(len(report["estimate"]["T_world_object"]), 16)
+        self.assertEqual(report["estimate"]["T_world_object"][12:], [0, 0, 0, 1])
+        for mode in report["estimate"]["modes"]:
+            self.assertLessEqual({"T_world_object", "weight", "free_axis"}, mode.keys())
+        names = [phase["name"] for phase in report["phases"]]
+        self.assertEqual(names[0], "feel")
+        self.assertEqual(names[-1], "pose")
+        for phase in report["phases"]:
+            keys = {"name", "status", "sim_seconds", "wall_seconds", "contacts"}
+            self.assertLessEqual(keys, phase.keys())
+
+    def test_eval_is_the_same_for_any_number_of_threads(self):
+        command = ["eval", "--object", "box", "--trials", "2", "--seed", "20",
+                   "--set", "attempts=1", *QUICK]  # fmt: skip
+        one = self.run_json(*command, "--threads", "1")
+        two = self.run_json(*command, "--threads", "2")
+        self.assertEqual(one["objects"], two["objects"])
+        self.assertEqual(one["objects"]["box"]["trials"], 2)
+        self.assertLessEqual(EVAL_KEYS, one["objects"]["box"].keys())
+
+
+if __name__ == "__main__":
+    PROGRAM = os.path.abspath(sys.argv.pop(1))
+    unittest.main()

@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/pipeline/trial.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "core/temporary_folder.hpp"
+#include "palpate/core/error.hpp"
+#include "palpate/pipeline/evaluation.hpp"
+#include "palpate/pipeline/recorder.hpp"
+
+namespace palpate::pipeline {
+namespace {
+
+constexpr std::uint64_t kSeed = 7;
+
+localization::ObjectModel model(const char* name) {
+  return localization::ObjectModel(geometry::load_known_object(name));
+}
+
+/// A pick that takes a few seconds of wall time.
+TrialOptions quick_options() {
+  TrialOptions options;
+  options.pick.explore.touches = 4;
+  options.pick.lift.hold = 0.5;
+  options.pick.locate.search.proposals = 20000;
+  options.pick.locate.search.particles = 400;
+  return options;
+}
+
+void expect_equal(const localization::Mode& a, const localization::Mode& b) {
+  EXPECT_EQ(a.T_frame_object.matrix(), b.T_frame_object.matrix());
+  EXPECT_EQ(a.weight, b.weight);
+  EXPECT_EQ(a.covariance, b.covariance);
+  ASSERT_EQ(a.free_axis.has_value(), b.free_axis.has_value());
+  if (!a.free_axis) return;
+  EXPECT_EQ(a.free_axis->point, b.free_axis->point);
+  EXPECT_EQ(a.free_axis->direction, b.free_axis->direction);
+  EXPECT_EQ(a.free_axis->extent, b.free_axis->extent);
+}
+
+/// Every number of both estimates agrees to the last bit.
+void expect_equal(const PoseEstimate& a, const PoseEstimate& b) {
+  EXPECT_EQ(a.posterior.status, b.posterior.status);
+  ASSERT_EQ(a.posterior.modes.size(), b.posterior.modes.size());
+  for (std::size_t i = 0; i < a.posterior.modes.size(); ++i) {
+    expect_equal(a.posterior.modes[i], b.posterior.modes[i]);
+  }
+  ASSERT_EQ(a.contacts.size(), b.contacts.size());
+  for (std::size_t i = 0; i < a.contacts.size(); ++i) {
+    EXPECT_EQ(a.contacts[i].p, b.contacts[i].p);
+    EXPECT_EQ(a.contacts[i].n, b.contacts[i].n);
+    EXPECT_EQ(a.contacts[i].f, b.contacts[i].f);
+  }
+}
+
+void expect_equal(const PhaseReport& a, const PhaseReport& b) {
+  EXPECT_EQ(a.name, b.name);
+  EXPECT_EQ(a.status, b.status);
+  EXPECT_EQ(a.outcome, b.outcome);
+  EXPECT_EQ(a.sim_seconds, b.sim_seconds);
+  EXPECT_EQ(a.contacts, b.contacts);
+  EXPECT_EQ(a.peak_force, b.peak_force);
+}
+
+/// All but the wall time agrees to the last bit.
+void expect_equal(const Trial& a, const Trial& b) {
+  EXPECT_EQ(a.start.xy, b.start.xy);
+  EXPECT_EQ(a.start.yaw, b.start.yaw);
+  EXPECT_EQ(a.start.stance, b.start.stance);
+  EXPECT_EQ(a.result.held, b.result.held);
+  EXPECT_EQ(a.result.attempts, b.result.attempts);
+  EXPECT_EQ(a.result.failed_phase, b.result.failed_phase);
+  ASSERT_EQ(a.result.phases.size(), b.result.phases.size());
+  for (std::size_t i = 0; i < a.result.phases.size(); ++i) {
+    expect_equal(a.result.phases[i], b.result.phases[i]);
+  }
+  expect_equal(a.result.estimate, b.result.estimate);
+  EXPECT_EQ(a.judgement.lifted, b.judgement.lifted);
+  EXPECT_EQ(a.judgement.slip, b.judgement.slip);
+  EXPECT_EQ(a.judgement.T_world_object.matrix(), b.judgement.T_world_object.matrix());
+}
+
+void expect_equal(const ObjectSummary& a, const ObjectSummary& b) {
+  EXPECT_EQ(a.trials, b.trials);
+  EXPECT_EQ(a.lifted, b.lifted);
+  EXPECT_EQ(a.pose_ok, b.pose_ok);
+  EXPECT_EQ(a.truth_in_modes, b.truth_in_modes);
+  EXPECT_EQ(a.false_hold, b.false_hold);
+  EXPECT_EQ(a.modes_median, b.modes_median);
+  EXPECT_EQ(a.rotation_error_deg, b.rotation_error_deg);
+  EXPECT_EQ(a.translation_error_mm, b.translation_error_mm);
+  EXPECT_EQ(a.slip_mm, b.slip_mm);
+  EXPECT_EQ(a.failures, b.failures);
+  EXPECT_EQ(a.symmetry_order, b.symmetry_order);
+}
+
+/// A recorded pick of the bunny.
+struct RecordedPick {
+  explicit RecordedPick(const std::filesystem::path& path) {
+    const auto bunny = model("bunny");
+    const simulation::World world(bunny.object(), options.world, kSeed);
+    recording::Writer writer(path, {"1.2.3", kSeed, bunny.object(), world.hand_model(), ""});
+    trial = run_trial(bunny, options, kSeed, &writer);
+    writer.finish();
+  }
+  TrialOptions options = quick_options();
+  Trial trial;
+};
+
+/// The estimate from what the recording holds and from nothing else.
+PoseEstimate replayed(const recording::Recording& recording, const LocateOptions& options) {
+  const localization::ObjectModel object(recording.header.object);
+  return locate(object, recording.header.hand, touch_log(recording), options,
+                recording.header.seed);
+}
+
+void forget_truth(recording::Recording& recording) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  for (auto& frame : recording.frames) {
+    ASSERT_TRUE(frame.truth);
+    frame.truth->T_world_object.matrix().setConstant(kNan);
+    frame.truth->joints.setConstant(kNan);
+  }
+}
+
+TEST(Trial, RecordingAloneGivesThePicksPoseToTheLastBit) {
+  const TemporaryFolder folder;
+  const RecordedPick pick(folder.path() / "pick.h5");
+  ASSERT_TRUE(pick.trial.result.held);
+  ASSERT_FALSE(pick.trial.result.estimate.posterior.modes.empty());
+  ASSERT_FALSE(pick.trial.result.estimate.contacts.empty());
+
+  auto recording = recording::read_recording(folder.path() / "pick.h5");
+  expect_equal(pick.trial.result.estimate, replayed(recording, pick.options.pick.locate));
+
+  forget_truth(recording);
+  expect_equal(pick.trial.result.estimate, replayed(recording, pick.options.pick.locate));
+
+  recording::write_recording(folder.path() / "blind.h5", recording);
+  const auto blind = recording::read_recording(folder.path() / "blind.h5");
+  ASSERT_FALSE(blind.frames.empty());
+  EXPECT_EQ(blind.frames.size(), recording.frames.size());
+  expect_equal(pick.trial.result.estimate, replayed(blind, pick.options.pick.locate));
+}
+
+TEST(Trial, SameSeedGivesTheSameTrialRecordedOrNot) {
+  const TemporaryFolder folder;
+  const RecordedPick pick(folder.path() / "pick.h5");
+  expect_equal(pick.trial, run_trial(model("bunny"), pick.options, kSeed));
+}
+
+TEST(Trial, StartIsDrawnWithinItsBoundsByTheSeed) {
+  const auto box = geometry::load_known_object("box");
+  StartOptions options;
+  options.stance = 1;
+  options.uncertainty = 0.01;
+  Eigen::Vector2d previous(1, 1);
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    const auto start = draw_start(box, options, seed);
+    EXPECT_EQ(start.stance, 1);
+    EXPECT_LE(start.xy.cwiseAbs().maxCoeff(), 0.01);
+    EXPECT_NE(start.xy, previous);
+    EXPECT_EQ(start.xy, draw_start(box, options, seed).xy);
+    previous = start.xy;
+  }
+  options.stance = static_cast<int>(box.stances.size());
+  EXPECT_THROW(draw_start(box, options, 0), BadInput);
+}
+
+TEST(Evaluation, NumberOfThreadsDoesNotChangeTheSummary) {
+  const auto box = model("box");
+  TrialOptions options = quick_options();
+  options.pick.attempts = 1;
+  options.pick.lift.hold = 0.2;
+  constexpr std::size_t kTrials = 3;
+  std::vector<std::size_t> order;
+  const auto one = evaluate(box, options, 20, kTrials, 1);
+  const auto two = evaluate(box, options, 20, kTrials, 2,
+                            [&](std::size_t done, const Trial&) { order.push_back(done); });
+  EXPECT_EQ(one.trials, kTrials);
+  expect_equal(one, two);
+  EXPECT_EQ(order, (std::vector<std::size_t>{1, 2, 3}));
+}
+
+}  // namespace
+}  // namespace palpate::pipeline
