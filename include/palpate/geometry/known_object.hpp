@@ -22,16 +22,17 @@ struct KnownObject {
   std::string name;
   TriangleMesh mesh;  ///< watertight, in the object's frame
   Eigen::Isometry3d T_mesh_object = Eigen::Isometry3d::Identity();
-  double mass = 0;                           ///< kg
-  MassProperties mass_properties;            ///< at `mass`, of uniform density
-  std::vector<Stance> stances;               ///< most probable first
-  std::vector<Eigen::Matrix3d> symmetries;   ///< rotations that keep the shape, identity first
-  std::vector<std::string> repairs;          ///< what was done to the file's mesh, in words
+  double mass = 0;                          ///< kg
+  MassProperties mass_properties;           ///< at `mass`, of uniform density
+  std::vector<Stance> stances;              ///< most probable first
+  std::vector<Eigen::Matrix3d> symmetries;  ///< rotations that keep the shape, identity first
+  std::vector<std::string> repairs;         ///< what was done to the file's mesh, in words
 };
 
 /// A built-in object (mug, bottle, box, bracket, bunny) by name, or a mesh file in metres.
 ///
-/// @throws BadInput for an unknown name, or a mesh that cannot be read, repaired, or that is smaller
+/// @throws BadInput for an unknown name, or a mesh that cannot be read, repaired, or that is
+/// smaller
 ///         than 10 mm or larger than 400 mm (a mesh in millimetres is named as such)
 KnownObject load_known_object(const std::string& name_or_file);
 

@@ -6,9 +6,9 @@
 namespace palpate::geometry {
 
 struct MassProperties {
-  double volume = 0;                                          ///< m^3
-  Eigen::Vector3d centroid = Eigen::Vector3d::Zero();         ///< of the volume, m
-  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();          ///< about the centroid, kg m^2
+  double volume = 0;                                   ///< m^3
+  Eigen::Vector3d centroid = Eigen::Vector3d::Zero();  ///< of the volume, m
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();   ///< about the centroid, kg m^2
 };
 
 /// Volume, centroid and inertia of a watertight mesh of uniform density and the given mass (kg).

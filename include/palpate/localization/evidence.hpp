@@ -20,12 +20,12 @@ struct FreeSphere {
 
 /// The object rests (nearly) on a table in one of its stances, its position roughly known.
 struct TableSupport {
-  Eigen::Isometry3d T_frame_table;      ///< table frame: z up, z = 0 the surface; x, y the rough place
-  std::vector<double> stance_weights;   ///< one per KnownObject::stances; empty: their probabilities
-  double tilt_sigma = 0.02;             ///< rad
-  double height_sigma = 0.001;          ///< m
-  double half_width = 0.02;             ///< object's centroid within +- of the origin in x and y, m
-  double edge_sigma = 0.002;            ///< softness of that bound, m
+  Eigen::Isometry3d T_frame_table;  ///< table frame: z up, z = 0 the surface; x, y the rough place
+  std::vector<double> stance_weights;  ///< one per KnownObject::stances; empty: their probabilities
+  double tilt_sigma = 0.02;            ///< rad
+  double height_sigma = 0.001;         ///< m
+  double half_width = 0.02;            ///< object's centroid within +- of the origin in x and y, m
+  double edge_sigma = 0.002;           ///< softness of that bound, m
 };
 
 /// What was known of the pose before, as a mixture of normal distributions, heaviest first.

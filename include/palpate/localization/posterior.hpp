@@ -20,8 +20,8 @@ struct FreeAxis {
 /// A cluster of credible poses.
 struct Mode {
   Eigen::Isometry3d T_frame_object = Eigen::Isometry3d::Identity();
-  double weight = 0;                              ///< share of the posterior mass
-  Matrix6d covariance = Matrix6d::Zero();         ///< of [rotation; translation], frame's axes
+  double weight = 0;                       ///< share of the posterior mass
+  Matrix6d covariance = Matrix6d::Zero();  ///< of [rotation; translation], frame's axes
   std::optional<FreeAxis> free_axis;
 };
 
