@@ -33,7 +33,7 @@ struct KnownObject {
 ///
 /// @throws BadInput for an unknown name, or a mesh that cannot be read, repaired, or that is
 /// smaller
-///         than 10 mm or larger than 400 mm (a mesh in millimetres is named as such)
+///         than 10 mm or larger than 400 mm (one in millimetres is named as such)
 KnownObject load_known_object(const std::string& name_or_file);
 
 /// Names of the built-in objects.
