@@ -67,14 +67,20 @@ std::string failures_text(const ObjectSummary& summary) {
 }
 
 void print_row(const std::string& name, const ObjectSummary& summary) {
-  fmt::print("{:<10} {:<18} {:<18} {:<18} {:>6.1f} {:>7} {:>7}   {}\n", name,
+  fmt::print("{:<10} {:<18} {:<18} {:<18} {:>6} {:>7} {:>7}   {}\n", name,
              rate_text(summary.lifted, summary.trials), rate_text(summary.pose_ok, summary.trials),
-             rate_text(summary.truth_in_modes, summary.lifted), summary.modes_median,
+             rate_text(summary.truth_in_modes, summary.lifted),
+             summary.modes_median > 0 ? fmt::format("{:.1f}", summary.modes_median) : "-",
              median_text(summary.rotation_error_deg), median_text(summary.translation_error_mm),
              failures_text(summary));
   std::fflush(stdout);
 }
 
+void append(const std::vector<double>& values, std::vector<double>& all) {
+  all.insert(all.end(), values.begin(), values.end());
+}
+
+/// All objects together; a median over objects of the number of modes would mean nothing.
 ObjectSummary total(const std::vector<ObjectSummary>& summaries) {
   ObjectSummary sum;
   for (const auto& summary : summaries) {
@@ -83,6 +89,8 @@ ObjectSummary total(const std::vector<ObjectSummary>& summaries) {
     sum.pose_ok += summary.pose_ok;
     sum.truth_in_modes += summary.truth_in_modes;
     sum.false_hold += summary.false_hold;
+    append(summary.rotation_error_deg, sum.rotation_error_deg);
+    append(summary.translation_error_mm, sum.translation_error_mm);
   }
   return sum;
 }
