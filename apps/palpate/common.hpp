@@ -53,5 +53,6 @@ void add_register(CLI::App& program, Command& chosen);
 void add_certify(CLI::App& program, Command& chosen);
 void add_doctor(CLI::App& program, Command& chosen);
 void add_render(CLI::App& program, Command& chosen);
+void add_sense(CLI::App& program, Command& chosen);
 
 }  // namespace palpate::app

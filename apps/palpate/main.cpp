@@ -35,6 +35,7 @@ int run(int argc, char** argv) {
   add_certify(program, chosen);
   add_doctor(program, chosen);
   add_render(program, chosen);
+  add_sense(program, chosen);
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

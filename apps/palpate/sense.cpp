@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sense.hpp"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "palpate/core/error.hpp"
+#include "palpate/touch/normal_estimator.hpp"
+#include "sense_contacts.hpp"
+
+namespace palpate::app {
+namespace {
+
+enum class Format { recording, contacts, biotac };
+
+/// First line of a file, of its first 4 KiB.
+std::string first_line(const std::string& path) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) {
+    throw BadInput(fmt::format("{} is no file", path));
+  }
+  std::ifstream in(path, std::ios::binary);
+  std::string head(4096, '\0');
+  in.read(head.data(), static_cast<std::streamsize>(head.size()));
+  head.resize(static_cast<std::size_t>(in.gcount()));
+  return head.substr(0, head.find_first_of("\r\n"));
+}
+
+bool has_column(const std::string& header, const std::string& name) {
+  return ("," + header + ",").find("," + name + ",") != std::string::npos;
+}
+
+Format format_of(const std::string& path) {
+  const std::string line = first_line(path);
+  if (line.starts_with("\x89HDF")) return Format::recording;
+  if (has_column(line, "pdc")) return Format::biotac;
+  if (has_column(line, "finger") && has_column(line, "t")) return Format::contacts;
+  throw BadInput(fmt::format(
+      "{} is neither a recording (HDF5) nor a CSV with columns finger,t,... or t_s,pdc,e1...",
+      path));
+}
+
+int sense(const SenseArguments& arguments) {
+  switch (format_of(arguments.recording)) {
+    case Format::recording:
+      report_streams(arguments, sense_recording(arguments));
+      break;
+    case Format::contacts:
+      report_streams(arguments, sense_contact_log(arguments));
+      break;
+    case Format::biotac:
+      throw BadInput(
+          fmt::format("{} is a log of a BioTac, which needs --model FILE", arguments.recording));
+  }
+  return kDone;
+}
+
+}  // namespace
+
+void add_sense(CLI::App& program, Command& chosen) {
+  auto arguments = std::make_shared<SenseArguments>();
+  auto& command = *program.add_subcommand(
+      "sense", "Normals and forces that the fingertips feel, from a recording");
+  command
+      .add_option("recording", arguments->recording,
+                  "recording.h5, a CSV of contacts, or a CSV of a BioTac")
+      ->option_text("RECORDING")
+      ->required();
+  command.add_option("--estimator", arguments->estimator, "of contact normals from contacts")
+      ->check(CLI::IsMember(touch::normal_estimators()))
+      ->capture_default_str();
+  command
+      .add_option("--tick", arguments->tick,
+                  "seconds a tick, where the t of a CSV counts ticks (whole numbers only)")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command.add_option("--model", arguments->model, "trained model for a log of a BioTac")
+      ->option_text("FILE");
+  add_common_options(command, arguments->common);
+  command.footer(
+      "A CSV of contacts has the columns finger,t,px,py,pz (or x,y,z),fx,fy,fz and, optionally,\n"
+      "nx,ny,nz; one of a BioTac has t_s,pdc,e1..e19 and, optionally, nx,ny,nz.\n"
+      "Samples that are of no use are flagged and counted, and get no normal. --out writes each\n"
+      "stream's series as CSV and its normals and forces as SVG figures.\n\n"
+      "Examples:\n"
+      "  palpate sense out/pick-mug-7/recording.h5 --out out/sense-mug-7\n"
+      "  palpate sense contacts.csv --estimator rls --json");
+  command.callback([arguments, &chosen] { chosen = [arguments] { return sense(*arguments); }; });
+}
+
+}  // namespace palpate::app

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sense_contacts.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <optional>
+
+#include "palpate/geometry/mesh_query.hpp"
+#include "palpate/recording/recording.hpp"
+#include "palpate/touch/contact_log.hpp"
+#include "palpate/touch/normal_estimator.hpp"
+
+namespace palpate::app {
+namespace {
+
+constexpr double kDegrees = 180 / std::numbers::pi;
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+
+double angle_deg(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  return kDegrees * std::atan2(a.cross(b).norm(), a.dot(b));
+}
+
+/// Sends the frames of one finger through checks and estimator.
+class FingerSensor {
+ public:
+  FingerSensor(const std::string& name, const std::string& estimator, double period)
+      : stream_{.name = name, .samples = {}},
+        maker_({.period = period}),
+        estimator_(touch::make_normal_estimator(estimator)) {}
+
+  void take(const touch::FingerFrame& frame, const std::optional<Eigen::Vector3d>& truth) {
+    const touch::FingerSample sample = maker_.next(frame);
+    const touch::NormalEstimate estimate = estimator_->update(sample);
+    SensedSample sensed{.time = sample.time,
+                        .point = sample.p,
+                        .force = sample.f,
+                        .normal = Eigen::Vector3d::Constant(kUnknown),
+                        .sigma_deg = kUnknown,
+                        .error_deg = kUnknown,
+                        .flags = sample.flags.names()};
+    if (estimate.status == touch::NormalStatus::tracked) {
+      sensed.normal = estimate.n;
+      if (estimate.covariance) {
+        sensed.sigma_deg = kDegrees * std::sqrt(estimate.covariance->trace() / 2);
+      }
+      if (truth) sensed.error_deg = angle_deg(estimate.n, *truth);
+    }
+    touched_ = touched_ || !frame.contacts.empty();
+    stream_.samples.push_back(sensed);
+  }
+
+  bool touched() const { return touched_; }
+  SensedStream take_stream() { return std::move(stream_); }
+
+ private:
+  SensedStream stream_;
+  touch::SampleMaker maker_;
+  std::unique_ptr<touch::NormalEstimator> estimator_;
+  bool touched_ = false;
+};
+
+std::optional<Eigen::Vector3d> true_normal(const geometry::MeshQuery& mesh,
+                                           const recording::Frame& frame,
+                                           const touch::FingerFrame& felt) {
+  if (!frame.truth || !frame.truth->T_world_object.matrix().allFinite()) return std::nullopt;
+  if (felt.contacts.empty()) return std::nullopt;
+  Eigen::Vector3d p = Eigen::Vector3d::Zero();
+  for (const auto& contact : felt.contacts) {
+    p += contact.p / static_cast<double>(felt.contacts.size());
+  }
+  const Eigen::Isometry3d& T = frame.truth->T_world_object;
+  return T.linear() * mesh.closest_point(T.inverse() * p).normal;
+}
+
+}  // namespace
+
+std::vector<SensedStream> sense_recording(const SenseArguments& arguments) {
+  const auto recording = recording::read_recording(arguments.recording);
+  const geometry::MeshQuery mesh(recording.header.object.mesh);
+  std::vector<SensedStream> streams;
+  for (int finger = 0; finger < hand::kFingers; ++finger) {
+    FingerSensor sensor(std::string(hand::kFingerNames[static_cast<std::size_t>(finger)]),
+                        arguments.estimator, hand::kTick);
+    for (const recording::Frame& frame : recording.frames) {
+      const auto felt = touch::finger_frame(frame.reading, recording.header.hand, finger);
+      sensor.take(felt, true_normal(mesh, frame, felt));
+    }
+    if (sensor.touched()) streams.push_back(sensor.take_stream());
+  }
+  return streams;
+}
+
+std::vector<SensedStream> sense_contact_log(const SenseArguments& arguments) {
+  std::vector<SensedStream> streams;
+  for (const auto& log : touch::read_contact_log(arguments.recording, arguments.tick)) {
+    FingerSensor sensor(log.finger, arguments.estimator, log.period);
+    for (std::size_t i = 0; i < log.frames.size(); ++i) sensor.take(log.frames[i], log.normals[i]);
+    streams.push_back(sensor.take_stream());
+  }
+  return streams;
+}
+
+}  // namespace palpate::app

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "palpate/core/file.hpp"
+#include "palpate/core/plot.hpp"
+#include "palpate/core/statistics.hpp"
+#include "sense.hpp"
+
+namespace palpate::app {
+namespace {
+
+struct Summary {
+  std::size_t samples = 0, flagged = 0;
+  std::map<std::string, std::size_t> flags;
+  std::vector<double> errors, forces;
+};
+
+Summary summarize(const SensedStream& stream) {
+  Summary summary{.samples = stream.samples.size(), .flags = {}, .errors = {}, .forces = {}};
+  for (const SensedSample& sample : stream.samples) {
+    if (!sample.flags.empty()) {
+      ++summary.flagged;
+      ++summary.flags[sample.flags];
+    }
+    if (std::isfinite(sample.error_deg)) summary.errors.push_back(sample.error_deg);
+    if (sample.force.allFinite()) summary.forces.push_back(sample.force.norm());
+  }
+  return summary;
+}
+
+nlohmann::json to_json(const Summary& summary) {
+  nlohmann::json stream = {{"samples", summary.samples}, {"flagged", summary.flagged}};
+  stream["flags"] = summary.flags;
+  if (!summary.errors.empty()) {
+    stream["error_deg"] = {{"median", median(summary.errors)},
+                           {"p90", quantile(summary.errors, 0.9)},
+                           {"p95", quantile(summary.errors, 0.95)}};
+  }
+  return stream;
+}
+
+std::string row(const std::string& name, const Summary& summary) {
+  const std::string force =
+      summary.forces.empty() ? "-" : fmt::format("{:.2f}", median(summary.forces));
+  std::string error = fmt::format("{:>10}{:>8}{:>8}", "-", "-", "-");
+  if (!summary.errors.empty()) {
+    error = fmt::format("{:>10.2f}{:>8.2f}{:>8.2f}", median(summary.errors),
+                        quantile(summary.errors, 0.9), quantile(summary.errors, 0.95));
+  }
+  std::string flags;
+  for (const auto& [flag, count] : summary.flags) flags += fmt::format("  {} {}", flag, count);
+  return fmt::format("{:<8}{:>9}{:>9}{:>10}{}{}", name, summary.samples, summary.flagged, force,
+                     error, flags);
+}
+
+std::string series_csv(const SensedStream& stream) {
+  std::string text = "t,px,py,pz,fx,fy,fz,nx,ny,nz,sigma_deg,error_deg,flags\n";
+  for (const SensedSample& s : stream.samples) {
+    text += fmt::format("{:.9g}", s.time);
+    for (const auto* v : {&s.point, &s.force, &s.normal}) {
+      text += fmt::format(",{:.9g},{:.9g},{:.9g}", v->x(), v->y(), v->z());
+    }
+    text += fmt::format(",{:.6g},{:.6g},{}\n", s.sigma_deg, s.error_deg, s.flags);
+  }
+  return text;
+}
+
+/// Figure of a vector's components over time; none if it is never known.
+std::string figure(const SensedStream& stream, const Eigen::Vector3d SensedSample::*vector,
+                   const std::string& what, const std::string& label) {
+  Plot plot;
+  plot.title = stream.name + ": " + what;
+  plot.x.label = "time (s)";
+  plot.y.label = label;
+  bool known = false;
+  for (int axis = 0; axis < 3; ++axis) {
+    LineSeries line{.name = std::string(1, "xyz"[axis]), .x = {}, .y = {}};
+    for (const SensedSample& sample : stream.samples) {
+      line.x.push_back(sample.time);
+      line.y.push_back((sample.*vector)[axis]);
+      known = known || std::isfinite(line.y.back());
+    }
+    plot.series.emplace_back(std::move(line));
+  }
+  return known ? to_svg(plot) : "";
+}
+
+std::vector<std::string> write_stream(const std::filesystem::path& folder,
+                                      const SensedStream& stream) {
+  std::vector<std::string> written = {stream.name + ".csv"};
+  write_file_atomically(folder / written.back(), series_csv(stream));
+  const auto draw = [&](const std::string& name, const std::string& svg) {
+    if (svg.empty()) return;
+    written.push_back(stream.name + "-" + name + ".svg");
+    write_file_atomically(folder / written.back(), svg);
+  };
+  draw("normal",
+       figure(stream, &SensedSample::normal, "outward normal of the object", "component"));
+  draw("force", figure(stream, &SensedSample::force, "force on the object", "force (N)"));
+  return written;
+}
+
+}  // namespace
+
+void report_streams(const SenseArguments& arguments, const std::vector<SensedStream>& streams) {
+  nlohmann::json report = {{"streams", nlohmann::json::object()}};
+  std::string table =
+      fmt::format("{:<8}{:>9}{:>9}{:>10}{:>10}{:>8}{:>8}  {}\n", "stream", "samples", "flagged",
+                  "force N", "error deg", "p90", "p95", "what is wrong with the flagged");
+  for (const SensedStream& stream : streams) {
+    const Summary summary = summarize(stream);
+    report["streams"][stream.name] = to_json(summary);
+    table += row(stream.name, summary) + "\n";
+  }
+  std::string wrote;
+  if (!arguments.common.out.empty()) {
+    const std::filesystem::path folder = arguments.common.out;
+    for (const SensedStream& stream : streams) {
+      for (const auto& file : write_stream(folder, stream)) wrote += " " + file;
+    }
+    write_file_atomically(folder / "report.json", report.dump(2) + "\n");
+    wrote = fmt::format("wrote {}: report.json{}\n", folder.string(), wrote);
+  }
+  if (arguments.common.json) {
+    fmt::print("{}\n", report.dump(2));
+  } else {
+    fmt::print("{}{}", table, wrote);
+  }
+}
+
+}  // namespace palpate::app
