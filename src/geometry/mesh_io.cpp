@@ -13,13 +13,13 @@ namespace {
 
 constexpr std::size_t kMostBytes = std::size_t{1} << 30;  // so that an int counts all vertices
 
+}  // namespace
+
 std::string lower_case_extension(const std::filesystem::path& path) {
   std::string extension = path.extension().string();
   for (char& c : extension) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
   return extension;
 }
-
-}  // namespace
 
 TriangleMesh load_mesh(const std::filesystem::path& path) {
   const std::string content = read_file(path), file = path.string();

@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "byte_order.hpp"
+#include "cloud_readers.hpp"
 #include "mesh_builder.hpp"
 #include "mesh_readers.hpp"
 #include "ply_header.hpp"
@@ -100,7 +104,10 @@ class PlyValues {
   std::size_t index_ = 0;
 };
 
-void read_vertices(const PlyElement& element, PlyValues& values, MeshBuilder& builder) {
+/// Calls visit({x, y, z, nx, ny, nz}) for every vertex; what the file lacks is nan.
+template <class Visit>
+void read_vertices(const PlyElement& element, PlyValues& values, const Visit& visit) {
+  constexpr std::array<std::string_view, 6> kNames = {"x", "y", "z", "nx", "ny", "nz"};
   for (const std::string_view axis : {"x", "y", "z"}) {
     const auto is_axis = [axis](const auto& p) { return p.name == axis && !p.count_type; };
     if (std::none_of(element.properties.begin(), element.properties.end(), is_axis)) {
@@ -109,17 +116,16 @@ void read_vertices(const PlyElement& element, PlyValues& values, MeshBuilder& bu
   }
   for (std::size_t i = 0; i < element.count; ++i) {
     values.enter(element, i);
-    Eigen::Vector3d position;
+    Vector6d vertex = Vector6d::Constant(std::numeric_limits<double>::quiet_NaN());
     for (const auto& property : element.properties) {
       const std::size_t count = property.count_type ? values.next_length(property) : 1;
       for (std::size_t k = 0; k < count; ++k) {
         const double value = values.next(property.type);
-        if (property.name == "x") position.x() = value;
-        if (property.name == "y") position.y() = value;
-        if (property.name == "z") position.z() = value;
+        const auto name = std::find(kNames.begin(), kNames.end(), property.name);
+        if (name != kNames.end()) vertex[name - kNames.begin()] = value;
       }
     }
-    builder.add_vertex(position);
+    visit(vertex);
   }
 }
 
@@ -160,13 +166,34 @@ TriangleMesh read_ply(std::string_view content, std::string_view file) {
   for (const auto& element : header.elements) {
     values.expect_room(element);
     if (element.name == "vertex") {
-      read_vertices(element, values, builder);
+      read_vertices(element, values,
+                    [&](const Vector6d& vertex) { builder.add_vertex(vertex.head<3>()); });
       continue;
     }
     const std::size_t count = element.properties.empty() ? 0 : element.count;
     for (std::size_t i = 0; i < count; ++i) {
       values.enter(element, i);
       read_element(element, values, element.name == "face" ? &builder : nullptr);
+    }
+  }
+  return std::move(builder).finish();
+}
+
+PointCloud read_ply_cloud(std::string_view content, std::string_view file) {
+  MeshText text(content, file);
+  const PlyHeader header = read_ply_header(text);
+  CloudBuilder builder(file);
+  PlyValues values(text, header.format);
+  for (const auto& element : header.elements) {
+    values.expect_room(element);
+    if (element.name == "vertex") {
+      read_vertices(element, values, [&](const Vector6d& vertex) { builder.add(vertex); });
+      break;
+    }
+    const std::size_t count = element.properties.empty() ? 0 : element.count;
+    for (std::size_t i = 0; i < count; ++i) {
+      values.enter(element, i);
+      read_element(element, values, nullptr);
     }
   }
   return std::move(builder).finish();
