@@ -5,12 +5,11 @@
 #include <cstdio>
 
 #include "common.hpp"
-#include "palpate/core/assets.hpp"
 #include "palpate/core/file.hpp"
 #include "palpate/core/version.hpp"
 #include "palpate/pipeline/trial.hpp"
-#include "palpate/recording/replay_page.hpp"
 #include "pick_report.hpp"
+#include "replay_file.hpp"
 
 namespace palpate::app {
 namespace {
@@ -42,13 +41,6 @@ pipeline::PhaseObserver phase_printer(const CommonOptions& common) {
           }};
 }
 
-void write_replay_page(const fs::path& recording, const fs::path& page, const std::string& title) {
-  const auto visuals = simulation::load_shadow_hand_visuals(asset("shadow_hand/right_hand.xml"));
-  write_file_atomically(page, recording::replay_page(recording::read_recording(recording), visuals,
-                                                     read_file(asset("page.html")),
-                                                     read_file(asset("viewer.js")), title));
-}
-
 int pick(const PickArguments& arguments) {
   const CommonOptions& common = arguments.common;
   const auto options = resolve<pipeline::TrialOptions>(common);
@@ -66,9 +58,9 @@ int pick(const PickArguments& arguments) {
   write_file_atomically(folder / "config.toml", config);
   const auto report = trial_json(trial);
   write_file_atomically(folder / "report.json", report.dump(2) + "\n");
-  write_replay_page(
-      folder / "recording.h5", folder / "replay.html",
-      fmt::format("palpate pick --object {} --seed {}", arguments.object, common.seed));
+  const auto title =
+      fmt::format("palpate pick --object {} --seed {}", arguments.object, common.seed);
+  write_file_atomically(folder / "replay.html", replay_html(folder / "recording.h5", title));
   if (common.json) {
     fmt::print("{}\n", report.dump(2));
   } else {

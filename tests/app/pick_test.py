@@ -1,25 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs the program as a person would and checks its exit codes, messages and results.
-
-Usage: cli_test.py PALPATE
-"""
+"""pick, eval and replay."""
 
 import json
-import os
-import pathlib
-import struct
-import subprocess
-import sys
-import tempfile
-import unittest
 
-PROGRAM = None
-COMMANDS = ["pick", "eval", "replay", "register", "certify", "doctor", "render"]
-DONE, USAGE, BAD_INPUT = 0, 2, 3
-QUICK = [
-    "--set", "explore.touches=2", "--set", "lift.hold=0.2",
-    "--set", "locate.search.proposals=20000", "--set", "locate.search.particles=400",
-]  # fmt: skip
+from cli import BAD_INPUT, QUICK, CliTest, box_stl, main
+
 ESTIMATE_KEYS = {
     "T_world_object", "weight", "rotation_error_deg", "translation_error_mm", "truth_in_modes",
     "modes",
@@ -28,103 +13,6 @@ EVAL_KEYS = {
     "trials", "lifted", "pose_ok", "truth_in_modes", "modes_median", "placed",
     "rotation_error_deg", "translation_error_mm", "failures", "symmetry_order",
 }  # fmt: skip
-
-
-def binary_stl(triangles, corners):
-    """Binary STL of triangles (indices) over corners (x, y, z)."""
-    data = b"\0" * 80 + struct.pack("<I", len(triangles))
-    for triangle in triangles:
-        data += struct.pack("<3f", 0, 0, 0)
-        for index in triangle:
-            data += struct.pack("<3f", *corners[index])
-        data += b"\0\0"
-    return data
-
-
-def box_stl(x, y, z):
-    corners = [(x * (i & 1), y * (i >> 1 & 1), z * (i >> 2 & 1)) for i in range(8)]
-    triangles = [
-        (0, 2, 1), (1, 2, 3), (4, 5, 6), (5, 7, 6), (0, 1, 4), (1, 5, 4),
-        (2, 6, 3), (3, 6, 7), (0, 4, 2), (2, 4, 6), (1, 3, 5), (3, 7, 5),
-    ]  # fmt: skip
-    return binary_stl(triangles, corners)
-
-
-class CliTest(unittest.TestCase):
-    """Every test has a folder of its own, which is the working directory of the program."""
-
-    def setUp(self):
-        temporary = tempfile.TemporaryDirectory()
-        self.addCleanup(temporary.cleanup)
-        self.cache = pathlib.Path(temporary.name) / "cache"
-        self.folder = pathlib.Path(temporary.name) / "work"
-        self.folder.mkdir()
-
-    def run_program(self, *arguments):
-        environment = dict(os.environ, PALPATE_CACHE=str(self.cache))
-        return subprocess.run(
-            [PROGRAM, *arguments], cwd=self.folder, env=environment, capture_output=True,
-            text=True, timeout=300,
-        )  # fmt: skip
-
-    def run_json(self, *arguments):
-        """The one JSON object that the program prints when all goes well."""
-        done = self.run_program(*arguments, "--json")
-        self.assertEqual(done.returncode, DONE, done.stderr)
-        value = json.loads(done.stdout)
-        self.assertIsInstance(value, dict)
-        return value
-
-    def write(self, name, data):
-        path = self.folder / name
-        path.write_bytes(data if isinstance(data, bytes) else data.encode())
-        return name
-
-    def contents(self):
-        return sorted(str(path.relative_to(self.folder)) for path in self.folder.rglob("*"))
-
-    def assert_refused(self, code, arguments, *words):
-        """The program ends with the code, one line on stderr with the words, and no trace."""
-        before = self.contents()
-        done = self.run_program(*arguments)
-        self.assertEqual(done.returncode, code, (arguments, done.stderr))
-        self.assertEqual(done.stdout, "", arguments)
-        lines = done.stderr.splitlines()
-        self.assertEqual(len(lines), 1, (arguments, done.stderr))
-        self.assertTrue(lines[0].startswith("palpate: "), lines[0])
-        for word in words:
-            self.assertIn(word, lines[0])
-        self.assertEqual(self.contents(), before, arguments)
-
-
-class Usage(CliTest):
-    def test_wrong_usage_ends_with_2(self):
-        self.assert_refused(USAGE, ["pik"], "pik")
-        self.assert_refused(USAGE, [])
-        self.assert_refused(USAGE, ["pick", "--objekt", "mug"], "--objekt")
-        self.assert_refused(USAGE, ["pick", "--seed", "many"], "many")
-        self.assert_refused(USAGE, ["pick", "--threads", "0"], "0")
-        self.assert_refused(USAGE, ["eval", "--trials", "0"], "0")
-        self.assert_refused(USAGE, ["replay"], "recording")
-
-    def test_version(self):
-        done = self.run_program("--version")
-        self.assertEqual(done.returncode, DONE)
-        self.assertRegex(done.stdout, r"^\d+\.\d+\.\d+")
-
-    def test_program_help_names_every_command(self):
-        done = self.run_program("--help")
-        self.assertEqual(done.returncode, DONE)
-        for command in COMMANDS:
-            self.assertIn(f"  {command} ", done.stdout)
-
-    def test_help_of_every_command_has_examples(self):
-        for command in COMMANDS:
-            done = self.run_program(command, "--help")
-            self.assertEqual(done.returncode, DONE, command)
-            self.assertEqual(done.stderr, "", command)
-            examples = done.stdout.partition("Examples:")[2]
-            self.assertIn(f"palpate {command}", examples)
 
 
 class BadInput(CliTest):
@@ -193,13 +81,6 @@ class BadInput(CliTest):
 
 
 class Results(CliTest):
-    def test_doctor(self):
-        checks = self.run_json("doctor")["checks"]
-        self.assertIn("MuJoCo", [check["name"] for check in checks])
-        for check in checks:
-            self.assertIsInstance(check["ok"], bool)
-            self.assertIsInstance(check["hint"], str)
-
     def test_pick_reports_and_its_recording_gives_the_same_pose(self):
         report = self.run_json("pick", "--object", "box", "--seed", "3", "--out", "run", *QUICK)
         self.check_pick_report(report)
@@ -248,5 +129,4 @@ class Results(CliTest):
 
 
 if __name__ == "__main__":
-    PROGRAM = os.path.abspath(sys.argv.pop(1))
-    unittest.main()
+    main()

@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Usage, help and the commands that only look."""
+
+import re
+
+from cli import DONE, USAGE, CliTest, main
+
+
+class Usage(CliTest):
+    def commands(self):
+        """The names that the program's own help lists."""
+        done = self.run_program("--help")
+        self.assertEqual(done.returncode, DONE)
+        names = re.findall(r"^  (\w+) ", done.stdout.partition("Subcommands:")[2], re.MULTILINE)
+        self.assertIn("pick", names)
+        return names
+
+    def test_wrong_usage_ends_with_2(self):
+        self.assert_refused(USAGE, ["pik"], "pik")
+        self.assert_refused(USAGE, [])
+        self.assert_refused(USAGE, ["pick", "--objekt", "mug"], "--objekt")
+        self.assert_refused(USAGE, ["pick", "--seed", "many"], "many")
+        self.assert_refused(USAGE, ["pick", "--threads", "0"], "0")
+        self.assert_refused(USAGE, ["eval", "--trials", "0"], "0")
+        self.assert_refused(USAGE, ["replay"], "recording")
+
+    def test_version(self):
+        done = self.run_program("--version")
+        self.assertEqual(done.returncode, DONE)
+        self.assertRegex(done.stdout, r"^\d+\.\d+\.\d+")
+
+    def test_help_of_every_command_has_examples(self):
+        for command in self.commands():
+            done = self.run_program(command, "--help")
+            self.assertEqual(done.returncode, DONE, command)
+            self.assertEqual(done.stderr, "", command)
+            examples = done.stdout.partition("Examples:")[2]
+            self.assertIn(f"palpate {command}", examples)
+
+
+class Doctor(CliTest):
+    def test_doctor(self):
+        checks = self.run_json("doctor")["checks"]
+        self.assertIn("MuJoCo", [check["name"] for check in checks])
+        for check in checks:
+            self.assertIsInstance(check["ok"], bool)
+            self.assertIsInstance(check["hint"], str)
+
+
+if __name__ == "__main__":
+    main()
