@@ -1,17 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
-#include <chrono>
-#include <numbers>
-#include <sstream>
-
 #include "common.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
-#include "palpate/core/se3.hpp"
+#include "palpate/geometry/outlier_filter.hpp"
+#include "palpate/geometry/point_cloud_io.hpp"
+#include "palpate/registration/cloud_registration.hpp"
 #include "palpate/registration/correspondences_io.hpp"
-#include "palpate/registration/registration.hpp"
+#include "register_report.hpp"
 
 namespace palpate::app {
 namespace {
@@ -20,160 +17,165 @@ namespace rg = registration;
 
 struct RegisterArguments {
   CommonOptions common;
+  std::string source, target, features = "fpfh";
   std::string correspondences;
-  std::string pose;  ///< of certify
   std::string method = "clique+gnc", primitive = "point", cost = "tls";
   std::optional<double> noise_bound, normal_noise_deg;
+  bool filter = false;
 };
 
-rg::Primitive primitive_of(const RegisterArguments& arguments) {
-  return arguments.primitive == "plane" ? rg::Primitive::kPlane : rg::Primitive::kPoint;
-}
+/// All options that a configuration may set; those of features only matter to clouds.
+struct RegisterOptions {
+  rg::RegistrationOptions registration;
+  rg::FeatureOptions features;
+  geometry::OutlierFilterOptions filter;
 
-rg::RegistrationOptions options_of(const RegisterArguments& arguments) {
-  auto options = resolve<rg::RegistrationOptions>(arguments.common);
-  options.method = arguments.method == "gnc" ? rg::Method::kGnc : rg::Method::kCliqueGnc;
-  options.cost = arguments.cost == "gm" ? rg::RobustCost::kGemanMcClure
-                                        : rg::RobustCost::kTruncatedLeastSquares;
-  options.primitive = primitive_of(arguments);
-  options.seed = arguments.common.seed;
-  if (arguments.noise_bound) options.noise_bound = *arguments.noise_bound;
-  if (arguments.normal_noise_deg) options.normal_noise_deg = *arguments.normal_noise_deg;
+  template <class Visitor>
+  void visit(Visitor&& v) {
+    registration.visit(v);
+    v.section("features", features);
+    v("filter_neighbours", filter.neighbours, 1, 1000000, "neighbours of the outlier filter");
+    v("filter_deviation_ratio", filter.deviation_ratio, 1e-6, 1e6,
+      "standard deviations above the mean distance that the outlier filter keeps");
+  }
+};
+
+RegisterOptions options_of(const RegisterArguments& arguments) {
+  auto options = resolve<RegisterOptions>(arguments.common);
+  auto& registration = options.registration;
+  registration.method = arguments.method == "gnc" ? rg::Method::kGnc : rg::Method::kCliqueGnc;
+  registration.cost = arguments.cost == "gm" ? rg::RobustCost::kGemanMcClure
+                                             : rg::RobustCost::kTruncatedLeastSquares;
+  registration.primitive =
+      arguments.primitive == "plane" ? rg::Primitive::kPlane : rg::Primitive::kPoint;
+  registration.seed = arguments.common.seed;
+  registration.keep_history = !arguments.common.out.empty();
+  if (arguments.noise_bound) registration.noise_bound = *arguments.noise_bound;
+  if (arguments.normal_noise_deg) registration.normal_noise_deg = *arguments.normal_noise_deg;
   return options;
 }
 
-nlohmann::json rows_json(const Matrix6d& matrix) {
-  auto rows = nlohmann::json::array();
-  for (int i = 0; i < 6; ++i) {
-    auto row = nlohmann::json::array();
-    for (int j = 0; j < 6; ++j) row.push_back(matrix(i, j));
-    rows.push_back(row);
+/// Result, and what only clouds have.
+struct Outcome {
+  rg::CloudRegistration registration;
+  bool clouds = false;
+  geometry::PointCloud source;
+};
+
+geometry::PointCloud load(const std::string& path, const RegisterArguments& arguments,
+                          const RegisterOptions& options) {
+  geometry::PointCloud cloud = geometry::load_cloud(path);
+  if (!arguments.filter) return cloud;
+  return geometry::subset(cloud, geometry::statistical_inliers(cloud, options.filter));
+}
+
+Outcome find_pose(const RegisterArguments& arguments, const RegisterOptions& options) {
+  Outcome outcome;
+  auto& [result, correspondences, matches, voxel, bound, rounds, seconds] = outcome.registration;
+  if (!arguments.correspondences.empty()) {
+    correspondences = rg::read_correspondences(arguments.correspondences);
+    result = rg::register_correspondences(correspondences, options.registration);
+    return outcome;
   }
-  return rows;
+  outcome.clouds = true;
+  outcome.source = load(arguments.source, arguments, options);
+  outcome.registration =
+      rg::register_clouds(outcome.source, load(arguments.target, arguments, options),
+                          {.features = options.features,
+                           .registration = options.registration,
+                           .noise_bound = arguments.noise_bound});
+  return outcome;
 }
 
-nlohmann::json result_json(const rg::RegistrationResult& result) {
-  nlohmann::json pose;  // null
-  if (result.T_target_source) pose = to_json(*result.T_target_source);
-  return {{"status", rg::to_string(result.status)},
-          {"T_target_source", pose},
-          {"cost", result.cost},
-          {"bound", result.bound},
-          {"inliers", result.inliers},
-          {"weights", result.weights},
-          {"residuals", result.residuals},
-          {"iterations", result.iterations},
-          {"expected_by_chance", result.expected_by_chance},
-          {"information_rank", result.rank},
-          {"information", rows_json(result.information)},
-          {"search_seconds", result.search_seconds},
-          {"solve_seconds", result.solve_seconds},
-          {"seconds", result.seconds}};
+nlohmann::json outcome_report(const Outcome& outcome) {
+  auto report = report_of(outcome.registration.result);
+  if (!outcome.clouds) return report;
+  report["correspondences"] = outcome.registration.correspondences.size();
+  report["feature_matches"] = outcome.registration.feature_matches;
+  report["voxel"] = outcome.registration.voxel;
+  report["noise_bound"] = outcome.registration.noise_bound;
+  report["refinements"] = outcome.registration.refinements;
+  report["feature_seconds"] = outcome.registration.feature_seconds;
+  return report;
 }
 
-std::string pose_text(const Eigen::Isometry3d& T) {
-  const Eigen::Vector3d w = log_so3(T.linear()) * 180 / std::numbers::pi, t = T.translation();
-  return fmt::format(
-      "rotation ({:.3f}, {:.3f}, {:.3f}) deg, translation ({:.6g}, {:.6g}, {:.6g}) m", w[0], w[1],
-      w[2], t[0], t[1], t[2]);
-}
-
-void print_result(const rg::RegistrationResult& result) {
-  fmt::print("{}: {} of {} correspondences are inliers, {:.2f} ms\n", rg::to_string(result.status),
-             result.inliers.size(), result.weights.size(), 1e3 * result.seconds);
-  if (result.T_target_source) {
-    fmt::print("target from source: {}\n", pose_text(*result.T_target_source));
-    fmt::print(
-        "cost {:.3g} m^2, at most {:.1g} m^2 above the least; chance proposes {:.1g} such "
-        "poses\n",
-        result.cost, result.bound, result.expected_by_chance);
-  }
-}
-
-void write_results(const CommonOptions& common, const rg::RegistrationOptions& options,
-                   const nlohmann::json& report) {
+void write_results(const CommonOptions& common, const RegisterOptions& options,
+                   const Outcome& outcome) {
   if (common.out.empty()) return;
   const std::filesystem::path folder = common.out;
-  write_file_atomically(folder / "report.json", report.dump(2) + "\n");
+  const auto& [result, correspondences, matches, voxel, bound, rounds, seconds] =
+      outcome.registration;
+  write_file_atomically(folder / "report.json", outcome_report(outcome).dump(2) + "\n");
   write_file_atomically(folder / "config.toml", config_header(common) + to_toml(options));
+  write_file_atomically(folder / "correspondences.csv",
+                        correspondences_csv(correspondences, result));
+  if (!result.history.empty()) {
+    write_file_atomically(folder / "weights.csv", weight_history_csv(result.history));
+  }
+  if (outcome.clouds && result.T_target_source) {
+    geometry::save_cloud(folder / "source_in_target.ply",
+                         geometry::transformed(*result.T_target_source, outcome.source));
+  }
 }
 
-int register_clouds(const RegisterArguments& arguments) {
+int register_command(const RegisterArguments& arguments) {
   const auto options = options_of(arguments);
-  const auto correspondences = rg::read_correspondences(arguments.correspondences);
-  const auto result = rg::register_correspondences(correspondences, options);
-  const auto report = result_json(result);
-  write_results(arguments.common, options, report);
+  const Outcome outcome = find_pose(arguments, options);
+  const rg::RegistrationResult& result = outcome.registration.result;
+  write_results(arguments.common, options, outcome);
   if (arguments.common.json) {
-    fmt::print("{}\n", report.dump(2));
+    fmt::print("{}\n", outcome_report(outcome).dump(2));
   } else {
-    print_result(result);
+    print_report(result);
+    if (outcome.clouds) {
+      fmt::print("{} feature matches at {:.3g} m between points, {} rounds of nearest neighbours\n",
+                 outcome.registration.feature_matches, outcome.registration.voxel,
+                 outcome.registration.refinements);
+    }
   }
   const bool pose_known =
       result.status == rg::Status::kCertified || result.status == rg::Status::kUncertified;
   return pose_known ? kDone : kNoSolution;
 }
 
-/// 16 numbers, separated by commas or blanks, from the argument itself or the file that it names.
-Eigen::Isometry3d parse_pose(const std::string& argument) {
-  std::string text = argument;
-  std::error_code error;
-  if (std::filesystem::is_regular_file(argument, error)) text = read_file(argument);
-  for (char& c : text) c = c == ',' || c == '[' || c == ']' ? ' ' : c;
-  std::istringstream in(text);
-  std::array<double, 16> values{};
-  std::size_t count = 0;
-  for (double value; in >> value; ++count) {
-    if (count < values.size()) values[count] = value;
-  }
-  if (count != values.size() || !in.eof()) {
-    throw BadInput(fmt::format("'{}' is not 16 numbers (nor a file of them), row-major", argument));
-  }
-  return pose_from_row_major(values);
+void add_inputs(CLI::App& command, RegisterArguments& arguments) {
+  auto* source = command.add_option("source", arguments.source,
+                                    "cloud or mesh to place: PLY, STL, OBJ, PCD or XYZ, in metres");
+  auto* target = command.add_option("target", arguments.target, "cloud or mesh to place it in");
+  auto* correspondences =
+      command
+          .add_option("--correspondences", arguments.correspondences,
+                      "CSV with sx,sy,sz,tx,ty,tz[,snx,sny,snz,tnx,tny,tnz] in metres")
+          ->option_text("FILE");
+  source->needs(target);
+  correspondences->excludes(source);
+  command.add_option("--features", arguments.features, "what clouds are matched by")
+      ->check(CLI::IsMember({"fpfh"}))
+      ->capture_default_str();
+  command.add_flag("--filter", arguments.filter,
+                   "drop points far from their neighbours first (1000 neighbours, ratio 0.5)");
 }
 
-int certify(const RegisterArguments& arguments) {
-  const Eigen::Isometry3d T = parse_pose(arguments.pose);
-  const auto primitive = primitive_of(arguments);
-  auto correspondences = rg::read_correspondences(arguments.correspondences);
-  const auto start = std::chrono::steady_clock::now();
-  if (arguments.noise_bound) {
-    const auto squared = rg::squared_residuals(correspondences, T, rg::Primitive::kPoint);
-    std::vector<int> inliers;
-    for (std::size_t i = 0; i < squared.size(); ++i) {
-      if (std::sqrt(squared[i]) <= *arguments.noise_bound) inliers.push_back(static_cast<int>(i));
-    }
-    correspondences = rg::subset(correspondences, inliers);
-  }
-  const auto estimate = rg::certify(T, correspondences, {}, primitive);
-  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
-  const nlohmann::json report = {{"status", rg::to_string(estimate.status)},
-                                 {"cost", estimate.cost},
-                                 {"bound", estimate.bound},
-                                 {"reference", estimate.reference},
-                                 {"correspondences", correspondences.size()},
-                                 {"information_rank", estimate.rank},
-                                 {"seconds", elapsed.count()}};
-  if (arguments.common.json) {
-    fmt::print("{}\n", report.dump(2));
-  } else {
-    fmt::print("{}: cost {:.6g} m^2 of {} correspondences, at most {:.2g} m^2 above the least\n",
-               rg::to_string(estimate.status), estimate.cost, correspondences.size(),
-               estimate.bound);
-  }
-  return estimate.status == rg::Status::kCertified ? kDone : kNoSolution;
-}
-
-void add_shared_options(CLI::App& command, RegisterArguments& arguments) {
+void add_method(CLI::App& command, RegisterArguments& arguments) {
   command
-      .add_option("--correspondences", arguments.correspondences,
-                  "CSV with sx,sy,sz,tx,ty,tz[,snx,sny,snz,tnx,tny,tnz] in metres")
-      ->option_text("FILE")
-      ->required();
+      .add_option(
+          "--noise-bound", arguments.noise_bound,
+          "largest position error of an inlier, m: four standard deviations (0.004; clouds: "
+          "1.5 times the distance between points)")
+      ->option_text("M");
+  command
+      .add_option("--normal-noise-deg", arguments.normal_noise_deg,
+                  "noise of normals per axis, deg; uses them to find inliers (0: not)")
+      ->option_text("DEG");
   command.add_option("--primitive", arguments.primitive, "what residuals are: point or plane")
       ->check(CLI::IsMember({"point", "plane"}))
       ->capture_default_str();
-  add_common_options(command, arguments.common);
+  command.add_option("--method", arguments.method, "how inliers are found")
+      ->check(CLI::IsMember({"clique+gnc", "gnc"}))
+      ->capture_default_str();
+  command.add_option("--cost", arguments.cost, "robust cost of gnc")
+      ->check(CLI::IsMember({"tls", "gm"}))
+      ->capture_default_str();
 }
 
 }  // namespace
@@ -181,52 +183,25 @@ void add_shared_options(CLI::App& command, RegisterArguments& arguments) {
 void add_register(CLI::App& program, Command& chosen) {
   auto arguments = std::make_shared<RegisterArguments>();
   auto& command = *program.add_subcommand(
-      "register", "Find the pose of one cloud in another from correspondences, most of them wrong");
-  add_shared_options(command, *arguments);
-  command
-      .add_option("--noise-bound", arguments->noise_bound,
-                  "largest position error of an inlier, m: four standard deviations (0.004)")
-      ->option_text("M");
-  command
-      .add_option("--normal-noise-deg", arguments->normal_noise_deg,
-                  "noise of normals per axis, deg; uses them to find inliers (0: not)")
-      ->option_text("DEG");
-  command.add_option("--method", arguments->method, "how inliers are found")
-      ->check(CLI::IsMember({"clique+gnc", "gnc"}))
-      ->capture_default_str();
-  command.add_option("--cost", arguments->cost, "robust cost of gnc")
-      ->check(CLI::IsMember({"tls", "gm"}))
-      ->capture_default_str();
+      "register", "Find the pose of one cloud in another, by features or given correspondences");
+  add_inputs(command, *arguments);
+  add_method(command, *arguments);
+  add_common_options(command, arguments->common);
   command.footer(
       "Statuses: certified, uncertified (the bound says by how much the pose may miss the best),\n"
       "degenerate (a motion is left free), no_consensus (chance explains the agreement).\n"
-      "The last two exit with 4.\n\n"
+      "The last two exit with 4. --out receives report.json, config.toml, correspondences.csv,\n"
+      "weights.csv (the history of gnc's weights) and, for clouds, source_in_target.ply.\n\n"
       "Examples:\n"
+      "  palpate register scan.ply model.stl --primitive plane --out out/scan\n"
       "  palpate register --correspondences pairs.csv --noise-bound 0.004\n"
       "  palpate register --correspondences pairs.csv --method gnc --cost gm --json");
-  command.callback(
-      [arguments, &chosen] { chosen = [arguments] { return register_clouds(*arguments); }; });
-}
-
-void add_certify(CLI::App& program, Command& chosen) {
-  auto arguments = std::make_shared<RegisterArguments>();
-  auto& command = *program.add_subcommand(
-      "certify", "Prove that a pose has the least sum of squared residuals, or bound its excess");
-  command
-      .add_option("pose", arguments->pose,
-                  "T_target_source: 16 numbers, row-major, or a file of them")
-      ->required();
-  add_shared_options(command, *arguments);
-  command
-      .add_option("--noise-bound", arguments->noise_bound,
-                  "judge by the correspondences within this distance alone, m")
-      ->option_text("M");
-  command.footer(
-      "Exits with 4 unless the pose is certified.\n\n"
-      "Examples:\n"
-      "  palpate certify 1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1 --correspondences pairs.csv\n"
-      "  palpate certify pose.txt --correspondences pairs.csv --noise-bound 0.004 --json");
-  command.callback([arguments, &chosen] { chosen = [arguments] { return certify(*arguments); }; });
+  command.callback([arguments, &chosen] {
+    if (arguments->correspondences.empty() && arguments->target.empty()) {
+      throw CLI::RequiredError("SOURCE and TARGET, or --correspondences FILE");
+    }
+    chosen = [arguments] { return register_command(*arguments); };
+  });
 }
 
 }  // namespace palpate::app

@@ -133,9 +133,12 @@ bool reject(const Correspondences& correspondences, const RegistrationOptions& o
     for (const int i : result.inliers) result.weights[static_cast<std::size_t>(i)] = 1;
     return true;
   }
-  const GncResult gnc = graduated_non_convexity(
-      correspondences, {.cost = options.cost, .noise_bound = options.noise_bound});
+  const GncResult gnc =
+      graduated_non_convexity(correspondences, {.cost = options.cost,
+                                                .noise_bound = options.noise_bound,
+                                                .keep_history = options.keep_history});
   result.iterations = gnc.iterations;
+  result.history = gnc.history;
   result.expected_by_chance = chance_of(gnc.T_target_source, sample, consensus_options, random);
   if (result.expected_by_chance >= options.false_alarm) return false;
   result.weights = gnc.weights;

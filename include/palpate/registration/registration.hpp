@@ -27,6 +27,7 @@ struct RegistrationOptions {
   /// large number, as 1000, accepts the best pose found even where chance explains it.
   double false_alarm = 0.01;
   std::uint64_t seed = 0;
+  bool keep_history = false;  ///< of weights, kGnc
 
   template <class Visitor>
   void visit(Visitor&& v) {
@@ -50,6 +51,7 @@ struct RegistrationResult {
   double expected_by_chance = 0;  ///< poses as good as this among wrong correspondences alone
   int rank = 0;                   ///< of the information matrix
   Matrix6d information = Matrix6d::Zero();  ///< of the inliers, of twists [w; v], target frame
+  std::vector<GncIteration> history;        ///< if asked for, kGnc
   double search_seconds = 0, solve_seconds = 0, seconds = 0;  ///< rejection, final solve, all
 };
 

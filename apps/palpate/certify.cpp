@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <chrono>
+#include <sstream>
+
+#include "common.hpp"
+#include "palpate/core/error.hpp"
+#include "palpate/core/file.hpp"
+#include "palpate/core/se3.hpp"
+#include "palpate/registration/correspondences_io.hpp"
+#include "palpate/registration/pose.hpp"
+
+namespace palpate::app {
+namespace {
+
+namespace rg = registration;
+
+struct CertifyArguments {
+  CommonOptions common;
+  std::string pose, correspondences, primitive = "point";
+  std::optional<double> noise_bound;
+};
+
+/// 16 numbers, separated by commas or blanks, from the argument itself or the file that it names.
+Eigen::Isometry3d parse_pose(const std::string& argument) {
+  std::string text = argument;
+  std::error_code error;
+  if (std::filesystem::is_regular_file(argument, error)) text = read_file(argument);
+  for (char& c : text) c = c == ',' || c == '[' || c == ']' ? ' ' : c;
+  std::istringstream in(text);
+  std::array<double, 16> values{};
+  std::size_t count = 0;
+  for (double value; in >> value; ++count) {
+    if (count < values.size()) values[count] = value;
+  }
+  if (count != values.size() || !in.eof()) {
+    throw BadInput(fmt::format("'{}' is not 16 numbers (nor a file of them), row-major", argument));
+  }
+  return pose_from_row_major(values);
+}
+
+int certify(const CertifyArguments& arguments) {
+  const Eigen::Isometry3d T = parse_pose(arguments.pose);
+  const auto primitive =
+      arguments.primitive == "plane" ? rg::Primitive::kPlane : rg::Primitive::kPoint;
+  auto correspondences = rg::read_correspondences(arguments.correspondences);
+  const auto start = std::chrono::steady_clock::now();
+  if (arguments.noise_bound) {
+    const auto squared = rg::squared_residuals(correspondences, T, rg::Primitive::kPoint);
+    std::vector<int> inliers;
+    for (std::size_t i = 0; i < squared.size(); ++i) {
+      if (std::sqrt(squared[i]) <= *arguments.noise_bound) inliers.push_back(static_cast<int>(i));
+    }
+    correspondences = rg::subset(correspondences, inliers);
+  }
+  const auto estimate = rg::certify(T, correspondences, {}, primitive);
+  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+  const nlohmann::json report = {{"status", rg::to_string(estimate.status)},
+                                 {"cost", estimate.cost},
+                                 {"bound", estimate.bound},
+                                 {"reference", estimate.reference},
+                                 {"correspondences", correspondences.size()},
+                                 {"information_rank", estimate.rank},
+                                 {"seconds", elapsed.count()}};
+  if (arguments.common.json) {
+    fmt::print("{}\n", report.dump(2));
+  } else {
+    fmt::print("{}: cost {:.6g} m^2 of {} correspondences, at most {:.2g} m^2 above the least\n",
+               rg::to_string(estimate.status), estimate.cost, correspondences.size(),
+               estimate.bound);
+  }
+  return estimate.status == rg::Status::kCertified ? kDone : kNoSolution;
+}
+
+}  // namespace
+
+void add_certify(CLI::App& program, Command& chosen) {
+  auto arguments = std::make_shared<CertifyArguments>();
+  auto& command = *program.add_subcommand(
+      "certify", "Prove that a pose has the least sum of squared residuals, or bound its excess");
+  command
+      .add_option("pose", arguments->pose,
+                  "T_target_source: 16 numbers, row-major, or a file of them")
+      ->required();
+  command
+      .add_option("--correspondences", arguments->correspondences,
+                  "CSV with sx,sy,sz,tx,ty,tz[,snx,sny,snz,tnx,tny,tnz] in metres")
+      ->option_text("FILE")
+      ->required();
+  command.add_option("--primitive", arguments->primitive, "what residuals are: point or plane")
+      ->check(CLI::IsMember({"point", "plane"}))
+      ->capture_default_str();
+  add_common_options(command, arguments->common);
+  command
+      .add_option("--noise-bound", arguments->noise_bound,
+                  "judge by the correspondences within this distance alone, m")
+      ->option_text("M");
+  command.footer(
+      "Exits with 4 unless the pose is certified.\n\n"
+      "Examples:\n"
+      "  palpate certify 1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1 --correspondences pairs.csv\n"
+      "  palpate certify pose.txt --correspondences pairs.csv --noise-bound 0.004 --json");
+  command.callback([arguments, &chosen] { chosen = [arguments] { return certify(*arguments); }; });
+}
+
+}  // namespace palpate::app

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "common.hpp"
+#include "palpate/registration/registration.hpp"
+
+namespace palpate::app {
+
+/// What `palpate register --json` prints of a result.
+nlohmann::json report_of(const registration::RegistrationResult& result);
+
+/// What a person is told of it.
+void print_report(const registration::RegistrationResult& result);
+
+/// The correspondences with weight and residual, as a CSV that `--correspondences` reads.
+std::string correspondences_csv(const registration::Correspondences& correspondences,
+                                const registration::RegistrationResult& result);
+
+/// One row an iteration: mu, the weighted cost (m^2), then every weight.
+std::string weight_history_csv(const std::vector<registration::GncIteration>& history);
+
+}  // namespace palpate::app

@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "../tests/registration/problems.hpp"
+#include "experiment.hpp"
+#include "palpate/core/statistics.hpp"
+#include "palpate/geometry/known_object.hpp"
+#include "palpate/registration/registration.hpp"
+
+namespace {
+
+using namespace palpate;
+using namespace palpate::registration;
+using experiment::Table;
+
+/// What a row of a table stands for.
+struct Setting {
+  std::string name;
+  testing::ProblemOptions problem;
+  RegistrationOptions options;
+  std::size_t runs = 200;
+};
+
+struct Outcomes {
+  std::vector<double> degrees, millimetres, milliseconds;
+  std::size_t successes = 0, no_consensus = 0, wrong = 0;
+};
+
+/// Shortest of three times, as the machine does other work too; results do not differ.
+RegistrationResult timed(const Correspondences& correspondences,
+                         const RegistrationOptions& options) {
+  RegistrationResult best = register_correspondences(correspondences, options);
+  for (int repeat = 1; repeat < 3; ++repeat) {
+    best.seconds =
+        std::min(best.seconds, register_correspondences(correspondences, options).seconds);
+  }
+  return best;
+}
+
+Outcomes run(const Setting& setting, std::uint64_t first_seed) {
+  Outcomes outcomes;
+  for (std::uint64_t k = 0; k < setting.runs; ++k) {
+    const auto problem =
+        testing::make_problem(setting.problem, RandomStream(first_seed + k, "registration_table"));
+    const RegistrationResult result = timed(problem.correspondences, setting.options);
+    outcomes.milliseconds.push_back(1e3 * result.seconds);
+    if (!result.T_target_source) {
+      ++outcomes.no_consensus;
+      continue;
+    }
+    const double degrees = testing::rotation_error_deg(*result.T_target_source, problem.truth);
+    const double millimetres =
+        testing::translation_error_mm(*result.T_target_source, problem.truth);
+    const bool success = degrees < 5 && millimetres < 10;
+    outcomes.successes += success;
+    outcomes.wrong += !success;
+    outcomes.degrees.push_back(degrees);
+    outcomes.millimetres.push_back(millimetres);
+  }
+  return outcomes;
+}
+
+std::string number(const std::vector<double>& values, double share) {
+  return values.empty() ? "-" : fmt::format("{:.3g}", quantile(values, share));
+}
+
+void publish(const experiment::Options& options, const std::string& name, const std::string& title,
+             std::vector<Setting> settings) {
+  Table table({"setting", "runs", "success", "95 %", "wrong", "no consensus", "median deg",
+               "median mm", "median ms", "p99 ms"});
+  for (auto& setting : settings) {
+    if (options.quick) setting.runs = 2;
+    const Outcomes o = run(setting, options.seed);
+    const Interval interval = wilson_interval(o.successes, setting.runs);
+    table.add_row({setting.name, fmt::format("{}", setting.runs),
+                   fmt::format("{:.3f}", static_cast<double>(o.successes) /
+                                             static_cast<double>(setting.runs)),
+                   fmt::format("{:.3f}..{:.3f}", interval.low, interval.high),
+                   fmt::format("{}", o.wrong), fmt::format("{}", o.no_consensus),
+                   number(o.degrees, 0.5), number(o.millimetres, 0.5), number(o.milliseconds, 0.5),
+                   number(o.milliseconds, 0.99)});
+  }
+  table.publish(options, name, title);
+}
+
+constexpr double kShares[] = {0.1, 0.5, 0.9, 0.95, 0.98, 0.99, 0.995};
+
+std::vector<Setting> outlier_settings(bool normals, bool box,
+                                      const geometry::TriangleMesh* mesh = nullptr) {
+  std::vector<Setting> settings;
+  for (const double share : kShares) {
+    settings.push_back({fmt::format("{:.1f} %", 100 * share),
+                        {.outliers = share,
+                         .noise = 0.001,
+                         .normal_deg = 5,
+                         .box_outliers = box,
+                         .normals = normals,
+                         .mesh = mesh},
+                        {.normal_noise_deg = normals ? 5.0 : 0.0}});
+  }
+  return settings;
+}
+
+void other_meshes(const experiment::Options& options) {
+  for (const std::string name : {"mug", "bracket", "bottle"}) {
+    const auto object = geometry::load_known_object(name);
+    auto settings = outlier_settings(true, false, &object.mesh);
+    for (auto& setting : settings) setting.runs = 50;
+    publish(options, "mesh_" + name, "The " + name + ", with normals", settings);
+    if (options.quick) break;
+  }
+}
+
+void sizes(const experiment::Options& options) {
+  std::vector<Setting> settings;
+  for (const std::size_t pairs : {50, 200, 1000, 10000, 100000}) {
+    for (const double share : {0.5, 0.9}) {
+      settings.push_back({fmt::format("{} pairs, {:.0f} %", pairs, 100 * share),
+                          {.pairs = pairs, .outliers = share, .noise = 0.001},
+                          {},
+                          50});
+    }
+    if (options.quick && pairs == 1000) break;
+  }
+  publish(options, "sizes", "Number of correspondences, without normals", settings);
+}
+
+void wrong_bounds(const experiment::Options& options) {
+  std::vector<Setting> settings;
+  for (const double share : {0.5, 0.9, 0.95, 0.98, 0.99}) {
+    for (const double factor : {0.5, 1.0, 2.0}) {
+      settings.push_back({fmt::format("{:.0f} %, bound x {}", 100 * share, factor),
+                          {.outliers = share, .noise = 0.001, .normal_deg = 5, .normals = true},
+                          {.noise_bound = 0.004 * factor, .normal_noise_deg = 5},
+                          100});
+    }
+  }
+  publish(options, "bounds", "Noise bound wrong, with normals", settings);
+}
+
+void all_outliers(const experiment::Options& options) {
+  std::vector<Setting> settings;
+  for (const bool normals : {false, true}) {
+    for (const std::size_t pairs : {12, 100, 1000}) {
+      settings.push_back({fmt::format("{} pairs{}", pairs, normals ? ", normals" : ""),
+                          {.pairs = pairs, .outliers = 1, .noise = 0.001, .normals = normals},
+                          {.normal_noise_deg = normals ? 5.0 : 0.0}});
+    }
+  }
+  publish(options, "all_outliers", "Outliers alone: every pose would be a false alarm", settings);
+}
+
+void thesis_setting(const experiment::Options& options) {
+  std::vector<Setting> settings;
+  for (int tens = 1; tens <= 9; ++tens) {
+    settings.push_back(
+        {fmt::format("{}0 %", tens), {.outliers = 0.1 * tens}, {.noise_bound = 0.001}, 20});
+  }
+  publish(options, "thesis", "The thesis' own setting: no noise", settings);
+}
+
+void experiment_table(const experiment::Options& options) {
+  publish(options, "normals", "Bunny, shuffled outliers, with normals",
+          outlier_settings(true, false));
+  publish(options, "points", "Bunny, shuffled outliers, without normals",
+          outlier_settings(false, false));
+  publish(options, "box", "Bunny, outliers uniform in the box, without normals",
+          outlier_settings(false, true));
+  all_outliers(options);
+  thesis_setting(options);
+  wrong_bounds(options);
+  sizes(options);
+  other_meshes(options);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return experiment::run(argc, argv, "registration_table",
+                         "Success, error and time of registration against the share of outliers, "
+                         "the number of correspondences, the mesh and the noise bound.",
+                         experiment_table);
+}

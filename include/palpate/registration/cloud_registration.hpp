@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "palpate/geometry/fpfh.hpp"
+#include "palpate/geometry/point_cloud.hpp"
+#include "palpate/registration/registration.hpp"
+
+namespace palpate::registration {
+
+/// A cloud sampled to a grid, with normals and a feature for each point.
+struct FeatureCloud {
+  geometry::PointCloud cloud;
+  geometry::Features features;
+  bool estimated_normals = false;  ///< not the cloud's own: all may be turned inside out
+};
+
+struct FeatureOptions {
+  double voxel = 0;                    ///< m, side of the grid's cells; 0 as suggested_voxel()
+  int most_points = 3000;              ///< that suggested_voxel() aims at
+  int normal_neighbours = 12;          ///< for normals of clouds without them
+  double feature_radius_voxels = 6.0;  ///< of FPFH
+  int refinements = 30;                ///< rounds of nearest neighbours after the features; 0: none
+
+  template <class Visitor>
+  void visit(Visitor&& v) {
+    v("voxel", voxel, 0.0, 1e9, "grid that clouds are sampled to, m; 0: by most_points");
+    v("most_points", most_points, 10, 50000, "points that the grid leaves of the larger cloud");
+    v("normal_neighbours", normal_neighbours, 3, 1000, "neighbours that a normal is fitted to");
+    v("feature_radius_voxels", feature_radius_voxels, 1.0, 100.0, "radius of FPFH, in cells");
+    v("refinements", refinements, 0, 1000, "rounds of nearest neighbours after the features");
+  }
+};
+
+/// The cell with which both clouds keep at most `most_points`, at least 1e-9 of their size; 0 if
+/// neither has two different points.
+double suggested_voxel(const geometry::PointCloud& source, const geometry::PointCloud& target,
+                       int most_points);
+
+/// @param voxel  m, > 0
+FeatureCloud describe(const geometry::PointCloud& cloud, double voxel,
+                      const FeatureOptions& options = {});
+
+struct CloudOptions {
+  FeatureOptions features;
+  RegistrationOptions registration;  ///< its noise_bound gives way to this one
+  /// m; if not given 1.5 cells, as the points that features match sit about a cell apart.
+  std::optional<double> noise_bound = std::nullopt;
+};
+
+struct CloudRegistration {
+  RegistrationResult result;        ///< inliers and weights speak of `correspondences`
+  Correspondences correspondences;  ///< nearest neighbours, or feature matches without refinement
+  std::size_t feature_matches = 0;
+  double voxel = 0, noise_bound = 0;  ///< m, that were used
+  int refinements = 0;                ///< rounds of nearest neighbours
+  double feature_seconds = 0;         ///< sampling, normals, features and their matching
+};
+
+/// Pose of one cloud in another without given correspondences: mutual matches of FPFH (thesis 6.1),
+/// outliers rejected as register_correspondences() does, then nearest neighbours and pose in turn.
+///
+/// Clouds of fewer than three points after sampling are kDegenerate.
+/// @throws BadInput as check_cloud(), with_normals() and register_correspondences()
+CloudRegistration register_clouds(const geometry::PointCloud& source,
+                                  const geometry::PointCloud& target,
+                                  const CloudOptions& options = {});
+
+}  // namespace palpate::registration

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/registration/cloud_registration.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "palpate/core/error.hpp"
+#include "palpate/geometry/kd_tree.hpp"
+#include "palpate/geometry/normals.hpp"
+
+namespace palpate::registration {
+namespace {
+
+using geometry::PointCloud;
+
+double now() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+void append_pair(Correspondences& pairs, const PointCloud& source, std::size_t i,
+                 const PointCloud& target, std::size_t j) {
+  pairs.source.push_back(source.points[i]);
+  pairs.target.push_back(target.points[j]);
+  pairs.source_normals.push_back(source.normals[i]);
+  pairs.target_normals.push_back(target.normals[j]);
+}
+
+Correspondences matched(const FeatureCloud& source, const FeatureCloud& target) {
+  Correspondences pairs;
+  for (const auto& match : geometry::mutual_matches(source.features, target.features)) {
+    append_pair(pairs, source.cloud, static_cast<std::size_t>(match.source), target.cloud,
+                static_cast<std::size_t>(match.target));
+  }
+  return pairs;
+}
+
+/// Every moved source point with its nearest target point, where that is within the bound and their
+/// normals do not part by more than 60 deg.
+Correspondences nearest_pairs(const PointCloud& source, const PointCloud& target,
+                              const geometry::KdTree& tree, const Eigen::Isometry3d& T,
+                              double bound) {
+  constexpr double kLeastCosine = 0.5;
+  Correspondences pairs;
+  for (std::size_t i = 0; i < source.size(); ++i) {
+    const auto found = tree.nearest(T * source.points[i], 1).front();
+    const auto j = static_cast<std::size_t>(found.index);
+    const double cosine = (T.linear() * source.normals[i]).dot(target.normals[j]);
+    if (found.squared_distance < bound * bound && cosine > kLeastCosine) {
+      append_pair(pairs, source, i, target, j);
+    }
+  }
+  return pairs;
+}
+
+/// Nearest neighbours and pose in turn, until the pose stays; the result then speaks of them.
+void refine(const PointCloud& source, const PointCloud& target, const CloudOptions& options,
+            CloudRegistration& registration) {
+  constexpr double kSettledAngle = 1e-5, kSettledShare = 1e-4;  // rad, of the bound
+  RegistrationResult& result = registration.result;
+  const geometry::KdTree tree(target.points);
+  const double bound = registration.noise_bound, start = now();
+  while (registration.refinements < options.features.refinements) {
+    const Eigen::Isometry3d T = *result.T_target_source;
+    Correspondences pairs = nearest_pairs(source, target, tree, T, bound);
+    if (pairs.size() < 6) break;
+    const PoseEstimate estimate = solve_pose(pairs, {}, options.registration.primitive);
+    if (estimate.status == Status::kDegenerate) break;
+    ++registration.refinements;
+    registration.correspondences = std::move(pairs);
+    result.status = estimate.status;
+    result.T_target_source = estimate.T_target_source;
+    result.cost = estimate.cost;
+    result.bound = estimate.bound;
+    result.rank = estimate.rank;
+    result.information = estimate.information;
+    const Eigen::Isometry3d step = T.inverse() * estimate.T_target_source;
+    const double turn = rotation_distance(step.linear(), Eigen::Matrix3d::Identity());
+    const Eigen::Vector3d at = weighted_means(registration.correspondences, {}).source;
+    if (turn < kSettledAngle && (step * at - at).norm() < kSettledShare * bound) break;
+  }
+  if (registration.refinements == 0) return;
+  const std::size_t count = registration.correspondences.size();
+  result.residuals =
+      squared_residuals(registration.correspondences, *result.T_target_source, Primitive::kPoint);
+  for (double& r : result.residuals) r = std::sqrt(r);
+  result.weights.assign(count, 1);
+  result.inliers.clear();
+  for (std::size_t i = 0; i < count; ++i) result.inliers.push_back(static_cast<int>(i));
+  result.solve_seconds += now() - start;
+}
+
+FeatureCloud turned_inside_out(FeatureCloud described, double voxel,
+                               const FeatureOptions& options) {
+  for (auto& n : described.cloud.normals) n = -n;
+  described.features = geometry::fpfh(described.cloud, options.feature_radius_voxels * voxel);
+  return described;
+}
+
+}  // namespace
+
+double suggested_voxel(const PointCloud& source, const PointCloud& target, int most_points) {
+  const auto most = static_cast<std::size_t>(std::max(1, most_points));
+  double cell = std::max(voxel_cell_for(source, most), voxel_cell_for(target, most));
+  if (cell > 0) return cell;
+  // Small clouds stay as they are; their spacing gives the features' scale.
+  for (const PointCloud* cloud : {&source, &target}) {
+    if (cloud->size() < 3) continue;
+    const geometry::KdTree tree(cloud->points);
+    double sum = 0;
+    for (const auto& p : cloud->points) sum += std::sqrt(tree.nearest(p, 2)[1].squared_distance);
+    cell = std::max(cell, sum / static_cast<double>(cloud->size()));
+  }
+  return cell;
+}
+
+FeatureCloud describe(const PointCloud& cloud, double voxel, const FeatureOptions& options) {
+  FeatureCloud result;
+  result.cloud = geometry::voxel_sampled(cloud, voxel);
+  if (result.cloud.size() < 3) return result;
+  if (!result.cloud.has_normals()) {
+    result.cloud = geometry::with_normals(std::move(result.cloud), options.normal_neighbours);
+    result.estimated_normals = true;
+  }
+  result.features = geometry::fpfh(result.cloud, options.feature_radius_voxels * voxel);
+  return result;
+}
+
+CloudRegistration register_clouds(const PointCloud& source, const PointCloud& target,
+                                  const CloudOptions& options) {
+  const double start = now();
+  geometry::check_cloud(source);
+  geometry::check_cloud(target);
+  CloudRegistration registration;
+  RegistrationResult& result = registration.result;
+  registration.voxel = options.features.voxel > 0
+                           ? options.features.voxel
+                           : suggested_voxel(source, target, options.features.most_points);
+  result.status = Status::kDegenerate;
+  if (!(registration.voxel > 0)) return registration;
+  FeatureCloud from = describe(source, registration.voxel, options.features);
+  const FeatureCloud to = describe(target, registration.voxel, options.features);
+  if (from.cloud.size() < 3 || to.cloud.size() < 3) return registration;
+
+  RegistrationOptions search = options.registration;
+  registration.noise_bound = options.noise_bound.value_or(1.5 * registration.voxel);
+  search.noise_bound = registration.noise_bound;
+  // Estimated normals may all point inward, as those of a part of a surface can: that is tried too.
+  const int tries = from.estimated_normals || to.estimated_normals ? 2 : 1;
+  for (int attempt = 0; attempt < tries && !result.T_target_source; ++attempt) {
+    if (attempt > 0) {
+      from = turned_inside_out(std::move(from), registration.voxel, options.features);
+    }
+    registration.correspondences = matched(from, to);
+    registration.feature_matches = registration.correspondences.size();
+    registration.feature_seconds = now() - start;
+    result = register_correspondences(registration.correspondences, search);
+  }
+  if (result.T_target_source) refine(from.cloud, to.cloud, options, registration);
+  result.seconds = now() - start;
+  return registration;
+}
+
+}  // namespace palpate::registration
