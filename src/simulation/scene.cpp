@@ -8,6 +8,7 @@
 #include <string>
 
 #include "exact_contact.hpp"
+#include "hand_joints.hpp"
 #include "hand_spec.hpp"
 #include "mesh_geom.hpp"
 #include "palpate/core/assets.hpp"
@@ -150,13 +151,7 @@ void prepare_hand(mjSpec& spec, const WorldOptions& options) {
   for (mjsElement* e = mjs_firstElement(&spec, mjOBJ_BODY); e; e = mjs_nextElement(&spec, e)) {
     mjs_asBody(e)->gravcomp = 1;
   }
-  for (std::string_view name : hand::kActuatorNames) {
-    if (hand::finger_of_actuator(hand::actuator_index(name)) < 0) continue;
-    mjsElement* e = mjs_findElement(&spec, mjOBJ_ACTUATOR, mjcf_actuator(name).c_str());
-    if (!e) throw BadInput(fmt::format("the hand's model has no actuator {}", name));
-    mjs_asActuator(e)->gainprm[0] *= options.stiffness_scale;
-    mjs_asActuator(e)->biasprm[1] *= options.stiffness_scale;
-  }
+  prepare_joints(spec, options);
 }
 
 mjsGeom& add_solid(mjSpec& spec, mjsBody& body, const std::string& name,

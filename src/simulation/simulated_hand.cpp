@@ -10,6 +10,7 @@
 
 #include "palpate/core/error.hpp"
 #include "palpate/core/se3.hpp"
+#include "palpate/hand/coupling.hpp"
 
 namespace palpate::simulation {
 namespace {
@@ -33,19 +34,6 @@ Vector6d base_vector(const hand::BasePosition& base) {
   Vector6d result;
   result << base.xyz, base.ypr;
   return result;
-}
-
-/// Joint angles with the given actuator positions.
-hand::JointVector joints_at(const hand::ActuatorVector& positions) {
-  hand::JointVector joints;
-  for (int i = 0; i < hand::kJoints; ++i) {
-    std::string name(hand::kJointNames[static_cast<Index>(i)]);
-    const bool coupled = !name.starts_with("TH") && !name.starts_with("WR") &&
-                         (name.ends_with("J1") || name.ends_with("J2"));
-    if (coupled) name.back() = '0';
-    joints[i] = positions[hand::actuator_index(name)] * (coupled ? 0.5 : 1.0);
-  }
-  return joints;
 }
 
 /// What one contact of the solver does to a fingertip, in the world.
@@ -123,7 +111,7 @@ hand::HandReading SimulatedHand::step(const hand::HandCommand& command) {
 
 void SimulatedHand::reset(const hand::HandCommand& command) {
   apply(command);
-  const hand::JointVector joints = joints_at(command.positions);
+  const hand::JointVector joints = hand::joints_in_free_flexion(command.positions);
   for (Index i = 0; i < scene_.joint_positions.size(); ++i) {
     data_.qpos[scene_.joint_positions[i]] = joints[static_cast<int>(i)];
   }

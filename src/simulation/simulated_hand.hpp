@@ -20,7 +20,7 @@ class SimulatedHand : public hand::Hand {
   hand::HandReading step(const hand::HandCommand& command) override;
 
   /// Puts the hand, at rest, where the command wants it, and starts the noise anew. The coupled
-  /// joints J1 and J2 share J0 equally.
+  /// joints J1 and J2 share J0 as in free flexion.
   void reset(const hand::HandCommand& command);
 
  private:

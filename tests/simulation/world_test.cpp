@@ -12,6 +12,7 @@
 #include "palpate/core/error.hpp"
 #include "palpate/core/se3.hpp"
 #include "palpate/geometry/mesh_query.hpp"
+#include "palpate/hand/coupling.hpp"
 #include "palpate/hand/kinematics.hpp"
 #include "simulation/scenes.hpp"
 
@@ -71,8 +72,9 @@ TEST(World, TheCoupledJointsShareTheirActuator) {
   hand::HandCommand command = open_hand(0.5);
   command.positions[hand::actuator_index("RFJ0")] = 1.2;
   world.reset({}, command);
-  EXPECT_NEAR(world.truth().joints[hand::joint_index("RFJ1")], 0.6, 1e-12);
-  EXPECT_NEAR(world.truth().joints[hand::joint_index("RFJ2")], 0.6, 1e-12);
+  const hand::CoupledAngles pair = hand::share_in_free_flexion(1.2);
+  EXPECT_NEAR(world.truth().joints[hand::joint_index("RFJ1")], pair.j1, 1e-12);
+  EXPECT_NEAR(world.truth().joints[hand::joint_index("RFJ2")], pair.j2, 1e-12);
   EXPECT_EQ(world.truth().joints[hand::joint_index("THJ1")], 0);
 }
 
@@ -248,7 +250,7 @@ TEST(World, ActuatorsDescribeTheServos) {
   }
   const auto j0 = static_cast<std::size_t>(hand::actuator_index("MFJ0"));
   EXPECT_DOUBLE_EQ(soft.hand().actuators()[j0].stiffness, 0.5);
-  EXPECT_NEAR(soft.hand().actuators()[j0].command.high, 3.1415, 1e-12);
+  EXPECT_NEAR(soft.hand().actuators()[j0].command.high, 2 * 1.571, 1e-12);
 }
 
 TEST(World, StiffnessIsTorqueOverError) {
