@@ -54,6 +54,7 @@ void add_certify(CLI::App& program, Command& chosen);
 void add_doctor(CLI::App& program, Command& chosen);
 void add_render(CLI::App& program, Command& chosen);
 void add_sense(CLI::App& program, Command& chosen);
+void add_train(CLI::App& program, Command& chosen);
 void add_view(CLI::App& program, Command& chosen);
 
 }  // namespace palpate::app

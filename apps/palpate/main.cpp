@@ -36,6 +36,7 @@ int run(int argc, char** argv) {
   add_doctor(program, chosen);
   add_render(program, chosen);
   add_sense(program, chosen);
+  add_train(program, chosen);
   add_view(program, chosen);
   try {
     program.parse(argc, argv);

@@ -8,6 +8,7 @@
 
 #include "palpate/core/error.hpp"
 #include "palpate/touch/normal_estimator.hpp"
+#include "sense_biotac.hpp"
 #include "sense_contacts.hpp"
 
 namespace palpate::app {
@@ -51,8 +52,8 @@ int sense(const SenseArguments& arguments) {
       report_streams(arguments, sense_contact_log(arguments));
       break;
     case Format::biotac:
-      throw BadInput(
-          fmt::format("{} is a log of a BioTac, which needs --model FILE", arguments.recording));
+      report_streams(arguments, sense_biotac(arguments));
+      break;
   }
   return kDone;
 }
