@@ -53,6 +53,8 @@ void add_register(CLI::App& program, Command& chosen);
 void add_certify(CLI::App& program, Command& chosen);
 void add_doctor(CLI::App& program, Command& chosen);
 void add_render(CLI::App& program, Command& chosen);
+void add_rollout(CLI::App& program, Command& chosen);
+void add_compare(CLI::App& program, Command& chosen);
 void add_sense(CLI::App& program, Command& chosen);
 void add_train(CLI::App& program, Command& chosen);
 void add_view(CLI::App& program, Command& chosen);

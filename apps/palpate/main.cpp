@@ -35,6 +35,8 @@ int run(int argc, char** argv) {
   add_certify(program, chosen);
   add_doctor(program, chosen);
   add_render(program, chosen);
+  add_rollout(program, chosen);
+  add_compare(program, chosen);
   add_sense(program, chosen);
   add_train(program, chosen);
   add_view(program, chosen);

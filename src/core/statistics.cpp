@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <numeric>
 
@@ -65,6 +66,29 @@ Interval wilson_interval(std::size_t successes, std::size_t trials) {
       kNormalQuantile / (1 + z2 / n) * std::sqrt(p * (1 - p) / n + z2 / (4 * n * n));
   // The ends are exactly 0 and 1 there; rounding must not say otherwise.
   return {successes == 0 ? 0.0 : center - half, successes == trials ? 1.0 : center + half};
+}
+
+Interval mean_interval(const std::vector<double>& values) {
+  const double n = static_cast<double>(values.size());
+  const double error = standard_deviation(values) / std::sqrt(n);
+  const boost::math::students_t distribution(n - 1);
+  const double half = boost::math::quantile(distribution, 0.975) * error;
+  return {mean(values) - half, mean(values) + half};
+}
+
+std::vector<std::size_t> histogram(const std::vector<double>& values, double low, double high,
+                                   std::size_t bins) {
+  need(values, 1);
+  if (bins == 0 || !(low < high)) {
+    throw BadInput(fmt::format("a histogram of {} bins from {} to {}", bins, low, high));
+  }
+  std::vector<std::size_t> counts(bins, 0);
+  for (const double value : values) {
+    if (!(value >= low && value <= high)) continue;
+    const double place = (value - low) / (high - low) * static_cast<double>(bins);
+    ++counts[std::min(static_cast<std::size_t>(place), bins - 1)];
+  }
+  return counts;
 }
 
 }  // namespace palpate

@@ -27,4 +27,14 @@ struct Interval {
 /// @throws BadInput for no trials, or more successes than trials
 Interval wilson_interval(std::size_t successes, std::size_t trials);
 
+/// 95 % confidence interval of the mean, of normal values or enough of them (Student 1908).
+/// @throws BadInput for fewer than two values
+Interval mean_interval(const std::vector<double>& values);
+
+/// How many values fall into each of `bins` equal bins from `low` to `high`; both ends belong to
+/// the bins, values beyond are not counted.
+/// @throws BadInput for no bins, or unless low < high
+std::vector<std::size_t> histogram(const std::vector<double>& values, double low, double high,
+                                   std::size_t bins);
+
 }  // namespace palpate

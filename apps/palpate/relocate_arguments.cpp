@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "relocate_arguments.hpp"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <sstream>
+
+#include "palpate/core/assets.hpp"
+#include "palpate/core/error.hpp"
+#include "palpate/core/file.hpp"
+#include "palpate/learning/policy_io.hpp"
+
+namespace palpate::app {
+namespace {
+
+constexpr const char* kBest = "relocate-best";
+constexpr const char* kHeader = "return,distance,steps_within_5cm,diverged";
+
+double number_before_comma(const std::string& line) {
+  double value = 0;
+  const char* const end = line.data() + line.size();
+  const auto [rest, error] = std::from_chars(line.data(), end, value);
+  if (error != std::errc() || rest == end || *rest != ',' || !std::isfinite(value)) {
+    throw BadInput(fmt::format("'{}' is no row of {}", line, kHeader));
+  }
+  return value;
+}
+
+}  // namespace
+
+std::unique_ptr<learning::Policy> find_policy(const std::string& name) {
+  const std::string wanted = name.empty() ? kBest : name;
+  if (std::filesystem::exists(wanted)) return learning::load_policy(wanted);
+  if (wanted.find('/') != std::string::npos || wanted.ends_with(".json")) {
+    throw BadInput(fmt::format("{}: there is no such policy", wanted));
+  }
+  return learning::load_policy(asset(fmt::format("models/{}.json", wanted)));
+}
+
+bool is_policy(const std::string& name) { return !name.ends_with(".csv"); }
+
+nlohmann::json summary_json(const learning::RolloutSummary& s) {
+  return {{"episodes", s.episodes},
+          {"return", {{"mean", s.mean}, {"sd", s.sd}, {"ci95", {s.ci95.low, s.ci95.high}}}},
+          {"success_10cm", s.success_10cm},
+          {"success_5cm", s.success_5cm},
+          {"success_2cm", s.success_2cm},
+          {"success_steady_5cm", s.success_steady},
+          {"median_distance", s.median_distance},
+          {"diverged", s.diverged}};
+}
+
+std::string episodes_csv(const std::vector<learning::Episode>& episodes) {
+  std::string text = fmt::format("{}\n", kHeader);
+  for (const auto& e : episodes) {
+    text +=
+        fmt::format("{},{},{},{}\n", e.total, e.distance, e.steps_within_5cm, e.diverged ? 1 : 0);
+  }
+  return text;
+}
+
+std::vector<double> read_returns(const std::string& path) {
+  std::istringstream lines(read_file(path));
+  std::string line;
+  std::getline(lines, line);
+  if (line != kHeader) {
+    throw BadInput(fmt::format("{}:1: '{}' is not the header {}", path, line, kHeader));
+  }
+  std::vector<double> result;
+  for (int number = 2; std::getline(lines, line); ++number) {
+    try {
+      result.push_back(number_before_comma(line));
+    } catch (const BadInput& error) {
+      throw BadInput(fmt::format("{}:{}: {}", path, number, error.what()));
+    }
+  }
+  return result;
+}
+
+}  // namespace palpate::app

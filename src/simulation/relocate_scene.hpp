@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "mujoco_handles.hpp"
+#include "palpate/simulation/relocate_task.hpp"
+
+namespace palpate::simulation {
+
+/// The compiled model of the relocate task, and where in it each thing is.
+struct RelocateScene {
+  ModelHandle model;
+  int object = -1;         ///< body
+  int palm = -1;           ///< site
+  int target = -1;         ///< site
+  int object_joint = -1;   ///< address in qpos
+  std::vector<char> hand;  ///< for each geom, whether it is the hand's
+  std::vector<char> held;  ///< for each geom, whether it is the object's
+};
+
+/// What is kept in the model for drawing it.
+enum class RelocateVisuals { none, drawn };
+
+/// Composes hand, table, object and target.
+/// @throws BadInput if the hand's model is missing or the object cannot be used
+RelocateScene compose_relocate_scene(const RelocateObject& object, const RelocatePhysics& physics,
+                                     RelocateVisuals visuals);
+
+}  // namespace palpate::simulation
