@@ -15,7 +15,12 @@ constexpr double kAbove = 0.03;        // m over the object's top while travelli
 constexpr double kLeastDepth = 0.014;  // m of the fingertip's centre over the table
 constexpr double kRest = 0.12;         // s of contact that are averaged
 constexpr double kBlockedLoad = 0.4;   // N on the base: something but the fingertip touches
-constexpr double kBackOff = 0.03;      // m
+constexpr int kDirections = 16;        // of further sweeps
+constexpr int kOffsets = 3;            // to either side of the object's place
+constexpr double kSpacing = 0.015;     // m between them
+constexpr double kDepthStep = 0.02;    // m between heights of further sweeps
+constexpr double kLeastInformation = 0.03;
+constexpr double kBackOff = 0.03;  // m
 constexpr auto kProbe = static_cast<std::size_t>(hand::Finger::first);
 
 /// The first finger straight, the others curled away.
@@ -47,10 +52,59 @@ hand::BasePosition base_for_probe(const Robot& robot, const Eigen::Vector3d& p) 
 }
 
 Robot::StopCondition tip_touches(double force) {
-  return [force, pressed = 0](const hand::HandReading& reading) mutable {
-    pressed = tip_force(reading, static_cast<int>(kProbe)) > force ? pressed + 1 : 0;
-    return pressed >= 2;
+  return [force](const hand::HandReading& reading) {
+    return tip_force(reading, static_cast<int>(kProbe)) > force;
   };
+}
+
+double first_depth(const PickState& state, const ExploreOptions& options) {
+  return std::max(kLeastDepth, state.height - options.reach);
+}
+
+/// Level towards the object's place from an angle, passing it to the left by an offset.
+Sweep level_sweep(const PickState& state, const ExploreOptions& options, double angle,
+                  double offset, double depth) {
+  const Eigen::Vector3d out(std::cos(angle), std::sin(angle), 0);
+  const Eigen::Vector3d middle = Eigen::Vector3d(state.place.x(), state.place.y(), depth) +
+                                 offset * Eigen::Vector3d::UnitZ().cross(out);
+  return {middle + options.radius * out, middle - options.past * out};
+}
+
+/// Level ones from the least height of the fingertip up to the object's top, and downward ones.
+std::vector<Sweep> telling_sweeps(const PickState& state, const ExploreOptions& options) {
+  std::vector<Sweep> sweeps;
+  for (double depth = first_depth(state, options); depth > kLeastDepth - 0.5 * kDepthStep;
+       depth -= kDepthStep) {
+    for (int i = 0; i < kDirections; ++i) {
+      for (int side = -kOffsets; side <= kOffsets; ++side) {
+        sweeps.push_back(level_sweep(state, options, 2 * std::numbers::pi * i / kDirections,
+                                     kSpacing * side, std::max(kLeastDepth, depth)));
+      }
+    }
+  }
+  for (int x = -kOffsets; x <= kOffsets; ++x) {
+    for (int y = -kOffsets; y <= kOffsets; ++y) {
+      const Eigen::Vector2d xy = state.place + kSpacing * Eigen::Vector2d(x, y);
+      sweeps.push_back({{xy.x(), xy.y(), state.height + kAbove}, {xy.x(), xy.y(), kLeastDepth}});
+    }
+  }
+  return sweeps;
+}
+
+/// The first finger's balls around the centre of its tip.
+SweepingFinger sweeping_finger(const Robot& robot) {
+  const auto& hand = robot.model();
+  const auto T_base_link = hand::forward_kinematics(hand, robot.reading().joints);
+  const Eigen::Matrix3d R_world_base =
+      base_for_probe(robot, Eigen::Vector3d::Zero()).pose().linear();
+  const Eigen::Vector3d probe = probe_in_base(robot);
+  SweepingFinger finger;
+  for (const auto& sphere : hand.spheres) {
+    const Eigen::Vector3d p = T_base_link[static_cast<std::size_t>(sphere.link)] * sphere.center;
+    const bool tip = sphere.link == hand.distal[kProbe];
+    (tip ? finger.tip : finger.rest).push_back({R_world_base * (p - probe), sphere.radius});
+  }
+  return finger;
 }
 
 }  // namespace
@@ -64,9 +118,11 @@ PhaseEnd ExplorePhase::run(Robot& robot, PickState& state) {
   int touches = 0;
   for (int i = 0; i < options_.touches; ++i) {
     const double angle = 2 * std::numbers::pi * i / options_.touches;
-    touches += sweep(robot, state, angle);
+    touches +=
+        sweep(robot, state, level_sweep(state, options_, angle, 0, first_depth(state, options_)));
   }
   state.resting = locate_resting(object_, robot.model(), robot.log(), locate_, seed_);
+  touches += tell_apart(robot, state);
   if (state.resting->modes.empty()) {
     state.resting.reset();
     return {false, fmt::format("{} touches that no pose explains", touches)};
@@ -76,23 +132,32 @@ PhaseEnd ExplorePhase::run(Robot& robot, PickState& state) {
                             state.resting->modes[0].weight)};
 }
 
-bool ExplorePhase::sweep(Robot& robot, const PickState& state, double angle) const {
-  const Eigen::Vector2d out(std::cos(angle), std::sin(angle));
-  const double depth = std::max(kLeastDepth, state.height - options_.reach);
-  const auto at = [&](double radius, double height) {
-    const Eigen::Vector2d xy = state.place + radius * out;
-    return base_for_probe(robot, {xy.x(), xy.y(), height});
-  };
-  const hand::BasePosition start = at(options_.radius, depth);
-  const hand::BasePosition end = at(-options_.past, depth);
+/// Touches where the modes differ most, one after the other, till one of them is left.
+int ExplorePhase::tell_apart(Robot& robot, PickState& state) const {
+  int touches = 0;
+  const auto sweeps = telling_sweeps(state, options_);
+  for (int i = options_.touches; i < options_.most_touches; ++i) {
+    if (state.resting->modes.empty() || state.resting->modes[0].weight > options_.certain) break;
+    const auto choice = most_telling_sweep(object_, *state.resting, sweeping_finger(robot), sweeps);
+    if (!choice || choice->information < kLeastInformation) break;
+    touches += sweep(robot, state, choice->sweep);
+    state.resting = locate_resting(object_, robot.model(), robot.log(), locate_, seed_);
+  }
+  return touches;
+}
+
+bool ExplorePhase::sweep(Robot& robot, const PickState& state, const Sweep& sweep) const {
+  const Eigen::Vector3d forward = (sweep.to - sweep.from).normalized();
+  const hand::BasePosition start = base_for_probe(robot, sweep.from);
+  const hand::BasePosition end = base_for_probe(robot, sweep.to);
   hand::BasePosition above = start;
-  above.xyz.z() += state.height - depth + kAbove;
+  above.xyz.z() += std::max(0.0, state.height + kAbove - sweep.from.z());
   robot.move_base(above, options_.travel_speed);
   robot.move_base(start, options_.travel_speed / 2);
   robot.wait(0.15);
   robot.mark(Mark::sweep);
   const auto tip = tip_touches(options_.touch_force);
-  const auto blocked = lasting_load(robot, Eigen::Vector3d(-out.x(), -out.y(), 0), kBlockedLoad);
+  const auto blocked = lasting_load(robot, forward, kBlockedLoad);
   bool touched = false;
   robot.move_base(end, options_.speed, [&](const hand::HandReading& reading) {
     touched = tip(reading);
@@ -101,9 +166,9 @@ bool ExplorePhase::sweep(Robot& robot, const PickState& state, double angle) con
   if (touched) robot.wait(kRest);
   robot.mark(touched ? Mark::touched : Mark::missed);
   hand::BasePosition back = robot.command().base;
-  back.xyz.head<2>() += kBackOff * out;
+  back.xyz -= kBackOff * forward;
   robot.move_base(back, options_.travel_speed / 4);
-  back.xyz.z() = above.xyz.z();
+  back.xyz.z() = std::max(back.xyz.z(), above.xyz.z());
   robot.move_base(back, options_.travel_speed);
   return touched;
 }

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <limits>
 
 namespace palpate::pipeline {
@@ -17,6 +18,10 @@ constexpr double kForearmPitch = 0.5;               // rad
 constexpr double kWristBend = -0.25;                // rad
 constexpr double kKnuckleBend = -0.25;              // rad
 const Eigen::Vector2d kLevelCenter(0.072, -0.005);  // m
+
+/// Where to feel for the object, as shares of the search's width from its rough place.
+const std::array<Eigen::Vector2d, 5> kSearch = {
+    Eigen::Vector2d{0, 0}, {1, 0}, {0, 1}, {-1, 0}, {0, -1}};
 
 hand::ActuatorVector flat_hand() {
   hand::ActuatorVector posture = hand::ActuatorVector::Zero();
@@ -44,11 +49,23 @@ double lowest_of_hand(const hand::HandModel& model, const hand::HandReading& rea
 }
 
 PhaseEnd FeelPhase::run(Robot& robot, PickState& state) {
-  const Eigen::Vector2d xy = state.place - Eigen::Rotation2Dd(state.yaw) * kLevelCenter;
+  const Eigen::Vector2d rough = state.place;
+  robot.move_fingers(flat_hand(), 0.4);
+  for (const auto& side : kSearch) {
+    const Eigen::Vector2d place = rough + options_.search * side;
+    if (!lower(robot, state, place)) continue;
+    state.place = place;
+    return {true, fmt::format("{:.0f} mm tall", 1e3 * state.height)};
+  }
+  return {false, "felt nothing above the table"};
+}
+
+/// Comes down flat over a place. @return whether there was something above the table
+bool FeelPhase::lower(Robot& robot, PickState& state, const Eigen::Vector2d& place) const {
+  const Eigen::Vector2d xy = place - Eigen::Rotation2Dd(state.yaw) * kLevelCenter;
   hand::BasePosition above;
   above.xyz = {xy.x(), xy.y(), options_.start_height};
   above.ypr = {state.yaw, kForearmPitch, 0};
-  robot.move_fingers(flat_hand(), 0.4);
   robot.move_base(above, options_.travel_speed);
   robot.wait(0.2);
 
@@ -67,8 +84,7 @@ PhaseEnd FeelPhase::run(Robot& robot, PickState& state) {
   hand::BasePosition up = robot.command().base;
   up.xyz.z() += kRetreat;
   robot.move_base(up, options_.travel_speed);
-  if (!found) return {false, "felt nothing above the table"};
-  return {true, fmt::format("{:.0f} mm tall", 1e3 * state.height)};
+  return found;
 }
 
 }  // namespace palpate::pipeline

@@ -2,14 +2,17 @@
 #pragma once
 
 #include "palpate/pipeline/phase.hpp"
+#include "palpate/pipeline/sweep_choice.hpp"
 
 namespace palpate::pipeline {
 
 struct ExploreOptions {
   int touches = 8;            ///< sweeps around the object; 0: none
+  int most_touches = 16;      ///< with those that tell apart what the first ones left open
+  double certain = 0.97;      ///< weight of a pose that needs no more touches
   double radius = 0.135;      ///< of the circle from which they start, m
   double past = 0.05;         ///< how far they go past the object's place, m
-  double speed = 0.03;        ///< of a sweep, m/s
+  double speed = 0.02;        ///< of a sweep, m/s
   double touch_force = 0.1;   ///< N at the fingertip
   double travel_speed = 0.4;  ///< m/s
   double reach = 0.013;       ///< below the object's top, where only the fingertip touches, m
@@ -17,6 +20,8 @@ struct ExploreOptions {
   template <class Visitor>
   void visit(Visitor&& v) {
     v("touches", touches, 0, 64, "sweeps around the object; 0: none");
+    v("most_touches", most_touches, 0, 64, "with those that tell apart what the first left open");
+    v("certain", certain, 0.0, 1.0, "weight of a pose that needs no more touches");
     v("radius", radius, 0.02, 0.3, "m, of the circle from which they start");
     v("past", past, 0.0, 0.2, "m, how far they go past the object's place");
     v("speed", speed, 0.001, 0.2, "m/s, of a sweep");
@@ -39,7 +44,8 @@ class ExplorePhase : public Phase {
   PhaseEnd run(Robot& robot, PickState& state) override;
 
  private:
-  bool sweep(Robot& robot, const PickState& state, double angle) const;
+  bool sweep(Robot& robot, const PickState& state, const Sweep& sweep) const;
+  int tell_apart(Robot& robot, PickState& state) const;
 
   const localization::ObjectModel& object_;
   ExploreOptions options_;

@@ -11,6 +11,7 @@ struct FeelOptions {
   double touch_force = 0.7;    ///< N of load on the base
   double clearance = 0.012;    ///< stop this far above the table, m
   double travel_speed = 0.5;   ///< through the air, m/s
+  double search = 0.10;        ///< where nothing is felt: this far to four sides of the place, m
 
   template <class Visitor>
   void visit(Visitor&& v) {
@@ -18,6 +19,7 @@ struct FeelOptions {
     v("speed", speed, 0.001, 0.5, "m/s, downwards");
     v("touch_force", touch_force, 0.05, 20.0, "N, load on the base that counts as touch");
     v("clearance", clearance, 0.0, 0.1, "m, nearest approach to the table");
+    v("search", search, 0.0, 0.3, "m, to the sides of a place where nothing is felt");
     v("travel_speed", travel_speed, 0.01, 2.0, "m/s, through the air");
   }
 };
@@ -30,10 +32,12 @@ class FeelPhase : public Phase {
  public:
   explicit FeelPhase(const FeelOptions& options) : options_(options) {}
   std::string_view name() const override { return "feel"; }
-  double time_limit() const override { return 20.0; }
+  double time_limit() const override { return 60.0; }
   PhaseEnd run(Robot& robot, PickState& state) override;
 
  private:
+  bool lower(Robot& robot, PickState& state, const Eigen::Vector2d& place) const;
+
   FeelOptions options_;
 };
 
