@@ -51,6 +51,7 @@ void add_eval(CLI::App& program, Command& chosen);
 void add_replay(CLI::App& program, Command& chosen);
 void add_register(CLI::App& program, Command& chosen);
 void add_certify(CLI::App& program, Command& chosen);
+void add_localize(CLI::App& program, Command& chosen);
 void add_doctor(CLI::App& program, Command& chosen);
 void add_render(CLI::App& program, Command& chosen);
 void add_rollout(CLI::App& program, Command& chosen);
