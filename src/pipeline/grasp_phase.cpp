@@ -7,21 +7,25 @@
 #include <numbers>
 
 #include "palpate/pipeline/feel_phase.hpp"
-#include "palpate/pipeline/grasp_aim.hpp"
+#include "palpate/pipeline/squeeze.hpp"
+#include "palpate/touch/contact_window.hpp"
 
 namespace palpate::pipeline {
 namespace {
 
+constexpr double kGravity = 9.81;        // m/s^2
 constexpr double kSideDistance = 0.22;   // m before the object where a side approach starts
 constexpr double kSideOvershoot = 0.03;  // m past the object's place where it ends at the latest
 constexpr double kTopDistance = 0.13;    // m above the object where an approach from above starts
 constexpr double kTopClearance = 0.003;  // m above the table where it ends at the latest
 constexpr double kClear = 0.06;          // m up from where the fingers landed on top
 constexpr double kSafeHeight = 0.34;     // m of the base while it travels
-constexpr double kTipContact = 0.15;     // N at which a finger counts as touching
-constexpr double kLongestClose = 2.5;    // s
+constexpr double kTipContact = 0.10;     // N at which a finger counts as touching
+constexpr int kLostTicks = 10;
+constexpr std::size_t kTouchReadings = 15;
+constexpr double kTouchSeconds = kTouchReadings * hand::kTick;
 constexpr int kStillTicks = 12;
-constexpr double kStillStep = 0.0006;  // rad a tick
+constexpr double kStillStep = 0.0003;  // rad a tick
 
 hand::ActuatorVector open_posture(const GraspRecipe& recipe) {
   hand::ActuatorVector posture = hand::ActuatorVector::Zero();
@@ -50,63 +54,104 @@ hand::BasePosition base_at(const PickState& state, const GraspRecipe& recipe, do
 }
 
 /// Which fingers are done: they touch, or their command, which never leads the joint by more than
-/// the torque limit allows, has stood still for a while.
+/// the torque limit allows, has stood still for a while. One that has lost touch closes on.
 class FingersDone {
  public:
   void update(const hand::HandReading& reading, const hand::HandCommand& command) {
     for (std::size_t finger = 0; finger < hand::kFingers; ++finger) {
       const double position = command.positions[hand::actuator_index(kDrives[finger])];
       const bool still = std::abs(position - last_[finger]) < kStillStep;
-      still_[finger] = still ? still_[finger] + 1 : 0;
+      still_[finger] = still && !touches_[finger] ? still_[finger] + 1 : 0;
       last_[finger] = position;
-      if (tip_force(reading, static_cast<int>(finger)) > kTipContact ||
-          still_[finger] > kStillTicks) {
-        done_[finger] = true;
-      }
+      const bool touches = tip_force(reading, static_cast<int>(finger)) > kTipContact;
+      apart_[finger] = touches ? 0 : apart_[finger] + 1;
+      touches_[finger] = touches || (touches_[finger] && apart_[finger] < kLostTicks);
+      stuck_[finger] = stuck_[finger] || still_[finger] > kStillTicks;
     }
   }
-  bool all() const {
-    return std::all_of(done_.begin(), done_.end(), [](bool done) { return done; });
-  }
+  bool done(std::size_t finger) const { return touches_[finger] || stuck_[finger]; }
+  bool all() const { return touching() + stuck() == hand::kFingers; }
   std::array<bool, hand::kFingers> still_closing() const {
     std::array<bool, hand::kFingers> open{};
-    std::transform(done_.begin(), done_.end(), open.begin(), [](bool done) { return !done; });
+    for (std::size_t finger = 0; finger < hand::kFingers; ++finger) open[finger] = !done(finger);
     return open;
   }
 
  private:
-  std::array<bool, hand::kFingers> done_{};
+  int touching() const {
+    return static_cast<int>(std::count(touches_.begin(), touches_.end(), true));
+  }
+  int stuck() const {
+    int count = 0;
+    for (std::size_t finger = 0; finger < hand::kFingers; ++finger) {
+      count += stuck_[finger] && !touches_[finger];
+    }
+    return count;
+  }
+
   static constexpr std::array<std::string_view, hand::kFingers> kDrives = {"THJ5", "FFJ3", "MFJ3",
                                                                            "RFJ3", "LFJ3"};
-  std::array<int, hand::kFingers> still_{};
+  std::array<bool, hand::kFingers> touches_{}, stuck_{};
+  std::array<int, hand::kFingers> still_{}, apart_{};
   std::array<double, hand::kFingers> last_{};
 };
-
-constexpr std::array<bool, hand::kFingers> kAllFingers = {true, true, true, true, true};
 
 }  // namespace
 
 PhaseEnd GraspPhase::run(Robot& robot, PickState& state) {
-  const bool from_side = state.height >= options_.side_from;
-  if (state.resting) aim(state, from_side);
-  if (from_side) {
+  const auto planned = plan(robot, state);
+  const bool from_side = !planned && state.height >= options_.side_from;
+  if (planned) {
+    state.yaw = planned->base.ypr.x();
+    approach(robot, *planned);
+  } else if (from_side) {
     approach_from_side(robot, state);
   } else {
     approach_from_above(robot, state);
   }
+  state.tried_yaws.push_back(state.yaw);
   close(robot, from_side ? options_.side : options_.top);
+  const double imbalance = squeeze(robot);
   const int contacts = count_contacts(robot.reading());
   return {contacts >= options_.least_contacts,
-          fmt::format("{} grasp, {} contacts", from_side ? "side" : "top", contacts)};
+          fmt::format("{} grasp, {} contacts, imbalance {:.2f}",
+                      planned     ? "planned"
+                      : from_side ? "side"
+                                  : "top",
+                      contacts, imbalance)};
 }
 
-void GraspPhase::aim(PickState& state, bool from_side) const {
-  const Eigen::Isometry3d& T_world_object = state.resting->modes.front().T_frame_object;
-  state.place = T_world_object.translation().head<2>();
-  if (from_side) return;
-  const GraspAim aim = aim_from_above(mesh_, T_world_object, options_.closing_angle);
-  state.place = aim.place;
-  state.yaw = aim.yaw;
+std::optional<GraspPlan> GraspPhase::plan(const Robot& robot, const PickState& state) const {
+  if (!state.resting) return std::nullopt;
+  const GraspRecipe& recipe = options_.top;
+  const hand::ClosingLaw law(robot.actuators(), recipe.closing_rate, recipe.thumb_limit);
+  const auto path = closing_path(robot.model(), open_posture(recipe), law);
+  PlanOptions options = options_.plan;
+  options.press = press();
+  std::optional<GraspPlan> best;
+  for (const double pitch : {recipe.pitch, options_.steep_pitch}) {
+    const auto plan = plan_grasp(object_, state.resting->modes.front().T_frame_object, path,
+                                 {pitch, recipe.roll}, options, state.tried_yaws);
+    if (plan && (!best || plan->cost < best->cost)) best = plan;
+    if (best && best->cost < options_.good_cost) break;
+  }
+  return best;
+}
+
+double GraspPhase::press() const {
+  return std::max(options_.least_press,
+                  options_.press_per_weight * object_.object().mass * kGravity);
+}
+
+void GraspPhase::approach(Robot& robot, const GraspPlan& plan) const {
+  hand::BasePosition above = plan.base;
+  above.xyz.z() += kTopDistance;
+  travel_to(robot, above, options_.top);
+  const auto loaded = lasting_load(robot, -Eigen::Vector3d::UnitZ(), options_.top.contact_load);
+  robot.move_base(plan.base, options_.top.approach_speed, [&](const hand::HandReading& reading) {
+    return loaded(reading) || lowest_of_hand(robot.model(), reading) < kTopClearance;
+  });
+  robot.wait(0.15);
 }
 
 void GraspPhase::travel_to(Robot& robot, const hand::BasePosition& start,
@@ -167,24 +212,36 @@ void GraspPhase::descend(Robot& robot, const PickState& state) const {
 void GraspPhase::close(Robot& robot, const GraspRecipe& recipe) const {
   const hand::ClosingLaw law(robot.actuators(), recipe.closing_rate, recipe.thumb_limit);
   FingersDone done;
-  const double end = robot.time() + kLongestClose;
+  const double end = robot.time() + options_.longest_close;
   while (robot.time() < end && !done.all()) {
-    robot.set_grip(
-        Grip{law, recipe.contact_torque, recipe.wait_for_all ? done.still_closing() : kAllFingers});
+    robot.set_grip(Grip{law, recipe.contact_torque, done.still_closing()});
     if (robot.wait(hand::kTick) == MotionEnd::timed_out) return;
     done.update(robot.reading(), robot.command());
   }
+  robot.set_grip(std::nullopt);
+  robot.wait(kTouchSeconds);
   robot.mark(Mark::closed);
-  const hand::ClosingLaw firm(robot.actuators(), 4.0, recipe.thumb_limit);
-  const double start = robot.time();
-  while (robot.time() < start + options_.ramp_seconds) {
-    const double share = (robot.time() - start + hand::kTick) / options_.ramp_seconds;
-    robot.set_grip(
-        Grip{firm, hand::blend(recipe.contact_torque, recipe.hold_torque, share), kAllFingers});
-    if (robot.wait(hand::kTick) == MotionEnd::timed_out) return;
+}
+
+/// Presses with forces that cancel. The commands then stay where they are: against stiff fingers an
+/// object that moves meets a growing resistance, where limited torques would let it go.
+double GraspPhase::squeeze(Robot& robot) const {
+  const std::span<const hand::HandReading> readings(robot.log().readings);
+  const auto window = readings.last(std::min(readings.size(), kTouchReadings));
+  const auto contacts = touch::lasting_contacts(window, robot.model(), {});
+  const auto balanced = balance_forces(contacts, options_.friction, press());
+  const auto torques =
+      pressing_torques(robot.model(), robot.reading().joints, contacts, balanced.forces);
+  hand::ActuatorVector target = robot.command().positions;
+  for (int i = 0; i < hand::kActuators; ++i) {
+    const auto& actuator = robot.actuators()[static_cast<std::size_t>(i)];
+    if (torques[i] == 0) continue;
+    const double lead = (torques[i] - robot.reading().torques[i]) / actuator.stiffness;
+    target[i] = std::clamp(target[i] + lead, actuator.command.low, actuator.command.high);
   }
-  robot.set_grip(Grip{firm, recipe.hold_torque, kAllFingers});
-  robot.wait(0.1);
+  robot.move_fingers(target, options_.ramp_seconds);
+  robot.wait(0.2);
+  return balanced.imbalance;
 }
 
 }  // namespace palpate::pipeline

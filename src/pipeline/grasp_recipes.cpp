@@ -34,7 +34,7 @@ GraspRecipe top_recipe() {
   recipe.roll = -0.30;
   recipe.offset_x = -0.005;
   recipe.offset_y = -0.030;
-  recipe.contact_load = 2.5;
+  recipe.contact_load = 1.0;
   recipe.thumb_base = -0.20;
   recipe.thumb_opposition = 1.03;
   recipe.thumb_middle = -0.21;
@@ -42,7 +42,7 @@ GraspRecipe top_recipe() {
   recipe.distal = 0.540;
   recipe.spread = 0.087;
   recipe.little_base = 0.1;
-  recipe.closing_rate = 3.0;
+  recipe.closing_rate = 1.0;
   recipe.thumb_limit = 0.718;
   recipe.wait_for_all = false;
   recipe.contact_torque = {0.117, 0.082, 0.117, 0.082};

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <span>
 
 #include "palpate/localization/pose_prior.hpp"
@@ -12,12 +13,14 @@
 namespace palpate::pipeline {
 namespace {
 
+constexpr double kFarther = 3.0;         // times the usual motion in a grasp that slides
 constexpr double kTouchWindow = 0.1;     // s of a touch that are averaged
 constexpr double kTouchMargin = 0.004;   // m before a touch that do not count as free
 constexpr double kSweptSpacing = 0.008;  // m between the places of a swept fingertip
 
 using geometry::KnownObject;
 using localization::Evidence;
+using localization::PosePrior;
 using localization::TableSupport;
 
 std::span<const hand::HandReading> window_before(const TouchLog& log, std::size_t index,
@@ -172,17 +175,76 @@ double total_weight(const localization::Posterior& posterior) {
   return sum;
 }
 
-/// Fingers that close draw the object towards the palm, against the base's x axis.
-Eigen::Isometry3d drawn_in(const LocateOptions& options) {
-  return Eigen::Isometry3d(Eigen::Translation3d(-options.draw_in, 0, 0));
+hand::HandReading mean_posture(std::span<const hand::HandReading> window) {
+  hand::HandReading mean = window.back();
+  mean.joints.setZero();
+  for (const auto& reading : window) {
+    mean.joints += reading.joints / static_cast<double>(window.size());
+  }
+  return mean;
 }
 
-/// By how much closing, pressing and lifting move the object in the hand.
-Matrix6d motion_covariance(const LocateOptions& options) {
+/// How the object has moved in the hand's base since the fingers met it, by where they have carried
+/// the contacts felt at both times. With less than three contacts only the way is told.
+Eigen::Isometry3d carried_motion(const hand::HandModel& hand,
+                                 std::span<const hand::HandReading> before,
+                                 std::span<const hand::HandReading> after,
+                                 const touch::ContactErrorModel& errors) {
+  const auto T_before = hand::forward_kinematics(hand, mean_posture(before).joints);
+  const auto T_after = hand::forward_kinematics(hand, mean_posture(after).joints);
+  const auto later = touch::lasting_contacts(after, hand, errors);
+  std::vector<Eigen::Vector3d> from, to;
+  for (const auto& contact : touch::lasting_contacts(before, hand, errors)) {
+    const bool lasts = std::any_of(later.begin(), later.end(), [&](const touch::Contact& other) {
+      return other.finger == contact.finger;
+    });
+    if (!lasts) continue;
+    const auto finger = static_cast<std::size_t>(contact.finger);
+    const auto link = static_cast<std::size_t>(hand.distal[finger]);
+    from.push_back(contact.p);
+    to.push_back(T_after[link] * T_before[link].inverse() * contact.p);
+  }
+  Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
+  if (from.empty()) return motion;
+  const auto count = static_cast<Eigen::Index>(from.size());
+  const Eigen::Map<const Eigen::Matrix3Xd> P(from.data()->data(), 3, count);
+  const Eigen::Map<const Eigen::Matrix3Xd> Q(to.data()->data(), 3, count);
+  if (count >= 3) {
+    motion.matrix() = Eigen::umeyama(P, Q, false);
+  } else {
+    motion.translation() = (Q - P).rowwise().mean();
+  }
+  return motion;
+}
+
+/// By how much closing, pressing and lifting move the object in the hand, times `scale`.
+Matrix6d motion_covariance(const LocateOptions& options, double scale) {
+  const double turn = scale * options.motion_angle_sigma;
+  const double way = scale * options.motion_sigma;
   Vector6d variance;
-  variance << Eigen::Vector3d::Constant(options.motion_angle_sigma * options.motion_angle_sigma),
-      Eigen::Vector3d::Constant(options.motion_sigma * options.motion_sigma);
+  variance << Eigen::Vector3d::Constant(turn * turn), Eigen::Vector3d::Constant(way * way);
   return variance.asDiagonal();
+}
+
+/// Share of the peak density that spreads the probability `elsewhere` over all poses.
+double floor_density(const PosePrior& prior, double elsewhere) {
+  constexpr double kPoses = 8 * std::numbers::pi * std::numbers::pi * 1e-3;  // 1 dm^3, rad^3 m^3
+  const double peak_volume =
+      std::sqrt(std::pow(2 * std::numbers::pi, 6) * prior.components[0].covariance.determinant());
+  return elsewhere * peak_volume / kPoses / prior.components[0].weight;
+}
+
+/// The resting pose seen from the hand, after a grasp that mostly moved the object a little.
+PosePrior prior_after_grasp(const localization::Posterior& resting, const LocateOptions& options) {
+  PosePrior prior = localization::prior_from(resting, motion_covariance(options, 1));
+  PosePrior wide = localization::prior_from(resting, motion_covariance(options, kFarther));
+  for (auto& component : prior.components) component.weight *= 1 - options.slide_share;
+  for (auto& component : wide.components) component.weight *= options.slide_share;
+  prior.components.insert(prior.components.end(), wide.components.begin(), wide.components.end());
+  std::stable_sort(prior.components.begin(), prior.components.end(),
+                   [](const auto& a, const auto& b) { return a.weight > b.weight; });
+  prior.floor = floor_density(prior, options.elsewhere);
+  return prior;
 }
 
 }  // namespace
@@ -216,8 +278,10 @@ PoseEstimate locate(const localization::ObjectModel& object, const hand::HandMod
     if (total_weight(resting) <= 0) {
       evidence.table = table_at_closing(object.object(), hand, log, options);
     } else {
-      move(drawn_in(options) * log.readings[*closed].base.pose().inverse(), resting);
-      evidence.prior = localization::prior_from(resting, motion_covariance(options));
+      const auto motion = carried_motion(hand, window_before(log, *closed, kTouchWindow),
+                                         window_before(log, *held, options.window), options.errors);
+      move(motion * log.readings[*closed].base.pose().inverse(), resting);
+      evidence.prior = prior_after_grasp(resting, options);
     }
   }
   estimate.posterior =

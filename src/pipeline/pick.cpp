@@ -58,9 +58,10 @@ PickResult pick(Robot& robot, const localization::ObjectModel& object, const Pic
       state.yaw += kNextSide;
     }
     result.held = course.run(FeelPhase(options.feel)) && explore() &&
-                  course.run(GraspPhase(options.grasp, object.object().mesh)) &&
+                  course.run(GraspPhase(options.grasp, object)) &&
                   course.run(LiftPhase(options.lift, weight));
   }
+  result.resting = state.resting;
   if (!result.held) return result;
   result.failed_phase.clear();
   course.run(LocatePhase(object, options.locate, seed));

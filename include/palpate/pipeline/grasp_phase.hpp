@@ -2,6 +2,7 @@
 #pragma once
 
 #include "palpate/hand/closing.hpp"
+#include "palpate/pipeline/grasp_plan.hpp"
 #include "palpate/pipeline/phase.hpp"
 
 namespace palpate::pipeline {
@@ -53,12 +54,19 @@ struct GraspOptions {
   double side_from = 0.3;  ///< objects at least this tall are grasped from the side, m
   GraspRecipe side = side_recipe();
   GraspRecipe top = top_recipe();
-  int turns = 4;                 ///< directions tried from above when fingers land on the object
-  double least_depth = 0.02;     ///< m below the object's top that the fingers must reach
-  double closing_angle = -0.35;  ///< from thumb to fingers, from the hand's x axis, rad
-  double travel_speed = 0.5;     ///< m/s
-  double ramp_seconds = 0.8;     ///< from the contact torque to the holding torque
-  int least_contacts = 2;        ///< fingertip contacts that count as a grasp
+  int turns = 4;                  ///< directions tried from above when fingers land on the object
+  double least_depth = 0.02;      ///< m below the object's top that the fingers must reach
+  double closing_angle = -0.35;   ///< from thumb to fingers, from the hand's x axis, rad
+  double travel_speed = 0.5;      ///< m/s
+  double longest_close = 5.0;     ///< s until all fingers have met the object
+  double ramp_seconds = 0.8;      ///< from touching to pressing
+  double press_per_weight = 3.0;  ///< of all fingertips together, by the object's weight
+  double least_press = 5.0;       ///< N
+  double steep_pitch = 0.9;       ///< rad, of the base where the usual one does not do
+  double good_cost = 0.1;         ///< of a plan with which the search ends
+  PlanOptions plan;
+  double friction = 0.5;   ///< that the balance of forces counts on
+  int least_contacts = 2;  ///< fingertip contacts that count as a grasp
 
   template <class Visitor>
   void visit(Visitor&& v) {
@@ -67,8 +75,15 @@ struct GraspOptions {
     v("least_depth", least_depth, 0.0, 0.2, "m below the object's top that the fingers must reach");
     v("closing_angle", closing_angle, -3.2, 3.2, "rad, of thumb to fingers from the hand's x axis");
     v("travel_speed", travel_speed, 0.01, 2.0, "m/s, through the air");
-    v("ramp_seconds", ramp_seconds, 0.01, 10.0, "s, from the contact torque to the holding torque");
+    v("longest_close", longest_close, 0.1, 30.0, "s until all fingers have met the object");
+    v("ramp_seconds", ramp_seconds, 0.01, 10.0, "s, from touching to pressing");
+    v("press_per_weight", press_per_weight, 0.0, 100.0, "of all fingertips, by the weight");
+    v("steep_pitch", steep_pitch, -1.6, 1.6, "rad, of the base where the usual one does not do");
+    v("good_cost", good_cost, 0.0, 2.0, "of a plan with which the search ends");
+    v("least_press", least_press, 0.1, 100.0, "N, of all fingertips together");
+    v("friction", friction, 0.0, 2.0, "that the balance of forces counts on");
     v("least_contacts", least_contacts, 0, 20, "fingertip contacts that count as a grasp");
+    v.section("plan", plan);
     v.section("side", side);
     v.section("top", top);
   }
@@ -78,22 +93,25 @@ struct GraspOptions {
 /// touch.
 class GraspPhase : public Phase {
  public:
-  GraspPhase(const GraspOptions& options, const geometry::TriangleMesh& mesh)
-      : options_(options), mesh_(mesh) {}
+  GraspPhase(const GraspOptions& options, const localization::ObjectModel& object)
+      : options_(options), object_(object) {}
   std::string_view name() const override { return "grasp"; }
   double time_limit() const override { return 30.0; }
   PhaseEnd run(Robot& robot, PickState& state) override;
 
  private:
-  void aim(PickState& state, bool from_side) const;
+  std::optional<GraspPlan> plan(const Robot& robot, const PickState& state) const;
+  void approach(Robot& robot, const GraspPlan& plan) const;
+  double press() const;
   void approach_from_side(Robot& robot, const PickState& state) const;
   void approach_from_above(Robot& robot, PickState& state) const;
   void descend(Robot& robot, const PickState& state) const;
   void travel_to(Robot& robot, const hand::BasePosition& start, const GraspRecipe& recipe) const;
   void close(Robot& robot, const GraspRecipe& recipe) const;
+  double squeeze(Robot& robot) const;
 
   GraspOptions options_;
-  const geometry::TriangleMesh& mesh_;
+  const localization::ObjectModel& object_;
 };
 
 }  // namespace palpate::pipeline

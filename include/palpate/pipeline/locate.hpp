@@ -14,10 +14,11 @@ struct LocateOptions {
   double felt_sigma = 0.005;            ///< of the felt height, m
   double resting_height_sigma = 0.003;  ///< of the fingertip's place in the hand, m
   double resting_half_width =
-      0.025;               ///< object within +- of its rough place before it is touched, m
-  double draw_in = 0.019;  ///< by which closing fingers draw the object towards the palm, m
-  double motion_angle_sigma = 0.40;  ///< by which the grasp turns the object in the hand, rad
-  double motion_sigma = 0.012;       ///< by which it moves it, m
+      0.025;  ///< object within +- of its rough place before it is touched, m
+  double motion_angle_sigma = 0.05;  ///< by which the grasp turns the object in the hand, rad
+  double slide_share = 0.15;         ///< chance that the grasp moved it three times as far
+  double elsewhere = 0.02;           ///< chance that the resting pose was wrong
+  double motion_sigma = 0.004;       ///< by which it moves it, m
   double other_stance = 0.03;        ///< chance that the grasp put the object into another stance
   double tilt_sigma = 0.30;          ///< by which the closing hand tilts the object, rad
   double height_sigma = 0.015;       ///< by which it raises it, m
@@ -34,7 +35,8 @@ struct LocateOptions {
     v("resting_height_sigma", resting_height_sigma, 1e-4, 0.1, "m, of the fingertip's height");
     v("resting_half_width", resting_half_width, 0.0, 0.3,
       "m, resting object within +- of its place");
-    v("draw_in", draw_in, -0.1, 0.1, "m, by which closing fingers draw the object to the palm");
+    v("slide_share", slide_share, 0.0, 0.9, "chance that the grasp moved it three times as far");
+    v("elsewhere", elsewhere, 1e-6, 0.9, "chance that the resting pose was wrong");
     v("motion_angle_sigma", motion_angle_sigma, 0.01, 3.0, "rad, turn of the object in the grasp");
     v("motion_sigma", motion_sigma, 1e-3, 0.2, "m, motion of the object in the grasp");
     v("other_stance", other_stance, 0.0, 1.0, "chance that the grasp changed the stance");

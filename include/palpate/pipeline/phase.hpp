@@ -37,6 +37,7 @@ struct PickState {
   Eigen::Vector2d place{0, 0};                     ///< rough place of the object, m
   std::optional<localization::Posterior> resting;  ///< pose on the table, in the world
   double yaw = 0;                                  ///< direction from which to grasp, rad
+  std::vector<double> tried_yaws;                  ///< of grasps that have been tried, rad
   double held_load = 0;                            ///< weight felt after the lift, N
   PoseEstimate estimate;                           ///< of the held object, in the world
 };

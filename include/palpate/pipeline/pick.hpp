@@ -37,6 +37,8 @@ struct PickResult {
   int attempts = 0;
   std::string failed_phase;  ///< of the last attempt; empty if all went well
   std::vector<PhaseReport> phases;
+  std::optional<localization::Posterior> resting;  ///< pose before the last grasp, in the world
+  std::optional<PoseEstimate> before_lift;         ///< in the closed hand, still on the table
   PoseEstimate estimate;
 };
 

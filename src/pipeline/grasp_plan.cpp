@@ -1,0 +1,294 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/pipeline/grasp_plan.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "palpate/hand/coupling.hpp"
+#include "palpate/pipeline/squeeze.hpp"
+
+namespace palpate::pipeline {
+namespace {
+
+using std::numbers::pi;
+
+constexpr double kGravity = 9.81;  // m/s^2
+constexpr int kYaws = 24;
+constexpr int kTipPoints = 5;
+constexpr int kStepTicks = 2;  // of the closing law between two shapes
+constexpr int kMostSteps = 150;
+constexpr float kCommonWidth = 0.06f;  // m
+constexpr float kOverlap = 0.002f;     // m of a link that counts as stuck
+constexpr double kSpacing = 0.010;     // m between places that are tried
+constexpr int kPlaces = 3;             // to either side of the middle
+constexpr std::size_t kFinalists = 16;
+constexpr double kTurnedAway = 0.35;  // rad between a yaw and those that have failed
+const std::array<double, 7> kHeights = {0, 0.012, 0.024, 0.036, 0.05, 0.065, 0.08};  // m
+const std::array<float, 5> kDescent = {0, 0.01f, 0.03f, 0.06f, 0.1f};                // m
+
+/// Posture of an empty hand that follows its commands at once.
+hand::HandReading empty_reading() { return {}; }
+
+std::vector<Eigen::Vector3f> tip_points(const hand::HandModel::TipCapsule& tip,
+                                        const Eigen::Isometry3d& T_base_link) {
+  std::vector<Eigen::Vector3f> points;
+  for (int i = 0; i < kTipPoints; ++i) {
+    const double share = static_cast<double>(i) / (kTipPoints - 1);
+    points.emplace_back((T_base_link * ((1 - share) * tip.a + share * tip.b)).cast<float>());
+  }
+  return points;
+}
+
+Eigen::Vector4f in_base(const hand::LinkSphere& sphere,
+                        const std::vector<Eigen::Isometry3d>& T_base_link) {
+  Eigen::Vector4f result;
+  result << (T_base_link[static_cast<std::size_t>(sphere.link)] * sphere.center).cast<float>(),
+      static_cast<float>(sphere.radius);
+  return result;
+}
+
+/// Finger that carries each link, -1 for the palm and what is behind it.
+std::vector<int> finger_of_links(const hand::HandModel& hand) {
+  std::vector<int> owner(hand.links.size(), -1);
+  for (int finger = 0; finger < hand::kFingers; ++finger) {
+    for (int link = hand.distal[static_cast<std::size_t>(finger)]; link >= 0 && link != hand.palm;
+         link = hand.links[static_cast<std::size_t>(link)].parent) {
+      owner[static_cast<std::size_t>(link)] = finger;
+    }
+  }
+  return owner;
+}
+
+/// An object at its pose, asked from the hand's base.
+class Target {
+ public:
+  Target(const localization::ObjectModel& object, const Eigen::Isometry3d& T_world_object,
+         const Eigen::Isometry3d& T_world_base)
+      : field_(object.field()),
+        T_object_base_((T_world_object.inverse() * T_world_base).cast<float>()),
+        T_world_base_(T_world_base.cast<float>()) {}
+  /// Infinite far from the object, where the field ends.
+  float distance(const Eigen::Vector3f& p) const {
+    const float distance = field_.distance(T_object_base_ * p);
+    return distance < field_.beyond() ? distance : std::numeric_limits<float>::infinity();
+  }
+  float height(const Eigen::Vector3f& p) const {
+    return T_world_base_.linear().row(2).dot(p) + T_world_base_.translation().z();
+  }
+  /// Outward normal near the surface, in the base's axes.
+  Eigen::Vector3d normal(const Eigen::Vector3f& p) const {
+    const auto sample = field_.at(T_object_base_ * p);
+    if (!sample) return Eigen::Vector3d::UnitZ();
+    return (T_object_base_.linear().transpose() * sample->gradient).cast<double>().normalized();
+  }
+
+ private:
+  const geometry::DistanceField& field_;
+  Eigen::Isometry3f T_object_base_, T_world_base_;
+};
+
+/// What one finger meets first when it closes: the contact of its tip, or nothing.
+std::optional<touch::Contact> meet(const Target& target, const std::vector<FingerShape>& shapes,
+                                   float radius, double table_clearance) {
+  for (const FingerShape& shape : shapes) {
+    for (const auto& sphere : shape.other_spheres) {
+      if (target.distance(sphere.head<3>()) < sphere.w() - kOverlap) return std::nullopt;
+    }
+    const Eigen::Vector3f* nearest = nullptr;
+    float least = std::numeric_limits<float>::infinity();
+    for (const auto& p : shape.tip) {
+      if (target.height(p) - radius < table_clearance / 2) return std::nullopt;
+      const float distance = target.distance(p) - radius;
+      if (distance >= least) continue;
+      least = distance;
+      nearest = &p;
+    }
+    if (least > 0) continue;
+    touch::Contact contact;
+    contact.n = target.normal(*nearest);
+    contact.p = nearest->cast<double>() - radius * contact.n;
+    return contact;
+  }
+  return std::nullopt;
+}
+
+bool comes_down_freely(const Target& target, const ClosingPath& path, const PlanOptions& options,
+                       const Eigen::Vector3f& up) {
+  const auto clearance = static_cast<float>(options.clearance);
+  for (const auto& sphere : path.open_spheres) {
+    if (target.height(sphere.head<3>()) - sphere.w() < options.table_clearance) return false;
+    for (const float raised : kDescent) {
+      if (target.distance(sphere.head<3>() + raised * up) < sphere.w() + clearance) return false;
+    }
+  }
+  return true;
+}
+
+/// A place to close, with the object where it is thought to lie.
+class Candidate {
+ public:
+  Candidate(const localization::ObjectModel& object, const Eigen::Isometry3d& T_world_object,
+            const hand::BasePosition& base)
+      : object_(object),
+        T_world_object_(T_world_object),
+        base_(base),
+        T_world_base_(base.pose()),
+        target_(object, T_world_object, T_world_base_) {}
+
+  bool free(const ClosingPath& path, const PlanOptions& options) const {
+    const Eigen::Vector3d up = T_world_base_.linear().row(2).transpose();
+    return comes_down_freely(target_, path, options, up.cast<float>());
+  }
+
+  GraspPlan judge(const ClosingPath& path, const PlanOptions& options) const {
+    GraspPlan plan{base_, std::numeric_limits<double>::infinity(), 0};
+    std::vector<touch::Contact> contacts;
+    bool thumb = false;
+    for (std::size_t finger = 0; finger < hand::kFingers; ++finger) {
+      auto contact =
+          meet(target_, path.fingers[finger], path.tip_radius[finger], options.table_clearance);
+      if (!contact) continue;
+      contact->finger = static_cast<int>(finger);
+      thumb = thumb || finger == 0;
+      contacts.push_back(*contact);
+    }
+    plan.fingers = static_cast<int>(contacts.size());
+    if (!thumb || contacts.size() < 2) return plan;
+    const Eigen::Vector3d weight(0, 0, -object_.object().mass * kGravity);
+    const auto balance =
+        balance_forces(contacts, options.friction, options.press,
+                       Load{T_world_base_.inverse() * T_world_object_.translation(),
+                            T_world_base_.linear().transpose() * weight});
+    plan.cost = balance.imbalance + options.missing_finger * (hand::kFingers - plan.fingers);
+    return plan;
+  }
+
+ private:
+  const localization::ObjectModel& object_;
+  Eigen::Isometry3d T_world_object_;
+  hand::BasePosition base_;
+  Eigen::Isometry3d T_world_base_;
+  Target target_;
+};
+
+/// Where thumb and fingers meet, in the base's frame: between the tips when they have closed to
+/// the width of a common object.
+Eigen::Vector3d closing_center(const ClosingPath& path) {
+  const auto& thumb = path.fingers[static_cast<std::size_t>(hand::Finger::thumb)];
+  const auto& middle = path.fingers[static_cast<std::size_t>(hand::Finger::middle)];
+  std::size_t step = 0;
+  while (step + 1 < thumb.size() &&
+         (thumb[step].tip.back() - middle[step].tip.back()).norm() > kCommonWidth) {
+    ++step;
+  }
+  return (0.5f * (thumb[step].tip.back() + middle[step].tip.back())).cast<double>();
+}
+
+double lowest_below_base(const ClosingPath& path, const Eigen::Matrix3d& R_world_base) {
+  double lowest = 0;
+  for (const auto& sphere : path.open_spheres) {
+    lowest = std::min(lowest, R_world_base.row(2).dot(sphere.head<3>().cast<double>()) -
+                                  static_cast<double>(sphere.w()));
+  }
+  return lowest;
+}
+
+bool was_tried(double yaw, const std::vector<double>& avoid) {
+  return std::any_of(avoid.begin(), avoid.end(), [&](double tried) {
+    return std::abs(std::remainder(yaw - tried, 2 * pi)) < kTurnedAway;
+  });
+}
+
+std::vector<hand::BasePosition> places(const ClosingPath& path, const Eigen::Vector3d& centroid,
+                                       const Eigen::Vector2d& attitude, const PlanOptions& options,
+                                       const std::vector<double>& avoid) {
+  std::vector<hand::BasePosition> result;
+  const Eigen::Vector3d center = closing_center(path);
+  for (int i = 0; i < kYaws; ++i) {
+    hand::BasePosition base;
+    base.ypr = {2 * pi * i / kYaws, attitude.x(), attitude.y()};
+    if (was_tried(base.ypr.x(), avoid)) continue;
+    const Eigen::Matrix3d R = base.pose().linear();
+    const double low = options.table_clearance + 0.001 - lowest_below_base(path, R);
+    const Eigen::Vector2d middle = (centroid - R * center).head<2>();
+    const Eigen::Rotation2Dd turn(base.ypr.x());
+    for (const double raised : kHeights) {
+      for (int x = -kPlaces; x <= kPlaces; ++x) {
+        for (int y = -kPlaces; y <= kPlaces; ++y) {
+          base.xyz << middle + turn * Eigen::Vector2d(kSpacing * x, kSpacing * y), low + raised;
+          result.push_back(base);
+        }
+      }
+    }
+  }
+  return result;
+}
+
+/// Mean cost with the object displaced to its four sides.
+double mean_cost(const localization::ObjectModel& object, const Eigen::Isometry3d& T_world_object,
+                 const ClosingPath& path, const PlanOptions& options, const GraspPlan& plan) {
+  double sum = plan.cost;
+  for (int side = 0; side < 4; ++side) {
+    Eigen::Isometry3d moved = T_world_object;
+    moved.pretranslate(options.pose_error *
+                       Eigen::Vector3d(std::cos(side * pi / 2), std::sin(side * pi / 2), 0));
+    sum += std::min(1.5, Candidate(object, moved, plan.base).judge(path, options).cost);
+  }
+  return sum / 5;
+}
+
+}  // namespace
+
+ClosingPath closing_path(const hand::HandModel& hand, const hand::ActuatorVector& open,
+                         const hand::ClosingLaw& law) {
+  ClosingPath path;
+  const std::vector<int> owner = finger_of_links(hand);
+  hand::HandCommand command;
+  command.positions = open;
+  const hand::ClosingTorque unlimited{1e6, 1e6, 1e6, 1e6};
+  for (int step = 0; step < kMostSteps; ++step) {
+    const auto T = hand::forward_kinematics(hand, hand::joints_in_free_flexion(command.positions));
+    for (std::size_t finger = 0; finger < hand::kFingers; ++finger) {
+      path.fingers[finger].push_back(
+          {tip_points(hand.tips[finger], T[static_cast<std::size_t>(hand.distal[finger])]), {}});
+      path.tip_radius[finger] = static_cast<float>(hand.tips[finger].radius);
+    }
+    for (const auto& sphere : hand.spheres) {
+      if (step == 0) path.open_spheres.push_back(in_base(sphere, T));
+      const int finger = owner[static_cast<std::size_t>(sphere.link)];
+      if (finger < 0 || sphere.link == hand.distal[static_cast<std::size_t>(finger)]) continue;
+      path.fingers[static_cast<std::size_t>(finger)].back().other_spheres.push_back(
+          in_base(sphere, T));
+    }
+    const hand::ActuatorVector before = command.positions;
+    for (int tick = 0; tick < kStepTicks; ++tick) {
+      law.advance(command, empty_reading(), unlimited, {true, true, true, true, true});
+    }
+    if (command.positions == before) break;
+  }
+  return path;
+}
+
+std::optional<GraspPlan> plan_grasp(const localization::ObjectModel& object,
+                                    const Eigen::Isometry3d& T_world_object,
+                                    const ClosingPath& path, const Eigen::Vector2d& attitude,
+                                    const PlanOptions& options, const std::vector<double>& avoid) {
+  std::vector<GraspPlan> plans;
+  for (const auto& base : places(path, T_world_object.translation(), attitude, options, avoid)) {
+    const Candidate candidate(object, T_world_object, base);
+    if (!candidate.free(path, options)) continue;
+    const GraspPlan plan = candidate.judge(path, options);
+    if (std::isfinite(plan.cost)) plans.push_back(plan);
+  }
+  if (plans.empty()) return std::nullopt;
+  const auto cheaper = [](const GraspPlan& a, const GraspPlan& b) { return a.cost < b.cost; };
+  std::stable_sort(plans.begin(), plans.end(), cheaper);
+  plans.resize(std::min(plans.size(), kFinalists));
+  for (auto& plan : plans) plan.cost = mean_cost(object, T_world_object, path, options, plan);
+  return *std::min_element(plans.begin(), plans.end(), cheaper);
+}
+
+}  // namespace palpate::pipeline
