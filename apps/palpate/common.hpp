@@ -54,6 +54,7 @@ void add_certify(CLI::App& program, Command& chosen);
 void add_localize(CLI::App& program, Command& chosen);
 void add_doctor(CLI::App& program, Command& chosen);
 void add_render(CLI::App& program, Command& chosen);
+void add_bench(CLI::App& program, Command& chosen);
 void add_rollout(CLI::App& program, Command& chosen);
 void add_compare(CLI::App& program, Command& chosen);
 void add_sense(CLI::App& program, Command& chosen);
