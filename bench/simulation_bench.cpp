@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <benchmark/benchmark.h>
 
+#include <algorithm>
+#include <array>
+#include <map>
 #include <string>
+#include <utility>
 
 #include "palpate/geometry/capsule_collider.hpp"
 #include "palpate/geometry/known_object.hpp"
@@ -31,9 +35,11 @@ hand::HandCommand above() {
   return command;
 }
 
-/// The hand closed gently on the bunny: how many steps of the simulation a second.
+/// The hand closed gently on the bunny: how many steps of the simulation a second. Argument: 1 for
+/// tips that meet the true surface, 0 for its convex parts.
 void step_in_grasp(benchmark::State& state) {
-  const simulation::WorldOptions options;
+  simulation::WorldOptions options;
+  options.exact_tips = state.range(0) != 0;
   simulation::World world(geometry::load_known_object("bunny"), options, 1);
   const hand::ClosingLaw closing(world.hand().actuators(), 3.0, 0.718);
   hand::HandCommand command = above();
@@ -54,11 +60,37 @@ void step_in_grasp(benchmark::State& state) {
       benchmark::Counter(ticks * hand::kTick / options.time_step, benchmark::Counter::kIsRate);
   state.counters["contacts"] = contacts / ticks;
 }
-BENCHMARK(step_in_grasp)->Unit(benchmark::kMicrosecond);
+BENCHMARK(step_in_grasp)->ArgName("exact")->Arg(1)->Arg(0)->Unit(benchmark::kMicrosecond);
 
-/// One fingertip against the true surface of the bunny.
+/// The same surface of four times as many triangles.
+geometry::TriangleMesh subdivided(const geometry::TriangleMesh& mesh) {
+  geometry::TriangleMesh result{mesh.vertices, {}};
+  std::map<std::pair<int, int>, int> middles;
+  const auto middle = [&](int a, int b) {
+    const auto [found, added] =
+        middles.try_emplace(std::minmax(a, b), static_cast<int>(result.vertices.size()));
+    if (added) {
+      result.vertices.push_back(0.5 * (mesh.vertices[static_cast<std::size_t>(a)] +
+                                       mesh.vertices[static_cast<std::size_t>(b)]));
+    }
+    return found->second;
+  };
+  for (const auto& [a, b, c] : mesh.triangles) {
+    const int ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);
+    for (const auto& t : {std::array{a, ab, ca}, std::array{b, bc, ab}, std::array{c, ca, bc},
+                          std::array{ab, bc, ca}}) {
+      result.triangles.push_back(t);
+    }
+  }
+  return result;
+}
+
+/// One fingertip against the true surface of the bunny. Argument: how often each triangle is cut in
+/// four.
 void meet_fingertip(benchmark::State& state) {
-  const geometry::MeshQuery mesh(geometry::load_known_object("bunny").mesh);
+  geometry::TriangleMesh surface = geometry::load_known_object("bunny").mesh;
+  for (int i = 0; i < state.range(0); ++i) surface = subdivided(surface);
+  const geometry::MeshQuery mesh(std::move(surface));
   const geometry::CapsuleCollider collider(mesh);
   RandomStream random(1);
   std::vector<geometry::Capsule> capsules;
@@ -72,7 +104,8 @@ void meet_fingertip(benchmark::State& state) {
   for (auto _ : state) {
     benchmark::DoNotOptimize(collider.contacts(capsules[i++ % capsules.size()], 0, 2));
   }
+  state.counters["triangles"] = static_cast<double>(mesh.mesh().triangles.size());
 }
-BENCHMARK(meet_fingertip)->Unit(benchmark::kMicrosecond);
+BENCHMARK(meet_fingertip)->ArgName("cuts")->Arg(0)->Arg(1)->Arg(2)->Unit(benchmark::kMicrosecond);
 
 }  // namespace

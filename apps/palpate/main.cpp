@@ -33,8 +33,10 @@ int run(int argc, char** argv) {
   add_replay(program, chosen);
   add_register(program, chosen);
   add_certify(program, chosen);
+  add_localize(program, chosen);
   add_doctor(program, chosen);
   add_render(program, chosen);
+  add_bench(program, chosen);
   add_rollout(program, chosen);
   add_compare(program, chosen);
   add_sense(program, chosen);

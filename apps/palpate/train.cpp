@@ -6,6 +6,7 @@
 #include "palpate/core/file.hpp"
 #include "palpate/core/statistics.hpp"
 #include "palpate/touch/biotac_normal.hpp"
+#include "train_relocate.hpp"
 
 namespace palpate::app {
 namespace {
@@ -74,6 +75,7 @@ void add_train(CLI::App& program, Command& chosen) {
   auto& command = *program.add_subcommand("train", "Train a model or a policy");
   command.require_subcommand(1);
   add_biotac_normal(command, chosen);
+  add_train_relocate(command, chosen);
 }
 
 }  // namespace palpate::app

@@ -12,6 +12,10 @@ CoupledAngles share_in_free_flexion(double j0, const Coupling& coupling) {
   return {.j1 = j0 - j2, .j2 = j2};
 }
 
+double j0_for_middle(double j2, const Coupling& coupling) {
+  return j2 + std::max(0.0, j2 - coupling.follow_angle);
+}
+
 JointVector joints_in_free_flexion(const ActuatorVector& positions) {
   JointVector joints;
   int joint = 0;

@@ -13,7 +13,9 @@
 namespace palpate::localization {
 namespace {
 
+constexpr std::size_t kMostContacts = 64;
 constexpr double kUnitTolerance = 1e-3;
+constexpr double kLargestExtent = 20;  // of the contacts, in the object's sizes
 constexpr double kWeightTolerance = 1e-6;
 constexpr double kAsymmetry = 1e-9;  // of a covariance, relative to its largest entry
 
@@ -105,10 +107,24 @@ void check_prior(const PosePrior& prior) {
   }
 }
 
+/// Contacts over a space that the object is tiny in are most likely in another unit.
+void check_extent(const std::vector<touch::Contact>& contacts, const geometry::TriangleMesh& mesh) {
+  Eigen::AlignedBox3d box;
+  for (const auto& contact : contacts) box.extend(contact.p);
+  if (contacts.empty()) return;
+  const double extent = box.diagonal().norm(), object = geometry::bounds(mesh).diagonal().norm();
+  if (extent <= kLargestExtent * object) return;
+  throw BadInput(
+      fmt::format("the contacts spread over {:.3g} m, but the object measures {:.3g} m; are they "
+                  "in millimetres?",
+                  extent, object));
+}
+
 }  // namespace
 
 void check_evidence(const ObjectModel& model, const Evidence& evidence) {
   for (std::size_t k = 0; k < evidence.contacts.size(); ++k) check_contact(evidence.contacts[k], k);
+  check_extent(evidence.contacts, model.object().mesh);
   for (std::size_t j = 0; j < evidence.free_space.size(); ++j) {
     const std::string name = fmt::format("free sphere {}: ", j);
     check_finite(name + "center", evidence.free_space[j].center);
@@ -121,6 +137,17 @@ void check_evidence(const ObjectModel& model, const Evidence& evidence) {
   }
   if (evidence.table) check_table(*evidence.table, model.object().stances.size());
   if (evidence.prior) check_prior(*evidence.prior);
+}
+
+Evidence thinned(Evidence evidence) {
+  const std::size_t count = evidence.contacts.size();
+  if (count <= kMostContacts) return evidence;
+  std::vector<touch::Contact> kept;
+  for (std::size_t i = 0; i < kMostContacts; ++i) {
+    kept.push_back(evidence.contacts[i * count / kMostContacts]);
+  }
+  evidence.contacts = std::move(kept);
+  return evidence;
 }
 
 }  // namespace palpate::localization

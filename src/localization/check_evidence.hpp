@@ -8,4 +8,8 @@ namespace palpate::localization {
 /// @throws BadInput naming the first value that cannot be used
 void check_evidence(const ObjectModel& model, const Evidence& evidence);
 
+/// The evidence with at most 64 contacts, spread evenly over their order: more hardly sharpen the
+/// pose but cost time in proportion.
+Evidence thinned(Evidence evidence);
+
 }  // namespace palpate::localization

@@ -7,7 +7,7 @@
 namespace palpate::localization {
 namespace {
 
-constexpr float kCell = 0.006F;           // m
+constexpr float kCell = 0.004F;           // m
 constexpr float kInterpolation = 0.001F;  // m by which an interpolated distance may be off
 
 }  // namespace

@@ -5,12 +5,16 @@
 #include <cmath>
 #include <numbers>
 
+#include "palpate/core/se3.hpp"
+
 namespace palpate::localization {
 namespace {
 
 constexpr double kFalseVolume = 1e-3;      // m^3 in which a false contact may lie
 constexpr double kWidestNormal = 0.6;      // rad; a wider normal says nothing
 constexpr float kShortestGradient = 0.3F;  // interpolated across a medial sheet: no direction
+constexpr float kCurvatureStep = 0.001F;   // m, over which the gradient's change is measured
+constexpr double kLeastTrust = 0.02;       // of a contact off the surface: it still draws the pose
 constexpr float kHopeless = 30;            // misfit whose likelihood rounds to that of a false one
 
 double true_to_false_odds(double false_share, double area, double sp, double sn) {
@@ -57,11 +61,52 @@ float ContactTerm::contact_energy(std::size_t k, const SearchPose& pose) const {
   return q < kHopeless ? contact.cap - std::log1p(contact.odds * std::exp(-q)) : contact.cap;
 }
 
+void ContactTerm::linearize(const SearchPose& pose, NormalEquations& equations) const {
+  for (const Datum& contact : contacts_) linearize(contact, pose, equations);
+}
+
+void ContactTerm::linearize(const Datum& contact, const SearchPose& pose,
+                            NormalEquations& equations) const {
+  const Eigen::Vector3f arm = contact.raised - pose.t;
+  const Eigen::Matrix3f to_object = pose.R.transpose();
+  const Eigen::Vector3f y = to_object * arm;
+  const auto here = field_.at(y);
+  if (!here || here->gradient.norm() < kShortestGradient) return;
+  const Eigen::Vector3f m = here->gradient.normalized(), n = to_object * contact.n;
+  Eigen::Matrix3f curvature = Eigen::Matrix3f::Zero();  // of the distance
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto beside = field_.at(y + kCurvatureStep * Eigen::Vector3f::Unit(axis));
+    if (!beside || beside->gradient.norm() < kShortestGradient) continue;
+    curvature.col(axis) = (beside->gradient.normalized() - m) / kCurvatureStep;
+  }
+  Eigen::Matrix<float, 3, 6> dy;  // of the point in the object's frame by [w; v]
+  dy << to_object * skew(arm.cast<double>()).cast<float>(), -to_object;
+  const float point_scale = std::sqrt(2 * contact.half_point_precision);
+  const float normal_scale = std::sqrt(contact.normal_precision);
+  Eigen::Matrix<float, 4, 6> J;
+  J.row(0) = point_scale * m.transpose() * dy;
+  J.bottomRows<3>() = normal_scale * curvature * dy;
+  J.bottomLeftCorner<3, 3>() -=
+      normal_scale * to_object * skew(contact.n.cast<double>()).cast<float>();
+  Eigen::Vector4f r;
+  r << point_scale * (here->distance - offset_), normal_scale * (m - n);
+  const double q = 0.5 * static_cast<double>(r.squaredNorm());
+  const double odds = static_cast<double>(contact.odds) * std::exp(-q);
+  const double weight = std::max(odds / (1 + odds), kLeastTrust / (1 + q));
+  equations.add(J.cast<double>(), r.cast<double>(), weight);
+}
+
 float ContactTerm::energy(const SearchPose& pose, float bound) const {
   float sum = 0;
   for (std::size_t k = 0; k < contacts_.size() && sum <= bound; ++k) {
     sum += contact_energy(k, pose);
   }
+  return sum;
+}
+
+float ContactTerm::energy_if_false() const {
+  float sum = 0;
+  for (const Datum& contact : contacts_) sum += contact.cap;
   return sum;
 }
 

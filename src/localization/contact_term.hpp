@@ -23,10 +23,18 @@ class ContactTerm : public EvidenceTerm {
   ContactTerm(const ObjectModel& model, const Evidence& evidence, double offset, double scale);
 
   float energy(const SearchPose& pose, float bound) const override;
+
+  /// Residuals [a / sp; (m - n) / sn] of every contact, weighted by the probability that it is a
+  /// true one: A e^-q / (1 + A e^-q).
+  void linearize(const SearchPose& pose, NormalEquations& equations) const override;
+
   float contact_energy(std::size_t contact, const SearchPose& pose) const;
 
   /// Contacts that at this pose are more likely false than true.
   int unexplained(const SearchPose& pose) const;
+
+  /// The energy of a pose that explains no contact.
+  float energy_if_false() const;
 
   std::size_t size() const { return contacts_.size(); }
 
@@ -38,6 +46,7 @@ class ContactTerm : public EvidenceTerm {
     float odds, cap;  // A, ln(1 + A)
   };
   float misfit(const Datum& contact, const SearchPose& pose) const;
+  void linearize(const Datum& contact, const SearchPose& pose, NormalEquations& equations) const;
 
   const geometry::DistanceField& field_;
   float offset_;

@@ -10,24 +10,33 @@
 
 namespace palpate::localization {
 
-/// Balls the object keeps out of: sum of max(0, r - phi(R'(c - t)))^2 / 2 (scale sigma)^2.
+/// Balls the object keeps out of: sum of max(0, r - phi(R'(c - t)))^2 / 2 (scale sigma)^2. Enlarged
+/// noise makes neighbours tell the same, so that only some are looked at then, the most spread.
 class FreeSpaceTerm : public EvidenceTerm {
  public:
-  FreeSpaceTerm(const ObjectModel& model, const Evidence& evidence,
-                std::shared_ptr<const Clearance> clearance, double scale);
-
-  float energy(const SearchPose& pose, float bound) const override;
-
- private:
   struct Ball {
     Eigen::Vector3f center;
     float radius;
     float reach_squared;  // nearer than this to the object's origin it may touch the object
   };
+  /// What all noise scales share: the balls, spread first, so that a wrong pose is soon found out.
+  struct Balls {
+    Balls(const ObjectModel& model, const Evidence& evidence);
+    std::vector<Ball> balls;
+  };
+
+  FreeSpaceTerm(const ObjectModel& model, const Evidence& evidence,
+                std::shared_ptr<const Balls> balls, double scale);
+
+  float energy(const SearchPose& pose, float bound) const override;
+  void linearize(const SearchPose& pose, NormalEquations& equations) const override;
+
+ private:
   const geometry::DistanceField& field_;
-  std::shared_ptr<const Clearance> clearance_;
+  const Clearance& clearance_;
+  std::shared_ptr<const Balls> shared_;
   float half_precision_;
-  std::vector<Ball> balls_;  // spread first, so that a wrong pose is soon found out
+  std::size_t count_;  // of the balls that are looked at
 };
 
 }  // namespace palpate::localization

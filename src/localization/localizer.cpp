@@ -3,59 +3,28 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 
 #include "check_evidence.hpp"
-#include "contact_term.hpp"
-#include "free_space_term.hpp"
+#include "descent.hpp"
+#include "energy_maker.hpp"
 #include "modes.hpp"
 #include "moves.hpp"
-#include "prior_term.hpp"
 #include "proposal.hpp"
-#include "table_term.hpp"
 #include "tempering.hpp"
+#include "verdict.hpp"
 
 namespace palpate::localization {
 namespace {
 
-constexpr double kCertain = 0.95;
-constexpr double kUncontestedFloor = 1e-12;  // of a prior that no contact can overrule
 constexpr int kWeighingShare = 2;  // the population that weighs the modes is so many times smaller
-
-/// Builds the sum of the terms that the evidence calls for, at any noise scale.
-class EnergyMaker {
- public:
-  EnergyMaker(const ObjectModel& model, const Evidence& evidence, const LocalizerOptions& options)
-      : model_(model), evidence_(evidence), options_(options) {
-    if (evidence.prior) prior_ = std::make_shared<const PoseMixture>(*evidence.prior);
-    if (evidence.free_space.empty()) return;
-    clearance_ = std::make_shared<const Clearance>(model.field(), model.object().mesh);
-  }
-
-  Energy operator()(double scale) const {
-    Energy energy;  // cheap and telling terms first
-    if (prior_) energy.add(std::make_unique<PriorTerm>(prior_, prior_floor()));
-    if (evidence_.table) energy.add(std::make_unique<TableTerm>(model_, *evidence_.table));
-    if (!evidence_.contacts.empty()) {
-      energy.add(std::make_unique<ContactTerm>(model_, evidence_, options_.contact_offset, scale));
-    }
-    if (clearance_) {
-      energy.add(std::make_unique<FreeSpaceTerm>(model_, evidence_, clearance_, scale));
-    }
-    return energy;
-  }
-
- private:
-  /// The floor holds nearly everywhere, so without contacts most of the mass would be on it.
-  double prior_floor() const {
-    return evidence_.contacts.empty() ? kUncontestedFloor : evidence_.prior->floor;
-  }
-
-  const ObjectModel& model_;
-  const Evidence& evidence_;
-  const LocalizerOptions& options_;
-  std::shared_ptr<const PoseMixture> prior_;
-  std::shared_ptr<const Clearance> clearance_;
-};
+constexpr int kScreenedShare = 6;  // refining needs so many times fewer proposals than sampling
+constexpr int kSettledShare = 2;   // and sampling about few basins so many times fewer particles
+constexpr int kProposalsPerParticle = 4;
+constexpr double kSeenOnce = 0.1;     // share of basins found once at which others may be missing
+constexpr double kNegligible = 1e-5;  // share of a basin that is left out
+constexpr double kWiden = 2;          // of Laplace's covariances: the tails must be covered
+constexpr double kNuggetAngle = 0.005, kNuggetStep = 0.0003;  // rad, m
 
 std::vector<PosePoint> poses_of(const std::vector<Particle>& particles) {
   std::vector<PosePoint> result;
@@ -66,37 +35,95 @@ std::vector<PosePoint> poses_of(const std::vector<Particle>& particles) {
   return result;
 }
 
-/// Whether the best pose leaves more than half of the contacts unexplained.
-bool contradicted(const std::vector<Particle>& particles, const ObjectModel& model,
-                  const Evidence& evidence, const LocalizerOptions& options) {
-  const auto best =
-      std::min_element(particles.begin(), particles.end(),
-                       [](const Particle& a, const Particle& b) { return a.energy < b.energy; });
-  const ContactTerm contacts(model, evidence, options.contact_offset, 1.0);
-  return 2 * contacts.unexplained(best->pose) > static_cast<int>(contacts.size());
+const SearchPose& best_of(const std::vector<Particle>& particles) {
+  return std::min_element(particles.begin(), particles.end(),
+                          [](const Particle& a, const Particle& b) { return a.energy < b.energy; })
+      ->pose;
 }
 
-PoseStatus status_of(const std::vector<Mode>& modes) {
-  if (modes.empty()) return PoseStatus::no_pose;
-  const Mode& best = modes.front();
-  return best.weight > kCertain && !best.free_axis ? PoseStatus::certain : PoseStatus::ambiguous;
-}
+/// The search for one population of samples.
+class Sampler {
+ public:
+  Sampler(const ObjectModel& model, const Evidence& evidence, const LocalizerOptions& options)
+      : options_(options),
+        energy_at_(model, evidence, options.contact_offset),
+        proposal_(make_proposal(model, evidence, options)),
+        moves_(model, evidence),
+        symmetries_(symmetry_quaternions(model.object().symmetries)) {}
+
+  const PoseFamily::Symmetries& symmetries() const { return symmetries_; }
+
+  /// Few basins found again and again are all that there are, most likely, and a mixture about
+  /// them is next to the posterior; else the search is broad.
+  std::vector<Particle> operator()(RandomStream random, int share) const {
+    LocalizerOptions options = options_;
+    options.particles /= share;
+    if (options_.starts > 0) {
+      const auto basins = find_basins(
+          *proposal_, energy_at_, symmetries_,
+          {options.proposals / kScreenedShare, options.starts, options.first_scale}, random);
+      if (settled(basins)) return sample_about(basins, options, random.fork("basins"));
+    }
+    options.proposals /= share;
+    return sample_posterior({*proposal_, moves_, energy_at_}, options, random.fork("broad"));
+  }
+
+ private:
+  static bool settled(const std::vector<Basin>& basins) {
+    const std::vector<double> shares = basin_shares(basins);
+    double seen_once = 0;
+    for (std::size_t i = 0; i < basins.size(); ++i) {
+      if (basins[i].starts == 1) seen_once += shares[i];
+    }
+    return !basins.empty() && seen_once < kSeenOnce;
+  }
+
+  std::vector<Particle> sample_about(const std::vector<Basin>& basins, LocalizerOptions options,
+                                     const RandomStream& random) const {
+    const auto about = mixture_proposal(mixture_about(basins));
+    options.particles /= kSettledShare;
+    options.proposals = kProposalsPerParticle * options.particles;
+    options.first_scale = 1;
+    return sample_posterior({*about, moves_, energy_at_}, options, random);
+  }
+
+  static PosePrior mixture_about(const std::vector<Basin>& basins) {
+    const std::vector<double> shares = basin_shares(basins);
+    Vector6d nugget;
+    nugget << Eigen::Vector3d::Constant(kNuggetAngle * kNuggetAngle),
+        Eigen::Vector3d::Constant(kNuggetStep * kNuggetStep);
+    PosePrior mixture;
+    double total = 0;
+    for (std::size_t i = 0; i < basins.size(); ++i) {
+      if (shares[i] < kNegligible) continue;
+      const Matrix6d covariance =
+          kWiden * covariance_of(basins[i].best) + Matrix6d(nugget.asDiagonal());
+      mixture.components.push_back({basins[i].pose.isometry(), std::sqrt(shares[i]), covariance});
+      total += mixture.components.back().weight;
+    }
+    for (auto& component : mixture.components) component.weight /= total;
+    return mixture;
+  }
+
+  LocalizerOptions options_;
+  EnergyMaker energy_at_;
+  std::unique_ptr<Proposal> proposal_;
+  Moves moves_;
+  PoseFamily::Symmetries symmetries_;
+};
 
 Posterior search(const ObjectModel& model, const Evidence& evidence, const RandomStream& random,
                  const LocalizerOptions& options) {
-  const auto proposal = make_proposal(model, evidence, options);
-  const Moves moves(model, evidence);
-  const Target target{*proposal, moves, EnergyMaker(model, evidence, options)};
-  LocalizerOptions smaller = options;
-  smaller.proposals /= kWeighingShare;
-  smaller.particles /= kWeighingShare;
-  const auto chosen_on = sample_posterior(target, options, random.fork("choosing"));
-  if (chosen_on.empty() || contradicted(chosen_on, model, evidence, options)) return {};
-  const auto weighed_on = sample_posterior(target, smaller, random.fork("weighing"));
+  const Sampler sample(model, evidence, options);
+  const auto chosen_on = sample(random.fork("choosing"), 1);
+  if (chosen_on.empty() ||
+      contradicted(model, evidence, best_of(chosen_on), options.contact_offset)) {
+    return {};
+  }
+  const auto weighed_on = sample(random.fork("weighing"), kWeighingShare);
   if (weighed_on.empty()) return {};
   Posterior posterior;
-  posterior.modes = find_modes(poses_of(chosen_on), poses_of(weighed_on),
-                               symmetry_quaternions(model.object().symmetries));
+  posterior.modes = find_modes(poses_of(chosen_on), poses_of(weighed_on), sample.symmetries());
   posterior.status = status_of(posterior.modes);
   return posterior;
 }
@@ -109,7 +136,7 @@ Posterior localize(const ObjectModel& model, const Evidence& evidence, RandomStr
   check_evidence(model, evidence);
   Posterior posterior;
   if (evidence.prior || evidence.table || !evidence.contacts.empty()) {
-    posterior = search(model, evidence, random, options);
+    posterior = search(model, thinned(evidence), random, options);
   }
   posterior.seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include "clearance.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/geometry/sampling.hpp"
 #include "palpate/localization/localizer.hpp"
@@ -32,7 +33,12 @@ const geometry::KnownObject& checked(const geometry::KnownObject& object) {
 ObjectModel::ObjectModel(geometry::KnownObject object)
     : object_(std::move(object)),
       area_(geometry::area(checked(object_).mesh)),
+      bounds_(geometry::bounds(object_.mesh).cast<float>()),
       field_(geometry::MeshQuery(object_.mesh)),
-      surface_(surface_points(object_.mesh)) {}
+      surface_(surface_points(object_.mesh)),
+      clearance_(std::make_unique<const Clearance>(field_, object_.mesh)) {}
+
+ObjectModel::~ObjectModel() = default;
+ObjectModel::ObjectModel(ObjectModel&&) noexcept = default;
 
 }  // namespace palpate::localization

@@ -62,23 +62,42 @@ PoseMixture::PoseMixture(const PosePrior& prior) {
   }
 }
 
+std::optional<Vector6f> PoseMixture::whitened(const Component& component,
+                                              const Eigen::Quaternionf& q,
+                                              const Eigen::Vector3f& t) {
+  const float cosine = q.dot(component.q);
+  if (std::abs(cosine) < component.least_cosine) return std::nullopt;
+  const Eigen::Vector3f away = t - component.t;
+  if (away.squaredNorm() > component.most_distance) return std::nullopt;
+  Eigen::Quaternionf turn = q * component.q.conjugate();
+  if (cosine < 0) turn.coeffs() *= -1;
+  Vector6f x;
+  x.head<3>() = rotation_vector(turn);
+  x.tail<3>() = away;
+  return component.whitening.triangularView<Eigen::Lower>() * x;
+}
+
 double PoseMixture::relative_density(const SearchPose& pose) const {
   const Eigen::Quaternionf q(pose.R);
   float sum = 0;
   for (const Component& component : components_) {
-    const float cosine = q.dot(component.q);
-    if (std::abs(cosine) < component.least_cosine) continue;
-    const Eigen::Vector3f away = pose.t - component.t;
-    if (away.squaredNorm() > component.most_distance) continue;
-    Eigen::Quaternionf turn = q * component.q.conjugate();
-    if (cosine < 0) turn.coeffs() *= -1;
-    Vector6f x;
-    x.head<3>() = rotation_vector(turn);
-    x.tail<3>() = away;
-    const Vector6f white = component.whitening.triangularView<Eigen::Lower>() * x;
-    sum += component.peak * std::exp(-0.5F * white.squaredNorm());
+    const auto white = whitened(component, q, pose.t);
+    if (white) sum += component.peak * std::exp(-0.5F * white->squaredNorm());
   }
   return static_cast<double>(sum);
+}
+
+void PoseMixture::linearize(const SearchPose& pose, double floor,
+                            NormalEquations& equations) const {
+  const Eigen::Quaternionf q(pose.R);
+  const double density = relative_density(pose) + floor;
+  for (const Component& component : components_) {
+    const auto white = whitened(component, q, pose.t);
+    if (!white) continue;
+    const double here =
+        static_cast<double>(component.peak * std::exp(-0.5F * white->squaredNorm()));
+    equations.add(component.whitening.cast<double>(), white->cast<double>(), here / density);
+  }
 }
 
 SearchPose PoseMixture::draw(RandomStream& random) const {

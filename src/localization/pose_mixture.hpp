@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <vector>
 
+#include "evidence_term.hpp"
 #include "palpate/core/random.hpp"
 #include "palpate/localization/evidence.hpp"
 #include "search_pose.hpp"
@@ -22,6 +24,9 @@ class PoseMixture {
 
   /// sum_i w_i N_i relative to the greatest w_i N_i(0); what lies beyond 8 sigma is left out.
   double relative_density(const SearchPose& pose) const;
+
+  /// Adds the model of -ln(relative_density + floor) about the pose.
+  void linearize(const SearchPose& pose, double floor, NormalEquations& equations) const;
 
   /// ln of that greatest w_i N_i(0) per rad^3 m^3, the weights scaled to sum to 1.
   double log_peak() const { return log_peak_; }
@@ -43,6 +48,11 @@ class PoseMixture {
     double share = 0;         // of the draws
     Matrix6d factor;          // L
   };
+
+  /// L^-1 x of a component, nothing beyond its reach.
+  static std::optional<Eigen::Matrix<float, 6, 1>> whitened(const Component& component,
+                                                            const Eigen::Quaternionf& q,
+                                                            const Eigen::Vector3f& t);
 
   std::vector<Component> components_;
   double log_peak_ = 0;

@@ -16,4 +16,8 @@ float PriorTerm::energy(const SearchPose& pose, float) const {
   return std::max(0.0F, static_cast<float>(log_highest_ - std::log(density)));
 }
 
+void PriorTerm::linearize(const SearchPose& pose, NormalEquations& equations) const {
+  mixture_->linearize(pose, floor_, equations);
+}
+
 }  // namespace palpate::localization

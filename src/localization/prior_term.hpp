@@ -15,6 +15,7 @@ class PriorTerm : public EvidenceTerm {
   PriorTerm(std::shared_ptr<const PoseMixture> mixture, double floor);
 
   float energy(const SearchPose& pose, float bound) const override;
+  void linearize(const SearchPose& pose, NormalEquations& equations) const override;
 
  private:
   std::shared_ptr<const PoseMixture> mixture_;

@@ -141,4 +141,8 @@ std::unique_ptr<Proposal> make_proposal(const ObjectModel& model, const Evidence
   return std::make_unique<PriorProposal>(*evidence.prior, std::move(proposal));
 }
 
+std::unique_ptr<Proposal> mixture_proposal(const PosePrior& mixture) {
+  return std::make_unique<PriorProposal>(mixture, nullptr);
+}
+
 }  // namespace palpate::localization

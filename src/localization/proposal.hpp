@@ -25,4 +25,7 @@ class Proposal {
 std::unique_ptr<Proposal> make_proposal(const ObjectModel& model, const Evidence& evidence,
                                         const LocalizerOptions& options);
 
+/// A mixture of normal distributions.
+std::unique_ptr<Proposal> mixture_proposal(const PosePrior& mixture);
+
 }  // namespace palpate::localization

@@ -35,21 +35,49 @@ TableTerm::TableTerm(const ObjectModel& model, const TableSupport& table)
   }
 }
 
+TableTerm::Nearest TableTerm::nearest_stance(const Eigen::Vector3f& up, float height) const {
+  const auto tilt_precision = static_cast<float>(1 / std::pow(table_.tilt_sigma, 2));
+  Nearest nearest{nullptr, std::numeric_limits<float>::infinity()};
+  for (const Stance& stance : stances_) {
+    const float energy =
+        (1 - up.dot(stance.up)) * tilt_precision +
+        half_square(static_cast<double>(height) - stance.height, table_.height_sigma) +
+        stance.minus_log_weight;
+    if (energy < nearest.energy) nearest = {&stance, energy};
+  }
+  return nearest;
+}
+
 float TableTerm::energy(const SearchPose& pose, float) const {
   const Eigen::Vector3f at = axes_.transpose() * (pose.t - origin_);
-  const Eigen::Vector3f up = pose.R.transpose() * axes_.col(2);
-  const auto tilt_precision = static_cast<float>(1 / std::pow(table_.tilt_sigma, 2));
-  float resting = std::numeric_limits<float>::infinity();
-  for (const Stance& stance : stances_) {
-    resting = std::min(resting, (1 - up.dot(stance.up)) * tilt_precision +
-                                    half_square(at.z() - stance.height, table_.height_sigma) +
-                                    stance.minus_log_weight);
-  }
+  float resting = nearest_stance(pose.R.transpose() * axes_.col(2), at.z()).energy;
   for (int axis = 0; axis < 2; ++axis) {
-    const double beyond = std::abs(at[axis]) - table_.half_width;
+    const double beyond = static_cast<double>(std::abs(at[axis])) - table_.half_width;
     if (beyond > 0) resting += half_square(beyond, table_.edge_sigma);
   }
   return resting;
+}
+
+void TableTerm::linearize(const SearchPose& pose, NormalEquations& equations) const {
+  const Eigen::Matrix3d axes = axes_.cast<double>();
+  const Eigen::Vector3d at = axes.transpose() * (pose.t - origin_).cast<double>();
+  const Eigen::Vector3f up = pose.R.transpose() * axes_.col(2);
+  const Stance* const stance = nearest_stance(up, static_cast<float>(at.z())).stance;
+  if (!stance) return;
+  const Eigen::Vector3d rests_on = (pose.R * stance->up).cast<double>();
+  Eigen::Matrix<double, 3, 6> tilt = Eigen::Matrix<double, 3, 6>::Zero();
+  tilt.leftCols<3>() = skew(rests_on) / table_.tilt_sigma;
+  equations.add(tilt, ((axes.col(2) - rests_on) / table_.tilt_sigma).eval(), 1);
+  const auto add_shift = [&](int axis, double shift, double sigma) {
+    Eigen::Matrix<double, 1, 6> J = Eigen::Matrix<double, 1, 6>::Zero();
+    J.tail<3>() = axes.col(axis).transpose() / sigma;
+    equations.add(J, Eigen::Matrix<double, 1, 1>(shift / sigma), 1);
+  };
+  add_shift(2, at.z() - stance->height, table_.height_sigma);
+  for (int axis = 0; axis < 2; ++axis) {
+    const double beyond = std::abs(at[axis]) - table_.half_width;
+    if (beyond > 0) add_shift(axis, std::copysign(beyond, at[axis]), table_.edge_sigma);
+  }
 }
 
 double TableTerm::log_peak() const {

@@ -18,6 +18,7 @@ class TableTerm : public EvidenceTerm {
   TableTerm(const ObjectModel& model, const TableSupport& table);
 
   float energy(const SearchPose& pose, float bound) const override;
+  void linearize(const SearchPose& pose, NormalEquations& equations) const override;
   SearchPose draw(RandomStream& random) const;
 
   /// ln of what scales e^-E to a density (per rad^3 m^3): E lacks the normal distributions' and the
@@ -31,6 +32,12 @@ class TableTerm : public EvidenceTerm {
     double height, weight;
     float minus_log_weight;
   };
+  /// The stance that explains the pose best, with its part of the energy.
+  struct Nearest {
+    const Stance* stance;
+    float energy;
+  };
+  Nearest nearest_stance(const Eigen::Vector3f& up, float height) const;
   double draw_offset(RandomStream& random) const;
 
   TableSupport table_;

@@ -38,7 +38,7 @@ Correspondences matched(const FeatureCloud& source, const FeatureCloud& target) 
 }
 
 /// Every moved source point with its nearest target point, where that is within the bound and their
-/// normals do not part by more than 60 deg.
+/// normals do not part by more than 60 deg, of whichever sign.
 Correspondences nearest_pairs(const PointCloud& source, const PointCloud& target,
                               const geometry::KdTree& tree, const Eigen::Isometry3d& T,
                               double bound) {
@@ -47,7 +47,7 @@ Correspondences nearest_pairs(const PointCloud& source, const PointCloud& target
   for (std::size_t i = 0; i < source.size(); ++i) {
     const auto found = tree.nearest(T * source.points[i], 1).front();
     const auto j = static_cast<std::size_t>(found.index);
-    const double cosine = (T.linear() * source.normals[i]).dot(target.normals[j]);
+    const double cosine = std::abs((T.linear() * source.normals[i]).dot(target.normals[j]));
     if (found.squared_distance < bound * bound && cosine > kLeastCosine) {
       append_pair(pairs, source, i, target, j);
     }
@@ -90,6 +90,17 @@ void refine(const PointCloud& source, const PointCloud& target, const CloudOptio
   result.inliers.clear();
   for (std::size_t i = 0; i < count; ++i) result.inliers.push_back(static_cast<int>(i));
   result.solve_seconds += now() - start;
+}
+
+/// The cloud itself, or so many of its points that nearest neighbours are found soon, with normals.
+PointCloud detailed(const PointCloud& cloud, const FeatureOptions& options) {
+  constexpr std::size_t kMost = 20000;
+  const double cell = voxel_cell_for(cloud, kMost);
+  PointCloud result = cell > 0 ? geometry::voxel_sampled(cloud, cell) : cloud;
+  if (!result.has_normals()) {
+    result = geometry::with_normals(std::move(result), options.normal_neighbours);
+  }
+  return result;
 }
 
 FeatureCloud turned_inside_out(FeatureCloud described, double voxel,
@@ -158,7 +169,10 @@ CloudRegistration register_clouds(const PointCloud& source, const PointCloud& ta
     registration.feature_seconds = now() - start;
     result = register_correspondences(registration.correspondences, search);
   }
-  if (result.T_target_source) refine(from.cloud, to.cloud, options, registration);
+  if (result.T_target_source) {
+    refine(detailed(source, options.features), detailed(target, options.features), options,
+           registration);
+  }
   result.seconds = now() - start;
   return registration;
 }

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -16,12 +17,22 @@ namespace {
 
 constexpr int kWordBits = 64;
 
+// A second version for processors with wider registers, chosen when the program starts; the
+// results are the same. Sanitizers start too late for that.
+#if defined(__x86_64__) && defined(__linux__) && defined(__GNUC__) && !defined(__clang__) && \
+    !defined(__SANITIZE_THREAD__) && !defined(__SANITIZE_ADDRESS__)
+#define PALPATE_WIDE __attribute__((target_clones("avx2", "default")))
+#else
+#define PALPATE_WIDE
+#endif
+
 /// Coordinates one axis after the other, which compilers vectorise, in units of the noise bound.
 struct Coordinates {
   std::vector<float> x, y, z;
 
   Coordinates(const std::vector<Eigen::Vector3d>& points, const Eigen::Vector3d& origin,
               double unit) {
+    for (auto* axis : {&x, &y, &z}) axis->reserve(points.size());
     for (const auto& p : points) {
       const Eigen::Vector3f q = ((p - origin) / unit).cast<float>();
       x.push_back(q[0]);
@@ -32,16 +43,17 @@ struct Coordinates {
   Eigen::Vector3f at(std::size_t i) const { return {x[i], y[i], z[i]}; }
 };
 
-/// joined[j] = whether |s_i s_j| and |t_i t_j| differ by at most g and the first is above g.
-/// Without square roots: (A - B)^2 <= g^2 iff A^2 + B^2 <= g^2 or (A^2 - B^2)^2 <= 2 g^2 (A^2 +
-/// B^2) - g^4.
-void compare_lengths(const Coordinates& s, const Coordinates& t, std::size_t i, float g,
-                     std::uint8_t* __restrict joined) {
+/// joined[j], from j = first on, = whether |s_i s_j| and |t_i t_j| differ by at most g and the
+/// first is above g. Without square roots: (A - B)^2 <= g^2 iff A^2 + B^2 <= g^2 or (A^2 - B^2)^2
+/// <= 2 g^2 (A^2 + B^2) - g^4.
+PALPATE_WIDE void compare_lengths(const Coordinates& s, const Coordinates& t, std::size_t i,
+                                  std::size_t first, float g,
+                                  std::uint8_t* __restrict joined) {
   const float g2 = g * g, g4 = g2 * g2;
   const float sx = s.x[i], sy = s.y[i], sz = s.z[i], tx = t.x[i], ty = t.y[i], tz = t.z[i];
   const float *ax = s.x.data(), *ay = s.y.data(), *az = s.z.data();
   const float *bx = t.x.data(), *by = t.y.data(), *bz = t.z.data();
-  for (std::size_t j = i + 1; j < s.x.size(); ++j) {
+  for (std::size_t j = first; j < s.x.size(); ++j) {
     const float dx = ax[j] - sx, dy = ay[j] - sy, dz = az[j] - sz;
     const float ex = bx[j] - tx, ey = by[j] - ty, ez = bz[j] - tz;
     const float a = dx * dx + dy * dy + dz * dz, b = ex * ex + ey * ey + ez * ez;
@@ -57,39 +69,73 @@ std::uint64_t pack(const std::uint8_t* bytes) {
   return word * 0x0102040810204080u >> 56;
 }
 
-/// Normals of both frames with the tolerances of their angles.
+/// Whether the angles between two unit vectors of each frame agree: |acos(a) - acos(b)| <= x for
+/// cosines a, b times lengths whose squares are given, without square roots.
+bool angles_agree(float a, float b, float squares_a, float squares_b, float cosine_and_lengths) {
+  const float r = cosine_and_lengths - a * b;
+  return r <= 0 || (squares_a - a * a) * (squares_b - b * b) >= r * r;
+}
+
+/// Not above cos(x), and close to it up to pi / 2.
+float low_cosine(float x) {
+  const float x2 = x * x;
+  return 1 - x2 / 2 + x2 * x2 / 24 - x2 * x2 * x2 / 720;
+}
+
+/// Narrows joined[j], from j = first on, to normals whose angle is the same in both frames.
+PALPATE_WIDE void compare_normals(const Coordinates& n, const Coordinates& m, std::size_t i,
+                                  std::size_t first, float cosine,
+                                  std::uint8_t* __restrict joined) {
+  const float nx = n.x[i], ny = n.y[i], nz = n.z[i], mx = m.x[i], my = m.y[i], mz = m.z[i];
+  const float *ax = n.x.data(), *ay = n.y.data(), *az = n.z.data();
+  const float *bx = m.x.data(), *by = m.y.data(), *bz = m.z.data();
+  for (std::size_t j = first; j < n.x.size(); ++j) {
+    const float a = nx * ax[j] + ny * ay[j] + nz * az[j];
+    const float b = mx * bx[j] + my * by[j] + mz * bz[j];
+    const float r = cosine - a * b, sines = (1 - a * a) * (1 - b * b);
+    joined[j] &= static_cast<std::uint8_t>((r <= 0) | (sines >= r * r));
+  }
+}
+
+/// Normals and points of both frames with the tolerances of their angles.
 class AngleTest {
  public:
   AngleTest(const Correspondences& c, const Coordinates& s, const Coordinates& t, double noise_deg)
-      : s_(s),
-        t_(t),
+      : noise_(static_cast<float>(noise_deg * std::numbers::pi / 180)),
         n_(c.source_normals, Eigen::Vector3d::Zero(), 1),
-        m_(c.target_normals, Eigen::Vector3d::Zero(), 1),
-        noise_(static_cast<float>(noise_deg * std::numbers::pi / 180)) {}
+        m_(c.target_normals, Eigen::Vector3d::Zero(), 1) {
+    for (std::size_t i = 0; i < c.size(); ++i) {
+      pairs_.push_back({s.at(i), t.at(i), n_.at(i), m_.at(i)});
+    }
+  }
 
-  bool operator()(std::size_t i, std::size_t j) const {
-    const Eigen::Vector3f n1 = n_.at(i), n2 = n_.at(j), m1 = m_.at(i), m2 = m_.at(j);
+  /// Narrows joined[j], from j = first on, by the angle between the two normals.
+  void narrow(std::size_t i, std::size_t first, std::uint8_t* joined) const {
     // 3.6 standard deviations; an angle of two noisy normals varies sqrt 2 times as much.
-    if (!close(n1.dot(n2), m1.dot(m2), 3.6F * 1.414F * noise_)) return false;
-    const Eigen::Vector3f d = s_.at(j) - s_.at(i), e = t_.at(j) - t_.at(i);
-    const float length = d.norm(), other = e.norm();
+    const float tolerance = 3.6F * 1.414F * noise_;
+    if (tolerance >= std::numbers::pi_v<float>) return;
+    compare_normals(n_, m_, i, first, std::cos(tolerance), joined);
+  }
+
+  /// Whether the angles between the normals and the line that joins the points agree.
+  bool operator()(std::size_t i, std::size_t j) const {
+    const Pair &a = pairs_[i], &b = pairs_[j];
+    const Eigen::Vector3f d = b.s - a.s, e = b.t - a.t;
+    const float d2 = d.squaredNorm(), e2 = e.squaredNorm(), length = std::sqrt(d2);
     // The line's own direction errs by 4.2 standard deviations of a position, 1/4 bound each.
-    const float tolerance = 3.6F * noise_ + 1.05F / length;
-    return close(n1.dot(d) / length, m1.dot(e) / other, tolerance) &&
-           close(n2.dot(d) / length, m2.dot(e) / other, tolerance);
+    const float limit = low_cosine(3.6F * noise_ + 1.05F / length) * length * std::sqrt(e2);
+    return angles_agree(a.n.dot(d), a.m.dot(e), d2, e2, limit) &&
+           angles_agree(b.n.dot(d), b.m.dot(e), d2, e2, limit);
   }
 
  private:
-  /// |acos(a) - acos(b)| <= tolerance
-  static bool close(float a, float b, float tolerance) {
-    if (tolerance >= std::numbers::pi_v<float>) return true;
-    const float sines = (1 - a * a) * (1 - b * b);
-    return a * b + std::sqrt(std::max(sines, 0.0F)) >= std::cos(tolerance);
-  }
+  struct Pair {
+    Eigen::Vector3f s, t, n, m;
+  };
 
-  const Coordinates &s_, &t_;
-  Coordinates n_, m_;
   float noise_;
+  Coordinates n_, m_;
+  std::vector<Pair> pairs_;
 };
 
 /// Calls visit(bit) for every bit that is set, lowest first.
@@ -141,26 +187,34 @@ ConsistencyGraph::ConsistencyGraph(const Correspondences& correspondences,
   const Coordinates s(correspondences.source, correspondences.source[0], unit);
   const Coordinates t(correspondences.target, correspondences.target[0], unit);
   const bool angles = options.normal_noise_deg > 0 && correspondences.has_normals();
-  const AngleTest angle_test(correspondences, s, t, options.normal_noise_deg);
   const auto tolerance = static_cast<float>(options.length_tolerance);
+  const AngleTest angle_test(angles ? correspondences : Correspondences{}, s, t,
+                             options.normal_noise_deg);
   std::vector<std::uint8_t> joined(static_cast<std::size_t>(words_) * kWordBits);
-  std::vector<std::uint64_t> later(static_cast<std::size_t>(words_));
+  std::vector<std::uint64_t> words(static_cast<std::size_t>(words_));
   for (int i = 0; i < size_; ++i) {
     const auto index = static_cast<std::size_t>(i);
-    compare_lengths(s, t, index, tolerance, joined.data());
+    // Angles cost more, so that they are compared once for both of a pair.
+    const std::size_t first = angles ? index + 1 : 0;
+    compare_lengths(s, t, index, first, tolerance, joined.data());
     joined[index] = 0;
-    const int first = i / kWordBits;
-    for (int w = first; w < words_; ++w) {
+    if (angles) angle_test.narrow(index, first, joined.data());
+    const int first_word = angles ? i / kWordBits : 0;
+    for (int w = first_word; w < words_; ++w) {
       std::uint64_t word = 0;
       for (int k = 0; k < 8; ++k) word |= pack(joined.data() + w * kWordBits + 8 * k) << 8 * k;
-      later[static_cast<std::size_t>(w)] = word;
+      words[static_cast<std::size_t>(w)] = word;
+    }
+    if (!angles) {
+      std::ranges::copy(words, bits_.begin() + std::ptrdiff_t{i} * words_);
+      degrees_[index] = common_bits(words.data(), words.data(), words_);
+      continue;
     }
     // Bits before i are left over from earlier rows.
-    later[static_cast<std::size_t>(first)] &= ~std::uint64_t{0} << (i % kWordBits);
-    for_each_bit(later.data() + first, words_ - first, [&](int offset) {
-      const int j = first * kWordBits + offset;
-      if (angles && !angle_test(index, static_cast<std::size_t>(j))) return;
-      join(i, j);
+    words[static_cast<std::size_t>(first_word)] &= ~std::uint64_t{0} << (i % kWordBits);
+    for_each_bit(words.data() + first_word, words_ - first_word, [&](int offset) {
+      const int j = first_word * kWordBits + offset;
+      if (angle_test(index, static_cast<std::size_t>(j))) join(i, j);
     });
   }
 }
@@ -178,6 +232,16 @@ double ConsistencyGraph::density() const {
   double sum = 0;
   for (const int degree : degrees_) sum += degree;
   return sum / (static_cast<double>(size_) * (size_ - 1));
+}
+
+double ConsistencyGraph::triangles() const {
+  double sum = 0;
+  for (int i = 0; i < size_; ++i) {
+    for_each_bit(row(i), words_, [&](int j) {
+      if (j > i) sum += common_bits(row(i), row(j), words_);
+    });
+  }
+  return sum / 3;
 }
 
 std::vector<int> grow_clique(const ConsistencyGraph& graph, int seed, int max_size) {

@@ -76,11 +76,15 @@ void assess(PoseEstimate& estimate, const Problem& problem, const Correspondence
     squared_arm += w * (correspondences.source[i] - problem.origins.source).squaredNorm();
     squared_size += w * correspondences.source[i].squaredNorm();
   }
+  const Matrix6d about_center = information_matrix(correspondences, weights, primitive, T, center);
   if (sum > 0) {
-    estimate.rank = motion_rank(information_matrix(correspondences, weights, primitive, T, center),
-                                sum, squared_arm / sum, squared_size / sum, options.rank_tolerance);
+    estimate.rank = motion_rank(about_center, sum, squared_arm / sum, squared_size / sum,
+                                options.rank_tolerance);
   }
-  estimate.information = information_matrix(correspondences, weights, primitive, T);
+  // A twist [w; v] about the origin is [w; v + w x center] about the center.
+  Matrix6d shift = Matrix6d::Identity();
+  shift.bottomLeftCorner<3, 3>() = -skew(center);
+  estimate.information = shift.transpose() * about_center * shift;
   estimate.reference = std::max(estimate.cost, problem.marginal.objective.trace() / 10);
   const bool proven = estimate.bound <= options.rotation.relative_gap * estimate.reference;
   estimate.status = estimate.rank < 6 ? Status::kDegenerate

@@ -119,23 +119,31 @@ Matrix6d information_matrix(const Correspondences& correspondences,
                             const Eigen::Isometry3d& T_target_source,
                             const Eigen::Vector3d& center) {
   Matrix6d information = Matrix6d::Zero();
+  Eigen::Matrix3d arms = Eigen::Matrix3d::Zero();  // sum of w arm arm'
+  Eigen::Vector3d arm_sum = Eigen::Vector3d::Zero();
+  double sum = 0;
+  const Eigen::Matrix3d R = T_target_source.linear();
+  const Eigen::Vector3d t = T_target_source.translation() - center;
   for (std::size_t i = 0; i < correspondences.size(); ++i) {
     const double w = weight_of(weights, i);
     if (w == 0) continue;
-    const Eigen::Vector3d arm = T_target_source * correspondences.source[i] - center;
+    const Eigen::Vector3d arm = R * correspondences.source[i] + t;
     if (primitive == Primitive::kPlane) {
       const Eigen::Vector3d& n = correspondences.target_normals[i];
       Vector6d row;
       row << arm.cross(n), n;
       information.noalias() += w * row * row.transpose();
-      continue;
+    } else {
+      arms.noalias() += (w * arm) * arm.transpose();
+      arm_sum += w * arm;
+      sum += w;
     }
-    const Eigen::Matrix3d cross = skew(arm);
-    information.topLeftCorner<3, 3>() -= w * cross * cross;
-    information.topRightCorner<3, 3>() += w * cross;
-    information.bottomLeftCorner<3, 3>() -= w * cross;
-    information.bottomRightCorner<3, 3>().diagonal().array() += w;
   }
+  if (primitive == Primitive::kPlane) return information;
+  information.topLeftCorner<3, 3>() = arms.trace() * Eigen::Matrix3d::Identity() - arms;
+  information.topRightCorner<3, 3>() = skew(arm_sum);
+  information.bottomLeftCorner<3, 3>() = -skew(arm_sum);
+  information.bottomRightCorner<3, 3>() = sum * Eigen::Matrix3d::Identity();
   return information;
 }
 

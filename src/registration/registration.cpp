@@ -65,7 +65,9 @@ std::vector<int> settle(const Correspondences& correspondences, Eigen::Isometry3
   constexpr int kMaxRounds = 20;
   std::vector<int> inliers = inliers_of(correspondences, T, options);
   for (int round = 0; round < kMaxRounds && inliers.size() >= 3; ++round) {
-    T = align_points(subset(correspondences, inliers), {});
+    std::vector<double> weights(correspondences.size(), 0);
+    for (const int i : inliers) weights[static_cast<std::size_t>(i)] = 1;
+    T = align_points(correspondences, weights);
     auto next = inliers_of(correspondences, T, options);
     const bool settled = next == inliers;
     if (next.size() < 3) break;

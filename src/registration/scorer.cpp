@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scorer.hpp"
 
-#include <algorithm>
-#include <functional>
+#include <array>
 
 #include "nearest_rotation.hpp"
 #include "palpate/registration/quadratic_form.hpp"
@@ -59,12 +58,6 @@ Score Scorer::score(const Eigen::Isometry3d& T) const {
   Score score;
   score.gain = static_cast<double>(all.sum());
   score.count = static_cast<int>((all > 0).count());
-  float largest[3] = {0, 0, 0};
-  const auto end = std::min<Eigen::Index>(3, all.size());
-  std::partial_sort_copy(all.data(), all.data() + all.size(), largest, largest + end,
-                         std::greater<>());
-  score.gain_beyond_three =
-      std::max(0.0, score.gain - static_cast<double>(largest[0] + largest[1] + largest[2]));
   return score;
 }
 

@@ -12,8 +12,7 @@ namespace palpate::registration {
 /// chord over its bound. N minus the gain is the truncated least-squares cost in squared bounds.
 struct Score {
   double gain = 0;
-  double gain_beyond_three = 0;  ///< without the three largest
-  int count = 0;                 ///< correspondences that gain
+  int count = 0;  ///< correspondences that gain
 };
 
 /// Correspondences one axis after the other in single precision, about their means and in units of

@@ -14,6 +14,7 @@ namespace palpate::simulation {
 namespace {
 
 constexpr std::array<double, 2> kLimitTime = {0.005, 1};  // s, damping ratio: nearly rigid
+constexpr double kServoDamping = 0.01;  // N m s/rad, the D of the fingers' controllers
 
 mjsElement& find(mjSpec& spec, mjtObj type, const std::string& name) {
   mjsElement* element = mjs_findElement(&spec, type, name.c_str());
@@ -68,17 +69,21 @@ void couple(mjSpec& spec, const std::string& finger, const hand::Coupling& coupl
   mjsJoint& distal = find_joint(spec, finger + "J1");
   distal.stiffness[0] = coupling.return_stiffness;
   distal.springref = -coupling.return_torque / coupling.return_stiffness;
-  distal.damping[0] = coupling.distal_damping;
-  find_joint(spec, finger + "J2").damping[0] = coupling.middle_damping;
+  distal.damping[0] = coupling.distal_damping - kServoDamping;
+  find_joint(spec, finger + "J2").damping[0] = coupling.middle_damping - kServoDamping;
   add_difference(spec, finger, coupling);
 }
 
-void scale_servos(mjSpec& spec, double scale) {
+/// Position servos: torque = P (setpoint - q) - D dq/dt. The D comes out of the joints' damping, of
+/// which the maker's model has all.
+void set_servos(mjSpec& spec, double stiffness_scale) {
   for (std::string_view name : hand::kActuatorNames) {
     if (hand::finger_of_actuator(hand::actuator_index(name)) < 0) continue;
     mjsActuator& actuator = find_actuator(spec, name);
-    actuator.gainprm[0] *= scale;
-    actuator.biasprm[1] *= scale;
+    actuator.gainprm[0] *= stiffness_scale;
+    actuator.biasprm[1] *= stiffness_scale;
+    actuator.biasprm[2] = -kServoDamping;
+    if (name.back() != '0') find_joint(spec, name).damping[0] -= kServoDamping;
   }
 }
 
@@ -89,7 +94,7 @@ void prepare_joints(mjSpec& spec, const WorldOptions& options) {
   for (const std::string finger : {"FF", "MF", "RF", "LF"}) {
     couple(spec, finger, hand::kShadowCoupling);
   }
-  scale_servos(spec, options.stiffness_scale);
+  set_servos(spec, options.stiffness_scale);
 }
 
 }  // namespace palpate::simulation

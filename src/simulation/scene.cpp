@@ -146,7 +146,7 @@ void prepare_hand(mjSpec& spec, const WorldOptions& options) {
   for (int finger = 0; finger < hand::kFingers; ++finger) {
     mjsGeom& tip = *mjs_asGeom(mjs_findElement(&spec, mjOBJ_GEOM, mjcf_tip(finger).c_str()));
     tip.solref[0] = kContactTime;
-    set_bits(tip, kTipBits);
+    if (options.exact_tips) set_bits(tip, kTipBits);
   }
   for (mjsElement* e = mjs_firstElement(&spec, mjOBJ_BODY); e; e = mjs_nextElement(&spec, e)) {
     mjs_asBody(e)->gravcomp = 1;
@@ -184,6 +184,7 @@ void add_object(mjSpec& spec, const geometry::KnownObject& object, const WorldOp
     set_friction(geom, options.hand_friction);
     set_bits(geom, kPartBits);
   }
+  if (!options.exact_tips) return;
   mjsGeom& surface = add_solid(spec, body, kSurface, object.mesh);
   set_friction(surface, options.hand_friction);
   set_bits(surface, kSurfaceBits);
@@ -223,7 +224,9 @@ Scene compose_scene(const geometry::KnownObject& object, const geometry::Capsule
   add_object(*spec, object, options);
   Scene scene{.model = compile(*spec)};
   locate(scene);
-  use_exact_surface(*scene.model, find_id(*scene.model, mjOBJ_GEOM, kSurface), surface);
+  if (options.exact_tips) {
+    use_exact_surface(*scene.model, find_id(*scene.model, mjOBJ_GEOM, kSurface), surface);
+  }
   return scene;
 }
 

@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 
+#include "object_step.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/se3.hpp"
 #include "palpate/hand/coupling.hpp"
@@ -77,14 +78,19 @@ hand::TipContact with_noise(hand::TipContact contact, const SensorNoise& noise,
 
 }  // namespace
 
-SimulatedHand::SimulatedHand(const Scene& scene, mjData& data, const SensorNoise& noise,
+SimulatedHand::SimulatedHand(const Scene& scene, mjData& data, const WorldOptions& options,
                              const RandomStream& random)
     : scene_(scene),
       data_(data),
-      noise_(noise),
+      noise_(options.noise),
+      integral_(options.integral),
       random_(random),
       steps_a_tick_(static_cast<int>(std::lround(hand::kTick / scene.model->opt.timestep))),
-      actuators_(read_actuators(scene)) {}
+      actuators_(read_actuators(scene)) {
+  for (Index i = 0; i < actuators_.size(); ++i) {
+    stiffness_[static_cast<int>(i)] = actuators_[i].stiffness;
+  }
+}
 
 void SimulatedHand::apply(const hand::HandCommand& command) {
   const Vector6d base = base_vector(command.base);
@@ -102,9 +108,37 @@ void SimulatedHand::apply(const hand::HandCommand& command) {
   }
 }
 
+/// The servos give P and D; the integral moves their setpoint by what makes up its torque.
+void SimulatedHand::integrate(const hand::HandCommand& command) {
+  hand::ActuatorVector errors;
+  for (Index i = 0; i < scene_.actuators.size(); ++i) {
+    const auto k = static_cast<int>(i);
+    errors[k] = command.positions[k] - data_.actuator_length[scene_.actuators[i]];
+  }
+  const hand::ActuatorVector& torques =
+      integral_.update(errors, stiffness_, scene_.model->opt.timestep);
+  for (Index i = 0; i < scene_.actuators.size(); ++i) {
+    const auto k = static_cast<int>(i);
+    data_.ctrl[scene_.actuators[i]] = command.positions[k] + torques[k] / stiffness_[k];
+  }
+}
+
+void SimulatedHand::step_physics() {
+  if (!observer_) {
+    mj_step(scene_.model.get(), &data_);
+    return;
+  }
+  const StepStart start = read_step_start(scene_, data_);
+  mj_step(scene_.model.get(), &data_);
+  observer_(read_object_step(scene_, data_, start));
+}
+
 hand::HandReading SimulatedHand::step(const hand::HandCommand& command) {
   apply(command);
-  for (int i = 0; i < steps_a_tick_; ++i) mj_step(scene_.model.get(), &data_);
+  for (int i = 0; i < steps_a_tick_; ++i) {
+    integrate(command);
+    step_physics();
+  }
   ++tick_;
   return read();
 }
@@ -119,6 +153,7 @@ void SimulatedHand::reset(const hand::HandCommand& command) {
   for (Index i = 0; i < scene_.base_positions.size(); ++i) {
     data_.qpos[scene_.base_positions[i]] = base[static_cast<int>(i)];
   }
+  integral_.reset();
   tick_ = 0;
 }
 

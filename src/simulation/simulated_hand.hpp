@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <utility>
+
 #include "palpate/core/random.hpp"
 #include "palpate/hand/hand.hpp"
 #include "scene.hpp"
@@ -11,7 +13,7 @@ namespace palpate::simulation {
 class SimulatedHand : public hand::Hand {
  public:
   /// Keeps references: scene and data must outlive the hand.
-  SimulatedHand(const Scene& scene, mjData& data, const SensorNoise& noise,
+  SimulatedHand(const Scene& scene, mjData& data, const WorldOptions& options,
                 const RandomStream& random);
 
   const std::array<hand::Actuator, hand::kActuators>& actuators() const override {
@@ -23,18 +25,26 @@ class SimulatedHand : public hand::Hand {
   /// joints J1 and J2 share J0 as in free flexion.
   void reset(const hand::HandCommand& command);
 
+  /// Tells of every step of the physics; an empty observer ends that.
+  void observe(StepObserver observer) { observer_ = std::move(observer); }
+
  private:
   void apply(const hand::HandCommand& command);
+  void integrate(const hand::HandCommand& command);
+  void step_physics();
   hand::HandReading read();
   void read_contacts(hand::HandReading& reading, RandomStream& random) const;
 
   const Scene& scene_;
   mjData& data_;
   SensorNoise noise_;
+  hand::IntegralAction integral_;
+  hand::ActuatorVector stiffness_;
   RandomStream random_;
   std::uint64_t tick_ = 0;
   int steps_a_tick_;
   std::array<hand::Actuator, hand::kActuators> actuators_;
+  StepObserver observer_;
 };
 
 }  // namespace palpate::simulation

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <limits>
 #include <mutex>
+#include <utility>
 
 #include "palpate/core/assets.hpp"
 #include "palpate/core/error.hpp"
@@ -53,7 +54,7 @@ struct World::Impl {
         scene(compose_scene(known, surface, options)),
         data(make_data(*scene.model)),
         believed(believed_hand(options.noise, random)),
-        hand(scene, *data, options.noise, random.fork("readers")) {}
+        hand(scene, *data, options, random.fork("readers")) {}
 
   void place_object(const Start& start);
 
@@ -109,6 +110,8 @@ Truth World::truth() const {
   truth.lowest_point = lowest_point(impl_->object.mesh, truth.T_world_object);
   return truth;
 }
+
+void World::observe(StepObserver observer) { impl_->hand.observe(std::move(observer)); }
 
 bool World::diverged() const {
   const mjData& data = *impl_->data;

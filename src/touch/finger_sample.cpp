@@ -55,12 +55,19 @@ std::vector<FingerContact> sound_contacts(const FingerFrame& frame, double least
   return sound;
 }
 
-double spread(const std::vector<FingerContact>& contacts) {
-  double widest = 0;
+bool are_one(const FingerContact& a, const FingerContact& b, const SampleOptions& options) {
+  if ((a.p - b.p).norm() > options.one_contact) return false;
+  if (!a.tip_normal || !b.tip_normal) return true;
+  return a.tip_normal->dot(*b.tip_normal) >= std::cos(options.one_direction);
+}
+
+bool are_one(const std::vector<FingerContact>& contacts, const SampleOptions& options) {
   for (const auto& a : contacts) {
-    for (const auto& b : contacts) widest = std::max(widest, (a.p - b.p).norm());
+    for (const auto& b : contacts) {
+      if (!are_one(a, b, options)) return false;
+    }
   }
-  return widest;
+  return true;
 }
 
 void merge(const std::vector<FingerContact>& contacts, FingerSample& sample) {
@@ -131,7 +138,7 @@ FingerSample SampleMaker::next(const FingerFrame& frame) {
   if (sample.flags.usable() || sample.flags.has(SampleFlag::repeated)) last_ = frame;
   if (!sample.flags.usable()) return sample;
   const auto contacts = sound_contacts(frame, options_.least_force, sample.flags);
-  if (spread(contacts) > options_.one_contact) sample.flags.set(SampleFlag::far_apart);
+  if (!are_one(contacts, options_)) sample.flags.set(SampleFlag::far_apart);
   if (sample.flags.usable()) merge(contacts, sample);
   if (sample.flags.usable() && sample.f.norm() < options_.least_force) {
     sample.flags.set(SampleFlag::no_force);  // contacts that push against each other

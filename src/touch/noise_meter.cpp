@@ -14,12 +14,12 @@ constexpr double kClip = 11.0 / 3;
 
 }  // namespace
 
-NoiseMeter::NoiseMeter(double sigma, double least, double memory)
-    : variance_(sigma * sigma), least_(least), memory_(memory), weight_(kTrust) {}
+NoiseMeter::NoiseMeter(int axes, double sigma, double least, double memory)
+    : axes_(axes), variance_(sigma * sigma), least_(least), memory_(memory), weight_(kTrust) {}
 
 void NoiseMeter::add(const Eigen::Vector3d& value) {
   if (count_ >= 2) {
-    const double square = (value - 2 * last_ + before_).squaredNorm() / 18;
+    const double square = (value - 2 * last_ + before_).squaredNorm() / (6 * axes_);
     weight_ = std::min(weight_ + 1, memory_);
     variance_ += (std::min(square, kClip * variance_) - variance_) / weight_;
   }

@@ -8,6 +8,7 @@
 #include "palpate/touch/plane_fit.hpp"
 #include "palpate/touch/rls.hpp"
 #include "palpate/touch/s2_filter.hpp"
+#include "palpate/touch/s2_smoother.hpp"
 
 namespace palpate::touch {
 
@@ -24,7 +25,8 @@ std::string_view to_string(NormalStatus status) {
 }
 
 const std::vector<std::string>& normal_estimators() {
-  static const std::vector<std::string> names = {"rls", "rls-literal", "tls", "eigen", "s2"};
+  static const std::vector<std::string> names = {"rls",   "rls-literal", "tls",
+                                                 "eigen", "s2",          "s2-lag"};
   return names;
 }
 
@@ -36,6 +38,7 @@ std::unique_ptr<NormalEstimator> make_normal_estimator(std::string_view name) {
   if (name == "tls") return std::make_unique<PlaneFitEstimator>();
   if (name == "eigen") return std::make_unique<EigenvectorEstimator>();
   if (name == "s2") return std::make_unique<S2Filter>();
+  if (name == "s2-lag") return std::make_unique<S2Smoother>();
   throw BadInput(fmt::format("no estimator is called '{}'; there are {}", name,
                              fmt::join(normal_estimators(), ", ")));
 }

@@ -37,6 +37,12 @@ TEST(Coupling, DistalNeverExceedsMiddleAndNeitherTurnsBack) {
   }
 }
 
+TEST(Coupling, MiddleAngleTellsThePair) {
+  for (double j2 = 0; j2 < 1.55; j2 += 0.05) {
+    EXPECT_NEAR(share_in_free_flexion(j0_for_middle(j2)).j2, j2, 1e-12);
+  }
+}
+
 TEST(Coupling, FreeFlexionInvertsActuatorPositions) {
   RandomStream random(3);
   for (int trial = 0; trial < 100; ++trial) {

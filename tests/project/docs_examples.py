@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs the commands that README.md and docs/*.md show, and checks that their relative links exist.
+"""Runs the commands that README.md and docs/*.md show, and checks that links and experiments exist.
 
 usage: docs_examples.py REPOSITORY PALPATE
 
 Of the fenced ```console and ```sh blocks, every line that begins with `palpate ` or `./dev palpate `
 (after an optional `$ `) is run. All lines of one file share a temporary folder, in order, so that a
 line may use what an earlier one wrote; the repository's examples/ and configs/ are there too. Of a
-line that ends in `# long` only the help of its command is run.
+line that ends in `# long`, and of the pages of results, only the help of its command is run.
 """
 
 import pathlib
@@ -19,6 +19,7 @@ import tempfile
 
 LONG = re.compile(r"\s+# long\s*$")
 COMMAND = re.compile(r"^(?:\$ )?(?:\./dev )?palpate (.*)$")
+EXPERIMENT = re.compile(r"^(?:\$ )?\./dev experiment ([\w-]+)", re.MULTILINE)
 FENCE = re.compile(r"^```(?:console|sh)\n(.*?)^```", re.MULTILINE | re.DOTALL)
 ANY_FENCE = re.compile(r"^```.*?^```", re.MULTILINE | re.DOTALL)
 LINK = re.compile(r"\]\(([^)\s]+)\)")
@@ -44,6 +45,12 @@ def fault_of_command(program, arguments, is_long, folder):
     return f"palpate {shlex.join(arguments)}: exit code {done.returncode}: {done.stderr.strip()}"
 
 
+def faults_of_experiments(text, repository):
+    for name in EXPERIMENT.findall(text):
+        if not (repository / "experiments" / f"{name}.cpp").exists():
+            yield f"no such experiment: {name}"
+
+
 def faults_of_links(document, text):
     for target in LINK.findall(ANY_FENCE.sub("", text)):
         path = target.split("#")[0]
@@ -54,18 +61,20 @@ def faults_of_links(document, text):
 def faults_of(document, repository, program):
     text = document.read_text()
     yield from faults_of_links(document, text)
+    yield from faults_of_experiments(text, repository)
+    is_result = document.parent.name == "results" or document.stem == "results"
     with tempfile.TemporaryDirectory() as folder:
         for name in ("examples", "configs"):
             if (repository / name).exists():
                 shutil.copytree(repository / name, pathlib.Path(folder) / name)
         for arguments, is_long in command_lines(text):
-            if fault := fault_of_command(program, arguments, is_long, folder):
+            if fault := fault_of_command(program, arguments, is_long or is_result, folder):
                 yield fault
 
 
 def main(repository, program):
     repository = pathlib.Path(repository)
-    documents = [repository / "README.md", *sorted((repository / "docs").glob("*.md"))]
+    documents = [repository / "README.md", *sorted((repository / "docs").rglob("*.md"))]
     faults = [
         f"{document.relative_to(repository)}: {fault}"
         for document in documents

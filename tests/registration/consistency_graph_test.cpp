@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "palpate/core/error.hpp"
-#include "palpate/registration/chance.hpp"
 #include "problems.hpp"
 
 namespace palpate::registration {
@@ -93,41 +92,21 @@ TEST(ConsistencyGraph, BadInput) {
   EXPECT_EQ(ConsistencyGraph({}, {}).size(), 0);
 }
 
-// The tail against what a simulation of the model gives.
-TEST(Chance, TailAgreesWithSimulation) {
-  RandomStream random(4, "chance");
-  for (const int dimensions : {3, 5}) {
-    const double rate = 1.5;
-    constexpr int kDraws = 200000;
-    int beyond[3] = {0, 0, 0};
-    const double gains[3] = {0.5, 1.5, 2.5};
-    for (int draw = 0; draw < kDraws; ++draw) {
-      double sum = 0;
-      for (double time = -std::log(1 - random.uniform()); time < rate;
-           time -= std::log(1 - random.uniform())) {
-        sum += 1 - std::pow(random.uniform(), 2.0 / dimensions);
+TEST(ConsistencyGraph, CountsTriangles) {
+  const auto problem = make_problem({.pairs = 150, .outliers = 0.8}, RandomStream(4, "graph"));
+  const ConsistencyGraph graph(problem.correspondences, {});
+  int triangles = 0, edges = 0;
+  for (int i = 0; i < 150; ++i) {
+    for (int j = i + 1; j < 150; ++j) {
+      EXPECT_EQ(graph.joined(i, j), graph.joined(j, i));
+      edges += graph.joined(i, j);
+      for (int k = j + 1; k < 150; ++k) {
+        triangles += graph.joined(i, j) && graph.joined(j, k) && graph.joined(i, k);
       }
-      for (int k = 0; k < 3; ++k) beyond[k] += sum >= gains[k];
-    }
-    for (int k = 0; k < 3; ++k) {
-      const double simulated = static_cast<double>(beyond[k]) / kDraws;
-      const double computed = expected_by_chance({1, rate, dimensions}, gains[k]);
-      EXPECT_GT(computed, 0.95 * simulated);
-      EXPECT_LT(computed, 1.5 * simulated + 1e-4);  // gains are rounded up
     }
   }
-}
-
-TEST(Chance, FallsWithGainAndGrowsWithRate) {
-  double last = 2;
-  for (double gain = 0; gain < 60; gain += 0.7) {
-    const double expected = expected_by_chance({1, 2.0, 3}, gain);
-    EXPECT_LE(expected, 10 * last);  // from the exact tail to its bound is a step up
-    EXPECT_LE(expected, expected_by_chance({1, 3.0, 3}, gain));
-    last = expected;
-  }
-  EXPECT_LT(last, 1e-40);
-  EXPECT_EQ(expected_by_chance({7, 2.0, 3}, 0), 7);
+  EXPECT_EQ(graph.triangles(), triangles);
+  EXPECT_NEAR(graph.density(), edges / (150 * 149 / 2.0), 1e-12);
 }
 
 }  // namespace

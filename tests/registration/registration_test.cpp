@@ -40,14 +40,18 @@ TEST(Register, SucceedsThroughNinetyFivePercentOutliers) {
           << outliers;
     }
   }
-  EXPECT_GE(successes({.outliers = 0.98, .noise = 0.001}, {}, 20), 19);
-  EXPECT_GE(successes({.outliers = 0.99, .noise = 0.001}, {}, 20), 17);
+  EXPECT_EQ(successes({.outliers = 0.98, .noise = 0.001}, {}, 20), 20);
+  EXPECT_GE(successes({.outliers = 0.99, .noise = 0.001}, {}, 20), 19);
 }
 
 TEST(Register, NormalsHelp) {
-  EXPECT_GE(successes({.outliers = 0.99, .noise = 0.001, .normal_deg = 5, .normals = true},
+  EXPECT_EQ(successes({.outliers = 0.99, .noise = 0.001, .normal_deg = 5, .normals = true},
                       {.normal_noise_deg = 5}, 20),
-            18);
+            20);
+  // Five inliers; 0.95 is aimed at, 0.90 +- 0.07 is what 20 runs of the achieved rate give.
+  EXPECT_GE(successes({.outliers = 0.995, .noise = 0.001, .normal_deg = 5, .normals = true},
+                      {.normal_noise_deg = 5}, 20),
+            15);
 }
 
 TEST(Register, IsAccurateAndExplainsItself) {
@@ -195,6 +199,26 @@ TEST(Register, MirroredCloudGivesNoReflection) {
     EXPECT_NEAR(result.T_target_source->linear().determinant(), 1, 1e-9);
     EXPECT_LT(result.inliers.size(), 250u);
   }
+}
+
+TEST(Register, NoiseBoundOffByTwoCostsLittle) {
+  for (const double outliers : {0.5, 0.9, 0.95}) {
+    for (const double factor : {0.5, 2.0}) {
+      EXPECT_GE(successes({.outliers = outliers, .noise = 0.001, .normal_deg = 5, .normals = true},
+                          {.noise_bound = 0.004 * factor, .normal_noise_deg = 5}, 20),
+                19)
+          << outliers << " " << factor;
+    }
+  }
+}
+
+TEST(Register, KeepsTheWeightsOfGncIfAsked) {
+  const auto problem =
+      make_problem({.pairs = 200, .outliers = 0.3, .noise = 0.001}, RandomStream(11, "register"));
+  const auto result = register_correspondences(problem.correspondences,
+                                               {.method = Method::kGnc, .keep_history = true});
+  ASSERT_EQ(result.history.size(), static_cast<std::size_t>(result.iterations));
+  EXPECT_EQ(result.history.back().weights, result.weights);
 }
 
 TEST(Register, BadInput) {

@@ -253,18 +253,37 @@ TEST(World, ActuatorsDescribeTheServos) {
   EXPECT_NEAR(soft.hand().actuators()[j0].command.high, 2 * 1.571, 1e-12);
 }
 
-TEST(World, StiffnessIsTorqueOverError) {
-  World world(block(), without_noise(), 1);
+/// Error and torque of FFJ3 one second after it was sent to 0.1 rad.
+std::pair<double, double> error_and_torque(World& world) {
   hand::HandCommand command = open_hand(0.5);
   world.reset({}, command);
   const int actuator = hand::actuator_index("FFJ3");
   command.positions[actuator] = 0.1;
   hand::HandReading reading;
   for (int tick = 0; tick < 100; ++tick) reading = world.hand().step(command);
-  const double error = command.positions[actuator] - reading.joints[hand::joint_index("FFJ3")];
-  const double stiffness = world.hand().actuators()[static_cast<std::size_t>(actuator)].stiffness;
-  EXPECT_NEAR(reading.torques[actuator], stiffness * error, 1e-4);
-  EXPECT_GT(std::abs(reading.torques[actuator]), 1e-3);  // what friction holds
+  return {command.positions[actuator] - reading.joints[hand::joint_index("FFJ3")],
+          reading.torques[actuator]};
+}
+
+TEST(World, StiffnessIsTorqueOverErrorWithoutTheIntegral) {
+  WorldOptions options = without_noise();
+  options.stiffness_scale = 1;
+  options.integral.limit = 0;
+  World world(block(), options, 1);
+  const auto [error, torque] = error_and_torque(world);
+  const auto actuator = static_cast<std::size_t>(hand::actuator_index("FFJ3"));
+  EXPECT_NEAR(torque, world.hand().actuators()[actuator].stiffness * error, 1e-4);
+  EXPECT_GT(std::abs(torque), 1e-3);  // what friction holds
+}
+
+TEST(World, TheIntegralTakesTheErrorThatFrictionLeaves) {
+  WorldOptions options = without_noise();
+  options.stiffness_scale = 1;
+  World pid(block(), options, 1);
+  EXPECT_LT(std::abs(error_and_torque(pid).first), 1.1 * options.integral.deadband);
+  options.integral.limit = 0;
+  World pd(block(), options, 1);
+  EXPECT_GT(std::abs(error_and_torque(pd).first), 1.1 * options.integral.deadband);
 }
 
 TEST(World, SaysWhenTheSimulationIsUnstable) {

@@ -99,7 +99,9 @@ inline SlidingPath path_over_edges(const std::vector<Eigen::Vector2d>& walk,
   for (std::size_t i = 0; i < walk.size(); ++i) {
     const double t = options.period * static_cast<double>(i);
     const double u = 0.012 * std::sin(2 * std::numbers::pi * t / 5);
-    const double w = 0.5 * walk[i].y() + 0.004 * std::sin(2 * std::numbers::pi * t / 1.7);
+    double drift = 0.5 * walk[i].y();
+    if (corner) drift = 0.01 * std::sin(drift / 0.01);  // or it would leave the corner
+    const double w = drift + 0.004 * std::sin(2 * std::numbers::pi * t / 1.7);
     const Eigen::Vector3d over_edge(std::min(u, 0.0), w - 1, std::min(-u, 0.0));
     add_rounded(corner ? fold_onto_corner(u, w) : over_edge, options.edge_radius, path);
   }

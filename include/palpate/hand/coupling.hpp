@@ -29,6 +29,10 @@ struct CoupledAngles {
 /// @param j0  J1 + J2, rad
 CoupledAngles share_in_free_flexion(double j0, const Coupling& coupling = kShadowCoupling);
 
+/// The J0 at which J2 has the given angle (rad) in free flexion, J1 as share_in_free_flexion()
+/// says.
+double j0_for_middle(double j2, const Coupling& coupling = kShadowCoupling);
+
 /// Joint angles of a hand that touches nothing, the inverse of actuator_positions().
 JointVector joints_in_free_flexion(const ActuatorVector& positions);
 

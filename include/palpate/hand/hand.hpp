@@ -44,7 +44,8 @@ struct HandCommand {
   BasePosition base;
 };
 
-/// A position-controlled actuator: torque = stiffness (command - position), within the limit.
+/// A PID-controlled actuator: torque = stiffness (command - position) + integral - damping speed,
+/// within the limit; the integral (hand::IntegralAction) is small, so that contacts stay soft.
 struct Actuator {
   double stiffness = 1;   ///< N m / rad
   Range command;          ///< rad

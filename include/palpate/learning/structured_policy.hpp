@@ -81,6 +81,12 @@ class StructuredPolicy : public Policy {
   const std::optional<Observer>& observer() const { return observer_; }
   bool with_memory() const { return with_memory_; }
 
+  /// The same policy with other parameters and another observer.
+  StructuredPolicy variant(const StructuredParameters& parameters,
+                           const std::optional<Observer>& observer) const {
+    return {parameters, center_, half_range_, with_memory_, observer};
+  }
+
  private:
   struct Gates;
   Gates gates(const simulation::RelocateObservation& o) const;

@@ -41,8 +41,8 @@ FeatureCloud describe(const geometry::PointCloud& cloud, double voxel,
                       const FeatureOptions& options = {});
 
 struct CloudOptions {
-  FeatureOptions features;
-  RegistrationOptions registration;  ///< its noise_bound gives way to this one
+  FeatureOptions features = {};
+  RegistrationOptions registration = {};  ///< its noise_bound gives way to this one
   /// m; if not given 1.5 cells, as the points that features match sit about a cell apart.
   std::optional<double> noise_bound = std::nullopt;
 };

@@ -7,8 +7,10 @@
 
 #include "palpate/geometry/known_object.hpp"
 #include "palpate/hand/hand.hpp"
+#include "palpate/hand/integral_action.hpp"
 #include "palpate/hand/kinematics.hpp"
 #include "palpate/hand/visuals.hpp"
+#include "palpate/simulation/object_step.hpp"
 
 namespace palpate::simulation {
 
@@ -35,6 +37,8 @@ struct WorldOptions {
   double hand_friction = 0.8;    ///< sliding, hand against object
   double table_friction = 0.5;   ///< sliding, object against table
   double stiffness_scale = 4.0;  ///< of the fingers' position controllers
+  bool exact_tips = true;        ///< fingertips meet the true surface, else the convex parts
+  hand::IntegralOptions integral;
   SensorNoise noise;
 
   template <class Visitor>
@@ -43,6 +47,8 @@ struct WorldOptions {
     v("hand_friction", hand_friction, 0.0, 5.0, "sliding, hand against object");
     v("table_friction", table_friction, 0.0, 5.0, "sliding, object against table");
     v("stiffness_scale", stiffness_scale, 0.1, 20.0, "of the fingers' position controllers");
+    v("exact_tips", exact_tips, "fingertips meet the true surface, else its convex parts");
+    v.section("integral", integral);
     v.section("noise", noise);
   }
 };
@@ -78,6 +84,9 @@ class World {
   /// off by SensorNoise::link. The same for every reset.
   const hand::HandModel& hand_model() const;
   Truth truth() const;
+
+  /// Tells of every step of the physics from now on; an empty observer ends that.
+  void observe(StepObserver observer);
 
   /// True when the simulation has become unstable since the last reset; readings then mean nothing.
   bool diverged() const;

@@ -22,7 +22,7 @@ enum class SampleFlag : unsigned {
   no_force = 1u << 5,      ///< contacts, but no force that tells a direction
   not_finite = 1u << 6,    ///< a value that is not finite
   no_contact = 1u << 7,    ///< the finger touches nothing
-  far_apart = 1u << 8,     ///< contacts too far apart to be one
+  far_apart = 1u << 8,     ///< contacts too far apart, in place or direction, to be one
 };
 inline constexpr int kSampleFlags = 9;
 
@@ -74,13 +74,15 @@ struct FingerSample {
 struct SampleOptions {
   double period = hand::kTick;  ///< s between frames
   double least_force = 1e-3;    ///< N; less tells no direction
-  double one_contact = 0.006;   ///< m; contacts further apart are not one
+  double one_contact = 0.008;   ///< m; contacts further apart are not one
+  double one_direction = 1.0;   ///< rad; nor are those whose tip normals differ by more
 
   template <class Visitor>
   void visit(Visitor&& v) {
     v("period", period, 1e-5, 10.0, "s, between frames");
     v("least_force", least_force, 0.0, 10.0, "N, less tells no direction");
     v("one_contact", one_contact, 0.0, 0.1, "m, contacts further apart are not one");
+    v("one_direction", one_direction, 0.0, 3.2, "rad, nor are those whose tip normals differ more");
   }
 };
 

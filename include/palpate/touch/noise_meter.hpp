@@ -9,10 +9,11 @@ namespace palpate::touch {
 /// variance is six times that of the noise. Jumps of the signal are clipped.
 class NoiseMeter {
  public:
+  /// @param axes      that the noise has: 3, or 2 for that of unit vectors
   /// @param sigma     standard deviation per axis believed at first
   /// @param least     smallest that is ever reported
   /// @param memory    samples
-  NoiseMeter(double sigma, double least, double memory);
+  NoiseMeter(int axes, double sigma, double least, double memory);
 
   void add(const Eigen::Vector3d& value);
   /// Forgets the last values, not what was learnt: the next one does not follow them.
@@ -20,7 +21,7 @@ class NoiseMeter {
   [[nodiscard]] double sigma() const;
 
  private:
-  double variance_, least_, memory_, weight_;
+  double axes_, variance_, least_, memory_, weight_;
   int count_ = 0;
   Eigen::Vector3d before_, last_;
 };

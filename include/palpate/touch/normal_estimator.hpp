@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -23,7 +24,8 @@ std::string_view to_string(NormalStatus status);
 struct NormalEstimate {
   double time = 0;  ///< s, of the contact that it describes
   NormalStatus status = NormalStatus::none;
-  Eigen::Vector3d n = Eigen::Vector3d::Constant(std::nan(""));  ///< outward unit normal
+  Eigen::Vector3d n =
+      Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());  ///< outward unit normal
   /// Of n, rad^2, zero along n; only from estimators that have one.
   std::optional<Eigen::Matrix3d> covariance;
 };
@@ -33,12 +35,12 @@ class NormalEstimator {
  public:
   virtual ~NormalEstimator() = default;
 
-  /// Takes the next sample. One that is not usable leaves the estimate as it is (held); after
-  /// `forget_after` seconds without a usable one the estimator starts anew.
+  /// Takes the next sample. One that is not usable leaves the estimate as it is (held); after a
+  /// while without a usable one (the options' forget_after) the estimator starts anew.
   virtual NormalEstimate update(const FingerSample& sample) = 0;
 };
 
-/// Names of all estimators: "rls", "rls-literal", "tls", "eigen", "s2".
+/// Names of all estimators: "rls", "rls-literal", "tls", "eigen", "s2", "s2-lag".
 const std::vector<std::string>& normal_estimators();
 
 /// An estimator by its name, with its own default options.

@@ -11,7 +11,7 @@ struct RlsOptions {
   /// Whether to follow eqs 5.4-5.10 as printed: n0 = v1 x v0, half the angle in 5.10, the force
   /// unscaled, the sign left as it came.
   bool literal = false;
-  double decay = 1.0;         ///< beta, 1/s
+  double decay = 2.0;         ///< beta, 1/s
   double gain = 2e5;          ///< K_L
   double gamma1 = 1.0;        ///< weight of sliding
   double gamma2 = 1.0;        ///< weight of force x sliding

@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <chrono>
+#include <numbers>
+
+#include "common.hpp"
+#include "palpate/core/error.hpp"
+#include "palpate/core/file.hpp"
+#include "palpate/core/se3.hpp"
+#include "palpate/localization/contacts_io.hpp"
+#include "palpate/localization/localizer.hpp"
+
+namespace palpate::app {
+namespace {
+
+namespace lo = localization;
+
+constexpr double kDegree = std::numbers::pi / 180;
+
+struct LocalizeOptions {
+  lo::LocalizerOptions search;
+  lo::FastOptions fast;
+  double false_contacts = 0.02;
+
+  template <class Visitor>
+  void visit(Visitor&& v) {
+    v("false_contacts", false_contacts, 0.001, 0.9, "prior share of contacts with something else");
+    v.section("search", search);
+    v.section("fast", fast);
+  }
+};
+
+struct LocalizeArguments {
+  CommonOptions common;
+  std::string mesh, contacts;
+  std::string method = "fast";
+  double point_noise = 0.001, normal_noise_deg = 10;
+};
+
+struct Result {
+  lo::Posterior posterior;
+  Eigen::Isometry3d T_object_mesh;  // the search's object frame is at the centroid, the file's not
+  std::vector<std::string> repairs;
+  std::string hint;
+  double prepare_seconds = 0;
+};
+
+std::vector<touch::Contact> flipped(std::vector<touch::Contact> contacts) {
+  for (auto& contact : contacts) contact.n = -contact.n;
+  return contacts;
+}
+
+/// Why no pose may explain the contacts.
+std::string hint_for(const lo::ObjectModel& model, lo::Evidence evidence, RandomStream random,
+                     const LocalizeOptions& options) {
+  if (evidence.contacts.empty()) return "there are no contacts";
+  evidence.contacts = flipped(std::move(evidence.contacts));
+  const auto posterior = lo::localize(model, evidence, random, options.search);
+  if (posterior.status == lo::PoseStatus::no_pose) {
+    return "no pose explains these contacts: another object, or more noise than stated";
+  }
+  return "no pose explains these contacts, but with all normals reversed one does; they must point "
+         "out of the object";
+}
+
+Result solve(const LocalizeArguments& arguments, const LocalizeOptions& options) {
+  const auto start = std::chrono::steady_clock::now();
+  const lo::ObjectModel model(geometry::load_known_object(arguments.mesh));
+  const std::chrono::duration<double> prepared = std::chrono::steady_clock::now() - start;
+  lo::Evidence evidence;
+  evidence.contacts = lo::read_contacts(
+      arguments.contacts, {arguments.point_noise, arguments.normal_noise_deg * kDegree});
+  evidence.false_contact_share = options.false_contacts;
+  Result result;
+  result.prepare_seconds = prepared.count();
+  result.T_object_mesh = model.object().T_mesh_object.inverse();
+  result.repairs = model.object().repairs;
+  const RandomStream random(arguments.common.seed, "localize");
+  result.posterior = arguments.method == "fast"
+                         ? lo::localize_fast(model, evidence, random, options.search, options.fast)
+                         : lo::localize(model, evidence, random, options.search);
+  if (result.posterior.status == lo::PoseStatus::no_pose) {
+    result.hint = hint_for(model, evidence, random, options);
+  }
+  return result;
+}
+
+/// Of the mesh's pose in the contacts' frame: moving the origin from the centroid to the mesh's
+/// adds what the rotation does to the arm between them.
+Matrix6d mesh_covariance(const lo::Mode& mode, const Eigen::Isometry3d& T_object_mesh) {
+  const Eigen::Vector3d arm = mode.T_frame_object.linear() * T_object_mesh.translation();
+  Matrix6d J = Matrix6d::Identity();
+  J.bottomLeftCorner<3, 3>() = -skew(arm);
+  return J * mode.covariance * J.transpose();
+}
+
+std::vector<double> row_major(const Matrix6d& matrix) {
+  std::vector<double> values;
+  for (int i = 0; i < 6; ++i) {
+    for (int j = 0; j < 6; ++j) values.push_back(matrix(i, j));
+  }
+  return values;
+}
+
+std::array<double, 3> triple(const Eigen::Vector3d& v) { return {v[0], v[1], v[2]}; }
+
+nlohmann::json axis_json(const lo::Mode& mode) {
+  if (!mode.free_axis) return nullptr;
+  return {{"point", triple(mode.free_axis->point)},
+          {"direction", triple(mode.free_axis->direction)},
+          {"extent", mode.free_axis->extent}};
+}
+
+nlohmann::json report_of(const LocalizeArguments& arguments, const Result& result) {
+  auto modes = nlohmann::json::array();
+  for (const lo::Mode& mode : result.posterior.modes) {
+    modes.push_back({{"T_contact_object", to_json(mode.T_frame_object * result.T_object_mesh)},
+                     {"weight", mode.weight},
+                     {"covariance", row_major(mesh_covariance(mode, result.T_object_mesh))},
+                     {"free_axis", axis_json(mode)}});
+  }
+  return {{"status", lo::to_string(result.posterior.status)},
+          {"modes", modes},
+          {"method", arguments.method},
+          {"hint", result.hint},
+          {"repairs", result.repairs},
+          {"prepare_seconds", result.prepare_seconds},
+          {"seconds", result.posterior.seconds}};
+}
+
+void print_mode(const lo::Mode& mode, const Eigen::Isometry3d& T_object_mesh) {
+  const Eigen::Isometry3d T = mode.T_frame_object * T_object_mesh;
+  const Eigen::Vector3d w = log_so3(T.linear()) / kDegree, t = 1e3 * T.translation();
+  const Matrix6d covariance = mesh_covariance(mode, T_object_mesh);
+  fmt::print(
+      "{:6.3f}  ({:7.1f}, {:7.1f}, {:7.1f}) deg  ({:7.1f}, {:7.1f}, {:7.1f}) mm  +- {:.1f} deg, "
+      "{:.1f} mm",
+      mode.weight, w[0], w[1], w[2], t[0], t[1], t[2],
+      std::sqrt(covariance.topLeftCorner<3, 3>().trace()) / kDegree,
+      1e3 * std::sqrt(covariance.bottomRightCorner<3, 3>().trace()));
+  if (mode.free_axis) {
+    const auto& axis = *mode.free_axis;
+    fmt::print("  free by +- {:.0f} deg about ({:.2f}, {:.2f}, {:.2f})", axis.extent / kDegree,
+               axis.direction[0], axis.direction[1], axis.direction[2]);
+  }
+  fmt::print("\n");
+}
+
+void print_result(const Result& result) {
+  fmt::print("{}: {} mode{} in {:.0f} ms, after {:.2f} s of preparation\n",
+             lo::to_string(result.posterior.status), result.posterior.modes.size(),
+             result.posterior.modes.size() == 1 ? "" : "s", 1e3 * result.posterior.seconds,
+             result.prepare_seconds);
+  for (const auto& repair : result.repairs) fmt::print("mesh repaired: {}\n", repair);
+  if (!result.hint.empty()) fmt::print("{}\n", result.hint);
+  if (result.posterior.modes.empty()) return;
+  fmt::print("weight  rotation vector                translation\n");
+  for (const auto& mode : result.posterior.modes) print_mode(mode, result.T_object_mesh);
+}
+
+int localize(const LocalizeArguments& arguments) {
+  const auto options = resolve<LocalizeOptions>(arguments.common);
+  const Result result = solve(arguments, options);
+  const auto report = report_of(arguments, result);
+  if (!arguments.common.out.empty()) {
+    const std::filesystem::path folder = arguments.common.out;
+    write_file_atomically(folder / "report.json", report.dump(2) + "\n");
+    write_file_atomically(folder / "config.toml",
+                          config_header(arguments.common) + to_toml(options));
+  }
+  if (arguments.common.json) {
+    fmt::print("{}\n", report.dump(2));
+  } else {
+    print_result(result);
+  }
+  return result.posterior.status == lo::PoseStatus::no_pose ? kNoSolution : kDone;
+}
+
+}  // namespace
+
+void add_localize(CLI::App& program, Command& chosen) {
+  auto arguments = std::make_shared<LocalizeArguments>();
+  auto& command = *program.add_subcommand(
+      "localize", "Find the pose of a known object from contacts, and say how sure it is");
+  command
+      .add_option("mesh", arguments->mesh,
+                  "built-in object (mug, bottle, box, bracket, bunny) or mesh file in metres")
+      ->option_text("MESH")
+      ->required();
+  command
+      .add_option(
+          "contacts", arguments->contacts,
+          "CSV with x,y,z,nx,ny,nz[,finger,t,fx,fy,fz] in metres, normals out of the object")
+      ->option_text("CONTACTS")
+      ->required();
+  command
+      .add_option("--method", arguments->method,
+                  "fast (which turns to full where several poses fit) or full")
+      ->check(CLI::IsMember({"fast", "full"}))
+      ->capture_default_str();
+  command.add_option("--point-noise", arguments->point_noise, "of contact points per axis, m")
+      ->option_text("M")
+      ->check(CLI::Range(1e-5, 0.1))
+      ->capture_default_str();
+  command
+      .add_option("--normal-noise-deg", arguments->normal_noise_deg,
+                  "of contact normals per tangent axis, deg")
+      ->option_text("DEG")
+      ->check(CLI::Range(0.1, 90.0))
+      ->capture_default_str();
+  add_common_options(command, arguments->common);
+  command.footer(
+      "Statuses: certain (one pose holds more than .95 of the weight), ambiguous (the modes say\n"
+      "what remains possible), no_pose (no pose explains the contacts; exits with 4).\n"
+      "A mode's pose maps the mesh's own coordinates into the contacts' frame; its covariance is "
+      "of\n"
+      "[rotation; translation] in that frame, rad and m. A mode with a free axis stands for all\n"
+      "turns about that axis by up to its extent to either side.\n\n"
+      "Examples:\n"
+      "  palpate localize mug contacts.csv\n"
+      "  palpate localize part.ply contacts.csv --method full --json\n"
+      "  palpate localize box contacts.csv --point-noise 0.002 --normal-noise-deg 15");
+  command.callback([arguments, &chosen] { chosen = [arguments] { return localize(*arguments); }; });
+}
+
+}  // namespace palpate::app

@@ -1,0 +1,317 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "train_relocate.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <chrono>
+
+#include "palpate/core/error.hpp"
+#include "palpate/core/file.hpp"
+#include "palpate/core/plot.hpp"
+#include "palpate/learning/policy_io.hpp"
+#include "palpate/learning/trainer.hpp"
+#include "relocate_arguments.hpp"
+
+namespace palpate::app {
+namespace {
+
+using learning::Checkpoint;
+using nlohmann::json;
+
+struct TrainArguments {
+  CommonOptions common;
+  std::string method = "cem";
+  std::string from, expert;
+  int iterations = 40;
+  std::size_t demonstrations = 25, episodes = 30;
+};
+
+struct TrainOptions {
+  learning::TaskOptions task;
+  learning::CemTrainingOptions cem;
+  learning::DaggerOptions dagger;
+  learning::CloningOptions bc;
+  learning::NpgOptions npg;
+
+  TrainOptions() { task.solver = "fast"; }
+
+  template <class Visitor>
+  void visit(Visitor&& v) {
+    v.section("task", task);
+    v.section("cem", cem);
+    v.section("dagger", dagger);
+    v.section("bc", bc);
+    v.section("npg", npg);
+  }
+};
+
+/// Episodes that an expert shows.
+learning::Demonstrations show(const simulation::RelocateModel& model,
+                              const learning::Policy& expert,
+                              const learning::EpisodeOptions& episode, std::uint64_t seed,
+                              std::size_t count) {
+  learning::Demonstrations demos;
+  const auto horizon = static_cast<Eigen::Index>(episode.horizon);
+  demos.observations.resize(simulation::kRelocateObservations, 0);
+  demos.actions.resize(simulation::kRelocateJoints, 0);
+  for (std::size_t i = 0; i < count; ++i) {
+    simulation::RelocateTask task(model);
+    learning::Path path;
+    const auto agent = [&](int, const learning::PolicyInput& input) { return expert.act(input); };
+    const auto outcome = learning::run_episode(task, learning::episode_start(episode, seed, i),
+                                               episode.horizon, agent, &path);
+    if (outcome.diverged || !(outcome.distance < 0.05)) continue;  // only successes teach
+    const Eigen::Index before = demos.actions.cols();
+    demos.observations.conservativeResize(Eigen::NoChange, before + horizon);
+    demos.actions.conservativeResize(Eigen::NoChange, before + horizon);
+    demos.observations.rightCols(horizon) = path.observations.leftCols(horizon);
+    demos.actions.rightCols(horizon) = path.actions.cwiseMax(-1).cwiseMin(1);
+  }
+  if (demos.actions.cols() == 0)
+    throw BadInput("the expert does not succeed once: nothing to show");
+  return demos;
+}
+
+/// A training with what it must keep alive.
+struct Training {
+  std::unique_ptr<learning::Policy> expert, from;
+  std::unique_ptr<learning::Trainer> trainer;
+};
+
+learning::MlpPolicy starting_network(const Training& training,
+                                     const learning::Demonstrations& demos,
+                                     const TrainOptions& options, std::uint64_t seed) {
+  if (!training.from) return learning::clone_behavior(demos, options.bc, seed);
+  const auto* network = dynamic_cast<const learning::MlpPolicy*>(training.from.get());
+  if (!network) throw BadInput("--from needs a policy of kind mlp for this method");
+  return *network;
+}
+
+void make_gradient_trainer(const TrainArguments& arguments, const TrainOptions& options,
+                           const learning::TrainingContext& context, Training& training) {
+  learning::Demonstrations demos;
+  if (arguments.method != "npg") {
+    demos = show(context.model, *training.expert, options.npg.episode,
+                 RandomStream(context.seed, "demonstrations").bits() % 1000000,
+                 arguments.demonstrations);
+  }
+  const auto network = starting_network(training, demos, options, context.seed);
+  training.trainer = learning::make_npg_trainer(context, options.npg, network, std::move(demos));
+}
+
+Training make_training(const TrainArguments& arguments, const TrainOptions& options,
+                       const learning::TrainingContext& context) {
+  Training training;
+  if (!arguments.from.empty()) training.from = find_policy(arguments.from);
+  const std::string& method = arguments.method;
+  if (method != "cem" && method != "npg") training.expert = find_policy(arguments.expert);
+  if (method == "cem") {
+    const auto* from = dynamic_cast<const learning::StructuredPolicy*>(training.from.get());
+    if (training.from && !from) throw BadInput("--from needs a policy of kind structured for cem");
+    training.trainer = learning::make_cem_trainer(context, options.cem, from);
+  } else if (method == "dagger") {
+    training.trainer = learning::make_dagger_trainer(context, options.dagger, *training.expert);
+  } else {
+    make_gradient_trainer(arguments, options, context, training);
+  }
+  return training;
+}
+
+int planned_iterations(const TrainArguments& arguments, const TrainOptions& options) {
+  if (arguments.method == "bc") return 0;
+  return arguments.method == "dagger" ? options.dagger.rounds : arguments.iterations;
+}
+
+/// The learning curves so far: a row an iteration.
+class Curves {
+ public:
+  explicit Curves(std::filesystem::path folder) : folder_(std::move(folder)) {}
+
+  void add(const learning::Metrics& metrics) {
+    const Eigen::Index row = values_.rows();
+    values_.conservativeResize(row + 1, std::ssize(metrics));
+    for (Eigen::Index k = 0; k < values_.cols(); ++k) {
+      values_(row, k) = metrics[static_cast<std::size_t>(k)].second;
+    }
+    names_.clear();
+    for (const auto& [name, value] : metrics) names_.push_back(name);
+  }
+
+  const Eigen::MatrixXd& values() const { return values_; }
+  void restore(const Eigen::MatrixXd& values) { values_ = values; }
+
+  void write() const {
+    std::string csv = fmt::format("iteration,{}\n", fmt::join(names_, ","));
+    for (Eigen::Index i = 0; i < values_.rows(); ++i) {
+      csv += fmt::format("{}", i);
+      for (const double value : values_.row(i)) csv += fmt::format(",{}", value);
+      csv += "\n";
+    }
+    write_file_atomically(folder_ / "curves.csv", csv);
+    for (std::size_t k = 0; k < names_.size(); ++k) write_figure(k);
+  }
+
+ private:
+  void write_figure(std::size_t k) const {
+    Plot plot;
+    plot.title = names_[k];
+    plot.x.label = "iteration";
+    plot.y.label = names_[k];
+    LineSeries line;
+    for (Eigen::Index i = 0; i < values_.rows(); ++i) {
+      line.x.push_back(static_cast<double>(i));
+      line.y.push_back(values_(i, static_cast<Eigen::Index>(k)));
+    }
+    plot.series.emplace_back(line);
+    write_file_atomically(folder_ / (names_[k] + ".svg"), to_svg(plot));
+  }
+
+  std::filesystem::path folder_;
+  std::vector<std::string> names_;
+  Eigen::MatrixXd values_;
+};
+
+/// What identifies a training; one with others cannot go on in the same folder.
+std::string settings_of(const TrainArguments& arguments, const TrainOptions& options) {
+  return fmt::format("method {}, from '{}', expert '{}', demonstrations {}\n{}", arguments.method,
+                     arguments.from, arguments.expert, arguments.demonstrations, to_toml(options));
+}
+
+bool resume(const std::filesystem::path& path, const TrainArguments& arguments,
+            const std::string& settings, learning::Trainer& trainer, Curves& curves) {
+  if (!std::filesystem::exists(path)) return false;
+  const Checkpoint checkpoint = learning::load_checkpoint(path);
+  if (checkpoint.settings != settings || checkpoint.seed != arguments.common.seed) {
+    throw BadInput(
+        fmt::format("{} is of a training with other settings: use another --out", path.string()));
+  }
+  trainer.restore(checkpoint);
+  curves.restore(checkpoint.array("curves"));
+  return true;
+}
+
+void keep(const std::filesystem::path& folder, const TrainArguments& arguments,
+          const std::string& settings, const learning::Trainer& trainer, const Curves& curves) {
+  Checkpoint checkpoint;
+  checkpoint.method = arguments.method;
+  checkpoint.seed = arguments.common.seed;
+  checkpoint.iteration = trainer.iteration();
+  checkpoint.settings = settings;
+  checkpoint.arrays["curves"] = curves.values();
+  trainer.save(checkpoint);
+  learning::save_checkpoint(folder / "checkpoint", checkpoint);
+}
+
+void write_policy(const std::filesystem::path& folder, const TrainArguments& arguments,
+                  const learning::Trainer& trainer) {
+  auto record = trainer.policy();
+  record.notes = {{"command", fmt::format("palpate train relocate --method {}", arguments.method)},
+                  {"seed", fmt::format("{}", arguments.common.seed)},
+                  {"iterations", fmt::format("{}", trainer.iteration())}};
+  learning::save_policy(folder / "policy.json", record);
+}
+
+void log_iteration(const CommonOptions& common, int iteration, const learning::Metrics& metrics,
+                   double seconds) {
+  if (common.quiet) return;
+  std::string text = fmt::format("iteration {:>4}  {:>6.0f} s", iteration, seconds);
+  for (const auto& [name, value] : metrics) text += fmt::format("  {} {:.4g}", name, value);
+  fmt::print(stderr, "{}\n", text);
+}
+
+learning::RolloutSummary evaluate(const TrainArguments& arguments, const TrainOptions& options,
+                                  const learning::Policy& policy) {
+  auto task = options.task;
+  task.solver = "faithful";
+  const auto& episode = arguments.method == "cem"      ? options.cem.search.episode
+                        : arguments.method == "dagger" ? options.dagger.episode
+                                                       : options.npg.episode;
+  return learning::summarize(learning::rollout(learning::make_model(task), policy, episode,
+                                               arguments.common.seed + 500, arguments.episodes,
+                                               arguments.common.threads));
+}
+
+int train(const TrainArguments& arguments) {
+  const auto& common = arguments.common;
+  if (common.out.empty()) throw BadInput("--out DIR is missing: where the training is to be kept");
+  const auto options = resolve<TrainOptions>(common);
+  make_writable_folder(common.out);
+  const std::filesystem::path folder = common.out;
+  const learning::TrainingContext context{learning::make_model(options.task), common.seed,
+                                          common.threads};
+  const Training training = make_training(arguments, options, context);
+  const std::string settings = settings_of(arguments, options);
+  Curves curves(folder);
+  resume(folder / "checkpoint", arguments, settings, *training.trainer, curves);
+  write_file_atomically(folder / "config.toml", config_header(common) + to_toml(options));
+
+  const auto start = std::chrono::steady_clock::now();
+  const int planned = planned_iterations(arguments, options);
+  while (training.trainer->iteration() < planned) {
+    const auto metrics = training.trainer->iterate();
+    curves.add(metrics);
+    keep(folder, arguments, settings, *training.trainer, curves);
+    write_policy(folder, arguments, *training.trainer);
+    curves.write();
+    log_iteration(common, training.trainer->iteration(), metrics,
+                  std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+  }
+  write_policy(folder, arguments, *training.trainer);
+  const auto summary = evaluate(arguments, options, *learning::load_policy(folder / "policy.json"));
+  const double seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  json report = summary_json(summary);
+  report["iterations"] = training.trainer->iteration();
+  report["seconds"] = seconds;
+  report["steps_per_second"] = nullptr;
+  write_file_atomically(folder / "report.json", report.dump(2) + "\n");
+  if (common.json) {
+    fmt::print("{}\n", report.dump(2));
+  } else {
+    fmt::print(
+        "return {:.0f} +- {:.0f}; {:.3f} within 5 cm, {:.3f} within 2 cm of {} episodes, "
+        "faithful model\nwrote {}\n",
+        summary.mean, summary.sd, summary.success_5cm, summary.success_2cm, summary.episodes,
+        (folder / "policy.json").string());
+  }
+  return kDone;
+}
+
+}  // namespace
+
+void add_train_relocate(CLI::App& train_command, Command& chosen) {
+  auto arguments = std::make_shared<TrainArguments>();
+  auto& command = *train_command.add_subcommand("relocate", "Learn to bring an object to a target");
+  command.add_option("--method", arguments->method, "how to learn")
+      ->check(CLI::IsMember({"cem", "dagger", "bc", "npg", "dapg"}))
+      ->capture_default_str();
+  command.add_option("--iterations", arguments->iterations, "of cem, npg and dapg")
+      ->check(CLI::Range(1, 1000000))
+      ->capture_default_str();
+  command.add_option("--from", arguments->from, "policy to start from (cem, npg, dapg)");
+  command.add_option("--expert", arguments->expert,
+                     "policy that shows the task (dagger, bc, dapg); without it the best that "
+                     "ships");
+  command
+      .add_option("--demonstrations", arguments->demonstrations,
+                  "episodes that the expert shows (bc, dapg); successes are kept")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  command.add_option("--episodes", arguments->episodes, "of the evaluation at the end")
+      ->check(CLI::Range(2, 1000000))
+      ->capture_default_str();
+  add_common_options(command, arguments->common);
+  command.footer(
+      "DIR keeps a checkpoint of every iteration, the policy so far, and learning curves. The "
+      "same\n"
+      "command goes on where it was interrupted. The result is evaluated on the faithful model.\n\n"
+      "Examples:\n"
+      "  palpate train relocate --out out/cem --iterations 40 --threads 2\n"
+      "  palpate train relocate --method dagger --expert out/cem/policy.json --out out/dagger\n"
+      "  palpate train relocate --method dapg --seed 200 --set npg.trajectories=100 --out "
+      "out/dapg");
+  command.callback([arguments, &chosen] { chosen = [arguments] { return train(*arguments); }; });
+}
+
+}  // namespace palpate::app

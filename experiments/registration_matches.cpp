@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "../tests/registration/problems.hpp"
+#include "experiment.hpp"
+#include "palpate/core/plot.hpp"
+#include "palpate/geometry/fpfh.hpp"
+#include "palpate/geometry/normals.hpp"
+#include "palpate/geometry/outlier_filter.hpp"
+#include "palpate/registration/cloud_registration.hpp"
+
+namespace {
+
+using namespace palpate;
+using namespace palpate::registration;
+using experiment::Table;
+using geometry::PointCloud;
+
+PointCloud sampled(std::size_t count, RandomStream random) {
+  PointCloud cloud;
+  for (const auto& s : geometry::sample_surface(testing::bunny(), count, random)) {
+    cloud.points.push_back(s.point);
+    cloud.normals.push_back(s.normal);
+  }
+  return cloud;
+}
+
+/// Contacts of fingertips swept over the bunny from the sides and from above, as the thesis' hand
+/// feels it: 25 strokes of 40 contacts along planes through the object, with 1 mm and 10 deg of
+/// noise, and a few contacts with something else.
+PointCloud swept_contacts(RandomStream random) {
+  constexpr int kStrokes = 25, kContacts = 40, kElsewhere = 20;
+  const PointCloud surface = sampled(60000, random.fork("surface"));
+  PointCloud contacts;
+  for (int stroke = 0; stroke < kStrokes; ++stroke) {
+    const Eigen::Vector3d across = random.unit_vector();
+    const double offset = random.uniform(-0.03, 0.03);
+    std::vector<std::size_t> band;
+    for (std::size_t i = 0; i < surface.size(); ++i) {
+      if (std::abs(across.dot(surface.points[i]) - offset) < 5e-4) band.push_back(i);
+    }
+    for (int k = 0; k < kContacts && !band.empty(); ++k) {
+      const std::size_t i = band[random.index(band.size())];
+      contacts.points.push_back(surface.points[i] + 0.001 * random.normal3());
+      contacts.normals.push_back(testing::tilted(surface.normals[i], 10, random));
+    }
+  }
+  for (int k = 0; k < kElsewhere; ++k) {
+    contacts.points.push_back(0.1 * random.unit_vector());
+    contacts.normals.push_back(random.unit_vector());
+  }
+  return contacts;
+}
+
+/// Radius of features: five times the distance between points, as if they covered the surface.
+double feature_radius(const PointCloud& a, const PointCloud& b) {
+  const double surface = geometry::area(testing::bunny());
+  const auto fewer = static_cast<double>(std::min(a.size(), b.size()));
+  return 5 * std::sqrt(surface / fewer);
+}
+
+struct Matches {
+  std::size_t all = 0, right = 0;  ///< right: closer than 5 mm, as both are in one frame
+};
+
+Matches match(const PointCloud& source, const PointCloud& target) {
+  const double radius = feature_radius(source, target);
+  Matches matches;
+  for (const auto& m :
+       geometry::mutual_matches(geometry::fpfh(source, radius), geometry::fpfh(target, radius))) {
+    ++matches.all;
+    const auto &p = source.points[static_cast<std::size_t>(m.source)],
+               &q = target.points[static_cast<std::size_t>(m.target)];
+    matches.right += (p - q).norm() < 0.005;
+  }
+  return matches;
+}
+
+void experiment_matches(const experiment::Options& options) {
+  const PointCloud contacts = swept_contacts(RandomStream(options.seed, "contacts"));
+  const PointCloud filtered =
+      geometry::subset(contacts, geometry::statistical_inliers(contacts, {}));
+  std::vector<std::size_t> sizes;
+  for (std::size_t n = 100; n < 1000; n += 100) sizes.push_back(n);
+  for (std::size_t n = 1000; n < 10000; n += 1000) sizes.push_back(n);
+  for (std::size_t n = 10000; n <= 50000; n += 10000) sizes.push_back(n);
+  if (options.quick) sizes = {100, 500, 1000};
+  Table table({"target points", "matches", "within 5 mm", "matches, filtered",
+               "within 5 mm, filtered", "thesis"});
+  Plot plot{.title = "Mutual FPFH matches of swept contacts (thesis fig. 6.4)",
+            .x = {.label = "target points", .logarithmic = true},
+            .y = {.label = "matches"}};
+  LineSeries lines[4] = {{.name = "all contacts", .x = {}, .y = {}},
+                         {.name = "of these within 5 mm", .x = {}, .y = {}},
+                         {.name = "filtered", .x = {}, .y = {}},
+                         {.name = "of these within 5 mm (filtered)", .x = {}, .y = {}}};
+  for (const std::size_t n : sizes) {
+    const PointCloud target = sampled(n, RandomStream(options.seed, "target"));
+    const Matches raw = match(contacts, target), clean = match(filtered, target);
+    table.add_row({fmt::format("{}", n), fmt::format("{}", raw.all), fmt::format("{}", raw.right),
+                   fmt::format("{}", clean.all), fmt::format("{}", clean.right), "at most 2"});
+    const std::size_t counts[4] = {raw.all, raw.right, clean.all, clean.right};
+    for (int k = 0; k < 4; ++k) {
+      lines[k].x.push_back(static_cast<double>(n));
+      lines[k].y.push_back(static_cast<double>(counts[k]));
+    }
+  }
+  for (auto& line : lines) plot.series.emplace_back(line);
+  table.publish(options, "matches",
+                fmt::format("{} swept contacts ({} after the filter of 1000 neighbours and ratio "
+                            "0.5) against targets of growing density",
+                            contacts.size(), filtered.size()));
+  experiment::publish_figure(options, "fig_6_4_matches", to_svg(plot));
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return experiment::run(argc, argv, "registration_matches",
+                         "Thesis figure 6.4: feature matches of touched points against the density "
+                         "of the target.",
+                         experiment_matches);
+}

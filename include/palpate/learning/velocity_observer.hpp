@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "palpate/learning/structured_search.hpp"
+
+namespace palpate::learning {
+
+struct ObserverOptions {
+  int hidden = 64;             ///< units of each of two hidden layers
+  int rounds = 4;              ///< of collecting frames under the policy and fitting
+  int episodes = 48;           ///< a round
+  double perturbation = 0.02;  ///< of the parameters, as a share of the search's first spread
+  RegressionOptions regression{20, 128, 2e-3, 0.05, 0};
+
+  template <class Visitor>
+  void visit(Visitor&& v) {
+    v("hidden", hidden, 1, 1024, "units of each of two hidden layers");
+    v("rounds", rounds, 1, 1000, "of collecting frames under the policy and fitting");
+    v("episodes", episodes, 1, 100000, "a round");
+    v("perturbation", perturbation, 0.0, 1.0, "of the parameters, a share of the first spread");
+  }
+};
+
+struct ObserverFit {
+  StructuredPolicy::Observer observer;
+  double r2 = 0;  ///< of the velocities of the last round's frames, before they were learnt from
+};
+
+/// Learns to tell the base's velocity from one frame, on the frames that the policy meets: in the
+/// first round it reads the velocity, from then on it relies on the observer of the round before
+/// (Ross et al. 2011). Each episode runs a slightly perturbed policy, so that the observer also
+/// holds near by.
+/// @throws BadInput if no frame was met
+ObserverFit fit_observer(const simulation::RelocateModel& model, const StructuredPolicy& policy,
+                         const EpisodeOptions& episode, const ObserverOptions& options,
+                         std::uint64_t seed, int threads);
+
+}  // namespace palpate::learning

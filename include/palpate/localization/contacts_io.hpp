@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string_view>
+#include <vector>
+
+#include "palpate/touch/contact.hpp"
+
+namespace palpate::localization {
+
+/// How exact contacts from a file are taken to be.
+struct ContactNoise {
+  double point = 0.001;    ///< per axis, m
+  double normal = 0.1745;  ///< per tangent axis, rad
+};
+
+/// Contacts of a CSV text with the columns x,y,z (m) and nx,ny,nz (outward normal of the object,
+/// made a unit vector) and, optionally, t (s), finger (a name or an index) and fx,fy,fz (N), in any
+/// order; other columns are skipped. Rows are put in the order of t.
+///
+/// @param source  named in errors, as in "contacts.csv:3: ..."
+/// @throws BadInput for a missing column, a row of another length, a value that is no finite number
+///         or a normal without direction
+std::vector<touch::Contact> parse_contacts(std::string_view text, std::string_view source,
+                                           const ContactNoise& noise = {});
+
+/// As parse_contacts, from a file. @throws BadInput also if the file cannot be read
+std::vector<touch::Contact> read_contacts(const std::filesystem::path& path,
+                                          const ContactNoise& noise = {});
+
+}  // namespace palpate::localization

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "palpate/core/random.hpp"
+#include "palpate/localization/localizer.hpp"
+
+namespace palpate::localization {
+
+/// What the fingertips feel and do at one instant.
+struct TrackFrame {
+  double time = 0;  ///< s
+  std::vector<touch::Contact> contacts;
+  std::vector<Eigen::Vector3d> velocities;  ///< of the fingertip at each contact, m/s
+};
+
+struct TrackerOptions {
+  double correlation_time = 0.5;  ///< s over which the contacts' errors keep
+  double sliding = 0.005;         ///< rms speed of a fingertip on the surface, m/s
+  double velocity_noise = 0.002;  ///< rms error of a fingertip's velocity per axis, m/s
+  double turning = 0.5;           ///< rms turning that is expected beforehand, rad/s
+  double moving = 0.03;           ///< and moving, m/s
+  double false_contacts = 0.05;   ///< prior share
+  double slip_jump = 2.2;         ///< rise of a contact's mean energy that tells a slip
+  double slip_angle = 0.1745;     ///< spread of the poses searched after it, rad
+  double slip_way = 0.005;        ///< and m
+  int slip_poses = 12;            ///< started a frame while it is searched
+
+  template <class Visitor>
+  void visit(Visitor&& v) {
+    v("correlation_time", correlation_time, 1e-3, 100.0, "s over which contact errors keep");
+    v("sliding", sliding, 0.0, 1.0, "rms speed of a fingertip on the surface, m/s");
+    v("velocity_noise", velocity_noise, 1e-5, 1.0, "rms error of fingertip velocity per axis, m/s");
+    v("turning", turning, 1e-3, 100.0, "rms turning that is expected beforehand, rad/s");
+    v("moving", moving, 1e-4, 10.0, "rms moving that is expected beforehand, m/s");
+    v("false_contacts", false_contacts, 1e-3, 0.9, "prior share of contacts with something else");
+    v("slip_jump", slip_jump, 0.1, 100.0, "rise of a contact's mean energy that tells a slip");
+    v("slip_angle", slip_angle, 0.0, 3.2, "spread of the poses searched after a slip, rad");
+    v("slip_way", slip_way, 0.0, 0.1, "spread of the poses searched after a slip, m");
+    v("slip_poses", slip_poses, 1, 1000, "poses started a frame while a slip is searched");
+  }
+};
+
+/// Follows an object that moves with the fingers and may slip in them: an iterated extended Kalman
+/// filter for each mode, weighed by how well it explains the contacts.
+///
+/// The twist comes from the fingertips' velocities, which stick up to `sliding`; errors of contacts
+/// keep for `correlation_time`, so that a frame's likelihood counts to the power dt / 2 tau. A slip
+/// shows as a jump of the contacts' energy; then poses around are tried until one explains them.
+class Tracker {
+ public:
+  /// @throws BadInput for a posterior without modes
+  Tracker(const ObjectModel& model, const Posterior& start, const TrackerOptions& options = {},
+          RandomStream random = RandomStream(0, "tracker"));
+
+  /// The modes after the frame, heaviest first; at most 16.
+  ///
+  /// A frame that is no later than the one before changes nothing; one without contacts lets the
+  /// poses grow uncertain.
+  /// @throws BadInput for values that are not finite or as many velocities as there are contacts
+  ///         not
+  const Posterior& update(const TrackFrame& frame);
+
+  const Posterior& posterior() const { return posterior_; }
+  int slips() const { return slips_; }  ///< found so far
+
+ private:
+  struct Hypothesis {
+    Eigen::Isometry3d T;
+    Matrix6d covariance;
+    double log_weight = 0;
+  };
+  void predict(const TrackFrame& frame, double dt, Hypothesis& hypothesis) const;
+  void correct(const Evidence& evidence, double trust, Hypothesis& hypothesis) const;
+  void watch_for_slip(const Evidence& evidence);
+  void spawn(const Evidence& evidence);
+  void prune();
+  void publish();
+
+  const ObjectModel& model_;
+  TrackerOptions options_;
+  RandomStream random_;
+  std::vector<Hypothesis> hypotheses_;
+  Posterior posterior_;
+  double time_ = 0;
+  bool started_ = false;
+  std::vector<double> energies_;  // per contact, of the last frames at the predicted pose
+  int searching_ = 0;             // frames left of the search after a slip
+  int slips_ = 0;
+};
+
+}  // namespace palpate::localization

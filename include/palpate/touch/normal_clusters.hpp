@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <numbers>
+#include <span>
+#include <vector>
+
+namespace palpate::touch {
+
+/// A point of contact with the outward normal felt or estimated there.
+struct NormalAt {
+  Eigen::Vector3d p, n;
+};
+
+/// Contacts that belong together.
+struct NormalCluster {
+  Eigen::Vector3d p;  ///< centroid, m
+  Eigen::Vector3d n;  ///< mean normal, unit
+  std::size_t size = 0;
+};
+
+struct ClusterOptions {
+  double distance = 0.01;               ///< m; thesis 5.3.3 takes 1 cm
+  double angle = std::numbers::pi / 5;  ///< rad; pi: by place alone, as the thesis does
+  int least = 3;                        ///< contacts that make a cluster
+
+  template <class Visitor>
+  void visit(Visitor&& v) {
+    v("distance", distance, 0.0, 1.0, "m, between neighbours of one cluster");
+    v("angle", angle, 0.0, std::numbers::pi, "rad, between normals of neighbours");
+    v("least", least, 1, 1000000, "contacts that make a cluster");
+  }
+};
+
+/// Euclidean clustering (thesis 5.3.3, there over 10 ticks): contacts nearer than `distance` whose
+/// normals differ by less than `angle` are neighbours, and chains of neighbours are clusters, so
+/// that two faces that meet under a fingertip stay two. Largest first, then in the order given.
+/// @throws BadInput for a contact that is not finite
+std::vector<NormalCluster> cluster_normals(std::span<const NormalAt> contacts,
+                                           const ClusterOptions& options = {});
+
+struct FaceOptions {
+  double radius = 0.17;      ///< rad, around a face's normal
+  double apart = 0.44;       ///< rad, between faces
+  double least_share = 0.1;  ///< of all normals, within `radius` of the face's
+
+  template <class Visitor>
+  void visit(Visitor&& v) {
+    v("radius", radius, 0.0, 1.5, "rad, around a face's normal");
+    v("apart", apart, 0.0, 3.1, "rad, between faces");
+    v("least_share", least_share, 0.0, 1.0, "of all normals that makes a face");
+  }
+};
+
+/// A direction that many of a finger's normals share.
+struct Face {
+  Eigen::Vector3d n;  ///< unit
+  double share = 0;   ///< of all normals, within FaceOptions::radius
+};
+
+/// The faces that a fingertip has met, from its normals over time: what an edge or corner reports
+/// in place of a mean. Takes the densest direction, then the densest of those `apart` from it, and
+/// so on (a greedy search for modes, each refined by mean shift). Largest first.
+/// @throws BadInput for a normal that is not finite
+std::vector<Face> find_faces(std::span<const Eigen::Vector3d> normals,
+                             const FaceOptions& options = {});
+
+}  // namespace palpate::touch

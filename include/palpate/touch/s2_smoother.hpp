@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <deque>
+
+#include "palpate/touch/s2_filter.hpp"
+
+namespace palpate::touch {
+
+/// S2Filter whose estimates also know the samples of a while after: each tells of the contact `lag`
+/// earlier (NormalEstimate::time).
+///
+/// Fixed-lag Rauch-Tung-Striebel smoothing of the tilt alone, its correlation with the rest of the
+/// state left aside, through each tick's hypotheses by their weights.
+class S2Smoother final : public NormalEstimator {
+ public:
+  /// @param options  lag: of the estimates, s
+  explicit S2Smoother(const S2Options& options = {});
+  NormalEstimate update(const FingerSample& sample) override;
+
+ private:
+  struct Tick {
+    double time = 0;
+    Eigen::Matrix3d R;
+    Eigen::Matrix2d P;
+    S2Filter::Step step;  // that led to it
+  };
+
+  S2Options options_;
+  S2Filter filter_;
+  std::deque<Tick> ticks_;
+};
+
+}  // namespace palpate::touch

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <utility>
+
+#include "mlp_checkpoint.hpp"
+#include "palpate/learning/trainer.hpp"
+
+namespace palpate::learning {
+namespace {
+
+class NpgTrainer : public Trainer {
+ public:
+  NpgTrainer(const TrainingContext& context, const NpgOptions& options, const MlpPolicy& from,
+             Demonstrations demonstrations)
+      : context_(context), options_(options), demonstrations_(std::move(demonstrations)) {
+    check(demonstrations_);
+    state_.policy = from.record();
+  }
+
+  Metrics iterate() override {
+    const auto result = npg_iteration(state_, context_.model, options_, demonstrations_,
+                                      context_.seed, context_.threads);
+    return {{"return", result.mean_return},
+            {"success_5cm", result.success_5cm},
+            {"surrogate_gain", result.surrogate_gain},
+            {"divergence", result.divergence}};
+  }
+
+  int iteration() const override { return state_.iteration; }
+  PolicyRecord policy() const override { return state_.policy; }
+
+  void save(Checkpoint& checkpoint) const override {
+    save_mlp(state_.policy, checkpoint);
+    if (!state_.value) return;
+    checkpoint.arrays["value_parameters"] = state_.value->parameters();
+    checkpoint.arrays["value_range"] = Eigen::Vector2d(state_.value_shift, state_.value_scale);
+    checkpoint.arrays["value_sizes"] =
+        Eigen::VectorXi::Map(state_.value->sizes().data(), std::ssize(state_.value->sizes()))
+            .cast<double>();
+  }
+
+  void restore(const Checkpoint& checkpoint) override {
+    state_.iteration = checkpoint.iteration;
+    state_.policy = restore_mlp(checkpoint);
+    state_.value.reset();
+    if (!checkpoint.arrays.contains("value_sizes")) return;
+    std::vector<int> sizes;
+    for (const double size : checkpoint.array("value_sizes").reshaped()) {
+      sizes.push_back(static_cast<int>(size));
+    }
+    state_.value.emplace(sizes, Activation::relu, checkpoint.array("value_parameters"));
+    state_.value_shift = checkpoint.array("value_range")(0, 0);
+    state_.value_scale = checkpoint.array("value_range")(1, 0);
+  }
+
+ private:
+  TrainingContext context_;
+  NpgOptions options_;
+  Demonstrations demonstrations_;
+  NpgState state_;
+};
+
+}  // namespace
+
+std::unique_ptr<Trainer> make_npg_trainer(const TrainingContext& context, const NpgOptions& options,
+                                          const MlpPolicy& from, Demonstrations demonstrations) {
+  return std::make_unique<NpgTrainer>(context, options, from, std::move(demonstrations));
+}
+
+}  // namespace palpate::learning

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <numbers>
+
+#include "check_evidence.hpp"
+#include "descent.hpp"
+#include "energy_maker.hpp"
+#include "palpate/localization/localizer.hpp"
+#include "pose_family.hpp"
+#include "proposal.hpp"
+#include "verdict.hpp"
+
+namespace palpate::localization {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr PoseTolerance kLoose{3 * kDegree, 0.006};  // a standard deviation that leaves a pose open
+constexpr int kLeastStarts = 3;                      // that must have led to the best pose
+constexpr double kNegligible = 1e-4;                 // weight of a pose not worth reporting
+constexpr std::size_t kMostModes = 16;
+
+using Symmetries = PoseFamily::Symmetries;
+
+/// Basins within the tolerance of a pose are one mode.
+std::vector<Mode> modes_of(const std::vector<Basin>& basins, const Symmetries& symmetries) {
+  const std::vector<double> shares = basin_shares(basins);
+  std::vector<Mode> modes;
+  for (std::size_t i = 0; i < basins.size(); ++i) {
+    const PosePoint& pose = basins[i].pose;
+    const auto same = std::find_if(modes.begin(), modes.end(), [&](const Mode& mode) {
+      return PoseFamily(PosePoint(mode.T_frame_object)).contains(pose, symmetries);
+    });
+    if (same != modes.end()) {
+      same->weight += shares[i];
+    } else if (modes.size() < kMostModes && shares[i] > kNegligible) {
+      modes.push_back({pose.isometry(), shares[i], covariance_of(basins[i].best), std::nullopt});
+    }
+  }
+  std::stable_sort(modes.begin(), modes.end(),
+                   [](const Mode& m, const Mode& n) { return m.weight > n.weight; });
+  return modes;
+}
+
+bool tight(const Matrix6d& covariance) {
+  const auto widest = [](const Eigen::Matrix3d& part) {
+    return std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(part, Eigen::EigenvaluesOnly)
+                         .eigenvalues()[2]);
+  };
+  return widest(covariance.topLeftCorner<3, 3>()) < kLoose.rotation &&
+         widest(covariance.bottomRightCorner<3, 3>()) < kLoose.translation;
+}
+
+/// The modes, if they are all that there can be: nothing otherwise.
+std::vector<Mode> settled_modes(const ObjectModel& model, const Evidence& evidence,
+                                RandomStream random, const LocalizerOptions& search,
+                                const FastOptions& options) {
+  const EnergyMaker energy_at(model, evidence, search.contact_offset);
+  const auto proposal = make_proposal(model, evidence, search);
+  const auto symmetries = symmetry_quaternions(model.object().symmetries);
+  const auto basins = find_basins(*proposal, energy_at, symmetries,
+                                  {options.proposals, options.starts, search.first_scale}, random);
+  if (basins.empty()) return {};
+  const auto modes = modes_of(basins, symmetries);
+  const Basin& best = basins.front();
+  const bool trusted = best.starts >= kLeastStarts && tight(modes.front().covariance) &&
+                       modes.front().weight > options.certainty &&
+                       !contradicted(model, evidence, best.best.pose, search.contact_offset);
+  return trusted ? modes : std::vector<Mode>{};
+}
+
+}  // namespace
+
+Posterior localize_fast(const ObjectModel& model, const Evidence& evidence, RandomStream random,
+                        const LocalizerOptions& options, const FastOptions& fast) {
+  const auto start = std::chrono::steady_clock::now();
+  const auto elapsed = [start] {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  };
+  check_evidence(model, evidence);
+  Posterior posterior;
+  if (!evidence.contacts.empty()) {
+    posterior.modes = settled_modes(model, thinned(evidence), random.fork("fast"), options, fast);
+    posterior.status = status_of(posterior.modes);
+  }
+  if (posterior.modes.empty()) posterior = localize(model, evidence, random, options);
+  posterior.seconds = elapsed();
+  return posterior;
+}
+
+}  // namespace palpate::localization

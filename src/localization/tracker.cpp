@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/localization/tracker.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "check_evidence.hpp"
+#include "contact_term.hpp"
+#include "palpate/core/error.hpp"
+#include "pose_family.hpp"
+#include "verdict.hpp"
+
+namespace palpate::localization {
+namespace {
+
+constexpr double kContactOffset = 0.003;  // m, as the global search's
+constexpr int kIterations = 2;
+constexpr double kShortened[] = {1.0, 0.4, 0.15};  // of a step that does not lower the energy
+constexpr double kLongestGap = 0.5;                // s without a frame that are trusted
+constexpr double kDrift = 1e-4;                    // variance a second, rad^2 and (dm)^2
+constexpr std::size_t kRecent = 3, kBefore = 25, kSettling = 12;  // frames compared for a slip
+constexpr int kSearchFrames = 14;
+constexpr double kSearchTrust = 0.15;  // of a frame while a slip is searched
+constexpr double kLoss = 12;           // of ln weight at which a hypothesis is dropped
+constexpr std::size_t kMostHypotheses = 16;
+constexpr PoseTolerance kSamePose{0.026, 0.002};
+
+SearchPose search_pose(const Eigen::Isometry3d& T) {
+  return {T.linear().cast<float>(), T.translation().cast<float>()};
+}
+
+void check_frame(const TrackFrame& frame) {
+  if (frame.velocities.size() != frame.contacts.size()) {
+    throw BadInput(fmt::format("tracker: {} velocities for {} contacts", frame.velocities.size(),
+                               frame.contacts.size()));
+  }
+  bool finite = std::isfinite(frame.time);
+  for (const auto& velocity : frame.velocities) finite = finite && velocity.allFinite();
+  if (!finite) throw BadInput(fmt::format("tracker: the frame at {} s is not finite", frame.time));
+}
+
+/// [w; v] that takes one pose to another: R' = exp(w) R, t' = t + v.
+Vector6d difference(const Eigen::Isometry3d& to, const Eigen::Isometry3d& from) {
+  Vector6d x;
+  x << log_so3(to.linear() * from.linear().transpose()), to.translation() - from.translation();
+  return x;
+}
+
+Eigen::Isometry3d moved(const Eigen::Isometry3d& T, const Vector6d& x) {
+  Eigen::Isometry3d result = T;
+  result.linear() = exp_so3(x.head<3>()) * T.linear();
+  result.translation() += x.tail<3>();
+  return result;
+}
+
+double mean_of(const std::vector<double>& values, std::size_t first, std::size_t last) {
+  double sum = 0;
+  for (std::size_t i = first; i < last; ++i) sum += values[i];
+  return sum / static_cast<double>(last - first);
+}
+
+}  // namespace
+
+Tracker::Tracker(const ObjectModel& model, const Posterior& start, const TrackerOptions& options,
+                 RandomStream random)
+    : model_(model), options_(options), random_(random) {
+  if (start.modes.empty()) throw BadInput("tracker: a posterior of 0 modes to start from");
+  for (const Mode& mode : start.modes) {
+    if (mode.weight <= 0) continue;
+    Matrix6d covariance = mode.covariance;
+    covariance.diagonal().array() += 1e-8;
+    hypotheses_.push_back({mode.T_frame_object, covariance, std::log(mode.weight)});
+  }
+  publish();
+}
+
+/// Least squares on v_k = v + w x (p_k - t), held by what motion is expected.
+void Tracker::predict(const TrackFrame& frame, double dt, Hypothesis& hypothesis) const {
+  Matrix6d H = Matrix6d::Zero();
+  H.diagonal() << Eigen::Vector3d::Constant(1 / std::pow(options_.turning, 2)),
+      Eigen::Vector3d::Constant(1 / std::pow(options_.moving, 2));
+  Vector6d g = Vector6d::Zero();
+  const double precision =
+      1 / (std::pow(options_.sliding, 2) / 2 + std::pow(options_.velocity_noise, 2));
+  for (std::size_t k = 0; k < frame.contacts.size(); ++k) {
+    Eigen::Matrix<double, 3, 6> J;
+    J << -skew(frame.contacts[k].p - hypothesis.T.translation()), Eigen::Matrix3d::Identity();
+    H += precision * J.transpose() * J;
+    g += precision * J.transpose() * frame.velocities[k];
+  }
+  const Eigen::LLT<Matrix6d> solver(H);
+  hypothesis.T = moved(hypothesis.T, dt * solver.solve(g));
+  const Matrix6d uncertain = solver.solve(Matrix6d::Identity());
+  hypothesis.covariance += 2 * options_.correlation_time * dt * uncertain;
+  hypothesis.covariance.diagonal().array() +=
+      dt * kDrift * (Vector6d() << 1, 1, 1, 0.01, 0.01, 0.01).finished().array();
+}
+
+/// Minimises |x|^2 / 2 in the prior's metric plus trust times the contacts' energy.
+void Tracker::correct(const Evidence& evidence, double trust, Hypothesis& hypothesis) const {
+  const ContactTerm contacts(model_, evidence, kContactOffset, 1.0);
+  const Matrix6d information = hypothesis.covariance.inverse();
+  const Eigen::Isometry3d predicted = hypothesis.T;
+  const auto cost = [&](const Eigen::Isometry3d& T) {
+    const Vector6d x = difference(T, predicted);
+    return 0.5 * x.dot(information * x) +
+           trust * static_cast<double>(contacts.energy(search_pose(T), kNoBound));
+  };
+  double now = cost(hypothesis.T);
+  Matrix6d H = information;
+  for (int i = 0; i <= kIterations; ++i) {
+    NormalEquations equations;
+    contacts.linearize(search_pose(hypothesis.T), equations);
+    H = information + trust * equations.H;
+    if (i == kIterations) break;
+    const Vector6d x = difference(hypothesis.T, predicted);
+    const Vector6d step = -H.llt().solve(information * x + trust * equations.g);
+    const double before = now;
+    for (const double share : kShortened) {
+      const Eigen::Isometry3d to = moved(hypothesis.T, share * step);
+      const double there = cost(to);
+      if (there >= now) continue;
+      hypothesis.T = to;
+      now = there;
+      break;
+    }
+    if (now >= before) break;
+  }
+  hypothesis.log_weight -= now;
+  hypothesis.covariance = H.inverse();
+}
+
+void Tracker::watch_for_slip(const Evidence& evidence) {
+  const ContactTerm contacts(model_, evidence, kContactOffset, 1.0);
+  const double energy =
+      static_cast<double>(contacts.energy(search_pose(hypotheses_.front().T), kNoBound));
+  energies_.push_back(energy / static_cast<double>(evidence.contacts.size()));
+  if (energies_.size() > kBefore + kRecent) energies_.erase(energies_.begin());
+  if (searching_ > 0 || energies_.size() < kSettling + kRecent) return;
+  const std::size_t split = energies_.size() - kRecent;
+  const double jump = mean_of(energies_, split, energies_.size()) - mean_of(energies_, 0, split);
+  if (jump < options_.slip_jump) return;
+  ++slips_;
+  searching_ = kSearchFrames;
+  energies_.clear();
+}
+
+/// Adds poses around the best, each at once pulled towards this frame's contacts.
+void Tracker::spawn(const Evidence& evidence) {
+  const Hypothesis best = hypotheses_.front();
+  Matrix6d spread = best.covariance;
+  spread.diagonal().array() +=
+      (Vector6d() << Eigen::Vector3d::Constant(std::pow(options_.slip_angle, 2) / 3),
+       Eigen::Vector3d::Constant(std::pow(options_.slip_way, 2) / 3))
+          .finished()
+          .array();
+  for (int i = 0; i < options_.slip_poses; ++i) {
+    Vector6d x;
+    x << options_.slip_angle / std::sqrt(3.0) * random_.normal3(),
+        options_.slip_way / std::sqrt(3.0) * random_.normal3();
+    Hypothesis other{moved(best.T, x), spread, best.log_weight};
+    correct(evidence, kSearchTrust, other);
+    hypotheses_.push_back(other);
+  }
+}
+
+void Tracker::prune() {
+  const auto heavier = [](const Hypothesis& a, const Hypothesis& b) {
+    return a.log_weight > b.log_weight;
+  };
+  std::stable_sort(hypotheses_.begin(), hypotheses_.end(), heavier);
+  const double most = hypotheses_.front().log_weight;
+  const auto symmetries = symmetry_quaternions(model_.object().symmetries);
+  std::vector<Hypothesis> kept;
+  for (Hypothesis& hypothesis : hypotheses_) {
+    hypothesis.log_weight -= most;
+    if (hypothesis.log_weight < -kLoss || kept.size() == kMostHypotheses) break;
+    const PoseFamily ball{PosePoint(hypothesis.T)};
+    const bool known = std::any_of(kept.begin(), kept.end(), [&](const Hypothesis& other) {
+      return ball.contains(PosePoint(other.T), symmetries, kSamePose);
+    });
+    if (!known) kept.push_back(hypothesis);
+  }
+  hypotheses_ = std::move(kept);
+}
+
+void Tracker::publish() {
+  posterior_.modes.clear();
+  double total = 0;
+  for (const Hypothesis& h : hypotheses_) total += std::exp(h.log_weight);
+  for (const Hypothesis& h : hypotheses_) {
+    posterior_.modes.push_back({h.T, std::exp(h.log_weight) / total, h.covariance, std::nullopt});
+  }
+  posterior_.status = status_of(posterior_.modes);
+}
+
+const Posterior& Tracker::update(const TrackFrame& frame) {
+  const auto start = std::chrono::steady_clock::now();
+  check_frame(frame);
+  Evidence evidence;
+  evidence.contacts = frame.contacts;
+  evidence.false_contact_share = options_.false_contacts;
+  check_evidence(model_, evidence);
+  if (started_ && frame.time <= time_) return posterior_;
+  const double dt = started_ ? std::min(frame.time - time_, kLongestGap) : 0.0;
+  started_ = true;
+  time_ = frame.time;
+  for (Hypothesis& hypothesis : hypotheses_) predict(frame, dt, hypothesis);
+  if (!frame.contacts.empty()) {
+    watch_for_slip(evidence);
+    const double usual = std::min(1.0, std::max(dt, 1e-3) / (2 * options_.correlation_time));
+    const double trust = searching_ > 0 ? kSearchTrust : usual;
+    for (Hypothesis& hypothesis : hypotheses_) correct(evidence, trust, hypothesis);
+    if (searching_ > 0 && --searching_ > kSearchFrames / 2) spawn(evidence);
+    prune();
+  }
+  publish();
+  posterior_.seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return posterior_;
+}
+
+}  // namespace palpate::localization

@@ -1,0 +1,146 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The localize command: a box file in its own coordinates, and every kind of bad contacts."""
+
+import json
+import math
+import random
+
+from cli import BAD_INPUT, DONE, NO_SOLUTION, USAGE, CliTest, box_stl, main
+
+HEADER = "x,y,z,nx,ny,nz"
+SIZE = (0.05, 0.094, 0.175)
+SHIFT, ANGLE = (0.3, -0.2, 0.5), 0.7  # where the box is: turned about z, then moved
+QUICK = ["--set", "search.proposals=12000", "--set", "search.particles=200"]
+
+
+def moved(v, shift=(0, 0, 0)):
+    c, s = math.cos(ANGLE), math.sin(ANGLE)
+    turned = (c * v[0] - s * v[1], s * v[0] + c * v[1], v[2])
+    return [a + b for a, b in zip(turned, shift)]
+
+
+def contacts_on_box(count, faces=(0, 1, 2, 3, 4, 5), seed=1):
+    """Rows of exact contacts on faces of the box 0..SIZE, where SHIFT and ANGLE put it."""
+    stream = random.Random(seed)
+    rows = []
+    for i in range(count):
+        axis, high = divmod(faces[i % len(faces)], 2)
+        point = [size * stream.uniform(0.1, 0.9) for size in SIZE]
+        point[axis] = SIZE[axis] * high
+        normal = [0.0, 0.0, 0.0]
+        normal[axis] = 2.0 * high - 1
+        rows.append(moved(point, SHIFT) + moved(normal))
+    return rows
+
+
+def csv(rows, header=HEADER):
+    return "\n".join([header] + [",".join(map(str, row)) for row in rows]) + "\n"
+
+
+class Localize(CliTest):
+    def setUp(self):
+        super().setUp()
+        self.write("box.stl", box_stl(*SIZE))
+
+    def localize(self, rows, *options, header=HEADER, code=DONE):
+        self.write("contacts.csv", csv(rows, header))
+        done = self.run_program("localize", "box.stl", "contacts.csv", "--json", *QUICK, *options)
+        self.assertEqual(done.returncode, code, done.stderr)
+        return json.loads(done.stdout)
+
+    def test_pose_maps_the_files_own_coordinates(self):
+        for method in ("fast", "full"):
+            result = self.localize(contacts_on_box(18), "--method", method)
+            self.assertEqual(result["status"], "certain", method)
+            best = result["modes"][0]
+            self.assertIsNone(best["free_axis"])
+            self.assertEqual(len(best["covariance"]), 36)
+            self.assertGreater(best["weight"], 0.95)
+            # The box's middle and axes, whichever of the box's four equal poses was found.
+            T = best["T_contact_object"]
+            half = [size / 2 for size in SIZE]
+            middle = [sum(T[4 * i + j] * half[j] for j in range(3)) + T[4 * i + 3] for i in range(3)]
+            for value, true in zip(middle, moved(half, SHIFT)):
+                self.assertAlmostEqual(value, true, delta=0.003)
+            self.assertGreater(abs(T[10]), math.cos(math.radians(5)))
+            self.assertGreater(abs(T[0] * math.cos(ANGLE) + T[4] * math.sin(ANGLE)), 0.99)
+            self.assertGreater(result["prepare_seconds"], 0)
+            self.assertGreater(result["seconds"], 0)
+
+    def test_the_same_seed_gives_the_same(self):
+        first, second = (self.localize(contacts_on_box(9), "--seed", "3") for _ in range(2))
+        self.assertEqual(first["modes"], second["modes"])
+
+    def test_rows_out_of_order(self):
+        rows = [row + [float(i)] for i, row in enumerate(contacts_on_box(12))]
+        header = HEADER + ",t"
+        first = self.localize(rows, header=header)
+        random.Random(2).shuffle(rows)
+        self.assertEqual(self.localize(rows, header=header)["modes"], first["modes"])
+
+    def test_too_little_is_ambiguous(self):
+        one = contacts_on_box(1)
+        for rows in (one, one * 6, contacts_on_box(10, faces=[5])):
+            result = self.localize(rows)
+            self.assertEqual(result["status"], "ambiguous")
+            self.assertLessEqual(len(result["modes"]), 16)
+
+    def test_no_contacts_leave_no_pose(self):
+        result = self.localize([], code=NO_SOLUTION)
+        self.assertEqual((result["status"], result["modes"]), ("no_pose", []))
+
+    def test_contacts_of_another_object(self):
+        """A ball of 30 mm, twice as wide as the box is thick."""
+        stream, rows = random.Random(3), []
+        for _ in range(20):
+            n = [stream.gauss(0, 1) for _ in range(3)]
+            length = math.hypot(*n)
+            n = [v / length for v in n]
+            rows.append([0.05 * v for v in n] + n)
+        self.assertEqual(self.localize(rows, code=NO_SOLUTION)["status"], "no_pose")
+
+    def test_flipped_normals_are_named(self):
+        rows = [row[:3] + [-v for v in row[3:]] for row in contacts_on_box(18)]
+        result = self.localize(rows, code=NO_SOLUTION)
+        self.assertEqual(result["status"], "no_pose")
+        self.assertIn("reversed", result["hint"])
+
+    def test_ten_thousand_contacts(self):
+        result = self.localize(contacts_on_box(10000))
+        self.assertEqual(result["status"], "certain")
+        self.assertLess(result["seconds"], 5)
+
+    def refuse(self, text, *words):
+        self.write("contacts.csv", text)
+        self.assert_refused(BAD_INPUT, ["localize", "box.stl", "contacts.csv"], *words)
+
+    def test_files_that_are_no_contacts(self):
+        self.refuse("", "empty")
+        self.refuse("x,y,z\n0,0,0\n", "nx")
+        self.refuse(csv([[0, 0, "nan", 0, 0, 1]]), "contacts.csv:2", "nan", "z")
+        self.refuse(csv([[0, 0, 0, 0, 0, 1], [0, 0, 0, 0, 0, 0]]), "contacts.csv:3", "length 0")
+        self.refuse(csv([[0, 0, 0, 0, 0]]), "contacts.csv:2", "5 values for 6 columns")
+        self.refuse(csv([[0, 0, 0, 0, "?", 1]]), "'?'")
+
+    def test_contacts_in_millimetres(self):
+        rows = [[1000 * v for v in row[:3]] + row[3:] for row in contacts_on_box(8)]
+        self.refuse(csv(rows), "millimetres")
+
+    def test_open_mesh(self):
+        """Without one face of two triangles: the hole is closed, and the result says so."""
+        whole = box_stl(*SIZE)
+        count = 11
+        data = whole[:80] + count.to_bytes(4, "little") + whole[84 : 84 + 50 * count]
+        self.write("box.stl", data)
+        result = self.localize(contacts_on_box(18))
+        self.assertEqual(result["status"], "certain")
+        self.assertTrue(result["repairs"])
+
+    def test_usage(self):
+        self.write("contacts.csv", csv(contacts_on_box(3)))
+        for wrong in (["--method", "slow"], ["--point-noise", "0"], ["--normal-noise-deg", "-1"]):
+            self.assert_refused(USAGE, ["localize", "box.stl", "contacts.csv", *wrong], wrong[1])
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/learning/structured_policy.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "learning/policies.hpp"
+#include "palpate/core/error.hpp"
+
+namespace palpate::learning {
+namespace {
+
+TEST(StructuredPolicy, FlattensAndUnflattens) {
+  Eigen::VectorXd values = flatten(structured_start());
+  for (Eigen::Index i = 0; i < values.size(); ++i) values[i] = static_cast<double>(i);
+  EXPECT_EQ(flatten(unflatten(values)), values);
+  EXPECT_EQ(flatten(structured_spread()).size(), values.size());
+  EXPECT_THROW(unflatten(values.head(5)), BadInput);
+}
+
+TEST(StructuredPolicy, EverySpreadIsPositive) {
+  EXPECT_GT(flatten(structured_spread()).minCoeff(), 0);
+}
+
+TEST(StructuredPolicy, AnObservedPolicyLooksAtNothingButTheObservation) {
+  const auto policy = structured(true);
+  RandomStream random(4);
+  for (int i = 0; i < 50; ++i) {
+    PolicyInput input = random_input(random);
+    const auto action = policy.act(input);
+    input.proprioception = random_input(random).proprioception;
+    EXPECT_EQ(policy.act(input), action);
+  }
+}
+
+TEST(StructuredPolicy, AVelocityReadingPolicyBrakes) {
+  const auto policy = structured(false);
+  PolicyInput input;
+  input.observation.setZero();
+  input.observation.segment<3>(30) << 0, -0.15, 0.08;  // the palm is behind the object
+  const double at_rest = policy.act(input).z();        // the base's z pushes along +y
+  input.proprioception.velocity.setZero();
+  input.proprioception.velocity[2] = 0.5;
+  EXPECT_LT(policy.act(input).z(), at_rest);
+}
+
+TEST(StructuredPolicy, OpensFarAwayAndClosesNearTheObject) {
+  const auto policy = structured(false);
+  const auto& p = policy.parameters();
+  PolicyInput input;
+  input.observation.setZero();
+  input.observation.segment<3>(30) << 0, -0.5, 0.1;
+  EXPECT_LT((policy.act(input).tail<24>() - p.open.cwiseMax(-1).cwiseMin(1)).norm(), 0.1);
+  input.observation.segment<3>(30) = p.grasp_offset;
+  EXPECT_LT((policy.act(input).tail<24>() - p.closed.cwiseMax(-1).cwiseMin(1)).norm(), 0.1);
+}
+
+TEST(StructuredPolicy, ActionsStayWithinTheirRange) {
+  RandomStream random(6);
+  for (const bool observed : {false, true}) {
+    const auto policy = structured(observed);
+    for (int i = 0; i < 100; ++i) {
+      EXPECT_LE(policy.act(random_input(random)).cwiseAbs().maxCoeff(), 1);
+    }
+  }
+}
+
+TEST(StructuredPolicy, RejectsWhatCannotAct) {
+  auto parameters = structured_start();
+  const auto center = simulation::RelocateAction::Zero().eval();
+  const auto ones = simulation::RelocateAction::Ones().eval();
+  EXPECT_THROW(StructuredPolicy(parameters, center, center, false), BadInput);
+  parameters.reach_limit = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(StructuredPolicy(parameters, center, ones, false), BadInput);
+  RandomStream random(1);
+  StructuredPolicy::Observer observer{Mlp({5, 3}, Activation::tanh, random),
+                                      Eigen::VectorXd::Zero(5), Eigen::VectorXd::Ones(5)};
+  EXPECT_THROW(StructuredPolicy(structured_start(), center, ones, true, observer), BadInput);
+}
+
+}  // namespace
+}  // namespace palpate::learning

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/learning/trainer.hpp"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <functional>
+
+#include "core/error_message.hpp"
+#include "learning/policies.hpp"
+#include "palpate/core/file.hpp"
+
+namespace palpate::learning {
+namespace {
+
+TrainingContext context() {
+  TaskOptions options;
+  options.solver = "fast";
+  return {make_model(options), 5, 1};
+}
+
+std::filesystem::path checkpoint_path() {
+  return std::filesystem::path(testing::TempDir()) /
+         (std::string(testing::UnitTest::GetInstance()->current_test_info()->name()) +
+          ".checkpoint");
+}
+
+using MakeTrainer = std::function<std::unique_ptr<Trainer>()>;
+
+/// Trains in one go, and again with a new trainer from a checkpoint on disk before each iteration.
+void expect_resumable(const MakeTrainer& make, int iterations) {
+  const auto whole = make();
+  for (int i = 0; i < iterations; ++i) whole->iterate();
+  Checkpoint kept;
+  for (int i = 0; i < iterations; ++i) {
+    const auto part = make();
+    if (i > 0) part->restore(load_checkpoint(checkpoint_path()));
+    part->iterate();
+    Checkpoint checkpoint;
+    checkpoint.iteration = part->iteration();
+    part->save(checkpoint);
+    save_checkpoint(checkpoint_path(), checkpoint);
+  }
+  const auto last = make();
+  last->restore(load_checkpoint(checkpoint_path()));
+  EXPECT_EQ(last->iteration(), iterations);
+  EXPECT_EQ(last->policy().arrays, whole->policy().arrays);
+}
+
+TEST(Trainer, CemGoesOnAfterAnInterruption) {
+  CemTrainingOptions options;
+  options.search.cem.population = 4;
+  options.search.cem.elite = 2;
+  options.search.screening = options.search.episodes = 1;
+  options.search.episode.horizon = 6;
+  options.memoryless = true;
+  options.settle = 1;
+  options.refit = 2;
+  options.observer.hidden = 4;
+  options.observer.rounds = 2;
+  options.observer.episodes = 3;
+  options.observer.regression.epochs = 2;
+  expect_resumable([&] { return make_cem_trainer(context(), options); }, 3);
+}
+
+TEST(Trainer, DaggerGoesOnAfterAnInterruption) {
+  DaggerOptions options;
+  options.hidden = 6;
+  options.episodes = 3;
+  options.samples = 100;
+  options.episode.horizon = 6;
+  const auto expert = structured(false);
+  expect_resumable([&] { return make_dagger_trainer(context(), options, expert); }, 3);
+}
+
+TEST(Trainer, NpgGoesOnAfterAnInterruption) {
+  NpgOptions options;
+  options.trajectories = 3;
+  options.episode.horizon = 6;
+  expect_resumable([&] { return make_npg_trainer(context(), options, small_network(1), {}); }, 3);
+}
+
+TEST(Trainer, DaggerLearnsWhatTheExpertDoes) {
+  DaggerOptions options;
+  options.episodes = 6;
+  options.samples = 20000;
+  options.episode.horizon = 20;
+  options.hidden = 16;
+  const auto expert = small_network(7);
+  const auto trainer = make_dagger_trainer(context(), options, expert);
+  double first = 0, last = 0;
+  for (int i = 0; i < 3; ++i) {
+    last = trainer->iterate()[1].second;
+    if (i == 0) first = last;
+  }
+  EXPECT_LT(last, 0.02);  // mean squared; the expert's actions are of size 1
+  EXPECT_GT(first, 0);
+}
+
+TEST(Checkpoint, ReadsBackExactly) {
+  Checkpoint checkpoint;
+  checkpoint.method = "cem";
+  checkpoint.seed = 18446744073709551615ULL;
+  checkpoint.iteration = 7;
+  checkpoint.settings = "a = 1\n";
+  checkpoint.arrays["x"] = Eigen::MatrixXd::Random(3, 5);
+  checkpoint.arrays["empty"] = Eigen::MatrixXd(4, 0);
+  save_checkpoint(checkpoint_path(), checkpoint);
+  const auto read = load_checkpoint(checkpoint_path());
+  EXPECT_EQ(read.method, checkpoint.method);
+  EXPECT_EQ(read.seed, checkpoint.seed);
+  EXPECT_EQ(read.iteration, checkpoint.iteration);
+  EXPECT_EQ(read.settings, checkpoint.settings);
+  EXPECT_EQ(read.array("x"), checkpoint.arrays["x"]);
+  EXPECT_EQ(read.array("empty").cols(), 0);
+  EXPECT_THROW(read.array("y"), BadInput);
+}
+
+TEST(Checkpoint, AnyTruncationOrAdditionIsAnError) {
+  Checkpoint checkpoint;
+  checkpoint.arrays["x"] = Eigen::MatrixXd::Random(3, 5);
+  save_checkpoint(checkpoint_path(), checkpoint);
+  const std::string bytes = read_file(checkpoint_path());
+  const auto error_of = [](const std::string& text) {
+    write_file_atomically(checkpoint_path(), text);
+    return error_message([] { load_checkpoint(checkpoint_path()); });
+  };
+  for (std::size_t length = 0; length < bytes.size(); length += 7) {
+    EXPECT_NE(error_of(bytes.substr(0, length)), "") << length;
+  }
+  EXPECT_NE(error_of(bytes + "x"), "");
+  EXPECT_NE(error_of("{}\n"), "");
+  EXPECT_EQ(error_of(bytes), "");
+}
+
+}  // namespace
+}  // namespace palpate::learning

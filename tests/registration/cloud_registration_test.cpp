@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/registration/cloud_registration.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "palpate/core/error.hpp"
+#include "problems.hpp"
+
+namespace palpate::registration {
+namespace {
+
+using geometry::PointCloud;
+using testing::rotation_error_deg;
+using testing::translation_error_mm;
+
+PointCloud bunny_cloud(std::size_t points, std::uint64_t seed) {
+  PointCloud cloud;
+  for (const auto& s :
+       geometry::sample_surface(testing::bunny(), points, RandomStream(seed, "cloud"))) {
+    cloud.points.push_back(s.point);
+    cloud.normals.push_back(s.normal);
+  }
+  return cloud;
+}
+
+Eigen::Isometry3d pose_of(std::uint64_t seed) {
+  RandomStream random(seed, "pose");
+  return testing::random_pose(random);
+}
+
+const CloudOptions kCoarse{.features = {.most_points = 1500}};
+
+TEST(RegisterClouds, FindsThePoseOfAScan) {
+  const PointCloud target = bunny_cloud(8000, 1);
+  for (const bool normals : {true, false}) {
+    PointCloud scan = geometry::transformed(pose_of(2).inverse(), bunny_cloud(8000, 2));
+    if (!normals) scan.normals.clear();
+    const auto found = register_clouds(scan, target, kCoarse);
+    ASSERT_EQ(found.result.status, Status::kCertified);
+    EXPECT_LT(rotation_error_deg(*found.result.T_target_source, pose_of(2)), 2);
+    EXPECT_LT(translation_error_mm(*found.result.T_target_source * pose_of(2).inverse(),
+                                   Eigen::Isometry3d::Identity()),
+              2);
+    EXPECT_GT(found.feature_matches, 50u);
+    EXPECT_EQ(found.result.weights.size(), found.correspondences.size());
+    EXPECT_EQ(found.result.residuals.size(), found.correspondences.size());
+  }
+}
+
+TEST(RegisterClouds, FindsThePoseOfAPart) {
+  PointCloud part;
+  const PointCloud whole = bunny_cloud(8000, 3);
+  for (const auto& p : whole.points) {
+    if (p.x() > -0.01) part.points.push_back(pose_of(4).inverse() * p);
+  }
+  CloudOptions options = kCoarse;
+  options.registration.primitive = Primitive::kPlane;
+  const auto found = register_clouds(part, bunny_cloud(8000, 1), options);
+  ASSERT_EQ(found.result.status, Status::kCertified);
+  EXPECT_LT(rotation_error_deg(*found.result.T_target_source, pose_of(4)), 2);
+}
+
+TEST(RegisterClouds, EmptyTinyAndDegenerateClouds) {
+  const PointCloud cloud = bunny_cloud(500, 1), empty, one{{{1, 2, 3}}, {}},
+                   same{std::vector<Eigen::Vector3d>(50, {1, 2, 3}), {}};
+  for (const PointCloud* bad : {&empty, &one, &same}) {
+    for (const auto& result :
+         {register_clouds(*bad, cloud).result, register_clouds(cloud, *bad).result,
+          register_clouds(*bad, *bad).result}) {
+      EXPECT_EQ(result.status, Status::kDegenerate);
+      EXPECT_FALSE(result.T_target_source);
+    }
+  }
+  PointCloud bad = cloud;
+  bad.points[7].x() = std::nan("");
+  EXPECT_THROW(register_clouds(bad, cloud), BadInput);
+  EXPECT_THROW(register_clouds(cloud, cloud, {.noise_bound = -1.0}), BadInput);
+}
+
+TEST(RegisterClouds, MirroredCloudGivesNoReflection) {
+  PointCloud mirrored = bunny_cloud(4000, 1);
+  for (auto* list : {&mirrored.points, &mirrored.normals}) {
+    for (auto& p : *list) p.x() = -p.x();
+  }
+  const auto found = register_clouds(mirrored, bunny_cloud(4000, 1), kCoarse);
+  if (found.result.T_target_source) {
+    EXPECT_NEAR(found.result.T_target_source->linear().determinant(), 1, 1e-9);
+  }
+}
+
+TEST(RegisterClouds, AnotherShapeGivesNoPose) {
+  PointCloud ball;
+  RandomStream random(5, "ball");
+  for (int i = 0; i < 3000; ++i) {
+    ball.normals.push_back(random.unit_vector());
+    ball.points.push_back(0.05 * ball.normals.back());
+  }
+  const auto found = register_clouds(bunny_cloud(4000, 1), ball, kCoarse);
+  // A ball fits at any angle, so that what little agrees may leave motions free.
+  EXPECT_TRUE(found.result.status == Status::kNoConsensus ||
+              found.result.status == Status::kDegenerate);
+}
+
+TEST(RegisterClouds, ScaleDoesNotMatter) {
+  for (const double scale : {1e-6, 1e6}) {
+    PointCloud source = geometry::transformed(pose_of(2).inverse(), bunny_cloud(4000, 2)),
+               target = bunny_cloud(4000, 1);
+    for (auto* cloud : {&source, &target}) {
+      for (auto& p : cloud->points) p *= scale;
+    }
+    const auto found = register_clouds(source, target, kCoarse);
+    ASSERT_TRUE(found.result.T_target_source) << scale;
+    EXPECT_LT(rotation_error_deg(*found.result.T_target_source, pose_of(2)), 3);
+  }
+}
+
+}  // namespace
+}  // namespace palpate::registration

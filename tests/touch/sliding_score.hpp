@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/LU>
+#include <numbers>
+
+#include "palpate/touch/normal_estimator.hpp"
+#include "touch/sliding.hpp"
+
+namespace palpate::touch {
+
+/// How far estimates are from the truth.
+struct SlidingScore {
+  std::vector<double> error_deg;
+  std::vector<double> nees;  // normalised error squared; 2 on average of an honest covariance
+  std::vector<Eigen::Vector3d> normals;
+};
+
+inline double angle_deg(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  return 180 / std::numbers::pi * std::atan2(a.cross(b).norm(), a.dot(b));
+}
+
+/// d' C^+ d of the angular error d between n and the truth.
+inline double normalised_error_squared(const Eigen::Vector3d& n, const Eigen::Vector3d& truth,
+                                       const Eigen::Matrix3d& covariance) {
+  const Eigen::Matrix<double, 3, 2> B = frame_with_z(n).leftCols<2>();
+  const Eigen::Vector2d aside = B.transpose() * truth;
+  if (aside.norm() == 0) return 0;
+  const Eigen::Vector2d d = aside.normalized() * angle_deg(n, truth) * std::numbers::pi / 180;
+  const Eigen::Matrix2d C = B.transpose() * covariance * B;
+  return d.dot(C.inverse() * d);
+}
+
+/// Adds a slide's estimates of the time from `settled` (s) on. An estimator that has no estimate by
+/// then is wrong by 90 degrees.
+inline void add_score(NormalEstimator& estimator, const std::vector<FingerSample>& samples,
+                      const SlidingPath& path, double period, SlidingScore& score,
+                      double settled = 1.0) {
+  for (const FingerSample& sample : samples) {
+    const NormalEstimate estimate = estimator.update(sample);
+    if (estimate.time < settled - 1e-9) continue;
+    if (estimate.status == NormalStatus::none) {
+      score.error_deg.push_back(90);
+      continue;
+    }
+    const auto& truth = path.n.at(static_cast<std::size_t>(std::lround(estimate.time / period)));
+    score.error_deg.push_back(angle_deg(estimate.n, truth));
+    score.normals.push_back(estimate.n);
+    if (estimate.covariance) {
+      score.nees.push_back(normalised_error_squared(estimate.n, truth, *estimate.covariance));
+    }
+  }
+}
+
+}  // namespace palpate::touch
