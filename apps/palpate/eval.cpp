@@ -36,6 +36,10 @@ json summary_json(const ObjectSummary& summary) {
   return {{"trials", summary.trials},
           {"lifted", rate(summary.lifted, summary.trials)},
           {"pose_ok", rate(summary.pose_ok, summary.trials)},
+          {"lifted_at_once", rate(summary.lifted_at_once, summary.trials)},
+          {"pose_tight", rate(summary.pose_tight, summary.trials)},
+          {"pose_ok_before_lift", rate(summary.pose_ok_before_lift, summary.trials)},
+          {"sure_but_wrong", rate(summary.sure_but_wrong, summary.trials)},
           {"truth_in_modes", rate(summary.truth_in_modes, summary.trials)},
           {"truth_in_modes_of_lifted", rate(summary.truth_in_modes, summary.lifted)},
           {"false_hold", rate(summary.false_hold, summary.trials)},
@@ -44,6 +48,8 @@ json summary_json(const ObjectSummary& summary) {
           {"rotation_error_deg", quantiles_json(summary.rotation_error_deg)},
           {"translation_error_mm", quantiles_json(summary.translation_error_mm)},
           {"slip_mm", quantiles_json(summary.slip_mm)},
+          {"tip_force", quantiles_json(summary.tip_force)},
+          {"explored_motion_mm", quantiles_json(summary.explored_motion_mm)},
           {"failures", summary.failures},
           {"symmetry_order", summary.symmetry_order}};
 }

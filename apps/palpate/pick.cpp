@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <cstdio>
+#include <optional>
 
 #include "common.hpp"
 #include "palpate/core/file.hpp"
@@ -19,6 +20,7 @@ namespace fs = std::filesystem;
 struct PickArguments {
   CommonOptions common;
   std::string object = "mug";
+  std::optional<int> explore;
 };
 
 fs::path output_folder(const PickArguments& arguments) {
@@ -43,7 +45,11 @@ pipeline::PhaseObserver phase_printer(const CommonOptions& common) {
 
 int pick(const PickArguments& arguments) {
   const CommonOptions& common = arguments.common;
-  const auto options = resolve<pipeline::TrialOptions>(common);
+  auto options = resolve<pipeline::TrialOptions>(common);
+  if (arguments.explore) {
+    options.pick.explore.touches = *arguments.explore;
+    options.pick.explore.most_touches = *arguments.explore;
+  }
   const localization::ObjectModel object(geometry::load_known_object(arguments.object));
   const fs::path folder = output_folder(arguments);
   make_writable_folder(folder);
@@ -82,12 +88,18 @@ void add_pick(CLI::App& program, Command& chosen) {
       .add_option("--object", arguments->object,
                   "mug, bottle, box, bracket, bunny, or a mesh file in metres")
       ->capture_default_str();
+  command
+      .add_option("--explore", arguments->explore,
+                  "touch the resting object this many times before the grasp; 0: not at all "
+                  "(default: 8, and up to 16 while the pose is ambiguous)")
+      ->check(CLI::Range(0, 64));
   add_common_options(command, arguments->common);
   command.footer(
       "Writes recording.h5, config.toml, report.json and replay.html (open it in a browser) into\n"
       "DIR, by default out/pick-OBJECT-SEED. A grasp that fails ends with exit code 4.\n\n"
       "Examples:\n"
       "  palpate pick --object mug --seed 7\n"
+      "  palpate pick --object bunny --explore 16\n"
       "  palpate pick --object part.stl --set lift.way=0.15 --out run1 --json\n"
       "  palpate pick --object box --set start.stance=0 --set world.noise.normal=0.05");
   command.callback([arguments, &chosen] { chosen = [arguments] { return pick(*arguments); }; });

@@ -9,6 +9,7 @@
 namespace palpate::pipeline {
 namespace {
 
+constexpr double kSure = 0.9;
 constexpr double kDegrees = 180 / std::numbers::pi;
 
 std::string failed_phase(const Trial& trial) {
@@ -25,11 +26,18 @@ void count(const Trial& trial, ObjectSummary& summary, std::vector<double>& mode
   }
   ++summary.lifted;
   summary.slip_mm.push_back(1e3 * judgement.slip);
+  summary.lifted_at_once += trial.result.attempts == 1;
+  summary.tip_force.push_back(judgement.tip_force);
+  summary.explored_motion_mm.push_back(1e3 * judgement.explored_motion);
   if (!judgement.has_pose) {
     ++summary.failures["pose"];
     return;
   }
+  const auto& best = trial.result.estimate.posterior.modes[0];
   summary.pose_ok += judgement.pose_ok;
+  summary.pose_tight += judgement.pose_tight;
+  summary.pose_ok_before_lift += judgement.pose_ok_before_lift;
+  summary.sure_but_wrong += !judgement.pose_ok && best.weight >= kSure;
   summary.truth_in_modes += judgement.truth_in_modes;
   summary.rotation_error_deg.push_back(kDegrees * judgement.error.rotation);
   summary.translation_error_mm.push_back(1e3 * judgement.error.translation);

@@ -4,14 +4,34 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
+
+#include "palpate/core/statistics.hpp"
 
 namespace palpate::pipeline {
 namespace {
 
+constexpr double kTouching = 0.1;                          // N
 constexpr double kLifted = 0.05;                           // m above the table
 constexpr double kMostSlip = 0.010;                        // m
 constexpr double kPoseAngle = 5 * std::numbers::pi / 180;  // rad
 constexpr double kPoseDistance = 0.010;                    // m
+
+constexpr double kTightAngle = 2.5 * std::numbers::pi / 180;  // rad
+constexpr double kTightDistance = 0.0035;                     // m
+
+bool within(const localization::PoseError& error, double angle, double distance) {
+  return error.rotation < angle && error.translation < distance;
+}
+
+double median_tip_force(const hand::HandReading& reading) {
+  std::vector<double> forces;
+  for (int finger = 0; finger < hand::kFingers; ++finger) {
+    const double force = tip_force(reading, finger);
+    if (force > kTouching) forces.push_back(force);
+  }
+  return forces.empty() ? 0 : median(forces);
+}
 
 }  // namespace
 
@@ -34,8 +54,11 @@ Judgement Judge::verdict(const PickResult& result, const TouchLog& log, const Li
           std::max(judgement.slip, (moments_[i].T_base_object.translation() - before).norm());
       lowest = std::min(lowest, moments_[i].lowest_point);
     }
+    judgement.tip_force = median_tip_force(log.readings[*held]);
     judgement.lifted = lowest > kLifted && judgement.slip < kMostSlip;
   }
+  judgement.pose_ok_before_lift = right_before_lift(result, log, symmetries);
+  judgement.explored_motion = motion_while_explored(log);
   const auto& posterior = result.estimate.posterior;
   judgement.has_pose = !posterior.modes.empty();
   if (judgement.has_pose) {
@@ -44,11 +67,32 @@ Judgement Judge::verdict(const PickResult& result, const TouchLog& log, const Li
     judgement.error = localization::pose_error(best, truth, symmetries);
     judgement.error_no_symmetry =
         localization::pose_error(best, truth, {Eigen::Matrix3d::Identity()});
-    judgement.pose_ok =
-        judgement.error.rotation < kPoseAngle && judgement.error.translation < kPoseDistance;
+    judgement.pose_ok = within(judgement.error, kPoseAngle, kPoseDistance);
+    judgement.pose_tight = within(judgement.error, kTightAngle, kTightDistance);
     judgement.truth_in_modes = localization::truth_in_modes(posterior, truth, symmetries);
   }
   return judgement;
+}
+
+bool Judge::right_before_lift(const PickResult& result, const TouchLog& log,
+                              const std::vector<Eigen::Matrix3d>& symmetries) const {
+  const auto closed = log.at(Mark::closed);
+  if (!closed || !result.before_lift || result.before_lift->posterior.modes.empty()) return false;
+  const auto truth = log.readings[*closed].base.pose() * moments_[*closed].T_base_object;
+  const auto& best = result.before_lift->posterior.modes[0].T_frame_object;
+  return within(localization::pose_error(best, truth, symmetries), kPoseAngle, kPoseDistance);
+}
+
+double Judge::motion_while_explored(const TouchLog& log) const {
+  const auto place = [&](std::size_t i) -> Eigen::Vector3d {
+    return log.readings[i].base.pose() * moments_[i].T_base_object.translation();
+  };
+  std::optional<std::size_t> first, last;
+  for (const auto& moment : log.since_release()) {
+    if (moment.mark == Mark::sweep && !first) first = moment.reading;
+    if (moment.mark == Mark::touched || moment.mark == Mark::missed) last = moment.reading;
+  }
+  return first && last ? (place(*last) - place(*first)).norm() : 0;
 }
 
 }  // namespace palpate::pipeline

@@ -262,14 +262,16 @@ localization::Posterior locate_resting(const localization::ObjectModel& object,
 }
 
 PoseEstimate locate(const localization::ObjectModel& object, const hand::HandModel& hand,
-                    const TouchLog& log, const LocateOptions& options, std::uint64_t seed) {
+                    const TouchLog& log, const LocateOptions& options, std::uint64_t seed,
+                    Mark instant) {
   PoseEstimate estimate;
-  const auto held = log.at(Mark::held);
+  const auto held = log.at(instant);
   if (!held) return estimate;
+  const double window = instant == Mark::held ? options.window : kTouchWindow;
 
   Evidence evidence;
   evidence.contacts =
-      touch::lasting_contacts(window_before(log, *held, options.window), hand, options.errors);
+      touch::lasting_contacts(window_before(log, *held, window), hand, options.errors);
   evidence.false_contact_share = options.false_contacts;
   evidence.penetration_sigma = options.penetration_sigma;
   if (options.free_space) evidence.free_space = hand_spheres(hand, log.readings[*held]);
@@ -279,7 +281,7 @@ PoseEstimate locate(const localization::ObjectModel& object, const hand::HandMod
       evidence.table = table_at_closing(object.object(), hand, log, options);
     } else {
       const auto motion = carried_motion(hand, window_before(log, *closed, kTouchWindow),
-                                         window_before(log, *held, options.window), options.errors);
+                                         window_before(log, *held, window), options.errors);
       move(motion * log.readings[*closed].base.pose().inverse(), resting);
       evidence.prior = prior_after_grasp(resting, options);
     }

@@ -6,7 +6,7 @@
 namespace palpate::pipeline {
 
 PhaseEnd LocatePhase::run(Robot& robot, PickState& state) {
-  state.estimate = locate(object_, robot.model(), robot.log(), options_, seed_);
+  state.estimate = locate(object_, robot.model(), robot.log(), options_, seed_, instant_);
   const auto& posterior = state.estimate.posterior;
   if (posterior.modes.empty()) return {false, "no pose explains what was felt"};
   return {true, fmt::format("{} ({:.2f}), {} mode{}, {} contacts",

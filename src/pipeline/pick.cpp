@@ -52,13 +52,21 @@ PickResult pick(Robot& robot, const localization::ObjectModel& object, const Pic
     }
     return true;
   };
+  const auto estimate = [&] {
+    result.before_lift.reset();
+    if (options.estimate_before_lift &&
+        course.run(LocatePhase(object, options.locate, seed, Mark::closed))) {
+      result.before_lift = state.estimate;
+    }
+    return true;
+  };
   while (!result.held && result.attempts < options.attempts) {
     if (result.attempts++ > 0) {
       course.run(ReleasePhase());
       state.yaw += kNextSide;
     }
     result.held = course.run(FeelPhase(options.feel)) && explore() &&
-                  course.run(GraspPhase(options.grasp, object)) &&
+                  course.run(GraspPhase(options.grasp, object)) && estimate() &&
                   course.run(LiftPhase(options.lift, weight));
   }
   result.resting = state.resting;

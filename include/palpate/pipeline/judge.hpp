@@ -19,6 +19,10 @@ class Judge {
                     const std::vector<Eigen::Matrix3d>& symmetries) const;
 
  private:
+  bool right_before_lift(const PickResult& result, const TouchLog& log,
+                         const std::vector<Eigen::Matrix3d>& symmetries) const;
+  double motion_while_explored(const TouchLog& log) const;
+
   struct Moment {
     Eigen::Isometry3d T_base_object;
     double lowest_point;

@@ -59,7 +59,7 @@ localization::Posterior locate_resting(const localization::ObjectModel& object,
 
 /// What is known of the object's pose when it hangs in the hand.
 struct PoseEstimate {
-  localization::Posterior posterior;     ///< in the world, at the end of the log
+  localization::Posterior posterior;     ///< in the world, at the instant
   std::vector<touch::Contact> contacts;  ///< it was made from, in the world
 };
 
@@ -67,8 +67,10 @@ struct PoseEstimate {
 ///
 /// Contacts are those of the held object; the table supported it when the fingers had closed; the
 /// felt height weighs its stances. All is expressed in the hand's base, in which the object rests.
-/// @return status no_pose if the log has no `held` mark
+/// @param instant  `held`, or `closed` for the pose before the lift
+/// @return status no_pose if the log has no such mark
 PoseEstimate locate(const localization::ObjectModel& object, const hand::HandModel& hand,
-                    const TouchLog& log, const LocateOptions& options, std::uint64_t seed);
+                    const TouchLog& log, const LocateOptions& options, std::uint64_t seed,
+                    Mark instant = Mark::held);
 
 }  // namespace palpate::pipeline

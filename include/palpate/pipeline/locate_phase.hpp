@@ -6,13 +6,14 @@
 
 namespace palpate::pipeline {
 
-/// Estimates the pose of the held object from the robot's log.
+/// Estimates the object's pose in the hand from the robot's log: where the fingers have met it, or
+/// where it hangs.
 class LocatePhase : public Phase {
  public:
   LocatePhase(const localization::ObjectModel& object, const LocateOptions& options,
-              std::uint64_t seed)
-      : object_(object), options_(options), seed_(seed) {}
-  std::string_view name() const override { return "pose"; }
+              std::uint64_t seed, Mark instant = Mark::held)
+      : object_(object), options_(options), seed_(seed), instant_(instant) {}
+  std::string_view name() const override { return instant_ == Mark::held ? "pose" : "estimate"; }
   double time_limit() const override { return 1.0; }
   PhaseEnd run(Robot& robot, PickState& state) override;
 
@@ -20,6 +21,7 @@ class LocatePhase : public Phase {
   const localization::ObjectModel& object_;
   LocateOptions options_;
   std::uint64_t seed_;
+  Mark instant_;
 };
 
 }  // namespace palpate::pipeline

@@ -13,7 +13,8 @@
 namespace palpate::pipeline {
 
 struct PickOptions {
-  int attempts = 3;  ///< at most
+  int attempts = 3;                  ///< at most
+  bool estimate_before_lift = true;  ///< the pose in the closed hand, too
   FeelOptions feel;
   ExploreOptions explore;
   GraspOptions grasp;
@@ -23,6 +24,7 @@ struct PickOptions {
   template <class Visitor>
   void visit(Visitor&& v) {
     v("attempts", attempts, 1, 20, "grasps tried at most");
+    v("estimate_before_lift", estimate_before_lift, "estimate the pose in the closed hand, too");
     v.section("feel", feel);
     v.section("explore", explore);
     v.section("grasp", grasp);

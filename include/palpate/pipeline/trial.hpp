@@ -41,7 +41,11 @@ struct Judgement {
   localization::PoseError error;              ///< modulo symmetry
   localization::PoseError error_no_symmetry;  ///< every pose of a symmetric object distinct
   bool pose_ok = false;                       ///< within 5 deg and 10 mm
+  bool pose_tight = false;                    ///< within 2.5 deg and 3.5 mm
   bool truth_in_modes = false;
+  bool pose_ok_before_lift = false;  ///< as the fingers had met the object
+  double explored_motion = 0;        ///< m, of the object while it was touched before the grasp
+  double tip_force = 0;              ///< N, median over the touching fingertips at the end
   Eigen::Isometry3d T_world_object = Eigen::Isometry3d::Identity();  ///< at the end
 };
 

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/pipeline/sweep_choice.hpp"
+
+#include <gtest/gtest.h>
+
+namespace palpate::pipeline {
+namespace {
+
+const localization::ObjectModel& box() {
+  static const localization::ObjectModel model(geometry::load_known_object("box"));
+  return model;
+}
+
+localization::Mode mode_at(const Eigen::Vector3d& place, double weight) {
+  localization::Mode mode;
+  mode.T_frame_object.translation() = place;
+  mode.weight = weight;
+  return mode;
+}
+
+const SweepingFinger kBall = {{{Eigen::Vector3d::Zero(), 0.007}}, {}};
+const Sweep kAlongX = {{0.2, 0, 0}, {-0.2, 0, 0}};
+const Sweep kAlongY = {{0, 0.2, 0}, {0, -0.2, 0}};
+
+TEST(MostTellingSweep, IsAcrossTheDirectionInWhichTheModesDiffer) {
+  localization::Posterior posterior;
+  posterior.modes = {mode_at({0, 0, 0}, 0.5), mode_at({0.02, 0, 0}, 0.5)};
+  const auto best = most_telling_sweep(box(), posterior, kBall, {kAlongY, kAlongX});
+  ASSERT_TRUE(best);
+  EXPECT_EQ(best->sweep.from, kAlongX.from);
+  EXPECT_NEAR(best->information, 0.5, 1e-9);  // two equal modes that are surely told apart
+}
+
+TEST(MostTellingSweep, UnlikelyModesAreWorthLess) {
+  localization::Posterior posterior;
+  posterior.modes = {mode_at({0, 0, 0}, 0.95), mode_at({0.02, 0, 0}, 0.05)};
+  const auto best = most_telling_sweep(box(), posterior, kBall, {kAlongX});
+  ASSERT_TRUE(best);
+  EXPECT_NEAR(best->information, 2 * 0.95 * 0.05, 1e-9);
+}
+
+TEST(MostTellingSweep, OneModeLeavesNothingToTell) {
+  localization::Posterior posterior;
+  posterior.modes = {mode_at({0, 0, 0}, 1)};
+  EXPECT_FALSE(most_telling_sweep(box(), posterior, kBall, {kAlongX, kAlongY}));
+  EXPECT_FALSE(most_telling_sweep(box(), posterior, kBall, {}));
+}
+
+TEST(MostTellingSweep, BlockedByAnotherPartOfTheHandTellsNothing) {
+  localization::Posterior posterior;
+  posterior.modes = {mode_at({0, 0, 0}, 0.5), mode_at({0.02, 0, 0}, 0.5)};
+  SweepingFinger blocked = kBall;
+  blocked.rest.push_back({{0, 0, 0}, 0.02});
+  EXPECT_FALSE(most_telling_sweep(box(), posterior, blocked, {kAlongX}));
+}
+
+}  // namespace
+}  // namespace palpate::pipeline
