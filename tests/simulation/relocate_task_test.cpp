@@ -18,6 +18,7 @@ TEST(RelocateTask, HasTheSizesOfThePublishedTask) {
   RelocateTask task(model);
   EXPECT_EQ(task.positions().size(), 37);
   EXPECT_NEAR(model.object_mass(), 0.301, 1e-12);
+  EXPECT_EQ(task.observation().size(), kRelocateObservations);
   // Ranges of the base's actuators in the hand's file.
   EXPECT_DOUBLE_EQ(model.action_half_range()[0], 0.25);
   EXPECT_DOUBLE_EQ(model.action_center()[1], 0.1);
