@@ -17,7 +17,7 @@ namespace {
 
 using namespace palpate;
 
-constexpr int kEvery = 25;          // steps of the physics between grasps that are looked at
+constexpr int kEvery = 100;         // steps of the physics between grasps that are looked at
 constexpr double kTall = 0.1;       // m, from the side; lower objects from above
 constexpr std::size_t kFewest = 2;  // contacts
 constexpr double kPerMicro = 1e6;
@@ -113,7 +113,7 @@ void run(const experiment::Options& options) {
   const std::vector<std::string> objects =
       options.quick ? std::vector<std::string>{"bracket"}
                     : std::vector<std::string>{"bunny", "mug", "bracket", "bottle", "box"};
-  const int grasps = options.quick ? 1 : 6;
+  const int grasps = options.quick ? 1 : 4;
   for (const std::string& name : objects) {
     const Tally tally = grasp_object(name, grasps, options.seed);
     const double worst = tally.looks ? quantile(tally.force_errors, 1) : 0;
