@@ -8,5 +8,5 @@ configure_package_config_file(cmake/palpateConfig.cmake.in palpateConfig.cmake
 write_basic_package_version_file(palpateConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES "${PROJECT_BINARY_DIR}/palpateConfig.cmake"
               "${PROJECT_BINARY_DIR}/palpateConfigVersion.cmake"
-              cmake/FindMuJoCo.cmake cmake/FindCoACD.cmake
+              cmake/FindMuJoCo.cmake cmake/FindCoACD.cmake cmake/FindOMPL.cmake
         DESTINATION ${destination})

@@ -19,8 +19,9 @@
 namespace palpate::app {
 namespace {
 
-constexpr double kRadius = 0.007;  // m, of a fingertip
-constexpr double kDepth = 0.0002;  // m, of the probes
+constexpr double kRadius = 0.007;       // m, of a fingertip
+constexpr double kDepth = 0.0002;       // m, of the probes
+constexpr double kAboveMiddle = 0.015;  // m, of the hand when it closes
 constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr double kMillimetres = 1000;
 
@@ -69,8 +70,8 @@ nlohmann::json measure_representations(const BenchArguments& arguments) {
 nlohmann::json measure_grasp(const BenchArguments& arguments, bool exact_tips) {
   simulation::WorldOptions options;
   options.exact_tips = exact_tips;
-  simulation::World world(geometry::load_known_object(arguments.object), options,
-                          arguments.common.seed);
+  const auto object = geometry::load_known_object(arguments.object);
+  simulation::World world(object, options, arguments.common.seed);
   std::optional<std::clock_t> start;
   double steps = 0, contacts = 0;
   world.observe([&](const simulation::ObjectStep& step) {
@@ -84,7 +85,7 @@ nlohmann::json measure_grasp(const BenchArguments& arguments, bool exact_tips) {
   });
   simulation::BlindGrasp grasp;
   grasp.side = false;
-  grasp.height = 0.05;
+  grasp.height = object.stances.front().height + kAboveMiddle;
   grasp.start.yaw = 3;
   grasp.hold_seconds = arguments.quick ? 0.2 : 4.0;
   const bool lifted = simulation::run_blind_grasp(world, grasp);

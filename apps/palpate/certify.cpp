@@ -2,11 +2,9 @@
 #include <fmt/format.h>
 
 #include <chrono>
-#include <sstream>
 
 #include "common.hpp"
 #include "palpate/core/error.hpp"
-#include "palpate/core/file.hpp"
 #include "palpate/core/se3.hpp"
 #include "palpate/registration/correspondences_io.hpp"
 #include "palpate/registration/pose.hpp"
@@ -21,24 +19,6 @@ struct CertifyArguments {
   std::string pose, correspondences, primitive = "point";
   std::optional<double> noise_bound;
 };
-
-/// 16 numbers, separated by commas or blanks, from the argument itself or the file that it names.
-Eigen::Isometry3d parse_pose(const std::string& argument) {
-  std::string text = argument;
-  std::error_code error;
-  if (std::filesystem::is_regular_file(argument, error)) text = read_file(argument);
-  for (char& c : text) c = c == ',' || c == '[' || c == ']' ? ' ' : c;
-  std::istringstream in(text);
-  std::array<double, 16> values{};
-  std::size_t count = 0;
-  for (double value; in >> value; ++count) {
-    if (count < values.size()) values[count] = value;
-  }
-  if (count != values.size() || !in.eof()) {
-    throw BadInput(fmt::format("'{}' is not 16 numbers (nor a file of them), row-major", argument));
-  }
-  return pose_from_row_major(values);
-}
 
 int certify(const CertifyArguments& arguments) {
   const Eigen::Isometry3d T = parse_pose(arguments.pose);

@@ -3,6 +3,11 @@
 
 #include <fmt/format.h>
 
+#include <array>
+#include <sstream>
+
+#include "palpate/core/error.hpp"
+#include "palpate/core/file.hpp"
 #include "palpate/core/se3.hpp"
 #include "palpate/core/version.hpp"
 
@@ -25,6 +30,23 @@ void add_common_options(CLI::App& command, CommonOptions& options) {
 
 std::string config_header(const CommonOptions& common) {
   return fmt::format("# palpate {}, seed {}\n", version(), common.seed);
+}
+
+Eigen::Isometry3d parse_pose(const std::string& argument) {
+  std::string text = argument;
+  std::error_code error;
+  if (std::filesystem::is_regular_file(argument, error)) text = read_file(argument);
+  for (char& c : text) c = c == ',' || c == '[' || c == ']' ? ' ' : c;
+  std::istringstream in(text);
+  std::array<double, 16> values{};
+  std::size_t count = 0;
+  for (double value; in >> value; ++count) {
+    if (count < values.size()) values[count] = value;
+  }
+  if (count != values.size() || !in.eof()) {
+    throw BadInput(fmt::format("'{}' is not 16 numbers (nor a file of them), row-major", argument));
+  }
+  return pose_from_row_major(values);
 }
 
 nlohmann::json to_json(const Eigen::Isometry3d& T) { return pose_to_row_major(T); }

@@ -44,6 +44,10 @@ std::string config_header(const CommonOptions& common);
 
 nlohmann::json to_json(const Eigen::Isometry3d& T);
 
+/// Pose of 16 numbers, row-major, separated by commas or blanks, from the argument itself or the
+/// file that it names. @throws BadInput unless it is a pose
+Eigen::Isometry3d parse_pose(const std::string& argument);
+
 /// A command adds itself to the program and returns its exit code when it was chosen.
 using Command = std::function<int()>;
 void add_pick(CLI::App& program, Command& chosen);
@@ -52,6 +56,7 @@ void add_replay(CLI::App& program, Command& chosen);
 void add_register(CLI::App& program, Command& chosen);
 void add_certify(CLI::App& program, Command& chosen);
 void add_localize(CLI::App& program, Command& chosen);
+void add_plan(CLI::App& program, Command& chosen);
 void add_doctor(CLI::App& program, Command& chosen);
 void add_render(CLI::App& program, Command& chosen);
 void add_bench(CLI::App& program, Command& chosen);

@@ -34,6 +34,7 @@ int run(int argc, char** argv) {
   add_register(program, chosen);
   add_certify(program, chosen);
   add_localize(program, chosen);
+  add_plan(program, chosen);
   add_doctor(program, chosen);
   add_render(program, chosen);
   add_bench(program, chosen);

@@ -30,7 +30,7 @@ SensedSample sense_frame(const touch::BiotacNormalModel& model, const touch::Bio
   if (!felt) return sample;
   sample.normal = felt->n;
   sample.sigma_deg = felt->sigma * 180 / std::numbers::pi;
-  if (log.normals[i]) sample.error_deg = touch::angle_deg(felt->n, *log.normals[i]);
+  if (log.normals[i]) sample.error_deg = touch::angle_between_deg(felt->n, *log.normals[i]);
   return sample;
 }
 

@@ -17,22 +17,16 @@
 namespace palpate::hand {
 namespace {
 
-/// Unit directions of the load that a cone bears: along a circle of two components, or on the
-/// sphere of three; none of one.
+/// Unit directions of the load that a cone bears: along the circle of its forces, and spinning
+/// either way. Few, since hulls in six dimensions have very many facets.
 Eigen::MatrixXd load_directions(int size, int edges) {
   if (size == 1) return Eigen::MatrixXd(0, 1);
   std::vector<Eigen::Vector3d> directions;
-  const auto add_circle = [&](double height) {
-    for (int i = 0; i < edges; ++i) {
-      const double angle = 2 * std::numbers::pi * i / edges;
-      const double side = std::sqrt(1 - height * height);
-      directions.emplace_back(side * std::cos(angle), side * std::sin(angle), height);
-    }
-  };
-  add_circle(0);
+  for (int i = 0; i < edges; ++i) {
+    const double angle = 2 * std::numbers::pi * i / edges;
+    directions.emplace_back(std::cos(angle), std::sin(angle), 0);
+  }
   if (size == 4) {
-    add_circle(std::numbers::sqrt2 / 2);
-    add_circle(-std::numbers::sqrt2 / 2);
     directions.emplace_back(0, 0, 1);
     directions.emplace_back(0, 0, -1);
   }

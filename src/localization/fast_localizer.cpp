@@ -17,7 +17,7 @@ namespace palpate::localization {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr PoseTolerance kLoose{3 * kDegree, 0.006};  // a standard deviation that leaves a pose open
+constexpr PoseTolerance kLoose{1.7 * kDegree, 0.0033};  // a standard deviation: a third of the tolerance
 constexpr int kLeastStarts = 3;                      // that must have led to the best pose
 constexpr double kNegligible = 1e-4;                 // weight of a pose not worth reporting
 constexpr std::size_t kMostModes = 16;
@@ -81,7 +81,7 @@ Posterior localize_fast(const ObjectModel& model, const Evidence& evidence, Rand
   };
   check_evidence(model, evidence);
   Posterior posterior;
-  if (!evidence.contacts.empty()) {
+  if (!evidence.contacts.empty() && !evidence.prior) {
     posterior.modes = settled_modes(model, thinned(evidence), random.fork("fast"), options, fast);
     posterior.status = status_of(posterior.modes);
   }

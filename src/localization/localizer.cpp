@@ -49,7 +49,8 @@ class Sampler {
         energy_at_(model, evidence, options.contact_offset),
         proposal_(make_proposal(model, evidence, options)),
         moves_(model, evidence),
-        symmetries_(symmetry_quaternions(model.object().symmetries)) {}
+        symmetries_(symmetry_quaternions(model.object().symmetries)),
+        may_settle_(options.starts > 0 && !evidence.contacts.empty() && !evidence.prior) {}
 
   const PoseFamily::Symmetries& symmetries() const { return symmetries_; }
 
@@ -58,7 +59,7 @@ class Sampler {
   std::vector<Particle> operator()(RandomStream random, int share) const {
     LocalizerOptions options = options_;
     options.particles /= share;
-    if (options_.starts > 0) {
+    if (may_settle_) {
       const auto basins = find_basins(
           *proposal_, energy_at_, symmetries_,
           {options.proposals / kScreenedShare, options.starts, options.first_scale}, random);
@@ -110,6 +111,7 @@ class Sampler {
   std::unique_ptr<Proposal> proposal_;
   Moves moves_;
   PoseFamily::Symmetries symmetries_;
+  bool may_settle_;  // where a prior may be wrong, contacts must be heard all over
 };
 
 Posterior search(const ObjectModel& model, const Evidence& evidence, const RandomStream& random,

@@ -21,6 +21,7 @@ constexpr double kContactOffset = 0.003;  // m, as the global search's
 constexpr int kIterations = 2;
 constexpr double kShortened[] = {1.0, 0.4, 0.15};  // of a step that does not lower the energy
 constexpr double kLongestGap = 0.5;                // s without a frame that are trusted
+constexpr double kLearningTime = 0.5;              // s over which sliding is averaged
 constexpr double kDrift = 1e-4;                    // variance a second, rad^2 and (dm)^2
 constexpr std::size_t kRecent = 3, kBefore = 25, kSettling = 12;  // frames compared for a slip
 constexpr int kSearchFrames = 14;
@@ -57,6 +58,10 @@ Eigen::Isometry3d moved(const Eigen::Isometry3d& T, const Vector6d& x) {
   return result;
 }
 
+double log_determinant(const Matrix6d& positive) {
+  return 2 * Matrix6d(positive.llt().matrixL()).diagonal().array().log().sum();
+}
+
 double mean_of(const std::vector<double>& values, std::size_t first, std::size_t last) {
   double sum = 0;
   for (std::size_t i = first; i < last; ++i) sum += values[i];
@@ -67,7 +72,10 @@ double mean_of(const std::vector<double>& values, std::size_t first, std::size_t
 
 Tracker::Tracker(const ObjectModel& model, const Posterior& start, const TrackerOptions& options,
                  RandomStream random)
-    : model_(model), options_(options), random_(random) {
+    : model_(model),
+      options_(options),
+      random_(random),
+      velocity_variance_(std::pow(options.sliding, 2) / 2 + std::pow(options.velocity_noise, 2)) {
   if (start.modes.empty()) throw BadInput("tracker: a posterior of 0 modes to start from");
   for (const Mode& mode : start.modes) {
     if (mode.weight <= 0) continue;
@@ -78,30 +86,51 @@ Tracker::Tracker(const ObjectModel& model, const Posterior& start, const Tracker
   publish();
 }
 
-/// Least squares on v_k = v + w x (p_k - t), held by what motion is expected.
-void Tracker::predict(const TrackFrame& frame, double dt, Hypothesis& hypothesis) const {
+Tracker::TwistFit Tracker::fit_twist(const TrackFrame& frame, const Eigen::Vector3d& about) const {
   Matrix6d H = Matrix6d::Zero();
   H.diagonal() << Eigen::Vector3d::Constant(1 / std::pow(options_.turning, 2)),
       Eigen::Vector3d::Constant(1 / std::pow(options_.moving, 2));
   Vector6d g = Vector6d::Zero();
-  const double precision =
-      1 / (std::pow(options_.sliding, 2) / 2 + std::pow(options_.velocity_noise, 2));
   for (std::size_t k = 0; k < frame.contacts.size(); ++k) {
     Eigen::Matrix<double, 3, 6> J;
-    J << -skew(frame.contacts[k].p - hypothesis.T.translation()), Eigen::Matrix3d::Identity();
-    H += precision * J.transpose() * J;
-    g += precision * J.transpose() * frame.velocities[k];
+    J << -skew(frame.contacts[k].p - about), Eigen::Matrix3d::Identity();
+    H += J.transpose() * J / velocity_variance_;
+    g += J.transpose() * frame.velocities[k] / velocity_variance_;
   }
   const Eigen::LLT<Matrix6d> solver(H);
-  hypothesis.T = moved(hypothesis.T, dt * solver.solve(g));
-  const Matrix6d uncertain = solver.solve(Matrix6d::Identity());
-  hypothesis.covariance += 2 * options_.correlation_time * dt * uncertain;
+  return {solver.solve(g), solver.solve(Matrix6d::Identity())};
+}
+
+void Tracker::predict(const TrackFrame& frame, double dt, Hypothesis& hypothesis) const {
+  const TwistFit fit = fit_twist(frame, hypothesis.T.translation());
+  hypothesis.T = moved(hypothesis.T, dt * fit.twist);
+  hypothesis.covariance += 2 * options_.correlation_time * dt * fit.covariance;
   hypothesis.covariance.diagonal().array() +=
       dt * kDrift * (Vector6d() << 1, 1, 1, 0.01, 0.01, 0.01).finished().array();
 }
 
-/// Minimises |x|^2 / 2 in the prior's metric plus trust times the contacts' energy.
-void Tracker::correct(const Evidence& evidence, double trust, Hypothesis& hypothesis) const {
+/// What the velocities leave unexplained by a rigid motion tells how much the fingertips slide.
+void Tracker::learn_sliding(const TrackFrame& frame, double dt) {
+  const auto freedom = 3 * static_cast<double>(frame.contacts.size()) - 6;
+  if (freedom < 3) return;
+  const Eigen::Vector3d about = hypotheses_.front().T.translation();
+  const Vector6d twist = fit_twist(frame, about).twist;
+  double sum = 0;
+  for (std::size_t k = 0; k < frame.contacts.size(); ++k) {
+    const Eigen::Vector3d there =
+        twist.tail<3>() + twist.head<3>().cross(frame.contacts[k].p - about);
+    sum += (frame.velocities[k] - there).squaredNorm();
+  }
+  const double share = std::min(1.0, dt / kLearningTime);
+  const double least = 0.25 * std::pow(options_.velocity_noise, 2);
+  velocity_variance_ =
+      std::max(least, velocity_variance_ + share * (sum / freedom - velocity_variance_));
+}
+
+/// Minimises |x|^2 / 2 in the prior's metric plus trust times the contacts' energy, from `start`;
+/// the weight takes Laplace's approximation of the integral.
+void Tracker::correct(const Evidence& evidence, double trust, const Eigen::Isometry3d& start,
+                      Hypothesis& hypothesis) const {
   const ContactTerm contacts(model_, evidence, kContactOffset, 1.0);
   const Matrix6d information = hypothesis.covariance.inverse();
   const Eigen::Isometry3d predicted = hypothesis.T;
@@ -110,7 +139,8 @@ void Tracker::correct(const Evidence& evidence, double trust, Hypothesis& hypoth
     return 0.5 * x.dot(information * x) +
            trust * static_cast<double>(contacts.energy(search_pose(T), kNoBound));
   };
-  double now = cost(hypothesis.T);
+  hypothesis.T = start;
+  double now = cost(start);
   Matrix6d H = information;
   for (int i = 0; i <= kIterations; ++i) {
     NormalEquations equations;
@@ -130,7 +160,7 @@ void Tracker::correct(const Evidence& evidence, double trust, Hypothesis& hypoth
     }
     if (now >= before) break;
   }
-  hypothesis.log_weight -= now;
+  hypothesis.log_weight -= now + 0.5 * (log_determinant(H) - log_determinant(information));
   hypothesis.covariance = H.inverse();
 }
 
@@ -147,25 +177,24 @@ void Tracker::watch_for_slip(const Evidence& evidence) {
   ++slips_;
   searching_ = kSearchFrames;
   energies_.clear();
+  for (Hypothesis& hypothesis : hypotheses_) {
+    hypothesis.covariance.diagonal().head<3>().array() += std::pow(options_.slip_angle, 2) / 3;
+    hypothesis.covariance.diagonal().tail<3>().array() += std::pow(options_.slip_way, 2) / 3;
+  }
 }
 
-/// Adds poses around the best, each at once pulled towards this frame's contacts.
-void Tracker::spawn(const Evidence& evidence) {
-  const Hypothesis best = hypotheses_.front();
-  Matrix6d spread = best.covariance;
-  spread.diagonal().array() +=
-      (Vector6d() << Eigen::Vector3d::Constant(std::pow(options_.slip_angle, 2) / 3),
-       Eigen::Vector3d::Constant(std::pow(options_.slip_way, 2) / 3))
-          .finished()
-          .array();
+/// The best hypothesis again, corrected from poses around it.
+std::vector<Tracker::Hypothesis> Tracker::other_starts(const Evidence& evidence) {
+  std::vector<Hypothesis> others;
   for (int i = 0; i < options_.slip_poses; ++i) {
     Vector6d x;
     x << options_.slip_angle / std::sqrt(3.0) * random_.normal3(),
         options_.slip_way / std::sqrt(3.0) * random_.normal3();
-    Hypothesis other{moved(best.T, x), spread, best.log_weight};
-    correct(evidence, kSearchTrust, other);
-    hypotheses_.push_back(other);
+    Hypothesis other = hypotheses_.front();
+    correct(evidence, kSearchTrust, moved(other.T, x), other);
+    others.push_back(other);
   }
+  return others;
 }
 
 void Tracker::prune() {
@@ -209,13 +238,18 @@ const Posterior& Tracker::update(const TrackFrame& frame) {
   const double dt = started_ ? std::min(frame.time - time_, kLongestGap) : 0.0;
   started_ = true;
   time_ = frame.time;
+  if (dt > 0) learn_sliding(frame, dt);
   for (Hypothesis& hypothesis : hypotheses_) predict(frame, dt, hypothesis);
   if (!frame.contacts.empty()) {
     watch_for_slip(evidence);
-    const double usual = std::min(1.0, std::max(dt, 1e-3) / (2 * options_.correlation_time));
+    std::vector<Hypothesis> others;
+    if (searching_ > kSearchFrames / 2) others = other_starts(evidence);
+    const double time = 2 * options_.correlation_time * options_.correlated_share;
+    const double usual = std::min(1.0, std::max(dt, 1e-3) / time);
     const double trust = searching_ > 0 ? kSearchTrust : usual;
-    for (Hypothesis& hypothesis : hypotheses_) correct(evidence, trust, hypothesis);
-    if (searching_ > 0 && --searching_ > kSearchFrames / 2) spawn(evidence);
+    for (Hypothesis& hypothesis : hypotheses_) correct(evidence, trust, hypothesis.T, hypothesis);
+    hypotheses_.insert(hypotheses_.end(), others.begin(), others.end());
+    searching_ = std::max(0, searching_ - 1);
     prune();
   }
   publish();

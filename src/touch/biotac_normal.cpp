@@ -80,14 +80,14 @@ Eigen::MatrixXd kernel(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, doubl
 double residual_of(const Eigen::MatrixXd& predicted, const Eigen::MatrixXd& normals) {
   std::vector<double> angles;
   for (Eigen::Index i = 0; i < normals.rows(); ++i) {
-    angles.push_back(angle_deg(predicted.row(i), normals.row(i)));
+    angles.push_back(angle_between_deg(predicted.row(i), normals.row(i)));
   }
   return median(angles) / std::sqrt(2 * std::log(2.0)) * std::numbers::pi / 180;
 }
 
 }  // namespace
 
-double angle_deg(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+double angle_between_deg(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / std::numbers::pi;
 }
 
@@ -226,7 +226,7 @@ std::vector<double> cross_validate_biotac_normal(const std::vector<BiotacLog>& l
     const auto model = BiotacNormalModel::train(learn, options);
     for (const auto& sample : judge) {
       if (const auto found = model.estimate(sample.change)) {
-        errors.push_back(angle_deg(found->n, sample.n));
+        errors.push_back(angle_between_deg(found->n, sample.n));
       }
     }
   }

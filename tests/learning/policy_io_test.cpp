@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/learning/policy_io.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -17,7 +18,7 @@ class PolicyIo : public testing::Test {
  protected:
   std::filesystem::path path =
       std::filesystem::path(testing::TempDir()) /
-      (std::string(testing::UnitTest::GetInstance()->current_test_info()->name()) + ".json");
+      fmt::format("{}.json", testing::UnitTest::GetInstance()->current_test_info()->name());
 
   std::string error_of(const std::string& text) {
     write_file_atomically(path, text);
@@ -27,16 +28,16 @@ class PolicyIo : public testing::Test {
   /// The saved policy with a part of its text exchanged.
   std::string error_with(const std::string& from, const std::string& to) {
     save_policy(path, small_network(1).record());
-    std::string text = read_file(path);
-    text.replace(text.find(from), from.size(), to);
-    return error_of(text);
+    const std::string text = read_file(path);
+    const auto at = text.find(from);
+    return error_of(fmt::format("{}{}{}", text.substr(0, at), to, text.substr(at + from.size())));
   }
 };
 
 TEST_F(PolicyIo, ReadsANetworkBackExactly) {
   const MlpPolicy policy = small_network(3);
   auto record = policy.record();
-  record.notes["seed"] = "3";
+  record.notes.emplace("seed", "3");
   save_policy(path, record);
   EXPECT_EQ(read_policy(path).notes.at("seed"), "3");
   const auto read = load_policy(path);

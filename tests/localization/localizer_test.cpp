@@ -189,10 +189,10 @@ TEST(Localize, SaysWhenTheContactsAreOfSomethingElse) {
   }
 }
 
-TEST(Localize, ContactsInMillimetresGiveNoPose) {
+TEST(Localize, RefusesContactsInMillimetres) {
   Scene scene = scene_of("box", {}, 1);
   for (auto& contact : scene.evidence.contacts) contact.p *= 1000;
-  EXPECT_EQ(localize(model_of("box"), scene.evidence, RandomStream(1)).status, PoseStatus::no_pose);
+  EXPECT_THROW(localize(model_of("box"), scene.evidence, RandomStream(1)), BadInput);
 }
 
 TEST(Localize, FlippedNormalsGiveNoPose) {

@@ -8,6 +8,7 @@
 
 #include "palpate/core/random.hpp"
 #include "palpate/geometry/capsule_collider.hpp"
+#include "palpate/geometry/known_object.hpp"
 #include "simulation/fine_meshes.hpp"
 
 namespace palpate::simulation {
@@ -62,6 +63,48 @@ TEST(FineMesh, DeepestContactIsExact) {
     EXPECT_LT(surface.distance, 1e-9);
   }
   EXPECT_GT(met, 20);
+}
+
+TEST(FineMesh, DeepestContactIsExactOnTheMugsThinWalls) {
+  const MeshQuery mesh(geometry::load_known_object("mug").mesh);
+  const CapsuleCollider collider(mesh);
+  RandomStream random(2);
+  int met = 0;
+  for (int trial = 0; trial < 150; ++trial) {
+    const auto near = mesh.closest_point(0.06 * random.normal3());
+    const Eigen::Vector3d center = near.point + random.uniform(0.005, 0.0068) * near.normal;
+    const Eigen::Vector3d half = kHalf * random.unit_vector();
+    const Capsule tip{center - half, center + half, kRadius};
+    const double expected = distance_of_axis(mesh, tip);
+    if (expected < 0) continue;  // the axis passes through the wall
+    const auto contacts = collider.contacts(tip, 0, 2);
+    ASSERT_FALSE(contacts.empty());
+    ++met;
+    EXPECT_NEAR(contacts.front().distance, expected - kRadius, 5e-5);  // the axis is sampled
+  }
+  EXPECT_GT(met, 30);
+}
+
+TEST(FineMesh, ATipBetweenTwoWallsMeetsBothWithOpposedNormals) {
+  geometry::TriangleMesh walls = gridded_slab(3);
+  const auto count = static_cast<int>(walls.vertices.size());
+  const geometry::TriangleMesh slab = walls;
+  for (const Eigen::Vector3d& v : slab.vertices) {
+    walls.vertices.emplace_back(v + Eigen::Vector3d(0, 0, 0.02 + 2 * (kRadius - 0.0003)));
+  }
+  for (const auto& t : slab.triangles) {
+    walls.triangles.push_back({t[0] + count, t[1] + count, t[2] + count});
+  }
+  const MeshQuery mesh(walls);
+  const Eigen::Vector3d center(0.004, 0.007, kRadius - 0.0003), half(kHalf, 0, 0);
+  const auto contacts =
+      CapsuleCollider(mesh).contacts({center - half, center + half, kRadius}, 0, 2);
+  ASSERT_EQ(contacts.size(), 2u);
+  EXPECT_NEAR(contacts[0].normal.dot(contacts[1].normal), -1, 1e-12);
+  for (const auto& contact : contacts) {
+    EXPECT_NEAR(contact.distance, -0.0003, 1e-12);
+    EXPECT_GT(contact.normal.dot(center - contact.point), 0);
+  }
 }
 
 /// Largest step of depth and of normal (rad) of the deepest contact along a motion.

@@ -11,6 +11,9 @@
 namespace palpate::simulation {
 namespace {
 
+/// From where on object and table push each other apart, m: the margins of both.
+constexpr double kMargin = 0.0035;
+
 RelocateAction rest() { return RelocateAction::Zero(); }
 
 TEST(RelocateTask, HasTheSizesOfThePublishedTask) {
@@ -18,6 +21,7 @@ TEST(RelocateTask, HasTheSizesOfThePublishedTask) {
   RelocateTask task(model);
   EXPECT_EQ(task.positions().size(), 37);
   EXPECT_NEAR(model.object_mass(), 0.301, 1e-12);
+  EXPECT_EQ(task.observation().size(), kRelocateObservations);
   // Ranges of the base's actuators in the hand's file.
   EXPECT_DOUBLE_EQ(model.action_half_range()[0], 0.25);
   EXPECT_DOUBLE_EQ(model.action_center()[1], 0.1);
@@ -71,7 +75,8 @@ TEST(RelocateTask, TheMugComesToRestOnTheTable) {
     task.reset({{0.05, 0.1}, {0, 0, 0.2}});
     for (int i = 0; i < 60; ++i) task.step(rest());
     const auto q = task.positions();
-    EXPECT_NEAR(q[32], 0.0312, 0.001) << to_string(solver);  // the mug's floor is 31.2 mm down
+    // The mug's floor is 31.2 mm below its frame.
+    EXPECT_NEAR(q[32], 0.0312 + kMargin, 5e-4) << to_string(solver);
     EXPECT_LT((q.segment<2>(30) - Eigen::Vector2d(0.05, 0.1)).norm(), 0.004) << to_string(solver);
   }
 }
@@ -120,7 +125,7 @@ TEST(RelocateTask, TakesAnyMesh) {
   EXPECT_NEAR(model.object_mass(), 0.2, 1e-12);
   task.reset({{-0.05, 0.1}, {0, 0, 0.2}});
   for (int i = 0; i < 20; ++i) EXPECT_FALSE(task.step(rest()).diverged);
-  EXPECT_NEAR(task.positions()[32], 0.04, 0.002);
+  EXPECT_NEAR(task.positions()[32], 0.04 + kMargin, 5e-4);
 }
 
 TEST(RelocateTask, RejectsBadInput) {

@@ -27,7 +27,7 @@ const BiotacNormalModel& trained() {
 std::vector<double> errors_at(const BiotacNormalModel& model, const BiotacLog& log) {
   std::vector<double> errors;
   for (const auto& sample : biotac_samples(log)) {
-    errors.push_back(angle_deg(model.estimate(sample.change)->n, sample.n));
+    errors.push_back(angle_between_deg(model.estimate(sample.change)->n, sample.n));
   }
   return errors;
 }
@@ -43,7 +43,7 @@ TEST(BiotacNormal, IsAsSureAsItIsRight) {
   int count = 0;
   for (const auto& sample : biotac_samples(made_up_log(2, 6))) {
     const auto found = trained().estimate(sample.change);
-    const double error = angle_deg(found->n, sample.n) * 3.14159 / 180;
+    const double error = angle_between_deg(found->n, sample.n) * 3.14159 / 180;
     squared += error * error / (2 * found->sigma * found->sigma);
     familiar += found->novelty;
     ++count;
@@ -68,7 +68,7 @@ TEST(BiotacNormal, IsTheSameAfterReadingItBack) {
   EXPECT_EQ(again.bytes(), trained().bytes());
   for (const auto& sample : biotac_samples(made_up_log(3, 1))) {
     const auto a = trained().estimate(sample.change), b = again.estimate(sample.change);
-    EXPECT_LT(angle_deg(a->n, b->n), 0.1);  // float32 on file
+    EXPECT_LT(angle_between_deg(a->n, b->n), 0.1);  // float32 on file
     EXPECT_NEAR(a->sigma, b->sigma, 0.01);
   }
 }

@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "palpate/touch/normal_estimator.hpp"
-#include "touch/sliding.hpp"
+#include "sliding.hpp"
 
 namespace palpate::touch {
 

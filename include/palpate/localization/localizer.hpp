@@ -39,9 +39,9 @@ class ObjectModel {
 };
 
 struct LocalizerOptions {
-  int proposals = 60000;     ///< poses screened
-  int particles = 1200;      ///< carried through the tempering
-  int moves = 8;             ///< Metropolis moves a particle and level
+  int proposals = 40000;     ///< poses screened
+  int particles = 800;      ///< carried through the tempering
+  int moves = 6;             ///< Metropolis moves a particle and level
   int starts = 80;           ///< best proposals that are refined before the sampling
   double first_scale = 3.0;  ///< noise scale at which the search starts
   double contact_offset =
@@ -59,8 +59,8 @@ struct LocalizerOptions {
 };
 
 struct FastOptions {
-  int proposals = 8000;     ///< poses screened
-  int starts = 60;          ///< of these refined
+  int proposals = 6000;     ///< poses screened
+  int starts = 40;          ///< of these refined
   double certainty = 0.99;  ///< weight of the best mode below which the full search decides
 
   template <class Visitor>

@@ -20,8 +20,9 @@ struct Probe {
 /// How a probe is predicted to end.
 struct PredictedTouch {
   bool hit = false;
-  double distance = 0;     ///< gone by the ball, m
-  Eigen::Vector3d normal;  ///< of the object there, in the posterior's frame
+  double distance = 0;  ///< gone by the ball, m
+  Eigen::Vector3d normal =
+      Eigen::Vector3d::Zero();  ///< of the object there, in the posterior's frame
 };
 
 /// Where the ball meets the object at a pose.

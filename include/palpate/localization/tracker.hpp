@@ -16,8 +16,10 @@ struct TrackFrame {
 };
 
 struct TrackerOptions {
-  double correlation_time = 0.5;  ///< s over which the contacts' errors keep
-  double sliding = 0.005;         ///< rms speed of a fingertip on the surface, m/s
+  double correlation_time =
+      0.5;  ///< s over which the correlated part of the contacts' errors keeps
+  double correlated_share = 0.5;  ///< of the variance of these errors
+  double sliding = 0.005;         ///< rms speed of a fingertip on the surface, m/s, at first
   double velocity_noise = 0.002;  ///< rms error of a fingertip's velocity per axis, m/s
   double turning = 0.5;           ///< rms turning that is expected beforehand, rad/s
   double moving = 0.03;           ///< and moving, m/s
@@ -30,6 +32,7 @@ struct TrackerOptions {
   template <class Visitor>
   void visit(Visitor&& v) {
     v("correlation_time", correlation_time, 1e-3, 100.0, "s over which contact errors keep");
+    v("correlated_share", correlated_share, 0.01, 1.0, "of the variance of contact errors");
     v("sliding", sliding, 0.0, 1.0, "rms speed of a fingertip on the surface, m/s");
     v("velocity_noise", velocity_noise, 1e-5, 1.0, "rms error of fingertip velocity per axis, m/s");
     v("turning", turning, 1e-3, 100.0, "rms turning that is expected beforehand, rad/s");
@@ -71,10 +74,18 @@ class Tracker {
     Matrix6d covariance;
     double log_weight = 0;
   };
+  struct TwistFit {
+    Vector6d twist;  ///< [w; v] of the object, v at the point about which it was fitted
+    Matrix6d covariance;
+  };
+  /// Least squares on v_k = v + w x (p_k - about), held by what motion is expected.
+  TwistFit fit_twist(const TrackFrame& frame, const Eigen::Vector3d& about) const;
   void predict(const TrackFrame& frame, double dt, Hypothesis& hypothesis) const;
-  void correct(const Evidence& evidence, double trust, Hypothesis& hypothesis) const;
+  void learn_sliding(const TrackFrame& frame, double dt);
+  void correct(const Evidence& evidence, double trust, const Eigen::Isometry3d& start,
+               Hypothesis& hypothesis) const;
   void watch_for_slip(const Evidence& evidence);
-  void spawn(const Evidence& evidence);
+  std::vector<Hypothesis> other_starts(const Evidence& evidence);
   void prune();
   void publish();
 
@@ -83,6 +94,7 @@ class Tracker {
   RandomStream random_;
   std::vector<Hypothesis> hypotheses_;
   Posterior posterior_;
+  double velocity_variance_;  // of a fingertip's velocity about that of the object there, per axis
   double time_ = 0;
   bool started_ = false;
   std::vector<double> energies_;  // per contact, of the last frames at the predicted pose

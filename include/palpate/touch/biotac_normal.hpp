@@ -75,7 +75,7 @@ class BiotacNormalModel {
 };
 
 /// The angle between two directions, deg.
-double angle_deg(const Eigen::Vector3d& a, const Eigen::Vector3d& b);
+double angle_between_deg(const Eigen::Vector3d& a, const Eigen::Vector3d& b);
 
 /// Errors (deg) at samples that the model did not learn from: the logs' touches are cut where
 /// contact breaks, and every fold leaves a run of whole touches out (a single touch is cut into

@@ -41,8 +41,8 @@ std::vector<NormalCluster> cluster_normals(std::span<const NormalAt> contacts,
                                            const ClusterOptions& options = {});
 
 struct FaceOptions {
-  double radius = 0.17;      ///< rad, around a face's normal
-  double apart = 0.44;       ///< rad, between faces
+  double radius = 0.1;       ///< rad, around a face's normal
+  double apart = 0.6;        ///< rad, between faces
   double least_share = 0.1;  ///< of all normals, within `radius` of the face's
 
   template <class Visitor>

@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "common.hpp"
+#include "palpate/core/error.hpp"
+#include "palpate/core/file.hpp"
+#include "palpate/core/se3.hpp"
+#include "palpate/hand/coupling.hpp"
+#include "palpate/planning/execution.hpp"
+#include "palpate/planning/planner.hpp"
+#include "palpate/simulation/world.hpp"
+#include "plan_report.hpp"
+
+namespace palpate::app {
+namespace {
+
+namespace pl = planning;
+namespace si = simulation;
+
+constexpr double kBaseHeight = 0.3;  // m, where the file does not say: well above the table
+
+struct PlanSettings {
+  pl::PlanOptions plan;
+  si::CollisionOptions collision;
+  si::WorldOptions world;
+
+  template <class Visitor>
+  void visit(Visitor&& v) {
+    plan.visit(v);
+    v.section("collision", collision);
+    v.section("world", world);
+  }
+};
+
+struct PlanArguments {
+  CommonOptions common;
+  std::string waypoints, object, pose, planner;
+  bool held = false, execute = false;
+};
+
+struct Setting {
+  std::vector<pl::Waypoint> waypoints;
+  std::optional<geometry::KnownObject> object;
+  Eigen::Isometry3d T_world_object = Eigen::Isometry3d::Identity();
+  bool held = false;
+};
+
+Setting read_setting(const PlanArguments& arguments) {
+  Setting setting;
+  hand::BasePosition base;
+  base.xyz.z() = kBaseHeight;
+  setting.waypoints =
+      pl::parse_waypoints(read_file(arguments.waypoints), arguments.waypoints, base).waypoints;
+  setting.held = arguments.held;
+  if (arguments.object.empty()) return setting;
+  setting.object = geometry::load_known_object(arguments.object);
+  if (!arguments.pose.empty()) {
+    setting.T_world_object = parse_pose(arguments.pose) * setting.object->T_mesh_object;
+  } else {
+    const geometry::Stance& stance = setting.object->stances.front();
+    setting.T_world_object.linear() = stance.R_table_object;
+    setting.T_world_object.translation().z() = stance.height;
+  }
+  return setting;
+}
+
+si::CollisionScene make_scene(const Setting& setting, const si::CollisionOptions& options) {
+  if (!setting.object) return si::CollisionScene(options);
+  si::CollisionScene scene(*setting.object, options);
+  if (setting.held) {
+    const hand::HandCommand start = pl::command_of(setting.waypoints.front());
+    const Eigen::Isometry3d T_world_palm =
+        scene.palm_pose(start.base, hand::joints_in_free_flexion(start.positions));
+    scene.hold(T_world_palm.inverse() * setting.T_world_object);
+  } else {
+    scene.place(setting.T_world_object);
+  }
+  return scene;
+}
+
+/// The stance and yaw on the table that come nearest to the pose.
+si::Start start_of(const geometry::KnownObject& object, const Eigen::Isometry3d& T_world_object) {
+  si::Start start;
+  double least = std::numbers::pi;
+  for (std::size_t i = 0; i < object.stances.size(); ++i) {
+    const Eigen::Matrix3d turn =
+        T_world_object.linear() * object.stances[i].R_table_object.transpose();
+    const double yaw = std::atan2(turn(1, 0) - turn(0, 1), turn(0, 0) + turn(1, 1));
+    const Eigen::Matrix3d upright =
+        Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+    const double tilt = rotation_distance(turn, upright);
+    if (tilt >= least) continue;
+    least = tilt;
+    start.stance = static_cast<int>(i), start.yaw = yaw;
+  }
+  start.xy = T_world_object.translation().head<2>();
+  return start;
+}
+
+/// The simulated hand follows the samples; what is not placed on the table is out of its way.
+pl::TrackingError follow(const Setting& setting, const std::vector<hand::HandCommand>& samples,
+                         si::WorldOptions options, std::uint64_t seed) {
+  options.noise.joint = 0;  // it is the controllers that are judged, not the readers
+  const bool on_table = setting.object && !setting.held;
+  const auto object = setting.object ? *setting.object : geometry::load_known_object("box");
+  si::Start start = start_of(object, setting.T_world_object);
+  if (!on_table) start.xy.setConstant(10);
+  si::World world(object, options, seed);
+  world.reset(start, samples.front());
+  return pl::execute(world.hand(), samples);
+}
+
+void write_results(const PlanArguments& arguments, const PlanSettings& settings,
+                   const pl::Plan& plan, const std::optional<pl::TrackingError>& tracking) {
+  const std::filesystem::path folder = arguments.common.out;
+  write_file_atomically(folder / "report.json", plan_report(plan, tracking).dump(2) + "\n");
+  write_file_atomically(folder / "config.toml",
+                        config_header(arguments.common) + to_toml(settings));
+  if (plan.samples.empty()) return;
+  write_file_atomically(folder / "path.csv", path_csv(plan.samples));
+  write_file_atomically(folder / "path.svg", plot_motion(plan, tracking));
+}
+
+void print_result(const pl::Plan& plan, const std::optional<pl::TrackingError>& tracking) {
+  if (plan.status == pl::PlanStatus::no_path) {
+    fmt::print("no path to waypoint {} ({} configurations checked in {:.0f} ms)\n",
+               plan.unreachable, plan.checks, 1e3 * plan.seconds);
+    return;
+  }
+  fmt::print("{} waypoints, {} corners, {:.2f} s of motion; planned in {:.0f} ms ({} checks)\n",
+             plan.arrivals.size(), plan.corners.size(), plan.duration(), 1e3 * plan.seconds,
+             plan.checks);
+  if (!tracking) return;
+  fmt::print("tracking error, rms (max): joints {:.2f} ({:.2f}) deg, base {:.2f} ({:.2f}) mm\n",
+             tracking->joint_rms * 180 / std::numbers::pi,
+             tracking->joint_max * 180 / std::numbers::pi, 1e3 * tracking->base_rms,
+             1e3 * tracking->base_max);
+}
+
+void check(const PlanArguments& arguments) {
+  if (!arguments.object.empty()) return;
+  if (arguments.held) throw BadInput("--held needs --object: there is nothing to hold");
+  if (!arguments.pose.empty()) throw BadInput("--pose needs --object: whose pose is it?");
+}
+
+int plan(const PlanArguments& arguments) {
+  check(arguments);
+  auto settings = resolve<PlanSettings>(arguments.common);
+  if (!arguments.planner.empty()) settings.plan.planner = arguments.planner;
+  const Setting setting = read_setting(arguments);
+  si::CollisionScene scene = make_scene(setting, settings.collision);
+  const pl::Plan result = pl::plan(setting.waypoints, scene, settings.plan, arguments.common.seed);
+  const bool ok = result.status == pl::PlanStatus::ok;
+  std::optional<pl::TrackingError> tracking;
+  if (arguments.execute && ok) {
+    tracking = follow(setting, result.samples, settings.world, arguments.common.seed);
+  }
+  if (result.status != pl::PlanStatus::invalid && !arguments.common.out.empty()) {
+    write_results(arguments, settings, result, tracking);
+  }
+  if (arguments.common.json) fmt::print("{}\n", plan_report(result, tracking).dump(2));
+  if (result.status == pl::PlanStatus::invalid) throw BadInput(describe_faults(result.invalid));
+  if (!arguments.common.json) print_result(result, tracking);
+  return ok ? kDone : kNoSolution;
+}
+
+}  // namespace
+
+void add_plan(CLI::App& program, Command& chosen) {
+  auto arguments = std::make_shared<PlanArguments>();
+  auto& command = *program.add_subcommand(
+      "plan", "Plan a collision-free motion of base and hand through waypoints");
+  command
+      .add_option("waypoints", arguments->waypoints,
+                  "CSV: the 24 joints (rad) by name, or x,y,z,yaw,pitch,roll (m, rad) and them")
+      ->option_text("WAYPOINTS")
+      ->required();
+  command
+      .add_option("--object", arguments->object,
+                  "built-in object or mesh file in metres, to keep clear of; without --pose it "
+                  "stands at the origin")
+      ->option_text("O");
+  command
+      .add_option("--pose", arguments->pose,
+                  "of the object's mesh in the world: 16 numbers, row-major, or a file of them")
+      ->option_text("POSE");
+  command.add_flag("--held", arguments->held,
+                   "the hand holds the object, which is at its pose at the first waypoint");
+  command
+      .add_option("--planner", arguments->planner, "rrt-connect (default), rrt-star, prm or fmt")
+      ->check(CLI::IsMember({"rrt-connect", "rrt-star", "prm", "fmt"}));
+  command.add_flag("--execute", arguments->execute,
+                   "let the simulated hand follow, and report how well it does");
+  add_common_options(command, arguments->common);
+  command.footer(
+      "The motion is at rest in every waypoint. Limits of speed, acceleration and reach, the "
+      "depth\n"
+      "of contact that is allowed and the bounds of the search are options (--set, --config).\n"
+      "J1 and J2 of a finger share what its one tendon does as on the real hand, so J1 + J2 is\n"
+      "met, not each; J1 may not exceed J2. Without a base in the file it rests at z = 0.3 m.\n"
+      "--out gets path.csv (100 samples a second), path.svg, report.json, config.toml.\n"
+      "Exits with 3 for a waypoint beyond limits or in collision (named), 4 if there is no "
+      "path.\n\n"
+      "Examples:\n"
+      "  palpate plan examples/waypoints.csv --execute\n"
+      "  palpate plan examples/waypoints.csv --object box --planner rrt-star --json\n"
+      "  palpate plan reach.csv --object mug --pose pose.txt --held --out out/transport\n"
+      "  palpate plan reach.csv --set limits.base_speed=0.1 --set collision.allowed_depth=0.002");
+  command.callback([arguments, &chosen] { chosen = [arguments] { return plan(*arguments); }; });
+}
+
+}  // namespace palpate::app

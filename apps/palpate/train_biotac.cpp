@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "train_biotac.hpp"
+
+#include <fmt/format.h>
+
+#include "palpate/core/error.hpp"
+#include "palpate/core/file.hpp"
+#include "palpate/core/progress.hpp"
+#include "palpate/core/statistics.hpp"
+#include "palpate/touch/biotac_inverse.hpp"
+#include "palpate/touch/biotac_network.hpp"
+#include "palpate/touch/biotac_normal.hpp"
+
+namespace palpate::app {
+namespace {
+
+struct BiotacNormalArguments {
+  CommonOptions common;
+  std::vector<std::string> logs;
+};
+
+void require_out(const CommonOptions& common) {
+  if (common.out.empty()) throw BadInput("--out FILE is missing: where the model is to go");
+}
+
+int train_biotac_normal(const BiotacNormalArguments& arguments) {
+  require_out(arguments.common);
+  auto options = resolve<touch::BiotacNormalOptions>(arguments.common);
+  options.seed = arguments.common.seed;
+  std::vector<touch::BiotacLog> logs;
+  std::vector<touch::BiotacSample> samples;
+  for (const auto& path : arguments.logs) {
+    logs.push_back(touch::read_biotac_log(path));
+    const auto more = touch::biotac_samples(logs.back());
+    samples.insert(samples.end(), more.begin(), more.end());
+  }
+  const auto model = touch::BiotacNormalModel::train(samples, options);
+  const auto errors = touch::cross_validate_biotac_normal(logs, options);
+  write_file_atomically(arguments.common.out, model.bytes());
+  nlohmann::json report = {{"samples", samples.size()}, {"logs", logs.size()}};
+  report["validation_error_deg"] = nullptr;
+  std::string validation = "too few touches to validate";
+  if (!errors.empty()) {
+    const double middle = median(errors), p90 = quantile(errors, 0.9);
+    report["validation_error_deg"] = {{"median", middle}, {"p90", p90}};
+    validation =
+        fmt::format("error at touches left out: median {:.2f} deg, p90 {:.2f} deg", middle, p90);
+  }
+  if (arguments.common.json) {
+    fmt::print("{}\n", report.dump(2));
+  } else {
+    fmt::print("{} samples of {} logs; {}\nwrote {}\n", samples.size(), logs.size(), validation,
+               arguments.common.out);
+  }
+  return kDone;
+}
+
+void add_biotac_normal(CLI::App& train, Command& chosen) {
+  auto arguments = std::make_shared<BiotacNormalArguments>();
+  auto& command = *train.add_subcommand(
+      "biotac-normal", "Learn contact normals from logs of a BioTac with known normals");
+  command.add_option("logs", arguments->logs, "CSV with t_s,pdc,e1..e19,nx,ny,nz; raw counts")
+      ->option_text("LOG...")
+      ->required();
+  add_common_options(command, arguments->common);
+  command.footer(
+      "--out names the file of the model. The validation leaves whole touches out.\n\n"
+      "Examples:\n"
+      "  palpate train biotac-normal day1.csv day2.csv --out biotac.model\n"
+      "  palpate sense day3.csv --model biotac.model --json");
+  command.callback(
+      [arguments, &chosen] { chosen = [arguments] { return train_biotac_normal(*arguments); }; });
+}
+
+/// Options of the models that learn from simulated touches.
+struct SimulatedOptions {
+  touch::BiotacDatasetOptions data;
+  touch::SkinOptions skin;
+  touch::BiotacSensorOptions sensor;
+  touch::NetworkTrainingOptions network;
+  touch::BiotacInverseOptions inverse;
+
+  template <class Visitor>
+  void visit(Visitor&& v) {
+    v.section("data", data);
+    v.section("skin", skin);
+    v.section("sensor", sensor);
+    v.section("network", network);
+    v.section("inverse", inverse);
+  }
+};
+
+struct SimulatedArguments {
+  CommonOptions common;
+  std::string write_data;
+};
+
+struct SimulatedTouches {
+  std::vector<touch::BiotacFrame> learn, judge;
+};
+
+/// Touches to learn from and, of another seed and a fifth as many, to judge by.
+SimulatedTouches simulate(const SimulatedArguments& arguments, const SimulatedOptions& options) {
+  SimulatedTouches touches;
+  auto data = options.data;
+  data.seed = arguments.common.seed;
+  touches.learn = touch::simulate_biotac(data, options.skin, options.sensor);
+  if (!arguments.write_data.empty()) {
+    write_file_atomically(arguments.write_data, touch::dataset_csv(touches.learn));
+  }
+  data.seed = arguments.common.seed + 1;
+  data.trajectories = std::max(1, data.trajectories / 5);
+  touches.judge = touch::simulate_biotac(data, options.skin, options.sensor);
+  return touches;
+}
+
+ProgressCallback bar(const CommonOptions& common) {
+  if (common.quiet || common.json) return {};
+  return [](std::size_t done, std::size_t total) {
+    fmt::print(stderr, "epoch {} of {}\n", done, total);
+  };
+}
+
+void report(const CommonOptions& common, const nlohmann::json& result) {
+  if (common.json) {
+    fmt::print("{}\n", result.dump(2));
+    return;
+  }
+  for (const auto& [key, value] : result.items()) fmt::print("{}: {}\n", key, value.dump());
+  fmt::print("wrote {}\n", common.out);
+}
+
+int train_biotac_network(const SimulatedArguments& arguments) {
+  require_out(arguments.common);
+  auto options = resolve<SimulatedOptions>(arguments.common);
+  options.network.seed = arguments.common.seed;
+  const auto touches = simulate(arguments, options);
+  const Eigen::MatrixXd learn = touch::biotac_dataset(touches.learn),
+                        judge = touch::biotac_dataset(touches.judge);
+  touch::BiotacNetwork network(arguments.common.seed);
+  network.train(touch::network_inputs(learn), touch::network_outputs(learn), options.network,
+                bar(arguments.common));
+  const auto inputs = touch::network_inputs(judge), outputs = touch::network_outputs(judge);
+  const Eigen::VectorXd ratios = touch::error_ratios(network(inputs), outputs);
+  const auto as_vector = [](const Eigen::VectorXd& v) {
+    return std::vector<double>(v.begin(), v.end());
+  };
+  write_file_atomically(arguments.common.out, network.bytes());
+  report(arguments.common,
+         {{"samples", learn.rows()},
+          {"test_samples", judge.rows()},
+          {"test_mae_over_sd", ratios.mean()},
+          {"test_mae_over_sd_of_channels", as_vector(ratios)},
+          {"sensitivity_of_inputs", as_vector(touch::sensitivities(network, inputs, outputs))},
+          {"loss_by_shuffled_inputs",
+           as_vector(touch::shuffled_input_losses(network, inputs, outputs, 0))}});
+  return kDone;
+}
+
+int train_biotac_inverse(const SimulatedArguments& arguments) {
+  require_out(arguments.common);
+  auto options = resolve<SimulatedOptions>(arguments.common);
+  options.inverse.seed = arguments.common.seed;
+  const auto touches = simulate(arguments, options);
+  const auto model =
+      touch::BiotacInverse::train(touches.learn, options.inverse, options.skin, options.sensor);
+  std::vector<double> points, forces;
+  for (std::size_t i = 0; i < touches.judge.size(); i += 5) {
+    const auto found = model.estimate(touches.judge[i].decoded);
+    if (!found) continue;
+    points.push_back(1e3 * (found->p - touches.judge[i].p).norm());
+    forces.push_back((found->f - touches.judge[i].f1).norm());
+  }
+  write_file_atomically(arguments.common.out, model.bytes());
+  nlohmann::json result = {{"samples", touches.learn.size()}, {"test_samples", points.size()}};
+  if (!points.empty()) {
+    result["test_point_error_mm"] = median(points);
+    result["test_force_error_n"] = median(forces);
+  }
+  report(arguments.common, result);
+  return kDone;
+}
+
+void add_simulated(CLI::App& train, Command& chosen, const std::string& name,
+                   const std::string& what, int (*action)(const SimulatedArguments&)) {
+  auto arguments = std::make_shared<SimulatedArguments>();
+  auto& command = *train.add_subcommand(name, what);
+  add_common_options(command, arguments->common);
+  command
+      .add_option("--write-data", arguments->write_data,
+                  "also write the data set as CSV, in the layout of thesis eq. 5.11")
+      ->option_text("FILE");
+  command.footer(
+      fmt::format("--out names the file of the model. The touches are simulated anew; those to "
+                  "judge by are of\n"
+                  "the next seed.\n\n"
+                  "Examples:\n"
+                  "  palpate train {0} --out {0}.model\n"
+                  "  palpate train {0} --out {0}.model --set data.trajectories=50",
+                  name));
+  command.callback([arguments, action, &chosen] {
+    chosen = [arguments, action] { return action(*arguments); };
+  });
+}
+
+}  // namespace
+
+void add_train_biotac(CLI::App& train, Command& chosen) {
+  add_biotac_normal(train, chosen);
+  add_simulated(train, chosen, "biotac-network",
+                "Train the network that imitates a BioTac (architecture B) on simulated touches",
+                train_biotac_network);
+  add_simulated(train, chosen, "biotac-inverse",
+                "Train the inference of contacts from a simulated BioTac's channels",
+                train_biotac_inverse);
+}
+
+}  // namespace palpate::app

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sliding_finger.hpp"
+
+#include <algorithm>
+
+#include "palpate/core/assets.hpp"
+#include "palpate/touch/finger_sample.hpp"
+
+namespace palpate::experiment {
+namespace {
+
+constexpr double kPitch = 1.35;                // rad of the base: a straight finger points down
+constexpr double kApproach = 0.03;             // m, from where the tip sets out for the surface
+constexpr double kApproachSpeed = 0.03;        // m/s
+constexpr std::size_t kLongestApproach = 300;  // ticks
+constexpr double kDepthRate = 0.002;  // m/s for each N that the tip presses too little or much,
+constexpr double kSeekRate = 0.008;   // or hardly at all
+constexpr double kForgetAside = 0.5;  // s, in which what was learnt on one face fades on another
+constexpr double kFarthest = 0.025;   // m, of the command from the path
+constexpr double kNear = 0.002;       // m, that the tip may be off a surface that it touches
+constexpr double kImmovable = 200;    // kg
+
+/// One finger straight, the others curled away.
+hand::ActuatorVector pointing(int finger) {
+  hand::ActuatorVector posture = hand::ActuatorVector::Zero();
+  for (int other = 1; other < hand::kFingers; ++other) {
+    if (other == finger) continue;
+    const std::string name(hand::kFingerNames[static_cast<std::size_t>(other)]);
+    posture[hand::actuator_index(name + "J3")] = 1.4;
+    posture[hand::actuator_index(name + "J0")] = 2.6;
+  }
+  posture[hand::actuator_index("THJ5")] = -1.0;
+  posture[hand::actuator_index("THJ2")] = -0.6;
+  return posture;
+}
+
+}  // namespace
+
+geometry::KnownObject fixed_object(const std::string& name, geometry::TriangleMesh mesh) {
+  geometry::KnownObject object;
+  object.name = name;
+  object.mass = kImmovable;
+  const Eigen::Vector3d centroid = geometry::mass_properties(mesh, kImmovable).centroid;
+  for (Eigen::Vector3d& v : mesh.vertices) v -= centroid;
+  object.T_mesh_object.translation() = centroid;
+  object.mass_properties = geometry::mass_properties(mesh, kImmovable);
+  double low = 0;
+  for (const Eigen::Vector3d& v : mesh.vertices) low = std::min(low, v.z());
+  object.stances = {{Eigen::Matrix3d::Identity(), -low, 1.0}};
+  object.symmetries = {Eigen::Matrix3d::Identity()};
+  object.mesh = std::move(mesh);
+  return object;
+}
+
+SlidingFinger::SlidingFinger(const geometry::KnownObject& object,
+                             const simulation::WorldOptions& options, std::uint64_t seed,
+                             int finger)
+    : mesh_(object.mesh),
+      surface_(mesh_),
+      exact_hand_(simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"))),
+      world_(object, options, seed),
+      finger_(finger),
+      posture_(pointing(finger)),
+      joints_(hand::JointVector::Zero()) {}
+
+const hand::HandModel::TipCapsule& SlidingFinger::tip() const {
+  return exact_hand_.tips[static_cast<std::size_t>(finger_)];
+}
+
+hand::HandCommand SlidingFinger::command_for(const Eigen::Vector3d& center) const {
+  const auto T_base_link = hand::forward_kinematics(exact_hand_, joints_);
+  const auto link = static_cast<std::size_t>(exact_hand_.distal[static_cast<std::size_t>(finger_)]);
+  hand::HandCommand command;
+  command.positions = posture_;
+  command.base.ypr = {0, kPitch, 0};
+  command.base.xyz = center - command.base.pose().linear() * (T_base_link[link] * tip().b);
+  return command;
+}
+
+std::vector<Eigen::Vector3d> SlidingFinger::true_normals(const hand::HandReading& reading,
+                                                         const simulation::Truth& truth) const {
+  const auto T_base_link = hand::forward_kinematics(exact_hand_, truth.joints);
+  const auto link = static_cast<std::size_t>(exact_hand_.distal[static_cast<std::size_t>(finger_)]);
+  const Eigen::Isometry3d T_object_tip =
+      truth.T_world_object.inverse() * reading.base.pose() * T_base_link[link];
+  std::vector<Eigen::Vector3d> normals;
+  const geometry::Capsule capsule{T_object_tip * tip().a, T_object_tip * tip().b, tip().radius};
+  for (const auto& contact : surface_.contacts(capsule, kNear, 2)) {
+    normals.push_back(truth.T_world_object.linear() * contact.normal);
+  }
+  return normals;
+}
+
+/// Force with which the tip presses against n, N.
+double SlidingFinger::pressing(const hand::HandReading& reading, const Eigen::Vector3d& n) const {
+  double force = 0;
+  for (const auto& contact : touch::finger_frame(reading, exact_hand_, finger_).contacts) {
+    force -= n.dot(contact.f);
+  }
+  return force;
+}
+
+SlideTick SlidingFinger::step(const hand::HandCommand& command) {
+  SlideTick tick;
+  tick.frame.reading = world_.hand().step(command);
+  tick.frame.command = command;
+  const simulation::Truth truth = world_.truth();
+  tick.frame.truth = {truth.T_world_object, truth.joints};
+  tick.true_normals = true_normals(tick.frame.reading, truth);
+  return tick;
+}
+
+std::vector<SlideTick> SlidingFinger::follow(const TipPath& path, const simulation::Start& start,
+                                             double force) {
+  Eigen::Vector3d offset = kApproach * path.normal[0];
+  world_.reset(start, command_for(path.center[0] + offset));
+  std::vector<SlideTick> ticks;
+  bool touches = false;
+  for (std::size_t at = 0; at < path.center.size(); at += touches) {
+    ticks.push_back(step(command_for(path.center[at] + offset)));
+    // Pressed by the face that it is on, not by that where it should be: so it gets over edges.
+    const auto& felt = ticks.back().true_normals;
+    const Eigen::Vector3d& n = felt.empty() ? path.normal[at] : felt[0];
+    const double pressed = pressing(ticks.back().frame.reading, n);
+    touches = touches || pressed > 0.2 * force || ticks.size() > kLongestApproach;
+    if (touches) {
+      const double rate = pressed < 0.5 * force ? kSeekRate : kDepthRate;
+      offset -= hand::kTick * rate * (force - pressed) * n;
+      offset -= hand::kTick / kForgetAside * (offset - offset.dot(n) * n);
+      if (offset.norm() > kFarthest) offset *= kFarthest / offset.norm();
+    } else {
+      offset -= hand::kTick * kApproachSpeed * n;
+    }
+  }
+  return ticks;
+}
+
+}  // namespace palpate::experiment

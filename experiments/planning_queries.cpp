@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "experiment.hpp"
+#include "palpate/core/plot.hpp"
+#include "palpate/core/random.hpp"
+#include "palpate/core/statistics.hpp"
+#include "palpate/hand/coupling.hpp"
+#include "palpate/planning/planner.hpp"
+
+namespace {
+
+using namespace palpate;
+namespace pl = planning;
+
+constexpr int kQueries = 60;  // an object
+constexpr int kQuickQueries = 2;
+constexpr double kTarget = 0.2;  // s, median a motion
+
+/// What a planner did with the queries of one object.
+struct Tally {
+  int queries = 0, found = 0, detours = 0, sound = 0;
+  std::vector<double> seconds, detour_seconds, durations;
+};
+
+/// A posture between open and a loose fist, in reach of the object and free.
+pl::Waypoint random_waypoint(RandomStream& random, simulation::CollisionScene& scene) {
+  for (;;) {
+    pl::Waypoint waypoint;
+    waypoint.base.xyz << random.uniform(-0.3, 0.3), random.uniform(-0.3, 0.3),
+        random.uniform(0.05, 0.35);
+    waypoint.base.ypr << random.uniform(-1.5, 1.5), random.uniform(-0.6, 0.6),
+        random.uniform(-1.5, 1.5);
+    const double bend = random.uniform();
+    for (int i = 0; i < hand::kJoints; ++i) {
+      const hand::Range range = hand::shadow_ranges()[static_cast<std::size_t>(i)];
+      const bool flexes = range.high > 1.5;
+      waypoint.joints[i] =
+          flexes ? bend * random.uniform(0, 1.2) : 0.3 * random.uniform(range.low, range.high);
+    }
+    waypoint.joints = hand::joints_in_free_flexion(pl::command_of(waypoint).positions);
+    if (pl::find_faults({waypoint}, scene).empty()) return waypoint;
+  }
+}
+
+/// Whether a plan does what it says: every sample is free.
+bool is_sound(const pl::Plan& plan, simulation::CollisionScene& scene) {
+  return std::all_of(plan.samples.begin(), plan.samples.end(), [&](const auto& sample) {
+    return !scene.deepest_collision(sample.base, hand::joints_in_free_flexion(sample.positions));
+  });
+}
+
+simulation::CollisionScene scene_with(const std::string& name, RandomStream random) {
+  const geometry::KnownObject object = geometry::load_known_object(name);
+  simulation::CollisionScene scene(object);
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.rotate(Eigen::AngleAxisd(random.uniform(-3.14, 3.14), Eigen::Vector3d::UnitZ()));
+  T.rotate(object.stances.front().R_table_object);
+  T.translation().z() = object.stances.front().height;
+  scene.place(T);
+  return scene;
+}
+
+Tally ask(const std::string& object, const std::string& planner, int queries, std::uint64_t seed) {
+  const RandomStream random(seed, "planning_queries");
+  auto scene = scene_with(object, random.fork(object));
+  pl::PlanOptions options;
+  options.planner = planner;
+  Tally tally;
+  for (int i = 0; i < queries; ++i) {
+    RandomStream query = random.fork(object, static_cast<std::uint64_t>(i));
+    const pl::Waypoint start = random_waypoint(query, scene), goal = random_waypoint(query, scene);
+    const pl::Plan plan =
+        pl::plan({start, goal}, scene, options, seed + static_cast<std::uint64_t>(i));
+    ++tally.queries;
+    tally.seconds.push_back(plan.seconds);
+    if (plan.status != pl::PlanStatus::ok) continue;
+    ++tally.found;
+    tally.sound += is_sound(plan, scene) ? 1 : 0;
+    tally.durations.push_back(plan.duration());
+    if (plan.corners.size() == 2) continue;
+    ++tally.detours;
+    tally.detour_seconds.push_back(plan.seconds);
+  }
+  return tally;
+}
+
+std::string milliseconds(const std::vector<double>& seconds, double share) {
+  return seconds.empty() ? "-" : fmt::format("{:.0f}", 1e3 * quantile(seconds, share));
+}
+
+void add_row(experiment::Table& table, const std::string& planner, const std::string& object,
+             const Tally& tally) {
+  const auto n = static_cast<std::size_t>(tally.queries);
+  const Interval ci = wilson_interval(static_cast<std::size_t>(tally.found), n);
+  table.add_row(
+      {planner, object, std::to_string(n),
+       fmt::format("{:.3f} ({:.3f} .. {:.3f})",
+                   static_cast<double>(tally.found) / static_cast<double>(n), ci.low, ci.high),
+       fmt::format("{}/{}", tally.sound, tally.found), std::to_string(tally.detours),
+       milliseconds(tally.seconds, 0.5), milliseconds(tally.seconds, 0.95),
+       milliseconds(tally.detour_seconds, 0.5),
+       tally.durations.empty() ? "-" : fmt::format("{:.2f}", median(tally.durations))});
+}
+
+void append(std::vector<double>& to, const std::vector<double>& from) {
+  to.insert(to.end(), from.begin(), from.end());
+}
+
+void add(Tally& sum, const Tally& part) {
+  sum.queries += part.queries, sum.found += part.found;
+  sum.detours += part.detours, sum.sound += part.sound;
+  append(sum.seconds, part.seconds);
+  append(sum.detour_seconds, part.detour_seconds);
+  append(sum.durations, part.durations);
+}
+
+void planning_queries(const experiment::Options& options) {
+  const int queries = options.quick ? kQuickQueries : kQueries;
+  experiment::Table table({"planner", "object", "queries", "found (95 % CI)", "free of collision",
+                           "detours", "median ms", "95 % ms", "median ms of detours",
+                           "median s of motion"});
+  BoxSeries boxes{.name = "", .samples = {}};
+  const std::vector<std::string> planners = {"rrt-connect", "prm", "fmt", "rrt-star"};
+  for (const std::string& planner : planners) {
+    // All objects for the default, one for the others, which are there to be compared.
+    auto objects = geometry::built_in_objects();
+    if (planner != planners.front() || options.quick) objects = {"box"};
+    Tally all;
+    for (const std::string& object : objects) {
+      const Tally tally =
+          ask(object, planner, planner == planners.front() ? queries : std::min(queries, 20),
+              options.seed);
+      add_row(table, planner, object, tally);
+      add(all, tally);
+    }
+    if (objects.size() > 1) add_row(table, planner, "all", all);
+    boxes.samples.push_back(all.seconds);
+  }
+  table.publish(
+      options, "queries",
+      fmt::format("Random motions about an object (target: median <= {:.0f} ms)", 1e3 * kTarget));
+  Plot plot;
+  plot.title = "Planning time of a random motion";
+  plot.x.label = "planner";
+  plot.y = {.label = "time (s)", .logarithmic = true, .low = {}, .high = {}};
+  plot.categories = planners;
+  plot.series = {boxes};
+  experiment::publish_figure(options, "seconds", to_svg(plot));
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return experiment::run(argc, argv, "planning_queries",
+                         "Success and time of planned motions between random postures about an "
+                         "object on the table, by planner.",
+                         planning_queries);
+}

@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "touch_surfaces.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <numbers>
+
+#include "../tests/touch/sliding_score.hpp"
+#include "experiment.hpp"
+#include "palpate/core/plot.hpp"
+#include "palpate/core/statistics.hpp"
+#include "palpate/touch/normal_clusters.hpp"
+#include "palpate/touch/s2_smoother.hpp"
+
+namespace {
+
+using namespace palpate;
+using namespace palpate::experiment;
+
+constexpr int kFinger = static_cast<int>(hand::Finger::first);
+constexpr std::size_t kClusterTicks = 10;
+constexpr double kSettle = 1;  // s from the start that are not judged
+
+/// Normals of one kind, with their errors (deg) where the truth is known.
+struct Normals {
+  std::vector<Eigen::Vector3d> n;
+  std::vector<double> error_deg, nees;
+};
+
+/// What a slide gave.
+struct Slide {
+  std::vector<Eigen::Vector3d> forces, torques;  // N, N m about the tip's centre
+  std::map<std::string, Normals> normals;        // raw, clustered, s2, s2-lag
+  std::size_t samples = 0, flagged = 0;
+  std::vector<std::size_t> clusters;  // how many were found each time
+};
+
+void judge(const Eigen::Vector3d& n, const std::vector<Eigen::Vector3d>& truth,
+           const std::optional<Eigen::Matrix3d>& covariance, Normals& normals) {
+  if (truth.empty()) return;
+  const auto& nearest =
+      *std::min_element(truth.begin(), truth.end(),
+                        [&](const auto& a, const auto& b) { return a.dot(n) > b.dot(n); });
+  normals.n.push_back(n);
+  normals.error_deg.push_back(touch::angle_deg(n, nearest));
+  if (covariance) {
+    normals.nees.push_back(touch::normalised_error_squared(n, nearest, *covariance));
+  }
+}
+
+class SlideJudge {
+ public:
+  explicit SlideJudge(const hand::HandModel& hand) : hand_(hand) {}
+
+  void take(const SlideTick& tick) {
+    const auto& reading = tick.frame.reading;
+    truth_.push_back(tick.true_normals);
+    if (reading.time > kSettle) take_raw(reading);
+    const auto sample = maker_.next(touch::finger_frame(reading, hand_, kFinger));
+    ++slide_.samples;
+    slide_.flagged += sample.flags.any();
+    take_estimate("s2", filter_.update(sample));
+    take_estimate("s2-lag", smoother_.update(sample));
+  }
+  Slide finish() { return std::move(slide_); }
+
+ private:
+  /// The normals that the reader gives (the solver's, with noise), in the world.
+  void take_raw(const hand::HandReading& reading) {
+    const auto T_base_link = hand::forward_kinematics(hand_, reading.joints);
+    const auto finger = static_cast<std::size_t>(kFinger);
+    const Eigen::Isometry3d T =
+        reading.base.pose() * T_base_link[static_cast<std::size_t>(hand_.distal[finger])];
+    for (const auto& contact : reading.contacts[finger]) {
+      const Eigen::Vector3d f = T.linear() * contact.f;
+      slide_.forces.push_back(f);
+      slide_.torques.push_back((T * contact.p - T * hand_.tips[finger].b).cross(f));
+      recent_.push_back({T * contact.p, T.linear() * contact.n});
+      judge(recent_.back().n, truth_.back(), {}, slide_.normals["raw"]);
+    }
+    if (++ticks_ % kClusterTicks != 0) return;
+    const auto clusters = touch::cluster_normals(recent_);
+    for (const auto& cluster : clusters) {
+      judge(cluster.n, truth_.back(), {}, slide_.normals["clustered"]);
+    }
+    slide_.clusters.push_back(clusters.size());
+    recent_.clear();
+  }
+
+  void take_estimate(const std::string& name, const touch::NormalEstimate& estimate) {
+    if (estimate.status != touch::NormalStatus::tracked || estimate.time < kSettle) return;
+    const auto tick = static_cast<std::size_t>(std::lround(estimate.time / hand::kTick)) - 1;
+    judge(estimate.n, truth_.at(tick), estimate.covariance, slide_.normals[name]);
+  }
+
+  const hand::HandModel& hand_;
+  touch::SampleMaker maker_;
+  touch::S2Filter filter_;
+  touch::S2Smoother smoother_;
+  std::vector<std::vector<Eigen::Vector3d>> truth_;  // of every tick, the first at kTick
+  std::vector<touch::NormalAt> recent_;
+  std::size_t ticks_ = 0;
+  Slide slide_;
+};
+
+/// Every so many vectors, to keep a figure light.
+std::string cone(const std::vector<Eigen::Vector3d>& vectors, const std::array<int, 2>& axes,
+                 const std::string& title, const std::string& unit) {
+  constexpr std::size_t kMost = 1500;
+  Plot plot;
+  plot.title = title;
+  plot.width = plot.height = 480;
+  plot.x.label = fmt::format("{} ({})", "xyz"[axes[0]], unit);
+  plot.y.label = fmt::format("{} ({})", "xyz"[axes[1]], unit);
+  ScatterSeries points;
+  for (std::size_t i = 0; i < vectors.size(); i += 1 + vectors.size() / kMost) {
+    points.x.push_back(vectors[i][axes[0]]);
+    points.y.push_back(vectors[i][axes[1]]);
+  }
+  plot.series.emplace_back(std::move(points));
+  return to_svg(plot);
+}
+
+/// Share of the errors in every degree.
+LineSeries density(const std::string& name, const std::vector<double>& errors) {
+  constexpr int kDegrees = 40;
+  std::vector<double> counts(kDegrees, 0);
+  for (double error : errors) {
+    if (error < kDegrees) ++counts[static_cast<std::size_t>(error)];
+  }
+  LineSeries line{.name = name, .x = {}, .y = {}};
+  for (int i = 0; i < kDegrees; ++i) {
+    line.x.push_back(i + 0.5);
+    line.y.push_back(counts[static_cast<std::size_t>(i)] / static_cast<double>(errors.size()));
+  }
+  return line;
+}
+
+/// The figures that the thesis has of the edge (the box's top and its side against x).
+void draw_edge(const Slide& slide, const Options& options) {
+  constexpr std::array<int, 2> kAcross = {0, 2};  // the edge runs along y
+  publish_figure(options, "edge_force_cone",
+                 cone(slide.forces, kAcross, "Forces at the edge", "N"));
+  publish_figure(options, "edge_torque_cone",
+                 cone(slide.torques, kAcross, "Torques at the edge", "N m"));
+  for (const auto& [name, normals] : slide.normals) {
+    publish_figure(options, "edge_normals_" + name,
+                   cone(normals.n, kAcross, "Normals at the edge, " + name, "1"));
+  }
+}
+
+std::string face_list(const std::vector<touch::Face>& faces) {
+  std::string text;
+  for (const auto& face : faces) {
+    text += fmt::format("{}({:.2f}, {:.2f}, {:.2f}) {:.0f} %", text.empty() ? "" : "; ", face.n.x(),
+                        face.n.y(), face.n.z(), 100 * face.share);
+  }
+  return text;
+}
+
+void experiment_surfaces(const Options& options) {
+  Table errors({"surface", "samples", "flagged", "raw", "clustered", "s2", "s2-lag"});
+  Table honesty({"surface", "s2", "s2-lag"});
+  Table faces({"surface", "faces crossed", "faces found by s2-lag: normal, share"});
+  Plot density_plot;
+  density_plot.title = "P(angle error) of the sensed normals, s2-lag";
+  density_plot.x.label = "angle error (deg)";
+  density_plot.y.label = "share a degree";
+  for (const std::string name : {"flat", "edge", "smooth", "corner"}) {
+    const auto surface = touched_surface(name);
+    SlidingFinger finger(surface.object, sliding_world(), options.seed, kFinger);
+    SlideJudge judge(finger.believed_hand());
+    const auto path = path_over(surface, finger.tip_radius(), options.quick ? 4 : 100);
+    for (const auto& tick : finger.follow(path, surface.start, kPress)) judge.take(tick);
+    Slide slide = judge.finish();
+    std::vector<std::string> row = {name, std::to_string(slide.samples),
+                                    std::to_string(slide.flagged)};
+    for (const std::string kind : {"raw", "clustered", "s2", "s2-lag"}) {
+      const auto& of_kind = slide.normals[kind].error_deg;
+      row.push_back(of_kind.empty()
+                        ? "-"
+                        : fmt::format("{:.2f} / {:.1f}", median(of_kind), quantile(of_kind, 0.95)));
+    }
+    errors.add_row(row);
+    honesty.add_row({name, fmt::format("{:.2f}", mean(slide.normals["s2"].nees)),
+                     fmt::format("{:.2f}", mean(slide.normals["s2-lag"].nees))});
+    faces.add_row({name, surface.faces == 0 ? "none" : std::to_string(surface.faces),
+                   face_list(touch::find_faces(slide.normals["s2-lag"].n))});
+    density_plot.series.emplace_back(density(name, slide.normals["s2-lag"].error_deg));
+    if (name == "edge") draw_edge(slide, options);
+  }
+  errors.publish(options, "errors", "Angle error against the surface met, median / p95 deg");
+  honesty.publish(options, "nees", "Normalised error squared, mean (honest: 2)");
+  faces.publish(options, "faces", "Faces reported");
+  publish_figure(options, "angle_error", to_svg(density_plot));
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return run(argc, argv, "touch_surfaces",
+             "The simulated index finger slides for 100 s over a flat face, an edge, a smooth "
+             "surface and a corner (thesis figures 5.12-5.15)",
+             experiment_surfaces);
+}

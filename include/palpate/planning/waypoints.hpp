@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "palpate/hand/hand.hpp"
+#include "palpate/simulation/collision_scene.hpp"
+
+namespace palpate::planning {
+
+/// Columns of a file's base, before the 24 joints; m and rad.
+inline constexpr std::array<std::string_view, 6> kBaseNames = {"x",   "y",     "z",
+                                                               "yaw", "pitch", "roll"};
+
+/// A row q of the waypoints Q (thesis eq. 2.1): all joint angles, and where the base is.
+struct Waypoint {
+  hand::BasePosition base;
+  hand::JointVector joints = hand::JointVector::Zero();  ///< rad
+};
+
+/// What the controllers are told to get there: J0 = J1 + J2, shared as in free flexion.
+hand::HandCommand command_of(const Waypoint& waypoint);
+
+struct WaypointsFile {
+  std::vector<Waypoint> waypoints;
+  bool has_base = false;  ///< else every base is the given one
+};
+
+/// Waypoints from a CSV: a header with the names of all 24 joints, in any order, and either all or
+/// none of kBaseNames; one row a waypoint. Values need only be finite.
+/// @param source  named in errors, as in "waypoints.csv:3: ..."
+/// @param base  where there is none in the file
+/// @throws BadInput for a header of the wrong width or names, a row of the wrong width, a value
+/// that
+///         is no finite number, fewer than two rows
+WaypointsFile parse_waypoints(std::string_view text, std::string_view source,
+                              const hand::BasePosition& base);
+
+/// A waypoint that the hand cannot take, and why, in one line.
+struct Fault {
+  std::size_t waypoint = 0;  ///< index
+  std::string reason;        ///< the joint and its value, or the pair of bodies and its depth
+};
+
+/// How far the base reaches.
+struct BaseRange {
+  double side = 1.0;     ///< m, of |x| and |y|
+  double low = 0.0;      ///< m, of z
+  double high = 1.0;     ///< m, of z
+  double turn = 6.2832;  ///< rad, of |yaw|, |pitch| and |roll|
+
+  template <class Visitor>
+  void visit(Visitor&& v) {
+    v("side", side, 0.0, 10.0, "m, of |x| and |y|");
+    v("low", low, -10.0, 10.0, "m, of z");
+    v("high", high, -10.0, 10.0, "m, of z");
+    v("turn", turn, 0.0, 100.0, "rad, of |yaw|, |pitch| and |roll|");
+  }
+};
+
+/// Every waypoint with an angle that is not finite, beyond its joint's range (shadow_ranges) or J1
+/// > J2; with a base out of its range; or, where all that is well, in collision. In order.
+std::vector<Fault> find_faults(const std::vector<Waypoint>& waypoints,
+                               simulation::CollisionScene& scene, const BaseRange& range = {});
+
+}  // namespace palpate::planning

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/planning/execution.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace palpate::planning {
+namespace {
+
+/// Adds the errors of one kind of coordinate.
+class Errors {
+ public:
+  template <class Vector>
+  void add(const Vector& error, double count) {
+    squares_ += error.squaredNorm();
+    count_ += count;
+    largest_ = std::max(largest_, error.template lpNorm<Eigen::Infinity>());
+  }
+  [[nodiscard]] double rms() const { return count_ == 0 ? 0 : std::sqrt(squares_ / count_); }
+  [[nodiscard]] double largest() const { return largest_; }
+
+ private:
+  double squares_ = 0, count_ = 0, largest_ = 0;
+};
+
+/// 1 for the coordinates that the samples move, 0 for those that rest.
+Coordinates moving(const std::vector<hand::HandCommand>& samples) {
+  Coordinates mask = Coordinates::Zero();
+  for (const hand::HandCommand& command : samples) {
+    const Coordinates way = coordinates_of(command) - coordinates_of(samples.front());
+    mask = (way.array() != 0).select(Coordinates::Ones(), mask);
+  }
+  return mask;
+}
+
+}  // namespace
+
+TrackingError execute(hand::Hand& hand, const std::vector<hand::HandCommand>& samples) {
+  TrackingError result;
+  const Coordinates mask = moving(samples);
+  Errors slides, turns, joints;
+  for (const hand::HandCommand& command : samples) {
+    const hand::HandReading reading = hand.step(command);
+    result.measured.push_back(coordinates_of(
+        {.positions = hand::actuator_positions(reading.joints), .base = reading.base}));
+    const Coordinates error = mask.cwiseProduct(result.measured.back() - coordinates_of(command));
+    slides.add(error.head<3>(), mask.head<3>().sum());
+    turns.add(error.segment<3>(3), mask.segment<3>(3).sum());
+    joints.add(error.tail<hand::kActuators>(), mask.tail<hand::kActuators>().sum());
+  }
+  result.joint_rms = joints.rms(), result.joint_max = joints.largest();
+  result.base_rms = slides.rms(), result.base_max = slides.largest();
+  result.turn_rms = turns.rms(), result.turn_max = turns.largest();
+  return result;
+}
+
+}  // namespace palpate::planning

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "palpate/hand/coupling.hpp"
+#include "palpate/planning/waypoints.hpp"
+
+namespace palpate::planning {
+namespace {
+
+constexpr double kSlack = 1e-6;  // rad or m, of rounding in files
+
+/// What is wrong with a value in low..high; nothing for one within.
+std::string range_fault(std::string_view name, double value, double low, double high,
+                        std::string_view unit) {
+  if (!std::isfinite(value)) return fmt::format("{} is {}, not a finite number", name, value);
+  if (value >= low - kSlack && value <= high + kSlack) return {};
+  return fmt::format("{} = {:.4g} {} is outside its range {:.4g} .. {:.4g}", name, value, unit, low,
+                     high);
+}
+
+void add(std::vector<std::string>& reasons, std::string reason) {
+  if (!reason.empty()) reasons.push_back(std::move(reason));
+}
+
+void check_base(const hand::BasePosition& base, const BaseRange& range,
+                std::vector<std::string>& reasons) {
+  for (int i = 0; i < 3; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    add(reasons, range_fault(kBaseNames[k], base.xyz[i], i == 2 ? range.low : -range.side,
+                             i == 2 ? range.high : range.side, "m"));
+    add(reasons, range_fault(kBaseNames[k + 3], base.ypr[i], -range.turn, range.turn, "rad"));
+  }
+}
+
+void check_joints(const hand::JointVector& joints, std::vector<std::string>& reasons) {
+  for (int i = 0; i < hand::kJoints; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const hand::Range range = hand::shadow_ranges()[k];
+    add(reasons, range_fault(hand::kJointNames[k], joints[i], range.low, range.high, "rad"));
+  }
+  for (std::string_view finger : {"FF", "MF", "RF", "LF"}) {
+    const int j1 = hand::joint_index(std::string(finger) + "J1");
+    const int j2 = hand::joint_index(std::string(finger) + "J2");
+    if (!(joints[j1] > joints[j2] + kSlack)) continue;
+    reasons.push_back(
+        fmt::format("{0}J1 = {1:.4g} rad is beyond {0}J2 = {2:.4g}, which its tendon "
+                    "does not allow",
+                    finger, joints[j1], joints[j2]));
+  }
+}
+
+void check_collision(const Waypoint& waypoint, simulation::CollisionScene& scene,
+                     std::vector<std::string>& reasons) {
+  const hand::HandCommand command = command_of(waypoint);
+  const auto pair =
+      scene.deepest_collision(command.base, hand::joints_in_free_flexion(command.positions));
+  if (!pair) return;
+  reasons.push_back(
+      fmt::format("{} and {} overlap by {:.1f} mm", pair->first, pair->second, 1e3 * pair->depth));
+}
+
+}  // namespace
+
+std::vector<Fault> find_faults(const std::vector<Waypoint>& waypoints,
+                               simulation::CollisionScene& scene, const BaseRange& range) {
+  std::vector<Fault> faults;
+  for (std::size_t i = 0; i < waypoints.size(); ++i) {
+    std::vector<std::string> reasons;
+    check_base(waypoints[i].base, range, reasons);
+    check_joints(waypoints[i].joints, reasons);
+    if (reasons.empty()) check_collision(waypoints[i], scene, reasons);
+    for (std::string& reason : reasons) faults.push_back({i, std::move(reason)});
+  }
+  return faults;
+}
+
+}  // namespace palpate::planning

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "free_space.hpp"
+
+#include <cmath>
+
+#include "palpate/hand/coupling.hpp"
+
+namespace palpate::planning {
+
+bool FreeSpace::holds(const Coordinates& configuration) {
+  ++checks_;
+  const hand::HandCommand command = command_of(configuration);
+  return !scene_->deepest_collision(command.base, hand::joints_in_free_flexion(command.positions));
+}
+
+bool FreeSpace::holds_piece(const PathPiece& piece) {
+  const int steps = 1 + static_cast<int>(piece.length / step_);
+  for (int i = 1; i <= steps; ++i) {
+    if (!holds(piece.at(piece.length * i / steps))) return false;
+  }
+  return true;
+}
+
+bool FreeSpace::holds_line(const Coordinates& start, const Coordinates& end) {
+  const double length = distance(start, end);
+  if (length == 0) return holds(end);
+  return holds_piece({.start = start, .direction = (end - start) / length, .length = length});
+}
+
+}  // namespace palpate::planning

@@ -1,0 +1,328 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/touch/biotac_inverse.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <cmath>
+
+#include "palpate/core/array_file.hpp"
+#include "palpate/core/error.hpp"
+#include "palpate/core/options.hpp"
+#include "palpate/core/se3.hpp"
+#include "palpate/core/statistics.hpp"
+
+namespace palpate::touch {
+namespace {
+
+constexpr const char* kKind = "biotac-inverse";
+constexpr int kVersion = 1;
+constexpr int kFeatures = 1 + 2 * kElectrodes;
+constexpr int kGuessed = 6;
+constexpr double kFlatPressure = 10;     // counts, that keep shares small at light touch
+constexpr int kUnknowns = 8;             // u, v, fu, fv, fn, and the curvatures uu, uv, vv
+constexpr double kCurvature = 30;        // 1/m, of objects, before anything is felt ...
+constexpr double kCurvatureSpread = 80;  // ... and its standard deviation
+constexpr double kMostCurvature = 500;   // 1/m
+constexpr double kModelError = 0.0005;   // of relative resistances, standard deviation
+constexpr int kIterations = 12;
+constexpr double kTop = 4095;
+
+Eigen::VectorXd features(const DecodedReading& reading) {
+  Eigen::VectorXd result(kFeatures);
+  result << std::log(std::max(reading.pressure, 1.0)), reading.resistances,
+      100 * reading.resistances / (reading.pressure + kFlatPressure);
+  return result;
+}
+
+Eigen::VectorXd sd_of(const Eigen::MatrixXd& values, const Eigen::VectorXd& mean) {
+  const Eigen::MatrixXd deviations = values.colwise() - mean;
+  return (deviations.rowwise().squaredNorm() / static_cast<double>(values.cols()))
+      .cwiseSqrt()
+      .cwiseMax(1e-9);
+}
+
+std::vector<int> sizes_of(int hidden) { return {kFeatures, hidden, hidden, kGuessed}; }
+
+bool held_out(const BiotacFrame& frame) { return frame.trajectory % 5 == 4; }
+
+bool touching(const BiotacFrame& frame) {
+  return frame.decoded.pressure > BiotacInverse::kLeastPressure;
+}
+
+/// All options of a struct as one column, in the order of its visit().
+template <class Options>
+Eigen::VectorXf numbers_of(Options options) {
+  std::vector<float> numbers;
+  for (const auto& field : option_fields(options)) {
+    numbers.push_back(static_cast<float>(*std::get<RangedOption<double>>(field.value).value));
+  }
+  return Eigen::Map<Eigen::VectorXf>(numbers.data(), static_cast<Eigen::Index>(numbers.size()));
+}
+
+template <class Options>
+Options options_from(const ArrayFile& file, const std::string& name, const std::string& source) {
+  Options options;
+  const auto fields = option_fields(options);
+  const auto& numbers = file.get(name, static_cast<Eigen::Index>(fields.size()), 1);
+  for (std::size_t i = 0; i < fields.size(); ++i) {
+    const auto& ranged = std::get<RangedOption<double>>(fields[i].value);
+    *ranged.value = numbers(static_cast<Eigen::Index>(i), 0);
+    if (*ranged.value < ranged.low || *ranged.value > ranged.high) {
+      throw BadInput(fmt::format("{}: {}.{} is {}", source, name, fields[i].key, *ranged.value));
+    }
+  }
+  return options;
+}
+
+}  // namespace
+
+/// What is fitted, about a point of the skin.
+struct BiotacInverse::Unknowns {
+  Eigen::Vector3d p;                                     // on the skin
+  Eigen::Matrix3d tangents;                              // u, v, outward
+  Eigen::Vector3d force;                                 // along tangents' columns
+  Eigen::Vector3d curvature{kCurvature, 0, kCurvature};  // uu, uv, vv; 1/m
+
+  /// Moved by a step in the order of kUnknowns.
+  [[nodiscard]] Unknowns moved(const Eigen::Matrix<double, kUnknowns, 1>& step,
+                               const BiotacSkin& skin) const {
+    Unknowns result = *this;
+    result.p = skin.on_skin(p + tangents.leftCols<2>() * step.head<2>());
+    const Eigen::Vector3d outward = skin.normal_at(result.p);
+    // The frame rolls along with the skin, so that forces keep their meaning.
+    result.tangents =
+        Eigen::Quaterniond::FromTwoVectors(tangents.col(2), outward).toRotationMatrix() * tangents;
+    result.force += step.segment<3>(2);
+    result.force.z() = std::max(result.force.z(), 0.01);
+    result.curvature =
+        (curvature + step.tail<3>()).cwiseMax(-kMostCurvature).cwiseMin(kMostCurvature);
+    return result;
+  }
+};
+
+BiotacInverse::BiotacInverse(const SkinOptions& skin, const BiotacSensorOptions& sensor, Mlp guess)
+    : skin_options_(skin),
+      sensor_options_(sensor),
+      skin_(std::make_shared<const BiotacSkin>(skin)),
+      electrodes_(*skin_, sensor),
+      guess_(std::move(guess)) {}
+
+Eigen::MatrixXd BiotacInverse::standardised(const Eigen::MatrixXd& inputs) const {
+  return ((inputs.colwise() - input_mean_).array().colwise() / input_sd_.array()).matrix();
+}
+
+Eigen::VectorXd BiotacInverse::residuals(const Unknowns& unknowns, const DecodedReading& reading,
+                                         const Eigen::VectorXd& sigma) const {
+  const Eigen::Vector3d outward = unknowns.tangents.col(2);
+  const hand::TipContact contact{
+      .p = unknowns.p, .n = -outward, .f = unknowns.tangents * unknowns.force};
+  const Eigen::Vector3d curvature = unknowns.curvature;
+  const double middle = (curvature[0] + curvature[2]) / 2;
+  const double most =
+      std::max(0.0, middle + std::hypot((curvature[0] - curvature[2]) / 2, curvature[1]));
+  const auto surface = [&](const Eigen::Vector3d& x) {
+    // Exact for planes, balls and cylinders that meet the skin at p.
+    const Eigen::Vector3d away = unknowns.tangents.transpose() * (x - unknowns.p);
+    const double u = away.x(), v = away.y(), along = -away.z();
+    const double rise = curvature[0] * u * u + 2 * curvature[1] * u * v + curvature[2] * v * v +
+                        most * along * along + 2 * along;
+    return rise / (1 + std::sqrt(std::max(0.0, 1 + most * rise)));
+  };
+  const SkinState state = skin_->press({&contact, 1}, surface);
+  Eigen::VectorXd result(kElectrodes + 4);
+  result.head<kElectrodes>() = electrodes_.resistances(state) - reading.resistances;
+  result[kElectrodes] =
+      sensor_options_.pressure_gain * state.pressure.dot(skin_->areas()) - reading.pressure;
+  result.tail<3>() = curvature - Eigen::Vector3d(kCurvature, 0, kCurvature);
+  return (result.array() / sigma.array()).matrix();
+}
+
+BiotacInverse::Unknowns BiotacInverse::guess(const DecodedReading& reading) const {
+  const Eigen::VectorXd value =
+      (guess_(standardised(features(reading))).col(0).array() * output_sd_.array()).matrix() +
+      output_mean_;
+  Unknowns unknowns;
+  unknowns.p = skin_->on_skin(value.head<3>());
+  unknowns.tangents = frame_with_z(skin_->normal_at(unknowns.p));
+  unknowns.force = unknowns.tangents.transpose() * value.tail<3>() * reading.pressure;
+  unknowns.force.z() = std::max(unknowns.force.z(), 0.01);
+  return unknowns;
+}
+
+InferredContact BiotacInverse::fit(const DecodedReading& reading) const {
+  using Step = Eigen::Matrix<double, kUnknowns, 1>;
+  const Eigen::VectorXd rest = electrode_rest();
+  const double noise = std::hypot(sensor_options_.noise, 0.3);  // and rounding, counts
+  Eigen::VectorXd sigma(kElectrodes + 4);
+  for (int j = 0; j < kElectrodes; ++j) {
+    const double at_rest = kTop / rest[j] - 1;
+    const double counts = kTop / (1 + at_rest * (1 + std::max(-0.9, reading.resistances[j])));
+    const double from_counts = noise * kTop / (counts * counts * at_rest);
+    sigma[j] = std::hypot(from_counts / (1 - sensor_options_.creep_share),
+                          kModelError + 0.004 * std::abs(reading.resistances[j]));
+  }
+  sigma[kElectrodes] = std::hypot(noise, 0.01 * reading.pressure);
+  sigma.tail<3>().setConstant(kCurvatureSpread);
+  const double scale = std::max(0.1, reading.pressure / sensor_options_.pressure_gain);
+  Step width;
+  width << 1e-4, 1e-4, 0.03 * scale, 0.03 * scale, 0.03 * scale, 5, 5, 5;
+  Unknowns unknowns = guess(reading);
+  Eigen::VectorXd miss = residuals(unknowns, reading, sigma);
+  Eigen::Matrix<double, kUnknowns, kUnknowns> information;
+  double damping = 1e-2;
+  for (int iteration = 0; iteration < kIterations; ++iteration) {
+    Eigen::MatrixXd slope(miss.size(), kUnknowns);
+    for (int k = 0; k < kUnknowns; ++k) {
+      const Step step = width[k] * Step::Unit(k);
+      slope.col(k) = (residuals(unknowns.moved(step, *skin_), reading, sigma) -
+                      residuals(unknowns.moved(-step, *skin_), reading, sigma)) /
+                     2;
+    }
+    information = slope.transpose() * slope;  // in units of `width`
+    const Step down = slope.transpose() * miss;
+    bool better = false;
+    double gain = 0;
+    for (int attempt = 0; attempt < 4 && !better; ++attempt) {
+      auto damped = information;
+      damped.diagonal() *= 1 + damping;
+      damped.diagonal().array() += 1e-9;
+      const Step step = -damped.ldlt().solve(down).cwiseMax(-30).cwiseMin(30);
+      const Unknowns next = unknowns.moved(width.cwiseProduct(step), *skin_);
+      const Eigen::VectorXd next_miss = residuals(next, reading, sigma);
+      gain = miss.squaredNorm() - next_miss.squaredNorm();
+      better = gain > 0;
+      if (better) {
+        unknowns = next;
+        miss = next_miss;
+      }
+      damping = better ? std::max(1e-6, damping / 5) : damping * 8;
+    }
+    if (!better || gain < 1e-3) break;
+  }
+  information.diagonal().array() += 1e-6;
+  const Eigen::Matrix<double, kUnknowns, kUnknowns> covariance =
+      width.asDiagonal() * information.inverse() * width.asDiagonal();
+  InferredContact contact;
+  contact.p = unknowns.p;
+  contact.n = -unknowns.tangents.col(2);
+  contact.f = unknowns.tangents * unknowns.force;
+  contact.tangents = unknowns.tangents;
+  // What the model misses outweighs the noise, and its errors are not correlated as those are.
+  contact.covariance = covariance.diagonal().head<5>().cwiseProduct(inflation_).asDiagonal();
+  contact.misfit = std::sqrt(miss.squaredNorm() / static_cast<double>(miss.size()));
+  return contact;
+}
+
+std::optional<InferredContact> BiotacInverse::estimate(const DecodedReading& reading) const {
+  if (!reading.resistances.allFinite() || !(reading.pressure > kLeastPressure)) {
+    return std::nullopt;
+  }
+  return fit(reading);
+}
+
+BiotacInverse BiotacInverse::train(const std::vector<BiotacFrame>& frames,
+                                   const BiotacInverseOptions& options, const SkinOptions& skin,
+                                   const BiotacSensorOptions& sensor) {
+  std::vector<const BiotacFrame*> learn;
+  std::vector<BiotacFrame> judge;
+  for (const auto& frame : frames) {
+    if (!touching(frame)) continue;
+    if (held_out(frame)) {
+      judge.push_back(frame);
+    } else {
+      learn.push_back(&frame);
+    }
+  }
+  if (learn.size() < 80 || judge.size() < 20) {
+    throw BadInput(
+        fmt::format("{} frames of contact are too few to learn from", learn.size() + judge.size()));
+  }
+  const auto count = static_cast<Eigen::Index>(learn.size());
+  Eigen::MatrixXd inputs(kFeatures, count), outputs(kGuessed, count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const BiotacFrame& frame = *learn[static_cast<std::size_t>(i)];
+    inputs.col(i) = features(frame.decoded);
+    outputs.col(i) << frame.p, frame.f1 / frame.decoded.pressure;
+  }
+  RandomStream random(options.seed, "biotac-inverse");
+  BiotacInverse model(skin, sensor, Mlp(sizes_of(options.hidden), Activation::tanh, random));
+  model.input_mean_ = inputs.rowwise().mean();
+  model.input_sd_ = sd_of(inputs, model.input_mean_);
+  model.output_mean_ = outputs.rowwise().mean();
+  model.output_sd_ = sd_of(outputs, model.output_mean_);
+  RegressionOptions regression{.epochs = options.epochs, .batch = 64, .rate = options.rate};
+  regression.final_rate = 0.01;
+  const Eigen::MatrixXd scaled =
+      ((outputs.colwise() - model.output_mean_).array().colwise() / model.output_sd_.array())
+          .matrix();
+  fit_regression(model.guess_, model.standardised(inputs), scaled, regression, random);
+  model.calibrate(judge);
+  return model;
+}
+
+Eigen::Matrix<double, 5, 1> contact_error(const InferredContact& found, const Eigen::Vector3d& p,
+                                          const Eigen::Vector3d& f) {
+  Eigen::Matrix<double, 5, 1> error;
+  error << found.tangents.leftCols<2>().transpose() * (p - found.p),
+      found.tangents.transpose() * (f - found.f);
+  return error;
+}
+
+void BiotacInverse::calibrate(const std::vector<BiotacFrame>& held_out) {
+  constexpr std::size_t kMost = 600;
+  const std::size_t stride = std::max<std::size_t>(1, held_out.size() / kMost);
+  std::array<std::vector<double>, 5> ratios;
+  for (std::size_t i = 0; i < held_out.size(); i += stride) {
+    const auto found = fit(held_out[i].decoded);
+    const auto error = contact_error(found, held_out[i].p, held_out[i].f1);
+    for (int k = 0; k < 5; ++k) {
+      ratios[static_cast<std::size_t>(k)].push_back(error[k] * error[k] / found.covariance(k, k));
+    }
+  }
+  // By the median, which a few fits that went astray do not move; chi-square of 1 dof has .455.
+  for (int k = 0; k < 5; ++k) {
+    inflation_[k] = std::max(0.1, median(ratios[static_cast<std::size_t>(k)]) / 0.4549);
+  }
+}
+
+std::string BiotacInverse::bytes() const {
+  ArrayFile file(kKind, kVersion);
+  file.add("skin", numbers_of(skin_options_));
+  file.add("sensor", numbers_of(sensor_options_));
+  file.add("hidden", Eigen::MatrixXf::Constant(1, 1, static_cast<float>(guess_.sizes()[1])));
+  file.add("guess", guess_.parameters().cast<float>());
+  file.add("input_mean", input_mean_.cast<float>());
+  file.add("input_sd", input_sd_.cast<float>());
+  file.add("output_mean", output_mean_.cast<float>());
+  file.add("output_sd", output_sd_.cast<float>());
+  file.add("inflation", inflation_.cast<float>());
+  return file.bytes();
+}
+
+BiotacInverse BiotacInverse::parse(std::string_view bytes, const std::string& source) {
+  const auto file = ArrayFile::parse(bytes, source, kKind, kVersion);
+  const float hidden = file.get("hidden", 1, 1)(0, 0);
+  if (!(hidden >= 1 && hidden <= 4096) || hidden != std::floor(hidden)) {
+    throw BadInput(fmt::format("{}: {} hidden units", source, hidden));
+  }
+  auto sizes = sizes_of(static_cast<int>(hidden));
+  Eigen::Index count = 0;
+  for (std::size_t k = 0; k + 1 < sizes.size(); ++k) count += sizes[k + 1] * (sizes[k] + 1);
+  BiotacInverse model(
+      options_from<SkinOptions>(file, "skin", source),
+      options_from<BiotacSensorOptions>(file, "sensor", source),
+      Mlp(std::move(sizes), Activation::tanh, file.get("guess", count, 1).cast<double>()));
+  model.input_mean_ = file.get("input_mean", kFeatures, 1).cast<double>();
+  model.input_sd_ = file.get("input_sd", kFeatures, 1).cast<double>();
+  model.output_mean_ = file.get("output_mean", kGuessed, 1).cast<double>();
+  model.output_sd_ = file.get("output_sd", kGuessed, 1).cast<double>();
+  model.inflation_ = file.get("inflation", 5, 1).cast<double>();
+  if (model.input_sd_.minCoeff() <= 0 || model.output_sd_.minCoeff() <= 0 ||
+      model.inflation_.minCoeff() <= 0) {
+    throw BadInput(fmt::format("{}: a scale of the model is not positive", source));
+  }
+  return model;
+}
+
+}  // namespace palpate::touch

@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Training, rolling out and comparing policies of the relocate task."""
+
+import signal
+import subprocess
+import time
+
+import cli
+
+TINY = [
+    "--set", "cem.search.cem.population=4", "--set", "cem.search.cem.elite=2",
+    "--set", "cem.search.screening=1", "--set", "cem.search.episodes=1",
+    "--set", "cem.search.episode.horizon=5", "--episodes", "2",
+]  # fmt: skip
+
+
+class RelocateTest(cli.CliTest):
+    def train(self, out, iterations, *more):
+        return self.run_program(
+            "train", "relocate", "--out", out, "--iterations", str(iterations), "--seed", "3",
+            "--quiet", *TINY, *more,
+        )  # fmt: skip
+
+    def test_train_rollout_compare(self):
+        done = self.train("a", 2)
+        self.assertEqual(done.returncode, cli.DONE, done.stderr)
+        for name in ("policy.json", "curves.csv", "elite.svg", "config.toml", "report.json"):
+            self.assertTrue((self.folder / "a" / name).exists(), name)
+        few = ["--episodes", "3", "--set", "episode.horizon=10", "--set", "task.solver=fast"]
+        report = self.run_json("rollout", "a/policy.json", *few, "--out", "r")
+        self.assertLessEqual(
+            {"episodes", "return", "success_10cm", "success_5cm", "success_2cm",
+             "steps_per_second"}, report.keys())  # fmt: skip
+        self.assertEqual(set(report["return"]), {"mean", "sd", "ci95"})
+        two = self.run_json("rollout", "a/policy.json", *few, "--threads", "2")
+        for changing in (report, two):
+            changing.pop("steps_per_second")
+        self.assertEqual(report, two)
+        self.run_json("rollout", "a/policy.json", *few, "--seed", "5", "--out", "s")
+        compared = self.run_json("compare", "r/episodes.csv", "s/episodes.csv", "--out", "c")
+        self.assertLessEqual(
+            {"normality", "bartlett_p", "anova_p", "welch_p", "mann_whitney_p", "difference",
+             "valid_test"}, compared.keys())  # fmt: skip
+        self.assertTrue((self.folder / "c" / "normal-plot.svg").exists())
+
+    def test_a_killed_training_goes_on(self):
+        self.assertEqual(self.train("whole", 5).returncode, cli.DONE)
+        command = [cli.PROGRAM, "train", "relocate", "--out", "part", "--iterations", "5",
+                   "--seed", "3", "--quiet", *TINY]  # fmt: skip
+        process = subprocess.Popen(
+            command, cwd=self.folder, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+        )
+        while not (self.folder / "part" / "checkpoint").exists() and process.poll() is None:
+            time.sleep(0.005)
+        process.send_signal(signal.SIGKILL)
+        process.wait()
+        self.assertEqual(self.train("part", 5).returncode, cli.DONE)
+        policies = [(self.folder / name / "policy.json").read_text() for name in ("whole", "part")]
+        self.assertEqual(*policies)
+
+    def test_bad_input(self):
+        (self.folder / "bad.json").write_text('{"format": "palpate-policy"')
+        (self.folder / "bad.csv").write_text("return,distance,steps_within_5cm,diverged\n1;2\n")
+        for arguments, named in [
+            (["rollout", "bad.json"], "bad.json"),
+            (["rollout", "missing.json"], "missing.json"),
+            (["rollout", "bad.json", "--set", "task.solver=magic"], "bad.json"),
+            (["compare", "bad.csv", "bad.csv"], "bad.csv:2"),
+            (["train", "relocate"], "--out"),
+        ]:
+            done = self.run_program(*arguments)
+            self.assertEqual(done.returncode, cli.BAD_INPUT, arguments)
+            self.assertIn(named, done.stderr)
+            self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
+
+    def test_other_settings_need_another_folder(self):
+        self.assertEqual(self.train("a", 1).returncode, cli.DONE)
+        done = self.train("a", 1, "--set", "cem.spread=2")
+        self.assertEqual(done.returncode, cli.BAD_INPUT)
+        self.assertIn("other settings", done.stderr)
+
+
+if __name__ == "__main__":
+    cli.main()

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/localization/contacts_io.hpp"
+
+#include <gtest/gtest.h>
+
+#include "palpate/core/error.hpp"
+
+namespace palpate::localization {
+namespace {
+
+TEST(ParseContacts, ReadsColumnsInAnyOrder) {
+  const auto contacts = parse_contacts(
+      "nz,ny,nx,x,y,z,finger,t,fx,fy,fz,note\r\n2,0,0,0.1,0.2,0.3,MF,1.5,0,0,-1,9\r\n", "c.csv",
+      {0.002, 0.1});
+  ASSERT_EQ(contacts.size(), 1U);
+  EXPECT_TRUE(contacts[0].p.isApprox(Eigen::Vector3d(0.1, 0.2, 0.3)));
+  EXPECT_TRUE(contacts[0].n.isApprox(Eigen::Vector3d::UnitZ()));
+  EXPECT_TRUE(contacts[0].f.isApprox(Eigen::Vector3d(0, 0, -1)));
+  EXPECT_EQ(contacts[0].finger, 2);
+  EXPECT_EQ(contacts[0].time, 1.5);
+  EXPECT_EQ(contacts[0].point_sigma, 0.002);
+  EXPECT_EQ(contacts[0].normal_sigma, 0.1);
+}
+
+TEST(ParseContacts, SortsByTime) {
+  const auto contacts = parse_contacts("x,y,z,nx,ny,nz,t\n1,0,0,0,0,1,2\n2,0,0,0,0,1,1\n", "c");
+  ASSERT_EQ(contacts.size(), 2U);
+  EXPECT_EQ(contacts[0].p.x(), 2);
+}
+
+TEST(ParseContacts, MayHoldNone) { EXPECT_TRUE(parse_contacts("x,y,z,nx,ny,nz\n\n", "c").empty()); }
+
+std::string refusal(const std::string& text) {
+  try {
+    parse_contacts(text, "c.csv");
+  } catch (const BadInput& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(ParseContacts, NamesWhatIsWrong) {
+  const std::string header = "x,y,z,nx,ny,nz\n";
+  EXPECT_NE(refusal("").find("empty"), std::string::npos);
+  EXPECT_NE(refusal("x,y,z,nx,ny\n").find("nz"), std::string::npos);
+  EXPECT_NE(refusal(header + "0,0,0,0,0\n").find("c.csv:2"), std::string::npos);
+  EXPECT_NE(refusal(header + "0,0,nan,0,0,1\n").find("'nan' in column z"), std::string::npos);
+  EXPECT_NE(refusal(header + "0,0,1e999,0,0,1\n").find("1e999"), std::string::npos);
+  EXPECT_NE(refusal(header + "0,0,0,0,0,0\n").find("length 0"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace palpate::localization

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/localization/next_touch.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "palpate/core/error.hpp"
+#include "scenes.hpp"
+
+namespace palpate::localization {
+namespace {
+
+Probe along_x(double y, double z) { return {{-0.2, y, z}, {1, 0, 0}, 0.4, 1}; }
+
+PredictedTouch hit_at(double distance, const Eigen::Vector3d& normal = {-1, 0, 0}) {
+  return {true, distance, normal};
+}
+
+TEST(PredictTouch, MeetsABoxsFace) {
+  const auto touch =
+      predict_touch(model_of("box"), Eigen::Isometry3d::Identity(), along_x(0, 0.01), 0.0075);
+  ASSERT_TRUE(touch.hit);
+  EXPECT_NEAR(touch.distance, 0.2 - 0.025 - 0.0075, 5e-4);
+  EXPECT_GT(touch.normal.dot(Eigen::Vector3d(-1, 0, 0)), 0.999);
+}
+
+TEST(PredictTouch, AgreesWithTheMeshFromAnySide) {
+  const ObjectModel& model = model_of("bunny");
+  RandomStream random(4);
+  int hits = 0;
+  for (int i = 0; i < 50; ++i) {
+    const Eigen::Isometry3d T = random_pose(random);
+    const Eigen::Vector3d direction = random.unit_vector();
+    const Eigen::Vector3d aim = T.translation() + 0.02 * random.normal3();
+    const Probe probe{aim - 0.2 * direction, direction, 0.4, 1};
+    const auto touch = predict_touch(model, T, probe, 0.0075);
+    if (!touch.hit) continue;
+    ++hits;
+    const Eigen::Vector3d end = probe.start + touch.distance * direction;
+    EXPECT_NEAR(mesh_of(model).signed_distance(T.inverse() * end), 0.0075, 1e-3);
+  }
+  EXPECT_GT(hits, 20);
+}
+
+TEST(PredictTouch, MissesWhatIsBesideOrBeyondReach) {
+  const Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  EXPECT_FALSE(predict_touch(model_of("box"), T, along_x(0.1, 0), 0.0075).hit);
+  Probe shorter = along_x(0, 0);
+  shorter.reach = 0.1;
+  EXPECT_FALSE(predict_touch(model_of("box"), T, shorter, 0.0075).hit);
+}
+
+TEST(InformationBound, IsNoneForEqualOutcomesAndLnCountForDistinctOnes) {
+  EXPECT_NEAR(information_bound({hit_at(0.1), hit_at(0.1), hit_at(0.1)}), 0, 1e-12);
+  EXPECT_NEAR(information_bound({hit_at(0.1), hit_at(0.2), hit_at(0.3)}), std::log(3.0), 1e-9);
+  EXPECT_NEAR(information_bound({hit_at(0.1), {}, hit_at(0.1), {}}), std::log(2.0), 1e-12);
+}
+
+TEST(InformationBound, CountsNormals) {
+  EXPECT_GT(information_bound({hit_at(0.1), hit_at(0.1, {0, 0, 1})}), 0.6);
+}
+
+Posterior two_boxes() {
+  Posterior posterior;
+  posterior.status = PoseStatus::ambiguous;
+  for (const double y : {0.0, 0.03}) {
+    Mode mode;
+    mode.T_frame_object.translation().y() = y;
+    mode.weight = 0.5;
+    mode.covariance = Matrix6d::Identity() * 1e-8;
+    posterior.modes.push_back(mode);
+  }
+  return posterior;
+}
+
+TEST(ChooseProbe, TakesTheOneThatTellsTheModesApart) {
+  // Along x both boxes are alike in the middle; 6 cm to the side only one is hit.
+  const std::vector<Probe> probes{along_x(0.0, 0), along_x(0.015, 0.02), along_x(0.06, 0)};
+  const auto choice = choose_probe(model_of("box"), two_boxes(), probes, RandomStream(1));
+  EXPECT_EQ(choice.index, 2U);
+  EXPECT_NEAR(choice.information, std::log(2.0), 0.05);
+}
+
+TEST(ChooseProbe, PrefersTheCheaperOfTwoEqualOnes) {
+  std::vector<Probe> probes{along_x(0.06, 0), along_x(0.06, 0)};
+  probes[0].seconds = 3;
+  EXPECT_EQ(choose_probe(model_of("box"), two_boxes(), probes, RandomStream(1)).index, 1U);
+}
+
+TEST(ChooseProbe, RefusesBadInput) {
+  const auto choose = [](const Posterior& posterior, const std::vector<Probe>& probes) {
+    return choose_probe(model_of("box"), posterior, probes, RandomStream(1));
+  };
+  EXPECT_THROW(choose(two_boxes(), {}), BadInput);
+  EXPECT_THROW(choose({}, {along_x(0, 0)}), BadInput);
+  Probe bad = along_x(0, 0);
+  bad.start.x() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(choose(two_boxes(), {bad}), BadInput);
+  bad = along_x(0, 0);
+  bad.direction *= 2;
+  EXPECT_THROW(choose(two_boxes(), {bad}), BadInput);
+}
+
+TEST(DrawPoses, FollowsWeightsAndFreeAxes) {
+  Posterior posterior = two_boxes();
+  posterior.modes[0].weight = 0.75;
+  posterior.modes[1].weight = 0.25;
+  posterior.modes[1].free_axis = FreeAxis{{0, 0.03, 0}, {0, 0, 1}, M_PI};
+  RandomStream random(1);
+  int first = 0;
+  double widest = 0;
+  for (const auto& T : draw_poses(posterior, 400, random)) {
+    first += T.translation().y() < 0.015;
+    widest = std::max(widest, rotation_distance(T.linear(), Eigen::Matrix3d::Identity()));
+  }
+  EXPECT_NEAR(first, 300, 1);
+  EXPECT_GT(widest, 2.5);
+}
+
+}  // namespace
+}  // namespace palpate::localization

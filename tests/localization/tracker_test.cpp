@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/localization/tracker.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "palpate/core/error.hpp"
+#include "scenes.hpp"
+
+namespace palpate::localization {
+namespace {
+
+constexpr double kTick = 0.01;  // s
+
+Posterior at(const Eigen::Isometry3d& T, double weight = 1) {
+  Posterior posterior;
+  Mode mode;
+  mode.T_frame_object = T;
+  mode.weight = weight;
+  mode.covariance = Matrix6d::Identity() * 1e-5;
+  posterior.modes.push_back(mode);
+  return posterior;
+}
+
+/// Contacts that stick to an object which turns and moves evenly.
+class Moving {
+ public:
+  Moving(const std::string& name, std::uint64_t seed) : random_(seed), model_(model_of(name)) {
+    SceneOptions options;
+    options.contacts = 6;
+    options.point_noise = options.normal_noise = 0;
+    const Scene scene = make_scene(model_, options, RandomStream(seed));
+    truth = scene.truth;
+    for (auto contact : scene.evidence.contacts) {
+      contact.p = truth.inverse() * contact.p;
+      contact.n = truth.linear().transpose() * contact.n;
+      tips_.push_back(contact);
+    }
+  }
+
+  TrackFrame next() {
+    const Eigen::Vector3d w(0.2, -0.1, 0.25), v(0.01, 0.015, -0.005);
+    truth.linear() = exp_so3(kTick * w) * truth.linear();
+    truth.translation() += kTick * v;
+    TrackFrame frame;
+    frame.time = time_ += kTick;
+    for (auto contact : tips_) {
+      const Eigen::Vector3d p = truth * contact.p;
+      frame.velocities.push_back(v + w.cross(p - truth.translation()));
+      contact.p = p + 0.001 * random_.normal3();
+      const Eigen::Matrix3d tangent = frame_with_z(truth.linear() * contact.n);
+      contact.n = (tangent.col(2) +
+                   0.1745 * (random_.normal() * tangent.col(0) + random_.normal() * tangent.col(1)))
+                      .normalized();
+      contact.point_sigma = 0.001;
+      contact.normal_sigma = 0.1745;
+      frame.contacts.push_back(contact);
+    }
+    return frame;
+  }
+
+  void slip() {
+    truth.linear() = exp_so3(0.1745 * random_.unit_vector()) * truth.linear();
+    truth.translation() += 0.005 * random_.unit_vector();
+    for (auto& tip : tips_) {
+      const auto closest = mesh_of(model_).closest_point(tip.p);
+      tip.p = closest.point;
+      tip.n = closest.normal;
+    }
+  }
+
+  const ObjectModel& model() const { return model_; }
+  Eigen::Isometry3d truth;
+
+ private:
+  RandomStream random_;
+  const ObjectModel& model_;
+  std::vector<touch::Contact> tips_;
+  double time_ = 0;
+};
+
+TEST(Tracker, FollowsAMovingObject) {
+  for (const char* name : {"mug", "box", "bracket"}) {
+    Moving object(name, 3);
+    Tracker tracker(object.model(), at(object.truth));
+    for (int i = 0; i < 300; ++i) tracker.update(object.next());
+    const auto& best = tracker.posterior().modes.front();
+    EXPECT_TRUE(within_tolerance(
+        pose_error(best.T_frame_object, object.truth, object.model().object().symmetries)))
+        << name;
+    EXPECT_EQ(tracker.slips(), 0) << name;
+  }
+}
+
+TEST(Tracker, PrefersTheModeThatKeepsExplaining) {
+  Moving object("bracket", 4);
+  Posterior start = at(object.truth, 0.3);
+  Eigen::Isometry3d wrong = object.truth;
+  wrong.linear() = wrong.linear() * exp_so3({0, 0, 1.5});
+  start.modes.push_back(at(wrong, 0.7).modes.front());
+  Tracker tracker(object.model(), start);
+  for (int i = 0; i < 100; ++i) tracker.update(object.next());
+  const auto& best = tracker.posterior().modes.front();
+  EXPECT_GT(best.weight, 0.95);
+  EXPECT_TRUE(within_tolerance(pose_error(best.T_frame_object, object.truth, {})));
+}
+
+TEST(Tracker, IgnoresFramesOutOfOrder) {
+  Moving object("box", 5);
+  Tracker tracker(object.model(), at(object.truth));
+  tracker.update(object.next());
+  TrackFrame late = object.next();
+  tracker.update(object.next());
+  const Eigen::Isometry3d before = tracker.posterior().modes.front().T_frame_object;
+  tracker.update(late);
+  EXPECT_TRUE(tracker.posterior().modes.front().T_frame_object.isApprox(before, 0));
+}
+
+TEST(Tracker, GrowsUncertainWithoutContacts) {
+  Moving object("box", 6);
+  Tracker tracker(object.model(), at(object.truth));
+  const double before = tracker.posterior().modes.front().covariance.trace();
+  tracker.update({0.01, {}, {}});
+  tracker.update({0.11, {}, {}});
+  EXPECT_GT(tracker.posterior().modes.front().covariance.trace(), before);
+}
+
+TEST(Tracker, RefusesBadInput) {
+  Moving object("box", 7);
+  EXPECT_THROW(Tracker(object.model(), Posterior{}), BadInput);
+  Tracker tracker(object.model(), at(object.truth));
+  TrackFrame frame = object.next();
+  frame.velocities.pop_back();
+  EXPECT_THROW(tracker.update(frame), BadInput);
+  frame = object.next();
+  frame.velocities[0].x() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(tracker.update(frame), BadInput);
+  frame = object.next();
+  frame.contacts[0].p.x() = std::numeric_limits<double>::infinity();
+  EXPECT_THROW(tracker.update(frame), BadInput);
+}
+
+}  // namespace
+}  // namespace palpate::localization

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/planning/execution.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "palpate/hand/coupling.hpp"
+
+namespace palpate::planning {
+namespace {
+
+/// A hand that is always where it was told to be a tick ago.
+class LateHand : public hand::Hand {
+ public:
+  const std::array<hand::Actuator, hand::kActuators>& actuators() const override {
+    return actuators_;
+  }
+  hand::HandReading step(const hand::HandCommand& command) override {
+    hand::HandReading reading;
+    reading.joints = hand::joints_in_free_flexion(last_.positions);
+    reading.base = last_.base;
+    last_ = command;
+    return reading;
+  }
+
+ private:
+  std::array<hand::Actuator, hand::kActuators> actuators_{};
+  hand::HandCommand last_;
+};
+
+TEST(Execute, MeasuresTheLagOfWhatMoves) {
+  std::vector<hand::HandCommand> samples(101);
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    samples[i].positions[hand::actuator_index("FFJ0")] = 0.01 * static_cast<double>(i);
+    samples[i].base.xyz.x() = 0.002 * static_cast<double>(i);
+  }
+  LateHand hand;
+  const TrackingError error = execute(hand, samples);
+  EXPECT_NEAR(error.joint_max, 0.01, 1e-12);
+  EXPECT_NEAR(error.joint_rms, 0.01 * std::sqrt(100.0 / 101.0), 1e-12);
+  EXPECT_NEAR(error.base_max, 0.002, 1e-12);
+  EXPECT_NEAR(error.base_rms, 0.002 * std::sqrt(100.0 / 101.0), 1e-12);
+  EXPECT_EQ(error.turn_rms, 0);
+  EXPECT_EQ(error.measured.size(), samples.size());
+}
+
+TEST(Execute, NothingIsNoError) {
+  LateHand hand;
+  EXPECT_EQ(execute(hand, {}).joint_rms, 0);
+}
+
+}  // namespace
+}  // namespace palpate::planning

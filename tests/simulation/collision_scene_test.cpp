@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/simulation/collision_scene.hpp"
+
+#include <gtest/gtest.h>
+
+#include "palpate/core/error.hpp"
+#include "palpate/hand/coupling.hpp"
+#include "scenes.hpp"
+
+namespace palpate::simulation {
+namespace {
+
+std::optional<CollidingPair> collision(CollisionScene& scene, const hand::HandCommand& command) {
+  return scene.deepest_collision(command.base, hand::joints_in_free_flexion(command.positions));
+}
+
+bool names(const CollidingPair& pair, std::string_view body) {
+  return pair.first == body || pair.second == body;
+}
+
+TEST(CollisionScene, OpenHandIsFreeHighAndHitsTheTableLow) {
+  CollisionScene scene;
+  EXPECT_FALSE(collision(scene, open_hand(0.3)));
+  const auto pair = collision(scene, open_hand(-0.05));
+  ASSERT_TRUE(pair);
+  EXPECT_TRUE(names(*pair, "table"));
+  const auto deeper = collision(scene, open_hand(-0.06));
+  ASSERT_TRUE(deeper);
+  EXPECT_NEAR(deeper->depth - pair->depth, 0.01, 1e-6);
+}
+
+TEST(CollisionScene, FingersHitEachOther) {
+  CollisionScene scene;
+  hand::HandCommand crossed = open_hand(0.3);
+  crossed.positions[hand::actuator_index("FFJ4")] = 0.349;
+  const auto pair = collision(scene, crossed);
+  ASSERT_TRUE(pair);
+  EXPECT_TRUE(pair->first.starts_with("ff") || pair->second.starts_with("ff")) << pair->first;
+  EXPECT_TRUE(pair->first.starts_with("mf") || pair->second.starts_with("mf")) << pair->second;
+}
+
+TEST(CollisionScene, ObjectIsWhereItIsPlaced) {
+  CollisionScene scene(block());
+  const hand::HandCommand hand = open_hand(0.1);
+  EXPECT_FALSE(collision(scene, hand));
+  scene.place(Eigen::Isometry3d(Eigen::Translation3d(0, 0, 0.1)));
+  const auto pair = collision(scene, hand);
+  ASSERT_TRUE(pair);
+  EXPECT_TRUE(names(*pair, "object"));
+  scene.place(Eigen::Isometry3d(Eigen::Translation3d(1, 0, 0.03)));
+  EXPECT_FALSE(collision(scene, hand)) << "an object at rest may touch the table";
+}
+
+TEST(CollisionScene, HeldObjectMovesWithThePalmAndMeetsOnlyTheTable) {
+  CollisionScene scene(block());
+  const hand::HandCommand high = open_hand(0.3), low = open_hand(0.12);
+  const Eigen::Isometry3d T_world_object(Eigen::Translation3d(0, 0, 0.2));
+  const Eigen::Isometry3d T_world_palm =
+      scene.palm_pose(high.base, hand::joints_in_free_flexion(high.positions));
+  scene.hold(T_world_palm.inverse() * T_world_object);
+  EXPECT_FALSE(collision(scene, high));
+  EXPECT_FALSE(collision(scene, open_hand(0.135)));
+  const auto pair = collision(scene, low);
+  ASSERT_TRUE(pair);
+  EXPECT_TRUE(names(*pair, "object") && names(*pair, "table")) << pair->first << pair->second;
+  EXPECT_NEAR(pair->depth, 0.01, 1e-6);  // the block's half height is 30 mm, its center at 20 mm
+
+  scene.place(T_world_object);
+  hand::HandCommand inside = open_hand(0.2);
+  EXPECT_TRUE(collision(scene, inside)) << "once placed again the hand must keep clear of it";
+}
+
+TEST(CollisionScene, AllowsSomeDepth) {
+  CollisionScene strict(CollisionOptions{.allowed_depth = 0});
+  hand::HandCommand hand = open_hand(-0.05);
+  const auto pair = collision(strict, hand);
+  ASSERT_TRUE(pair);
+  CollisionScene lax(CollisionOptions{.allowed_depth = pair->depth + 1e-6});
+  EXPECT_FALSE(collision(lax, hand));
+}
+
+TEST(CollisionScene, NothingToPlace) {
+  CollisionScene scene;
+  EXPECT_THROW(scene.place(Eigen::Isometry3d::Identity()), BadInput);
+  EXPECT_THROW(scene.hold(Eigen::Isometry3d::Identity()), BadInput);
+}
+
+}  // namespace
+}  // namespace palpate::simulation
