@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -28,7 +29,8 @@ struct Touched {
   int finger = 0;
   double time = 0;
   Eigen::Vector3d p, n, f;
-  double point_error = 0, normal_error_deg = 0;  // against the object's surface
+  double point_error = 0;       // from the object's surface, m
+  double normal_error_deg = 0;  // from the normal where the tip really touched
 };
 
 /// A way from the top down and round, to and fro, over a quarter of the object.
@@ -60,19 +62,22 @@ TipPath spiral_over(const geometry::MeshQuery& mesh, const Eigen::Isometry3d& T_
 std::vector<Touched> sense(const std::vector<SlideTick>& ticks, const hand::HandModel& hand,
                            const geometry::MeshQuery& mesh, int finger) {
   std::vector<Touched> touched;
-  std::vector<std::pair<touch::FingerSample, Eigen::Isometry3d>> samples;
+  std::vector<touch::FingerSample> samples;
   touch::SampleMaker maker;
   const auto estimator = touch::make_normal_estimator("s2-lag");
   for (const SlideTick& tick : ticks) {
-    const auto sample = maker.next(touch::finger_frame(tick.frame.reading, hand, finger));
-    samples.emplace_back(sample, tick.frame.truth->T_world_object);
-    const auto estimate = estimator->update(sample);
+    samples.push_back(maker.next(touch::finger_frame(tick.frame.reading, hand, finger)));
+    const auto estimate = estimator->update(samples.back());
     if (estimate.status != touch::NormalStatus::tracked) continue;
     const auto at = static_cast<std::size_t>(std::lround(estimate.time / hand::kTick)) - 1;
-    const auto& [felt, T] = samples.at(at);
-    const auto nearest = mesh.closest_point(T.inverse() * felt.p);
-    touched.push_back({finger, felt.time, felt.p, estimate.n, felt.f, nearest.distance,
-                       touch::angle_deg(estimate.n, T.linear() * nearest.normal)});
+    const auto& truth = ticks.at(at).true_normals;
+    if (truth.empty()) continue;
+    double error = 180;
+    for (const auto& n : truth) error = std::min(error, touch::angle_deg(estimate.n, n));
+    const auto& felt = samples[at];
+    const Eigen::Isometry3d& T = ticks[at].frame.truth->T_world_object;
+    const double off = mesh.closest_point(T.inverse() * felt.p).distance;
+    touched.push_back({finger, felt.time, felt.p, estimate.n, felt.f, off, error});
   }
   return touched;
 }
@@ -153,8 +158,9 @@ void experiment_bunny(const Options& options) {
                    fmt::format("{:.1f} / {:.1f}", median(errors), quantile(errors, 0.95))});
     all.insert(all.end(), touched.begin(), touched.end());
   }
-  table.publish(options, "points",
-                "Points sampled on the bunny, against the nearest of its surface");
+  table.publish(
+      options, "points",
+      "Points sampled on the bunny: distance from its surface, normals where the tip touched");
   write_file_atomically(options.out / "contacts.csv", contacts_csv(all));
   publish_figure(options, "points_xy", view(all, object, T_world_object.translation(), {0, 1}));
   publish_figure(options, "points_xz", view(all, object, T_world_object.translation(), {0, 2}));

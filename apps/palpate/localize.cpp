@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "common.hpp"
+#include "localize_demo.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
 #include "palpate/core/se3.hpp"
@@ -35,6 +36,7 @@ struct LocalizeArguments {
   CommonOptions common;
   std::string mesh, contacts;
   std::string method = "fast";
+  bool demo = false;
   double point_noise = 0.001, normal_noise_deg = 10;
 };
 
@@ -160,6 +162,7 @@ void print_result(const Result& result) {
 }
 
 int localize(const LocalizeArguments& arguments) {
+  if (arguments.demo) return demonstrate_localize(arguments.common);
   const auto options = resolve<LocalizeOptions>(arguments.common);
   const Result result = solve(arguments, options);
   const auto report = report_of(arguments, result);
@@ -183,17 +186,18 @@ void add_localize(CLI::App& program, Command& chosen) {
   auto arguments = std::make_shared<LocalizeArguments>();
   auto& command = *program.add_subcommand(
       "localize", "Find the pose of a known object from contacts, and say how sure it is");
+  command.add_flag("--demo", arguments->demo,
+                   "instead grasp the built-in objects with a kinematic hand and show how contacts "
+                   "make their poses known");
   command
       .add_option("mesh", arguments->mesh,
                   "built-in object (mug, bottle, box, bracket, bunny) or mesh file in metres")
-      ->option_text("MESH")
-      ->required();
+      ->option_text("MESH");
   command
       .add_option(
           "contacts", arguments->contacts,
           "CSV with x,y,z,nx,ny,nz[,finger,t,fx,fy,fz] in metres, normals out of the object")
-      ->option_text("CONTACTS")
-      ->required();
+      ->option_text("CONTACTS");
   command
       .add_option("--method", arguments->method,
                   "fast (which turns to full where several poses fit) or full")
@@ -220,8 +224,14 @@ void add_localize(CLI::App& program, Command& chosen) {
       "Examples:\n"
       "  palpate localize mug contacts.csv\n"
       "  palpate localize part.ply contacts.csv --method full --json\n"
-      "  palpate localize box contacts.csv --point-noise 0.002 --normal-noise-deg 15");
-  command.callback([arguments, &chosen] { chosen = [arguments] { return localize(*arguments); }; });
+      "  palpate localize box contacts.csv --point-noise 0.002 --normal-noise-deg 15\n"
+      "  palpate localize --demo --out demo");
+  command.callback([arguments, &chosen] {
+    if (!arguments->demo && arguments->contacts.empty()) {
+      throw CLI::RequiredError("MESH and CONTACTS, or --demo,");
+    }
+    chosen = [arguments] { return localize(*arguments); };
+  });
 }
 
 }  // namespace palpate::app

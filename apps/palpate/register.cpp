@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include "common.hpp"
-#include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
 #include "palpate/geometry/outlier_filter.hpp"
 #include "palpate/geometry/point_cloud_io.hpp"

@@ -35,12 +35,11 @@ bool has_column(const std::string& header, const std::string& name) {
 
 Format format_of(const std::string& path) {
   const std::string line = first_line(path);
-  if (line.starts_with("\x89HDF")) return Format::recording;
+  if (line.starts_with("PALPATE RECORDING")) return Format::recording;
   if (has_column(line, "pdc")) return Format::biotac;
   if (has_column(line, "finger") && has_column(line, "t")) return Format::contacts;
   throw BadInput(fmt::format(
-      "{} is neither a recording (HDF5) nor a CSV with columns finger,t,... or t_s,pdc,e1...",
-      path));
+      "{} is neither a recording nor a CSV with columns finger,t,... or t_s,pdc,e1...", path));
 }
 
 int sense(const SenseArguments& arguments) {

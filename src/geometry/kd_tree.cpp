@@ -32,8 +32,7 @@ using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<do
 }  // namespace
 
 struct KdTree::Index {
-  explicit Index(std::vector<Eigen::Vector3d> list)
-      : points{std::move(list)}, tree(3, points) {}
+  explicit Index(std::vector<Eigen::Vector3d> list) : points{std::move(list)}, tree(3, points) {}
 
   Points points;
   Tree tree;

@@ -17,9 +17,10 @@ namespace palpate::localization {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr PoseTolerance kLoose{1.7 * kDegree, 0.0033};  // a standard deviation: a third of the tolerance
-constexpr int kLeastStarts = 3;                      // that must have led to the best pose
-constexpr double kNegligible = 1e-4;                 // weight of a pose not worth reporting
+constexpr PoseTolerance kLoose{1.7 * kDegree,
+                               0.0033};  // a standard deviation: a third of the tolerance
+constexpr int kLeastStarts = 3;          // that must have led to the best pose
+constexpr double kNegligible = 1e-4;     // weight of a pose not worth reporting
 constexpr std::size_t kMostModes = 16;
 
 using Symmetries = PoseFamily::Symmetries;

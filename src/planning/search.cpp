@@ -24,6 +24,9 @@ namespace og = ompl::geometric;
 constexpr double kExtension = 0.15;      // m of path, that a tree grows by at once
 constexpr int kImprovements = 500;       // iterations of RRT* after its first path
 constexpr unsigned int kSamples = 1000;  // of FMT
+// Of FMT: its number of neighbours grows with (2 radius)^dimensions; the default of 1.1 would make
+// all samples neighbours of each other in our 26 dimensions, this makes it ten to forty.
+constexpr double kFmtRadius = 0.58;
 
 /// The moving coordinates as a real vector, in metres of path so that its norm is our distance.
 class Chart {
@@ -93,6 +96,7 @@ ob::PlannerPtr make_planner(PlannerKind kind, const ob::SpaceInformationPtr& spa
     case PlannerKind::fmt: {
       auto planner = std::make_shared<og::FMT>(space);
       planner->setNumSamples(kSamples);
+      planner->setRadiusMultiplier(kFmtRadius);
       return planner;
     }
     case PlannerKind::rrt_connect:

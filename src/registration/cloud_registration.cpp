@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/registration/cloud_registration.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 
-#include "palpate/core/error.hpp"
 #include "palpate/geometry/kd_tree.hpp"
 #include "palpate/geometry/normals.hpp"
 

@@ -47,8 +47,7 @@ struct Coordinates {
 /// first is above g. Without square roots: (A - B)^2 <= g^2 iff A^2 + B^2 <= g^2 or (A^2 - B^2)^2
 /// <= 2 g^2 (A^2 + B^2) - g^4.
 PALPATE_WIDE void compare_lengths(const Coordinates& s, const Coordinates& t, std::size_t i,
-                                  std::size_t first, float g,
-                                  std::uint8_t* __restrict joined) {
+                                  std::size_t first, float g, std::uint8_t* __restrict joined) {
   const float g2 = g * g, g4 = g2 * g2;
   const float sx = s.x[i], sy = s.y[i], sz = s.z[i], tx = t.x[i], ty = t.y[i], tz = t.z[i];
   const float *ax = s.x.data(), *ay = s.y.data(), *az = s.z.data();

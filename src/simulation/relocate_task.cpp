@@ -8,6 +8,7 @@
 #include <cmath>
 #include <new>
 #include <string>
+#include <tuple>
 
 #include "palpate/core/error.hpp"
 #include "relocate_scene.hpp"
@@ -18,7 +19,7 @@ namespace {
 constexpr int kSubsteps = 5;
 constexpr std::array<std::string_view, 3> kSolverNames = {"faithful", "newton", "fast"};
 
-/// Names of the joints, in the order of the actions.
+/// Whether the physics gave a value that is not finite or too large since the last reset.
 bool broken(const mjData& data) {
   return data.warning[mjWARN_BADQPOS].number > 0 || data.warning[mjWARN_BADQVEL].number > 0 ||
          data.warning[mjWARN_BADQACC].number > 0;

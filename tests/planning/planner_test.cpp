@@ -105,6 +105,22 @@ TEST(Plan, PassesEveryWaypointAtRest) {
   }
 }
 
+/// One finger leans over its neighbour: to change places it must lean back, which neither waypoint
+/// tells.
+TEST(Plan, FingersGoAroundEachOther) {
+  simulation::CollisionScene scene;
+  Waypoint start = open_hand(0, 0, 0.3), goal = start;
+  for (Waypoint* waypoint : {&start, &goal}) joint(*waypoint, "FFJ4") = 0.3;
+  joint(start, "MFJ3") = 1.3;
+  joint(goal, "FFJ3") = 1.3;
+  const auto result = plan({start, goal}, scene, {}, kSeed);
+  ASSERT_EQ(result.status, PlanStatus::ok)
+      << (result.invalid.empty() ? "" : result.invalid[0].reason);
+  EXPECT_GT(result.corners.size(), 2U);
+  expect_free(scene, result);
+  expect_within_limits(result, {});
+}
+
 /// The plate hangs below the palm: it would drag over a table that the empty hand clears.
 TEST(Plan, KeepsAHeldObjectOffTheTable) {
   simulation::CollisionScene scene(plate());
@@ -119,6 +135,7 @@ TEST(Plan, KeepsAHeldObjectOffTheTable) {
   EXPECT_NE(result.invalid[0].reason.find("table"), std::string::npos);
   const auto free = plan({high, open_hand(0.2, 0, 0.2)}, scene, {}, kSeed);
   EXPECT_EQ(free.status, PlanStatus::ok);
+  expect_free(scene, free);
 }
 
 /// A hand that may only move in y cannot pass the plate.

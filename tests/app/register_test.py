@@ -1,0 +1,131 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The register and certify commands: correspondences, clouds of all formats, and bad input."""
+
+import json
+import math
+import random
+
+from cli import BAD_INPUT, NO_SOLUTION, USAGE, CliTest, box_stl, main
+
+QUARTER_TURN = [0, -1, 0, 0.1, 1, 0, 0, 0.2, 0, 0, 1, 0.3, 0, 0, 0, 1]  # about z, and a shift
+
+
+def moved(p):
+    return (-p[1] + 0.1, p[0] + 0.2, p[2] + 0.3)
+
+
+def lump(seed, count=2500):
+    """Points of a closed surface without symmetry, some 0.1 m large."""
+    source = random.Random(seed)
+    points = []
+    for _ in range(count):
+        z, a = source.uniform(-1, 1), source.uniform(0, 2 * math.pi)
+        s = math.sqrt(1 - z * z)
+        x, y = s * math.cos(a), s * math.sin(a)
+        r = 1 + 0.25 * math.sin(3 * x + 1) * math.cos(4 * y) + 0.2 * math.sin(5 * z + 2 * x)
+        points.append((0.05 * r * x, 0.04 * r * y, 0.03 * r * z))
+    return points
+
+
+def xyz(points):
+    return "".join("{} {} {}\n".format(*p) for p in points)
+
+
+def pcd(points):
+    return (
+        "VERSION .7\nFIELDS x y z\nSIZE 8 8 8\nTYPE F F F\nCOUNT 1 1 1\n"
+        f"WIDTH {len(points)}\nHEIGHT 1\nPOINTS {len(points)}\nDATA ascii\n" + xyz(points)
+    )
+
+
+def ply(points):
+    return (
+        f"ply\nformat ascii 1.0\nelement vertex {len(points)}\nproperty double x\n"
+        "property double y\nproperty double z\nend_header\n" + xyz(points)
+    )
+
+
+class Register(CliTest):
+    def pairs(self, count=60, wrong=30):
+        source = random.Random(7)
+        rows = ["sx,sy,sz,tx,ty,tz"]
+        for k in range(count):
+            p = [source.uniform(-0.05, 0.05) for _ in range(3)]
+            q = moved([source.uniform(-0.05, 0.05) for _ in range(3)]) if k < wrong else moved(p)
+            rows.append(",".join(f"{v:.6f}" for v in (*p, *q)))
+        return self.write("pairs.csv", "\n".join(rows) + "\n")
+
+    def assert_quarter_turn(self, pose, delta):
+        for found, expected in zip(pose, QUARTER_TURN):
+            self.assertAlmostEqual(found, expected, delta=delta)
+
+    def test_correspondences(self):
+        file = self.pairs()
+        for method in (["--method", "gnc"], ["--method", "gnc", "--cost", "gm"], []):
+            report = self.run_json("register", "--correspondences", file, *method)
+            self.assertEqual(report["status"], "certified")
+            self.assertEqual(report["inliers"], list(range(30, 60)))
+            self.assertEqual(len(report["information"]), 6)
+            self.assertLess(report["expected_by_chance"], 1e-6)
+            self.assert_quarter_turn(report["T_target_source"], 1e-4)
+
+    def test_out_holds_what_was_done(self):
+        file = self.pairs()
+        self.run_json("register", "--correspondences", file, "--method", "gnc", "--out", "out")
+        report = json.loads((self.folder / "out/report.json").read_text())
+        history = (self.folder / "out/weights.csv").read_text().splitlines()
+        self.assertEqual(len(history), 1 + report["iterations"])
+        again = self.run_json("register", "--correspondences", "out/correspondences.csv")
+        self.assertEqual(again["inliers"], report["inliers"])
+
+    def test_certify(self):
+        file = self.pairs(wrong=0)
+        pose = ",".join(map(str, QUARTER_TURN))
+        self.assertEqual(
+            self.run_json("certify", pose, "--correspondences", file)["status"], "certified"
+        )
+        wrong = self.run_program(
+            "certify", "1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1", "--correspondences", file
+        )
+        self.assertEqual(wrong.returncode, NO_SOLUTION)
+
+    def test_clouds_of_all_formats(self):
+        target = self.write("target.xyz", xyz([moved(p) for p in lump(1)]))
+        for name, text in (("s.xyz", xyz(lump(2))), ("s.pcd", pcd(lump(2))), ("s.ply", ply(lump(2)))):
+            report = self.run_json("register", self.write(name, text), target)
+            self.assertEqual(report["status"], "certified")
+            self.assertGreater(report["feature_matches"], 20)
+            self.assert_quarter_turn(report["T_target_source"], 0.05)
+
+    def test_outliers_alone_are_no_consensus(self):
+        file = self.pairs(wrong=60)
+        done = self.run_program("register", "--correspondences", file, "--json")
+        self.assertEqual(done.returncode, NO_SOLUTION)
+        report = json.loads(done.stdout)
+        self.assertEqual(report["status"], "no_consensus")
+        self.assertIsNone(report["T_target_source"])
+
+    def test_errors_are_one_line(self):
+        file = self.pairs()
+        self.write("box.stl", box_stl(0.1, 0.2, 0.3))
+        self.write("nan.xyz", "1 2 nan\n")
+        self.write("words.xyz", "one two three\n")
+        self.write("empty.xyz", "")
+        for arguments, code in (
+            (["register"], USAGE),
+            (["register", "box.stl"], USAGE),
+            (["register", "box.stl", "box.stl", "--correspondences", file], USAGE),
+            (["register", "box.stl", "box.stl", "--features", "sift"], USAGE),
+            (["register", "box.stl", "none.ply"], BAD_INPUT),
+            (["register", "box.stl", "nan.xyz"], BAD_INPUT),
+            (["register", "box.stl", "words.xyz"], BAD_INPUT),
+            (["register", "box.stl", "empty.xyz"], BAD_INPUT),
+            (["register", "box.stl", "box.stl", "--noise-bound", "0"], BAD_INPUT),
+            (["register", "--correspondences", file, "--noise-bound", "-1"], BAD_INPUT),
+            (["register", "--correspondences", file, "--primitive", "plane"], BAD_INPUT),
+        ):
+            self.assert_refused(code, arguments)
+
+
+if __name__ == "__main__":
+    main()
