@@ -54,10 +54,12 @@ TEST(ClosingPath, FingersCloseFromTheOpenPosture) {
 
 TEST(PlanGrasp, HoldsALyingBoxWhereverItLies) {
   const BoxScene scene;
+  PlanOptions options;
+  options.press = 3 * 9.81 * scene.object.object().mass;
   for (const double yaw : {0.0, 1.1, 2.5}) {
     const Eigen::Vector2d xy(0.03 * std::cos(3 * yaw), -0.02);
     const auto plan =
-        plan_grasp(scene.object, scene.resting(yaw, xy), scene.path, {kPitch, kRoll}, {});
+        plan_grasp(scene.object, scene.resting(yaw, xy), scene.path, {kPitch, kRoll}, options);
     ASSERT_TRUE(plan);
     EXPECT_LT(plan->cost, 0.3);
     EXPECT_GE(plan->fingers, 3);
@@ -78,12 +80,12 @@ TEST(PlanGrasp, AvoidsDirectionsThatFailed) {
   EXPECT_GT(std::abs(std::remainder(second->base.ypr.x() - yaw, 2 * pi)), 0.3);
 }
 
-TEST(PlanGrasp, FindsNothingWhereTheHandMustStayTooFarAway) {
+TEST(PlanGrasp, FindsNothingWhereAllDirectionsHaveFailed) {
   const BoxScene scene;
-  PlanOptions options;
-  options.clearance = 0.05;
+  std::vector<double> all;
+  for (int i = 0; i < 12; ++i) all.push_back(i * pi / 6);
   EXPECT_FALSE(
-      plan_grasp(scene.object, scene.resting(0, {0, 0}), scene.path, {kPitch, kRoll}, options));
+      plan_grasp(scene.object, scene.resting(0, {0, 0}), scene.path, {kPitch, kRoll}, {}, all));
 }
 
 }  // namespace

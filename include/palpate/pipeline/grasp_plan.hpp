@@ -37,7 +37,7 @@ struct PlanOptions {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("clearance", clearance, 0.0, 0.05, "m, of the opened hand from the object");
+    v("clearance", clearance, 0.0, 0.02, "m, of the opened hand from the object");
     v("table_clearance", table_clearance, 0.0, 0.05, "m, of the hand from the table");
     v("press", press, 0.1, 100.0, "N, of all fingertips together");
     v("friction", friction, 0.0, 2.0, "that the balance of forces counts on");
