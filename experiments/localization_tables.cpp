@@ -21,7 +21,7 @@ using namespace palpate::localization;
 
 constexpr double kDegree = M_PI / 180;
 constexpr int kBins = 10;
-constexpr std::size_t kScenes = 50;  // a cell
+constexpr std::size_t kScenes = 100;  // a cell
 
 /// A column of a table: one kind of scene and what of it the search is told.
 struct Cell {

@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The sense command: contacts that slide on a flat face, bad rows among them, and bad input."""
+
+import random
+
+from cli import BAD_INPUT, USAGE, CliTest, main
+
+HEADER = "finger,t,px,py,pz,fx,fy,fz,nx,ny,nz"
+
+
+def slide(count=300):
+    """Rows of a finger that slides along x on the plane z = 0 and back along y."""
+    stream = random.Random(1)
+    rows = []
+    for i in range(count):
+        t = 0.01 * i
+        along = (0.02 * t, 0.0) if i < count // 2 else (0.03, 0.02 * (t - 1.5))
+        u = (1, 0) if i < count // 2 else (0, 1)
+        point = [along[0], along[1], stream.gauss(0, 1e-4)]
+        force = [u[0] + stream.gauss(0, 0.05), u[1] + stream.gauss(0, 0.05), -2.0]
+        rows.append(["FF", round(t, 2), *point, *force, 0, 0, 1])
+    return rows
+
+
+def csv(rows):
+    return "\n".join([HEADER] + [",".join(map(str, row)) for row in rows]) + "\n"
+
+
+class Sense(CliTest):
+    def test_errors_and_flags_are_reported_and_series_written(self):
+        rows = slide()
+        rows[50][5:8] = [0, -1, 0]
+        rows[60][5:8] = [0, 0, 0]
+        rows[70][2] = "nan"
+        self.write("slide.csv", csv(rows))
+        for estimator in ("s2", "s2-lag", "rls"):
+            report = self.run_json("sense", "slide.csv", "--estimator", estimator, "--out", "out")
+            stream = report["streams"]["FF"]
+            self.assertEqual(stream["samples"], 300)
+            self.assertEqual(stream["flagged"], 3)
+            self.assertEqual(stream["flags"], {"placeholder": 1, "no_force": 1, "not_finite": 1})
+            self.assertLess(stream["error_deg"]["median"], 5, estimator)
+        names = {path.name for path in (self.folder / "out").iterdir()}
+        self.assertEqual(names, {"report.json", "FF.csv", "FF-normal.svg", "FF-force.svg"})
+
+    def test_bad_input_is_refused_in_one_line(self):
+        self.write("cell.csv", csv(slide()[:3]).replace("FF,0.01", "FF,soon"))
+        self.assert_refused(BAD_INPUT, ["sense", "cell.csv"], "cell.csv:3", "soon")
+        self.write("other.csv", "a,b\n1,2\n")
+        self.assert_refused(BAD_INPUT, ["sense", "other.csv"], "other.csv", "recording")
+        self.assert_refused(BAD_INPUT, ["sense", "none.csv"], "none.csv")
+        self.assert_refused(USAGE, ["sense", "other.csv", "--estimator", "magic"], "magic")
+
+
+if __name__ == "__main__":
+    main()
