@@ -26,12 +26,14 @@ struct PlanSettings {
   pl::PlanOptions plan;
   si::CollisionOptions collision;
   si::WorldOptions world;
+  pl::ExecutionOptions execution;
 
   template <class Visitor>
   void visit(Visitor&& v) {
     plan.visit(v);
     v.section("collision", collision);
     v.section("world", world);
+    v.section("execution", execution);
   }
 };
 
@@ -102,15 +104,15 @@ si::Start start_of(const geometry::KnownObject& object, const Eigen::Isometry3d&
 
 /// The simulated hand follows the samples; what is not placed on the table is out of its way.
 pl::TrackingError follow(const Setting& setting, const std::vector<hand::HandCommand>& samples,
-                         si::WorldOptions options, std::uint64_t seed) {
-  options.noise.joint = 0;  // it is the controllers that are judged, not the readers
+                         PlanSettings settings, std::uint64_t seed) {
+  settings.world.noise.joint = 0;  // it is the controllers that are judged, not the readers
   const bool on_table = setting.object && !setting.held;
   const auto object = setting.object ? *setting.object : geometry::load_known_object("box");
   si::Start start = start_of(object, setting.T_world_object);
   if (!on_table) start.xy.setConstant(10);
-  si::World world(object, options, seed);
+  si::World world(object, settings.world, seed);
   world.reset(start, samples.front());
-  return pl::execute(world.hand(), samples);
+  return pl::execute(world.hand(), samples, settings.execution);
 }
 
 void write_results(const PlanArguments& arguments, const PlanSettings& settings,
@@ -156,7 +158,7 @@ int plan(const PlanArguments& arguments) {
   const bool ok = result.status == pl::PlanStatus::ok;
   std::optional<pl::TrackingError> tracking;
   if (arguments.execute && ok) {
-    tracking = follow(setting, result.samples, settings.world, arguments.common.seed);
+    tracking = follow(setting, result.samples, settings, arguments.common.seed);
   }
   if (result.status != pl::PlanStatus::invalid && !arguments.common.out.empty()) {
     write_results(arguments, settings, result, tracking);

@@ -33,17 +33,31 @@ Coordinates moving(const std::vector<hand::HandCommand>& samples) {
   return mask;
 }
 
+/// Where the base is at a tick, between the samples; at rest after the last.
+hand::BasePosition base_at(const std::vector<hand::HandCommand>& samples, double tick) {
+  const auto before = std::min(static_cast<std::size_t>(tick), samples.size() - 1);
+  const auto after = std::min(before + 1, samples.size() - 1);
+  const double share = std::min(1.0, tick - static_cast<double>(before));
+  const hand::BasePosition& a = samples[before].base;
+  const hand::BasePosition& b = samples[after].base;
+  return {.xyz = a.xyz + share * (b.xyz - a.xyz), .ypr = a.ypr + share * (b.ypr - a.ypr)};
+}
+
 }  // namespace
 
-TrackingError execute(hand::Hand& hand, const std::vector<hand::HandCommand>& samples) {
+TrackingError execute(hand::Hand& hand, const std::vector<hand::HandCommand>& samples,
+                      const ExecutionOptions& options) {
   TrackingError result;
   const Coordinates mask = moving(samples);
   Errors slides, turns, joints;
-  for (const hand::HandCommand& command : samples) {
-    const hand::HandReading reading = hand.step(command);
+  for (std::size_t tick = 0; tick < samples.size(); ++tick) {
+    const hand::HandCommand& wanted = samples[tick];
+    const double ahead = static_cast<double>(tick) + options.base_lead / hand::kTick;
+    const hand::HandReading reading =
+        hand.step({.positions = wanted.positions, .base = base_at(samples, ahead)});
     result.measured.push_back(coordinates_of(
         {.positions = hand::actuator_positions(reading.joints), .base = reading.base}));
-    const Coordinates error = mask.cwiseProduct(result.measured.back() - coordinates_of(command));
+    const Coordinates error = mask.cwiseProduct(result.measured.back() - coordinates_of(wanted));
     slides.add(error.head<3>(), mask.head<3>().sum());
     turns.add(error.segment<3>(3), mask.segment<3>(3).sum());
     joints.add(error.tail<hand::kActuators>(), mask.tail<hand::kActuators>().sum());

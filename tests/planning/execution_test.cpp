@@ -36,13 +36,22 @@ TEST(Execute, MeasuresTheLagOfWhatMoves) {
     samples[i].base.xyz.x() = 0.002 * static_cast<double>(i);
   }
   LateHand hand;
-  const TrackingError error = execute(hand, samples);
+  const TrackingError error = execute(hand, samples, {.base_lead = 0});
   EXPECT_NEAR(error.joint_max, 0.01, 1e-12);
   EXPECT_NEAR(error.joint_rms, 0.01 * std::sqrt(100.0 / 101.0), 1e-12);
   EXPECT_NEAR(error.base_max, 0.002, 1e-12);
   EXPECT_NEAR(error.base_rms, 0.002 * std::sqrt(100.0 / 101.0), 1e-12);
   EXPECT_EQ(error.turn_rms, 0);
   EXPECT_EQ(error.measured.size(), samples.size());
+}
+
+TEST(Execute, LeadMakesUpForALateBase) {
+  std::vector<hand::HandCommand> samples(50);
+  for (std::size_t i = 1; i < samples.size(); ++i) {
+    samples[i].base.xyz.z() = std::sin(0.1 * static_cast<double>(i));
+  }
+  LateHand hand;
+  EXPECT_NEAR(execute(hand, samples, {.base_lead = hand::kTick}).base_max, 0, 1e-12);
 }
 
 TEST(Execute, NothingIsNoError) {

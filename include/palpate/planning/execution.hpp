@@ -15,8 +15,19 @@ struct TrackingError {
   std::vector<Coordinates> measured;    ///< one a sample
 };
 
+struct ExecutionOptions {
+  double base_lead = 0.06325;  ///< s, how late the base's drives follow: damping over stiffness
+
+  template <class Visitor>
+  void visit(Visitor&& v) {
+    v("base_lead", base_lead, 0.0, 1.0, "s, how much earlier the base is told where to be");
+  }
+};
+
 /// Sends the samples to the hand's position controllers, one a tick, and measures how well they
-/// follow. The hand must be at the first sample; none leave nothing to measure.
-TrackingError execute(hand::Hand& hand, const std::vector<hand::HandCommand>& samples);
+/// follow. The base, whose drives are late by a constant time, is told as much earlier. The hand
+/// must be at the first sample; none leave nothing to measure.
+TrackingError execute(hand::Hand& hand, const std::vector<hand::HandCommand>& samples,
+                      const ExecutionOptions& options = {});
 
 }  // namespace palpate::planning
