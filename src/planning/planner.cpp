@@ -155,6 +155,7 @@ bool add_leg(const Coordinates& start, const Coordinates& goal, LegPlanner& legs
   for (int refinement = 0; refinement <= kRefinements; ++refinement) {
     if (refinement > 0) legs.look_closer();
     const std::vector<Coordinates> corners = legs.find(start, goal);
+    if (corners.empty()) return false;
     const std::vector<Coordinates> samples = legs.move_along(corners);
     if (samples.empty()) continue;
     for (std::size_t i = 1; i < corners.size(); ++i) plan.corners.push_back(command_of(corners[i]));

@@ -27,6 +27,7 @@ constexpr unsigned int kSamples = 1000;  // of FMT
 // Of FMT: its number of neighbours grows with (2 radius)^dimensions; the default of 1.1 would make
 // all samples neighbours of each other in our 26 dimensions, this makes it ten to forty.
 constexpr double kFmtRadius = 0.58;
+constexpr int kFmtTests = 10;  // of its end, an iteration: it also tests it while it samples
 
 /// The moving coordinates as a real vector, in metres of path so that its norm is our distance.
 class Chart {
@@ -146,7 +147,8 @@ std::vector<Coordinates> search(const Coordinates& start, const Coordinates& goa
   const auto planner = make_planner(options.planner, information);
   planner->setProblemDefinition(problem);
   planner->setup();
-  if (planner->solve(bounded(problem, options.iterations)) != ob::PlannerStatus::EXACT_SOLUTION) {
+  const int tests = options.iterations * (options.planner == PlannerKind::fmt ? kFmtTests : 1);
+  if (planner->solve(bounded(problem, tests)) != ob::PlannerStatus::EXACT_SOLUTION) {
     return {};
   }
   auto& path = *problem->getSolutionPath()->as<og::PathGeometric>();

@@ -17,7 +17,7 @@ PlannerKind planner_named(std::string_view name);
 
 struct PlanOptions {
   std::string planner = "rrt-connect";  ///< rrt-connect, rrt-star, prm, fmt
-  int iterations = 20000;               ///< of the search between two waypoints, in all
+  int iterations = 4000;                ///< of the search between two waypoints, in all
   int shortenings = 100;                ///< trials to cut a way short
   double step = 0.005;                  ///< m of path between checks for collision
   double detour = 0.25;                 ///< m, rad: search this far beyond start and goal
