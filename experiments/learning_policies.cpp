@@ -37,9 +37,7 @@ std::optional<std::filesystem::path> data_folder() {
 
 std::vector<Contender> contenders() {
   std::vector<Contender> result;
-  for (const char* name : {"relocate-best", "relocate-memoryless", "relocate-any-start"}) {
-    result.push_back({name, learning::load_policy(asset(fmt::format("models/{}.json", name)))});
-  }
+  result.push_back({"relocate-best", learning::load_policy(asset("models/relocate-best.json"))});
   if (const auto data = data_folder()) {
     result.push_back(
         {"published", learning::load_policy(*data / "relocate_mug_published_policy.json")});

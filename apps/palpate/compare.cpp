@@ -163,7 +163,7 @@ void add_compare(CLI::App& program, Command& chosen) {
       "Says which of the tests may be believed, and why. With --out the histograms and normal\n"
       "plots go to DIR.\n\n"
       "Examples:\n"
-      "  palpate compare relocate-best relocate-memoryless --episodes 30 --threads 2\n"
+      "  palpate compare relocate-best out/cem/policy.json --episodes 30 --threads 2\n"
       "  palpate compare out/a/episodes.csv out/b/episodes.csv --out out/compare");
   command.callback([arguments, &chosen] { chosen = [arguments] { return compare(*arguments); }; });
 }

@@ -86,7 +86,7 @@ void add_rollout(CLI::App& program, Command& chosen) {
       "With --out every episode goes to DIR/episodes.csv, which palpate compare reads.\n\n"
       "Examples:\n"
       "  palpate rollout --episodes 20 --threads 2\n"
-      "  palpate rollout relocate-memoryless --set episode.scale_high=1 --json\n"
+      "  palpate rollout relocate-best --set episode.scale_high=1 --json\n"
       "  palpate rollout --set task.object=box --set task.friction_scale=0.7");
   command.callback([arguments, &chosen] { chosen = [arguments] { return rollout(*arguments); }; });
 }
