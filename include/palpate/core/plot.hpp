@@ -12,7 +12,7 @@ namespace palpate {
 struct PlotAxis {
   std::string label;  ///< with the unit, as in "angle error (deg)"
   bool logarithmic = false;
-  std::optional<double> low, high;
+  std::optional<double> low{}, high{};
 };
 
 /// Points joined in their order; the line breaks where a value cannot be drawn.
@@ -47,8 +47,8 @@ struct Plot {
   std::string title;
   PlotAxis x, y;
   /// Names along x, at 0, 1, 2, ...; bars and boxes need them. Empty: x is an axis of numbers.
-  std::vector<std::string> categories;
-  std::vector<PlotSeries> series;
+  std::vector<std::string> categories{};
+  std::vector<PlotSeries> series{};
   int width = 720, height = 440;  ///< px
 };
 
