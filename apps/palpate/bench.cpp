@@ -152,6 +152,7 @@ int bench_contact(const BenchArguments& arguments) {
 void add_bench(CLI::App& program, Command& chosen) {
   auto& bench = *program.add_subcommand("bench", "Measure what the pick rests on beside its peers");
   bench.require_subcommand(1);
+  bench.footer("Examples:\n  palpate bench contact --object mug");
   auto arguments = std::make_shared<BenchArguments>();
   auto& command = *bench.add_subcommand(
       "contact", "Contacts of a fingertip with an object: true surface, hull, parts, field, flex");
