@@ -40,7 +40,7 @@ class ObjectModel {
 
 struct LocalizerOptions {
   int proposals = 40000;     ///< poses screened
-  int particles = 800;      ///< carried through the tempering
+  int particles = 800;       ///< carried through the tempering
   int moves = 6;             ///< Metropolis moves a particle and level
   int starts = 80;           ///< best proposals that are refined before the sampling
   double first_scale = 3.0;  ///< noise scale at which the search starts
