@@ -10,6 +10,7 @@
 #include <optional>
 #include <string>
 
+#include "palpate/core/csv.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
 #include "palpate/hand/joints.hpp"
@@ -20,28 +21,11 @@ namespace {
 constexpr double kLeastNormal = 1e-6;
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
-std::string_view trimmed(std::string_view text) {
-  constexpr std::string_view kBlank = " \t\r";
-  const auto first = text.find_first_not_of(kBlank);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
-}
-
-std::vector<std::string_view> cells_of(std::string_view line) {
-  std::vector<std::string_view> cells;
-  for (std::size_t comma = 0; comma != std::string_view::npos;) {
-    comma = line.find(',');
-    cells.push_back(trimmed(line.substr(0, comma)));
-    if (comma != std::string_view::npos) line.remove_prefix(comma + 1);
-  }
-  return cells;
-}
-
 /// One row's cells by the names in the header.
 class Row {
  public:
   Row(const std::vector<std::string_view>& names, std::string_view line, std::string where)
-      : names_(names), cells_(cells_of(line)), where_(std::move(where)) {
+      : names_(names), cells_(csv_cells(line)), where_(std::move(where)) {
     if (cells_.size() == names_.size()) return;
     throw BadInput(
         fmt::format("{}: {} values for {} columns", where_, cells_.size(), names_.size()));
@@ -130,7 +114,7 @@ std::vector<touch::Contact> parse_contacts(std::string_view text, std::string_vi
     text.remove_prefix(std::min(end + 1, text.size()));
     if (line.empty()) continue;
     if (names.empty()) {
-      names = cells_of(line);
+      names = csv_cells(line);
       check_header(names, source);
     } else {
       contacts.push_back(contact_of({names, line, fmt::format("{}:{}", source, number)}, noise));

@@ -8,6 +8,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "palpate/core/csv.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/hand/joints.hpp"
 
@@ -16,23 +17,6 @@ namespace {
 
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 constexpr std::size_t kBaseColumns = kBaseNames.size();
-
-std::string_view trimmed(std::string_view text) {
-  constexpr std::string_view kBlank = " \t\r";
-  const auto first = text.find_first_not_of(kBlank);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
-}
-
-std::vector<std::string_view> cells_of(std::string_view line) {
-  std::vector<std::string_view> cells;
-  for (std::size_t comma = 0; comma != std::string_view::npos;) {
-    comma = line.find(',');
-    cells.push_back(trimmed(line.substr(0, comma)));
-    if (comma != std::string_view::npos) line.remove_prefix(comma + 1);
-  }
-  return cells;
-}
 
 /// Index of a column: 0..5 the base, then the joints. @throws BadInput for another name
 std::size_t column_index(std::string_view name, std::string_view source) {
@@ -47,7 +31,7 @@ std::size_t column_index(std::string_view name, std::string_view source) {
 }
 
 std::vector<std::size_t> parse_header(std::string_view line, std::string_view source) {
-  const auto names = cells_of(line);
+  const auto names = csv_cells(line);
   constexpr std::size_t kNarrow = hand::kJoints, kWide = kBaseColumns + hand::kJoints;
   if (names.size() != kNarrow && names.size() != kWide) {
     throw BadInput(
@@ -81,7 +65,7 @@ double parse_number(std::string_view cell, std::string_view where, std::size_t c
 
 Waypoint parse_row(std::string_view line, const std::vector<std::size_t>& columns,
                    const std::string& where, Waypoint waypoint) {
-  const auto cells = cells_of(line);
+  const auto cells = csv_cells(line);
   if (cells.size() != columns.size()) {
     throw BadInput(
         fmt::format("{}: {} values for {} columns", where, cells.size(), columns.size()));

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <optional>
 
+#include "palpate/core/csv.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
 
@@ -16,28 +17,11 @@ namespace {
 
 using Triple = std::array<std::size_t, 3>;  // columns of x, y and z
 
-std::string_view trimmed(std::string_view text) {
-  constexpr std::string_view kBlank = " \t\r";
-  const auto first = text.find_first_not_of(kBlank);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
-}
-
-std::vector<std::string_view> cells_of(std::string_view line) {
-  std::vector<std::string_view> cells;
-  while (true) {
-    const auto comma = line.find(',');
-    cells.push_back(trimmed(line.substr(0, comma)));
-    if (comma == std::string_view::npos) return cells;
-    line.remove_prefix(comma + 1);
-  }
-}
-
 /// A CSV file's header and where its rows are.
 class Table {
  public:
   Table(std::string_view header, std::string_view source)
-      : names_(cells_of(header)), source_(source) {}
+      : names_(csv_cells(header)), source_(source) {}
 
   std::optional<Triple> find(const std::string& prefix) const {
     Triple columns;
@@ -61,7 +45,7 @@ class Table {
   }
 
   std::vector<double> row(std::string_view line, std::size_t number) const {
-    const auto cells = cells_of(line);
+    const auto cells = csv_cells(line);
     if (cells.size() != names_.size()) {
       throw BadInput(fmt::format("{}:{}: {} values for {} columns", source_, number, cells.size(),
                                  names_.size()));

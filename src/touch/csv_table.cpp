@@ -6,30 +6,10 @@
 #include <algorithm>
 #include <charconv>
 
+#include "palpate/core/csv.hpp"
 #include "palpate/core/error.hpp"
 
 namespace palpate::touch {
-namespace {
-
-std::string_view trimmed(std::string_view text) {
-  constexpr std::string_view kBlank = " \t\r";
-  const auto first = text.find_first_not_of(kBlank);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
-}
-
-void split(std::string_view line, std::vector<std::string_view>& cells) {
-  cells.clear();
-  while (true) {
-    const auto comma = line.find(',');
-    cells.push_back(trimmed(line.substr(0, comma)));
-    if (comma == std::string_view::npos) return;
-    line.remove_prefix(comma + 1);
-  }
-}
-
-}  // namespace
-
 CsvTable::CsvTable(std::string_view text, std::string source)
     : text_(text), source_(std::move(source)) {
   if (!take_line()) throw BadInput(fmt::format("{} is empty: expected a CSV header", source_));
@@ -43,7 +23,7 @@ bool CsvTable::take_line() {
     text_.remove_prefix(std::min(end + 1, text_.size()));
     ++line_;
     if (line.empty()) continue;
-    split(line, cells_);
+    cells_ = csv_cells(line);
     return true;
   }
   return false;
