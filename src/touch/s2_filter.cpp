@@ -35,6 +35,11 @@ constexpr double kLeastSpeed = 1e-4;  // m/s
 // tests.
 constexpr double kStillness = 0.25;
 
+// Tip normals are too noisy for one of them to show that the normal turned unnoticed, but their
+// mean over some ticks is not. 1 % of the time it is as far off as kDoubt by chance (chi2, 2 dof).
+constexpr double kTipMemory = 8;  // samples
+constexpr double kDoubt = 9.21;   // squared length over its variance of the mean residual
+
 // Indices of the state.
 constexpr int kTilt = 0, kRatio = 2, kVelocity = 4, kPlace = 6, kCurvature = 9;
 
@@ -64,6 +69,7 @@ void S2Filter::start(const FingerSample& sample) {
   weight_.fill(kStartShare);
   weight_[0] = 1 - kStartShare * (kHypotheses - 1);
   step_.anew = true;
+  tip_lag_.setZero();
   started_ = true;
 }
 
@@ -240,6 +246,23 @@ void S2Filter::retract(const Vector& x) {
   curvature_ += x[kCurvature];
 }
 
+/// Where the normal turns slowly under the tip, the force takes it for a change of the ratio, and
+/// only the tip's shape tells, a little in every tick. If its normals stay aside of the estimate,
+/// the state becomes as uncertain as that: of tilt and ratio together, which the force cannot tell
+/// apart.
+void S2Filter::doubt(const Eigen::Vector3d& tip_normal) {
+  const Eigen::Vector3d t = R_.transpose() * tip_normal;
+  tip_lag_ += (t.head<2>() / std::max(t.z(), kLeastPress) - tip_lag_) / kTipMemory;
+  const double variance = squared(tip_noise_.sigma()) / (2 * kTipMemory - 1);
+  const double expected = variance + 0.5 * tilt_covariance().trace();
+  if (tip_lag_.squaredNorm() < kDoubt * expected) return;
+  Vector lag = Vector::Zero();
+  lag.segment<2>(kTilt) = tip_lag_;
+  lag.segment<2>(kRatio) = tip_lag_ + ratio_ * ratio_.dot(tip_lag_);
+  P_ += lag * lag.transpose();
+  tip_lag_.setZero();
+}
+
 NormalEstimate S2Filter::estimate(double time, NormalStatus status) const {
   if (!started_) return estimate_of(time, status, {}, {});
   // A normal that is not measured may roll away.
@@ -272,6 +295,7 @@ NormalEstimate S2Filter::update(const FingerSample& sample) {
       step_.covariance[k].diagonal() += variances[k].segment<2>(kTilt);
     }
     merge(beliefs);
+    if (sample.tip_normal) doubt(*sample.tip_normal);
     step_.weight = weight_;
     step_.anew = false;
   }

@@ -111,6 +111,7 @@ class S2Filter final : public NormalEstimator {
   Belief explain(const Vector& process_variance, double prior) const;
   void merge(const std::array<Belief, kHypotheses>& beliefs);
   void retract(const Vector& x);
+  void doubt(const Eigen::Vector3d& tip_normal);
   NormalEstimate estimate(double time, NormalStatus status) const;
 
   S2Options options_;
@@ -125,6 +126,7 @@ class S2Filter final : public NormalEstimator {
   Matrix P_ = Matrix::Zero();
   double ratio_variance_ = 1e-3;
   std::array<double, kHypotheses> weight_{};
+  Eigen::Vector2d tip_lag_ = Eigen::Vector2d::Zero();  // of the normal behind the tip's, averaged
   Rows rows_;
   Step step_;
 };
