@@ -4,6 +4,7 @@
 #include <H5Cpp.h>
 #include <fmt/format.h>
 
+#include <cstdint>
 #include <filesystem>
 #include <mutex>
 #include <string>
@@ -37,6 +38,7 @@ template <class T>
 const H5::PredType& hdf5_type() {
   if constexpr (std::is_same_v<T, double>) return H5::PredType::IEEE_F64LE;
   if constexpr (std::is_same_v<T, int>) return H5::PredType::STD_I32LE;
+  if constexpr (std::is_same_v<T, std::int16_t>) return H5::PredType::STD_I16LE;
   if constexpr (std::is_same_v<T, char>) return H5::PredType::STD_U8LE;
 }
 
@@ -44,6 +46,7 @@ template <class T>
 const H5::PredType& native_type() {
   if constexpr (std::is_same_v<T, double>) return H5::PredType::NATIVE_DOUBLE;
   if constexpr (std::is_same_v<T, int>) return H5::PredType::NATIVE_INT;
+  if constexpr (std::is_same_v<T, std::int16_t>) return H5::PredType::NATIVE_INT16;
   if constexpr (std::is_same_v<T, char>) return H5::PredType::NATIVE_UINT8;
 }
 

@@ -87,7 +87,14 @@ void set_contacts(const std::vector<int>& counts, const std::vector<double>& row
   }
 }
 
-std::vector<Frame> read_frames(const H5::H5File& file, bool finished) {
+/// The counts of the BioTacs; empty where the fingertips have none.
+std::vector<std::int16_t> read_biotacs(const H5::H5File& file, const Seal& seal) {
+  constexpr int kFirstVersionWithBiotacs = 2;
+  if (seal.version < kFirstVersionWithBiotacs) return {};
+  return read_rows<std::int16_t>(file, kBiotacs, kBiotacsWidth);
+}
+
+std::vector<Frame> read_frames(const H5::H5File& file, const Seal& seal) {
   const auto counts = read_rows<int>(file, kContactCounts, hand::kFingers);
   const auto contacts = read_rows<double>(file, kContacts, kContactWidth);
   check_finite(contacts, kContacts, kContactWidth);
@@ -101,7 +108,12 @@ std::vector<Frame> read_frames(const H5::H5File& file, bool finished) {
     frames = std::min<std::size_t>(frames, columns.back().size() / width);
     longest = std::max<std::size_t>(longest, columns.back().size() / width);
   }
-  if (finished && frames != longest) {
+  const auto biotacs = read_biotacs(file, seal);
+  if (!biotacs.empty()) {
+    frames = std::min<std::size_t>(frames, biotacs.size() / kBiotacsWidth);
+    longest = std::max<std::size_t>(longest, biotacs.size() / kBiotacsWidth);
+  }
+  if (seal.finished && frames != longest) {
     throw BadInput(fmt::format("only {} of {} frames are whole", frames, longest));
   }
   std::vector<Frame> result(frames);
@@ -111,26 +123,29 @@ std::vector<Frame> read_frames(const H5::H5File& file, bool finished) {
     for (std::size_t i = 0; i < frames; ++i) field.set(&columns[f][i * width], result[i]);
   }
   set_contacts(counts, contacts, result);
+  for (std::size_t i = 0; i < frames && !biotacs.empty(); ++i) {
+    set_biotacs(&biotacs[i * kBiotacsWidth], result[i].reading);
+  }
   return result;
 }
 
-Recording read_contents(const std::filesystem::path& path, bool finished) {
-  const unsigned access = finished ? H5F_ACC_RDONLY : H5F_ACC_RDONLY | H5F_ACC_SWMR_READ;
+Recording read_contents(const std::filesystem::path& path, const Seal& seal) {
+  const unsigned access = seal.finished ? H5F_ACC_RDONLY : H5F_ACC_RDONLY | H5F_ACC_SWMR_READ;
   const H5::H5File file(path.string(), access, H5::FileCreatPropList::DEFAULT, file_access());
   return {.header = read_header(file),
-          .frames = read_frames(file, finished),
+          .frames = read_frames(file, seal),
           .events = read_lines(file, kEvents, &event_from_json),
           .estimates = read_lines(file, kEstimates, &estimate_from_json),
-          .finished = finished};
+          .finished = seal.finished};
 }
 
 }  // namespace
 
 Recording read_recording(const std::filesystem::path& path) {
-  const bool finished = check_seal(path);
+  const Seal seal = check_seal(path);
   return with_hdf5(path, "damaged", [&] {
     try {
-      return read_contents(path, finished);
+      return read_contents(path, seal);
     } catch (const nlohmann::json::exception& error) {
       throw BadInput(fmt::format("{}: damaged: {}", path.string(), error.what()));
     } catch (const BadInput& error) {

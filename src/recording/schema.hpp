@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <limits>
 #include <span>
 #include <vector>
@@ -15,10 +16,14 @@ inline constexpr const char* kVertices = "header/vertices";
 inline constexpr const char* kTriangles = "header/triangles";
 inline constexpr const char* kContactCounts = "frames/contact_counts";
 inline constexpr const char* kContacts = "frames/contacts";
+inline constexpr const char* kBiotacs = "frames/biotacs";  // from version 2 on
 inline constexpr const char* kEvents = "events/json_lines";
 inline constexpr const char* kEstimates = "estimates/json_lines";
 
 inline constexpr int kContactWidth = 9;  ///< p, n, f
+/// Of one BioTac: pdc, tdc, tac, e1..e19, pac 1..22, and whether pac is interpolated.
+inline constexpr int kBiotacWidth = 4 + hand::kElectrodes + hand::kPacSamples;
+inline constexpr int kBiotacsWidth = hand::kFingers * kBiotacWidth;
 inline constexpr int kFramesPerChunk = 100;
 
 /// A quantity of fixed width that every frame holds, and its dataset.
@@ -30,7 +35,14 @@ struct FrameField {
   void (*set)(const double* values, Frame&);
 };
 
-/// The quantities of a frame, other than its contacts.
+/// The quantities of a frame, other than its contacts and channels.
 std::span<const FrameField> frame_fields();
+
+/// Appends the channels of a frame's BioTacs as kBiotacsWidth counts; -1 where one is missing.
+/// @throws BadInput unless there are kFingers of them, or for counts beyond 16 bits
+void append_biotacs(const hand::HandReading& reading, std::vector<std::int16_t>& counts);
+
+/// The channels of a frame's BioTacs from kBiotacsWidth counts.
+void set_biotacs(const std::int16_t* counts, hand::HandReading& reading);
 
 }  // namespace palpate::recording

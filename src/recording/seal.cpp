@@ -73,7 +73,7 @@ void write_open_seal(const std::filesystem::path& path) { write_seal(path, kOpen
 
 void write_closed_seal(const std::filesystem::path& path) { write_seal(path, closed_mark(path)); }
 
-bool check_seal(const std::filesystem::path& path) {
+Seal check_seal(const std::filesystem::path& path) {
   const std::string seal = read_seal(path);
   std::string_view rest = seal;
   if (!rest.starts_with(kMagic)) {
@@ -81,16 +81,23 @@ bool check_seal(const std::filesystem::path& path) {
   }
   rest.remove_prefix(kMagic.size());
   const std::string_view version = rest.substr(0, rest.find('\n'));
-  if (version != std::to_string(kFormatVersion)) {
-    throw BadInput(fmt::format("{}: recording format {:?} is not {}, the one this program reads",
-                               path.string(), version.substr(0, 20), kFormatVersion));
+  Seal result;
+  const auto [end, error] =
+      std::from_chars(version.data(), version.data() + version.size(), result.version);
+  if (error != std::errc{} || end != version.data() + version.size() ||
+      result.version < kOldestFormatVersion || result.version > kFormatVersion) {
+    throw BadInput(
+        fmt::format("{}: recording format {:?} is none of {} to {}, which this program "
+                    "reads",
+                    path.string(), version.substr(0, 20), kOldestFormatVersion, kFormatVersion));
   }
   rest.remove_prefix(std::min(rest.size(), version.size() + 1));
-  if (rest.starts_with(kOpen)) return false;
+  if (rest.starts_with(kOpen)) return result;
   if (!rest.starts_with(closed_mark(path))) {
     throw BadInput(fmt::format("{}: damaged: its checksum does not match", path.string()));
   }
-  return true;
+  result.finished = true;
+  return result;
 }
 
 }  // namespace palpate::recording

@@ -15,8 +15,13 @@ void write_open_seal(const std::filesystem::path& path);
 /// Marks the file as finished, with its checksum.
 void write_closed_seal(const std::filesystem::path& path);
 
-/// True if the file was finished and is intact, false if it was never finished.
-/// @throws BadInput if it is missing, not a recording, of another version, or damaged
-bool check_seal(const std::filesystem::path& path);
+struct Seal {
+  int version = 0;
+  bool finished = false;  ///< else it was never finished
+};
+
+/// What the seal says of a file that is intact.
+/// @throws BadInput if it is missing, not a recording, of a version that is not read, or damaged
+Seal check_seal(const std::filesystem::path& path);
 
 }  // namespace palpate::recording

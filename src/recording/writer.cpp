@@ -70,6 +70,7 @@ void create_datasets(H5::H5File& file) {
   }
   create_growing(file, kContactCounts, hdf5_type<int>(), hand::kFingers, kFramesPerChunk);
   create_growing(file, kContacts, hdf5_type<double>(), kContactWidth, kContactsPerChunk);
+  create_growing(file, kBiotacs, hdf5_type<std::int16_t>(), kBiotacsWidth, kFramesPerChunk);
 }
 
 /// The file with everything that does not grow, closed again.
@@ -93,7 +94,9 @@ void append_contact(const hand::TipContact& contact, std::vector<double>& rows) 
 struct Writer::Impl {
   std::filesystem::path path, partial;
   std::optional<H5::H5File> file;
-  std::vector<Frame> pending;  // until a chunk is full: chunks are then written once
+  std::vector<Frame> pending;          // until a chunk is full: chunks are then written once
+  std::vector<std::int16_t> channels;  // of the BioTacs in those
+  std::optional<bool> has_channels;    // whether the frames hold any
 
   void flush() { file->flush(H5F_SCOPE_GLOBAL); }
 
@@ -117,10 +120,18 @@ struct Writer::Impl {
     append_rows(dataset, counts.data(), pending.size(), hand::kFingers, native_type<int>());
   }
 
+  void append_channels() {
+    H5::DataSet dataset = file->openDataSet(kBiotacs);
+    append_rows(dataset, channels.data(), channels.size() / kBiotacsWidth, kBiotacsWidth,
+                native_type<std::int16_t>());
+    channels.clear();
+  }
+
   void write_pending() {
     if (pending.empty()) return;
-    // Contacts first: a frame that a reader finds then always has its contacts.
+    // These first: a frame that a reader finds then always has its contacts and channels.
     append_contacts();
+    append_channels();
     flush();
     for (const FrameField& field : frame_fields()) {
       const auto width = static_cast<std::size_t>(field.width);
@@ -168,6 +179,13 @@ Writer::~Writer() {
 }
 
 void Writer::frame(const Frame& frame) {
+  const bool has_channels = !frame.reading.biotacs.empty();
+  if (impl_->has_channels.value_or(has_channels) != has_channels) {
+    throw BadInput(fmt::format("the frame at {} s {} channels of BioTacs, unlike those before it",
+                               frame.reading.time, has_channels ? "has" : "lacks"));
+  }
+  impl_->has_channels = has_channels;
+  if (has_channels) append_biotacs(frame.reading, impl_->channels);
   impl_->pending.push_back(frame);
   if (impl_->pending.size() < kFramesPerChunk) return;
   with_hdf5(impl_->partial, kCannotWrite, [&] { impl_->write_pending(); });

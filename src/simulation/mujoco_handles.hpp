@@ -31,6 +31,14 @@ inline Eigen::Isometry3d pose3(const mjtNum* position, const mjtNum* quat_wxyz) 
   return Eigen::Translation3d(vector3(position)) * q.normalized();
 }
 
+/// Pose of a body in the world.
+inline Eigen::Isometry3d body_pose(const mjData& data, int body) {
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.linear() = rotation3(data.xmat + 9 * body);
+  T.translation() = vector3(data.xpos + 3 * body);
+  return T;
+}
+
 /// Writes a pose as position and quaternion (w, x, y, z).
 inline void write_pose(const Eigen::Isometry3d& T, mjtNum* position, mjtNum* quat_wxyz) {
   const Eigen::Quaterniond q(T.linear());

@@ -67,13 +67,6 @@ Eigen::Vector3d object_momentum(const Scene& scene, const mjData& data) {
   return scene.model->body_mass[scene.object] * (vector3(twist) + spin.cross(arm));
 }
 
-Eigen::Isometry3d body_pose(const mjData& data, int body) {
-  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  T.linear() = rotation3(data.xmat + 9 * body);
-  T.translation() = vector3(data.xpos + 3 * body);
-  return T;
-}
-
 }  // namespace
 
 StepStart read_step_start(const Scene& scene, const mjData& data) {

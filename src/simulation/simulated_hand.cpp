@@ -40,6 +40,7 @@ Vector6d base_vector(const hand::BasePosition& base) {
 /// What one contact of the solver does to a fingertip, in the world.
 struct Touch {
   int finger = 0;
+  bool of_object = false;  // else of what stands fast
   Eigen::Vector3d p, n, f;
 };
 
@@ -57,6 +58,7 @@ std::optional<Touch> read_touch(const Scene& scene, const mjData& data, int inde
       const Eigen::Matrix3d R_world_contact = rotation3(contact.frame).transpose();
       const Eigen::Vector3d n = -sign * R_world_contact.col(0);
       return Touch{.finger = finger,
+                   .of_object = scene.model->geom_bodyid[other] == scene.object,
                    .p = vector3(contact.pos) - 0.5 * contact.dist * n,
                    .n = n,
                    .f = sign * (R_world_contact * vector3(wrench.data()))};
@@ -154,6 +156,7 @@ void SimulatedHand::reset(const hand::HandCommand& command) {
     data_.qpos[scene_.base_positions[i]] = base[static_cast<int>(i)];
   }
   integral_.reset();
+  if (biotacs_) biotacs_->reset();
   tick_ = 0;
 }
 
@@ -178,22 +181,29 @@ hand::HandReading SimulatedHand::read() {
   return reading;
 }
 
-void SimulatedHand::read_contacts(hand::HandReading& reading, RandomStream& random) const {
+void SimulatedHand::read_contacts(hand::HandReading& reading, RandomStream& random) {
+  std::array<TipLoad, hand::kFingers> loads;
+  const Eigen::Isometry3d T_object_world = body_pose(data_, scene_.object).inverse();
+  for (Index i = 0; i < loads.size(); ++i) {
+    const int link = scene_.model->geom_bodyid[scene_.tips[i]];
+    loads[i].T_object_link = T_object_world * body_pose(data_, link);
+  }
   for (int i = 0; i < data_.ncon; ++i) {
     const auto touch = read_touch(scene_, data_, i);
     if (!touch || !(touch->f.dot(touch->n) < 0)) continue;
-    const int link = scene_.model->geom_bodyid[scene_.tips[static_cast<Index>(touch->finger)]];
+    const auto finger = static_cast<Index>(touch->finger);
+    const int link = scene_.model->geom_bodyid[scene_.tips[finger]];
     const Eigen::Matrix3d R_link_world = rotation3(data_.xmat + 9 * link).transpose();
     const Eigen::Vector3d origin = vector3(data_.xpos + 3 * link);
-    const hand::TipContact felt = with_noise({.p = R_link_world * (touch->p - origin),
-                                              .n = R_link_world * touch->n,
-                                              .f = R_link_world * touch->f},
-                                             noise_, random);
+    const hand::TipContact contact{.p = R_link_world * (touch->p - origin),
+                                   .n = R_link_world * touch->n,
+                                   .f = R_link_world * touch->f};
+    (touch->of_object ? loads[finger].on_object : loads[finger].on_others).push_back(contact);
+    const hand::TipContact felt = with_noise(contact, noise_, random);
     // A force that drowns in the sensor's noise is not felt.
-    if (felt.f.dot(felt.n) < 0) {
-      reading.contacts[static_cast<Index>(touch->finger)].push_back(felt);
-    }
+    if (felt.f.dot(felt.n) < 0) reading.contacts[finger].push_back(felt);
   }
+  if (biotacs_) reading.biotacs = biotacs_->step(loads, reading.time);
 }
 
 }  // namespace palpate::simulation

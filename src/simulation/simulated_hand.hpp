@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <utility>
 
 #include "palpate/core/random.hpp"
 #include "palpate/hand/hand.hpp"
 #include "scene.hpp"
+#include "simulated_biotacs.hpp"
 
 namespace palpate::simulation {
 
@@ -25,6 +27,9 @@ class SimulatedHand : public hand::Hand {
   /// joints J1 and J2 share J0 as in free flexion.
   void reset(const hand::HandCommand& command);
 
+  /// From now on readings hold the channels of these.
+  void wear(SimulatedBiotacs biotacs) { biotacs_.emplace(std::move(biotacs)); }
+
   /// Tells of every step of the physics; an empty observer ends that.
   void observe(StepObserver observer) { observer_ = std::move(observer); }
 
@@ -33,7 +38,7 @@ class SimulatedHand : public hand::Hand {
   void integrate(const hand::HandCommand& command);
   void step_physics();
   hand::HandReading read();
-  void read_contacts(hand::HandReading& reading, RandomStream& random) const;
+  void read_contacts(hand::HandReading& reading, RandomStream& random);
 
   const Scene& scene_;
   mjData& data_;
@@ -45,6 +50,7 @@ class SimulatedHand : public hand::Hand {
   int steps_a_tick_;
   std::array<hand::Actuator, hand::kActuators> actuators_;
   StepObserver observer_;
+  std::optional<SimulatedBiotacs> biotacs_;
 };
 
 }  // namespace palpate::simulation

@@ -54,7 +54,9 @@ struct World::Impl {
         scene(compose_scene(known, surface, options)),
         data(make_data(*scene.model)),
         believed(believed_hand(options.noise, random)),
-        hand(scene, *data, options, random.fork("readers")) {}
+        hand(scene, *data, options, random.fork("readers")) {
+    if (options.biotacs) hand.wear(SimulatedBiotacs(mesh, believed, random.fork("biotacs")));
+  }
 
   void place_object(const Start& start);
 

@@ -15,8 +15,8 @@ namespace palpate::touch {
 namespace {
 
 constexpr std::array<std::string_view, kBiotacFlags> kNames = {
-    "no_contact", "missing", "out_of_range", "saturated", "stuck",
-    "repeated",   "late",    "out_of_order", "drifted",   "no_rest"};
+    "no_contact", "missing",      "out_of_range", "saturated", "stuck",      "repeated",
+    "late",       "out_of_order", "drifted",      "no_rest",   "unexplained"};
 
 constexpr unsigned kHarmless = static_cast<unsigned>(BiotacFlag::late) |
                                static_cast<unsigned>(BiotacFlag::out_of_order) |

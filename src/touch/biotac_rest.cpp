@@ -2,36 +2,16 @@
 #include <algorithm>
 #include <cmath>
 
+#include "biotac_faults.hpp"
 #include "palpate/core/statistics.hpp"
-#include "palpate/touch/biotac_log.hpp"
 
 namespace palpate::touch {
 namespace {
 
-constexpr std::size_t kBlock = 5;         // frames whose median stands for them
-constexpr double kDriftRate = 2;          // counts/s, of the envelope
-constexpr double kQuiet = 12;             // counts above the envelope that still are rest
-constexpr double kPressureDrift = 15;     // counts since the start, worth telling
-constexpr double kElectrodeDrift = 30;    // counts
-constexpr std::size_t kStuckFrames = 60;  // equal counts in a row ...
-constexpr double kStuckPressure = 60;     // ... while the pressure's change spans this, counts
+constexpr std::size_t kBlock = 5;  // frames whose median stands for them
+constexpr double kDriftRate = 2;   // counts/s, of the envelope
+constexpr double kQuiet = 12;      // counts above the envelope that still are rest
 constexpr double kTop = 4095;
-
-unsigned bit(BiotacFlag flag) { return static_cast<unsigned>(flag); }
-
-unsigned count_flags(const BiotacChannels& channels) {
-  unsigned flags = 0;
-  for (const double count : channels) {
-    if (std::isnan(count)) {
-      flags |= bit(BiotacFlag::missing);
-    } else if (count < 0 || count > kTop) {
-      flags |= bit(BiotacFlag::out_of_range);
-    } else if (count == 0 || count == kTop) {
-      flags |= bit(BiotacFlag::saturated);
-    }
-  }
-  return flags;
-}
 
 void flag_times(const BiotacLog& log, std::vector<unsigned>& flags) {
   const std::size_t n = log.time.size();
@@ -58,7 +38,8 @@ void flag_stuck(const BiotacLog& log, std::vector<unsigned>& flags) {
         high = std::max(high, log.channels[end][0]);
       }
       if (end == start) ++end;  // nan
-      if (end - start < kStuckFrames || !(high - low > kStuckPressure)) continue;
+      if (end - start < static_cast<std::size_t>(kStuckFrames) || !(high - low > kStuckPressure))
+        continue;
       for (std::size_t i = start; i < end; ++i) flags[i] |= bit(BiotacFlag::stuck);
     }
   }
@@ -137,12 +118,26 @@ BiotacChannels rest_at(const std::vector<Block>& rest, double time) {
   return (1 - share) * before.median + share * after->median;
 }
 
+}  // namespace
+
+unsigned count_flags(const BiotacChannels& channels) {
+  unsigned flags = 0;
+  for (const double count : channels) {
+    if (std::isnan(count)) {
+      flags |= bit(BiotacFlag::missing);
+    } else if (count < 0 || count > kTop) {
+      flags |= bit(BiotacFlag::out_of_range);
+    } else if (count == 0 || count == kTop) {
+      flags |= bit(BiotacFlag::saturated);
+    }
+  }
+  return flags;
+}
+
 bool far_from(const BiotacChannels& rest, const BiotacChannels& start) {
   const BiotacChannels change = (rest - start).cwiseAbs();
   return change[0] > kPressureDrift || change.tail<kElectrodes>().maxCoeff() > kElectrodeDrift;
 }
-
-}  // namespace
 
 BiotacSignals biotac_signals(const BiotacLog& log) {
   BiotacSignals signals;

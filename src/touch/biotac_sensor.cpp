@@ -35,9 +35,9 @@ Eigen::Matrix<double, kElectrodes, 1> electrode_rest() {
   return rest;
 }
 
-BiotacChannels BiotacReading::channels() const {
+BiotacChannels channels_of(const BiotacReading& reading) {
   BiotacChannels result;
-  result << pdc, electrodes;
+  result << reading.pdc, reading.electrodes;
   return result;
 }
 

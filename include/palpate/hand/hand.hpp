@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "palpate/core/se3.hpp"
+#include "palpate/hand/biotac_reading.hpp"
 #include "palpate/hand/joints.hpp"
 
 namespace palpate::hand {
@@ -36,6 +37,7 @@ struct HandReading {
   /// Force (N, world axes) that the base's drives exert beyond what the empty hand needs at rest.
   Eigen::Vector3d base_force = Eigen::Vector3d::Zero();
   std::array<std::vector<TipContact>, kFingers> contacts;
+  std::vector<BiotacReading> biotacs;  ///< one a finger; none where the tips have no BioTacs
 };
 
 /// Targets of the position controllers for the next tick.

@@ -16,7 +16,8 @@
 
 namespace palpate::recording {
 
-inline constexpr int kFormatVersion = 1;
+inline constexpr int kFormatVersion = 2;        ///< of what is written
+inline constexpr int kOldestFormatVersion = 1;  ///< that is still read
 
 /// What holds for a whole recording: enough to run the estimator from the recording alone.
 struct Header {

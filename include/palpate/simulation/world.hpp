@@ -38,6 +38,7 @@ struct WorldOptions {
   double table_friction = 0.5;   ///< sliding, object against table
   double stiffness_scale = 4.0;  ///< of the fingers' position controllers
   bool exact_tips = true;        ///< fingertips meet the true surface, else the convex parts
+  bool biotacs = false;          ///< readings hold the channels of BioTacs on the fingertips
   hand::IntegralOptions integral;
   SensorNoise noise;
 
@@ -48,6 +49,7 @@ struct WorldOptions {
     v("table_friction", table_friction, 0.0, 5.0, "sliding, object against table");
     v("stiffness_scale", stiffness_scale, 0.1, 20.0, "of the fingers' position controllers");
     v("exact_tips", exact_tips, "fingertips meet the true surface, else its convex parts");
+    v("biotacs", biotacs, "simulate the channels of BioTacs on the fingertips");
     v.section("integral", integral);
     v.section("noise", noise);
   }

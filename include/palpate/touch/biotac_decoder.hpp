@@ -20,6 +20,9 @@ class BiotacDecoder {
   /// @param rest  a reading at rest
   BiotacDecoder(const BiotacReading& rest, const BiotacSensorOptions& sensor);
 
+  /// Another reading at rest, for what has drifted.
+  void set_rest(const BiotacReading& rest) { rest_ = rest; }
+
   /// The next frame, 10 ms after the last; nothing where a channel is not finite, outside 0..4095
   /// or at an end of that range.
   std::optional<DecodedReading> step(const BiotacReading& reading);

@@ -8,9 +8,11 @@
 #include <string_view>
 #include <vector>
 
+#include "palpate/hand/biotac_reading.hpp"
+
 namespace palpate::touch {
 
-inline constexpr int kElectrodes = 19;
+using hand::kElectrodes;
 /// Channels of a log, in this order: the static pressure pdc, then the electrodes e1..e19.
 inline constexpr int kBiotacChannels = 1 + kElectrodes;
 using BiotacChannels = Eigen::Matrix<double, kBiotacChannels, 1>;
@@ -26,9 +28,10 @@ enum class BiotacFlag : unsigned {
   late = 1u << 6,          ///< a gap before it, long against the log's period
   out_of_order = 1u << 7,  ///< it lies before the frame before it
   drifted = 1u << 8,       ///< the rest values have moved far since the log's start
-  no_rest = 1u << 9,       ///< the log holds no rest to compare with
+  no_rest = 1u << 9,       ///< there is no rest to compare with
+  unexplained = 1u << 10,  ///< no contact explains the channels
 };
-inline constexpr int kBiotacFlags = 10;
+inline constexpr int kBiotacFlags = 11;
 
 /// Names of the flags that are set, joined by "+".
 std::string biotac_flag_names(unsigned flags);

@@ -9,21 +9,12 @@
 
 namespace palpate::touch {
 
-inline constexpr int kPacSamples = 22;         ///< of each frame of 10 ms: 2.2 kHz
+using hand::BiotacReading;
+using hand::kPacSamples;
 inline constexpr double kBiotacPeriod = 0.01;  ///< s between frames
 
-/// One frame of a BioTac: 12-bit counts.
-struct BiotacReading {
-  double time = 0;  ///< s
-  double pdc = 0, tdc = 0, tac = 0;
-  std::array<double, kPacSamples> pac{};
-  /// The pressure was known only at the frames and interpolated between them for `pac`.
-  bool pac_interpolated = true;
-  Eigen::Matrix<double, kElectrodes, 1> electrodes;
-
-  /// Channels pdc, e1..e19, as a log has them.
-  [[nodiscard]] BiotacChannels channels() const;
-};
+/// Channels pdc, e1..e19, as a log has them.
+BiotacChannels channels_of(const BiotacReading& reading);
 
 /// Positions of the electrodes e1..e19 in the sensor frame, m, and their rest values, counts.
 Eigen::Matrix<double, 3, kElectrodes> electrode_positions();

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/touch/biotac_fingers.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "biotac_faults.hpp"
+#include "palpate/core/error.hpp"
+
+namespace palpate::touch {
+namespace {
+
+constexpr double kLateGap = 2.5;     // periods
+constexpr double kRestTime = 2;      // s in which rest follows the readings
+constexpr double kRestPressure = 4;  // counts from rest, within which nothing touches
+constexpr double kMostMisfit = 30;   // standard deviations, beyond which no contact explains
+constexpr int kScalars = 3;          // pdc, tdc, tac
+using Channels = Eigen::Matrix<double, kScalars + kElectrodes, 1>;
+
+Channels rested_channels(const BiotacReading& reading) {
+  Channels channels;
+  channels << reading.pdc, reading.tdc, reading.tac, reading.electrodes;
+  return channels;
+}
+
+/// Moves the rest by a share of the way to a reading.
+void approach(const BiotacReading& reading, double share, BiotacReading& rest) {
+  const Channels moved =
+      rested_channels(rest) + share * (rested_channels(reading) - rested_channels(rest));
+  rest.pdc = moved[0];
+  rest.tdc = moved[1];
+  rest.tac = moved[2];
+  rest.electrodes = moved.tail<kElectrodes>();
+}
+
+bool same(const BiotacReading& a, const BiotacReading& b) {
+  return rested_channels(a) == rested_channels(b) && a.pac == b.pac;
+}
+
+}  // namespace
+
+Eigen::Isometry3d biotac_mount(const hand::HandModel& hand, int finger) {
+  const auto i = static_cast<std::size_t>(finger);
+  const auto& tip = hand.tips.at(i);
+  const Eigen::Vector3d forward = (tip.b - tip.a).normalized();
+  const Eigen::Vector3d axis = hand.links[static_cast<std::size_t>(hand.distal[i])].axis;
+  // A turn about the axis moves the tip this way, towards what it is to feel.
+  const Eigen::Vector3d felt = axis.cross(forward).normalized();
+  Eigen::Isometry3d T_link_sensor = Eigen::Isometry3d::Identity();
+  T_link_sensor.linear() << forward, forward.cross(felt), -felt;
+  T_link_sensor.translation() = tip.b;
+  return T_link_sensor;
+}
+
+BiotacFinger::BiotacFinger(std::shared_ptr<const BiotacInverse> inverse)
+    : inverse_(std::move(inverse)) {}
+
+unsigned BiotacFinger::fault_flags(const BiotacReading& reading) {
+  unsigned flags = count_flags(channels_of(reading));
+  BiotacChannels others = BiotacChannels::Ones();
+  others.head<2>() << reading.tdc, reading.tac;
+  flags |= count_flags(others);
+  if (last_) {
+    const double step = reading.time - last_->time;
+    if (step <= 0) flags |= bit(BiotacFlag::out_of_order);
+    if (step > kLateGap * kBiotacPeriod) flags |= bit(BiotacFlag::late);
+    if (same(reading, *last_)) flags |= bit(BiotacFlag::repeated);
+  }
+  for (std::size_t e = 0; e < still_.size(); ++e) {
+    Stillness& still = still_[e];
+    const auto k = static_cast<Eigen::Index>(e);
+    if (!last_ || reading.electrodes[k] != last_->electrodes[k]) {
+      still = {.frames = 0, .low = reading.pdc, .high = reading.pdc};
+    }
+    ++still.frames;
+    still.low = std::min(still.low, reading.pdc);
+    still.high = std::max(still.high, reading.pdc);
+    if (still.frames >= kStuckFrames && still.high - still.low > kStuckPressure) {
+      flags |= bit(BiotacFlag::stuck);
+    }
+  }
+  return flags;
+}
+
+void BiotacFinger::learn_rest(const BiotacReading& reading) {
+  ++rest_frames_;
+  approach(reading, 1.0 / rest_frames_, rest_);
+  if (rest_frames_ < kRestFrames) return;
+  first_rest_ = rest_;
+  decoder_.emplace(rest_, inverse_->sensor());
+}
+
+void BiotacFinger::follow_rest(const BiotacReading& reading) {
+  approach(reading, kBiotacPeriod / kRestTime, rest_);
+  decoder_->set_rest(rest_);
+}
+
+BiotacFeeling BiotacFinger::step(const BiotacReading& reading) {
+  BiotacFeeling feeling{.flags = fault_flags(reading), .contact = std::nullopt};
+  if (feeling.flags & bit(BiotacFlag::out_of_order)) return feeling;
+  last_ = reading;
+  if (!biotac_usable(feeling.flags)) return feeling;
+  if (!decoder_) {
+    feeling.flags |= bit(BiotacFlag::no_rest);
+    learn_rest(reading);
+    return feeling;
+  }
+  const auto decoded = decoder_->step(reading);
+  if (far_from(channels_of(rest_), channels_of(first_rest_))) {
+    feeling.flags |= bit(BiotacFlag::drifted);
+  }
+  if (decoded) feeling.contact = inverse_->estimate(*decoded);
+  if (!feeling.contact) {
+    feeling.flags |= bit(BiotacFlag::no_contact);
+    if (decoded && std::abs(decoded->pressure) < kRestPressure) follow_rest(reading);
+  } else if (feeling.contact->misfit > kMostMisfit) {
+    feeling.flags |= bit(BiotacFlag::unexplained);
+    feeling.contact.reset();
+  }
+  return feeling;
+}
+
+BiotacFingers::BiotacFingers(const hand::HandModel& hand,
+                             std::shared_ptr<const BiotacInverse> inverse) {
+  for (int finger = 0; finger < hand::kFingers; ++finger) {
+    fingers_.emplace_back(inverse);
+    mounts_[static_cast<std::size_t>(finger)] = biotac_mount(hand, finger);
+  }
+}
+
+std::array<BiotacFeeling, hand::kFingers> BiotacFingers::feel(const hand::HandReading& reading) {
+  if (reading.biotacs.size() != hand::kFingers) {
+    throw BadInput(fmt::format("the reading at {} s has the channels of {} BioTacs, not {}",
+                               reading.time, reading.biotacs.size(), hand::kFingers));
+  }
+  std::array<BiotacFeeling, hand::kFingers> feelings;
+  for (std::size_t i = 0; i < feelings.size(); ++i) {
+    feelings[i] = fingers_[i].step(reading.biotacs[i]);
+  }
+  return feelings;
+}
+
+hand::TipContact BiotacFingers::in_link(const InferredContact& contact, int finger) const {
+  const Eigen::Isometry3d& T = mounts_.at(static_cast<std::size_t>(finger));
+  return {.p = T * contact.p, .n = T.linear() * contact.n, .f = T.linear() * contact.f};
+}
+
+void BiotacFingers::infer_contacts(hand::HandReading& reading) {
+  const auto feelings = feel(reading);
+  for (std::size_t i = 0; i < feelings.size(); ++i) {
+    reading.contacts[i].clear();
+    if (!feelings[i].contact) continue;
+    const auto contact = in_link(*feelings[i].contact, static_cast<int>(i));
+    if (contact.f.dot(contact.n) < 0) reading.contacts[i].push_back(contact);
+  }
+}
+
+}  // namespace palpate::touch
