@@ -41,12 +41,13 @@ DataHandle make_data(const mjModel& model) {
 }  // namespace
 
 struct CollisionScene::Impl {
-  Impl(const geometry::KnownObject& known, const CollisionOptions& given, bool object_known)
+  Impl(const geometry::KnownObject& known, const CollisionOptions& given, const Fixture& fixture,
+       bool object_known)
       : options(given),
         has_object(object_known),
         mesh(known.mesh),
         surface(mesh),
-        scene(compose_scene(known, surface, {})),
+        scene(compose_scene(known, surface, {}, fixture)),
         data(make_data(*scene.model)),
         palm(find_id(*scene.model, mjOBJ_BODY, std::string(kRight) + "palm")) {
     place(Eigen::Isometry3d(Eigen::Translation3d(0, 0, kFarAway)));
@@ -81,7 +82,7 @@ struct CollisionScene::Impl {
 void CollisionScene::Impl::let_hand_meet_object(bool meet) {
   mjModel& m = *scene.model;
   for (int geom = 0; geom < m.ngeom; ++geom) {
-    if (geom == scene.table || m.geom_bodyid[geom] == scene.object) continue;
+    if (scene.stands_fast(geom) || m.geom_bodyid[geom] == scene.object) continue;
     const bool tip = std::find(scene.tips.begin(), scene.tips.end(), geom) != scene.tips.end();
     const int bit = kPartAndSurfaceBits & (tip ? 8 : 2);
     m.geom_conaffinity[geom] =
@@ -105,23 +106,26 @@ void CollisionScene::Impl::set_hand(const hand::BasePosition& base,
 /// That an object at rest touches the table is not the hand's doing.
 bool CollisionScene::Impl::counts(const mjContact& contact) const {
   const auto is_other = [&](int geom) {
-    return geom == scene.table || scene.model->geom_bodyid[geom] == scene.object;
+    return scene.stands_fast(geom) || scene.model->geom_bodyid[geom] == scene.object;
   };
-  return T_palm_object || !is_other(contact.geom[0]) || !is_other(contact.geom[1]);
+  const int others = is_other(contact.geom[0]) + is_other(contact.geom[1]);
+  return others == 2 ? T_palm_object.has_value() : others == 1 || options.self;
 }
 
 std::string CollisionScene::Impl::name_of(int geom) const {
   if (geom == scene.table) return "table";
+  if (scene.stands_fast(geom)) return "fixture";
   const std::string_view name =
       mj_id2name(scene.model.get(), mjOBJ_BODY, scene.model->geom_bodyid[geom]);
   return std::string(name.substr(name.starts_with(kRight) ? kRight.size() : 0));
 }
 
 CollisionScene::CollisionScene(const CollisionOptions& options)
-    : impl_(std::make_unique<Impl>(stand_in(), options, false)) {}
+    : impl_(std::make_unique<Impl>(stand_in(), options, Fixture{}, false)) {}
 
-CollisionScene::CollisionScene(const geometry::KnownObject& object, const CollisionOptions& options)
-    : impl_(std::make_unique<Impl>(object, options, true)) {}
+CollisionScene::CollisionScene(const geometry::KnownObject& object, const CollisionOptions& options,
+                               const Fixture& fixture)
+    : impl_(std::make_unique<Impl>(object, options, fixture, true)) {}
 
 CollisionScene::~CollisionScene() = default;
 CollisionScene::CollisionScene(CollisionScene&&) noexcept = default;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <string_view>
 
 #include "exact_contact.hpp"
 #include "hand_joints.hpp"
@@ -42,6 +43,7 @@ void set_bits(mjsGeom& geom, ContactBits bits) {
 }
 
 constexpr const char* kSurface = "surface";
+constexpr const char* kFixture = "fixture_";  // and a number
 
 struct BaseAxis {
   const char* name;
@@ -99,6 +101,24 @@ void add_table(mjSpec& spec, double friction) {
   table->condim = 3;
   table->priority = 1;
   set_bits(*table, kSolidBits);
+}
+
+void add_fixture(mjSpec& spec, const Fixture& fixture, double friction) {
+  mjsBody* world = mjs_findBody(&spec, "world");
+  int number = 0;
+  for (const FixtureBox& box : fixture) {
+    for (const double half : box.half_extents) require_positive("a fixture's half extent", half);
+    mjsGeom* geom = mjs_addGeom(world, nullptr);
+    mjs_setName(geom->element, fmt::format("{}{}", kFixture, number++).c_str());
+    geom->type = mjGEOM_BOX;
+    Eigen::Vector3d::Map(geom->size) = box.half_extents;
+    write_pose(box.T_world_box, geom->pos, geom->quat);
+    Eigen::Vector3d::Map(geom->friction) << friction, 0.005, 0.0001;
+    geom->condim = 3;
+    geom->priority = 1;
+    geom->solref[0] = kContactTime;
+    set_bits(*geom, kSolidBits);
+  }
 }
 
 void add_base_joint(mjSpec& spec, mjsBody& root, const BaseAxis& axis) {
@@ -207,19 +227,28 @@ void locate(Scene& scene) {
     scene.tips[static_cast<std::size_t>(finger)] = find_id(m, mjOBJ_GEOM, mjcf_tip(finger));
   }
   scene.table = find_id(m, mjOBJ_GEOM, "table");
+  for (int geom = 0; geom < m.ngeom; ++geom) {
+    const char* name = mj_id2name(&m, mjOBJ_GEOM, geom);
+    if (name && std::string_view(name).starts_with(kFixture)) scene.fixture.push_back(geom);
+  }
   scene.object = find_id(m, mjOBJ_BODY, "object");
   scene.object_position = m.jnt_qposadr[m.body_jntadr[scene.object]];
 }
 
 }  // namespace
 
+bool Scene::stands_fast(int geom) const {
+  return geom == table || std::find(fixture.begin(), fixture.end(), geom) != fixture.end();
+}
+
 Scene compose_scene(const geometry::KnownObject& object, const geometry::CapsuleCollider& surface,
-                    const WorldOptions& options) {
+                    const WorldOptions& options, const Fixture& fixture) {
   check(options);
   const SpecHandle spec = parse_shadow_hand(asset("shadow_hand/right_hand.xml"));
   prepare_hand(*spec, options);
   set_solver(*spec, options);
   add_table(*spec, options.table_friction);
+  add_fixture(*spec, fixture, options.table_friction);
   add_base(*spec);
   add_object(*spec, object, options);
   Scene scene{.model = compile(*spec)};

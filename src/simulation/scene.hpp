@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <vector>
 
 #include "mujoco_handles.hpp"
 #include "palpate/geometry/capsule_collider.hpp"
@@ -20,15 +21,19 @@ struct Scene {
   std::array<int, 6> base_actuators{};               ///< ids, in that order
   std::array<int, hand::kFingers> tips{};            ///< geoms
   int table = -1;                                    ///< geom
+  std::vector<int> fixture = {};                     ///< geoms
   int object = -1;                                   ///< body
   int object_position = -1;                          ///< address in qpos
+
+  /// Whether a geom is of the table or of the fixture.
+  [[nodiscard]] bool stands_fast(int geom) const;
 };
 
-/// Composes the scene: the options of the solver, the table, the hand on its driven base and the
-/// object: its true surface for the fingertips, convex parts for all else.
+/// Composes the scene: the options of the solver, the table with the fixture, the hand on its
+/// driven base and the object: its true surface for the fingertips, convex parts for all else.
 /// @param surface  of the object, in its frame; must outlive the scene
 /// @throws BadInput for options that are not positive, or if the hand or the object cannot be used
 Scene compose_scene(const geometry::KnownObject& object, const geometry::CapsuleCollider& surface,
-                    const WorldOptions& options);
+                    const WorldOptions& options, const Fixture& fixture = {});
 
 }  // namespace palpate::simulation

@@ -48,7 +48,7 @@ std::optional<Touch> read_touch(const Scene& scene, const mjData& data, int inde
   const mjContact& contact = data.contact[index];
   for (int side = 0; side < 2; ++side) {
     const int other = contact.geom[1 - side];
-    const bool felt = other == scene.table || scene.model->geom_bodyid[other] == scene.object;
+    const bool felt = scene.stands_fast(other) || scene.model->geom_bodyid[other] == scene.object;
     for (int finger = 0; felt && finger < hand::kFingers; ++finger) {
       if (contact.geom[side] != scene.tips[static_cast<Index>(finger)]) continue;
       // The solver's normal and force point from the first body to the second.

@@ -47,11 +47,12 @@ double lowest_point(const geometry::TriangleMesh& mesh, const Eigen::Isometry3d&
 }  // namespace
 
 struct World::Impl {
-  Impl(const geometry::KnownObject& known, const WorldOptions& options, const RandomStream& random)
+  Impl(const geometry::KnownObject& known, const WorldOptions& options, const RandomStream& random,
+       const Fixture& fixture)
       : object(known),
         mesh(known.mesh),
         surface(mesh),
-        scene(compose_scene(known, surface, options)),
+        scene(compose_scene(known, surface, options, fixture)),
         data(make_data(*scene.model)),
         believed(believed_hand(options.noise, random)),
         hand(scene, *data, options, random.fork("readers")) {
@@ -82,8 +83,9 @@ void World::Impl::place_object(const Start& start) {
   write_pose(T, position, position + 3);
 }
 
-World::World(const geometry::KnownObject& object, const WorldOptions& options, std::uint64_t seed)
-    : impl_(std::make_unique<Impl>(object, options, RandomStream(seed, "world"))) {
+World::World(const geometry::KnownObject& object, const WorldOptions& options, std::uint64_t seed,
+             const Fixture& fixture)
+    : impl_(std::make_unique<Impl>(object, options, RandomStream(seed, "world"), fixture)) {
   silence_warnings();
 }
 

@@ -10,6 +10,7 @@
 #include "palpate/hand/integral_action.hpp"
 #include "palpate/hand/kinematics.hpp"
 #include "palpate/hand/visuals.hpp"
+#include "palpate/simulation/fixture.hpp"
 #include "palpate/simulation/object_step.hpp"
 
 namespace palpate::simulation {
@@ -69,10 +70,11 @@ struct Truth {
   double lowest_point = 0;  ///< z of the object's lowest vertex, m
 };
 
-/// A table, the Shadow hand on its base and one free object, in MuJoCo.
+/// A table, perhaps a fixture on it, the Shadow hand on its base and one free object, in MuJoCo.
 class World {
  public:
-  World(const geometry::KnownObject& object, const WorldOptions& options, std::uint64_t seed);
+  World(const geometry::KnownObject& object, const WorldOptions& options, std::uint64_t seed,
+        const Fixture& fixture = {});
   ~World();
   World(const World&) = delete;
   World& operator=(const World&) = delete;
