@@ -109,7 +109,9 @@ std::vector<Coordinates> LegPlanner::find(const Coordinates& start, const Coordi
   const SearchOptions search_options{.planner = planner_,
                                      .iterations = std::max(1, options_.iterations / 2),
                                      .shortenings = options_.shortenings};
-  for (std::vector<int> moving : {differing(start, goal), movable()}) {
+  std::vector<std::vector<int>> spaces = {differing(start, goal)};
+  if (options_.move_all) spaces.push_back(movable());
+  for (std::vector<int>& moving : spaces) {
     auto corners = search(start, goal, free_, space(std::move(moving), start, goal), search_options,
                           random_.bits());
     if (corners.empty()) continue;

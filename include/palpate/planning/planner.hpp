@@ -22,6 +22,7 @@ struct PlanOptions {
   double step = 0.005;                  ///< m of path between checks for collision
   double detour = 0.25;                 ///< m, rad: search this far beyond start and goal
   double rounding = 0.03;               ///< m of path, how far from a corner it may be cut
+  bool move_all = true;                 ///< what the waypoints keep, too, where nothing else helps
   BaseRange base;
   MotionLimits limits;
 
@@ -33,6 +34,7 @@ struct PlanOptions {
     v("step", step, 1e-4, 0.05, "m of path between checks for collision");
     v("detour", detour, 0.0, 10.0, "m and rad, how far beyond start and goal to search");
     v("rounding", rounding, 0.0, 1.0, "m of path, how far from a corner it may be cut");
+    v("move_all", move_all, "move what the waypoints keep, too, where nothing else helps");
     v.section("base", base);
     v.section("limits", limits);
   }
@@ -60,9 +62,9 @@ struct Plan {
 /// in each, within the limits of speed and acceleration; every sample has been checked.
 ///
 /// Sampling-based search with OMPL (Sucan et al., 2012) over the coordinates in which the waypoints
-/// differ, and, where that finds no way, over all that may move: the base only moves if waypoints
-/// differ in it. Bounded by iterations, not time: the same seed gives the same plan. Plans of
-/// several threads wait for one another, for OMPL has one source of seeds.
+/// differ, and, where that finds no way and `move_all` allows it, over all that may move: the base
+/// only moves if waypoints differ in it. Bounded by iterations, not time: the same seed gives the
+/// same plan. Plans of several threads wait for one another, for OMPL has one source of seeds.
 /// @throws BadInput for fewer than two waypoints or an unknown planner
 Plan plan(const std::vector<Waypoint>& waypoints, simulation::CollisionScene& scene,
           const PlanOptions& options, std::uint64_t seed);
