@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <cstdint>
+#include <limits>
 #include <sstream>
 
 #include "palpate/core/error.hpp"
@@ -18,7 +20,10 @@ void add_common_options(CLI::App& command, CommonOptions& options) {
   command.add_option("--set", options.set, "set one option, e.g. --set lift.way=0.15")
       ->option_text("KEY=VALUE")
       ->allow_extra_args(false);  // else it would take the positional arguments that follow
-  command.add_option("--seed", options.seed, "seed of all randomness")->capture_default_str();
+  command.add_option("--seed", options.seed, "seed of all randomness")
+      ->check(CLI::Range(std::int64_t{0}, std::numeric_limits<std::int64_t>::max()))
+      ->type_name("N")
+      ->capture_default_str();
   command
       .add_option("--threads", options.threads, "threads; the results are the same for any number")
       ->check(CLI::Range(1, 1024))

@@ -9,8 +9,8 @@
 #include <limits>
 #include <optional>
 
-#include "option_suggestion.hpp"
 #include "palpate/core/error.hpp"
+#include "palpate/core/spelling.hpp"
 
 namespace palpate {
 namespace {
@@ -66,14 +66,28 @@ class Assigner {
   const std::string& where_;
 };
 
+/// Users also write only the section or only what stands in it: "way" for "lift.way".
+double key_distance(std::string_view key, std::string_view known) {
+  const double whole = spelling_distance(key, known);
+  const std::size_t dot = known.rfind('.');
+  if (dot == std::string_view::npos || key.find('.') != std::string_view::npos) return whole;
+  return std::min({whole, spelling_distance(key, known.substr(0, dot)),
+                   spelling_distance(key, known.substr(dot + 1))});
+}
+
+std::string suggestion(std::string_view key, const std::vector<OptionField>& fields) {
+  const auto distance = [&](const OptionField& field) { return key_distance(key, field.key); };
+  const auto nearest = std::ranges::min_element(fields, {}, distance);
+  if (nearest == fields.end() || distance(*nearest) > kLikelyMeant) return "";
+  return fmt::format("; did you mean {}?", nearest->key);
+}
+
 const OptionField& find_field(std::string_view key, const std::vector<OptionField>& fields,
                               const std::string& where) {
   const auto found = std::find_if(fields.begin(), fields.end(),
                                   [&](const OptionField& field) { return field.key == key; });
   if (found != fields.end()) return *found;
-  const std::string nearest = nearest_key(key, fields);
-  throw BadInput(fmt::format("{}unknown option {}{}", where, key,
-                             nearest.empty() ? "" : "; did you mean " + nearest + "?"));
+  throw BadInput(fmt::format("{}unknown option {}{}", where, key, suggestion(key, fields)));
 }
 
 void assign(const OptionField& field, const Written& written, const std::string& where) {

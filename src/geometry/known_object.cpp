@@ -9,6 +9,7 @@
 
 #include "palpate/core/assets.hpp"
 #include "palpate/core/error.hpp"
+#include "palpate/core/spelling.hpp"
 #include "palpate/geometry/mesh_io.hpp"
 #include "palpate/geometry/mesh_repair.hpp"
 #include "palpate/geometry/shapes.hpp"
@@ -35,27 +36,11 @@ Source built_in(const std::string& name) {
   return {load_mesh(asset("bunny.ply")), 0.20};
 }
 
-/// Levenshtein distance.
-std::size_t edit_distance(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i + 1;
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      const std::size_t replaced = diagonal + (a[i] != b[j]);
-      diagonal = row[j + 1];
-      row[j + 1] = std::min({replaced, diagonal + 1, row[j] + 1});
-    }
-  }
-  return row.back();
-}
-
 [[noreturn]] void refuse_name(const std::string& name) {
   const auto& known = built_in_objects();
-  const auto nearest = std::ranges::min_element(
-      known, {}, [&](const std::string& candidate) { return edit_distance(name, candidate); });
-  const bool similar = edit_distance(name, *nearest) <= (nearest->size() + 1) / 2;
+  const auto distance = [&](const std::string& other) { return spelling_distance(name, other); };
+  const auto nearest = std::ranges::min_element(known, {}, distance);
+  const bool similar = distance(*nearest) <= kLikelyMeant;
   throw BadInput(fmt::format("'{}' is neither a mesh file nor a built-in object ({}){}", name,
                              fmt::join(known, ", "),
                              similar ? fmt::format("; did you mean '{}'?", *nearest) : ""));

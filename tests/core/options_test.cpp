@@ -119,6 +119,7 @@ TEST(Options, UnknownKeyNamesTheNearestAndTheLine) {
             "run.toml:1: unknown option lfit; did you mean lift.way?");
   EXPECT_EQ(toml_error("[[lift]]\nway = 0.2\n"),
             "run.toml:1: unknown option lift; did you mean lift.way?");
+  EXPECT_EQ(setting_error("zzz=0.2"), "unknown option zzz");
 }
 
 TEST(Options, WrongTypeIsNamed) {
