@@ -27,24 +27,6 @@ constexpr double kTouchSeconds = kTouchReadings * hand::kTick;
 constexpr int kStillTicks = 12;
 constexpr double kStillStep = 0.0003;  // rad a tick
 
-hand::ActuatorVector open_posture(const GraspRecipe& recipe) {
-  hand::ActuatorVector posture = hand::ActuatorVector::Zero();
-  const auto set = [&](std::string_view name, double value) {
-    posture[hand::actuator_index(name)] = value;
-  };
-  for (const std::string finger : {"FF", "MF", "RF", "LF"}) {
-    set(finger + "J3", recipe.proximal);
-    set(finger + "J0", recipe.distal);
-  }
-  set("FFJ4", -recipe.spread);
-  set("LFJ4", -recipe.spread);
-  set("LFJ5", recipe.little_base);
-  set("THJ5", recipe.thumb_base);
-  set("THJ4", recipe.thumb_opposition);
-  set("THJ2", recipe.thumb_middle);
-  return posture;
-}
-
 /// Position of the base that puts it at `ahead`, `left` of a place, seen along the yaw.
 hand::BasePosition base_at(const PickState& state, const GraspRecipe& recipe, double ahead,
                            double left, double height) {
@@ -97,6 +79,24 @@ class FingersDone {
 };
 
 }  // namespace
+
+hand::ActuatorVector open_posture(const GraspRecipe& recipe) {
+  hand::ActuatorVector posture = hand::ActuatorVector::Zero();
+  const auto set = [&](std::string_view name, double value) {
+    posture[hand::actuator_index(name)] = value;
+  };
+  for (const std::string finger : {"FF", "MF", "RF", "LF"}) {
+    set(finger + "J3", recipe.proximal);
+    set(finger + "J0", recipe.distal);
+  }
+  set("FFJ4", -recipe.spread);
+  set("LFJ4", -recipe.spread);
+  set("LFJ5", recipe.little_base);
+  set("THJ5", recipe.thumb_base);
+  set("THJ4", recipe.thumb_opposition);
+  set("THJ2", recipe.thumb_middle);
+  return posture;
+}
 
 PhaseEnd GraspPhase::run(Robot& robot, PickState& state) {
   const auto planned = plan(robot, state);

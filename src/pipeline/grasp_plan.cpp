@@ -16,14 +16,11 @@ namespace {
 using std::numbers::pi;
 
 constexpr double kGravity = 9.81;  // m/s^2
-constexpr int kYaws = 24;
 constexpr int kTipPoints = 5;
 constexpr int kStepTicks = 2;  // of the closing law between two shapes
 constexpr int kMostSteps = 150;
 constexpr float kCommonWidth = 0.06f;  // m
 constexpr float kOverlap = 0.002f;     // m of a link that counts as stuck
-constexpr double kSpacing = 0.010;     // m between places that are tried
-constexpr int kPlaces = 3;             // to either side of the middle
 constexpr std::size_t kFinalists = 16;
 constexpr double kTurnedAway = 0.35;  // rad between a yaw and those that have failed
 const std::array<double, 7> kHeights = {0, 0.012, 0.024, 0.036, 0.05, 0.065, 0.08};  // m
@@ -90,29 +87,37 @@ class Target {
   Eigen::Isometry3f T_object_base_, T_world_base_;
 };
 
-/// What one finger meets first when it closes: the contact of its tip, or nothing.
-std::optional<touch::Contact> meet(const Target& target, const std::vector<FingerShape>& shapes,
-                                   float radius, double table_clearance) {
-  for (const FingerShape& shape : shapes) {
+/// Where a closing finger stops, and the contact of its tip if that is why.
+struct Meeting {
+  std::size_t stop = 0;  ///< index of its shape
+  std::optional<touch::Contact> contact;
+};
+
+Meeting meet(const Target& target, const std::vector<FingerShape>& shapes, float radius,
+             double table_clearance) {
+  Meeting meeting;
+  for (; meeting.stop < shapes.size(); ++meeting.stop) {
+    const FingerShape& shape = shapes[meeting.stop];
     for (const auto& sphere : shape.other_spheres) {
-      if (target.distance(sphere.head<3>()) < sphere.w() - kOverlap) return std::nullopt;
+      if (target.distance(sphere.head<3>()) < sphere.w() - kOverlap) return meeting;
     }
     const Eigen::Vector3f* nearest = nullptr;
     float least = std::numeric_limits<float>::infinity();
     for (const auto& p : shape.tip) {
-      if (target.height(p) - radius < table_clearance / 2) return std::nullopt;
+      if (target.height(p) - radius < table_clearance / 2) return meeting;
       const float distance = target.distance(p) - radius;
       if (distance >= least) continue;
       least = distance;
       nearest = &p;
     }
     if (least > 0) continue;
-    touch::Contact contact;
-    contact.n = target.normal(*nearest);
-    contact.p = nearest->cast<double>() - radius * contact.n;
-    return contact;
+    meeting.contact.emplace();
+    meeting.contact->n = target.normal(*nearest);
+    meeting.contact->p = nearest->cast<double>() - radius * meeting.contact->n;
+    return meeting;
   }
-  return std::nullopt;
+  --meeting.stop;
+  return meeting;
 }
 
 bool comes_down_freely(const Target& target, const ClosingPath& path, const PlanOptions& options,
@@ -144,25 +149,22 @@ class Candidate {
   }
 
   GraspPlan judge(const ClosingPath& path, const PlanOptions& options) const {
-    GraspPlan plan{base_, std::numeric_limits<double>::infinity(), 0};
-    std::vector<touch::Contact> contacts;
-    bool thumb = false;
+    GraspPlan plan;
+    plan.base = base_;
+    plan.cost = std::numeric_limits<double>::infinity();
     for (std::size_t finger = 0; finger < hand::kFingers; ++finger) {
-      auto contact =
+      auto [stop, contact] =
           meet(target_, path.fingers[finger], path.tip_radius[finger], options.table_clearance);
+      plan.stops[finger] = stop;
       if (!contact) continue;
       contact->finger = static_cast<int>(finger);
-      thumb = thumb || finger == 0;
-      contacts.push_back(*contact);
+      plan.contacts.push_back(*contact);
     }
-    plan.fingers = static_cast<int>(contacts.size());
-    if (!thumb || contacts.size() < 2) return plan;
-    const Eigen::Vector3d weight(0, 0, -object_.object().mass * kGravity);
-    const auto balance =
-        balance_forces(contacts, options.friction, options.press,
-                       Load{T_world_base_.inverse() * T_world_object_.translation(),
-                            T_world_base_.linear().transpose() * weight});
-    plan.cost = balance.imbalance + options.missing_finger * (hand::kFingers - plan.fingers);
+    plan.fingers = static_cast<int>(plan.contacts.size());
+    const bool thumb = plan.fingers > 0 && plan.contacts.front().finger == 0;
+    if (!thumb || plan.fingers < 2) return plan;
+    plan.cost = grasp_cost(object_, plan, options, -T_world_base_.linear().row(2).transpose(),
+                           T_world_base_.inverse() * T_world_object_.translation());
     return plan;
   }
 
@@ -207,37 +209,24 @@ std::vector<hand::BasePosition> places(const ClosingPath& path, const Eigen::Vec
                                        const std::vector<double>& avoid) {
   std::vector<hand::BasePosition> result;
   const Eigen::Vector3d center = closing_center(path);
-  for (int i = 0; i < kYaws; ++i) {
+  for (int i = 0; i < options.yaws; ++i) {
     hand::BasePosition base;
-    base.ypr = {2 * pi * i / kYaws, attitude.x(), attitude.y()};
+    base.ypr = {2 * pi * i / options.yaws, attitude.x(), attitude.y()};
     if (was_tried(base.ypr.x(), avoid)) continue;
     const Eigen::Matrix3d R = base.pose().linear();
     const double low = options.table_clearance + 0.001 - lowest_below_base(path, R);
     const Eigen::Vector2d middle = (centroid - R * center).head<2>();
     const Eigen::Rotation2Dd turn(base.ypr.x());
     for (const double raised : kHeights) {
-      for (int x = -kPlaces; x <= kPlaces; ++x) {
-        for (int y = -kPlaces; y <= kPlaces; ++y) {
-          base.xyz << middle + turn * Eigen::Vector2d(kSpacing * x, kSpacing * y), low + raised;
+      for (int x = -options.places; x <= options.places; ++x) {
+        for (int y = -options.places; y <= options.places; ++y) {
+          base.xyz << middle + turn * (options.spacing * Eigen::Vector2d(x, y)), low + raised;
           result.push_back(base);
         }
       }
     }
   }
   return result;
-}
-
-/// Mean cost with the object displaced to its four sides.
-double mean_cost(const localization::ObjectModel& object, const Eigen::Isometry3d& T_world_object,
-                 const ClosingPath& path, const PlanOptions& options, const GraspPlan& plan) {
-  double sum = plan.cost;
-  for (int side = 0; side < 4; ++side) {
-    Eigen::Isometry3d moved = T_world_object;
-    moved.pretranslate(options.pose_error *
-                       Eigen::Vector3d(std::cos(side * pi / 2), std::sin(side * pi / 2), 0));
-    sum += std::min(1.5, Candidate(object, moved, plan.base).judge(path, options).cost);
-  }
-  return sum / 5;
 }
 
 }  // namespace
@@ -272,17 +261,46 @@ ClosingPath closing_path(const hand::HandModel& hand, const hand::ActuatorVector
   return path;
 }
 
-std::optional<GraspPlan> plan_grasp(const localization::ObjectModel& object,
-                                    const Eigen::Isometry3d& T_world_object,
-                                    const ClosingPath& path, const Eigen::Vector2d& attitude,
-                                    const PlanOptions& options, const std::vector<double>& avoid) {
+double grasp_cost(const localization::ObjectModel& object, const GraspPlan& plan,
+                  const PlanOptions& options, const Eigen::Vector3d& gravity,
+                  const Eigen::Vector3d& p_base_object) {
+  const double weight = object.object().mass * kGravity;
+  const auto balance = balance_forces(plan.contacts, options.friction, options.press,
+                                      Load{p_base_object, weight * gravity});
+  return balance.imbalance + options.missing_finger * (hand::kFingers - plan.fingers);
+}
+
+double mean_cost(const localization::ObjectModel& object, const Eigen::Isometry3d& T_world_object,
+                 const ClosingPath& path, const PlanOptions& options, const GraspPlan& plan) {
+  double sum = plan.cost;
+  for (int side = 0; side < 4; ++side) {
+    Eigen::Isometry3d moved = T_world_object;
+    moved.pretranslate(options.pose_error *
+                       Eigen::Vector3d(std::cos(side * pi / 2), std::sin(side * pi / 2), 0));
+    sum += std::min(1.5, Candidate(object, moved, plan.base).judge(path, options).cost);
+  }
+  return sum / 5;
+}
+
+std::vector<GraspPlan> find_grasps(const localization::ObjectModel& object,
+                                   const Eigen::Isometry3d& T_world_object, const ClosingPath& path,
+                                   const Eigen::Vector2d& attitude, const PlanOptions& options,
+                                   const std::vector<double>& avoid) {
   std::vector<GraspPlan> plans;
   for (const auto& base : places(path, T_world_object.translation(), attitude, options, avoid)) {
     const Candidate candidate(object, T_world_object, base);
     if (!candidate.free(path, options)) continue;
-    const GraspPlan plan = candidate.judge(path, options);
-    if (std::isfinite(plan.cost)) plans.push_back(plan);
+    GraspPlan plan = candidate.judge(path, options);
+    if (std::isfinite(plan.cost)) plans.push_back(std::move(plan));
   }
+  return plans;
+}
+
+std::optional<GraspPlan> plan_grasp(const localization::ObjectModel& object,
+                                    const Eigen::Isometry3d& T_world_object,
+                                    const ClosingPath& path, const Eigen::Vector2d& attitude,
+                                    const PlanOptions& options, const std::vector<double>& avoid) {
+  auto plans = find_grasps(object, T_world_object, path, attitude, options, avoid);
   if (plans.empty()) return std::nullopt;
   const auto cheaper = [](const GraspPlan& a, const GraspPlan& b) { return a.cost < b.cost; };
   std::stable_sort(plans.begin(), plans.end(), cheaper);

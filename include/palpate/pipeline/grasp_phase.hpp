@@ -50,6 +50,9 @@ struct GraspRecipe {
 GraspRecipe side_recipe();
 GraspRecipe top_recipe();
 
+/// The fingers as they are before they close.
+hand::ActuatorVector open_posture(const GraspRecipe& recipe);
+
 struct GraspOptions {
   double side_from = 0.3;  ///< objects at least this tall are grasped from the side, m
   GraspRecipe side = side_recipe();
