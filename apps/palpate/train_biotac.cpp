@@ -3,10 +3,14 @@
 
 #include <fmt/format.h>
 
+#include <numbers>
+
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
 #include "palpate/core/progress.hpp"
+#include "palpate/core/se3.hpp"
 #include "palpate/core/statistics.hpp"
+#include "palpate/touch/biotac_electrodes.hpp"
 #include "palpate/touch/biotac_inverse.hpp"
 #include "palpate/touch/biotac_network.hpp"
 #include "palpate/touch/biotac_normal.hpp"
@@ -23,17 +27,27 @@ void require_out(const CommonOptions& common) {
   if (common.out.empty()) throw BadInput("--out FILE is missing: where the model is to go");
 }
 
+std::vector<touch::BiotacSample> samples_of(const std::vector<touch::BiotacLog>& logs) {
+  std::vector<touch::BiotacSample> samples;
+  for (const auto& log : logs) {
+    const auto more = touch::biotac_samples(log);
+    samples.insert(samples.end(), more.begin(), more.end());
+  }
+  return samples;
+}
+
+std::vector<touch::BiotacLog> read_logs(const std::vector<std::string>& paths) {
+  std::vector<touch::BiotacLog> logs;
+  for (const auto& path : paths) logs.push_back(touch::read_biotac_log(path));
+  return logs;
+}
+
 int train_biotac_normal(const BiotacNormalArguments& arguments) {
   require_out(arguments.common);
   auto options = resolve<touch::BiotacNormalOptions>(arguments.common);
   options.seed = arguments.common.seed;
-  std::vector<touch::BiotacLog> logs;
-  std::vector<touch::BiotacSample> samples;
-  for (const auto& path : arguments.logs) {
-    logs.push_back(touch::read_biotac_log(path));
-    const auto more = touch::biotac_samples(logs.back());
-    samples.insert(samples.end(), more.begin(), more.end());
-  }
+  const auto logs = read_logs(arguments.logs);
+  const auto samples = samples_of(logs);
   const auto model = touch::BiotacNormalModel::train(samples, options);
   const auto errors = touch::cross_validate_biotac_normal(logs, options);
   write_file_atomically(arguments.common.out, model.bytes());
@@ -70,6 +84,93 @@ void add_biotac_normal(CLI::App& train, Command& chosen) {
       "  palpate sense day3.csv --model biotac.model --json");
   command.callback(
       [arguments, &chosen] { chosen = [arguments] { return train_biotac_normal(*arguments); }; });
+}
+
+void report(const CommonOptions& common, const nlohmann::json& result) {
+  if (common.json) {
+    fmt::print("{}\n", result.dump(2));
+    return;
+  }
+  for (const auto& [key, value] : result.items()) fmt::print("{}: {}\n", key, value.dump());
+  fmt::print("wrote {}\n", common.out);
+}
+
+struct ElectrodeOptions {
+  touch::ElectrodeFitOptions fit;
+  touch::ElectrodeModelOptions model;
+
+  template <class Visitor>
+  void visit(Visitor&& v) {
+    v.section("fit", fit);
+    v.section("model", model);
+  }
+};
+
+struct ElectrodeArguments {
+  CommonOptions common;
+  std::vector<std::string> logs, judges;
+};
+
+nlohmann::json errors_json(const std::optional<touch::ElectrodeErrors>& errors) {
+  if (!errors) return nullptr;
+  const auto summary = [](const touch::ElectrodeChanges& ratios) {
+    return nlohmann::json{{"mean", ratios.mean()},
+                          {"electrodes", std::vector<double>(ratios.begin(), ratios.end())}};
+  };
+  return {{"fit", summary(errors->fit)}, {"model", summary(errors->model)}};
+}
+
+nlohmann::json fit_json(const touch::ElectrodeFit& fit) {
+  const Eigen::Vector3d turn = log_so3(fit.R_sensor_log) * 180 / std::numbers::pi;
+  return {
+      {"skin.stiffness", fit.skin.stiffness},       {"skin.crown", fit.skin.crown},
+      {"sensor.spread", fit.sensor.spread},         {"sensor.bulge_area", fit.sensor.bulge_area},
+      {"turn_deg", {turn.x(), turn.y(), turn.z()}}, {"mirrored", fit.mirrored}};
+}
+
+int train_biotac_electrodes(const ElectrodeArguments& arguments) {
+  require_out(arguments.common);
+  auto options = resolve<ElectrodeOptions>(arguments.common);
+  options.fit.seed = options.model.seed = arguments.common.seed;
+  const auto logs = read_logs(arguments.logs);
+  const auto samples = samples_of(logs);
+  const auto fit = touch::fit_electrodes(samples, options.fit);
+  const auto model = touch::ElectrodeModel::train(samples, options.model);
+  nlohmann::json result = {{"samples", samples.size()}, {"fit", fit_json(fit)}};
+  result["validation_mae_over_sd"] =
+      errors_json(touch::cross_validate_electrodes(logs, options.fit, options.model));
+  if (!arguments.judges.empty()) {
+    const auto judged = samples_of(read_logs(arguments.judges));
+    result["test_samples"] = judged.size();
+    result["test_mae_over_sd"] =
+        errors_json(touch::judge_electrodes(samples, judged, options.fit, options.model));
+  }
+  write_file_atomically(arguments.common.out, model.bytes());
+  report(arguments.common, result);
+  return kDone;
+}
+
+void add_biotac_electrodes(CLI::App& train, Command& chosen) {
+  auto arguments = std::make_shared<ElectrodeArguments>();
+  auto& command = *train.add_subcommand(
+      "biotac-electrodes", "Learn what a BioTac's electrodes show from logs with known normals");
+  command.add_option("logs", arguments->logs, "CSV with t_s,pdc,e1..e19,nx,ny,nz; raw counts")
+      ->option_text("LOG...")
+      ->required();
+  command.add_option("--test", arguments->judges, "logs to judge by, not learned from")
+      ->option_text("LOG...");
+  add_common_options(command, arguments->common);
+  command.footer(
+      "Reports the simulated sensor's parameters as fitted to the logs, and the errors of that "
+      "fit\n"
+      "and of the learned model (in standard deviations) at whole touches that were left out.\n"
+      "--out names the file of the model.\n\n"
+      "Examples:\n"
+      "  palpate train biotac-electrodes day1.csv day2.csv --out electrodes.model\n"
+      "  palpate train biotac-electrodes day1.csv --test day2.csv --out electrodes.model --json");
+  command.callback([arguments, &chosen] {
+    chosen = [arguments] { return train_biotac_electrodes(*arguments); };
+  });
 }
 
 /// Options of the models that learn from simulated touches.
@@ -119,15 +220,6 @@ ProgressCallback bar(const CommonOptions& common) {
   return [](std::size_t done, std::size_t total) {
     fmt::print(stderr, "epoch {} of {}\n", done, total);
   };
-}
-
-void report(const CommonOptions& common, const nlohmann::json& result) {
-  if (common.json) {
-    fmt::print("{}\n", result.dump(2));
-    return;
-  }
-  for (const auto& [key, value] : result.items()) fmt::print("{}: {}\n", key, value.dump());
-  fmt::print("wrote {}\n", common.out);
 }
 
 int train_biotac_network(const SimulatedArguments& arguments) {
@@ -207,6 +299,7 @@ void add_simulated(CLI::App& train, Command& chosen, const std::string& name,
 
 void add_train_biotac(CLI::App& train, Command& chosen) {
   add_biotac_normal(train, chosen);
+  add_biotac_electrodes(train, chosen);
   add_simulated(train, chosen, "biotac-network",
                 "Train the network that imitates a BioTac (architecture B) on simulated touches",
                 train_biotac_network);

@@ -3,9 +3,10 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <cmath>
 
+#include "levenberg_marquardt.hpp"
 #include "palpate/core/array_file.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/options.hpp"
@@ -25,7 +26,6 @@ constexpr double kCurvature = 30;        // 1/m, of objects, before anything is 
 constexpr double kCurvatureSpread = 80;  // ... and its standard deviation
 constexpr double kMostCurvature = 500;   // 1/m
 constexpr double kModelError = 0.0005;   // of relative resistances, standard deviation
-constexpr int kIterations = 12;
 constexpr double kTop = 4095;
 
 Eigen::VectorXd features(const DecodedReading& reading) {
@@ -167,41 +167,14 @@ InferredContact BiotacInverse::fit(const DecodedReading& reading) const {
   const double scale = std::max(0.1, reading.pressure / sensor_options_.pressure_gain);
   Step width;
   width << 1e-4, 1e-4, 0.03 * scale, 0.03 * scale, 0.03 * scale, 5, 5, 5;
-  Unknowns unknowns = guess(reading);
-  Eigen::VectorXd miss = residuals(unknowns, reading, sigma);
-  Eigen::Matrix<double, kUnknowns, kUnknowns> information;
-  double damping = 1e-2;
-  for (int iteration = 0; iteration < kIterations; ++iteration) {
-    Eigen::MatrixXd slope(miss.size(), kUnknowns);
-    for (int k = 0; k < kUnknowns; ++k) {
-      const Step step = width[k] * Step::Unit(k);
-      slope.col(k) = (residuals(unknowns.moved(step, *skin_), reading, sigma) -
-                      residuals(unknowns.moved(-step, *skin_), reading, sigma)) /
-                     2;
-    }
-    information = slope.transpose() * slope;  // in units of `width`
-    const Step down = slope.transpose() * miss;
-    bool better = false;
-    double gain = 0;
-    for (int attempt = 0; attempt < 4 && !better; ++attempt) {
-      auto damped = information;
-      damped.diagonal() *= 1 + damping;
-      damped.diagonal().array() += 1e-9;
-      const Step step = -damped.ldlt().solve(down).cwiseMax(-30).cwiseMin(30);
-      const Unknowns next = unknowns.moved(width.cwiseProduct(step), *skin_);
-      const Eigen::VectorXd next_miss = residuals(next, reading, sigma);
-      gain = miss.squaredNorm() - next_miss.squaredNorm();
-      better = gain > 0;
-      if (better) {
-        unknowns = next;
-        miss = next_miss;
-      }
-      damping = better ? std::max(1e-6, damping / 5) : damping * 8;
-    }
-    if (!better || gain < 1e-3) break;
-  }
+  const auto found = levenberg_marquardt(
+      guess(reading), width,
+      [&](const Unknowns& unknowns) { return residuals(unknowns, reading, sigma); },
+      [&](const Unknowns& unknowns, const Step& step) { return unknowns.moved(step, *skin_); });
+  const Unknowns& unknowns = found.state;
+  Eigen::MatrixXd information = found.information;
   information.diagonal().array() += 1e-6;
-  const Eigen::Matrix<double, kUnknowns, kUnknowns> covariance =
+  const Eigen::MatrixXd covariance =
       width.asDiagonal() * information.inverse() * width.asDiagonal();
   InferredContact contact;
   contact.p = unknowns.p;
@@ -210,7 +183,8 @@ InferredContact BiotacInverse::fit(const DecodedReading& reading) const {
   contact.tangents = unknowns.tangents;
   // What the model misses outweighs the noise, and its errors are not correlated as those are.
   contact.covariance = covariance.diagonal().head<5>().cwiseProduct(inflation_).asDiagonal();
-  contact.misfit = std::sqrt(miss.squaredNorm() / static_cast<double>(miss.size()));
+  contact.misfit =
+      std::sqrt(found.residuals.squaredNorm() / static_cast<double>(found.residuals.size()));
   return contact;
 }
 

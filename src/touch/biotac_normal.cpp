@@ -10,6 +10,8 @@
 #include <numbers>
 #include <numeric>
 
+#include "biotac_folds.hpp"
+#include "gaussian_process.hpp"
 #include "palpate/core/array_file.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/random.hpp"
@@ -62,17 +64,6 @@ std::vector<BiotacSample> chosen(const std::vector<BiotacSample>& samples,
   }
   all.resize(count);
   return all;
-}
-
-Eigen::MatrixXd kernel(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, double length,
-                       double linear) {
-  const Eigen::MatrixXd products = a.transpose() * b;
-  const Eigen::VectorXd aa = a.colwise().squaredNorm(), bb = b.colwise().squaredNorm();
-  const Eigen::MatrixXd squared =
-      (-2 * products).colwise() + aa + bb.transpose().replicate(aa.size(), 1);
-  const double scale = static_cast<double>(a.rows());
-  return (-squared.array() / (2 * length * length * scale)).exp() +
-         linear * (1 + products.array()) / scale;
 }
 
 /// Standard deviation per tangent axis (rad) of leave-one-out errors would be optimistic for
@@ -197,32 +188,8 @@ BiotacNormalModel BiotacNormalModel::parse(std::string_view bytes, const std::st
 
 std::vector<double> cross_validate_biotac_normal(const std::vector<BiotacLog>& logs,
                                                  const BiotacNormalOptions& options, int folds) {
-  std::vector<std::vector<BiotacSample>> touches;
-  for (const BiotacLog& log : logs) {
-    const BiotacSignals signals = biotac_signals(log);
-    bool touching = false;
-    for (std::size_t i = 0; i < log.time.size(); ++i) {
-      const bool usable = biotac_usable(signals.flags[i]) && log.normals[i].has_value();
-      if (usable && !touching) touches.emplace_back();
-      if (usable) touches.back().push_back({signals.changes[i], *log.normals[i]});
-      touching = usable;
-    }
-  }
-  std::size_t total = 0;
-  for (const auto& touch : touches) total += touch.size();
   std::vector<double> errors;
-  for (int fold = 0; fold < folds; ++fold) {
-    std::vector<BiotacSample> learn, judge;
-    std::size_t before = 0;
-    for (const auto& touch : touches) {
-      const std::size_t middle = before + touch.size() / 2;
-      const bool left_out = static_cast<int>(middle * static_cast<std::size_t>(folds) /
-                                             std::max<std::size_t>(1, total)) == fold;
-      auto& side = left_out ? judge : learn;
-      side.insert(side.end(), touch.begin(), touch.end());
-      before += touch.size();
-    }
-    if (learn.size() < 10) continue;
+  for (const auto& [learn, judge] : folds_of_touches(logs, folds)) {
     const auto model = BiotacNormalModel::train(learn, options);
     for (const auto& sample : judge) {
       if (const auto found = model.estimate(sample.change)) {

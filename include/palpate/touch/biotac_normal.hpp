@@ -78,8 +78,8 @@ class BiotacNormalModel {
 double angle_between_deg(const Eigen::Vector3d& a, const Eigen::Vector3d& b);
 
 /// Errors (deg) at samples that the model did not learn from: the logs' touches are cut where
-/// contact breaks, and every fold leaves a run of whole touches out (a single touch is cut into
-/// equal parts). Frames of one touch are never on both sides.
+/// contact breaks, and every fold leaves a run of whole touches out. Frames of one touch are never
+/// on both sides.
 std::vector<double> cross_validate_biotac_normal(const std::vector<BiotacLog>& logs,
                                                  const BiotacNormalOptions& options = {},
                                                  int folds = 5);
