@@ -38,9 +38,9 @@ int replay(const ReplayArguments& arguments) {
   const auto recording = recording::read_recording(arguments.recording);
   const auto options = replay_options(recording, arguments.common, arguments.recording);
   const localization::ObjectModel object(recording.header.object);
-  const auto estimate =
-      pipeline::locate(object, recording.header.hand, pipeline::touch_log(recording),
-                       options.pick.locate, recording.header.seed);
+  const auto estimate = pipeline::locate(object, recording.header.hand,
+                                         pipeline::touch_log(recording).until(pipeline::Mark::held),
+                                         options.pick.locate, recording.header.seed);
   const auto& posterior = estimate.posterior;
   if (arguments.common.json) {
     fmt::print("{}\n", posterior_json(posterior).dump(2));

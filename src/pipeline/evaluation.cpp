@@ -16,9 +16,43 @@ std::string failed_phase(const Trial& trial) {
   return trial.result.held ? "slip" : trial.result.failed_phase;
 }
 
+void add(const localization::PoseError& error, ErrorSummary& errors) {
+  errors.rotation_deg.push_back(kDegrees * error.rotation);
+  errors.translation_mm.push_back(1e3 * error.translation);
+}
+
+void count_phases(const std::vector<PhaseReport>& reports,
+                  std::map<std::string, PhaseSummary>& phases) {
+  for (const PhaseReport& report : reports) {
+    PhaseSummary& phase = phases[report.name];
+    ++phase.runs;
+    phase.ok += report.status == PhaseStatus::ok;
+    phase.sim_seconds.push_back(report.sim_seconds);
+    phase.wall_seconds.push_back(report.wall_seconds);
+  }
+}
+
+void count_place(const Trial& trial, PlaceSummary& summary) {
+  if (!trial.place) return;
+  const PlaceJudgement& judgement = trial.place_judgement;
+  summary.certain += trial.place->certain;
+  summary.placed += judgement.placed;
+  summary.tight += judgement.tight;
+  summary.wrong += judgement.wrong;
+  summary.dropped += judgement.dropped;
+  ++summary.status[std::string(to_string(trial.place->status))];
+  if (!trial.place->T_world_placed) return;
+  add(judgement.error, summary.final_error);
+  add(judgement.estimate, summary.estimate_error);
+  add(judgement.release, summary.release_motion);
+}
+
 void count(const Trial& trial, ObjectSummary& summary, std::vector<double>& modes) {
   const Judgement& judgement = trial.judgement;
   ++summary.trials;
+  count_phases(trial.result.phases, summary.phases);
+  if (trial.place) count_phases(trial.place->phases, summary.phases);
+  count_place(trial, summary.place);
   if (!judgement.lifted) {
     ++summary.failures[failed_phase(trial)];
     summary.false_hold += trial.result.held;

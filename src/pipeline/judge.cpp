@@ -20,6 +20,10 @@ constexpr double kPoseDistance = 0.010;                    // m
 constexpr double kTightAngle = 2.5 * std::numbers::pi / 180;  // rad
 constexpr double kTightDistance = 0.0035;                     // m
 
+constexpr double kPlaceTightAngle = 3 * std::numbers::pi / 180;  // rad
+constexpr double kPlaceTightDistance = 0.005;                    // m
+constexpr double kLeftHand = 0.025;                              // m of motion in the hand
+
 bool within(const localization::PoseError& error, double angle, double distance) {
   return error.rotation < angle && error.translation < distance;
 }
@@ -83,9 +87,51 @@ bool Judge::right_before_lift(const PickResult& result, const TouchLog& log,
   return within(localization::pose_error(best, truth, symmetries), kPoseAngle, kPoseDistance);
 }
 
+Eigen::Isometry3d Judge::object_at(const TouchLog& log, std::size_t reading) const {
+  return log.readings[reading].base.pose() * moments_[reading].T_base_object;
+}
+
+bool Judge::left_the_hand(const TouchLog& log, std::size_t first, std::size_t last) const {
+  const Eigen::Vector3d start = moments_[first].T_base_object.translation();
+  for (std::size_t i = first; i <= std::min(last, log.readings.size() - 1); ++i) {
+    if ((moments_[i].T_base_object.translation() - start).norm() > kLeftHand) return true;
+  }
+  return false;
+}
+
+PlaceJudgement Judge::place_verdict(const PlaceResult& result, const PlaceTarget& target,
+                                    const TouchLog& log,
+                                    const geometry::KnownObject& object) const {
+  PlaceJudgement judgement;
+  const TouchLog picked = log.until(Mark::held);
+  const std::size_t held = picked.readings.size() - 1;
+  const std::size_t let_go = log.until(Mark::placed).readings.size() - 1;
+  judgement.dropped = left_the_hand(log, held, let_go);
+  const auto closed = picked.at(Mark::closed);
+  const Eigen::Isometry3d before = object_at(log, closed ? *closed : held);
+  judgement.T_world_target =
+      target_pose(target, object, nearest_stance(object, before.linear()).stance);
+  const Eigen::Isometry3d after = world_.truth().T_world_object;
+  const auto apart = [&](const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
+    return localization::pose_error(a, b, object.symmetries);
+  };
+  judgement.error = apart(after, judgement.T_world_target);
+  if (!result.T_world_placed || world_.diverged()) return judgement;
+  const Eigen::Isometry3d at_release = object_at(log, let_go);
+  judgement.estimate = apart(*result.T_world_placed, at_release);
+  judgement.release = apart(after, at_release);
+  const bool let_go_for_good =
+      result.status == PlaceStatus::placed || result.status == PlaceStatus::missing;
+  judgement.placed = let_go_for_good && within(judgement.error, kPoseAngle, kPoseDistance);
+  judgement.tight =
+      judgement.placed && within(judgement.error, kPlaceTightAngle, kPlaceTightDistance);
+  judgement.wrong = result.certain && !judgement.placed;
+  return judgement;
+}
+
 double Judge::motion_while_explored(const TouchLog& log) const {
   const auto place = [&](std::size_t i) -> Eigen::Vector3d {
-    return log.readings[i].base.pose() * moments_[i].T_base_object.translation();
+    return object_at(log, i).translation();
   };
   std::optional<std::size_t> first, last;
   for (const auto& moment : log.since_release()) {

@@ -3,6 +3,7 @@
 
 #include <numbers>
 
+#include "course.hpp"
 #include "palpate/pipeline/explore_phase.hpp"
 #include "palpate/pipeline/locate_phase.hpp"
 #include "palpate/pipeline/release_phase.hpp"
@@ -13,36 +14,13 @@ namespace {
 constexpr double kGravity = 9.81;                       // m/s^2
 constexpr double kNextSide = 2 * std::numbers::pi / 3;  // rad between attempts
 
-/// Runs phases for one pick and keeps their reports.
-class Course {
- public:
-  Course(Robot& robot, PickState& state, PickResult& result, const PhaseObserver& observer)
-      : robot_(robot), state_(state), result_(result), observer_(observer) {}
-
-  bool run(Phase&& phase) {
-    if (observer_.on_begin) observer_.on_begin(phase.name(), robot_.time());
-    result_.phases.push_back(run_phase(phase, robot_, state_));
-    const PhaseReport& report = result_.phases.back();
-    if (observer_.on_end) observer_.on_end(report, robot_.time());
-    const bool ok = report.status == PhaseStatus::ok;
-    if (!ok) result_.failed_phase = report.name;
-    return ok;
-  }
-
- private:
-  Robot& robot_;
-  PickState& state_;
-  PickResult& result_;
-  const PhaseObserver& observer_;
-};
-
 }  // namespace
 
 PickResult pick(Robot& robot, const localization::ObjectModel& object, const PickOptions& options,
                 std::uint64_t seed, const PhaseObserver& observer) {
   PickState state;
   PickResult result;
-  Course course(robot, state, result, observer);
+  Course course(robot, state, result.phases, result.failed_phase, observer);
   const double weight = object.object().mass * kGravity;
 
   // Without a pose to aim by, the grasp goes for the rough place.

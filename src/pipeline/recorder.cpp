@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/pipeline/recorder.hpp"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
+#include <span>
 
 namespace palpate::pipeline {
 namespace {
@@ -49,6 +53,22 @@ void Recorder::estimate(double time, const PoseEstimate& estimate) {
   for (const auto& mode : estimate.posterior.modes) record.modes.push_back(to_record(mode));
   record.contacts = estimate.contacts;
   writer_->estimate(record);
+}
+
+void Recorder::placement(const Eigen::Isometry3d& T_world_target,
+                         const simulation::Fixture& fixture) {
+  if (!writer_) return;
+  const auto note = [&](std::string_view what, std::span<const double> values) {
+    writer_->event({time_, recording::EventKind::note, phase_,
+                    fmt::format("{} {}", what, fmt::join(values, " "))});
+  };
+  note("target", pose_to_row_major(T_world_target));
+  for (const auto& box : fixture) {
+    const auto pose = pose_to_row_major(box.T_world_box);
+    std::vector<double> values(pose.begin(), pose.end());
+    values.insert(values.end(), box.half_extents.begin(), box.half_extents.end());
+    note("fixture", values);
+  }
 }
 
 PhaseObserver Recorder::phases_and(const PhaseObserver& other) {

@@ -70,6 +70,14 @@ MotionEnd Robot::move_base(const hand::BasePosition& target, double speed,
   return MotionEnd::reached;
 }
 
+MotionEnd Robot::follow_base(std::span<const hand::BasePosition> way, const StopCondition& stop) {
+  for (const auto& position : way) {
+    command_.base = position;
+    if (const auto end = tick_until(stop); end != MotionEnd::reached) return end;
+  }
+  return MotionEnd::reached;
+}
+
 MotionEnd Robot::move_fingers(const hand::ActuatorVector& posture, double seconds) {
   const hand::ActuatorVector from = command_.positions;
   const int count = ticks(seconds);

@@ -12,6 +12,14 @@ std::vector<TouchLog::Moment> TouchLog::since_release() const {
   return {release.base(), moments.end()};
 }
 
+TouchLog TouchLog::until(Mark mark) const {
+  const auto last = std::find_if(moments.rbegin(), moments.rend(),
+                                 [&](const Moment& moment) { return moment.mark == mark; });
+  if (last == moments.rend()) return *this;
+  const auto count = static_cast<std::ptrdiff_t>(last->reading) + 1;
+  return {{readings.begin(), readings.begin() + count}, {moments.begin(), last.base()}};
+}
+
 std::optional<std::size_t> TouchLog::at(Mark mark) const {
   std::optional<std::size_t> reading;
   for (const Moment& moment : since_release()) {

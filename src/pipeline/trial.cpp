@@ -34,6 +34,18 @@ simulation::Start draw_start(const geometry::KnownObject& object, const StartOpt
   return start;
 }
 
+std::optional<PlaceTarget> place_target(const geometry::KnownObject& object,
+                                        const PlaceOptions& options, std::uint64_t seed) {
+  if (options.target.empty()) return std::nullopt;
+  return parse_target(options.target, object, options.fixture, options.reach, seed);
+}
+
+simulation::Fixture place_fixture(const geometry::KnownObject& object, const PlaceOptions& options,
+                                  const std::optional<PlaceTarget>& target) {
+  if (!target || target->kind != PlaceTarget::Kind::fixture) return {};
+  return make_fixture(object, options.fixture);
+}
+
 hand::HandCommand waiting_command() {
   hand::HandCommand command;
   command.base.xyz = {0, 0, 0.34};
@@ -44,7 +56,9 @@ Trial run_trial(const localization::ObjectModel& object, const TrialOptions& opt
                 std::uint64_t seed, recording::Writer* writer, const PhaseObserver& observer) {
   Trial trial;
   trial.start = draw_start(object.object(), options.start, seed);
-  simulation::World world(object.object(), options.world, seed);
+  const auto target = place_target(object.object(), options.place, seed);
+  const simulation::Fixture fixture = place_fixture(object.object(), options.place, target);
+  simulation::World world(object.object(), options.world, seed, fixture);
   world.reset(trial.start, waiting_command());
 
   Judge judge(world);
@@ -59,6 +73,11 @@ Trial run_trial(const localization::ObjectModel& object, const TrialOptions& opt
   recorder.estimate(robot.time(), trial.result.estimate);
   trial.judgement =
       judge.verdict(trial.result, robot.log(), options.pick.lift, object.object().symmetries);
+  if (!target || !trial.result.held) return trial;
+  trial.place = place(robot, object, trial.result, *target, fixture, options.pick, options.place,
+                      seed, recorder.phases_and(observer));
+  recorder.placement(trial.place->T_world_target, fixture);
+  trial.place_judgement = judge.place_verdict(*trial.place, *target, robot.log(), object.object());
   return trial;
 }
 

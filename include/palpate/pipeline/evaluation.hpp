@@ -8,6 +8,30 @@
 
 namespace palpate::pipeline {
 
+/// Errors of several trials.
+struct ErrorSummary {
+  std::vector<double> rotation_deg, translation_mm;
+};
+
+/// What became of placing, over all trials of an object.
+struct PlaceSummary {
+  std::size_t certain = 0;  ///< held, and known well enough to place
+  std::size_t placed = 0;   ///< within 5 deg and 10 mm of the target
+  std::size_t tight = 0;    ///< within 3 deg and 5 mm
+  std::size_t wrong = 0;    ///< certain, let go at the target, and not `placed`
+  std::size_t dropped = 0;
+  std::map<std::string, std::size_t> status;  ///< how it ended, of the trials with a held object
+  ErrorSummary final_error;     ///< of the trials in which it was let go at the target
+  ErrorSummary estimate_error;  ///< of these: where it stood before, from where believed
+  ErrorSummary release_motion;  ///< of these: by which letting go moved it
+};
+
+/// A phase over all trials.
+struct PhaseSummary {
+  std::size_t runs = 0, ok = 0;
+  std::vector<double> sim_seconds, wall_seconds;  ///< one a run
+};
+
 /// What became of one object's trials. Rates are over all trials started.
 struct ObjectSummary {
   std::size_t trials = 0;
@@ -24,6 +48,8 @@ struct ObjectSummary {
   std::vector<double> tip_force, explored_motion_mm;  ///< N, mm, of lifted trials
   std::map<std::string, std::size_t> failures;  ///< by the phase that failed; "slip" if lost later
   std::size_t symmetry_order = 1;
+  PlaceSummary place;
+  std::map<std::string, PhaseSummary> phases;
 };
 
 /// Told of each finished trial, in the order of the seeds.

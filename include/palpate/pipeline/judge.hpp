@@ -18,10 +18,16 @@ class Judge {
   Judgement verdict(const PickResult& result, const TouchLog& log, const LiftOptions& lift,
                     const std::vector<Eigen::Matrix3d>& symmetries) const;
 
+  /// To be asked when placing is over.
+  PlaceJudgement place_verdict(const PlaceResult& result, const PlaceTarget& target,
+                               const TouchLog& log, const geometry::KnownObject& object) const;
+
  private:
   bool right_before_lift(const PickResult& result, const TouchLog& log,
                          const std::vector<Eigen::Matrix3d>& symmetries) const;
   double motion_while_explored(const TouchLog& log) const;
+  Eigen::Isometry3d object_at(const TouchLog& log, std::size_t reading) const;
+  bool left_the_hand(const TouchLog& log, std::size_t first, std::size_t last) const;
 
   struct Moment {
     Eigen::Isometry3d T_base_object;

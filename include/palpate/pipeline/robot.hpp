@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <optional>
+#include <span>
 
 #include "palpate/hand/closing.hpp"
 #include "palpate/hand/hand.hpp"
@@ -60,6 +61,9 @@ class Robot {
   /// Moves the base on a straight line (m/s; it turns along in proportion), until there or `stop`.
   MotionEnd move_base(const hand::BasePosition& target, double speed,
                       const StopCondition& stop = {});
+
+  /// Tells the base one position a tick, until the last or `stop`.
+  MotionEnd follow_base(std::span<const hand::BasePosition> way, const StopCondition& stop = {});
 
   /// Moves all actuators to a posture in a given time.
   MotionEnd move_fingers(const hand::ActuatorVector& posture, double seconds);

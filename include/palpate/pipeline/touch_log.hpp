@@ -19,9 +19,10 @@ enum class Mark {
   closed,    ///< the fingers have met the object
   held,      ///< the object hangs in the hand, settled
   released,  ///< the hand has let go: what was felt before no longer holds
+  placed,    ///< the object stands where it was put; the hand is about to let go
 };
-inline constexpr std::array<std::string_view, 7> kMarkNames = {
-    "felt", "sweep", "touched", "missed", "closed", "held", "released"};
+inline constexpr std::array<std::string_view, 8> kMarkNames = {
+    "felt", "sweep", "touched", "missed", "closed", "held", "released", "placed"};
 
 /// All that was felt, and when what was reached: everything that the pose estimate depends on.
 struct TouchLog {
@@ -34,6 +35,9 @@ struct TouchLog {
 
   /// Moments since the hand last let go.
   std::vector<Moment> since_release() const;
+
+  /// The log up to the latest moment of a kind, with it; all of it where there was none.
+  TouchLog until(Mark mark) const;
 
   /// Reading of the latest moment of a kind since the hand last let go.
   std::optional<std::size_t> at(Mark mark) const;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "palpate/pipeline/pick.hpp"
+#include "palpate/pipeline/place.hpp"
 #include "palpate/recording/writer.hpp"
 #include "palpate/simulation/world.hpp"
 
@@ -22,12 +23,14 @@ struct StartOptions {
 /// All that can be configured of a simulated pick.
 struct TrialOptions {
   PickOptions pick;
+  PlaceOptions place;
   StartOptions start;
   simulation::WorldOptions world;
 
   template <class Visitor>
   void visit(Visitor&& v) {
     pick.visit(v);
+    v.section("place", place);
     v.section("start", start);
     v.section("world", world);
   }
@@ -49,10 +52,24 @@ struct Judgement {
   Eigen::Isometry3d T_world_object = Eigen::Isometry3d::Identity();  ///< at the end
 };
 
+/// What the simulator's truth says of placing. All errors are modulo symmetry.
+struct PlaceJudgement {
+  bool placed = false;   ///< let go for good, and within 5 deg and 10 mm of the target at the end
+  bool tight = false;    ///< within 3 deg and 5 mm
+  bool wrong = false;    ///< let go at the target after a certain estimate, and not `placed`
+  bool dropped = false;  ///< it left the hand before the hand let go
+  localization::PoseError error;     ///< of the object at the end from the target
+  localization::PoseError estimate;  ///< where it stood before the hand let go, from where believed
+  localization::PoseError release;   ///< by which letting go and withdrawing moved it
+  Eigen::Isometry3d T_world_target = Eigen::Isometry3d::Identity();  ///< for its true stance
+};
+
 struct Trial {
   simulation::Start start;
   PickResult result;
   Judgement judgement;
+  std::optional<PlaceResult> place;  ///< where the object was held and was to be placed
+  PlaceJudgement place_judgement;
 };
 
 /// Draws where the object of a trial starts.
@@ -60,11 +77,20 @@ struct Trial {
 simulation::Start draw_start(const geometry::KnownObject& object, const StartOptions& options,
                              std::uint64_t seed);
 
-/// One pick in simulation, judged afterwards. The pick itself is given the hand, never the world.
+/// One pick in simulation, with placing if options.place has a target, judged afterwards. Neither
+/// is given the world, only the hand.
 /// @param writer  if given, gets every frame (with the truth), phase and estimate
+/// @throws BadInput for a target that cannot be, before anything moves
 Trial run_trial(const localization::ObjectModel& object, const TrialOptions& options,
                 std::uint64_t seed, recording::Writer* writer = nullptr,
                 const PhaseObserver& observer = {});
+
+/// The target and the fixture that options ask for; none, an empty one.
+/// @throws BadInput for a target that cannot be
+std::optional<PlaceTarget> place_target(const geometry::KnownObject& object,
+                                        const PlaceOptions& options, std::uint64_t seed);
+simulation::Fixture place_fixture(const geometry::KnownObject& object, const PlaceOptions& options,
+                                  const std::optional<PlaceTarget>& target);
 
 /// Where the hand waits before a pick.
 hand::HandCommand waiting_command();

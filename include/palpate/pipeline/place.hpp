@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "palpate/pipeline/feel_phase.hpp"
+#include "palpate/pipeline/pick.hpp"
+#include "palpate/pipeline/place_phase.hpp"
+#include "palpate/pipeline/transport_phase.hpp"
+
+namespace palpate::pipeline {
+
+/// All that can be configured of placing.
+struct PlaceOptions {
+  std::string target;     ///< as parse_target() takes it; empty: the object is not placed
+  double reach = 0.5;     ///< m, how far from the origin a target may be
+  double certain = 0.85;  ///< share of the estimate that must agree on where the object would stand
+  bool verify = true;     ///< feel afterwards whether it stands there
+  SamePose same;
+  FixtureOptions fixture;
+  GoalOptions goal;
+  TransportOptions transport;
+  LowerOptions lower;
+  WithdrawOptions withdraw;
+
+  template <class Visitor>
+  void visit(Visitor&& v) {
+    v("target", target, "fixture, random, x,y,yaw or the 16 numbers of a pose; empty: none");
+    v("reach", reach, 0.05, 1.0, "m, how far from the origin a target may be");
+    v("certain", certain, 0.0, 1.0, "share of the estimate that must agree on the place");
+    v("verify", verify, "feel afterwards whether the object stands there");
+    v.section("same", same);
+    v.section("fixture", fixture);
+    v.section("goal", goal);
+    v.section("transport", transport);
+    v.section("lower", lower);
+    v.section("withdraw", withdraw);
+  }
+};
+
+/// How placing ended.
+enum class PlaceStatus {
+  placed,       ///< the object stands at the target, as far as was felt
+  ambiguous,    ///< its pose is not known well enough: it was put back
+  unreachable,  ///< no position of the base brings it to the target: it was put back
+  refused,      ///< something was in its way at the target: it was put back
+  slipped,      ///< it moved in the hand: it was put back
+  lost,         ///< it fell out of the hand
+  stuck,        ///< it would not leave the hand, or could not be put back
+  missing,      ///< it does not stand where it was put
+};
+std::string_view to_string(PlaceStatus status);
+
+/// What became of placing, as the robot itself knows it.
+struct PlaceResult {
+  PlaceStatus status = PlaceStatus::lost;
+  std::string failed_phase;  ///< empty if all went well
+  std::vector<PhaseReport> phases;
+  HeldObject held;
+  bool certain = false;       ///< the pose was known well enough
+  bool other_stance = false;  ///< the target asks for a stance other than that it was found in
+  Eigen::Isometry3d T_world_target = Eigen::Isometry3d::Identity();
+  std::optional<PlaceGoal> goal;
+  planning::Plan motion;                            ///< of the transport
+  std::optional<Eigen::Isometry3d> T_world_placed;  ///< as it was let go, estimated
+};
+
+/// Transport and placement (thesis chapter 1) of the object that hangs in the hand after a pick:
+/// find where the base has to go, carry, set down by touch, let go, withdraw, verify by touch. What
+/// cannot be done is said, and the object put back gently where it came from.
+///
+/// It is given what the robot felt and the ESTIMATED pose; fixture and target are known.
+/// @param picked  held, with an estimate
+PlaceResult place(Robot& robot, const localization::ObjectModel& object, const PickResult& picked,
+                  const PlaceTarget& target, const simulation::Fixture& fixture,
+                  const PickOptions& pick_options, const PlaceOptions& options, std::uint64_t seed,
+                  const PhaseObserver& observer = {});
+
+}  // namespace palpate::pipeline

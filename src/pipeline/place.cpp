@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/pipeline/place.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include "course.hpp"
+#include "load.hpp"
+
+namespace palpate::pipeline {
+namespace {
+
+constexpr double kGravity = 9.81;       // m/s^2
+constexpr double kWrongHeight = 0.015;  // m: felt that far from what was expected, it fell over
+
+simulation::CollisionOptions held_collisions() {
+  simulation::CollisionOptions options;
+  options.self = false;  // the fingers of a closed hand touch each other
+  return options;
+}
+
+double top_of(const geometry::TriangleMesh& mesh, const Eigen::Isometry3d& T) {
+  double top = -std::numeric_limits<double>::infinity();
+  for (const auto& v : mesh.vertices) top = std::max(top, (T * v).z());
+  return top;
+}
+
+/// A phase made of a function.
+class ThinkPhase : public Phase {
+ public:
+  ThinkPhase(std::string_view name, std::function<PhaseEnd()> think)
+      : name_(name), think_(std::move(think)) {}
+  std::string_view name() const override { return name_; }
+  double time_limit() const override { return 1.0; }
+  PhaseEnd run(Robot&, PickState&) override { return think_(); }
+
+ private:
+  std::string_view name_;
+  std::function<PhaseEnd()> think_;
+};
+
+/// Feels from above whether the object stands where it was put.
+class VerifyPhase : public Phase {
+ public:
+  VerifyPhase(const FeelOptions& options, double expected_top)
+      : options_(options), expected_top_(expected_top) {}
+  std::string_view name() const override { return "verify"; }
+  double time_limit() const override { return 30.0; }
+  PhaseEnd run(Robot& robot, PickState& state) override {
+    const PhaseEnd felt = FeelPhase(options_).run(robot, state);
+    if (!felt.ok) return {false, "felt nothing where the object was put"};
+    const double off = state.height - expected_top_;
+    return {std::abs(off) < kWrongHeight,
+            fmt::format("top felt {:+.1f} mm from where it should be", 1e3 * off)};
+  }
+
+ private:
+  FeelOptions options_;
+  double expected_top_;
+};
+
+/// One placing, step by step.
+class Placement {
+ public:
+  Placement(Robot& robot, const localization::ObjectModel& object, const PickResult& picked,
+            const simulation::Fixture& fixture, const PickOptions& pick_options,
+            const PlaceOptions& options, std::uint64_t seed, const PhaseObserver& observer)
+      : robot_(robot),
+        object_(object.object()),
+        picked_(picked),
+        pick_options_(pick_options),
+        options_(options),
+        seed_(seed),
+        scene_(object_, held_collisions(), fixture),
+        course_(robot, state_, result_.phases, last_failed_, observer) {
+    state_.estimate = picked.estimate;
+  }
+
+  PlaceResult run(const PlaceTarget& target);
+
+ private:
+  bool aim(const PlaceTarget& target);
+  bool set_down(const PlaceGoal& goal, double wall, bool back);
+  bool withdraw();
+  void put_back();
+  bool fail(PlaceStatus status);
+  double weight() const { return object_.mass * kGravity; }
+
+  Robot& robot_;
+  const geometry::KnownObject& object_;
+  const PickResult& picked_;
+  const PickOptions& pick_options_;
+  const PlaceOptions& options_;
+  std::uint64_t seed_;
+  simulation::CollisionScene scene_;
+  PickState state_;
+  PlaceResult result_;
+  std::string last_failed_;
+  Course course_;
+};
+
+/// Remembers the first failure.
+bool Placement::fail(PlaceStatus status) {
+  result_.status = status;
+  if (result_.failed_phase.empty()) result_.failed_phase = result_.phases.back().name;
+  return false;
+}
+
+/// Decides whether the pose is known well enough, and where the base has to go.
+bool Placement::aim(const PlaceTarget& target) {
+  const auto held = held_object(object_, picked_.estimate.posterior, robot_.log(), options_.same);
+  PlaceStatus status = PlaceStatus::ambiguous;
+  const bool ok = course_.run(ThinkPhase("aim", [&]() -> PhaseEnd {
+    if (!held) return {false, "no pose of the held object"};
+    result_.held = *held;
+    result_.T_world_target = target_pose(target, object_, held->found_stance);
+    result_.certain = held->certainty >= options_.certain;
+    if (!result_.certain) {
+      return {false, fmt::format("ambiguous: {:.2f} agree on where it would stand, {:.2f} asked",
+                                 held->certainty, options_.certain)};
+    }
+    status = PlaceStatus::unreachable;
+    const GoalSearch search =
+        find_goal(object_, *held, result_.T_world_target, robot_.reading(), scene_, options_.goal);
+    result_.other_stance = !search.same_stance;
+    result_.goal = search.goal;
+    if (!search.goal) return {false, "unreachable: " + search.obstacle};
+    return {true, fmt::format("{:.2f} agree; {} stance", held->certainty,
+                              search.same_stance ? "the same" : "another")};
+  }));
+  return ok || fail(status);
+}
+
+/// Sets down at the goal under the hand and lets go.
+bool Placement::set_down(const PlaceGoal& goal, double wall, bool back) {
+  PlacePhase lower(options_.lower, goal, wall, open_posture(pick_options_.grasp.top),
+                   back ? "put back" : "place");
+  const bool ok = course_.run(lower);
+  if (!back && lower.let_go()) result_.T_world_placed = lower.T_world_object();
+  if (ok) return withdraw();
+  return fail(lower.touchdown() == PlacePhase::Touchdown::lost ? PlaceStatus::lost
+                                                               : PlaceStatus::refused);
+}
+
+bool Placement::withdraw() {
+  return course_.run(WithdrawPhase(options_.withdraw, weight())) || fail(PlaceStatus::stuck);
+}
+
+/// Back to where the object was lifted from: the one place that is known to be free and level.
+void Placement::put_back() {
+  const PlaceStatus reason = result_.status;
+  const auto closed = robot_.log().at(Mark::closed);
+  PlaceGoal goal;
+  goal.T_base_object = result_.held.T_base_object_flat;
+  goal.seat = robot_.log().readings[*closed].base;
+  goal.above = goal.seat;
+  goal.above.xyz.z() += options_.goal.rise;
+  goal.T_world_object = goal.seat.pose() * goal.T_base_object;
+  TransportPhase carry(options_.transport, scene_, goal, seed_, "carry back");
+  const bool there = course_.run(carry);
+  if (carry.lost()) {
+    fail(PlaceStatus::lost);
+    return;
+  }
+  // Even where no free way back is known, setting down here is gentler than letting go up here.
+  if (!there) {
+    goal.seat.xyz.head<2>() = robot_.reading().base.xyz.head<2>();
+    goal.seat.ypr = robot_.reading().base.ypr;
+  }
+  const bool down = set_down(goal, 0, true);
+  if (down) result_.status = reason;
+  if (result_.status == PlaceStatus::refused && !down) result_.status = PlaceStatus::stuck;
+}
+
+PlaceResult Placement::run(const PlaceTarget& target) {
+  if (!aim(target)) {
+    put_back();
+    return result_;
+  }
+  const bool slot = target.kind == PlaceTarget::Kind::fixture;
+  TransportPhase transport(options_.transport, scene_, *result_.goal, seed_);
+  const bool there = course_.run(transport);
+  result_.motion = transport.motion();
+  if (!there) {
+    const bool moved = transport.motion().status == planning::PlanStatus::ok;
+    fail(transport.lost() ? PlaceStatus::lost
+         : moved          ? PlaceStatus::slipped
+                          : PlaceStatus::unreachable);
+    if (!transport.lost()) put_back();
+    return result_;
+  }
+  if (!set_down(*result_.goal, slot ? options_.fixture.height : 0, false)) {
+    if (result_.status == PlaceStatus::refused) put_back();
+    return result_;
+  }
+  result_.status = PlaceStatus::placed;
+  if (!options_.verify) return result_;
+  state_.place = result_.T_world_placed->translation().head<2>();
+  FeelOptions feel = pick_options_.feel;
+  feel.search = 0;
+  if (!course_.run(VerifyPhase(feel, top_of(object_.mesh, *result_.T_world_placed)))) {
+    fail(PlaceStatus::missing);
+  }
+  return result_;
+}
+
+}  // namespace
+
+std::string_view to_string(PlaceStatus status) {
+  switch (status) {
+    case PlaceStatus::placed:
+      return "placed";
+    case PlaceStatus::ambiguous:
+      return "ambiguous";
+    case PlaceStatus::unreachable:
+      return "unreachable";
+    case PlaceStatus::refused:
+      return "refused";
+    case PlaceStatus::slipped:
+      return "slipped";
+    case PlaceStatus::lost:
+      return "lost";
+    case PlaceStatus::stuck:
+      return "stuck";
+    case PlaceStatus::missing:
+      return "missing";
+  }
+  return "";
+}
+
+PlaceResult place(Robot& robot, const localization::ObjectModel& object, const PickResult& picked,
+                  const PlaceTarget& target, const simulation::Fixture& fixture,
+                  const PickOptions& pick_options, const PlaceOptions& options, std::uint64_t seed,
+                  const PhaseObserver& observer) {
+  return Placement(robot, object, picked, fixture, pick_options, options, seed, observer)
+      .run(target);
+}
+
+}  // namespace palpate::pipeline

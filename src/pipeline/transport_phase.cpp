@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/pipeline/transport_phase.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <span>
+
+#include "load.hpp"
+#include "palpate/core/statistics.hpp"
+#include "palpate/touch/contact_window.hpp"
+
+namespace palpate::pipeline {
+namespace {
+
+constexpr std::size_t kDriftReadings = 20;
+
+/// Mean place of each finger's lasting contacts in its distal link.
+std::array<std::optional<Eigen::Vector3d>, hand::kFingers> places_on_tips(
+    const TouchLog& log, const hand::HandModel& hand, std::size_t last) {
+  std::array<std::optional<Eigen::Vector3d>, hand::kFingers> places;
+  std::array<int, hand::kFingers> counts{};
+  const std::size_t count = std::min(last + 1, kDriftReadings);
+  const auto window = std::span(log.readings).subspan(last + 1 - count, count);
+  const auto T_base_link = hand::forward_kinematics(hand, log.readings[last].joints);
+  for (const auto& contact : touch::lasting_contacts(window, hand, {})) {
+    const auto finger = static_cast<std::size_t>(contact.finger);
+    const auto link = static_cast<std::size_t>(hand.distal[finger]);
+    const Eigen::Vector3d p = T_base_link[link].inverse() * contact.p;
+    const int n = counts[finger]++;
+    places[finger] = n == 0 ? p : Eigen::Vector3d((*places[finger] * n + p) / (n + 1));
+  }
+  return places;
+}
+
+/// What the base is told for a configuration that it is to reach, by what its drives give way.
+hand::BasePosition told(const hand::BasePosition& wanted, const hand::BasePosition& yielded) {
+  return {wanted.xyz + yielded.xyz, wanted.ypr + yielded.ypr};
+}
+
+std::string why_no_path(const planning::Plan& motion) {
+  if (motion.status != planning::PlanStatus::invalid) return "no free path";
+  const auto& fault = motion.invalid.front();
+  return fmt::format("{}: {}", fault.waypoint == 0 ? "at the start" : "over the target",
+                     fault.reason);
+}
+
+}  // namespace
+
+double contact_drift(const TouchLog& log, const hand::HandModel& hand, std::size_t before,
+                     std::size_t after) {
+  const auto from = places_on_tips(log, hand, before), to = places_on_tips(log, hand, after);
+  std::vector<double> drifts;
+  for (std::size_t finger = 0; finger < hand::kFingers; ++finger) {
+    if (from[finger] && to[finger]) drifts.push_back((*to[finger] - *from[finger]).norm());
+  }
+  return drifts.empty() ? 0 : median(drifts);
+}
+
+PhaseEnd TransportPhase::run(Robot& robot, PickState& state) {
+  const double load = mean_load(robot.log());
+  const hand::BasePosition measured = mean_base(robot.log());
+  const hand::BasePosition yielded = {robot.command().base.xyz - measured.xyz,
+                                      robot.command().base.ypr - measured.ypr};
+  const hand::JointVector joints = plannable(robot.reading().joints);
+  scene_.hold(scene_.palm_pose(hand::BasePosition{}, joints).inverse() * goal_.T_base_object);
+  motion_ =
+      planning::plan({{measured, joints}, {goal_.above, joints}}, scene_, options_.plan, seed_);
+  if (motion_.status != planning::PlanStatus::ok) return {false, why_no_path(motion_)};
+
+  std::vector<hand::BasePosition> way;
+  for (const auto& sample : motion_.samples) way.push_back(told(sample.base, yielded));
+  const std::size_t start = robot.log().readings.size() - 1;
+  int untouched = 0;
+  const auto dropped = [&](const hand::HandReading& reading) {
+    untouched = count_contacts(reading) == 0 ? untouched + 1 : 0;
+    return untouched >= options_.lost_ticks;
+  };
+  lost_ = robot.follow_base(way, dropped) == MotionEnd::stopped ||
+          robot.wait(options_.settle, dropped) == MotionEnd::stopped;
+  const double now = mean_load(robot.log());
+  lost_ = lost_ || now < options_.least_weight * load;
+  state.held_load = now;
+  if (lost_) return {false, fmt::format("lost: {:.2f} N of {:.2f} N still hang", now, load)};
+  const double drift =
+      contact_drift(robot.log(), robot.model(), start, robot.log().readings.size() - 1);
+  if (drift > options_.most_slip) {
+    return {false, fmt::format("slipped by {:.1f} mm", 1e3 * drift)};
+  }
+  return {true, fmt::format("planned in {:.0f} ms, moved in {:.1f} s, {:.2f} N hang",
+                            1e3 * motion_.seconds, motion_.duration(), now)};
+}
+
+}  // namespace palpate::pipeline
