@@ -16,7 +16,9 @@ class CemTrainer : public Trainer {
   CemTrainer(const TrainingContext& context, const CemTrainingOptions& options,
              const StructuredPolicy* from)
       : context_(context), options_(options) {
-    state_.mean = flatten(from ? from->parameters() : structured_start());
+    auto start = from ? from->parameters() : structured_start();
+    if (options.memoryless && !(from && from->with_memory())) start = with_free_memory(start);
+    state_.mean = flatten(start);
     state_.spread = options.spread * flatten(structured_spread());
     if (from && options.memoryless) observer_ = from->observer();
   }

@@ -8,6 +8,9 @@ namespace palpate::learning {
 namespace {
 
 constexpr Eigen::Index kThumb = 19;                                 // first of its 5 in a posture
+// What flexes ring and little finger, but for the joints that remember.
+constexpr std::array<Eigen::Index, 4> kStretched = {11, 12, 16, 17};
+constexpr double kStretchedOpen = -0.9, kStretchedClosed = -0.6;
 constexpr std::array<Eigen::Index, 4> kSpreading = {2, 6, 10, 15};  // joints that spread fingers
 
 /// A posture with one value for the wrist and what spreads fingers, one for what flexes them.
@@ -58,6 +61,14 @@ StructuredParameters structured_spread() {
   spread.memory_gain << 1, 2, 1;
   spread.memory_center << 0.05, 0.03, 0.05;
   return spread;
+}
+
+StructuredParameters with_free_memory(StructuredParameters parameters) {
+  for (const Eigen::Index joint : kStretched) {
+    parameters.open[joint] = kStretchedOpen;
+    parameters.closed[joint] = kStretchedClosed;
+  }
+  return parameters;
 }
 
 Eigen::VectorXd flatten(const StructuredParameters& parameters) {

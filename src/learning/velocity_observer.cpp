@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/learning/velocity_observer.hpp"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "palpate/core/error.hpp"
 #include "palpate/core/parallel.hpp"
@@ -13,6 +17,7 @@ namespace {
 
 constexpr double kLeastScale = 3e-3;  // so that inputs that never change do not matter
 constexpr double kLargestInput = 6;   // standard deviations, as the observer clips them
+constexpr int kLeastEpochs = 4;
 
 StructuredPolicy with(const StructuredPolicy& policy, const Eigen::VectorXd& parameters,
                       const std::optional<StructuredPolicy::Observer>& observer) {
@@ -62,37 +67,45 @@ RegressionData meet_all(const simulation::RelocateModel& model, const Structured
   return joined(parts);
 }
 
+StructuredPolicy::Observer new_observer(const RegressionData& data, int hidden,
+                                        RandomStream& random) {
+  auto [shift, scale] = standardization(data.inputs, kLeastScale);
+  Mlp network({StructuredPolicy::kFeatures, hidden, hidden, 3}, Activation::tanh, random);
+  return {std::move(network), std::move(shift), std::move(scale)};
+}
+
+void teach(StructuredPolicy::Observer& observer, const RegressionData& data, int samples,
+           RandomStream& random) {
+  const Eigen::MatrixXd inputs =
+      (observer.scale.cwiseInverse().asDiagonal() * (data.inputs.colwise() - observer.shift))
+          .cwiseMax(-kLargestInput)
+          .cwiseMin(kLargestInput);
+  RegressionOptions options{0, 128, 2e-3, 0.05, 0};
+  options.epochs = std::max(kLeastEpochs, samples / static_cast<int>(inputs.cols()));
+  fit_regression(observer.network, inputs, data.targets, options, random);
+}
+
 }  // namespace
 
 ObserverFit fit_observer(const simulation::RelocateModel& model, const StructuredPolicy& policy,
                          const EpisodeOptions& episode, const ObserverOptions& options,
                          std::uint64_t seed, int threads) {
+  if (options.rounds < 1) throw BadInput(fmt::format("an observer of {} rounds", options.rounds));
   RegressionData all;
-  std::optional<ObserverFit> fit;
+  std::optional<StructuredPolicy::Observer> observer = policy.observer();
+  double r2 = 0;
   RandomStream random(seed, "observer fit");
   for (int round = 0; round < options.rounds; ++round) {
-    const auto follow = fit ? std::optional(fit->observer) : policy.observer();
     const auto fresh =
-        meet_all(model, with(policy, flatten(policy.parameters()), follow), episode, options,
+        meet_all(model, with(policy, flatten(policy.parameters()), observer), episode, options,
                  seed + 1000003 * static_cast<std::uint64_t>(round + 1), threads);
-    const double r2 = fit ? explained(fit->observer, fresh) : 0;
+    if (fresh.inputs.cols() == 0) throw BadInput("an observer without any frame to learn from");
+    if (observer) r2 = explained(*observer, fresh);
     all = joined({all, fresh});
-    if (!fit) {
-      const auto [shift, scale] = standardization(all.inputs, kLeastScale);
-      Mlp network({StructuredPolicy::kFeatures, options.hidden, options.hidden, 3},
-                  Activation::tanh, random);
-      fit = ObserverFit{{std::move(network), shift, scale}, 0};
-    }
-    fit->r2 = r2;
-    const auto& o = fit->observer;
-    const Eigen::MatrixXd inputs =
-        (o.scale.cwiseInverse().asDiagonal() * (all.inputs.colwise() - o.shift))
-            .cwiseMax(-kLargestInput)
-            .cwiseMin(kLargestInput);
-    fit_regression(fit->observer.network, inputs, all.targets, options.regression, random);
+    if (!observer) observer = new_observer(all, options.hidden, random);
+    teach(*observer, all, options.samples, random);
   }
-  if (!fit) throw BadInput("an observer fitted in 0 rounds");
-  return *fit;
+  return {std::move(*observer), r2};
 }
 
 }  // namespace palpate::learning

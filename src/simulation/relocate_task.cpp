@@ -11,7 +11,7 @@
 #include <tuple>
 
 #include "palpate/core/error.hpp"
-#include "relocate_scene.hpp"
+#include "relocate_model.hpp"
 
 namespace palpate::simulation {
 namespace {
@@ -62,12 +62,6 @@ RelocateStart sample_relocate_start(RandomStream& random, double scale) {
   start.target.z() = random.uniform(0.15, 0.25);
   return start;
 }
-
-struct RelocateModel::Impl {
-  RelocateScene scene;
-  RelocateAction center, half_range;
-  double start_height = 0;
-};
 
 RelocateModel::RelocateModel(const RelocateObject& object, const RelocatePhysics& physics) {
   auto impl = std::make_shared<Impl>();

@@ -44,6 +44,10 @@ StructuredParameters structured_spread();
 /// Starting point of a search: an open hand above the object that closes by half.
 StructuredParameters structured_start();
 
+/// The same with ring and little finger stretched: their joints can only remember where the base
+/// was while they touch nothing.
+StructuredParameters with_free_memory(StructuredParameters parameters);
+
 /// All parameters in one vector, and back. @throws BadInput for another size
 Eigen::VectorXd flatten(const StructuredParameters& parameters);
 StructuredParameters unflatten(const Eigen::VectorXd& values);
