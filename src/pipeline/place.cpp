@@ -140,7 +140,7 @@ bool Placement::set_down(const PlaceGoal& goal, double wall, bool back) {
   PlacePhase lower(options_.lower, goal, wall, open_posture(pick_options_.grasp.top),
                    back ? "put back" : "place");
   const bool ok = course_.run(lower);
-  if (!back && lower.let_go()) result_.T_world_placed = lower.T_world_object();
+  if (!back && lower.let_go()) result_.T_world_placed = laid_flat(object_, lower.T_world_object());
   if (ok) return withdraw();
   return fail(lower.touchdown() == PlacePhase::Touchdown::lost ? PlaceStatus::lost
                                                                : PlaceStatus::refused);

@@ -11,7 +11,8 @@
 namespace palpate::pipeline {
 namespace {
 
-constexpr double kRest = 0.25;  // s
+constexpr double kRest = 0.25;       // s
+constexpr double kSettingOut = 0.3;  // s
 constexpr int kLoadedTicks = 3;
 constexpr double kTries = 6;          // places on a turn of the spiral
 constexpr double kEarlyOfWall = 0.5;  // of a wall's height: that high, the object stands on it
@@ -31,10 +32,11 @@ hand::BasePosition moved(hand::BasePosition base, const Eigen::Vector3d& way) {
   return base;
 }
 
-/// Stop condition: what the base carries has fallen below a load for some ticks on end.
-Robot::StopCondition load_below(double load) {
-  return [load, ticks = 0](const hand::HandReading& reading) mutable {
-    ticks = reading.base_force.z() < load ? ticks + 1 : 0;
+/// Stop condition: what the base carries has fallen below a load for some ticks on end, not before
+/// a time (s), for setting out takes load off, too.
+Robot::StopCondition load_below(double load, double since = 0) {
+  return [load, since, ticks = 0](const hand::HandReading& reading) mutable {
+    ticks = reading.time > since && reading.base_force.z() < load ? ticks + 1 : 0;
     return ticks >= kLoadedTicks;
   };
 }
@@ -105,8 +107,8 @@ PlacePhase::Touchdown PlacePhase::lower(Robot& robot, const Eigen::Vector3d& asi
   if (load < options_.contact_load) return Touchdown::lost;
 
   const hand::BasePosition low = moved(seat, {0, 0, -options_.beyond});
-  if (robot.move_base(low, options_.slow_speed, load_below(load - options_.contact_load)) !=
-      MotionEnd::stopped) {
+  const auto borne = load_below(load - options_.contact_load, robot.time() + kSettingOut);
+  if (robot.move_base(low, options_.slow_speed, borne) != MotionEnd::stopped) {
     return Touchdown::nothing;
   }
   height_error_ = robot.reading().base.xyz.z() - goal_.seat.xyz.z();

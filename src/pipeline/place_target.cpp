@@ -66,6 +66,18 @@ void check_reach(const Eigen::Vector2d& xy, double reach) {
                   xy.x(), xy.y(), reach));
 }
 
+/// The first stance that is the same by the object's symmetry: its yaw is counted alike for all.
+std::size_t first_of_equal(const geometry::KnownObject& object, std::size_t stance) {
+  const Eigen::RowVector3d up = object.stances[stance].R_table_object.row(2);
+  for (std::size_t i = 0; i < stance; ++i) {
+    const Eigen::RowVector3d other = object.stances[i].R_table_object.row(2);
+    for (const auto& S : object.symmetries) {
+      if ((other * S).dot(up) > std::cos(kMostTilt)) return i;
+    }
+  }
+  return stance;
+}
+
 PlaceTarget random_spot(std::uint64_t seed) {
   RandomStream random(seed, "place");
   const double angle = random.uniform(-std::numbers::pi, std::numbers::pi);
@@ -146,7 +158,7 @@ Eigen::Isometry3d laid_flat(const geometry::KnownObject& object,
 Eigen::Isometry3d target_pose(const PlaceTarget& target, const geometry::KnownObject& object,
                               std::size_t found_stance) {
   if (target.kind != PlaceTarget::Kind::spot) return target.T_world_object;
-  return resting_pose(object, found_stance, target.xy, target.yaw);
+  return resting_pose(object, first_of_equal(object, found_stance), target.xy, target.yaw);
 }
 
 }  // namespace palpate::pipeline

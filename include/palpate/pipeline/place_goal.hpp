@@ -46,7 +46,7 @@ struct GoalSearch {
 
 struct GoalOptions {
   double rise = 0.10;    ///< m over the target from which the object is let down
-  double room = 0.004;   ///< m over the target where nothing may collide yet
+  double room = 0.0015;  ///< m over the target where nothing may collide yet
   double reach = 0.9;    ///< m, of |x| and |y| of the base
   double highest = 0.9;  ///< m, of the base
 

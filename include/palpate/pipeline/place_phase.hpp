@@ -56,7 +56,7 @@ class PlacePhase : public Phase {
   PhaseEnd run(Robot& robot, PickState& state) override;
 
   enum class Touchdown { flat, early, nothing, lost };
-  /// Pose of the object as it was let go, laid flat by the table, in the world.
+  /// Pose of the object in the closed hand when the table bore it, in the world, estimated.
   const Eigen::Isometry3d& T_world_object() const { return T_world_object_; }
   bool let_go() const { return let_go_; }
   /// How the last descent ended.

@@ -75,7 +75,8 @@ NearestStance nearest_stance(const geometry::KnownObject& object,
 Eigen::Isometry3d laid_flat(const geometry::KnownObject& object,
                             const Eigen::Isometry3d& T_world_object);
 
-/// Where a target is, for an object that was found in a stance.
+/// Where a target is, for an object that was found in a stance; the same for stances that are equal
+/// by symmetry.
 Eigen::Isometry3d target_pose(const PlaceTarget& target, const geometry::KnownObject& object,
                               std::size_t found_stance);
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <numbers>
 #include <string>
 
 #include "palpate/pipeline/phase.hpp"
@@ -13,6 +14,7 @@ namespace palpate::pipeline {
 inline planning::PlanOptions transport_plan_options() {
   planning::PlanOptions options;
   options.move_all = false;
+  options.base.turn = 4 * std::numbers::pi;  // picking may have gone round the object
   options.limits.base_acceleration = 0.5;
   options.limits.turn_acceleration = 2.0;
   options.limits.turn_speed = 0.8;
