@@ -9,6 +9,7 @@
 #include <limits>
 #include <optional>
 
+#include "palpate/core/csv.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/spelling.hpp"
 
@@ -152,12 +153,6 @@ void assign_table(const toml::table& table, const std::string& prefix, std::stri
       assign(find_field(key, fields, where), written_in_toml(node), where);
     }
   }
-}
-
-std::string_view trimmed(std::string_view text) {
-  const auto first = text.find_first_not_of(" \t");
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(" \t") - first + 1);
 }
 
 }  // namespace

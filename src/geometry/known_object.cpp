@@ -46,6 +46,15 @@ Source built_in(const std::string& name) {
                              similar ? fmt::format("; did you mean '{}'?", *nearest) : ""));
 }
 
+/// @throws BadInput, naming the object, if its mesh cannot be repaired
+RepairedMesh repair_named(const std::string& name, const TriangleMesh& mesh) {
+  try {
+    return repair(mesh);
+  } catch (const BadInput& error) {
+    throw BadInput(fmt::format("{}: {}", name, error.what()));
+  }
+}
+
 /// Refuses an object that a hand cannot hold.
 void check_size(const std::string& name, const TriangleMesh& mesh) {
   const Eigen::Vector3d size = bounds(mesh).sizes();
@@ -70,11 +79,12 @@ const std::vector<std::string>& built_in_objects() {
 
 KnownObject load_known_object(const std::string& name_or_file) {
   const bool is_built_in = std::ranges::count(built_in_objects(), name_or_file) > 0;
-  if (!is_built_in && !std::filesystem::exists(name_or_file)) refuse_name(name_or_file);
+  std::error_code unknown;  // of a name too long for a file, for one
+  if (!is_built_in && !std::filesystem::exists(name_or_file, unknown)) refuse_name(name_or_file);
   Source source = is_built_in ? built_in(name_or_file) : Source{load_mesh(name_or_file)};
   check_size(name_or_file, source.mesh);
 
-  RepairedMesh repaired = repair(source.mesh);
+  RepairedMesh repaired = repair_named(name_or_file, source.mesh);
 
   KnownObject object;
   object.name = is_built_in ? name_or_file : std::filesystem::path(name_or_file).stem().string();

@@ -49,14 +49,15 @@ void write_seal(const std::filesystem::path& path, std::string_view mark) {
 }
 
 std::string read_seal(const std::filesystem::path& path) {
-  if (!std::filesystem::exists(path)) {
+  std::error_code error;  // of a name too long for a file, for one
+  if (!std::filesystem::exists(path, error)) {
     const auto partial = path.string() + ".partial";
-    throw BadInput(std::filesystem::exists(partial)
+    throw BadInput(std::filesystem::exists(partial, error)
                        ? fmt::format("{}: no such file; the recording was not finished, see {}",
                                      path.string(), partial)
                        : fmt::format("{}: no such file", path.string()));
   }
-  if (!std::filesystem::is_regular_file(path)) {
+  if (!std::filesystem::is_regular_file(path, error)) {
     throw BadInput(fmt::format("{}: not a file", path.string()));
   }
   std::string seal(kSealSize, '\0');
@@ -87,8 +88,7 @@ Seal check_seal(const std::filesystem::path& path) {
   if (error != std::errc{} || end != version.data() + version.size() ||
       result.version < kOldestFormatVersion || result.version > kFormatVersion) {
     throw BadInput(
-        fmt::format("{}: recording format {:?} is none of {} to {}, which this program "
-                    "reads",
+        fmt::format("{}: recording format {:?} is none of {} to {}, which this program reads",
                     path.string(), version.substr(0, 20), kOldestFormatVersion, kFormatVersion));
   }
   rest.remove_prefix(std::min(rest.size(), version.size() + 1));

@@ -155,7 +155,8 @@ Writer::Writer(std::filesystem::path path, const Header& header) : impl_(new Imp
   impl_->path = std::move(path);
   impl_->partial = impl_->path.string() + ".partial";
   check_readable(header);
-  if (std::filesystem::is_directory(impl_->path)) {
+  std::error_code error;
+  if (std::filesystem::is_directory(impl_->path, error)) {
     throw BadInput(fmt::format("{}: a folder, not a file to write", impl_->path.string()));
   }
   with_hdf5(impl_->partial, kCannotWrite, [&] { create_file(impl_->partial, header); });

@@ -76,6 +76,7 @@ TEST(KnownObject, UnknownNamesAreAnsweredWithTheBuiltIns) {
   EXPECT_TRUE(contains(far, "no/such/file.ply"));
   EXPECT_TRUE(contains(far, "mug, bottle, box, bracket, bunny"));
   EXPECT_FALSE(contains(far, "did you mean"));
+  EXPECT_TRUE(contains(complaint(std::string(300, 'x')), "xxx' is neither"));
 }
 
 TEST_F(KnownObjectFile, ComesBackInItsOwnFrame) {
@@ -107,6 +108,14 @@ TEST_F(KnownObjectFile, SizesThatAHandCannotHoldAreRefused) {
   EXPECT_TRUE(contains(millimetres, "50 x 94 x 175 m")) << millimetres;
   EXPECT_TRUE(contains(millimetres, "millimetres")) << millimetres;
   EXPECT_EQ(complaint(file_of(box_mesh({0.4, 0.1, 0.1}))), "accepted");
+}
+
+TEST_F(KnownObjectFile, AMeshThatCannotBeRepairedIsNamed) {
+  TriangleMesh triangle;
+  triangle.vertices = {{0, 0, 0}, {0.1, 0, 0}, {0, 0.1, 0}};
+  triangle.triangles = {{0, 1, 2}};
+  const std::string file = file_of(triangle);
+  EXPECT_EQ(complaint(file), file + ": nothing of the mesh encloses a volume");
 }
 
 TEST_F(KnownObjectFile, DefectsAreRepairedAndReported) {

@@ -161,6 +161,84 @@ TEST(RecordingTest, ReadsBackBitForBit) {
   }
 }
 
+/// The recording with random counts of BioTacs in every frame, some of them missing.
+Recording with_biotacs(Recording recording) {
+  RandomStream random(6, "biotacs");
+  const auto count = [&] {
+    return random.index(9) == 0 ? std::nan("") : static_cast<double>(random.index(4096));
+  };
+  for (Frame& frame : recording.frames) {
+    for (int finger = 0; finger < hand::kFingers; ++finger) {
+      hand::BiotacReading biotac;
+      biotac.time = frame.reading.time;
+      for (double* value : {&biotac.pdc, &biotac.tdc, &biotac.tac}) *value = count();
+      for (double& value : biotac.electrodes) value = count();
+      for (double& value : biotac.pac) value = count();
+      biotac.pac_interpolated = random.index(2) == 0;
+      frame.reading.biotacs.push_back(biotac);
+    }
+  }
+  return recording;
+}
+
+void expect_same_count(double a, double b) {
+  if (std::isnan(a)) {
+    EXPECT_TRUE(std::isnan(b)) << b;
+  } else {
+    EXPECT_EQ(a, b);
+  }
+}
+
+void expect_same_biotac(const hand::BiotacReading& a, const hand::BiotacReading& b) {
+  EXPECT_EQ(a.time, b.time);
+  expect_same_count(a.pdc, b.pdc);
+  expect_same_count(a.tdc, b.tdc);
+  expect_same_count(a.tac, b.tac);
+  for (int i = 0; i < hand::kElectrodes; ++i) expect_same_count(a.electrodes[i], b.electrodes[i]);
+  for (std::size_t i = 0; i < a.pac.size(); ++i) expect_same_count(a.pac[i], b.pac[i]);
+  EXPECT_EQ(a.pac_interpolated, b.pac_interpolated);
+}
+
+TEST(RecordingTest, ChannelsOfBiotacsComeBack) {
+  const TestFolder folder;
+  const Recording written = with_biotacs(toy_recording(120));
+  write_recording(folder / "toy.h5", written);
+  const Recording read = read_recording(folder / "toy.h5");
+  ASSERT_EQ(read.frames.size(), written.frames.size());
+  for (std::size_t i = 0; i < read.frames.size(); ++i) {
+    expect_same_frame(read.frames[i], written.frames[i]);
+    const auto &a = read.frames[i].reading.biotacs, &b = written.frames[i].reading.biotacs;
+    ASSERT_EQ(a.size(), b.size());
+    for (std::size_t k = 0; k < a.size(); ++k) expect_same_biotac(a[k], b[k]);
+  }
+}
+
+TEST(RecordingTest, FramesWithAndWithoutBiotacsDoNotMix) {
+  const TestFolder folder;
+  Recording recording = with_biotacs(toy_recording(3));
+  recording.frames[1].reading.biotacs.clear();
+  EXPECT_THROW(write_recording(folder / "toy.h5", recording), BadInput);
+  recording = with_biotacs(toy_recording(3));
+  recording.frames[1].reading.biotacs.pop_back();
+  EXPECT_THROW(write_recording(folder / "toy.h5", recording), BadInput);
+  recording = with_biotacs(toy_recording(3));
+  recording.frames[1].reading.biotacs[2].pdc = 40000;
+  EXPECT_THROW(write_recording(folder / "toy.h5", recording), BadInput);
+}
+
+TEST(RecordingTest, TheFirstVersionWithoutBiotacsIsStillRead) {
+  const TestFolder folder;
+  const Recording written = toy_recording(20);
+  write_recording(folder / "old.h5", with_biotacs(written));
+  std::fstream(folder / "old.h5", std::ios::in | std::ios::out) << "PALPATE RECORDING 1\n";
+  const Recording read = read_recording(folder / "old.h5");
+  ASSERT_EQ(read.frames.size(), written.frames.size());
+  for (std::size_t i = 0; i < read.frames.size(); ++i) {
+    expect_same_frame(read.frames[i], written.frames[i]);
+    EXPECT_TRUE(read.frames[i].reading.biotacs.empty());
+  }
+}
+
 TEST(RecordingTest, TruthOverwrittenWithNanReadsAsAbsent) {
   const TestFolder folder;
   Recording recording = toy_recording(20);
@@ -183,7 +261,10 @@ TEST(RecordingTest, NamesWhatIsWrongWithAFile) {
   EXPECT_NE(message_of(folder / "text.h5").find("not a palpate recording"), std::string::npos);
   write_recording(folder / "toy.h5", toy_recording(3));
   std::fstream(folder / "toy.h5", std::ios::in | std::ios::out) << "PALPATE RECORDING 7\n";
-  EXPECT_NE(message_of(folder / "toy.h5").find("format \"7\" is not 1"), std::string::npos);
+  EXPECT_NE(message_of(folder / "toy.h5").find("format \"7\" is none of 1 to 2"),
+            std::string::npos);
+  EXPECT_NE(message_of(folder / std::string(300, 'x').c_str()).find("no such file"),
+            std::string::npos);
 }
 
 TEST(RecordingTest, RefusesValuesThatAreNotFinite) {
