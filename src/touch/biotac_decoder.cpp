@@ -28,11 +28,36 @@ std::optional<DecodedReading> BiotacDecoder::step(const BiotacReading& reading) 
   }
   // Measured: (1 - c) x + c late, where late follows x with share a of the difference a frame.
   const double a = 1 - std::exp(-kBiotacPeriod / sensor_.creep_time), c = sensor_.creep_share;
-  DecodedReading decoded;
-  decoded.resistances = (change - c * (1 - a) * late_) / (1 - c + c * a);
-  late_ += a * (decoded.resistances - late_);
-  decoded.pressure = reading.pdc - rest_.pdc;
-  return decoded;
+  Eigen::VectorXd values(kElectrodes + 1);
+  values.head(kElectrodes) = (change - c * (1 - a) * late_) / (1 - c + c * a);
+  values[kElectrodes] = reading.pdc - rest_.pdc;
+  late_ += a * (values.head(kElectrodes) - late_);
+  const Eigen::VectorXd smooth = smoothed(values);
+  return DecodedReading{.resistances = smooth.head(kElectrodes), .pressure = smooth[kElectrodes]};
+}
+
+Eigen::VectorXd BiotacDecoder::smoothed(const Eigen::VectorXd& values) {
+  constexpr auto kSize = static_cast<std::size_t>(kWindow);
+  if (window_.size() < kSize) {
+    window_.push_back(values);
+  } else {
+    window_[frames_ % kSize] = values;
+  }
+  const std::size_t n = window_.size();
+  Eigen::VectorXd end = Eigen::VectorXd::Zero(values.size());
+  for (std::size_t age = 0; age < n; ++age) {
+    const double weight =
+        (2.0 * (2.0 * static_cast<double>(n) - 1) - 6.0 * static_cast<double>(age)) /
+        (static_cast<double>(n) * (static_cast<double>(n) + 1));
+    end += weight * window_[(frames_ + kSize - age) % kSize];
+  }
+  ++frames_;
+  return end;
+}
+
+double BiotacDecoder::noise_left() {
+  constexpr double n = kWindow;
+  return std::sqrt(2 * (2 * n - 1) / (n * (n + 1)));
 }
 
 }  // namespace palpate::touch

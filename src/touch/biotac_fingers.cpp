@@ -15,7 +15,7 @@ namespace {
 constexpr double kLateGap = 2.5;     // periods
 constexpr double kRestTime = 2;      // s in which rest follows the readings
 constexpr double kRestPressure = 4;  // counts from rest, within which nothing touches
-constexpr double kMostMisfit = 30;   // standard deviations, beyond which no contact explains
+constexpr double kMostMisfit = 15;   // standard deviations, beyond which no contact explains
 constexpr int kScalars = 3;          // pdc, tdc, tac
 using Channels = Eigen::Matrix<double, kScalars + kElectrodes, 1>;
 

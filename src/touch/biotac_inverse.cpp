@@ -17,16 +17,22 @@ namespace palpate::touch {
 namespace {
 
 constexpr const char* kKind = "biotac-inverse";
-constexpr int kVersion = 1;
+constexpr int kVersion = 2;
 constexpr int kFeatures = 1 + 2 * kElectrodes;
 constexpr int kGuessed = 6;
-constexpr double kFlatPressure = 10;     // counts, that keep shares small at light touch
-constexpr int kUnknowns = 8;             // u, v, fu, fv, fn, and the curvatures uu, uv, vv
-constexpr double kCurvature = 30;        // 1/m, of objects, before anything is felt ...
-constexpr double kCurvatureSpread = 80;  // ... and its standard deviation
-constexpr double kMostCurvature = 500;   // 1/m
-constexpr double kModelError = 0.0005;   // of relative resistances, standard deviation
+constexpr double kFlatPressure = 10;      // counts, that keep shares small at light touch
+constexpr int kUnknowns = 8;              // u, v, fu, fv, fn, and the curvatures uu, uv, vv
+constexpr double kCurvature = 30;         // 1/m, of objects, before anything is felt ...
+constexpr double kCurvatureSpread = 250;  // ... and its standard deviation
+constexpr double kMostCurvature = 500;    // 1/m
+constexpr double kModelError = 0.0002;    // of relative resistances, standard deviation
+constexpr double kDoubtfulMisfit = 0.75;  // standard deviations, from which on a fit is doubted
+constexpr double kElsewhere = 0.0025;     // m, from the guess, to where else the contact may be
 constexpr double kTop = 4095;
+
+double rms(const Eigen::VectorXd& values) {
+  return std::sqrt(values.squaredNorm() / static_cast<double>(values.size()));
+}
 
 Eigen::VectorXd features(const DecodedReading& reading) {
   Eigen::VectorXd result(kFeatures);
@@ -40,6 +46,33 @@ Eigen::VectorXd sd_of(const Eigen::MatrixXd& values, const Eigen::VectorXd& mean
   return (deviations.rowwise().squaredNorm() / static_cast<double>(values.cols()))
       .cwiseSqrt()
       .cwiseMax(1e-9);
+}
+
+/// What tells how far a fit may be off: logarithms of its own variance, misfit and pressure.
+Eigen::Vector4d signs_of_error(double variance, double misfit, double pressure) {
+  return {1, std::log(variance), std::log(std::max(misfit, 0.05)),
+          std::log(std::max(pressure, 1.0))};
+}
+
+/// The c with variance exp(c . signs) under which the errors are likeliest, if they are Gaussian
+/// (Fisher scoring, McCullagh & Nelder 1989, section 2.5; a little ridge towards the fit's own
+/// variance).
+Eigen::Vector4d log_variance_fit(const Eigen::Matrix4Xd& signs, const Eigen::VectorXd& errors) {
+  constexpr int kSteps = 60;
+  constexpr double kRidge = 1e-3;
+  const Eigen::Vector4d start(
+      std::log((errors.array().square() / signs.row(1).transpose().array().exp()).mean()), 1, 0, 0);
+  const auto count = static_cast<double>(errors.size());
+  const Eigen::Matrix4d information =
+      signs * signs.transpose() / count + kRidge * Eigen::Matrix4d::Identity();
+  Eigen::Vector4d c = start;
+  for (int step = 0; step < kSteps; ++step) {
+    const Eigen::ArrayXd ratio =
+        errors.array().square() * (-(signs.transpose() * c).array()).exp() - 1;
+    const Eigen::Vector4d up = signs * ratio.min(3.0).matrix() / count + kRidge * (start - c);
+    c += 0.5 * information.ldlt().solve(up);
+  }
+  return c;
 }
 
 std::vector<int> sizes_of(int hidden) { return {kFeatures, hidden, hidden, kGuessed}; }
@@ -153,24 +186,32 @@ BiotacInverse::Unknowns BiotacInverse::guess(const DecodedReading& reading) cons
 InferredContact BiotacInverse::fit(const DecodedReading& reading) const {
   using Step = Eigen::Matrix<double, kUnknowns, 1>;
   const Eigen::VectorXd rest = electrode_rest();
-  const double noise = std::hypot(sensor_options_.noise, 0.3);  // and rounding, counts
+  const double noise =  // and rounding, counts
+      BiotacDecoder::noise_left() * std::hypot(sensor_options_.noise, 0.3);
   Eigen::VectorXd sigma(kElectrodes + 4);
   for (int j = 0; j < kElectrodes; ++j) {
     const double at_rest = kTop / rest[j] - 1;
     const double counts = kTop / (1 + at_rest * (1 + std::max(-0.9, reading.resistances[j])));
     const double from_counts = noise * kTop / (counts * counts * at_rest);
     sigma[j] = std::hypot(from_counts / (1 - sensor_options_.creep_share),
-                          kModelError + 0.004 * std::abs(reading.resistances[j]));
+                          kModelError + 0.001 * std::abs(reading.resistances[j]));
   }
   sigma[kElectrodes] = std::hypot(noise, 0.01 * reading.pressure);
   sigma.tail<3>().setConstant(kCurvatureSpread);
   const double scale = std::max(0.1, reading.pressure / sensor_options_.pressure_gain);
   Step width;
   width << 1e-4, 1e-4, 0.03 * scale, 0.03 * scale, 0.03 * scale, 5, 5, 5;
-  const auto found = levenberg_marquardt(
-      guess(reading), width,
-      [&](const Unknowns& unknowns) { return residuals(unknowns, reading, sigma); },
-      [&](const Unknowns& unknowns, const Step& step) { return unknowns.moved(step, *skin_); });
+  const auto miss = [&](const Unknowns& u) { return residuals(u, reading, sigma); };
+  const auto move = [&](const Unknowns& u, const Step& step) { return u.moved(step, *skin_); };
+  const Unknowns start = guess(reading);
+  auto found = levenberg_marquardt(start, width, miss, move);
+  // A fit that ended beside the truth leaves more than noise: look from other places too.
+  for (int k = 0; k < 4 && rms(found.residuals) > kDoubtfulMisfit; ++k) {
+    Step step = Step::Zero();
+    step[k / 2] = k % 2 ? kElsewhere : -kElsewhere;
+    const auto other = levenberg_marquardt(start.moved(step, *skin_), width, miss, move);
+    if (other.residuals.squaredNorm() < found.residuals.squaredNorm()) found = other;
+  }
   const Unknowns& unknowns = found.state;
   Eigen::MatrixXd information = found.information;
   information.diagonal().array() += 1e-6;
@@ -181,10 +222,12 @@ InferredContact BiotacInverse::fit(const DecodedReading& reading) const {
   contact.n = -unknowns.tangents.col(2);
   contact.f = unknowns.tangents * unknowns.force;
   contact.tangents = unknowns.tangents;
-  // What the model misses outweighs the noise, and its errors are not correlated as those are.
-  contact.covariance = covariance.diagonal().head<5>().cwiseProduct(inflation_).asDiagonal();
-  contact.misfit =
-      std::sqrt(found.residuals.squaredNorm() / static_cast<double>(found.residuals.size()));
+  contact.misfit = rms(found.residuals);
+  contact.covariance.setZero();
+  for (int k = 0; k < 5; ++k) {
+    const auto signs = signs_of_error(covariance(k, k), contact.misfit, reading.pressure);
+    contact.covariance(k, k) = std::exp(signs.dot(calibration_.col(k)));
+  }
   return contact;
 }
 
@@ -244,19 +287,25 @@ Eigen::Matrix<double, 5, 1> contact_error(const InferredContact& found, const Ei
 }
 
 void BiotacInverse::calibrate(const std::vector<BiotacFrame>& held_out) {
-  constexpr std::size_t kMost = 600;
+  constexpr std::size_t kMost = 1500;
   const std::size_t stride = std::max<std::size_t>(1, held_out.size() / kMost);
-  std::array<std::vector<double>, 5> ratios;
-  for (std::size_t i = 0; i < held_out.size(); i += stride) {
-    const auto found = fit(held_out[i].decoded);
-    const auto error = contact_error(found, held_out[i].p, held_out[i].f1);
+  const auto count = static_cast<Eigen::Index>((held_out.size() + stride - 1) / stride);
+  // Until calibrated, the covariance is the fit's own.
+  calibration_ = Eigen::Vector4d(0, 1, 0, 0).replicate<1, 5>();
+  std::array<Eigen::Matrix4Xd, 5> signs;
+  signs.fill(Eigen::Matrix4Xd(4, count));
+  Eigen::MatrixXd errors(count, 5);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const BiotacFrame& frame = held_out[static_cast<std::size_t>(i) * stride];
+    const auto found = fit(frame.decoded);
+    errors.row(i) = contact_error(found, frame.p, frame.f1);
     for (int k = 0; k < 5; ++k) {
-      ratios[static_cast<std::size_t>(k)].push_back(error[k] * error[k] / found.covariance(k, k));
+      signs[static_cast<std::size_t>(k)].col(i) =
+          signs_of_error(found.covariance(k, k), found.misfit, frame.decoded.pressure);
     }
   }
-  // By the median, which a few fits that went astray do not move; chi-square of 1 dof has .455.
   for (int k = 0; k < 5; ++k) {
-    inflation_[k] = std::max(0.1, median(ratios[static_cast<std::size_t>(k)]) / 0.4549);
+    calibration_.col(k) = log_variance_fit(signs[static_cast<std::size_t>(k)], errors.col(k));
   }
 }
 
@@ -270,7 +319,7 @@ std::string BiotacInverse::bytes() const {
   file.add("input_sd", input_sd_.cast<float>());
   file.add("output_mean", output_mean_.cast<float>());
   file.add("output_sd", output_sd_.cast<float>());
-  file.add("inflation", inflation_.cast<float>());
+  file.add("calibration", calibration_.cast<float>());
   return file.bytes();
 }
 
@@ -291,9 +340,8 @@ BiotacInverse BiotacInverse::parse(std::string_view bytes, const std::string& so
   model.input_sd_ = file.get("input_sd", kFeatures, 1).cast<double>();
   model.output_mean_ = file.get("output_mean", kGuessed, 1).cast<double>();
   model.output_sd_ = file.get("output_sd", kGuessed, 1).cast<double>();
-  model.inflation_ = file.get("inflation", 5, 1).cast<double>();
-  if (model.input_sd_.minCoeff() <= 0 || model.output_sd_.minCoeff() <= 0 ||
-      model.inflation_.minCoeff() <= 0) {
+  model.calibration_ = file.get("calibration", 4, 5).cast<double>();
+  if (model.input_sd_.minCoeff() <= 0 || model.output_sd_.minCoeff() <= 0) {
     throw BadInput(fmt::format("{}: a scale of the model is not positive", source));
   }
   return model;

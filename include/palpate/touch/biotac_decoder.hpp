@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "palpate/touch/biotac_sensor.hpp"
 
@@ -13,10 +14,17 @@ struct DecodedReading {
   double pressure = 0;          ///< change of pdc, counts
 };
 
-/// Takes temperature and creep out of a sensor's readings, frame by frame. The creep is linear in
-/// the resistances, so that its state follows from the readings alone.
+/// Takes temperature and creep out of a sensor's readings, frame by frame, and most of the noise.
+///
+/// The creep is linear in the resistances, so that its state follows from the readings alone. What
+/// it gives is the end of a line fitted to the last frames (Savitzky & Golay 1964, order 1).
 class BiotacDecoder {
  public:
+  static constexpr int kWindow = 12;  ///< frames at most that the line is fitted to
+
+  /// Standard deviation of the noise that the line leaves, as a share.
+  static double noise_left();
+
   /// @param rest  a reading at rest
   BiotacDecoder(const BiotacReading& rest, const BiotacSensorOptions& sensor);
 
@@ -28,9 +36,13 @@ class BiotacDecoder {
   std::optional<DecodedReading> step(const BiotacReading& reading);
 
  private:
+  Eigen::VectorXd smoothed(const Eigen::VectorXd& values);
+
   BiotacReading rest_;
   BiotacSensorOptions sensor_;
   Eigen::VectorXd late_;
+  std::vector<Eigen::VectorXd> window_;  // resistances, then the pressure; a ring
+  std::size_t frames_ = 0;
 };
 
 }  // namespace palpate::touch

@@ -45,8 +45,9 @@ struct BiotacInverseOptions {
 /// Contact point, normal and force (the "skew force") from a BioTac's channels.
 ///
 /// A small network guesses; then the contact's place, force and the object's curvature are fitted
-/// to the channels through the skin's model (Levenberg 1944, Marquardt 1963). The variances are
-/// the fit's, enlarged by factors found on trajectories that the network has not learned.
+/// to the channels through the skin's model (Levenberg 1944, Marquardt 1963). The variances
+/// follow from the fit's own, its misfit and the pressure, as errors did on trajectories that the
+/// network has not learned.
 class BiotacInverse {
  public:
   /// Pressure change, counts, up to which nothing is inferred.
@@ -82,7 +83,8 @@ class BiotacInverse {
   BiotacElectrodes electrodes_;
   Mlp guess_;
   Eigen::VectorXd input_mean_, input_sd_, output_mean_, output_sd_;
-  Eigen::Matrix<double, 5, 1> inflation_ = Eigen::Matrix<double, 5, 1>::Ones();
+  /// Of the logarithm of each variance: 1, and the logarithms of the fit's own, misfit, pressure.
+  Eigen::Matrix<double, 4, 5> calibration_ = Eigen::Vector4d(0, 1, 0, 0).replicate<1, 5>();
 };
 
 }  // namespace palpate::touch

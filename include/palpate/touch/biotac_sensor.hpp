@@ -23,8 +23,8 @@ Eigen::Matrix<double, kElectrodes, 1> electrode_rest();
 struct BiotacSensorOptions {
   double gap = 0.0019;           ///< m, between core and skin at rest
   double least_gap = 0.0002;     ///< m
-  double spread = 0.0022;        ///< m, standard deviation of an electrode's view of the skin
-  double bulge_area = 2.5e-4;    ///< m^2, of the skin that displaced fluid lifts
+  double spread = 0.0039;        ///< m, standard deviation of an electrode's view of the skin
+  double bulge_area = 2.6e-4;    ///< m^2, of the skin that displaced fluid lifts
   double drag = 1.0;             ///< share of the skin's shear that drags fluid along
   double creep_share = 0.25;     ///< of the gap's change, that follows late ...
   double creep_time = 0.12;      ///< s, ... with this time constant
