@@ -40,7 +40,7 @@ int replay(const ReplayArguments& arguments) {
   const localization::ObjectModel object(recording.header.object);
   const auto estimate = pipeline::locate(object, recording.header.hand,
                                          pipeline::touch_log(recording).until(pipeline::Mark::held),
-                                         options.pick.locate, recording.header.seed);
+                                         options.pick_options().locate, recording.header.seed);
   const auto& posterior = estimate.posterior;
   if (arguments.common.json) {
     fmt::print("{}\n", posterior_json(posterior).dump(2));

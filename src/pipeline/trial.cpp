@@ -5,8 +5,10 @@
 
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include "palpate/core/error.hpp"
+#include "palpate/pipeline/biotac_hand.hpp"
 #include "palpate/pipeline/judge.hpp"
 #include "palpate/pipeline/recorder.hpp"
 
@@ -34,6 +36,22 @@ simulation::Start draw_start(const geometry::KnownObject& object, const StartOpt
   return start;
 }
 
+bool TouchOptions::from_biotacs() const {
+  if (source != "solver" && source != "biotac") {
+    throw BadInput(fmt::format("touch.source = {:?}: it is \"solver\" or \"biotac\"", source));
+  }
+  return source == "biotac";
+}
+
+PickOptions TrialOptions::pick_options() const {
+  PickOptions options = pick;
+  if (touch.from_biotacs()) {
+    options.locate.errors.point_floor = touch.biotac_point;
+    options.locate.errors.normal_floor = touch.biotac_normal;
+  }
+  return options;
+}
+
 std::optional<PlaceTarget> place_target(const geometry::KnownObject& object,
                                         const PlaceOptions& options, std::uint64_t seed) {
   if (options.target.empty()) return std::nullopt;
@@ -58,23 +76,30 @@ Trial run_trial(const localization::ObjectModel& object, const TrialOptions& opt
   trial.start = draw_start(object.object(), options.start, seed);
   const auto target = place_target(object.object(), options.place, seed);
   const simulation::Fixture fixture = place_fixture(object.object(), options.place, target);
-  simulation::World world(object.object(), options.world, seed, fixture);
+  const PickOptions pick_options = options.pick_options();
+  simulation::WorldOptions world_options = options.world;
+  world_options.biotacs = world_options.biotacs || options.touch.from_biotacs();
+  simulation::World world(object.object(), world_options, seed, fixture);
   world.reset(trial.start, waiting_command());
 
   Judge judge(world);
   Recorder recorder(writer, world);
-  Robot robot(world.hand(), world.hand_model(), waiting_command(),
+  std::optional<BiotacHand> feeling;
+  if (options.touch.from_biotacs()) {
+    feeling.emplace(world.hand(), world.hand_model(), shipped_biotac_inverse());
+  }
+  Robot robot(feeling ? *feeling : world.hand(), world.hand_model(), waiting_command(),
               {[&](const auto& reading, const auto& command) {
                  judge.observe(reading);
                  recorder.frame(reading, command);
                },
                [&](Mark mark) { recorder.mark(mark); }});
-  trial.result = pick(robot, object, options.pick, seed, recorder.phases_and(observer));
+  trial.result = pick(robot, object, pick_options, seed, recorder.phases_and(observer));
   recorder.estimate(robot.time(), trial.result.estimate);
   trial.judgement =
-      judge.verdict(trial.result, robot.log(), options.pick.lift, object.object().symmetries);
+      judge.verdict(trial.result, robot.log(), pick_options.lift, object.object().symmetries);
   if (!target || !trial.result.held) return trial;
-  trial.place = place(robot, object, trial.result, *target, fixture, options.pick, options.place,
+  trial.place = place(robot, object, trial.result, *target, fixture, pick_options, options.place,
                       seed, recorder.phases_and(observer));
   recorder.placement(trial.place->T_world_target, fixture);
   trial.place_judgement = judge.place_verdict(*trial.place, *target, robot.log(), object.object());

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <string>
+
 #include "palpate/pipeline/pick.hpp"
 #include "palpate/pipeline/place.hpp"
 #include "palpate/recording/writer.hpp"
@@ -20,11 +22,29 @@ struct StartOptions {
   }
 };
 
+/// Where the contacts come from that the hand feels.
+struct TouchOptions {
+  std::string source = "solver";  ///< or "biotac"
+  double biotac_point = 0.0015;   ///< m, of inferred contacts, what averaging cannot remove
+  double biotac_normal = 0.17;    ///< rad
+
+  template <class Visitor>
+  void visit(Visitor&& v) {
+    v("source", source, "of contacts: solver (with noise) or biotac (inferred from channels)");
+    v("biotac_point", biotac_point, 1e-5, 0.05, "m, error of inferred points, the same in all");
+    v("biotac_normal", biotac_normal, 1e-4, 1.0, "rad, error of inferred normals, the same in all");
+  }
+
+  /// @throws BadInput for another source
+  [[nodiscard]] bool from_biotacs() const;
+};
+
 /// All that can be configured of a simulated pick.
 struct TrialOptions {
   PickOptions pick;
   PlaceOptions place;
   StartOptions start;
+  TouchOptions touch;
   simulation::WorldOptions world;
 
   template <class Visitor>
@@ -32,8 +52,12 @@ struct TrialOptions {
     pick.visit(v);
     v.section("place", place);
     v.section("start", start);
+    v.section("touch", touch);
     v.section("world", world);
   }
+
+  /// The pick's options, with the errors of the contacts that it will be given.
+  [[nodiscard]] PickOptions pick_options() const;
 };
 
 /// What the simulator's truth says of a pick. Made after it, for judging alone.
