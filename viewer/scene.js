@@ -6,6 +6,7 @@ import { mergeVertices, toCreasedNormals } from 'three/examples/jsm/utils/Buffer
 import { onThemeChange, theme } from './colors.js';
 import { EstimateView } from './estimates.js';
 import { ContactMarks } from './marks.js';
+import { PlacementView } from './placement.js';
 import { floats, modeShown, POSE, uints } from './recording.js';
 
 const VIEWS = {
@@ -147,6 +148,7 @@ export class Scene {
       (estimate) => new EstimateView(estimate, geometry, edges),
     );
     this.estimates.forEach((view) => this.scene.add(view));
+    this.scene.add(new PlacementView(this.recording.placement, geometry, edges));
   }
 
   #applyTheme() {
@@ -213,17 +215,25 @@ export class Scene {
     const current = r.estimateAt(t);
     this.estimates.forEach((view, i) => {
       view.visible = i === current;
-      if (view.visible) this.#placeEstimate(view, r.estimates[i], shown);
+      if (view.visible) this.#placeEstimate(view, r.estimates[i], frame, shown);
     });
   }
 
   /** The object sits in the hand: what was found of it moves with the palm. */
-  #placeEstimate(view, estimate, shown) {
+  #placeEstimate(view, estimate, frame, shown) {
     const r = this.recording;
     const then = new THREE.Group();
     this.#pose(then, r.linkPoses, r.links, r.palm, r.frameAt(estimate.time), 0);
     then.updateMatrix();
-    const palm = this.links[r.palm];
+    const palm = new THREE.Group();
+    // Once the hand has let go, the object stays where it stood then.
+    const letGo = r.placement?.let_go.find((time) => time > estimate.time) ?? Infinity;
+    if (r.time[frame] > letGo) {
+      this.#pose(palm, r.linkPoses, r.links, r.palm, r.frameAt(letGo), 0);
+    } else {
+      palm.position.copy(this.links[r.palm].position);
+      palm.quaternion.copy(this.links[r.palm].quaternion);
+    }
     palm.updateMatrix();
     view.matrix.copy(palm.matrix).multiply(then.matrix.invert());
     view.modes.forEach(

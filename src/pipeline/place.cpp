@@ -210,6 +210,11 @@ PlaceResult Placement::run(const PlaceTarget& target) {
 
 }  // namespace
 
+bool was_put_back(PlaceStatus status) {
+  return status == PlaceStatus::ambiguous || status == PlaceStatus::unreachable ||
+         status == PlaceStatus::refused || status == PlaceStatus::slipped;
+}
+
 std::string_view to_string(PlaceStatus status) {
   switch (status) {
     case PlaceStatus::placed:

@@ -94,15 +94,26 @@ Trial run_trial(const localization::ObjectModel& object, const TrialOptions& opt
                  recorder.frame(reading, command);
                },
                [&](Mark mark) { recorder.mark(mark); }});
-  trial.result = pick(robot, object, pick_options, seed, recorder.phases_and(observer));
-  recorder.estimate(robot.time(), trial.result.estimate);
-  trial.judgement =
-      judge.verdict(trial.result, robot.log(), pick_options.lift, object.object().symmetries);
-  if (!target || !trial.result.held) return trial;
-  trial.place = place(robot, object, trial.result, *target, fixture, pick_options, options.place,
-                      seed, recorder.phases_and(observer));
-  recorder.placement(trial.place->T_world_target, fixture);
-  trial.place_judgement = judge.place_verdict(*trial.place, *target, robot.log(), object.object());
+  const PhaseObserver phases = recorder.phases_and(observer);
+  std::vector<PhaseReport> earlier;  // phases of picks after which the object was put back
+  for (int attempt = 0; attempt < options.place.picks; ++attempt) {
+    trial.result = pick(robot, object, pick_options, seed, phases);
+    recorder.estimate(robot.time(), trial.result.estimate);
+    trial.judgement =
+        judge.verdict(trial.result, robot.log(), pick_options.lift, object.object().symmetries);
+    trial.result.phases.insert(trial.result.phases.begin(), earlier.begin(), earlier.end());
+    if (!target || !trial.result.held) break;
+    trial.place = place(robot, object, trial.result, *target, fixture, pick_options, options.place,
+                        seed, phases);
+    trial.place_judgement =
+        judge.place_verdict(*trial.place, *target, robot.log(), object.object());
+    if (!was_put_back(trial.place->status)) break;
+    if (attempt + 1 == options.place.picks) break;
+    earlier = trial.result.phases;
+    earlier.insert(earlier.end(), trial.place->phases.begin(), trial.place->phases.end());
+    trial.place->phases.clear();
+  }
+  if (trial.place) recorder.placement(trial.place->T_world_target, fixture);
   return trial;
 }
 

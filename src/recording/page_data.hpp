@@ -15,7 +15,8 @@ nlohmann::json page_data(const Recording& recording, const hand::HandVisuals& vi
 /// Meshes, and which link carries which: "meshes", "parts", "spheres", "object_mesh".
 nlohmann::json page_shapes(const Recording& recording, const hand::HandVisuals& visuals);
 
-/// Phases, notes and estimates with their errors: "phases", "notes", "estimates".
+/// Phases, notes, the place for the object, and estimates with their errors: "phases", "notes",
+/// "placement", "estimates".
 nlohmann::json page_story(const Recording& recording);
 
 }  // namespace palpate::recording

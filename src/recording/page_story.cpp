@@ -3,6 +3,9 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <sstream>
+#include <string_view>
+#include <vector>
 
 #include "matrix_json.hpp"
 #include "page_data.hpp"
@@ -31,6 +34,35 @@ json phases_to_json(const Recording& recording) {
     phases.back()["outcome"] = event.text;
   }
   return phases;
+}
+
+constexpr std::string_view kTarget = "target ", kFixture = "fixture ";
+constexpr std::string_view kLetGo = "mark placed";
+constexpr std::size_t kPoseNumbers = 16, kBoxNumbers = kPoseNumbers + 3;
+
+/// The numbers that follow a word in a note; none unless there are as many as there should be.
+std::vector<double> numbers_after(std::string_view word, const std::string& text,
+                                  std::size_t count) {
+  if (!text.starts_with(word)) return {};
+  std::istringstream in(text.substr(word.size()));
+  std::vector<double> values;
+  for (double value; in >> value;) values.push_back(value);
+  return values.size() == count ? values : std::vector<double>{};
+}
+
+/// Where the object was to be put, the boxes of the fixture (pose, then half extents), and when the
+/// hand let go there, as the notes tell.
+json placement_to_json(const std::vector<Event>& events) {
+  json placement = {{"target", nullptr}, {"fixture", json::array()}, {"let_go", json::array()}};
+  for (const Event& event : events) {
+    if (event.kind != EventKind::note) continue;
+    const auto target = numbers_after(kTarget, event.text, kPoseNumbers);
+    if (!target.empty()) placement["target"] = target;
+    const auto box = numbers_after(kFixture, event.text, kBoxNumbers);
+    if (!box.empty()) placement["fixture"].push_back(box);
+    if (event.text == kLetGo) placement["let_go"].push_back(event.time);
+  }
+  return placement;
 }
 
 json notes_to_json(const std::vector<Event>& events) {
@@ -131,6 +163,7 @@ json page_story(const Recording& recording) {
     estimates.push_back(estimate_to_json(estimate, recording));
   }
   return {{"phases", phases_to_json(recording)},
+          {"placement", placement_to_json(recording.events)},
           {"notes", notes_to_json(recording.events)},
           {"estimates", estimates}};
 }

@@ -14,6 +14,7 @@ namespace palpate::pipeline {
 /// All that can be configured of placing.
 struct PlaceOptions {
   std::string target;     ///< as parse_target() takes it; empty: the object is not placed
+  int picks = 2;          ///< at most, where the object had to be put back
   double reach = 0.5;     ///< m, how far from the origin a target may be
   double certain = 0.85;  ///< share of the estimate that must agree on where the object would stand
   bool verify = true;     ///< feel afterwards whether it stands there
@@ -27,6 +28,7 @@ struct PlaceOptions {
   template <class Visitor>
   void visit(Visitor&& v) {
     v("target", target, "fixture, random, x,y,yaw or the 16 numbers of a pose; empty: none");
+    v("picks", picks, 1, 10, "at most, where the object had to be put back");
     v("reach", reach, 0.05, 1.0, "m, how far from the origin a target may be");
     v("certain", certain, 0.0, 1.0, "share of the estimate that must agree on the place");
     v("verify", verify, "feel afterwards whether the object stands there");
@@ -51,6 +53,9 @@ enum class PlaceStatus {
   missing,      ///< it does not stand where it was put
 };
 std::string_view to_string(PlaceStatus status);
+
+/// Whether the object stands where it came from, so that another pick may go better.
+bool was_put_back(PlaceStatus status);
 
 /// What became of placing, as the robot itself knows it.
 struct PlaceResult {
