@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "palpate/core/error.hpp"
+#include "palpate/geometry/mesh_repair.hpp"
 #include "triangle.hpp"
 
 namespace palpate::geometry {

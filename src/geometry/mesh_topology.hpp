@@ -51,9 +51,6 @@ class DisjointSets {
 /// For each triangle the number of its component: triangles that are connected over edges.
 std::vector<int> component_labels(const TriangleMesh& mesh);
 
-/// The mesh split into its components, each with the vertices it uses.
-std::vector<TriangleMesh> components(const TriangleMesh& mesh);
-
 /// Signed volume of the tetrahedra from the middle of the bounds to the triangles, m^3; of a closed
 /// mesh the volume it encloses.
 double signed_volume(const TriangleMesh& mesh);

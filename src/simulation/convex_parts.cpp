@@ -7,10 +7,12 @@
 #include <mutex>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "coacd.hpp"
 #include "palpate/core/cache.hpp"
 #include "palpate/core/error.hpp"
+#include "palpate/geometry/mesh_repair.hpp"
 
 namespace palpate::simulation {
 namespace {
@@ -18,6 +20,7 @@ namespace {
 constexpr double kConcavity = 0.05;
 constexpr int kHullVertices = 64;
 constexpr unsigned kSeed = 0;
+constexpr std::size_t kMostBodies = 200;  // more make contacts slow, and are no object to hold
 
 std::vector<double> flat_vertices(const geometry::TriangleMesh& mesh) {
   std::vector<double> result;
@@ -79,11 +82,24 @@ std::vector<geometry::TriangleMesh> read_parts(std::string_view bytes) {
   return parts;
 }
 
-std::string cache_key(const geometry::TriangleMesh& mesh) {
+std::string cache_key(const std::vector<geometry::TriangleMesh>& bodies) {
   std::string key = fmt::format("convex parts 1: CoACD, concavity {}, {} vertices, seed {}\n",
                                 kConcavity, kHullVertices, kSeed);
-  append(key, mesh);
+  for (const geometry::TriangleMesh& body : bodies) append(key, body);
   return key;
+}
+
+/// The connected bodies of the mesh, without its closed cavities, which nothing can reach. Those
+/// that cross one another would take the decomposition of all at once very long.
+std::vector<geometry::TriangleMesh> bodies_of(const geometry::TriangleMesh& mesh) {
+  auto bodies = geometry::components(mesh);
+  if (bodies.size() == 1) return {mesh};  // its vertices in their own order
+  std::erase_if(bodies, [](const auto& body) { return geometry::inspect(body).volume < 0; });
+  if (bodies.size() > kMostBodies) {
+    throw BadInput(fmt::format("an object of {} separate bodies cannot be simulated: at most {}",
+                               bodies.size(), kMostBodies));
+  }
+  return bodies;
 }
 
 std::vector<geometry::TriangleMesh> decompose(const geometry::TriangleMesh& mesh) {
@@ -113,9 +129,13 @@ std::vector<geometry::TriangleMesh> decompose(const geometry::TriangleMesh& mesh
 
 std::vector<geometry::TriangleMesh> convex_parts(const geometry::TriangleMesh& mesh) {
   if (mesh.triangles.empty()) throw BadInput("a mesh of 0 triangles has no convex parts");
-  const std::string key = cache_key(mesh);
+  const auto bodies = bodies_of(mesh);
+  const std::string key = cache_key(bodies);
   if (const auto kept = read_cache(key)) return read_parts(*kept);
-  const std::vector<geometry::TriangleMesh> parts = decompose(mesh);
+  std::vector<geometry::TriangleMesh> parts;
+  for (const geometry::TriangleMesh& body : bodies) {
+    for (auto& part : decompose(body)) parts.push_back(std::move(part));
+  }
   if (parts.empty()) {
     throw BadInput(
         fmt::format("no convex part found in a mesh of {} triangles", mesh.triangles.size()));

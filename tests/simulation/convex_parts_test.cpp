@@ -54,7 +54,7 @@ TEST(ConvexParts, ABracketFallsIntoConvexArms) {
   double sum = 0;
   for (const auto& part : parts) {
     EXPECT_LT(concavity(part), 1e-6);
-    EXPECT_LE(part.vertices.size(), 64u);
+    EXPECT_LE(part.vertices.size(), 256u);
     sum += volume(part);
   }
   EXPECT_NEAR(sum, volume(bracket()), 0.1 * volume(bracket()));
@@ -107,6 +107,50 @@ TEST(ConvexParts, AreKeptInTheCache) {
   const auto computed = convex_parts(bracket());
   EXPECT_FALSE(cache.is_empty());
   expect_same(computed, convex_parts(bracket()));
+}
+
+/// Cuboids of 10 mm that overlap in a row, as one mesh.
+geometry::TriangleMesh row_of_cuboids(int count) {
+  geometry::TriangleMesh row;
+  for (int i = 0; i < count; ++i) {
+    const int first = static_cast<int>(row.vertices.size());
+    const geometry::TriangleMesh cuboid = cuboid_mesh({0.01, 0.01, 0.01});
+    for (const auto& v : cuboid.vertices) {
+      row.vertices.emplace_back(v + Eigen::Vector3d(0.004 * i, 0, 0));
+    }
+    for (const auto& [a, b, c] : cuboid.triangles) {
+      row.triangles.push_back({a + first, b + first, c + first});
+    }
+  }
+  return row;
+}
+
+TEST(ConvexParts, BodiesThatOverlapAreDecomposedOneByOne) {
+  const OwnCache cache("convex_parts_bodies");
+  const auto parts = convex_parts(row_of_cuboids(5));
+  ASSERT_EQ(parts.size(), 5u);
+  for (const auto& part : parts) EXPECT_NEAR(volume(part), 1e-6, 1e-9);
+}
+
+TEST(ConvexParts, AClosedCavityIsFilled) {
+  const OwnCache cache("convex_parts_cavity");
+  geometry::TriangleMesh hollow = row_of_cuboids(2);
+  for (std::size_t i = 0; i < 8; ++i) hollow.vertices[8 + i] = 0.5 * hollow.vertices[i];
+  for (std::size_t i = 12; i < 24; ++i) {
+    std::swap(hollow.triangles[i][1], hollow.triangles[i][2]);
+  }
+  const auto parts = convex_parts(hollow);
+  ASSERT_EQ(parts.size(), 1u);
+  EXPECT_NEAR(volume(parts[0]), 1e-6, 1e-9);
+}
+
+TEST(ConvexParts, TooManyBodiesAreCounted) {
+  try {
+    convex_parts(row_of_cuboids(201));
+    FAIL() << "201 bodies were accepted";
+  } catch (const BadInput& error) {
+    EXPECT_NE(std::string(error.what()).find("201 separate bodies"), std::string::npos);
+  }
 }
 
 TEST(ConvexParts, NothingHasNoParts) {

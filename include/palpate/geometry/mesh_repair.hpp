@@ -25,6 +25,9 @@ struct MeshReport {
 /// @throws BadInput if a triangle names a vertex that is not there or not finite
 MeshReport inspect(const TriangleMesh& mesh);
 
+/// The mesh split into sets of faces connected over edges, each with the vertices it uses.
+std::vector<TriangleMesh> components(const TriangleMesh& mesh);
+
 struct RepairedMesh {
   TriangleMesh mesh;                 ///< watertight, of positive volume
   std::vector<std::string> actions;  ///< what was done, in words with numbers; empty if nothing
