@@ -107,6 +107,29 @@ void check_prior(const PosePrior& prior) {
   }
 }
 
+void check_offsets(const Evidence& evidence) {
+  std::vector<bool> taken(evidence.contacts.size());
+  for (std::size_t i = 0; i < evidence.offsets.size(); ++i) {
+    const std::string name = fmt::format("offset {}: ", i);
+    check_positive(name + "sigma", evidence.offsets[i].sigma);
+    for (const auto& member : evidence.offsets[i].members) {
+      if (member.contact >= taken.size()) {
+        throw BadInput(
+            fmt::format("{}contact {} of {} contacts", name, member.contact, taken.size()));
+      }
+      if (taken[member.contact]) {
+        throw BadInput(fmt::format("{}contact {} is in another one, too", name, member.contact));
+      }
+      taken[member.contact] = true;
+      const Eigen::Matrix3d& R = member.R_frame_offset;
+      const double distortion = (R * R.transpose() - Eigen::Matrix3d::Identity()).norm();
+      if (!(distortion < kUnitTolerance)) {
+        throw BadInput(fmt::format("{}its rotation is off a rotation by {}", name, distortion));
+      }
+    }
+  }
+}
+
 /// Contacts over a space that the object is tiny in are most likely in another unit.
 void check_extent(const std::vector<touch::Contact>& contacts, const geometry::TriangleMesh& mesh) {
   Eigen::AlignedBox3d box;
@@ -125,6 +148,10 @@ void check_extent(const std::vector<touch::Contact>& contacts, const geometry::T
 void check_evidence(const ObjectModel& model, const Evidence& evidence) {
   for (std::size_t k = 0; k < evidence.contacts.size(); ++k) check_contact(evidence.contacts[k], k);
   check_extent(evidence.contacts, model.object().mesh);
+  check_offsets(evidence);
+  if (!(evidence.noise_doubt >= 0 && evidence.noise_doubt < 1)) {
+    throw BadInput(fmt::format("noise_doubt is {}, not from 0 to 1", evidence.noise_doubt));
+  }
   for (std::size_t j = 0; j < evidence.free_space.size(); ++j) {
     const std::string name = fmt::format("free sphere {}: ", j);
     check_finite(name + "center", evidence.free_space[j].center);
@@ -143,10 +170,16 @@ Evidence thinned(Evidence evidence) {
   const std::size_t count = evidence.contacts.size();
   if (count <= kMostContacts) return evidence;
   std::vector<touch::Contact> kept;
+  std::vector<std::size_t> place(count, kMostContacts);  // of a contact among those kept
   for (std::size_t i = 0; i < kMostContacts; ++i) {
+    place[i * count / kMostContacts] = i;
     kept.push_back(evidence.contacts[i * count / kMostContacts]);
   }
   evidence.contacts = std::move(kept);
+  for (SharedOffset& offset : evidence.offsets) {
+    for (auto& member : offset.members) member.contact = place[member.contact];
+    std::erase_if(offset.members, [](const auto& m) { return m.contact == kMostContacts; });
+  }
   return evidence;
 }
 

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "contact_term.hpp"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -16,10 +18,20 @@ constexpr float kShortestGradient = 0.3F;  // interpolated across a medial sheet
 constexpr float kCurvatureStep = 0.001F;   // m, over which the gradient's change is measured
 constexpr double kLeastTrust = 0.02;       // of a contact off the surface: it still draws the pose
 constexpr float kHopeless = 30;            // misfit whose likelihood rounds to that of a false one
+constexpr double kDoubtedScale = 2;        // of the noise, where it is in doubt
+constexpr float kOffsetReach = 3;          // standard deviations that an offset is within
+constexpr int kFitSteps = 2;               // of reweighting contacts for the offset
 
 double true_to_false_odds(double false_share, double area, double sp, double sn) {
   const double false_density = 1 / (kFalseVolume * 4 * std::numbers::pi);
   return (1 - false_share) / false_share * peak_contact_density(area, sp, sn) / false_density;
+}
+
+/// -ln of the sum of exp(-energies).
+float mixed(const std::array<float, 2>& energies, std::size_t count) {
+  if (count == 1) return energies[0];
+  const float least = std::min(energies[0], energies[1]);
+  return least - std::log1p(std::exp(-std::abs(energies[0] - energies[1])));
 }
 
 }  // namespace
@@ -36,42 +48,205 @@ ContactTerm::ContactTerm(const ObjectModel& model, const Evidence& evidence, dou
                          double scale)
     : field_(model.field()), offset_(static_cast<float>(offset)) {
   for (const touch::Contact& contact : evidence.contacts) {
+    const Eigen::Vector3d n = contact.n.normalized();
+    contacts_.push_back({(contact.p + offset * n).cast<float>(), n.cast<float>()});
+  }
+  for (const SharedOffset& shared : evidence.offsets) {
+    Group group{static_cast<float>(1 / (shared.sigma * shared.sigma)), {}};
+    for (const auto& member : shared.members) {
+      contacts_[member.contact].R_offset_frame = member.R_frame_offset.transpose().cast<float>();
+      contacts_[member.contact].reach = kOffsetReach * static_cast<float>(shared.sigma);
+      group.members.push_back(member.contact);
+    }
+    groups_.push_back(std::move(group));
+  }
+  const double doubt = evidence.noise_doubt;
+  levels_.push_back(make_level(model, evidence, scale, 1 - doubt));
+  if (doubt > 0) levels_.push_back(make_level(model, evidence, kDoubtedScale * scale, doubt));
+  for (const Noise& noise : levels_[0].noise) caps_.push_back(std::log1p(noise.odds));
+}
+
+ContactTerm::Level ContactTerm::make_level(const ObjectModel& model, const Evidence& evidence,
+                                           double scale, double probability) const {
+  Level level{static_cast<float>(-std::log(probability)), {}};
+  for (const touch::Contact& contact : evidence.contacts) {
     const double sp = scale * contact.point_sigma;
     const double sn = std::min(scale * contact.normal_sigma, kWidestNormal);
     const double odds = true_to_false_odds(evidence.false_contact_share, model.area(), sp, sn);
-    const Eigen::Vector3d n = contact.n.normalized();
-    contacts_.push_back({(contact.p + offset * n).cast<float>(), n.cast<float>(),
-                         static_cast<float>(0.5 / (sp * sp)), static_cast<float>(1 / (sn * sn)),
-                         static_cast<float>(odds), static_cast<float>(std::log1p(odds))});
+    level.noise.push_back({static_cast<float>(0.5 / (sp * sp)), static_cast<float>(1 / (sn * sn)),
+                           static_cast<float>(odds)});
   }
+  return level;
 }
 
-float ContactTerm::misfit(const Datum& contact, const SearchPose& pose) const {
+ContactTerm::Felt ContactTerm::feel(const Datum& contact, const SearchPose& pose) const {
+  Felt felt;
   const auto sample = field_.at(pose.R.transpose() * (contact.raised - pose.t));
-  if (!sample) return kHopeless;
-  const float away = sample->distance - offset_;
+  if (!sample) return felt;
+  felt.near = true;
+  felt.away = sample->distance - offset_;
   const float length = std::max(kShortestGradient, sample->gradient.norm());
-  const float aligned = (pose.R.transpose() * contact.n).dot(sample->gradient) / length;
-  return away * away * contact.half_point_precision + (1 - aligned) * contact.normal_precision;
+  felt.tilt = 1 - (pose.R.transpose() * contact.n).dot(sample->gradient) / length;
+  if (contact.reach > 0) felt.slope = contact.R_offset_frame * (pose.R * sample->gradient) / length;
+  return felt;
+}
+
+std::vector<ContactTerm::Felt> ContactTerm::feel_all(const SearchPose& pose) const {
+  std::vector<Felt> felt;
+  felt.reserve(contacts_.size());
+  for (const Datum& contact : contacts_) felt.push_back(feel(contact, pose));
+  return felt;
+}
+
+float ContactTerm::contact_energy(std::size_t k, const Felt& felt, float away,
+                                  const Level& level) const {
+  const Noise& noise = level.noise[k];
+  const float q = away * away * noise.half_point_precision + felt.tilt * noise.normal_precision;
+  if (!felt.near || q >= kHopeless) return caps_[k];
+  return caps_[k] - std::log1p(noise.odds * std::exp(-q));
 }
 
 float ContactTerm::contact_energy(std::size_t k, const SearchPose& pose) const {
-  const Datum& contact = contacts_[k];
-  const float q = misfit(contact, pose);
-  return q < kHopeless ? contact.cap - std::log1p(contact.odds * std::exp(-q)) : contact.cap;
+  const Felt felt = feel(contacts_[k], pose);
+  return contact_energy(k, felt, felt.away, levels_[0]);
+}
+
+/// Reweighted least squares. The first weights bear with a contact as far off as the offset may be.
+ContactTerm::Fit ContactTerm::fit(const Group& group, const std::vector<Felt>& felt,
+                                  const Level& level) const {
+  Fit fit;
+  const float variance = 1 / group.precision;
+  for (int step = 0; step < kFitSteps; ++step) {
+    Eigen::Matrix3f H = group.precision * Eigen::Matrix3f::Identity();
+    Eigen::Vector3f g = Eigen::Vector3f::Zero();
+    for (const std::size_t k : group.members) {
+      if (!felt[k].near) continue;
+      const Noise& noise = level.noise[k];
+      const float precision = 2 * noise.half_point_precision;
+      const float away = felt[k].away + felt[k].slope.dot(fit.offset);
+      const float patience = step == 0 ? 1 + variance * precision : 1;
+      const float q = away * away * noise.half_point_precision / patience +
+                      felt[k].tilt * noise.normal_precision;
+      if (q >= kHopeless) continue;
+      const float odds = noise.odds * std::exp(-q);
+      const float weight = odds / (1 + odds) * precision;
+      H.noalias() += weight * felt[k].slope * felt[k].slope.transpose();
+      g += weight * felt[k].away * felt[k].slope;
+    }
+    fit.information = H;
+    fit.offset = -H.inverse() * g;
+  }
+  return fit;
+}
+
+float ContactTerm::group_energy(const Group& group, const std::vector<Felt>& felt,
+                                const Level& level) const {
+  const Fit best = fit(group, felt, level);
+  float sum = 0.5F * group.precision * best.offset.squaredNorm() +
+              0.5F * std::log(best.information.determinant() / std::pow(group.precision, 3.0F));
+  for (const std::size_t k : group.members) {
+    sum += contact_energy(k, felt[k], felt[k].away + felt[k].slope.dot(best.offset), level);
+  }
+  return sum;
+}
+
+float ContactTerm::level_energy(const std::vector<Felt>& felt, const Level& level) const {
+  float sum = level.cost;
+  for (std::size_t k = 0; k < felt.size(); ++k) {
+    if (!shares(k)) sum += contact_energy(k, felt[k], felt[k].away, level);
+  }
+  for (const Group& group : groups_) sum += group_energy(group, felt, level);
+  return sum;
+}
+
+float ContactTerm::energy(const SearchPose& pose, float bound) const {
+  std::array<float, 2> sums{};
+  for (std::size_t j = 0; j < levels_.size(); ++j) sums[j] = levels_[j].cost;
+  std::vector<Felt> sharing;
+  if (!groups_.empty()) sharing.resize(contacts_.size());
+  std::array<float, 2> least = sums;  // with contacts as near as their offset may bring them
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    const Felt felt = feel(contacts_[k], pose);
+    const float near =
+        shares(k) ? std::max(0.0F, std::abs(felt.away) - contacts_[k].reach * felt.slope.norm())
+                  : felt.away;
+    for (std::size_t j = 0; j < levels_.size(); ++j) {
+      const float e = contact_energy(k, felt, near, levels_[j]);
+      least[j] += e;
+      if (!shares(k)) sums[j] += e;
+    }
+    if (const float sum = mixed(least, levels_.size()); sum > bound) return sum;
+    if (shares(k)) sharing[k] = felt;
+  }
+  for (const Group& group : groups_) {
+    for (std::size_t j = 0; j < levels_.size(); ++j) {
+      sums[j] += group_energy(group, sharing, levels_[j]);
+    }
+  }
+  return mixed(sums, levels_.size());
+}
+
+const ContactTerm::Level& ContactTerm::likeliest_level(const std::vector<Felt>& felt) const {
+  const Level* best = &levels_[0];
+  float least = kNoBound;
+  for (const Level& level : levels_) {
+    const float energy = levels_.size() == 1 ? 0 : level_energy(felt, level);
+    if (energy < least) best = &level;
+    least = std::min(least, energy);
+  }
+  return *best;
+}
+
+std::vector<float> ContactTerm::away_at_best(const std::vector<Felt>& felt,
+                                             const Level& level) const {
+  std::vector<float> away;
+  for (const Felt& contact : felt) away.push_back(contact.away);
+  for (const Group& group : groups_) {
+    const Eigen::Vector3f offset = fit(group, felt, level).offset;
+    for (const std::size_t k : group.members) away[k] += felt[k].slope.dot(offset);
+  }
+  return away;
 }
 
 void ContactTerm::linearize(const SearchPose& pose, NormalEquations& equations) const {
-  for (const Datum& contact : contacts_) linearize(contact, pose, equations);
+  const std::vector<Felt> felt = feel_all(pose);
+  const Level& level = likeliest_level(felt);
+  const std::vector<float> away = away_at_best(felt, level);
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    if (shares(k)) continue;
+    const auto contact = linearized(k, pose, away[k], level.noise[k]);
+    if (contact) equations.add(contact->J, contact->r, contact->weight);
+  }
+  for (const Group& group : groups_) {  // the offset is eliminated by its Schur complement
+    Eigen::Matrix3d H = Eigen::Matrix3d::Identity() * static_cast<double>(group.precision);
+    Eigen::Vector3d g =
+        static_cast<double>(group.precision) * fit(group, felt, level).offset.cast<double>();
+    Eigen::Matrix<double, 6, 3> across = Eigen::Matrix<double, 6, 3>::Zero();
+    for (const std::size_t k : group.members) {
+      const auto contact = linearized(k, pose, away[k], level.noise[k]);
+      if (!contact) continue;
+      equations.add(contact->J, contact->r, contact->weight);
+      const double scale = std::sqrt(2 * static_cast<double>(level.noise[k].half_point_precision));
+      const Eigen::Vector3d slope = scale * felt[k].slope.cast<double>();
+      H += contact->weight * slope * slope.transpose();
+      g += contact->weight * contact->r[0] * slope;
+      across += contact->weight * contact->J.row(0).transpose() * slope.transpose();
+    }
+    const Eigen::Matrix3d inverse = H.inverse();
+    equations.H -= across * inverse * across.transpose();
+    equations.g -= across * inverse * g;
+  }
 }
 
-void ContactTerm::linearize(const Datum& contact, const SearchPose& pose,
-                            NormalEquations& equations) const {
+std::optional<ContactTerm::Linearized> ContactTerm::linearized(std::size_t k,
+                                                               const SearchPose& pose, float away,
+                                                               const Noise& noise) const {
+  const Datum& contact = contacts_[k];
   const Eigen::Vector3f arm = contact.raised - pose.t;
   const Eigen::Matrix3f to_object = pose.R.transpose();
   const Eigen::Vector3f y = to_object * arm;
   const auto here = field_.at(y);
-  if (!here || here->gradient.norm() < kShortestGradient) return;
+  if (!here || here->gradient.norm() < kShortestGradient) return std::nullopt;
   const Eigen::Vector3f m = here->gradient.normalized(), n = to_object * contact.n;
   Eigen::Matrix3f curvature = Eigen::Matrix3f::Zero();  // of the distance
   for (int axis = 0; axis < 3; ++axis) {
@@ -81,39 +256,37 @@ void ContactTerm::linearize(const Datum& contact, const SearchPose& pose,
   }
   Eigen::Matrix<float, 3, 6> dy;  // of the point in the object's frame by [w; v]
   dy << to_object * skew(arm.cast<double>()).cast<float>(), -to_object;
-  const float point_scale = std::sqrt(2 * contact.half_point_precision);
-  const float normal_scale = std::sqrt(contact.normal_precision);
+  const float point_scale = std::sqrt(2 * noise.half_point_precision);
+  const float normal_scale = std::sqrt(noise.normal_precision);
   Eigen::Matrix<float, 4, 6> J;
   J.row(0) = point_scale * m.transpose() * dy;
   J.bottomRows<3>() = normal_scale * curvature * dy;
   J.bottomLeftCorner<3, 3>() -=
       normal_scale * to_object * skew(contact.n.cast<double>()).cast<float>();
   Eigen::Vector4f r;
-  r << point_scale * (here->distance - offset_), normal_scale * (m - n);
+  r << point_scale * away, normal_scale * (m - n);
   const double q = 0.5 * static_cast<double>(r.squaredNorm());
-  const double odds = static_cast<double>(contact.odds) * std::exp(-q);
+  const double odds = static_cast<double>(noise.odds) * std::exp(-q);
   const double weight = std::max(odds / (1 + odds), kLeastTrust / (1 + q));
-  equations.add(J.cast<double>(), r.cast<double>(), weight);
-}
-
-float ContactTerm::energy(const SearchPose& pose, float bound) const {
-  float sum = 0;
-  for (std::size_t k = 0; k < contacts_.size() && sum <= bound; ++k) {
-    sum += contact_energy(k, pose);
-  }
-  return sum;
+  return Linearized{J.cast<double>(), r.cast<double>(), weight};
 }
 
 float ContactTerm::energy_if_false() const {
   float sum = 0;
-  for (const Datum& contact : contacts_) sum += contact.cap;
+  for (const float cap : caps_) sum += cap;
   return sum;
 }
 
 int ContactTerm::unexplained(const SearchPose& pose) const {
-  return static_cast<int>(std::count_if(
-      contacts_.begin(), contacts_.end(),
-      [&](const Datum& contact) { return contact.odds * std::exp(-misfit(contact, pose)) < 1; }));
+  const std::vector<Felt> felt = feel_all(pose);
+  const Level& level = likeliest_level(felt);
+  const std::vector<float> away = away_at_best(felt, level);
+  int count = 0;
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    const float explained = caps_[k] - contact_energy(k, felt[k], away[k], level);
+    count += explained < std::log(2.0F);  // ln(1 + A e^-q)
+  }
+  return count;
 }
 
 }  // namespace palpate::localization

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "evidence_term.hpp"
@@ -18,6 +19,12 @@ double peak_contact_density(double area, double point_sigma, double normal_sigma
 /// (Gaussian distance, von Mises-Fisher normal), E = ln[(1 + A) / (1 + A e^-q)], where
 /// A = (1 - eps) / eps p_true(q = 0) / p_false, a false contact being uniform over a litre and all
 /// directions. `scale` multiplies the noise.
+///
+/// An offset b ~ N(0, so^2 I) that contacts share makes it a_k + m_k.b, and is integrated out by
+/// Laplace's method: E = sum E_k(b*) + |b*|^2 / 2 so^2 + ln det(I + so^2 sum w_k m_k m_k' / sp^2) /
+/// 2, w_k being the probability that the contact is a true one.
+/// Where the noise is in doubt, the likelihood is a mixture of that at the noise stated and at
+/// twice as much, the same for all contacts.
 class ContactTerm : public EvidenceTerm {
  public:
   ContactTerm(const ObjectModel& model, const Evidence& evidence, double offset, double scale);
@@ -25,9 +32,10 @@ class ContactTerm : public EvidenceTerm {
   float energy(const SearchPose& pose, float bound) const override;
 
   /// Residuals [a / sp; (m - n) / sn] of every contact, weighted by the probability that it is a
-  /// true one: A e^-q / (1 + A e^-q).
+  /// true one: A e^-q / (1 + A e^-q); at the level of noise that explains the contacts best.
   void linearize(const SearchPose& pose, NormalEquations& equations) const override;
 
+  /// Of a contact by itself, at the noise stated and without its offset.
   float contact_energy(std::size_t contact, const SearchPose& pose) const;
 
   /// Contacts that at this pose are more likely false than true.
@@ -42,15 +50,62 @@ class ContactTerm : public EvidenceTerm {
   struct Datum {
     Eigen::Vector3f raised;  // the contact's point moved out along its normal
     Eigen::Vector3f n;
-    float half_point_precision, normal_precision;
-    float odds, cap;  // A, ln(1 + A)
+    Eigen::Matrix3f R_offset_frame = Eigen::Matrix3f::Identity();
+    float reach = 0;  // of the offset it shares; 0: it shares none
   };
-  float misfit(const Datum& contact, const SearchPose& pose) const;
-  void linearize(const Datum& contact, const SearchPose& pose, NormalEquations& equations) const;
+  /// The noise of a contact at a level of noise.
+  struct Noise {
+    float half_point_precision, normal_precision;
+    float odds;  // A
+  };
+  struct Level {
+    float cost;  // -ln of its prior probability
+    std::vector<Noise> noise;
+  };
+  /// Contacts that share an offset.
+  struct Group {
+    float precision;  // 1 / so^2
+    std::vector<std::size_t> members;
+  };
+  /// A contact as it lies at a pose.
+  struct Felt {
+    float away = 0, tilt = 0;                         // a, 1 - n.m
+    Eigen::Vector3f slope = Eigen::Vector3f::Zero();  // of `away` by the offset
+    bool near = false;                                // within reach of the distance field
+  };
+  /// An offset and the information about it.
+  struct Fit {
+    Eigen::Vector3f offset = Eigen::Vector3f::Zero();
+    Eigen::Matrix3f information = Eigen::Matrix3f::Identity();
+  };
+  /// The residuals of a contact and their change with pose and offset.
+  struct Linearized {
+    Eigen::Matrix<double, 4, 6> J;
+    Eigen::Vector4d r;
+    double weight;
+  };
+
+  bool shares(std::size_t contact) const { return contacts_[contact].reach > 0; }
+  Level make_level(const ObjectModel& model, const Evidence& evidence, double scale,
+                   double probability) const;
+  Felt feel(const Datum& contact, const SearchPose& pose) const;
+  std::vector<Felt> feel_all(const SearchPose& pose) const;
+  float contact_energy(std::size_t contact, const Felt& felt, float away, const Level& level) const;
+  Fit fit(const Group& group, const std::vector<Felt>& felt, const Level& level) const;
+  float group_energy(const Group& group, const std::vector<Felt>& felt, const Level& level) const;
+  float level_energy(const std::vector<Felt>& felt, const Level& level) const;
+  const Level& likeliest_level(const std::vector<Felt>& felt) const;
+  /// Of every contact, displaced by the offset that fits best.
+  std::vector<float> away_at_best(const std::vector<Felt>& felt, const Level& level) const;
+  std::optional<Linearized> linearized(std::size_t contact, const SearchPose& pose, float away,
+                                       const Noise& noise) const;
 
   const geometry::DistanceField& field_;
   float offset_;
   std::vector<Datum> contacts_;
+  std::vector<float> caps_;  // ln(1 + A) of each contact at the noise stated
+  std::vector<Group> groups_;
+  std::vector<Level> levels_;
 };
 
 }  // namespace palpate::localization

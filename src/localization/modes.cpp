@@ -2,6 +2,7 @@
 #include "modes.hpp"
 
 #include <algorithm>
+#include <numbers>
 
 #include "free_axis_fit.hpp"
 #include "palpate/core/se3.hpp"
@@ -12,7 +13,10 @@ namespace {
 constexpr std::size_t kMostModes = 16;
 constexpr std::size_t kCandidates = 100;  // centres tried for a ball
 constexpr double kLeastShare = 0.004;     // of the poses, for a mode
-constexpr double kAxisGain = 1.5;         // times a ball's poses that a free axis must hold
+/// Of the poses about which a mode is centred: half the ball, where its best pose is sought.
+constexpr PoseTolerance kCore{2.5 * std::numbers::pi / 180, 0.004};
+constexpr double kCoreShare = 0.9;  // of the poses in the ball that must be about its core, too
+constexpr double kAxisGain = 1.5;   // times a ball's poses that a free axis must hold
 
 using Poses = std::vector<PosePoint>;
 
@@ -22,10 +26,10 @@ struct Cluster {
 };
 
 Poses members_of(const PoseFamily& family, const Poses& poses,
-                 const PoseFamily::Symmetries& symmetries) {
+                 const PoseFamily::Symmetries& symmetries, const PoseTolerance& tolerance = {}) {
   Poses result;
   for (const PosePoint& pose : poses) {
-    if (family.contains(pose, symmetries)) result.push_back(pose);
+    if (family.contains(pose, symmetries, tolerance)) result.push_back(pose);
   }
   return result;
 }
@@ -40,26 +44,41 @@ PosePoint centered(const PosePoint& center, const Poses& members,
   return mean_pose(images);
 }
 
-Cluster fullest_ball(const Poses& poses, const PoseFamily::Symmetries& symmetries) {
+/// The pose, of some candidates, in whose ball the most poses are.
+const PosePoint& most_central(const Poses& poses, const PoseFamily::Symmetries& symmetries,
+                              const PoseTolerance& tolerance) {
   const std::size_t stride = std::max<std::size_t>(1, poses.size() / kCandidates);
   std::size_t best = 0;
   std::ptrdiff_t most = 0;
   for (std::size_t i = 0; i < poses.size(); i += stride) {
     const PoseFamily ball(poses[i]);
     const auto held = std::count_if(poses.begin(), poses.end(), [&](const PosePoint& pose) {
-      return ball.contains(pose, symmetries);
+      return ball.contains(pose, symmetries, tolerance);
     });
     if (held <= most) continue;
     most = held;
     best = i;
   }
-  const PoseFamily rough(poses[best]);
-  const PoseFamily ball(centered(poses[best], members_of(rough, poses, symmetries), symmetries));
-  Poses members = members_of(ball, poses, symmetries);
-  if (static_cast<std::ptrdiff_t>(members.size()) < most) {
-    return {rough, members_of(rough, poses, symmetries)};
+  return poses[best];
+}
+
+/// The mean where the members are densest: next to a few that lie aside, the pose that most likely
+/// is very near to the truth.
+PosePoint core_of(const Poses& members, const PoseFamily::Symmetries& symmetries) {
+  const PosePoint& center = most_central(members, symmetries, kCore);
+  return centered(center, members_of(PoseFamily(center), members, symmetries, kCore), symmetries);
+}
+
+Cluster fullest_ball(const Poses& poses, const PoseFamily::Symmetries& symmetries) {
+  const PosePoint& best = most_central(poses, symmetries, {});
+  const PoseFamily rough(best);
+  const Poses near = members_of(rough, poses, symmetries);
+  const PoseFamily core(core_of(near, symmetries));
+  Poses members = members_of(core, poses, symmetries);
+  if (static_cast<double>(members.size()) < kCoreShare * static_cast<double>(near.size())) {
+    return {rough, near};
   }
-  return {ball, std::move(members)};
+  return {core, std::move(members)};
 }
 
 Cluster fullest_cluster(const Poses& poses, const PoseFamily::Symmetries& symmetries) {

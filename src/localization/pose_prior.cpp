@@ -18,8 +18,8 @@ using std::numbers::pi;
 
 constexpr double kDegree = pi / 180;
 constexpr double kSpacing = 10 * kDegree;  // of components along a free axis, at most
-constexpr double kLeastRotation = 2 * kDegree;
-constexpr double kLeastTranslation = 0.002;  // m
+constexpr double kLeastRotation = 0.5 * kDegree;
+constexpr double kLeastTranslation = 0.0005;  // m
 constexpr double kRounding = 1e-12;
 
 void check_motion(const Matrix6d& covariance) {

@@ -32,13 +32,25 @@ std::vector<touch::Contact> spread_contacts(const std::vector<touch::Contact>& c
   return chosen;
 }
 
+/// Contacts that bear their shared offset as noise of their own.
+std::vector<touch::Contact> displaced_contacts(const Evidence& evidence) {
+  std::vector<touch::Contact> contacts = evidence.contacts;
+  for (const SharedOffset& offset : evidence.offsets) {
+    for (const auto& member : offset.members) {
+      double& sigma = contacts[member.contact].point_sigma;
+      sigma = std::hypot(sigma, offset.sigma);
+    }
+  }
+  return contacts;
+}
+
 /// Poses that put some point of the surface at one of the contacts: a mixture of the posteriors
 /// given a single contact each.
 class AnchorProposal : public Proposal {
  public:
   AnchorProposal(const ObjectModel& model, Evidence evidence, double offset)
       : surface_(model.surface()),
-        anchors_(spread_contacts(evidence.contacts)),
+        anchors_(spread_contacts(displaced_contacts(evidence))),
         likelihood_(model, with_contacts(std::move(evidence), anchors_), offset, 1.0) {
     const auto count = static_cast<double>(anchors_.size());
     for (const touch::Contact& contact : anchors_) {  // the roll is uniform
@@ -74,6 +86,8 @@ class AnchorProposal : public Proposal {
  private:
   static Evidence with_contacts(Evidence evidence, const std::vector<touch::Contact>& contacts) {
     evidence.contacts = contacts;
+    evidence.offsets.clear();
+    evidence.noise_doubt = 0;
     return evidence;
   }
 

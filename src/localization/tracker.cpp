@@ -233,6 +233,7 @@ const Posterior& Tracker::update(const TrackFrame& frame) {
   Evidence evidence;
   evidence.contacts = frame.contacts;
   evidence.false_contact_share = options_.false_contacts;
+  evidence.noise_doubt = 0;  // a slip would pass for noise
   check_evidence(model_, evidence);
   if (started_ && frame.time <= time_) return posterior_;
   const double dt = started_ ? std::min(frame.time - time_, kLongestGap) : 0.0;

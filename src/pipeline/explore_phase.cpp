@@ -20,7 +20,10 @@ constexpr int kOffsets = 3;            // to either side of the object's place
 constexpr double kSpacing = 0.015;     // m between them
 constexpr double kDepthStep = 0.02;    // m between heights of further sweeps
 constexpr double kLeastInformation = 0.03;
-constexpr double kBackOff = 0.03;  // m
+constexpr double kHigher = 0.006;     // m, of a second try
+constexpr double kGoodSpread = 0.25;  // of the resting pose, where no more sweeps are needed
+constexpr double kWorthwhile = 0.93;  // of the spread that a sweep may leave
+constexpr double kBackOff = 0.03;     // m
 constexpr auto kProbe = static_cast<std::size_t>(hand::Finger::first);
 
 /// The first finger straight, the others curled away.
@@ -43,10 +46,10 @@ Eigen::Vector3d probe_in_base(const Robot& robot) {
   return T_base_link[link] * robot.model().tips[kProbe].b;
 }
 
-/// Base position that brings the probing fingertip to p (world).
-hand::BasePosition base_for_probe(const Robot& robot, const Eigen::Vector3d& p) {
+/// Base position, turned by a yaw, that brings the probing fingertip to p (world).
+hand::BasePosition base_for_probe(const Robot& robot, double yaw, const Eigen::Vector3d& p) {
   hand::BasePosition base;
-  base.ypr = {0, kPitch, 0};
+  base.ypr = {yaw, kPitch, 0};
   base.xyz = p - base.pose().linear() * probe_in_base(robot);
   return base;
 }
@@ -91,14 +94,23 @@ std::vector<Sweep> telling_sweeps(const PickState& state, const ExploreOptions& 
   return sweeps;
 }
 
+/// The even numbers below a count, then the odd ones.
+std::vector<int> every_other_first(int count) {
+  std::vector<int> order;
+  for (int i = 0; i < count; i += 2) order.push_back(i);
+  for (int i = 1; i < count; i += 2) order.push_back(i);
+  return order;
+}
+
 /// The first finger's balls around the centre of its tip.
-SweepingFinger sweeping_finger(const Robot& robot) {
+SweepingFinger sweeping_finger(const Robot& robot, double yaw) {
   const auto& hand = robot.model();
   const auto T_base_link = hand::forward_kinematics(hand, robot.reading().joints);
   const Eigen::Matrix3d R_world_base =
-      base_for_probe(robot, Eigen::Vector3d::Zero()).pose().linear();
+      base_for_probe(robot, yaw, Eigen::Vector3d::Zero()).pose().linear();
   const Eigen::Vector3d probe = probe_in_base(robot);
   SweepingFinger finger;
+  finger.R_world_base = R_world_base;
   for (const auto& sphere : hand.spheres) {
     const Eigen::Vector3d p = T_base_link[static_cast<std::size_t>(sphere.link)] * sphere.center;
     const bool tip = sphere.link == hand.distal[kProbe];
@@ -110,19 +122,16 @@ SweepingFinger sweeping_finger(const Robot& robot) {
 }  // namespace
 
 PhaseEnd ExplorePhase::run(Robot& robot, PickState& state) {
+  done_.clear();
   hand::BasePosition up = robot.command().base;
   up.xyz.z() = std::max(up.xyz.z(), state.height + 0.2);
   robot.move_base(up, options_.travel_speed);
   robot.move_fingers(pointing_hand(), 0.5);
   robot.wait(0.1);
-  int touches = 0;
-  for (int i = 0; i < options_.touches; ++i) {
-    const double angle = 2 * std::numbers::pi * i / options_.touches;
-    touches +=
-        sweep(robot, state, level_sweep(state, options_, angle, 0, first_depth(state, options_)));
-  }
+  int touches = touch_around(robot, state);
   state.resting = locate_resting(object_, robot.model(), robot.log(), locate_, seed_);
   touches += tell_apart(robot, state);
+  touches += refine(robot, state);
   if (state.resting->modes.empty()) {
     state.resting.reset();
     return {false, fmt::format("{} touches that no pose explains", touches)};
@@ -132,24 +141,66 @@ PhaseEnd ExplorePhase::run(Robot& robot, PickState& state) {
                             state.resting->modes[0].weight)};
 }
 
+/// Level sweeps from all sides, half of them with the hand turned round. Where another part of the
+/// hand meets the object first, once more a little higher.
+int ExplorePhase::touch_around(Robot& robot, const PickState& state) {
+  int touches = 0;
+  for (const int i : every_other_first(options_.touches)) {
+    const double angle = 2 * std::numbers::pi * i / options_.touches;
+    const std::size_t turn = i % 2 == 0 ? 0 : 1;
+    for (const double higher : {0.0, kHigher}) {
+      const double depth = first_depth(state, options_) + higher;
+      const auto end = sweep(robot, state, {level_sweep(state, options_, angle, 0, depth), turn});
+      touches += end == SweepEnd::touched;
+      if (end != SweepEnd::blocked) break;
+    }
+  }
+  return touches;
+}
+
 /// Touches where the modes differ most, one after the other, till one of them is left.
-int ExplorePhase::tell_apart(Robot& robot, PickState& state) const {
+int ExplorePhase::tell_apart(Robot& robot, PickState& state) {
   int touches = 0;
   const auto sweeps = telling_sweeps(state, options_);
+  const std::size_t turn = options_.touches > 1 ? 1 : 0;  // as the hand is now
   for (int i = options_.touches; i < options_.most_touches; ++i) {
     if (state.resting->modes.empty() || state.resting->modes[0].weight > options_.certain) break;
-    const auto choice = most_telling_sweep(object_, *state.resting, sweeping_finger(robot), sweeps);
+    const auto choice =
+        most_telling_sweep(object_, *state.resting, sweeping_finger(robot, yaw(turn)), sweeps);
     if (!choice || choice->information < kLeastInformation) break;
-    touches += sweep(robot, state, choice->sweep);
+    touches += sweep(robot, state, {choice->sweep, turn}) == SweepEnd::touched;
     state.resting = locate_resting(object_, robot.model(), robot.log(), locate_, seed_);
   }
   return touches;
 }
 
-bool ExplorePhase::sweep(Robot& robot, const PickState& state, const Sweep& sweep) const {
+/// Touches that lessen the error of the best pose most.
+int ExplorePhase::refine(Robot& robot, PickState& state) {
+  int touches = 0;
+  const auto sweeps = telling_sweeps(state, options_);
+  const std::vector<SweepingFinger> fingers = {sweeping_finger(robot, yaw(0)),
+                                               sweeping_finger(robot, yaw(1))};
+  for (int i = 0; i < options_.refining; ++i) {
+    if (state.resting->modes.empty()) break;
+    const auto choice = most_refining_sweep(object_, state.resting->modes[0].T_frame_object,
+                                            fingers, sweeps, done_);
+    if (!choice || choice->before < kGoodSpread || choice->after > kWorthwhile * choice->before) {
+      break;
+    }
+    touches += sweep(robot, state, choice->sweep) == SweepEnd::touched;
+  }
+  if (touches > 0) {
+    state.resting = locate_resting(object_, robot.model(), robot.log(), locate_, seed_);
+  }
+  return touches;
+}
+
+ExplorePhase::SweepEnd ExplorePhase::sweep(Robot& robot, const PickState& state,
+                                           const TurnedSweep& turned) {
+  const Sweep& sweep = turned.sweep;
   const Eigen::Vector3d forward = (sweep.to - sweep.from).normalized();
-  const hand::BasePosition start = base_for_probe(robot, sweep.from);
-  const hand::BasePosition end = base_for_probe(robot, sweep.to);
+  const hand::BasePosition start = base_for_probe(robot, yaw(turned.turn), sweep.from);
+  const hand::BasePosition end = base_for_probe(robot, yaw(turned.turn), sweep.to);
   hand::BasePosition above = start;
   above.xyz.z() += std::max(0.0, state.height + kAbove - sweep.from.z());
   robot.move_base(above, options_.travel_speed);
@@ -159,18 +210,20 @@ bool ExplorePhase::sweep(Robot& robot, const PickState& state, const Sweep& swee
   const auto tip = tip_touches(options_.touch_force);
   const auto blocked = lasting_load(robot, forward, kBlockedLoad);
   bool touched = false;
-  robot.move_base(end, options_.speed, [&](const hand::HandReading& reading) {
+  const auto stop = [&](const hand::HandReading& reading) {
     touched = tip(reading);
     return touched || blocked(reading);
-  });
+  };
+  const bool stopped = robot.move_base(end, options_.speed, stop) == MotionEnd::stopped;
   if (touched) robot.wait(kRest);
+  if (touched) done_.push_back(turned);
   robot.mark(touched ? Mark::touched : Mark::missed);
   hand::BasePosition back = robot.command().base;
   back.xyz -= kBackOff * forward;
   robot.move_base(back, options_.travel_speed / 4);
   back.xyz.z() = std::max(back.xyz.z(), above.xyz.z());
   robot.move_base(back, options_.travel_speed);
-  return touched;
+  return touched ? SweepEnd::touched : stopped ? SweepEnd::blocked : SweepEnd::missed;
 }
 
 }  // namespace palpate::pipeline

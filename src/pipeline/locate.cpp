@@ -13,8 +13,10 @@
 namespace palpate::pipeline {
 namespace {
 
-constexpr double kFarther = 3.0;         // times the usual motion in a grasp that slides
+constexpr int kSlides = 2;               // how often a grasp may slide, each time
+constexpr double kFarther = 3.0;         // so many times as far
 constexpr double kTouchWindow = 0.1;     // s of a touch that are averaged
+constexpr double kClosedWindow = 0.15;   // s of touching before the mark `closed`
 constexpr double kTouchMargin = 0.004;   // m before a touch that do not count as free
 constexpr double kSweptSpacing = 0.008;  // m between the places of a swept fingertip
 
@@ -145,12 +147,27 @@ void add_swept_tip(const hand::HandModel& hand, const TouchLog& log, std::size_t
   }
 }
 
+/// Lasting contacts without the error of the links, which all contacts of a finger share.
+std::vector<touch::Contact> felt_contacts(std::span<const hand::HandReading> window,
+                                          const hand::HandModel& hand,
+                                          touch::ContactErrorModel errors) {
+  errors.link = 0;
+  return touch::lasting_contacts(window, hand, errors);
+}
+
+/// The links' misplacement displaces all contacts of a finger alike, in the base's axes.
+localization::SharedOffset finger_offset(const hand::HandModel& hand, int finger,
+                                         const LocateOptions& options) {
+  localization::SharedOffset offset;
+  offset.sigma = touch::link_offset_sigma(hand, finger, options.errors.link);
+  return offset;
+}
+
 /// Contacts and free space of the sweeps around the resting object, in the world.
 Evidence evidence_of_sweeps(const hand::HandModel& hand, const TouchLog& log,
                             const LocateOptions& options) {
-  touch::ContactErrorModel errors = options.errors;
-  errors.link = 0;  // the hand keeps its posture: a misplaced link shifts all contacts alike
   Evidence evidence;
+  auto offset = finger_offset(hand, static_cast<int>(hand::Finger::first), options);
   std::size_t sweep = 0;
   for (const auto& moment : log.since_release()) {
     if (moment.mark == Mark::sweep) sweep = moment.reading;
@@ -161,11 +178,13 @@ Evidence evidence_of_sweeps(const hand::HandModel& hand, const TouchLog& log,
     if (!touched) continue;
     const Eigen::Isometry3d T_world_base = log.readings[moment.reading].base.pose();
     const auto window = window_before(log, moment.reading, kTouchWindow);
-    for (auto contact : touch::lasting_contacts(window, hand, errors)) {
+    for (auto contact : felt_contacts(window, hand, options.errors)) {
       move(T_world_base, contact);
+      offset.members.push_back({evidence.contacts.size(), T_world_base.linear()});
       evidence.contacts.push_back(contact);
     }
   }
+  if (offset.sigma > 0) evidence.offsets.push_back(std::move(offset));
   return evidence;
 }
 
@@ -226,21 +245,45 @@ Matrix6d motion_covariance(const LocateOptions& options, double scale) {
   return variance.asDiagonal();
 }
 
+/// What the fingertips feel of an object that rests in the hand, in the base's frame.
+Evidence evidence_of_grasp(const hand::HandModel& hand, std::span<const hand::HandReading> window,
+                           const LocateOptions& options) {
+  Evidence evidence;
+  evidence.contacts = felt_contacts(window, hand, options.errors);
+  for (int finger = 0; finger < hand::kFingers; ++finger) {
+    auto offset = finger_offset(hand, finger, options);
+    for (std::size_t k = 0; k < evidence.contacts.size(); ++k) {
+      if (evidence.contacts[k].finger == finger) offset.members.push_back({k});
+    }
+    if (offset.sigma > 0 && !offset.members.empty()) evidence.offsets.push_back(std::move(offset));
+  }
+  return evidence;
+}
+
 /// Share of the peak density that spreads the probability `elsewhere` over all poses.
 double floor_density(const PosePrior& prior, double elsewhere) {
   constexpr double kPoses = 8 * std::numbers::pi * std::numbers::pi * 1e-3;  // 1 dm^3, rad^3 m^3
-  const double peak_volume =
-      std::sqrt(std::pow(2 * std::numbers::pi, 6) * prior.components[0].covariance.determinant());
-  return elsewhere * peak_volume / kPoses / prior.components[0].weight;
+  double peak = 0;
+  for (const auto& component : prior.components) {
+    const double volume =
+        std::sqrt(std::pow(2 * std::numbers::pi, 6) * component.covariance.determinant());
+    peak = std::max(peak, component.weight / volume);
+  }
+  return std::min(0.5, elsewhere / kPoses / peak);
 }
 
 /// The resting pose seen from the hand, after a grasp that mostly moved the object a little.
 PosePrior prior_after_grasp(const localization::Posterior& resting, const LocateOptions& options) {
-  PosePrior prior = localization::prior_from(resting, motion_covariance(options, 1));
-  PosePrior wide = localization::prior_from(resting, motion_covariance(options, kFarther));
-  for (auto& component : prior.components) component.weight *= 1 - options.slide_share;
-  for (auto& component : wide.components) component.weight *= options.slide_share;
-  prior.components.insert(prior.components.end(), wide.components.begin(), wide.components.end());
+  PosePrior prior;
+  double scale = 1, share = 1;
+  for (int slides = 0; slides <= kSlides; ++slides) {
+    PosePrior part = localization::prior_from(resting, motion_covariance(options, scale));
+    const double stays = slides < kSlides ? 1 - options.slide_share : 1;
+    for (auto& component : part.components) component.weight *= share * stays;
+    prior.components.insert(prior.components.end(), part.components.begin(), part.components.end());
+    share *= options.slide_share;
+    scale *= kFarther;
+  }
   std::stable_sort(prior.components.begin(), prior.components.end(),
                    [](const auto& a, const auto& b) { return a.weight > b.weight; });
   prior.floor = floor_density(prior, options.elsewhere);
@@ -255,7 +298,7 @@ localization::Posterior locate_resting(const localization::ObjectModel& object,
   Evidence evidence = evidence_of_sweeps(hand, log, options);
   if (evidence.contacts.empty()) return {};
   evidence.false_contact_share = options.false_contacts;
-  evidence.penetration_sigma = 0.002;
+  evidence.penetration_sigma = options.swept_sigma;
   evidence.table = resting_table(object.object(), hand, log, options);
   return localization::localize(object, evidence, RandomStream(seed, "locate resting"),
                                 options.search);
@@ -267,11 +310,9 @@ PoseEstimate locate(const localization::ObjectModel& object, const hand::HandMod
   PoseEstimate estimate;
   const auto held = log.at(instant);
   if (!held) return estimate;
-  const double window = instant == Mark::held ? options.window : kTouchWindow;
+  const double window = instant == Mark::held ? options.window : kClosedWindow;
 
-  Evidence evidence;
-  evidence.contacts =
-      touch::lasting_contacts(window_before(log, *held, window), hand, options.errors);
+  Evidence evidence = evidence_of_grasp(hand, window_before(log, *held, window), options);
   evidence.false_contact_share = options.false_contacts;
   evidence.penetration_sigma = options.penetration_sigma;
   if (options.free_space) evidence.free_space = hand_spheres(hand, log.readings[*held]);
@@ -280,7 +321,7 @@ PoseEstimate locate(const localization::ObjectModel& object, const hand::HandMod
     if (total_weight(resting) <= 0) {
       evidence.table = table_at_closing(object.object(), hand, log, options);
     } else {
-      const auto motion = carried_motion(hand, window_before(log, *closed, kTouchWindow),
+      const auto motion = carried_motion(hand, window_before(log, *closed, kClosedWindow),
                                          window_before(log, *held, window), options.errors);
       move(motion * log.readings[*closed].base.pose().inverse(), resting);
       evidence.prior = prior_after_grasp(resting, options);

@@ -18,7 +18,7 @@ namespace palpate::simulation {
 namespace {
 
 constexpr double kConcavity = 0.05;
-constexpr int kHullVertices = 64;
+constexpr int kHullVertices = 256;
 constexpr unsigned kSeed = 0;
 constexpr std::size_t kMostBodies = 200;  // more make contacts slow, and are no object to hold
 

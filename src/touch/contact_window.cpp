@@ -54,22 +54,32 @@ hand::JointVector mean_joints(std::span<const hand::HandReading> window) {
   return sum / static_cast<double>(window.size());
 }
 
+/// Links from the base to this one that may be off.
+int misplaced_links(const hand::HandModel& hand, int link) {
+  int misplaced = 0;
+  for (int i = link; i >= 0; i = hand.links[static_cast<std::size_t>(i)].parent) {
+    misplaced += hand::may_be_misplaced(hand.links[static_cast<std::size_t>(i)]);
+  }
+  return misplaced;
+}
+
 /// Variance per axis of a point fixed to the link, from joint noise and misplaced links.
 double kinematic_variance(const hand::HandModel& hand, const hand::JointVector& joints, int link,
                           const Eigen::Vector3d& p_link, const ContactErrorModel& errors,
                           std::size_t readings) {
   const auto J = hand::jacobian(hand, joints, link, p_link);
   const double joint_variance = errors.joint * errors.joint / static_cast<double>(readings);
-  int misplaced = 0;
-  for (int i = link; i >= 0; i = hand.links[static_cast<std::size_t>(i)].parent) {
-    misplaced += hand::may_be_misplaced(hand.links[static_cast<std::size_t>(i)]);
-  }
   return (J.bottomRows<3>().squaredNorm() * joint_variance +
-          misplaced * errors.link * errors.link) /
+          misplaced_links(hand, link) * errors.link * errors.link) /
          3.0;
 }
 
 }  // namespace
+
+double link_offset_sigma(const hand::HandModel& hand, int finger, double link) {
+  const int tip = hand.distal.at(static_cast<std::size_t>(finger));
+  return link * std::sqrt(misplaced_links(hand, tip) / 3.0);
+}
 
 std::vector<Contact> lasting_contacts(std::span<const hand::HandReading> window,
                                       const hand::HandModel& hand,

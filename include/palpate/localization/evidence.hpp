@@ -46,10 +46,23 @@ struct PosePrior {
   double floor = 1e-3;
 };
 
+/// Contacts displaced alike by an error of the hand's geometry: normal, the same along the axes of
+/// the offset's own frame. It is integrated out instead of being taken for noise of each contact.
+struct SharedOffset {
+  struct Member {
+    std::size_t contact;  ///< index into Evidence::contacts
+    Eigen::Matrix3d R_frame_offset = Eigen::Matrix3d::Identity();
+  };
+  double sigma = 0.001;  ///< per axis, m
+  std::vector<Member> members;
+};
+
 /// All that touch knows of the object at one instant, in one frame.
 struct Evidence {
   std::vector<touch::Contact> contacts;
+  std::vector<SharedOffset> offsets;  ///< a contact is in one of them at most
   double false_contact_share = 0.02;  ///< prior share of contacts with something else
+  double noise_doubt = 0.2;  ///< prior chance that all contacts are twice as noisy as they say
   std::vector<FreeSphere> free_space;
   double penetration_sigma = 0.0015;  ///< m
   std::optional<TableSupport> table;

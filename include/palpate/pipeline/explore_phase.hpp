@@ -9,7 +9,9 @@ namespace palpate::pipeline {
 struct ExploreOptions {
   int touches = 8;            ///< sweeps around the object; 0: none
   int most_touches = 16;      ///< with those that tell apart what the first ones left open
+  int refining = 4;           ///< at most, that make the best pose exact
   double certain = 0.97;      ///< weight of a pose that needs no more touches
+  double turn = 3.14159265;   ///< of the hand for every other one of them, rad
   double radius = 0.135;      ///< of the circle from which they start, m
   double past = 0.05;         ///< how far they go past the object's place, m
   double speed = 0.02;        ///< of a sweep, m/s
@@ -21,7 +23,9 @@ struct ExploreOptions {
   void visit(Visitor&& v) {
     v("touches", touches, 0, 64, "sweeps around the object; 0: none");
     v("most_touches", most_touches, 0, 64, "with those that tell apart what the first left open");
+    v("refining", refining, 0, 64, "at most, that make the best pose exact");
     v("certain", certain, 0.0, 1.0, "weight of a pose that needs no more touches");
+    v("turn", turn, -3.2, 3.2, "rad, of the hand for every other one of these");
     v("radius", radius, 0.02, 0.3, "m, of the circle from which they start");
     v("past", past, 0.0, 0.2, "m, how far they go past the object's place");
     v("speed", speed, 0.001, 0.2, "m/s, of a sweep");
@@ -33,7 +37,9 @@ struct ExploreOptions {
 
 /// Touches the resting object from all sides with the first finger, gently enough not to move it,
 /// and estimates how it lies. The hand keeps its posture and only travels, so that what is wrong
-/// with the model of the finger shifts all contacts alike and leaves their shape.
+/// with the model of the finger shifts all contacts alike and leaves their shape. For every other
+/// touch it is turned round, which turns that shift round, too, and so tells it from the object's
+/// place.
 class ExplorePhase : public Phase {
  public:
   ExplorePhase(const localization::ObjectModel& object, const ExploreOptions& options,
@@ -44,13 +50,18 @@ class ExplorePhase : public Phase {
   PhaseEnd run(Robot& robot, PickState& state) override;
 
  private:
-  bool sweep(Robot& robot, const PickState& state, const Sweep& sweep) const;
-  int tell_apart(Robot& robot, PickState& state) const;
+  enum class SweepEnd { touched, missed, blocked };
+  SweepEnd sweep(Robot& robot, const PickState& state, const TurnedSweep& turned);
+  double yaw(std::size_t turn) const { return turn == 0 ? 0 : options_.turn; }
+  int touch_around(Robot& robot, const PickState& state);
+  int tell_apart(Robot& robot, PickState& state);
+  int refine(Robot& robot, PickState& state);
 
   const localization::ObjectModel& object_;
   ExploreOptions options_;
   LocateOptions locate_;
   std::uint64_t seed_;
+  std::vector<TurnedSweep> done_;  // that touched
 };
 
 }  // namespace palpate::pipeline

@@ -12,13 +12,14 @@ struct LocateOptions {
   touch::ContactErrorModel errors;
   double window = 0.5;                  ///< s of readings, before the mark, that are averaged
   double felt_sigma = 0.005;            ///< of the felt height, m
-  double resting_height_sigma = 0.003;  ///< of the fingertip's place in the hand, m
+  double resting_height_sigma = 0.001;  ///< of the resting object, m
+  double swept_sigma = 0.003;           ///< of the place of the space that a sweep found free, m
   double resting_half_width =
       0.025;  ///< object within +- of its rough place before it is touched, m
-  double motion_angle_sigma = 0.05;  ///< by which the grasp turns the object in the hand, rad
-  double slide_share = 0.15;         ///< chance that the grasp moved it three times as far
-  double elsewhere = 0.02;           ///< chance that the resting pose was wrong
-  double motion_sigma = 0.004;       ///< by which it moves it, m
+  double motion_angle_sigma = 0.012;  ///< by which the grasp turns the object in the hand, rad
+  double slide_share = 0.4;  ///< chance that it slid three times as far, and that much of it again
+  double elsewhere = 0.02;   ///< chance that the resting pose was wrong
+  double motion_sigma = 0.0008;      ///< by which it moves it, m
   double other_stance = 0.03;        ///< chance that the grasp put the object into another stance
   double tilt_sigma = 0.30;          ///< by which the closing hand tilts the object, rad
   double height_sigma = 0.015;       ///< by which it raises it, m
@@ -32,13 +33,14 @@ struct LocateOptions {
   void visit(Visitor&& v) {
     v("window", window, 0.01, 10.0, "s of readings that are averaged");
     v("felt_sigma", felt_sigma, 1e-4, 0.1, "m, error of the felt height");
-    v("resting_height_sigma", resting_height_sigma, 1e-4, 0.1, "m, of the fingertip's height");
+    v("resting_height_sigma", resting_height_sigma, 1e-4, 0.1, "m, of the resting object");
+    v("swept_sigma", swept_sigma, 1e-4, 0.1, "m, of the space that a sweep found free");
     v("resting_half_width", resting_half_width, 0.0, 0.3,
       "m, resting object within +- of its place");
-    v("slide_share", slide_share, 0.0, 0.9, "chance that the grasp moved it three times as far");
+    v("slide_share", slide_share, 0.0, 0.9, "chance that the object slid three times as far");
     v("elsewhere", elsewhere, 1e-6, 0.9, "chance that the resting pose was wrong");
-    v("motion_angle_sigma", motion_angle_sigma, 0.01, 3.0, "rad, turn of the object in the grasp");
-    v("motion_sigma", motion_sigma, 1e-3, 0.2, "m, motion of the object in the grasp");
+    v("motion_angle_sigma", motion_angle_sigma, 1e-4, 3.0, "rad, turn of the object in the grasp");
+    v("motion_sigma", motion_sigma, 1e-5, 0.2, "m, motion of the object in the grasp");
     v("other_stance", other_stance, 0.0, 1.0, "chance that the grasp changed the stance");
     v("tilt_sigma", tilt_sigma, 1e-3, 1.0, "rad, by which the closing hand tilts the object");
     v("height_sigma", height_sigma, 1e-4, 0.1, "m, by which the closing hand raises the object");

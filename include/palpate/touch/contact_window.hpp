@@ -31,6 +31,10 @@ struct ContactErrorModel {
   }
 };
 
+/// Standard deviation per axis, m, of the place of a fingertip whose links each are off by
+/// ContactErrorModel::link: what all contacts of that finger are displaced by alike.
+double link_offset_sigma(const hand::HandModel& hand, int finger, double link);
+
 /// The lasting contacts of a hand that holds still: those of each fingertip clustered by place and
 /// direction over the window, averaged, and expressed in the base's frame with their uncertainty.
 ///
