@@ -39,6 +39,8 @@ json summary_json(const ObjectSummary& summary) {
           {"lifted_at_once", rate(summary.lifted_at_once, summary.trials)},
           {"pose_tight", rate(summary.pose_tight, summary.trials)},
           {"pose_ok_before_lift", rate(summary.pose_ok_before_lift, summary.trials)},
+          {"pose_ok_before_probe", rate(summary.pose_ok_before_probe, summary.trials)},
+          {"probed", rate(summary.probed, summary.trials)},
           {"sure_but_wrong", rate(summary.sure_but_wrong, summary.trials)},
           {"truth_in_modes", rate(summary.truth_in_modes, summary.trials)},
           {"truth_in_modes_of_lifted", rate(summary.truth_in_modes, summary.lifted)},

@@ -116,6 +116,8 @@ nlohmann::json trial_json(const pipeline::Trial& trial) {
           {"tip_force", trial.judgement.tip_force},
           {"explored_motion_mm", 1e3 * trial.judgement.explored_motion},
           {"pose_ok_before_lift", trial.judgement.pose_ok_before_lift},
+          {"pose_ok_before_probe", trial.judgement.pose_ok_before_probe},
+          {"probes", trial.judgement.probes},
           {"stance", trial.start.stance},
           {"estimate", estimate_json(trial)},
           {"T_world_object_true", to_json(trial.judgement.T_world_object)},

@@ -61,7 +61,14 @@ Judgement Judge::verdict(const PickResult& result, const TouchLog& log, const Li
     judgement.tip_force = median_tip_force(log.readings[*held]);
     judgement.lifted = lowest > kLifted && judgement.slip < kMostSlip;
   }
-  judgement.pose_ok_before_lift = right_before_lift(result, log, symmetries);
+  const auto closed = log.all(Mark::closed);
+  if (!closed.empty()) {
+    judgement.pose_ok_before_lift =
+        right_in_hand(result.before_lift, closed.back(), log, symmetries);
+    judgement.pose_ok_before_probe =
+        right_in_hand(result.before_probe, closed.front(), log, symmetries);
+  }
+  judgement.probes = static_cast<int>(log.all(Mark::probed).size());
   judgement.explored_motion = motion_while_explored(log);
   const auto& posterior = result.estimate.posterior;
   judgement.has_pose = !posterior.modes.empty();
@@ -78,12 +85,12 @@ Judgement Judge::verdict(const PickResult& result, const TouchLog& log, const Li
   return judgement;
 }
 
-bool Judge::right_before_lift(const PickResult& result, const TouchLog& log,
-                              const std::vector<Eigen::Matrix3d>& symmetries) const {
-  const auto closed = log.at(Mark::closed);
-  if (!closed || !result.before_lift || result.before_lift->posterior.modes.empty()) return false;
-  const auto truth = log.readings[*closed].base.pose() * moments_[*closed].T_base_object;
-  const auto& best = result.before_lift->posterior.modes[0].T_frame_object;
+bool Judge::right_in_hand(const std::optional<PoseEstimate>& estimate, std::size_t closed,
+                          const TouchLog& log,
+                          const std::vector<Eigen::Matrix3d>& symmetries) const {
+  if (!estimate || estimate->posterior.modes.empty()) return false;
+  const auto truth = log.readings[closed].base.pose() * moments_[closed].T_base_object;
+  const auto& best = estimate->posterior.modes[0].T_frame_object;
   return within(localization::pose_error(best, truth, symmetries), kPoseAngle, kPoseDistance);
 }
 

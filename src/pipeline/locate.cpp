@@ -2,6 +2,7 @@
 #include "palpate/pipeline/locate.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -18,6 +19,7 @@ constexpr double kFarther = 3.0;         // so many times as far
 constexpr double kTouchWindow = 0.1;     // s of a touch that are averaged
 constexpr double kClosedWindow = 0.15;   // s of touching before the mark `closed`
 constexpr double kTouchMargin = 0.004;   // m before a touch that do not count as free
+constexpr double kElsewhere = 0.004;     // m that a fingertip has gone when it probes
 constexpr double kSweptSpacing = 0.008;  // m between the places of a swept fingertip
 
 using geometry::KnownObject;
@@ -208,7 +210,8 @@ hand::HandReading mean_posture(std::span<const hand::HandReading> window) {
 Eigen::Isometry3d carried_motion(const hand::HandModel& hand,
                                  std::span<const hand::HandReading> before,
                                  std::span<const hand::HandReading> after,
-                                 const touch::ContactErrorModel& errors) {
+                                 const touch::ContactErrorModel& errors,
+                                 const std::array<bool, hand::kFingers>& moved = {}) {
   const auto T_before = hand::forward_kinematics(hand, mean_posture(before).joints);
   const auto T_after = hand::forward_kinematics(hand, mean_posture(after).joints);
   const auto later = touch::lasting_contacts(after, hand, errors);
@@ -217,7 +220,7 @@ Eigen::Isometry3d carried_motion(const hand::HandModel& hand,
     const bool lasts = std::any_of(later.begin(), later.end(), [&](const touch::Contact& other) {
       return other.finger == contact.finger;
     });
-    if (!lasts) continue;
+    if (!lasts || moved[static_cast<std::size_t>(contact.finger)]) continue;
     const auto finger = static_cast<std::size_t>(contact.finger);
     const auto link = static_cast<std::size_t>(hand.distal[finger]);
     from.push_back(contact.p);
@@ -245,11 +248,8 @@ Matrix6d motion_covariance(const LocateOptions& options, double scale) {
   return variance.asDiagonal();
 }
 
-/// What the fingertips feel of an object that rests in the hand, in the base's frame.
-Evidence evidence_of_grasp(const hand::HandModel& hand, std::span<const hand::HandReading> window,
-                           const LocateOptions& options) {
-  Evidence evidence;
-  evidence.contacts = felt_contacts(window, hand, options.errors);
+/// Groups contacts by the finger that felt them.
+void share_offsets(const hand::HandModel& hand, const LocateOptions& options, Evidence& evidence) {
   for (int finger = 0; finger < hand::kFingers; ++finger) {
     auto offset = finger_offset(hand, finger, options);
     for (std::size_t k = 0; k < evidence.contacts.size(); ++k) {
@@ -257,7 +257,48 @@ Evidence evidence_of_grasp(const hand::HandModel& hand, std::span<const hand::Ha
     }
     if (offset.sigma > 0 && !offset.members.empty()) evidence.offsets.push_back(std::move(offset));
   }
-  return evidence;
+}
+
+/// Which fingers were at another posture than at the moment of closing.
+std::array<bool, hand::kFingers> moved_fingers(const hand::HandModel& hand,
+                                               std::span<const hand::HandReading> closed,
+                                               std::span<const hand::HandReading> probed) {
+  const auto T_closed = hand::forward_kinematics(hand, mean_posture(closed).joints);
+  const auto T_probed = hand::forward_kinematics(hand, mean_posture(probed).joints);
+  std::array<bool, hand::kFingers> moved{};
+  for (std::size_t finger = 0; finger < hand::kFingers; ++finger) {
+    const auto link = static_cast<std::size_t>(hand.distal[finger]);
+    moved[finger] =
+        (T_closed[link] * hand.tips[finger].b - T_probed[link] * hand.tips[finger].b).norm() >
+        kElsewhere;
+  }
+  return moved;
+}
+
+/// Adds what a finger found at another spot while the others held the object: its touch, if it
+/// made one, and the space that it takes. All is carried along to the present with the object.
+void add_probe(const hand::HandModel& hand, std::span<const hand::HandReading> closed,
+               std::span<const hand::HandReading> probed,
+               std::span<const hand::HandReading> present, const LocateOptions& options,
+               Evidence& evidence) {
+  const auto moved = moved_fingers(hand, closed, probed);
+  const auto motion = carried_motion(hand, probed, present, options.errors, moved);
+  for (auto contact : felt_contacts(probed, hand, options.errors)) {
+    if (!moved[static_cast<std::size_t>(contact.finger)]) continue;
+    move(motion, contact);
+    contact.point_sigma = std::hypot(contact.point_sigma, options.probe_motion);
+    evidence.contacts.push_back(contact);
+  }
+  if (!options.free_space) return;
+  const auto T_base_link = hand::forward_kinematics(hand, mean_posture(probed).joints);
+  for (const auto& sphere : hand.spheres) {
+    for (std::size_t finger = 0; finger < hand::kFingers; ++finger) {
+      if (!moved[finger] || sphere.link != hand.distal[finger]) continue;
+      evidence.free_space.push_back(
+          {motion * T_base_link[static_cast<std::size_t>(sphere.link)] * sphere.center,
+           sphere.radius});
+    }
+  }
 }
 
 /// Share of the peak density that spreads the probability `elsewhere` over all poses.
@@ -312,21 +353,27 @@ PoseEstimate locate(const localization::ObjectModel& object, const hand::HandMod
   if (!held) return estimate;
   const double window = instant == Mark::held ? options.window : kClosedWindow;
 
-  Evidence evidence = evidence_of_grasp(hand, window_before(log, *held, window), options);
+  const auto present = window_before(log, *held, window);
+  Evidence evidence;
+  evidence.contacts = felt_contacts(present, hand, options.errors);
   evidence.false_contact_share = options.false_contacts;
   evidence.penetration_sigma = options.penetration_sigma;
   if (options.free_space) evidence.free_space = hand_spheres(hand, log.readings[*held]);
-  if (const auto closed = log.at(Mark::closed)) {
+  if (const auto closed = log.all(Mark::closed); !closed.empty()) {
+    const auto first = window_before(log, closed.front(), kClosedWindow);
+    for (const std::size_t probed : log.all(Mark::probed)) {
+      add_probe(hand, first, window_before(log, probed, kClosedWindow), present, options, evidence);
+    }
     auto resting = locate_resting(object, hand, log, options, seed);
     if (total_weight(resting) <= 0) {
       evidence.table = table_at_closing(object.object(), hand, log, options);
     } else {
-      const auto motion = carried_motion(hand, window_before(log, *closed, kClosedWindow),
-                                         window_before(log, *held, window), options.errors);
-      move(motion * log.readings[*closed].base.pose().inverse(), resting);
+      const auto motion = carried_motion(hand, first, present, options.errors);
+      move(motion * log.readings[closed.front()].base.pose().inverse(), resting);
       evidence.prior = prior_after_grasp(resting, options);
     }
   }
+  share_offsets(hand, options, evidence);
   estimate.posterior =
       localization::localize(object, evidence, RandomStream(seed, "locate"), options.search);
   estimate.contacts = evidence.contacts;

@@ -28,4 +28,12 @@ std::optional<std::size_t> TouchLog::at(Mark mark) const {
   return reading;
 }
 
+std::vector<std::size_t> TouchLog::all(Mark mark) const {
+  std::vector<std::size_t> all;
+  for (const Moment& moment : since_release()) {
+    if (moment.mark == mark) all.push_back(moment.reading);
+  }
+  return all;
+}
+
 }  // namespace palpate::pipeline

@@ -18,7 +18,8 @@ struct LocateOptions {
       0.025;  ///< object within +- of its rough place before it is touched, m
   double motion_angle_sigma = 0.012;  ///< by which the grasp turns the object in the hand, rad
   double slide_share = 0.4;  ///< chance that it slid three times as far, and that much of it again
-  double elsewhere = 0.02;   ///< chance that the resting pose was wrong
+  double probe_motion = 0.001;       ///< of the object while a finger probes it, m
+  double elsewhere = 0.02;           ///< chance that the resting pose was wrong
   double motion_sigma = 0.0008;      ///< by which it moves it, m
   double other_stance = 0.03;        ///< chance that the grasp put the object into another stance
   double tilt_sigma = 0.30;          ///< by which the closing hand tilts the object, rad
@@ -38,6 +39,7 @@ struct LocateOptions {
     v("resting_half_width", resting_half_width, 0.0, 0.3,
       "m, resting object within +- of its place");
     v("slide_share", slide_share, 0.0, 0.9, "chance that the object slid three times as far");
+    v("probe_motion", probe_motion, 0.0, 0.05, "m, motion of the object while a finger probes it");
     v("elsewhere", elsewhere, 1e-6, 0.9, "chance that the resting pose was wrong");
     v("motion_angle_sigma", motion_angle_sigma, 1e-4, 3.0, "rad, turn of the object in the grasp");
     v("motion_sigma", motion_sigma, 1e-5, 0.2, "m, motion of the object in the grasp");

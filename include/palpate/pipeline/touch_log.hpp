@@ -20,9 +20,10 @@ enum class Mark {
   held,      ///< the object hangs in the hand, settled
   released,  ///< the hand has let go: what was felt before no longer holds
   placed,    ///< the object stands where it was put; the hand is about to let go
+  probed,    ///< a finger has closed on another spot of the object that the others hold
 };
-inline constexpr std::array<std::string_view, 8> kMarkNames = {
-    "felt", "sweep", "touched", "missed", "closed", "held", "released", "placed"};
+inline constexpr std::array<std::string_view, 9> kMarkNames = {
+    "felt", "sweep", "touched", "missed", "closed", "held", "released", "placed", "probed"};
 
 /// All that was felt, and when what was reached: everything that the pose estimate depends on.
 struct TouchLog {
@@ -41,6 +42,9 @@ struct TouchLog {
 
   /// Reading of the latest moment of a kind since the hand last let go.
   std::optional<std::size_t> at(Mark mark) const;
+
+  /// Readings of all moments of a kind since then.
+  std::vector<std::size_t> all(Mark mark) const;
 };
 
 }  // namespace palpate::pipeline

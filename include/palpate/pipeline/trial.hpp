@@ -70,9 +70,11 @@ struct Judgement {
   bool pose_ok = false;                       ///< within 5 deg and 10 mm
   bool pose_tight = false;                    ///< within 2.5 deg and 3.5 mm
   bool truth_in_modes = false;
-  bool pose_ok_before_lift = false;  ///< as the fingers had met the object
-  double explored_motion = 0;        ///< m, of the object while it was touched before the grasp
-  double tip_force = 0;              ///< N, median over the touching fingertips at the end
+  bool pose_ok_before_lift = false;  ///< as the fingers had met the object, with probing
+  bool pose_ok_before_probe = false;
+  int probes = 0;              ///< touches of other spots in the closed hand
+  double explored_motion = 0;  ///< m, of the object while it was touched before the grasp
+  double tip_force = 0;        ///< N, median over the touching fingertips at the end
   Eigen::Isometry3d T_world_object = Eigen::Isometry3d::Identity();  ///< at the end
 };
 
