@@ -286,6 +286,15 @@ TEST(Localize, RefusesWhatCannotBeUsed) {
   expect_bad("point_sigma is 0", [](Evidence& e) { e.contacts[0].point_sigma = 0; });
   expect_bad("normal_sigma is -1", [](Evidence& e) { e.contacts[0].normal_sigma = -1; });
   expect_bad("false_contact_share is 1", [](Evidence& e) { e.false_contact_share = 1; });
+  expect_bad("noise_doubt is 1", [](Evidence& e) { e.noise_doubt = 1; });
+  expect_bad("offset 0: sigma is 0", [](Evidence& e) { e.offsets = {{0.0, {}}}; });
+  expect_bad("contact 1000 of", [](Evidence& e) { e.offsets = {{0.001, {{1000}}}}; });
+  expect_bad("contact 0 is in another one", [](Evidence& e) {
+    e.offsets = {{0.001, {{0}}}, {0.001, {{0}}}};
+  });
+  expect_bad("offset 0: its rotation is off", [](Evidence& e) {
+    e.offsets = {{0.001, {{0, 2 * Eigen::Matrix3d::Identity()}}}};
+  });
   expect_bad("penetration_sigma is 0", [](Evidence& e) { e.penetration_sigma = 0; });
   expect_bad("radius is -0.5", [](Evidence& e) { e.free_space[0].radius = -0.5; });
   expect_bad("free sphere 0", [](Evidence& e) { e.free_space[0].center.y() = kNan; });

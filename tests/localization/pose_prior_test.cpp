@@ -291,7 +291,7 @@ TEST(PriorFrom, AddsTheMotionsCovariance) {
   EXPECT_EQ(prior.components[1].weight, 0.3);
   EXPECT_EQ(prior.components[1].T_frame_object.matrix(),
             posterior.modes[0].T_frame_object.matrix());
-  const Matrix6d expected = spread + motion + covariance_of(2 * kDegree, 0.002);
+  const Matrix6d expected = spread + motion + covariance_of(0.5 * kDegree, 0.0005);
   EXPECT_LT((prior.components[1].covariance - expected).norm(), 1e-12);
 }
 

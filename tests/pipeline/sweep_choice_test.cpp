@@ -54,5 +54,36 @@ TEST(MostTellingSweep, BlockedByAnotherPartOfTheHandTellsNothing) {
   EXPECT_FALSE(most_telling_sweep(box(), posterior, blocked, {kAlongX}));
 }
 
+SweepingFinger turned_ball(double yaw) {
+  SweepingFinger finger = kBall;
+  finger.R_world_base = Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  return finger;
+}
+
+TEST(MostRefiningSweep, GoesWhereThePlaceIsNotKnown) {
+  const std::vector<Sweep> sweeps = {kAlongX, kAlongY};
+  const std::vector<TurnedSweep> done = {{kAlongX, 0}, {kAlongX, 0}};
+  const auto best =
+      most_refining_sweep(box(), Eigen::Isometry3d::Identity(), {turned_ball(0)}, sweeps, done);
+  ASSERT_TRUE(best);
+  EXPECT_EQ(best->sweep.sweep.from, kAlongY.from);
+  EXPECT_LT(best->after, best->before);
+}
+
+TEST(MostRefiningSweep, TurnsTheHandToTellItsOffsetFromThePlace) {
+  const std::vector<SweepingFinger> fingers = {turned_ball(0), turned_ball(M_PI)};
+  const std::vector<TurnedSweep> done(6, {kAlongX, 0});
+  const auto best =
+      most_refining_sweep(box(), Eigen::Isometry3d::Identity(), fingers, {kAlongX}, done);
+  ASSERT_TRUE(best);
+  EXPECT_EQ(best->sweep.turn, 1U);
+}
+
+TEST(MostRefiningSweep, NeedsATouch) {
+  const Sweep beside = {{0.3, 0.3, 0}, {0.2, 0.3, 0}};
+  EXPECT_FALSE(
+      most_refining_sweep(box(), Eigen::Isometry3d::Identity(), {turned_ball(0)}, {beside}, {}));
+}
+
 }  // namespace
 }  // namespace palpate::pipeline

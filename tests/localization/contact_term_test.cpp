@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "../../src/localization/contact_term.hpp"
+
+#include <gtest/gtest.h>
+
+#include "scenes.hpp"
+
+namespace palpate::localization {
+namespace {
+
+constexpr double kOffset = 0.003;      // m, at which contacts are compared
+constexpr double kPointSigma = 0.001;  // m
+
+/// Contacts on the box's face at +x, well inside it, where the distance is exactly linear.
+Evidence on_a_face(int count) {
+  const auto bounds = model_of("box").bounds();
+  Evidence evidence;
+  evidence.false_contact_share = 1e-9;
+  evidence.noise_doubt = 0;
+  for (int k = 0; k < count; ++k) {
+    touch::Contact contact;
+    contact.p = {static_cast<double>(bounds.max().x()), 0.004 * k - 0.008, 0.006 * (k % 3)};
+    contact.n = Eigen::Vector3d::UnitX();
+    contact.point_sigma = kPointSigma;
+    evidence.contacts.push_back(contact);
+  }
+  return evidence;
+}
+
+SharedOffset offset_of_all(const Evidence& evidence, double sigma) {
+  SharedOffset offset;
+  offset.sigma = sigma;
+  for (std::size_t k = 0; k < evidence.contacts.size(); ++k) offset.members.push_back({k});
+  return offset;
+}
+
+double energy_at(const Evidence& evidence, double x) {
+  const ContactTerm term(model_of("box"), evidence, kOffset, 1.0);
+  SearchPose pose;
+  pose.t.x() = static_cast<float>(x);
+  return static_cast<double>(term.energy(pose, kNoBound));
+}
+
+TEST(ContactTerm, IntegratesASharedOffsetOutAsACovariance) {
+  for (const int count : {1, 3, 5}) {
+    for (const double sigma : {0.0005, 0.002}) {
+      Evidence evidence = on_a_face(count);
+      evidence.offsets = {offset_of_all(evidence, sigma)};
+      const double start = energy_at(evidence, 0);
+      for (const double x : {-0.001, 0.0015}) {
+        // x^2 1'(sp^2 I + so^2 1 1')^-1 1 / 2
+        const double expected =
+            0.5 * x * x * count / (kPointSigma * kPointSigma + count * sigma * sigma);
+        EXPECT_NEAR(energy_at(evidence, x) - start, expected, 0.02 * expected + 1e-3);
+      }
+      // ln det(I + so^2 1 1' / sp^2) / 2 is what it costs
+      const double ratio = sigma * sigma / (kPointSigma * kPointSigma);
+      Evidence without = evidence;
+      without.offsets.clear();
+      EXPECT_NEAR(start - energy_at(without, 0), 0.5 * std::log(1 + count * ratio), 0.01);
+    }
+  }
+}
+
+TEST(ContactTerm, OppositeOffsetsOfATurnedHandDoNotHideThePlace) {
+  Evidence evidence = on_a_face(4);
+  SharedOffset offset = offset_of_all(evidence, 0.003);
+  evidence.offsets = {offset};
+  const double alike = energy_at(evidence, 0.001) - energy_at(evidence, 0);
+  const Eigen::Matrix3d turn = exp_so3({0, 0, M_PI});
+  for (std::size_t k = 0; k < 4; k += 2) offset.members[k].R_frame_offset = turn;
+  evidence.offsets = {offset};
+  const double turned = energy_at(evidence, 0.001) - energy_at(evidence, 0);
+  EXPECT_LT(alike, 0.1);
+  EXPECT_NEAR(turned, 4 * 0.5, 0.1);  // four contacts one sigma off
+}
+
+TEST(ContactTerm, LinearizesWhatItIntegrates) {
+  Evidence evidence = on_a_face(5);
+  evidence.offsets = {offset_of_all(evidence, 0.002)};
+  const ContactTerm term(model_of("box"), evidence, kOffset, 1.0);
+  SearchPose pose;
+  pose.t.x() = 0.001F;
+  NormalEquations equations;
+  term.linearize(pose, equations);
+  const double expected = 5 / (kPointSigma * kPointSigma + 5 * 0.002 * 0.002);
+  EXPECT_NEAR(equations.H(3, 3), expected, 0.02 * expected);
+  EXPECT_NEAR(equations.g[3], 0.001 * expected, 0.02 * 0.001 * expected);
+}
+
+TEST(ContactTerm, DoubtOfTheNoiseIsAMixture) {
+  Evidence evidence = on_a_face(4);
+  Evidence twice = evidence;
+  for (auto& contact : twice.contacts) {
+    contact.point_sigma *= 2;
+    contact.normal_sigma *= 2;
+  }
+  evidence.noise_doubt = 0.25;
+  for (const double x : {0.0, 0.001, 0.003}) {
+    Evidence sure = evidence;
+    sure.noise_doubt = 0;
+    // The wider density is lower at its peak by 2 for the point and about 4 for the normal.
+    const auto odds = [](const Evidence& e) {
+      return ContactTerm(model_of("box"), e, kOffset, 1.0).energy_if_false();
+    };
+    const double lower = static_cast<double>(odds(sure) - odds(twice));
+    const double expected = -std::log(0.75 * std::exp(-energy_at(sure, x)) +
+                                      0.25 * std::exp(-energy_at(twice, x) - lower));
+    EXPECT_NEAR(energy_at(evidence, x), expected, 0.01);
+  }
+}
+
+TEST(ContactTerm, StopsEarlyOnlyAboveTheBound) {
+  RandomStream random(4);
+  const ObjectModel& model = model_of("bunny");
+  for (int i = 0; i < 20; ++i) {
+    SceneOptions options;
+    const Scene scene = make_scene(model, options, random.fork(std::to_string(i)));
+    Evidence evidence = scene.evidence;
+    evidence.offsets = {offset_of_all(evidence, 0.001)};
+    const ContactTerm term(model, evidence, kOffset, 1.0);
+    SearchPose pose{scene.truth.linear().cast<float>(), scene.truth.translation().cast<float>()};
+    pose.t += (0.003 * random.normal3()).cast<float>();
+    const float all = term.energy(pose, kNoBound);
+    EXPECT_EQ(term.energy(pose, all), all);
+    EXPECT_GT(term.energy(pose, 0.5F * all), 0.5F * all);
+  }
+}
+
+}  // namespace
+}  // namespace palpate::localization
