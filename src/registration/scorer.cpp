@@ -1,21 +1,38 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scorer.hpp"
 
-#include <array>
-
+#include "bitset_rows.hpp"
 #include "nearest_rotation.hpp"
 #include "palpate/registration/quadratic_form.hpp"
 
 namespace palpate::registration {
 namespace {
 
-void split(const std::vector<Eigen::Vector3d>& points, const Eigen::Vector3d& origin, double unit,
-           Eigen::ArrayXf (&axes)[3]) {
-  const auto count = static_cast<Eigen::Index>(points.size());
-  for (auto& axis : axes) axis.resize(count);
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const Eigen::Vector3f p = ((points[static_cast<std::size_t>(i)] - origin) / unit).cast<float>();
-    for (int a = 0; a < 3; ++a) axes[a][i] = p[a];
+struct Motion {
+  const float* R;  // columns one after the other
+  const float* t;
+  float scale;  // of the squares
+};
+
+struct Span {
+  int from, to, shift;
+};
+
+/// result[i - from] += scale |R a_i + t - b_(i + shift)|^2.
+PALPATE_WIDE void add_squares(const Eigen::ArrayXf (&a)[3], const Eigen::ArrayXf (&b)[3],
+                              const Motion& motion, const Span& span, float* __restrict result) {
+  const float *ax = a[0].data(), *ay = a[1].data(), *az = a[2].data();
+  const float *bx = b[0].data() + span.shift, *by = b[1].data() + span.shift,
+              *bz = b[2].data() + span.shift;
+  const float* R = motion.R;
+  const float r00 = R[0], r10 = R[1], r20 = R[2], r01 = R[3], r11 = R[4], r21 = R[5], r02 = R[6],
+              r12 = R[7], r22 = R[8], tx = motion.t[0], ty = motion.t[1], tz = motion.t[2];
+  const float scale = motion.scale;
+  for (int i = span.from; i < span.to; ++i) {
+    const float dx = r00 * ax[i] + r01 * ay[i] + r02 * az[i] + (tx - bx[i]);
+    const float dy = r10 * ax[i] + r11 * ay[i] + r12 * az[i] + (ty - by[i]);
+    const float dz = r20 * ax[i] + r21 * ay[i] + r22 * az[i] + (tz - bz[i]);
+    result[i - span.from] += scale * (dx * dx + dy * dy + dz * dz);
   }
 }
 
@@ -26,27 +43,26 @@ Scorer::Scorer(const Correspondences& correspondences, double noise_bound, doubl
   const Origins means = weighted_means(correspondences, {});
   source_origin_ = means.source;
   target_origin_ = means.target;
-  split(correspondences.source, source_origin_, unit_, x_);
-  split(correspondences.target, target_origin_, unit_, y_);
-  if (chord_bound <= 0) return;
-  split(correspondences.source_normals, Eigen::Vector3d::Zero(), 1, n_);
-  split(correspondences.target_normals, Eigen::Vector3d::Zero(), 1, m_);
+  columns_ = columns_of(correspondences, source_origin_, target_origin_, unit_, chord_bound > 0);
 }
 
-Eigen::ArrayXf Scorer::gains(const Eigen::Isometry3d& T) const {
+/// Squared residuals, in squared bounds, of the sources from..to-1 moved by T, each held against
+/// the target `shift` places on.
+Eigen::ArrayXf Scorer::squares(const Eigen::Isometry3d& T, int from, int to, int shift) const {
   const Eigen::Matrix3f R = T.linear().cast<float>();
   const Eigen::Vector3f t = T.translation().cast<float>();
-  const auto off = [&](int a) {
-    return (R(a, 0) * x_[0] + R(a, 1) * x_[1] + R(a, 2) * x_[2] + (t[a] - y_[a])).square();
-  };
-  Eigen::ArrayXf result = 1 - (off(0) + off(1) + off(2));
+  Eigen::ArrayXf result = Eigen::ArrayXf::Zero(to - from);
+  add_squares(columns_.s, columns_.t, {R.data(), t.data(), 1}, {from, to, shift}, result.data());
   if (chord_bound_ > 0) {
-    const float scale = 1 / (chord_bound_ * chord_bound_);
-    for (int a = 0; a < 3; ++a) {
-      result -= scale * (R(a, 0) * n_[0] + R(a, 1) * n_[1] + R(a, 2) * n_[2] - m_[a]).square();
-    }
+    constexpr float kStill[3] = {0, 0, 0};
+    add_squares(columns_.n, columns_.m, {R.data(), kStill, 1 / (chord_bound_ * chord_bound_)},
+                {from, to, shift}, result.data());
   }
-  return result.max(0.0F);
+  return result;
+}
+
+Eigen::ArrayXf Scorer::gains(const Eigen::Isometry3d& T, float reach) const {
+  return (1 - squares(T, 0, size(), 0) / (reach * reach)).max(0.0F);
 }
 
 double Scorer::gain(const Eigen::Isometry3d& T) const {
@@ -61,32 +77,30 @@ Score Scorer::score(const Eigen::Isometry3d& T) const {
   return score;
 }
 
-Eigen::Isometry3d Scorer::align_weighted(const Eigen::ArrayXf& weights) const {
-  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  const auto sum = static_cast<double>(weights.sum());
-  if (sum <= 0) return T;
-  Eigen::Vector3d x, y;
-  Eigen::Matrix3d covariance;
-  for (int a = 0; a < 3; ++a) {
-    x[a] = static_cast<double>((weights * x_[a]).sum()) / sum;
-    y[a] = static_cast<double>((weights * y_[a]).sum()) / sum;
+std::vector<int> Scorer::near(const Eigen::Isometry3d& T, float reach) const {
+  const Eigen::ArrayXf off = squares(T, 0, size(), 0);
+  std::vector<int> indices;
+  for (Eigen::Index i = 0; i < off.size(); ++i) {
+    if (off[i] < reach * reach) indices.push_back(static_cast<int>(i));
   }
-  for (int a = 0; a < 3; ++a) {
-    const Eigen::ArrayXf row = weights * (y_[a] - static_cast<float>(y[a]));
-    for (int b = 0; b < 3; ++b) covariance(a, b) = static_cast<double>((row * x_[b]).sum());
-  }
-  T.linear() = nearest_rotation(covariance);
-  T.translation() = y - T.linear() * x;
-  return T;
+  return indices;
 }
 
-double Scorer::descend(Eigen::Isometry3d& T) const {
+Eigen::Isometry3d Scorer::align_inliers(const Eigen::ArrayXf& gains) const {
+  std::vector<int> inliers;
+  for (Eigen::Index i = 0; i < gains.size(); ++i) {
+    if (gains[i] > 0) inliers.push_back(static_cast<int>(i));
+  }
+  return align(inliers);
+}
+
+double Scorer::descend(Eigen::Isometry3d& T, float reach) const {
   constexpr int kMaxSteps = 10;
-  Eigen::ArrayXf current = gains(T);
+  Eigen::ArrayXf current = gains(T, reach);
   auto best = static_cast<double>(current.sum());
   for (int step = 0; step < kMaxSteps; ++step) {
-    const Eigen::Isometry3d next = align_weighted((current > 0).cast<float>());
-    current = gains(next);
+    const Eigen::Isometry3d next = align_inliers(current);
+    current = gains(next, reach);
     const auto reached = static_cast<double>(current.sum());
     if (!(reached > best)) break;
     const bool settled = reached < best * (1 + 1e-4);
@@ -102,48 +116,33 @@ Eigen::Isometry3d Scorer::align(const std::vector<int>& indices) const {
   Eigen::Vector3d x = Eigen::Vector3d::Zero(), y = x;
   for (const int i : indices) {
     for (int a = 0; a < 3; ++a) {
-      x[a] += static_cast<double>(x_[a][i]);
-      y[a] += static_cast<double>(y_[a][i]);
+      x[a] += static_cast<double>(columns_.s[a][i]);
+      y[a] += static_cast<double>(columns_.t[a][i]);
     }
   }
   x /= count;
   y /= count;
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  double squares = 0;
   for (const int i : indices) {
-    const Eigen::Vector3d p = Eigen::Vector3f(x_[0][i], x_[1][i], x_[2][i]).cast<double>();
-    const Eigen::Vector3d q = Eigen::Vector3f(y_[0][i], y_[1][i], y_[2][i]).cast<double>();
+    const Eigen::Vector3d p =
+        Eigen::Vector3f(columns_.s[0][i], columns_.s[1][i], columns_.s[2][i]).cast<double>();
+    const Eigen::Vector3d q =
+        Eigen::Vector3f(columns_.t[0][i], columns_.t[1][i], columns_.t[2][i]).cast<double>();
     covariance.noalias() += (q - y) * (p - x).transpose();
+    squares += (q - y).squaredNorm() + (p - x).squaredNorm();
   }
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  T.linear() = nearest_rotation(covariance);
+  T.linear() = rotation_between(covariance, 0.5 * squares);
   T.translation() = y - T.linear() * x;
   return T;
 }
 
 int Scorer::count_shifted(const Eigen::Isometry3d& T, int shift) const {
-  const Eigen::Matrix3f R = T.linear().cast<float>();
-  const Eigen::Vector3f t = T.translation().cast<float>();
-  const float scale = chord_bound_ > 0 ? 1 / (chord_bound_ * chord_bound_) : 0;
-  int count = 0;
-  // Sources 0 .. n-shift-1 with targets from `shift` on, then the rest with those from the start.
-  const Eigen::Index n = size();
-  for (const auto& [from, to, length] :
-       {std::array<Eigen::Index, 3>{0, shift, n - shift}, {n - shift, 0, shift}}) {
-    Eigen::ArrayXf off = Eigen::ArrayXf::Zero(length);
-    for (int a = 0; a < 3; ++a) {
-      off += (R(a, 0) * x_[0].segment(from, length) + R(a, 1) * x_[1].segment(from, length) +
-              R(a, 2) * x_[2].segment(from, length) + (t[a] - y_[a].segment(to, length)))
-                 .square();
-      if (scale > 0) {
-        off +=
-            scale * (R(a, 0) * n_[0].segment(from, length) + R(a, 1) * n_[1].segment(from, length) +
-                     R(a, 2) * n_[2].segment(from, length) - m_[a].segment(to, length))
-                        .square();
-      }
-    }
-    count += static_cast<int>((off < 1).count());
-  }
-  return count;
+  // The last sources meet the first targets.
+  const int n = size();
+  return static_cast<int>((squares(T, 0, n - shift, shift) < 1).count() +
+                          (squares(T, n - shift, n, shift - n) < 1).count());
 }
 
 Eigen::Isometry3d Scorer::uncentred(const Eigen::Isometry3d& T) const {

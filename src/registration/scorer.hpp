@@ -4,7 +4,7 @@
 #include <Eigen/Geometry>
 #include <vector>
 
-#include "palpate/registration/correspondences.hpp"
+#include "pair_columns.hpp"
 
 namespace palpate::registration {
 
@@ -22,15 +22,22 @@ class Scorer {
   /// @param chord_bound  largest chord between an inlier's normals; 0 for no normals
   Scorer(const Correspondences& correspondences, double noise_bound, double chord_bound);
 
-  int size() const { return static_cast<int>(x_[0].size()); }
+  int size() const { return columns_.size(); }
   int dimensions() const { return chord_bound_ > 0 ? 5 : 3; }
+
+  /// Relative to the means, in noise bounds.
+  const PairColumns& columns() const { return columns_; }
 
   double gain(const Eigen::Isometry3d& T) const;
   Score score(const Eigen::Isometry3d& T) const;
 
+  /// The correspondences whose residuals are at most `reach` times the bounds, ascending.
+  std::vector<int> near(const Eigen::Isometry3d& T, float reach) const;
+
   /// Alternates inliers and least squares, from T until the gain grows no more.
+  /// @param reach  times the bounds are those meant by inliers and gain
   /// @return gain reached
-  double descend(Eigen::Isometry3d& T) const;
+  double descend(Eigen::Isometry3d& T, float reach = 1) const;
 
   /// Least-squares pose of some correspondences.
   Eigen::Isometry3d align(const std::vector<int>& indices) const;
@@ -44,14 +51,16 @@ class Scorer {
   Eigen::Isometry3d centred(const Eigen::Isometry3d& T) const;
 
  private:
-  Eigen::ArrayXf gains(const Eigen::Isometry3d& T) const;
-  Eigen::Isometry3d align_weighted(const Eigen::ArrayXf& weights) const;
+  /// Squared residuals of position and, with normals, chord, in squared bounds.
+  Eigen::ArrayXf squares(const Eigen::Isometry3d& T, int from, int to, int shift) const;
+  Eigen::ArrayXf gains(const Eigen::Isometry3d& T, float reach = 1) const;
+  Eigen::Isometry3d align_inliers(const Eigen::ArrayXf& gains) const;
 
   double unit_ = 1;
   float chord_bound_ = 0;
   Eigen::Vector3d source_origin_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d target_origin_ = Eigen::Vector3d::Zero();
-  Eigen::ArrayXf x_[3], y_[3], n_[3], m_[3];
+  PairColumns columns_;
 };
 
 }  // namespace palpate::registration

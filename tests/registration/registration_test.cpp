@@ -48,7 +48,7 @@ TEST(Register, NormalsHelp) {
   EXPECT_EQ(successes({.outliers = 0.99, .noise = 0.001, .normal_deg = 5, .normals = true},
                       {.normal_noise_deg = 5}, 20),
             20);
-  // Five inliers; 0.95 is aimed at, 0.90 +- 0.07 is what 20 runs of the achieved rate give.
+  // Five inliers; 0.95 is aimed at: of 20 runs, fewer than 15 succeed once in 3000 times.
   EXPECT_GE(successes({.outliers = 0.995, .noise = 0.001, .normal_deg = 5, .normals = true},
                       {.normal_noise_deg = 5}, 20),
             15);
@@ -108,8 +108,11 @@ TEST(Register, OutliersAloneAreNoConsensus) {
   int consensus = 0;
   for (std::uint64_t seed = 0; seed < 60; ++seed) {
     const std::size_t pairs = seed % 3 == 0 ? 1000 : seed % 3 == 1 ? 100 : 12;
-    const auto problem = make_problem({.pairs = pairs, .outliers = 1, .noise = 0.001},
-                                      RandomStream(seed, "outliers"));
+    // In the box none is right; of shuffled pairs a few are, as neighbours get each other's
+    // targets.
+    const auto problem =
+        make_problem({.pairs = pairs, .outliers = 1, .noise = 0.001, .box_outliers = true},
+                     RandomStream(seed, "outliers"));
     const auto result = register_correspondences(problem.correspondences);
     if (result.status == Status::kNoConsensus) {
       EXPECT_FALSE(result.T_target_source);
@@ -119,7 +122,7 @@ TEST(Register, OutliersAloneAreNoConsensus) {
       ++consensus;
     }
   }
-  EXPECT_LE(consensus, 1);
+  EXPECT_LE(consensus, 2);  // 0.6 expected; more than 2 once in 40 times
   const auto problem = make_problem({.pairs = 200, .outliers = 1}, RandomStream(1, "outliers"));
   EXPECT_EQ(register_correspondences(problem.correspondences, {.method = Method::kGnc}).status,
             Status::kNoConsensus);

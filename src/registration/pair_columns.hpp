@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "palpate/registration/correspondences.hpp"
+
+namespace palpate::registration {
+
+/// Correspondences one axis after the other in single precision, which compilers vectorise.
+struct PairColumns {
+  Eigen::ArrayXf s[3], t[3];  ///< points of source and target, in units
+  Eigen::ArrayXf n[3], m[3];  ///< their normals; empty without
+
+  int size() const { return static_cast<int>(s[0].size()); }
+  bool has_normals() const { return n[0].size() > 0; }
+};
+
+/// @param source_origin, target_origin  coordinates are taken relative to these, m
+/// @param unit  m
+PairColumns columns_of(const Correspondences& correspondences, const Eigen::Vector3d& source_origin,
+                       const Eigen::Vector3d& target_origin, double unit, bool normals);
+
+/// The pairs that `indices` names, in that order, into `result`, whose memory is used again.
+void gather(const PairColumns& columns, const std::vector<int>& indices, PairColumns& result);
+
+}  // namespace palpate::registration

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "star.hpp"
+
+#include <algorithm>
+
+#include "bitset_rows.hpp"
+
+namespace palpate::registration {
+
+void Star::look_around(int center) {
+  center_ = center;
+  row_.resize(static_cast<std::size_t>(all_.words()));
+  all_.row(center, 0, row_.data());
+  neighbours_.clear();
+  for_each_bit(row_.data(), all_.words(), [&](int j) { neighbours_.push_back(j); });
+  gather(columns_, neighbours_, local_);
+  words_ = near_.words();
+  rows_.assign(neighbours_.size() * static_cast<std::size_t>(words_), 0);
+  row_.resize(std::max(row_.size(), static_cast<std::size_t>(words_)));
+  triangles_ = 0;
+  for (int i = 0; i < near_.size(); ++i) {
+    near_.row(i, i + 1, row_.data());
+    for_each_bit(row_.data(), words_, [&](int j) { join(i, j); });
+  }
+}
+
+void Star::join(int i, int j) {
+  rows_[static_cast<std::size_t>(i * words_ + j / kWordBits)] |= std::uint64_t{1} << j % kWordBits;
+  rows_[static_cast<std::size_t>(j * words_ + i / kWordBits)] |= std::uint64_t{1} << i % kWordBits;
+  ++triangles_;
+}
+
+std::vector<int> Star::clique(int max_size) {
+  const auto count = neighbours_.size();
+  candidates_.assign(static_cast<std::size_t>(words_), ~std::uint64_t{0});
+  if (count % kWordBits != 0) candidates_.back() = (std::uint64_t{1} << (count % kWordBits)) - 1;
+  std::vector<int> clique;
+  extend_clique(rows_.data(), words_, candidates_, max_size - 1, clique);
+  for (int& vertex : clique) vertex = neighbours_[static_cast<std::size_t>(vertex)];
+  clique.insert(clique.begin(), center_);
+  return clique;
+}
+
+}  // namespace palpate::registration

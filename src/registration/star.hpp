@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "pair_gates.hpp"
+
+namespace palpate::registration {
+
+/// The neighbourhood of one correspondence in the consistency graph, found without the rest of it:
+/// those that are consistent with it, and which of these are with one another.
+class Star {
+ public:
+  /// @param columns  in units of the noise bound, to outlive this
+  Star(const PairColumns& columns, double length_tolerance, double normal_noise_deg)
+      : all_(columns, length_tolerance, normal_noise_deg),
+        near_(local_, length_tolerance, normal_noise_deg),
+        columns_(columns) {}
+  Star(const Star&) = delete;
+  Star& operator=(const Star&) = delete;
+
+  /// Moves to another centre.
+  void look_around(int center);
+
+  /// Consistent with the centre.
+  const std::vector<int>& neighbours() const { return neighbours_; }
+  /// Triples of correspondences, the centre among them, that are all consistent.
+  double triangles() const { return triangles_; }
+  /// Grown from the centre by the neighbour that keeps most others, the centre first.
+  std::vector<int> clique(int max_size);
+
+ private:
+  void join(int i, int j);
+
+  PairColumns local_;  // of the neighbours
+  PairGates all_, near_;
+  const PairColumns& columns_;
+  double triangles_ = 0;
+  int center_ = 0, words_ = 0;
+  std::vector<int> neighbours_;
+  std::vector<std::uint64_t> row_, rows_, candidates_;  // rows_: among the neighbours
+};
+
+}  // namespace palpate::registration
