@@ -8,7 +8,7 @@
 namespace palpate::simulation {
 
 /// Convex parts whose union is nearly the mesh: collision-aware decomposition (Wei et al., SIGGRAPH
-/// 2022; concavity 0.05, at most 64 vertices a part). The same mesh gives the same parts.
+/// 2022; concavity 0.05, at most 256 vertices a part). The same mesh gives the same parts.
 ///
 /// Bodies that are not connected are decomposed one by one; a closed cavity counts as filled.
 /// Slow (seconds), so the parts are kept in the cache under the mesh's content. Threads may call it
