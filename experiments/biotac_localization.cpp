@@ -2,6 +2,7 @@
 // What it costs to localize the held object on contacts inferred from BioTac channels.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -49,11 +50,27 @@ Inverse inverse_of(const Options& options) {
       touch::BiotacInverse::train(touch::simulate_biotac(data)));
 }
 
+/// Whether the estimate may look at a reading: it lies within the longest window before a moment.
+bool is_used(const pipeline::TouchLog& log, std::size_t reading) {
+  const auto window = static_cast<std::size_t>(pipeline::LocateOptions{}.window / hand::kTick) + 1;
+  return std::any_of(log.moments.begin(), log.moments.end(), [&](const auto& moment) {
+    return reading <= moment.reading && moment.reading < reading + window;
+  });
+}
+
 /// The log with its contacts replaced by those that the channels tell of.
 pipeline::TouchLog inferred(pipeline::TouchLog log, const hand::HandModel& hand,
                             const Inverse& inverse) {
   touch::BiotacFingers fingers(hand, inverse);
-  for (auto& reading : log.readings) fingers.infer_contacts(reading);
+  for (std::size_t i = 0; i < log.readings.size(); ++i) {
+    auto& reading = log.readings[i];
+    if (is_used(log, i)) {
+      fingers.infer_contacts(reading);
+    } else {
+      fingers.follow(reading);
+      for (auto& contacts : reading.contacts) contacts.clear();
+    }
+  }
   return log;
 }
 

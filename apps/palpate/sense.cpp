@@ -76,12 +76,15 @@ void add_sense(CLI::App& program, Command& chosen) {
                   "seconds a tick, where the t of a CSV counts ticks (whole numbers only)")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  command.add_option("--model", arguments->model, "trained model for a log of a BioTac")
+  command
+      .add_option("--model", arguments->model,
+                  "trained model for a log of a BioTac, or for a recording's BioTacs")
       ->option_text("FILE");
   add_common_options(command, arguments->common);
   command.footer(
       "A CSV of contacts has the columns finger,t,px,py,pz (or x,y,z),fx,fy,fz and, optionally,\n"
       "nx,ny,nz; one of a BioTac has t_s,pdc,e1..e19 and, optionally, nx,ny,nz.\n"
+      "A recording with the channels of BioTacs also gets the contacts that these tell of.\n"
       "Samples that are of no use are flagged and counted, and get no normal. --out writes each\n"
       "stream's series as CSV and its normals and forces as SVG figures.\n\n"
       "Examples:\n"

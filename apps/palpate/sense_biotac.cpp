@@ -3,28 +3,38 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <limits>
+#include <memory>
 #include <numbers>
 
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
+#include "palpate/hand/kinematics.hpp"
+#include "palpate/pipeline/biotac_hand.hpp"
 #include "palpate/touch/biotac_normal.hpp"
+#include "sense_contacts.hpp"
 
 namespace palpate::app {
 namespace {
 
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
+/// A frame in which nothing is known but its flags.
+SensedSample unfelt(double time, unsigned flags) {
+  const Eigen::Vector3d unknown = Eigen::Vector3d::Constant(kUnknown);
+  return {.time = time,
+          .point = unknown,
+          .force = unknown,
+          .normal = unknown,
+          .sigma_deg = kUnknown,
+          .error_deg = kUnknown,
+          .flags = touch::biotac_flag_names(flags)};
+}
+
 SensedSample sense_frame(const touch::BiotacNormalModel& model, const touch::BiotacLog& log,
                          const touch::BiotacSignals& signals, std::size_t i) {
-  const Eigen::Vector3d unknown = Eigen::Vector3d::Constant(kUnknown);
-  SensedSample sample{.time = log.time[i],
-                      .point = unknown,
-                      .force = unknown,
-                      .normal = unknown,
-                      .sigma_deg = kUnknown,
-                      .error_deg = kUnknown,
-                      .flags = touch::biotac_flag_names(signals.flags[i])};
+  SensedSample sample = unfelt(log.time[i], signals.flags[i]);
   if (!touch::biotac_usable(signals.flags[i])) return sample;
   const auto felt = model.estimate(signals.changes[i]);
   if (!felt) return sample;
@@ -34,7 +44,52 @@ SensedSample sense_frame(const touch::BiotacNormalModel& model, const touch::Bio
   return sample;
 }
 
+std::shared_ptr<const touch::BiotacInverse> inverse_of(const std::string& model) {
+  if (model.empty()) return pipeline::shipped_biotac_inverse();
+  return std::make_shared<const touch::BiotacInverse>(
+      touch::BiotacInverse::parse(read_file(model), model));
+}
+
+/// Standard deviation per tangent axis of a normal that turns with the place on the tip, deg.
+double normal_sigma_deg(const touch::InferredContact& contact, double radius) {
+  const double variance = contact.covariance.topLeftCorner<2, 2>().trace() / 2;
+  return std::sqrt(variance) / radius * 180 / std::numbers::pi;
+}
+
 }  // namespace
+
+std::vector<SensedStream> sense_channels(const SenseArguments& arguments,
+                                         const recording::Recording& recording) {
+  if (recording.frames.empty() || recording.frames.front().reading.biotacs.empty()) return {};
+  const auto& hand = recording.header.hand;
+  const geometry::MeshQuery mesh(recording.header.object.mesh);
+  touch::BiotacFingers fingers(hand, inverse_of(arguments.model));
+  std::vector<SensedStream> streams;
+  for (const auto name : hand::kFingerNames) {
+    streams.push_back({.name = fmt::format("{}-biotac", name), .samples = {}});
+  }
+  for (const recording::Frame& frame : recording.frames) {
+    const auto feelings = fingers.feel(frame.reading);
+    const auto T_base_link = hand::forward_kinematics(hand, frame.reading.joints);
+    for (std::size_t i = 0; i < feelings.size(); ++i) {
+      SensedSample sample = unfelt(frame.reading.time, feelings[i].flags);
+      if (feelings[i].contact) {
+        const auto contact = fingers.in_link(*feelings[i].contact, static_cast<int>(i));
+        const Eigen::Isometry3d T =
+            frame.reading.base.pose() * T_base_link[static_cast<std::size_t>(hand.distal[i])];
+        sample.point = T * contact.p;
+        sample.force = T.linear() * contact.f;
+        sample.normal = T.linear() * contact.n;
+        sample.sigma_deg = normal_sigma_deg(*feelings[i].contact, hand.tips[i].radius);
+        if (const auto truth = true_normal(mesh, frame, sample.point)) {
+          sample.error_deg = touch::angle_between_deg(sample.normal, *truth);
+        }
+      }
+      streams[i].samples.push_back(std::move(sample));
+    }
+  }
+  return streams;
+}
 
 std::vector<SensedStream> sense_biotac(const SenseArguments& arguments) {
   if (arguments.model.empty()) {

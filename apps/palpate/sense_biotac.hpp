@@ -1,12 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "palpate/recording/recording.hpp"
 #include "sense.hpp"
 
 namespace palpate::app {
 
-/// Normals of a BioTac's log through the model of --model, judged by the log's own normals.
-/// @throws BadInput without a model, for a file that is none, or for a log that is none
+/// Normals that a trained model finds in a log of a BioTac, judged by the log's own.
+/// @throws BadInput without a model
 std::vector<SensedStream> sense_biotac(const SenseArguments& arguments);
+
+/// Contacts that the channels of a recording's BioTacs tell of, in the world, by the given or the
+/// shipped inverse; one stream a finger, none where the recording has no channels.
+std::vector<SensedStream> sense_channels(const SenseArguments& arguments,
+                                         const recording::Recording& recording);
 
 }  // namespace palpate::app

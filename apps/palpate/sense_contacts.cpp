@@ -5,12 +5,10 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <optional>
 
-#include "palpate/geometry/mesh_query.hpp"
-#include "palpate/recording/recording.hpp"
 #include "palpate/touch/contact_log.hpp"
 #include "palpate/touch/normal_estimator.hpp"
+#include "sense_biotac.hpp"
 
 namespace palpate::app {
 namespace {
@@ -61,20 +59,26 @@ class FingerSensor {
   bool touched_ = false;
 };
 
-std::optional<Eigen::Vector3d> true_normal(const geometry::MeshQuery& mesh,
-                                           const recording::Frame& frame,
-                                           const touch::FingerFrame& felt) {
-  if (!frame.truth || !frame.truth->T_world_object.matrix().allFinite()) return std::nullopt;
+std::optional<Eigen::Vector3d> true_normal_of(const geometry::MeshQuery& mesh,
+                                              const recording::Frame& frame,
+                                              const touch::FingerFrame& felt) {
   if (felt.contacts.empty()) return std::nullopt;
   Eigen::Vector3d p = Eigen::Vector3d::Zero();
   for (const auto& contact : felt.contacts) {
     p += contact.p / static_cast<double>(felt.contacts.size());
   }
-  const Eigen::Isometry3d& T = frame.truth->T_world_object;
-  return T.linear() * mesh.closest_point(T.inverse() * p).normal;
+  return true_normal(mesh, frame, p);
 }
 
 }  // namespace
+
+std::optional<Eigen::Vector3d> true_normal(const geometry::MeshQuery& mesh,
+                                           const recording::Frame& frame,
+                                           const Eigen::Vector3d& p) {
+  if (!frame.truth || !frame.truth->T_world_object.matrix().allFinite()) return std::nullopt;
+  const Eigen::Isometry3d& T = frame.truth->T_world_object;
+  return T.linear() * mesh.closest_point(T.inverse() * p).normal;
+}
 
 std::vector<SensedStream> sense_recording(const SenseArguments& arguments) {
   const auto recording = recording::read_recording(arguments.recording);
@@ -85,10 +89,11 @@ std::vector<SensedStream> sense_recording(const SenseArguments& arguments) {
                         arguments.estimator, hand::kTick);
     for (const recording::Frame& frame : recording.frames) {
       const auto felt = touch::finger_frame(frame.reading, recording.header.hand, finger);
-      sensor.take(felt, true_normal(mesh, frame, felt));
+      sensor.take(felt, true_normal_of(mesh, frame, felt));
     }
     if (sensor.touched()) streams.push_back(sensor.take_stream());
   }
+  for (auto& stream : sense_channels(arguments, recording)) streams.push_back(std::move(stream));
   return streams;
 }
 

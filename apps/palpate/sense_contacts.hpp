@@ -1,9 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
+
+#include "palpate/geometry/mesh_query.hpp"
+#include "palpate/recording/recording.hpp"
 #include "sense.hpp"
 
 namespace palpate::app {
+
+/// Outward normal of the true object's surface nearest to a point (world); nothing where the frame
+/// lacks the truth.
+std::optional<Eigen::Vector3d> true_normal(const geometry::MeshQuery& mesh,
+                                           const recording::Frame& frame, const Eigen::Vector3d& p);
 
 /// Normals and forces of every finger that touches something in a recording of this project. The
 /// truth, where the recording has it, is the object's surface nearest to the point touched.

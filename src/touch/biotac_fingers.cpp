@@ -97,7 +97,7 @@ void BiotacFinger::follow_rest(const BiotacReading& reading) {
   decoder_->set_rest(rest_);
 }
 
-BiotacFeeling BiotacFinger::step(const BiotacReading& reading) {
+BiotacFeeling BiotacFinger::step(const BiotacReading& reading, bool infer) {
   BiotacFeeling feeling{.flags = fault_flags(reading), .contact = std::nullopt};
   if (feeling.flags & bit(BiotacFlag::out_of_order)) return feeling;
   last_ = reading;
@@ -111,10 +111,11 @@ BiotacFeeling BiotacFinger::step(const BiotacReading& reading) {
   if (far_from(channels_of(rest_), channels_of(first_rest_))) {
     feeling.flags |= bit(BiotacFlag::drifted);
   }
-  if (decoded) feeling.contact = inverse_->estimate(*decoded);
+  if (decoded && std::abs(decoded->pressure) < kRestPressure) follow_rest(reading);
+  if (!infer || !decoded) return feeling;
+  feeling.contact = inverse_->estimate(*decoded);
   if (!feeling.contact) {
     feeling.flags |= bit(BiotacFlag::no_contact);
-    if (decoded && std::abs(decoded->pressure) < kRestPressure) follow_rest(reading);
   } else if (feeling.contact->misfit > kMostMisfit) {
     feeling.flags |= bit(BiotacFlag::unexplained);
     feeling.contact.reset();
@@ -130,17 +131,24 @@ BiotacFingers::BiotacFingers(const hand::HandModel& hand,
   }
 }
 
-std::array<BiotacFeeling, hand::kFingers> BiotacFingers::feel(const hand::HandReading& reading) {
+std::array<BiotacFeeling, hand::kFingers> BiotacFingers::step(const hand::HandReading& reading,
+                                                              bool infer) {
   if (reading.biotacs.size() != hand::kFingers) {
     throw BadInput(fmt::format("the reading at {} s has the channels of {} BioTacs, not {}",
                                reading.time, reading.biotacs.size(), hand::kFingers));
   }
   std::array<BiotacFeeling, hand::kFingers> feelings;
   for (std::size_t i = 0; i < feelings.size(); ++i) {
-    feelings[i] = fingers_[i].step(reading.biotacs[i]);
+    feelings[i] = fingers_[i].step(reading.biotacs[i], infer);
   }
   return feelings;
 }
+
+std::array<BiotacFeeling, hand::kFingers> BiotacFingers::feel(const hand::HandReading& reading) {
+  return step(reading, true);
+}
+
+void BiotacFingers::follow(const hand::HandReading& reading) { step(reading, false); }
 
 hand::TipContact BiotacFingers::in_link(const InferredContact& contact, int finger) const {
   const Eigen::Isometry3d& T = mounts_.at(static_cast<std::size_t>(finger));

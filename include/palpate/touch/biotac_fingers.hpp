@@ -34,7 +34,8 @@ class BiotacFinger {
 
   explicit BiotacFinger(std::shared_ptr<const BiotacInverse> inverse);
 
-  BiotacFeeling step(const BiotacReading& reading);
+  /// @param infer  whether the contact is wanted; else only the sensor's state is followed
+  BiotacFeeling step(const BiotacReading& reading, bool infer = true);
 
  private:
   unsigned fault_flags(const BiotacReading& reading);
@@ -68,7 +69,12 @@ class BiotacFingers {
   /// Puts the contacts that the channels tell of in the place of the reading's.
   void infer_contacts(hand::HandReading& reading);
 
+  /// Follows the sensors' state through a reading of whose contacts nobody asks.
+  void follow(const hand::HandReading& reading);
+
  private:
+  std::array<BiotacFeeling, hand::kFingers> step(const hand::HandReading& reading, bool infer);
+
   std::vector<BiotacFinger> fingers_;
   std::array<Eigen::Isometry3d, hand::kFingers> mounts_;
 };
