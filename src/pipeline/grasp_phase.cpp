@@ -123,6 +123,9 @@ PhaseEnd GraspPhase::run(Robot& robot, PickState& state) {
 
 std::optional<GraspPlan> GraspPhase::plan(const Robot& robot, const PickState& state) const {
   if (!state.resting) return std::nullopt;
+  if (choose_) {
+    if (auto chosen = choose_(*state.resting)) return chosen;
+  }
   const GraspRecipe& recipe = options_.top;
   const hand::ClosingLaw law(robot.actuators(), recipe.closing_rate, recipe.thumb_limit);
   const auto path = closing_path(robot.model(), open_posture(recipe), law);

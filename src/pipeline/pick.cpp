@@ -6,7 +6,6 @@
 #include "course.hpp"
 #include "palpate/pipeline/explore_phase.hpp"
 #include "palpate/pipeline/locate_phase.hpp"
-#include "palpate/pipeline/probe_phase.hpp"
 #include "palpate/pipeline/release_phase.hpp"
 
 namespace palpate::pipeline {
@@ -18,7 +17,7 @@ constexpr double kNextSide = 2 * std::numbers::pi / 3;  // rad between attempts
 }  // namespace
 
 PickResult pick(Robot& robot, const localization::ObjectModel& object, const PickOptions& options,
-                std::uint64_t seed, const PhaseObserver& observer) {
+                std::uint64_t seed, const PhaseObserver& observer, const GraspChooser& choose) {
   PickState state;
   PickResult result;
   Course course(robot, state, result.phases, result.failed_phase, observer);
@@ -32,15 +31,10 @@ PickResult pick(Robot& robot, const localization::ObjectModel& object, const Pic
     return true;
   };
   const auto estimate = [&] {
-    result.before_probe.reset();
     result.before_lift.reset();
     if (options.estimate_before_lift &&
         course.run(LocatePhase(object, options.locate, seed, Mark::closed))) {
-      result.before_probe = result.before_lift = state.estimate;
-      if (options.probe.most > 0) {
-        course.run(ProbePhase(object, options.probe, options.locate, weight, seed));
-        result.before_lift = state.estimate;
-      }
+      result.before_lift = state.estimate;
     }
     return true;
   };
@@ -50,7 +44,7 @@ PickResult pick(Robot& robot, const localization::ObjectModel& object, const Pic
       state.yaw += kNextSide;
     }
     result.held = course.run(FeelPhase(options.feel)) && explore() &&
-                  course.run(GraspPhase(options.grasp, object)) && estimate() &&
+                  course.run(GraspPhase(options.grasp, object, choose)) && estimate() &&
                   course.run(LiftPhase(options.lift, weight));
   }
   result.resting = state.resting;

@@ -2,14 +2,18 @@
 #include "put_down.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "palpate/core/se3.hpp"
+#include "palpate/pipeline/place_goal.hpp"
 
 namespace palpate::pipeline {
 namespace {
 
 constexpr std::size_t kFinalists = 12;
+constexpr std::array<double, 4> kRise = {0.1, 0.3, 0.6, 1.0};  // shares of the retreat
+constexpr float kFree = 0.002f;  // m, between the rising hand and the object
 
 void add_finger(const FingerShape& shape, float radius, std::vector<Eigen::Vector4f>& spheres) {
   spheres.insert(spheres.end(), shape.other_spheres.begin(), shape.other_spheres.end());
@@ -40,7 +44,6 @@ std::vector<Hold> holds_of(const localization::ObjectModel& object, const GraspT
       Hold hold;
       hold.T_base_object = T_base_world * T_world_object;
       hold.spheres = room_of(tool.path, grasp);
-      hold.away = T_base_world.linear().col(2);
       hold.grasp = std::move(grasp);
       holds.push_back(std::move(hold));
     }
@@ -52,7 +55,6 @@ Hold hold_of(const hand::HandModel& hand, const Holding& holding,
              const Eigen::Isometry3d& T_world_object) {
   Hold hold;
   hold.T_base_object = holding.base.pose().inverse() * T_world_object;
-  hold.away = holding.away;
   const auto T_base_link = hand::forward_kinematics(hand, holding.joints);
   for (const auto& sphere : hand.spheres) {
     const Eigen::Vector3d center =
@@ -87,8 +89,22 @@ double PutDown::clearance(const Hold& hold) const {
   for (const auto& sphere : hold.spheres) {
     low = std::min(low, up.dot(sphere.head<3>()) - sphere.w());
   }
-  const double withdrawn = T_world_base.linear().row(2).dot(hold.away) * options_.retreat;
-  return T_world_base.translation().z() + static_cast<double>(low) + std::min(0.0, withdrawn);
+  return T_world_base.translation().z() + static_cast<double>(low);
+}
+
+/// Whether the opened hand leaves the object behind when it rises.
+bool PutDown::rises_freely(const Hold& hold) const {
+  const auto& field = object_.field();
+  const Eigen::Isometry3f T_object_base = hold.T_base_object.inverse().cast<float>();
+  const Eigen::Vector3f up = to_.linear().row(2).transpose().cast<float>();
+  for (const auto& sphere : tool_.path.open_spheres) {
+    for (const double share : kRise) {
+      const Eigen::Vector3f raised =
+          T_object_base * sphere.head<3>() + static_cast<float>(share * options_.retreat) * up;
+      if (field.distance(raised) < std::min(sphere.w() + kFree, field.beyond())) return false;
+    }
+  }
+  return true;
 }
 
 /// What the grasp costs where it starts and, with gravity pulling otherwise, where it ends.
@@ -108,7 +124,9 @@ Transfer PutDown::transfer(const Choice& choice) const {
   transfer.grasp = choice.hold->grasp;
   transfer.T_world_from = from_;
   transfer.T_world_to = to_;
-  transfer.release = base_position(to_ * choice.hold->T_base_object.inverse());
+  transfer.release =
+      base_near(to_ * choice.hold->T_base_object.inverse(),
+                choice.hold->grasp ? choice.hold->grasp->base : hand::BasePosition{});
   transfer.turn = turn_;
   transfer.clearance = choice.clearance;
   transfer.cost = choice.cost;
@@ -120,7 +138,7 @@ std::optional<Transfer> PutDown::cheapest(const std::vector<Hold>& holds) {
   for (const Hold& hold : holds) {
     const double above = clearance(hold);
     largest_clearance_ = std::max(largest_clearance_, above);
-    if (above < options_.clearance) continue;
+    if (above < options_.clearance || (hold.grasp && !rises_freely(hold))) continue;
     const double cost_of_hold = cost(hold);
     if (std::isfinite(cost_of_hold)) choices.push_back({&hold, above, cost_of_hold});
   }

@@ -7,19 +7,11 @@
 
 namespace palpate::pipeline {
 
-/// Pose of an object that rests in a stance. @param xy  of its centroid, m
-Eigen::Isometry3d resting_pose(const geometry::Stance& stance, double yaw,
-                               const Eigen::Vector2d& xy);
-
-/// The base's position with this pose: yaw, pitch and roll, within +-pi.
-hand::BasePosition base_position(const Eigen::Isometry3d& T_world_base);
-
 /// A way to hold the object, and the room that the hand takes up.
 struct Hold {
   std::optional<GraspPlan> grasp;  ///< none: the hand holds it already
   Eigen::Isometry3d T_base_object = Eigen::Isometry3d::Identity();
   std::vector<Eigen::Vector4f> spheres;  ///< base's frame: closed, but for the fingers' ways
-  Eigen::Vector3d away = Eigen::Vector3d::UnitZ();  ///< unit, base's frame: where it withdraws
 };
 
 /// The grasps of an object at rest that are good enough.
@@ -52,6 +44,7 @@ class PutDown {
     double clearance, cost;
   };
   double clearance(const Hold& hold) const;
+  bool rises_freely(const Hold& hold) const;
   Transfer transfer(const Choice& choice) const;
   double cost(const Hold& hold) const;
 

@@ -11,6 +11,7 @@
 
 #include "palpate/core/error.hpp"
 #include "palpate/pipeline/grasp_phase.hpp"
+#include "palpate/pipeline/place_goal.hpp"
 #include "put_down.hpp"
 
 namespace palpate::pipeline {
@@ -79,7 +80,7 @@ class Search {
       if (std::any_of(ups.begin(), ups.end(), [&](const auto& u) { return same(u, up); })) continue;
       ups.push_back(up);
       nodes_.push_back({static_cast<int>(i), true,
-                        resting_pose(stances[i], 0, start.translation().head<2>()),
+                        resting_pose(object_.object(), i, Eigen::Vector2d::Zero(), 0),
                         1 - stances[i].probability});
     }
     nodes_.push_back({-1, false, target, 0});
@@ -154,11 +155,11 @@ class Search {
       Transfer& transfer = plan.transfers[k];
       const Eigen::Isometry3d at = plan.transfers[k - 1].T_world_to;
       turned = at * transfer.T_world_from.inverse();
-      transfer.grasp->base = base_position(turned * transfer.grasp->base.pose());
+      transfer.grasp->base = base_near(turned * transfer.grasp->base.pose(), transfer.grasp->base);
       const bool last = k + 1 == plan.transfers.size();
       if (!last) {
         transfer.T_world_to = turned * transfer.T_world_to;
-        transfer.release = base_position(turned * transfer.release.pose());
+        transfer.release = base_near(turned * transfer.release.pose(), transfer.release);
       }
       transfer.T_world_from = at;
       transfer.turn = rotation_distance(transfer.T_world_to.linear(), at.linear());
@@ -258,29 +259,6 @@ RegraspPlan plan_regrasp(const localization::ObjectModel& object, const hand::Ha
   }
   plan.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return plan;
-}
-
-Eigen::Isometry3d resting_pose(const geometry::Stance& stance, double yaw,
-                               const Eigen::Vector2d& xy) {
-  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  T.linear() = Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) * stance.R_table_object;
-  T.translation() << xy, stance.height;
-  return T;
-}
-
-hand::BasePosition base_position(const Eigen::Isometry3d& T_world_base) {
-  const Eigen::Matrix3d& R = T_world_base.linear();
-  const double level = std::hypot(R(0, 0), R(1, 0));
-  hand::BasePosition base;
-  base.xyz = T_world_base.translation();
-  base.ypr.y() = std::atan2(-R(2, 0), level);
-  if (level > 1e-9) {
-    base.ypr.x() = std::atan2(R(1, 0), R(0, 0));
-    base.ypr.z() = std::atan2(R(2, 1), R(2, 2));
-  } else {  // pitched to the vertical: yaw and roll turn about one axis
-    base.ypr.x() = std::atan2(-R(0, 1), R(1, 1));
-  }
-  return base;
 }
 
 }  // namespace palpate::pipeline

@@ -140,7 +140,6 @@ TEST(PlanRegrasp, StartsFromTheHandThatHoldsTheObject) {
   Holding holding;
   holding.base = grasp.base;
   holding.joints = hand::joints_in_free_flexion(open_posture(top_recipe()));
-  holding.away = grasp.base.pose().linear().row(2).transpose();
   const auto plan = table.plan(from, to, holding);
   ASSERT_TRUE(plan.found);
   EXPECT_EQ(plan.means, Means::carry);

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
+#include <utility>
+
 #include "palpate/hand/closing.hpp"
 #include "palpate/pipeline/grasp_plan.hpp"
 #include "palpate/pipeline/phase.hpp"
@@ -92,12 +95,17 @@ struct GraspOptions {
   }
 };
 
+/// Chooses a grasp for the estimated resting pose; nothing leaves the choice to the phase.
+using GraspChooser = std::function<std::optional<GraspPlan>(const localization::Posterior&)>;
+
 /// Brings the hand to the object from the side or from above, by its height, and closes it by
 /// touch.
 class GraspPhase : public Phase {
  public:
-  GraspPhase(const GraspOptions& options, const localization::ObjectModel& object)
-      : options_(options), object_(object) {}
+  /// @param choose  asked first, if given
+  GraspPhase(const GraspOptions& options, const localization::ObjectModel& object,
+             GraspChooser choose = {})
+      : options_(options), object_(object), choose_(std::move(choose)) {}
   std::string_view name() const override { return "grasp"; }
   double time_limit() const override { return 30.0; }
   PhaseEnd run(Robot& robot, PickState& state) override;
@@ -115,6 +123,7 @@ class GraspPhase : public Phase {
 
   GraspOptions options_;
   const localization::ObjectModel& object_;
+  GraspChooser choose_;
 };
 
 }  // namespace palpate::pipeline

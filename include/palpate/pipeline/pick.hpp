@@ -9,7 +9,6 @@
 #include "palpate/pipeline/lift_phase.hpp"
 #include "palpate/pipeline/locate.hpp"
 #include "palpate/pipeline/phase.hpp"
-#include "palpate/pipeline/probe_phase.hpp"
 
 namespace palpate::pipeline {
 
@@ -19,7 +18,6 @@ struct PickOptions {
   FeelOptions feel;
   ExploreOptions explore;
   GraspOptions grasp;
-  ProbeOptions probe;
   LiftOptions lift;
   LocateOptions locate;
 
@@ -30,7 +28,6 @@ struct PickOptions {
     v.section("feel", feel);
     v.section("explore", explore);
     v.section("grasp", grasp);
-    v.section("probe", probe);
     v.section("lift", lift);
     v.section("locate", locate);
   }
@@ -43,8 +40,7 @@ struct PickResult {
   std::string failed_phase;  ///< of the last attempt; empty if all went well
   std::vector<PhaseReport> phases;
   std::optional<localization::Posterior> resting;  ///< pose before the last grasp, in the world
-  std::optional<PoseEstimate> before_probe;        ///< in the closed hand, still on the table
-  std::optional<PoseEstimate> before_lift;         ///< there, with what probing told
+  std::optional<PoseEstimate> before_lift;         ///< in the closed hand, still on the table
   PoseEstimate estimate;
 };
 
@@ -58,7 +54,9 @@ struct PhaseObserver {
 /// estimate its pose in the hand. A grasp that fails is tried again from another side.
 ///
 /// @param robot  stands free above the table; the object is near the world's origin
+/// @param choose  chooses the grasp, if given
 PickResult pick(Robot& robot, const localization::ObjectModel& object, const PickOptions& options,
-                std::uint64_t seed, const PhaseObserver& observer = {});
+                std::uint64_t seed, const PhaseObserver& observer = {},
+                const GraspChooser& choose = {});
 
 }  // namespace palpate::pipeline

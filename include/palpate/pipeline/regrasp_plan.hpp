@@ -46,7 +46,7 @@ inline PlanOptions many_grasps() {
 
 struct RegraspOptions {
   double clearance = 0.006;      ///< of the hand from the table where it lets go, m
-  double retreat = 0.08;         ///< by which the opened hand then withdraws, m
+  double retreat = 0.10;         ///< by which the opened hand then rises, free of the object, m
   double worst_grasp = 0.6;      ///< largest cost of a grasp that is used
   double transfer_cost = 1.0;    ///< of picking up and putting down
   double turn_cost = 0.1;        ///< of a radian by which the hand turns while it holds
@@ -59,7 +59,7 @@ struct RegraspOptions {
   template <class Visitor>
   void visit(Visitor&& v) {
     v("clearance", clearance, 0.0, 0.1, "m, of the hand from the table where it lets go");
-    v("retreat", retreat, 0.0, 0.5, "m, by which the opened hand then withdraws");
+    v("retreat", retreat, 0.0, 0.5, "m, by which the opened hand then rises");
     v("worst_grasp", worst_grasp, 0.0, 2.0, "largest cost of a grasp that is used");
     v("transfer_cost", transfer_cost, 0.01, 100.0, "of picking up and putting down");
     v("turn_cost", turn_cost, 0.0, 10.0, "of a radian by which the hand turns while it holds");
@@ -77,7 +77,7 @@ struct Transfer {
   std::optional<GraspPlan> grasp;  ///< none: the hand holds the object already
   Eigen::Isometry3d T_world_from = Eigen::Isometry3d::Identity();  ///< the object's poses
   Eigen::Isometry3d T_world_to = Eigen::Isometry3d::Identity();
-  hand::BasePosition release;  ///< base where the hand lets go; its yaw is within +-pi
+  hand::BasePosition release;  ///< base where the hand lets go
   double turn = 0;             ///< rad, by which the hand turns while it holds
   double clearance = 0;        ///< m, of the hand from the table where it lets go and withdraws
   double cost = 0;
