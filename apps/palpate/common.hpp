@@ -59,6 +59,7 @@ void add_localize(CLI::App& program, Command& chosen);
 void add_plan(CLI::App& program, Command& chosen);
 void add_doctor(CLI::App& program, Command& chosen);
 void add_render(CLI::App& program, Command& chosen);
+void add_demos(CLI::App& program, Command& chosen);
 void add_bench(CLI::App& program, Command& chosen);
 void add_rollout(CLI::App& program, Command& chosen);
 void add_compare(CLI::App& program, Command& chosen);

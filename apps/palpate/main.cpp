@@ -42,6 +42,7 @@ int run(int argc, char** argv) {
   add_compare(program, chosen);
   add_sense(program, chosen);
   add_train(program, chosen);
+  add_demos(program, chosen);
   add_view(program, chosen);
   try {
     program.parse(argc, argv);

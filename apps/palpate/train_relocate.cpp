@@ -9,6 +9,7 @@
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
 #include "palpate/core/plot.hpp"
+#include "palpate/learning/minari_io.hpp"
 #include "palpate/learning/policy_io.hpp"
 #include "palpate/learning/trainer.hpp"
 #include "relocate_arguments.hpp"
@@ -22,7 +23,7 @@ using nlohmann::json;
 struct TrainArguments {
   CommonOptions common;
   std::string method = "cem";
-  std::string from, expert;
+  std::string from, expert, demos;
   int iterations = 40;
   std::size_t demonstrations = 25, episodes = 30;
 };
@@ -73,6 +74,17 @@ learning::Demonstrations show(const simulation::RelocateModel& model,
   return demos;
 }
 
+learning::Demonstrations demonstrations(const TrainArguments& arguments,
+                                        const TrainOptions& options,
+                                        const learning::TrainingContext& context,
+                                        const learning::Policy* expert) {
+  if (arguments.method == "npg") return {};
+  if (!arguments.demos.empty()) return frames_of(learning::read_minari(arguments.demos));
+  return show(context.model, *expert, options.npg.episode,
+              RandomStream(context.seed, "demonstrations").bits() % 1000000,
+              arguments.demonstrations);
+}
+
 /// A training with what it must keep alive.
 struct Training {
   std::unique_ptr<learning::Policy> expert, from;
@@ -90,12 +102,7 @@ learning::MlpPolicy starting_network(const Training& training,
 
 void make_gradient_trainer(const TrainArguments& arguments, const TrainOptions& options,
                            const learning::TrainingContext& context, Training& training) {
-  learning::Demonstrations demos;
-  if (arguments.method != "npg") {
-    demos = show(context.model, *training.expert, options.npg.episode,
-                 RandomStream(context.seed, "demonstrations").bits() % 1000000,
-                 arguments.demonstrations);
-  }
+  auto demos = demonstrations(arguments, options, context, training.expert.get());
   const auto network = starting_network(training, demos, options, context.seed);
   training.trainer = learning::make_npg_trainer(context, options.npg, network, std::move(demos));
 }
@@ -105,7 +112,12 @@ Training make_training(const TrainArguments& arguments, const TrainOptions& opti
   Training training;
   if (!arguments.from.empty()) training.from = find_policy(arguments.from);
   const std::string& method = arguments.method;
-  if (method != "cem" && method != "npg") training.expert = find_policy(arguments.expert);
+  if (!arguments.demos.empty() && method != "bc" && method != "dapg") {
+    throw BadInput(fmt::format("--demos is of no use to {}", method));
+  }
+  if (method != "cem" && method != "npg" && arguments.demos.empty()) {
+    training.expert = find_policy(arguments.expert);
+  }
   if (method == "cem") {
     const auto* from = dynamic_cast<const learning::StructuredPolicy*>(training.from.get());
     if (training.from && !from) throw BadInput("--from needs a policy of kind structured for cem");
@@ -174,8 +186,9 @@ class Curves {
 
 /// What identifies a training; one with others cannot go on in the same folder.
 std::string settings_of(const TrainArguments& arguments, const TrainOptions& options) {
-  return fmt::format("method {}, from '{}', expert '{}', demonstrations {}\n{}", arguments.method,
-                     arguments.from, arguments.expert, arguments.demonstrations, to_toml(options));
+  return fmt::format("method {}, from '{}', expert '{}', demos '{}', demonstrations {}\n{}",
+                     arguments.method, arguments.from, arguments.expert, arguments.demos,
+                     arguments.demonstrations, to_toml(options));
 }
 
 bool resume(const std::filesystem::path& path, const TrainArguments& arguments,
@@ -293,6 +306,8 @@ void add_train_relocate(CLI::App& train_command, Command& chosen) {
   command.add_option("--expert", arguments->expert,
                      "policy that shows the task (dagger, bc, dapg); without it the best that "
                      "ships");
+  command.add_option("--demos", arguments->demos,
+                     "folder of demonstrations (bc, dapg) instead of an expert's");
   command
       .add_option("--demonstrations", arguments->demonstrations,
                   "episodes that the expert shows (bc, dapg); successes are kept")

@@ -20,7 +20,7 @@ namespace {
 using hand::HandKeypoints;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kRigid = 1e-2;  // of a rotation's columns, written with few digits
+constexpr double kRigid = 0.05;  // of R^T R, for rotations that a tracker averaged
 
 std::string keypoint_header() {
   std::string header = "frame";

@@ -12,14 +12,9 @@
 #include <vector>
 
 #include "palpate/core/error.hpp"
+#include "palpate/recording/hdf5_lock.hpp"
 
 namespace palpate::recording {
-
-/// Held around every use of HDF5, whose library is not safe for threads.
-inline std::mutex& hdf5_mutex() {
-  static std::mutex mutex;
-  return mutex;
-}
 
 /// Runs body() alone in HDF5, whose errors become a BadInput: the path, and in words what they
 /// mean.

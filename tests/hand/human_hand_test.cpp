@@ -53,10 +53,8 @@ TEST(HumanHand, PoseAndSizeActAsOneExpects) {
   const Eigen::Isometry3d T = random_pose(random);
   const HandKeypoints there = human_keypoints(q, {}, T);
   const HandKeypoints here = human_keypoints(q, {}, Eigen::Isometry3d::Identity());
-  EXPECT_LT(
-      (there - (T.linear() * here).colwise() - HandKeypoints(T.translation().replicate(1, 21)))
-          .norm(),
-      1e-12);
+  const HandKeypoints expected = (T.linear() * here).colwise() + T.translation();
+  EXPECT_LT((there - expected).norm(), 1e-12);
   const HumanShape twice{2, {2, 2, 2, 2, 2}};
   EXPECT_LT((human_keypoints(q, twice, Eigen::Isometry3d::Identity()) - 2 * here).norm(), 0.08);
 }

@@ -59,7 +59,7 @@ TEST(Trainer, CemGoesOnAfterAnInterruption) {
   options.observer.hidden = 4;
   options.observer.rounds = 2;
   options.observer.episodes = 3;
-  options.observer.regression.epochs = 2;
+  options.observer.samples = 200;
   expect_resumable([&] { return make_cem_trainer(context(), options); }, 3);
 }
 

@@ -18,8 +18,8 @@ struct TranslationOptions {
   double lead = 0.12;       ///< s from the robot's rest to the human's first frame
   double smoothing = 0.03;  ///< s, of the joints' motion
   double lifted = 0.005;    ///< m, displacement of the object from which on it counts as held
-  double squeeze = 0.16;    ///< s before that, in which the fingertips begin to press
-  double press = 3;         ///< N, of each fingertip towards the object's center
+  double squeeze = 0.137;   ///< s before that, in which the fingertips begin to press
+  double press = 4.64;      ///< N, of each fingertip towards the object's center
   double stiffness = 1500;  ///< N/m, by which the base is held to the motion
   double damping = 80;      ///< N s/m
   double success = 0.05;    ///< m from the target at the end, below which a replay is kept

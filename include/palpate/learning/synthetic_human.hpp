@@ -11,10 +11,10 @@ namespace palpate::learning {
 /// How a synthetic human holds an object: the wrist, and where around the object's axis the
 /// fingertips touch. Of a horizontal hand, palm down, with the fingers along +y.
 struct SyntheticGrasp {
-  double wrist_x = -0.006, wrist_y = -0.070, wrist_z = 0.075;  ///< m, from the object
-  double pitch = 0.3, roll = 0, yaw = 0;         ///< rad: fingers down, thumb up, fingers to -x
-  double thumb = 215, fingers = 88, apart = 25;  ///< degrees from +x; between two fingers
-  double thumb_height = 0, finger_height = 0;    ///< m, above the object's frame
+  double wrist_x = 0.0123, wrist_y = -0.0611, wrist_z = 0.0861;  ///< m, from the object
+  double pitch = 0.005, roll = 0.406, yaw = -0.110;  ///< rad: fingers down, thumb up, fingers to -x
+  double thumb = 212.3, fingers = 66.3, apart = 29.6;      ///< degrees from +x; between two fingers
+  double thumb_height = -0.0198, finger_height = -0.0030;  ///< m, above the object's frame
 
   template <class Visitor>
   void visit(Visitor&& v) {
@@ -46,7 +46,7 @@ struct SyntheticHumanOptions {
   double place_spread = 0.003;  ///< m, of where each fingertip touches
   double noise = 0.0015;        ///< m, of each keypoint's coordinates
   double missing = 0.01;        ///< share of keypoints that are not seen
-  double grip_radius = 0.033;   ///< m, of the object where the fingers hold it
+  double grip_radius = 0.0295;  ///< m, of the object where the fingers hold it
   double grip_height = 0.005;   ///< m, of the fingertips above the object's frame
 
   template <class Visitor>

@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+
+#include "common.hpp"
+#include "palpate/core/assets.hpp"
+#include "palpate/core/error.hpp"
+#include "palpate/core/file.hpp"
+#include "palpate/learning/minari_io.hpp"
+
+namespace palpate::app {
+namespace {
+
+using nlohmann::json;
+
+constexpr const char* kDatasetId = "palpate/relocate-human-v0";
+constexpr std::size_t kTries = 4;  // for each demonstration wanted, at most
+
+struct MakeArguments {
+  CommonOptions common;
+  std::size_t count = 100;
+};
+
+struct MakeOptions {
+  learning::TaskOptions task;
+  learning::DemonstrationOptions demonstration;
+
+  template <class Visitor>
+  void visit(Visitor&& v) {
+    v.section("task", task);
+    v.section("demonstration", demonstration);
+  }
+};
+
+int make(const MakeArguments& arguments) {
+  const auto& common = arguments.common;
+  if (common.out.empty()) throw BadInput("--out DIR is missing: where the data set is to be kept");
+  const auto options = resolve<MakeOptions>(common);
+  make_writable_folder(common.out);
+  const auto model = learning::make_model(options.task);
+  const auto begin = std::chrono::steady_clock::now();
+  const auto progress = [&](std::size_t done, std::size_t all) {
+    if (!common.quiet) fmt::print(stderr, "kept {} of {}\n", done, all);
+  };
+  const auto set =
+      learning::make_demonstrations(model, options.demonstration, common.seed, arguments.count,
+                                    kTries * arguments.count, common.threads, progress);
+  const double seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  if (set.kept.empty()) {
+    fmt::print(stderr, "palpate: none of {} sequences succeeded on the robot\n", set.tried);
+    return kNoSolution;
+  }
+  const std::filesystem::path folder = common.out;
+  learning::write_minari(folder, learning::dataset_of(set.kept, kDatasetId, common.seed));
+  write_file_atomically(folder / "config.toml", config_header(common) + to_toml(options));
+  std::vector<learning::Episode> episodes;
+  for (const auto& d : set.kept) episodes.push_back(d.episode);
+  const auto summary = learning::summarize(episodes);
+  const json report = {{"kept", set.kept.size()},
+                       {"tried", set.tried},
+                       {"return", {{"mean", summary.mean}, {"sd", summary.sd}}},
+                       {"success_2cm", summary.success_2cm},
+                       {"seconds", seconds}};
+  if (common.json) {
+    fmt::print("{}\n", report.dump(2));
+  } else {
+    fmt::print("{} of {} sequences succeeded; return {:.0f} +- {:.0f}; {:.0f} s\nwrote {}\n",
+               set.kept.size(), set.tried, summary.mean, summary.sd, seconds, folder.string());
+  }
+  return kDone;
+}
+
+struct RetargetArguments {
+  CommonOptions common;
+  std::string keypoints;
+  double rate = 30;
+};
+
+struct RetargetCommandOptions {
+  learning::FilterOptions filter;
+  learning::RetargetOptions retarget;
+
+  template <class Visitor>
+  void visit(Visitor&& v) {
+    v.section("filter", filter);
+    v.section("retarget", retarget);
+  }
+};
+
+struct RetargetReport {
+  std::size_t frames = 0;
+  int replaced = 0;
+  double tip_mm = 0, middle_mm = 0, ms = 0, largest_step = 0;
+};
+
+std::string joints_header(const simulation::MjcfHand& hand) {
+  std::string header = "frame";
+  for (const auto& name : hand.joint_names()) header += "," + name;
+  return header + "\n";
+}
+
+int retarget(const RetargetArguments& arguments) {
+  const auto& common = arguments.common;
+  const auto options = resolve<RetargetCommandOptions>(common);
+  const auto filtered = learning::filter_hand(learning::read_keypoints(arguments.keypoints),
+                                              arguments.rate, options.filter);
+  learning::Retargeter retargeter(
+      simulation::MjcfHand(asset("adroit_hand/adroit_relocate.xml"), "palm"),
+      learning::adroit_points(), options.retarget);
+  RetargetReport report{filtered.hand.size(), filtered.replaced, 0, 0, 0, 0};
+  std::string table = joints_header(retargeter.hand());
+  Eigen::VectorXd before;
+  const auto count = static_cast<double>(filtered.hand.size());
+  for (std::size_t i = 0; i < filtered.hand.size(); ++i) {
+    const auto begin = std::chrono::steady_clock::now();
+    const auto frame = retargeter.next(filtered.hand[i]);
+    const auto end = std::chrono::steady_clock::now();
+    // The first frame is solved from nothing, many times over.
+    if (i > 0) {
+      report.ms += std::chrono::duration<double, std::milli>(end - begin).count() / (count - 1);
+      report.largest_step =
+          std::max(report.largest_step, (frame.joints - before).cwiseAbs().maxCoeff());
+    }
+    report.tip_mm += 1000 * frame.tip_error / count;
+    report.middle_mm += 1000 * frame.middle_error / count;
+    before = frame.joints;
+    table += fmt::format("{}", i);
+    for (const double angle : frame.joints) table += fmt::format(",{:.6f}", angle);
+    table += "\n";
+  }
+  if (!common.out.empty()) {
+    make_writable_folder(common.out);
+    write_file_atomically(std::filesystem::path(common.out) / "joints.csv", table);
+  }
+  if (common.json) {
+    const json out = {{"frames", report.frames},       {"replaced", report.replaced},
+                      {"tip_error_mm", report.tip_mm}, {"middle_error_mm", report.middle_mm},
+                      {"ms_per_frame", report.ms},     {"largest_step_rad", report.largest_step}};
+    fmt::print("{}\n", out.dump(2));
+  } else {
+    fmt::print(
+        "{} frames, {} joints filled in: tips {:.1f} mm, middle joints {:.1f} mm off; {:.2f} ms a "
+        "frame; largest step {:.3f} rad\n",
+        report.frames, report.replaced, report.tip_mm, report.middle_mm, report.ms,
+        report.largest_step);
+  }
+  return kDone;
+}
+
+void add_make(CLI::App& demos, Command& chosen) {
+  auto arguments = std::make_shared<MakeArguments>();
+  auto& command = *demos.add_subcommand(
+      "make", "Let a synthetic human show the task, and keep what the robot can repeat");
+  command.add_option("--count", arguments->count, "demonstrations to keep")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  add_common_options(command, arguments->common);
+  command.footer(
+      "DIR/data holds the episodes as the Minari library reads them.\n\n"
+      "Examples:\n"
+      "  palpate demos make --count 100 --threads 2 --out out/demos\n"
+      "  palpate train relocate --method dapg --demos out/demos --out out/dapg");
+  command.callback([arguments, &chosen] { chosen = [arguments] { return make(*arguments); }; });
+}
+
+void add_retarget(CLI::App& demos, Command& chosen) {
+  auto arguments = std::make_shared<RetargetArguments>();
+  auto& command =
+      *demos.add_subcommand("retarget", "Carry a human hand's keypoints over to the Adroit hand");
+  command.add_option("KEYPOINTS", arguments->keypoints, "CSV: frame,j0_x,j0_y,j0_z,...,j20_z; m")
+      ->required();
+  command.add_option("--rate", arguments->rate, "frames per second")
+      ->check(CLI::Range(0.1, 1e5))
+      ->capture_default_str();
+  add_common_options(command, arguments->common);
+  command.footer(
+      "With --out the joints go to DIR/joints.csv. A joint that was not seen is an empty cell.\n\n"
+      "Example:\n"
+      "  palpate demos retarget hand_joints.csv --out out/retargeted");
+  command.callback([arguments, &chosen] { chosen = [arguments] { return retarget(*arguments); }; });
+}
+
+}  // namespace
+
+void add_demos(CLI::App& program, Command& chosen) {
+  auto& command = *program.add_subcommand("demos", "Demonstrations of the relocate task");
+  command.require_subcommand(1);
+  command.footer(
+      "Examples:\n"
+      "  palpate demos make --count 100 --threads 2 --out out/demos\n"
+      "  palpate demos retarget hand_joints.csv");
+  add_make(command, chosen);
+  add_retarget(command, chosen);
+}
+
+}  // namespace palpate::app
