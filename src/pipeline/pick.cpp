@@ -6,6 +6,7 @@
 #include "course.hpp"
 #include "palpate/pipeline/explore_phase.hpp"
 #include "palpate/pipeline/locate_phase.hpp"
+#include "palpate/pipeline/probe_phase.hpp"
 #include "palpate/pipeline/release_phase.hpp"
 
 namespace palpate::pipeline {
@@ -31,10 +32,15 @@ PickResult pick(Robot& robot, const localization::ObjectModel& object, const Pic
     return true;
   };
   const auto estimate = [&] {
+    result.before_probe.reset();
     result.before_lift.reset();
     if (options.estimate_before_lift &&
         course.run(LocatePhase(object, options.locate, seed, Mark::closed))) {
-      result.before_lift = state.estimate;
+      result.before_probe = result.before_lift = state.estimate;
+      if (options.probe.most > 0) {
+        course.run(ProbePhase(object, options.probe, options.locate, weight, seed));
+        result.before_lift = state.estimate;
+      }
     }
     return true;
   };

@@ -9,6 +9,7 @@
 #include "palpate/pipeline/lift_phase.hpp"
 #include "palpate/pipeline/locate.hpp"
 #include "palpate/pipeline/phase.hpp"
+#include "palpate/pipeline/probe_phase.hpp"
 
 namespace palpate::pipeline {
 
@@ -18,6 +19,7 @@ struct PickOptions {
   FeelOptions feel;
   ExploreOptions explore;
   GraspOptions grasp;
+  ProbeOptions probe;
   LiftOptions lift;
   LocateOptions locate;
 
@@ -28,6 +30,7 @@ struct PickOptions {
     v.section("feel", feel);
     v.section("explore", explore);
     v.section("grasp", grasp);
+    v.section("probe", probe);
     v.section("lift", lift);
     v.section("locate", locate);
   }
@@ -40,7 +43,8 @@ struct PickResult {
   std::string failed_phase;  ///< of the last attempt; empty if all went well
   std::vector<PhaseReport> phases;
   std::optional<localization::Posterior> resting;  ///< pose before the last grasp, in the world
-  std::optional<PoseEstimate> before_lift;         ///< in the closed hand, still on the table
+  std::optional<PoseEstimate> before_probe;        ///< in the closed hand, still on the table
+  std::optional<PoseEstimate> before_lift;         ///< there, with what probing told
   PoseEstimate estimate;
 };
 
