@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/touch/biotac_fingers.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "../core/error_message.hpp"
+#include "palpate/touch/biotac_normal.hpp"
+
+namespace palpate::touch {
+namespace {
+
+std::shared_ptr<const BiotacInverse> inverse() {
+  static const auto model = [] {
+    BiotacDatasetOptions options;
+    options.trajectories = 100;
+    options.seconds = 1;
+    options.stride = 10;
+    options.seed = 1;
+    return std::make_shared<const BiotacInverse>(BiotacInverse::train(simulate_biotac(options)));
+  }();
+  return model;
+}
+
+const hand::TipContact kTouch{.p = {-0.003, 0, -0.007}, .n = {0, 0, 1}, .f = {0.3, 0.2, -2}};
+
+/// A sensor that is read frame by frame, and what is felt in it.
+class Stream {
+ public:
+  BiotacReading read(double newtons) {
+    hand::TipContact contact = kTouch;
+    contact.f *= newtons / 2;
+    const auto state = newtons > 0 ? skin_.press({&contact, 1}) : SkinState{};
+    auto reading = sensor_.step(state);
+    reading.time = 0.01 * ++frames_;
+    return reading;
+  }
+  BiotacFeeling feel(double newtons) { return finger.step(read(newtons)); }
+  void rest(int frames = BiotacFinger::kRestFrames) {
+    for (int k = 0; k < frames; ++k) finger.step(read(0));
+  }
+  static bool has(const BiotacFeeling& feeling, BiotacFlag flag) {
+    return (feeling.flags & static_cast<unsigned>(flag)) != 0;
+  }
+
+  BiotacFinger finger{inverse()};
+
+ private:
+  BiotacSkin skin_;
+  BiotacSensor sensor_{skin_, {}, RandomStream(7)};
+  int frames_ = 0;
+};
+
+hand::HandModel one_link() {
+  hand::HandModel hand;
+  hand.links = {{"distal", -1, Eigen::Isometry3d::Identity(), Eigen::Vector3d::UnitX(), 0}};
+  hand.distal.fill(0);
+  for (auto& tip : hand.tips) tip = {{0, 0, 0.002}, {0, 0, 0.02}, 0.007};
+  return hand;
+}
+
+TEST(BiotacMount, LooksTheWayTheFingerFlexes) {
+  const Eigen::Isometry3d T = biotac_mount(one_link(), 2);
+  EXPECT_NEAR(T.linear().determinant(), 1, 1e-12);
+  EXPECT_LT((T.translation() - Eigen::Vector3d(0, 0, 0.02)).norm(), 1e-12);
+  EXPECT_LT((T.linear().col(0) - Eigen::Vector3d::UnitZ()).norm(), 1e-12);
+  const Eigen::Vector3d tip(0, 0, 0.02);
+  const Eigen::Vector3d way = Eigen::AngleAxisd(0.01, Eigen::Vector3d::UnitX()) * tip - tip;
+  EXPECT_GT(way.normalized().dot(-T.linear().col(2)), 0.99);  // the felt side goes ahead
+}
+
+TEST(BiotacFinger, FeelsATouchAfterRest) {
+  Stream stream;
+  EXPECT_TRUE(Stream::has(stream.feel(0), BiotacFlag::no_rest));
+  stream.rest();
+  EXPECT_TRUE(Stream::has(stream.feel(0), BiotacFlag::no_contact));
+  BiotacFeeling feeling;
+  for (int k = 0; k < 40; ++k) feeling = stream.feel(2);
+  ASSERT_TRUE(feeling.contact);
+  EXPECT_EQ(feeling.flags, 0u);
+  EXPECT_LT((feeling.contact->p - kTouch.p).norm(), 0.002);
+  EXPECT_LT((feeling.contact->f - kTouch.f).norm(), 0.2);
+  EXPECT_LT(angle_between_deg(feeling.contact->n, kTouch.n), 15);
+  for (int k = 0; k < 40; ++k) feeling = stream.feel(0);
+  EXPECT_FALSE(feeling.contact);
+}
+
+TEST(BiotacFinger, NamesFaultyChannels) {
+  const auto flagged = [](double count, BiotacFlag flag, int channel) {
+    Stream stream;
+    stream.rest();
+    for (int k = 0; k < 20; ++k) stream.feel(2);
+    auto reading = stream.read(2);
+    (channel < 0 ? reading.tdc : reading.electrodes[channel]) = count;
+    const auto feeling = stream.finger.step(reading);
+    EXPECT_TRUE(Stream::has(feeling, flag)) << count;
+    EXPECT_FALSE(feeling.contact) << count;
+  };
+  for (const int channel : {-1, 0, 18}) {
+    flagged(std::nan(""), BiotacFlag::missing, channel);
+    flagged(4095, BiotacFlag::saturated, channel);
+    flagged(0, BiotacFlag::saturated, channel);
+    flagged(5000, BiotacFlag::out_of_range, channel);
+    flagged(-3, BiotacFlag::out_of_range, channel);
+  }
+}
+
+TEST(BiotacFinger, NamesFramesThatAreLateRepeatedOrOld) {
+  Stream stream;
+  stream.rest();
+  for (int k = 0; k < 20; ++k) stream.feel(2);
+  const auto reading = stream.read(2);
+  EXPECT_TRUE(stream.finger.step(reading).contact);
+  auto again = reading;
+  again.time += 0.01;
+  EXPECT_TRUE(Stream::has(stream.finger.step(again), BiotacFlag::repeated));
+  EXPECT_FALSE(stream.finger.step(again).contact);
+  auto old = stream.read(2);
+  old.time -= 0.05;
+  EXPECT_TRUE(Stream::has(stream.finger.step(old), BiotacFlag::out_of_order));
+  EXPECT_FALSE(stream.finger.step(old).contact);
+  auto late = stream.read(2);
+  late.time += 0.5;
+  EXPECT_TRUE(Stream::has(stream.finger.step(late), BiotacFlag::late));
+}
+
+TEST(BiotacFinger, NoticesAStuckElectrode) {
+  Stream stream;
+  stream.rest();
+  BiotacFeeling feeling;
+  for (int k = 0; k < 80; ++k) {
+    auto reading = stream.read(0.03 * k);
+    reading.electrodes[16] = 3390;
+    feeling = stream.finger.step(reading);
+  }
+  EXPECT_TRUE(Stream::has(feeling, BiotacFlag::stuck));
+  EXPECT_FALSE(feeling.contact);
+}
+
+TEST(BiotacFinger, FollowsDriftAndTellsOfIt) {
+  Stream stream;
+  stream.rest();
+  BiotacFeeling feeling;
+  for (int k = 0; k < 1500; ++k) {
+    auto reading = stream.read(0);
+    reading.electrodes.array() -= std::round(0.03 * k);  // 3 counts a second
+    feeling = stream.finger.step(reading);
+    EXPECT_FALSE(feeling.contact);
+  }
+  EXPECT_TRUE(Stream::has(feeling, BiotacFlag::drifted));
+}
+
+TEST(BiotacFinger, SaysNothingOfChannelsThatNoContactExplains) {
+  Stream stream;
+  stream.rest();
+  BiotacFeeling feeling;
+  for (int k = 0; k < 20; ++k) {
+    auto reading = stream.read(2);
+    reading.electrodes[8] = 2500 + k % 3;  // near the touch, but far too low
+    feeling = stream.finger.step(reading);
+  }
+  EXPECT_TRUE(Stream::has(feeling, BiotacFlag::unexplained));
+  EXPECT_FALSE(feeling.contact);
+}
+
+TEST(BiotacFingers, PutTheirContactsIntoTheReading) {
+  BiotacFingers fingers(one_link(), inverse());
+  Stream stream;
+  hand::HandReading reading;
+  EXPECT_NE(error_message([&] { fingers.infer_contacts(reading); }).find("0 BioTacs"),
+            std::string::npos);
+  for (int k = 0; k < 60; ++k) {
+    reading.contacts[1] = {kTouch, kTouch, kTouch};
+    const auto channels = stream.read(k < 25 ? 0 : 2);
+    reading.biotacs.assign(hand::kFingers, channels);
+    fingers.infer_contacts(reading);
+  }
+  ASSERT_EQ(reading.contacts[1].size(), 1u);
+  const Eigen::Isometry3d T = biotac_mount(one_link(), 1);
+  EXPECT_LT((reading.contacts[1][0].p - T * kTouch.p).norm(), 0.002);
+  EXPECT_LT((reading.contacts[1][0].f - T.linear() * kTouch.f).norm(), 0.2);
+}
+
+}  // namespace
+}  // namespace palpate::touch
