@@ -12,6 +12,7 @@
 #include "palpate/core/file.hpp"
 #include "palpate/core/se3.hpp"
 #include "palpate/core/version.hpp"
+#include "palpate/simulation/world.hpp"
 
 namespace palpate::app {
 
@@ -34,7 +35,8 @@ void add_common_options(CLI::App& command, CommonOptions& options) {
 }
 
 std::string config_header(const CommonOptions& common) {
-  return fmt::format("# palpate {}, seed {}\n", version(), common.seed);
+  return fmt::format("# palpate {}, MuJoCo {}, seed {}\n", version(),
+                     simulation::simulator_version(), common.seed);
 }
 
 Eigen::Isometry3d parse_pose(const std::string& argument) {

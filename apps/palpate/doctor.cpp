@@ -135,16 +135,16 @@ int doctor(bool json) {
 }  // namespace
 
 void add_doctor(CLI::App& program, Command& chosen) {
-  auto json = std::make_shared<bool>(false);
+  auto common = std::make_shared<CommonOptions>();
   auto& command = *program.add_subcommand("doctor", "Check that all that palpate needs is here");
-  command.add_flag("--json", *json, "print one JSON object on stdout");
+  add_common_options(command, *common);
   command.footer(
-      "Exit code 0 when all that is needed is here, else 3. Without rendering or a cache all but\n"
-      "palpate render works.\n\n"
+      "Says what is here, what is missing, and how to get it. Exit code 0 when all that is needed\n"
+      "is here, else 3. Without rendering or a cache all but palpate render works.\n\n"
       "Examples:\n"
       "  palpate doctor\n"
       "  palpate doctor --json");
-  command.callback([json, &chosen] { chosen = [json] { return doctor(*json); }; });
+  command.callback([common, &chosen] { chosen = [common] { return doctor(common->json); }; });
 }
 
 }  // namespace palpate::app

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <optional>
 
 #include "common.hpp"
 #include "palpate/core/error.hpp"
@@ -31,14 +32,19 @@ struct Picture {
   fs::path file;
 };
 
-/// Width and height of a text like 1200x800.
-std::pair<int, int> parse_size(const std::string& text) {
+/// Width and height of a text like 1200x800; none if it is not like that.
+std::optional<std::pair<int, int>> parse_size(const std::string& text) {
   int width = 0, height = 0, end = 0;
   if (std::sscanf(text.c_str(), "%5dx%5d%n", &width, &height, &end) != 2 ||
       static_cast<std::size_t>(end) != text.size()) {
-    throw BadInput(fmt::format("--size is WIDTHxHEIGHT in pixels, not {}", text));
+    return std::nullopt;
   }
-  return {width, height};
+  return std::pair(width, height);
+}
+
+/// What is wrong with the text of a size, for the command line; nothing if it is one.
+std::string size_error(const std::string& text) {
+  return parse_size(text) ? "" : fmt::format("{} is not WIDTHxHEIGHT in pixels", text);
 }
 
 fs::path output_folder(const RenderArguments& arguments) {
@@ -82,7 +88,7 @@ simulation::Image draw(simulation::Renderer& renderer, const recording::Frame& f
 /// One picture at the end of every phase.
 std::vector<Picture> draw_phases(const recording::Recording& recording, const fs::path& folder,
                                  const RenderArguments& arguments) {
-  const auto [width, height] = parse_size(arguments.size);
+  const auto [width, height] = *parse_size(arguments.size);
   simulation::Renderer renderer(recording.header.object, width, height);
   std::vector<Picture> pictures;
   for (const recording::Event& event : recording.events) {
@@ -109,7 +115,6 @@ recording::Recording read_drawable(const fs::path& path) {
 }
 
 int render(const RenderArguments& arguments) {
-  parse_size(arguments.size);
   const fs::path folder = output_folder(arguments);
   const fs::path given = arguments.recording;
   const auto recording = read_drawable(given.empty() ? record_pick(arguments, folder) : given);
@@ -132,14 +137,17 @@ void add_render(CLI::App& program, Command& chosen) {
   auto arguments = std::make_shared<RenderArguments>();
   auto& command =
       *program.add_subcommand("render", "Draw a pick: one PNG picture at the end of each phase");
-  command.add_option("recording", arguments->recording,
-                     "recording.h5 of a pick; without it, an object is picked up first");
+  auto* const recording =
+      command.add_option("recording", arguments->recording,
+                         "recording.h5 of a pick; without it, an object is picked up first");
   command
       .add_option("--object", arguments->object,
                   "mug, bottle, box, bracket, bunny, or a mesh file in metres")
-      ->capture_default_str();
+      ->capture_default_str()
+      ->excludes(recording);
   command.add_option("--size", arguments->size, "of a picture, pixels")
       ->option_text("WxH")
+      ->check(size_error)
       ->capture_default_str();
   command.add_option("--azimuth", arguments->camera.azimuth_deg, "of the view about z, deg")
       ->capture_default_str();
