@@ -2,6 +2,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,6 +14,8 @@
 #include "palpate/geometry/normals.hpp"
 #include "palpate/geometry/outlier_filter.hpp"
 #include "palpate/registration/cloud_registration.hpp"
+#include "palpate/touch/contact_log.hpp"
+#include "sliding_finger.hpp"
 
 namespace {
 
@@ -20,9 +24,9 @@ using namespace palpate::registration;
 using experiment::Table;
 using geometry::PointCloud;
 
-PointCloud sampled(std::size_t count, RandomStream random) {
+PointCloud sampled(const geometry::TriangleMesh& mesh, std::size_t count, RandomStream random) {
   PointCloud cloud;
-  for (const auto& s : geometry::sample_surface(testing::bunny(), count, random)) {
+  for (const auto& s : geometry::sample_surface(mesh, count, random)) {
     cloud.points.push_back(s.point);
     cloud.normals.push_back(s.normal);
   }
@@ -34,7 +38,7 @@ PointCloud sampled(std::size_t count, RandomStream random) {
 /// noise, and a few contacts with something else.
 PointCloud swept_contacts(RandomStream random) {
   constexpr int kStrokes = 25, kContacts = 40, kElsewhere = 20;
-  const PointCloud surface = sampled(60000, random.fork("surface"));
+  const PointCloud surface = sampled(testing::bunny(), 60000, random.fork("surface"));
   PointCloud contacts;
   for (int stroke = 0; stroke < kStrokes; ++stroke) {
     const Eigen::Vector3d across = random.unit_vector();
@@ -57,18 +61,17 @@ PointCloud swept_contacts(RandomStream random) {
 }
 
 /// Radius of features: five times the distance between points, as if they covered the surface.
-double feature_radius(const PointCloud& a, const PointCloud& b) {
-  const double surface = geometry::area(testing::bunny());
+double feature_radius(const PointCloud& a, const PointCloud& b, double area) {
   const auto fewer = static_cast<double>(std::min(a.size(), b.size()));
-  return 5 * std::sqrt(surface / fewer);
+  return 5 * std::sqrt(area / fewer);
 }
 
 struct Matches {
   std::size_t all = 0, right = 0;  ///< right: closer than 5 mm, as both are in one frame
 };
 
-Matches match(const PointCloud& source, const PointCloud& target) {
-  const double radius = feature_radius(source, target);
+Matches match(const PointCloud& source, const PointCloud& target, double area) {
+  const double radius = feature_radius(source, target, area);
   Matches matches;
   for (const auto& m :
        geometry::mutual_matches(geometry::fpfh(source, radius), geometry::fpfh(target, radius))) {
@@ -80,8 +83,16 @@ Matches match(const PointCloud& source, const PointCloud& target) {
   return matches;
 }
 
-void experiment_matches(const experiment::Options& options) {
-  const PointCloud contacts = swept_contacts(RandomStream(options.seed, "contacts"));
+/// Contacts with a mesh, in its frame.
+struct Sweep {
+  std::string name, title;
+  PointCloud contacts;
+  const geometry::TriangleMesh& mesh;
+};
+
+void publish_matches(const experiment::Options& options, const Sweep& sweep) {
+  const PointCloud& contacts = sweep.contacts;
+  const double area = geometry::area(sweep.mesh);
   const PointCloud filtered =
       geometry::subset(contacts, geometry::statistical_inliers(contacts, {}));
   std::vector<std::size_t> sizes;
@@ -99,8 +110,8 @@ void experiment_matches(const experiment::Options& options) {
                          {.name = "filtered", .x = {}, .y = {}},
                          {.name = "of these within 5 mm (filtered)", .x = {}, .y = {}}};
   for (const std::size_t n : sizes) {
-    const PointCloud target = sampled(n, RandomStream(options.seed, "target"));
-    const Matches raw = match(contacts, target), clean = match(filtered, target);
+    const PointCloud target = sampled(sweep.mesh, n, RandomStream(options.seed, "target"));
+    const Matches raw = match(contacts, target, area), clean = match(filtered, target, area);
     table.add_row({fmt::format("{}", n), fmt::format("{}", raw.all), fmt::format("{}", raw.right),
                    fmt::format("{}", clean.all), fmt::format("{}", clean.right), "at most 2"});
     const std::size_t counts[4] = {raw.all, raw.right, clean.all, clean.right};
@@ -110,18 +121,46 @@ void experiment_matches(const experiment::Options& options) {
     }
   }
   for (auto& line : lines) plot.series.emplace_back(line);
-  table.publish(options, "matches",
-                fmt::format("{} swept contacts ({} after the filter of 1000 neighbours and ratio "
+  table.publish(options, sweep.name,
+                fmt::format("{} {} ({} after the filter of 1000 neighbours and ratio "
                             "0.5) against targets of growing density",
-                            contacts.size(), filtered.size()));
-  experiment::publish_figure(options, "fig_6_4_matches", to_svg(plot));
+                            contacts.size(), sweep.title, filtered.size()));
+  experiment::publish_figure(options, "fig_6_4_" + sweep.name, to_svg(plot));
+}
+
+/// The contacts that touch_bunny recorded beside this experiment's folder, if it did, in the frame
+/// of the object.
+std::optional<Sweep> recorded_sweep(const experiment::Options& options,
+                                    const geometry::KnownObject& object) {
+  const auto file = options.out.parent_path() / "touch_bunny" / "contacts.csv";
+  if (!std::filesystem::exists(file)) return std::nullopt;
+  constexpr std::size_t kEvery = 10;  // neighbouring ticks touch the same place
+  const Eigen::Vector3d shift(0, 0, object.stances[0].height);
+  PointCloud contacts;
+  for (const auto& log : touch::read_contact_log(file)) {
+    for (std::size_t i = 0; i < log.frames.size(); i += kEvery) {
+      if (!log.normals[i]) continue;
+      contacts.points.push_back(log.frames[i].contacts.front().p - shift);
+      contacts.normals.push_back(*log.normals[i]);
+    }
+  }
+  return Sweep{"recorded", "contacts of the simulated fingers", contacts, object.mesh};
+}
+
+void experiment_matches(const experiment::Options& options) {
+  publish_matches(
+      options, {"matches", "swept contacts", swept_contacts(RandomStream(options.seed, "contacts")),
+                testing::bunny()});
+  const auto object = experiment::fixed_object("bunny", geometry::load_known_object("bunny").mesh);
+  if (const auto recorded = recorded_sweep(options, object)) publish_matches(options, *recorded);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  return experiment::run(argc, argv, "registration_matches",
-                         "Thesis figure 6.4: feature matches of touched points against the density "
-                         "of the target.",
-                         experiment_matches);
+  return experiment::run(
+      argc, argv, "registration_matches",
+      "Thesis figure 6.4: feature matches of touched points against the density "
+      "of the target; also of the contacts that touch_bunny has recorded beside.",
+      experiment_matches);
 }

@@ -11,7 +11,9 @@
 #include "palpate/core/plot.hpp"
 #include "palpate/core/statistics.hpp"
 #include "palpate/core/version.hpp"
+#include "palpate/geometry/sampling.hpp"
 #include "palpate/recording/writer.hpp"
+#include "reach.hpp"
 #include "touch_surfaces.hpp"
 
 namespace {
@@ -20,9 +22,18 @@ using namespace palpate;
 using namespace palpate::experiment;
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kSeconds = 30;    // of each finger's sampling
-constexpr double kLowest = 1.25;   // rad from straight up, where the ways end
-constexpr double kSmoothing = 25;  // ticks, over which the way is smoothed
+constexpr double kSeconds = 30;     // of each way
+constexpr double kSmoothing = 25;   // ticks, over which the way is smoothed
+constexpr double kSweep = 6;        // s, to and fro
+constexpr double kTouched = 0.006;  // m, from a touch: that much of the surface it has felt
+constexpr double kAbove = 0.0015;   // m, of a tip that is not meant to touch yet
+
+/// Of the two ways of each finger over its fifth of the object, from straight up (rad).
+struct Band {
+  std::string name;
+  double high, low;
+};
+const Band kBands[] = {{"upper", 0.15, 1.25}, {"lower", 1.15, 2.3}};
 
 /// A point of contact as it was sensed, in the world.
 struct Touched {
@@ -33,29 +44,44 @@ struct Touched {
   double normal_error_deg = 0;  // from the normal where the tip really touched
 };
 
-/// A way from the top down and round, to and fro, over a quarter of the object.
-TipPath spiral_over(const geometry::MeshQuery& mesh, const Eigen::Isometry3d& T_world_object,
-                    double tip_radius, int quarter, double seconds) {
+double azimuth_of(int finger) { return 2 * kPi * (finger + 0.5) / hand::kFingers; }
+
+/// A way down and round, to and fro, over a fifth of the object; never so low that the tip would
+/// touch the table.
+TipPath way_over(const geometry::MeshQuery& mesh, const Eigen::Isometry3d& T_world_object,
+                 double tip_radius, int finger, const Band& band, double seconds) {
   TipPath path;
   double reach = 0;
   for (const auto& v : mesh.mesh().vertices) reach = std::max(reach, 2 * v.norm());
   Eigen::Vector3d center = Eigen::Vector3d::Zero();
   for (int i = 0; i * hand::kTick < seconds; ++i) {
-    const double share = i * hand::kTick / seconds;
-    const double polar = kLowest * std::sqrt(0.02 + 0.98 * share);
+    const double t = i * hand::kTick;
+    const double polar = band.high + (band.low - band.high) * t / seconds;
     const double azimuth =
-        kPi / 2 * (quarter + 0.5 + 0.6 * std::sin(2 * kPi * share * seconds / 6));
+        azimuth_of(finger) + 1.2 * kPi / hand::kFingers * std::sin(2 * kPi * t / kSweep);
     const Eigen::Vector3d out(std::sin(polar) * std::cos(azimuth),
                               std::sin(polar) * std::sin(azimuth), std::cos(polar));
     const auto hit = mesh.raycast(T_world_object.linear().transpose() * (reach * out),
                                   T_world_object.linear().transpose() * -out, reach);
     const double distance = hit ? reach - hit->distance : 0;
-    const Eigen::Vector3d wanted = T_world_object.translation() + (distance + tip_radius) * out;
+    Eigen::Vector3d wanted = T_world_object.translation() + (distance + tip_radius) * out;
+    wanted.z() = std::max(wanted.z(), tip_radius + 0.003);
     center = i == 0 ? wanted : Eigen::Vector3d(center + (wanted - center) / kSmoothing);
     path.center.push_back(center);
-    path.normal.push_back(out);
+    // Pressed from the side where the tip cannot go under the object.
+    path.normal.push_back(Eigen::Vector3d(out.x(), out.y(), std::max(out.z(), 0.0)).normalized());
   }
   return path;
+}
+
+/// Some places of a way, a little off the surface.
+std::vector<Eigen::Vector3d> places_of(const TipPath& path) {
+  std::vector<Eigen::Vector3d> places;
+  const std::size_t step = std::max<std::size_t>(1, path.center.size() / 20);
+  for (std::size_t i = 0; i < path.center.size(); i += step) {
+    places.push_back(path.center[i] + kAbove * path.normal[i]);
+  }
+  return places;
 }
 
 /// Every contact of a slide with its smoothed normal.
@@ -83,8 +109,7 @@ std::vector<Touched> sense(const std::vector<SlideTick>& ticks, const hand::Hand
 }
 
 void record(const std::vector<SlideTick>& ticks, const geometry::KnownObject& object,
-            const hand::HandModel& hand, int finger, const Options& options) {
-  const auto name = hand::kFingerNames[static_cast<std::size_t>(finger)];
+            const hand::HandModel& hand, const std::string& name, const Options& options) {
   recording::Writer writer(options.out / fmt::format("bunny-{}.h5", name),
                            {std::string(version()), options.seed, object, hand, ""});
   for (const SlideTick& tick : ticks) writer.frame(tick.frame);
@@ -116,7 +141,7 @@ std::string view(const std::vector<Touched>& touched, const geometry::KnownObjec
     mesh.y.push_back(1e3 * (v + place)[axes[1]]);
   }
   plot.series.emplace_back(std::move(mesh));
-  for (int finger = 1; finger < hand::kFingers; ++finger) {
+  for (int finger = 0; finger < hand::kFingers; ++finger) {
     ScatterSeries points{.name = std::string(hand::kFingerNames[static_cast<std::size_t>(finger)]),
                          .x = {},
                          .y = {}};
@@ -130,37 +155,78 @@ std::string view(const std::vector<Touched>& touched, const geometry::KnownObjec
   return to_svg(plot);
 }
 
+/// Shares of the surface that were felt, by places drawn from it evenly.
+struct Coverage {
+  double reachable = 0, of_all = 0, of_reachable = 0;
+};
+
+Coverage coverage(const geometry::KnownObject& object, const Eigen::Isometry3d& T_world_object,
+                  Reach& reach, double tip_radius, const std::vector<Touched>& touched,
+                  const Options& options) {
+  const std::size_t count = options.quick ? 20 : 400;
+  int reachable = 0, felt = 0, both = 0;
+  for (const auto& s :
+       geometry::sample_surface(object.mesh, count, RandomStream(options.seed, "coverage"))) {
+    const Eigen::Vector3d p = T_world_object * s.point, n = T_world_object.linear() * s.normal;
+    const bool reaches =
+        reach.any_finger_reaches(std::atan2(n.y(), n.x()), p + (tip_radius + kAbove) * n);
+    const bool feels = std::any_of(touched.begin(), touched.end(),
+                                   [&](const Touched& c) { return (c.p - p).norm() < kTouched; });
+    reachable += reaches;
+    felt += feels;
+    both += reaches && feels;
+  }
+  const auto all = static_cast<double>(count);
+  return {reachable / all, felt / all, both / std::max(1.0, static_cast<double>(reachable))};
+}
+
+std::vector<std::string> row_of(const std::string& name, const Stand& stand,
+                                const std::vector<Touched>& touched) {
+  const std::string share = fmt::format("{:.2f}", stand.free_share);
+  if (touched.empty()) return {name, share, "0", "-", "-"};
+  std::vector<double> off, errors;
+  for (const Touched& c : touched) {
+    off.push_back(1e3 * c.point_error);
+    errors.push_back(c.normal_error_deg);
+  }
+  return {name, share, std::to_string(touched.size()), fmt::format("{:.2f}", median(off)),
+          fmt::format("{:.1f} / {:.1f}", median(errors), quantile(errors, 0.95))};
+}
+
 void experiment_bunny(const Options& options) {
   const auto object = fixed_object("bunny", geometry::load_known_object("bunny").mesh);
   const geometry::MeshQuery mesh(object.mesh);
   Eigen::Isometry3d T_world_object = Eigen::Isometry3d::Identity();
   T_world_object.translation().z() = object.stances[0].height;
-  Table table({"finger", "points", "off the surface, median mm", "normals, median / p95 deg"});
+  const PointingFinger first = straight_finger(hand::Finger::first);
+  Reach reach(object, T_world_object, first.hand());
+  Table table(
+      {"way", "free places", "points", "off the surface, median mm", "normals, median / p95 deg"});
   std::vector<Touched> all;
-  for (int finger = 1; finger < hand::kFingers; ++finger) {
-    SlidingFinger sliding(object, sliding_world(), options.seed, finger);
-    const auto path = spiral_over(mesh, T_world_object, sliding.tip_radius(), finger - 1,
-                                  options.quick ? 2 : kSeconds);
-    const auto ticks = sliding.follow(path, {}, kPress);
-    record(ticks, object, sliding.believed_hand(), finger, options);
-    const auto touched = sense(ticks, sliding.believed_hand(), mesh, finger);
-    std::vector<double> off, errors;
-    for (const Touched& c : touched) {
-      off.push_back(1e3 * c.point_error);
-      errors.push_back(c.normal_error_deg);
+  for (int finger = 0; finger < hand::kFingers; ++finger) {
+    for (const Band& band : kBands) {
+      auto path = way_over(mesh, T_world_object, first.tip().radius, finger, band,
+                           options.quick ? 1 : kSeconds);
+      const Stand stand = reach.best_stand(finger, azimuth_of(finger), places_of(path));
+      path.R_world_base = stand.R_world_base;
+      SlidingFinger sliding(object, sliding_world(), options.seed, stand.finger);
+      const auto ticks = sliding.follow(path, {}, kPress);
+      const auto name =
+          fmt::format("{}-{}", hand::kFingerNames[static_cast<std::size_t>(finger)], band.name);
+      record(ticks, object, sliding.believed_hand(), name, options);
+      const auto touched = sense(ticks, sliding.believed_hand(), mesh, finger);
+      table.add_row(row_of(name, stand, touched));
+      all.insert(all.end(), touched.begin(), touched.end());
     }
-    const std::string name(hand::kFingerNames[static_cast<std::size_t>(finger)]);
-    if (touched.empty()) {
-      table.add_row({name, "0", "-", "-"});
-      continue;
-    }
-    table.add_row({name, std::to_string(touched.size()), fmt::format("{:.2f}", median(off)),
-                   fmt::format("{:.1f} / {:.1f}", median(errors), quantile(errors, 0.95))});
-    all.insert(all.end(), touched.begin(), touched.end());
   }
   table.publish(
       options, "points",
       "Points sampled on the bunny: distance from its surface, normals where the tip touched");
+  const Coverage felt = coverage(object, T_world_object, reach, first.tip().radius, all, options);
+  Table shares({"reachable", "felt, of all", "felt, of the reachable"});
+  shares.add_row({fmt::format("{:.2f}", felt.reachable), fmt::format("{:.2f}", felt.of_all),
+                  fmt::format("{:.2f}", felt.of_reachable)});
+  shares.publish(options, "coverage", "Shares of the surface within 6 mm of a touch");
   write_file_atomically(options.out / "contacts.csv", contacts_csv(all));
   publish_figure(options, "points_xy", view(all, object, T_world_object.translation(), {0, 1}));
   publish_figure(options, "points_xz", view(all, object, T_world_object.translation(), {0, 2}));
@@ -170,7 +236,7 @@ void experiment_bunny(const Options& options) {
 
 int main(int argc, char** argv) {
   return run(argc, argv, "touch_bunny",
-             "The four fingers sample the bunny (thesis figure 5.11); recordings and a CSV of the "
+             "All five fingers sample the bunny (thesis figure 5.11); recordings and a CSV of the "
              "contacts",
              experiment_bunny);
 }

@@ -104,7 +104,8 @@ std::vector<double> errors_of(const Series& normals) {
 
 void experiment_rls(const Options& options) {
   const auto surface = touched_surface("flat");
-  SlidingFinger finger(surface.object, sliding_world(), options.seed, kFinger);
+  SlidingFinger finger(surface.object, sliding_world(), options.seed,
+                       straight_finger(hand::Finger::first));
   const auto path = path_over(surface, finger.tip_radius(), options.quick ? 3 : 14);
   touch::SampleMaker maker;
   std::vector<touch::FingerSample> samples;

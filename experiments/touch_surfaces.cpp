@@ -170,7 +170,8 @@ void experiment_surfaces(const Options& options) {
   density_plot.y.label = "share a degree";
   for (const std::string name : {"flat", "edge", "smooth", "corner"}) {
     const auto surface = touched_surface(name);
-    SlidingFinger finger(surface.object, sliding_world(), options.seed, kFinger);
+    SlidingFinger finger(surface.object, sliding_world(), options.seed,
+                         straight_finger(hand::Finger::first));
     SlideJudge judge(finger.believed_hand());
     const auto path = path_over(surface, finger.tip_radius(), options.quick ? 4 : 100);
     for (const auto& tick : finger.follow(path, surface.start, kPress)) judge.take(tick);

@@ -2,6 +2,7 @@
 #include "sliding_finger.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "palpate/core/assets.hpp"
 #include "palpate/touch/finger_sample.hpp"
@@ -9,7 +10,6 @@
 namespace palpate::experiment {
 namespace {
 
-constexpr double kPitch = 1.35;                // rad of the base: a straight finger points down
 constexpr double kApproach = 0.03;             // m, from where the tip sets out for the surface
 constexpr double kApproachSpeed = 0.03;        // m/s
 constexpr std::size_t kLongestApproach = 300;  // ticks
@@ -19,20 +19,6 @@ constexpr double kForgetAside = 0.5;  // s, in which what was learnt on one face
 constexpr double kFarthest = 0.025;   // m, of the command from the path
 constexpr double kNear = 0.002;       // m, that the tip may be off a surface that it touches
 constexpr double kImmovable = 200;    // kg
-
-/// One finger straight, the others curled away.
-hand::ActuatorVector pointing(int finger) {
-  hand::ActuatorVector posture = hand::ActuatorVector::Zero();
-  for (int other = 1; other < hand::kFingers; ++other) {
-    if (other == finger) continue;
-    const std::string name(hand::kFingerNames[static_cast<std::size_t>(other)]);
-    posture[hand::actuator_index(name + "J3")] = 1.4;
-    posture[hand::actuator_index(name + "J0")] = 2.6;
-  }
-  posture[hand::actuator_index("THJ5")] = -1.0;
-  posture[hand::actuator_index("THJ2")] = -0.6;
-  return posture;
-}
 
 }  // namespace
 
@@ -52,39 +38,30 @@ geometry::KnownObject fixed_object(const std::string& name, geometry::TriangleMe
   return object;
 }
 
+PointingFinger straight_finger(hand::Finger finger) {
+  const int index = static_cast<int>(finger);
+  return PointingFinger(simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml")), index,
+                        pointing_postures(index).front());
+}
+
 SlidingFinger::SlidingFinger(const geometry::KnownObject& object,
                              const simulation::WorldOptions& options, std::uint64_t seed,
-                             int finger)
+                             PointingFinger finger)
     : mesh_(object.mesh),
       surface_(mesh_),
-      exact_hand_(simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"))),
       world_(object, options, seed),
-      finger_(finger),
-      posture_(pointing(finger)),
-      joints_(hand::JointVector::Zero()) {}
-
-const hand::HandModel::TipCapsule& SlidingFinger::tip() const {
-  return exact_hand_.tips[static_cast<std::size_t>(finger_)];
-}
-
-hand::HandCommand SlidingFinger::command_for(const Eigen::Vector3d& center) const {
-  const auto T_base_link = hand::forward_kinematics(exact_hand_, joints_);
-  const auto link = static_cast<std::size_t>(exact_hand_.distal[static_cast<std::size_t>(finger_)]);
-  hand::HandCommand command;
-  command.positions = posture_;
-  command.base.ypr = {0, kPitch, 0};
-  command.base.xyz = center - command.base.pose().linear() * (T_base_link[link] * tip().b);
-  return command;
-}
+      finger_(std::move(finger)) {}
 
 std::vector<Eigen::Vector3d> SlidingFinger::true_normals(const hand::HandReading& reading,
                                                          const simulation::Truth& truth) const {
-  const auto T_base_link = hand::forward_kinematics(exact_hand_, truth.joints);
-  const auto link = static_cast<std::size_t>(exact_hand_.distal[static_cast<std::size_t>(finger_)]);
+  const auto T_base_link = hand::forward_kinematics(finger_.hand(), truth.joints);
+  const auto link =
+      static_cast<std::size_t>(finger_.hand().distal[static_cast<std::size_t>(finger_.finger())]);
   const Eigen::Isometry3d T_object_tip =
       truth.T_world_object.inverse() * reading.base.pose() * T_base_link[link];
   std::vector<Eigen::Vector3d> normals;
-  const geometry::Capsule capsule{T_object_tip * tip().a, T_object_tip * tip().b, tip().radius};
+  const auto& tip = finger_.tip();
+  const geometry::Capsule capsule{T_object_tip * tip.a, T_object_tip * tip.b, tip.radius};
   for (const auto& contact : surface_.contacts(capsule, kNear, 2)) {
     normals.push_back(truth.T_world_object.linear() * contact.normal);
   }
@@ -94,7 +71,8 @@ std::vector<Eigen::Vector3d> SlidingFinger::true_normals(const hand::HandReading
 /// Force with which the tip presses against n, N.
 double SlidingFinger::pressing(const hand::HandReading& reading, const Eigen::Vector3d& n) const {
   double force = 0;
-  for (const auto& contact : touch::finger_frame(reading, exact_hand_, finger_).contacts) {
+  for (const auto& contact :
+       touch::finger_frame(reading, finger_.hand(), finger_.finger()).contacts) {
     force -= n.dot(contact.f);
   }
   return force;
@@ -113,11 +91,11 @@ SlideTick SlidingFinger::step(const hand::HandCommand& command) {
 std::vector<SlideTick> SlidingFinger::follow(const TipPath& path, const simulation::Start& start,
                                              double force) {
   Eigen::Vector3d offset = kApproach * path.normal[0];
-  world_.reset(start, command_for(path.center[0] + offset));
+  world_.reset(start, finger_.command(path.R_world_base, path.center[0] + offset));
   std::vector<SlideTick> ticks;
   bool touches = false;
   for (std::size_t at = 0; at < path.center.size(); at += touches) {
-    ticks.push_back(step(command_for(path.center[at] + offset)));
+    ticks.push_back(step(finger_.command(path.R_world_base, path.center[at] + offset)));
     // Pressed by the face that it is on, not by that where it should be: so it gets over edges.
     const auto& felt = ticks.back().true_normals;
     const Eigen::Vector3d& n = felt.empty() ? path.normal[at] : felt[0];

@@ -7,6 +7,7 @@
 #include "palpate/geometry/capsule_collider.hpp"
 #include "palpate/recording/recording.hpp"
 #include "palpate/simulation/world.hpp"
+#include "pointing_finger.hpp"
 
 namespace palpate::experiment {
 
@@ -14,6 +15,7 @@ namespace palpate::experiment {
 /// below it; in the world, m.
 struct TipPath {
   std::vector<Eigen::Vector3d> center, normal;
+  Eigen::Matrix3d R_world_base = pointing_down();  ///< of the hand, all along
 };
 
 /// One tick of a slide: what was sensed, and what the simulator knows of the contact.
@@ -25,20 +27,18 @@ struct SlideTick {
 /// Slides a fingertip of the simulated hand along an object too heavy to move.
 class SlidingFinger {
  public:
-  /// @param finger  index into hand::kFingerNames; not the thumb
+  /// @param finger  of the hand as it really is
   SlidingFinger(const geometry::KnownObject& object, const simulation::WorldOptions& options,
-                std::uint64_t seed, int finger);
+                std::uint64_t seed, PointingFinger finger);
 
   const hand::HandModel& believed_hand() const { return world_.hand_model(); }
-  double tip_radius() const { return tip().radius; }
+  double tip_radius() const { return finger_.tip().radius; }
 
   /// Approaches the path's start along its normal and follows it, pressing with `force` (N): the
   /// depth follows the force felt.
   std::vector<SlideTick> follow(const TipPath& path, const simulation::Start& start, double force);
 
  private:
-  const hand::HandModel::TipCapsule& tip() const;
-  hand::HandCommand command_for(const Eigen::Vector3d& center) const;
   double pressing(const hand::HandReading& reading, const Eigen::Vector3d& n) const;
   SlideTick step(const hand::HandCommand& command);
   std::vector<Eigen::Vector3d> true_normals(const hand::HandReading& reading,
@@ -46,12 +46,12 @@ class SlidingFinger {
 
   geometry::MeshQuery mesh_;
   geometry::CapsuleCollider surface_;
-  hand::HandModel exact_hand_;
   simulation::World world_;
-  int finger_;
-  hand::ActuatorVector posture_;
-  hand::JointVector joints_;  // of the posture
+  PointingFinger finger_;
 };
+
+/// One finger of the real hand, straight.
+PointingFinger straight_finger(hand::Finger finger);
 
 /// An object of a mesh that rests as it stands in the mesh's frame and weighs so much that no
 /// finger moves it.

@@ -57,8 +57,8 @@ enum class BalanceStatus {
 struct Balance {
   BalanceStatus status = BalanceStatus::impossible;
   Eigen::VectorXd contact_wrenches;  ///< w_c (6 n) in their frames; empty if impossible
-  double slack =
-      0;  ///< N, by which all forces are within cones and limit at the best (negative: miss)
+  /// N, by which all forces are within cones and limit at the best; negative: by which they miss.
+  double slack = 0;
   int steps = 0;  ///< of the solver
 };
 
