@@ -3,7 +3,7 @@
 
 import json
 
-from cli import BAD_INPUT, QUICK, CliTest, box_stl, main
+from cli import BAD_INPUT, NO_SOLUTION, QUICK, CliTest, binary_stl, box_stl, main
 
 ESTIMATE_KEYS = {
     "T_world_object", "weight", "rotation_error_deg", "translation_error_mm", "truth_in_modes",
@@ -43,6 +43,15 @@ class BadInput(CliTest):
 
     def test_mesh_with_a_value_that_is_no_number(self):
         self.assert_bad_object(self.write("nan.stl", box_stl(float("nan"), 0.1, 0.1)), "nan.stl")
+
+    def test_mesh_that_cannot_be_repaired(self):
+        name = self.write("open.stl", binary_stl([(0, 1, 2)], [(0, 0, 0), (0.1, 0, 0), (0, 0.1, 0)]))
+        self.assert_bad_object(name, name, "volume")
+
+    def test_object_too_large_or_small_for_the_hand(self):
+        for size in [0.005, 0.5]:
+            name = self.write("size.stl", box_stl(size, size, size))
+            self.assert_bad_object(name, f"{size} x {size} x {size} m", "10 to 400 mm")
 
     def test_mesh_in_millimetres_is_measured(self):
         name = self.write("mm.stl", box_stl(80, 60, 50))
@@ -99,6 +108,20 @@ class Results(CliTest):
             "pick", "--object", "box", "--seed", "3", "--out", "again", "--config",
             "run/config.toml")  # fmt: skip
         self.assertEqual(again["estimate"]["modes"], picked)
+
+    def test_a_grasp_that_fails_is_reported(self):
+        slippery = ["--set", "world.hand_friction=0.01", "--set", "attempts=1"]
+        done = self.run_program("pick", "--object", "box", "--seed", "3", "--out", "run", "--json",
+                                *QUICK, *slippery)  # fmt: skip
+        self.assertEqual(done.returncode, NO_SOLUTION, done.stderr)
+        self.assertEqual(done.stderr, "")
+        report = json.loads(done.stdout)
+        self.assertEqual(report["status"], "failed")
+        self.assertIn(report["failed_phase"], [phase["name"] for phase in report["phases"]])
+        self.assertFalse(report["lifted"])
+        files = sorted(path.name for path in (self.folder / "run").iterdir())
+        self.assertEqual(files, ["config.toml", "recording.h5", "replay.html", "report.json"])
+        self.run_json("view", "run/recording.h5", "--out", "pages")
 
     def check_pick_report(self, report):
         self.assertEqual(report["status"], "ok")

@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Usage, help and the commands that only look."""
 
+import json
+import os
 import re
 
-from cli import DONE, USAGE, CliTest, main
+from cli import BAD_INPUT, DONE, USAGE, CliTest, main
 
 
 class Usage(CliTest):
@@ -46,6 +48,22 @@ class Doctor(CliTest):
         for check in checks:
             self.assertIsInstance(check["ok"], bool)
             self.assertIsInstance(check["hint"], str)
+
+    def test_it_takes_the_options_of_all_commands(self):
+        done = self.run_program("doctor", "--quiet", "--seed", "3", "--threads", "2")
+        self.assertEqual(done.returncode, DONE, done.stderr)
+
+    def test_missing_assets_are_named_with_what_to_do(self):
+        os.environ["PALPATE_ASSETS"] = str(self.folder)
+        self.addCleanup(os.environ.pop, "PALPATE_ASSETS")
+        done = self.run_program("doctor", "--json")
+        self.assertEqual(done.returncode, BAD_INPUT)
+        checks = json.loads(done.stdout)["checks"]
+        missing = [check for check in checks if check["required"] and not check["ok"]]
+        self.assertIn("hand model", [check["name"] for check in missing])
+        for check in missing:
+            self.assertIn("./dev build", check["hint"])
+        self.assert_refused(BAD_INPUT, ["pick", "--object", "bunny", "--out", "new"], "bunny.ply")
 
 
 if __name__ == "__main__":

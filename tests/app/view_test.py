@@ -1,21 +1,24 @@
 # SPDX-License-Identifier: Apache-2.0
-"""view: the page of a recording, served or written."""
+"""view and render: the page of a recording, served or written, and its pictures."""
 
 import json
 import os
 import signal
 import subprocess
+import struct
 import urllib.request
 
 import cli
-from cli import BAD_INPUT, DONE, QUICK, CliTest, main
+from cli import BAD_INPUT, DONE, QUICK, USAGE, CliTest, main
 
 
-class View(CliTest):
+class RecordingTest(CliTest):
     def record(self):
         self.run_json("pick", "--object", "box", "--seed", "3", "--out", "run", *QUICK)
         return "run/recording.h5"
 
+
+class View(RecordingTest):
     def serve(self, *arguments):
         environment = dict(os.environ, PALPATE_CACHE=str(self.cache))
         server = subprocess.Popen(
@@ -49,6 +52,28 @@ class View(CliTest):
 
     def test_no_recording(self):
         self.assert_refused(BAD_INPUT, ["view", "missing.h5"], "missing.h5")
+
+
+class Render(RecordingTest):
+    def test_draws_the_end_of_every_phase(self):
+        checks = {check["name"]: check["ok"] for check in self.run_json("doctor")["checks"]}
+        if not checks["rendering"]:
+            self.skipTest("nothing here draws without a screen")
+        report = self.run_json("render", self.record(), "--size", "64x48", "--out", "pictures")
+        phases = json.loads((self.folder / "run/report.json").read_text())["phases"]
+        self.assertEqual(
+            [picture["phase"] for picture in report["files"]], [phase["name"] for phase in phases]
+        )
+        for picture in report["files"]:
+            header = (self.folder / picture["file"]).read_bytes()[:24]
+            self.assertEqual(header[:8], b"\x89PNG\r\n\x1a\n")
+            self.assertEqual(struct.unpack(">II", header[16:]), (64, 48))
+
+    def test_refuses_what_it_cannot_draw(self):
+        for size in ["big", "640", "640x480x3", "x480"]:
+            self.assert_refused(USAGE, ["render", "--size", size], size, "WIDTHxHEIGHT")
+        self.assert_refused(USAGE, ["render", "run.h5", "--object", "box"], "--object")
+        self.assert_refused(BAD_INPUT, ["render", "missing.h5"], "missing.h5")
 
 
 if __name__ == "__main__":
