@@ -128,6 +128,8 @@ int eval(const EvalArguments& arguments) {
   const auto options = resolve<pipeline::TrialOptions>(arguments.common);
   std::vector<geometry::KnownObject> objects;
   for (const auto& name : arguments.objects) objects.push_back(geometry::load_known_object(name));
+  // What the simulator refuses is said before anything is printed or written.
+  const simulation::World probe(objects.front(), options.world, arguments.common.seed);
   if (!arguments.common.out.empty()) make_writable_folder(arguments.common.out);
 
   const bool table = !arguments.common.json;
@@ -155,8 +157,10 @@ int eval(const EvalArguments& arguments) {
     fmt::print("{}\n", report.dump(2));
   }
   if (!arguments.common.out.empty()) {
-    write_file_atomically(std::filesystem::path(arguments.common.out) / "eval.json",
-                          report.dump(2) + "\n");
+    const std::filesystem::path folder = arguments.common.out;
+    write_file_atomically(folder / "config.toml",
+                          config_header(arguments.common) + to_toml(options));
+    write_file_atomically(folder / "eval.json", report.dump(2) + "\n");
   }
   return kDone;
 }
@@ -174,7 +178,8 @@ void add_eval(CLI::App& program, Command& chosen) {
       ->capture_default_str();
   add_common_options(command, arguments->common);
   command.footer(
-      "Trial i of every object has the seed SEED + i.\n\nExamples:\n"
+      "Trial i of every object has the seed SEED + i. With --out it writes eval.json and config.toml\n"
+      "into DIR.\n\nExamples:\n"
       "  palpate eval --object mug,box --trials 30 --threads 2 --seed 9000\n"
       "  palpate eval --object bunny --trials 10 --set attempts=1 --json");
   command.callback([arguments, &chosen] { chosen = [arguments] { return eval(*arguments); }; });

@@ -51,11 +51,12 @@ int pick(const PickArguments& arguments) {
     options.pick.explore.most_touches = *arguments.explore;
   }
   const localization::ObjectModel object(geometry::load_known_object(arguments.object));
+  const std::string config = config_header(common) + to_toml(options);
+  // First, so that nothing is left behind where the simulator refuses something.
+  const simulation::World world(object.object(), options.world, common.seed);
+
   const fs::path folder = output_folder(arguments);
   make_writable_folder(folder);
-  const std::string config = config_header(common) + to_toml(options);
-
-  const simulation::World world(object.object(), options.world, common.seed);
   recording::Writer writer(folder / "recording.h5", {std::string(version()), common.seed,
                                                      object.object(), world.hand_model(), config});
   const auto trial =
