@@ -10,6 +10,7 @@
 #include "palpate/core/progress.hpp"
 #include "palpate/core/statistics.hpp"
 #include "palpate/pipeline/evaluation.hpp"
+#include "place_report.hpp"
 
 namespace palpate::app {
 namespace {
@@ -21,6 +22,7 @@ struct EvalArguments {
   CommonOptions common;
   std::vector<std::string> objects = {"mug", "bottle", "box", "bracket", "bunny"};
   std::size_t trials = 30;
+  std::string place;
 };
 
 json quantiles_json(const std::vector<double>& values) {
@@ -30,6 +32,17 @@ json quantiles_json(const std::vector<double>& values) {
 
 double rate(std::size_t count, std::size_t trials) {
   return trials == 0 ? 0 : static_cast<double>(count) / static_cast<double>(trials);
+}
+
+/// Nothing here depends on how fast the machine is.
+json phases_json(const std::map<std::string, pipeline::PhaseSummary>& phases) {
+  json all = json::object();
+  for (const auto& [name, phase] : phases) {
+    all[name] = {{"runs", phase.runs},
+                 {"ok", rate(phase.ok, phase.runs)},
+                 {"sim_seconds", quantiles_json(phase.sim_seconds)}};
+  }
+  return all;
 }
 
 json summary_json(const ObjectSummary& summary) {
@@ -46,7 +59,9 @@ json summary_json(const ObjectSummary& summary) {
           {"truth_in_modes_of_lifted", rate(summary.truth_in_modes, summary.lifted)},
           {"false_hold", rate(summary.false_hold, summary.trials)},
           {"modes_median", summary.modes_median},
-          {"placed", 0.0},
+          {"placed", rate(summary.place.placed, summary.trials)},
+          {"place", place_summary_json(summary.place, summary.trials)},
+          {"phases", phases_json(summary.phases)},
           {"rotation_error_deg", quantiles_json(summary.rotation_error_deg)},
           {"translation_error_mm", quantiles_json(summary.translation_error_mm)},
           {"slip_mm", quantiles_json(summary.slip_mm)},
@@ -103,6 +118,42 @@ ObjectSummary total(const std::vector<ObjectSummary>& summaries) {
   return sum;
 }
 
+void append(const pipeline::ErrorSummary& errors, pipeline::ErrorSummary& all) {
+  append(errors.rotation_deg, all.rotation_deg);
+  append(errors.translation_mm, all.translation_mm);
+}
+
+void append(const pipeline::PlaceSummary& place, pipeline::PlaceSummary& all) {
+  all.certain += place.certain;
+  all.placed += place.placed;
+  all.tight += place.tight;
+  all.wrong += place.wrong;
+  all.dropped += place.dropped;
+  for (const auto& [status, count] : place.status) all.status[status] += count;
+  append(place.final_error, all.final_error);
+  append(place.estimate_error, all.estimate_error);
+}
+
+void print_places(const std::vector<std::string>& names,
+                  const std::vector<ObjectSummary>& summaries) {
+  fmt::print("\n{}\n", place_heading());
+  pipeline::PlaceSummary places;
+  std::map<std::string, pipeline::PhaseSummary> phases;
+  std::size_t trials = 0;
+  for (std::size_t i = 0; i < summaries.size(); ++i) {
+    fmt::print("{}\n", place_row(names[i], summaries[i].place, summaries[i].trials));
+    append(summaries[i].place, places);
+    trials += summaries[i].trials;
+    for (const auto& [name, phase] : summaries[i].phases) {
+      phases[name].runs += phase.runs;
+      phases[name].ok += phase.ok;
+      append(phase.sim_seconds, phases[name].sim_seconds);
+      append(phase.wall_seconds, phases[name].wall_seconds);
+    }
+  }
+  fmt::print("{}\n* of the certain\n\n{}", place_row("all", places, trials), phases_table(phases));
+}
+
 class ProgressBar {
  public:
   ProgressBar(std::string label, std::size_t total, bool shown)
@@ -125,9 +176,13 @@ class ProgressBar {
 };
 
 int eval(const EvalArguments& arguments) {
-  const auto options = resolve<pipeline::TrialOptions>(arguments.common);
+  auto options = resolve<pipeline::TrialOptions>(arguments.common);
+  if (!arguments.place.empty()) options.place.target = place_text(arguments.place);
   std::vector<geometry::KnownObject> objects;
   for (const auto& name : arguments.objects) objects.push_back(geometry::load_known_object(name));
+  for (const auto& object : objects) {  // a target that cannot be is named before anything moves
+    pipeline::place_target(object, options.place, arguments.common.seed);
+  }
   // What the simulator refuses is said before anything is printed or written.
   const simulation::World probe(objects.front(), options.world, arguments.common.seed);
   if (!arguments.common.out.empty()) make_writable_folder(arguments.common.out);
@@ -153,6 +208,7 @@ int eval(const EvalArguments& arguments) {
   if (table) {
     print_row("all", total(summaries));
     fmt::print("rates over all trials with 95 % Wilson intervals; * of the lifted\n");
+    if (!options.place.target.empty()) print_places(arguments.objects, summaries);
   } else {
     fmt::print("{}\n", report.dump(2));
   }
@@ -176,12 +232,15 @@ void add_eval(CLI::App& program, Command& chosen) {
   command.add_option("--trials", arguments->trials, "picks an object")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
+  add_place_option(command, arguments->place);
   add_common_options(command, arguments->common);
   command.footer(
-      "Trial i of every object has the seed SEED + i. With --out it writes eval.json and config.toml\n"
+      "Trial i of every object has the seed SEED + i. With --out it writes eval.json and "
+      "config.toml\n"
       "into DIR.\n\nExamples:\n"
       "  palpate eval --object mug,box --trials 30 --threads 2 --seed 9000\n"
-      "  palpate eval --object bunny --trials 10 --set attempts=1 --json");
+      "  palpate eval --object bunny --trials 10 --set attempts=1 --json\n"
+      "  palpate eval --place random --trials 20 --seed 9000");
   command.callback([arguments, &chosen] { chosen = [arguments] { return eval(*arguments); }; });
 }
 

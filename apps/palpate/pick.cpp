@@ -10,6 +10,7 @@
 #include "palpate/core/version.hpp"
 #include "palpate/pipeline/trial.hpp"
 #include "pick_report.hpp"
+#include "place_report.hpp"
 #include "replay_file.hpp"
 
 namespace palpate::app {
@@ -21,6 +22,7 @@ struct PickArguments {
   CommonOptions common;
   std::string object = "mug";
   std::optional<int> explore;
+  std::string place;
 };
 
 fs::path output_folder(const PickArguments& arguments) {
@@ -50,7 +52,9 @@ int pick(const PickArguments& arguments) {
     options.pick.explore.touches = *arguments.explore;
     options.pick.explore.most_touches = *arguments.explore;
   }
+  if (!arguments.place.empty()) options.place.target = place_text(arguments.place);
   const localization::ObjectModel object(geometry::load_known_object(arguments.object));
+  pipeline::place_target(object.object(), options.place, common.seed);  // bad ones are named first
   const std::string config = config_header(common) + to_toml(options);
   // First, so that nothing is left behind where the simulator refuses something.
   const simulation::World world(object.object(), options.world, common.seed);
@@ -71,10 +75,10 @@ int pick(const PickArguments& arguments) {
   if (common.json) {
     fmt::print("{}\n", report.dump(2));
   } else {
-    fmt::print("{}\nwrote {}: recording.h5, config.toml, report.json, replay.html\n",
+    fmt::print("{}\n{}wrote {}: recording.h5, config.toml, report.json, replay.html\n",
                trial.result.held ? estimate_text(trial)
                                  : "gave up: " + trial.result.failed_phase + " failed",
-               folder.string());
+               place_text(trial), folder.string());
   }
   return report["status"] == "ok" ? kDone : kNoSolution;
 }
@@ -94,15 +98,19 @@ void add_pick(CLI::App& program, Command& chosen) {
                   "touch the resting object this many times before the grasp; 0: not at all "
                   "(default: 8, and up to 16 while the pose is ambiguous)")
       ->check(CLI::Range(0, 64));
+  add_place_option(command, arguments->place);
   add_common_options(command, arguments->common);
   command.footer(
       "Writes recording.h5, config.toml, report.json and replay.html (open it in a browser) into\n"
-      "DIR, by default out/pick-OBJECT-SEED. A grasp that fails ends with exit code 4.\n\n"
+      "DIR, by default out/pick-OBJECT-SEED. A grasp or a placement that fails ends with exit\n"
+      "code 4, a target that cannot be with 3, before anything moves.\n\n"
       "Examples:\n"
       "  palpate pick --object mug --seed 7\n"
       "  palpate pick --object bunny --explore 16\n"
       "  palpate pick --object part.stl --set lift.way=0.15 --out run1 --json\n"
-      "  palpate pick --object box --set start.stance=0 --set world.noise.normal=0.05");
+      "  palpate pick --object box --set start.stance=0 --set world.noise.normal=0.05\n"
+      "  palpate pick --object box --place 0.2,0.1,1.57\n"
+      "  palpate pick --object bottle --set start.stance=0 --place fixture");
   command.callback([arguments, &chosen] { chosen = [arguments] { return pick(*arguments); }; });
 }
 

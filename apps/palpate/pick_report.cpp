@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "common.hpp"
+#include "place_report.hpp"
 
 namespace palpate::app {
 namespace {
@@ -101,16 +102,22 @@ std::string estimate_text(const pipeline::Trial& trial) {
 }
 
 nlohmann::json trial_json(const pipeline::Trial& trial) {
-  const bool ok = trial.result.held && trial.judgement.has_pose;
+  const bool put = !trial.place || trial.place->status == pipeline::PlaceStatus::placed;
+  const bool ok = trial.result.held && trial.judgement.has_pose && put;
   json phases = json::array();
   for (const auto& report : trial.result.phases) phases.push_back(phase_json(report));
+  if (trial.place) {
+    for (const auto& report : trial.place->phases) phases.push_back(phase_json(report));
+  }
   json failed_phase = nullptr;
   if (!trial.result.failed_phase.empty()) failed_phase = trial.result.failed_phase;
+  if (trial.place && !trial.place->failed_phase.empty()) failed_phase = trial.place->failed_phase;
   return {{"status", ok ? "ok" : "failed"},
           {"failed_phase", failed_phase},
           {"held", trial.result.held},
           {"lifted", trial.judgement.lifted},
-          {"placed", false},
+          {"placed", trial.place_judgement.placed},
+          {"place", place_json(trial)},
           {"attempts", trial.result.attempts},
           {"slip_mm", 1e3 * trial.judgement.slip},
           {"tip_force", trial.judgement.tip_force},

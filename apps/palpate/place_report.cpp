@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "place_report.hpp"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <numbers>
+
+#include "common.hpp"
+#include "palpate/core/file.hpp"
+#include "palpate/core/statistics.hpp"
+
+namespace palpate::app {
+namespace {
+
+using nlohmann::json;
+
+constexpr double kDegrees = 180 / std::numbers::pi;
+
+json error_json(const localization::PoseError& error) {
+  return {{"rotation_deg", kDegrees * error.rotation}, {"translation_mm", 1e3 * error.translation}};
+}
+
+json motion_json(const planning::Plan& motion) {
+  json corners = json::array();
+  for (const auto& corner : motion.corners) {
+    const auto& base = corner.base;
+    corners.push_back(
+        {base.xyz.x(), base.xyz.y(), base.xyz.z(), base.ypr.x(), base.ypr.y(), base.ypr.z()});
+  }
+  return {{"status", planning::to_string(motion.status)},
+          {"seconds", motion.seconds},
+          {"duration", motion.duration()},
+          {"checks", motion.checks},
+          {"base_corners", corners}};
+}
+
+json quantiles_json(const std::vector<double>& values) {
+  if (values.empty()) return {{"median", nullptr}, {"p95", nullptr}};
+  return {{"median", median(values)}, {"p95", quantile(values, 0.95)}};
+}
+
+json errors_json(const pipeline::ErrorSummary& errors) {
+  return {{"rotation_deg", quantiles_json(errors.rotation_deg)},
+          {"translation_mm", quantiles_json(errors.translation_mm)}};
+}
+
+double rate(std::size_t count, std::size_t trials) {
+  return trials == 0 ? 0 : static_cast<double>(count) / static_cast<double>(trials);
+}
+
+std::string rate_text(std::size_t count, std::size_t trials) {
+  if (trials == 0) return "-";
+  const auto interval = wilson_interval(count, trials);
+  return fmt::format("{:.2f} [{:.2f}, {:.2f}]", rate(count, trials), interval.low, interval.high);
+}
+
+std::string median_text(const std::vector<double>& values) {
+  return values.empty() ? "-" : fmt::format("{:.1f}", median(values));
+}
+
+std::string counts_text(const std::map<std::string, std::size_t>& counts) {
+  std::string text;
+  for (const auto& [what, count] : counts) {
+    if (what == "placed") continue;
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", what, count);
+  }
+  return text.empty() ? "-" : text;
+}
+
+}  // namespace
+
+void add_place_option(CLI::App& command, std::string& place) {
+  command
+      .add_option("--place", place,
+                  "put the object down there: 16 numbers of a pose (or a file of them), x,y,yaw "
+                  "(m, rad; standing as it is found), fixture (a slot), or random")
+      ->option_text("POSE|fixture");
+}
+
+std::string place_text(const std::string& argument) {
+  std::error_code error;
+  return std::filesystem::is_regular_file(argument, error) ? read_file(argument) : argument;
+}
+
+std::string place_text(const pipeline::Trial& trial) {
+  if (!trial.place) return "";
+  const auto& judgement = trial.place_judgement;
+  const std::string end =
+      trial.place->status == pipeline::PlaceStatus::placed
+          ? "placed"
+          : fmt::format("not placed: {}", pipeline::to_string(trial.place->status));
+  return fmt::format("{}: {:.1f} deg, {:.1f} mm from the target\n", end,
+                     kDegrees * judgement.error.rotation, 1e3 * judgement.error.translation);
+}
+
+json place_json(const pipeline::Trial& trial) {
+  if (!trial.place) return nullptr;
+  const auto& place = *trial.place;
+  const auto& judgement = trial.place_judgement;
+  json placed = nullptr;
+  if (place.T_world_placed) placed = to_json(*place.T_world_placed);
+  return {{"status", pipeline::to_string(place.status)},
+          {"certain", place.certain},
+          {"certainty", place.held.certainty},
+          {"other_stance", place.other_stance},
+          {"T_world_target", to_json(place.T_world_target)},
+          {"T_world_placed", placed},
+          {"plan", motion_json(place.motion)},
+          {"tight", judgement.tight},
+          {"wrong", judgement.wrong},
+          {"dropped", judgement.dropped},
+          {"final_error", error_json(judgement.error)},
+          {"estimate_error", error_json(judgement.estimate)},
+          {"release_motion", error_json(judgement.release)}};
+}
+
+json place_summary_json(const pipeline::PlaceSummary& summary, std::size_t trials) {
+  return {{"certain", rate(summary.certain, trials)},
+          {"placed", rate(summary.placed, trials)},
+          {"tight", rate(summary.tight, trials)},
+          {"tight_of_certain", rate(summary.tight, summary.certain)},
+          {"wrong_of_certain", rate(summary.wrong, summary.certain)},
+          {"dropped", rate(summary.dropped, trials)},
+          {"status", summary.status},
+          {"final_error", errors_json(summary.final_error)},
+          {"estimate_error", errors_json(summary.estimate_error)},
+          {"release_motion", errors_json(summary.release_motion)}};
+}
+
+std::string place_heading() {
+  return fmt::format("{:<10} {:<18} {:<18} {:<18} {:<18} {:>6} {:>7} {:>7} {:>7}   {}", "object",
+                     "certain", "5 mm 3 deg*", "10 mm 5 deg", "wrong*", "dropped", "deg", "mm",
+                     "est. mm", "ends");
+}
+
+std::string place_row(const std::string& name, const pipeline::PlaceSummary& summary,
+                      std::size_t trials) {
+  return fmt::format("{:<10} {:<18} {:<18} {:<18} {:<18} {:>6} {:>7} {:>7} {:>7}   {}", name,
+                     rate_text(summary.certain, trials), rate_text(summary.tight, summary.certain),
+                     rate_text(summary.placed, trials), rate_text(summary.wrong, summary.certain),
+                     summary.dropped, median_text(summary.final_error.rotation_deg),
+                     median_text(summary.final_error.translation_mm),
+                     median_text(summary.estimate_error.translation_mm),
+                     counts_text(summary.status));
+}
+
+std::string phases_table(const std::map<std::string, pipeline::PhaseSummary>& phases) {
+  std::string text = fmt::format("{:<10} {:>6} {:>6} {:>12} {:>10}\n", "phase", "runs", "ok",
+                                 "simulated s", "wall s");
+  for (const auto& [name, phase] : phases) {
+    text += fmt::format("{:<10} {:>6} {:>6.2f} {:>12.1f} {:>10.2f}\n", name, phase.runs,
+                        rate(phase.ok, phase.runs), median(phase.sim_seconds),
+                        median(phase.wall_seconds));
+  }
+  return text;
+}
+
+}  // namespace palpate::app

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "palpate/pipeline/evaluation.hpp"
+
+namespace palpate::app {
+
+/// The option --place.
+void add_place_option(CLI::App& command, std::string& place);
+
+/// The argument as options.place.target takes it: a file is read for the numbers in it.
+std::string place_text(const std::string& argument);
+
+/// How placing went, for a person; ends with a newline where there is anything to say.
+std::string place_text(const pipeline::Trial& trial);
+
+/// Placing in report.json: null without.
+nlohmann::json place_json(const pipeline::Trial& trial);
+
+/// Placing in what `palpate eval --place` prints as JSON.
+nlohmann::json place_summary_json(const pipeline::PlaceSummary& summary, std::size_t trials);
+
+/// The table of `palpate eval --place`, for a person.
+std::string place_heading();
+std::string place_row(const std::string& name, const pipeline::PlaceSummary& summary,
+                      std::size_t trials);
+
+/// Phases with their rates and times, for a person.
+std::string phases_table(const std::map<std::string, pipeline::PhaseSummary>& phases);
+
+}  // namespace palpate::app
