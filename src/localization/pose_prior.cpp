@@ -17,7 +17,7 @@ namespace {
 using std::numbers::pi;
 
 constexpr double kDegree = pi / 180;
-constexpr double kSpacing = 10 * kDegree;  // of components along a free axis, at most
+constexpr double kSpacing = 5 * kDegree;  // of components along a free axis, at most
 constexpr double kLeastRotation = 0.5 * kDegree;
 constexpr double kLeastTranslation = 0.0005;  // m
 constexpr double kRounding = 1e-12;

@@ -20,8 +20,9 @@ constexpr int kOffsets = 3;            // to either side of the object's place
 constexpr double kSpacing = 0.015;     // m between them
 constexpr double kDepthStep = 0.02;    // m between heights of further sweeps
 constexpr double kLeastInformation = 0.03;
+constexpr double kTakenBack = 0.7;    // of the lead of the base's command, at a touch
 constexpr double kHigher = 0.006;     // m, of a second try
-constexpr double kGoodSpread = 0.25;  // of the resting pose, where no more sweeps are needed
+constexpr double kGoodSpread = 0.35;  // of the resting pose, where no more sweeps are needed
 constexpr double kWorthwhile = 0.93;  // of the spread that a sweep may leave
 constexpr double kBackOff = 0.03;     // m
 constexpr auto kProbe = static_cast<std::size_t>(hand::Finger::first);
@@ -60,6 +61,13 @@ Robot::StopCondition tip_touches(double force) {
   };
 }
 
+/// Takes back most of the lead that the base's command has on the base, which would go on pushing.
+void stop_here(Robot& robot, double speed) {
+  hand::BasePosition here = robot.command().base;
+  here.xyz += kTakenBack * (robot.reading().base.xyz - here.xyz);
+  robot.move_base(here, speed);
+}
+
 double first_depth(const PickState& state, const ExploreOptions& options) {
   return std::max(kLeastDepth, state.height - options.reach);
 }
@@ -73,17 +81,23 @@ Sweep level_sweep(const PickState& state, const ExploreOptions& options, double 
   return {middle + options.radius * out, middle - options.past * out};
 }
 
+/// Level sweeps from all sides, and past the object's place on both of them.
+void add_level_sweeps(const PickState& state, const ExploreOptions& options, double depth,
+                      std::vector<Sweep>& sweeps) {
+  for (int i = 0; i < kDirections; ++i) {
+    for (int side = -kOffsets; side <= kOffsets; ++side) {
+      sweeps.push_back(level_sweep(state, options, 2 * std::numbers::pi * i / kDirections,
+                                   kSpacing * side, std::max(kLeastDepth, depth)));
+    }
+  }
+}
+
 /// Level ones from the least height of the fingertip up to the object's top, and downward ones.
 std::vector<Sweep> telling_sweeps(const PickState& state, const ExploreOptions& options) {
   std::vector<Sweep> sweeps;
   for (double depth = first_depth(state, options); depth > kLeastDepth - 0.5 * kDepthStep;
        depth -= kDepthStep) {
-    for (int i = 0; i < kDirections; ++i) {
-      for (int side = -kOffsets; side <= kOffsets; ++side) {
-        sweeps.push_back(level_sweep(state, options, 2 * std::numbers::pi * i / kDirections,
-                                     kSpacing * side, std::max(kLeastDepth, depth)));
-      }
-    }
+    add_level_sweeps(state, options, depth, sweeps);
   }
   for (int x = -kOffsets; x <= kOffsets; ++x) {
     for (int y = -kOffsets; y <= kOffsets; ++y) {
@@ -177,7 +191,8 @@ int ExplorePhase::tell_apart(Robot& robot, PickState& state) {
 /// Touches that lessen the error of the best pose most.
 int ExplorePhase::refine(Robot& robot, PickState& state) {
   int touches = 0;
-  const auto sweeps = telling_sweeps(state, options_);
+  std::vector<Sweep> sweeps;  // near the top, where nothing but the fingertip meets the object
+  add_level_sweeps(state, options_, first_depth(state, options_), sweeps);
   const std::vector<SweepingFinger> fingers = {sweeping_finger(robot, yaw(0)),
                                                sweeping_finger(robot, yaw(1))};
   for (int i = 0; i < options_.refining; ++i) {
@@ -215,8 +230,11 @@ ExplorePhase::SweepEnd ExplorePhase::sweep(Robot& robot, const PickState& state,
     return touched || blocked(reading);
   };
   const bool stopped = robot.move_base(end, options_.speed, stop) == MotionEnd::stopped;
-  if (touched) robot.wait(kRest);
-  if (touched) done_.push_back(turned);
+  if (touched) {
+    stop_here(robot, options_.travel_speed);
+    robot.wait(kRest);
+    done_.push_back(turned);
+  }
   robot.mark(touched ? Mark::touched : Mark::missed);
   hand::BasePosition back = robot.command().base;
   back.xyz -= kBackOff * forward;

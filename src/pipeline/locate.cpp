@@ -14,13 +14,17 @@
 namespace palpate::pipeline {
 namespace {
 
-constexpr int kSlides = 2;               // how often a grasp may slide, each time
-constexpr double kFarther = 3.0;         // so many times as far
-constexpr double kTouchWindow = 0.1;     // s of a touch that are averaged
-constexpr double kClosedWindow = 0.15;   // s of touching before the mark `closed`
-constexpr double kTouchMargin = 0.004;   // m before a touch that do not count as free
-constexpr double kElsewhere = 0.004;     // m that a fingertip has gone when it probes
-constexpr double kSweptSpacing = 0.008;  // m between the places of a swept fingertip
+constexpr int kSlides = 2;              // how often a grasp may slide, each time
+constexpr double kFarther = 3.0;        // so many times as far
+constexpr double kTouchWindow = 0.1;    // s of a touch that are averaged
+constexpr double kClosedWindow = 0.15;  // s of touching before the mark `closed`
+constexpr double kTouchMargin = 0.004;  // m before a touch that do not count as free
+/// Shares of the sweeps that are forgotten, one after the other, while no pose explains the rest: a
+/// touch may have moved the object.
+constexpr std::array<double, 3> kForgotten = {0, 0.35, 0.55};
+constexpr std::size_t kLeastTouches = 4;  // that are then left
+constexpr double kElsewhere = 0.004;      // m that a fingertip has gone when it probes
+constexpr double kSweptSpacing = 0.008;   // m between the places of a swept fingertip
 
 using geometry::KnownObject;
 using localization::Evidence;
@@ -166,14 +170,16 @@ localization::SharedOffset finger_offset(const hand::HandModel& hand, int finger
 }
 
 /// Contacts and free space of the sweeps around the resting object, in the world.
+/// @param skipped  sweeps that are left out, the first ones
 Evidence evidence_of_sweeps(const hand::HandModel& hand, const TouchLog& log,
-                            const LocateOptions& options) {
+                            const LocateOptions& options, std::size_t skipped) {
   Evidence evidence;
   auto offset = finger_offset(hand, static_cast<int>(hand::Finger::first), options);
-  std::size_t sweep = 0;
+  std::size_t sweep = 0, count = 0;
   for (const auto& moment : log.since_release()) {
     if (moment.mark == Mark::sweep) sweep = moment.reading;
     if (moment.mark != Mark::touched && moment.mark != Mark::missed) continue;
+    if (count++ < skipped) continue;
     const bool touched = moment.mark == Mark::touched;
     add_swept_tip(hand, log, sweep, moment.reading, touched ? kTouchMargin : 0.0,
                   evidence.free_space);
@@ -336,13 +342,20 @@ PosePrior prior_after_grasp(const localization::Posterior& resting, const Locate
 localization::Posterior locate_resting(const localization::ObjectModel& object,
                                        const hand::HandModel& hand, const TouchLog& log,
                                        const LocateOptions& options, std::uint64_t seed) {
-  Evidence evidence = evidence_of_sweeps(hand, log, options);
-  if (evidence.contacts.empty()) return {};
-  evidence.false_contact_share = options.false_contacts;
-  evidence.penetration_sigma = options.swept_sigma;
-  evidence.table = resting_table(object.object(), hand, log, options);
-  return localization::localize(object, evidence, RandomStream(seed, "locate resting"),
-                                options.search);
+  const std::size_t sweeps = log.all(Mark::touched).size() + log.all(Mark::missed).size();
+  localization::Posterior posterior;
+  for (const double forgotten : kForgotten) {
+    const auto skipped = static_cast<std::size_t>(forgotten * static_cast<double>(sweeps));
+    Evidence evidence = evidence_of_sweeps(hand, log, options, skipped);
+    if (evidence.contacts.size() < (skipped > 0 ? kLeastTouches : 1)) break;
+    evidence.false_contact_share = options.false_contacts;
+    evidence.penetration_sigma = options.swept_sigma;
+    evidence.table = resting_table(object.object(), hand, log, options);
+    posterior = localization::localize(object, evidence, RandomStream(seed, "locate resting"),
+                                       options.search);
+    if (total_weight(posterior) > 0) break;
+  }
+  return posterior;
 }
 
 PoseEstimate locate(const localization::ObjectModel& object, const hand::HandModel& hand,

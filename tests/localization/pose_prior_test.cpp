@@ -303,7 +303,7 @@ TEST(PriorFrom, SpreadsComponentsAlongAFreeAxis) {
     const FreeAxis axis{0.1 * random.normal3(), random.unit_vector(), extent};
     posterior.modes[0].free_axis = axis;
     const PosePrior prior = prior_from(posterior, Matrix6d::Zero());
-    ASSERT_EQ(prior.components.size(), extent > 3 ? 36U : 10U);
+    ASSERT_EQ(prior.components.size(), extent > 3 ? 72U : 20U);
     const PoseMixture mixture(prior);
     double total = 0;
     for (const auto& component : prior.components) {

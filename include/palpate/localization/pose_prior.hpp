@@ -8,7 +8,7 @@ namespace palpate::localization {
 
 /// What an earlier posterior says of the pose after a motion that is known up to a normal error.
 ///
-/// A mode becomes a component; one with a free axis becomes one every 10 deg of its arc, which
+/// A mode becomes a component; one with a free axis becomes one every 5 deg of its arc, which
 /// share its weight. Covariances are the sum of the mode's, the motion's and (.5 deg)^2, (.5 mm)^2.
 /// The spread along a free axis is half the distance of neighbours instead of the mode's, which
 /// makes the density along it even.
