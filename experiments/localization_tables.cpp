@@ -75,12 +75,15 @@ std::vector<Cell> wrong_cells() {
   Cell large = with("K10, mesh 3 % small", 10), offset = with("K10, 2 mm hand offset", 10);
   large.scale = 1.03;
   offset.evidence.hand_offset = 0.002;
+  Cell expected = offset;
+  expected.name += ", expected";
+  expected.evidence.assumed_offset = 0.002;
   Cell twice = with("K10, noise taken as half", 10), half = with("K10, noise taken as twice", 10);
   twice.evidence.point_noise = 0.002;
   twice.evidence.normal_noise = 2 * 0.1745;
   twice.evidence.assumed_noise = 0.5;
   half.evidence.assumed_noise = 2;
-  return {lies5, lies10, large, offset, twice, half};
+  return {lies5, lies10, large, offset, expected, twice, half};
 }
 
 /// An object, and what makes scenes with it.

@@ -2,6 +2,8 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <cmath>
+#include <map>
 #include <numbers>
 
 #include "common.hpp"
@@ -23,10 +25,14 @@ struct LocalizeOptions {
   lo::LocalizerOptions search;
   lo::FastOptions fast;
   double false_contacts = 0.02;
+  double noise_doubt = 0.2;
+  double hand_offset = 0;
 
   template <class Visitor>
   void visit(Visitor&& v) {
     v("false_contacts", false_contacts, 0.001, 0.9, "prior share of contacts with something else");
+    v("noise_doubt", noise_doubt, 0.0, 0.99, "chance that contacts are twice as noisy as stated");
+    v("hand_offset", hand_offset, 0.0, 0.02, "m rms, by which contacts of one time are displaced");
     v.section("search", search);
     v.section("fast", fast);
   }
@@ -66,6 +72,21 @@ std::string hint_for(const lo::ObjectModel& model, lo::Evidence evidence, Random
          "out of the object";
 }
 
+/// Contacts felt at the same time are of one grasp, whose place in the world is uncertain.
+std::vector<lo::SharedOffset> offsets_of_grasps(const std::vector<touch::Contact>& contacts,
+                                                double rms) {
+  std::map<double, lo::SharedOffset> grasps;
+  for (std::size_t k = 0; k < contacts.size(); ++k) {
+    grasps[contacts[k].time].members.push_back({k});
+  }
+  std::vector<lo::SharedOffset> offsets;
+  for (auto& [time, offset] : grasps) {
+    offset.sigma = rms / std::sqrt(3.0);
+    if (rms > 0) offsets.push_back(std::move(offset));
+  }
+  return offsets;
+}
+
 Result solve(const LocalizeArguments& arguments, const LocalizeOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   const lo::ObjectModel model(geometry::load_known_object(arguments.mesh));
@@ -74,6 +95,8 @@ Result solve(const LocalizeArguments& arguments, const LocalizeOptions& options)
   evidence.contacts = lo::read_contacts(
       arguments.contacts, {arguments.point_noise, arguments.normal_noise_deg * kDegree});
   evidence.false_contact_share = options.false_contacts;
+  evidence.noise_doubt = options.noise_doubt;
+  evidence.offsets = offsets_of_grasps(evidence.contacts, options.hand_offset);
   Result result;
   result.prepare_seconds = prepared.count();
   result.T_object_mesh = model.object().T_mesh_object.inverse();
@@ -225,6 +248,8 @@ void add_localize(CLI::App& program, Command& chosen) {
       "  palpate localize mug contacts.csv\n"
       "  palpate localize part.ply contacts.csv --method full --json\n"
       "  palpate localize box contacts.csv --point-noise 0.002 --normal-noise-deg 15\n"
+      "  palpate localize mug contacts.csv --set hand_offset=0.002   # contacts of one t: one "
+      "grasp\n"
       "  palpate localize --demo --out demo");
   command.callback([arguments, &chosen] {
     if (!arguments->demo && arguments->contacts.empty()) {

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <numbers>
 
 #include "palpate/core/assets.hpp"
@@ -24,16 +25,34 @@ struct Share {
   double right = 0, stated = 0;
 };
 
-/// Success and stated probability with the first contacts of each scene.
-Share share_right(const lo::ObjectModel& model, const std::vector<lo::GraspScene>& scenes,
-                  int contacts, const CommonOptions& common) {
+/// What of a scene the search is told.
+struct Told {
+  std::string name;
+  lo::SceneEvidenceOptions evidence;
+  bool normals = true;
+};
+
+Told told(const std::string& name, int contacts, bool normals, bool hand, bool swept) {
+  Told result{name, {}, normals};
+  result.evidence.contacts = contacts;
+  result.evidence.hand = hand;
+  result.evidence.swept = swept;
+  return result;
+}
+
+/// Success and stated probability of each scene.
+std::vector<Share> search_all(const lo::ObjectModel& model,
+                              const std::vector<lo::GraspScene>& scenes, const Told& told,
+                              const CommonOptions& common) {
+  constexpr double kNothing = 100;  // rad of noise: the normal tells nothing
   std::vector<Share> each(scenes.size());
   parallel_for(scenes.size(), common.threads, [&](std::size_t i) {
-    lo::SceneEvidenceOptions told;
-    told.contacts = contacts;
     const RandomStream random = RandomStream(common.seed, "demo").fork("evidence", i);
-    const auto posterior =
-        lo::localize_fast(model, lo::scene_evidence(scenes[i], told, random), random);
+    auto evidence = lo::scene_evidence(scenes[i], told.evidence, random);
+    for (auto& contact : evidence.contacts) {
+      if (!told.normals) contact.normal_sigma = kNothing;
+    }
+    const auto posterior = lo::localize_fast(model, evidence, random);
     if (posterior.modes.empty()) return;
     const auto& best = posterior.modes.front();
     const auto error =
@@ -41,10 +60,14 @@ Share share_right(const lo::ObjectModel& model, const std::vector<lo::GraspScene
     each[i].right = error.rotation < 5 * std::numbers::pi / 180 && error.translation < 0.01;
     each[i].stated = best.weight;
   });
+  return each;
+}
+
+Share mean_of(const std::vector<Share>& shares) {
   Share mean;
-  for (const Share& one : each) {
-    mean.right += one.right / static_cast<double>(each.size());
-    mean.stated += one.stated / static_cast<double>(each.size());
+  for (const Share& one : shares) {
+    mean.right += one.right / static_cast<double>(shares.size());
+    mean.stated += one.stated / static_cast<double>(shares.size());
   }
   return mean;
 }
@@ -72,16 +95,48 @@ std::string contacts_csv(const lo::GraspScene& scene, std::uint64_t seed) {
   return text;
 }
 
+/// Share right against stated probability, in bins of equal numbers of searches.
+Plot calibration_plot(std::vector<Share> searches) {
+  constexpr std::size_t kBins = 5;
+  std::stable_sort(searches.begin(), searches.end(),
+                   [](const Share& a, const Share& b) { return a.stated < b.stated; });
+  LineSeries measured{"measured", {}, {}};
+  for (std::size_t bin = 0; bin < kBins; ++bin) {
+    const auto at = [&](std::size_t i) {
+      return searches.begin() + static_cast<std::ptrdiff_t>(searches.size() * i / kBins);
+    };
+    const Share mean = mean_of({at(bin), at(bin + 1)});
+    measured.x.push_back(mean.stated);
+    measured.y.push_back(mean.right);
+  }
+  Plot plot;
+  plot.title = fmt::format("Is the stated probability true? {} searches", searches.size());
+  plot.x = {"stated probability of the best pose", false, 0.0, 1.0};
+  plot.y = {"share within 5 deg and 10 mm", false, 0.0, 1.0};
+  plot.series = {LineSeries{"perfect", {0, 1}, {0, 1}}, measured};
+  return plot;
+}
+
+/// What each kind of evidence adds, with ten contacts.
+std::vector<Told> ablation() {
+  return {told("points only", 10, false, false, false), told("+ normals", 10, true, false, false),
+          told("+ hand", 10, true, true, false), told("+ swept tips", 10, true, true, true)};
+}
+
 }  // namespace
 
 int demonstrate_localize(const CommonOptions& common) {
   const std::filesystem::path folder = common.out.empty() ? "out/localize-demo" : common.out;
   const auto hand = simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
-  Plot plot;
+  Plot plot, ablated;
   plot.title = "Pose from contacts and what the hand does not touch";
   plot.x = {"contacts of fingertips", false, 0.0, 20.0};
   plot.y = {"share within 5 deg and 10 mm", false, 0.0, 1.0};
+  ablated.title = "Ten contacts: points, + normals, + hand, + swept tips";
+  ablated.x = {"kinds of evidence", false, 1.0, 4.0};
+  ablated.y = plot.y;
   auto objects = nlohmann::json::object();
+  std::vector<Share> all;
   if (!common.json) {
     fmt::print("right / stated  3 contacts    5             10            20\n");
   }
@@ -91,23 +146,36 @@ int demonstrate_localize(const CommonOptions& common) {
     if (name == "mug") {
       write_file_atomically(folder / "contacts.csv", contacts_csv(scenes[0], common.seed));
     }
-    LineSeries line{name, {}, {}};
+    LineSeries line{name, {}, {}}, kinds{name, {}, {}};
     std::string row = fmt::format("{:<14}", name);
     for (const int count : kCounts) {
-      const Share share = share_right(model, scenes, count, common);
+      const auto each = search_all(model, scenes, told("", count, true, true, true), common);
+      all.insert(all.end(), each.begin(), each.end());
+      const Share share = mean_of(each);
       line.x.push_back(count);
       line.y.push_back(share.right);
       row += fmt::format("  {:.2f} / {:.2f} ", share.right, share.stated);
       objects[name][std::to_string(count)] = {{"right", share.right}, {"stated", share.stated}};
     }
+    for (const Told& kind : ablation()) {
+      const Share share = mean_of(search_all(model, scenes, kind, common));
+      kinds.x.push_back(static_cast<double>(kinds.x.size() + 1));
+      kinds.y.push_back(share.right);
+      objects[name][kind.name] = {{"right", share.right}, {"stated", share.stated}};
+    }
     plot.series.push_back(line);
+    ablated.series.push_back(kinds);
     if (!common.json) fmt::print("{}\n", row);
   }
   write_file_atomically(folder / "success.svg", to_svg(plot));
+  write_file_atomically(folder / "ablation.svg", to_svg(ablated));
+  write_file_atomically(folder / "calibration.svg", to_svg(calibration_plot(std::move(all))));
   if (common.json) {
     fmt::print("{}\n", nlohmann::json{{"objects", objects}, {"out", folder.string()}}.dump(2));
   } else {
-    fmt::print("wrote {}: success.svg, contacts.csv (20 contacts of the mug)\n", folder.string());
+    fmt::print(
+        "wrote {}: success.svg, ablation.svg, calibration.svg, contacts.csv (20 of the mug)\n",
+        folder.string());
   }
   return kDone;
 }

@@ -68,6 +68,12 @@ void add_grasp(const SceneGrasp& grasp, const SceneEvidenceOptions& options, Ran
     felt.normal_sigma *= options.assumed_noise;
     evidence.contacts.push_back(felt);
   }
+  SharedOffset offset;
+  offset.sigma = options.assumed_offset / std::sqrt(3.0);
+  for (std::size_t k = first_contact; k < evidence.contacts.size(); ++k) {
+    offset.members.push_back({k});
+  }
+  if (offset.sigma > 0) evidence.offsets.push_back(std::move(offset));
   auto& balls = evidence.free_space;
   if (options.hand) balls.insert(balls.end(), grasp.hand.begin(), grasp.hand.end());
   if (options.swept) balls.insert(balls.end(), grasp.swept.begin(), grasp.swept.end());

@@ -86,6 +86,15 @@ TEST(SceneEvidence, TellsWhatIsAskedFor) {
   EXPECT_DOUBLE_EQ(evidence.contacts[0].point_sigma, 0.002);
   EXPECT_EQ(evidence.free_space.size() % toy_hand().spheres.size(), 0U);
   EXPECT_FALSE(evidence.table);
+  EXPECT_TRUE(evidence.offsets.empty());
+  options.assumed_offset = 0.003;
+  const Evidence displaced = scene_evidence(scene, options, RandomStream(1));
+  std::size_t shared = 0;
+  for (const auto& offset : displaced.offsets) {
+    EXPECT_DOUBLE_EQ(offset.sigma, 0.003 / std::sqrt(3.0));
+    shared += offset.members.size();
+  }
+  EXPECT_EQ(shared, displaced.contacts.size());
   options.hand = false;
   EXPECT_TRUE(scene_evidence(scene, options, RandomStream(1)).free_space.empty());
 }

@@ -47,7 +47,8 @@ TEST(Localize, ExactContactsGiveTheExactPose) {
   options.normal_noise = 0;
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
     const ObjectModel& model = model_of("bunny");
-    const Scene scene = scene_of("bunny", options, seed);
+    Scene scene = scene_of("bunny", options, seed);
+    scene.evidence.noise_doubt = 0;
     const Posterior posterior = localize(model, scene.evidence, RandomStream(seed));
     ASSERT_FALSE(posterior.modes.empty());
     EXPECT_EQ(posterior.status, PoseStatus::certain);
@@ -208,6 +209,44 @@ TEST(Localize, NoContactsGiveNoPose) {
   const Posterior posterior = localize(model_of("box"), {}, RandomStream(1));
   EXPECT_EQ(posterior.status, PoseStatus::no_pose);
   EXPECT_TRUE(posterior.modes.empty());
+}
+
+TEST(Localize, ContactsAtOnePointAreAmbiguous) {
+  Scene scene = scene_of("bunny", {}, 3);
+  scene.evidence.contacts.assign(8, scene.evidence.contacts.front());
+  const Posterior posterior = localize(model_of("bunny"), scene.evidence, RandomStream(1), quick());
+  EXPECT_EQ(posterior.status, PoseStatus::ambiguous);
+  EXPECT_LT(posterior.modes.at(0).weight, 0.5);
+}
+
+TEST(Localize, ContactsOnOnePlaneAreAmbiguous) {
+  const ObjectModel& model = model_of("box");
+  Evidence evidence;
+  for (int k = 0; k < 9; ++k) {
+    touch::Contact contact;
+    contact.p = {0.008 * (k % 3), 0.008 * static_cast<double>(k / 3), 0};
+    contact.n = Eigen::Vector3d::UnitZ();
+    evidence.contacts.push_back(contact);
+  }
+  const Posterior posterior = localize(model, evidence, RandomStream(1), quick());
+  EXPECT_EQ(posterior.status, PoseStatus::ambiguous);
+  for (const Mode& mode : posterior.modes) {  // the plane itself is found
+    const double height = std::abs(mode.T_frame_object.translation().z());
+    EXPECT_TRUE(std::abs(height - 0.025) < 0.004 || std::abs(height - 0.047) < 0.004 ||
+                std::abs(height - 0.0875) < 0.004)
+        << height;
+  }
+}
+
+TEST(Localize, TenThousandContactsGiveThePose) {
+  const ObjectModel& model = model_of("bunny");
+  SceneOptions options;
+  options.contacts = 100;
+  Scene scene = scene_of("bunny", options, 5);
+  auto& contacts = scene.evidence.contacts;
+  while (contacts.size() < 10000) contacts.push_back(contacts[contacts.size() - 100]);
+  const Posterior posterior = localize(model, scene.evidence, RandomStream(1), quick());
+  EXPECT_TRUE(right(posterior, model, scene));
 }
 
 TEST(Localize, OneContactIsAmbiguous) {

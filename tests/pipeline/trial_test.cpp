@@ -24,6 +24,9 @@ TrialOptions quick_options() {
   TrialOptions options;
   options.pick.explore.touches = 4;
   options.pick.lift.hold = 0.5;
+  options.pick.probe.most = 2;
+  options.pick.probe.certain = 1;  // probe whatever is known
+  options.pick.probe.least_information = 0;
   options.pick.locate.search.proposals = 20000;
   options.pick.locate.search.particles = 400;
   return options;
@@ -131,6 +134,8 @@ TEST(Trial, RecordingAloneGivesThePicksPoseToTheLastBit) {
   ASSERT_TRUE(pick.trial.result.held);
   ASSERT_FALSE(pick.trial.result.estimate.posterior.modes.empty());
   ASSERT_FALSE(pick.trial.result.estimate.contacts.empty());
+  EXPECT_TRUE(pick.trial.judgement.lifted);
+  ASSERT_GT(pick.trial.judgement.probes, 0);
 
   auto recording = recording::read_recording(folder.path() / "pick.h5");
   expect_equal(pick.trial.result.estimate, replayed(recording, pick.options.pick.locate));
@@ -149,6 +154,28 @@ TEST(Trial, SameSeedGivesTheSameTrialRecordedOrNot) {
   const TemporaryFolder folder;
   const RecordedPick pick(folder.path() / "pick.h5");
   expect_equal(pick.trial, run_trial(model("bunny"), pick.options, kSeed));
+}
+
+TEST(TouchLog, KnowsTheMomentsSinceTheHandLetGo) {
+  TouchLog log;
+  log.readings.resize(6);
+  log.moments = {{Mark::closed, 0},
+                 {Mark::released, 1},
+                 {Mark::closed, 2},
+                 {Mark::probed, 3},
+                 {Mark::closed, 4}};
+  EXPECT_EQ(log.all(Mark::closed), (std::vector<std::size_t>{2, 4}));
+  EXPECT_EQ(log.at(Mark::closed), 4U);
+  EXPECT_EQ(log.all(Mark::probed), (std::vector<std::size_t>{3}));
+  EXPECT_TRUE(log.all(Mark::held).empty());
+}
+
+TEST(Trial, NoProbesWhereTheyAreSwitchedOff) {
+  TrialOptions options = quick_options();
+  options.pick.probe.most = 0;
+  const Trial trial = run_trial(model("box"), options, kSeed);
+  EXPECT_EQ(trial.judgement.probes, 0);
+  for (const auto& phase : trial.result.phases) EXPECT_NE(phase.name, "probe");
 }
 
 TEST(Trial, StartIsDrawnWithinItsBoundsByTheSeed) {

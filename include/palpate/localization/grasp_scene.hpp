@@ -49,6 +49,7 @@ struct SceneEvidenceOptions {
   double normal_noise = 0.1745;  ///< of normals per tangent axis, rad
   double assumed_noise = 1;      ///< what the search takes the noise to be, times the true one
   double hand_offset = 0;        ///< rms of a displacement of all that a grasp feels, m
+  double assumed_offset = 0;     ///< what the search is told of that displacement's rms, m
   double false_share = 0;        ///< as the scene's
   double half_width = 0.02;      ///< as the scene's
   bool hand = true;              ///< the hand's balls are free of the object
