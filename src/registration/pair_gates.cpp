@@ -6,14 +6,12 @@
 #include <cstring>
 #include <numbers>
 
-#include "bitset_rows.hpp"
-
 namespace palpate::registration {
 namespace {
 
 /// joined[j], from j = first on, = whether |s_i s_j| and |t_i t_j| differ by at most g and the
-/// first is above `shortest`. Without square roots: (A - B)^2 <= g^2 iff A^2 + B^2 <= g^2 or
-/// (A^2 - B^2)^2 <= 2 g^2 (A^2 + B^2) - g^4.
+/// first is above g. Without square roots: (A - B)^2 <= g^2 iff A^2 + B^2 <= g^2 or (A^2 - B^2)^2
+/// <= 2 g^2 (A^2 + B^2) - g^4.
 PALPATE_WIDE void compare_lengths(const PairColumns& c, int i, int first, float g,
                                   std::uint8_t* __restrict joined) {
   const float g2 = g * g, g4 = g2 * g2;

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "bitset_rows.hpp"
 #include "pair_columns.hpp"
-#include "palpate/registration/consistency_graph.hpp"
 
 namespace palpate::registration {
 
@@ -18,7 +18,7 @@ class PairGates {
   PairGates(const PairColumns& columns, double length_tolerance, double normal_noise_deg);
 
   int size() const { return columns_.size(); }
-  int words() const { return (size() + 63) / 64; }
+  int words() const { return (size() + kWordBits - 1) / kWordBits; }
 
   /// Which of first..size()-1 are joined with i; bits below `first` are 0.
   /// @param bits  words() words
