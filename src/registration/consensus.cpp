@@ -54,15 +54,11 @@ class StarSearch {
       star.look_around(order[next]);
       count(star, static_cast<double>(sample.size()));
       const std::vector<int> clique = clique_of(star, sample, largest);
-      if (exhausted(k + 1)) {
+      const bool better = !clique.empty() && propose(clique, best);
+      if (exhausted(k + 1) || (better && is_clear(sample, clique))) {
         polish();
         return true;
       }
-      if (clique.empty() || !propose(clique, best)) continue;
-      if (!represents(sample, clique)) continue;
-      if (sample.size() < kLargeSample ? quick_ >= kClearAtOnce : expected() >= kClear) continue;
-      polish();
-      return true;
     }
     return false;
   }
@@ -114,12 +110,14 @@ class StarSearch {
     return expected() < options_.false_alarm;
   }
 
-  /// Whether the best pose has as large a share of all as the clique that it came from has of the
-  /// sample, or nearly: not if it is right for a part, as along a line of right pairs.
-  bool represents(const std::vector<int>& sample, const std::vector<int>& clique) const {
+  /// Whether the best pose is so good that the search may end: beyond chance, and with as large a
+  /// share of all as the clique that it came from has of the sample, or nearly. A pose that is
+  /// right for a part, as along a line of right pairs, has less.
+  bool is_clear(const std::vector<int>& sample, const std::vector<int>& clique) {
     constexpr double kNearly = 0.3;
-    return inliers_ * static_cast<double>(sample.size()) >=
-           kNearly * static_cast<double>(clique.size()) * scorer_.size();
+    const double share = static_cast<double>(clique.size()) / static_cast<double>(sample.size());
+    if (inliers_ < kNearly * share * scorer_.size()) return false;
+    return sample.size() < kLargeSample ? quick_ < kClearAtOnce : expected() < kClear;
   }
 
   /// @return whether the clique's pose is the best so far

@@ -22,8 +22,9 @@ struct Consensus {
 };
 
 /// Pose that gathers the largest truncated gain over all correspondences: cliques of the
-/// consistency graph of a growing sample propose poses, each refined on all correspondences, until
-/// one is too good for chance.
+/// consistency graph, each grown in the neighbourhood (star) of one correspondence of a growing
+/// sample, propose poses, which are refined on all correspondences, until one is too good for
+/// chance or a larger consensus would have come up.
 Consensus find_consensus(const Correspondences& correspondences, const ConsensusOptions& options,
                          const RandomStream& random);
 
