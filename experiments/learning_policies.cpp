@@ -37,7 +37,9 @@ std::optional<std::filesystem::path> data_folder() {
 
 std::vector<Contender> contenders() {
   std::vector<Contender> result;
-  result.push_back({"relocate-best", learning::load_policy(asset("models/relocate-best.json"))});
+  for (const char* name : {"relocate-best", "relocate-memoryless"}) {
+    result.push_back({name, learning::load_policy(asset(fmt::format("models/{}.json", name)))});
+  }
   if (const auto data = data_folder()) {
     result.push_back(
         {"published", learning::load_policy(*data / "relocate_mug_published_policy.json")});

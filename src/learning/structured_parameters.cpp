@@ -7,7 +7,7 @@
 namespace palpate::learning {
 namespace {
 
-constexpr Eigen::Index kThumb = 19;                                 // first of its 5 in a posture
+constexpr Eigen::Index kThumb = 19;  // first of its 5 in a posture
 // What flexes ring and little finger, but for the joints that remember.
 constexpr std::array<Eigen::Index, 4> kStretched = {11, 12, 16, 17};
 constexpr double kStretchedOpen = -0.9, kStretchedClosed = -0.6;
