@@ -19,6 +19,7 @@ using namespace palpate::pipeline;
 
 constexpr double kDegree = M_PI / 180;
 constexpr double kSameStance = 5 * kDegree;
+constexpr std::size_t kTrials = 20;
 
 /// From the stance in which `from` of the object points up into that in which `to` does.
 struct Change {
@@ -122,7 +123,7 @@ void stances(const experiment::Options& options) {
       {"bottle", "lying bottle to standing", {0, 1, 0}, {0, 0, 1}},
       {"box", "lying box to standing", {1, 0, 0}, {0, 0, 1}},
       {"mug", "mug upside down to upright", {0, 0, -1}, {0, 0, 1}}};
-  const std::size_t count = options.quick ? 1 : 20;
+  const std::size_t count = options.quick ? 1 : kTrials;
   experiment::Table table({"change of stance", "trials", "in the new stance",
                            "within 5 deg, 10 mm of the target", "thought done", "rounds",
                            "plan s (median)", "robot s (median)", "ends of rounds"});

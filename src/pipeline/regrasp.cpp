@@ -104,10 +104,8 @@ RegraspResult regrasp(Robot& robot, const localization::ObjectModel& object,
       result.status = RegraspStatus::done;
       return result;
     }
-    if (!round.plan.found) {
-      result.status = RegraspStatus::no_way;
-      return result;
-    }
+    // The object has been put back; another look may tell of a way.
+    result.status = round.plan.found ? RegraspStatus::out_of_rounds : RegraspStatus::no_way;
   }
   return result;
 }

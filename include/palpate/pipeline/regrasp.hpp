@@ -35,7 +35,7 @@ struct RegraspRound {
 
 enum class RegraspStatus {
   done,          ///< the object stands at the target, as far as was felt
-  no_way,        ///< no chain of transfers leads there
+  no_way,        ///< at last no chain of transfers led there
   not_held,      ///< the object could not be picked up
   out_of_rounds  ///< transfers went wrong again and again
 };

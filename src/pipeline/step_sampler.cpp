@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "step_sampler.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "palpate/core/parallel.hpp"
+
+namespace palpate::pipeline {
+namespace {
+
+constexpr double kTouching = 0.05;  // N
+
+}  // namespace
+
+hand::ActuatorVector targets_of(const Robot& robot, const GraspView& view,
+                                const GraspMotion& motion) {
+  hand::ActuatorVector targets = view.command.positions + view.lead +
+                                 finger_motion(robot.model(), view.joints, view.contacts,
+                                               view.T_base_object.translation(), motion);
+  for (int i = 0; i < hand::kActuators; ++i) {
+    const auto& range = robot.actuators()[static_cast<std::size_t>(i)].command;
+    targets[i] = std::clamp(targets[i], range.low, range.high);
+  }
+  return targets;
+}
+
+Vector6d way_between(const Eigen::Isometry3d& from, const Eigen::Isometry3d& to) {
+  Vector6d way;
+  way << log_so3(to.linear() * from.linear().transpose()), to.translation() - from.translation();
+  return way;
+}
+
+StepSampler::StepSampler(const geometry::KnownObject& object, const Robot& robot,
+                         const ReorientOptions& options, int threads)
+    : robot_(robot), options_(options) {
+  const int count = options.sampling.samples > 0 ? threads : 0;
+  for (int i = 0; i < count; ++i) {
+    rehearsals_of_threads_.emplace_back(object, robot.model(), options.world);
+  }
+}
+
+/// The first is the step itself.
+std::vector<GraspMotion> StepSampler::variants(const Vector6d& step, RandomStream& random) const {
+  const SamplingOptions& sampling = options_.sampling;
+  std::vector<GraspMotion> motions(static_cast<std::size_t>(sampling.samples), {step, {}});
+  for (std::size_t i = 1; i < motions.size(); ++i) {
+    motions[i].twist *= 1 + sampling.scale_sigma * random.normal();
+    motions[i].twist.head<3>() += sampling.turn_sigma * random.normal3();
+    motions[i].twist.tail<3>() += sampling.way_sigma * random.normal3();
+    for (double& press : motions[i].press) press = sampling.press_sigma * random.normal();
+  }
+  return motions;
+}
+
+std::vector<hand::HandCommand> StepSampler::commands_of(const GraspView& view,
+                                                        const GraspMotion& motion) const {
+  const hand::ActuatorVector end = targets_of(robot_, view, motion);
+  const auto moving = static_cast<int>(std::lround(options_.period / hand::kTick));
+  const auto resting = static_cast<int>(std::lround(options_.pause / hand::kTick));
+  std::vector<hand::HandCommand> commands;
+  for (int i = 1; i <= moving + resting; ++i) {
+    const double share = std::min(1.0, static_cast<double>(i) / moving);
+    commands.push_back(view.command);
+    commands.back().positions += share * (end - view.command.positions);
+  }
+  return commands;
+}
+
+double StepSampler::cost(const simulation::Rehearsal::Outcome& settled,
+                         const simulation::Rehearsal::Outcome& end, const Vector6d& step) const {
+  if (end.diverged) return std::numeric_limits<double>::infinity();
+  const SamplingOptions& sampling = options_.sampling;
+  const Vector6d miss = way_between(settled.T_base_object, end.T_base_object) - step;
+  double sum = miss.head<3>().squaredNorm() / std::pow(sampling.angle_scale, 2) +
+               miss.tail<3>().squaredNorm() / std::pow(sampling.way_scale, 2);
+  for (std::size_t finger = 0; finger < hand::kFingers; ++finger) {
+    const bool lost = settled.tip_forces[finger] > kTouching && end.tip_forces[finger] < kTouching;
+    sum += lost ? sampling.finger_cost : 0;
+  }
+  return sum;
+}
+
+GraspMotion StepSampler::mix(const std::vector<GraspMotion>& motions,
+                             const std::vector<double>& costs) const {
+  const double least = *std::min_element(costs.begin(), costs.end());
+  if (!std::isfinite(least)) return motions.front();
+  GraspMotion mean;
+  double sum = 0;
+  for (std::size_t i = 0; i < motions.size(); ++i) {
+    const double weight = std::exp((least - costs[i]) / options_.sampling.temperature);
+    sum += weight;
+    mean.twist += weight * motions[i].twist;
+    for (std::size_t k = 0; k < hand::kFingers; ++k) {
+      mean.press[k] += weight * motions[i].press[k];
+    }
+  }
+  mean.twist /= sum;
+  for (double& press : mean.press) press /= sum;
+  return mean;
+}
+
+/// Each thread rehearses every so-many-th motion, all from the same start: what comes of a motion
+/// does not depend on the number of threads.
+ChosenStep StepSampler::choose(const GraspView& view, const Vector6d& step, RandomStream random) {
+  if (options_.sampling.samples == 0) return {{step, {}}, std::nullopt};
+  const auto motions = variants(step, random);
+  std::vector<double> costs(motions.size());
+  const simulation::BelievedGrasp grasp{view.command, view.joints,
+                                        view.command.base.pose() * view.T_base_object};
+  const std::size_t threads = rehearsals_of_threads_.size();
+  parallel_for(threads, static_cast<int>(threads), [&](std::size_t thread) {
+    auto& rehearsal = rehearsals_of_threads_[thread];
+    const auto settled = rehearsal.start(grasp, options_.sampling.settle);
+    for (std::size_t i = thread; i < motions.size(); i += threads) {
+      costs[i] = cost(settled, rehearsal.play(commands_of(view, motions[i])), step);
+    }
+  });
+  rehearsals_ += static_cast<int>(motions.size()) + 1;
+  ChosenStep chosen{mix(motions, costs), std::nullopt};
+  auto& rehearsal = rehearsals_of_threads_.front();
+  const auto settled = rehearsal.start(grasp, options_.sampling.settle);
+  const auto end = rehearsal.play(commands_of(view, chosen.motion));
+  if (!settled.diverged && !end.diverged) {
+    chosen.displacement = end.T_base_object * settled.T_base_object.inverse();
+  }
+  return chosen;
+}
+
+}  // namespace palpate::pipeline

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "palpate/core/random.hpp"
+#include "palpate/pipeline/finger_motion.hpp"
+#include "palpate/pipeline/finger_reorient.hpp"
+#include "palpate/simulation/rehearsal.hpp"
+
+namespace palpate::pipeline {
+
+/// The grasp as it is seen before a step.
+struct GraspView {
+  hand::HandCommand command;
+  hand::JointVector joints = hand::JointVector::Zero();             ///< averaged over the look
+  std::vector<touch::Contact> contacts;                             ///< base's frame
+  Eigen::Isometry3d T_base_object = Eigen::Isometry3d::Identity();  ///< tracked
+  hand::ActuatorVector lead = hand::ActuatorVector::Zero();         ///< rad, that mends the forces
+};
+
+/// Position targets that the motion asks of the fingers, within what the actuators can.
+hand::ActuatorVector targets_of(const Robot& robot, const GraspView& view,
+                                const GraspMotion& motion);
+
+/// [w; v] that takes one pose to another: R' = exp(w) R, t' = t + v.
+Vector6d way_between(const Eigen::Isometry3d& from, const Eigen::Isometry3d& to);
+
+/// A motion, and what a rehearsal of it says that the object does.
+struct ChosenStep {
+  GraspMotion motion;
+  std::optional<Eigen::Isometry3d> displacement;  ///< T_after_before, base's frame
+};
+
+/// Tries motions in rehearsals and mixes those that end well.
+class StepSampler {
+ public:
+  StepSampler(const geometry::KnownObject& object, const Robot& robot,
+              const ReorientOptions& options, int threads);
+
+  /// The motion of the next `period` that should bring the object along `step`.
+  ChosenStep choose(const GraspView& view, const Vector6d& step, RandomStream random);
+
+  [[nodiscard]] int rehearsals() const { return rehearsals_; }
+
+ private:
+  std::vector<GraspMotion> variants(const Vector6d& step, RandomStream& random) const;
+  std::vector<hand::HandCommand> commands_of(const GraspView& view,
+                                             const GraspMotion& motion) const;
+  double cost(const simulation::Rehearsal::Outcome& settled,
+              const simulation::Rehearsal::Outcome& end, const Vector6d& step) const;
+  GraspMotion mix(const std::vector<GraspMotion>& motions, const std::vector<double>& costs) const;
+
+  const Robot& robot_;
+  const ReorientOptions& options_;
+  std::vector<simulation::Rehearsal> rehearsals_of_threads_;
+  int rehearsals_ = 0;
+};
+
+}  // namespace palpate::pipeline

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/pipeline/finger_reorient.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "palpate/core/error.hpp"
+#include "palpate/pipeline/trial.hpp"
+#include "palpate/simulation/rehearsal.hpp"
+
+namespace palpate::pipeline {
+namespace {
+
+constexpr std::uint64_t kSeed = 1;
+
+/// A bracket that hangs in the hand after a pick.
+struct HeldBracket {
+  HeldBracket() {
+    TrialOptions options;
+    world.reset(draw_start(object.object(), options.start, kSeed), waiting_command());
+    robot.emplace(world.hand(), world.hand_model(), waiting_command());
+    picked = pick(*robot, object, options.pick, kSeed);
+  }
+  Eigen::Isometry3d truth() const { return world.truth().T_world_object; }
+
+  localization::ObjectModel object{geometry::load_known_object("bracket")};
+  simulation::World world{object.object(), {}, kSeed};
+  std::optional<Robot> robot;
+  PickResult picked;
+};
+
+Eigen::Isometry3d turned(Eigen::Isometry3d T, const Eigen::Vector3d& rotation) {
+  T.linear() = exp_so3(rotation) * T.linear();
+  return T;
+}
+
+TEST(Rehearsal, HoldsWhatTheHandHoldsAndDropsWhatItLetsGo) {
+  HeldBracket scene;
+  ASSERT_TRUE(scene.picked.held);
+  simulation::Rehearsal rehearsal(scene.object.object(), scene.world.hand_model(), {});
+  EXPECT_THROW((void)rehearsal.play({}), BadInput);
+  const auto& posterior = scene.picked.estimate.posterior;
+  simulation::BelievedGrasp grasp{scene.robot->command(), scene.robot->reading().joints,
+                                  posterior.modes.front().T_frame_object};
+  const auto settled = rehearsal.start(grasp, 0.1);
+  EXPECT_FALSE(settled.diverged);
+  EXPECT_GT(settled.tip_forces[0], 0.1);
+
+  const std::vector<hand::HandCommand> hold(30, grasp.command);
+  const auto held = rehearsal.play(hold);
+  EXPECT_LT((held.T_base_object.translation() - settled.T_base_object.translation()).norm(), 0.003);
+
+  std::vector<hand::HandCommand> open = hold;
+  for (auto& command : open) command.positions.tail<hand::kActuators - 2>().setZero();
+  const auto dropped = rehearsal.play(open);
+  EXPECT_GT((dropped.T_base_object.translation() - settled.T_base_object.translation()).norm(),
+            0.03);
+  const auto again = rehearsal.play(hold);
+  EXPECT_EQ(again.T_base_object.matrix(), held.T_base_object.matrix());
+
+  grasp.joints[3] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW((void)rehearsal.start(grasp, 0.1), BadInput);
+}
+
+TEST(ReorientByFingers, TurnsABracketAndSaysHowFar) {
+  HeldBracket scene;
+  ASSERT_TRUE(scene.picked.held);
+  const auto& posterior = scene.picked.estimate.posterior;
+  const Eigen::Vector3d turn(0, 0, 0.17);
+  const Eigen::Isometry3d goal = turned(posterior.modes.front().T_frame_object, turn);
+  const Eigen::Isometry3d true_goal = turned(scene.truth(), turn);
+  ReorientOptions options;
+  options.sampling.samples = 0;
+  const auto result =
+      reorient_by_fingers(*scene.robot, scene.object, posterior, goal, options, kSeed);
+  EXPECT_EQ(result.end, ReorientEnd::reached);
+  EXPECT_LT(result.left.rotation, options.done_angle);
+  const auto error =
+      localization::pose_error(scene.truth(), true_goal, {Eigen::Matrix3d::Identity()});
+  EXPECT_LT(error.rotation, 0.1);
+  EXPECT_LT(error.translation, 0.01);
+  EXPECT_EQ(result.rehearsals, 0);
+}
+
+TEST(ReorientByFingers, ChoosesTheSameStepsWithTwoThreads) {
+  std::array<ReorientResult, 2> results;
+  for (int threads : {1, 2}) {
+    HeldBracket scene;
+    ASSERT_TRUE(scene.picked.held);
+    const auto& posterior = scene.picked.estimate.posterior;
+    ReorientOptions options;
+    options.longest = 1.5;
+    options.tightenings = 1;
+    options.sampling.samples = 4;
+    const Eigen::Isometry3d goal =
+        turned(posterior.modes.front().T_frame_object, Eigen::Vector3d(0, 0.1, 0));
+    results[static_cast<std::size_t>(threads - 1)] =
+        reorient_by_fingers(*scene.robot, scene.object, posterior, goal, options, kSeed, threads);
+  }
+  EXPECT_GT(results[0].rehearsals, 0);
+  EXPECT_EQ(results[0].steps, results[1].steps);
+  EXPECT_EQ(results[0].posterior.modes.front().T_frame_object.matrix(),
+            results[1].posterior.modes.front().T_frame_object.matrix());
+}
+
+TEST(ReorientByFingers, RejectsAGoalThatIsNoneAndAMissingPose) {
+  HeldBracket scene;
+  Eigen::Isometry3d goal = Eigen::Isometry3d::Identity();
+  EXPECT_THROW((void)reorient_by_fingers(*scene.robot, scene.object, {}, goal, {}, kSeed),
+               BadInput);
+  goal.translation().x() = std::numeric_limits<double>::infinity();
+  EXPECT_THROW((void)reorient_by_fingers(*scene.robot, scene.object,
+                                         scene.picked.estimate.posterior, goal, {}, kSeed),
+               BadInput);
+}
+
+}  // namespace
+}  // namespace palpate::pipeline
