@@ -136,6 +136,25 @@ std::vector<double> times_of(const std::vector<touch::BiotacFrame>& frames) {
   return time;
 }
 
+/// Fig. 5.8(a): the electrodes in the finger's plane, seen obliquely, with their changes as stems.
+Plot activations_3d(const Eigen::VectorXd& change) {
+  const auto p = touch::electrode_positions();
+  Plot plot;
+  plot.title = "changes of the electrodes over the finger, seen obliquely";
+  plot.x.label = "y + x / 3 (mm)";
+  plot.y.label = "x / 2 (mm), stems: change / 10 (counts)";
+  for (int e = 0; e < touch::kElectrodes; ++e) {
+    const double x = 1e3 * p(0, e), y = 1e3 * p(1, e);
+    const double across = y + x / 3, up = x / 2;
+    const std::string name = fmt::format("e{}", e + 1);
+    plot.series.emplace_back(
+        LineSeries{.name = name, .x = {across, across}, .y = {up, up + change[e] / 10}});
+  }
+  plot.width = 700;
+  plot.height = 560;
+  return plot;
+}
+
 /// Fig. 5.8: where the electrodes lie, with their change under a flat touch.
 void draw_maps(const Options& options, const Eigen::VectorXd& change) {
   const auto p = touch::electrode_positions();
@@ -158,6 +177,7 @@ void draw_maps(const Options& options, const Eigen::VectorXd& change) {
   }
   flat.width = 420;
   flat.height = 700;
+  publish_figure(options, "electrode-activations", to_svg(activations_3d(change)));
   publish_figure(options, "electrode-map", to_svg(flat));
   publish_figure(options, "electrode-profile", to_svg(solid));
   table.publish(options, "electrodes", "Electrodes under a flat touch (fig. 5.8)");

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "palpate/core/se3.hpp"
 #include "palpate/simulation/blind_grasp.hpp"
@@ -46,7 +47,7 @@ bool within_friction(const std::vector<hand::TipContact>& contacts, double frict
 }
 
 TEST(BiotacGrasp, TaxelsCarryTheSolversForces) {
-  World world(cuboid({0.05, 0.094, 0.175}, 0.4), without_noise(), 1);
+  World world(cuboid({0.12, 0.04, 0.05}, 0.2), without_noise(), 1);
   const touch::BiotacSkin skin;
   int steps = 0, checked = 0, carried = 0;
   world.observe([&](const ObjectStep& step) {
@@ -61,7 +62,11 @@ TEST(BiotacGrasp, TaxelsCarryTheSolversForces) {
       carried += (state.force - force).norm() < std::max(0.05, 0.02 * force.norm());
     }
   });
-  run_blind_grasp(world, {});
+  BlindGrasp grasp;
+  grasp.side = false;
+  grasp.height = 0.04;
+  grasp.start.yaw = 0.5 * std::numbers::pi;
+  EXPECT_TRUE(run_blind_grasp(world, grasp));
   EXPECT_GT(checked, 50);
   EXPECT_EQ(carried, checked);
 }

@@ -95,7 +95,7 @@ TEST(BiotacInverse, IsRefusedWhereItIsNone) {
     return error_message([&] { (void)BiotacInverse::parse(bytes, "i.model"); });
   };
   EXPECT_NE(says(good.substr(0, 500)), "");
-  ArrayFile other("biotac-inverse", 1);
+  ArrayFile other("biotac-inverse", 2);
   other.add("hidden", Eigen::MatrixXf::Constant(1, 1, 2.5f));
   EXPECT_NE(says(other.bytes()).find("2.5 hidden"), std::string::npos);
 }
