@@ -13,8 +13,9 @@ namespace {
 constexpr std::size_t kMostModes = 16;
 constexpr std::size_t kCandidates = 100;  // centres tried for a ball
 constexpr double kLeastShare = 0.004;     // of the poses, for a mode
-/// Of the poses about which a mode is centred: half the ball, where its best pose is sought.
-constexpr PoseTolerance kCore{2.5 * std::numbers::pi / 180, 0.004};
+/// Of the poses about which a mode is centred: most of a ball.
+constexpr PoseTolerance kCore{3.5 * std::numbers::pi / 180, 0.007};
+constexpr int kCoreSteps = 4;       // of shifting a centre to the mean of the poses about it
 constexpr double kCoreShare = 0.9;  // of the poses in the ball that must be about its core, too
 constexpr double kAxisGain = 1.5;   // times a ball's poses that a free axis must hold
 
@@ -65,8 +66,12 @@ const PosePoint& most_central(const Poses& poses, const PoseFamily::Symmetries& 
 /// The mean where the members are densest: next to a few that lie aside, the pose that most likely
 /// is very near to the truth.
 PosePoint core_of(const Poses& members, const PoseFamily::Symmetries& symmetries) {
-  const PosePoint& center = most_central(members, symmetries, kCore);
-  return centered(center, members_of(PoseFamily(center), members, symmetries, kCore), symmetries);
+  PosePoint center = most_central(members, symmetries, kCore);
+  for (int step = 0; step < kCoreSteps; ++step) {
+    center =
+        centered(center, members_of(PoseFamily(center), members, symmetries, kCore), symmetries);
+  }
+  return center;
 }
 
 Cluster fullest_ball(const Poses& poses, const PoseFamily::Symmetries& symmetries) {
