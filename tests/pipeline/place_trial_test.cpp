@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include "palpate/core/error.hpp"
+#include "palpate/pipeline/judge.hpp"
+#include "palpate/pipeline/trial.hpp"
+
+namespace palpate::pipeline {
+namespace {
+
+constexpr std::uint64_t kSeed = 7;
+
+TrialOptions quick_options() {
+  TrialOptions options;
+  options.pick.explore.touches = 4;
+  options.pick.explore.most_touches = 4;
+  options.pick.lift.hold = 0.5;
+  options.pick.locate.search.proposals = 20000;
+  options.pick.locate.search.particles = 400;
+  options.start.stance = 0;
+  options.place.target = "0.15,0.1,0.5";
+  options.place.certain = 0.3;  // a quick search is sure of little
+  return options;
+}
+
+const localization::ObjectModel& box() {
+  static const localization::ObjectModel model(geometry::load_known_object("box"));
+  return model;
+}
+
+/// All that a pick with placing told the hand, with the truth of another world before its judge.
+std::vector<hand::HandCommand> commands(const TrialOptions& options, bool wrong_truth) {
+  std::vector<hand::HandCommand> told;
+  simulation::World world(box().object(), options.world, kSeed);
+  simulation::World elsewhere(box().object(), options.world, kSeed);
+  world.reset(draw_start(box().object(), options.start, kSeed), waiting_command());
+  elsewhere.reset({.stance = 2, .yaw = 1.0, .xy = {0.3, -0.3}}, waiting_command());
+  const simulation::World& seen = wrong_truth ? elsewhere : world;
+  Judge judge(seen);
+  Robot robot(world.hand(), world.hand_model(), waiting_command(),
+              {[&](const auto& reading, const auto& command) {
+                 judge.observe(reading);
+                 told.push_back(command);
+               },
+               {}});
+  const auto picked = pick(robot, box(), options.pick, kSeed);
+  if (!picked.held) return told;
+  const auto target = place_target(box().object(), options.place, kSeed);
+  const auto placed = place(robot, box(), picked, *target, {}, options.pick, options.place, kSeed);
+  const auto verdict = judge.place_verdict(placed, *target, robot.log(), box().object());
+  EXPECT_EQ(verdict.placed && wrong_truth, false);
+  return told;
+}
+
+TEST(PlaceTrial, PutsTheBoxDownAtItsTarget) {
+  const auto trial = run_trial(box(), quick_options(), kSeed);
+  ASSERT_TRUE(trial.result.held);
+  ASSERT_TRUE(trial.place);
+  EXPECT_EQ(trial.place->status, PlaceStatus::placed) << trial.place->phases.back().outcome;
+  EXPECT_FALSE(trial.place_judgement.dropped);
+  EXPECT_TRUE(trial.place->T_world_placed);
+  EXPECT_LT(trial.place_judgement.error.translation, 0.03);
+  const auto target =
+      localization::pose_error(*trial.place->T_world_placed, trial.place_judgement.T_world_target,
+                               box().object().symmetries);
+  EXPECT_LT(target.translation, 0.01);  // as far as the robot knows
+}
+
+TEST(PlaceTrial, TheTruthChangesNoCommand) {
+  const auto right = commands(quick_options(), false), wrong = commands(quick_options(), true);
+  ASSERT_EQ(right.size(), wrong.size());
+  ASSERT_GT(right.size(), 1000u);
+  for (std::size_t i = 0; i < right.size(); ++i) {
+    ASSERT_EQ(right[i].positions, wrong[i].positions) << i;
+    ASSERT_EQ(right[i].base.xyz, wrong[i].base.xyz) << i;
+    ASSERT_EQ(right[i].base.ypr, wrong[i].base.ypr) << i;
+  }
+}
+
+TEST(PlaceTrial, WhatIsAmbiguousIsPutBackWhereItCameFrom) {
+  const TrialOptions options = quick_options();
+  simulation::World world(box().object(), options.world, kSeed);
+  world.reset(draw_start(box().object(), options.start, kSeed), waiting_command());
+  Robot robot(world.hand(), world.hand_model(), waiting_command());
+  auto picked = pick(robot, box(), options.pick, kSeed);
+  ASSERT_TRUE(picked.held);
+  const auto closed = *robot.log().at(Mark::closed);
+  const auto held = *robot.log().at(Mark::held);
+  const Eigen::Isometry3d lowered = robot.log().readings[closed].base.pose() *
+                                    robot.log().readings[held].base.pose().inverse() *
+                                    world.truth().T_world_object;
+  // Four poses that disagree on the yaw.
+  const localization::Mode mode = picked.estimate.posterior.modes.at(0);
+  picked.estimate.posterior.modes.clear();
+  for (const double yaw : {0.0, 0.4, 0.8, 1.2}) {
+    localization::Mode turned = mode;
+    turned.T_frame_object.linear() =
+        Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) * mode.T_frame_object.linear();
+    turned.weight = 0.25;
+    picked.estimate.posterior.modes.push_back(turned);
+  }
+  const auto target = place_target(box().object(), options.place, kSeed);
+  const auto placed = place(robot, box(), picked, *target, {}, options.pick, options.place, kSeed);
+  EXPECT_EQ(placed.status, PlaceStatus::ambiguous);
+  EXPECT_EQ(placed.failed_phase, "aim");
+  EXPECT_FALSE(placed.certain);
+  EXPECT_EQ(placed.phases.back().name, "withdraw");
+  EXPECT_EQ(placed.phases.back().status, PhaseStatus::ok) << placed.phases.back().outcome;
+  // It stands again where it was lifted: nothing fell or was thrown.
+  const auto error =
+      localization::pose_error(world.truth().T_world_object, lowered, box().object().symmetries);
+  EXPECT_LT(error.translation, 0.02);
+  EXPECT_LT(error.rotation, 0.1);
+}
+
+TEST(PlaceTrial, ATargetThatCannotBeIsNamedBeforeAnythingMoves) {
+  TrialOptions options = quick_options();
+  bool moved = false;
+  const PhaseObserver observer = {[&](std::string_view, double) { moved = true; }, {}};
+  for (const char* target : {"0.9,0,0", "fixture", "1 2 3 4"}) {
+    options.place.target = target;
+    options.place.fixture.tolerance = -0.002;
+    EXPECT_THROW(run_trial(box(), options, kSeed, nullptr, observer), BadInput) << target;
+  }
+  EXPECT_FALSE(moved);
+}
+
+}  // namespace
+}  // namespace palpate::pipeline
