@@ -55,7 +55,8 @@ int pick(const PickArguments& arguments) {
   if (!arguments.place.empty()) options.place.target = place_text(arguments.place);
   const localization::ObjectModel object(geometry::load_known_object(arguments.object));
   pipeline::place_target(object.object(), options.place, common.seed);  // bad ones are named first
-  const std::string config = config_header(common) + to_toml(options);
+  const std::string config =
+      config_header(common) + fmt::format("# object {}\n", arguments.object) + to_toml(options);
   // First, so that nothing is left behind where the simulator refuses something.
   const simulation::World world(object.object(), options.world, common.seed);
 
@@ -67,7 +68,8 @@ int pick(const PickArguments& arguments) {
       pipeline::run_trial(object, options, common.seed, &writer, phase_printer(common));
   writer.finish();
   write_file_atomically(folder / "config.toml", config);
-  const auto report = trial_json(trial);
+  auto report = trial_json(trial);
+  report.update({{"object", arguments.object}, {"seed", common.seed}, {"version", version()}});
   write_file_atomically(folder / "report.json", report.dump(2) + "\n");
   const auto title =
       fmt::format("palpate pick --object {} --seed {}", arguments.object, common.seed);

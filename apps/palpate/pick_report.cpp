@@ -57,6 +57,14 @@ json phase_json(const pipeline::PhaseReport& report) {
           {"peak_force", report.peak_force}};
 }
 
+std::string pose_text(const Eigen::Isometry3d& T) {
+  const Eigen::Vector3d p = 1e3 * T.translation();
+  const Eigen::Quaterniond q(T.linear());
+  return fmt::format(
+      "at {:.1f}, {:.1f}, {:.1f} mm, quaternion (w x y z) {:.3f} {:.3f} {:.3f} {:.3f}", p.x(),
+      p.y(), p.z(), q.w(), q.x(), q.y(), q.z());
+}
+
 std::string weights_of_others(const std::vector<localization::Mode>& modes) {
   std::string text;
   for (std::size_t i = 1; i < modes.size(); ++i) {
@@ -93,6 +101,7 @@ std::string estimate_text(const pipeline::Trial& trial) {
           : "",
       kDegrees * trial.judgement.error.rotation, 1e3 * trial.judgement.error.translation,
       posterior.seconds);
+  text += fmt::format("\nobject in the world {}", pose_text(best.T_frame_object));
   if (posterior.modes.size() > 1) {
     text += fmt::format("\n{} other modes ({}); the truth is {} them", posterior.modes.size() - 1,
                         weights_of_others(posterior.modes),

@@ -125,6 +125,7 @@ class Results(CliTest):
 
     def check_pick_report(self, report):
         self.assertEqual(report["status"], "ok")
+        self.assertEqual((report["object"], report["seed"]), ("box", 3))
         self.assertIsNone(report["failed_phase"])
         for key in ["lifted", "placed"]:
             self.assertIsInstance(report[key], bool)
