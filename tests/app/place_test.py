@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: Apache-2.0
+"""pick --place and eval --place."""
+
+import json
+
+from cli import BAD_INPUT, CliTest, main
+
+QUICK = [
+    "--set", "explore.touches=4", "--set", "explore.most_touches=4", "--set", "lift.hold=0.2",
+    "--set", "locate.search.proposals=20000", "--set", "locate.search.particles=400",
+    "--set", "place.certain=0.3", "--set", "start.stance=0",
+]  # fmt: skip
+SUNK = "1 0 0 0.1 0 1 0 0.1 0 0 1 0.01 0 0 0 1"
+AFLOAT = "1 0 0 0.1 0 1 0 0.1 0 0 1 0.5 0 0 0 1"
+
+
+class BadTargets(CliTest):
+    def assert_bad_place(self, place, *words, options=()):
+        for command in ["pick", "eval"]:
+            arguments = [command, "--object", "box", "--place", place, "--out", "new", *options]
+            self.assert_refused(BAD_INPUT, arguments, *words)
+
+    def test_no_target(self):
+        self.assert_bad_place("shelf", "shelf", "fixture")
+        self.assert_bad_place("1,2,3,4", "16 numbers")
+
+    def test_out_of_reach(self):
+        self.assert_bad_place("0.9,0,0", "out of reach")
+
+    def test_in_the_table_and_in_the_air(self):
+        self.assert_bad_place(SUNK, "inside the table")
+        self.assert_bad_place(AFLOAT, "in the air")
+        name = self.write("pose.txt", SUNK)
+        self.assert_bad_place(name, "inside the table")
+
+    def test_fixture_too_small(self):
+        self.assert_bad_place(
+            "fixture", "too small", options=["--set", "place.fixture.tolerance=-0.001"])
+
+
+class Results(CliTest):
+    def test_pick_places_and_reports(self):
+        report = self.run_json(
+            "pick", "--object", "box", "--place", "0.15,0.1,0.5", "--seed", "7", "--out", "run",
+            *QUICK)  # fmt: skip
+        self.assertEqual(report["status"], "ok")
+        names = [phase["name"] for phase in report["phases"]]
+        self.assertEqual(names[-4:], ["transport", "place", "withdraw", "verify"])
+        place = report["place"]
+        self.assertEqual(place["status"], "placed")
+        self.assertEqual(place["plan"]["status"], "ok")
+        self.assertEqual(len(place["T_world_placed"]), 16)
+        for key in ["final_error", "estimate_error", "release_motion"]:
+            self.assertLessEqual({"rotation_deg", "translation_mm"}, place[key].keys())
+        self.assertIn('"target":[', (self.folder / "run/replay.html").read_text())
+        # The pose can still be estimated from the recording of the whole.
+        replay = self.run_json("replay", "run/recording.h5")
+        poses = [mode["T_world_object"] for mode in replay["modes"]]
+        picked = [mode["T_world_object"] for mode in report["estimate"]["modes"]]
+        self.assertEqual(poses, picked)
+
+    def test_eval_counts_places_alike_for_any_number_of_threads(self):
+        command = ["eval", "--object", "box", "--place", "random", "--trials", "2", "--seed", "20",
+                   *QUICK]  # fmt: skip
+        one = self.run_json(*command, "--threads", "1")["objects"]["box"]
+        two = self.run_json(*command, "--threads", "2")["objects"]["box"]
+        self.assertEqual(one, two)
+        self.assertLessEqual(
+            {"certain", "placed", "tight", "dropped", "status"}, one["place"].keys())
+        self.assertIn("transport", one["phases"])
+        json.dumps(one)
+
+
+if __name__ == "__main__":
+    main()
