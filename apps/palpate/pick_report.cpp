@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <numbers>
+#include <string_view>
 
 #include "common.hpp"
 #include "place_report.hpp"
@@ -65,6 +66,10 @@ std::string pose_text(const Eigen::Isometry3d& T) {
       p.y(), p.z(), q.w(), q.x(), q.y(), q.z());
 }
 
+std::string counted(std::size_t count, std::string_view thing) {
+  return fmt::format("{} {}{}", count, thing, count == 1 ? "" : "s");
+}
+
 std::string weights_of_others(const std::vector<localization::Mode>& modes) {
   std::string text;
   for (std::size_t i = 1; i < modes.size(); ++i) {
@@ -76,7 +81,7 @@ std::string weights_of_others(const std::vector<localization::Mode>& modes) {
 }  // namespace
 
 std::string phase_heading() {
-  return fmt::format("{:<8} {:<44} {:>9} {:>8} {:>9} {:>7}", "phase", "outcome", "simulated",
+  return fmt::format("{:<10} {:<44} {:>9} {:>8} {:>9} {:>7}", "phase", "outcome", "simulated",
                      "wall", "contacts", "force");
 }
 
@@ -85,7 +90,7 @@ std::string phase_row(const pipeline::PhaseReport& report) {
       report.status == pipeline::PhaseStatus::ok
           ? report.outcome
           : fmt::format("{}: {}", pipeline::to_string(report.status), report.outcome);
-  return fmt::format("{:<8} {:<44} {:>7.1f} s {:>6.2f} s {:>9} {:>5.1f} N", report.name, outcome,
+  return fmt::format("{:<10} {:<44} {:>7.1f} s {:>6.2f} s {:>9} {:>5.1f} N", report.name, outcome,
                      report.sim_seconds, report.wall_seconds, report.contacts, report.peak_force);
 }
 
@@ -103,7 +108,8 @@ std::string estimate_text(const pipeline::Trial& trial) {
       posterior.seconds);
   text += fmt::format("\nobject in the world {}", pose_text(best.T_frame_object));
   if (posterior.modes.size() > 1) {
-    text += fmt::format("\n{} other modes ({}); the truth is {} them", posterior.modes.size() - 1,
+    text += fmt::format("\n{} ({}); the truth is {} the modes",
+                        counted(posterior.modes.size() - 1, "other mode"),
                         weights_of_others(posterior.modes),
                         trial.judgement.truth_in_modes ? "among" : "NOT among");
   }
