@@ -72,7 +72,8 @@ int pick(const PickArguments& arguments) {
   report.update({{"object", arguments.object}, {"seed", common.seed}, {"version", version()}});
   write_file_atomically(folder / "report.json", report.dump(2) + "\n");
   const auto title =
-      fmt::format("palpate pick --object {} --seed {}", arguments.object, common.seed);
+      fmt::format("palpate pick --object {} --seed {}{}", arguments.object, common.seed,
+                  arguments.place.empty() ? "" : " --place " + arguments.place);
   write_file_atomically(folder / "replay.html", replay_html(folder / "recording.h5", title));
   if (common.json) {
     fmt::print("{}\n", report.dump(2));
