@@ -108,10 +108,9 @@ std::string estimate_text(const pipeline::Trial& trial) {
       posterior.seconds);
   text += fmt::format("\nobject in the world {}", pose_text(best.T_frame_object));
   if (posterior.modes.size() > 1) {
-    text += fmt::format("\n{} ({}); the truth is {} the modes",
-                        counted(posterior.modes.size() - 1, "other mode"),
-                        weights_of_others(posterior.modes),
-                        trial.judgement.truth_in_modes ? "among" : "NOT among");
+    text += fmt::format(
+        "\n{} ({}); the truth is {} the modes", counted(posterior.modes.size() - 1, "other mode"),
+        weights_of_others(posterior.modes), trial.judgement.truth_in_modes ? "among" : "NOT among");
   }
   return text;
 }
