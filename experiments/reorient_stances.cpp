@@ -58,15 +58,16 @@ Outcome run_one(const localization::ObjectModel& object, const Change& change, s
   world.reset(draw_start(known, options.start, seed), waiting_command());
   Robot robot(world.hand(), world.hand_model(), waiting_command());
   RandomStream random(seed, "target");
-  const auto target = resting_pose(
+  PlaceTarget target{.kind = PlaceTarget::Kind::pose};
+  target.T_world_object = resting_pose(
       known, static_cast<std::size_t>(stance_with_up(known, change.to)),
       {random.uniform(0.1, 0.2), random.uniform(-0.1, 0.1)}, random.uniform(-M_PI, M_PI));
   Outcome outcome;
-  outcome.result = regrasp(robot, object, target, options.pick, options.place, {}, seed);
+  outcome.result = regrasp(robot, object, target, {}, options.pick, options.place, seed);
   robot.wait(0.5);
   const Eigen::Isometry3d truth = world.truth().T_world_object;
-  outcome.error = localization::pose_error(truth, target, known.symmetries);
-  outcome.in_stance = same_stance(truth.linear(), target.linear(), known.symmetries);
+  outcome.error = localization::pose_error(truth, target.T_world_object, known.symmetries);
+  outcome.in_stance = same_stance(truth.linear(), target.T_world_object.linear(), known.symmetries);
   outcome.sim_seconds = robot.time();
   return outcome;
 }

@@ -59,6 +59,51 @@ std::string median_text(const std::vector<double>& values) {
   return values.empty() ? "-" : fmt::format("{:.1f}", median(values));
 }
 
+json round_json(const pipeline::MeansTaken::Round& round) {
+  json considered = json::array();
+  for (const auto& means : round.plan.considered) {
+    considered.push_back({{"means", pipeline::to_string(means.means)},
+                          {"possible", means.possible},
+                          {"reason", means.reason}});
+  }
+  json place = nullptr;
+  if (round.place) place = pipeline::to_string(*round.place);
+  return {{"found", round.plan.found},
+          {"means", pipeline::to_string(round.plan.means)},
+          {"transfers", round.plan.transfers.size()},
+          {"grasps", round.plan.grasps},
+          {"seconds", round.plan.seconds},
+          {"considered", considered},
+          {"place", place}};
+}
+
+json means_json(const pipeline::MeansTaken& means) {
+  json rounds = json::array();
+  for (const auto& round : means.rounds) rounds.push_back(round_json(round));
+  json regrasp = nullptr;
+  if (means.regrasp) regrasp = pipeline::to_string(*means.regrasp);
+  return {{"chosen", pipeline::to_string(means.means)},
+          {"reason", means.reason},
+          {"regrasp", regrasp},
+          {"rounds", rounds}};
+}
+
+/// One line: the means, why, and what the first plan found.
+std::string means_text(const pipeline::MeansTaken& means) {
+  std::string text = fmt::format("means: {} ({})", pipeline::to_string(means.means), means.reason);
+  if (!means.rounds.empty()) {
+    for (const auto& way : means.rounds.front().plan.considered) {
+      text += fmt::format("; {} {}: {}", pipeline::to_string(way.means),
+                          way.possible ? "possible" : "impossible", way.reason);
+    }
+  }
+  if (means.regrasp) {
+    text += fmt::format("; {} round{}, {}", means.rounds.size(),
+                        means.rounds.size() == 1 ? "" : "s", pipeline::to_string(*means.regrasp));
+  }
+  return text + "\n";
+}
+
 std::string counts_text(const std::map<std::string, std::size_t>& counts) {
   std::string text;
   for (const auto& [what, count] : counts) {
@@ -90,8 +135,9 @@ std::string place_text(const pipeline::Trial& trial) {
       trial.place->status == pipeline::PlaceStatus::placed
           ? "placed"
           : fmt::format("not placed: {}", pipeline::to_string(trial.place->status));
-  return fmt::format("{}: {:.1f} deg, {:.1f} mm from the target\n", end,
-                     kDegrees * judgement.error.rotation, 1e3 * judgement.error.translation);
+  return means_text(trial.means) + fmt::format("{}: {:.1f} deg, {:.1f} mm from the target\n", end,
+                                               kDegrees * judgement.error.rotation,
+                                               1e3 * judgement.error.translation);
 }
 
 json place_json(const pipeline::Trial& trial) {
@@ -101,6 +147,7 @@ json place_json(const pipeline::Trial& trial) {
   json placed = nullptr;
   if (place.T_world_placed) placed = to_json(*place.T_world_placed);
   return {{"status", pipeline::to_string(place.status)},
+          {"means", means_json(trial.means)},
           {"certain", place.certain},
           {"certainty", place.held.certainty},
           {"other_stance", place.other_stance},

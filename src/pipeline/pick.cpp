@@ -15,10 +15,9 @@ namespace {
 constexpr double kGravity = 9.81;                       // m/s^2
 constexpr double kNextSide = 2 * std::numbers::pi / 3;  // rad between attempts
 
-}  // namespace
-
-PickResult pick(Robot& robot, const localization::ObjectModel& object, const PickOptions& options,
-                std::uint64_t seed, const PhaseObserver& observer, const GraspChooser& choose) {
+PickResult run_pick(Robot& robot, const localization::ObjectModel& object,
+                    const PickOptions& options, std::uint64_t seed, const PhaseObserver& observer,
+                    const GraspChooser& choose) {
   PickState state;
   PickResult result;
   Course course(robot, state, result.phases, result.failed_phase, observer);
@@ -58,6 +57,15 @@ PickResult pick(Robot& robot, const localization::ObjectModel& object, const Pic
   result.failed_phase.clear();
   course.run(LocatePhase(object, options.locate, seed));
   result.estimate = state.estimate;
+  return result;
+}
+
+}  // namespace
+
+PickResult pick(Robot& robot, const localization::ObjectModel& object, const PickOptions& options,
+                std::uint64_t seed, const PhaseObserver& observer, const GraspChooser& choose) {
+  PickResult result = run_pick(robot, object, options, seed, observer, choose);
+  if (observer.on_picked) observer.on_picked(result);
   return result;
 }
 

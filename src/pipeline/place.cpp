@@ -233,6 +233,8 @@ std::string_view to_string(PlaceStatus status) {
       return "stuck";
     case PlaceStatus::missing:
       return "missing";
+    case PlaceStatus::under_way:
+      return "under way";
   }
   return "";
 }
@@ -241,8 +243,10 @@ PlaceResult place(Robot& robot, const localization::ObjectModel& object, const P
                   const PlaceTarget& target, const simulation::Fixture& fixture,
                   const PickOptions& pick_options, const PlaceOptions& options, std::uint64_t seed,
                   const PhaseObserver& observer) {
-  return Placement(robot, object, picked, fixture, pick_options, options, seed, observer)
-      .run(target);
+  PlaceResult result =
+      Placement(robot, object, picked, fixture, pick_options, options, seed, observer).run(target);
+  if (observer.on_placed) observer.on_placed(result);
+  return result;
 }
 
 }  // namespace palpate::pipeline

@@ -71,7 +71,7 @@ PhaseEnd PlacePhase::run(Robot& robot, PickState&) {
   for (; attempt < tries; ++attempt) {
     touchdown_ = lower(robot, aside(attempt, options_.spiral));
     if (touchdown_ != Touchdown::early) break;
-    robot.move_base(moved(robot.command().base, {0, 0, options_.back_off}), options_.slow_speed);
+    robot.move_base(moved(contact_, {0, 0, options_.back_off}), options_.slow_speed);
   }
   switch (touchdown_) {
     case Touchdown::lost:
@@ -111,11 +111,19 @@ PlacePhase::Touchdown PlacePhase::lower(Robot& robot, const Eigen::Vector3d& asi
   if (robot.move_base(low, options_.slow_speed, borne) != MotionEnd::stopped) {
     return Touchdown::nothing;
   }
+  contact_ = robot.command().base;
   height_error_ = robot.reading().base.xyz.z() - goal_.seat.xyz.z();
-  if (height_error_ > (wall_ > 0 ? kEarlyOfWall * wall_ : options_.early)) return Touchdown::early;
-  robot.move_base(moved(robot.command().base, {0, 0, -options_.most_press}), options_.slow_speed,
+  if (height_error_ > options_.early) return Touchdown::early;
+  robot.move_base(moved(contact_, {0, 0, -options_.most_press}), options_.slow_speed,
                   load_below(-options_.press));
-  return Touchdown::flat;
+  // The object sank in the hand when it was lifted, so that any contact comes early, by more than a
+  // low wall is high. Where all of the load is borne, it has been pushed back to where it was in
+  // the hand when the fingers closed: over the table the hand is then as low as expected, and over
+  // a wall it is not.
+  const double seated = robot.reading().base.xyz.z() - goal_.seat.xyz.z();
+  if (wall_ <= 0 || seated <= kEarlyOfWall * wall_) return Touchdown::flat;
+  height_error_ = seated;
+  return Touchdown::early;
 }
 
 /// Takes the squeeze back as it came, then opens slowly.

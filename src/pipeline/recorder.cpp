@@ -84,7 +84,7 @@ PhaseObserver Recorder::phases_and(const PhaseObserver& other) {
     }
     if (other.on_end) other.on_end(report, time);
   };
-  return {begin, end};
+  return {begin, end, other.on_picked, other.on_placed};
 }
 
 TouchLog touch_log(const recording::Recording& recording) {

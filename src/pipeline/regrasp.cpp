@@ -7,23 +7,23 @@
 namespace palpate::pipeline {
 namespace {
 
-constexpr std::array<std::string_view, 4> kStatusNames = {"done", "no_way", "not_held",
+constexpr std::array<std::string_view, 5> kStatusNames = {"done", "no_way", "not_held", "lost",
                                                           "out_of_rounds"};
 constexpr double kGravity = 9.81;  // m/s^2
 
 /// A course over several transfers.
 class Transfers {
  public:
-  Transfers(Robot& robot, const localization::ObjectModel& object,
-            const Eigen::Isometry3d& T_world_target, const PickOptions& pick_options,
-            const PlaceOptions& place_options, const RegraspCourseOptions& options,
-            const PhaseObserver& observer)
+  Transfers(Robot& robot, const localization::ObjectModel& object, const PlaceTarget& target,
+            const simulation::Fixture& fixture, const PickOptions& pick_options,
+            const PlaceOptions& options, const PhaseObserver& observer)
       : robot_(robot),
         object_(object),
-        target_(T_world_target),
+        target_(target),
+        fixture_(fixture),
         pick_options_(pick_options),
-        place_options_(place_options),
-        options_(options),
+        place_options_(options),
+        options_(options.regrasp),
         observer_(observer),
         tool_(regrasp_tool(robot.model(), robot.actuators())) {
     const GraspOptions& grasp = pick_options.grasp;
@@ -39,25 +39,48 @@ class Transfers {
     if (!round.pick.held) return round;
     if (round.plan.transfers.empty()) round.plan = plan_in_hand(round.pick);
     // Where no way is known the target itself is tried: that puts the object back if it cannot be.
-    PlaceTarget target;
-    target.kind = PlaceTarget::Kind::pose;
-    target.T_world_object = last(round) ? target_ : round.plan.transfers.front().T_world_to;
-    PlaceOptions place_options = place_options_;
-    if (!last(round)) place_options.certain = options_.certain_between;
-    round.place = place(robot_, object_, round.pick, target, {}, pick_options_, place_options, seed,
+    PlaceTarget target = target_;
+    PlaceOptions options = place_options_;
+    if (!last(round)) {
+      target.kind = PlaceTarget::Kind::pose;
+      target.T_world_object = round.plan.transfers.front().T_world_to;
+      options.certain = options_.certain_between;
+    }
+    round.place = place(robot_, object_, round.pick, target, fixture_, pick_options_, options, seed,
                         observer_);
     return round;
   }
 
   /// Whether a round's transfer leads to the target.
-  static bool last(const RegraspRound& round) { return round.plan.transfers.size() <= 1; }
+  bool last(const RegraspRound& round) const {
+    return target_.kind == PlaceTarget::Kind::spot || round.plan.transfers.size() <= 1;
+  }
+
+  /// Whether the object stands near the origin, and not yet at the target.
+  bool goes_on(const RegraspRound& round) const {
+    const PlaceStatus status = round.place->status;
+    if (was_put_back(status)) return true;
+    return !last(round) && (status == PlaceStatus::placed || status == PlaceStatus::missing);
+  }
+
+  /// The course's status if this round is the last one.
+  RegraspStatus end_of(const RegraspRound& round) const {
+    if (!round.pick.held) return RegraspStatus::not_held;
+    if (goes_on(round)) {
+      return round.plan.found ? RegraspStatus::out_of_rounds : RegraspStatus::no_way;
+    }
+    return round.place->status == PlaceStatus::placed ? RegraspStatus::done : RegraspStatus::lost;
+  }
 
  private:
   std::optional<GraspPlan> choose(const localization::Posterior& resting, RegraspRound& round) {
     if (resting.modes.empty()) return std::nullopt;
-    round.plan = plan_regrasp(object_, robot_.model(), tool_, resting.modes.front().T_frame_object,
-                              target_, options_.plan);
+    const Eigen::Isometry3d& now = resting.modes.front().T_frame_object;
+    round.plan = plan_regrasp(object_, robot_.model(), tool_, now, goal(now), options_.plan);
     if (!round.plan.found || round.plan.transfers.empty()) return std::nullopt;
+    if (target_.kind == PlaceTarget::Kind::spot && round.plan.transfers.size() > 1) {
+      return std::nullopt;  // the first transfer would end in a stance that was not asked for
+    }
     return round.plan.transfers.front().grasp;
   }
 
@@ -65,14 +88,19 @@ class Transfers {
   RegraspPlan plan_in_hand(const PickResult& picked) const {
     if (picked.estimate.posterior.modes.empty()) return {};
     const Holding holding{robot_.reading().base, plannable(robot_.reading().joints)};
-    return plan_regrasp(object_, robot_.model(), tool_,
-                        picked.estimate.posterior.modes.front().T_frame_object, target_,
-                        options_.plan, holding);
+    const Eigen::Isometry3d& now = picked.estimate.posterior.modes.front().T_frame_object;
+    return plan_regrasp(object_, robot_.model(), tool_, now, goal(now), options_.plan, holding);
+  }
+
+  Eigen::Isometry3d goal(const Eigen::Isometry3d& T_world_object) const {
+    return target_pose(target_, object_.object(),
+                       nearest_stance(object_.object(), T_world_object.linear()).stance);
   }
 
   Robot& robot_;
   const localization::ObjectModel& object_;
-  Eigen::Isometry3d target_;
+  const PlaceTarget& target_;
+  const simulation::Fixture& fixture_;
   const PickOptions& pick_options_;
   const PlaceOptions& place_options_;
   RegraspCourseOptions options_;
@@ -87,25 +115,16 @@ std::string_view to_string(RegraspStatus status) {
 }
 
 RegraspResult regrasp(Robot& robot, const localization::ObjectModel& object,
-                      const Eigen::Isometry3d& T_world_target, const PickOptions& pick_options,
-                      const PlaceOptions& place_options, const RegraspCourseOptions& options,
+                      const PlaceTarget& target, const simulation::Fixture& fixture,
+                      const PickOptions& pick_options, const PlaceOptions& options,
                       std::uint64_t seed, const PhaseObserver& observer) {
-  Transfers transfers(robot, object, T_world_target, pick_options, place_options, options,
-                      observer);
+  Transfers transfers(robot, object, target, fixture, pick_options, options, observer);
   RegraspResult result;
-  for (int i = 0; i < options.rounds; ++i) {
+  for (int i = 0; i < options.regrasp.rounds; ++i) {
     result.rounds.push_back(transfers.round(seed + 1000003 * static_cast<std::uint64_t>(i)));
     const RegraspRound& round = result.rounds.back();
-    if (!round.pick.held) {
-      result.status = RegraspStatus::not_held;
-      return result;
-    }
-    if (round.place->status == PlaceStatus::placed && Transfers::last(round)) {
-      result.status = RegraspStatus::done;
-      return result;
-    }
-    // The object has been put back; another look may tell of a way.
-    result.status = round.plan.found ? RegraspStatus::out_of_rounds : RegraspStatus::no_way;
+    result.status = transfers.end_of(round);
+    if (!round.pick.held || !transfers.goes_on(round)) break;
   }
   return result;
 }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <utility>
 
 #include "palpate/core/error.hpp"
 #include "palpate/pipeline/biotac_hand.hpp"
@@ -54,6 +55,7 @@ PickOptions TrialOptions::pick_options() const {
 
 std::optional<PlaceTarget> place_target(const geometry::KnownObject& object,
                                         const PlaceOptions& options, std::uint64_t seed) {
+  place_means(options);
   if (options.target.empty()) return std::nullopt;
   return parse_target(options.target, object, options.fixture, options.reach, seed);
 }
@@ -94,24 +96,30 @@ Trial run_trial(const localization::ObjectModel& object, const TrialOptions& opt
                  recorder.frame(reading, command);
                },
                [&](Mark mark) { recorder.mark(mark); }});
-  const PhaseObserver phases = recorder.phases_and(observer);
-  std::vector<PhaseReport> earlier;  // phases of picks after which the object was put back
-  for (int attempt = 0; attempt < options.place.picks; ++attempt) {
-    trial.result = pick(robot, object, pick_options, seed, phases);
-    recorder.estimate(robot.time(), trial.result.estimate);
+  PhaseObserver told = recorder.phases_and(observer);
+  told.on_picked = [&](const PickResult& picked) {
+    recorder.estimate(robot.time(), picked.estimate);
     trial.judgement =
-        judge.verdict(trial.result, robot.log(), pick_options.lift, object.object().symmetries);
-    trial.result.phases.insert(trial.result.phases.begin(), earlier.begin(), earlier.end());
-    if (!target || !trial.result.held) break;
-    trial.place = place(robot, object, trial.result, *target, fixture, pick_options, options.place,
-                        seed, phases);
-    trial.place_judgement =
-        judge.place_verdict(*trial.place, *target, robot.log(), object.object());
-    if (!was_put_back(trial.place->status)) break;
-    if (attempt + 1 == options.place.picks) break;
-    earlier = trial.result.phases;
-    earlier.insert(earlier.end(), trial.place->phases.begin(), trial.place->phases.end());
-    trial.place->phases.clear();
+        judge.verdict(picked, robot.log(), pick_options.lift, object.object().symmetries);
+    if (observer.on_picked) observer.on_picked(picked);
+  };
+  told.on_placed = [&](const PlaceResult& placed) {
+    const bool dropped = trial.place_judgement.dropped;  // before, on the way
+    trial.place_judgement = judge.place_verdict(placed, *target, robot.log(), object.object());
+    trial.place_judgement.dropped |= dropped;
+    if (observer.on_placed) observer.on_placed(placed);
+  };
+  if (!target) {
+    trial.result = pick(robot, object, pick_options, seed, told);
+    return trial;
+  }
+  PlaceCourse course =
+      pick_and_place(robot, object, *target, fixture, pick_options, options.place, seed, told);
+  trial.result = std::move(course.picked);
+  trial.place = std::move(course.place);
+  trial.means = std::move(course.means);
+  if (trial.place && trial.place->status == PlaceStatus::under_way) {
+    trial.place_judgement.wrong = false;  // it was not let go at the target
   }
   if (trial.place) recorder.placement(trial.place->T_world_target, fixture);
   return trial;

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "fake_hand.hpp"
 
 namespace palpate::pipeline {
@@ -111,6 +113,34 @@ TEST(PlacePhase, LooksForASlotBesideAFirstMiss) {
   const auto report = descent.run();
   EXPECT_EQ(report.status, PhaseStatus::ok) << report.outcome;
   EXPECT_NE(report.outcome.find("try 2"), std::string::npos) << report.outcome;
+}
+
+/// An object that sank by `sag` in the hand: that early it touches, over ground that is `ground`
+/// high, and its weight pushes it back before all of it is borne.
+void stand_sunk(hand::HandReading& reading, double ground, double sag) {
+  const double depth = ground + sag - reading.base.xyz.z();
+  const double pushed_back = std::clamp(depth / sag, 0.0, 1.0);
+  const double beyond = std::max(0.0, depth - sag);
+  reading.base_force.z() = kWeight * (1 - pushed_back) - kStiffness * beyond;
+}
+
+TEST(PlacePhase, AnObjectThatSankInTheHandIsInTheSlotAllTheSame) {
+  constexpr double kWall = 0.006, kSag = 0.005;
+  Descent descent([](auto& reading) { stand_sunk(reading, kGround, kSag); }, kWall);
+  descent.wall_ = kWall;
+  const auto report = descent.run();
+  EXPECT_EQ(report.status, PhaseStatus::ok) << report.outcome;
+  EXPECT_EQ(report.outcome.find("try"), std::string::npos) << report.outcome;
+}
+
+TEST(PlacePhase, AnObjectThatSankStandsOnAWallAllTheSame) {
+  constexpr double kWall = 0.006, kSag = 0.004;
+  Descent descent([](auto& reading) { stand_sunk(reading, kGround + kWall, kSag); }, kWall);
+  descent.wall_ = kWall;
+  const auto report = descent.run();
+  EXPECT_EQ(report.status, PhaseStatus::failed) << report.outcome;
+  EXPECT_EQ(descent.phase.touchdown(), PlacePhase::Touchdown::early);
+  EXPECT_FALSE(descent.phase.let_go());
 }
 
 TEST(PlacePhase, GivesUpASlotThatIsNowhere) {

@@ -48,10 +48,14 @@ struct PickResult {
   PoseEstimate estimate;
 };
 
-/// Who wants to know of the phases as they come and go; each may be empty.
+struct PlaceResult;
+
+/// Who wants to know of what comes and goes; each may be empty.
 struct PhaseObserver {
   std::function<void(std::string_view phase, double time)> on_begin;
   std::function<void(const PhaseReport& report, double time)> on_end;
+  std::function<void(const PickResult& picked)> on_picked = {};  ///< a pick has ended
+  std::function<void(const PlaceResult& placed)> on_placed = {};
 };
 
 /// The main job (thesis chapter 1): feel how tall the object is, grasp it by touch, lift it, and

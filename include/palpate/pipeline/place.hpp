@@ -7,15 +7,17 @@
 #include "palpate/pipeline/feel_phase.hpp"
 #include "palpate/pipeline/pick.hpp"
 #include "palpate/pipeline/place_phase.hpp"
+#include "palpate/pipeline/regrasp_plan.hpp"
 #include "palpate/pipeline/transport_phase.hpp"
 
 namespace palpate::pipeline {
 
 /// All that can be configured of placing.
 struct PlaceOptions {
-  std::string target;     ///< as parse_target() takes it; empty: the object is not placed
-  int picks = 2;          ///< at most, where the object had to be put back
-  double reach = 0.5;     ///< m, how far from the origin a target may be
+  std::string target;          ///< as parse_target() takes it; empty: the object is not placed
+  std::string means = "auto";  ///< wrist, regrasp, or what is needed (place_course.hpp)
+  int picks = 2;               ///< at most, where the object had to be put back
+  double reach = 0.5;          ///< m, how far from the origin a target may be
   double certain = 0.85;  ///< share of the estimate that must agree on where the object would stand
   bool verify = true;     ///< feel afterwards whether it stands there
   SamePose same;
@@ -24,10 +26,12 @@ struct PlaceOptions {
   TransportOptions transport;
   LowerOptions lower;
   WithdrawOptions withdraw;
+  RegraspCourseOptions regrasp;
 
   template <class Visitor>
   void visit(Visitor&& v) {
     v("target", target, "fixture, random, x,y,yaw or the 16 numbers of a pose; empty: none");
+    v("means", means, "wrist (one hold), regrasp (planned grasps), auto (the first that does)");
     v("picks", picks, 1, 10, "at most, where the object had to be put back");
     v("reach", reach, 0.05, 1.0, "m, how far from the origin a target may be");
     v("certain", certain, 0.0, 1.0, "share of the estimate that must agree on the place");
@@ -38,6 +42,7 @@ struct PlaceOptions {
     v.section("transport", transport);
     v.section("lower", lower);
     v.section("withdraw", withdraw);
+    v.section("regrasp", regrasp);
   }
 };
 
@@ -51,6 +56,7 @@ enum class PlaceStatus {
   lost,         ///< it fell out of the hand
   stuck,        ///< it would not leave the hand, or could not be put back
   missing,      ///< it does not stand where it was put
+  under_way,    ///< regrasping ended while it stood in another stance on the way to the target
 };
 std::string_view to_string(PlaceStatus status);
 

@@ -72,7 +72,8 @@ class PlacePhase : public Phase {
   hand::ActuatorVector open_;
   std::string name_;
   Eigen::Isometry3d T_world_object_ = Eigen::Isometry3d::Identity();
-  double height_error_ = 0;  // m, of the contact over where it was expected
+  hand::BasePosition contact_;  // commanded at the last contact
+  double height_error_ = 0;     // m, of the contact over where it was expected
   bool let_go_ = false;
   Touchdown touchdown_ = Touchdown::nothing;
 };

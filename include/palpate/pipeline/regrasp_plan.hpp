@@ -71,6 +71,22 @@ struct RegraspOptions {
   }
 };
 
+/// A lighter hold on certainty than where the object is to stay: between two stances a wrong guess
+/// is felt after the next transfer.
+struct RegraspCourseOptions {
+  int rounds = 5;                ///< transfers tried at most, repeated ones included
+  double certain_between = 0.5;  ///< PlaceOptions::certain of all transfers but the last
+  RegraspOptions plan;
+
+  template <class Visitor>
+  void visit(Visitor&& v) {
+    v("rounds", rounds, 1, 100, "transfers tried at most, repeated ones included");
+    v("certain_between", certain_between, 0.0, 1.0,
+      "certainty asked of all transfers but the last");
+    v.section("plan", plan);
+  }
+};
+
 /// The object is picked up once and put down once.
 struct Transfer {
   int from = -1, to = -1;          ///< stances (KnownObject::stances); -1: the start, the target

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "palpate/pipeline/pick.hpp"
-#include "palpate/pipeline/place.hpp"
+#include "palpate/pipeline/place_course.hpp"
 #include "palpate/recording/writer.hpp"
 #include "palpate/simulation/world.hpp"
 
@@ -96,6 +96,7 @@ struct Trial {
   Judgement judgement;
   std::optional<PlaceResult> place;  ///< where the object was held and was to be placed
   PlaceJudgement place_judgement;
+  MeansTaken means;  ///< by which it was to be placed
 };
 
 /// Draws where the object of a trial starts.
@@ -112,7 +113,7 @@ Trial run_trial(const localization::ObjectModel& object, const TrialOptions& opt
                 const PhaseObserver& observer = {});
 
 /// The target and the fixture that options ask for; none, an empty one.
-/// @throws BadInput for a target that cannot be
+/// @throws BadInput for a target that cannot be, or for means of placing that do not exist
 std::optional<PlaceTarget> place_target(const geometry::KnownObject& object,
                                         const PlaceOptions& options, std::uint64_t seed);
 simulation::Fixture place_fixture(const geometry::KnownObject& object, const PlaceOptions& options,

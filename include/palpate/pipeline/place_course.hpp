@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "palpate/pipeline/place.hpp"
+#include "palpate/pipeline/regrasp.hpp"
+
+namespace palpate::pipeline {
+
+/// Which way an object is brought to its target.
+enum class PlaceMeans {
+  automatic,  ///< in one hold, and by grasping anew where that cannot be
+  wrist,      ///< in one hold, turned by the hand's base
+  regrasp     ///< with planned grasps, over other stances if need be
+};
+std::string_view to_string(PlaceMeans means);
+
+/// What PlaceOptions::means asks for.
+/// @throws BadInput for another word
+PlaceMeans place_means(const PlaceOptions& options);
+
+/// Which way was gone, and why.
+struct MeansTaken {
+  /// What became of a planned transfer.
+  struct Round {
+    RegraspPlan plan;
+    std::optional<PlaceStatus> place;  ///< none if the object was not held
+  };
+  PlaceMeans means = PlaceMeans::wrist;  ///< wrist or regrasp
+  std::string reason;
+  std::optional<RegraspStatus> regrasp;  ///< how that ended
+  std::vector<Round> rounds;             ///< of regrasping
+};
+
+/// All picks and placings on the way of an object to its target.
+struct PlaceCourse {
+  PickResult picked;                 ///< the last one, with the phases of all before
+  std::optional<PlaceResult> place;  ///< the last one; its phases are empty if a pick came after
+  MeansTaken means;
+};
+
+/// Picks the object and brings it to its target: `picks` times in one hold; by regrasp() where that
+/// was asked for, or where one hold could not bring it there: it was put back as unreachable, or
+/// for another reason on its way into another stance.
+///
+/// @param robot  stands free above the table; the object is near the world's origin
+/// @throws BadInput for `means` that do not exist, before anything moves
+PlaceCourse pick_and_place(Robot& robot, const localization::ObjectModel& object,
+                           const PlaceTarget& target, const simulation::Fixture& fixture,
+                           const PickOptions& pick_options, const PlaceOptions& options,
+                           std::uint64_t seed, const PhaseObserver& observer = {});
+
+}  // namespace palpate::pipeline

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/pipeline/place_course.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <iterator>
+#include <utility>
+
+#include "palpate/core/error.hpp"
+
+namespace palpate::pipeline {
+namespace {
+
+constexpr std::array<PlaceMeans, 3> kMeans = {PlaceMeans::automatic, PlaceMeans::wrist,
+                                              PlaceMeans::regrasp};
+
+/// Keeps the phases in order: a pick's come after all that went before.
+void add(PlaceCourse& course, PickResult picked) {
+  std::vector<PhaseReport> phases = std::move(course.picked.phases);
+  const auto append = [&](std::vector<PhaseReport>& more) {
+    phases.insert(phases.end(), std::make_move_iterator(more.begin()),
+                  std::make_move_iterator(more.end()));
+    more.clear();
+  };
+  if (course.place) append(course.place->phases);
+  append(picked.phases);
+  course.picked = std::move(picked);
+  course.picked.phases = std::move(phases);
+}
+
+/// What the phase said that failed first, or else the one that found the goal.
+std::string outcome_of(const PlaceResult& place) {
+  const std::string name = place.failed_phase.empty() ? "aim" : place.failed_phase;
+  const auto phase = std::find_if(place.phases.begin(), place.phases.end(),
+                                  [&](const PhaseReport& report) { return report.name == name; });
+  return phase == place.phases.end() ? std::string(to_string(place.status)) : phase->outcome;
+}
+
+/// Whether another grasp of the same kind would not help.
+bool needs_new_grasps(const PlaceResult& place) {
+  return was_put_back(place.status) &&
+         (place.status == PlaceStatus::unreachable || place.other_stance);
+}
+
+/// One course, step by step.
+class PlaceAttempts {
+ public:
+  PlaceAttempts(Robot& robot, const localization::ObjectModel& object, const PlaceTarget& target,
+                const simulation::Fixture& fixture, const PickOptions& pick_options,
+                const PlaceOptions& options, std::uint64_t seed, const PhaseObserver& observer)
+      : robot_(robot),
+        object_(object),
+        target_(target),
+        fixture_(fixture),
+        pick_options_(pick_options),
+        options_(options),
+        seed_(seed),
+        observer_(observer) {}
+
+  PlaceCourse run(PlaceMeans means) {
+    if (means != PlaceMeans::regrasp) {
+      in_one_hold(means == PlaceMeans::automatic);
+      if (means == PlaceMeans::wrist) course_.means.reason = "asked for";
+    }
+    const bool held = course_.picked.held && course_.place;
+    if (means == PlaceMeans::regrasp) {
+      by_regrasping("asked for");
+    } else if (means == PlaceMeans::automatic && held && needs_new_grasps(*course_.place)) {
+      by_regrasping("not in one hold: " + outcome_of(*course_.place));
+    }
+    return std::move(course_);
+  }
+
+ private:
+  /// @param may_regrasp  end where only that can help
+  void in_one_hold(bool may_regrasp) {
+    for (int attempt = 0; attempt < options_.picks; ++attempt) {
+      add(course_, pick(robot_, object_, pick_options_, seed_, observer_));
+      course_.means.reason = "the object was not held";
+      if (!course_.picked.held) return;
+      course_.place = place(robot_, object_, course_.picked, target_, fixture_, pick_options_,
+                            options_, seed_, observer_);
+      course_.means.reason = "one hold: " + outcome_of(*course_.place);
+      if (!was_put_back(course_.place->status)) return;
+      if (may_regrasp && needs_new_grasps(*course_.place)) return;
+    }
+  }
+
+  void by_regrasping(std::string reason) {
+    RegraspResult result =
+        regrasp(robot_, object_, target_, fixture_, pick_options_, options_, seed_, observer_);
+    course_.means.means = PlaceMeans::regrasp;
+    course_.means.reason = std::move(reason);
+    course_.means.regrasp = result.status;
+    for (RegraspRound& round : result.rounds) {
+      add(course_, std::move(round.pick));
+      course_.means.rounds.push_back({std::move(round.plan), std::nullopt});
+      if (!round.place) continue;
+      course_.means.rounds.back().place = round.place->status;
+      course_.place = std::move(round.place);
+    }
+    if (!course_.place || target_.kind == PlaceTarget::Kind::spot) return;
+    // Between the stances a transfer had a target of its own.
+    course_.place->T_world_target = target_.T_world_object;
+    if (result.status != RegraspStatus::done && course_.place->status == PlaceStatus::placed) {
+      course_.place->status = PlaceStatus::under_way;
+    }
+  }
+
+  Robot& robot_;
+  const localization::ObjectModel& object_;
+  const PlaceTarget& target_;
+  const simulation::Fixture& fixture_;
+  const PickOptions& pick_options_;
+  const PlaceOptions& options_;
+  std::uint64_t seed_;
+  const PhaseObserver& observer_;
+  PlaceCourse course_;
+};
+
+}  // namespace
+
+std::string_view to_string(PlaceMeans means) {
+  switch (means) {
+    case PlaceMeans::automatic:
+      return "auto";
+    case PlaceMeans::wrist:
+      return "wrist";
+    case PlaceMeans::regrasp:
+      return "regrasp";
+  }
+  return "";
+}
+
+PlaceMeans place_means(const PlaceOptions& options) {
+  for (const PlaceMeans means : kMeans) {
+    if (options.means == to_string(means)) return means;
+  }
+  throw BadInput(
+      fmt::format("place.means = {:?}: it is \"auto\", \"wrist\" or \"regrasp\"", options.means));
+}
+
+PlaceCourse pick_and_place(Robot& robot, const localization::ObjectModel& object,
+                           const PlaceTarget& target, const simulation::Fixture& fixture,
+                           const PickOptions& pick_options, const PlaceOptions& options,
+                           std::uint64_t seed, const PhaseObserver& observer) {
+  return PlaceAttempts(robot, object, target, fixture, pick_options, options, seed, observer)
+      .run(place_means(options));
+}
+
+}  // namespace palpate::pipeline
