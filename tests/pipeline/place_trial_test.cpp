@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "palpate/core/error.hpp"
 #include "palpate/pipeline/judge.hpp"
 #include "palpate/pipeline/trial.hpp"
@@ -111,6 +113,53 @@ TEST(PlaceTrial, WhatIsAmbiguousIsPutBackWhereItCameFrom) {
       localization::pose_error(world.truth().T_world_object, lowered, box().object().symmetries);
   EXPECT_LT(error.translation, 0.02);
   EXPECT_LT(error.rotation, 0.1);
+}
+
+std::size_t count(const std::vector<PhaseReport>& phases, const std::string& name) {
+  return static_cast<std::size_t>(
+      std::count_if(phases.begin(), phases.end(), [&](const auto& p) { return p.name == name; }));
+}
+
+TEST(PlaceTrial, GraspsAnewWhatOneHoldCannotStandUp) {
+  const localization::ObjectModel bottle(geometry::load_known_object("bottle"));
+  TrialOptions options = quick_options();
+  // Upright, which is none of the two stances that are likeliest.
+  options.place.target = "1 0 0 0.15  0 1 0 0.05  0 0 1 0.0772  0 0 0 1";
+  options.start.stance = 1;
+  const auto trial = run_trial(bottle, options, 31);
+  ASSERT_TRUE(trial.result.held);
+  ASSERT_TRUE(trial.place);
+  EXPECT_EQ(trial.means.means, PlaceMeans::regrasp);
+  EXPECT_NE(trial.means.reason.find("unreachable"), std::string::npos) << trial.means.reason;
+  ASSERT_FALSE(trial.means.rounds.empty());
+  EXPECT_FALSE(trial.means.rounds[0].plan.considered.empty());
+  // The phases of all rounds, but those of the last placing are its own.
+  const auto& before = trial.result.phases;
+  EXPECT_EQ(count(before, "lift"), 1 + trial.means.rounds.size());
+  EXPECT_EQ(count(before, "aim"), trial.means.rounds.size());
+  EXPECT_GE(count(before, "put back"), 1u);
+  EXPECT_EQ(count(trial.place->phases, "aim"), 1u);
+  EXPECT_EQ(trial.place->status, PlaceStatus::placed) << trial.place->phases.back().outcome;
+  EXPECT_EQ(trial.means.regrasp, RegraspStatus::done);
+  // Judged against the target itself: the bottle stands, and stands there.
+  const Eigen::Matrix3d upright = trial.place_judgement.T_world_target.linear();
+  EXPECT_TRUE(upright.isIdentity());
+  EXPECT_LT(trial.place_judgement.error.translation, 0.03);
+  EXPECT_LT(trial.place_judgement.error.rotation, 0.5);
+}
+
+TEST(PlaceTrial, MeansThatDoNotExistAreNamedBeforeAnythingMoves) {
+  TrialOptions options = quick_options();
+  options.place.means = "throw";
+  bool moved = false;
+  const PhaseObserver observer = {[&](std::string_view, double) { moved = true; }, {}};
+  try {
+    run_trial(box(), options, kSeed, nullptr, observer);
+    FAIL() << "expected BadInput";
+  } catch (const BadInput& error) {
+    EXPECT_NE(std::string(error.what()).find("throw"), std::string::npos) << error.what();
+  }
+  EXPECT_FALSE(moved);
 }
 
 TEST(PlaceTrial, ATargetThatCannotBeIsNamedBeforeAnythingMoves) {
