@@ -12,6 +12,7 @@ namespace palpate::pipeline {
 namespace {
 
 constexpr double kRest = 0.25;       // s
+constexpr double kSettle = 0.75;     // s, for the load's mean to hold nothing of the motion before
 constexpr double kSettingOut = 0.3;  // s
 constexpr int kLoadedTicks = 3;
 constexpr double kTries = 6;          // places on a turn of the spiral
@@ -102,7 +103,7 @@ PlacePhase::Touchdown PlacePhase::lower(Robot& robot, const Eigen::Vector3d& asi
   hand::BasePosition start = seat;
   start.xyz.z() = robot.command().base.xyz.z();
   robot.move_base(start, options_.slow_speed);
-  robot.wait(kRest);
+  robot.wait(kSettle);
   const double load = mean_load(robot.log());
   if (load < options_.contact_load) return Touchdown::lost;
 
