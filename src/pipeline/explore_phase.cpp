@@ -14,14 +14,15 @@ constexpr double kPitch = 1.35;        // rad of the base: the first finger poin
 constexpr double kAbove = 0.03;        // m over the object's top while travelling
 constexpr double kLeastDepth = 0.014;  // m of the fingertip's centre over the table
 constexpr double kRest = 0.12;         // s of contact that are averaged
-constexpr double kBlockedLoad = 0.4;   // N on the base: something but the fingertip touches
+constexpr double kBlockedLoad = 0.15;  // N more on the base: something but the fingertip touches
 constexpr int kDirections = 16;        // of further sweeps
 constexpr int kOffsets = 3;            // to either side of the object's place
 constexpr double kSpacing = 0.015;     // m between them
 constexpr double kDepthStep = 0.02;    // m between heights of further sweeps
 constexpr double kLeastInformation = 0.03;
 constexpr double kTakenBack = 0.7;    // of the lead of the base's command, at a touch
-constexpr double kHigher = 0.006;     // m, of a second try
+constexpr double kHigher = 0.006;     // m, of another try where the hand was blocked
+constexpr double kHighest = 0.018;    // m, of all of these together
 constexpr double kGoodSpread = 0.35;  // of the resting pose, where no more sweeps are needed
 constexpr double kWorthwhile = 0.93;  // of the spread that a sweep may leave
 constexpr double kBackOff = 0.03;     // m
@@ -137,6 +138,7 @@ SweepingFinger sweeping_finger(const Robot& robot, double yaw) {
 
 PhaseEnd ExplorePhase::run(Robot& robot, PickState& state) {
   done_.clear();
+  raised_ = 0;
   hand::BasePosition up = robot.command().base;
   up.xyz.z() = std::max(up.xyz.z(), state.height + 0.2);
   robot.move_base(up, options_.travel_speed);
@@ -155,21 +157,32 @@ PhaseEnd ExplorePhase::run(Robot& robot, PickState& state) {
                             state.resting->modes[0].weight)};
 }
 
-/// Level sweeps from all sides, half of them with the hand turned round. Where another part of the
-/// hand meets the object first, once more a little higher.
+/// Level sweeps from all sides, half of them with the hand turned round.
 int ExplorePhase::touch_around(Robot& robot, const PickState& state) {
   int touches = 0;
   for (const int i : every_other_first(options_.touches)) {
     const double angle = 2 * std::numbers::pi * i / options_.touches;
-    const std::size_t turn = i % 2 == 0 ? 0 : 1;
-    for (const double higher : {0.0, kHigher}) {
-      const double depth = first_depth(state, options_) + higher;
-      const auto end = sweep(robot, state, {level_sweep(state, options_, angle, 0, depth), turn});
-      touches += end == SweepEnd::touched;
-      if (end != SweepEnd::blocked) break;
-    }
+    touches += touch_from(robot, state, angle, i % 2 == 0 ? 0 : 1) == SweepEnd::touched;
   }
   return touches;
+}
+
+/// A level sweep. Where another part of the hand meets the object first, the finger was too low:
+/// once more a little higher, and so are the sweeps after it. One that misses goes back.
+ExplorePhase::SweepEnd ExplorePhase::touch_from(Robot& robot, const PickState& state, double angle,
+                                                std::size_t turn) {
+  const double before = raised_;
+  while (true) {
+    const double depth = first_depth(state, options_) + raised_;
+    const auto end = sweep(robot, state, {level_sweep(state, options_, angle, 0, depth), turn});
+    if (end == SweepEnd::missed) raised_ = std::max(0.0, before - kHigher);
+    if (end != SweepEnd::blocked) return end;
+    if (raised_ + kHigher > kHighest + 1e-9) {
+      raised_ = before;
+      return end;
+    }
+    raised_ += kHigher;
+  }
 }
 
 /// Touches where the modes differ most, one after the other, till one of them is left.
@@ -192,7 +205,7 @@ int ExplorePhase::tell_apart(Robot& robot, PickState& state) {
 int ExplorePhase::refine(Robot& robot, PickState& state) {
   int touches = 0;
   std::vector<Sweep> sweeps;  // near the top, where nothing but the fingertip meets the object
-  add_level_sweeps(state, options_, first_depth(state, options_), sweeps);
+  add_level_sweeps(state, options_, first_depth(state, options_) + raised_, sweeps);
   const std::vector<SweepingFinger> fingers = {sweeping_finger(robot, yaw(0)),
                                                sweeping_finger(robot, yaw(1))};
   for (int i = 0; i < options_.refining; ++i) {
@@ -223,7 +236,7 @@ ExplorePhase::SweepEnd ExplorePhase::sweep(Robot& robot, const PickState& state,
   robot.wait(0.15);
   robot.mark(Mark::sweep);
   const auto tip = tip_touches(options_.touch_force);
-  const auto blocked = lasting_load(robot, forward, kBlockedLoad);
+  const auto blocked = rising_load(robot, forward, kBlockedLoad);
   bool touched = false;
   const auto stop = [&](const hand::HandReading& reading) {
     touched = tip(reading);

@@ -10,6 +10,7 @@ namespace palpate::pipeline {
 namespace {
 
 constexpr double kSettingOut = 0.4;  // s of a motion in which the load is that of setting out
+constexpr double kSteady = 0.1;      // s after it over which the load of steady motion is averaged
 constexpr int kLoadedTicks = 3;
 constexpr double kLeverArm = 0.2;  // m: what a turn of 1 rad counts as a way of the hand
 
@@ -94,6 +95,22 @@ Robot::StopCondition lasting_load(const Robot& robot, const Eigen::Vector3d& dir
           loaded = 0](const hand::HandReading& reading) mutable {
     const bool now = reading.time > start + kSettingOut && direction.dot(reading.base_force) > load;
     loaded = now ? loaded + 1 : 0;
+    return loaded >= kLoadedTicks;
+  };
+}
+
+Robot::StopCondition rising_load(const Robot& robot, const Eigen::Vector3d& direction,
+                                 double load) {
+  return [direction, load, start = robot.time(), steady = 0.0, averaged = 0,
+          loaded = 0](const hand::HandReading& reading) mutable {
+    const double now = direction.dot(reading.base_force);
+    const double moving = reading.time - start;
+    if (moving <= kSettingOut) return false;
+    if (averaged == 0 || moving <= kSettingOut + kSteady) {
+      steady += (now - steady) / ++averaged;
+      return false;
+    }
+    loaded = now - steady > load ? loaded + 1 : 0;
     return loaded >= kLoadedTicks;
   };
 }

@@ -162,6 +162,36 @@ TEST(LastingLoad, CountsOnlyWhatPushesAlongItsDirection) {
   EXPECT_EQ(wait_for_load(weak.robot, Eigen::Vector3d::UnitZ(), 2.5), MotionEnd::reached);
 }
 
+/// A scene whose base is pushed downwards with 0.3 N by its motion, and by an obstacle that adds
+/// `load` upwards from a time on.
+Scene moving_against(double load, double from) {
+  return Scene([load, from](HandReading& reading) {
+    reading.base_force.z() = -0.3 + (reading.time >= from ? load : 0.0);
+  });
+}
+
+MotionEnd wait_for_rise(Robot& robot, double load) {
+  return robot.wait(1.5, rising_load(robot, Eigen::Vector3d::UnitZ(), load));
+}
+
+TEST(RisingLoad, IsMeasuredFromThatOfSteadyMotion) {
+  Scene obstacle = moving_against(0.2, 0.795);
+  EXPECT_EQ(wait_for_rise(obstacle.robot, 0.15), MotionEnd::stopped);
+  EXPECT_NEAR(obstacle.robot.time(), 0.82, 1e-9);  // on the third tick, although it is below zero
+  Scene weak = moving_against(0.1, 0.795);
+  EXPECT_EQ(wait_for_rise(weak.robot, 0.15), MotionEnd::reached);
+}
+
+TEST(RisingLoad, AnObstacleThatGivesWayDoesNotStop) {
+  Scene relief = moving_against(-5, 0.795);
+  EXPECT_EQ(wait_for_rise(relief.robot, 0.15), MotionEnd::reached);
+}
+
+TEST(RisingLoad, NothingStopsTheFirstHalfSecond) {
+  Scene always = moving_against(5, 0);
+  EXPECT_EQ(wait_for_rise(always.robot, 0.15), MotionEnd::reached);
+}
+
 TEST(TouchLog, ForgetsWhatWasBeforeTheLastRelease) {
   TouchLog log;
   EXPECT_TRUE(log.since_release().empty());

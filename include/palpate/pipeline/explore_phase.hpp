@@ -54,6 +54,7 @@ class ExplorePhase : public Phase {
   SweepEnd sweep(Robot& robot, const PickState& state, const TurnedSweep& turned);
   double yaw(std::size_t turn) const { return turn == 0 ? 0 : options_.turn; }
   int touch_around(Robot& robot, const PickState& state);
+  SweepEnd touch_from(Robot& robot, const PickState& state, double angle, std::size_t turn);
   int tell_apart(Robot& robot, PickState& state);
   int refine(Robot& robot, PickState& state);
 
@@ -62,6 +63,7 @@ class ExplorePhase : public Phase {
   LocateOptions locate_;
   std::uint64_t seed_;
   std::vector<TurnedSweep> done_;  // that touched
+  double raised_ = 0;              // m, of the level sweeps, where a lower hand was blocked
 };
 
 }  // namespace palpate::pipeline

@@ -87,4 +87,9 @@ class Robot {
 Robot::StopCondition lasting_load(const Robot& robot, const Eigen::Vector3d& direction,
                                   double load);
 
+/// Stop condition: for some ticks on end the base has pushed along `direction` (unit, world) with
+/// `load` (N) more than its steady motion takes. That is measured in the motion's first half
+/// second, in which nothing stops it.
+Robot::StopCondition rising_load(const Robot& robot, const Eigen::Vector3d& direction, double load);
+
 }  // namespace palpate::pipeline
