@@ -28,12 +28,6 @@ PALPATE_WIDE Keeping best_candidate(const std::uint64_t* rows, int words,
 
 }  // namespace
 
-PALPATE_WIDE int common_bits(const std::uint64_t* a, const std::uint64_t* b, int words) {
-  int total = 0;
-  for (int w = 0; w < words; ++w) total += std::popcount(a[w] & b[w]);
-  return total;
-}
-
 void extend_clique(const std::uint64_t* rows, int words, std::vector<std::uint64_t>& candidates,
                    int max_size, std::vector<int>& clique) {
   while (static_cast<int>(clique.size()) < max_size) {

@@ -28,9 +28,6 @@ void for_each_bit(const std::uint64_t* words, int count, const Visit& visit) {
   }
 }
 
-/// Bits set in both.
-int common_bits(const std::uint64_t* a, const std::uint64_t* b, int words);
-
 /// Adds to `clique` the candidate that keeps most of the candidates as neighbours, and drops those
 /// that it does not keep, until none is left or the clique has max_size vertices.
 /// @param rows  of the graph, `words` words each

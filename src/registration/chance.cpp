@@ -1,38 +1,72 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/registration/chance.hpp"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 namespace palpate::registration {
 namespace {
 
-double log_unit_ball(double dimensions) {
-  return dimensions / 2 * std::log(std::numbers::pi) - std::lgamma(dimensions / 2 + 1);
+constexpr int kPoseDimensions = 6;
+
+double log_ball(double dimensions, double radius) {
+  return dimensions / 2 * std::log(std::numbers::pi) - std::lgamma(dimensions / 2 + 1) +
+         dimensions * std::log(radius);
 }
 
-/// log of the volume of residuals (modulo the pose) in which a triple passes the gates of
-/// ConsistencyGraph, by Monte Carlo over random triples on an ellipsoid of the size of a hand, to
-/// some 20 %: with positions alone 6.5, with normals (of 5 deg) 1500.
-double log_gate_volume(int dimensions) { return std::log(dimensions > 3 ? 1500.0 : 6.5); }
+/// Volume of the residuals of k pairs about their best pose, in k balls of radius 1 at most.
+double log_residuals(int dimensions, double squares, double k) {
+  const double freedom = dimensions * k - kPoseDimensions;
+  return std::min(log_ball(freedom, std::sqrt(squares)),
+                  freedom / dimensions * log_ball(dimensions, 1));
+}
+
+/// log of sqrt(det H_k). Points spread by less than the bound still tell poses apart by the bound.
+double log_information(const ChanceModel& model, double k) {
+  const Eigen::Matrix3d rotation =
+      (k - 1) * (model.inertia + Eigen::Matrix3d::Identity()) + k * model.normal_information;
+  return 0.5 * std::log(rotation.determinant()) + 1.5 * std::log(k);
+}
+
+/// log of the mean of rate^power over the poses. Of counts h that are Poisson, the mean of
+/// h (h - 1) .. (h - power + 1) is the power of their mean without bias; where counts are too small
+/// for it, the power of the mean rate.
+double log_moment(const ChanceModel& model, int power) {
+  double sum = 0, largest = -std::numeric_limits<double>::infinity(), scaled = 0;
+  for (const double h : model.hits) {
+    sum += h;
+    if (h < power) continue;
+    const double log_power = std::lgamma(h + 1) - std::lgamma(h - power + 1);
+    if (log_power > largest) {
+      scaled = scaled * std::exp(largest - log_power);
+      largest = log_power;
+    }
+    scaled += std::exp(log_power - largest);
+  }
+  const double count = std::max(1.0, static_cast<double>(model.hits.size()));
+  const double of_mean = power * std::log((sum + 1) / count);
+  const double of_powers = scaled > 0 ? largest + std::log(scaled / count) : of_mean;
+  return std::max(of_mean, of_powers) - power * std::log(model.trials);
+}
 
 }  // namespace
 
+double matching_radius(int dimensions, double squares, int count) {
+  constexpr double kLeast = 1e-3;
+  const double freedom = dimensions * count - kPoseDimensions;
+  return std::clamp(std::sqrt(squares * (dimensions + 2) / freedom), kLeast, 1.0);
+}
+
 double expected_by_chance(const ChanceModel& model, double squares, int count) {
-  if (count < 3) return std::numeric_limits<double>::infinity();
-  if (count == 3) return model.triples;
-  const double k = count, freedom = model.dimensions * k - 6;
-  const double log_volume = log_unit_ball(freedom) +
-                            freedom / 2 * std::log(std::max(squares, 1e-12)) -
-                            log_gate_volume(model.dimensions);
-  const double log_others =
-      (k - 3) * (std::log(model.rate) - log_unit_ball(model.dimensions)) - std::lgamma(k - 2);
-  const double log_choices = std::log(k * (k - 1) * (k - 2) / 6);
-  const double log_expected =
-      std::log(model.triples) + 3 * std::log(k / 3) + log_volume + log_others - log_choices;
-  return std::exp(std::min(log_expected, 700.0));
+  if (count <= 3) return std::numeric_limits<double>::infinity();
+  const double k = count, log_unit = log_ball(model.dimensions, model.radius);
+  const double log_poses = std::log(model.pairs * model.orientations) + log_unit +
+                           log_moment(model, count - 1) + log_information(model, k);
+  const double log_sets = log_residuals(model.dimensions, std::max(squares, 1e-12), k) -
+                          k * log_unit - std::lgamma(k + 1);
+  return std::exp(std::min(log_poses + log_sets, 700.0));
 }
 
 }  // namespace palpate::registration

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <numeric>
 
-#include "chance_test.hpp"
+#include "chance_judge.hpp"
 #include "palpate/registration/gnc.hpp"
 #include "scorer.hpp"
 #include "star.hpp"
@@ -27,15 +27,26 @@ constexpr std::size_t kSurelyLarge = 8;
 constexpr float kNear = 2;  // bounds, within which a slightly wrong pose brings right pairs
 // Lengths of a star must agree within this many bounds, instead of the graph's 1.25.
 constexpr double kStarTolerance = 0.65;
-// A pose that chance proposes less often than kClear ends the search; in a small sample, of which
-// little is known, less often than kClearAtOnce. The quick bound may exceed an exact judgement by
-// up to kHopeless.
+// A pose that chance proposes less often than kClear ends the search; in a small sample, by the
+// quick judgement, less often than kClearAtOnce. Above kHopeless no other judgement is needed.
 constexpr double kClear = 1e-4, kClearAtOnce = 1e-8, kHopeless = 1e6;
+
+/// `count` of 0..size-1, one from each of as many equal strata, ascending.
+std::vector<int> stratified_sample(int size, int count, RandomStream random) {
+  std::vector<int> sample(static_cast<std::size_t>(std::min(size, count)));
+  const double width = static_cast<double>(size) / static_cast<double>(sample.size());
+  for (std::size_t i = 0; i < sample.size(); ++i) {
+    const double position =
+        (static_cast<double>(i) + (size > count ? random.uniform() : 0)) * width;
+    sample[i] = std::min(size - 1, static_cast<int>(position));
+  }
+  return sample;
+}
 
 /// The search over samples' stars.
 class StarSearch {
  public:
-  StarSearch(const Scorer& scorer, ChanceTest& chance, const Correspondences& all,
+  StarSearch(const Scorer& scorer, ChanceJudge& chance, const Correspondences& all,
              const ConsensusOptions& options)
       : scorer_(scorer), chance_(chance), all_(all), options_(options) {}
 
@@ -52,7 +63,6 @@ class StarSearch {
       const auto next = static_cast<std::size_t>(k);
       std::swap(order[next], order[next + random.index(order.size() - next)]);
       star.look_around(order[next]);
-      count(star, static_cast<double>(sample.size()));
       const std::vector<int> clique = clique_of(star, sample, largest);
       const bool better = !clique.empty() && propose(clique, best);
       if (exhausted(k + 1) || (better && is_clear(sample, clique))) {
@@ -70,27 +80,12 @@ class StarSearch {
     polish();
     judged_ = gain_;
     best.T_target_source = scorer_.uncentred(best_);
-    best.expected_by_chance = quick_;
-    if (quick_ >= kClear) {
-      best.expected_by_chance = chance_(best_, triples());
-    }
+    best.expected_by_chance = quick_ < kClearAtOnce ? quick_ : chance_.exact(best_);
     best.found = best.expected_by_chance < options_.false_alarm;
     return best.expected_by_chance < kClear;
   }
 
  private:
-  void count(const Star& star, double sample) {
-    triangles_ += star.triangles();
-    looked_at_ += (sample - 1) * (sample - 2) / 2;
-  }
-
-  /// Triples of all correspondences that pass the graph's gates, from the narrower ones of the
-  /// stars; a length's gate passes wrong ones in proportion to its width.
-  double triples() const {
-    const double widening = std::pow(ConsistencyOptions{}.length_tolerance / kStarTolerance, 3);
-    return widening * (triangles_ + 1) / std::max(1.0, looked_at_) * triples_of(scorer_.size());
-  }
-
   /// The star's clique in indices of the sample; empty if it is not worth a look.
   static std::vector<int> clique_of(Star& star, const std::vector<int>& sample,
                                     std::size_t& largest) {
@@ -124,7 +119,6 @@ class StarSearch {
   bool propose(const std::vector<int>& clique, Consensus& best) {
     ++best.hypotheses;
     Eigen::Isometry3d T = pose_of(clique);
-    chance_.add_pose(T);
     // The first pose of a clique is rough: half of the best gain is worth a refinement.
     if (scorer_.gain(T) < 0.5 * gain_) return false;
     const double gain = scorer_.descend(T);
@@ -136,14 +130,13 @@ class StarSearch {
     gain_ = gain;
     best_ = T;
     inliers_ = scorer_.score(T).count;
-    quick_ = chance_.quick_bound(T, triples());
+    quick_ = chance_.quick(T);
     return true;
   }
 
-  /// How often chance proposes such a pose, exactly unless that is clear or costs much.
+  /// How often chance proposes such a pose, judged only where that is not clear.
   double expected() {
-    const bool known = quick_ < kClearAtOnce || quick_ > kHopeless || !chance_.ready();
-    return known ? quick_ : chance_(best_, triples());
+    return quick_ < kClearAtOnce || quick_ > kHopeless ? quick_ : chance_.rough(best_);
   }
 
   /// A part of a few inliers fits poses about the right one too: tries what becomes of the best one
@@ -201,10 +194,9 @@ class StarSearch {
   }
 
   const Scorer& scorer_;
-  ChanceTest& chance_;
+  ChanceJudge& chance_;
   const Correspondences& all_;
   const ConsensusOptions& options_;
-  double triangles_ = 0, looked_at_ = 0;  // triples that are consistent, of how many
   Eigen::Isometry3d best_ = Eigen::Isometry3d::Identity();
   double gain_ = 0, quick_ = 1, judged_ = 0, asked_ = 0;
   int inliers_ = 0;  // of the best pose
@@ -223,7 +215,7 @@ Consensus find_consensus(const Correspondences& correspondences, const Consensus
                          const RandomStream& random) {
   const Scorer scorer(correspondences, options.noise_bound,
                       chord_bound(correspondences, options.normal_noise_deg));
-  ChanceTest chance(scorer, correspondences, options, random);
+  ChanceJudge chance(scorer, options.false_alarm, random);
   StarSearch search(scorer, chance, correspondences, options);
   Consensus best;
   best.expected_by_chance = 1;
@@ -245,11 +237,7 @@ double chance_of(const Eigen::Isometry3d& T_target_source, const Correspondences
                  const ConsensusOptions& options, const RandomStream& random) {
   const Scorer scorer(correspondences, options.noise_bound,
                       chord_bound(correspondences, options.normal_noise_deg));
-  ChanceTest chance(scorer, correspondences, options, random);
-  constexpr int kVertices = 500;
-  const auto sample = stratified_sample(scorer.size(), kVertices, random.fork("sample"));
-  const ConsistencyGraph graph = graph_of(subset(correspondences, sample), options);
-  return chance(scorer.centred(T_target_source), chance.triples_from(graph));
+  return ChanceJudge(scorer, options.false_alarm, random).exact(scorer.centred(T_target_source));
 }
 
 }  // namespace palpate::registration

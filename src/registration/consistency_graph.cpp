@@ -50,16 +50,6 @@ double ConsistencyGraph::density() const {
   return sum / (static_cast<double>(size_) * (size_ - 1));
 }
 
-double ConsistencyGraph::triangles() const {
-  double sum = 0;
-  for (int i = 0; i < size_; ++i) {
-    for_each_bit(row(i), words_, [&](int j) {
-      if (j > i) sum += common_bits(row(i), row(j), words_);
-    });
-  }
-  return sum / 3;
-}
-
 std::vector<int> grow_clique(const ConsistencyGraph& graph, int seed, int max_size) {
   std::vector<std::uint64_t> candidates(graph.row(seed), graph.row(seed) + graph.words());
   std::vector<int> clique{seed};

@@ -17,6 +17,11 @@ struct PairColumns {
   bool has_normals() const { return n[0].size() > 0; }
 };
 
+/// Point or normal i.
+inline Eigen::Vector3f at(const Eigen::ArrayXf (&axes)[3], int i) {
+  return {axes[0][i], axes[1][i], axes[2][i]};
+}
+
 /// @param source_origin, target_origin  coordinates are taken relative to these, m
 /// @param unit  m
 PairColumns columns_of(const Correspondences& correspondences, const Eigen::Vector3d& source_origin,

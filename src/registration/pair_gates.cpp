@@ -64,10 +64,6 @@ float low_cosine(float x) {
   return 1 - x2 / 2 + x2 * x2 / 24 - x2 * x2 * x2 / 720;
 }
 
-Eigen::Vector3f at(const Eigen::ArrayXf (&axes)[3], int i) {
-  return {axes[0][i], axes[1][i], axes[2][i]};
-}
-
 }  // namespace
 
 PairGates::PairGates(const PairColumns& columns, double length_tolerance, double normal_noise_deg)

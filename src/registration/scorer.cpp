@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scorer.hpp"
 
+#include <algorithm>
+#include <array>
+
 #include "bitset_rows.hpp"
 #include "nearest_rotation.hpp"
 #include "palpate/registration/quadratic_form.hpp"
@@ -77,6 +80,28 @@ Score Scorer::score(const Eigen::Isometry3d& T) const {
   return score;
 }
 
+Score Scorer::score_of_distinct(const Eigen::Isometry3d& T) const {
+  constexpr int kMost = 256;
+  const Eigen::ArrayXf all = gains(T);
+  std::vector<std::array<float, 7>> inliers;  // points and gain
+  for (int i = 0; i < size(); ++i) {
+    if (!(all[i] > 0)) continue;
+    const auto &s = columns_.s, &t = columns_.t;
+    inliers.push_back({s[0][i], s[1][i], s[2][i], t[0][i], t[1][i], t[2][i], all[i]});
+  }
+  const auto alike = [](const auto& a, const auto& b) {
+    return std::equal(a.begin(), a.end() - 1, b.begin());
+  };
+  if (inliers.size() <= kMost) {
+    std::ranges::sort(inliers);
+    inliers.erase(std::unique(inliers.begin(), inliers.end(), alike), inliers.end());
+  }
+  Score score;
+  score.count = static_cast<int>(inliers.size());
+  for (const auto& inlier : inliers) score.gain += static_cast<double>(inlier.back());
+  return score;
+}
+
 std::vector<int> Scorer::near(const Eigen::Isometry3d& T, float reach) const {
   const Eigen::ArrayXf off = squares(T, 0, size(), 0);
   std::vector<int> indices;
@@ -125,10 +150,8 @@ Eigen::Isometry3d Scorer::align(const std::vector<int>& indices) const {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   double squares = 0;
   for (const int i : indices) {
-    const Eigen::Vector3d p =
-        Eigen::Vector3f(columns_.s[0][i], columns_.s[1][i], columns_.s[2][i]).cast<double>();
-    const Eigen::Vector3d q =
-        Eigen::Vector3f(columns_.t[0][i], columns_.t[1][i], columns_.t[2][i]).cast<double>();
+    const Eigen::Vector3d p = at(columns_.s, i).cast<double>();
+    const Eigen::Vector3d q = at(columns_.t, i).cast<double>();
     covariance.noalias() += (q - y) * (p - x).transpose();
     squares += (q - y).squaredNorm() + (p - x).squaredNorm();
   }

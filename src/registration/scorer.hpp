@@ -24,12 +24,15 @@ class Scorer {
 
   int size() const { return columns_.size(); }
   int dimensions() const { return chord_bound_ > 0 ? 5 : 3; }
+  double chord_bound() const { return static_cast<double>(chord_bound_); }
 
   /// Relative to the means, in noise bounds.
   const PairColumns& columns() const { return columns_; }
 
   double gain(const Eigen::Isometry3d& T) const;
   Score score(const Eigen::Isometry3d& T) const;
+  /// Counts correspondences of equal points once; of more than some hundred inliers all.
+  Score score_of_distinct(const Eigen::Isometry3d& T) const;
 
   /// The correspondences whose residuals are at most `reach` times the bounds, ascending.
   std::vector<int> near(const Eigen::Isometry3d& T, float reach) const;

@@ -17,7 +17,6 @@ void Star::look_around(int center) {
   words_ = near_.words();
   rows_.assign(neighbours_.size() * static_cast<std::size_t>(words_), 0);
   row_.resize(std::max(row_.size(), static_cast<std::size_t>(words_)));
-  triangles_ = 0;
   for (int i = 0; i < near_.size(); ++i) {
     near_.row(i, i + 1, row_.data());
     for_each_bit(row_.data(), words_, [&](int j) { join(i, j); });
@@ -27,7 +26,6 @@ void Star::look_around(int center) {
 void Star::join(int i, int j) {
   rows_[static_cast<std::size_t>(i * words_ + j / kWordBits)] |= std::uint64_t{1} << j % kWordBits;
   rows_[static_cast<std::size_t>(j * words_ + i / kWordBits)] |= std::uint64_t{1} << i % kWordBits;
-  ++triangles_;
 }
 
 std::vector<int> Star::clique(int max_size) {

@@ -25,8 +25,6 @@ class Star {
 
   /// Consistent with the centre.
   const std::vector<int>& neighbours() const { return neighbours_; }
-  /// Triples of correspondences, the centre among them, that are all consistent.
-  double triangles() const { return triangles_; }
   /// Grown from the centre by the neighbour that keeps most others, the centre first.
   std::vector<int> clique(int max_size);
 
@@ -36,7 +34,6 @@ class Star {
   PairColumns local_;  // of the neighbours
   PairGates all_, near_;
   const PairColumns& columns_;
-  double triangles_ = 0;
   int center_ = 0, words_ = 0;
   std::vector<int> neighbours_;
   std::vector<std::uint64_t> row_, rows_, candidates_;  // rows_: among the neighbours

@@ -11,41 +11,78 @@
 namespace palpate::registration {
 namespace {
 
-TEST(Chance, GrowsWithRateTriplesAndResiduals) {
-  const ChanceModel model{.triples = 1000, .rate = 0.5, .dimensions = 3};
-  const double expected = expected_by_chance(model, 1.5, 8);
+const ChanceModel kModel{
+    .pairs = 1000, .inertia = 50 * Eigen::Matrix3d::Identity(), .hits = {500, 500}, .trials = 1000};
+
+ChanceModel with_hits(std::vector<double> hits) {
+  ChanceModel model = kModel;
+  model.hits = std::move(hits);
+  return model;
+}
+
+TEST(Chance, GrowsWithPairsRateAndResiduals) {
+  const double expected = expected_by_chance(kModel, 1.5, 8);
   EXPECT_GT(expected, 0);
-  EXPECT_NEAR(expected_by_chance({2000, 0.5, 3}, 1.5, 8), 2 * expected, 1e-9 * expected);
-  EXPECT_NEAR(expected_by_chance({1000, 1.0, 3}, 1.5, 8), std::pow(2, 5) * expected,
-              1e-9 * expected);
+  ChanceModel more = kModel;
+  more.pairs *= 2;
+  EXPECT_NEAR(expected_by_chance(more, 1.5, 8), 2 * expected, 1e-9 * expected);
+  // rate^7, whose bias is below 21 / 500
+  EXPECT_NEAR(expected_by_chance(with_hits({1000, 1000}), 1.5, 8), std::pow(2, 7) * expected,
+              0.05 * 128 * expected);
   // A ball in 3 * 8 - 6 dimensions.
-  EXPECT_NEAR(expected_by_chance(model, 3.0, 8), std::pow(2, 9) * expected, 1e-6 * expected);
-  EXPECT_LT(expected_by_chance(model, 2.0, 12), expected);
+  EXPECT_NEAR(expected_by_chance(kModel, 3.0, 8), std::pow(2, 9) * expected, 1e-6 * expected);
+  EXPECT_LT(expected_by_chance(kModel, 2.0, 12), expected);
+}
+
+TEST(Chance, PlacesThatGatherMuchCountMost) {
+  const double even = expected_by_chance(with_hits({500, 500, 500, 500}), 1.5, 8);
+  const double uneven = expected_by_chance(with_hits({2000, 0, 0, 0}), 1.5, 8);
+  EXPECT_NEAR(uneven / even, std::pow(4, 6), 0.05 * std::pow(4, 6));
+}
+
+TEST(Chance, TheRadiusOfTheRatesDoesNotMatterWhereTheyAreUniform) {
+  ChanceModel narrow = kModel;
+  narrow.radius = 0.5;
+  narrow.trials *= 8;  // a ball of an eighth of the volume gets an eighth of the rate
+  const double expected = expected_by_chance(kModel, 1.5, 8);
+  EXPECT_NEAR(expected_by_chance(narrow, 1.5, 8), expected, 1e-6 * expected);
 }
 
 TEST(Chance, FewAreAlwaysExpected) {
-  const ChanceModel model{.triples = 1000, .rate = 0.5, .dimensions = 3};
-  EXPECT_EQ(expected_by_chance(model, 0, 3), 1000);
-  EXPECT_TRUE(std::isinf(expected_by_chance(model, 0, 2)));
-  EXPECT_TRUE(std::isfinite(expected_by_chance({1e9, 1e4, 5}, 1e5, 100000)));
-  EXPECT_LT(expected_by_chance(model, 190, 1000), 1e-300);
+  EXPECT_TRUE(std::isinf(expected_by_chance(kModel, 0, 3)));
+  EXPECT_TRUE(std::isinf(expected_by_chance(kModel, 0, 2)));
+  EXPECT_TRUE(std::isfinite(expected_by_chance(with_hits({1e7}), 1e5, 100000)));
+  EXPECT_LT(expected_by_chance(kModel, 190, 1000), 1e-300);
 }
 
-// What the number says must come true: of problems without inliers, about one in e^-1 has a pose
-// that is expected less than once, one in a hundred one that is expected less than 0.01 times.
+TEST(MatchingRadius, IsThatOfABallOfTheSameMeanSquare) {
+  RandomStream random(1, "ball");
+  constexpr int kCount = 20000;
+  double squares = 0;
+  for (int i = 0; i < kCount; ++i) {
+    squares += std::pow(0.7 * std::cbrt(random.uniform()), 2);
+  }
+  EXPECT_NEAR(matching_radius(3, squares, kCount), 0.7, 0.01);
+  EXPECT_EQ(matching_radius(3, 100, 4), 1);
+  EXPECT_GT(matching_radius(3, 0, 4), 0);
+}
+
+// What the number says must come true: of problems without inliers at most one in a hundred may
+// have a pose that is expected less than 0.01 times. That many should have one expected less than
+// once is no more than that it does not refuse everything.
 TEST(Chance, IsCalibrated) {
   int below_one = 0, below_hundredth = 0;
-  constexpr int kRuns = 80;
+  constexpr int kRuns = 200;
   for (std::uint64_t seed = 0; seed < kRuns; ++seed) {
     const auto problem = testing::make_problem({.pairs = 300, .outliers = 1, .noise = 0.001},
                                                RandomStream(seed, "calibration"));
-    const auto result = register_correspondences(problem.correspondences, {.false_alarm = 1e9});
+    const auto result = register_correspondences(problem.correspondences);
     below_one += result.expected_by_chance < 1;
     below_hundredth += result.expected_by_chance < 0.01;
   }
-  EXPECT_GT(below_one, kRuns / 10);  // else it would refuse too much: 1 - 1/e of them at best
-  EXPECT_LT(below_one, kRuns * 9 / 10);
-  EXPECT_LE(below_hundredth, 5);  // 0.8 expected; more than 5 once in 4000 times
+  EXPECT_GT(below_one, kRuns / 20);
+  EXPECT_LT(below_one, kRuns * 63 / 100);  // 1 - 1/e
+  EXPECT_LE(below_hundredth, 5);           // 2 expected; more than 5 once in 60 times
 }
 
 }  // namespace

@@ -92,22 +92,5 @@ TEST(ConsistencyGraph, BadInput) {
   EXPECT_EQ(ConsistencyGraph({}, {}).size(), 0);
 }
 
-TEST(ConsistencyGraph, CountsTriangles) {
-  const auto problem = make_problem({.pairs = 150, .outliers = 0.8}, RandomStream(4, "graph"));
-  const ConsistencyGraph graph(problem.correspondences, {});
-  int triangles = 0, edges = 0;
-  for (int i = 0; i < 150; ++i) {
-    for (int j = i + 1; j < 150; ++j) {
-      EXPECT_EQ(graph.joined(i, j), graph.joined(j, i));
-      edges += graph.joined(i, j);
-      for (int k = j + 1; k < 150; ++k) {
-        triangles += graph.joined(i, j) && graph.joined(j, k) && graph.joined(i, k);
-      }
-    }
-  }
-  EXPECT_EQ(graph.triangles(), triangles);
-  EXPECT_NEAR(graph.density(), edges / (150 * 149 / 2.0), 1e-12);
-}
-
 }  // namespace
 }  // namespace palpate::registration

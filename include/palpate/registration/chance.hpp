@@ -1,32 +1,50 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Core>
+#include <numbers>
+#include <vector>
+
 namespace palpate::registration {
 
-/// What wrong correspondences alone would bring about.
+/// How closely wrong correspondences agree with the poses that there are: sources and targets
+/// paired at random. Lengths are in noise bounds.
 struct ChanceModel {
-  /// Triples of correspondences that are consistent by chance; each proposes a pose.
-  double triples = 0;
-  /// Correspondences that a pose has within the bound by chance, on average.
-  double rate = 0;
-  /// Dimension of one residual: 3 for positions, 5 with normals.
-  int dimensions = 3;
+  int dimensions = 3;  ///< of one residual: 3 for positions, 5 with normals
+  double pairs = 0;    ///< correspondences
+  /// What one pair leaves free of the rotation: 8 pi^2, all of SO(3); with normals that agree to a
+  /// chord c, 2 pi c^2.
+  double orientations = 8 * std::numbers::pi * std::numbers::pi;
+  /// What a pair tells of the rotation on average by its position (inertia of the sources about
+  /// their mean, a share 1 / pairs each) and by its normal.
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Identity();
+  Eigen::Matrix3d normal_information = Eigen::Matrix3d::Zero();
+  double radius = 1;  ///< rates count residuals in a ball of this radius
+  /// At poses at which one random pair agrees to within the radius: how often other sources and
+  /// targets did so in as many random pairings that hits / trials is the rate, the number of
+  /// agreements among all pairs.
+  std::vector<double> hits;
+  double trials = 1;
 };
+
+/// Radius of the ball whose uniform residuals have the mean square that k residuals with a sum of
+/// squares S have after a pose was fitted to them; at most 1.
+double matching_radius(int dimensions, double squares, int count);
 
 /// Expected number of poses about which chance gathers such a consensus (an a-contrario test in the
 /// sense of Desolneux, Moisan & Morel 2000; Moisan & Stival 2004, with the residuals instead of
 /// their largest).
 ///
-/// Residuals are in units of the bound. Those of wrong correspondences have uniform density, so
-/// that sets of k that fit a pose with a sum of squared residuals up to S are counted by a volume:
-/// the ball of radius sqrt(S) in d k - 6 dimensions, the pose taking up 6. The count starts from
-/// that of the triples that pass the consistency graph's gates, each of a known volume in 3 d - 6
-/// dimensions; every further correspondence brings the density rate / volume of the unit ball. The
-/// k choose 3 triples of a set are one pose, and a pose held by k instead of 3 correspondences
-/// yields less to each of them, by (k / 3)^3 in all: the root of the ratio of the determinants of
-/// the information.
+/// With residuals of wrong pairs of the density rate(T) / V_d(radius) at pose T, the sets of k
+/// whose squares about their best pose sum up to at most S number (a tube about the poses, Weyl)
+///
+///   1 / k! V_d(radius)^-k  integral of rate(T)^k sqrt(det H_k) dT over SE(3)  V_{d k - 6}(sqrt S)
+///
+/// where V_n(r) is the volume of a ball in n dimensions, and H_k the information of k pairs. Poses
+/// at which a random pair agrees come with the density rate(T), which makes the integral
+/// pairs * orientations * V_d(radius) * mean of rate^(k - 1) over them.
 /// @param squares  S, sum of the squared residuals of the inliers, d-dimensional
-/// @param count  k, inliers; fewer than three are always expected
+/// @param count  k, inliers; up to three are always expected (infinitely often)
 double expected_by_chance(const ChanceModel& model, double squares, int count);
 
 }  // namespace palpate::registration

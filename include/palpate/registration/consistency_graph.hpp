@@ -30,8 +30,6 @@ class ConsistencyGraph {
   bool joined(int i, int j) const { return row(i)[j / 64] >> (j % 64) & 1; }
   /// Share of all pairs of vertices that are joined; 0 for fewer than two vertices.
   double density() const;
-  /// Number of triples of vertices that are all joined.
-  double triangles() const;
 
   /// Neighbours of vertex i, 64 to a word.
   const std::uint64_t* row(int i) const { return bits_.data() + std::ptrdiff_t{i} * words_; }

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pairing_rates.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "palpate/core/se3.hpp"
+
+namespace palpate::registration {
+namespace {
+
+constexpr int kMostCells = 48;  // an axis
+constexpr double kBall3 = 4 * std::numbers::pi / 3;
+constexpr double kBall5 = 8 * std::numbers::pi * std::numbers::pi / 15;
+
+}  // namespace
+
+PairingRates::PairingRates(const PairColumns& columns, double chord_bound, double radius)
+    : columns_(columns) {
+  Eigen::Vector3f high;
+  for (int a = 0; a < 3; ++a) {
+    low_[a] = columns.t[a].minCoeff();
+    high[a] = columns.t[a].maxCoeff();
+  }
+  const double fine = radius * std::cbrt(kBall3);
+  const double side =
+      std::max(fine, static_cast<double>((high - low_).maxCoeff()) / (kMostCells - 1));
+  side_ = static_cast<float>(side);
+  coarseness_ = std::pow(side / fine, 3);
+  if (chord_bound > 0) {
+    const double squared = kBall5 / kBall3 / std::numbers::pi;  // a disc of this makes up the rest
+    chord_squared_ = static_cast<float>(squared * radius * radius * chord_bound * chord_bound);
+  }
+  cells_ = ((high - low_) / side_).array().cast<int>() + 1;
+  std::vector<int> cell_of(static_cast<std::size_t>(columns.size()));
+  first_.assign(static_cast<std::size_t>(cells_.prod()) + 1, 0);
+  for (int j = 0; j < columns.size(); ++j) {
+    const int c = cell(at(columns.t, j));
+    cell_of[static_cast<std::size_t>(j)] = c;
+    ++first_[static_cast<std::size_t>(c)];
+  }
+  for (std::size_t c = 1; c < first_.size(); ++c) first_[c] += first_[c - 1];
+  targets_.resize(cell_of.size());
+  for (int j = columns.size() - 1; j >= 0; --j) {
+    const auto c = static_cast<std::size_t>(cell_of[static_cast<std::size_t>(j)]);
+    targets_[static_cast<std::size_t>(--first_[c])] = j;
+  }
+}
+
+/// -1 outside of the grid.
+int PairingRates::cell(const Eigen::Vector3f& p) const {
+  const Eigen::Array3f x = (p - low_).array() / side_;
+  const Eigen::Array3f size = cells_.cast<float>();
+  if (!((x >= 0).all() && (x < size).all())) return -1;
+  const Eigen::Array3i i = x.cast<int>();
+  return (i[0] * cells_[1] + i[1]) * cells_[2] + i[2];
+}
+
+int PairingRates::propose(RandomStream& random, Eigen::Isometry3d& T) const {
+  const auto size = static_cast<std::size_t>(columns_.size());
+  const int source = static_cast<int>(random.index(size)),
+            target = static_cast<int>(random.index(size));
+  T.linear() = random.rotation();
+  if (chord_squared_ > 0) {
+    const double reach = std::sqrt(static_cast<double>(chord_squared_) * random.uniform());
+    const double direction = random.uniform(0, 2 * std::numbers::pi);
+    const Eigen::Matrix3d frame = frame_with_z(at(columns_.m, target).cast<double>());
+    const Eigen::Vector3d tilted =
+        frame * Eigen::Vector3d(reach * std::cos(direction), reach * std::sin(direction), 1);
+    const Eigen::AngleAxisd roll(random.uniform(0, 2 * std::numbers::pi), Eigen::Vector3d::UnitZ());
+    T.linear() = frame_with_z(tilted.normalized()) * roll.toRotationMatrix() *
+                 frame_with_z(at(columns_.n, source).cast<double>()).transpose();
+  }
+  const auto half = 0.5 * static_cast<double>(side_);
+  Eigen::Vector3d there = at(columns_.t, target).cast<double>();
+  for (int a = 0; a < 3; ++a) there[a] += random.uniform(-half, half);
+  T.translation() = there - T.linear() * at(columns_.s, source).cast<double>();
+  return source;
+}
+
+int PairingRates::hits(const Eigen::Isometry3d& T, int first, int step, int count) const {
+  const Eigen::Matrix3f R = T.linear().cast<float>();
+  const Eigen::Vector3f t = T.translation().cast<float>();
+  const int size = columns_.size();
+  int total = 0, i = first % size;
+  for (int k = 0; k < count; ++k) {
+    const int c = cell(R * at(columns_.s, i) + t);
+    if (c >= 0) total += agreements(R, i, c);
+    i += step;
+    while (i >= size) i -= size;
+  }
+  return total;
+}
+
+int PairingRates::agreements(const Eigen::Matrix3f& R, int source, int cell) const {
+  const int begin = first_[static_cast<std::size_t>(cell)],
+            end = first_[static_cast<std::size_t>(cell) + 1];
+  if (!(chord_squared_ > 0) || begin == end) return end - begin;
+  const Eigen::Vector3f n = R * at(columns_.n, source);
+  int total = 0;
+  for (int k = begin; k < end; ++k) {
+    const Eigen::Vector3f m = at(columns_.m, targets_[static_cast<std::size_t>(k)]);
+    total += (n - m).squaredNorm() < chord_squared_;
+  }
+  return total;
+}
+
+}  // namespace palpate::registration

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Geometry>
+#include <vector>
+
+#include "pair_columns.hpp"
+#include "palpate/core/random.hpp"
+
+namespace palpate::registration {
+
+/// Which sources and targets, paired at random, agree at a pose.
+///
+/// Agreement is to lie in the same cube of a grid, and with normals to differ by a chord, which
+/// together have the volume of the ball of that radius: a look-up a source instead of one a pair.
+/// Of clouds that are large for the radius the cubes are too, and weigh less.
+class PairingRates {
+ public:
+  /// @param columns  in noise bounds, at least one pair, to outlive this
+  /// @param chord_bound  chord that counts as 1; 0: normals are not used
+  /// @param radius  of the ball, in bounds
+  PairingRates(const PairColumns& columns, double chord_bound, double radius);
+
+  /// A pose that makes one random pair agree and leaves the rest to chance.
+  /// @return its source
+  int propose(RandomStream& random, Eigen::Isometry3d& T) const;
+
+  /// Agreements of the sources first, first + step, .. (count of them, from the start again past
+  /// the end), each with all targets.
+  int hits(const Eigen::Isometry3d& T, int first, int step, int count) const;
+
+  /// Volume of what counts as agreement, over that of the ball.
+  double coarseness() const { return coarseness_; }
+
+ private:
+  int cell(const Eigen::Vector3f& p) const;
+  int agreements(const Eigen::Matrix3f& R, int source, int cell) const;
+
+  const PairColumns& columns_;
+  float side_ = 1, chord_squared_ = 0;  // 0: without normals
+  double coarseness_ = 1;
+  Eigen::Vector3f low_ = Eigen::Vector3f::Zero();
+  Eigen::Array3i cells_ = Eigen::Array3i::Ones();
+  std::vector<int> first_,
+      targets_;  // of cell c: targets_[first_[c]] .. targets_[first_[c + 1] - 1]
+};
+
+}  // namespace palpate::registration

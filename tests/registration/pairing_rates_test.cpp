@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "../../src/registration/pairing_rates.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "../../src/registration/chance_judge.hpp"
+#include "../../src/registration/consensus.hpp"
+#include "problems.hpp"
+
+namespace palpate::registration {
+namespace {
+
+using testing::make_problem;
+
+constexpr double kBound = 0.004;
+
+/// Pairs of any source and any target that agree, joint ball of position and chord.
+double agreements(const PairColumns& c, const Eigen::Isometry3d& T, double radius, double chord) {
+  double count = 0;
+  for (int i = 0; i < c.size(); ++i) {
+    const Eigen::Vector3f p = T.cast<float>() * at(c.s, i);
+    for (int j = 0; j < c.size(); ++j) {
+      auto squares = static_cast<double>((p - at(c.t, j)).squaredNorm());
+      if (chord > 0) {
+        const Eigen::Vector3f n = T.linear().cast<float>() * at(c.n, i);
+        squares += static_cast<double>((n - at(c.m, j)).squaredNorm()) / (chord * chord);
+      }
+      count += squares < radius * radius;
+    }
+  }
+  return count;
+}
+
+TEST(PairingRates, CountAsABallOfThatRadius) {
+  for (const bool normals : {false, true}) {
+    const auto problem =
+        make_problem({.pairs = 200, .outliers = 1, .box_outliers = true, .normals = normals},
+                     RandomStream(1, "rates"));
+    const double chord = chord_bound(problem.correspondences, normals ? 10 : 0);
+    const Scorer scorer(problem.correspondences, kBound, chord);
+    for (const double radius : {1.2, 1.6, 2.0}) {
+      const PairingRates rates(scorer.columns(), chord, radius);
+      EXPECT_NEAR(rates.coarseness(), 1, 1e-9);
+      RandomStream random(2, "rates");
+      double hits = 0, expected = 0;
+      for (int k = 0; k < 300; ++k) {
+        Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+        rates.propose(random, T);
+        // Away from the proposed pair, at which the cube and the ball differ.
+        T.translation() += 3 * random.normal3();
+        hits += rates.hits(T, 0, 1, 200);
+        expected += agreements(scorer.columns(), T, radius, chord);
+      }
+      ASSERT_GT(expected, 50);
+      EXPECT_NEAR(hits / expected, 1, 5 * std::sqrt(2 / expected)) << normals << " " << radius;
+    }
+  }
+}
+
+TEST(PairingRates, ProposalsMakeAPairAgree) {
+  for (const bool normals : {false, true}) {
+    const auto problem =
+        make_problem({.pairs = 60, .outliers = 1, .normals = normals}, RandomStream(3, "rates"));
+    const double chord = chord_bound(problem.correspondences, normals ? 5 : 0);
+    const Scorer scorer(problem.correspondences, kBound, chord);
+    const PairingRates rates(scorer.columns(), chord, 1);
+    RandomStream random(4, "rates");
+    for (int k = 0; k < 100; ++k) {
+      Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+      const int source = rates.propose(random, T);
+      EXPECT_LT((T.linear() * T.linear().transpose() - Eigen::Matrix3d::Identity()).norm(), 1e-6);
+      EXPECT_NEAR(T.linear().determinant(), 1, 1e-6);
+      double nearest = 1e9;
+      for (int j = 0; j < scorer.size(); ++j) {
+        const Eigen::Vector3d p = T * at(scorer.columns().s, source).cast<double>();
+        const Eigen::Vector3d q = at(scorer.columns().t, j).cast<double>();
+        double chords = 0;
+        if (normals) {
+          const Eigen::Vector3d n = T.linear() * at(scorer.columns().n, source).cast<double>();
+          chords = (n - at(scorer.columns().m, j).cast<double>()).norm() / chord;
+        }
+        nearest = std::min(nearest, std::max((p - q).norm(), chords));
+      }
+      EXPECT_LT(nearest, 1.5);  // half the cube's diagonal is 1.4
+    }
+  }
+}
+
+TEST(PairingRates, CloudsLargeForTheRadiusGetACoarseGrid) {
+  const auto problem = make_problem({.pairs = 50, .outliers = 1}, RandomStream(5, "rates"));
+  const Scorer scorer(problem.correspondences, 1e-9, 0);
+  const PairingRates rates(scorer.columns(), 0, 1);
+  EXPECT_GT(rates.coarseness(), 1e6);
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  RandomStream random(6, "rates");
+  rates.propose(random, T);
+  EXPECT_GE(rates.hits(T, 0, 1, 50), 0);
+}
+
+TEST(ChanceJudge, CopiesAreNoEvidence) {
+  auto problem =
+      make_problem({.pairs = 200, .outliers = 0.97, .noise = 0.001}, RandomStream(7, "rates"));
+  auto& c = problem.correspondences;
+  const RandomStream random(8, "rates");
+  const auto judged = [&] {
+    const Scorer scorer(c, kBound, 0);
+    return ChanceJudge(scorer, 0.01, random).exact(scorer.centred(problem.truth));
+  };
+  const double once = judged();
+  for (int copies = 0; copies < 2; ++copies) {
+    for (std::size_t i = 0; i < 200; ++i) {
+      c.source.push_back(c.source[i]);
+      c.target.push_back(c.target[i]);
+    }
+  }
+  EXPECT_GT(once, 0);
+  EXPECT_GE(judged(), once);
+}
+
+}  // namespace
+}  // namespace palpate::registration
