@@ -21,6 +21,7 @@ constexpr double kTopClearance = 0.003;  // m above the table where it ends at t
 constexpr double kClear = 0.06;          // m up from where the fingers landed on top
 constexpr double kSafeHeight = 0.34;     // m of the base while it travels
 constexpr double kTipContact = 0.10;     // N at which a finger counts as touching
+constexpr double kTakenBack = 0.7;       // of a finger's torque, at its touch
 constexpr int kLostTicks = 10;
 constexpr std::size_t kTouchReadings = 15;
 constexpr double kTouchSeconds = kTouchReadings * hand::kTick;
@@ -33,6 +34,21 @@ hand::BasePosition base_at(const PickState& state, const GraspRecipe& recipe, do
   const Eigen::Rotation2Dd turn(state.yaw);
   const Eigen::Vector2d xy = state.place + turn * Eigen::Vector2d(ahead, left);
   return {{xy.x(), xy.y(), height}, {state.yaw, recipe.pitch, recipe.roll}};
+}
+
+/// The fingers' command when some of them give back most of the torque that they close with, which
+/// would push the object on.
+hand::ActuatorVector relaxed(const Robot& robot, const std::array<bool, hand::kFingers>& fingers) {
+  hand::ActuatorVector positions = robot.command().positions;
+  for (int i = 0; i < hand::kActuators; ++i) {
+    const int finger = hand::finger_of_actuator(i);
+    if (finger < 0 || !fingers[static_cast<std::size_t>(finger)]) continue;
+    const auto& actuator = robot.actuators()[static_cast<std::size_t>(i)];
+    const double lead = robot.reading().torques[i] / actuator.stiffness;
+    positions[i] =
+        std::clamp(positions[i] - kTakenBack * lead, actuator.command.low, actuator.command.high);
+  }
+  return positions;
 }
 
 /// Which fingers are done: they touch, or their command, which never leads the joint by more than
@@ -51,6 +67,7 @@ class FingersDone {
       stuck_[finger] = stuck_[finger] || still_[finger] > kStillTicks;
     }
   }
+  const std::array<bool, hand::kFingers>& touches() const { return touches_; }
   bool done(std::size_t finger) const { return touches_[finger] || stuck_[finger]; }
   bool all() const { return touching() + stuck() == hand::kFingers; }
   std::array<bool, hand::kFingers> still_closing() const {
@@ -215,12 +232,16 @@ void GraspPhase::descend(Robot& robot, const PickState& state) const {
 void GraspPhase::close(Robot& robot, const GraspRecipe& recipe) const {
   const hand::ClosingLaw law(robot.actuators(), recipe.closing_rate, recipe.thumb_limit);
   FingersDone done;
+  std::array<bool, hand::kFingers> met{};  // in the tick before
   const double end = robot.time() + options_.longest_close;
   while (robot.time() < end && !done.all()) {
     robot.set_grip(Grip{law, recipe.contact_torque, done.still_closing()});
-    if (robot.wait(hand::kTick) == MotionEnd::timed_out) return;
+    if (robot.move_fingers(relaxed(robot, met), hand::kTick) == MotionEnd::timed_out) return;
+    const auto touched = done.touches();
     done.update(robot.reading(), robot.command());
+    for (std::size_t i = 0; i < met.size(); ++i) met[i] = done.touches()[i] && !touched[i];
   }
+  robot.move_fingers(relaxed(robot, met), hand::kTick);
   robot.set_grip(std::nullopt);
   robot.wait(kTouchSeconds);
   robot.mark(Mark::closed);

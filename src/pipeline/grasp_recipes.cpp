@@ -42,7 +42,7 @@ GraspRecipe top_recipe() {
   recipe.distal = 0.540;
   recipe.spread = 0.087;
   recipe.little_base = 0.1;
-  recipe.closing_rate = 1.0;
+  recipe.closing_rate = 0.5;
   recipe.thumb_limit = 0.718;
   recipe.wait_for_all = false;
   recipe.contact_torque = {0.117, 0.082, 0.117, 0.082};

@@ -64,7 +64,7 @@ struct GraspOptions {
   double least_depth = 0.02;      ///< m below the object's top that the fingers must reach
   double closing_angle = -0.35;   ///< from thumb to fingers, from the hand's x axis, rad
   double travel_speed = 0.5;      ///< m/s
-  double longest_close = 5.0;     ///< s until all fingers have met the object
+  double longest_close = 8.0;     ///< s until all fingers have met the object
   double ramp_seconds = 0.8;      ///< from touching to pressing
   double press_per_weight = 3.0;  ///< of all fingertips together, by the object's weight
   double least_press = 5.0;       ///< N
