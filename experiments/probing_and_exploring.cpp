@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <span>
+
+#include "experiment.hpp"
+#include "palpate/core/statistics.hpp"
+#include "palpate/pipeline/locate_phase.hpp"
+#include "palpate/pipeline/trial.hpp"
+#include "palpate/simulation/world.hpp"
+#include "palpate/touch/contact_window.hpp"
+
+namespace {
+
+using namespace palpate;
+using namespace palpate::pipeline;
+
+constexpr double kExploreSeconds = 120;  // s of the robot's time that 16 contacts may take
+constexpr std::size_t kExploreTouches = 16;
+constexpr double kElsewhere = 0.004;   // m between spots of a finger that are not the same
+constexpr std::size_t kWindow = 15;    // readings of a touch that are averaged
+constexpr double kHeldMotion = 0.010;  // m in the hand that a kept object moves in the lift
+constexpr double kLifted = 0.05;       // m
+constexpr double kGravity = 9.81;      // m/s^2
+constexpr double kDegrees = 180 / std::numbers::pi;
+
+/// How far an object went between two moments.
+struct Motion {
+  double way = 0;   ///< m, of the centroid
+  double turn = 0;  ///< rad
+};
+
+Motion between(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
+  return {(b.translation() - a.translation()).norm(), rotation_distance(a.linear(), b.linear())};
+}
+
+/// A simulated hand at work on an object, with the truth of every tick.
+class Scene {
+ public:
+  Scene(const geometry::KnownObject& object, std::uint64_t seed)
+      : world_(object, {}, seed), robot_(make_robot(object, seed)) {}
+
+  Robot& robot() { return robot_; }
+  std::size_t now() const { return truths_.size() - 1; }
+  double lowest() const { return world_.truth().lowest_point; }
+  const Eigen::Isometry3d& in_world(std::size_t tick) const { return truths_[tick]; }
+  Eigen::Isometry3d in_hand(std::size_t tick) const {
+    return robot_.log().readings[tick].base.pose().inverse() * truths_[tick];
+  }
+
+ private:
+  Robot make_robot(const geometry::KnownObject& object, std::uint64_t seed) {
+    world_.reset(draw_start(object, {}, seed), waiting_command());
+    const auto note = [this](const auto&, const auto&) {
+      truths_.push_back(world_.truth().T_world_object);
+    };
+    return {world_.hand(), world_.hand_model(), waiting_command(), {note, {}}};
+  }
+
+  simulation::World world_;
+  std::vector<Eigen::Isometry3d> truths_;  // T_world_object, one a reading
+  Robot robot_;
+};
+
+struct Exploring {
+  Motion motion;
+  std::size_t contacts = 0;  // within the time allowed
+};
+
+Exploring explore(Scene& scene, PickState& state, const localization::ObjectModel& model,
+                  std::size_t touches, std::uint64_t seed) {
+  const PickOptions defaults;
+  ExploreOptions options = defaults.explore;
+  options.touches = options.most_touches = static_cast<int>(touches);  // as pick --explore does
+  const std::size_t first = scene.now();
+  ExplorePhase phase(model, options, defaults.locate, seed);
+  run_phase(phase, scene.robot(), state);
+  Exploring result;
+  result.motion = between(scene.in_world(first), scene.in_world(scene.now()));
+  for (const std::size_t touch : scene.robot().log().all(Mark::touched)) {
+    result.contacts +=
+        touch > first && static_cast<double>(touch - first) * hand::kTick < kExploreSeconds;
+  }
+  return result;
+}
+
+struct Probing {
+  Motion motion;                // in the hand, from before the first touch to after the last
+  std::vector<Motion> of_each;  // from before a touch until the finger is back
+  std::vector<double> found;    // new contacts of each finger that probed
+  bool kept = false;            // and lifted
+};
+
+std::vector<touch::Contact> contacts_at(const Robot& robot, std::size_t reading) {
+  const std::span<const hand::HandReading> readings(robot.log().readings);
+  return touch::lasting_contacts(readings.subspan(reading + 1 - kWindow, kWindow), robot.model(),
+                                 {});
+}
+
+/// The contacts of each finger that are away from all that it had before: those of a finger that
+/// held all the time are old.
+std::vector<double> new_contacts(const Robot& robot, std::size_t closed,
+                                 const std::vector<std::size_t>& probes) {
+  std::array<std::vector<Eigen::Vector3d>, hand::kFingers> known;
+  std::array<int, hand::kFingers> found{};
+  for (const auto& contact : contacts_at(robot, closed)) {
+    known[static_cast<std::size_t>(contact.finger)].push_back(contact.p);
+  }
+  for (const std::size_t probe : probes) {
+    for (const auto& contact : contacts_at(robot, probe)) {
+      const auto finger = static_cast<std::size_t>(contact.finger);
+      const bool is_new = std::none_of(
+          known[finger].begin(), known[finger].end(),
+          [&](const Eigen::Vector3d& p) { return (p - contact.p).norm() < kElsewhere; });
+      if (!is_new) continue;
+      known[finger].push_back(contact.p);
+      ++found[finger];
+    }
+  }
+  std::vector<double> counts;
+  for (const int count : found) {
+    if (count > 0) counts.push_back(count);
+  }
+  return counts;
+}
+
+bool lift(Scene& scene, PickState& state, double weight) {
+  const Eigen::Isometry3d before = scene.in_hand(scene.now());
+  LiftPhase phase({}, weight);
+  run_phase(phase, scene.robot(), state);
+  return scene.lowest() > kLifted && between(before, scene.in_hand(scene.now())).way < kHeldMotion;
+}
+
+/// Probes as often as it may, whether or not the pose is in doubt.
+/// @return nothing if no pose was found in the closed hand
+std::optional<Probing> probe(Scene& scene, PickState& state, const localization::ObjectModel& model,
+                             int most, std::uint64_t seed) {
+  PickOptions options;
+  options.probe.most = most;
+  options.probe.certain = 1;
+  options.probe.least_information = 0;
+  GraspPhase grasp(options.grasp, model);
+  LocatePhase locate_closed(model, options.locate, seed, Mark::closed);
+  if (run_phase(grasp, scene.robot(), state).status != PhaseStatus::ok) return std::nullopt;
+  if (run_phase(locate_closed, scene.robot(), state).status != PhaseStatus::ok) return std::nullopt;
+  const double weight = model.object().mass * kGravity;
+  const std::size_t first = scene.now();
+  ProbePhase phase(model, options.probe, options.locate, weight, seed);
+  run_phase(phase, scene.robot(), state);
+  const auto closed = scene.robot().log().all(Mark::closed);  // also after each touch
+  const auto probes = scene.robot().log().all(Mark::probed);
+  Probing result;
+  result.motion = between(scene.in_hand(first), scene.in_hand(scene.now()));
+  for (std::size_t i = 0; i < probes.size(); ++i) {
+    result.of_each.push_back(
+        between(scene.in_hand(i == 0 ? first : closed[i]), scene.in_hand(closed[i + 1])));
+  }
+  result.found = new_contacts(scene.robot(), closed.front(), probes);
+  result.kept = lift(scene, state, weight);
+  return result;
+}
+
+std::string median_p95(const std::vector<double>& values) {
+  if (values.empty()) return "-";
+  return fmt::format("{:.2f} / {:.2f}", median(values), quantile(values, 0.95));
+}
+
+/// All runs of an object.
+struct Tally {
+  std::vector<double> contacts, way_mm, turn_deg;                 // of exploring
+  std::vector<double> found, each_mm, each_deg, all_mm, all_deg;  // of probing
+  std::size_t touches = 0, probed = 0, kept = 0;
+
+  void add(const Exploring& run) {
+    contacts.push_back(static_cast<double>(run.contacts));
+    way_mm.push_back(1e3 * run.motion.way);
+    turn_deg.push_back(kDegrees * run.motion.turn);
+  }
+  void add(const Probing& run) {
+    if (run.of_each.empty()) return;
+    ++probed;
+    kept += run.kept;
+    touches += run.of_each.size();
+    found.insert(found.end(), run.found.begin(), run.found.end());
+    all_mm.push_back(1e3 * run.motion.way);
+    all_deg.push_back(kDegrees * run.motion.turn);
+    for (const Motion& motion : run.of_each) {
+      each_mm.push_back(1e3 * motion.way);
+      each_deg.push_back(kDegrees * motion.turn);
+    }
+  }
+};
+
+void run(const experiment::Options& options) {
+  const int trials = options.quick ? 1 : 8;
+  const std::size_t touches = options.quick ? 4 : kExploreTouches;
+  const int probes = options.quick ? 1 : 6;
+  const std::vector<std::string> names =
+      options.quick ? std::vector<std::string>{"box"}
+                    : std::vector<std::string>{"mug", "bottle", "box", "bracket", "bunny"};
+  experiment::Table explored({"object", "runs", "contacts in 120 s: median", "least",
+                              "moved mm: median / p95", "turned deg: median / p95"});
+  experiment::Table probed({"object", "runs probed", "touches", "new contacts a finger: mean",
+                            "a touch moves mm: median / p95", "turns deg", "all touches move mm",
+                            "turn deg", "kept and lifted"});
+  for (const std::string& name : names) {
+    const localization::ObjectModel model(geometry::load_known_object(name));
+    Tally tally;
+    for (int i = 0; i < trials; ++i) {
+      const std::uint64_t seed = options.seed + static_cast<std::uint64_t>(i);
+      Scene scene(model.object(), seed);
+      PickState state;
+      FeelPhase feel{FeelOptions{}};
+      if (run_phase(feel, scene.robot(), state).status != PhaseStatus::ok) continue;
+      tally.add(explore(scene, state, model, touches, seed));
+      if (const auto run = probe(scene, state, model, probes, seed)) tally.add(*run);
+    }
+    explored.add_row(
+        {name, std::to_string(tally.contacts.size()),
+         tally.contacts.empty() ? "-" : fmt::format("{:.0f}", median(tally.contacts)),
+         tally.contacts.empty() ? "-" : fmt::format("{:.0f}", quantile(tally.contacts, 0)),
+         median_p95(tally.way_mm), median_p95(tally.turn_deg)});
+    probed.add_row({name, std::to_string(tally.probed), std::to_string(tally.touches),
+                    tally.found.empty() ? "-" : fmt::format("{:.1f}", mean(tally.found)),
+                    median_p95(tally.each_mm), median_p95(tally.each_deg), median_p95(tally.all_mm),
+                    median_p95(tally.all_deg), fmt::format("{} of {}", tally.kept, tally.probed)});
+  }
+  explored.publish(options, "exploring", "Touching the resting object 16 times");
+  probed.publish(options, "probing", "Touching other spots of the held object");
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return experiment::run(argc, argv, "probing_and_exploring",
+                         "How many contacts touching before the grasp and probing in it bring, and "
+                         "by how much they move the object, by the simulator's truth",
+                         run);
+}
