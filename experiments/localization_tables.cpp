@@ -31,6 +31,7 @@ struct Cell {
   SceneEvidenceOptions evidence;
   double scale = 1;  // of the true object, the search believing it is 1
   bool no_normals = false;
+  int effort = 1;  // times the usual numbers of proposals and particles
 };
 
 /// What became of one search.
@@ -42,7 +43,9 @@ struct Outcome {
 };
 
 Cell cell(const std::string& name, int contacts, bool table, bool hand, bool swept) {
-  Cell result{name, table, 0, {}, 1, false};
+  Cell result;
+  result.name = name;
+  result.table = table;
   result.evidence.contacts = contacts;
   result.evidence.hand = hand;
   result.evidence.swept = swept;
@@ -53,6 +56,14 @@ std::vector<Cell> main_cells() {
   return {cell("K5 free, none", 5, false, false, false), cell("K5 free", 5, false, true, true),
           cell("K10 free", 10, false, true, true),       cell("K20 free", 20, false, true, true),
           cell("K5 table", 5, true, true, true),         cell("K10 table", 10, true, true, true)};
+}
+
+/// Whether the search misses what is there to be found.
+std::vector<Cell> effort_cells() {
+  std::vector<Cell> cells(2, cell("K10 free", 10, false, true, true));
+  cells[1].name += ", ten times the particles";
+  cells[1].effort = 10;
+  return cells;
 }
 
 std::vector<Cell> ablation_cells() {
@@ -139,7 +150,10 @@ Outcome run_one(const Bench& bench, const Subject& subject, const Subject& belie
   if (cell.no_normals) {
     for (auto& contact : evidence.contacts) contact.normal_sigma = 100;
   }
-  return judged(localize_fast(believed.model, evidence, random.fork("search")), scene.truth,
+  LocalizerOptions search;
+  search.proposals *= cell.effort;
+  search.particles *= cell.effort;
+  return judged(localize_fast(believed.model, evidence, random.fork("search"), search), scene.truth,
                 believed.model.object());
 }
 
@@ -280,6 +294,7 @@ void tables(const experiment::Options& options) {
   publish_calibration(bench, pool);
   publish_table(bench, wrong_cells(), "wrong", "false contacts and wrong assumptions", others);
   publish_table(bench, ablation_cells(), "ablation", "each kind of evidence, 10 contacts", others);
+  publish_table(bench, effort_cells(), "effort", "more particles", others);
   publish_success(bench);
 }
 
