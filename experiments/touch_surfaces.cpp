@@ -25,7 +25,7 @@ constexpr double kSettle = 1;  // s from the start that are not judged
 
 /// Normals of one kind, with their errors (deg) where the truth is known.
 struct Normals {
-  std::vector<Eigen::Vector3d> n;
+  std::vector<touch::NormalAt> felt;
   std::vector<double> error_deg, nees;
 };
 
@@ -37,13 +37,14 @@ struct Slide {
   std::vector<std::size_t> clusters;  // how many were found each time
 };
 
-void judge(const Eigen::Vector3d& n, const std::vector<Eigen::Vector3d>& truth,
+void judge(const touch::NormalAt& felt, const std::vector<Eigen::Vector3d>& truth,
            const std::optional<Eigen::Matrix3d>& covariance, Normals& normals) {
   if (truth.empty()) return;
+  const Eigen::Vector3d& n = felt.n;
   const auto& nearest =
       *std::min_element(truth.begin(), truth.end(),
                         [&](const auto& a, const auto& b) { return a.dot(n) > b.dot(n); });
-  normals.n.push_back(n);
+  normals.felt.push_back(felt);
   normals.error_deg.push_back(touch::angle_deg(n, nearest));
   if (covariance) {
     normals.nees.push_back(touch::normalised_error_squared(n, nearest, *covariance));
@@ -59,6 +60,7 @@ class SlideJudge {
     truth_.push_back(tick.true_normals);
     if (reading.time > kSettle) take_raw(reading);
     const auto sample = maker_.next(touch::finger_frame(reading, hand_, kFinger));
+    points_.push_back(sample.p);
     ++slide_.samples;
     slide_.flagged += sample.flags.any();
     take_estimate("s2", filter_.update(sample));
@@ -78,12 +80,12 @@ class SlideJudge {
       slide_.forces.push_back(f);
       slide_.torques.push_back((T * contact.p - T * hand_.tips[finger].b).cross(f));
       recent_.push_back({T * contact.p, T.linear() * contact.n});
-      judge(recent_.back().n, truth_.back(), {}, slide_.normals["raw"]);
+      judge(recent_.back(), truth_.back(), {}, slide_.normals["raw"]);
     }
     if (++ticks_ % kClusterTicks != 0) return;
     const auto clusters = touch::cluster_normals(recent_);
     for (const auto& cluster : clusters) {
-      judge(cluster.n, truth_.back(), {}, slide_.normals["clustered"]);
+      judge({cluster.p, cluster.n}, truth_.back(), {}, slide_.normals["clustered"]);
     }
     slide_.clusters.push_back(clusters.size());
     recent_.clear();
@@ -92,7 +94,8 @@ class SlideJudge {
   void take_estimate(const std::string& name, const touch::NormalEstimate& estimate) {
     if (estimate.status != touch::NormalStatus::tracked || estimate.time < kSettle) return;
     const auto tick = static_cast<std::size_t>(std::lround(estimate.time / hand::kTick)) - 1;
-    judge(estimate.n, truth_.at(tick), estimate.covariance, slide_.normals[name]);
+    judge({points_.at(tick), estimate.n}, truth_.at(tick), estimate.covariance,
+          slide_.normals[name]);
   }
 
   const hand::HandModel& hand_;
@@ -100,6 +103,7 @@ class SlideJudge {
   touch::S2Filter filter_;
   touch::S2Smoother smoother_;
   std::vector<std::vector<Eigen::Vector3d>> truth_;  // of every tick, the first at kTick
+  std::vector<Eigen::Vector3d> points_;              // felt in them
   std::vector<touch::NormalAt> recent_;
   std::size_t ticks_ = 0;
   Slide slide_;
@@ -146,16 +150,22 @@ void draw_edge(const Slide& slide, const Options& options) {
   publish_figure(options, "edge_torque_cone",
                  cone(slide.torques, kAcross, "Torques at the edge", "N m"));
   for (const auto& [name, normals] : slide.normals) {
+    std::vector<Eigen::Vector3d> n;
+    for (const auto& felt : normals.felt) n.push_back(felt.n);
     publish_figure(options, "edge_normals_" + name,
-                   cone(normals.n, kAcross, "Normals at the edge, " + name, "1"));
+                   cone(n, kAcross, "Normals at the edge, " + name, "1"));
   }
 }
 
-std::string face_list(const std::vector<touch::Face>& faces) {
+std::string face_list(const std::vector<touch::Face>& faces,
+                      const std::vector<Eigen::Vector3d>& truth) {
   std::string text;
   for (const auto& face : faces) {
-    text += fmt::format("{}({:.2f}, {:.2f}, {:.2f}) {:.0f} %", text.empty() ? "" : "; ", face.n.x(),
-                        face.n.y(), face.n.z(), 100 * face.share);
+    double error = 180;
+    for (const auto& n : truth) error = std::min(error, touch::angle_deg(face.n, n));
+    text +=
+        fmt::format("{}({:.2f}, {:.2f}, {:.2f}) {:.0f} %, {:.1f} deg off", text.empty() ? "" : "; ",
+                    face.n.x(), face.n.y(), face.n.z(), 100 * face.share, error);
   }
   return text;
 }
@@ -163,7 +173,8 @@ std::string face_list(const std::vector<touch::Face>& faces) {
 void experiment_surfaces(const Options& options) {
   Table errors({"surface", "samples", "flagged", "raw", "clustered", "s2", "s2-lag"});
   Table honesty({"surface", "s2", "s2-lag"});
-  Table faces({"surface", "faces crossed", "faces found by s2-lag: normal, share"});
+  Table faces(
+      {"surface", "faces crossed", "faces found by s2-lag: normal, share of the time, error"});
   Plot density_plot;
   density_plot.title = "P(angle error) of the sensed normals, s2-lag";
   density_plot.x.label = "angle error (deg)";
@@ -187,8 +198,8 @@ void experiment_surfaces(const Options& options) {
     errors.add_row(row);
     honesty.add_row({name, fmt::format("{:.2f}", mean(slide.normals["s2"].nees)),
                      fmt::format("{:.2f}", mean(slide.normals["s2-lag"].nees))});
-    faces.add_row({name, surface.faces == 0 ? "none" : std::to_string(surface.faces),
-                   face_list(touch::find_faces(slide.normals["s2-lag"].n))});
+    faces.add_row({name, std::to_string(surface.faces.size()),
+                   face_list(touch::find_faces(slide.normals["s2-lag"].felt), surface.faces)});
     density_plot.series.emplace_back(density(name, slide.normals["s2-lag"].error_deg));
     if (name == "edge") draw_edge(slide, options);
   }

@@ -13,12 +13,12 @@ namespace {
 constexpr double kApproach = 0.03;             // m, from where the tip sets out for the surface
 constexpr double kApproachSpeed = 0.03;        // m/s
 constexpr std::size_t kLongestApproach = 300;  // ticks
-constexpr double kDepthRate = 0.002;  // m/s for each N that the tip presses too little or much,
-constexpr double kSeekRate = 0.008;   // or hardly at all
-constexpr double kForgetAside = 0.5;  // s, in which what was learnt on one face fades on another
-constexpr double kFarthest = 0.025;   // m, of the command from the path
-constexpr double kNear = 0.002;       // m, that the tip may be off a surface that it touches
-constexpr double kImmovable = 200;    // kg
+constexpr double kDepthRate = 0.02;    // m/s for each N that the tip presses too little or much,
+constexpr double kSeekRate = 0.03;     // or hardly at all
+constexpr double kForgetAside = 0.15;  // s, in which what was learnt on one face fades on another
+constexpr double kFarthest = 0.025;    // m, of the command from the path
+constexpr double kNear = 0.002;        // m, that the tip may be off a surface that it touches
+constexpr double kImmovable = 200;     // kg
 
 }  // namespace
 

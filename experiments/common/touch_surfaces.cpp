@@ -93,10 +93,14 @@ simulation::WorldOptions sliding_world() {
 
 TouchedSurface touched_surface(const std::string& name) {
   const auto box = [] { return fixed_object("box", geometry::box_mesh({kWide, kWide, kHigh})); };
-  if (name == "flat") return {name, box(), {}, 1};
-  if (name == "edge") return {name, box(), {.yaw = kPi}, 2};
-  if (name == "corner") return {name, box(), {.yaw = 0.75 * kPi}, 3};
-  if (name == "smooth") return {name, fixed_object("dome", dome_mesh()), {}, 0};
+  const Eigen::Vector3d up(0, 0, 1);
+  const double half = std::sqrt(0.5);
+  if (name == "flat") return {name, box(), {}, {up}};
+  if (name == "edge") return {name, box(), {.yaw = kPi}, {up, {-1, 0, 0}}};
+  if (name == "corner") {
+    return {name, box(), {.yaw = 0.75 * kPi}, {up, {-half, half, 0}, {-half, -half, 0}}};
+  }
+  if (name == "smooth") return {name, fixed_object("dome", dome_mesh()), {}, {}};
   throw BadInput(fmt::format("no surface is called '{}'", name));
 }
 

@@ -12,7 +12,7 @@ struct TouchedSurface {
   std::string name;  ///< flat, edge, smooth or corner
   geometry::KnownObject object;
   simulation::Start start;
-  int faces = 0;  ///< that the way crosses; 0: a surface without faces
+  std::vector<Eigen::Vector3d> faces;  ///< normals of those that the way crosses, world
 };
 
 TouchedSurface touched_surface(const std::string& name);

@@ -3,10 +3,14 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "palpate/core/error.hpp"
+#include "palpate/core/se3.hpp"
+#include "palpate/touch/noise_meter.hpp"
 
 namespace palpate::touch {
 namespace {
@@ -18,6 +22,13 @@ void require_finite(const Eigen::Vector3d& v, std::size_t index, const char* wha
   if (!v.allFinite()) {
     throw BadInput(
         fmt::format("{} {} is ({}, {}, {}), not finite", what, index, v.x(), v.y(), v.z()));
+  }
+}
+
+void require_finite(std::span<const NormalAt> contacts) {
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    require_finite(contacts[i].p, i, "point");
+    require_finite(contacts[i].n, i, "normal");
   }
 }
 
@@ -51,42 +62,61 @@ NormalCluster summed(const std::vector<std::size_t>& chain, std::span<const Norm
   return cluster;
 }
 
-/// Mean of the normals around n and how many they are.
-std::pair<Eigen::Vector3d, std::size_t> around(const Eigen::Vector3d& n,
-                                               std::span<const Eigen::Vector3d> normals,
-                                               double radius) {
+/// The contacts whose normals are within an angle of one.
+struct Around {
+  Eigen::Vector3d n;  ///< mean normal, unit
+  double share = 0;   ///< of all contacts
+  double spread = 0;  ///< m, of the points across their longest extent in the plane of the mean
+};
+
+Around around(const Eigen::Vector3d& n, std::span<const NormalAt> contacts, double radius) {
   const double least_cosine = std::cos(radius);
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  std::size_t count = 0;
-  for (const Eigen::Vector3d& other : normals) {
-    if (other.dot(n) < least_cosine) continue;
-    sum += other;
+  Eigen::Vector3d normals = Eigen::Vector3d::Zero(), points = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
+  double count = 0;
+  for (const NormalAt& contact : contacts) {
+    if (contact.n.dot(n) < least_cosine) continue;
+    const Eigen::Vector3d p = contact.p - contacts.front().p;
+    normals += contact.n;
+    points += p;
+    squares += p * p.transpose();
     ++count;
   }
-  return {sum.normalized(), count};
+  const Eigen::Matrix<double, 3, 2> B = frame_with_z(normals.normalized()).leftCols<2>();
+  const Eigen::Matrix2d scatter =
+      B.transpose() * (squares - points * points.transpose() / count) * B / count;
+  const double least = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(scatter).eigenvalues()[0];
+  return {normals.normalized(), count / static_cast<double>(contacts.size()),
+          std::sqrt(std::max(0.0, least))};
 }
 
-/// The densest direction among the normals that are apart from all faces.
-Face densest(std::span<const Eigen::Vector3d> normals, const std::vector<Face>& faces,
-             const FaceOptions& options) {
+double noise_of_points(std::span<const NormalAt> contacts) {
+  constexpr double kUsual = 1e-3, kLeast = 1e-9;  // m
+  NoiseMeter meter(3, kUsual, kLeast, static_cast<double>(contacts.size()));
+  for (const NormalAt& contact : contacts) meter.add(contact.p);
+  return meter.sigma();
+}
+
+/// The densest direction among the normals that are apart from all faces and whose points spread
+/// over an area.
+Face densest(std::span<const NormalAt> contacts, const std::vector<Face>& faces,
+             double least_spread, const FaceOptions& options) {
   const double near = std::cos(options.apart);
   const auto apart = [&](const Eigen::Vector3d& n) {
     return std::all_of(faces.begin(), faces.end(),
                        [&](const Face& face) { return face.n.dot(n) < near; });
   };
   Face best;
-  const std::size_t stride = std::max<std::size_t>(1, normals.size() / kSeeds);
-  const auto all = static_cast<double>(normals.size());
-  for (std::size_t i = 0; i < normals.size(); i += stride) {
-    if (!apart(normals[i])) continue;
-    const double share =
-        static_cast<double>(around(normals[i], normals, options.radius).second) / all;
-    if (share > best.share) best = {normals[i], share};
+  const std::size_t stride = std::max<std::size_t>(1, contacts.size() / kSeeds);
+  for (std::size_t i = 0; i < contacts.size(); i += stride) {
+    if (!apart(contacts[i].n)) continue;
+    const Around of = around(contacts[i].n, contacts, options.radius);
+    if (of.share > best.share && of.spread >= least_spread) best = {contacts[i].n, of.share};
   }
   for (int shift = 0; best.share > 0 && shift < kShifts; ++shift) {
-    const auto [mean, count] = around(best.n, normals, options.radius);
-    if (!apart(mean)) break;
-    best = {mean, static_cast<double>(count) / all};
+    const Around of = around(best.n, contacts, options.radius);
+    if (!apart(of.n)) break;
+    best = {of.n, of.share};
   }
   return best;
 }
@@ -95,12 +125,9 @@ Face densest(std::span<const Eigen::Vector3d> normals, const std::vector<Face>& 
 
 std::vector<NormalCluster> cluster_normals(std::span<const NormalAt> contacts,
                                            const ClusterOptions& options) {
-  std::vector<std::size_t> rest;
-  for (std::size_t i = 0; i < contacts.size(); ++i) {
-    require_finite(contacts[i].p, i, "point");
-    require_finite(contacts[i].n, i, "normal");
-    rest.push_back(i);
-  }
+  require_finite(contacts);
+  std::vector<std::size_t> rest(contacts.size());
+  std::iota(rest.begin(), rest.end(), std::size_t{0});
   std::vector<NormalCluster> clusters;
   while (!rest.empty()) {
     const std::size_t seed = rest.front();
@@ -114,14 +141,19 @@ std::vector<NormalCluster> cluster_normals(std::span<const NormalAt> contacts,
   return clusters;
 }
 
-std::vector<Face> find_faces(std::span<const Eigen::Vector3d> normals, const FaceOptions& options) {
-  for (std::size_t i = 0; i < normals.size(); ++i) require_finite(normals[i], i, "normal");
+std::vector<Face> find_faces(std::span<const NormalAt> contacts, const FaceOptions& options) {
+  require_finite(contacts);
   std::vector<Face> faces;
+  if (contacts.empty()) return faces;
+  const double least_spread = options.least_spread * noise_of_points(contacts);
   while (true) {
-    const Face face = densest(normals, faces, options);
-    if (face.share == 0 || face.share < options.least_share) return faces;
+    const Face face = densest(contacts, faces, least_spread, options);
+    if (face.share == 0 || face.share < options.least_share) break;
     faces.push_back(face);
   }
+  std::stable_sort(faces.begin(), faces.end(),
+                   [](const Face& a, const Face& b) { return a.share > b.share; });
+  return faces;
 }
 
 }  // namespace palpate::touch

@@ -29,16 +29,16 @@ constexpr double kJump = 9;           // squared innovation over its variance of
 constexpr double kSlides = 2;         // speed over its uncertainty
 constexpr double kLeastSpeed = 1e-4;  // m/s
 
-// The random walk that keeps the filter awake is not there while the tip slides on a face: the
-// error of a gain K has then the variance P / (2 - K), about half, but edges may have gone
-// unnoticed. Of the covariance, by which it is reported smaller; calibrated on the slides of the
-// tests.
-constexpr double kStillness = 0.25;
-
 // Tip normals are too noisy for one of them to show that the normal turned unnoticed, but their
 // mean over some ticks is not. 1 % of the time it is as far off as kDoubt by chance (chi2, 2 dof).
 constexpr double kTipMemory = 8;  // samples
 constexpr double kDoubt = 9.21;   // squared length over its variance of the mean residual
+
+// How fast the acceleration is learnt from correlated innovations, per sample, and its bounds.
+constexpr double kAccelerationRate = 0.02;
+constexpr double kLeastAcceleration = 0.01, kMostAcceleration = 0.5;  // m/s^2
+constexpr double kSlipMemory = 200;                                   // samples
+constexpr double kMostCorrelation = 3;                                // of one pair of innovations
 
 // Indices of the state.
 constexpr int kTilt = 0, kRatio = 2, kVelocity = 4, kPlace = 6, kCurvature = 9;
@@ -54,7 +54,9 @@ S2Filter::S2Filter(const S2Options& options)
     : options_(options),
       force_noise_(3, kForceNoise, kLeastForceNoise, kMemory),
       point_noise_(3, kPointNoise, kLeastPointNoise, kMemory),
-      tip_noise_(2, kTipNoise, kLeastTipNoise, kMemory) {}
+      tip_noise_(2, kTipNoise, kLeastTipNoise, kMemory),
+      acceleration_(options.acceleration),
+      slip_variance_(2 * squared(kPointNoise)) {}
 
 void S2Filter::start(const FingerSample& sample) {
   R_ = frame_with_z(sample.tip_normal.value_or(-sample.f.normalized()));
@@ -70,6 +72,7 @@ void S2Filter::start(const FingerSample& sample) {
   weight_[0] = 1 - kStartShare * (kHypotheses - 1);
   step_.anew = true;
   tip_lag_.setZero();
+  slip_.setZero();
   started_ = true;
 }
 
@@ -168,12 +171,24 @@ void S2Filter::learn_ratio_rate(double dt) {
                                squared(options_.turn_ratio_rate) * dt);
 }
 
+/// Learns how much the sliding accelerates: the innovations of the place along the surface are
+/// uncorrelated from one tick to the next where the process noise is right, and follow each other
+/// where it is too small (Mehra 1970).
+void S2Filter::learn_acceleration(const Eigen::Vector3d& p) {
+  const Eigen::Vector2d slip = R_.leftCols<2>().transpose() * (p - p_);
+  slip_variance_ += (slip.squaredNorm() - slip_variance_) / kSlipMemory;
+  const double correlation =
+      std::clamp(slip.dot(slip_) / slip_variance_, -kMostCorrelation, kMostCorrelation);
+  acceleration_ = std::clamp(acceleration_ * std::exp(kAccelerationRate * correlation),
+                             kLeastAcceleration, kMostAcceleration);
+  slip_ = slip;
+}
+
 /// What each hypothesis adds to the state's variances in a tick: face, edge, turn, roll.
 std::array<S2Filter::Vector, S2Filter::kHypotheses> S2Filter::process_variances(double dt) const {
   // The velocity is modelled as a random walk, but changes steadily over the time T that the filter
   // needs to see it change: q = a sqrt(T), T^4 = point variance dt / q^2.
-  const double q =
-      std::pow(options_.acceleration, 0.8) * std::pow(squared(point_noise_.sigma()) * dt, 0.1);
+  const double q = std::pow(acceleration_, 0.8) * std::pow(squared(point_noise_.sigma()) * dt, 0.1);
   const double turning = ratio_.norm() * q / std::max(velocity_.norm(), kLeastSpeed);
   const double ratio =
       std::min(std::sqrt(ratio_variance_ / dt + squared(turning)), options_.turn_ratio_rate);
@@ -246,6 +261,11 @@ void S2Filter::retract(const Vector& x) {
   curvature_ += x[kCurvature];
 }
 
+/// Variance per axis that the tip's averaged residual has by chance.
+double S2Filter::tip_lag_variance() const {
+  return squared(tip_noise_.sigma()) / (2 * kTipMemory - 1) + 0.5 * tilt_covariance().trace();
+}
+
 /// Where the normal turns slowly under the tip, the force takes it for a change of the ratio, and
 /// only the tip's shape tells, a little in every tick. If its normals stay aside of the estimate,
 /// the state becomes as uncertain as that: of tilt and ratio together, which the force cannot tell
@@ -253,14 +273,20 @@ void S2Filter::retract(const Vector& x) {
 void S2Filter::doubt(const Eigen::Vector3d& tip_normal) {
   const Eigen::Vector3d t = R_.transpose() * tip_normal;
   tip_lag_ += (t.head<2>() / std::max(t.z(), kLeastPress) - tip_lag_) / kTipMemory;
-  const double variance = squared(tip_noise_.sigma()) / (2 * kTipMemory - 1);
-  const double expected = variance + 0.5 * tilt_covariance().trace();
-  if (tip_lag_.squaredNorm() < kDoubt * expected) return;
+  if (tip_lag_.squaredNorm() < kDoubt * tip_lag_variance()) return;
   Vector lag = Vector::Zero();
   lag.segment<2>(kTilt) = tip_lag_;
   lag.segment<2>(kRatio) = tip_lag_ + ratio_ * ratio_.dot(tip_lag_);
   P_ += lag * lag.transpose();
-  tip_lag_.setZero();
+}
+
+/// What the tip's averaged residual shows beyond chance: a turn that the state has missed (matching
+/// the covariance to the innovations, Mehra 1972).
+Eigen::Matrix2d S2Filter::missed_turn() const {
+  const double chance = 2 * tip_lag_variance();
+  const double square = tip_lag_.squaredNorm();
+  if (square <= chance) return Eigen::Matrix2d::Zero();
+  return (1 - chance / square) * tip_lag_ * tip_lag_.transpose();
 }
 
 NormalEstimate S2Filter::estimate(double time, NormalStatus status) const {
@@ -268,7 +294,8 @@ NormalEstimate S2Filter::estimate(double time, NormalStatus status) const {
   // A normal that is not measured may roll away.
   const double unseen = squared(options_.roll_tilt_rate) * std::max(0.0, time - time_);
   const double still = 1 - kStillness * weight_[0];
-  const Eigen::Matrix2d P = still * tilt_covariance() + unseen * Eigen::Matrix2d::Identity();
+  const Eigen::Matrix2d P =
+      still * tilt_covariance() + missed_turn() + unseen * Eigen::Matrix2d::Identity();
   const Eigen::Matrix<double, 3, 2> B = R_.leftCols<2>();
   return estimate_of(time, status, Eigen::Vector3d(R_.col(2)), B * P * B.transpose());
 }
@@ -285,6 +312,7 @@ NormalEstimate S2Filter::update(const FingerSample& sample) {
     predict(dt);
     measure(sample);
     learn_ratio_rate(dt);
+    learn_acceleration(sample.p);
     const auto variances = process_variances(dt);
     const auto priors = prior();
     std::array<Belief, kHypotheses> beliefs;

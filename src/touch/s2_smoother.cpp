@@ -9,6 +9,8 @@
 namespace palpate::touch {
 namespace {
 
+constexpr double kLongestBridge = 0.05;  // s without a sample, in which the finger may have left
+
 struct Smoothed {
   Eigen::Vector3d n;
   Eigen::Matrix2d P;  // of the tilt towards the tick's tangents
@@ -59,10 +61,15 @@ NormalEstimate S2Smoother::update(const FingerSample& sample) {
   }
   Smoothed smoothed{ticks_.back().R.col(2), ticks_.back().P};
   for (std::size_t i = ticks_.size() - 1; i-- > 0;) {
-    smoothed = step_back(ticks_[i].R, ticks_[i].P, ticks_[i + 1].step, smoothed);
+    const bool left = ticks_[i + 1].time - ticks_[i].time > kLongestBridge;
+    smoothed = left ? Smoothed{ticks_[i].R.col(2), ticks_[i].P}
+                    : step_back(ticks_[i].R, ticks_[i].P, ticks_[i + 1].step, smoothed);
   }
   const Eigen::Matrix<double, 3, 2> B = ticks_.front().R.leftCols<2>();
-  return tracked(ticks_.front().time, smoothed.n, B * smoothed.P * B.transpose());
+  const double still = 1 - S2Filter::kStillness * ticks_.front().step.weight[0];
+  const auto status = ticks_.front().time == reported_ ? NormalStatus::held : NormalStatus::tracked;
+  reported_ = ticks_.front().time;
+  return estimate_of(reported_, status, smoothed.n, still * B * smoothed.P * B.transpose());
 }
 
 }  // namespace palpate::touch

@@ -73,17 +73,33 @@ TEST(ClusterNormals, RefusesContactsThatAreNotFinite) {
   EXPECT_THROW(cluster_normals(contacts), BadInput);
 }
 
+/// The contact at a tick of a slide over the face through the origin with that normal, with noise.
+NormalAt on_face(const Eigen::Vector3d& n, int tick, RandomStream& random) {
+  const Eigen::Matrix3d R = frame_with_z(n);
+  const Eigen::Vector3d p =
+      0.01 * (std::sin(0.1 * tick) * R.col(0) + std::cos(0.07 * tick) * R.col(1));
+  return {p + 0.001 * random.normal3(), noisy(n, 0.05, random)};
+}
+
+/// The same of a slide along the edge through the origin.
+NormalAt on_edge(const Eigen::Vector3d& edge, const Eigen::Vector3d& n, int tick,
+                 RandomStream& random) {
+  return {0.01 * std::sin(0.1 * tick) * edge + 0.001 * random.normal3(), noisy(n, 0.05, random)};
+}
+
 TEST(FindFaces, FindsTheFacesOfACornerAnyWayItIsTurned) {
   RandomStream random(4);
   for (int trial = 0; trial < 10; ++trial) {
     const Eigen::Matrix3d R = random.rotation();
-    std::vector<Eigen::Vector3d> normals;
-    for (int i = 0; i < 900; ++i) normals.push_back(noisy(R.col(i % 3), 0.05, random));
+    std::vector<NormalAt> contacts;
+    for (int i = 0; i < 900; ++i) contacts.push_back(on_face(R.col(i / 300), i, random));
     for (int i = 0; i < 100; ++i) {  // on the way round the edges
       const double angle = 1.57 * random.uniform();
-      normals.push_back(std::cos(angle) * R.col(i % 3) + std::sin(angle) * R.col((i + 1) % 3));
+      contacts.push_back(on_edge(
+          R.col((i + 2) % 3), std::cos(angle) * R.col(i % 3) + std::sin(angle) * R.col((i + 1) % 3),
+          i, random));
     }
-    const auto faces = find_faces(normals);
+    const auto faces = find_faces(contacts);
     ASSERT_EQ(faces.size(), 3u);
     for (const Face& face : faces) {
       EXPECT_GT((R.transpose() * face.n).maxCoeff(), std::cos(0.02));
@@ -93,14 +109,29 @@ TEST(FindFaces, FindsTheFacesOfACornerAnyWayItIsTurned) {
   }
 }
 
+TEST(FindFaces, ATipThatRestsOnAnEdgeIsOnNoFace) {
+  RandomStream random(6);
+  const Eigen::Vector3d x = Eigen::Vector3d::UnitX(), y = Eigen::Vector3d::UnitY(),
+                        z = Eigen::Vector3d::UnitZ();
+  std::vector<NormalAt> contacts;
+  for (int i = 0; i < 200; ++i) contacts.push_back(on_face(z, i, random));
+  // For longer than on either face, between them, and a little aside of the second.
+  for (int i = 0; i < 300; ++i)
+    contacts.push_back(on_edge(y, (x + 0.5 * z).normalized(), i, random));
+  for (int i = 0; i < 200; ++i) contacts.push_back(on_face(x, i, random));
+  const auto faces = find_faces(contacts);
+  ASSERT_EQ(faces.size(), 2u);
+  for (const Face& face : faces) EXPECT_GT(face.n.maxCoeff(), std::cos(0.05));
+}
+
 TEST(FindFaces, OneFaceIsOneAndNoneIsNone) {
   RandomStream random(5);
-  std::vector<Eigen::Vector3d> normals;
-  for (int i = 0; i < 300; ++i) normals.push_back(noisy({0, 1, 0}, 0.05, random));
-  EXPECT_EQ(find_faces(normals).size(), 1u);
+  std::vector<NormalAt> contacts;
+  for (int i = 0; i < 300; ++i) contacts.push_back(on_face({0, 1, 0}, i, random));
+  EXPECT_EQ(find_faces(contacts).size(), 1u);
   EXPECT_TRUE(find_faces({}).empty());
-  normals[7].setConstant(std::numeric_limits<double>::infinity());
-  EXPECT_THROW(find_faces(normals), BadInput);
+  contacts[7].n.setConstant(std::numeric_limits<double>::infinity());
+  EXPECT_THROW(find_faces(contacts), BadInput);
 }
 
 }  // namespace

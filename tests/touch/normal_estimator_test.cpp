@@ -188,12 +188,20 @@ TEST(S2Filter, CovarianceIsHonestOnAverage) {
   }
 }
 
+TEST(S2Smoother, CovarianceIsHonestOnAverageWithThePointNoiseOfAHand) {
+  double sum = 0;
+  for (const Surface surface : kSurfaces) {
+    sum += mean(score_of("s2-lag", surface, {.point_noise = 2e-3}, 10).nees);
+  }
+  EXPECT_NEAR(sum / 4, 2, 0.4);
+}
+
 TEST(S2Filter, AnEdgeIsTwoFacesAndACornerThree) {
-  EXPECT_EQ(find_faces(score_of("s2", Surface::flat, {}, 1).normals).size(), 1u);
-  const auto edge = find_faces(score_of("s2", Surface::edge, {}, 1).normals);
+  EXPECT_EQ(find_faces(score_of("s2", Surface::flat, {}, 1).felt).size(), 1u);
+  const auto edge = find_faces(score_of("s2", Surface::edge, {}, 1).felt);
   ASSERT_EQ(edge.size(), 2u);
   for (const Face& face : edge) EXPECT_GT(face.n.maxCoeff(), std::cos(0.05));
-  EXPECT_EQ(find_faces(score_of("s2", Surface::corner, {}, 3).normals).size(), 3u);
+  EXPECT_EQ(find_faces(score_of("s2", Surface::corner, {}, 3).felt).size(), 3u);
 }
 
 TEST(S2Filter, WithoutTipGeometryForceAndSlidingTellTheNormal) {
@@ -248,6 +256,35 @@ TEST(S2Smoother, IsBetterThanTheFilterAndSaysOfWhen) {
     const auto estimate = smoother.update(sample);
     EXPECT_NEAR(estimate.time, sample.time - 0.1, 1e-9);
   }
+}
+
+// A finger that leaves one face and comes down on another tells nothing of the first.
+TEST(S2Smoother, WhatComesAfterAGapDoesNotTurnWhatWasBefore) {
+  SlidingOptions options;
+  options.seconds = 2;
+  const RandomStream random(25);
+  const auto samples = feel(sliding_path(Surface::flat, options, random), options, random);
+  const Eigen::Matrix3d R =
+      Eigen::AngleAxisd(std::numbers::pi / 2, Eigen::Vector3d::UnitX()).toRotationMatrix();
+  S2Smoother smoother;
+  std::vector<double> reported;
+  for (FingerSample sample : samples) {
+    if (sample.time > 1 && sample.time < 1.3) continue;  // in the air
+    if (sample.time > 1) {
+      sample.p = R * sample.p;
+      sample.f = R * sample.f;
+      sample.tip_normal = R * sample.tip_normal.value();
+    }
+    const auto estimate = smoother.update(sample);
+    if (estimate.status != NormalStatus::tracked) continue;
+    reported.push_back(estimate.time);
+    const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
+    const Eigen::Vector3d truth = estimate.time > 1 ? Eigen::Vector3d(R * up) : up;
+    if (estimate.time > 0.5 && std::abs(estimate.time - 1.35) > 0.1) {
+      EXPECT_LT(angle_deg(estimate.n, truth), 10) << estimate.time;
+    }
+  }
+  for (std::size_t i = 1; i < reported.size(); ++i) EXPECT_GT(reported[i], reported[i - 1]);
 }
 
 }  // namespace

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <Eigen/LU>
+#include <map>
 #include <numbers>
 
+#include "palpate/touch/normal_clusters.hpp"
 #include "palpate/touch/normal_estimator.hpp"
 #include "sliding.hpp"
 
@@ -13,7 +15,7 @@ namespace palpate::touch {
 struct SlidingScore {
   std::vector<double> error_deg;
   std::vector<double> nees;  // normalised error squared; 2 on average of an honest covariance
-  std::vector<Eigen::Vector3d> normals;
+  std::vector<NormalAt> felt;
 };
 
 inline double angle_deg(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
@@ -36,16 +38,19 @@ inline double normalised_error_squared(const Eigen::Vector3d& n, const Eigen::Ve
 inline void add_score(NormalEstimator& estimator, const std::vector<FingerSample>& samples,
                       const SlidingPath& path, double period, SlidingScore& score,
                       double settled = 1.0) {
+  std::map<long, Eigen::Vector3d> points;  // by tick
   for (const FingerSample& sample : samples) {
+    points[std::lround(sample.time / period)] = sample.p;
     const NormalEstimate estimate = estimator.update(sample);
     if (estimate.time < settled - 1e-9) continue;
     if (estimate.status == NormalStatus::none) {
       score.error_deg.push_back(90);
       continue;
     }
-    const auto& truth = path.n.at(static_cast<std::size_t>(std::lround(estimate.time / period)));
+    const long tick = std::lround(estimate.time / period);
+    const auto& truth = path.n.at(static_cast<std::size_t>(tick));
     score.error_deg.push_back(angle_deg(estimate.n, truth));
-    score.normals.push_back(estimate.n);
+    score.felt.push_back({points.at(tick), estimate.n});
     if (estimate.covariance) {
       score.nees.push_back(normalised_error_squared(estimate.n, truth, *estimate.covariance));
     }

@@ -41,15 +41,17 @@ std::vector<NormalCluster> cluster_normals(std::span<const NormalAt> contacts,
                                            const ClusterOptions& options = {});
 
 struct FaceOptions {
-  double radius = 0.1;       ///< rad, around a face's normal
-  double apart = 0.6;        ///< rad, between faces
-  double least_share = 0.1;  ///< of all normals, within `radius` of the face's
+  double radius = 0.1;        ///< rad, around a face's normal
+  double apart = 0.6;         ///< rad, between faces
+  double least_share = 0.05;  ///< of all normals, within `radius` of the face's
+  double least_spread = 1.3;  ///< times their noise that the points spread over the face
 
   template <class Visitor>
   void visit(Visitor&& v) {
     v("radius", radius, 0.0, 1.5, "rad, around a face's normal");
     v("apart", apart, 0.0, 3.1, "rad, between faces");
     v("least_share", least_share, 0.0, 1.0, "of all normals that makes a face");
+    v("least_spread", least_spread, 0.0, 1e3, "times their noise that a face's points spread");
   }
 };
 
@@ -59,11 +61,15 @@ struct Face {
   double share = 0;   ///< of all normals, within FaceOptions::radius
 };
 
-/// The faces that a fingertip has met, from its normals over time: what an edge or corner reports
-/// in place of a mean. Takes the densest direction, then the densest of those `apart` from it, and
-/// so on (a greedy search for modes, each refined by mean shift). Largest first.
-/// @throws BadInput for a normal that is not finite
-std::vector<Face> find_faces(std::span<const Eigen::Vector3d> normals,
-                             const FaceOptions& options = {});
+/// The faces that a fingertip has met, from its contacts in the order of time: what an edge or
+/// corner reports in place of a mean. Takes the densest direction, then the densest of those
+/// `apart` from it, and so on (a greedy search for modes, each refined by mean shift). Largest
+/// first.
+///
+/// A tip that rests on an edge feels a direction between two faces; its points then spread along a
+/// line, and across it by their noise alone. Directions whose points do not spread over an area are
+/// no faces.
+/// @throws BadInput for a contact that is not finite
+std::vector<Face> find_faces(std::span<const NormalAt> contacts, const FaceOptions& options = {});
 
 }  // namespace palpate::touch

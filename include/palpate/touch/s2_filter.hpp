@@ -12,15 +12,15 @@ namespace palpate::touch {
 /// What the filter believes of surfaces and motions. The sensors' noise it measures itself.
 struct S2Options {
   double tilt_rate = 0.02;        ///< rad/sqrt(s), of the normal on a face
-  double roll_tilt_rate = 0.4;    ///< rad/sqrt(s), where the tip rolls around something
+  double roll_tilt_rate = 0.6;    ///< rad/sqrt(s), where the tip rolls around something
   double edge_tilt_rate = 1.5;    ///< rad/sqrt(s), across an edge
   double curvature_rate = 5;      ///< 1/m/sqrt(s), of the surface along the way
-  double acceleration = 0.025;    ///< m/s^2, usual of the sliding point
+  double acceleration = 0.05;     ///< m/s^2, of the sliding point at first; then it is learnt
   double least_ratio_rate = 0.1;  ///< 1/sqrt(s), of tangential to normal force; more is learnt
   double turn_ratio_rate = 3;     ///< 1/sqrt(s), of the same where sliding changes direction
   double turn_acceleration = 3;   ///< times as much acceleration there
-  double coupling = 0.2;          ///< by how much friction need not oppose sliding, of normal force
-  double roll_share = 0.005;      ///< probability that a tick begins to roll,
+  double coupling = 0.4;          ///< by how much friction need not oppose sliding, of normal force
+  double roll_share = 0.012;      ///< probability that a tick begins to roll,
   double edge_share = 0.005;      ///< crosses an edge,
   double turn_share = 0.005;      ///< turns
   double stay = 0.9;              ///< probability that the next tick goes on with it
@@ -33,7 +33,7 @@ struct S2Options {
     v("roll_tilt_rate", roll_tilt_rate, 0.0, 10.0, "rad/sqrt(s), where the tip rolls");
     v("edge_tilt_rate", edge_tilt_rate, 0.0, 100.0, "rad/sqrt(s), across an edge");
     v("curvature_rate", curvature_rate, 0.0, 1e3, "1/m/sqrt(s), of the surface along the way");
-    v("acceleration", acceleration, 1e-6, 1e3, "m/s^2, usual of the sliding point");
+    v("acceleration", acceleration, 1e-6, 1e3, "m/s^2, of the sliding point at first");
     v("least_ratio_rate", least_ratio_rate, 0.0, 1e3, "1/sqrt(s), of tangential to normal force");
     v("turn_ratio_rate", turn_ratio_rate, 0.0, 1e3, "1/sqrt(s), of the same in a turn");
     v("turn_acceleration", turn_acceleration, 1.0, 1e3, "times as much acceleration in a turn");
@@ -56,11 +56,16 @@ struct S2Options {
 /// the normal itself. Four hypotheses of what the tick was (slid on a face, crossed an edge,
 /// turned, rolled) are tried and merged at every tick (generalised pseudo-Bayes of first order,
 /// Blom & Bar-Shalom 1988), so that the normal is quick over edges and calm on faces. Noise of
-/// point, force and tip is measured from the samples, the change of the force's ratio from the
-/// innovations.
+/// point, force and tip is measured from the samples, the change of the force's ratio and of the
+/// velocity from the innovations.
 class S2Filter final : public NormalEstimator {
  public:
   static constexpr std::size_t kHypotheses = 4;
+  /// The random walk that keeps the filter awake is not there while the tip slides on a face: the
+  /// error of a gain K has then the variance P / (2 - K), about half, but edges may have gone
+  /// unnoticed. Share of the covariance by which it is reported smaller; calibrated on tuning
+  /// seeds.
+  static constexpr double kStillness = 0.4;
 
   /// How the last update led from one normal to the next, for smoothing.
   struct Step {
@@ -106,12 +111,15 @@ class S2Filter final : public NormalEstimator {
   void measure_tip(const Eigen::Vector3d& tip_normal);
   void measure_friction();
   void learn_ratio_rate(double dt);
+  void learn_acceleration(const Eigen::Vector3d& p);
   std::array<Vector, kHypotheses> process_variances(double dt) const;
   std::array<double, kHypotheses> prior() const;
   Belief explain(const Vector& process_variance, double prior) const;
   void merge(const std::array<Belief, kHypotheses>& beliefs);
   void retract(const Vector& x);
+  double tip_lag_variance() const;
   void doubt(const Eigen::Vector3d& tip_normal);
+  Eigen::Matrix2d missed_turn() const;
   NormalEstimate estimate(double time, NormalStatus status) const;
 
   S2Options options_;
@@ -125,6 +133,9 @@ class S2Filter final : public NormalEstimator {
   double curvature_ = 0;
   Matrix P_ = Matrix::Zero();
   double ratio_variance_ = 1e-3;
+  double acceleration_;                             // m/s^2, learnt
+  Eigen::Vector2d slip_ = Eigen::Vector2d::Zero();  // last innovation of the place
+  double slip_variance_;
   std::array<double, kHypotheses> weight_{};
   Eigen::Vector2d tip_lag_ = Eigen::Vector2d::Zero();  // of the normal behind the tip's, averaged
   Rows rows_;

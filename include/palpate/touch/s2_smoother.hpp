@@ -2,6 +2,7 @@
 #pragma once
 
 #include <deque>
+#include <limits>
 
 #include "palpate/touch/s2_filter.hpp"
 
@@ -9,6 +10,9 @@ namespace palpate::touch {
 
 /// S2Filter whose estimates also know the samples of a while after: each tells of the contact `lag`
 /// earlier (NormalEstimate::time).
+///
+/// While the contact `lag` ago was none, the last before it is held. Where the finger may have left
+/// the surface, what came after tells nothing of what was before.
 ///
 /// Fixed-lag Rauch-Tung-Striebel smoothing of the tilt alone, its correlation with the rest of the
 /// state left aside, through each tick's hypotheses by their weights.
@@ -29,6 +33,7 @@ class S2Smoother final : public NormalEstimator {
   S2Options options_;
   S2Filter filter_;
   std::deque<Tick> ticks_;
+  double reported_ = -std::numeric_limits<double>::infinity();  // time of the last tick reported
 };
 
 }  // namespace palpate::touch
