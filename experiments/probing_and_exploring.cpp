@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <span>
 
 #include "experiment.hpp"
@@ -20,6 +21,7 @@ using namespace palpate::pipeline;
 
 constexpr double kExploreSeconds = 120;  // s of the robot's time that 16 contacts may take
 constexpr std::size_t kExploreTouches = 16;
+constexpr int kProbes = 9;             // three for each of three fingers
 constexpr double kElsewhere = 0.004;   // m between spots of a finger that are not the same
 constexpr std::size_t kWindow = 15;    // readings of a touch that are averaged
 constexpr double kHeldMotion = 0.010;  // m in the hand that a kept object moves in the lift
@@ -168,6 +170,10 @@ std::string median_p95(const std::vector<double>& values) {
   return fmt::format("{:.2f} / {:.2f}", median(values), quantile(values, 0.95));
 }
 
+double sum_of(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0);
+}
+
 /// All runs of an object.
 struct Tally {
   std::vector<double> contacts, way_mm, turn_deg;                 // of exploring
@@ -195,15 +201,15 @@ struct Tally {
 };
 
 void run(const experiment::Options& options) {
-  const int trials = options.quick ? 1 : 8;
+  const int trials = options.quick ? 1 : 6;
   const std::size_t touches = options.quick ? 4 : kExploreTouches;
-  const int probes = options.quick ? 1 : 6;
+  const int probes = options.quick ? 1 : kProbes;
   const std::vector<std::string> names =
-      options.quick ? std::vector<std::string>{"box"}
+      options.quick ? std::vector<std::string>{"mug"}
                     : std::vector<std::string>{"mug", "bottle", "box", "bracket", "bunny"};
   experiment::Table explored({"object", "runs", "contacts in 120 s: median", "least",
                               "moved mm: median / p95", "turned deg: median / p95"});
-  experiment::Table probed({"object", "runs probed", "touches", "new contacts a finger: mean",
+  experiment::Table probed({"object", "runs probed", "touches", "new contacts", "a finger",
                             "a touch moves mm: median / p95", "turns deg", "all touches move mm",
                             "turn deg", "kept and lifted"});
   for (const std::string& name : names) {
@@ -224,6 +230,7 @@ void run(const experiment::Options& options) {
          tally.contacts.empty() ? "-" : fmt::format("{:.0f}", quantile(tally.contacts, 0)),
          median_p95(tally.way_mm), median_p95(tally.turn_deg)});
     probed.add_row({name, std::to_string(tally.probed), std::to_string(tally.touches),
+                    fmt::format("{:.0f}", sum_of(tally.found)),
                     tally.found.empty() ? "-" : fmt::format("{:.1f}", mean(tally.found)),
                     median_p95(tally.each_mm), median_p95(tally.each_deg), median_p95(tally.all_mm),
                     median_p95(tally.all_deg), fmt::format("{} of {}", tally.kept, tally.probed)});
