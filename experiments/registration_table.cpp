@@ -155,25 +155,41 @@ void wrong_bounds(const experiment::Options& options) {
   publish(options, "bounds", "Noise bound wrong, with normals", settings);
 }
 
-/// Shuffled pairs hold a few that are right by accident, so that the true pose may be found; those
-/// uniform in the box hold none.
-void all_outliers(const experiment::Options& options) {
+std::vector<Setting> outlier_only_settings(const std::string& mesh_name,
+                                           const geometry::TriangleMesh* mesh,
+                                           const std::vector<std::size_t>& sizes) {
   std::vector<Setting> settings;
   for (const bool box : {false, true}) {
     for (const bool normals : {false, true}) {
-      for (const std::size_t pairs : {12, 100, 1000}) {
-        settings.push_back({fmt::format("{} pairs, {}{}", pairs, box ? "box" : "shuffled",
-                                        normals ? ", normals" : ""),
+      for (const std::size_t pairs : sizes) {
+        settings.push_back({fmt::format("{}, {} pairs, {}{}", mesh_name, pairs,
+                                        box ? "box" : "shuffled", normals ? ", normals" : ""),
                             {.pairs = pairs,
                              .outliers = 1,
                              .noise = 0.001,
+                             .normal_deg = 5,
                              .box_outliers = box,
-                             .normals = normals},
-                            {.normal_noise_deg = normals ? 5.0 : 0.0}});
+                             .normals = normals,
+                             .mesh = mesh},
+                            {.normal_noise_deg = normals ? 5.0 : 0.0},
+                            500});
       }
     }
   }
-  publish(options, "all_outliers", "Outliers alone: every pose is an accident", settings);
+  return settings;
+}
+
+/// Shuffled pairs hold a few that are right by accident, so that the true pose may be found; those
+/// uniform in the box hold none.
+void all_outliers(const experiment::Options& options) {
+  publish(options, "all_outliers", "Outliers alone: every pose is an accident",
+          outlier_only_settings("bunny", nullptr, {20, 100, 1000}));
+  for (const std::string name : {"mug", "bracket", "bottle"}) {
+    const auto object = geometry::load_known_object(name);
+    publish(options, "all_outliers_" + name, "Outliers alone, the " + name,
+            outlier_only_settings(name, &object.mesh, {1000}));
+    if (options.quick) break;
+  }
 }
 
 void thesis_setting(const experiment::Options& options) {

@@ -30,27 +30,6 @@ double log_information(const ChanceModel& model, double k) {
   return 0.5 * std::log(rotation.determinant()) + 1.5 * std::log(k);
 }
 
-/// log of the mean of rate^power over the poses. Of counts h that are Poisson, the mean of
-/// h (h - 1) .. (h - power + 1) is the power of their mean without bias; where counts are too small
-/// for it, the power of the mean rate.
-double log_moment(const ChanceModel& model, int power) {
-  double sum = 0, largest = -std::numeric_limits<double>::infinity(), scaled = 0;
-  for (const double h : model.hits) {
-    sum += h;
-    if (h < power) continue;
-    const double log_power = std::lgamma(h + 1) - std::lgamma(h - power + 1);
-    if (log_power > largest) {
-      scaled = scaled * std::exp(largest - log_power);
-      largest = log_power;
-    }
-    scaled += std::exp(log_power - largest);
-  }
-  const double count = std::max(1.0, static_cast<double>(model.hits.size()));
-  const double of_mean = power * std::log((sum + 1) / count);
-  const double of_powers = scaled > 0 ? largest + std::log(scaled / count) : of_mean;
-  return std::max(of_mean, of_powers) - power * std::log(model.trials);
-}
-
 }  // namespace
 
 double matching_radius(int dimensions, double squares, int count) {
@@ -63,7 +42,7 @@ double expected_by_chance(const ChanceModel& model, double squares, int count) {
   if (count <= 3) return std::numeric_limits<double>::infinity();
   const double k = count, log_unit = log_ball(model.dimensions, model.radius);
   const double log_poses = std::log(model.pairs * model.orientations) + log_unit +
-                           log_moment(model, count - 1) + log_information(model, k);
+                           (k - 1) * std::log(model.rate) + log_information(model, k);
   const double log_sets = log_residuals(model.dimensions, std::max(squares, 1e-12), k) -
                           k * log_unit - std::lgamma(k + 1);
   return std::exp(std::min(log_poses + log_sets, 700.0));

@@ -4,12 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 namespace palpate::registration {
 namespace {
-
-constexpr int kSources = 128;  // looked up at a pose
-constexpr int kRoughPoses = 64, kExactPoses = 512, kExactPosesWithNormals = 1024;
 
 Eigen::Matrix3d second_moment(const Eigen::ArrayXf (&axes)[3]) {
   Eigen::Matrix3d moment;
@@ -53,59 +51,84 @@ double ChanceJudge::quick(const Eigen::Isometry3d& T) const {
     hits += scorer_.count_shifted(T, shift);
   }
   ChanceModel all_alike = model_;
-  all_alike.hits = {hits};
-  all_alike.trials = std::max(1, shifts);
+  all_alike.rate = hits / std::max(1, shifts);
   const Score score = scorer_.score_of_distinct(T);
   return expected_by_chance(all_alike, score.count - score.gain, score.count);
 }
 
-double ChanceJudge::rough(const Eigen::Isometry3d& T) { return judge(T, kRoughPoses); }
+double ChanceJudge::rough(const Eigen::Isometry3d& T) { return judge(T, kRough); }
 
 double ChanceJudge::exact(const Eigen::Isometry3d& T) {
+  const double bound = quick(T);
+  if (bound < kClearAtOnce) return bound;
+  // With normals fewer places gather anything.
+  const Effort most{.poses = scorer_.dimensions() > 3 ? 1024 : 512, .sources = 512};
   // A few poses may miss places that gather much, and so make chance look too rare.
-  constexpr double kFarBelow = 1e-6, kFarAbove = 100;
-  const double first = rough(T);
-  if (first < false_alarm_ * kFarBelow || first > false_alarm_ * kFarAbove) return first;
-  return judge(T, scorer_.dimensions() > 3 ? kExactPosesWithNormals : kExactPoses);
+  constexpr std::pair<Effort, double> kEnoughBelow[] = {{kRough, 1e-6}, {kMedium, 1e-3}};
+  constexpr double kFarAbove = 100;
+  for (const auto& [effort, share] : kEnoughBelow) {
+    const double expected = judge(T, effort);
+    if (expected < share * false_alarm_ || expected > kFarAbove * false_alarm_) return expected;
+  }
+  return judge(T, most);
 }
 
-double ChanceJudge::judge(const Eigen::Isometry3d& T, int poses) {
+double ChanceJudge::judge(const Eigen::Isometry3d& T, Effort effort) {
+  constexpr int kMostPoses = 4096;
   const Score score = scorer_.score_of_distinct(T);
   if (score.count <= 3) return expected_by_chance(model_, 0, score.count);
+  // Of few pairs, all and at more poses.
+  const int sources = std::min(effort.sources, scorer_.size() - 1);
+  const int poses = std::min(kMostPoses, effort.poses * effort.sources / sources);
   const double squares = score.count - score.gain;
-  Rates& rates = rates_within(matching_radius(model_.dimensions, squares, score.count));
-  // Fewer sources, more poses.
-  const int sources = std::min(kSources, scorer_.size() - 1);
-  extend(rates, poses * std::min(8, kSources / sources));
+  const double radius = matching_radius(model_.dimensions, squares, score.count);
+  Rates& rates = rates_within(radius, sources);
+  extend(rates, poses);
   ChanceModel chance = model_;
   chance.radius = rates.radius;
-  chance.trials = sources * rates.pairings.coarseness();
-  chance.hits = rates.hits;
-  for (std::size_t i = 0; i < rates.poses.size(); ++i) {
-    if (same(T, rates.poses[i])) chance.hits[i] = 0;
-  }
+  chance.rate = power_mean(rates, T, score.count - 1);
   return expected_by_chance(chance, squares, score.count);
 }
 
-ChanceJudge::Rates& ChanceJudge::rates_within(double radius) {
+ChanceJudge::Rates& ChanceJudge::rates_within(double radius, int sources) {
   constexpr double kStep = 1.25;
   const int step = static_cast<int>(std::lround(std::log(radius) / std::log(kStep)));
-  if (const auto known = rates_.find(step); known != rates_.end()) return known->second;
+  const std::pair key{step, sources};
+  if (const auto known = rates_.find(key); known != rates_.end()) return known->second;
   const double rounded = std::pow(kStep, step);
   Rates rates{rounded,
+              sources,
               {scorer_.columns(), scorer_.chord_bound(), rounded},
               random_.fork("poses", static_cast<std::uint64_t>(-step))};
-  return rates_.emplace(step, std::move(rates)).first->second;
+  return rates_.emplace(key, std::move(rates)).first->second;
 }
 
 void ChanceJudge::extend(Rates& rates, int poses) const {
-  const int sources = std::min(kSources, scorer_.size() - 1), step = scorer_.size() / sources;
+  const int step = scorer_.size() / rates.sources;
   while (static_cast<int>(rates.poses.size()) < poses) {
     Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
     const int source = rates.pairings.propose(rates.random, T);
     rates.poses.push_back(T);
-    rates.hits.push_back(rates.pairings.hits(T, source + 1, step, sources));
+    rates.pairings.agreements(T, {source + 1, step, rates.sources}, rates.counts.emplace_back());
   }
+}
+
+/// The power mean of the rates at the poses that are not the same as T, and one standard error
+/// more; where too few sources agree for that, the mean.
+double ChanceJudge::power_mean(const Rates& rates, const Eigen::Isometry3d& T, int power) const {
+  double sum = 1, powers = 0, squares = 0;
+  for (std::size_t i = 0; i < rates.poses.size(); ++i) {
+    if (same(T, rates.poses[i])) continue;
+    const auto& counts = rates.counts[i];
+    const double estimate = power_of_mean(counts, rates.sources, power);
+    sum += std::accumulate(counts.begin(), counts.end(), 0.0);
+    powers += estimate;
+    squares += estimate * estimate;
+  }
+  const auto poses = static_cast<double>(rates.poses.size());
+  const double mean_power = (powers + std::sqrt(squares)) / poses;
+  const double mean = sum / (poses * rates.sources);
+  return std::max(mean, std::pow(mean_power, 1.0 / power)) / rates.pairings.coarseness();
 }
 
 /// Whether two poses are the same answer: they move the sources alike to within three bounds, root

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <map>
-#include <optional>
+#include <utility>
 #include <vector>
 
 #include "pairing_rates.hpp"
@@ -11,6 +11,9 @@
 #include "scorer.hpp"
 
 namespace palpate::registration {
+
+/// Below this the quick judgement needs no other.
+inline constexpr double kClearAtOnce = 1e-8;
 
 /// Expected number of poses as good as one by chance, as exactly as it matters.
 class ChanceJudge {
@@ -25,30 +28,38 @@ class ChanceJudge {
   /// With the rates at some random poses.
   double rough(const Eigen::Isometry3d& T);
 
-  /// With the rates at many of them where the rough number is close to the false alarms.
+  /// The quick number if that is clear; with the rates at many poses where the rough one is close
+  /// to the false alarms.
   double exact(const Eigen::Isometry3d& T);
 
  private:
   /// Rates within one radius at random poses, as many as were asked for so far.
   struct Rates {
     double radius;
+    int sources;  // looked up at a pose
     PairingRates pairings;
     RandomStream random;
     std::vector<Eigen::Isometry3d> poses = {};
-    std::vector<double> hits = {};
+    std::vector<std::vector<int>> counts = {};  // of each, as PairingRates::agreements()
   };
 
-  double judge(const Eigen::Isometry3d& T, int poses);
-  Rates& rates_within(double radius);
+  struct Effort {
+    int poses, sources;
+  };
+  static constexpr Effort kRough{64, 128}, kMedium{128, 512};
+
+  double judge(const Eigen::Isometry3d& T, Effort effort);
+  Rates& rates_within(double radius, int sources);
   void extend(Rates& rates, int poses) const;
+  double power_mean(const Rates& rates, const Eigen::Isometry3d& T, int power) const;
   bool same(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) const;
 
   const Scorer& scorer_;
   double false_alarm_;
   const RandomStream& random_;
-  ChanceModel model_;           // but for the rates
-  Eigen::Matrix3d spread_;      // second moment of the sources about their mean
-  std::map<int, Rates> rates_;  // of steps of the radius
+  ChanceModel model_;                           // but for the rates
+  Eigen::Matrix3d spread_;                      // second moment of the sources about their mean
+  std::map<std::pair<int, int>, Rates> rates_;  // of steps of the radius and sources
 };
 
 }  // namespace palpate::registration

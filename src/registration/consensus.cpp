@@ -29,7 +29,7 @@ constexpr float kNear = 2;  // bounds, within which a slightly wrong pose brings
 constexpr double kStarTolerance = 0.65;
 // A pose that chance proposes less often than kClear ends the search; in a small sample, by the
 // quick judgement, less often than kClearAtOnce. Above kHopeless no other judgement is needed.
-constexpr double kClear = 1e-4, kClearAtOnce = 1e-8, kHopeless = 1e6;
+constexpr double kClear = 1e-4, kHopeless = 1e6;
 
 /// `count` of 0..size-1, one from each of as many equal strata, ascending.
 std::vector<int> stratified_sample(int size, int count, RandomStream random) {
@@ -73,16 +73,21 @@ class StarSearch {
     return false;
   }
 
-  /// Judges the best pose, exactly unless it is clear.
-  /// @return whether it is so good that no more needs to be looked at
-  bool conclude(Consensus& best) {
+  /// Whether the best pose, judged roughly, is so good that no more needs to be looked at.
+  bool is_settled() {
     if (inliers_ == 0 || judged_ == gain_) return false;
     polish();
     judged_ = gain_;
+    return expected() < kClear;
+  }
+
+  /// Judges the best pose.
+  void conclude(Consensus& best) {
+    if (inliers_ == 0) return;
+    polish();
     best.T_target_source = scorer_.uncentred(best_);
-    best.expected_by_chance = quick_ < kClearAtOnce ? quick_ : chance_.exact(best_);
+    best.expected_by_chance = chance_.exact(best_);
     best.found = best.expected_by_chance < options_.false_alarm;
-    return best.expected_by_chance < kClear;
   }
 
  private:
@@ -226,7 +231,7 @@ Consensus find_consensus(const Correspondences& correspondences, const Consensus
     const auto size = static_cast<int>(sample.size());
     const int seeds = size == most ? size : static_cast<int>(kSeedShare * size);
     if (search.run(sample, seeds, random.fork("seeds", stage), best)) break;
-    if (sample.size() >= kLargeSample && search.conclude(best)) break;
+    if (sample.size() >= kLargeSample && search.is_settled()) break;
     if (size == most) break;
   }
   search.conclude(best);

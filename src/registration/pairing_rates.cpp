@@ -27,12 +27,13 @@ PairingRates::PairingRates(const PairColumns& columns, double chord_bound, doubl
   const double side =
       std::max(fine, static_cast<double>((high - low_).maxCoeff()) / (kMostCells - 1));
   side_ = static_cast<float>(side);
+  per_side_ = 1 / side_;
   coarseness_ = std::pow(side / fine, 3);
   if (chord_bound > 0) {
     const double squared = kBall5 / kBall3 / std::numbers::pi;  // a disc of this makes up the rest
     chord_squared_ = static_cast<float>(squared * radius * radius * chord_bound * chord_bound);
   }
-  cells_ = ((high - low_) / side_).array().cast<int>() + 1;
+  cells_ = ((high - low_) * per_side_).array().cast<int>() + 1;
   std::vector<int> cell_of(static_cast<std::size_t>(columns.size()));
   first_.assign(static_cast<std::size_t>(cells_.prod()) + 1, 0);
   for (int j = 0; j < columns.size(); ++j) {
@@ -50,11 +51,11 @@ PairingRates::PairingRates(const PairColumns& columns, double chord_bound, doubl
 
 /// -1 outside of the grid.
 int PairingRates::cell(const Eigen::Vector3f& p) const {
-  const Eigen::Array3f x = (p - low_).array() / side_;
-  const Eigen::Array3f size = cells_.cast<float>();
-  if (!((x >= 0).all() && (x < size).all())) return -1;
-  const Eigen::Array3i i = x.cast<int>();
-  return (i[0] * cells_[1] + i[1]) * cells_[2] + i[2];
+  const Eigen::Vector3f x = (p - low_) * per_side_;
+  if (!(x[0] >= 0 && x[1] >= 0 && x[2] >= 0)) return -1;
+  const int i = static_cast<int>(x[0]), j = static_cast<int>(x[1]), k = static_cast<int>(x[2]);
+  if (i >= cells_[0] || j >= cells_[1] || k >= cells_[2]) return -1;
+  return (i * cells_[1] + j) * cells_[2] + k;
 }
 
 int PairingRates::propose(RandomStream& random, Eigen::Isometry3d& T) const {
@@ -79,21 +80,21 @@ int PairingRates::propose(RandomStream& random, Eigen::Isometry3d& T) const {
   return source;
 }
 
-int PairingRates::hits(const Eigen::Isometry3d& T, int first, int step, int count) const {
+void PairingRates::agreements(const Eigen::Isometry3d& T, const Strided& sources,
+                              std::vector<int>& counts) const {
   const Eigen::Matrix3f R = T.linear().cast<float>();
   const Eigen::Vector3f t = T.translation().cast<float>();
   const int size = columns_.size();
-  int total = 0, i = first % size;
-  for (int k = 0; k < count; ++k) {
+  int i = sources.first % size;
+  for (int k = 0; k < sources.count; ++k) {
     const int c = cell(R * at(columns_.s, i) + t);
-    if (c >= 0) total += agreements(R, i, c);
-    i += step;
-    while (i >= size) i -= size;
+    const int count = c < 0 ? 0 : agreements_in(c, R, i);
+    if (count > 0) counts.push_back(count);
+    i = (i + sources.step) % size;
   }
-  return total;
 }
 
-int PairingRates::agreements(const Eigen::Matrix3f& R, int source, int cell) const {
+int PairingRates::agreements_in(int cell, const Eigen::Matrix3f& R, int source) const {
   const int begin = first_[static_cast<std::size_t>(cell)],
             end = first_[static_cast<std::size_t>(cell) + 1];
   if (!(chord_squared_ > 0) || begin == end) return end - begin;
@@ -104,6 +105,18 @@ int PairingRates::agreements(const Eigen::Matrix3f& R, int source, int cell) con
     total += (n - m).squaredNorm() < chord_squared_;
   }
   return total;
+}
+
+double power_of_mean(const std::vector<int>& counts, int all, int power) {
+  if (static_cast<int>(counts.size()) < power) return 0;
+  std::vector<double> products(static_cast<std::size_t>(power) + 1, 0);
+  products[0] = 1;
+  for (const int count : counts) {
+    for (std::size_t q = products.size() - 1; q > 0; --q) products[q] += count * products[q - 1];
+  }
+  double mean = products.back();
+  for (int q = 0; q < power; ++q) mean *= (q + 1.0) / (all - q);
+  return mean;
 }
 
 }  // namespace palpate::registration

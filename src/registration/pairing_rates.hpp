@@ -9,6 +9,11 @@
 
 namespace palpate::registration {
 
+/// first, first + step, .., count of them.
+struct Strided {
+  int first, step, count;
+};
+
 /// Which sources and targets, paired at random, agree at a pose.
 ///
 /// Agreement is to lie in the same cube of a grid, and with normals to differ by a chord, which
@@ -25,24 +30,31 @@ class PairingRates {
   /// @return its source
   int propose(RandomStream& random, Eigen::Isometry3d& T) const;
 
-  /// Agreements of the sources first, first + step, .. (count of them, from the start again past
-  /// the end), each with all targets.
-  int hits(const Eigen::Isometry3d& T, int first, int step, int count) const;
+  /// Appends how many targets each of some sources agrees with, where there are any.
+  /// @param sources  first, first + step, .. (count of them, from the start again past the end)
+  void agreements(const Eigen::Isometry3d& T, const Strided& sources,
+                  std::vector<int>& counts) const;
 
   /// Volume of what counts as agreement, over that of the ball.
   double coarseness() const { return coarseness_; }
 
  private:
   int cell(const Eigen::Vector3f& p) const;
-  int agreements(const Eigen::Matrix3f& R, int source, int cell) const;
+  int agreements_in(int cell, const Eigen::Matrix3f& R, int source) const;
 
   const PairColumns& columns_;
-  float side_ = 1, chord_squared_ = 0;  // 0: without normals
+  float side_ = 1, per_side_ = 1, chord_squared_ = 0;  // 0: without normals
   double coarseness_ = 1;
   Eigen::Vector3f low_ = Eigen::Vector3f::Zero();
   Eigen::Array3i cells_ = Eigen::Array3i::Ones();
   std::vector<int> first_,
       targets_;  // of cell c: targets_[first_[c]] .. targets_[first_[c + 1] - 1]
 };
+
+/// Power of the mean that counts were drawn about, without bias: the mean of the products of so
+/// many different ones (elementary symmetric polynomial), whatever else the counts vary by.
+/// @param counts  those that are not 0
+/// @param all  how many there are with those that are 0
+double power_of_mean(const std::vector<int>& counts, int all, int power);
 
 }  // namespace palpate::registration

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numeric>
 
 #include "../../src/registration/chance_judge.hpp"
 #include "../../src/registration/consensus.hpp"
@@ -50,7 +51,9 @@ TEST(PairingRates, CountAsABallOfThatRadius) {
         rates.propose(random, T);
         // Away from the proposed pair, at which the cube and the ball differ.
         T.translation() += 3 * random.normal3();
-        hits += rates.hits(T, 0, 1, 200);
+        std::vector<int> counts;
+        rates.agreements(T, {0, 1, 200}, counts);
+        hits += std::accumulate(counts.begin(), counts.end(), 0.0);
         expected += agreements(scorer.columns(), T, radius, chord);
       }
       ASSERT_GT(expected, 50);
@@ -95,8 +98,30 @@ TEST(PairingRates, CloudsLargeForTheRadiusGetACoarseGrid) {
   EXPECT_GT(rates.coarseness(), 1e6);
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
   RandomStream random(6, "rates");
-  rates.propose(random, T);
-  EXPECT_GE(rates.hits(T, 0, 1, 50), 0);
+  const int source = rates.propose(random, T);
+  std::vector<int> counts;
+  rates.agreements(T, {source, 1, 50}, counts);
+  EXPECT_LE(counts.size(), 50u);
+}
+
+TEST(PowerOfMean, IsTheMeanProductOfDifferentCounts) {
+  // Of 2, 3, 5 and 0: all pairs and all triples.
+  EXPECT_NEAR(power_of_mean({2, 3, 5}, 4, 1), 10.0 / 4, 1e-12);
+  EXPECT_NEAR(power_of_mean({2, 3, 5}, 4, 2), (6 + 10 + 15) / 6.0, 1e-12);
+  EXPECT_NEAR(power_of_mean({2, 3, 5}, 4, 3), 30 / 4.0, 1e-12);
+  EXPECT_EQ(power_of_mean({2, 3, 5}, 4, 4), 0);
+  // Counts that come in clumps of 3.
+  RandomStream random(9, "counts");
+  double sum = 0;
+  constexpr int kRuns = 40000;
+  for (int run = 0; run < kRuns; ++run) {
+    std::vector<int> counts;
+    for (int i = 0; i < 30; ++i) {
+      if (random.uniform() < 0.2) counts.push_back(3);
+    }
+    sum += power_of_mean(counts, 30, 4);
+  }
+  EXPECT_NEAR(sum / kRuns, std::pow(0.6, 4), 0.03 * std::pow(0.6, 4));
 }
 
 TEST(ChanceJudge, CopiesAreNoEvidence) {

@@ -3,7 +3,6 @@
 
 #include <Eigen/Core>
 #include <numbers>
-#include <vector>
 
 namespace palpate::registration {
 
@@ -19,12 +18,10 @@ struct ChanceModel {
   /// their mean, a share 1 / pairs each) and by its normal.
   Eigen::Matrix3d inertia = Eigen::Matrix3d::Identity();
   Eigen::Matrix3d normal_information = Eigen::Matrix3d::Zero();
-  double radius = 1;  ///< rates count residuals in a ball of this radius
-  /// At poses at which one random pair agrees to within the radius: how often other sources and
-  /// targets did so in as many random pairings that hits / trials is the rate, the number of
-  /// agreements among all pairs.
-  std::vector<double> hits;
-  double trials = 1;
+  double radius = 1;  ///< within which the rate counts residuals, d-dimensional
+  /// Pairs of all that agree to within the radius, on average over the poses at which one random
+  /// pair does: the power mean of that exponent, one less than there are inliers.
+  double rate = 0;
 };
 
 /// Radius of the ball whose uniform residuals have the mean square that k residuals with a sum of
