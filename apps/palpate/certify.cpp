@@ -2,9 +2,12 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <cmath>
+#include <filesystem>
 
 #include "common.hpp"
 #include "palpate/core/error.hpp"
+#include "palpate/core/file.hpp"
 #include "palpate/core/se3.hpp"
 #include "palpate/registration/correspondences_io.hpp"
 #include "palpate/registration/pose.hpp"
@@ -20,19 +23,35 @@ struct CertifyArguments {
   std::optional<double> noise_bound;
 };
 
+/// A configuration holds nothing for this command: whatever it sets is refused.
+struct NoOptions {
+  template <class Visitor>
+  void visit(Visitor&&) {}
+};
+
+/// The correspondences within the bound, m.
+rg::Correspondences inliers_of(const rg::Correspondences& correspondences,
+                               const Eigen::Isometry3d& T, double bound) {
+  if (!(bound > 0) || !std::isfinite(bound)) {
+    throw BadInput(fmt::format("noise bound {} m is not positive", bound));
+  }
+  const auto squared = rg::squared_residuals(correspondences, T, rg::Primitive::kPoint);
+  std::vector<int> inliers;
+  for (std::size_t i = 0; i < squared.size(); ++i) {
+    if (std::sqrt(squared[i]) <= bound) inliers.push_back(static_cast<int>(i));
+  }
+  return rg::subset(correspondences, inliers);
+}
+
 int certify(const CertifyArguments& arguments) {
+  resolve<NoOptions>(arguments.common);
   const Eigen::Isometry3d T = parse_pose(arguments.pose);
   const auto primitive =
       arguments.primitive == "plane" ? rg::Primitive::kPlane : rg::Primitive::kPoint;
   auto correspondences = rg::read_correspondences(arguments.correspondences);
   const auto start = std::chrono::steady_clock::now();
   if (arguments.noise_bound) {
-    const auto squared = rg::squared_residuals(correspondences, T, rg::Primitive::kPoint);
-    std::vector<int> inliers;
-    for (std::size_t i = 0; i < squared.size(); ++i) {
-      if (std::sqrt(squared[i]) <= *arguments.noise_bound) inliers.push_back(static_cast<int>(i));
-    }
-    correspondences = rg::subset(correspondences, inliers);
+    correspondences = inliers_of(correspondences, T, *arguments.noise_bound);
   }
   const auto estimate = rg::certify(T, correspondences, {}, primitive);
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
@@ -43,6 +62,10 @@ int certify(const CertifyArguments& arguments) {
                                  {"correspondences", correspondences.size()},
                                  {"information_rank", estimate.rank},
                                  {"seconds", elapsed.count()}};
+  if (!arguments.common.out.empty()) {
+    const std::filesystem::path folder = arguments.common.out;
+    write_file_atomically(folder / "report.json", report.dump(2) + "\n");
+  }
   if (arguments.common.json) {
     fmt::print("{}\n", report.dump(2));
   } else {
@@ -77,7 +100,7 @@ void add_certify(CLI::App& program, Command& chosen) {
                   "judge by the correspondences within this distance alone, m")
       ->option_text("M");
   command.footer(
-      "Exits with 4 unless the pose is certified.\n\n"
+      "Exits with 4 unless the pose is certified. --out receives report.json.\n\n"
       "Examples:\n"
       "  palpate certify 1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1 --correspondences pairs.csv\n"
       "  palpate certify pose.txt --correspondences pairs.csv --noise-bound 0.004 --json");

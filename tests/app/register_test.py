@@ -8,6 +8,8 @@ import random
 from cli import BAD_INPUT, NO_SOLUTION, USAGE, CliTest, box_stl, main
 
 QUARTER_TURN = [0, -1, 0, 0.1, 1, 0, 0, 0.2, 0, 0, 1, 0.3, 0, 0, 0, 1]  # about z, and a shift
+IDENTITY = "1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1"
+MIRROR = "1,0,0,0,0,1,0,0,0,0,-1,0,0,0,0,1"
 
 
 def moved(p):
@@ -84,8 +86,11 @@ class Register(CliTest):
         self.assertEqual(
             self.run_json("certify", pose, "--correspondences", file)["status"], "certified"
         )
+        self.run_json("certify", pose, "--correspondences", file, "--out", "proof")
+        report = json.loads((self.folder / "proof/report.json").read_text())
+        self.assertEqual(report["status"], "certified")
         wrong = self.run_program(
-            "certify", "1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1", "--correspondences", file
+            "certify", IDENTITY, "--correspondences", file
         )
         self.assertEqual(wrong.returncode, NO_SOLUTION)
 
@@ -123,6 +128,12 @@ class Register(CliTest):
             (["register", "box.stl", "box.stl", "--noise-bound", "0"], BAD_INPUT),
             (["register", "--correspondences", file, "--noise-bound", "-1"], BAD_INPUT),
             (["register", "--correspondences", file, "--primitive", "plane"], BAD_INPUT),
+            (["certify", "1,2,3", "--correspondences", file], BAD_INPUT),
+            (["certify", MIRROR, "--correspondences", file], BAD_INPUT),
+            (["certify", IDENTITY, "--correspondences", file, "--noise-bound", "0"], BAD_INPUT),
+            (["certify", IDENTITY, "--correspondences", file, "--noise-bound", "-1"], BAD_INPUT),
+            (["certify", IDENTITY, "--correspondences", file, "--set", "x=1"], BAD_INPUT),
+            (["certify", IDENTITY, "--correspondences", "none.csv"], BAD_INPUT),
         ):
             self.assert_refused(code, arguments)
 
