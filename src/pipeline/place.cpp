@@ -7,6 +7,8 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <numbers>
+#include <utility>
 
 #include "course.hpp"
 #include "load.hpp"
@@ -70,6 +72,7 @@ class Placement {
             const simulation::Fixture& fixture, const PickOptions& pick_options,
             const PlaceOptions& options, std::uint64_t seed, const PhaseObserver& observer)
       : robot_(robot),
+        model_(object),
         object_(object.object()),
         picked_(picked),
         pick_options_(pick_options),
@@ -84,6 +87,8 @@ class Placement {
 
  private:
   bool aim(const PlaceTarget& target);
+  bool carry(std::string name);
+  bool aim_again();
   bool set_down(const PlaceGoal& goal, double wall, bool back);
   bool withdraw();
   void put_back();
@@ -91,6 +96,7 @@ class Placement {
   double weight() const { return object_.mass * kGravity; }
 
   Robot& robot_;
+  const localization::ObjectModel& model_;
   const geometry::KnownObject& object_;
   const PickResult& picked_;
   const PickOptions& pick_options_;
@@ -133,6 +139,48 @@ bool Placement::aim(const PlaceTarget& target) {
                               search.same_stance ? "the same" : "another")};
   }));
   return ok || fail(status);
+}
+
+/// Over the goal.
+bool Placement::carry(std::string name) {
+  TransportPhase transport(options_.transport, scene_, *result_.goal, seed_, std::move(name));
+  const bool there = course_.run(transport);
+  if (result_.motion.samples.empty()) result_.motion = transport.motion();
+  if (there) return true;
+  const bool moved = transport.motion().status == planning::PlanStatus::ok;
+  fail(transport.lost() ? PlaceStatus::lost
+       : moved          ? PlaceStatus::slipped
+                        : PlaceStatus::unreachable);
+  if (!transport.lost()) put_back();
+  return false;
+}
+
+/// Estimates the pose once more over the target, for the object has moved in the hand on the way:
+/// gravity pulls elsewhere once the hand has turned. What comes of it only mends the goal; where it
+/// is less certain than what was known before, it is left alone.
+bool Placement::aim_again() {
+  if (!options_.again) return true;
+  TouchLog log = robot_.log();
+  log.moments.push_back({Mark::held, log.readings.size() - 1});
+  const double least = std::min(options_.certain, result_.held.certainty);
+  std::optional<PlaceGoal> goal;
+  course_.run(ThinkPhase("aim again", [&]() -> PhaseEnd {
+    state_.estimate = locate(model_, robot_.model(), log, pick_options_.locate, seed_);
+    const auto held = held_object(object_, state_.estimate.posterior, log, options_.same);
+    if (!held || held->certainty < least) return {true, "nothing new"};
+    goal =
+        find_goal(object_, *held, result_.T_world_target, robot_.reading(), scene_, options_.goal)
+            .goal;
+    if (!goal) return {true, "nothing that could be reached"};
+    result_.held = *held;
+    const Eigen::Isometry3d by = goal->seat.pose() * result_.goal->seat.pose().inverse();
+    return {true, fmt::format("the hand goes {:.1f} mm and {:.1f} deg from where it was to go",
+                              1e3 * (goal->seat.xyz - result_.goal->seat.xyz).norm(),
+                              180 / std::numbers::pi * Eigen::AngleAxisd(by.linear()).angle())};
+  }));
+  if (!goal) return true;
+  result_.goal = goal;
+  return carry("mend");
 }
 
 /// Sets down at the goal under the hand and lets go.
@@ -182,17 +230,7 @@ PlaceResult Placement::run(const PlaceTarget& target) {
     return result_;
   }
   const bool slot = target.kind == PlaceTarget::Kind::fixture;
-  TransportPhase transport(options_.transport, scene_, *result_.goal, seed_);
-  const bool there = course_.run(transport);
-  result_.motion = transport.motion();
-  if (!there) {
-    const bool moved = transport.motion().status == planning::PlanStatus::ok;
-    fail(transport.lost() ? PlaceStatus::lost
-         : moved          ? PlaceStatus::slipped
-                          : PlaceStatus::unreachable);
-    if (!transport.lost()) put_back();
-    return result_;
-  }
+  if (!carry("transport") || !aim_again()) return result_;
   if (!set_down(*result_.goal, slot ? options_.fixture.height : 0, false)) {
     if (result_.status == PlaceStatus::refused) put_back();
     return result_;
@@ -237,6 +275,15 @@ std::string_view to_string(PlaceStatus status) {
       return "under way";
   }
   return "";
+}
+
+PickOptions firm_enough(const PickOptions& pick_options, const PlaceTarget& target,
+                        const PlaceOptions& options) {
+  PickOptions firm = pick_options;
+  if (target.kind == PlaceTarget::Kind::pose) {
+    firm.grasp.press_per_weight = std::max(firm.grasp.press_per_weight, options.turn_press);
+  }
+  return firm;
 }
 
 PlaceResult place(Robot& robot, const localization::ObjectModel& object, const PickResult& picked,

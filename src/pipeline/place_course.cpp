@@ -54,7 +54,7 @@ class PlaceAttempts {
         object_(object),
         target_(target),
         fixture_(fixture),
-        pick_options_(pick_options),
+        pick_options_(firm_enough(pick_options, target, options)),
         options_(options),
         seed_(seed),
         observer_(observer) {}
@@ -113,7 +113,7 @@ class PlaceAttempts {
   const localization::ObjectModel& object_;
   const PlaceTarget& target_;
   const simulation::Fixture& fixture_;
-  const PickOptions& pick_options_;
+  PickOptions pick_options_;
   const PlaceOptions& options_;
   std::uint64_t seed_;
   const PhaseObserver& observer_;

@@ -21,12 +21,12 @@ class Transfers {
         object_(object),
         target_(target),
         fixture_(fixture),
-        pick_options_(pick_options),
+        pick_options_(firm_enough(pick_options, target, options)),
         place_options_(options),
         options_(options.regrasp),
         observer_(observer),
         tool_(regrasp_tool(robot.model(), robot.actuators())) {
-    const GraspOptions& grasp = pick_options.grasp;
+    const GraspOptions& grasp = pick_options_.grasp;
     options_.plan.grasp.press =
         std::max(grasp.least_press, grasp.press_per_weight * object.object().mass * kGravity);
   }
@@ -101,7 +101,7 @@ class Transfers {
   const localization::ObjectModel& object_;
   const PlaceTarget& target_;
   const simulation::Fixture& fixture_;
-  const PickOptions& pick_options_;
+  PickOptions pick_options_;
   const PlaceOptions& place_options_;
   RegraspCourseOptions options_;
   const PhaseObserver& observer_;

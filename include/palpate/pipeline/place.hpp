@@ -18,7 +18,9 @@ struct PlaceOptions {
   std::string means = "auto";  ///< wrist, regrasp, or what is needed (place_course.hpp)
   int picks = 2;               ///< at most, where the object had to be put back
   double reach = 0.5;          ///< m, how far from the origin a target may be
+  double turn_press = 6.0;  ///< as GraspOptions::press_per_weight, if the object may be turned over
   double certain = 0.85;  ///< share of the estimate that must agree on where the object would stand
+  bool again = true;      ///< estimate the pose once more over the target
   bool verify = true;     ///< feel afterwards whether it stands there
   SamePose same;
   FixtureOptions fixture;
@@ -34,7 +36,10 @@ struct PlaceOptions {
     v("means", means, "wrist (one hold), regrasp (planned grasps), auto (the first that does)");
     v("picks", picks, 1, 10, "at most, where the object had to be put back");
     v("reach", reach, 0.05, 1.0, "m, how far from the origin a target may be");
+    v("turn_press", turn_press, 0.0, 100.0,
+      "grasp.press_per_weight at least, for targets that may be in another stance");
     v("certain", certain, 0.0, 1.0, "share of the estimate that must agree on the place");
+    v("again", again, "estimate the pose once more over the target");
     v("verify", verify, "feel afterwards whether the object stands there");
     v.section("same", same);
     v.section("fixture", fixture);
@@ -76,6 +81,11 @@ struct PlaceResult {
   planning::Plan motion;                            ///< of the transport
   std::optional<Eigen::Isometry3d> T_world_placed;  ///< as it was let go, estimated
 };
+
+/// With a firmer grasp for a target that may be in another stance (a pose): turned about the axis
+/// through its contacts, the object hangs on their friction.
+PickOptions firm_enough(const PickOptions& pick_options, const PlaceTarget& target,
+                        const PlaceOptions& options);
 
 /// Transport and placement (thesis chapter 1) of the object that hangs in the hand after a pick:
 /// find where the base has to go, carry, set down by touch, let go, withdraw, verify by touch. What
