@@ -20,7 +20,7 @@ constexpr double kMoveSeconds = 0.3;    // s
 constexpr double kReturnSeconds = 0.6;  // s, back to where the finger pressed
 constexpr double kLongestClose = 1.5;   // s
 constexpr double kThumbLimit = 1.0;     // rad; the thumb does not move here
-constexpr double kTouchSeconds = 6;     // s that a touch takes, and back
+constexpr double kTouchSeconds = 6;     // s that a touch takes at most, and back
 constexpr double kLost = 0.03;          // N at which a holding finger has lost touch
 constexpr int kLeastHolding = 3;        // fingers that hold meanwhile, the thumb among them
 constexpr double kSame = 0.05;          // rad, of actuators of two moves that are the same
@@ -169,8 +169,9 @@ PhaseEnd ProbePhase::run(Robot& robot, PickState& state) {
   };
   const double before = weight();
   bool holds = true;
+  const double last_start = robot.time() + time_limit() - kTouchSeconds;
   while (holds && static_cast<int>(made.size()) < options_.most && weight() > 0 &&
-         weight() < options_.certain) {
+         weight() < options_.certain && robot.time() < last_start) {
     const auto move = choose(robot, state, made);
     if (!move) break;
     holds = touch(robot, *move);
