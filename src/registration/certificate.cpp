@@ -5,6 +5,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 
 #include "palpate/core/error.hpp"
 
@@ -35,6 +36,16 @@ double gap_bound(const Matrix10d& Z) {
 }
 
 }  // namespace
+
+void check_rotation(const Eigen::Matrix3d& R) {
+  if (!R.allFinite()) throw BadInput("the rotation holds a value that is not finite");
+  const double off = (R.transpose() * R - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
+  const double determinant = R.determinant();
+  if (off > 1e-6 || determinant < 0) {
+    throw BadInput(
+        fmt::format("a rotation is off by {:.3g}, its determinant {:.3g}", off, determinant));
+  }
+}
 
 DetailedCertificate certify_in_detail(const Matrix10d& objective, const Eigen::Matrix3d& R,
                                       const RotationOptions& options) {
@@ -72,7 +83,7 @@ DetailedCertificate certify_in_detail(const Matrix10d& objective, const Eigen::M
 RotationCertificate certify_rotation(const Matrix10d& objective, const Eigen::Matrix3d& R,
                                      const RotationOptions& options) {
   if (!objective.allFinite()) throw BadInput("the objective holds a value that is not finite");
-  if (!R.allFinite()) throw BadInput("the rotation holds a value that is not finite");
+  check_rotation(R);
   return certify_in_detail(objective, R, options).certificate;
 }
 

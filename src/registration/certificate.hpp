@@ -14,6 +14,12 @@ struct DetailedCertificate {
   Vector10d escape = Vector10d::Zero();
 };
 
+/// A reflection may cost less than every rotation and would be proven of the reflections: no other
+/// matrix may pass for a rotation.
+/// @throws BadInput unless R is a rotation to 1e-6
+void check_rotation(const Eigen::Matrix3d& R);
+
+/// @param R  a rotation
 DetailedCertificate certify_in_detail(const Matrix10d& objective, const Eigen::Matrix3d& R,
                                       const RotationOptions& options);
 

@@ -6,6 +6,7 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 
+#include "certificate.hpp"
 #include "nearest_rotation.hpp"
 #include "palpate/core/error.hpp"
 
@@ -126,6 +127,7 @@ PoseEstimate certify(const Eigen::Isometry3d& T_target_source,
                      const Correspondences& correspondences, const std::vector<double>& weights,
                      Primitive primitive, const PoseOptions& options) {
   if (!T_target_source.matrix().allFinite()) throw BadInput("the pose holds nan or inf");
+  check_rotation(T_target_source.linear());
   const PoseEstimate best = solve_pose(correspondences, weights, primitive, options);
   const Problem problem(correspondences, weights, primitive);
   PoseEstimate estimate;

@@ -150,5 +150,18 @@ TEST(Pose, BadWeightsAndPoses) {
   EXPECT_THROW(certify(T, problem.correspondences, {}, Primitive::kPoint), BadInput);
 }
 
+// The reflection that mirrors points costs less than every rotation, and must not be proven.
+TEST(Certify, RefusesReflectionsAndStretchedRotations) {
+  auto problem = make_problem({.pairs = 30}, RandomStream(8, "pose"));
+  const Eigen::Vector3d mirror(1, -1, 1);
+  for (auto& p : problem.correspondences.source) p = mirror.asDiagonal() * p;
+  Eigen::Isometry3d reflection = problem.truth;
+  reflection.linear() = problem.truth.linear() * mirror.asDiagonal();
+  EXPECT_THROW(certify(reflection, problem.correspondences, {}, Primitive::kPoint), BadInput);
+  Eigen::Isometry3d stretched = problem.truth;
+  stretched.linear() *= 1.001;
+  EXPECT_THROW(certify(stretched, problem.correspondences, {}, Primitive::kPoint), BadInput);
+}
+
 }  // namespace
 }  // namespace palpate::registration

@@ -131,10 +131,12 @@ TEST(Rotation, CertificateDoesNotDependOnScale) {
   }
 }
 
-TEST(Rotation, RefusesWhatIsNotFinite) {
+TEST(Rotation, RefusesWhatIsNotFiniteOrNoRotation) {
   Matrix10d objective = plane_objective(30, 0.001, 1);
   const Eigen::Matrix3d bad = Eigen::Matrix3d::Constant(std::numeric_limits<double>::quiet_NaN());
   EXPECT_THROW(certify_rotation(objective, bad), BadInput);
+  EXPECT_THROW(certify_rotation(objective, -Eigen::Matrix3d::Identity()), BadInput);
+  EXPECT_THROW(certify_rotation(objective, 2 * Eigen::Matrix3d::Identity()), BadInput);
   objective(0, 0) = std::numeric_limits<double>::infinity();
   EXPECT_THROW(solve_rotation(objective), BadInput);
 }

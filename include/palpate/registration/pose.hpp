@@ -45,7 +45,7 @@ PoseEstimate solve_pose(const Correspondences& correspondences, const std::vecto
 
 /// What is proven of anyone's pose: its cost against the least cost that can be proven.
 /// @return status kCertified if the bound is at most options.rotation.relative_gap of `reference`
-/// @throws BadInput as solve_pose(), and if the pose is not finite
+/// @throws BadInput as solve_pose(), and unless the pose is a rigid motion to 1e-6
 PoseEstimate certify(const Eigen::Isometry3d& T_target_source,
                      const Correspondences& correspondences, const std::vector<double>& weights,
                      Primitive primitive, const PoseOptions& options = {});

@@ -27,7 +27,7 @@ struct RotationCertificate {
 /// Z is not positive semidefinite with them, found by a barrier method. With Z complete and
 /// |r~|^2 = 4: f(R) - f* <= r~' Z r~ - 4 min(0, lambda_min(Z)), for any multipliers and any R.
 /// @param objective  Q~, symmetric 10x10 (thesis eq. 6.25), m^2
-/// @throws BadInput if the objective or R holds a value that is not finite
+/// @throws BadInput if the objective holds a value that is not finite or R is no rotation to 1e-6
 RotationCertificate certify_rotation(const Matrix10d& objective, const Eigen::Matrix3d& R,
                                      const RotationOptions& options = {});
 
