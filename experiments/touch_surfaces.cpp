@@ -161,11 +161,12 @@ std::string face_list(const std::vector<touch::Face>& faces,
                       const std::vector<Eigen::Vector3d>& truth) {
   std::string text;
   for (const auto& face : faces) {
+    text += fmt::format("{}({:.2f}, {:.2f}, {:.2f}) {:.0f} %", text.empty() ? "" : "; ", face.n.x(),
+                        face.n.y(), face.n.z(), 100 * face.share);
+    if (truth.empty()) continue;
     double error = 180;
     for (const auto& n : truth) error = std::min(error, touch::angle_deg(face.n, n));
-    text +=
-        fmt::format("{}({:.2f}, {:.2f}, {:.2f}) {:.0f} %, {:.1f} deg off", text.empty() ? "" : "; ",
-                    face.n.x(), face.n.y(), face.n.z(), 100 * face.share, error);
+    text += fmt::format(", {:.1f} deg off", error);
   }
   return text;
 }

@@ -74,7 +74,7 @@ void add_sense(CLI::App& program, Command& chosen) {
   command
       .add_option("--tick", arguments->tick,
                   "seconds a tick, where the t of a CSV counts ticks (whole numbers only)")
-      ->check(CLI::PositiveNumber)
+      ->check(CLI::Range(1e-5, 10.0))
       ->capture_default_str();
   command
       .add_option("--model", arguments->model,

@@ -64,18 +64,21 @@ NormalCluster summed(const std::vector<std::size_t>& chain, std::span<const Norm
 
 /// The contacts whose normals are within an angle of one.
 struct Around {
-  Eigen::Vector3d n;  ///< mean normal, unit
-  double share = 0;   ///< of all contacts
-  double spread = 0;  ///< m, of the points across their longest extent in the plane of the mean
+  Eigen::Vector3d n;         ///< mean normal, unit
+  double share = 0;          ///< of all contacts
+  double spread = 0;         ///< m, of the points in the plane of the mean, where it is least
+  double concentration = 0;  ///< share of those within twice the angle
 };
 
 Around around(const Eigen::Vector3d& n, std::span<const NormalAt> contacts, double radius) {
-  const double least_cosine = std::cos(radius);
+  const double least_cosine = std::cos(radius), wide_cosine = std::cos(2 * radius);
   Eigen::Vector3d normals = Eigen::Vector3d::Zero(), points = Eigen::Vector3d::Zero();
   Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
-  double count = 0;
+  double count = 0, wide = 0;
   for (const NormalAt& contact : contacts) {
-    if (contact.n.dot(n) < least_cosine) continue;
+    const double cosine = contact.n.dot(n);
+    wide += cosine >= wide_cosine;
+    if (cosine < least_cosine) continue;
     const Eigen::Vector3d p = contact.p - contacts.front().p;
     normals += contact.n;
     points += p;
@@ -87,7 +90,7 @@ Around around(const Eigen::Vector3d& n, std::span<const NormalAt> contacts, doub
       B.transpose() * (squares - points * points.transpose() / count) * B / count;
   const double least = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(scatter).eigenvalues()[0];
   return {normals.normalized(), count / static_cast<double>(contacts.size()),
-          std::sqrt(std::max(0.0, least))};
+          std::sqrt(std::max(0.0, least)), count / wide};
 }
 
 double noise_of_points(std::span<const NormalAt> contacts) {
@@ -97,28 +100,33 @@ double noise_of_points(std::span<const NormalAt> contacts) {
   return meter.sigma();
 }
 
-/// The densest direction among the normals that are apart from all faces and whose points spread
-/// over an area.
-Face densest(std::span<const NormalAt> contacts, const std::vector<Face>& faces,
-             double least_spread, const FaceOptions& options) {
-  const double near = std::cos(options.apart);
-  const auto apart = [&](const Eigen::Vector3d& n) {
-    return std::all_of(faces.begin(), faces.end(),
-                       [&](const Face& face) { return face.n.dot(n) < near; });
-  };
-  Face best;
-  const std::size_t stride = std::max<std::size_t>(1, contacts.size() / kSeeds);
-  for (std::size_t i = 0; i < contacts.size(); i += stride) {
-    if (!apart(contacts[i].n)) continue;
-    const Around of = around(contacts[i].n, contacts, options.radius);
-    if (of.share > best.share && of.spread >= least_spread) best = {contacts[i].n, of.share};
-  }
-  for (int shift = 0; best.share > 0 && shift < kShifts; ++shift) {
-    const Around of = around(best.n, contacts, options.radius);
-    if (!apart(of.n)) break;
-    best = {of.n, of.share};
+/// The densest direction near n, by mean shift.
+Around densest_near(const Eigen::Vector3d& n, std::span<const NormalAt> contacts, double radius) {
+  Around best = around(n, contacts, radius);
+  for (int shift = 0; shift < kShifts; ++shift) {
+    const Around next = around(best.n, contacts, radius);
+    if (next.share <= best.share) break;
+    best = next;
   }
   return best;
+}
+
+/// The directions that contacts have in common and that are faces, densest first.
+std::vector<Face> face_candidates(std::span<const NormalAt> contacts, const FaceOptions& options) {
+  const double least_spread = options.least_spread * noise_of_points(contacts);
+  const std::size_t stride = std::max<std::size_t>(1, contacts.size() / kSeeds);
+  std::vector<Face> candidates;
+  for (std::size_t i = 0; i < contacts.size(); i += stride) {
+    const Around mode = densest_near(contacts[i].n, contacts, options.radius);
+    if (mode.share < options.least_share || mode.spread < least_spread ||
+        mode.concentration < options.least_concentration) {
+      continue;
+    }
+    candidates.push_back({mode.n, mode.share});
+  }
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const Face& a, const Face& b) { return a.share > b.share; });
+  return candidates;
 }
 
 }  // namespace
@@ -145,14 +153,13 @@ std::vector<Face> find_faces(std::span<const NormalAt> contacts, const FaceOptio
   require_finite(contacts);
   std::vector<Face> faces;
   if (contacts.empty()) return faces;
-  const double least_spread = options.least_spread * noise_of_points(contacts);
-  while (true) {
-    const Face face = densest(contacts, faces, least_spread, options);
-    if (face.share == 0 || face.share < options.least_share) break;
-    faces.push_back(face);
+  const double near = std::cos(options.apart);
+  for (const Face& candidate : face_candidates(contacts, options)) {
+    const bool apart = std::all_of(faces.begin(), faces.end(), [&](const Face& face) {
+      return face.n.dot(candidate.n) < near;
+    });
+    if (apart) faces.push_back(candidate);
   }
-  std::stable_sort(faces.begin(), faces.end(),
-                   [](const Face& a, const Face& b) { return a.share > b.share; });
   return faces;
 }
 

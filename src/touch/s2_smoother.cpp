@@ -12,8 +12,8 @@ namespace {
 constexpr double kLongestBridge = 0.05;  // s without a sample, in which the finger may have left
 
 struct Smoothed {
-  Eigen::Vector3d n;
-  Eigen::Matrix2d P;  // of the tilt towards the tick's tangents
+  Eigen::Matrix3d R;  // tangents and normal
+  Eigen::Matrix2d P;  // of the tilt towards these tangents
 };
 
 /// How far n is tilted towards the tangents of R, as an angle.
@@ -27,7 +27,7 @@ Eigen::Vector2d tilt_of(const Eigen::Vector3d& n, const Eigen::Matrix3d& R) {
 /// Smoothed normal of a tick from that of the next.
 Smoothed step_back(const Eigen::Matrix3d& R, const Eigen::Matrix2d& P, const S2Filter::Step& step,
                    const Smoothed& next) {
-  const Eigen::Vector2d ahead = tilt_of(next.n, step.R_predicted);
+  const Eigen::Vector2d ahead = tilt_of(next.R.col(2), step.R_predicted);
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();
   std::array<Eigen::Vector2d, S2Filter::kHypotheses> tilt;
   Eigen::Matrix2d smoothed = Eigen::Matrix2d::Zero();
@@ -40,7 +40,7 @@ Smoothed step_back(const Eigen::Matrix3d& R, const Eigen::Matrix2d& P, const S2F
   for (std::size_t k = 0; k < tilt.size(); ++k) {
     smoothed += step.weight[k] * (tilt[k] - mean) * (tilt[k] - mean).transpose();
   }
-  return {R * exp_so3({-mean.y(), mean.x(), 0}) * Eigen::Vector3d::UnitZ(), smoothed};
+  return {R * exp_so3({-mean.y(), mean.x(), 0}), smoothed};
 }
 
 }  // namespace
@@ -59,17 +59,18 @@ NormalEstimate S2Smoother::update(const FingerSample& sample) {
     early.time = sample.time - options_.lag;
     return early;
   }
-  Smoothed smoothed{ticks_.back().R.col(2), ticks_.back().P};
+  Smoothed smoothed{ticks_.back().R, ticks_.back().P};
   for (std::size_t i = ticks_.size() - 1; i-- > 0;) {
     const bool left = ticks_[i + 1].time - ticks_[i].time > kLongestBridge;
-    smoothed = left ? Smoothed{ticks_[i].R.col(2), ticks_[i].P}
+    smoothed = left ? Smoothed{ticks_[i].R, ticks_[i].P}
                     : step_back(ticks_[i].R, ticks_[i].P, ticks_[i + 1].step, smoothed);
   }
-  const Eigen::Matrix<double, 3, 2> B = ticks_.front().R.leftCols<2>();
+  const Eigen::Matrix<double, 3, 2> B = smoothed.R.leftCols<2>();
   const double still = 1 - S2Filter::kStillness * ticks_.front().step.weight[0];
   const auto status = ticks_.front().time == reported_ ? NormalStatus::held : NormalStatus::tracked;
   reported_ = ticks_.front().time;
-  return estimate_of(reported_, status, smoothed.n, still * B * smoothed.P * B.transpose());
+  return estimate_of(reported_, status, Eigen::Vector3d(smoothed.R.col(2)),
+                     still * B * smoothed.P * B.transpose());
 }
 
 }  // namespace palpate::touch

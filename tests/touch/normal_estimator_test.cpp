@@ -278,6 +278,7 @@ TEST(S2Smoother, WhatComesAfterAGapDoesNotTurnWhatWasBefore) {
     const auto estimate = smoother.update(sample);
     if (estimate.status != NormalStatus::tracked) continue;
     reported.push_back(estimate.time);
+    EXPECT_LT((estimate.covariance.value() * estimate.n).norm(), 1e-9) << estimate.time;
     const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
     const Eigen::Vector3d truth = estimate.time > 1 ? Eigen::Vector3d(R * up) : up;
     if (estimate.time > 0.5 && std::abs(estimate.time - 1.35) > 0.1) {

@@ -41,10 +41,11 @@ std::vector<NormalCluster> cluster_normals(std::span<const NormalAt> contacts,
                                            const ClusterOptions& options = {});
 
 struct FaceOptions {
-  double radius = 0.1;        ///< rad, around a face's normal
-  double apart = 0.6;         ///< rad, between faces
-  double least_share = 0.05;  ///< of all normals, within `radius` of the face's
-  double least_spread = 1.3;  ///< times their noise that the points spread over the face
+  double radius = 0.1;               ///< rad, around a face's normal
+  double apart = 0.6;                ///< rad, between faces
+  double least_share = 0.05;         ///< of all normals, within `radius` of the face's
+  double least_spread = 1.3;         ///< times their noise that the points spread over the face
+  double least_concentration = 0.6;  ///< of the normals within twice `radius`, those within it
 
   template <class Visitor>
   void visit(Visitor&& v) {
@@ -52,6 +53,8 @@ struct FaceOptions {
     v("apart", apart, 0.0, 3.1, "rad, between faces");
     v("least_share", least_share, 0.0, 1.0, "of all normals that makes a face");
     v("least_spread", least_spread, 0.0, 1e3, "times their noise that a face's points spread");
+    v("least_concentration", least_concentration, 0.0, 1.0,
+      "of the normals within twice the radius, those within it");
   }
 };
 
@@ -62,13 +65,13 @@ struct Face {
 };
 
 /// The faces that a fingertip has met, from its contacts in the order of time: what an edge or
-/// corner reports in place of a mean. Takes the densest direction, then the densest of those
-/// `apart` from it, and so on (a greedy search for modes, each refined by mean shift). Largest
-/// first.
+/// corner reports in place of a mean. The modes of the normals (by mean shift), densest first, each
+/// `apart` from those before.
 ///
 /// A tip that rests on an edge feels a direction between two faces; its points then spread along a
-/// line, and across it by their noise alone. Directions whose points do not spread over an area are
-/// no faces.
+/// line, and across it by their noise alone. Modes whose points do not spread over an area are no
+/// faces. Nor are those that thin out slowly, as on a curved surface: evenly spread, a quarter to
+/// half of the normals within twice the radius are within it.
 /// @throws BadInput for a contact that is not finite
 std::vector<Face> find_faces(std::span<const NormalAt> contacts, const FaceOptions& options = {});
 
