@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
-#include <time.h>
 
 #include <algorithm>
-#include <ctime>
 #include <string>
 #include <vector>
 
@@ -12,18 +10,14 @@
 #include "palpate/core/statistics.hpp"
 #include "palpate/registration/dual_sdp.hpp"
 #include "palpate/registration/pose.hpp"
+#include "processor_time.hpp"
 
 namespace {
 
 using namespace palpate;
 using namespace palpate::registration;
+using experiment::processor_seconds;
 using experiment::Table;
-
-double processor_seconds() {
-  std::timespec time{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
 
 Matrix10d objective_of(std::size_t pairs, Primitive primitive, double outliers,
                        RandomStream random) {

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
-#include <time.h>
 
 #include <algorithm>
-#include <ctime>
 #include <limits>
 #include <string>
 #include <vector>
@@ -13,11 +11,13 @@
 #include "palpate/core/statistics.hpp"
 #include "palpate/geometry/known_object.hpp"
 #include "palpate/registration/registration.hpp"
+#include "processor_time.hpp"
 
 namespace {
 
 using namespace palpate;
 using namespace palpate::registration;
+using experiment::processor_seconds;
 using experiment::Table;
 
 /// What a row of a table stands for.
@@ -32,13 +32,6 @@ struct Outcomes {
   std::vector<double> degrees, millimetres, milliseconds;
   std::size_t successes = 0, no_consensus = 0, wrong = 0;
 };
-
-/// Of this thread, s: other programs on the machine do not count.
-double processor_seconds() {
-  std::timespec time{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
 
 /// Shortest of three times, in `seconds`; the results do not differ.
 RegistrationResult timed(const Correspondences& correspondences,

@@ -2,9 +2,9 @@
 #include "palpate/registration/cloud_registration.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
+#include "clock.hpp"
 #include "palpate/geometry/kd_tree.hpp"
 #include "palpate/geometry/normals.hpp"
 
@@ -12,10 +12,6 @@ namespace palpate::registration {
 namespace {
 
 using geometry::PointCloud;
-
-double now() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 void append_pair(Correspondences& pairs, const PointCloud& source, std::size_t i,
                  const PointCloud& target, std::size_t j) {

@@ -4,19 +4,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <numbers>
 
+#include "clock.hpp"
 #include "consensus.hpp"
 #include "palpate/core/error.hpp"
 
 namespace palpate::registration {
 namespace {
-
-double now() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 void check_options(const RegistrationOptions& options) {
   if (!(options.noise_bound > 0) || !std::isfinite(options.noise_bound)) {
