@@ -21,6 +21,7 @@ constexpr double kTopClearance = 0.003;  // m above the table where it ends at t
 constexpr double kClear = 0.06;          // m up from where the fingers landed on top
 constexpr double kSafeHeight = 0.34;     // m of the base while it travels
 constexpr double kTipContact = 0.10;     // N at which a finger counts as touching
+constexpr double kPlannedRate = 1.0;     // rad/s, of the closing planned; the path is that of any
 constexpr double kTakenBack = 0.7;       // of a finger's torque, at its touch
 constexpr int kLostTicks = 10;
 constexpr std::size_t kTouchReadings = 15;
@@ -144,7 +145,7 @@ std::optional<GraspPlan> GraspPhase::plan(const Robot& robot, const PickState& s
     if (auto chosen = choose_(*state.resting)) return chosen;
   }
   const GraspRecipe& recipe = options_.top;
-  const hand::ClosingLaw law(robot.actuators(), recipe.closing_rate, recipe.thumb_limit);
+  const hand::ClosingLaw law(robot.actuators(), kPlannedRate, recipe.thumb_limit);
   const auto path = closing_path(robot.model(), open_posture(recipe), law);
   PlanOptions options = options_.plan;
   options.press = press();
