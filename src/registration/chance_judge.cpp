@@ -56,8 +56,6 @@ double ChanceJudge::quick(const Eigen::Isometry3d& T) const {
   return expected_by_chance(all_alike, score.count - score.gain, score.count);
 }
 
-double ChanceJudge::rough(const Eigen::Isometry3d& T) { return judge(T, kRough); }
-
 double ChanceJudge::exact(const Eigen::Isometry3d& T) {
   const double bound = quick(T);
   if (bound < kClearAtOnce) return bound;

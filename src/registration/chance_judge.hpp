@@ -25,8 +25,14 @@ class ChanceJudge {
   /// this does not explain.
   double quick(const Eigen::Isometry3d& T) const;
 
+  /// Random poses whose rates are looked up, and sources at each.
+  struct Effort {
+    int poses, sources;
+  };
+  static constexpr Effort kRough{64, 128}, kMedium{128, 512};
+
   /// With the rates at some random poses.
-  double rough(const Eigen::Isometry3d& T);
+  double judge(const Eigen::Isometry3d& T, Effort effort);
 
   /// The quick number if that is clear; with the rates at many poses where the rough one is close
   /// to the false alarms.
@@ -43,12 +49,6 @@ class ChanceJudge {
     std::vector<std::vector<int>> counts = {};  // of each, as PairingRates::agreements()
   };
 
-  struct Effort {
-    int poses, sources;
-  };
-  static constexpr Effort kRough{64, 128}, kMedium{128, 512};
-
-  double judge(const Eigen::Isometry3d& T, Effort effort);
   Rates& rates_within(double radius, int sources);
   void extend(Rates& rates, int poses) const;
   double power_mean(const Rates& rates, const Eigen::Isometry3d& T, int power) const;

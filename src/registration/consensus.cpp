@@ -73,12 +73,12 @@ class StarSearch {
     return false;
   }
 
-  /// Whether the best pose, judged roughly, is so good that no more needs to be looked at.
+  /// Whether the best pose is so good that no more needs to be looked at.
   bool is_settled() {
     if (inliers_ == 0 || judged_ == gain_) return false;
     polish();
     judged_ = gain_;
-    return expected() < kClear;
+    return is_beyond_chance(kClear);
   }
 
   /// Judges the best pose.
@@ -107,7 +107,7 @@ class StarSearch {
     constexpr double kLog100 = 4.6;
     if (asked_ == gain_ || seeds * inliers_ < kLog100 * scorer_.size()) return false;
     asked_ = gain_;
-    return expected() < options_.false_alarm;
+    return is_beyond_chance(options_.false_alarm);
   }
 
   /// Whether the best pose is so good that the search may end: beyond chance, and with as large a
@@ -117,7 +117,7 @@ class StarSearch {
     constexpr double kNearly = 0.3;
     const double share = static_cast<double>(clique.size()) / static_cast<double>(sample.size());
     if (inliers_ < kNearly * share * scorer_.size()) return false;
-    return sample.size() < kLargeSample ? quick_ < kClearAtOnce : expected() < kClear;
+    return sample.size() < kLargeSample ? quick_ < kClearAtOnce : is_beyond_chance(kClear);
   }
 
   /// @return whether the clique's pose is the best so far
@@ -139,9 +139,13 @@ class StarSearch {
     return true;
   }
 
-  /// How often chance proposes such a pose, judged only where that is not clear.
-  double expected() {
-    return quick_ < kClearAtOnce || quick_ > kHopeless ? quick_ : chance_.rough(best_);
+  /// Whether chance proposes a pose like the best less often than `level`, for all that is known
+  /// at little cost.
+  bool is_beyond_chance(double level) {
+    if (quick_ < kClearAtOnce || quick_ > kHopeless) return quick_ < kClearAtOnce;
+    const double rough = chance_.judge(best_, ChanceJudge::kRough);
+    if (rough < kClearAtOnce || rough >= level) return rough < level;
+    return chance_.judge(best_, ChanceJudge::kMedium) < level;
   }
 
   /// A part of a few inliers fits poses about the right one too: tries what becomes of the best one
