@@ -66,11 +66,22 @@ NormalCluster summed(const std::vector<std::size_t>& chain, std::span<const Norm
 struct Around {
   Eigen::Vector3d n;         ///< mean normal, unit
   double share = 0;          ///< of all contacts
-  double spread = 0;         ///< m, of the points in the plane of the mean, where it is least
+  double spread = 0;         ///< of the points in the plane of the mean, over their noise, least
   double concentration = 0;  ///< share of those within twice the angle
 };
 
-Around around(const Eigen::Vector3d& n, std::span<const NormalAt> contacts, double radius) {
+/// How far points of a scatter spread in the plane across n, over their noise (covariances), in the
+/// direction where that is least.
+double spread_across(const Eigen::Vector3d& n, const Eigen::Matrix3d& scatter,
+                     const Eigen::Matrix3d& noise) {
+  const Eigen::Matrix<double, 3, 2> B = frame_with_z(n).leftCols<2>();
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::Matrix2d> solver(
+      B.transpose() * scatter * B, B.transpose() * noise * B, Eigen::EigenvaluesOnly);
+  return std::sqrt(std::max(0.0, solver.eigenvalues()[0]));
+}
+
+Around around(const Eigen::Vector3d& n, std::span<const NormalAt> contacts, double radius,
+              const Eigen::Matrix3d& noise) {
   const double least_cosine = std::cos(radius), wide_cosine = std::cos(2 * radius);
   Eigen::Vector3d normals = Eigen::Vector3d::Zero(), points = Eigen::Vector3d::Zero();
   Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
@@ -85,40 +96,60 @@ Around around(const Eigen::Vector3d& n, std::span<const NormalAt> contacts, doub
     squares += p * p.transpose();
     ++count;
   }
-  const Eigen::Matrix<double, 3, 2> B = frame_with_z(normals.normalized()).leftCols<2>();
-  const Eigen::Matrix2d scatter =
-      B.transpose() * (squares - points * points.transpose() / count) * B / count;
-  const double least = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(scatter).eigenvalues()[0];
+  const Eigen::Matrix3d scatter = (squares - points * points.transpose() / count) / count;
   return {normals.normalized(), count / static_cast<double>(contacts.size()),
-          std::sqrt(std::max(0.0, least)), count / wide};
+          spread_across(normals.normalized(), scatter, noise), count / wide};
 }
 
-double noise_of_points(std::span<const NormalAt> contacts) {
+/// Covariance of the points' noise, from their second differences, without jumps.
+Eigen::Matrix3d noise_of_points(std::span<const NormalAt> contacts) {
   constexpr double kUsual = 1e-3, kLeast = 1e-9;  // m
+  constexpr double kJump = 72;  // squared second difference over the variance; 18 on average
   NoiseMeter meter(3, kUsual, kLeast, static_cast<double>(contacts.size()));
   for (const NormalAt& contact : contacts) meter.add(contact.p);
-  return meter.sigma();
+  const double variance = meter.sigma() * meter.sigma();
+  Eigen::Matrix3d sum = variance * Eigen::Matrix3d::Identity();
+  double count = 1;
+  for (std::size_t i = 2; i < contacts.size(); ++i) {
+    const Eigen::Vector3d d = contacts[i].p - 2 * contacts[i - 1].p + contacts[i - 2].p;
+    if (d.squaredNorm() > kJump * variance) continue;
+    sum += d * d.transpose() / 6;
+    ++count;
+  }
+  return sum / count;
 }
 
 /// The densest direction near n, by mean shift.
-Around densest_near(const Eigen::Vector3d& n, std::span<const NormalAt> contacts, double radius) {
-  Around best = around(n, contacts, radius);
+Around densest_near(const Eigen::Vector3d& n, std::span<const NormalAt> contacts, double radius,
+                    const Eigen::Matrix3d& noise) {
+  Around best = around(n, contacts, radius, noise);
   for (int shift = 0; shift < kShifts; ++shift) {
-    const Around next = around(best.n, contacts, radius);
+    const Around next = around(best.n, contacts, radius, noise);
     if (next.share <= best.share) break;
     best = next;
   }
   return best;
 }
 
+/// The direction again within half the radius, where normals from the way round an edge, all on
+/// one side, count for less.
+Eigen::Vector3d refined(const Eigen::Vector3d& n, std::span<const NormalAt> contacts,
+                        double radius) {
+  Eigen::Vector3d mean = n;
+  for (int shift = 0; shift < kShifts; ++shift) {
+    mean = around(mean, contacts, radius / 2, Eigen::Matrix3d::Identity()).n;
+  }
+  return mean;
+}
+
 /// The directions that contacts have in common and that are faces, densest first.
 std::vector<Face> face_candidates(std::span<const NormalAt> contacts, const FaceOptions& options) {
-  const double least_spread = options.least_spread * noise_of_points(contacts);
+  const Eigen::Matrix3d noise = noise_of_points(contacts);
   const std::size_t stride = std::max<std::size_t>(1, contacts.size() / kSeeds);
   std::vector<Face> candidates;
   for (std::size_t i = 0; i < contacts.size(); i += stride) {
-    const Around mode = densest_near(contacts[i].n, contacts, options.radius);
-    if (mode.share < options.least_share || mode.spread < least_spread ||
+    const Around mode = densest_near(contacts[i].n, contacts, options.radius, noise);
+    if (mode.share < options.least_share || mode.spread < options.least_spread ||
         mode.concentration < options.least_concentration) {
       continue;
     }
@@ -158,7 +189,7 @@ std::vector<Face> find_faces(std::span<const NormalAt> contacts, const FaceOptio
     const bool apart = std::all_of(faces.begin(), faces.end(), [&](const Face& face) {
       return face.n.dot(candidate.n) < near;
     });
-    if (apart) faces.push_back(candidate);
+    if (apart) faces.push_back({refined(candidate.n, contacts, options.radius), candidate.share});
   }
   return faces;
 }

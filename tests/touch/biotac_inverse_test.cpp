@@ -6,6 +6,8 @@
 #include "../core/error_message.hpp"
 #include "palpate/core/array_file.hpp"
 #include "palpate/core/statistics.hpp"
+#include "palpate/touch/biotac_dataset.hpp"
+#include "palpate/touch/biotac_decoder.hpp"
 
 namespace palpate::touch {
 namespace {

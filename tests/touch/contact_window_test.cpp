@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "palpate/core/random.hpp"
+#include "palpate/touch/contact.hpp"
 
 namespace palpate::touch {
 namespace {

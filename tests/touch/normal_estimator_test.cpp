@@ -11,6 +11,7 @@
 #include "palpate/touch/normal_clusters.hpp"
 #include "palpate/touch/plane_fit.hpp"
 #include "palpate/touch/rls.hpp"
+#include "palpate/touch/s2_filter.hpp"
 #include "palpate/touch/s2_smoother.hpp"
 #include "touch/sliding_score.hpp"
 
