@@ -68,6 +68,45 @@ TEST(PlaceTrial, PutsTheBoxDownAtItsTarget) {
   EXPECT_LT(target.translation, 0.01);  // as far as the robot knows
 }
 
+/// Where the box ends, from its target, if it was estimated too far to one side when it was lifted.
+double error_after_a_shift(const Eigen::Vector3d& shift, bool again) {
+  TrialOptions options = quick_options();
+  options.place.again = again;
+  options.place.verify = false;
+  simulation::World world(box().object(), options.world, kSeed);
+  world.reset(draw_start(box().object(), options.start, kSeed), waiting_command());
+  Robot robot(world.hand(), world.hand_model(), waiting_command());
+  auto picked = pick(robot, box(), options.pick, kSeed);
+  EXPECT_TRUE(picked.held);
+  for (auto& mode : picked.estimate.posterior.modes) mode.T_frame_object.pretranslate(shift);
+  const auto target = place_target(box().object(), options.place, kSeed);
+  const auto placed = place(robot, box(), picked, *target, {}, options.pick, options.place, kSeed);
+  EXPECT_EQ(placed.status, PlaceStatus::placed);
+  return localization::pose_error(world.truth().T_world_object, placed.T_world_target,
+                                  box().object().symmetries)
+      .translation;
+}
+
+TEST(PlaceTrial, TheEstimateOverTheTargetMendsAWrongOne) {
+  const Eigen::Vector3d shift(0.02, 0, 0);
+  EXPECT_LT(error_after_a_shift(shift, true), error_after_a_shift(shift, false) - 0.005);
+}
+
+TEST(PlaceTrial, WhatMayBeTurnedOverIsHeldFirmer) {
+  PickOptions pick;
+  pick.grasp.press_per_weight = 3;
+  PlaceOptions options;
+  options.turn_press = 6;
+  const auto press = [&](PlaceTarget::Kind kind) {
+    return firm_enough(pick, {.kind = kind}, options).grasp.press_per_weight;
+  };
+  EXPECT_EQ(press(PlaceTarget::Kind::pose), 6);
+  EXPECT_EQ(press(PlaceTarget::Kind::spot), 3);
+  EXPECT_EQ(press(PlaceTarget::Kind::fixture), 3);
+  pick.grasp.press_per_weight = 9;  // never weaker than asked for
+  EXPECT_EQ(press(PlaceTarget::Kind::pose), 9);
+}
+
 TEST(PlaceTrial, TheTruthChangesNoCommand) {
   const auto right = commands(quick_options(), false), wrong = commands(quick_options(), true);
   ASSERT_EQ(right.size(), wrong.size());

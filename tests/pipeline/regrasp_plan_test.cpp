@@ -19,9 +19,9 @@ constexpr double kGravity = 9.81;
 
 /// An object, the hand's tool, and the poses that the tests start from and go to.
 struct Table {
-  explicit Table(const std::string& name)
+  explicit Table(const std::string& name, std::uint64_t seed = 1)
       : object(geometry::load_known_object(name)),
-        world(object.object(), {}, 1),
+        world(object.object(), {}, seed),
         tool(regrasp_tool(world.hand_model(), world.hand().actuators())) {
     options.grasp.press = std::max(5.0, 3 * object.object().mass * kGravity);
   }
@@ -128,6 +128,17 @@ TEST(PlanRegrasp, TurnsAMugOverBySettingItDownOnItsSide) {
   EXPECT_FALSE(refused.found);
   EXPECT_TRUE(refused.transfers.empty());
   EXPECT_NE(report_of(refused, Means::carry)->reason.find("mm above the table"), std::string::npos);
+}
+
+TEST(PlanRegrasp, TurnsAMugOverWithOtherErrorsOfTheHandToo) {
+  for (const std::uint64_t seed : {600u, 603u, 605u}) {  // of the links' places in the model
+    const Table table("mug", seed);
+    const auto from = table.resting(-Eigen::Vector3d::UnitZ(), 0.4, {0.01, -0.01});
+    const auto to = table.resting(Eigen::Vector3d::UnitZ(), -1.1, {0.15, 0.05});
+    const RegraspPlan plan = table.plan(from, to);
+    ASSERT_TRUE(plan.found) << "seed " << seed;
+    expect_sound(table, plan, from, to);
+  }
 }
 
 TEST(PlanRegrasp, StartsFromTheHandThatHoldsTheObject) {

@@ -45,7 +45,9 @@ inline PlanOptions many_grasps() {
 }
 
 struct RegraspOptions {
-  double clearance = 0.006;      ///< of the hand from the table where it lets go, m
+  /// Of the hand from the table where it lets go, m: the spheres that stand for the forearm fall
+  /// 11 mm short of its corners.
+  double clearance = 0.016;
   double retreat = 0.10;         ///< by which the opened hand then rises, free of the object, m
   double worst_grasp = 0.6;      ///< largest cost of a grasp that is used
   double transfer_cost = 1.0;    ///< of picking up and putting down
