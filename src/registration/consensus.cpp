@@ -20,7 +20,8 @@ constexpr int kSampleSizes[] = {64, 128, 256, 512, 1024, 2500};
 // Of a sample's correspondences, all but the last's: a larger sample serves better than a long
 // search of a small one.
 constexpr double kSeedShare = 0.15;
-constexpr std::size_t kLargeSample = 500;  // from which on a pose is worth an exact judgement
+constexpr std::size_t kLargeSample =
+    500;  // from which on a pose is worth more than a quick judgement
 constexpr int kLargestClique = 16;
 // Chance proposes cliques too; those well below the largest are passed over, up to this size.
 constexpr std::size_t kSurelyLarge = 8;

@@ -61,7 +61,8 @@ struct RegistrationResult {
 /// Rejects outliers by point distances (thesis 6.2.1), then solves for the inliers with the chosen
 /// primitive and certifies the optimum (thesis 6.2.2). The certificate speaks of the inliers found;
 /// that these are no accident is what expected_by_chance says.
-/// Fewer than three pairs, or inliers that leave a motion free (within the noise), are kDegenerate.
+/// Fewer than three pairs, or inliers that leave a motion free (within the noise), are kDegenerate;
+/// three that agree are kNoConsensus, as any three may.
 /// @throws BadInput as check(), and for options out of range
 RegistrationResult register_correspondences(const Correspondences& correspondences,
                                             const RegistrationOptions& options = {});
