@@ -89,12 +89,14 @@ std::vector<Cell> wrong_cells() {
   Cell expected = offset;
   expected.name += ", expected";
   expected.evidence.assumed_offset = 0.002;
-  Cell twice = with("K10, noise taken as half", 10), half = with("K10, noise taken as twice", 10);
-  twice.evidence.point_noise = 0.002;
-  twice.evidence.normal_noise = 2 * 0.1745;
+  Cell sure = with("K10, noise taken as half", 10), unsure = with("K10, noise taken as twice", 10);
+  sure.evidence.assumed_noise = 0.5;
+  unsure.evidence.assumed_noise = 2;
+  Cell twice = with("K10, noise twice as stated", 10);
+  twice.evidence.point_noise *= 2;
+  twice.evidence.normal_noise *= 2;
   twice.evidence.assumed_noise = 0.5;
-  half.evidence.assumed_noise = 2;
-  return {lies5, lies10, large, offset, expected, twice, half};
+  return {lies5, lies10, large, offset, expected, sure, unsure, twice};
 }
 
 /// An object, and what makes scenes with it.
