@@ -30,30 +30,39 @@ class FingerSensor {
 
   void take(const touch::FingerFrame& frame, const std::optional<Eigen::Vector3d>& truth) {
     const touch::FingerSample sample = maker_.next(frame);
-    const touch::NormalEstimate estimate = estimator_->update(sample);
-    SensedSample sensed{.time = sample.time,
-                        .point = sample.p,
-                        .force = sample.f,
-                        .normal = Eigen::Vector3d::Constant(kUnknown),
-                        .sigma_deg = kUnknown,
-                        .error_deg = kUnknown,
-                        .flags = sample.flags.names()};
-    if (estimate.status == touch::NormalStatus::tracked) {
-      sensed.normal = estimate.n;
-      if (estimate.covariance) {
-        sensed.sigma_deg = kDegrees * std::sqrt(estimate.covariance->trace() / 2);
-      }
-      if (truth) sensed.error_deg = angle_deg(estimate.n, *truth);
-    }
+    stream_.samples.push_back({.time = sample.time,
+                               .point = sample.p,
+                               .force = sample.f,
+                               .normal = Eigen::Vector3d::Constant(kUnknown),
+                               .sigma_deg = kUnknown,
+                               .error_deg = kUnknown,
+                               .flags = sample.flags.names()});
+    truths_.push_back(truth);
     touched_ = touched_ || !frame.contacts.empty();
-    stream_.samples.push_back(sensed);
+    const touch::NormalEstimate estimate = estimator_->update(sample);
+    if (estimate.status == touch::NormalStatus::tracked) place(estimate);
   }
 
   bool touched() const { return touched_; }
   SensedStream take_stream() { return std::move(stream_); }
 
  private:
+  /// Puts an estimate to the sample that it describes, which may lie some time back.
+  void place(const touch::NormalEstimate& estimate) {
+    for (std::size_t i = stream_.samples.size(); i-- > 0;) {
+      SensedSample& sample = stream_.samples[i];
+      if (sample.time != estimate.time || !sample.point.allFinite()) continue;
+      sample.normal = estimate.n;
+      if (estimate.covariance) {
+        sample.sigma_deg = kDegrees * std::sqrt(estimate.covariance->trace() / 2);
+      }
+      if (truths_[i]) sample.error_deg = angle_deg(estimate.n, *truths_[i]);
+      return;
+    }
+  }
+
   SensedStream stream_;
+  std::vector<std::optional<Eigen::Vector3d>> truths_;  // of the samples
   touch::SampleMaker maker_;
   std::unique_ptr<touch::NormalEstimator> estimator_;
   bool touched_ = false;

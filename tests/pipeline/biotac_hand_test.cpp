@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/pipeline/biotac_hand.hpp"
+
+#include <gtest/gtest.h>
+
+#include "fake_hand.hpp"
+#include "palpate/core/error.hpp"
+#include "palpate/hand/biotac_reading.hpp"
+#include "palpate/touch/biotac_dataset.hpp"
+#include "palpate/touch/biotac_skin.hpp"
+
+namespace palpate::pipeline {
+namespace {
+
+std::shared_ptr<const touch::BiotacInverse> inverse() {
+  static const auto model = [] {
+    touch::BiotacDatasetOptions options;
+    options.trajectories = 20;
+    options.seconds = 1;
+    return std::make_shared<const touch::BiotacInverse>(
+        touch::BiotacInverse::train(touch::simulate_biotac(options)));
+  }();
+  return model;
+}
+
+hand::HandModel one_link() {
+  hand::HandModel hand;
+  hand.links = {{"distal", -1, Eigen::Isometry3d::Identity(), Eigen::Vector3d::UnitX(), 0}};
+  hand.distal.fill(0);
+  for (auto& tip : hand.tips) tip = {{0, 0, 0.002}, {0, 0, 0.02}, 0.007};
+  return hand;
+}
+
+TEST(BiotacHand, FeelsByTheChannelsAlone) {
+  const hand::TipContact touch{.p = {-0.003, 0, -0.007}, .n = {0, 0, 1}, .f = {0.3, 0.2, -2}};
+  const touch::BiotacSkin skin;
+  touch::BiotacSensor sensor(skin, {}, RandomStream(7));
+  int frames = 0;
+  // Contacts that the channels do not tell of, and channels that tell of one from a while on.
+  FakeHand felt([&](hand::HandReading& reading) {
+    reading.contacts[1] = {touch, touch};
+    const bool touches = ++frames > 40;
+    hand::BiotacReading channels =
+        sensor.step(touches ? skin.press({&touch, 1}) : touch::SkinState{});
+    channels.time = reading.time;
+    reading.biotacs.assign(hand::kFingers, channels);
+  });
+  BiotacHand hand(felt, one_link(), inverse());
+  EXPECT_EQ(&hand.actuators(), &felt.actuators());
+  for (int k = 0; k < 40; ++k) EXPECT_TRUE(hand.step({}).contacts[1].empty()) << k;
+  hand::HandReading last;
+  for (int k = 0; k < 40; ++k) last = hand.step({});
+  EXPECT_EQ(last.contacts[1].size(), 1u);
+}
+
+TEST(BiotacHand, RefusesAHandWithoutChannels) {
+  FakeHand numb;
+  BiotacHand hand(numb, one_link(), inverse());
+  EXPECT_THROW(hand.step({}), BadInput);
+}
+
+}  // namespace
+}  // namespace palpate::pipeline
