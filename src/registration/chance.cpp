@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/registration/chance.hpp"
 
-#include <Eigen/LU>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -24,10 +24,17 @@ double log_residuals(int dimensions, double squares, double k) {
 }
 
 /// log of sqrt(det H_k). Points spread by less than the bound still tell poses apart by the bound.
+/// What single precision leaves uncertain of a narrow cloud's inertia counts as information, which
+/// makes chance more likely rather than less.
 double log_information(const ChanceModel& model, double k) {
   const Eigen::Matrix3d rotation =
       (k - 1) * (model.inertia + Eigen::Matrix3d::Identity()) + k * model.normal_information;
-  return 0.5 * std::log(rotation.determinant()) + 1.5 * std::log(k);
+  constexpr double kCertain = 1e-6;
+  const Eigen::Array3d eigenvalues =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(rotation, Eigen::EigenvaluesOnly)
+          .eigenvalues();
+  const double least = std::max(k - 1, kCertain * eigenvalues[2]);
+  return 0.5 * eigenvalues.max(least).log().sum() + 1.5 * std::log(k);
 }
 
 }  // namespace
@@ -39,7 +46,7 @@ double matching_radius(int dimensions, double squares, int count) {
 }
 
 double expected_by_chance(const ChanceModel& model, double squares, int count) {
-  if (count <= 3) return std::numeric_limits<double>::infinity();
+  if (count <= 3 || !model.inertia.allFinite()) return std::numeric_limits<double>::infinity();
   const double k = count, log_unit = log_ball(model.dimensions, model.radius);
   const double log_poses = std::log(model.pairs * model.orientations) + log_unit +
                            (k - 1) * std::log(model.rate) + log_information(model, k);

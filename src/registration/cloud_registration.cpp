@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "clock.hpp"
+#include "fill_in.hpp"
 #include "palpate/geometry/kd_tree.hpp"
 #include "palpate/geometry/normals.hpp"
 
@@ -55,30 +56,25 @@ void refine(const PointCloud& source, const PointCloud& target, const CloudOptio
   RegistrationResult& result = registration.result;
   const geometry::KdTree tree(target.points);
   const double bound = registration.noise_bound, start = now();
+  PoseEstimate best;
+  Eigen::Isometry3d T = *result.T_target_source;
   while (registration.refinements < options.features.refinements) {
-    const Eigen::Isometry3d T = *result.T_target_source;
     Correspondences pairs = nearest_pairs(source, target, tree, T, bound);
     if (pairs.size() < 6) break;
-    const PoseEstimate estimate = solve_pose(pairs, {}, options.registration.primitive);
+    PoseEstimate estimate = solve_pose(pairs, {}, options.registration.primitive);
     if (estimate.status == Status::kDegenerate) break;
     ++registration.refinements;
     registration.correspondences = std::move(pairs);
-    result.status = estimate.status;
-    result.T_target_source = estimate.T_target_source;
-    result.cost = estimate.cost;
-    result.bound = estimate.bound;
-    result.rank = estimate.rank;
-    result.information = estimate.information;
-    const Eigen::Isometry3d step = T.inverse() * estimate.T_target_source;
+    best = std::move(estimate);
+    const Eigen::Isometry3d step = T.inverse() * best.T_target_source;
+    T = best.T_target_source;
     const double turn = rotation_distance(step.linear(), Eigen::Matrix3d::Identity());
     const Eigen::Vector3d at = weighted_means(registration.correspondences, {}).source;
     if (turn < kSettledAngle && (step * at - at).norm() < kSettledShare * bound) break;
   }
   if (registration.refinements == 0) return;
   const std::size_t count = registration.correspondences.size();
-  result.residuals =
-      squared_residuals(registration.correspondences, *result.T_target_source, Primitive::kPoint);
-  for (double& r : result.residuals) r = std::sqrt(r);
+  fill_in(best, registration.correspondences, result);
   result.weights.assign(count, 1);
   result.inliers.clear();
   for (std::size_t i = 0; i < count; ++i) result.inliers.push_back(static_cast<int>(i));

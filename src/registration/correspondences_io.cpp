@@ -44,33 +44,39 @@ class Table {
     return *columns;
   }
 
-  std::vector<double> row(std::string_view line, std::size_t number) const {
-    const auto cells = csv_cells(line);
+  std::vector<std::string_view> row(std::string_view line, std::size_t number) const {
+    auto cells = csv_cells(line);
     if (cells.size() != names_.size()) {
       throw BadInput(fmt::format("{}:{}: {} values for {} columns", source_, number, cells.size(),
                                  names_.size()));
     }
-    std::vector<double> values(cells.size());
-    for (std::size_t i = 0; i < cells.size(); ++i) {
-      const auto [end, error] =
-          std::from_chars(cells[i].data(), cells[i].data() + cells[i].size(), values[i]);
-      const bool complete = error == std::errc() && end == cells[i].data() + cells[i].size();
-      if (!complete || !std::isfinite(values[i])) {
-        throw BadInput(fmt::format("{}:{}: '{}' in column {} is not a finite number", source_,
-                                   number, cells[i], names_[i]));
-      }
-    }
-    return values;
+    return cells;
+  }
+
+  /// Three of a row's cells; the others may hold anything.
+  Eigen::Vector3d pick(const std::vector<std::string_view>& cells, const Triple& columns,
+                       std::size_t number) const {
+    return {value(cells, columns[0], number), value(cells, columns[1], number),
+            value(cells, columns[2], number)};
   }
 
  private:
+  double value(const std::vector<std::string_view>& cells, std::size_t column,
+               std::size_t number) const {
+    const std::string_view cell = cells[column];
+    double parsed = 0;
+    const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), parsed);
+    const bool complete = error == std::errc() && end == cell.data() + cell.size();
+    if (!complete || !std::isfinite(parsed)) {
+      throw BadInput(fmt::format("{}:{}: '{}' in column {} is not a finite number", source_, number,
+                                 cell, names_[column]));
+    }
+    return parsed;
+  }
+
   std::vector<std::string_view> names_;
   std::string_view source_;
 };
-
-Eigen::Vector3d pick(const std::vector<double>& values, const Triple& columns) {
-  return {values[columns[0]], values[columns[1]], values[columns[2]]};
-}
 
 }  // namespace
 
@@ -97,11 +103,11 @@ Correspondences parse_correspondences(std::string_view text, std::string_view so
       tn = table->find("tn");
       continue;
     }
-    const auto values = table->row(line, number);
-    result.source.push_back(pick(values, *s));
-    result.target.push_back(pick(values, *t));
-    if (sn) add_normal(pick(values, *sn), number, result.source_normals);
-    if (tn) add_normal(pick(values, *tn), number, result.target_normals);
+    const auto cells = table->row(line, number);
+    result.source.push_back(table->pick(cells, *s, number));
+    result.target.push_back(table->pick(cells, *t, number));
+    if (sn) add_normal(table->pick(cells, *sn, number), number, result.source_normals);
+    if (tn) add_normal(table->pick(cells, *tn, number), number, result.target_normals);
   }
   if (!table) throw BadInput(fmt::format("{} is empty: expected a CSV header", source));
   return result;

@@ -52,10 +52,11 @@ PairingRates::PairingRates(const PairColumns& columns, double chord_bound, doubl
 /// -1 outside of the grid.
 int PairingRates::cell(const Eigen::Vector3f& p) const {
   const Eigen::Vector3f x = (p - low_) * per_side_;
-  if (!(x[0] >= 0 && x[1] >= 0 && x[2] >= 0)) return -1;
-  const int i = static_cast<int>(x[0]), j = static_cast<int>(x[1]), k = static_cast<int>(x[2]);
-  if (i >= cells_[0] || j >= cells_[1] || k >= cells_[2]) return -1;
-  return (i * cells_[1] + j) * cells_[2] + k;
+  // Before the conversion: what is far outside, or no number, has no int.
+  const bool inside = (x.array() >= 0).all() && (x.array() < cells_.cast<float>()).all();
+  if (!inside) return -1;
+  const Eigen::Array3i at_cell = x.array().cast<int>();
+  return (at_cell[0] * cells_[1] + at_cell[1]) * cells_[2] + at_cell[2];
 }
 
 int PairingRates::propose(RandomStream& random, Eigen::Isometry3d& T) const {

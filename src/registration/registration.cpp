@@ -9,6 +9,7 @@
 
 #include "clock.hpp"
 #include "consensus.hpp"
+#include "fill_in.hpp"
 #include "palpate/core/error.hpp"
 
 namespace palpate::registration {
@@ -102,15 +103,7 @@ void solve(const Correspondences& correspondences, const RegistrationOptions& op
     weights.push_back(result.weights[static_cast<std::size_t>(i)]);
   }
   const PoseEstimate estimate = solve_pose(inliers, weights, options.primitive, pose_options);
-  result.status = estimate.status;
-  result.T_target_source = estimate.T_target_source;
-  result.cost = estimate.cost;
-  result.bound = estimate.bound;
-  result.rank = estimate.rank;
-  result.information = estimate.information;
-  result.residuals =
-      squared_residuals(correspondences, estimate.T_target_source, Primitive::kPoint);
-  for (double& r : result.residuals) r = std::sqrt(r);
+  fill_in(estimate, correspondences, result);
 }
 
 /// Rejects outliers: fills in weights, inliers, iterations and the chance of the consensus.
@@ -138,7 +131,7 @@ bool reject(const Correspondences& correspondences, const RegistrationOptions& o
   result.iterations = gnc.iterations;
   result.history = gnc.history;
   result.expected_by_chance = chance_of(gnc.T_target_source, sample, consensus_options, random);
-  if (result.expected_by_chance >= options.false_alarm) return false;
+  if (!(result.expected_by_chance < options.false_alarm)) return false;
   result.weights = gnc.weights;
   for (std::size_t i = 0; i < gnc.weights.size(); ++i) {
     if (gnc.weights[i] > 0.5) result.inliers.push_back(static_cast<int>(i));
@@ -151,6 +144,19 @@ bool all_equal(const std::vector<Eigen::Vector3d>& points) {
 }
 
 }  // namespace
+
+void fill_in(const PoseEstimate& estimate, const Correspondences& correspondences,
+             RegistrationResult& result) {
+  result.status = estimate.status;
+  result.T_target_source = estimate.T_target_source;
+  result.cost = estimate.cost;
+  result.bound = estimate.bound;
+  result.rank = estimate.rank;
+  result.information = estimate.information;
+  result.residuals =
+      squared_residuals(correspondences, estimate.T_target_source, Primitive::kPoint);
+  for (double& r : result.residuals) r = std::sqrt(r);
+}
 
 RegistrationResult register_correspondences(const Correspondences& correspondences,
                                             const RegistrationOptions& options) {

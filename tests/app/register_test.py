@@ -104,8 +104,11 @@ class Register(CliTest):
 
     def test_outliers_alone_are_no_consensus(self):
         file = self.pairs(wrong=60)
-        done = self.run_program("register", "--correspondences", file, "--json")
+        done = self.run_program("register", "--correspondences", file, "--json", "--out", "none")
         self.assertEqual(done.returncode, NO_SOLUTION)
+        # Without a pose there are no residuals; the file can be read all the same.
+        again = self.run_program("register", "--correspondences", "none/correspondences.csv")
+        self.assertEqual(again.returncode, NO_SOLUTION)
         report = json.loads(done.stdout)
         self.assertEqual(report["status"], "no_consensus")
         self.assertIsNone(report["T_target_source"])

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 #include "palpate/registration/registration.hpp"
 #include "problems.hpp"
@@ -43,6 +44,18 @@ TEST(Chance, FewAreAlwaysExpected) {
   crowded.rate = 1e4;
   EXPECT_TRUE(std::isfinite(expected_by_chance(crowded, 1e5, 100000)));
   EXPECT_LT(expected_by_chance(kModel, 190, 1000), 1e-300);
+}
+
+// Single precision leaves a line's least inertia to rounding, below zero too, and overflows: the
+// number is then too large rather than none.
+TEST(Chance, IsANumberWhereTheInertiaIsNot) {
+  ChanceModel line = kModel;
+  line.inertia = Eigen::Vector3d(1e16, 1e16, 100).asDiagonal();
+  const double expected = expected_by_chance(line, 1.5, 8);
+  line.inertia(2, 2) = -1e9;
+  EXPECT_GE(expected_by_chance(line, 1.5, 8), expected);
+  line.inertia(0, 0) = std::numeric_limits<double>::infinity();
+  EXPECT_TRUE(std::isinf(expected_by_chance(line, 1.5, 8)));
 }
 
 TEST(MatchingRadius, IsThatOfABallOfTheSameMeanSquare) {

@@ -28,6 +28,13 @@ TEST(ParseCorrespondences, ColumnsInAnyOrderWithOthers) {
   EXPECT_FALSE(c.has_normals());
 }
 
+TEST(ParseCorrespondences, OtherColumnsMayHoldAnything) {
+  const auto c =
+      parse_correspondences("sx,sy,sz,tx,ty,tz,name,residual\n1,2,3,4,5,6,ear,nan\n", "pairs.csv");
+  ASSERT_EQ(c.size(), 1u);
+  EXPECT_EQ(c.target[0], Eigen::Vector3d(4, 5, 6));
+}
+
 TEST(ParseCorrespondences, NormalsBecomeUnitVectors) {
   const auto c = parse_correspondences(
       "sx,sy,sz,tx,ty,tz,snx,sny,snz,tnx,tny,tnz\n0,0,0,1,1,1,0,0,2,3,4,0\n", "pairs.csv");

@@ -104,6 +104,25 @@ TEST(PairingRates, CloudsLargeForTheRadiusGetACoarseGrid) {
   EXPECT_LE(counts.size(), 50u);
 }
 
+// Counted in cells of a small cloud, far places exceed every int along one axis and lie within the
+// grid along the others.
+TEST(PairingRates, FarSourcesAgreeWithNothing) {
+  const auto problem = make_problem({.pairs = 50, .outliers = 1}, RandomStream(5, "rates"));
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double size : {1.0, 1e-5, 0.0}) {
+      auto far = problem.correspondences;
+      for (auto& p : far.target) p *= size;
+      far.source = far.target;
+      for (std::size_t i = 0; i < 50; ++i) far.source[i][axis] += i % 2 == 0 ? 1e6 : -1e6;
+      const Scorer scorer(far, 1e-9, 0);
+      const PairingRates rates(scorer.columns(), 0, 1);
+      std::vector<int> counts;
+      rates.agreements(Eigen::Isometry3d::Identity(), {0, 1, 50}, counts);
+      EXPECT_TRUE(counts.empty()) << axis << " " << size;
+    }
+  }
+}
+
 TEST(PowerOfMean, IsTheMeanProductOfDifferentCounts) {
   // Of 2, 3, 5 and 0: all pairs and all triples.
   EXPECT_NEAR(power_of_mean({2, 3, 5}, 4, 1), 10.0 / 4, 1e-12);

@@ -183,6 +183,10 @@ TEST(Register, FewCorrespondences) {
       EXPECT_EQ(result.status, Status::kDegenerate);
       EXPECT_FALSE(result.T_target_source);
     }
+    if (pairs == 3) {
+      EXPECT_EQ(result.status, Status::kNoConsensus);
+      EXPECT_FALSE(result.T_target_source);
+    }
     // Three lengths that agree may be chance; from five pairs on they cannot be.
     EXPECT_TRUE(pairs < 5 || result.status == Status::kCertified) << pairs;
   }
@@ -235,6 +239,22 @@ TEST(Register, HugeAndTinyCoordinates) {
   const auto result = register_correspondences(far.correspondences);
   ASSERT_EQ(result.status, Status::kCertified);
   EXPECT_LT(rotation_error_deg(*result.T_target_source, far.truth), 1);
+}
+
+TEST(Register, FarOutliersWithATightBound) {
+  for (const bool normals : {false, true}) {
+    for (const double bound : {1e-9, 1e-6, 0.004}) {
+      auto problem = make_problem({.pairs = 100, .outliers = 1, .normals = normals},
+                                  RandomStream(12, "register"));
+      auto& c = problem.correspondences;
+      for (std::size_t i = 0; i < 100; i += 10) c.source[i] += Eigen::Vector3d(1e6, 1e6, 1e6);
+      for (auto& p : c.target) p *= 1e-5;
+      const auto result = register_correspondences(
+          c, {.noise_bound = bound, .normal_noise_deg = normals ? 5.0 : 0.0});
+      EXPECT_EQ(result.status, Status::kNoConsensus) << normals << " " << bound;
+      EXPECT_GE(result.expected_by_chance, 0.01) << normals << " " << bound;  // not nan
+    }
+  }
 }
 
 TEST(Register, MirroredCloudGivesNoReflection) {

@@ -41,7 +41,8 @@ double matching_radius(int dimensions, double squares, int count);
 /// at which a random pair agrees come with the density rate(T), which makes the integral
 /// pairs * orientations * V_d(radius) * mean of rate^(k - 1) over them.
 /// @param squares  S, sum of the squared residuals of the inliers, d-dimensional
-/// @param count  k, inliers; up to three are always expected (infinitely often)
+/// @param count  k, inliers; up to three are always expected (infinitely often), and any number of
+///        an inertia that is not finite
 double expected_by_chance(const ChanceModel& model, double squares, int count);
 
 }  // namespace palpate::registration

@@ -11,7 +11,8 @@ namespace palpate::registration {
 
 /// How inliers are told from outliers.
 enum class Method {
-  kCliqueGnc,  ///< cliques of the consistency graph, GNC on each, refined on all correspondences
+  kCliqueGnc,  ///< cliques of the consistency graph, GNC on those whose pairs do not all agree,
+               ///< refined on all correspondences
   kGnc,        ///< GNC on all correspondences: the thesis' method, to about 80 % of outliers
 };
 
