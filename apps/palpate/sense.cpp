@@ -16,6 +16,12 @@ namespace {
 
 enum class Format { recording, contacts, biotac };
 
+/// The command has nothing for --set and --config to set.
+struct NoOptions {
+  template <class Visitor>
+  void visit(Visitor&&) {}
+};
+
 /// First line of a file, of its first 4 KiB.
 std::string first_line(const std::string& path) {
   std::error_code error;
@@ -42,8 +48,19 @@ Format format_of(const std::string& path) {
       "{} is neither a recording nor a CSV with columns finger,t,... or t_s,pdc,e1...", path));
 }
 
+/// What was asked for must matter: a model or a setting without effect is a mistake.
+void refuse_what_has_no_effect(const SenseArguments& arguments, Format format) {
+  resolve<NoOptions>(arguments.common);
+  if (format == Format::contacts && !arguments.model.empty()) {
+    throw BadInput(fmt::format("{} has no channels of a BioTac for --model {} to read",
+                               arguments.recording, arguments.model));
+  }
+}
+
 int sense(const SenseArguments& arguments) {
-  switch (format_of(arguments.recording)) {
+  const Format format = format_of(arguments.recording);
+  refuse_what_has_no_effect(arguments, format);
+  switch (format) {
     case Format::recording:
       report_streams(arguments, sense_recording(arguments));
       break;
@@ -85,6 +102,8 @@ void add_sense(CLI::App& program, Command& chosen) {
       "A CSV of contacts has the columns finger,t,px,py,pz (or x,y,z),fx,fy,fz and, optionally,\n"
       "nx,ny,nz; one of a BioTac has t_s,pdc,e1..e19 and, optionally, nx,ny,nz.\n"
       "A recording with the channels of BioTacs also gets the contacts that these tell of.\n"
+      "Errors in a recording are against the surface nearest to the point felt, which, at an edge,\n"
+      "may be another face than the one touched.\n"
       "Samples that are of no use are flagged and counted, and get no normal. --out writes each\n"
       "stream's series as CSV and its normals and forces as SVG figures.\n\n"
       "Examples:\n"

@@ -60,7 +60,11 @@ double normal_sigma_deg(const touch::InferredContact& contact, double radius) {
 
 std::vector<SensedStream> sense_channels(const SenseArguments& arguments,
                                          const recording::Recording& recording) {
-  if (recording.frames.empty() || recording.frames.front().reading.biotacs.empty()) return {};
+  if (recording.frames.empty() || recording.frames.front().reading.biotacs.empty()) {
+    if (arguments.model.empty()) return {};
+    throw BadInput(fmt::format("{} has no channels of a BioTac for --model {} to read",
+                               arguments.recording, arguments.model));
+  }
   const auto& hand = recording.header.hand;
   const geometry::MeshQuery mesh(recording.header.object.mesh);
   touch::BiotacFingers fingers(hand, inverse_of(arguments.model));

@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 
+#include "palpate/touch/biotac_normal.hpp"
 #include "palpate/touch/contact_log.hpp"
 #include "palpate/touch/normal_estimator.hpp"
 #include "sense_biotac.hpp"
@@ -15,10 +16,6 @@ namespace {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
-
-double angle_deg(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  return kDegrees * std::atan2(a.cross(b).norm(), a.dot(b));
-}
 
 /// Sends the frames of one finger through checks and estimator.
 class FingerSensor {
@@ -56,7 +53,7 @@ class FingerSensor {
       if (estimate.covariance) {
         sample.sigma_deg = kDegrees * std::sqrt(estimate.covariance->trace() / 2);
       }
-      if (truths_[i]) sample.error_deg = angle_deg(estimate.n, *truths_[i]);
+      if (truths_[i]) sample.error_deg = touch::angle_between_deg(estimate.n, *truths_[i]);
       return;
     }
   }

@@ -33,6 +33,7 @@ Summary summarize(const SensedStream& stream) {
 nlohmann::json to_json(const Summary& summary) {
   nlohmann::json stream = {{"samples", summary.samples}, {"flagged", summary.flagged}};
   stream["flags"] = summary.flags;
+  if (!summary.forces.empty()) stream["force_n"] = {{"median", median(summary.forces)}};
   if (!summary.errors.empty()) {
     stream["error_deg"] = {{"median", median(summary.errors)},
                            {"p90", quantile(summary.errors, 0.9)},
@@ -51,7 +52,7 @@ std::string row(const std::string& name, const Summary& summary) {
   }
   std::string flags;
   for (const auto& [flag, count] : summary.flags) flags += fmt::format("  {} {}", flag, count);
-  return fmt::format("{:<8}{:>9}{:>9}{:>10}{}{}", name, summary.samples, summary.flagged, force,
+  return fmt::format("{:<10}{:>9}{:>9}{:>10}{}{}", name, summary.samples, summary.flagged, force,
                      error, flags);
 }
 
@@ -107,7 +108,7 @@ std::vector<std::string> write_stream(const std::filesystem::path& folder,
 void report_streams(const SenseArguments& arguments, const std::vector<SensedStream>& streams) {
   nlohmann::json report = {{"streams", nlohmann::json::object()}};
   std::string table =
-      fmt::format("{:<8}{:>9}{:>9}{:>10}{:>10}{:>8}{:>8}  {}\n", "stream", "samples", "flagged",
+      fmt::format("{:<10}{:>9}{:>9}{:>10}{:>10}{:>8}{:>8}  {}\n", "stream", "samples", "flagged",
                   "force N", "error deg", "p90", "p95", "what is wrong with the flagged");
   for (const SensedStream& stream : streams) {
     const Summary summary = summarize(stream);

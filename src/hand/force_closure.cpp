@@ -116,9 +116,9 @@ Balance balance_wrench(const GraspContacts& contacts, const Eigen::Vector3d& p_b
     throw BadInput(
         fmt::format("max_normal_force must be positive, not {}", options.max_normal_force));
   }
-  if (!wrench.allFinite() || !p_base_object.allFinite()) {
-    throw BadInput(
-        fmt::format("a wrench to balance must be finite, not of norm {}", wrench.norm()));
+  if (!wrench.allFinite()) {
+    throw BadInput(fmt::format("a wrench to balance must be finite, not [{}, {}, {}; {}, {}, {}]",
+                               wrench[0], wrench[1], wrench[2], wrench[3], wrench[4], wrench[5]));
   }
   Balance result;
   result.slack = -wrench.norm();

@@ -16,14 +16,26 @@ void require_size(const char* what, Eigen::Index size, Eigen::Index expected) {
   }
 }
 
+void require_finite(const GraspContacts& contacts, const Eigen::Vector3d& p_base_object) {
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    if (contacts[i].T_base_contact.matrix().allFinite()) continue;
+    const Eigen::Vector3d p = contacts[i].T_base_contact.translation();
+    throw BadInput(fmt::format("the frame of contact {} at ({}, {}, {}) m is not finite", i, p.x(),
+                               p.y(), p.z()));
+  }
+  if (p_base_object.allFinite()) return;
+  throw BadInput(fmt::format("wrenches are taken at a finite point, not ({}, {}, {}) m",
+                             p_base_object.x(), p_base_object.y(), p_base_object.z()));
+}
+
 }  // namespace
 
 Eigen::Isometry3d contact_frame(const Eigen::Vector3d& p_base, const Eigen::Vector3d& n_base) {
   if (!p_base.allFinite() || !(std::abs(n_base.norm() - 1) < 1e-3)) {
-    throw BadInput(
-        fmt::format("a contact needs a finite point and a unit normal, not {} {} {} of "
-                    "length {}",
-                    n_base.x(), n_base.y(), n_base.z(), n_base.norm()));
+    throw BadInput(fmt::format(
+        "a contact needs a finite point and a unit normal, not ({}, {}, {}) m and "
+        "({}, {}, {}) of length {}",
+        p_base.x(), p_base.y(), p_base.z(), n_base.x(), n_base.y(), n_base.z(), n_base.norm()));
   }
   const Eigen::Matrix3d axes = frame_with_z(-n_base.normalized());
   Eigen::Isometry3d T_base_contact = Eigen::Isometry3d::Identity();
@@ -47,6 +59,7 @@ GraspContacts grasp_contacts(const HandModel& hand, const HandReading& reading, 
 }
 
 Eigen::MatrixXd grasp_matrix(const GraspContacts& contacts, const Eigen::Vector3d& p_base_object) {
+  require_finite(contacts, p_base_object);
   Eigen::MatrixXd G(6, 6 * static_cast<Eigen::Index>(contacts.size()));
   Eigen::Index column = 0;
   for (const GraspContact& contact : contacts) {

@@ -90,7 +90,7 @@ double grasp_quality(const GraspContacts& contacts, const Eigen::Vector3d& p_bas
                     "{} and {}",
                     options.edges, options.length));
   }
-  if (contacts.empty() || !p_base_object.allFinite()) return 0;
+  if (contacts.empty()) return 0;
   const WrenchSpace space = wrench_space(contacts, p_base_object, options.length);
   const Eigen::MatrixXd points = edge_wrenches(space, options.edges);
   const bool is_flat = points.cols() < 7 || solve_affine(points, Vector6d::Zero()).rank < 6;

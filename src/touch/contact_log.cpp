@@ -60,11 +60,13 @@ void add_row(const CsvTable& table, const Layout& layout, FingerLog& log) {
   if (n.norm() > 1e-6) normal = normal.value_or(Eigen::Vector3d::Zero()) + n.normalized();
 }
 
+/// Whether all times are whole, those aside that are not finite.
 bool counts_ticks(const std::vector<FingerLog>& logs) {
   bool whole = true;
   for (const FingerLog& log : logs) {
-    for (const FingerFrame& frame : log.frames)
-      whole = whole && frame.time == std::floor(frame.time);
+    for (const FingerFrame& frame : log.frames) {
+      whole = whole && (!std::isfinite(frame.time) || frame.time == std::floor(frame.time));
+    }
   }
   return whole;
 }

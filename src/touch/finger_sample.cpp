@@ -15,9 +15,10 @@ namespace {
 
 constexpr std::array<std::string_view, kSampleFlags> kFlagNames = {
     "gap",      "late",       "repeated",   "out_of_order", "placeholder",
-    "no_force", "not_finite", "no_contact", "far_apart"};
-constexpr unsigned kUsable =
-    static_cast<unsigned>(SampleFlag::gap) | static_cast<unsigned>(SampleFlag::late);
+    "no_force", "not_finite", "no_contact", "far_apart",    "left_out"};
+constexpr unsigned kUsable = static_cast<unsigned>(SampleFlag::gap) |
+                             static_cast<unsigned>(SampleFlag::late) |
+                             static_cast<unsigned>(SampleFlag::left_out);
 constexpr double kOffGrid = 0.25;  // of a period
 
 const Eigen::Vector3d kPlaceholder(0, -1, 0);
@@ -51,7 +52,11 @@ std::vector<FingerContact> sound_contacts(const FingerFrame& frame, double least
       sound.push_back(contact);
     }
   }
-  if (sound.empty()) flags.merge(faults);
+  if (sound.empty()) {
+    flags.merge(faults);
+  } else if (faults.any()) {
+    flags.set(SampleFlag::left_out);
+  }
   return sound;
 }
 
@@ -108,9 +113,11 @@ SampleMaker::SampleMaker(const SampleOptions& options) : options_(options) {
   if (!(std::isfinite(options.period) && options.period > 0)) {
     throw BadInput(fmt::format("the period must be positive, not {} s", options.period));
   }
-  if (!(options.least_force >= 0 && options.one_contact >= 0)) {
-    throw BadInput(fmt::format("least_force {} N and one_contact {} m must not be negative",
-                               options.least_force, options.one_contact));
+  if (!(options.least_force >= 0 && options.one_contact >= 0 && options.one_direction >= 0)) {
+    throw BadInput(
+        fmt::format("least_force {} N, one_contact {} m and one_direction {} rad must not be "
+                    "negative",
+                    options.least_force, options.one_contact, options.one_direction));
   }
 }
 

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "option_check.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/se3.hpp"
 #include "palpate/touch/noise_meter.hpp"
@@ -17,6 +18,7 @@ namespace {
 
 constexpr std::size_t kSeeds = 500;  // directions tried for a face's
 constexpr int kShifts = 10;
+constexpr double kUnit = 1e-3;  // that a unit normal's length may be off
 
 void require_finite(const Eigen::Vector3d& v, std::size_t index, const char* what) {
   if (!v.allFinite()) {
@@ -25,10 +27,13 @@ void require_finite(const Eigen::Vector3d& v, std::size_t index, const char* wha
   }
 }
 
-void require_finite(std::span<const NormalAt> contacts) {
+void require_sound(std::span<const NormalAt> contacts) {
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     require_finite(contacts[i].p, i, "point");
     require_finite(contacts[i].n, i, "normal");
+    const double length = contacts[i].n.norm();
+    if (std::abs(length - 1) < kUnit) continue;
+    throw BadInput(fmt::format("normal {} has the length {}, not 1", i, length));
   }
 }
 
@@ -164,7 +169,8 @@ std::vector<Face> face_candidates(std::span<const NormalAt> contacts, const Face
 
 std::vector<NormalCluster> cluster_normals(std::span<const NormalAt> contacts,
                                            const ClusterOptions& options) {
-  require_finite(contacts);
+  checked(options);
+  require_sound(contacts);
   std::vector<std::size_t> rest(contacts.size());
   std::iota(rest.begin(), rest.end(), std::size_t{0});
   std::vector<NormalCluster> clusters;
@@ -181,7 +187,8 @@ std::vector<NormalCluster> cluster_normals(std::span<const NormalAt> contacts,
 }
 
 std::vector<Face> find_faces(std::span<const NormalAt> contacts, const FaceOptions& options) {
-  require_finite(contacts);
+  checked(options);
+  require_sound(contacts);
   std::vector<Face> faces;
   if (contacts.empty()) return faces;
   const double near = std::cos(options.apart);

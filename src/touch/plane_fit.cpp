@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "estimate_status.hpp"
+#include "option_check.hpp"
 
 namespace palpate::touch {
 namespace {
@@ -23,6 +24,8 @@ Eigen::Vector3d against(const Eigen::Vector3d& f, const Eigen::Vector3d& n) {
 }
 
 }  // namespace
+
+PlaneFitEstimator::PlaneFitEstimator(const PlaneFitOptions& options) : options_(checked(options)) {}
 
 void PlaneFitEstimator::fit(const Eigen::Vector3d& f) {
   const auto count = static_cast<double>(window_.size());
@@ -59,7 +62,7 @@ NormalEstimate PlaneFitEstimator::update(const FingerSample& sample) {
 }
 
 EigenvectorEstimator::EigenvectorEstimator(const EigenvectorOptions& options)
-    : options_(options), low_pass_(options.low_pass) {}
+    : options_(checked(options)), low_pass_(options.low_pass) {}
 
 void EigenvectorEstimator::learn(const FingerSample& sample, double dt) {
   const Eigen::Vector3d v = low_pass_.add((sample.p - last_->p) / dt);

@@ -2,12 +2,13 @@
 #include "palpate/touch/rls.hpp"
 
 #include "estimate_status.hpp"
+#include "option_check.hpp"
 #include "palpate/core/se3.hpp"
 
 namespace palpate::touch {
 
 RlsEstimator::RlsEstimator(const RlsOptions& options)
-    : options_(options), low_pass_(options.low_pass) {}
+    : options_(checked(options)), low_pass_(options.low_pass) {}
 
 /// n0 = v1 x v0 (eq. 5.4), or the direction against the force.
 void RlsEstimator::start(const FingerSample& sample, const Eigen::Vector3d& v) {

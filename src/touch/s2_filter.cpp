@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "estimate_status.hpp"
+#include "option_check.hpp"
 #include "palpate/core/se3.hpp"
 
 namespace palpate::touch {
@@ -51,7 +52,7 @@ double squared(double x) { return x * x; }
 }  // namespace
 
 S2Filter::S2Filter(const S2Options& options)
-    : options_(options),
+    : options_(checked(options)),
       force_noise_(3, kForceNoise, kLeastForceNoise, kMemory),
       point_noise_(3, kPointNoise, kLeastPointNoise, kMemory),
       tip_noise_(2, kTipNoise, kLeastTipNoise, kMemory),

@@ -40,6 +40,7 @@ class Sense(CliTest):
             self.assertEqual(stream["flagged"], 3)
             self.assertEqual(stream["flags"], {"placeholder": 1, "no_force": 1, "not_finite": 1})
             self.assertLess(stream["error_deg"]["median"], 5, estimator)
+            self.assertAlmostEqual(stream["force_n"]["median"], 5**0.5, delta=0.05)
         names = {path.name for path in (self.folder / "out").iterdir()}
         self.assertEqual(names, {"report.json", "FF.csv", "FF-normal.svg", "FF-force.svg"})
 
@@ -50,6 +51,17 @@ class Sense(CliTest):
         self.assert_refused(BAD_INPUT, ["sense", "other.csv"], "other.csv", "recording")
         self.assert_refused(BAD_INPUT, ["sense", "none.csv"], "none.csv")
         self.assert_refused(USAGE, ["sense", "other.csv", "--estimator", "magic"], "magic")
+
+    def test_what_would_have_no_effect_is_refused(self):
+        self.write("slide.csv", csv(slide()[:3]))
+        self.write("options.toml", "lag = 0.1\n")
+        for extra, named in (
+            (["--set", "lag=0.1"], "lag"),
+            (["--config", "options.toml"], "lag"),
+            (["--config", "none.toml"], "none.toml"),
+            (["--model", "some.model"], "some.model"),
+        ):
+            self.assert_refused(BAD_INPUT, ["sense", "slide.csv", *extra], named)
 
 
 if __name__ == "__main__":

@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <numbers>
+#include <string>
 
 #include "hand/grasps.hpp"
 #include "palpate/core/error.hpp"
@@ -156,6 +158,20 @@ TEST(GraspQuality, RejectsOptionsOutOfRange) {
   EXPECT_THROW(grasp_quality(disc, Eigen::Vector3d::Zero(), {.edges = 8, .length = 0}), BadInput);
 }
 
+TEST(ForceClosure, AContactThatIsNotFiniteIsNamedNotJudged) {
+  GraspContacts disc = around_disc(3, 0.03, ContactModel::hard_finger);
+  const Eigen::Vector3d nowhere = Eigen::Vector3d::Constant(std::nan(""));
+  EXPECT_THROW(grasp_quality(disc, nowhere), BadInput);
+  disc[1].T_base_contact.translation().y() = std::nan("");
+  try {
+    force_closure(disc);
+    FAIL() << "judged";
+  } catch (const BadInput& error) {
+    EXPECT_NE(std::string(error.what()).find("contact 1"), std::string::npos) << error.what();
+  }
+  EXPECT_THROW(grasp_quality(disc, Eigen::Vector3d::Zero()), BadInput);
+}
+
 Vector6d lift(double newtons) {
   Vector6d wrench = Vector6d::Zero();
   wrench[5] = newtons;
@@ -232,6 +248,7 @@ TEST(Balance, ForcesMakeTheWrenchWithinTheirCones) {
 TEST(Balance, RejectsBadInput) {
   const GraspContacts disc = around_disc(3, 0.03, ContactModel::hard_finger);
   EXPECT_THROW(balance_wrench(disc, Eigen::Vector3d::Zero(), lift(std::nan(""))), BadInput);
+  EXPECT_THROW(balance_wrench(disc, Eigen::Vector3d::Constant(std::nan("")), lift(1)), BadInput);
   EXPECT_THROW(balance_wrench(disc, Eigen::Vector3d::Zero(), lift(1), {.max_normal_force = -1}),
                BadInput);
 }

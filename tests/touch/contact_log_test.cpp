@@ -54,6 +54,8 @@ TEST_F(ContactLogTest, WholeTimesAreTicks) {
   EXPECT_NEAR(read_contact_log(write(text), 0.02)[0].period, 0.02, 1e-12);
   EXPECT_FALSE(read_contact_log(write(text))[0].normals[0]);
   EXPECT_THROW(read_contact_log(write(text), 0), BadInput);
+  const auto lost = read_contact_log(write(text + "2,FF,nan,0,0,0,0,0,-1\n"));
+  EXPECT_NEAR(lost[0].frames[1].time, 0.1, 1e-12);
 }
 
 TEST_F(ContactLogTest, NamesWhatIsWrongAndWhere) {

@@ -81,12 +81,14 @@ TEST(SampleMaker, PlaceholdersAreOfNoUse) {
   EXPECT_TRUE(std::isnan(sample.f.x()));
 }
 
-TEST(SampleMaker, APlaceholderBesideAContactIsLeftOut) {
+TEST(SampleMaker, APlaceholderBesideAContactIsLeftOutAndFlagged) {
   FingerFrame frame = frame_at(0);
   frame.contacts.push_back({.p = {1, 1, 1}, .f = {0, -1, 0}, .tip_normal = {}});
   const auto sample = SampleMaker().next(frame);
+  EXPECT_EQ(sample.flags.names(), "left_out");
   EXPECT_TRUE(sample.flags.usable());
   EXPECT_TRUE(sample.p.isZero());
+  EXPECT_TRUE(sample.f.isApprox(frame.contacts[0].f));
 }
 
 TEST(SampleMaker, ZeroForcesAreOfNoUse) {
@@ -138,10 +140,11 @@ TEST(SampleMaker, TwoFacesAtOnePlaceAreNotAveraged) {
   EXPECT_EQ(SampleMaker().next(frame).flags.names(), "far_apart");
 }
 
-TEST(SampleMaker, RefusesAPeriodOfZero) {
+TEST(SampleMaker, RefusesOptionsOutOfRange) {
   EXPECT_THROW(SampleMaker({.period = 0}), BadInput);
   EXPECT_THROW(SampleMaker({.period = kNan}), BadInput);
   EXPECT_THROW(SampleMaker({.one_contact = -1}), BadInput);
+  EXPECT_THROW(SampleMaker({.one_direction = kNan}), BadInput);
 }
 
 TEST(FingerFrame, HasTheCapsulesNormalInTheWorld) {

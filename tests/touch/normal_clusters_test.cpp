@@ -67,8 +67,14 @@ TEST(ClusterNormals, FewerThanThreeAreNone) {
   EXPECT_TRUE(cluster_normals({}).empty());
 }
 
-TEST(ClusterNormals, RefusesContactsThatAreNotFinite) {
+TEST(ClusterNormals, RefusesContactsThatAreNotSoundAndOptionsOutOfRange) {
   std::vector<NormalAt> contacts(3, {Eigen::Vector3d::Zero(), Eigen::Vector3d::UnitZ()});
+  EXPECT_THROW(cluster_normals(contacts, {.distance = -1}), BadInput);
+  EXPECT_THROW(find_faces(contacts, {.radius = std::numeric_limits<double>::quiet_NaN()}),
+               BadInput);
+  contacts[2].n.setZero();
+  EXPECT_THROW(cluster_normals(contacts), BadInput);
+  contacts[2].n = Eigen::Vector3d::UnitZ();
   contacts[1].p.x() = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(cluster_normals(contacts), BadInput);
 }

@@ -112,6 +112,16 @@ TEST(NormalEstimators, AnUnknownNameIsRefused) {
   EXPECT_THROW(make_normal_estimator("kalman"), BadInput);
 }
 
+TEST(NormalEstimators, OptionsOutOfRangeAreRefused) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(RlsEstimator({.decay = nan}), BadInput);
+  EXPECT_THROW(RlsEstimator({.low_pass = 0}), BadInput);
+  EXPECT_THROW(PlaneFitEstimator({.window = -1}), BadInput);
+  EXPECT_THROW(EigenvectorEstimator({.distance = 0}), BadInput);
+  EXPECT_THROW(S2Filter({.stay = 1}), BadInput);
+  EXPECT_THROW(S2Smoother({.lag = nan}), BadInput);
+}
+
 TEST(NormalEstimators, OnAFlatFaceWithoutNoiseAllButTheLiteralFindTheNormal) {
   SlidingOptions exact;
   exact.force_noise = exact.point_noise = exact.tip_noise = 0;

@@ -30,9 +30,8 @@ Eigen::MatrixXd transmission(ContactModel model);
 /// @throws BadInput for friction that is not finite and positive
 Eigen::VectorXd cone_scale(ContactModel model, const Friction& friction);
 
-/// How far a contact force is within its cone, N: mu f_n less the tangential load sqrt(f_t^2 +
-/// f_o^2
-/// + m_n^2 / e_n^2); f_n without friction. Negative outside.
+/// How far a contact force is within its cone, N: mu f_n less the load that friction bears,
+/// sqrt(f_t^2 + f_o^2 + m_n^2 / e_n^2); f_n without friction. Negative outside.
 /// @param force  the transmitted components, N and N m
 /// @throws BadInput for a force of the wrong size or a value that is not finite
 double cone_slack(ContactModel model, const Friction& friction, const Eigen::VectorXd& force);

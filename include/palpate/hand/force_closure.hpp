@@ -19,6 +19,7 @@ struct ForceClosure {
 /// They can if their wrenches have rank 6 and there are internal forces, G w_c = 0, strictly within
 /// all cones (Murray, Li & Sastry, A Mathematical Introduction to Robotic Manipulation, 1994,
 /// proposition 5.2 and its converse). The latter is a cone program, solved to 1e-9.
+/// @throws BadInput for a contact frame that is not finite (all of these)
 ForceClosure force_closure(const GraspContacts& contacts);
 
 struct QualityOptions {
@@ -36,7 +37,7 @@ struct QualityOptions {
 /// contacts make whose normal forces sum to 1 N (Ferrari & Canny, ICRA 1992). 0 without force
 /// closure. A pyramid lies within its cone, so this is never more than the exact value.
 /// @param p_base_object  where moments are taken, m
-/// @throws BadInput for options out of range
+/// @throws BadInput for options out of range or a point that is not finite
 double grasp_quality(const GraspContacts& contacts, const Eigen::Vector3d& p_base_object,
                      const QualityOptions& options = {});
 
@@ -65,7 +66,7 @@ struct Balance {
 /// The smallest contact forces, within their friction cones, that make a wrench on the object:
 /// minimises the sum of f_n^2 + f_t^2 + f_o^2 + (m_n / e_n)^2 such that G w_c = wrench.
 /// @param wrench  [m; f] that the hand is to exert at p_base_object, N m and N, base axes
-/// @throws BadInput for a wrench that is not finite or options out of range
+/// @throws BadInput for a wrench or point that is not finite, or options out of range
 Balance balance_wrench(const GraspContacts& contacts, const Eigen::Vector3d& p_base_object,
                        const Vector6d& wrench, const BalanceOptions& options = {});
 

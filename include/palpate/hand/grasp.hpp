@@ -34,6 +34,7 @@ GraspContacts grasp_contacts(const HandModel& hand, const HandReading& reading, 
 /// Grasp matrix G (6 x 6 n; thesis eq 4.6): object wrench = G w_c, contact twists of the object
 /// nu_c = G' nu (eq 4.7, where the thesis has G' in both).
 /// @param p_base_object  where the object's wrench and twist are taken, m, in the base's axes
+/// @throws BadInput for a point or contact frame that is not finite
 Eigen::MatrixXd grasp_matrix(const GraspContacts& contacts, const Eigen::Vector3d& p_base_object);
 
 /// Hand Jacobian J (6 n x kJoints; thesis eq 4.8), in the contact frames: contact twists of the

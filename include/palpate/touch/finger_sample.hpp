@@ -12,7 +12,8 @@
 
 namespace palpate::touch {
 
-/// What is wrong with a sample. All but `gap` and `late` make it useless for estimating.
+/// What is wrong with a sample. All but `gap`, `late` and `left_out` make it useless for
+/// estimating.
 enum class SampleFlag : unsigned {
   gap = 1u << 0,           ///< frames are missing before it
   late = 1u << 1,          ///< it came later than half a period after its time
@@ -23,8 +24,9 @@ enum class SampleFlag : unsigned {
   not_finite = 1u << 6,    ///< a value that is not finite
   no_contact = 1u << 7,    ///< the finger touches nothing
   far_apart = 1u << 8,     ///< contacts too far apart, in place or direction, to be one
+  left_out = 1u << 9,      ///< of its contacts, some told nothing and are not in it
 };
-inline constexpr int kSampleFlags = 9;
+inline constexpr int kSampleFlags = 10;
 
 /// The flag's name, as in "out_of_order".
 std::string_view to_string(SampleFlag flag);
@@ -88,7 +90,7 @@ struct SampleOptions {
 
 /// Turns the frames of one finger, as they come, into checked samples. Bad frames come out flagged,
 /// never as plausible numbers; single contacts that are placeholders, not finite or without force
-/// are left out of a frame that has better ones, and flagged.
+/// are left out of a frame that has better ones, which is flagged `left_out`.
 class SampleMaker {
  public:
   /// @throws BadInput for options out of range

@@ -36,7 +36,8 @@ struct ClusterOptions {
 /// Euclidean clustering (thesis 5.3.3, there over 10 ticks): contacts nearer than `distance` whose
 /// normals differ by less than `angle` are neighbours, and chains of neighbours are clusters, so
 /// that two faces that meet under a fingertip stay two. Largest first, then in the order given.
-/// @throws BadInput for a contact that is not finite
+/// @throws BadInput for options out of range, a contact that is not finite or a normal that is not
+///         of unit length
 std::vector<NormalCluster> cluster_normals(std::span<const NormalAt> contacts,
                                            const ClusterOptions& options = {});
 
@@ -72,7 +73,8 @@ struct Face {
 /// line, and across it by their noise alone. Modes whose points do not spread over an area are no
 /// faces. Nor are those that thin out slowly, as on a curved surface: evenly spread, a quarter to
 /// half of the normals within twice the radius are within it.
-/// @throws BadInput for a contact that is not finite
+/// @throws BadInput for options out of range, a contact that is not finite or a normal that is not
+///         of unit length
 std::vector<Face> find_faces(std::span<const NormalAt> contacts, const FaceOptions& options = {});
 
 }  // namespace palpate::touch

@@ -16,7 +16,7 @@ namespace palpate::touch {
 enum class NormalStatus {
   none,     ///< no estimate yet; the normal is nan
   tracked,  ///< follows the contact
-  held,     ///< the sample was of no use: the last estimate, ever less certain
+  held,     ///< the sample was of no use: the last estimate
 };
 std::string_view to_string(NormalStatus status);
 
@@ -36,7 +36,8 @@ class NormalEstimator {
   virtual ~NormalEstimator() = default;
 
   /// Takes the next sample. One that is not usable leaves the estimate as it is (held); after a
-  /// while without a usable one (the options' forget_after) the estimator starts anew.
+  /// while without a usable one (the options' forget_after) the estimator starts anew. Only the
+  /// filters on the sphere grow less certain of an estimate that they hold.
   virtual NormalEstimate update(const FingerSample& sample) = 0;
 };
 

@@ -24,7 +24,8 @@ struct PlaneFitOptions {
 /// is too small.
 class PlaneFitEstimator final : public NormalEstimator {
  public:
-  explicit PlaneFitEstimator(const PlaneFitOptions& options = {}) : options_(options) {}
+  /// @throws BadInput for options out of range
+  explicit PlaneFitEstimator(const PlaneFitOptions& options = {});
   NormalEstimate update(const FingerSample& sample) override;
 
  private:
@@ -56,6 +57,7 @@ struct EigenvectorOptions {
 /// would settle. Discounted by distance rather than time.
 class EigenvectorEstimator final : public NormalEstimator {
  public:
+  /// @throws BadInput for options out of range
   explicit EigenvectorEstimator(const EigenvectorOptions& options = {});
   NormalEstimate update(const FingerSample& sample) override;
 

@@ -37,6 +37,7 @@ struct RlsOptions {
 /// centroid is measured, so that eq. 5.2 has nothing to add to it.
 class RlsEstimator final : public NormalEstimator {
  public:
+  /// @throws BadInput for options out of range
   explicit RlsEstimator(const RlsOptions& options = {});
   NormalEstimate update(const FingerSample& sample) override;
 

@@ -75,6 +75,7 @@ class S2Filter final : public NormalEstimator {
     bool anew = true;                                     ///< it did not follow the one before
   };
 
+  /// @throws BadInput for options out of range
   explicit S2Filter(const S2Options& options = {});
   NormalEstimate update(const FingerSample& sample) override;
 

@@ -19,6 +19,7 @@ namespace palpate::touch {
 class S2Smoother final : public NormalEstimator {
  public:
   /// @param options  lag: of the estimates, s
+  /// @throws BadInput for options out of range
   explicit S2Smoother(const S2Options& options = {});
   NormalEstimate update(const FingerSample& sample) override;
 
