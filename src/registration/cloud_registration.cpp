@@ -99,6 +99,30 @@ FeatureCloud turned_inside_out(FeatureCloud described, double voxel,
   return described;
 }
 
+/// Pose from the matches of features. Estimated normals may all point inward, as those of a part of
+/// a surface can. What then matches errs alike rather than by chance, so that they are also tried
+/// the other way unless the first answer is clear beyond that: the better answer stays.
+void match_features(FeatureCloud from, const FeatureCloud& to, const CloudOptions& options,
+                    CloudRegistration& registration) {
+  constexpr double kClear = 1e-30;  // poses that chance may propose
+  RegistrationOptions search = options.registration;
+  search.noise_bound = registration.noise_bound;
+  const int tries = from.estimated_normals || to.estimated_normals ? 2 : 1;
+  for (int attempt = 0; attempt < tries; ++attempt) {
+    if (attempt > 0) {
+      from = turned_inside_out(std::move(from), registration.voxel, options.features);
+    }
+    Correspondences matches = matched(from, to);
+    RegistrationResult found = register_correspondences(matches, search);
+    if (attempt == 0 || found.expected_by_chance < registration.result.expected_by_chance) {
+      registration.feature_matches = matches.size();
+      registration.correspondences = std::move(matches);
+      registration.result = std::move(found);
+    }
+    if (registration.result.expected_by_chance < kClear) break;
+  }
+}
+
 }  // namespace
 
 double suggested_voxel(const PointCloud& source, const PointCloud& target, int most_points) {
@@ -140,24 +164,13 @@ CloudRegistration register_clouds(const PointCloud& source, const PointCloud& ta
                            : suggested_voxel(source, target, options.features.most_points);
   result.status = Status::kDegenerate;
   if (!(registration.voxel > 0)) return registration;
-  FeatureCloud from = describe(source, registration.voxel, options.features);
+  const FeatureCloud from = describe(source, registration.voxel, options.features);
   const FeatureCloud to = describe(target, registration.voxel, options.features);
   if (from.cloud.size() < 3 || to.cloud.size() < 3) return registration;
 
-  RegistrationOptions search = options.registration;
   registration.noise_bound = options.noise_bound.value_or(1.5 * registration.voxel);
-  search.noise_bound = registration.noise_bound;
-  // Estimated normals may all point inward, as those of a part of a surface can: that is tried too.
-  const int tries = from.estimated_normals || to.estimated_normals ? 2 : 1;
-  for (int attempt = 0; attempt < tries && !result.T_target_source; ++attempt) {
-    if (attempt > 0) {
-      from = turned_inside_out(std::move(from), registration.voxel, options.features);
-    }
-    registration.correspondences = matched(from, to);
-    registration.feature_matches = registration.correspondences.size();
-    registration.feature_seconds = now() - start;
-    result = register_correspondences(registration.correspondences, search);
-  }
+  match_features(from, to, options, registration);
+  registration.feature_seconds = now() - start - result.seconds;
   if (result.T_target_source) {
     refine(detailed(source, options.features), detailed(target, options.features), options,
            registration);

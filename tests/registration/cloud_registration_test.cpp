@@ -62,6 +62,20 @@ TEST(RegisterClouds, FindsThePoseOfAPart) {
   EXPECT_LT(rotation_error_deg(*found.result.T_target_source, pose_of(4)), 2);
 }
 
+// One of the clouds' normals come out inward: some of what then matches agrees with a wrong pose.
+TEST(RegisterClouds, NormalsOfOppositeSignsGiveNoWrongPose) {
+  for (const std::uint64_t seed : {14u, 49u}) {
+    PointCloud source = geometry::transformed(pose_of(seed).inverse(), bunny_cloud(4000, 2 * seed)),
+               target = bunny_cloud(4000, 2 * seed + 1);
+    source.normals.clear();
+    target.normals.clear();
+    const auto found = register_clouds(source, target, kCoarse);
+    ASSERT_TRUE(found.result.T_target_source);
+    EXPECT_LT(rotation_error_deg(*found.result.T_target_source, pose_of(seed)), 2);
+    EXPECT_GT(found.feature_matches, 100u);
+  }
+}
+
 TEST(RegisterClouds, EmptyTinyAndDegenerateClouds) {
   const PointCloud cloud = bunny_cloud(500, 1), empty, one{{{1, 2, 3}}, {}},
                    same{std::vector<Eigen::Vector3d>(50, {1, 2, 3}), {}};
