@@ -99,7 +99,7 @@ std::vector<Touched> sense(const std::vector<SlideTick>& ticks, const hand::Hand
     const auto& truth = ticks.at(at).true_normals;
     if (truth.empty()) continue;
     double error = 180;
-    for (const auto& n : truth) error = std::min(error, touch::angle_deg(estimate.n, n));
+    for (const auto& n : truth) error = std::min(error, touch::angle_between_deg(estimate.n, n));
     const auto& felt = samples[at];
     const Eigen::Isometry3d& T = ticks[at].frame.truth->T_world_object;
     const double off = mesh.closest_point(T.inverse() * felt.p).distance;

@@ -34,7 +34,6 @@ struct Slide {
   std::vector<Eigen::Vector3d> forces, torques;  // N, N m about the tip's centre
   std::map<std::string, Normals> normals;        // raw, clustered, s2, s2-lag
   std::size_t samples = 0, flagged = 0;
-  std::vector<std::size_t> clusters;  // how many were found each time
 };
 
 void judge(const touch::NormalAt& felt, const std::vector<Eigen::Vector3d>& truth,
@@ -45,7 +44,7 @@ void judge(const touch::NormalAt& felt, const std::vector<Eigen::Vector3d>& trut
       *std::min_element(truth.begin(), truth.end(),
                         [&](const auto& a, const auto& b) { return a.dot(n) > b.dot(n); });
   normals.felt.push_back(felt);
-  normals.error_deg.push_back(touch::angle_deg(n, nearest));
+  normals.error_deg.push_back(touch::angle_between_deg(n, nearest));
   if (covariance) {
     normals.nees.push_back(touch::normalised_error_squared(n, nearest, *covariance));
   }
@@ -83,11 +82,9 @@ class SlideJudge {
       judge(recent_.back(), truth_.back(), {}, slide_.normals["raw"]);
     }
     if (++ticks_ % kClusterTicks != 0) return;
-    const auto clusters = touch::cluster_normals(recent_);
-    for (const auto& cluster : clusters) {
+    for (const auto& cluster : touch::cluster_normals(recent_)) {
       judge({cluster.p, cluster.n}, truth_.back(), {}, slide_.normals["clustered"]);
     }
-    slide_.clusters.push_back(clusters.size());
     recent_.clear();
   }
 
@@ -165,10 +162,32 @@ std::string face_list(const std::vector<touch::Face>& faces,
                         face.n.y(), face.n.z(), 100 * face.share);
     if (truth.empty()) continue;
     double error = 180;
-    for (const auto& n : truth) error = std::min(error, touch::angle_deg(face.n, n));
+    for (const auto& n : truth) error = std::min(error, touch::angle_between_deg(face.n, n));
     text += fmt::format(", {:.1f} deg off", error);
   }
   return text;
+}
+
+/// The finger's way over the surface, judged.
+Slide slide_over(const TouchedSurface& surface, const Options& options) {
+  SlidingFinger finger(surface.object, sliding_world(), options.seed,
+                       straight_finger(hand::Finger::first));
+  SlideJudge judge(finger.believed_hand());
+  const auto path = path_over(surface, finger.tip_radius(), options.quick ? 4 : 100);
+  for (const auto& tick : finger.follow(path, surface.start, kPress)) judge.take(tick);
+  return judge.finish();
+}
+
+std::vector<std::string> error_row(const std::string& name, Slide& slide) {
+  std::vector<std::string> row = {name, std::to_string(slide.samples),
+                                  std::to_string(slide.flagged)};
+  for (const std::string kind : {"raw", "clustered", "s2", "s2-lag"}) {
+    const auto& of_kind = slide.normals[kind].error_deg;
+    row.push_back(of_kind.empty()
+                      ? "-"
+                      : fmt::format("{:.2f} / {:.1f}", median(of_kind), quantile(of_kind, 0.95)));
+  }
+  return row;
 }
 
 void experiment_surfaces(const Options& options) {
@@ -182,21 +201,8 @@ void experiment_surfaces(const Options& options) {
   density_plot.y.label = "share a degree";
   for (const std::string name : {"flat", "edge", "smooth", "corner"}) {
     const auto surface = touched_surface(name);
-    SlidingFinger finger(surface.object, sliding_world(), options.seed,
-                         straight_finger(hand::Finger::first));
-    SlideJudge judge(finger.believed_hand());
-    const auto path = path_over(surface, finger.tip_radius(), options.quick ? 4 : 100);
-    for (const auto& tick : finger.follow(path, surface.start, kPress)) judge.take(tick);
-    Slide slide = judge.finish();
-    std::vector<std::string> row = {name, std::to_string(slide.samples),
-                                    std::to_string(slide.flagged)};
-    for (const std::string kind : {"raw", "clustered", "s2", "s2-lag"}) {
-      const auto& of_kind = slide.normals[kind].error_deg;
-      row.push_back(of_kind.empty()
-                        ? "-"
-                        : fmt::format("{:.2f} / {:.1f}", median(of_kind), quantile(of_kind, 0.95)));
-    }
-    errors.add_row(row);
+    Slide slide = slide_over(surface, options);
+    errors.add_row(error_row(name, slide));
     honesty.add_row({name, fmt::format("{:.2f}", mean(slide.normals["s2"].nees)),
                      fmt::format("{:.2f}", mean(slide.normals["s2-lag"].nees))});
     faces.add_row({name, std::to_string(surface.faces.size()),

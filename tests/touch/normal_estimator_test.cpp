@@ -58,7 +58,7 @@ TEST_P(AnyEstimator, TurnsWithItsInput) {
     const auto b = turned->update(sample);
     ASSERT_EQ(a.status, b.status);
     if (a.status == NormalStatus::none) continue;
-    ASSERT_LT(angle_deg(R * a.n, b.n), 2) << a.time;  // tangents decide what is an outlier
+    ASSERT_LT(angle_between_deg(R * a.n, b.n), 2) << a.time;  // tangents decide what is an outlier
   }
 }
 
@@ -105,7 +105,7 @@ TEST_P(AnyEstimator, ForgetsOneFaceBeforeTheNext) {
     last = estimator->update(sample);
   }
   if (GetParam() == "rls-literal") return;  // its sign and start are left to chance
-  EXPECT_LT(angle_deg(last.n, R * Eigen::Vector3d::UnitZ()), 30);
+  EXPECT_LT(angle_between_deg(last.n, R * Eigen::Vector3d::UnitZ()), 30);
 }
 
 TEST(NormalEstimators, AnUnknownNameIsRefused) {
@@ -293,7 +293,7 @@ TEST(S2Smoother, WhatComesAfterAGapDoesNotTurnWhatWasBefore) {
     const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
     const Eigen::Vector3d truth = estimate.time > 1 ? Eigen::Vector3d(R * up) : up;
     if (estimate.time > 0.5 && std::abs(estimate.time - 1.35) > 0.1) {
-      EXPECT_LT(angle_deg(estimate.n, truth), 10) << estimate.time;
+      EXPECT_LT(angle_between_deg(estimate.n, truth), 10) << estimate.time;
     }
   }
   for (std::size_t i = 1; i < reported.size(); ++i) EXPECT_GT(reported[i], reported[i - 1]);

@@ -5,6 +5,7 @@
 #include <map>
 #include <numbers>
 
+#include "palpate/touch/biotac_normal.hpp"
 #include "palpate/touch/normal_clusters.hpp"
 #include "palpate/touch/normal_estimator.hpp"
 #include "sliding.hpp"
@@ -18,17 +19,14 @@ struct SlidingScore {
   std::vector<NormalAt> felt;
 };
 
-inline double angle_deg(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  return 180 / std::numbers::pi * std::atan2(a.cross(b).norm(), a.dot(b));
-}
-
 /// d' C^+ d of the angular error d between n and the truth.
 inline double normalised_error_squared(const Eigen::Vector3d& n, const Eigen::Vector3d& truth,
                                        const Eigen::Matrix3d& covariance) {
   const Eigen::Matrix<double, 3, 2> B = frame_with_z(n).leftCols<2>();
   const Eigen::Vector2d aside = B.transpose() * truth;
   if (aside.norm() == 0) return 0;
-  const Eigen::Vector2d d = aside.normalized() * angle_deg(n, truth) * std::numbers::pi / 180;
+  const Eigen::Vector2d d =
+      aside.normalized() * angle_between_deg(n, truth) * std::numbers::pi / 180;
   const Eigen::Matrix2d C = B.transpose() * covariance * B;
   return d.dot(C.inverse() * d);
 }
@@ -49,7 +47,7 @@ inline void add_score(NormalEstimator& estimator, const std::vector<FingerSample
     }
     const long tick = std::lround(estimate.time / period);
     const auto& truth = path.n.at(static_cast<std::size_t>(tick));
-    score.error_deg.push_back(angle_deg(estimate.n, truth));
+    score.error_deg.push_back(angle_between_deg(estimate.n, truth));
     score.felt.push_back({points.at(tick), estimate.n});
     if (estimate.covariance) {
       score.nees.push_back(normalised_error_squared(estimate.n, truth, *estimate.covariance));
