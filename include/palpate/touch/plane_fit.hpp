@@ -20,8 +20,8 @@ struct PlaneFitOptions {
 };
 
 /// Total least squares: the plane nearest to the contact points of a window. The covariance takes
-/// the points' scatter off the plane for noise (Kanatani 1996, plane fitting): on a curved path it
-/// is too small.
+/// the points' scatter off the plane for noise (Kanatani 1996, plane fitting): on a curved path, or
+/// where that noise is not small against the window's way, it is too small.
 class PlaneFitEstimator final : public NormalEstimator {
  public:
   /// @throws BadInput for options out of range
