@@ -85,7 +85,8 @@ std::vector<SensedStream> sense_channels(const SenseArguments& arguments,
         sample.force = T.linear() * contact.f;
         sample.normal = T.linear() * contact.n;
         sample.sigma_deg = normal_sigma_deg(*feelings[i].contact, hand.tips[i].radius);
-        if (const auto truth = true_normal(mesh, frame, sample.point)) {
+        const Eigen::Vector3d tip_center = sample.point + hand.tips[i].radius * sample.normal;
+        if (const auto truth = true_normal(mesh, frame, tip_center)) {
           sample.error_deg = touch::angle_between_deg(sample.normal, *truth);
         }
       }

@@ -67,23 +67,30 @@ class FingerSensor {
 
 std::optional<Eigen::Vector3d> true_normal_of(const geometry::MeshQuery& mesh,
                                               const recording::Frame& frame,
-                                              const touch::FingerFrame& felt) {
-  if (felt.contacts.empty()) return std::nullopt;
-  Eigen::Vector3d p = Eigen::Vector3d::Zero();
+                                              const touch::FingerFrame& felt, double tip_radius) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  double count = 0;
   for (const auto& contact : felt.contacts) {
-    p += contact.p / static_cast<double>(felt.contacts.size());
+    if (!contact.tip_normal) continue;
+    sum += contact.p + tip_radius * *contact.tip_normal;
+    ++count;
   }
-  return true_normal(mesh, frame, p);
+  if (count == 0) return std::nullopt;
+  return true_normal(mesh, frame, sum / count);
 }
 
 }  // namespace
 
 std::optional<Eigen::Vector3d> true_normal(const geometry::MeshQuery& mesh,
                                            const recording::Frame& frame,
-                                           const Eigen::Vector3d& p) {
+                                           const Eigen::Vector3d& tip_center) {
   if (!frame.truth || !frame.truth->T_world_object.matrix().allFinite()) return std::nullopt;
   const Eigen::Isometry3d& T = frame.truth->T_world_object;
-  return T.linear() * mesh.closest_point(T.inverse() * p).normal;
+  const Eigen::Vector3d center = T.inverse() * tip_center;
+  if (!center.allFinite()) return std::nullopt;
+  const geometry::ClosestPoint nearest = mesh.closest_point(center);
+  const Eigen::Vector3d out = center - nearest.point;
+  return T.linear() * (out.dot(nearest.normal) > 0 ? out.normalized() : nearest.normal);
 }
 
 std::vector<SensedStream> sense_recording(const SenseArguments& arguments) {
@@ -95,7 +102,8 @@ std::vector<SensedStream> sense_recording(const SenseArguments& arguments) {
                         arguments.estimator, hand::kTick);
     for (const recording::Frame& frame : recording.frames) {
       const auto felt = touch::finger_frame(frame.reading, recording.header.hand, finger);
-      sensor.take(felt, true_normal_of(mesh, frame, felt));
+      const double radius = recording.header.hand.tips[static_cast<std::size_t>(finger)].radius;
+      sensor.take(felt, true_normal_of(mesh, frame, felt, radius));
     }
     if (sensor.touched()) streams.push_back(sensor.take_stream());
   }

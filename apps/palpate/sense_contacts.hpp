@@ -9,13 +9,15 @@
 
 namespace palpate::app {
 
-/// Outward normal of the true object's surface nearest to a point (world); nothing where the frame
-/// lacks the truth.
+/// Outward normal at which a round tip touches the true object: from the surface's nearest point to
+/// the tip's centre (world). The point felt itself, off by millimetres, may lie nearest to the
+/// other face of an edge or the other side of a thin wall. Nothing where the frame lacks the truth.
 std::optional<Eigen::Vector3d> true_normal(const geometry::MeshQuery& mesh,
-                                           const recording::Frame& frame, const Eigen::Vector3d& p);
+                                           const recording::Frame& frame,
+                                           const Eigen::Vector3d& tip_center);
 
 /// Normals and forces of every finger that touches something in a recording of this project. The
-/// truth, where the recording has it, is the object's surface nearest to the point touched.
+/// truth, where the recording has it, is the normal at which the tip touches it.
 std::vector<SensedStream> sense_recording(const SenseArguments& arguments);
 
 /// Normals and forces of every finger in a CSV of contacts, judged by its own normals.
