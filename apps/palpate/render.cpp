@@ -18,11 +18,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr double kPictureTime = 0.1;    // s of a video
+constexpr double kVideoDistance = 1.3;  // times that of a picture: the hand moves, the camera not
+
 struct RenderArguments {
   CommonOptions common;
   std::string object = "mug";
   std::string recording;
   std::string size = "1200x800";
+  bool video = false;
+  double speed = 8;
   simulation::Camera camera;
 };
 
@@ -102,6 +107,26 @@ std::vector<Picture> draw_phases(const recording::Recording& recording, const fs
   return pictures;
 }
 
+/// The whole pick from one place, faster than it was.
+Picture draw_video(const recording::Recording& recording, const fs::path& folder,
+                   const RenderArguments& arguments) {
+  const auto [width, height] = *parse_size(arguments.size);
+  simulation::Renderer renderer(recording.header.object, width, height);
+  simulation::Camera camera = arguments.camera;
+  camera.distance *= kVideoDistance;
+  const double end = recording.frames.back().reading.time;
+  std::vector<simulation::Image> images;
+  for (double time = recording.frames.front().reading.time; time < end;
+       time += arguments.speed * kPictureTime) {
+    const recording::Frame& frame = frame_at(recording, time);
+    images.push_back(renderer.render(
+        {frame.truth->T_world_object, frame.truth->joints, frame.reading.base}, camera));
+  }
+  Picture video{"video", end, folder / "video.png"};
+  simulation::save_animation(video.file, images, kPictureTime);
+  return video;
+}
+
 recording::Recording read_drawable(const fs::path& path) {
   auto recording = recording::read_recording(path);
   const bool drawable =
@@ -119,7 +144,8 @@ int render(const RenderArguments& arguments) {
   const fs::path given = arguments.recording;
   const auto recording = read_drawable(given.empty() ? record_pick(arguments, folder) : given);
   make_writable_folder(folder);
-  const auto pictures = draw_phases(recording, folder, arguments);
+  auto pictures = draw_phases(recording, folder, arguments);
+  if (arguments.video) pictures.push_back(draw_video(recording, folder, arguments));
   auto files = nlohmann::json::array();
   for (const Picture& picture : pictures) {
     files.push_back(
@@ -157,13 +183,19 @@ void add_render(CLI::App& program, Command& chosen) {
       ->capture_default_str();
   command.add_option("--distance", arguments->camera.distance, "from the hand, m")
       ->capture_default_str();
+  command.add_flag("--video", arguments->video,
+                   "also an animated picture of the whole, video.png, which browsers play");
+  command.add_option("--speed", arguments->speed, "of the video, times the pick's")
+      ->check(CLI::Range(0.1, 100.0))
+      ->capture_default_str();
   add_common_options(command, arguments->common);
   command.footer(
       "Writes into DIR: by default where the recording is, else out/render-OBJECT-SEED. Needs no\n"
       "screen; palpate doctor tells whether it can draw.\n\n"
       "Examples:\n"
       "  palpate render --object mug --seed 7\n"
-      "  palpate render out/pick-mug-7/recording.h5 --size 640x480 --azimuth 90 --out pictures");
+      "  palpate render out/pick-mug-7/recording.h5 --size 640x480 --azimuth 90 --out pictures\n"
+      "  palpate render out/pick-mug-7/recording.h5 --size 400x300 --video");
   command.callback([arguments, &chosen] { chosen = [arguments] { return render(*arguments); }; });
 }
 

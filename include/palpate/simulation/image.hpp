@@ -20,4 +20,12 @@ struct Image {
 ///         be written
 void save_png(const std::filesystem::path& path, const Image& image);
 
+/// Writes pictures of one size as an animated PNG, which browsers play over and over; other
+/// programs show the first (W3C, Portable Network Graphics, third edition, 2025). Of every picture
+/// only the rectangle that differs from the one before is stored.
+/// @param seconds  that each picture stays, 0.001 to 60, rounded to milliseconds
+/// @throws BadInput for no pictures, pictures of different sizes, or as save_png
+void save_animation(const std::filesystem::path& path, const std::vector<Image>& images,
+                    double seconds);
+
 }  // namespace palpate::simulation
