@@ -8,6 +8,7 @@
 #include "palpate/hand/biotac_reading.hpp"
 #include "palpate/touch/biotac_dataset.hpp"
 #include "palpate/touch/biotac_skin.hpp"
+#include "touch/one_link_hand.hpp"
 
 namespace palpate::pipeline {
 namespace {
@@ -21,14 +22,6 @@ std::shared_ptr<const touch::BiotacInverse> inverse() {
         touch::BiotacInverse::train(touch::simulate_biotac(options)));
   }();
   return model;
-}
-
-hand::HandModel one_link() {
-  hand::HandModel hand;
-  hand.links = {{"distal", -1, Eigen::Isometry3d::Identity(), Eigen::Vector3d::UnitX(), 0}};
-  hand.distal.fill(0);
-  for (auto& tip : hand.tips) tip = {{0, 0, 0.002}, {0, 0, 0.02}, 0.007};
-  return hand;
 }
 
 TEST(BiotacHand, FeelsByTheChannelsAlone) {
@@ -45,7 +38,7 @@ TEST(BiotacHand, FeelsByTheChannelsAlone) {
     channels.time = reading.time;
     reading.biotacs.assign(hand::kFingers, channels);
   });
-  BiotacHand hand(felt, one_link(), inverse());
+  BiotacHand hand(felt, hand::one_link_hand(), inverse());
   EXPECT_EQ(&hand.actuators(), &felt.actuators());
   for (int k = 0; k < 40; ++k) EXPECT_TRUE(hand.step({}).contacts[1].empty()) << k;
   hand::HandReading last;
@@ -55,7 +48,7 @@ TEST(BiotacHand, FeelsByTheChannelsAlone) {
 
 TEST(BiotacHand, RefusesAHandWithoutChannels) {
   FakeHand numb;
-  BiotacHand hand(numb, one_link(), inverse());
+  BiotacHand hand(numb, hand::one_link_hand(), inverse());
   EXPECT_THROW(hand.step({}), BadInput);
 }
 

@@ -7,6 +7,7 @@
 
 #include "../core/error_message.hpp"
 #include "palpate/touch/biotac_normal.hpp"
+#include "touch/one_link_hand.hpp"
 
 namespace palpate::touch {
 namespace {
@@ -52,16 +53,8 @@ class Stream {
   int frames_ = 0;
 };
 
-hand::HandModel one_link() {
-  hand::HandModel hand;
-  hand.links = {{"distal", -1, Eigen::Isometry3d::Identity(), Eigen::Vector3d::UnitX(), 0}};
-  hand.distal.fill(0);
-  for (auto& tip : hand.tips) tip = {{0, 0, 0.002}, {0, 0, 0.02}, 0.007};
-  return hand;
-}
-
 TEST(BiotacMount, LooksTheWayTheFingerFlexes) {
-  const Eigen::Isometry3d T = biotac_mount(one_link(), 2);
+  const Eigen::Isometry3d T = biotac_mount(hand::one_link_hand(), 2);
   EXPECT_NEAR(T.linear().determinant(), 1, 1e-12);
   EXPECT_LT((T.translation() - Eigen::Vector3d(0, 0, 0.02)).norm(), 1e-12);
   EXPECT_LT((T.linear().col(0) - Eigen::Vector3d::UnitZ()).norm(), 1e-12);
@@ -165,7 +158,7 @@ TEST(BiotacFinger, SaysNothingOfChannelsThatNoContactExplains) {
 }
 
 TEST(BiotacFingers, PutTheirContactsIntoTheReading) {
-  BiotacFingers fingers(one_link(), inverse());
+  BiotacFingers fingers(hand::one_link_hand(), inverse());
   Stream stream;
   hand::HandReading reading;
   EXPECT_NE(error_message([&] { fingers.infer_contacts(reading); }).find("0 BioTacs"),
@@ -177,7 +170,7 @@ TEST(BiotacFingers, PutTheirContactsIntoTheReading) {
     fingers.infer_contacts(reading);
   }
   ASSERT_EQ(reading.contacts[1].size(), 1u);
-  const Eigen::Isometry3d T = biotac_mount(one_link(), 1);
+  const Eigen::Isometry3d T = biotac_mount(hand::one_link_hand(), 1);
   EXPECT_LT((reading.contacts[1][0].p - T * kTouch.p).norm(), 0.002);
   EXPECT_LT((reading.contacts[1][0].f - T.linear() * kTouch.f).norm(), 0.2);
 }
