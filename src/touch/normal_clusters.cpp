@@ -8,8 +8,8 @@
 #include <cmath>
 #include <numeric>
 
-#include "option_check.hpp"
 #include "palpate/core/error.hpp"
+#include "palpate/core/option_check.hpp"
 #include "palpate/core/se3.hpp"
 #include "palpate/touch/noise_meter.hpp"
 

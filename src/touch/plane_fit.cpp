@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "estimate_status.hpp"
-#include "option_check.hpp"
+#include "palpate/core/option_check.hpp"
 
 namespace palpate::touch {
 namespace {

@@ -2,7 +2,7 @@
 #include "palpate/touch/rls.hpp"
 
 #include "estimate_status.hpp"
-#include "option_check.hpp"
+#include "palpate/core/option_check.hpp"
 #include "palpate/core/se3.hpp"
 
 namespace palpate::touch {

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "estimate_status.hpp"
-#include "option_check.hpp"
+#include "palpate/core/option_check.hpp"
 #include "palpate/core/se3.hpp"
 
 namespace palpate::touch {

@@ -7,9 +7,10 @@
 
 #include "palpate/core/error.hpp"
 
-namespace palpate::touch {
+namespace palpate {
 
-/// Visitor of an options struct that refuses numbers outside their ranges.
+/// The visitor of an options struct that was filled by a program and not by parse_toml: refuses
+/// numbers outside their ranges.
 struct OptionCheck {
   template <class Number>
   void operator()(std::string_view name, Number value, double low, double high,
@@ -18,14 +19,21 @@ struct OptionCheck {
     if (number >= low && number <= high) return;
     throw BadInput(fmt::format("{} must be within {}..{}, not {}", name, low, high, value));
   }
-  void operator()(std::string_view /*name*/, bool /*value*/, std::string_view /*doc*/) const {}
+  template <class Word>  // bool, string
+  void operator()(std::string_view /*name*/, const Word& /*value*/,
+                  std::string_view /*doc*/) const {}
+  template <class Options>
+  void section(std::string_view /*name*/, Options& nested) const {
+    nested.visit(*this);
+  }
 };
 
-/// The options, if all are within their ranges. @throws BadInput, naming the one that is not
+/// The options, if all are within their ranges.
+/// @throws BadInput naming the one that is not
 template <class Options>
 Options checked(Options options) {
   options.visit(OptionCheck{});
   return options;
 }
 
-}  // namespace palpate::touch
+}  // namespace palpate
