@@ -8,16 +8,19 @@
 #include <span>
 
 #include "experiment.hpp"
+#include "hand_scene.hpp"
 #include "palpate/core/statistics.hpp"
 #include "palpate/pipeline/locate_phase.hpp"
 #include "palpate/pipeline/trial.hpp"
-#include "palpate/simulation/world.hpp"
 #include "palpate/touch/contact_window.hpp"
 
 namespace {
 
 using namespace palpate;
 using namespace palpate::pipeline;
+using experiment::between;
+using experiment::Motion;
+using Scene = experiment::HandScene;
 
 constexpr double kExploreSeconds = 120;  // s of the robot's time that 16 contacts may take
 constexpr std::size_t kExploreTouches = 16;
@@ -28,44 +31,6 @@ constexpr double kHeldMotion = 0.010;  // m in the hand that a kept object moves
 constexpr double kLifted = 0.05;       // m
 constexpr double kGravity = 9.81;      // m/s^2
 constexpr double kDegrees = 180 / std::numbers::pi;
-
-/// How far an object went between two moments.
-struct Motion {
-  double way = 0;   ///< m, of the centroid
-  double turn = 0;  ///< rad
-};
-
-Motion between(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
-  return {(b.translation() - a.translation()).norm(), rotation_distance(a.linear(), b.linear())};
-}
-
-/// A simulated hand at work on an object, with the truth of every tick.
-class Scene {
- public:
-  Scene(const geometry::KnownObject& object, std::uint64_t seed)
-      : world_(object, {}, seed), robot_(make_robot(object, seed)) {}
-
-  Robot& robot() { return robot_; }
-  std::size_t now() const { return truths_.size() - 1; }
-  double lowest() const { return world_.truth().lowest_point; }
-  const Eigen::Isometry3d& in_world(std::size_t tick) const { return truths_[tick]; }
-  Eigen::Isometry3d in_hand(std::size_t tick) const {
-    return robot_.log().readings[tick].base.pose().inverse() * truths_[tick];
-  }
-
- private:
-  Robot make_robot(const geometry::KnownObject& object, std::uint64_t seed) {
-    world_.reset(draw_start(object, {}, seed), waiting_command());
-    const auto note = [this](const auto&, const auto&) {
-      truths_.push_back(world_.truth().T_world_object);
-    };
-    return {world_.hand(), world_.hand_model(), waiting_command(), {note, {}}};
-  }
-
-  simulation::World world_;
-  std::vector<Eigen::Isometry3d> truths_;  // T_world_object, one a reading
-  Robot robot_;
-};
 
 struct Exploring {
   Motion motion;

@@ -23,6 +23,7 @@ constexpr double kSafeHeight = 0.34;     // m of the base while it travels
 constexpr double kTipContact = 0.10;     // N at which a finger counts as touching
 constexpr double kPlannedRate = 1.0;     // rad/s, of the closing planned; the path is that of any
 constexpr double kTakenBack = 0.7;       // of a finger's torque, at its touch
+constexpr double kOpenSeconds = 0.4;     // s
 constexpr int kLostTicks = 10;
 constexpr std::size_t kTouchReadings = 15;
 constexpr double kTouchSeconds = kTouchReadings * hand::kTick;
@@ -117,26 +118,51 @@ hand::ActuatorVector open_posture(const GraspRecipe& recipe) {
 }
 
 PhaseEnd GraspPhase::run(Robot& robot, PickState& state) {
-  const auto planned = plan(robot, state);
-  const bool from_side = !planned && state.height >= options_.side_from;
-  if (planned) {
-    state.yaw = planned->base.ypr.x();
-    approach(robot, *planned);
-  } else if (from_side) {
+  auto planned = plan(robot, state);
+  if (!planned) return grasp_unplanned(robot, state);
+  const int most = choose_ ? 1 : options_.closings;
+  for (int closing = 1;; ++closing) {
+    const Hold hold = close_as_planned(robot, state, *planned);
+    if (hold.forces.imbalance > options_.most_imbalance && closing < most) {
+      if (const auto other = plan(robot, state)) {
+        planned = other;
+        let_go(robot);
+        continue;
+      }
+    }
+    press(robot, hold);
+    return end(robot, hold,
+               closing == 1 ? "planned grasp" : fmt::format("planned grasp, closing {}", closing));
+  }
+}
+
+GraspPhase::Hold GraspPhase::close_as_planned(Robot& robot, PickState& state,
+                                              const GraspPlan& plan) const {
+  state.yaw = plan.base.ypr.x();
+  state.tried_yaws.push_back(state.yaw);
+  approach(robot, plan);
+  close(robot, options_.top);
+  return balance(robot, state);
+}
+
+PhaseEnd GraspPhase::grasp_unplanned(Robot& robot, PickState& state) {
+  const bool from_side = state.height >= options_.side_from;
+  if (from_side) {
     approach_from_side(robot, state);
   } else {
     approach_from_above(robot, state);
   }
   state.tried_yaws.push_back(state.yaw);
   close(robot, from_side ? options_.side : options_.top);
-  const double imbalance = squeeze(robot);
+  const Hold hold = balance(robot, state);
+  press(robot, hold);
+  return end(robot, hold, from_side ? "side grasp" : "top grasp");
+}
+
+PhaseEnd GraspPhase::end(const Robot& robot, const Hold& hold, std::string_view grasp) const {
   const int contacts = count_contacts(robot.reading());
   return {contacts >= options_.least_contacts,
-          fmt::format("{} grasp, {} contacts, imbalance {:.2f}",
-                      planned     ? "planned"
-                      : from_side ? "side"
-                                  : "top",
-                      contacts, imbalance)};
+          fmt::format("{}, {} contacts, imbalance {:.2f}", grasp, contacts, hold.forces.imbalance)};
 }
 
 std::optional<GraspPlan> GraspPhase::plan(const Robot& robot, const PickState& state) const {
@@ -148,7 +174,7 @@ std::optional<GraspPlan> GraspPhase::plan(const Robot& robot, const PickState& s
   const hand::ClosingLaw law(robot.actuators(), kPlannedRate, recipe.thumb_limit);
   const auto path = closing_path(robot.model(), open_posture(recipe), law);
   PlanOptions options = options_.plan;
-  options.press = press();
+  options.press = pressure();
   std::optional<GraspPlan> best;
   for (const double pitch : {recipe.pitch, options_.steep_pitch}) {
     const auto plan = plan_grasp(object_, state.resting->modes.front().T_frame_object, path,
@@ -159,9 +185,18 @@ std::optional<GraspPlan> GraspPhase::plan(const Robot& robot, const PickState& s
   return best;
 }
 
-double GraspPhase::press() const {
+double GraspPhase::pressure() const {
   return std::max(options_.least_press,
                   options_.press_per_weight * object_.object().mass * kGravity);
+}
+
+/// The object's weight where its centre should be, in the base's frame.
+std::optional<Load> GraspPhase::weight_of(const Robot& robot, const PickState& state) const {
+  if (!state.resting) return std::nullopt;
+  const Eigen::Isometry3d T_base_world = robot.reading().base.pose().inverse();
+  const double weight = object_.object().mass * kGravity;
+  return Load{T_base_world * state.resting->modes.front().T_frame_object.translation(),
+              -weight * T_base_world.linear().col(2)};
 }
 
 void GraspPhase::approach(Robot& robot, const GraspPlan& plan) const {
@@ -245,18 +280,26 @@ void GraspPhase::close(Robot& robot, const GraspRecipe& recipe) const {
   robot.move_fingers(relaxed(robot, met), hand::kTick);
   robot.set_grip(std::nullopt);
   robot.wait(kTouchSeconds);
-  robot.mark(Mark::closed);
 }
 
-/// Presses with forces that cancel. The commands then stay where they are: against stiff fingers an
-/// object that moves meets a growing resistance, where limited torques would let it go.
-double GraspPhase::squeeze(Robot& robot) const {
+/// The forces that cancel best, together with the weight: the fingers bear it from the first, so
+/// that they do not give way when the table no longer does.
+GraspPhase::Hold GraspPhase::balance(const Robot& robot, const PickState& state) const {
   const std::span<const hand::HandReading> readings(robot.log().readings);
   const auto window = readings.last(std::min(readings.size(), kTouchReadings));
-  const auto contacts = touch::lasting_contacts(window, robot.model(), {});
-  const auto balanced = balance_forces(contacts, options_.friction, press());
+  Hold hold;
+  hold.contacts = touch::lasting_contacts(window, robot.model(), {});
+  hold.forces =
+      balance_forces(hold.contacts, options_.friction, pressure(), weight_of(robot, state));
+  return hold;
+}
+
+/// The commands then stay where they are: against stiff fingers an object that moves meets a
+/// growing resistance, where limited torques would let it go.
+void GraspPhase::press(Robot& robot, const Hold& hold) const {
+  robot.mark(Mark::closed);
   const auto torques =
-      pressing_torques(robot.model(), robot.reading().joints, contacts, balanced.forces);
+      pressing_torques(robot.model(), robot.reading().joints, hold.contacts, hold.forces.forces);
   hand::ActuatorVector target = robot.command().positions;
   for (int i = 0; i < hand::kActuators; ++i) {
     const auto& actuator = robot.actuators()[static_cast<std::size_t>(i)];
@@ -266,7 +309,13 @@ double GraspPhase::squeeze(Robot& robot) const {
   }
   robot.move_fingers(target, options_.ramp_seconds);
   robot.wait(0.2);
-  return balanced.imbalance;
+}
+
+void GraspPhase::let_go(Robot& robot) const {
+  robot.move_fingers(open_posture(options_.top), kOpenSeconds);
+  hand::BasePosition up = robot.command().base;
+  up.xyz.z() += kTopDistance;
+  robot.move_base(up, options_.travel_speed);
 }
 
 }  // namespace palpate::pipeline

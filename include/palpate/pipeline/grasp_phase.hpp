@@ -7,6 +7,7 @@
 #include "palpate/hand/closing.hpp"
 #include "palpate/pipeline/grasp_plan.hpp"
 #include "palpate/pipeline/phase.hpp"
+#include "palpate/pipeline/squeeze.hpp"
 
 namespace palpate::pipeline {
 
@@ -71,8 +72,10 @@ struct GraspOptions {
   double steep_pitch = 0.9;       ///< rad, of the base where the usual one does not do
   double good_cost = 0.1;         ///< of a plan with which the search ends
   PlanOptions plan;
-  double friction = 0.5;   ///< that the balance of forces counts on
-  int least_contacts = 2;  ///< fingertip contacts that count as a grasp
+  double friction = 0.5;        ///< that the balance of forces counts on
+  int closings = 3;             ///< from other sides, at most, until the forces balance
+  double most_imbalance = 0.3;  ///< of the forces with which the fingers would press
+  int least_contacts = 2;       ///< fingertip contacts that count as a grasp
 
   template <class Visitor>
   void visit(Visitor&& v) {
@@ -88,6 +91,9 @@ struct GraspOptions {
     v("good_cost", good_cost, 0.0, 2.0, "of a plan with which the search ends");
     v("least_press", least_press, 0.1, 100.0, "N, of all fingertips together");
     v("friction", friction, 0.0, 2.0, "that the balance of forces counts on");
+    v("closings", closings, 1, 20, "from other sides, until the forces balance");
+    v("most_imbalance", most_imbalance, 0.0, 10.0,
+      "of the forces with which the fingers would press");
     v("least_contacts", least_contacts, 0, 20, "fingertip contacts that count as a grasp");
     v.section("plan", plan);
     v.section("side", side);
@@ -107,19 +113,30 @@ class GraspPhase : public Phase {
              GraspChooser choose = {})
       : options_(options), object_(object), choose_(std::move(choose)) {}
   std::string_view name() const override { return "grasp"; }
-  double time_limit() const override { return 30.0; }
+  double time_limit() const override { return 60.0; }
   PhaseEnd run(Robot& robot, PickState& state) override;
 
  private:
+  /// What the closed fingers feel, and the forces with which they are to press.
+  struct Hold {
+    std::vector<touch::Contact> contacts;
+    BalancedForces forces;
+  };
   std::optional<GraspPlan> plan(const Robot& robot, const PickState& state) const;
+  Hold close_as_planned(Robot& robot, PickState& state, const GraspPlan& plan) const;
+  PhaseEnd grasp_unplanned(Robot& robot, PickState& state);
+  PhaseEnd end(const Robot& robot, const Hold& hold, std::string_view grasp) const;
   void approach(Robot& robot, const GraspPlan& plan) const;
-  double press() const;
+  double pressure() const;
   void approach_from_side(Robot& robot, const PickState& state) const;
   void approach_from_above(Robot& robot, PickState& state) const;
   void descend(Robot& robot, const PickState& state) const;
   void travel_to(Robot& robot, const hand::BasePosition& start, const GraspRecipe& recipe) const;
   void close(Robot& robot, const GraspRecipe& recipe) const;
-  double squeeze(Robot& robot) const;
+  std::optional<Load> weight_of(const Robot& robot, const PickState& state) const;
+  Hold balance(const Robot& robot, const PickState& state) const;
+  void press(Robot& robot, const Hold& hold) const;
+  void let_go(Robot& robot) const;
 
   GraspOptions options_;
   const localization::ObjectModel& object_;

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hand_scene.hpp"
+
+#include "palpate/pipeline/trial.hpp"
+
+namespace palpate::experiment {
+
+Motion between(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
+  return {(b.translation() - a.translation()).norm(), rotation_distance(a.linear(), b.linear())};
+}
+
+HandScene::HandScene(const geometry::KnownObject& object, std::uint64_t seed)
+    : world_(object, {}, seed), robot_(make_robot(object, seed)) {}
+
+Eigen::Isometry3d HandScene::in_hand(std::size_t tick) const {
+  return robot_.log().readings[tick].base.pose().inverse() * truths_[tick];
+}
+
+pipeline::Robot HandScene::make_robot(const geometry::KnownObject& object, std::uint64_t seed) {
+  world_.reset(pipeline::draw_start(object, {}, seed), pipeline::waiting_command());
+  const auto note = [this](const auto&, const auto&) {
+    truths_.push_back(world_.truth().T_world_object);
+  };
+  return {world_.hand(), world_.hand_model(), pipeline::waiting_command(), {note, {}}};
+}
+
+}  // namespace palpate::experiment
