@@ -4,14 +4,16 @@
 usage: relocate_peers.py PALPATE POLICY [--episodes N] [--rounds R]
 
 POLICY is a network on the 39 observations (kind "mlp", as `palpate train relocate --method dagger`
-makes it); it drives both, for 99 steps an episode. The peer relocates its own ball, which is put
-where the mug starts. Rounds alternate between the two, and the medians are compared. Times are
-processor time on one thread, so that other work on the machine counts against nobody, and elapsed
-time on two threads against one.
+makes it); it drives all, for 99 steps an episode. The peer relocates its own ball, put where the mug
+starts, and in a second environment a mug of as many parts as palpate's, with the peer's own solver.
+Rounds alternate, and the medians are compared. Times are processor time on one thread, so that
+other work on the machine counts against nobody, and elapsed time: on one thread for the peer, on
+two for palpate. Only on an idle machine does elapsed time tell anything.
 """
 
 import argparse
 import json
+import math
 import resource
 import statistics
 import subprocess
@@ -19,6 +21,7 @@ import time
 
 import gymnasium
 import gymnasium_robotics
+import mujoco
 import numpy as np
 
 STEPS = 99
@@ -45,16 +48,52 @@ class Network:
         return np.clip(a["output_shift"] + a["output_scale"] * (weights @ x + bias), -1, 1)
 
 
+def mug_parts():
+    """Type, half sizes, position and turn about z (rad) of a ring of 12 boxes, a floor, a handle."""
+    sides, radius = 12, 0.0350
+    for i in range(sides):
+        angle = 2 * math.pi * i / sides
+        position = [radius * math.cos(angle), radius * math.sin(angle), 0]
+        width = radius * math.tan(math.pi / sides)
+        yield mujoco.mjtGeom.mjGEOM_BOX, [0.0015, width, 0.0325], position, angle
+    yield mujoco.mjtGeom.mjGEOM_CYLINDER, [0.034, 0.0016, 0], [0, 0, -0.0310], 0
+    yield mujoco.mjtGeom.mjGEOM_BOX, [0.0092, 0.005, 0.0034], [0.0388, 0, 0.0202], 0
+    yield mujoco.mjtGeom.mjGEOM_BOX, [0.0034, 0.005, 0.0150], [0.0498, 0, 0.0030], 0
+    yield mujoco.mjtGeom.mjGEOM_BOX, [0.0092, 0.005, 0.0035], [0.0388, 0, -0.0160], 0
+
+
+def make_peer(mug):
+    env = gymnasium.make("AdroitHandRelocate-v1")
+    inner = env.unwrapped
+    if not mug:
+        return env
+    spec = mujoco.MjSpec.from_file(inner.fullpath)
+    body = spec.body("Object")
+    for geom in list(body.geoms):
+        spec.delete(geom)
+    for kind, size, position, angle in mug_parts():
+        body.add_geom(
+            type=kind, size=size, pos=position, condim=4, friction=[1, 0.5, 0.01],
+            quat=[math.cos(angle / 2), 0, 0, math.sin(angle / 2)], density=1000,
+        )  # fmt: skip
+    spec.nconmax = spec.njmax = -1
+    inner.model = spec.compile()
+    inner.data = mujoco.MjData(inner.model)
+    return env
+
+
 def peer_steps_per_second(env, policy, episodes, seed):
+    """Steps a second of processor time and of elapsed time."""
     model = env.unwrapped.model
     ball = model.body("Object").id
-    start = time.process_time()
+    start, clock = time.process_time(), time.monotonic()
     for episode in range(episodes):
         observation, _ = env.reset(seed=seed + episode)
         model.body_pos[ball, :2] = (-0.0625, 0)
         for _ in range(STEPS):
             observation = env.step(policy(observation))[0]
-    return episodes * STEPS / (time.process_time() - start)
+    steps = episodes * STEPS
+    return steps / (time.process_time() - start), steps / (time.monotonic() - clock)
 
 
 def rollout(arguments, solver, threads, episodes, seed):
@@ -85,25 +124,34 @@ def main():
     parser.add_argument("--rounds", type=int, default=3)
     arguments = parser.parse_args()
     gymnasium.register_envs(gymnasium_robotics)
-    env = gymnasium.make("AdroitHandRelocate-v1")
     policy = Network(arguments.policy)
-    rates = {name: [] for name in ("gymnasium-robotics", "faithful", "newton", "fast")}
-    scaling = []
+    peers = {"peer, its ball": make_peer(False), "peer, a mug": make_peer(True)}
+    solvers = ("faithful", "newton", "fast")
+    spent, elapsed, scaling = ({name: [] for name in (*peers, *solvers)} for _ in range(3))
     for round_ in range(arguments.rounds):
         seed = 9000 + 100 * round_
-        rates["gymnasium-robotics"].append(
-            peer_steps_per_second(env, policy, arguments.episodes, seed))
-        for solver in ("faithful", "newton", "fast"):
-            rates[solver].append(palpate_steps_per_second(arguments, solver, seed))
-        one = rollout(arguments, "newton", 1, arguments.episodes, seed)[1]
-        two = rollout(arguments, "newton", 2, arguments.episodes, seed)[1]
-        scaling.append(two / one)
-    peer = statistics.median(rates["gymnasium-robotics"])
-    print(f"{'':<20}{'steps/s, 1 thread':>18}{'ratio':>8}")
-    for name, values in rates.items():
-        value = statistics.median(values)
-        print(f"{name:<20}{value:>18.0f}{value / peer:>8.2f}")
-    print(f"two threads against one (newton, elapsed): {statistics.median(scaling):.2f}")
+        for name, env in peers.items():
+            processor, clock = peer_steps_per_second(env, policy, arguments.episodes, seed)
+            spent[name].append(processor)
+            elapsed[name].append(clock)
+        for solver in solvers:
+            spent[solver].append(palpate_steps_per_second(arguments, solver, seed))
+            one = rollout(arguments, solver, 1, arguments.episodes, seed)[1]
+            two = rollout(arguments, solver, 2, arguments.episodes, seed)[1]
+            elapsed[solver].append(two)
+            scaling[solver].append(two / one)
+    print_table("steps/s of processor time, 1 thread", spent)
+    print_table("steps/s elapsed, peer 1 thread, palpate 2", elapsed)
+    for solver in solvers:
+        print(f"two threads against one, elapsed, {solver}: {statistics.median(scaling[solver]):.2f}")
+
+
+def print_table(title, rates):
+    medians = {name: statistics.median(values) for name, values in rates.items()}
+    print(f"{title:<44}{'ratio to the ball':>18}{'to the mug':>12}")
+    for name, value in medians.items():
+        ball, mug = (value / medians[f"peer, {what}"] for what in ("its ball", "a mug"))
+        print(f"  {name:<16}{value:>10.0f}{ball:>34.2f}{mug:>12.2f}")
 
 
 if __name__ == "__main__":

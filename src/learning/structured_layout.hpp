@@ -22,6 +22,7 @@ void for_each_field(Parameters& p, Visitor&& visit) {
   visit("descend", p.descend);
   visit("close", p.close);
   visit("latch", p.latch);
+  visit("align", p.align);
   visit("carry_flexion", p.carry_flexion);
   visit("carry_distance", p.carry_distance);
   visit("reach_gains", p.reach_gains);
@@ -29,9 +30,7 @@ void for_each_field(Parameters& p, Visitor&& visit) {
   visit("reach_force", p.reach_force);
   visit("carry_force", p.carry_force);
   visit("target_offset", p.target_offset);
-  using Scalar = std::conditional_t<std::is_const_v<Parameters>, const Eigen::Matrix<double, 1, 1>,
-                                    Eigen::Matrix<double, 1, 1>>;
-  visit("reach_limit", Eigen::Map<Scalar>(&p.reach_limit));
+  visit("limits", p.limits);
   visit("memory_gain", p.memory_gain);
   visit("memory_center", p.memory_center);
 }

@@ -50,6 +50,7 @@ StructuredParameters structured_spread() {
   spread.descend << 0.02, 0.015;
   spread.close << 0.03, 0.005;
   spread.latch << 3, 0.1;
+  spread.align.setConstant(0.5);
   spread.carry_flexion << 0.12, 0.03;
   spread.carry_distance << 0.02, 0.004;
   spread.reach_gains << 250, 35;
@@ -57,7 +58,7 @@ StructuredParameters structured_spread() {
   spread.reach_force << 10, 8, 10;
   spread.carry_force << 10, 8, 10;
   spread.target_offset.setConstant(0.01);
-  spread.reach_limit = 0.1;
+  spread.limits.setConstant(0.1);
   spread.memory_gain << 1, 2, 1;
   spread.memory_center << 0.05, 0.03, 0.05;
   return spread;

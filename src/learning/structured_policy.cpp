@@ -81,12 +81,14 @@ StructuredPolicy::Gates StructuredPolicy::gates(const RelocateObservation& o) co
   const auto& p = parameters_;
   const Vector3d away = palm_from_object(o) - p.grasp_offset;
   const double distance = away.norm();
+  const double descending = Eigen::Vector2d(p.align[0] * away.x(), away.y()).norm();
+  const double closing = Vector3d(p.align[1] * away.x(), away.y(), away.z()).norm();
   double flexion = 0;
   for (const Eigen::Index joint : kFlexion) flexion += o[joint] / std::ssize(kFlexion);
   Gates gates;
-  gates.far = std::clamp(over(away.head<2>().norm() - p.descend[0], p.descend[1], 1e-3), 0.0, 1.0);
+  gates.far = std::clamp(over(descending - p.descend[0], p.descend[1], 1e-3), 0.0, 1.0);
   gates.close =
-      sigmoid(over(p.close[0] - distance, p.close[1], 1e-3) + p.latch[0] * (flexion - p.latch[1]));
+      sigmoid(over(p.close[0] - closing, p.close[1], 1e-3) + p.latch[0] * (flexion - p.latch[1]));
   gates.carry = sigmoid(over(flexion - p.carry_flexion[0], p.carry_flexion[1], 1e-2)) *
                 sigmoid(over(p.carry_distance[0] - distance, p.carry_distance[1], 2e-3));
   return gates;
@@ -119,7 +121,7 @@ Vector3d StructuredPolicy::base_force(const RelocateObservation& o, const Gates&
   const Vector3d offset = p.grasp_offset + g.far * (p.approach_offset - p.grasp_offset);
   const Vector3d reach = offset - palm_from_object(o);
   const Vector3d carry = p.target_offset - object_from_target(o);
-  const double limit = std::abs(p.reach_limit);
+  const double limit = std::abs(p.limits[0] + g.carry * (p.limits[1] - p.limits[0]));
   const Vector3d error = (reach + g.carry * (carry - reach)).cwiseMax(-limit).cwiseMin(limit);
   const Eigen::Vector2d gains = p.reach_gains + g.carry * (p.carry_gains - p.reach_gains);
   const Vector3d hold = p.reach_force + g.carry * (p.carry_force - p.reach_force);

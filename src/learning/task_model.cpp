@@ -53,7 +53,9 @@ RelocateObject bottle() {
   return object;
 }
 
-RelocateObject make_object(const TaskOptions& options) {
+}  // namespace
+
+simulation::RelocateObject make_object(const TaskOptions& options) {
   if (options.object == "mug") return simulation::relocate_primitive_mug();
   if (options.object == "box") return box();
   if (options.object == "bottle") return bottle();
@@ -63,8 +65,6 @@ RelocateObject make_object(const TaskOptions& options) {
   return simulation::relocate_mesh_object(options.object, geometry::load_mesh(options.object),
                                           options.mass);
 }
-
-}  // namespace
 
 simulation::RelocateModel make_model(const TaskOptions& options) {
   simulation::RelocatePhysics physics;

@@ -16,7 +16,8 @@
 namespace palpate::simulation {
 namespace {
 
-constexpr double kTimeStep = 0.002;  // s
+constexpr double kControlStep = 0.01;  // s
+constexpr int kSubsteps = 5, kFastSubsteps = 3;
 constexpr int kIterations = 20;
 constexpr double kArmY = -0.65;                // m
 constexpr mjtSize kMemory = mjtSize{1} << 26;  // bytes, for all contacts of dozens of convex parts
@@ -35,12 +36,16 @@ SpecHandle parse_hand() {
   return spec;
 }
 
+int substeps(RelocateSolver solver) {
+  return solver == RelocateSolver::fast ? kFastSubsteps : kSubsteps;
+}
+
 void set_solver(mjSpec& spec, RelocateSolver solver) {
   const bool faithful = solver == RelocateSolver::faithful;
   spec.memory = kMemory;
   spec.nconmax = -1;  // the hand's file limits contacts; a mug of many parts would lose its own
   spec.njmax = -1;
-  spec.option.timestep = kTimeStep;
+  spec.option.timestep = kControlStep / substeps(solver);
   spec.option.iterations = kIterations;
   spec.option.solver = faithful ? mjSOL_PGS : mjSOL_NEWTON;
   spec.option.noslip_iterations = faithful ? kIterations : 0;
@@ -172,6 +177,7 @@ RelocateScene compose_relocate_scene(const RelocateObject& object, const Relocat
     throw BadInput(
         fmt::format("{} cannot be simulated: {}", object.name, one_line(mjs_getError(spec.get()))));
   }
+  scene.substeps = substeps(physics.solver);
   scale_friction(*scene.model, physics.friction_scale);
   find_parts(scene);
   return scene;

@@ -15,6 +15,7 @@ struct RelocateScene {
   int palm = -1;           ///< site
   int target = -1;         ///< site
   int object_joint = -1;   ///< address in qpos
+  int substeps = 0;        ///< of physics, each control step of 10 ms
   std::vector<char> hand;  ///< for each geom, whether it is the hand's
   std::vector<char> held;  ///< for each geom, whether it is the object's
 };

@@ -16,7 +16,6 @@
 namespace palpate::simulation {
 namespace {
 
-constexpr int kSubsteps = 5;
 constexpr std::array<std::string_view, 3> kSolverNames = {"faithful", "newton", "fast"};
 
 /// Whether the physics gave a value that is not finite or too large since the last reset.
@@ -148,7 +147,7 @@ RelocateStep RelocateTask::step(const RelocateAction& action) {
     RelocateAction::Map(data.ctrl) =
         impl_->model.action_center() +
         action.cwiseMax(-1).cwiseMin(1).cwiseProduct(impl_->model.action_half_range());
-    for (int i = 0; i < kSubsteps; ++i) mj_step(impl_->scene().model.get(), &data);
+    for (int i = 0; i < impl_->scene().substeps; ++i) mj_step(impl_->scene().model.get(), &data);
   }
   const Distances d = impl_->distances();
   result.diverged = !action.allFinite() || broken(data) || !std::isfinite(d.object_target);

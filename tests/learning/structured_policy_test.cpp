@@ -71,7 +71,7 @@ TEST(StructuredPolicy, RejectsWhatCannotAct) {
   const auto center = simulation::RelocateAction::Zero().eval();
   const auto ones = simulation::RelocateAction::Ones().eval();
   EXPECT_THROW(StructuredPolicy(parameters, center, center, false), BadInput);
-  parameters.reach_limit = std::numeric_limits<double>::quiet_NaN();
+  parameters.limits[0] = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(StructuredPolicy(parameters, center, ones, false), BadInput);
   RandomStream random(1);
   StructuredPolicy::Observer observer{Mlp({5, 3}, Activation::tanh, random),

@@ -30,6 +30,9 @@ struct TaskOptions {
   }
 };
 
+/// @throws BadInput for an object that cannot be used
+simulation::RelocateObject make_object(const TaskOptions& options);
+
 /// @throws BadInput for an unknown solver, or an object that cannot be used
 simulation::RelocateModel make_model(const TaskOptions& options);
 

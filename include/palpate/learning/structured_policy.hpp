@@ -16,16 +16,19 @@ inline constexpr int kMemoryJoints = 3;
 struct StructuredParameters {
   using Posture = Eigen::Matrix<double, 24, 1>;  ///< wrist and fingers
 
-  Eigen::Vector3d approach_offset{0, 0, 0.06};  ///< palm from object, wanted from afar
-  Eigen::Vector3d grasp_offset{0, 0, 0.015};    ///< palm from object, wanted for the grasp
+  Eigen::Vector3d approach_offset{0, -0.08, 0.05};  ///< palm from object, wanted from afar
+  Eigen::Vector3d grasp_offset{0, 0, 0.015};        ///< palm from object, wanted for the grasp
   Eigen::Vector3d approach_turn = Eigen::Vector3d::Zero();
   Eigen::Vector3d grasp_turn = Eigen::Vector3d::Zero();
   Eigen::Vector3d carry_turn = Eigen::Vector3d::Zero();
   Posture open = Posture::Zero();
   Posture closed = Posture::Zero();
-  Eigen::Vector2d descend{0.11, 0.03};         ///< horizontal distance where it is over, and width
-  Eigen::Vector2d close{0.12, 0.01};           ///< distance at which to close, and width
-  Eigen::Vector2d latch{8, 0.3};               ///< how a flexed hand (1/rad, rad) keeps closing
+  Eigen::Vector2d descend{0.11, 0.03};  ///< horizontal distance where it is over, and width
+  Eigen::Vector2d close{0.12, 0.01};    ///< distance at which to close, and width
+  Eigen::Vector2d latch{8, 0.3};        ///< how a flexed hand (1/rad, rad) keeps closing
+  /// How much more an error along x counts than one along y, for descending and for closing: the
+  /// hand stays behind the object, and open, until it stands in line with it.
+  Eigen::Vector2d align{3, 3};
   Eigen::Vector2d carry_flexion{0.8, 0.08};    ///< flexion from which to carry, and width, rad
   Eigen::Vector2d carry_distance{0.10, 0.01};  ///< distance up to which to carry, and width
   Eigen::Vector2d reach_gains{1200, 120};      ///< N/m, N s/m
@@ -33,7 +36,7 @@ struct StructuredParameters {
   Eigen::Vector3d reach_force{0, 48, 0};       ///< that holds the empty hand, along the base's axes
   Eigen::Vector3d carry_force{0, 51, 0};       ///< that holds hand and object
   Eigen::Vector3d target_offset = Eigen::Vector3d::Zero();  ///< of the object from the target
-  double reach_limit = 0.4;                                 ///< of each error
+  Eigen::Vector2d limits{0.4, 0.4};            ///< of each error, while reaching and while carrying
   Eigen::Vector3d memory_gain{4, 9, 3};        ///< of the remembered base positions, 1/m
   Eigen::Vector3d memory_center{0, 0.1, 0.1};  ///< what a memory of 0 means, m
 };

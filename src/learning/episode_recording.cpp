@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/learning/episode_recording.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "object_surface.hpp"
+#include "palpate/core/assets.hpp"
+#include "palpate/core/se3.hpp"
+#include "palpate/core/version.hpp"
+#include "palpate/simulation/relocate_dynamics.hpp"
+#include "palpate/simulation/world.hpp"
+
+namespace palpate::learning {
+namespace {
+
+using recording::Event;
+using recording::EventKind;
+using simulation::RelocateJoints;
+
+constexpr double kLifted = 0.015, kArrived = 0.05;  // m
+
+/// Where each joint of the Shadow hand, in the order of hand::kJointNames, is among the Adroit
+/// hand's, and which way round its axis is there.
+struct Twin {
+  int joint;
+  double sign;
+};
+constexpr std::array<Twin, hand::kJoints> kTwins = {
+    {{6, 1},   {7, 1},                                 // wrist
+     {25, 1},  {26, 1}, {27, 1}, {28, -1}, {29, -1},   // thumb
+     {8, -1},  {9, 1},  {10, 1}, {11, 1},              // first
+     {12, -1}, {13, 1}, {14, 1}, {15, 1},              // middle
+     {16, 1},  {17, 1}, {18, 1}, {19, 1},              // ring
+     {20, 1},  {21, 1}, {22, 1}, {23, 1},  {24, 1}}};  // little
+
+hand::BasePosition base_at(const Eigen::Isometry3d& T_world_base) {
+  const Eigen::Matrix3d& R = T_world_base.linear();
+  return {T_world_base.translation(),
+          {std::atan2(R(1, 0), R(0, 0)), std::asin(std::clamp(-R(2, 0), -1.0, 1.0)),
+           std::atan2(R(2, 1), R(2, 2))}};
+}
+
+Eigen::Isometry3d object_pose(const Eigen::VectorXd& positions) {
+  const Eigen::Matrix<double, 7, 1> p = positions.tail<7>();
+  return Eigen::Translation3d(p.head<3>()) *
+         Eigen::Quaterniond(p[3], p[4], p[5], p[6]).normalized();
+}
+
+/// The frames of an episode, from the positions at each step.
+class Frames {
+ public:
+  Frames(const simulation::RelocateModel& model, const hand::HandModel& hand)
+      : dynamics_(model), hand_(hand) {}
+
+  recording::Frame at(int step, const Eigen::VectorXd& positions) {
+    const RelocateJoints q = positions.head<simulation::kRelocateJoints>();
+    recording::Frame frame;
+    frame.reading.time = step * hand::kTick;
+    frame.reading.joints = shadow_joints(q);
+    const auto links = hand::forward_kinematics(hand_, frame.reading.joints);
+    const auto& T_base_palm = links[static_cast<std::size_t>(hand_.palm)];
+    frame.reading.base = base_at(dynamics_.palm(q) * T_base_palm.inverse());
+    frame.command = {hand::actuator_positions(frame.reading.joints), frame.reading.base};
+    frame.truth = {object_pose(positions), frame.reading.joints};
+    return frame;
+  }
+
+ private:
+  simulation::RelocateDynamics dynamics_;
+  const hand::HandModel& hand_;
+};
+
+/// Which phase the object is in: still on the table, on its way, or at the target.
+const char* phase_of(const Eigen::Vector3d& object, double start_height,
+                     const Eigen::Vector3d& target) {
+  if (object.z() < start_height + kLifted) return "reach";
+  return (object - target).norm() < kArrived ? "hold" : "carry";
+}
+
+void add_phases(const Eigen::Vector3d& target, recording::Recording& recording) {
+  const double start_height = recording.frames.front().truth->T_world_object.translation().z();
+  std::string phase;
+  for (const recording::Frame& frame : recording.frames) {
+    const double time = frame.reading.time;
+    const char* const now =
+        phase_of(frame.truth->T_world_object.translation(), start_height, target);
+    if (phase == now) continue;
+    if (!phase.empty()) recording.events.push_back({time, EventKind::end, phase, "done"});
+    phase = now;
+    recording.events.push_back({time, EventKind::begin, phase, ""});
+  }
+  recording.events.push_back({recording.frames.back().reading.time, EventKind::end, phase, "done"});
+}
+
+/// The note that the page shows as the place where the object is to go: a pose, row by row.
+Event target_note(const Eigen::Isometry3d& T_world_target) {
+  return {0, EventKind::note, "reach",
+          fmt::format("target {}", fmt::join(pose_to_row_major(T_world_target), " "))};
+}
+
+geometry::KnownObject drawn_object(const simulation::RelocateObject& object) {
+  geometry::KnownObject drawn;
+  drawn.name = object.name;
+  drawn.mesh = surface(object);
+  drawn.mass = object.mass;
+  drawn.symmetries = {Eigen::Matrix3d::Identity()};
+  return drawn;
+}
+
+}  // namespace
+
+hand::JointVector shadow_joints(const RelocateJoints& joints) {
+  hand::JointVector result;
+  for (std::size_t i = 0; i < kTwins.size(); ++i) {
+    result[static_cast<Eigen::Index>(i)] = kTwins[i].sign * joints[kTwins[i].joint];
+  }
+  return result;
+}
+
+recording::Recording record_episode(const TaskOptions& task, const Policy& policy,
+                                    const EpisodeOptions& episode, std::uint64_t seed,
+                                    std::size_t index) {
+  recording::Recording recording;
+  recording.header = {std::string(version()), seed, drawn_object(make_object(task)),
+                      simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml")), ""};
+  const auto model = make_model(task);
+  const auto start = episode_start(episode, seed, index);
+  simulation::RelocateTask run(model);
+  Frames frames(model, recording.header.hand);
+  const auto outcome =
+      run_episode(run, start, episode.horizon, [&](int step, const PolicyInput& input) {
+        recording.frames.push_back(frames.at(step, run.positions()));
+        return policy.act(input);
+      });
+  if (!outcome.diverged) recording.frames.push_back(frames.at(outcome.steps, run.positions()));
+  Eigen::Isometry3d T_world_target = recording.frames.front().truth->T_world_object;
+  T_world_target.translation() = start.target;
+  recording.events.push_back(target_note(T_world_target));
+  add_phases(start.target, recording);
+  return recording;
+}
+
+}  // namespace palpate::learning
