@@ -62,8 +62,9 @@ int pick(const PickArguments& arguments) {
 
   const fs::path folder = output_folder(arguments);
   make_writable_folder(folder);
-  recording::Writer writer(folder / "recording.h5", {std::string(version()), common.seed,
-                                                     object.object(), world.hand_model(), config});
+  recording::Writer writer(folder / "recording.h5",
+                           {std::string(version()), common.seed, object.object(),
+                            world.hand_model(), config, options.touch.from_biotacs()});
   const auto trial =
       pipeline::run_trial(object, options, common.seed, &writer, phase_printer(common));
   writer.finish();

@@ -116,11 +116,13 @@ hand::HandModel hand_from_json(const json& j) {
 }  // namespace
 
 json to_json(const Header& header) {
-  return {{"program_version", header.program_version},
-          {"seed", header.seed},
-          {"config_toml", header.config_toml},
-          {"object", object_to_json(header.object)},
-          {"hand", hand_to_json(header.hand)}};
+  json j = {{"program_version", header.program_version},
+            {"seed", header.seed},
+            {"config_toml", header.config_toml},
+            {"object", object_to_json(header.object)},
+            {"hand", hand_to_json(header.hand)}};
+  if (header.own_errors) j["own_errors"] = true;
+  return j;
 }
 
 Header header_from_json(const json& j) {
@@ -128,7 +130,8 @@ Header header_from_json(const json& j) {
           .seed = j.at("seed").get<std::uint64_t>(),
           .object = object_from_json(j.at("object")),
           .hand = hand_from_json(j.at("hand")),
-          .config_toml = j.at("config_toml").get<std::string>()};
+          .config_toml = j.at("config_toml").get<std::string>(),
+          .own_errors = j.value("own_errors", false)};
 }
 
 }  // namespace palpate::recording

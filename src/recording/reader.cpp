@@ -12,6 +12,8 @@
 namespace palpate::recording {
 namespace {
 
+constexpr int kFirstVersionWithErrors = 3;
+
 /// A dataset of text, one record a line; a last line without its end was never wholly written.
 template <class Record>
 std::vector<Record> read_lines(const H5::H5File& file, const char* name,
@@ -73,18 +75,31 @@ void check_finite(const std::vector<double>& values, const char* name, int width
       fmt::format("{} of frame {} holds {}", name, (bad - values.begin()) / width, *bad));
 }
 
+/// @param errors  of the contacts; empty where they tell of none
 void set_contacts(const std::vector<int>& counts, const std::vector<double>& rows,
-                  std::vector<Frame>& frames) {
+                  const std::vector<double>& errors, std::vector<Frame>& frames) {
   const double* row = rows.data();
+  const double* error = errors.data();
   std::size_t k = 0;
   for (Frame& frame : frames) {
     for (auto& finger : frame.reading.contacts) {
       for (int i = counts[k++]; i > 0; --i, row += kContactWidth) {
         using Eigen::Vector3d;
         finger.push_back({Vector3d(row), Vector3d(row + 3), Vector3d(row + 6)});
+        if (errors.empty()) continue;
+        finger.back().point_sigma = *error++;
+        finger.back().normal_sigma = *error++;
       }
     }
   }
+}
+
+/// What the contacts tell of their errors; empty where they tell nothing.
+std::vector<double> read_contact_errors(const H5::H5File& file, const Seal& seal) {
+  if (seal.version < kFirstVersionWithErrors) return {};
+  auto errors = read_rows<double>(file, kContactErrors, kContactErrorWidth);
+  check_finite(errors, kContactErrors, kContactErrorWidth);
+  return errors;
 }
 
 /// The counts of the BioTacs; empty where the fingertips have none.
@@ -98,7 +113,12 @@ std::vector<Frame> read_frames(const H5::H5File& file, const Seal& seal) {
   const auto counts = read_rows<int>(file, kContactCounts, hand::kFingers);
   const auto contacts = read_rows<double>(file, kContacts, kContactWidth);
   check_finite(contacts, kContacts, kContactWidth);
-  std::size_t frames = complete_frames(counts, contacts.size() / kContactWidth);
+  const auto errors = read_contact_errors(file, seal);
+  std::size_t whole = contacts.size() / kContactWidth;
+  if (seal.version >= kFirstVersionWithErrors) {
+    whole = std::min(whole, errors.size() / kContactErrorWidth);
+  }
+  std::size_t frames = complete_frames(counts, whole);
   std::size_t longest = counts.size() / hand::kFingers;
   std::vector<std::vector<double>> columns;
   for (const FrameField& field : frame_fields()) {
@@ -122,7 +142,7 @@ std::vector<Frame> read_frames(const H5::H5File& file, const Seal& seal) {
     const auto width = static_cast<std::size_t>(field.width);
     for (std::size_t i = 0; i < frames; ++i) field.set(&columns[f][i * width], result[i]);
   }
-  set_contacts(counts, contacts, result);
+  set_contacts(counts, contacts, errors, result);
   for (std::size_t i = 0; i < frames && !biotacs.empty(); ++i) {
     set_biotacs(&biotacs[i * kBiotacsWidth], result[i].reading);
   }

@@ -16,11 +16,13 @@ inline constexpr const char* kVertices = "header/vertices";
 inline constexpr const char* kTriangles = "header/triangles";
 inline constexpr const char* kContactCounts = "frames/contact_counts";
 inline constexpr const char* kContacts = "frames/contacts";
-inline constexpr const char* kBiotacs = "frames/biotacs";  // from version 2 on
+inline constexpr const char* kContactErrors = "frames/contact_errors";  // from version 3 on
+inline constexpr const char* kBiotacs = "frames/biotacs";               // from version 2 on
 inline constexpr const char* kEvents = "events/json_lines";
 inline constexpr const char* kEstimates = "estimates/json_lines";
 
-inline constexpr int kContactWidth = 9;  ///< p, n, f
+inline constexpr int kContactWidth = 9;       ///< p, n, f
+inline constexpr int kContactErrorWidth = 2;  ///< of the point, of the normal
 /// Of one BioTac: pdc, tdc, tac, e1..e19, pac 1..22, and whether pac is interpolated.
 inline constexpr int kBiotacWidth = 4 + hand::kElectrodes + hand::kPacSamples;
 inline constexpr int kBiotacsWidth = hand::kFingers * kBiotacWidth;

@@ -39,8 +39,8 @@ std::string closed_mark(const std::filesystem::path& path) {
   return fmt::format("finished {:016x}\n", checksum(path));
 }
 
-void write_seal(const std::filesystem::path& path, std::string_view mark) {
-  std::string seal = fmt::format("{}{}\n{}", kMagic, kFormatVersion, mark);
+void write_seal(const std::filesystem::path& path, int version, std::string_view mark) {
+  std::string seal = fmt::format("{}{}\n{}", kMagic, version, mark);
   seal.resize(kSealSize, '\0');
   std::fstream file(path, std::ios::binary | std::ios::in | std::ios::out);
   file.write(seal.data(), static_cast<std::streamsize>(seal.size()));
@@ -70,9 +70,13 @@ std::string read_seal(const std::filesystem::path& path) {
 
 }  // namespace
 
-void write_open_seal(const std::filesystem::path& path) { write_seal(path, kOpen); }
+void write_open_seal(const std::filesystem::path& path, int version) {
+  write_seal(path, version, kOpen);
+}
 
-void write_closed_seal(const std::filesystem::path& path) { write_seal(path, closed_mark(path)); }
+void write_closed_seal(const std::filesystem::path& path, int version) {
+  write_seal(path, version, closed_mark(path));
+}
 
 Seal check_seal(const std::filesystem::path& path) {
   const std::string seal = read_seal(path);

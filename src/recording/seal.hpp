@@ -9,11 +9,11 @@ namespace palpate::recording {
 /// recording is finished, hold a checksum of all that follows.
 inline constexpr std::size_t kSealSize = 512;
 
-/// Marks the file as begun.
-void write_open_seal(const std::filesystem::path& path);
+/// Marks the file as begun, of a format version.
+void write_open_seal(const std::filesystem::path& path, int version);
 
 /// Marks the file as finished, with its checksum.
-void write_closed_seal(const std::filesystem::path& path);
+void write_closed_seal(const std::filesystem::path& path, int version);
 
 struct Seal {
   int version = 0;

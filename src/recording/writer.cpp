@@ -57,7 +57,7 @@ void write_mesh(const H5::H5File& file, const geometry::TriangleMesh& mesh) {
   append_rows(triangle_rows, triangles.data(), mesh.triangles.size(), 3, native_type<int>());
 }
 
-void create_datasets(H5::H5File& file) {
+void create_datasets(H5::H5File& file, bool own_errors) {
   for (const char* group : {"header", "frames", "events", "estimates"}) file.createGroup(group);
   for (const char* text : {kHeaderText, kEvents, kEstimates}) {
     create_growing(file, text, hdf5_type<char>(), 1, kTextChunk);
@@ -70,6 +70,10 @@ void create_datasets(H5::H5File& file) {
   }
   create_growing(file, kContactCounts, hdf5_type<int>(), hand::kFingers, kFramesPerChunk);
   create_growing(file, kContacts, hdf5_type<double>(), kContactWidth, kContactsPerChunk);
+  if (own_errors) {
+    create_growing(file, kContactErrors, hdf5_type<double>(), kContactErrorWidth,
+                   kContactsPerChunk);
+  }
   create_growing(file, kBiotacs, hdf5_type<std::int16_t>(), kBiotacsWidth, kFramesPerChunk);
 }
 
@@ -78,9 +82,27 @@ void create_file(const std::filesystem::path& path, const Header& header) {
   H5::FileCreatPropList properties;
   properties.setUserblock(kSealSize);
   H5::H5File file(path.string(), H5F_ACC_TRUNC, properties, file_access());
-  create_datasets(file);
+  create_datasets(file, header.own_errors);
   append_text(file.openDataSet(kHeaderText), dump(to_json(header)));
   write_mesh(file, header.object.mesh);
+}
+
+int version_of(const Header& header) {
+  constexpr int kVersionWithoutErrors = 2;  // which older programs read
+  return header.own_errors ? kFormatVersion : kVersionWithoutErrors;
+}
+
+/// @throws BadInput if a contact tells of its error, which the file has no place for
+void check_silent(const hand::HandReading& reading) {
+  for (const auto& finger : reading.contacts) {
+    for (const auto& contact : finger) {
+      if (contact.point_sigma == 0 && contact.normal_sigma == 0) continue;
+      throw BadInput(
+          fmt::format("a contact of the frame at {} s tells of its error, {} m and {} rad, which "
+                      "the header does not announce",
+                      reading.time, contact.point_sigma, contact.normal_sigma));
+    }
+  }
 }
 
 void append_contact(const hand::TipContact& contact, std::vector<double>& rows) {
@@ -93,6 +115,8 @@ void append_contact(const hand::TipContact& contact, std::vector<double>& rows) 
 
 struct Writer::Impl {
   std::filesystem::path path, partial;
+  bool own_errors = false;
+  int version = 0;
   std::optional<H5::H5File> file;
   std::vector<Frame> pending;          // until a chunk is full: chunks are then written once
   std::vector<std::int16_t> channels;  // of the BioTacs in those
@@ -108,14 +132,18 @@ struct Writer::Impl {
 
   void append_contacts() {
     std::vector<int> counts;
-    std::vector<double> rows;
+    std::vector<double> rows, errors;
     for (const Frame& frame : pending) {
       for (const auto& finger : frame.reading.contacts) {
         counts.push_back(static_cast<int>(finger.size()));
-        for (const auto& contact : finger) append_contact(contact, rows);
+        for (const auto& contact : finger) {
+          append_contact(contact, rows);
+          errors.insert(errors.end(), {contact.point_sigma, contact.normal_sigma});
+        }
       }
     }
     append(kContacts, rows, kContactWidth);
+    if (own_errors) append(kContactErrors, errors, kContactErrorWidth);
     H5::DataSet dataset = file->openDataSet(kContactCounts);
     append_rows(dataset, counts.data(), pending.size(), hand::kFingers, native_type<int>());
   }
@@ -152,6 +180,8 @@ struct Writer::Impl {
 };
 
 Writer::Writer(std::filesystem::path path, const Header& header) : impl_(new Impl) {
+  impl_->own_errors = header.own_errors;
+  impl_->version = version_of(header);
   impl_->path = std::move(path);
   impl_->partial = impl_->path.string() + ".partial";
   check_readable(header);
@@ -160,7 +190,7 @@ Writer::Writer(std::filesystem::path path, const Header& header) : impl_(new Imp
     throw BadInput(fmt::format("{}: a folder, not a file to write", impl_->path.string()));
   }
   with_hdf5(impl_->partial, kCannotWrite, [&] { create_file(impl_->partial, header); });
-  write_open_seal(impl_->partial);
+  write_open_seal(impl_->partial, impl_->version);
   with_hdf5(impl_->partial, kCannotWrite, [&] {
     impl_->file.emplace(impl_->partial.string(), H5F_ACC_RDWR | H5F_ACC_SWMR_WRITE,
                         H5::FileCreatPropList::DEFAULT, file_access());
@@ -186,6 +216,7 @@ void Writer::frame(const Frame& frame) {
                                frame.reading.time, has_channels ? "has" : "lacks"));
   }
   impl_->has_channels = has_channels;
+  if (!impl_->own_errors) check_silent(frame.reading);
   if (has_channels) append_biotacs(frame.reading, impl_->channels);
   impl_->pending.push_back(frame);
   if (impl_->pending.size() < kFramesPerChunk) return;
@@ -204,7 +235,7 @@ void Writer::finish() {
     impl_->write_pending();
     impl_->file.reset();
   });
-  write_closed_seal(impl_->partial);
+  write_closed_seal(impl_->partial, impl_->version);
   std::error_code error;
   std::filesystem::rename(impl_->partial, impl_->path, error);
   if (error) throw BadInput(fmt::format("{}: {}", impl_->path.string(), error.message()));

@@ -15,8 +15,12 @@ namespace {
 constexpr double kLateGap = 2.5;     // periods
 constexpr double kRestTime = 2;      // s in which rest follows the readings
 constexpr double kRestPressure = 4;  // counts from rest, within which nothing touches
-constexpr double kMostMisfit = 15;   // standard deviations, beyond which no contact explains
-constexpr int kScalars = 3;          // pdc, tdc, tac
+/// Standard deviations of misfit beyond which no contact explains the channels: without force, and
+/// more with each newton of it, for the skin's model is the further off the more the skin yields.
+constexpr double kMostMisfit = 1.2, kMostMisfitPerNewton = 1.0;
+constexpr std::size_t kMeetingReadings = 30;  // before a touch, over which its way is taken
+constexpr double kLeastWay = 0.002;           // m, that a tip must have gone to tell of a way
+constexpr int kScalars = 3;                   // pdc, tdc, tac
 using Channels = Eigen::Matrix<double, kScalars + kElectrodes, 1>;
 
 Channels rested_channels(const BiotacReading& reading) {
@@ -98,7 +102,8 @@ void BiotacFinger::follow_rest(const BiotacReading& reading) {
 }
 
 BiotacFeeling BiotacFinger::step(const BiotacReading& reading, bool infer) {
-  BiotacFeeling feeling{.flags = fault_flags(reading), .contact = std::nullopt};
+  BiotacFeeling feeling{
+      .flags = fault_flags(reading), .contact = std::nullopt, .pressure = std::nullopt};
   if (feeling.flags & bit(BiotacFlag::out_of_order)) return feeling;
   last_ = reading;
   if (!biotac_usable(feeling.flags)) return feeling;
@@ -112,23 +117,47 @@ BiotacFeeling BiotacFinger::step(const BiotacReading& reading, bool infer) {
     feeling.flags |= bit(BiotacFlag::drifted);
   }
   if (decoded && std::abs(decoded->pressure) < kRestPressure) follow_rest(reading);
+  if (decoded) feeling.pressure = decoded->pressure;
   if (!infer || !decoded) return feeling;
   feeling.contact = inverse_->estimate(*decoded);
+  const double newtons = decoded->pressure / inverse_->sensor().pressure_gain;
   if (!feeling.contact) {
     feeling.flags |= bit(BiotacFlag::no_contact);
-  } else if (feeling.contact->misfit > kMostMisfit) {
+  } else if (feeling.contact->misfit > kMostMisfit + kMostMisfitPerNewton * newtons) {
     feeling.flags |= bit(BiotacFlag::unexplained);
     feeling.contact.reset();
   }
   return feeling;
 }
 
+void MeetingWay::follow(const Eigen::Vector3d& p_tip, bool touching) {
+  if (!touching) {
+    way_.reset();
+  } else if (!touching_ && !places_.empty()) {
+    const Eigen::Vector3d gone = p_tip - places_.front();
+    if (gone.norm() > kLeastWay) way_ = gone.normalized();
+  }
+  touching_ = touching;
+  places_.push_back(p_tip);
+  if (places_.size() > kMeetingReadings) places_.pop_front();
+}
+
 BiotacFingers::BiotacFingers(const hand::HandModel& hand,
-                             std::shared_ptr<const BiotacInverse> inverse) {
+                             std::shared_ptr<const BiotacInverse> inverse)
+    : hand_(hand), pressure_gain_(inverse->sensor().pressure_gain) {
   for (int finger = 0; finger < hand::kFingers; ++finger) {
     fingers_.emplace_back(inverse);
     mounts_[static_cast<std::size_t>(finger)] = biotac_mount(hand, finger);
   }
+}
+
+BiotacFingers::TipPoses BiotacFingers::tip_poses(const hand::HandReading& reading) const {
+  const auto T_base_link = hand::forward_kinematics(hand_, reading.joints);
+  TipPoses poses;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    poses[i] = reading.base.pose() * T_base_link[static_cast<std::size_t>(hand_.distal[i])];
+  }
+  return poses;
 }
 
 std::array<BiotacFeeling, hand::kFingers> BiotacFingers::step(const hand::HandReading& reading,
@@ -138,8 +167,11 @@ std::array<BiotacFeeling, hand::kFingers> BiotacFingers::step(const hand::HandRe
                                reading.time, reading.biotacs.size(), hand::kFingers));
   }
   std::array<BiotacFeeling, hand::kFingers> feelings;
+  const TipPoses poses = tip_poses(reading);
   for (std::size_t i = 0; i < feelings.size(); ++i) {
     feelings[i] = fingers_[i].step(reading.biotacs[i], infer);
+    if (!feelings[i].pressure) continue;
+    ways_[i].follow(poses[i] * hand_.tips[i].b, *feelings[i].pressure > kRestPressure);
   }
   return feelings;
 }
@@ -151,17 +183,43 @@ std::array<BiotacFeeling, hand::kFingers> BiotacFingers::feel(const hand::HandRe
 void BiotacFingers::follow(const hand::HandReading& reading) { step(reading, false); }
 
 hand::TipContact BiotacFingers::in_link(const InferredContact& contact, int finger) const {
-  const Eigen::Isometry3d& T = mounts_.at(static_cast<std::size_t>(finger));
-  return {.p = T * contact.p, .n = T.linear() * contact.n, .f = T.linear() * contact.f};
+  const auto i = static_cast<std::size_t>(finger);
+  const Eigen::Isometry3d& T = mounts_.at(i);
+  const double radius = hand_.tips.at(i).radius;
+  const double sigma = std::sqrt(contact.covariance.diagonal().head<2>().mean()) / radius;
+  return {.p = T * contact.p,
+          .n = T.linear() * contact.n,
+          .f = T.linear() * contact.f,
+          .point_sigma = radius * sigma * sigma,
+          .normal_sigma = sigma};
+}
+
+std::optional<hand::TipContact> BiotacFingers::blunt_contact(std::size_t finger,
+                                                             const Eigen::Matrix3d& R_world_link,
+                                                             double pressure) const {
+  const auto& way = ways_[finger].way();
+  if (!way) return std::nullopt;
+  const Eigen::Vector3d ahead = R_world_link.transpose() * *way;
+  return hand::TipContact{.p = hand_.tips[finger].b + hand_.tips[finger].radius * ahead,
+                          .n = -ahead,
+                          .f = pressure / pressure_gain_ * ahead,
+                          .point_sigma = kBluntPoint,
+                          .normal_sigma = kBluntNormal};
 }
 
 void BiotacFingers::infer_contacts(hand::HandReading& reading) {
   const auto feelings = feel(reading);
+  const TipPoses poses = tip_poses(reading);
   for (std::size_t i = 0; i < feelings.size(); ++i) {
+    const BiotacFeeling& feeling = feelings[i];
     reading.contacts[i].clear();
-    if (!feelings[i].contact) continue;
-    const auto contact = in_link(*feelings[i].contact, static_cast<int>(i));
-    if (contact.f.dot(contact.n) < 0) reading.contacts[i].push_back(contact);
+    std::optional<hand::TipContact> contact;
+    if (feeling.contact) {
+      contact = in_link(*feeling.contact, static_cast<int>(i));
+    } else if (feeling.pressure) {
+      contact = blunt_contact(i, poses[i].linear(), *feeling.pressure);
+    }
+    if (contact && contact->f.dot(contact->n) < 0) reading.contacts[i].push_back(*contact);
   }
 }
 

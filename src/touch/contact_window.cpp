@@ -11,22 +11,29 @@ constexpr double kSamePlace = 0.005;    // m
 constexpr double kSameDirection = 0.5;  // cosine
 constexpr double kLastingShare = 1.0 / 3;
 
-/// Contacts of one tip that belong together, summed.
+/// Contacts of one tip that belong together, summed; those of smaller error count more.
 struct Cluster {
   int count = 0;
+  double weight = 0;
+  double point_variance = 0, normal_variance = 0;  // as the sensor itself tells
   Eigen::Vector3d p = Eigen::Vector3d::Zero();
   Eigen::Vector3d n = Eigen::Vector3d::Zero();
   Eigen::Vector3d f = Eigen::Vector3d::Zero();
 
   bool takes(const hand::TipContact& contact) const {
-    return (p / count - contact.p).norm() < kSamePlace &&
+    return (p / weight - contact.p).norm() < kSamePlace &&
            n.normalized().dot(contact.n) > kSameDirection;
   }
   void add(const hand::TipContact& contact) {
+    const double sigma = contact.normal_sigma;
+    const double share = sigma > 0 ? 1 / (sigma * sigma) : 1;
     ++count;
-    p += contact.p;
-    n += contact.n;
-    f += contact.f;
+    weight += share;
+    point_variance += share * contact.point_sigma * contact.point_sigma;
+    normal_variance += share * sigma * sigma;
+    p += share * contact.p;
+    n += share * contact.n;
+    f += share * contact.f;
   }
 };
 
@@ -46,6 +53,18 @@ std::vector<Cluster> cluster_tip(std::span<const hand::HandReading> window, std:
     }
   }
   return clusters;
+}
+
+/// Of the mean contact. Averaging takes away noise, but not what a sensor tells of its error: that
+/// changes little while a contact lasts.
+double point_variance(const Cluster& cluster, const ContactErrorModel& errors) {
+  if (cluster.normal_variance > 0) return cluster.point_variance / cluster.weight;
+  return errors.point * errors.point / cluster.count;
+}
+
+double normal_sigma(const Cluster& cluster, const ContactErrorModel& errors) {
+  if (cluster.normal_variance > 0) return std::sqrt(cluster.normal_variance / cluster.weight);
+  return errors.normal / std::sqrt(cluster.count);
 }
 
 hand::JointVector mean_joints(std::span<const hand::HandReading> window) {
@@ -94,18 +113,17 @@ std::vector<Contact> lasting_contacts(std::span<const hand::HandReading> window,
     const auto& T = T_base_link.at(static_cast<std::size_t>(link));
     for (const Cluster& cluster : cluster_tip(window, finger)) {
       if (cluster.count < least) continue;
-      const Eigen::Vector3d p_link = cluster.p / cluster.count;
+      const Eigen::Vector3d p_link = cluster.p / cluster.weight;
       Contact contact;
       contact.finger = static_cast<int>(finger);
       contact.time = window.back().time;
       contact.p = T * p_link;
       contact.n = T.linear() * cluster.n.normalized();
-      contact.f = T.linear() * cluster.f / cluster.count;
-      contact.point_sigma = std::sqrt(
-          errors.point * errors.point / cluster.count + errors.point_floor * errors.point_floor +
-          kinematic_variance(hand, joints, link, p_link, errors, window.size()));
-      contact.normal_sigma =
-          std::hypot(errors.normal / std::sqrt(cluster.count), errors.normal_floor);
+      contact.f = T.linear() * cluster.f / cluster.weight;
+      contact.point_sigma =
+          std::sqrt(point_variance(cluster, errors) + errors.point_floor * errors.point_floor +
+                    kinematic_variance(hand, joints, link, p_link, errors, window.size()));
+      contact.normal_sigma = std::hypot(normal_sigma(cluster, errors), errors.normal_floor);
       contacts.push_back(contact);
     }
   }

@@ -239,6 +239,65 @@ TEST(RecordingTest, TheFirstVersionWithoutBiotacsIsStillRead) {
   }
 }
 
+TEST(RecordingTest, KeepsWhatContactsTellOfTheirErrors) {
+  const TestFolder folder;
+  Recording written = toy_recording(120);
+  written.header.own_errors = true;
+  RandomStream random(8, "errors");
+  for (Frame& frame : written.frames) {
+    for (auto& finger : frame.reading.contacts) {
+      for (auto& contact : finger) {
+        contact.point_sigma = random.uniform();
+        contact.normal_sigma = random.uniform();
+      }
+    }
+  }
+  write_recording(folder / "errors.h5", written);
+  const Recording read = read_recording(folder / "errors.h5");
+  EXPECT_TRUE(read.header.own_errors);
+  ASSERT_EQ(read.frames.size(), written.frames.size());
+  std::size_t contacts = 0;
+  for (std::size_t i = 0; i < read.frames.size(); ++i) {
+    expect_same_frame(read.frames[i], written.frames[i]);
+    for (std::size_t k = 0; k < hand::kFingers; ++k) {
+      const auto &a = read.frames[i].reading.contacts[k],
+                 &b = written.frames[i].reading.contacts[k];
+      for (std::size_t c = 0; c < a.size(); ++c, ++contacts) {
+        EXPECT_EQ(a[c].point_sigma, b[c].point_sigma);
+        EXPECT_EQ(a[c].normal_sigma, b[c].normal_sigma);
+      }
+    }
+  }
+  EXPECT_GT(contacts, 0u);
+}
+
+std::string first_line(const std::filesystem::path& path) {
+  std::string line;
+  std::ifstream file(path);
+  std::getline(file, line);
+  return line;
+}
+
+TEST(RecordingTest, OnlyErrorsOfContactsNeedTheNewFormat) {
+  const TestFolder folder;
+  Recording recording = toy_recording(3);
+  write_recording(folder / "toy.h5", recording);
+  EXPECT_EQ(first_line(folder / "toy.h5"), "PALPATE RECORDING 2");
+  recording.header.own_errors = true;
+  write_recording(folder / "errors.h5", recording);
+  EXPECT_EQ(first_line(folder / "errors.h5"), "PALPATE RECORDING 3");
+}
+
+TEST(RecordingTest, RefusesErrorsOfContactsThatTheHeaderDoesNotAnnounce) {
+  const TestFolder folder;
+  Recording recording = toy_recording(3);
+  recording.frames[0].reading.contacts[1] = {{.p = Eigen::Vector3d::Zero(),
+                                              .n = Eigen::Vector3d::UnitZ(),
+                                              .f = -Eigen::Vector3d::UnitZ(),
+                                              .normal_sigma = 0.1}};
+  EXPECT_THROW(write_recording(folder / "toy.h5", recording), BadInput);
+}
+
 TEST(RecordingTest, TruthOverwrittenWithNanReadsAsAbsent) {
   const TestFolder folder;
   Recording recording = toy_recording(20);
@@ -261,7 +320,7 @@ TEST(RecordingTest, NamesWhatIsWrongWithAFile) {
   EXPECT_NE(message_of(folder / "text.h5").find("not a palpate recording"), std::string::npos);
   write_recording(folder / "toy.h5", toy_recording(3));
   std::fstream(folder / "toy.h5", std::ios::in | std::ios::out) << "PALPATE RECORDING 7\n";
-  EXPECT_NE(message_of(folder / "toy.h5").find("format \"7\" is none of 1 to 2"),
+  EXPECT_NE(message_of(folder / "toy.h5").find("format \"7\" is none of 1 to 3"),
             std::string::npos);
   EXPECT_NE(message_of(folder / std::string(300, 'x').c_str()).find("no such file"),
             std::string::npos);

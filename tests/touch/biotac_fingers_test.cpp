@@ -157,6 +157,68 @@ TEST(BiotacFinger, SaysNothingOfChannelsThatNoContactExplains) {
   EXPECT_FALSE(feeling.contact);
 }
 
+TEST(MeetingWay, IsTheMotionBeforeTheTouch) {
+  MeetingWay way;
+  for (int k = 0; k < 50; ++k) {
+    way.follow({0.001 * k, 0, 0}, false);
+    EXPECT_FALSE(way.way());
+  }
+  way.follow({0.050, 0, 0}, true);
+  ASSERT_TRUE(way.way());
+  way.follow({0.050, 0.010, 0}, true);  // whatever it does while it touches
+  EXPECT_LT((*way.way() - Eigen::Vector3d::UnitX()).norm(), 1e-9);
+  way.follow({0.050, 0.010, 0}, false);
+  EXPECT_FALSE(way.way());
+  MeetingWay still;
+  for (int k = 0; k < 50; ++k) still.follow({0, 0, 0}, false);
+  still.follow({0, 0, 0}, true);
+  EXPECT_FALSE(still.way());
+}
+
+/// A hand whose tips move along a way and whose first finger then feels something.
+hand::HandReading reading_at(int k, const Eigen::Vector3d& way, const BiotacReading& channels) {
+  hand::HandReading reading;
+  reading.time = 0.01 * k;
+  reading.base.xyz = 0.0005 * k * way;
+  reading.biotacs.assign(hand::kFingers, channels);
+  return reading;
+}
+
+TEST(BiotacFingers, AreBluntWhereNoElectrodeTellsThePlace) {
+  BiotacFingers fingers(hand::one_link_hand(), inverse());
+  const Eigen::Vector3d way(0, 0.6, 0.8);
+  Stream stream;
+  hand::HandReading reading;
+  for (int k = 0; k < 80; ++k) {
+    auto channels = stream.read(k < 60 ? 0 : 2);
+    // Near the touch, but far too low: no contact explains that.
+    if (k >= 60) channels.electrodes[8] = 2500 + k % 3;
+    reading = reading_at(k, way, channels);
+    fingers.infer_contacts(reading);
+  }
+  ASSERT_EQ(reading.contacts[1].size(), 1u);
+  const hand::TipContact& blunt = reading.contacts[1][0];
+  EXPECT_EQ(blunt.normal_sigma, BiotacFingers::kBluntNormal);
+  EXPECT_EQ(blunt.point_sigma, BiotacFingers::kBluntPoint);
+  const hand::HandModel hand = hand::one_link_hand();
+  EXPECT_LT((blunt.n + way).norm(), 1e-6);
+  EXPECT_LT((blunt.p - hand.tips[1].b - hand.tips[1].radius * way).norm(), 1e-6);
+  EXPECT_NEAR(blunt.f.dot(way), 2, 0.3);
+}
+
+TEST(BiotacFingers, TellHowFarTheirContactsMayBeOff) {
+  BiotacFingers fingers(hand::one_link_hand(), inverse());
+  InferredContact contact;
+  contact.p = {-0.003, 0, -0.007};
+  contact.n = {0, 0, 1};
+  contact.f = {0, 0, -1};
+  contact.covariance = Eigen::Matrix<double, 5, 5>::Identity() * 4e-7;
+  const double radius = hand::one_link_hand().tips[1].radius;
+  const auto found = fingers.in_link(contact, 1);
+  EXPECT_NEAR(found.normal_sigma, std::sqrt(4e-7) / radius, 1e-9);
+  EXPECT_NEAR(found.point_sigma, 4e-7 / radius, 1e-9);  // the ball's sagitta
+}
+
 TEST(BiotacFingers, PutTheirContactsIntoTheReading) {
   BiotacFingers fingers(hand::one_link_hand(), inverse());
   Stream stream;

@@ -58,6 +58,36 @@ TEST(LastingContacts, UncertaintyIsThatOfTheErrorModel) {
   EXPECT_NEAR(contacts[0].normal_sigma, errors.normal / 5, 1e-6);
 }
 
+TEST(LastingContacts, WhatTheSensorTellsOfItsErrorTakesThePlaceOfTheModels) {
+  auto window = held(25, 0, 1);
+  for (auto& reading : window) {
+    reading.contacts[1][0].point_sigma = 0.002;
+    reading.contacts[1][0].normal_sigma = 0.3;
+  }
+  const ContactErrorModel errors{.joint = 0, .link = 0, .point_floor = 1e-3, .normal_floor = 0.4};
+  const auto contacts = lasting_contacts(window, toy_hand(), errors);
+  ASSERT_EQ(contacts.size(), 1u);
+  EXPECT_NEAR(contacts[0].point_sigma, std::hypot(0.002, 1e-3), 1e-9);
+  EXPECT_NEAR(contacts[0].normal_sigma, 0.5, 1e-9);  // averaging takes nothing away
+}
+
+TEST(LastingContacts, ReadingsOfSmallerErrorCountMore) {
+  auto window = held(20, 0, 1);
+  const Eigen::Vector3d sure = window[0].contacts[1][0].n;
+  const Eigen::Vector3d doubtful = (sure + Eigen::Vector3d(0.5, 0, 0)).normalized();
+  for (std::size_t i = 0; i < window.size(); ++i) {
+    auto& contact = window[i].contacts[1][0];
+    contact.normal_sigma = i % 2 ? 0.05 : 0.5;
+    if (i % 2 == 0) contact.n = doubtful;
+  }
+  const ContactErrorModel errors{.normal_floor = 1e-4};
+  const auto contacts = lasting_contacts(window, toy_hand(), errors);
+  ASSERT_EQ(contacts.size(), 1u);
+  // Weights are 100 to 1.
+  EXPECT_GT(contacts[0].n.dot(sure), std::cos(0.01));
+  EXPECT_NEAR(contacts[0].normal_sigma, std::sqrt(20 / (10 / 0.0025 + 10 / 0.25)), 1e-6);
+}
+
 TEST(LastingContacts, TwoPlacesOnOneTipStayApart) {
   auto window = held(30, 0, 1);
   for (auto& reading : window) {

@@ -17,6 +17,9 @@ struct TipContact {
   Eigen::Vector3d p;  ///< point, m
   Eigen::Vector3d n;  ///< outward unit normal of the object
   Eigen::Vector3d f;  ///< force of the finger on the object, N; f.n < 0
+  /// What the sensor itself says of its error, standard deviations; 0: it says nothing.
+  double point_sigma = 0;   ///< of the point across the surface, m
+  double normal_sigma = 0;  ///< per tangent axis, rad
 };
 
 /// Position of the hand's 6-DoF base: x, y, z (m), yaw, pitch, roll (rad).

@@ -25,14 +25,15 @@ struct StartOptions {
 /// Where the contacts come from that the hand feels.
 struct TouchOptions {
   std::string source = "solver";  ///< or "biotac"
-  double biotac_point = 0.0015;   ///< m, of inferred contacts, what averaging cannot remove
-  double biotac_normal = 0.17;    ///< rad
+  /// Of inferred contacts, beside what each of them says of its error.
+  double biotac_point = 0.0005;  ///< m
+  double biotac_normal = 0.12;   ///< rad
 
   template <class Visitor>
   void visit(Visitor&& v) {
     v("source", source, "of contacts: solver (with noise) or biotac (inferred from channels)");
-    v("biotac_point", biotac_point, 1e-5, 0.05, "m, error of inferred points, the same in all");
-    v("biotac_normal", biotac_normal, 1e-4, 1.0, "rad, error of inferred normals, the same in all");
+    v("biotac_point", biotac_point, 1e-5, 0.05, "m, error of inferred points beside their own");
+    v("biotac_normal", biotac_normal, 1e-4, 1.0, "rad, error of inferred normals beside their own");
   }
 
   /// @throws BadInput for another source

@@ -16,7 +16,7 @@
 
 namespace palpate::recording {
 
-inline constexpr int kFormatVersion = 2;        ///< of what is written
+inline constexpr int kFormatVersion = 3;        ///< the newest; see Header::own_errors
 inline constexpr int kOldestFormatVersion = 1;  ///< that is still read
 
 /// What holds for a whole recording: enough to run the estimator from the recording alone.
@@ -26,6 +26,9 @@ struct Header {
   geometry::KnownObject object;
   hand::HandModel hand;
   std::string config_toml;  ///< resolved configuration
+  /// Contacts carry what the sensors say of their errors. Such a recording has format version 3;
+  /// without, it is 2.
+  bool own_errors = false;
 };
 
 /// What only a simulator knows. For judging and drawing; never for estimating.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <deque>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -21,6 +22,7 @@ Eigen::Isometry3d biotac_mount(const hand::HandModel& hand, int finger);
 struct BiotacFeeling {
   unsigned flags = 0;                      ///< BiotacFlag, or-ed
   std::optional<InferredContact> contact;  ///< in the sensor frame
+  std::optional<double> pressure;          ///< change of pdc from rest, counts; where known
 };
 
 /// Feels contacts in the stream of one BioTac's frames, as they come.
@@ -55,9 +57,36 @@ class BiotacFinger {
   std::array<Stillness, kElectrodes> still_;
 };
 
+/// Which way a fingertip was moving when it met something.
+class MeetingWay {
+ public:
+  /// @param p_tip  in the world, m, of the next tick
+  void follow(const Eigen::Vector3d& p_tip, bool touching);
+
+  /// Unit, in the world; nothing where nothing touches, or the tip had hardly moved.
+  [[nodiscard]] const std::optional<Eigen::Vector3d>& way() const { return way_; }
+
+ private:
+  std::deque<Eigen::Vector3d> places_;  // the last, the newest at the back
+  std::optional<Eigen::Vector3d> way_;
+  bool touching_ = false;
+};
+
 /// The contacts of a hand's fingertips, from their BioTacs' channels alone.
+///
+/// Each says how far its normal may be off by the inverse's variance of its place on the curved
+/// tip. The skin itself is known, so that the point across the surface is off by the second order
+/// of that only.
+///
+/// Where the pressure tells of a touch whose place no electrode tells (light, or beside the
+/// electrodes), the contact is blunt: it lies on the tip's ball on the side to which the tip moved
+/// when it met the object, with as large an error as that has.
 class BiotacFingers {
  public:
+  /// Standard deviations of blunt contacts.
+  static constexpr double kBluntNormal = 0.6;    // rad
+  static constexpr double kBluntPoint = 0.0015;  // m
+
   BiotacFingers(const hand::HandModel& hand, std::shared_ptr<const BiotacInverse> inverse);
 
   /// What each fingertip feels. @throws BadInput if the reading has no channels
@@ -73,10 +102,20 @@ class BiotacFingers {
   void follow(const hand::HandReading& reading);
 
  private:
-  std::array<BiotacFeeling, hand::kFingers> step(const hand::HandReading& reading, bool infer);
+  using TipPoses = std::array<Eigen::Isometry3d, hand::kFingers>;
 
+  std::array<BiotacFeeling, hand::kFingers> step(const hand::HandReading& reading, bool infer);
+  /// Of the distal links, in the world.
+  [[nodiscard]] TipPoses tip_poses(const hand::HandReading& reading) const;
+  [[nodiscard]] std::optional<hand::TipContact> blunt_contact(std::size_t finger,
+                                                              const Eigen::Matrix3d& R_world_link,
+                                                              double pressure) const;
+
+  hand::HandModel hand_;
+  double pressure_gain_;  // counts/N
   std::vector<BiotacFinger> fingers_;
   std::array<Eigen::Isometry3d, hand::kFingers> mounts_;
+  std::array<MeetingWay, hand::kFingers> ways_;
 };
 
 }  // namespace palpate::touch
