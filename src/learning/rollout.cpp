@@ -60,7 +60,12 @@ simulation::RelocateStart episode_start(const EpisodeOptions& options, std::uint
                                options.scale_high));
   }
   RandomStream random = RandomStream(seed, "relocate").fork("start", index);
-  const double scale = random.uniform(options.scale_low, options.scale_high);
+  double scale = random.uniform(options.scale_low, options.scale_high);
+  if (options.at_ends > 0) {
+    const double chance = random.uniform(0, 1);
+    if (chance < options.at_ends / 2) scale = options.scale_low;
+    if (chance >= 1 - options.at_ends / 2) scale = options.scale_high;
+  }
   return simulation::sample_relocate_start(random, scale);
 }
 

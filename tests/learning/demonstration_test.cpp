@@ -5,6 +5,7 @@
 
 #include "palpate/core/assets.hpp"
 #include "palpate/core/error.hpp"
+#include "palpate/learning/synthetic_human.hpp"
 
 namespace palpate::learning {
 namespace {

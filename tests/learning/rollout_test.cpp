@@ -128,5 +128,19 @@ TEST(Rollout, ThePublishedPolicyEarnsWhatItEarnedOnThePrimitiveMug) {
   EXPECT_GE(summary.success_5cm, 0.86);  // of .98: below it with a probability under 1 %
 }
 
+TEST(Rollout, DrawsTheShareOfStartsAtTheEndsThatIsAskedFor) {
+  EpisodeOptions options;
+  options.scale_high = 1;
+  options.at_ends = 0.5;
+  int low = 0, high = 0;
+  for (std::size_t i = 0; i < 400; ++i) {
+    const double x = episode_start(options, 5, i).object.x();  // tells the scale
+    low += x == 0.15 * 0.25 - 0.1;
+    high += x == 0.15 * 1.0 - 0.1;
+  }
+  EXPECT_NEAR(low, 100, 35);  // 4 standard deviations
+  EXPECT_NEAR(high, 100, 35);
+}
+
 }  // namespace
 }  // namespace palpate::learning

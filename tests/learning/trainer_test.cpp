@@ -9,6 +9,7 @@
 #include "core/error_message.hpp"
 #include "learning/policies.hpp"
 #include "palpate/core/file.hpp"
+#include "palpate/learning/checkpoint.hpp"
 
 namespace palpate::learning {
 namespace {

@@ -41,12 +41,14 @@ struct EpisodeOptions {
   int horizon = 99;         ///< steps of 10 ms
   double scale_low = 0.25;  ///< the randomness scale is drawn anew for each episode
   double scale_high = 0.25;
+  double at_ends = 0;  ///< share of the episodes whose scale is one of the two, evenly
 
   template <class Visitor>
   void visit(Visitor&& v) {
     v("horizon", horizon, 1, 100000, "steps of 10 ms");
     v("scale_low", scale_low, 0.0, 1.0, "of the starts' randomness, drawn for each episode");
     v("scale_high", scale_high, 0.0, 1.0, "of the starts' randomness, drawn for each episode");
+    v("at_ends", at_ends, 0.0, 1.0, "share of the episodes whose scale is one of the two");
   }
 };
 
