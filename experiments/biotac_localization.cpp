@@ -165,7 +165,7 @@ void add_row(Table& table, const std::string& name, const ContactErrors& errors)
 
 void biotac_localization(const Options& options) {
   const Inverse inverse = inverse_of(options);
-  const std::size_t trials = options.quick ? 1 : 4;
+  const std::size_t trials = options.quick ? 1 : 10;
   Table table({"object", "picks", "lifted", "truth in modes: solver", "biotac",
                "pose right: solver", "biotac"});
   Tally all_solver, all_biotac;

@@ -49,6 +49,7 @@ PickOptions TrialOptions::pick_options() const {
   if (touch.from_biotacs()) {
     options.locate.errors.point_floor = touch.biotac_point;
     options.locate.errors.normal_floor = touch.biotac_normal;
+    options.locate.false_contacts = touch.biotac_false;
   }
   return options;
 }

@@ -28,11 +28,13 @@ struct TouchOptions {
   /// Of inferred contacts, beside what each of them says of its error.
   double biotac_point = 0.0005;  ///< m
   double biotac_normal = 0.12;   ///< rad
+  double biotac_false = 0.05;    ///< prior share of inferred contacts that are wrong
 
   template <class Visitor>
   void visit(Visitor&& v) {
     v("source", source, "of contacts: solver (with noise) or biotac (inferred from channels)");
     v("biotac_point", biotac_point, 1e-5, 0.05, "m, error of inferred points beside their own");
+    v("biotac_false", biotac_false, 1e-6, 0.9, "prior share of inferred contacts that are wrong");
     v("biotac_normal", biotac_normal, 1e-4, 1.0, "rad, error of inferred normals beside their own");
   }
 
