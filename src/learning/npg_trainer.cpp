@@ -19,7 +19,10 @@ class NpgTrainer : public Trainer {
   Metrics iterate() override {
     const auto result = npg_iteration(state_, context_.model, options_, demonstrations_,
                                       context_.seed, context_.threads);
-    return {{"return", result.mean_return},
+    const auto evaluation = evaluate();
+    return {{"evaluation", evaluation.mean},
+            {"evaluation_5cm", evaluation.success_5cm},
+            {"return", result.mean_return},
             {"success_5cm", result.success_5cm},
             {"surrogate_gain", result.surrogate_gain},
             {"divergence", result.divergence}};
@@ -53,6 +56,13 @@ class NpgTrainer : public Trainer {
   }
 
  private:
+  /// The mean action on starts of their own, the same after every iteration.
+  RolloutSummary evaluate() const {
+    const auto seed = RandomStream(context_.seed, "evaluation").bits();
+    return summarize(rollout(context_.model, *policy_from(state_.policy), options_.episode, seed,
+                             static_cast<std::size_t>(options_.evaluation), context_.threads));
+  }
+
   TrainingContext context_;
   NpgOptions options_;
   Demonstrations demonstrations_;

@@ -67,11 +67,28 @@ class RelocateTest(cli.CliTest):
             (["rollout", "bad.json", "--set", "task.solver=magic"], "bad.json"),
             (["compare", "bad.csv", "bad.csv"], "bad.csv:2"),
             (["train", "relocate"], "--out"),
+            (["rollout", "--record", "1", "--episodes", "1"], "--out"),
         ]:
             done = self.run_program(*arguments)
             self.assertEqual(done.returncode, cli.BAD_INPUT, arguments)
             self.assertIn(named, done.stderr)
             self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
+
+    def test_an_episode_can_be_looked_at(self):
+        few = ["--episodes", "2", "--set", "episode.horizon=10", "--set", "task.solver=fast"]
+        self.run_json("rollout", *few, "--record", "1", "--out", "r")
+        self.assertFalse((self.folder / "r" / "episode-1.h5").exists())
+        done = self.run_program("view", "r/episode-0.h5", "--out", "page")
+        self.assertEqual(done.returncode, cli.DONE, done.stderr)
+        self.assertTrue((self.folder / "page" / "replay.html").exists())
+
+    def test_a_damaged_checkpoint_is_told(self):
+        self.assertEqual(self.train("a", 1).returncode, cli.DONE)
+        checkpoint = self.folder / "a" / "checkpoint"
+        checkpoint.write_bytes(checkpoint.read_bytes()[:-9])
+        done = self.train("a", 2)
+        self.assertEqual(done.returncode, cli.BAD_INPUT)
+        self.assertIn("checkpoint", done.stderr)
 
     def test_other_settings_need_another_folder(self):
         self.assertEqual(self.train("a", 1).returncode, cli.DONE)

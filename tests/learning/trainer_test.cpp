@@ -77,8 +77,23 @@ TEST(Trainer, DaggerGoesOnAfterAnInterruption) {
 TEST(Trainer, NpgGoesOnAfterAnInterruption) {
   NpgOptions options;
   options.trajectories = 3;
+  options.evaluation = 2;
   options.episode.horizon = 6;
   expect_resumable([&] { return make_npg_trainer(context(), options, small_network(1), {}); }, 3);
+}
+
+TEST(Trainer, NpgTellsWhatTheMeanActionEarns) {
+  NpgOptions options;
+  options.trajectories = 2;
+  options.evaluation = 3;
+  options.episode.horizon = 6;
+  const auto trainer = make_npg_trainer(context(), options, small_network(1), {});
+  const auto metrics = trainer->iterate();
+  EXPECT_EQ(metrics[0].first, "evaluation");
+  const auto seed = RandomStream(context().seed, "evaluation").bits();
+  const auto episodes =
+      rollout(context().model, *policy_from(trainer->policy()), options.episode, seed, 3, 1);
+  EXPECT_DOUBLE_EQ(metrics[0].second, summarize(episodes).mean);
 }
 
 TEST(Trainer, DaggerLearnsWhatTheExpertDoes) {

@@ -29,6 +29,7 @@ struct NpgOptions {
   /// "published": the demonstrations' weight is lambda0 lambda1^k; "thesis": that times the largest
   /// advantage (eq. 7.5).
   std::string demo_form = "published";
+  int evaluation = 10;  ///< episodes of the mean action that a trainer runs after each iteration
 
   template <class Visitor>
   void visit(Visitor&& v) {
@@ -44,6 +45,7 @@ struct NpgOptions {
     v("demo_weight", demo_weight, 0.0, 100.0, "lambda 0 of the demonstrations");
     v("demo_decay", demo_decay, 0.0, 1.0, "lambda 1, a factor an iteration");
     v("demo_form", demo_form, "published, or thesis (times the largest advantage, eq. 7.5)");
+    v("evaluation", evaluation, 1, 100000, "episodes of the mean action after each iteration");
   }
 };
 
