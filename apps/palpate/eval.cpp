@@ -11,6 +11,7 @@
 #include "palpate/core/statistics.hpp"
 #include "palpate/pipeline/evaluation.hpp"
 #include "place_report.hpp"
+#include "trials_file.hpp"
 
 namespace palpate::app {
 namespace {
@@ -185,7 +186,14 @@ int eval(const EvalArguments& arguments) {
   }
   // What the simulator refuses is said before anything is printed or written.
   const simulation::World probe(objects.front(), options.world, arguments.common.seed);
-  if (!arguments.common.out.empty()) make_writable_folder(arguments.common.out);
+  const std::filesystem::path folder = arguments.common.out;
+  std::optional<TrialsFile> trials_file;
+  if (!folder.empty()) {
+    make_writable_folder(arguments.common.out);
+    write_file_atomically(folder / "config.toml",
+                          config_header(arguments.common) + to_toml(options));
+    trials_file.emplace(folder / "trials.csv", !options.place.target.empty());
+  }
 
   const bool table = !arguments.common.json;
   if (table) {
@@ -201,7 +209,12 @@ int eval(const EvalArguments& arguments) {
     bar.show(0);
     summaries.push_back(pipeline::evaluate(
         model, options, arguments.common.seed, arguments.trials, arguments.common.threads,
-        [&](std::size_t done, const pipeline::Trial&) { bar.show(done); }));
+        [&](std::size_t done, const pipeline::Trial& trial) {
+          bar.show(done);
+          if (trials_file) {
+            trials_file->add(arguments.objects[i], arguments.common.seed + done - 1, trial);
+          }
+        }));
     report["objects"][arguments.objects[i]] = summary_json(summaries.back());
     if (table) print_row(arguments.objects[i], summaries.back());
   }
@@ -212,12 +225,7 @@ int eval(const EvalArguments& arguments) {
   } else {
     fmt::print("{}\n", report.dump(2));
   }
-  if (!arguments.common.out.empty()) {
-    const std::filesystem::path folder = arguments.common.out;
-    write_file_atomically(folder / "config.toml",
-                          config_header(arguments.common) + to_toml(options));
-    write_file_atomically(folder / "eval.json", report.dump(2) + "\n");
-  }
+  if (!folder.empty()) write_file_atomically(folder / "eval.json", report.dump(2) + "\n");
   return kDone;
 }
 
@@ -235,9 +243,9 @@ void add_eval(CLI::App& program, Command& chosen) {
   add_place_option(command, arguments->place);
   add_common_options(command, arguments->common);
   command.footer(
-      "Trial i of every object has the seed SEED + i. With --out it writes eval.json and "
-      "config.toml\n"
-      "into DIR.\n\nExamples:\n"
+      "Trial i of every object has the seed SEED + i. With --out it writes eval.json, config.toml "
+      "and,\n"
+      "as they finish, a row for each trial in trials.csv into DIR.\n\nExamples:\n"
       "  palpate eval --object mug,box --trials 30 --threads 2 --seed 9000\n"
       "  palpate eval --object bunny --trials 10 --set attempts=1 --json\n"
       "  palpate eval --place random --trials 20 --seed 9000");

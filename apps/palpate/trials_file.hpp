@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "palpate/pipeline/trial.hpp"
+
+namespace palpate::app {
+
+/// A CSV file with a row for each finished trial, whole at any moment: a run that is ended early
+/// keeps what it has measured.
+class TrialsFile {
+ public:
+  /// @param place  whether the trials place the object
+  TrialsFile(std::filesystem::path path, bool place);
+  void add(const std::string& object, std::uint64_t seed, const pipeline::Trial& trial);
+
+ private:
+  std::filesystem::path path_;
+  bool place_;
+  std::string text_;
+};
+
+}  // namespace palpate::app
