@@ -7,7 +7,6 @@
 #include <limits>
 #include <numbers>
 
-#include "palpate/hand/coupling.hpp"
 #include "palpate/pipeline/squeeze.hpp"
 
 namespace palpate::pipeline {
@@ -15,113 +14,15 @@ namespace {
 
 using std::numbers::pi;
 
-constexpr double kGravity = 9.81;  // m/s^2
-constexpr int kTipPoints = 5;
-constexpr int kStepTicks = 2;  // of the closing law between two shapes
-constexpr int kMostSteps = 150;
+constexpr double kGravity = 9.81;      // m/s^2
 constexpr float kCommonWidth = 0.06f;  // m
-constexpr float kOverlap = 0.002f;     // m of a link that counts as stuck
 constexpr std::size_t kFinalists = 16;
 constexpr double kTurnedAway = 0.35;  // rad between a yaw and those that have failed
 const std::array<double, 7> kHeights = {0, 0.012, 0.024, 0.036, 0.05, 0.065, 0.08};  // m
 const std::array<float, 5> kDescent = {0, 0.01f, 0.03f, 0.06f, 0.1f};                // m
 
-/// Posture of an empty hand that follows its commands at once.
-hand::HandReading empty_reading() { return {}; }
-
-std::vector<Eigen::Vector3f> tip_points(const hand::HandModel::TipCapsule& tip,
-                                        const Eigen::Isometry3d& T_base_link) {
-  std::vector<Eigen::Vector3f> points;
-  for (int i = 0; i < kTipPoints; ++i) {
-    const double share = static_cast<double>(i) / (kTipPoints - 1);
-    points.emplace_back((T_base_link * ((1 - share) * tip.a + share * tip.b)).cast<float>());
-  }
-  return points;
-}
-
-Eigen::Vector4f in_base(const hand::LinkSphere& sphere,
-                        const std::vector<Eigen::Isometry3d>& T_base_link) {
-  Eigen::Vector4f result;
-  result << (T_base_link[static_cast<std::size_t>(sphere.link)] * sphere.center).cast<float>(),
-      static_cast<float>(sphere.radius);
-  return result;
-}
-
-/// Finger that carries each link, -1 for the palm and what is behind it.
-std::vector<int> finger_of_links(const hand::HandModel& hand) {
-  std::vector<int> owner(hand.links.size(), -1);
-  for (int finger = 0; finger < hand::kFingers; ++finger) {
-    for (int link = hand.distal[static_cast<std::size_t>(finger)]; link >= 0 && link != hand.palm;
-         link = hand.links[static_cast<std::size_t>(link)].parent) {
-      owner[static_cast<std::size_t>(link)] = finger;
-    }
-  }
-  return owner;
-}
-
-/// An object at its pose, asked from the hand's base.
-class Target {
- public:
-  Target(const localization::ObjectModel& object, const Eigen::Isometry3d& T_world_object,
-         const Eigen::Isometry3d& T_world_base)
-      : field_(object.field()),
-        T_object_base_((T_world_object.inverse() * T_world_base).cast<float>()),
-        T_world_base_(T_world_base.cast<float>()) {}
-  /// Infinite far from the object, where the field ends.
-  float distance(const Eigen::Vector3f& p) const {
-    const float distance = field_.distance(T_object_base_ * p);
-    return distance < field_.beyond() ? distance : std::numeric_limits<float>::infinity();
-  }
-  float height(const Eigen::Vector3f& p) const {
-    return T_world_base_.linear().row(2).dot(p) + T_world_base_.translation().z();
-  }
-  /// Outward normal near the surface, in the base's axes.
-  Eigen::Vector3d normal(const Eigen::Vector3f& p) const {
-    const auto sample = field_.at(T_object_base_ * p);
-    if (!sample) return Eigen::Vector3d::UnitZ();
-    return (T_object_base_.linear().transpose() * sample->gradient).cast<double>().normalized();
-  }
-
- private:
-  const geometry::DistanceField& field_;
-  Eigen::Isometry3f T_object_base_, T_world_base_;
-};
-
-/// Where a closing finger stops, and the contact of its tip if that is why.
-struct Meeting {
-  std::size_t stop = 0;  ///< index of its shape
-  std::optional<touch::Contact> contact;
-};
-
-Meeting meet(const Target& target, const std::vector<FingerShape>& shapes, float radius,
-             double table_clearance) {
-  Meeting meeting;
-  for (; meeting.stop < shapes.size(); ++meeting.stop) {
-    const FingerShape& shape = shapes[meeting.stop];
-    for (const auto& sphere : shape.other_spheres) {
-      if (target.distance(sphere.head<3>()) < sphere.w() - kOverlap) return meeting;
-    }
-    const Eigen::Vector3f* nearest = nullptr;
-    float least = std::numeric_limits<float>::infinity();
-    for (const auto& p : shape.tip) {
-      if (target.height(p) - radius < table_clearance / 2) return meeting;
-      const float distance = target.distance(p) - radius;
-      if (distance >= least) continue;
-      least = distance;
-      nearest = &p;
-    }
-    if (least > 0) continue;
-    meeting.contact.emplace();
-    meeting.contact->n = target.normal(*nearest);
-    meeting.contact->p = nearest->cast<double>() - radius * meeting.contact->n;
-    return meeting;
-  }
-  --meeting.stop;
-  return meeting;
-}
-
-bool comes_down_freely(const Target& target, const ClosingPath& path, const PlanOptions& options,
-                       const Eigen::Vector3f& up) {
+bool comes_down_freely(const PlacedObject& target, const ClosingPath& path,
+                       const PlanOptions& options, const Eigen::Vector3f& up) {
   const auto clearance = static_cast<float>(options.clearance);
   for (const auto& sphere : path.open_spheres) {
     if (target.height(sphere.head<3>()) - sphere.w() < options.table_clearance) return false;
@@ -153,11 +54,9 @@ class Candidate {
     plan.base = base_;
     plan.cost = std::numeric_limits<double>::infinity();
     for (std::size_t finger = 0; finger < hand::kFingers; ++finger) {
-      auto [stop, contact] =
-          meet(target_, path.fingers[finger], path.tip_radius[finger], options.table_clearance);
+      auto [stop, contact] = meet(target_, path, finger, options.table_clearance);
       plan.stops[finger] = stop;
       if (!contact) continue;
-      contact->finger = static_cast<int>(finger);
       plan.contacts.push_back(*contact);
     }
     plan.fingers = static_cast<int>(plan.contacts.size());
@@ -173,7 +72,7 @@ class Candidate {
   Eigen::Isometry3d T_world_object_;
   hand::BasePosition base_;
   Eigen::Isometry3d T_world_base_;
-  Target target_;
+  PlacedObject target_;
 };
 
 /// Where thumb and fingers meet, in the base's frame: between the tips when they have closed to
@@ -230,36 +129,6 @@ std::vector<hand::BasePosition> places(const ClosingPath& path, const Eigen::Vec
 }
 
 }  // namespace
-
-ClosingPath closing_path(const hand::HandModel& hand, const hand::ActuatorVector& open,
-                         const hand::ClosingLaw& law) {
-  ClosingPath path;
-  const std::vector<int> owner = finger_of_links(hand);
-  hand::HandCommand command;
-  command.positions = open;
-  const hand::ClosingTorque unlimited{1e6, 1e6, 1e6, 1e6};
-  for (int step = 0; step < kMostSteps; ++step) {
-    const auto T = hand::forward_kinematics(hand, hand::joints_in_free_flexion(command.positions));
-    for (std::size_t finger = 0; finger < hand::kFingers; ++finger) {
-      path.fingers[finger].push_back(
-          {tip_points(hand.tips[finger], T[static_cast<std::size_t>(hand.distal[finger])]), {}});
-      path.tip_radius[finger] = static_cast<float>(hand.tips[finger].radius);
-    }
-    for (const auto& sphere : hand.spheres) {
-      if (step == 0) path.open_spheres.push_back(in_base(sphere, T));
-      const int finger = owner[static_cast<std::size_t>(sphere.link)];
-      if (finger < 0 || sphere.link == hand.distal[static_cast<std::size_t>(finger)]) continue;
-      path.fingers[static_cast<std::size_t>(finger)].back().other_spheres.push_back(
-          in_base(sphere, T));
-    }
-    const hand::ActuatorVector before = command.positions;
-    for (int tick = 0; tick < kStepTicks; ++tick) {
-      law.advance(command, empty_reading(), unlimited, {true, true, true, true, true});
-    }
-    if (command.positions == before) break;
-  }
-  return path;
-}
 
 double grasp_cost(const localization::ObjectModel& object, const GraspPlan& plan,
                   const PlanOptions& options, const Eigen::Vector3d& gravity,

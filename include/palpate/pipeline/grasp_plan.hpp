@@ -4,28 +4,10 @@
 #include <optional>
 #include <vector>
 
-#include "palpate/hand/closing.hpp"
-#include "palpate/hand/kinematics.hpp"
 #include "palpate/localization/localizer.hpp"
+#include "palpate/pipeline/closing_path.hpp"
 
 namespace palpate::pipeline {
-
-/// Points of one finger, in the base's frame, at one instant of its closing.
-struct FingerShape {
-  std::vector<Eigen::Vector3f> tip;            ///< on the axis of the fingertip's capsule
-  std::vector<Eigen::Vector4f> other_spheres;  ///< of its other links: center and radius
-};
-
-/// How an empty hand closes: the shapes that its fingers pass through.
-struct ClosingPath {
-  std::vector<Eigen::Vector4f> open_spheres;  ///< of the whole hand before closing
-  std::array<std::vector<FingerShape>, hand::kFingers> fingers;
-  std::array<float, hand::kFingers> tip_radius{};
-};
-
-/// @param law  of the closing; its rates say how the joints move in proportion
-ClosingPath closing_path(const hand::HandModel& hand, const hand::ActuatorVector& open,
-                         const hand::ClosingLaw& law);
 
 struct PlanOptions {
   double clearance = 0.004;        ///< of the opened hand from the object, m
