@@ -131,7 +131,7 @@ nlohmann::json fit_json(const touch::ElectrodeFit& fit) {
 int train_biotac_electrodes(const ElectrodeArguments& arguments) {
   require_out(arguments.common);
   auto options = resolve<ElectrodeOptions>(arguments.common);
-  options.fit.seed = options.model.seed = arguments.common.seed;
+  options.fit.seed = arguments.common.seed;
   const auto logs = read_logs(arguments.logs);
   const auto samples = samples_of(logs);
   const auto fit = touch::fit_electrodes(samples, options.fit);

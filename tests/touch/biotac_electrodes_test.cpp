@@ -63,18 +63,46 @@ TEST(ElectrodeFit, IsRefusedTooFewSamples) {
   EXPECT_NE(error_message([&] { (void)judge_electrodes(few, {}); }), "");
 }
 
+double error_over_size(const ElectrodeModel& model, const std::vector<BiotacSample>& samples) {
+  double error = 0, size = 0;
+  for (const auto& sample : samples) {
+    const auto truth = sample.change.tail<kElectrodes>();
+    error += (model(sample.n, sample.change[0]) - truth).cwiseAbs().sum();
+    size += truth.cwiseAbs().sum();
+  }
+  return error / size;
+}
+
 TEST(ElectrodeModel, LearnsWhatElectrodesShow) {
   const ElectrodeFit sensor = another_sensor();
   const auto model = ElectrodeModel::train(samples_of(sensor, 1, 500));
   const auto other = samples_of(sensor, 2, 200);
-  double error = 0, spread = 0;
-  for (const auto& sample : other) {
-    const auto truth = sample.change.tail<kElectrodes>();
-    error += (model(sample.n, sample.change[0]) - truth).cwiseAbs().sum();
-    spread += truth.cwiseAbs().sum();
-  }
-  EXPECT_LT(error, 0.15 * spread);
+  EXPECT_LT(error_over_size(model, other), 0.15);
   EXPECT_EQ(cross_validate_electrodes({}), std::nullopt);
+}
+
+TEST(ElectrodeModel, BearsTouchesThatMetTheFingerElsewhere) {
+  const ElectrodeFit sensor = another_sensor();
+  auto samples = samples_of(sensor, 1, 300);
+  for (std::size_t i = 0; i < samples.size(); i += 8) samples[i].change[3] -= 400;
+  const auto model = ElectrodeModel::train(samples);
+  // Least squares would spread an eighth of 400 counts over that electrode.
+  double shift = 0;
+  const auto other = samples_of(sensor, 2, 100);
+  for (const auto& sample : other) {
+    shift += std::abs(model(sample.n, sample.change[0])[2] - sample.change[3]) / 100;
+  }
+  EXPECT_LT(shift, 25);
+}
+
+TEST(ElectrodeModel, LongTouchesDoNotOutvoteShortOnes) {
+  const ElectrodeFit sensor = another_sensor();
+  auto samples = samples_of(sensor, 1, 100);
+  const auto model = ElectrodeModel::train(samples);
+  for (int k = 0; k < 3000; ++k) samples.push_back(samples[0]);
+  const auto other = samples_of(sensor, 2, 100);
+  EXPECT_LT(error_over_size(ElectrodeModel::train(samples), other),
+            1.1 * error_over_size(model, other));
 }
 
 TEST(ElectrodeModel, IsRefusedWhereItIsNone) {

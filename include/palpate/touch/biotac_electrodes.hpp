@@ -46,11 +46,11 @@ ElectrodeFit fit_electrodes(const std::vector<BiotacSample>& samples,
                             const ElectrodeFitOptions& options = {});
 
 struct ElectrodeModelOptions {
-  int centres = 1200;   ///< at most so many samples carry the model
-  double length = 1;    ///< of the kernel, in root-mean-square features
-  double linear = 0.3;  ///< weight of the linear kernel
-  double noise = 0.1;   ///< variance of what firm touches show, of the kernel's
-  std::uint64_t seed = 0;
+  int centres = 400;     ///< at most so many samples carry the model
+  double length = 1;     ///< of the kernel, in root-mean-square features
+  double linear = 0.3;   ///< weight of the linear kernel
+  double noise = 0.1;    ///< variance of what firm touches show, of the kernel's
+  double outlier = 0.3;  ///< of the median residual, from which on residuals count linearly
 
   template <class Visitor>
   void visit(Visitor&& v) {
@@ -58,12 +58,18 @@ struct ElectrodeModelOptions {
     v("length", length, 0.01, 100.0, "of the kernel, in root-mean-square features");
     v("linear", linear, 0.0, 100.0, "weight of the linear kernel");
     v("noise", noise, 1e-6, 10.0, "variance of what firm touches show, relative to the kernel");
+    v("outlier", outlier, 0.01, 1e6, "of the median residual, from which on they count linearly");
   }
 };
 
 /// What a real BioTac's electrodes show under a flat contact: a Gaussian process (Rasmussen &
 /// Williams 2006, eq. 2.25) on the normal and the root of the pressure, of the electrodes' changes
 /// over the pressure.
+///
+/// A plate of one normal may touch the finger at several places, and then the electrodes show quite
+/// different things: the model is fitted to least absolute residuals, by reweighted solutions
+/// (Huber 1981, section 7.8). It learns from samples that cover normals and pressures evenly, for
+/// the frames of a few long touches outnumber all others.
 class ElectrodeModel {
  public:
   /// @throws BadInput for fewer than ten samples
@@ -82,7 +88,7 @@ class ElectrodeModel {
  private:
   Eigen::VectorXd mean_, scale_;       // of the features
   Eigen::MatrixXd centres_, weights_;  // features x centres, kElectrodes x centres
-  ElectrodeChanges mean_change_;       // over the pressure
+  ElectrodeChanges mean_change_;       // the medians, over the pressure
   double length_ = 0, linear_ = 0;
 };
 
