@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+
+#include "palpate/hand/grasp.hpp"
+#include "palpate/touch/biotac_skin.hpp"
+
+namespace palpate::touch {
+
+/// The loaded taxels as contacts, each with its own frame, in the sensor frame, and their wrenches
+/// (6 n) in these frames.
+struct TaxelGrasp {
+  hand::GraspContacts contacts;
+  Eigen::VectorXd wrenches;
+};
+TaxelGrasp taxel_grasp(const BiotacSkin& skin, const SkinState& state);
+
+/// Contact point (sensor frame) and force that all taxels together tell of, as the thesis has it
+/// (section 5.1): the grasp matrix of the taxels' frames sums their forces up to one wrench
+/// (eq. 4.7); the contact is where its axis leaves the skin (Bicchi, Salisbury & Brock 1993,
+/// without a moment about the normal).
+/// @return nothing without a force, or where the axis misses the skin
+std::optional<hand::TipContact> contact_of_taxels(const BiotacSkin& skin, const SkinState& state);
+
+}  // namespace palpate::touch

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/touch/taxel_contact.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "palpate/core/random.hpp"
+#include "palpate/core/statistics.hpp"
+#include "palpate/touch/biotac_normal.hpp"
+
+namespace palpate::touch {
+namespace {
+
+/// Only the taxels near the middle of the felt side are loaded, all alike.
+SkinState pressed_evenly(const BiotacSkin& skin, const Eigen::Vector3d& p, double reach) {
+  SkinState state;
+  for (Eigen::Index i = 0; i < kTaxels; ++i) {
+    if ((skin.points().col(i) - p).norm() < reach) state.pressure[i] = 1e4;
+  }
+  return state;
+}
+
+TEST(TaxelContact, HasTheForcesOfTheTaxelsInTheirOwnFrames) {
+  const BiotacSkin skin;
+  SkinState state = pressed_evenly(skin, {-0.004, 0, -0.007}, 0.003);
+  const TaxelGrasp grasp = taxel_grasp(skin, state);
+  ASSERT_GT(grasp.contacts.size(), 3u);
+  ASSERT_EQ(grasp.wrenches.size(), 6 * std::ssize(grasp.contacts));
+  for (Eigen::Index k = 0; k < std::ssize(grasp.contacts); ++k) {
+    const auto wrench = grasp.wrenches.segment<6>(6 * k);
+    EXPECT_NEAR(wrench[3], 1e4 * skin.areas()[0], 1e-9);  // n points into the object
+    EXPECT_LT(wrench.head<3>().norm() + wrench.tail<2>().norm(), 1e-9);
+  }
+}
+
+TEST(TaxelContact, IsWhereTheObjectPresses) {
+  const BiotacSkin skin;
+  RandomStream random(3);
+  std::vector<double> places;
+  for (int trial = 0; trial < 200; ++trial) {
+    Eigen::Vector3d p(random.uniform(-0.011, 0.005), random.uniform(-0.006, 0.006), -0.007);
+    p = skin.on_skin(p);
+    const Eigen::Vector3d outward = skin.normal_at(p);
+    const double normal = random.uniform(0.3, 6);
+    Eigen::Vector3d shear = random.normal3();
+    shear = (shear - shear.dot(outward) * outward).normalized() * random.uniform(0, 0.5) * normal;
+    const hand::TipContact contact{.p = p, .n = -outward, .f = normal * outward + shear};
+    const double radius = random.uniform(0.006, 0.1);
+    const Eigen::Vector3d center = p + radius * outward;
+    const auto state = skin.press(
+        {&contact, 1}, [&](const Eigen::Vector3d& x) { return (x - center).norm() - radius; });
+    const auto found = contact_of_taxels(skin, state);
+    ASSERT_TRUE(found);
+    places.push_back((found->p - p).norm());
+    EXPECT_LT((found->f - contact.f).norm(), std::max(0.05, 0.02 * contact.f.norm()));
+    EXPECT_LT((skin.on_skin(found->p) - found->p).norm(), 1e-9);
+  }
+  EXPECT_LT(median(places), 0.0007);          // as inferred contacts are to be
+  EXPECT_LT(quantile(places, 0.95), 0.0013);  // the taxels' spacing
+}
+
+TEST(TaxelContact, IsNoneWithoutLoad) { EXPECT_FALSE(contact_of_taxels(BiotacSkin(), {})); }
+
+}  // namespace
+}  // namespace palpate::touch
