@@ -37,7 +37,7 @@ std::optional<std::filesystem::path> data_folder() {
 
 std::vector<Contender> contenders() {
   std::vector<Contender> result;
-  for (const char* name : {"relocate-best", "relocate-memoryless"}) {
+  for (const char* name : {"relocate-best", "relocate-memoryless", "relocate-box"}) {
     result.push_back({name, learning::load_policy(asset(fmt::format("models/{}.json", name)))});
   }
   if (const auto data = data_folder()) {
