@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/pipeline/closing_path.hpp"
 
+#include <algorithm>
 #include <limits>
 
 #include "palpate/hand/coupling.hpp"
@@ -75,6 +76,30 @@ ClosingPath closing_path(const hand::HandModel& hand, const hand::ActuatorVector
     if (command.positions == before) break;
   }
   return path;
+}
+
+void end_at_other_fingers(const hand::HandModel& hand, const hand::JointVector& joints,
+                          std::size_t finger, ClosingPath& path) {
+  const std::vector<int> owner = finger_of_links(hand);
+  const auto T = hand::forward_kinematics(hand, joints);
+  std::vector<Eigen::Vector4f> others;
+  for (const auto& sphere : hand.spheres) {
+    const int other = owner[static_cast<std::size_t>(sphere.link)];
+    if (other >= 0 && other != static_cast<int>(finger)) others.push_back(in_base(sphere, T));
+  }
+  const auto meets_other = [&](const Eigen::Vector3f& p, float radius) {
+    return std::any_of(others.begin(), others.end(), [&](const Eigen::Vector4f& other) {
+      return (p - other.head<3>()).norm() < radius + other.w() - kOverlap;
+    });
+  };
+  auto& shapes = path.fingers[finger];
+  const auto blocked = std::find_if(shapes.begin(), shapes.end(), [&](const FingerShape& shape) {
+    return std::any_of(shape.tip.begin(), shape.tip.end(),
+                       [&](const auto& p) { return meets_other(p, path.tip_radius[finger]); }) ||
+           std::any_of(shape.other_spheres.begin(), shape.other_spheres.end(),
+                       [&](const auto& s) { return meets_other(s.template head<3>(), s.w()); });
+  });
+  shapes.erase(blocked, shapes.end());
 }
 
 PlacedObject::PlacedObject(const localization::ObjectModel& object,

@@ -190,15 +190,6 @@ double GraspPhase::pressure() const {
                   options_.press_per_weight * object_.object().mass * kGravity);
 }
 
-/// The object's weight where its centre should be, in the base's frame.
-std::optional<Load> GraspPhase::weight_of(const Robot& robot, const PickState& state) const {
-  if (!state.resting) return std::nullopt;
-  const Eigen::Isometry3d T_base_world = robot.reading().base.pose().inverse();
-  const double weight = object_.object().mass * kGravity;
-  return Load{T_base_world * state.resting->modes.front().T_frame_object.translation(),
-              -weight * T_base_world.linear().col(2)};
-}
-
 void GraspPhase::approach(Robot& robot, const GraspPlan& plan) const {
   hand::BasePosition above = plan.base;
   above.xyz.z() += kTopDistance;
@@ -289,25 +280,19 @@ GraspPhase::Hold GraspPhase::balance(const Robot& robot, const PickState& state)
   const auto window = readings.last(std::min(readings.size(), kTouchReadings));
   Hold hold;
   hold.contacts = touch::lasting_contacts(window, robot.model(), {});
-  hold.forces =
-      balance_forces(hold.contacts, options_.friction, pressure(), weight_of(robot, state));
+  std::optional<Load> load;
+  if (state.resting) {
+    load = weight_at(robot, state.resting->modes.front().T_frame_object,
+                     object_.object().mass * kGravity);
+  }
+  hold.forces = balance_forces(hold.contacts, options_.friction, pressure(), load);
   return hold;
 }
 
-/// The commands then stay where they are: against stiff fingers an object that moves meets a
-/// growing resistance, where limited torques would let it go.
 void GraspPhase::press(Robot& robot, const Hold& hold) const {
   robot.mark(Mark::closed);
-  const auto torques =
-      pressing_torques(robot.model(), robot.reading().joints, hold.contacts, hold.forces.forces);
-  hand::ActuatorVector target = robot.command().positions;
-  for (int i = 0; i < hand::kActuators; ++i) {
-    const auto& actuator = robot.actuators()[static_cast<std::size_t>(i)];
-    if (torques[i] == 0) continue;
-    const double lead = (torques[i] - robot.reading().torques[i]) / actuator.stiffness;
-    target[i] = std::clamp(target[i] + lead, actuator.command.low, actuator.command.high);
-  }
-  robot.move_fingers(target, options_.ramp_seconds);
+  robot.move_fingers(pressing_command(robot, hold.contacts, hold.forces.forces),
+                     options_.ramp_seconds);
   robot.wait(0.2);
 }
 

@@ -8,32 +8,49 @@
 
 #include "palpate/hand/closing.hpp"
 #include "palpate/localization/next_touch.hpp"
+#include "palpate/pipeline/closing_path.hpp"
 #include "palpate/pipeline/squeeze.hpp"
 #include "palpate/touch/contact_window.hpp"
 
 namespace palpate::pipeline {
 namespace {
 
-constexpr std::size_t kWindow = 15;     // readings of a touch that are averaged
-constexpr double kOpenSeconds = 0.4;    // s
-constexpr double kMoveSeconds = 0.3;    // s
-constexpr double kReturnSeconds = 0.6;  // s, back to where the finger pressed
-constexpr double kLongestClose = 1.5;   // s
-constexpr double kThumbLimit = 1.0;     // rad; the thumb does not move here
-constexpr double kTouchSeconds = 6;     // s that a touch takes at most, and back
-constexpr double kLost = 0.03;          // N at which a holding finger has lost touch
-constexpr int kLeastHolding = 3;        // fingers that hold meanwhile, the thumb among them
-constexpr double kSame = 0.05;          // rad, of actuators of two moves that are the same
+constexpr std::size_t kWindow = 15;       // readings of a touch that are averaged
+constexpr double kTransferSeconds = 0.4;  // s, of a finger's force to the others, and back
+constexpr double kOpenSeconds = 0.4;      // s
+constexpr double kMoveSeconds = 0.3;      // s
+constexpr double kReturnSeconds = 0.6;    // s, back to where the finger pressed
+constexpr double kLongestClose = 1.5;     // s
+constexpr double kThumbLimit = 1.0;       // rad; the thumb does not move here
+constexpr double kTouchSeconds = 6;       // s that a touch takes at most, and back
+constexpr double kLost = 0.03;            // N at which a holding finger has lost touch
+constexpr int kLeastHolding = 2;          // fingers that hold meanwhile, the thumb among them
+constexpr int kSteps = 2;                 // of J4 and of J0 to either side
+constexpr std::size_t kPoses = 6;         // by which a move is judged, the heaviest
+constexpr double kPlannedRate = 1.0;      // rad/s, of the closing planned; the path is that of any
+constexpr double kSame = 0.05;            // rad, of actuators of two moves that are the same
 
 int actuator(int finger, std::string_view joint) {
   return hand::actuator_index(
       std::string(hand::kFingerNames[static_cast<std::size_t>(finger)]).append(joint));
 }
 
-std::vector<touch::Contact> contacts_now(const Robot& robot) {
+std::vector<touch::Contact> contacts_at(const Robot& robot, std::size_t reading) {
   const std::span<const hand::HandReading> readings(robot.log().readings);
-  return touch::lasting_contacts(readings.last(std::min(readings.size(), kWindow)), robot.model(),
-                                 {});
+  const std::size_t count = std::min(reading + 1, kWindow);
+  return touch::lasting_contacts(readings.subspan(reading + 1 - count, count), robot.model(), {});
+}
+
+KnownSpots known_spots(const Robot& robot) {
+  KnownSpots known;
+  for (const Mark mark : {Mark::closed, Mark::probed}) {
+    for (const std::size_t reading : robot.log().all(mark)) {
+      for (const auto& contact : contacts_at(robot, reading)) {
+        known[static_cast<std::size_t>(contact.finger)].push_back(contact.p);
+      }
+    }
+  }
+  return known;
 }
 
 /// Centre of a fingertip in the base's frame when the actuators differ from now by `change`.
@@ -49,66 +66,105 @@ Eigen::Vector3d tip_after(const Robot& robot, int finger, double j4, double j3, 
   return T[static_cast<std::size_t>(robot.model().distal[index])] * robot.model().tips[index].b;
 }
 
+/// A posture whose actuators of one finger are those of another posture.
+hand::ActuatorVector with_finger(hand::ActuatorVector posture, int finger,
+                                 const hand::ActuatorVector& other) {
+  for (int i = 0; i < hand::kActuators; ++i) {
+    if (hand::finger_of_actuator(i) == finger) posture[i] = other[i];
+  }
+  return posture;
+}
+
 bool same(const FingerMove& a, const FingerMove& b) {
-  return a.finger == b.finger && (a.opened - b.opened).cwiseAbs().maxCoeff() < kSame;
+  const hand::ActuatorVector a_alone = with_finger(b.opened, a.finger, a.opened);
+  return a.finger == b.finger && (a_alone - b.opened).cwiseAbs().maxCoeff() < kSame;
 }
 
 }  // namespace
 
 /// Fingers whose place can be given up: the others' forces balance and bear the weight.
-std::vector<int> ProbePhase::free_fingers(const Robot& robot) const {
-  const auto contacts = contacts_now(robot);
-  const Eigen::Vector3d down =
-      robot.reading().base.pose().linear().transpose() * -Eigen::Vector3d::UnitZ();
-  std::vector<int> free;
+std::vector<FreeFinger> ProbePhase::free_fingers(const Robot& robot, const PickState& state) const {
+  const auto contacts = contacts_at(robot, robot.log().readings.size() - 1);
+  const Load load =
+      weight_at(robot, state.estimate.posterior.modes.front().T_frame_object, weight_);
+  std::vector<FreeFinger> free;
   for (int finger = 1; finger < hand::kFingers; ++finger) {  // never the thumb
     std::vector<touch::Contact> others;
     std::array<bool, hand::kFingers> holds{};
-    Eigen::Vector3d middle = Eigen::Vector3d::Zero();
     for (const auto& contact : contacts) {
       if (contact.finger == finger) continue;
       others.push_back(contact);
-      middle += contact.p;
       holds[static_cast<std::size_t>(contact.finger)] = true;
     }
     if (!holds[0] || std::count(holds.begin(), holds.end(), true) < kLeastHolding) continue;
-    const Load load{middle / static_cast<double>(others.size()), weight_ * down};
     const auto balanced = balance_forces(others, options_.friction, options_.press, load);
-    if (balanced.imbalance < options_.balance) free.push_back(finger);
+    if (balanced.imbalance > options_.balance) continue;
+    free.push_back({finger, pressing_command(robot, others, balanced.forces)});
   }
   return free;
 }
 
-std::vector<FingerMove> ProbePhase::moves(const Robot& robot, int finger) const {
+std::vector<FingerMove> ProbePhase::moves(const Robot& robot, const FreeFinger& free) const {
   std::vector<FingerMove> result;
-  for (const double j4 : {-options_.spread, 0.0, options_.spread}) {
-    for (const double j0 : {-options_.bend, 0.0, options_.bend}) {
-      if (j4 == 0 && j0 == 0) continue;
-      FingerMove move{finger, robot.command().positions};
+  for (int side = -kSteps; side <= kSteps; ++side) {
+    for (int bend = -kSteps; bend <= kSteps; ++bend) {
+      FingerMove move{free.finger, free.held};
       const auto shift = [&](std::string_view joint, double by) {
-        const auto index = static_cast<std::size_t>(actuator(finger, joint));
+        const auto index = static_cast<std::size_t>(actuator(free.finger, joint));
         const auto& range = robot.actuators()[index].command;
         double& value = move.opened[static_cast<Eigen::Index>(index)];
         value = std::clamp(value + by, range.low, range.high);
       };
       shift("J3", -options_.opening);
-      shift("J4", j4);
-      shift("J0", j0);
+      shift("J4", options_.spread * side / kSteps);
+      shift("J0", options_.bend * bend / kSteps);
       result.push_back(move);
     }
   }
   return result;
 }
 
+/// Chance, over the poses in question, that the closing finger meets the object with its tip where
+/// it has not touched it yet.
+double ProbePhase::chance_of_new_touch(const Robot& robot, const PickState& state,
+                                       const FingerMove& move,
+                                       const std::vector<Eigen::Vector3d>& known) const {
+  const auto finger = static_cast<std::size_t>(move.finger);
+  std::array<bool, hand::kFingers> closing{};
+  closing[finger] = true;
+  const hand::ClosingLaw law(robot.actuators(), kPlannedRate, kThumbLimit);
+  ClosingPath path = closing_path(robot.model(), move.opened, law, closing);
+  end_at_other_fingers(robot.model(), robot.reading().joints, finger, path);
+  if (path.fingers[finger].empty()) return 0;
+  const auto& modes = state.estimate.posterior.modes;
+  double chance = 0;
+  for (std::size_t i = 0; i < std::min(modes.size(), kPoses); ++i) {
+    const PlacedObject object(object_, modes[i].T_frame_object, robot.reading().base.pose());
+    const auto [stop, contact] = meet(object, path, finger, 0);
+    if (stop == 0 || !contact) continue;
+    const bool is_new = std::none_of(known.begin(), known.end(), [&](const Eigen::Vector3d& p) {
+      return (p - contact->p).norm() < options_.elsewhere;
+    });
+    if (is_new) chance += modes[i].weight;
+  }
+  return chance;
+}
+
 std::optional<FingerMove> ProbePhase::choose(const Robot& robot, const PickState& state,
                                              const std::vector<FingerMove>& made) const {
   const Eigen::Isometry3d T_world_base = robot.reading().base.pose();
+  const KnownSpots known = known_spots(robot);
   std::vector<FingerMove> reachable;
   std::vector<localization::Probe> probes;
-  for (const int finger : free_fingers(robot)) {
-    for (const FingerMove& move : moves(robot, finger)) {
+  for (const FreeFinger& free : free_fingers(robot, state)) {
+    const int finger = free.finger;
+    for (const FingerMove& move : moves(robot, free)) {
       const auto made_before = [&](const FingerMove& other) { return same(move, other); };
       if (std::any_of(made.begin(), made.end(), made_before)) continue;
+      if (chance_of_new_touch(robot, state, move, known[static_cast<std::size_t>(finger)]) <
+          options_.likely) {
+        continue;
+      }
       const auto change = [&](std::string_view joint) {
         const int index = actuator(finger, joint);
         return move.opened[index] - robot.command().positions[index];
@@ -128,14 +184,16 @@ std::optional<FingerMove> ProbePhase::choose(const Robot& robot, const PickState
   return reachable[choice.index];
 }
 
-/// Opens the finger, moves it, closes it until it touches or has closed in vain, and brings it
-/// back.
+/// Lets the others take over, opens the finger, moves it, closes it until it touches or has closed
+/// in vain, and brings it back.
 /// @return whether the other fingers still hold the object
 bool ProbePhase::touch(Robot& robot, const FingerMove& move) const {
   const hand::ActuatorVector held = robot.command().positions;
-  hand::ActuatorVector open = held;
+  const hand::ActuatorVector without = with_finger(move.opened, move.finger, held);
   const int knuckle = actuator(move.finger, "J3");
+  hand::ActuatorVector open = without;
   open[knuckle] = move.opened[knuckle];
+  robot.move_fingers(without, kTransferSeconds);
   robot.move_fingers(open, kOpenSeconds);
   robot.move_fingers(move.opened, kMoveSeconds);
   const hand::ClosingLaw law(robot.actuators(), options_.closing_rate, kThumbLimit);
@@ -152,7 +210,8 @@ bool ProbePhase::touch(Robot& robot, const FingerMove& move) const {
   away[knuckle] = std::min(away[knuckle], move.opened[knuckle]);
   robot.move_fingers(away, kOpenSeconds);
   robot.move_fingers(open, kMoveSeconds);
-  robot.move_fingers(held, kReturnSeconds);
+  robot.move_fingers(without, kReturnSeconds);
+  robot.move_fingers(held, kTransferSeconds);
   robot.wait(kWindow * hand::kTick);
   int holding = 0;
   for (int finger = 0; finger < hand::kFingers; ++finger) {

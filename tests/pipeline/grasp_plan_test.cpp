@@ -44,14 +44,6 @@ struct BoxScene {
   }
 };
 
-TEST(ClosingPath, FingersCloseFromTheOpenPosture) {
-  const BoxScene scene;
-  for (const auto& shapes : scene.path.fingers) {
-    ASSERT_GT(shapes.size(), 20u);
-    EXPECT_GT((shapes.front().tip.back() - shapes.back().tip.back()).norm(), 0.03f);
-  }
-}
-
 TEST(PlanGrasp, HoldsALyingBoxWhereverItLies) {
   const BoxScene scene;
   PlanOptions options;

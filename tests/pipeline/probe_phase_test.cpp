@@ -59,7 +59,8 @@ struct Hold {
     options.least_information = 0;
     options.balance = 2;  // all contacts are on top
     options.spread = 0.3;
-    options.bend = 0;  // J4 alone tells where a finger is
+    options.bend = 0;    // J4 alone tells where a finger is
+    options.likely = 0;  // the poses in doubt have nothing to do with what the hand feels
     locate.search.proposals = 10000;
     locate.search.particles = 200;
     locate.free_space = false;
@@ -121,6 +122,13 @@ TEST(ProbePhase, TouchesAnotherSpotAndReturns) {
 TEST(ProbePhase, LeavesAPoseAloneThatIsCertain) {
   Hold hold;
   hold.options.certain = 0.4;
+  EXPECT_EQ(hold.probe().status, PhaseStatus::ok);
+  EXPECT_EQ(hold.probes(), 0u);
+}
+
+TEST(ProbePhase, MakesNoMoveThatShouldNotMeetTheObject) {
+  Hold hold;
+  hold.options.likely = 0.6;
   EXPECT_EQ(hold.probe().status, PhaseStatus::ok);
   EXPECT_EQ(hold.probes(), 0u);
 }

@@ -33,6 +33,10 @@ ClosingPath closing_path(const hand::HandModel& hand, const hand::ActuatorVector
                          const hand::ClosingLaw& law,
                          const std::array<bool, hand::kFingers>& closing = kAllFingers);
 
+/// Ends the path of a finger before it meets the other fingers, which stand still at these joints.
+void end_at_other_fingers(const hand::HandModel& hand, const hand::JointVector& joints,
+                          std::size_t finger, ClosingPath& path);
+
 /// An object at a pose above the table, asked from the hand's base.
 class PlacedObject {
  public:
@@ -56,8 +60,8 @@ struct FingerMeeting {
   std::optional<touch::Contact> contact;  ///< in the base's frame
 };
 
-/// Closes a finger in thought until its tip or another of its links meets the object, or its tip
-/// the table.
+/// Closes a finger along its path, which must have a shape, until its tip or another of its links
+/// meets the object, or its tip the table.
 /// @param table_clearance  twice the height of the tip that counts as meeting the table, m
 FingerMeeting meet(const PlacedObject& object, const ClosingPath& path, std::size_t finger,
                    double table_clearance);

@@ -133,7 +133,6 @@ class GraspPhase : public Phase {
   void descend(Robot& robot, const PickState& state) const;
   void travel_to(Robot& robot, const hand::BasePosition& start, const GraspRecipe& recipe) const;
   void close(Robot& robot, const GraspRecipe& recipe) const;
-  std::optional<Load> weight_of(const Robot& robot, const PickState& state) const;
   Hold balance(const Robot& robot, const PickState& state) const;
   void press(Robot& robot, const Hold& hold) const;
   void let_go(Robot& robot) const;

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
+#include <vector>
+
 #include "palpate/pipeline/locate.hpp"
 #include "palpate/pipeline/phase.hpp"
 
@@ -11,12 +14,14 @@ struct ProbeOptions {
   double certain = 0.97;           ///< weight of a pose that needs none
   double least_information = 0.1;  ///< nats that a touch must be expected to tell
   double opening = 0.5;            ///< of J3 before a finger moves to another spot, rad
-  double spread = 0.25;            ///< of J4 to either side, rad
-  double bend = 0.5;               ///< of J0, to reach lower or higher, rad
+  double spread = 0.25;            ///< of J4 to either side, at most, rad
+  double bend = 0.6;               ///< of J0, to reach lower or higher, at most, rad
+  double elsewhere = 0.006;        ///< m between spots of a finger that are not the same
+  double likely = 0.6;             ///< chance of a touch at another spot that a move must have
   double closing_rate = 0.8;       ///< of J3, rad/s
   double torque = 0.06;            ///< N m at J3 while closing
   double touch_force = 0.1;        ///< N at the fingertip
-  double balance = 0.3;            ///< imbalance that the other fingers' forces may have
+  double balance = 0.15;           ///< imbalance that the other fingers' forces may have
   double friction = 0.5;           ///< that their balance counts on
   double press = 5;                ///< N, of the other fingers together
 
@@ -26,8 +31,10 @@ struct ProbeOptions {
     v("certain", certain, 0.0, 1.0, "weight of a pose that needs none");
     v("least_information", least_information, 0.0, 10.0, "nats that a touch is expected to tell");
     v("opening", opening, 0.1, 1.5, "rad, of J3 before a finger moves to another spot");
-    v("spread", spread, 0.0, 0.35, "rad, of J4 to either side");
-    v("bend", bend, 0.0, 1.5, "rad, of J0");
+    v("spread", spread, 0.0, 0.35, "rad, of J4 to either side, at most");
+    v("bend", bend, 0.0, 1.5, "rad, of J0, at most");
+    v("elsewhere", elsewhere, 0.0, 0.05, "m between spots that are not the same");
+    v("likely", likely, 0.0, 1.0, "chance that a move must have of a touch at another spot");
     v("closing_rate", closing_rate, 0.05, 5.0, "rad/s, of J3");
     v("torque", torque, 0.01, 1.0, "N m at J3 while closing");
     v("touch_force", touch_force, 0.02, 5.0, "N at the fingertip");
@@ -37,16 +44,26 @@ struct ProbeOptions {
   }
 };
 
+/// A finger that the others can do without, and what they do meanwhile.
+struct FreeFinger {
+  int finger = 0;
+  hand::ActuatorVector held;  ///< the whole hand, pressing without this finger
+};
+
 /// A finger moved to another spot while the others hold: its actuators before it closes again.
 struct FingerMove {
   int finger = 0;
   hand::ActuatorVector opened;  ///< of the whole hand
 };
 
+/// Places (base's frame) where each finger has touched the object since the hand closed.
+using KnownSpots = std::array<std::vector<Eigen::Vector3d>, hand::kFingers>;
+
 /// Touches the object in the hand at other spots, one finger at a time, while the best pose is in
-/// doubt. The spots are chosen by the information expected of them, among those of fingers that the
-/// others can do without, as the balance of their forces tells. Each finger returns to where it
-/// held the object.
+/// doubt. The moves are those that should make a finger meet
+/// the object where it has not been, by the poses in question; of them the one of which most is to
+/// be learnt is made, by a finger that the others can do without: they take over what it held. Then
+/// all is as before.
 class ProbePhase : public Phase {
  public:
   /// @param weight  of the object, N
@@ -58,8 +75,10 @@ class ProbePhase : public Phase {
   PhaseEnd run(Robot& robot, PickState& state) override;
 
  private:
-  std::vector<int> free_fingers(const Robot& robot) const;
-  std::vector<FingerMove> moves(const Robot& robot, int finger) const;
+  std::vector<FreeFinger> free_fingers(const Robot& robot, const PickState& state) const;
+  std::vector<FingerMove> moves(const Robot& robot, const FreeFinger& free) const;
+  double chance_of_new_touch(const Robot& robot, const PickState& state, const FingerMove& move,
+                             const std::vector<Eigen::Vector3d>& known) const;
   std::optional<FingerMove> choose(const Robot& robot, const PickState& state,
                                    const std::vector<FingerMove>& made) const;
   bool touch(Robot& robot, const FingerMove& move) const;

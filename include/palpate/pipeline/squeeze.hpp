@@ -5,8 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "palpate/hand/hand.hpp"
-#include "palpate/hand/kinematics.hpp"
+#include "palpate/pipeline/robot.hpp"
 #include "palpate/touch/contact.hpp"
 
 namespace palpate::pipeline {
@@ -36,6 +35,18 @@ BalancedForces balance_forces(std::span<const touch::Contact> contacts, double f
 /// @param forces  one a contact, N, of the finger on the object, base's axes
 hand::ActuatorVector pressing_torques(const hand::HandModel& hand, const hand::JointVector& joints,
                                       std::span<const touch::Contact> contacts,
+                                      std::span<const Eigen::Vector3d> forces);
+
+/// The object's weight (N) at its centre, in the base's frame.
+Load weight_at(const Robot& robot, const Eigen::Isometry3d& T_world_object, double weight);
+
+/// Commands with which the fingertips press so. They are meant to stay as they are: against stiff
+/// fingers an object that moves meets a growing resistance, where limited torques would let it go.
+/// Actuators that need no torque for it keep their commands.
+///
+/// @param contacts  as the hand is now, base's frame
+/// @param forces  one a contact, N, of the finger on the object, base's axes
+hand::ActuatorVector pressing_command(const Robot& robot, std::span<const touch::Contact> contacts,
                                       std::span<const Eigen::Vector3d> forces);
 
 }  // namespace palpate::pipeline
