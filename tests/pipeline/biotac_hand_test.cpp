@@ -6,6 +6,7 @@
 #include "fake_hand.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/hand/biotac_reading.hpp"
+#include "palpate/pipeline/trial.hpp"
 #include "palpate/touch/biotac_dataset.hpp"
 #include "palpate/touch/biotac_skin.hpp"
 #include "touch/one_link_hand.hpp"
@@ -43,7 +44,21 @@ TEST(BiotacHand, FeelsByTheChannelsAlone) {
   for (int k = 0; k < 40; ++k) EXPECT_TRUE(hand.step({}).contacts[1].empty()) << k;
   hand::HandReading last;
   for (int k = 0; k < 40; ++k) last = hand.step({});
-  EXPECT_EQ(last.contacts[1].size(), 1u);
+  ASSERT_EQ(last.contacts[1].size(), 1u);
+  EXPECT_GT(last.contacts[1][0].normal_sigma, 0);
+}
+
+TEST(TouchOptions, SayHowFarInferredContactsMayBeOff) {
+  TrialOptions options;
+  EXPECT_EQ(options.pick_options().locate.errors.point_floor, LocateOptions().errors.point_floor);
+  options.touch = {
+      .source = "biotac", .biotac_point = 0.003, .biotac_normal = 0.4, .biotac_false = 0.07};
+  const LocateOptions locate = options.pick_options().locate;
+  EXPECT_EQ(locate.errors.point_floor, 0.003);
+  EXPECT_EQ(locate.errors.normal_floor, 0.4);
+  EXPECT_EQ(locate.false_contacts, 0.07);
+  options.touch.source = "nose";
+  EXPECT_THROW(options.pick_options(), BadInput);
 }
 
 TEST(BiotacHand, RefusesAHandWithoutChannels) {
