@@ -58,7 +58,7 @@ TEST(TouchOptions, SayHowFarInferredContactsMayBeOff) {
   EXPECT_EQ(locate.errors.normal_floor, 0.4);
   EXPECT_EQ(locate.false_contacts, 0.07);
   options.touch.source = "nose";
-  EXPECT_THROW(options.pick_options(), BadInput);
+  EXPECT_THROW((void)options.pick_options(), BadInput);
 }
 
 TEST(BiotacHand, RefusesAHandWithoutChannels) {
