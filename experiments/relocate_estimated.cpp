@@ -117,7 +117,7 @@ void relocate(const experiment::Options& options) {
       {"prior +-20 mm, estimated in the grasp (10 mm)", 0.02, 0, 0.010, false}};
   const std::size_t count = options.quick ? 2 : 100;
   const auto model = make_model({});
-  const auto policy = load_policy(asset("models/relocate-best.json"));
+  const auto policy = load_policy(asset("models/relocate-near.json"));
   experiment::Table table({"what the policy is told", "episodes", "return", "< 5 cm", "< 2 cm",
                            "final distance mm (median)", "error of what it is told mm (median)"});
   for (const Knowledge& knowledge : all) {
@@ -140,7 +140,7 @@ void relocate(const experiment::Options& options) {
                    fmt::format("{:.1f}", knowledge.knows ? 0.0 : median(errors))});
   }
   table.publish(options, "relocate_estimated",
-                "Relocation with an estimated place of the object, relocate-best, faithful solver");
+                "Relocation with an estimated place of the object, relocate-near, faithful solver");
 }
 
 }  // namespace
