@@ -115,7 +115,8 @@ std::optional<Probing> probe(Scene& scene, PickState& state, const localization:
   if (run_phase(locate_closed, scene.robot(), state).status != PhaseStatus::ok) return std::nullopt;
   const double weight = model.object().mass * kGravity;
   const std::size_t first = scene.now();
-  ProbePhase phase(model, options.probe, options.locate, weight, seed);
+  ProbePhase phase(model, options.probe, options.locate, pressure(options.grasp, model.object()),
+                   seed);
   run_phase(phase, scene.robot(), state);
   const auto closed = scene.robot().log().all(Mark::closed);  // also after each touch
   const auto probes = scene.robot().log().all(Mark::probed);

@@ -192,6 +192,7 @@ int eval(const EvalArguments& arguments) {
     make_writable_folder(arguments.common.out);
     write_file_atomically(folder / "config.toml",
                           config_header(arguments.common) + to_toml(options));
+    std::filesystem::remove(folder / "eval.json");  // of an earlier run
     trials_file.emplace(folder / "trials.csv", !options.place.target.empty());
   }
 

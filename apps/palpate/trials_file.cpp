@@ -51,6 +51,7 @@ TrialsFile::TrialsFile(std::filesystem::path path, bool place)
       "slip_mm,explored_motion_mm,tip_force,failed_phase";
   if (place_) text_ += ",place_status,certain,placed,tight,wrong,dropped,place_deg,place_mm";
   text_ += '\n';
+  write_file_atomically(path_, text_);
 }
 
 void TrialsFile::add(const std::string& object, std::uint64_t seed, const pipeline::Trial& trial) {

@@ -12,6 +12,7 @@ namespace palpate::app {
 /// keeps what it has measured.
 class TrialsFile {
  public:
+  /// Begins the file with its header.
   /// @param place  whether the trials place the object
   TrialsFile(std::filesystem::path path, bool place);
   void add(const std::string& object, std::uint64_t seed, const pipeline::Trial& trial);

@@ -99,6 +99,10 @@ class FingersDone {
 
 }  // namespace
 
+double pressure(const GraspOptions& options, const geometry::KnownObject& object) {
+  return std::max(options.least_press, options.press_per_weight * object.mass * kGravity);
+}
+
 hand::ActuatorVector open_posture(const GraspRecipe& recipe) {
   hand::ActuatorVector posture = hand::ActuatorVector::Zero();
   const auto set = [&](std::string_view name, double value) {
@@ -118,28 +122,29 @@ hand::ActuatorVector open_posture(const GraspRecipe& recipe) {
 }
 
 PhaseEnd GraspPhase::run(Robot& robot, PickState& state) {
-  auto planned = plan(robot, state);
+  std::vector<double> tried_yaws = state.tried_yaws;
+  auto planned = plan(robot, state, tried_yaws);
   if (!planned) return grasp_unplanned(robot, state);
-  const int most = choose_ ? 1 : options_.closings;
-  for (int closing = 1;; ++closing) {
-    const Hold hold = close_as_planned(robot, state, *planned);
-    if (hold.forces.imbalance > options_.most_imbalance && closing < most) {
-      if (const auto other = plan(robot, state)) {
-        planned = other;
-        let_go(robot);
-        continue;
-      }
-    }
-    press(robot, hold);
-    return end(robot, hold,
-               closing == 1 ? "planned grasp" : fmt::format("planned grasp, closing {}", closing));
+  Hold hold = close_as_planned(robot, state, *planned);
+  int closings = 1;
+  for (; hold.forces.imbalance > options_.most_imbalance && closings < options_.closings &&
+         !choose_;  // a chooser knows of no other
+       ++closings) {
+    tried_yaws.push_back(planned->base.ypr.x());
+    planned = plan(robot, state, tried_yaws);
+    if (!planned || planned->cost > hold.forces.imbalance) break;
+    let_go(robot);
+    hold = close_as_planned(robot, state, *planned);
   }
+  state.tried_yaws.push_back(state.yaw);
+  press(robot, hold);
+  return end(robot, hold,
+             closings == 1 ? "planned grasp" : fmt::format("planned grasp, closing {}", closings));
 }
 
 GraspPhase::Hold GraspPhase::close_as_planned(Robot& robot, PickState& state,
                                               const GraspPlan& plan) const {
   state.yaw = plan.base.ypr.x();
-  state.tried_yaws.push_back(state.yaw);
   approach(robot, plan);
   close(robot, options_.top);
   return balance(robot, state);
@@ -165,7 +170,8 @@ PhaseEnd GraspPhase::end(const Robot& robot, const Hold& hold, std::string_view 
           fmt::format("{}, {} contacts, imbalance {:.2f}", grasp, contacts, hold.forces.imbalance)};
 }
 
-std::optional<GraspPlan> GraspPhase::plan(const Robot& robot, const PickState& state) const {
+std::optional<GraspPlan> GraspPhase::plan(const Robot& robot, const PickState& state,
+                                          const std::vector<double>& tried_yaws) const {
   if (!state.resting) return std::nullopt;
   if (choose_) {
     if (auto chosen = choose_(*state.resting)) return chosen;
@@ -174,20 +180,15 @@ std::optional<GraspPlan> GraspPhase::plan(const Robot& robot, const PickState& s
   const hand::ClosingLaw law(robot.actuators(), kPlannedRate, recipe.thumb_limit);
   const auto path = closing_path(robot.model(), open_posture(recipe), law);
   PlanOptions options = options_.plan;
-  options.press = pressure();
+  options.press = pressure(options_, object_.object());
   std::optional<GraspPlan> best;
   for (const double pitch : {recipe.pitch, options_.steep_pitch}) {
     const auto plan = plan_grasp(object_, state.resting->modes.front().T_frame_object, path,
-                                 {pitch, recipe.roll}, options, state.tried_yaws);
+                                 {pitch, recipe.roll}, options, tried_yaws);
     if (plan && (!best || plan->cost < best->cost)) best = plan;
     if (best && best->cost < options_.good_cost) break;
   }
   return best;
-}
-
-double GraspPhase::pressure() const {
-  return std::max(options_.least_press,
-                  options_.press_per_weight * object_.object().mass * kGravity);
 }
 
 void GraspPhase::approach(Robot& robot, const GraspPlan& plan) const {
@@ -263,7 +264,7 @@ void GraspPhase::close(Robot& robot, const GraspRecipe& recipe) const {
   const double end = robot.time() + options_.longest_close;
   while (robot.time() < end && !done.all()) {
     robot.set_grip(Grip{law, recipe.contact_torque, done.still_closing()});
-    if (robot.move_fingers(relaxed(robot, met), hand::kTick) == MotionEnd::timed_out) return;
+    if (robot.move_fingers(relaxed(robot, met), hand::kTick) == MotionEnd::timed_out) break;
     const auto touched = done.touches();
     done.update(robot.reading(), robot.command());
     for (std::size_t i = 0; i < met.size(); ++i) met[i] = done.touches()[i] && !touched[i];
@@ -285,7 +286,8 @@ GraspPhase::Hold GraspPhase::balance(const Robot& robot, const PickState& state)
     load = weight_at(robot, state.resting->modes.front().T_frame_object,
                      object_.object().mass * kGravity);
   }
-  hold.forces = balance_forces(hold.contacts, options_.friction, pressure(), load);
+  hold.forces =
+      balance_forces(hold.contacts, options_.friction, pressure(options_, object_.object()), load);
   return hold;
 }
 

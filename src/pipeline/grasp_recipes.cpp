@@ -22,9 +22,7 @@ GraspRecipe side_recipe() {
   recipe.little_base = 0.1;
   recipe.closing_rate = 1.76;
   recipe.thumb_limit = 0.785;
-  recipe.wait_for_all = true;
   recipe.contact_torque = {0.098, 0.069, 0.098, 0.069};
-  recipe.hold_torque = {0.23, 0.195, 0.195, 0.137};
   return recipe;
 }
 
@@ -44,9 +42,7 @@ GraspRecipe top_recipe() {
   recipe.little_base = 0.1;
   recipe.closing_rate = 0.5;
   recipe.thumb_limit = 0.718;
-  recipe.wait_for_all = false;
   recipe.contact_torque = {0.117, 0.082, 0.117, 0.082};
-  recipe.hold_torque = {0.354, 0.973, 1.0, 0.7};
   return recipe;
 }
 

@@ -22,6 +22,7 @@ PickResult run_pick(Robot& robot, const localization::ObjectModel& object,
   PickResult result;
   Course course(robot, state, result.phases, result.failed_phase, observer);
   const double weight = object.object().mass * kGravity;
+  const double press = pressure(options.grasp, object.object());
 
   // Without a pose to aim by, the grasp goes for the rough place.
   const auto explore = [&] {
@@ -37,7 +38,7 @@ PickResult run_pick(Robot& robot, const localization::ObjectModel& object,
         course.run(LocatePhase(object, options.locate, seed, Mark::closed))) {
       result.before_probe = result.before_lift = state.estimate;
       if (options.probe.most > 0) {
-        course.run(ProbePhase(object, options.probe, options.locate, weight, seed));
+        course.run(ProbePhase(object, options.probe, options.locate, press, seed));
         result.before_lift = state.estimate;
       }
     }

@@ -15,6 +15,7 @@
 namespace palpate::pipeline {
 namespace {
 
+constexpr double kGravity = 9.81;         // m/s^2
 constexpr std::size_t kWindow = 15;       // readings of a touch that are averaged
 constexpr double kTransferSeconds = 0.4;  // s, of a finger's force to the others, and back
 constexpr double kOpenSeconds = 0.4;      // s
@@ -41,6 +42,9 @@ std::vector<touch::Contact> contacts_at(const Robot& robot, std::size_t reading)
   return touch::lasting_contacts(readings.subspan(reading + 1 - count, count), robot.model(), {});
 }
 
+/// Places (base's frame) where each finger has touched the object since the hand closed.
+using KnownSpots = std::array<std::vector<Eigen::Vector3d>, hand::kFingers>;
+
 KnownSpots known_spots(const Robot& robot) {
   KnownSpots known;
   for (const Mark mark : {Mark::closed, Mark::probed}) {
@@ -53,19 +57,6 @@ KnownSpots known_spots(const Robot& robot) {
   return known;
 }
 
-/// Centre of a fingertip in the base's frame when the actuators differ from now by `change`.
-Eigen::Vector3d tip_after(const Robot& robot, int finger, double j4, double j3, double j0) {
-  hand::JointVector joints = robot.reading().joints;
-  const std::string name(hand::kFingerNames[static_cast<std::size_t>(finger)]);
-  joints[hand::joint_index(name + "J4")] += j4;
-  joints[hand::joint_index(name + "J3")] += j3;
-  joints[hand::joint_index(name + "J2")] += 0.5 * j0;
-  joints[hand::joint_index(name + "J1")] += 0.5 * j0;
-  const auto T = hand::forward_kinematics(robot.model(), joints);
-  const auto index = static_cast<std::size_t>(finger);
-  return T[static_cast<std::size_t>(robot.model().distal[index])] * robot.model().tips[index].b;
-}
-
 /// A posture whose actuators of one finger are those of another posture.
 hand::ActuatorVector with_finger(hand::ActuatorVector posture, int finger,
                                  const hand::ActuatorVector& other) {
@@ -75,18 +66,19 @@ hand::ActuatorVector with_finger(hand::ActuatorVector posture, int finger,
   return posture;
 }
 
-bool same(const FingerMove& a, const FingerMove& b) {
+}  // namespace
+
+bool ProbePhase::same(const FingerMove& a, const FingerMove& b) {
   const hand::ActuatorVector a_alone = with_finger(b.opened, a.finger, a.opened);
   return a.finger == b.finger && (a_alone - b.opened).cwiseAbs().maxCoeff() < kSame;
 }
 
-}  // namespace
-
 /// Fingers whose place can be given up: the others' forces balance and bear the weight.
-std::vector<FreeFinger> ProbePhase::free_fingers(const Robot& robot, const PickState& state) const {
+std::vector<ProbePhase::FreeFinger> ProbePhase::free_fingers(const Robot& robot,
+                                                             const PickState& state) const {
   const auto contacts = contacts_at(robot, robot.log().readings.size() - 1);
-  const Load load =
-      weight_at(robot, state.estimate.posterior.modes.front().T_frame_object, weight_);
+  const Load load = weight_at(robot, state.estimate.posterior.modes.front().T_frame_object,
+                              object_.object().mass * kGravity);
   std::vector<FreeFinger> free;
   for (int finger = 1; finger < hand::kFingers; ++finger) {  // never the thumb
     std::vector<touch::Contact> others;
@@ -97,14 +89,15 @@ std::vector<FreeFinger> ProbePhase::free_fingers(const Robot& robot, const PickS
       holds[static_cast<std::size_t>(contact.finger)] = true;
     }
     if (!holds[0] || std::count(holds.begin(), holds.end(), true) < kLeastHolding) continue;
-    const auto balanced = balance_forces(others, options_.friction, options_.press, load);
+    const auto balanced = balance_forces(others, options_.friction, press_, load);
     if (balanced.imbalance > options_.balance) continue;
     free.push_back({finger, pressing_command(robot, others, balanced.forces)});
   }
   return free;
 }
 
-std::vector<FingerMove> ProbePhase::moves(const Robot& robot, const FreeFinger& free) const {
+std::vector<ProbePhase::FingerMove> ProbePhase::moves(const Robot& robot,
+                                                      const FreeFinger& free) const {
   std::vector<FingerMove> result;
   for (int side = -kSteps; side <= kSteps; ++side) {
     for (int bend = -kSteps; bend <= kSteps; ++bend) {
@@ -124,69 +117,71 @@ std::vector<FingerMove> ProbePhase::moves(const Robot& robot, const FreeFinger& 
   return result;
 }
 
-/// Chance, over the poses in question, that the closing finger meets the object with its tip where
-/// it has not touched it yet.
-double ProbePhase::chance_of_new_touch(const Robot& robot, const PickState& state,
-                                       const FingerMove& move,
-                                       const std::vector<Eigen::Vector3d>& known) const {
+/// Closes the moved finger in thought, for the heaviest of the poses in question.
+ProbePhase::Foresight ProbePhase::foresee(const Robot& robot, const PickState& state,
+                                          const FingerMove& move,
+                                          const std::vector<Eigen::Vector3d>& known) const {
   const auto finger = static_cast<std::size_t>(move.finger);
+  const Eigen::Isometry3d T_world_base = robot.reading().base.pose();
   std::array<bool, hand::kFingers> closing{};
   closing[finger] = true;
   const hand::ClosingLaw law(robot.actuators(), kPlannedRate, kThumbLimit);
   ClosingPath path = closing_path(robot.model(), move.opened, law, closing);
   end_at_other_fingers(robot.model(), robot.reading().joints, finger, path);
-  if (path.fingers[finger].empty()) return 0;
+  const auto& shapes = path.fingers[finger];
+  Foresight foresight;
+  if (shapes.size() < 2) return foresight;
+
   const auto& modes = state.estimate.posterior.modes;
-  double chance = 0;
+  double looked_at = 0;
+  std::size_t first_stop = 0;  // by the heaviest pose that it should meet
   for (std::size_t i = 0; i < std::min(modes.size(), kPoses); ++i) {
-    const PlacedObject object(object_, modes[i].T_frame_object, robot.reading().base.pose());
+    looked_at += modes[i].weight;
+    const PlacedObject object(object_, modes[i].T_frame_object, T_world_base);
     const auto [stop, contact] = meet(object, path, finger, 0);
     if (stop == 0 || !contact) continue;
+    if (first_stop == 0) first_stop = stop;
     const bool is_new = std::none_of(known.begin(), known.end(), [&](const Eigen::Vector3d& p) {
       return (p - contact->p).norm() < options_.elsewhere;
     });
-    if (is_new) chance += modes[i].weight;
+    if (is_new) foresight.chance += modes[i].weight;
   }
-  return chance;
+  foresight.chance /= looked_at;
+  const std::size_t stop = first_stop > 0 ? first_stop : shapes.size() - 1;
+  const Eigen::Vector3d from = shapes.front().tip.back().cast<double>();
+  const Eigen::Vector3d way = shapes[stop].tip.back().cast<double>() - from;
+  foresight.probe = {T_world_base * from, T_world_base.linear() * way.normalized(), 2 * way.norm(),
+                     kTouchSeconds};
+  return foresight;
 }
 
-std::optional<FingerMove> ProbePhase::choose(const Robot& robot, const PickState& state,
-                                             const std::vector<FingerMove>& made) const {
-  const Eigen::Isometry3d T_world_base = robot.reading().base.pose();
+std::optional<ProbePhase::FingerMove> ProbePhase::choose(
+    const Robot& robot, const PickState& state, const std::vector<FingerMove>& made) const {
   const KnownSpots known = known_spots(robot);
-  std::vector<FingerMove> reachable;
+  std::vector<FingerMove> promising;
   std::vector<localization::Probe> probes;
   for (const FreeFinger& free : free_fingers(robot, state)) {
-    const int finger = free.finger;
     for (const FingerMove& move : moves(robot, free)) {
       const auto made_before = [&](const FingerMove& other) { return same(move, other); };
       if (std::any_of(made.begin(), made.end(), made_before)) continue;
-      if (chance_of_new_touch(robot, state, move, known[static_cast<std::size_t>(finger)]) <
-          options_.likely) {
-        continue;
-      }
-      const auto change = [&](std::string_view joint) {
-        const int index = actuator(finger, joint);
-        return move.opened[index] - robot.command().positions[index];
-      };
-      const double j4 = change("J4"), j3 = change("J3"), j0 = change("J0");
-      const Eigen::Vector3d from = tip_after(robot, finger, j4, j3, j0);
-      const Eigen::Vector3d way = tip_after(robot, finger, j4, 0, j0) - from;
-      reachable.push_back(move);
-      probes.push_back({T_world_base * from, T_world_base.linear() * way.normalized(),
-                        2 * way.norm(), kTouchSeconds});
+      const Foresight foresight =
+          foresee(robot, state, move, known[static_cast<std::size_t>(free.finger)]);
+      const bool moves_at_all = foresight.probe.direction.norm() > 0.5;
+      if (!moves_at_all || foresight.chance < options_.likely) continue;
+      promising.push_back(move);
+      probes.push_back(foresight.probe);
     }
   }
   if (probes.empty()) return std::nullopt;
   const auto choice = localization::choose_probe(object_, state.estimate.posterior, probes,
                                                  RandomStream(seed_, "probe"));
   if (choice.information < options_.least_information) return std::nullopt;
-  return reachable[choice.index];
+  return promising[choice.index];
 }
 
 /// Lets the others take over, opens the finger, moves it, closes it until it touches or has closed
 /// in vain, and brings it back.
-/// @return whether the other fingers still hold the object
+/// @return whether the thumb and enough of the other fingers still touch the object
 bool ProbePhase::touch(Robot& robot, const FingerMove& move) const {
   const hand::ActuatorVector held = robot.command().positions;
   const hand::ActuatorVector without = with_finger(move.opened, move.finger, held);
@@ -213,11 +208,11 @@ bool ProbePhase::touch(Robot& robot, const FingerMove& move) const {
   robot.move_fingers(without, kReturnSeconds);
   robot.move_fingers(held, kTransferSeconds);
   robot.wait(kWindow * hand::kTick);
-  int holding = 0;
-  for (int finger = 0; finger < hand::kFingers; ++finger) {
-    holding += tip_force(robot.reading(), finger) > kLost;
+  int others = 0;
+  for (int finger = 1; finger < hand::kFingers; ++finger) {
+    others += finger != move.finger && tip_force(robot.reading(), finger) > kLost;
   }
-  return holding >= kLeastHolding;
+  return others + 1 >= kLeastHolding && tip_force(robot.reading(), 0) > kLost;
 }
 
 PhaseEnd ProbePhase::run(Robot& robot, PickState& state) {
@@ -230,7 +225,7 @@ PhaseEnd ProbePhase::run(Robot& robot, PickState& state) {
   bool holds = true;
   const double last_start = robot.time() + time_limit() - kTouchSeconds;
   while (holds && static_cast<int>(made.size()) < options_.most && weight() > 0 &&
-         weight() < options_.certain && robot.time() < last_start) {
+         weight() <= options_.certain && robot.time() < last_start) {
     const auto move = choose(robot, state, made);
     if (!move) break;
     holds = touch(robot, *move);

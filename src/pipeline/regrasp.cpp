@@ -9,7 +9,6 @@ namespace {
 
 constexpr std::array<std::string_view, 5> kStatusNames = {"done", "no_way", "not_held", "lost",
                                                           "out_of_rounds"};
-constexpr double kGravity = 9.81;  // m/s^2
 
 /// A course over several transfers.
 class Transfers {
@@ -26,9 +25,7 @@ class Transfers {
         options_(options.regrasp),
         observer_(observer),
         tool_(regrasp_tool(robot.model(), robot.actuators())) {
-    const GraspOptions& grasp = pick_options_.grasp;
-    options_.plan.grasp.press =
-        std::max(grasp.least_press, grasp.press_per_weight * object.object().mass * kGravity);
+    options_.plan.grasp.press = pressure(pick_options_.grasp, object.object());
   }
 
   RegraspRound round(std::uint64_t seed) {

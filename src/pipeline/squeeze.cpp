@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <limits>
 #include <numeric>
 
 #include "palpate/core/error.hpp"
@@ -68,7 +69,10 @@ Eigen::MatrixXd wrenches(std::span<const touch::Contact> contacts, const Eigen::
 BalancedForces balance_forces(std::span<const touch::Contact> contacts, double friction,
                               double total, const std::optional<Load>& load) {
   BalancedForces result;
-  if (contacts.empty()) return result;
+  if (contacts.empty()) {
+    result.imbalance = std::numeric_limits<double>::infinity();
+    return result;
+  }
   const Eigen::Matrix3Xd edges = cone_edges(contacts, friction);
   const Eigen::Vector3d center = middle_of(contacts);
   const Eigen::MatrixXd W = wrenches(contacts, edges, center);

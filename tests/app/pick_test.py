@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """pick, eval and replay."""
 
+import csv
 import json
 
 from cli import BAD_INPUT, NO_SOLUTION, QUICK, CliTest, binary_stl, box_stl, main
@@ -154,10 +155,21 @@ class Results(CliTest):
         command = ["eval", "--object", "box", "--trials", "2", "--seed", "20",
                    "--set", "attempts=1", *QUICK]  # fmt: skip
         one = self.run_json(*command, "--threads", "1")
-        two = self.run_json(*command, "--threads", "2")
+        two = self.run_json(*command, "--threads", "2", "--out", "runs")
         self.assertEqual(one["objects"], two["objects"])
+        self.check_trials("box", [20, 21], one["objects"]["box"])
         self.assertEqual(one["objects"]["box"]["trials"], 2)
         self.assertLessEqual(EVAL_KEYS, one["objects"]["box"].keys())
+
+    def check_trials(self, name, seeds, report):
+        """runs/trials.csv has a row for each trial, from which the report's rates follow."""
+        with open(self.folder / "runs" / "trials.csv", newline="") as file:
+            rows = list(csv.DictReader(file))
+        self.assertEqual([(row["object"], int(row["seed"])) for row in rows],
+                         [(name, seed) for seed in seeds])  # fmt: skip
+        for key in ["lifted", "pose_ok", "pose_tight", "truth_in_modes"]:
+            share = sum(int(row[key]) for row in rows) / len(rows)
+            self.assertEqual(share, report[key], key)
 
 
 if __name__ == "__main__":

@@ -13,7 +13,7 @@
 namespace palpate::pipeline {
 namespace {
 
-constexpr double kWeight = 2.0;  // N
+constexpr double kTotal = 50;    // N of all fingertips, against which the weight is little
 constexpr double kHold = 0.6;    // rad of the knuckles of fingers that hold
 constexpr double kTouch = 0.35;  // rad of a knuckle at which a moved finger touches
 constexpr double kAway = 0.02;   // rad of J4 or J0 from the hold that counts as moved
@@ -84,7 +84,7 @@ struct Hold {
   }
 
   PhaseReport probe() {
-    ProbePhase phase(object, options, locate, kWeight, 1);
+    ProbePhase phase(object, options, locate, kTotal, 1);
     return run_phase(phase, robot, state);
   }
 

@@ -23,8 +23,7 @@ struct GraspRecipe {
   double proximal, distal, spread, little_base;       ///< J3, J0, -FFJ4 and -LFJ4, LFJ5, rad
   double closing_rate;                                ///< of J3, rad/s
   double thumb_limit;                                 ///< largest THJ5, rad
-  bool wait_for_all;  ///< each finger stops at contact until all have it
-  hand::ClosingTorque contact_torque, hold_torque;
+  hand::ClosingTorque contact_torque;
 
   template <class Visitor>
   void visit(Visitor&& v) {
@@ -45,9 +44,7 @@ struct GraspRecipe {
     v("little_base", little_base, 0.0, 0.79, "rad, LFJ5");
     v("closing_rate", closing_rate, 0.01, 20.0, "rad/s, of J3");
     v("thumb_limit", thumb_limit, -1.05, 1.05, "rad, largest THJ5");
-    v("wait_for_all", wait_for_all, "each finger stops at contact until all have it");
     v.section("contact_torque", contact_torque);
-    v.section("hold_torque", hold_torque);
   }
 };
 
@@ -63,7 +60,6 @@ struct GraspOptions {
   GraspRecipe top = top_recipe();
   int turns = 4;                  ///< directions tried from above when fingers land on the object
   double least_depth = 0.02;      ///< m below the object's top that the fingers must reach
-  double closing_angle = -0.35;   ///< from thumb to fingers, from the hand's x axis, rad
   double travel_speed = 0.5;      ///< m/s
   double longest_close = 8.0;     ///< s until all fingers have met the object
   double ramp_seconds = 0.8;      ///< from touching to pressing
@@ -82,7 +78,6 @@ struct GraspOptions {
     v("side_from", side_from, 0.0, 0.5, "m, objects at least this tall are grasped from the side");
     v("turns", turns, 1, 36, "directions tried from above when fingers land on the object");
     v("least_depth", least_depth, 0.0, 0.2, "m below the object's top that the fingers must reach");
-    v("closing_angle", closing_angle, -3.2, 3.2, "rad, of thumb to fingers from the hand's x axis");
     v("travel_speed", travel_speed, 0.01, 2.0, "m/s, through the air");
     v("longest_close", longest_close, 0.1, 30.0, "s until all fingers have met the object");
     v("ramp_seconds", ramp_seconds, 0.01, 10.0, "s, from touching to pressing");
@@ -101,11 +96,15 @@ struct GraspOptions {
   }
 };
 
+/// With how much (N) all fingertips together press on an object.
+double pressure(const GraspOptions& options, const geometry::KnownObject& object);
+
 /// Chooses a grasp for the estimated resting pose; nothing leaves the choice to the phase.
 using GraspChooser = std::function<std::optional<GraspPlan>(const localization::Posterior&)>;
 
-/// Brings the hand to the object from the side or from above, by its height, and closes it by
-/// touch.
+/// Brings the hand to the object as planned on its resting pose, and closes it by touch. Where the
+/// fingers' forces would not balance, it opens and closes again from another side; then it presses.
+/// Without a pose it goes for the rough place, from the side or from above by the object's height.
 class GraspPhase : public Phase {
  public:
   /// @param choose  asked first, if given
@@ -122,12 +121,12 @@ class GraspPhase : public Phase {
     std::vector<touch::Contact> contacts;
     BalancedForces forces;
   };
-  std::optional<GraspPlan> plan(const Robot& robot, const PickState& state) const;
+  std::optional<GraspPlan> plan(const Robot& robot, const PickState& state,
+                                const std::vector<double>& tried_yaws) const;
   Hold close_as_planned(Robot& robot, PickState& state, const GraspPlan& plan) const;
   PhaseEnd grasp_unplanned(Robot& robot, PickState& state);
   PhaseEnd end(const Robot& robot, const Hold& hold, std::string_view grasp) const;
   void approach(Robot& robot, const GraspPlan& plan) const;
-  double pressure() const;
   void approach_from_side(Robot& robot, const PickState& state) const;
   void approach_from_above(Robot& robot, PickState& state) const;
   void descend(Robot& robot, const PickState& state) const;

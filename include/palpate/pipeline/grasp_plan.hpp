@@ -12,7 +12,7 @@ namespace palpate::pipeline {
 struct PlanOptions {
   double clearance = 0.004;        ///< of the opened hand from the object, m
   double table_clearance = 0.005;  ///< of the hand from the table, m
-  double press = 6.0;              ///< N, of all fingertips together
+  double press = 6.0;              ///< N, of all fingertips together; whoever plans sets it
   double friction = 0.4;           ///< that the balance of forces counts on
   double missing_finger = 0.05;    ///< cost of a finger that does not meet the object
   double pose_error = 0.004;       ///< m by which the object may lie elsewhere
@@ -24,7 +24,6 @@ struct PlanOptions {
   void visit(Visitor&& v) {
     v("clearance", clearance, 0.0, 0.02, "m, of the opened hand from the object");
     v("table_clearance", table_clearance, 0.0, 0.05, "m, of the hand from the table");
-    v("press", press, 0.1, 100.0, "N, of all fingertips together");
     v("friction", friction, 0.0, 2.0, "that the balance of forces counts on");
     v("missing_finger", missing_finger, 0.0, 1.0, "cost of a finger that does not meet the object");
     v("pose_error", pose_error, 0.0, 0.05, "m by which the object may lie elsewhere");

@@ -4,6 +4,7 @@
 #include <array>
 #include <vector>
 
+#include "palpate/localization/next_touch.hpp"
 #include "palpate/pipeline/locate.hpp"
 #include "palpate/pipeline/phase.hpp"
 
@@ -23,7 +24,6 @@ struct ProbeOptions {
   double touch_force = 0.1;        ///< N at the fingertip
   double balance = 0.15;           ///< imbalance that the other fingers' forces may have
   double friction = 0.5;           ///< that their balance counts on
-  double press = 5;                ///< N, of the other fingers together
 
   template <class Visitor>
   void visit(Visitor&& v) {
@@ -40,45 +40,45 @@ struct ProbeOptions {
     v("touch_force", touch_force, 0.02, 5.0, "N at the fingertip");
     v("balance", balance, 0.0, 2.0, "imbalance that the other fingers' forces may have");
     v("friction", friction, 0.0, 2.0, "that their balance counts on");
-    v("press", press, 0.1, 100.0, "N, of the other fingers together");
   }
 };
 
-/// A finger that the others can do without, and what they do meanwhile.
-struct FreeFinger {
-  int finger = 0;
-  hand::ActuatorVector held;  ///< the whole hand, pressing without this finger
-};
-
-/// A finger moved to another spot while the others hold: its actuators before it closes again.
-struct FingerMove {
-  int finger = 0;
-  hand::ActuatorVector opened;  ///< of the whole hand
-};
-
-/// Places (base's frame) where each finger has touched the object since the hand closed.
-using KnownSpots = std::array<std::vector<Eigen::Vector3d>, hand::kFingers>;
-
 /// Touches the object in the hand at other spots, one finger at a time, while the best pose is in
-/// doubt. The moves are those that should make a finger meet
-/// the object where it has not been, by the poses in question; of them the one of which most is to
-/// be learnt is made, by a finger that the others can do without: they take over what it held. Then
-/// all is as before.
+/// doubt. The moves are those that should make a finger meet the object where it has not been, by
+/// the poses in question; of them the one of which most is to be learnt is made, by a finger that
+/// the others can do without: they take over what it held. Then all is as before.
 class ProbePhase : public Phase {
  public:
-  /// @param weight  of the object, N
+  /// @param press  of all fingers together, N, as the grasp's
   ProbePhase(const localization::ObjectModel& object, const ProbeOptions& options,
-             const LocateOptions& locate, double weight, std::uint64_t seed)
-      : object_(object), options_(options), locate_(locate), weight_(weight), seed_(seed) {}
+             const LocateOptions& locate, double press, std::uint64_t seed)
+      : object_(object), options_(options), locate_(locate), press_(press), seed_(seed) {}
   std::string_view name() const override { return "probe"; }
   double time_limit() const override { return 60.0; }
   PhaseEnd run(Robot& robot, PickState& state) override;
 
  private:
+  /// A finger that the others can do without, and what they do meanwhile.
+  struct FreeFinger {
+    int finger = 0;
+    hand::ActuatorVector held;  ///< the whole hand, pressing without this finger
+  };
+  /// A finger moved to another spot while the others hold: its actuators before it closes again.
+  struct FingerMove {
+    int finger = 0;
+    hand::ActuatorVector opened;  ///< of the whole hand
+  };
+  /// How a move should end, by the poses in question.
+  struct Foresight {
+    double chance = 0;  ///< that the tip meets the object where it has not touched it
+    localization::Probe probe{{0, 0, 0}, {0, 0, 0}};  ///< the tip's way, as if it were straight
+  };
+
+  static bool same(const FingerMove& a, const FingerMove& b);
   std::vector<FreeFinger> free_fingers(const Robot& robot, const PickState& state) const;
   std::vector<FingerMove> moves(const Robot& robot, const FreeFinger& free) const;
-  double chance_of_new_touch(const Robot& robot, const PickState& state, const FingerMove& move,
-                             const std::vector<Eigen::Vector3d>& known) const;
+  Foresight foresee(const Robot& robot, const PickState& state, const FingerMove& move,
+                    const std::vector<Eigen::Vector3d>& known) const;
   std::optional<FingerMove> choose(const Robot& robot, const PickState& state,
                                    const std::vector<FingerMove>& made) const;
   bool touch(Robot& robot, const FingerMove& move) const;
@@ -86,7 +86,7 @@ class ProbePhase : public Phase {
   const localization::ObjectModel& object_;
   ProbeOptions options_;
   LocateOptions locate_;
-  double weight_;
+  double press_;
   std::uint64_t seed_;
 };
 

@@ -23,6 +23,7 @@ struct BalancedForces {
 
 /// Least net wrench over the friction cones (four edges each) of contacts that press with `total`
 /// (N) altogether, with a slight preference for forces that are shared evenly.
+/// Without contacts the imbalance is infinite.
 ///
 /// @param contacts  in any one frame; the forces and the load are in the same
 BalancedForces balance_forces(std::span<const touch::Contact> contacts, double friction,
