@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <numeric>
 #include <span>
@@ -24,7 +25,7 @@ using Scene = experiment::HandScene;
 
 constexpr double kExploreSeconds = 120;  // s of the robot's time that 16 contacts may take
 constexpr std::size_t kExploreTouches = 16;
-constexpr int kProbes = 9;             // three for each of three fingers
+constexpr int kProbes = 9;             // as many as the phase has time for
 constexpr double kElsewhere = 0.004;   // m between spots of a finger that are not the same
 constexpr std::size_t kWindow = 15;    // readings of a touch that are averaged
 constexpr double kHeldMotion = 0.010;  // m in the hand that a kept object moves in the lift
@@ -57,7 +58,7 @@ Exploring explore(Scene& scene, PickState& state, const localization::ObjectMode
 struct Probing {
   Motion motion;                // in the hand, from before the first touch to after the last
   std::vector<Motion> of_each;  // from before a touch until the finger is back
-  std::vector<double> found;    // new contacts of each finger that probed
+  std::vector<double> found;    // new contacts of each finger that probed, none included
   bool kept = false;            // and lifted
 };
 
@@ -67,18 +68,37 @@ std::vector<touch::Contact> contacts_at(const Robot& robot, std::size_t reading)
                                  {});
 }
 
-/// The contacts of each finger that are away from all that it had before: those of a finger that
-/// held all the time are old.
-std::vector<double> new_contacts(const Robot& robot, std::size_t closed,
+/// The finger whose tip is farthest from where it was.
+std::size_t moved_finger(const Robot& robot, std::size_t before, std::size_t after) {
+  const auto& readings = robot.log().readings;
+  const auto T_before = hand::forward_kinematics(robot.model(), readings[before].joints);
+  const auto T_after = hand::forward_kinematics(robot.model(), readings[after].joints);
+  std::size_t moved = 0;
+  double farthest = 0;
+  for (std::size_t finger = 0; finger < hand::kFingers; ++finger) {
+    const auto link = static_cast<std::size_t>(robot.model().distal[finger]);
+    const Eigen::Vector3d& tip = robot.model().tips[finger].b;
+    const double way = (T_after[link] * tip - T_before[link] * tip).norm();
+    if (way <= farthest) continue;
+    farthest = way;
+    moved = finger;
+  }
+  return moved;
+}
+
+/// For each finger that probed, how many places it found that are away from all that it had before.
+std::vector<double> new_contacts(const Robot& robot, const std::vector<std::size_t>& closed,
                                  const std::vector<std::size_t>& probes) {
   std::array<std::vector<Eigen::Vector3d>, hand::kFingers> known;
-  std::array<int, hand::kFingers> found{};
-  for (const auto& contact : contacts_at(robot, closed)) {
+  for (const auto& contact : contacts_at(robot, closed.front())) {
     known[static_cast<std::size_t>(contact.finger)].push_back(contact.p);
   }
-  for (const std::size_t probe : probes) {
-    for (const auto& contact : contacts_at(robot, probe)) {
-      const auto finger = static_cast<std::size_t>(contact.finger);
+  std::map<std::size_t, double> found;
+  for (std::size_t i = 0; i < probes.size(); ++i) {
+    const std::size_t finger = moved_finger(robot, closed[i], probes[i]);
+    found.try_emplace(finger, 0);
+    for (const auto& contact : contacts_at(robot, probes[i])) {
+      if (contact.finger != static_cast<int>(finger)) continue;
       const bool is_new = std::none_of(
           known[finger].begin(), known[finger].end(),
           [&](const Eigen::Vector3d& p) { return (p - contact.p).norm() < kElsewhere; });
@@ -88,9 +108,7 @@ std::vector<double> new_contacts(const Robot& robot, std::size_t closed,
     }
   }
   std::vector<double> counts;
-  for (const int count : found) {
-    if (count > 0) counts.push_back(count);
-  }
+  for (const auto& [finger, count] : found) counts.push_back(count);
   return counts;
 }
 
@@ -126,7 +144,7 @@ std::optional<Probing> probe(Scene& scene, PickState& state, const localization:
     result.of_each.push_back(
         between(scene.in_hand(i == 0 ? first : closed[i]), scene.in_hand(closed[i + 1])));
   }
-  result.found = new_contacts(scene.robot(), closed.front(), probes);
+  result.found = new_contacts(scene.robot(), closed, probes);
   result.kept = lift(scene, state, weight);
   return result;
 }
