@@ -3,15 +3,27 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <span>
+
+#include "contact_drift.hpp"
+#include "load.hpp"
+
 namespace palpate::pipeline {
 namespace {
 
-double mean_load(const TouchLog& log, std::size_t readings) {
-  double sum = 0;
-  for (std::size_t i = log.readings.size() - readings; i < log.readings.size(); ++i) {
-    sum += log.readings[i].base_force.z();
+constexpr std::size_t kJudged = 50;  // readings at the end of the hold, averaged against noise
+
+/// How many fingers touch with at least a force, in the mean over the last readings.
+int touching_fingers(const TouchLog& log, double force) {
+  const auto window = std::span(log.readings).last(std::min(log.readings.size(), kJudged));
+  int count = 0;
+  for (int finger = 0; finger < hand::kFingers; ++finger) {
+    double sum = 0;
+    for (const auto& reading : window) sum += tip_force(reading, finger);
+    count += sum >= force * static_cast<double>(window.size());
   }
-  return sum / static_cast<double>(readings);
+  return count;
 }
 
 }  // namespace
@@ -21,12 +33,24 @@ PhaseEnd LiftPhase::run(Robot& robot, PickState& state) {
   up.xyz.z() += options_.way;
   robot.move_base(up, options_.speed);
   robot.wait(options_.settle);
+  const std::size_t settled = robot.log().readings.size() - 1;
   robot.wait(options_.hold);
   robot.mark(Mark::held);
-  state.held_load = mean_load(robot.log(), 50);
-  const bool held = state.held_load > options_.least_weight * weight_;
-  return {held, fmt::format("{}: {:.2f} N of {:.2f} N hang in the hand", held ? "held" : "lost",
-                            state.held_load, weight_)};
+  state.held_load = mean_load(robot.log(), kJudged);
+  const int fingers = touching_fingers(robot.log(), options_.touch_force);
+  const double slip =
+      contact_drift(robot.log(), robot.model(), settled, robot.log().readings.size() - 1);
+
+  const bool light = state.held_load <= options_.least_weight * weight_;
+  const bool untouched = fingers < options_.least_fingers;
+  const bool slipping = slip > options_.most_slip;
+  const char* const verdict = light       ? "lost"
+                              : untouched ? "contacts lost"
+                              : slipping  ? "slipping"
+                                          : "held";
+  return {!light && !untouched && !slipping,
+          fmt::format("{}: {:.2f} N of {:.2f} N hang in the hand, {} fingers touch, slip {:.1f} mm",
+                      verdict, state.held_load, weight_, fingers, 1e3 * slip)};
 }
 
 }  // namespace palpate::pipeline

@@ -38,11 +38,6 @@ struct TransportOptions {
   }
 };
 
-/// How far the contacts have wandered along the fingertips between two instants of the log, in the
-/// median over the fingers that touch at both, m; 0 if there is none.
-double contact_drift(const TouchLog& log, const hand::HandModel& hand, std::size_t before,
-                     std::size_t after);
-
 /// Carries the held object over its goal along a planned path that is free of collisions (thesis
 /// section 2.2.1) for the hand and for the object at its ESTIMATED pose. Only the base moves; the
 /// fingers keep pressing as they were told last. Loss and slip are noticed by touch and load.
