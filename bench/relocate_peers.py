@@ -3,8 +3,8 @@
 
 usage: relocate_peers.py PALPATE POLICY [--episodes N] [--rounds R]
 
-POLICY is a network on the 39 observations (kind "mlp", as `palpate train relocate --method dagger`
-makes it); it drives all, for 99 steps an episode. The peer relocates its own ball, put where the mug
+POLICY is a network on the 39 observations: of kind "mlp", as `palpate train relocate --method dagger`
+makes it, or DexMV's published one (W0, b0, ...). It drives all, for 99 steps an episode. The peer relocates its own ball, put where the mug
 starts, and in a second environment a mug of as many parts as palpate's, with the peer's own solver.
 Rounds alternate, and the medians are compared. Times are processor time on one thread, so that
 other work on the machine counts against nobody, and elapsed time: on one thread for the peer, on
@@ -27,9 +27,27 @@ import numpy as np
 STEPS = 99
 
 
+DEXMV_SCALE_FLOOR = 1e-8  # that DexMV adds to the scale of the inputs
+
+
 class Network:
     def __init__(self, path):
         record = json.load(open(path))
+        if "W0" in record:
+            self.read_dexmv(record)
+        else:
+            self.read_own(path, record)
+
+    def read_dexmv(self, record):
+        self.layers = [(np.array(record[f"W{i}"]), np.array(record[f"b{i}"])) for i in range(3)]
+        self.arrays = {
+            "input_shift": np.array(record["in_shift"]),
+            "input_scale": np.array(record["in_scale"]) + DEXMV_SCALE_FLOOR,
+            "output_shift": np.array(record["out_shift"]),
+            "output_scale": np.array(record["out_scale"]),
+        }
+
+    def read_own(self, path, record):
         if record.get("kind") != "mlp":
             raise SystemExit(f"{path}: a policy of kind {record.get('kind')}, not mlp")
         arrays = {name: np.array(values) for name, values in record["arrays"].items()}
