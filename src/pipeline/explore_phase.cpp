@@ -26,6 +26,8 @@ constexpr double kHighest = 0.018;    // m, of all of these together
 constexpr double kGoodSpread = 0.35;  // of the resting pose, where no more sweeps are needed
 constexpr double kWorthwhile = 0.93;  // of the spread that a sweep may leave
 constexpr double kBackOff = 0.03;     // m
+constexpr double kSweepTime = 9;      // s that a sweep takes with its travel, amply
+constexpr double kLeastTime = 180;    // s, of the whole phase
 constexpr auto kProbe = static_cast<std::size_t>(hand::Finger::first);
 
 /// The first finger straight, the others curled away.
@@ -136,6 +138,11 @@ SweepingFinger sweeping_finger(const Robot& robot, double yaw) {
 
 }  // namespace
 
+double ExplorePhase::time_limit() const {
+  const int sweeps = std::max(options_.most_touches, 2 * options_.touches) + options_.refining;
+  return std::max(kLeastTime, kSweepTime * sweeps);
+}
+
 PhaseEnd ExplorePhase::run(Robot& robot, PickState& state) {
   done_.clear();
   raised_ = 0;
@@ -145,6 +152,7 @@ PhaseEnd ExplorePhase::run(Robot& robot, PickState& state) {
   robot.move_fingers(pointing_hand(), 0.5);
   robot.wait(0.1);
   int touches = touch_around(robot, state);
+  if (options_.most_touches <= options_.touches) touches += make_up(robot, state, touches);
   state.resting = locate_resting(object_, robot.model(), robot.log(), locate_, seed_);
   touches += tell_apart(robot, state);
   touches += refine(robot, state);
@@ -165,6 +173,19 @@ int ExplorePhase::touch_around(Robot& robot, const PickState& state) {
     touches += touch_from(robot, state, angle, i % 2 == 0 ? 0 : 1) == SweepEnd::touched;
   }
   return touches;
+}
+
+/// Level sweeps from in between the first ones, till as many have touched as were asked for.
+int ExplorePhase::make_up(Robot& robot, const PickState& state, int touches) {
+  int made_up = 0;
+  for (const int i : every_other_first(options_.touches)) {
+    if (touches + made_up >= options_.touches) break;
+    const double angle = 2 * std::numbers::pi * (i + 0.5) / options_.touches;
+    const auto end = touch_from(robot, state, angle, i % 2 == 0 ? 0 : 1);
+    if (end == SweepEnd::timed_out) break;
+    made_up += end == SweepEnd::touched;
+  }
+  return made_up;
 }
 
 /// A level sweep. Where another part of the hand meets the object first, the finger was too low:
@@ -242,7 +263,8 @@ ExplorePhase::SweepEnd ExplorePhase::sweep(Robot& robot, const PickState& state,
     touched = tip(reading);
     return touched || blocked(reading);
   };
-  const bool stopped = robot.move_base(end, options_.speed, stop) == MotionEnd::stopped;
+  const MotionEnd motion = robot.move_base(end, options_.speed, stop);
+  if (motion == MotionEnd::timed_out) return SweepEnd::timed_out;  // it missed nothing
   if (touched) {
     stop_here(robot, options_.travel_speed);
     robot.wait(kRest);
@@ -254,7 +276,8 @@ ExplorePhase::SweepEnd ExplorePhase::sweep(Robot& robot, const PickState& state,
   robot.move_base(back, options_.travel_speed / 4);
   back.xyz.z() = std::max(back.xyz.z(), above.xyz.z());
   robot.move_base(back, options_.travel_speed);
-  return touched ? SweepEnd::touched : stopped ? SweepEnd::blocked : SweepEnd::missed;
+  if (touched) return SweepEnd::touched;
+  return motion == MotionEnd::stopped ? SweepEnd::blocked : SweepEnd::missed;
 }
 
 }  // namespace palpate::pipeline

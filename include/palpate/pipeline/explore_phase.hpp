@@ -40,20 +40,25 @@ struct ExploreOptions {
 /// with the model of the finger shifts all contacts alike and leaves their shape. For every other
 /// touch it is turned round, which turns that shift round, too, and so tells it from the object's
 /// place.
+///
+/// Where no touches are left to tell poses apart (most_touches <= touches), the number of touches
+/// is asked for: for sweeps that felt nothing it sweeps from in between, at most once as often
+/// again.
 class ExplorePhase : public Phase {
  public:
   ExplorePhase(const localization::ObjectModel& object, const ExploreOptions& options,
                const LocateOptions& locate, std::uint64_t seed)
       : object_(object), options_(options), locate_(locate), seed_(seed) {}
   std::string_view name() const override { return "explore"; }
-  double time_limit() const override { return 180.0; }
+  double time_limit() const override;
   PhaseEnd run(Robot& robot, PickState& state) override;
 
  private:
-  enum class SweepEnd { touched, missed, blocked };
+  enum class SweepEnd { touched, missed, blocked, timed_out };
   SweepEnd sweep(Robot& robot, const PickState& state, const TurnedSweep& turned);
   double yaw(std::size_t turn) const { return turn == 0 ? 0 : options_.turn; }
   int touch_around(Robot& robot, const PickState& state);
+  int make_up(Robot& robot, const PickState& state, int touches);
   SweepEnd touch_from(Robot& robot, const PickState& state, double angle, std::size_t turn);
   int tell_apart(Robot& robot, PickState& state);
   int refine(Robot& robot, PickState& state);

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/pipeline/explore_phase.hpp"
+
+#include <gtest/gtest.h>
+
+#include "fake_hand.hpp"
+#include "palpate/core/assets.hpp"
+#include "palpate/simulation/world.hpp"
+
+namespace palpate::pipeline {
+namespace {
+
+constexpr double kMet = 0.1;  // m of a sweep after which the finger touches
+
+/// A hand that sweeps about a box, and touches something on the sweeps that a rule names.
+struct Exploring {
+  using Rule = std::function<bool(std::size_t sweep)>;  // numbered from 0
+
+  explicit Exploring(Rule touches)
+      : hand([this, touches = std::move(touches)](hand::HandReading& reading) {
+          if (sweeping && touches(sweeps - 1) && (reading.base.xyz - start).norm() > kMet) {
+            reading.contacts[1] = {{{0, 0, 0.02}, {0, 1, 0}, {0, -1, 0}}};
+          }
+          last = reading.base.xyz;
+        }),
+        robot(hand, model, {}, {{}, [this](Mark mark) {
+                                  sweeping = mark == Mark::sweep;
+                                  if (!sweeping) return;
+                                  start = last;
+                                  ++sweeps;
+                                }}) {
+    locate.search.proposals = 2000;
+    locate.search.particles = 100;
+    options.refining = 0;
+    state.height = 0.05;
+  }
+
+  PhaseReport explore() {
+    ExplorePhase phase(object, options, locate, 1);
+    return run_phase(phase, robot, state);
+  }
+  std::size_t marked(Mark mark) const { return robot.log().all(mark).size(); }
+
+  std::size_t sweeps = 0;
+  bool sweeping = false;
+  Eigen::Vector3d start{0, 0, 0}, last{0, 0, 0};
+  hand::HandModel model = simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
+  localization::ObjectModel object{geometry::load_known_object("box")};
+  ExploreOptions options;
+  LocateOptions locate;
+  PickState state;
+  FakeHand hand;
+  Robot robot;
+};
+
+TEST(ExplorePhase, GoesOnTillAsManyHaveTouchedAsWereAskedFor) {
+  Exploring exploring([](std::size_t sweep) { return sweep % 2 == 0; });
+  exploring.options.touches = exploring.options.most_touches = 4;
+  exploring.explore();
+  EXPECT_EQ(exploring.marked(Mark::touched), 4u);
+  EXPECT_EQ(exploring.sweeps, 7u);
+  EXPECT_EQ(exploring.marked(Mark::missed), 3u);
+}
+
+TEST(ExplorePhase, MakesNoMoreSweepsThanItsTouchesNeed) {
+  Exploring exploring([](std::size_t) { return true; });
+  exploring.options.touches = exploring.options.most_touches = 4;
+  exploring.explore();
+  EXPECT_EQ(exploring.sweeps, 4u);
+}
+
+TEST(ExplorePhase, GivesUpWhereNothingIsFelt) {
+  Exploring exploring([](std::size_t) { return false; });
+  exploring.options.touches = exploring.options.most_touches = 4;
+  EXPECT_EQ(exploring.explore().status, PhaseStatus::failed);
+  EXPECT_EQ(exploring.sweeps, 8u);
+  EXPECT_EQ(exploring.marked(Mark::missed), 8u);
+}
+
+TEST(ExplorePhase, MakesUpForNoMissWhereMoreTouchesMayFollow) {
+  Exploring exploring([](std::size_t) { return false; });
+  exploring.options.touches = 4;
+  exploring.options.most_touches = 8;
+  exploring.explore();
+  EXPECT_EQ(exploring.sweeps, 4u);  // without a pose there is none to tell apart
+}
+
+TEST(ExplorePhase, ASweepCutShortByTimeMissedNothing) {
+  Exploring exploring([](std::size_t) { return false; });
+  exploring.options.touches = exploring.options.most_touches = 2;
+  exploring.options.speed = 0.001;  // 185 s a sweep
+  EXPECT_EQ(exploring.explore().status, PhaseStatus::timed_out);
+  EXPECT_GE(exploring.sweeps, 1u);
+  EXPECT_EQ(exploring.marked(Mark::missed), 0u);
+}
+
+TEST(ExplorePhase, HasTimeForManySweeps) {
+  const localization::ObjectModel object(geometry::load_known_object("box"));
+  ExploreOptions options;
+  EXPECT_EQ(ExplorePhase(object, options, {}, 1).time_limit(), 180);
+  const double full = options.radius / options.speed;  // s to where the object is
+  options.touches = options.most_touches = 64;
+  EXPECT_GE(ExplorePhase(object, options, {}, 1).time_limit(), 2 * 64 * full);
+}
+
+}  // namespace
+}  // namespace palpate::pipeline
