@@ -153,7 +153,8 @@ MatrixXd read_table(const H5::Group& group, const char* name, int rank, std::uin
   if (kind != H5T_FLOAT && kind != H5T_INTEGER && kind != H5T_ENUM) {
     throw BadInput(fmt::format("'{}' holds no numbers", name));
   }
-  if (size[0] * size[1] > std::min<hsize_t>(kMostValues, bytes)) {
+  const hsize_t most = std::min<hsize_t>(kMostValues, bytes);
+  if (size[1] > 0 && size[0] > most / size[1]) {
     throw BadInput(fmt::format("'{}' claims {} x {} values, more than the file holds", name,
                                size[0], size[1]));
   }
@@ -193,12 +194,21 @@ MinariEpisode read_episode(const H5::H5File& file, std::size_t number) {
   return e;
 }
 
+/// The text of that name, none if there is nothing or something else.
+std::string text_of(const json& object, const char* name) {
+  const auto found = object.find(name);
+  return found != object.end() && found->is_string() ? found->get<std::string>() : "";
+}
+
 json read_metadata(const std::filesystem::path& path) {
   const json head = json::parse(read_file(path), nullptr, /*allow_exceptions=*/false);
   const auto count = head.find("total_episodes");
   if (!head.is_object() || count == head.end() || !count->is_number_unsigned() ||
-      head.value("data_format", "") != "hdf5") {
+      text_of(head, "data_format") != "hdf5") {
     throw BadInput(fmt::format("{}: not the metadata of a Minari dataset in HDF5", path.string()));
+  }
+  if (const auto id = head.find("dataset_id"); id != head.end() && !id->is_string()) {
+    throw BadInput(fmt::format("{}: 'dataset_id' is {}, no text", path.string(), id->dump()));
   }
   return head;
 }
@@ -234,7 +244,7 @@ MinariDataset read_minari(const std::filesystem::path& folder) {
     throw BadInput(fmt::format("{}: there is no such file", path.string()));
   }
   MinariDataset dataset;
-  dataset.id = head.value("dataset_id", "");
+  dataset.id = text_of(head, "dataset_id");
   const std::lock_guard lock(recording::hdf5_mutex());
   H5::Exception::dontPrint();
   try {

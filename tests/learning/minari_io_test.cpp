@@ -6,6 +6,7 @@
 
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <string_view>
 
 #include "core/error_message.hpp"
 #include "core/temporary_folder.hpp"
@@ -118,6 +119,43 @@ TEST(Minari, RefusesCorruptAndForeignFiles) {
   EXPECT_NE(message().find("no such file"), std::string::npos);
   write_file_atomically(folder.path() / "data/metadata.json", "{\"data_format\": \"arrow\"}");
   EXPECT_NE(message().find("metadata.json"), std::string::npos);
+}
+
+TEST(Minari, RefusesMetadataOfForeignTypes) {
+  const TemporaryFolder folder;
+  write_minari(folder.path(), random_dataset());
+  const auto path = folder.path() / "data/metadata.json";
+  const auto whole = nlohmann::json::parse(read_file(path));
+  for (const char* name : {"data_format", "dataset_id", "total_episodes"}) {
+    for (const nlohmann::json& value : {nlohmann::json(7), nlohmann::json(nullptr),
+                                        nlohmann::json::array({1}), nlohmann::json(-1)}) {
+      if (std::string_view(name) == "total_episodes" && value == 7) continue;
+      auto head = whole;
+      head[name] = value;
+      write_file_atomically(path, head.dump());
+      EXPECT_NE(error_message([&] { read_minari(folder.path()); }).find("metadata.json"),
+                std::string::npos)
+          << head.dump();
+    }
+  }
+}
+
+TEST(Minari, RefusesATableWhoseSizeOverflows) {
+  const TemporaryFolder folder;
+  write_minari(folder.path(), random_dataset());
+  {
+    const H5::H5File file((folder.path() / "data/main_data.hdf5").string(), H5F_ACC_RDWR);
+    const H5::Group episode = file.openGroup("episode_1");
+    episode.unlink("observations");
+    const hsize_t size[2] = {hsize_t{1} << 33, hsize_t{1} << 31};  // 2^64 values
+    const hsize_t chunk[2] = {1, 64};
+    H5::DSetCreatPropList properties;
+    properties.setChunk(2, chunk);
+    episode.createDataSet("observations", H5::PredType::NATIVE_DOUBLE, H5::DataSpace(2, size),
+                          properties);
+  }
+  EXPECT_NE(error_message([&] { read_minari(folder.path()); }).find("more than the file holds"),
+            std::string::npos);
 }
 
 TEST(Minari, RefusesNanRewardsInAFile) {
