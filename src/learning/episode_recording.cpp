@@ -5,13 +5,17 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <string>
 
 #include "object_surface.hpp"
 #include "palpate/core/assets.hpp"
 #include "palpate/core/se3.hpp"
 #include "palpate/core/version.hpp"
+#include "palpate/hand/kinematics.hpp"
 #include "palpate/simulation/relocate_dynamics.hpp"
+#include "palpate/simulation/relocate_task.hpp"
 #include "palpate/simulation/world.hpp"
 
 namespace palpate::learning {
@@ -102,11 +106,11 @@ Event target_note(const Eigen::Isometry3d& T_world_target) {
           fmt::format("target {}", fmt::join(pose_to_row_major(T_world_target), " "))};
 }
 
-geometry::KnownObject drawn_object(const simulation::RelocateObject& object) {
+geometry::KnownObject drawn_object(const simulation::RelocateObject& object, double mass) {
   geometry::KnownObject drawn;
   drawn.name = object.name;
   drawn.mesh = surface(object);
-  drawn.mass = object.mass;
+  drawn.mass = mass;
   drawn.symmetries = {Eigen::Matrix3d::Identity()};
   return drawn;
 }
@@ -124,10 +128,11 @@ hand::JointVector shadow_joints(const RelocateJoints& joints) {
 recording::Recording record_episode(const TaskOptions& task, const Policy& policy,
                                     const EpisodeOptions& episode, std::uint64_t seed,
                                     std::size_t index) {
-  recording::Recording recording;
-  recording.header = {std::string(version()), seed, drawn_object(make_object(task)),
-                      simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml")), ""};
   const auto model = make_model(task);
+  recording::Recording recording;
+  recording.header = {std::string(version()), seed,
+                      drawn_object(make_object(task), model.object_mass()),
+                      simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml")), ""};
   const auto start = episode_start(episode, seed, index);
   simulation::RelocateTask run(model);
   Frames frames(model, recording.header.hand);

@@ -102,6 +102,16 @@ TEST(EpisodeRecording, ThePalmIsWhereTheTaskHasIt) {
   EXPECT_NEAR((palm.translation() - Eigen::Vector3d(0, -0.22, 0.20)).norm(), 0, 2e-3);
 }
 
+TEST(EpisodeRecording, TheObjectHasTheMassOfTheTask) {
+  EpisodeOptions episode;
+  episode.horizon = 1;
+  TaskOptions task = fast("box");
+  const double mass = record_episode(task, structured(false), episode, 1, 0).header.object.mass;
+  task.mass_scale = 1.5;
+  const auto heavy = record_episode(task, structured(false), episode, 1, 0);
+  EXPECT_NEAR(heavy.header.object.mass, 1.5 * mass, 1e-9);
+}
+
 TEST(EpisodeRecording, RefusesAnUnknownObject) {
   EXPECT_THROW(record_episode(fast("nothing.stl"), structured(false), {}, 1, 0), BadInput);
 }
