@@ -154,7 +154,8 @@ VectorXd augmented_gradient(const GaussianPolicy& policy, const Batch& batch,
   return sum / (n + d);
 }
 
-/// Moves the policy along the natural gradient as far as the divergence allows.
+/// Moves the policy along the natural gradient as far as the divergence allows; not at all if no
+/// halving of the step meets it.
 void take_step(GaussianPolicy& policy, const Batch& batch, const VectorXd& gradient,
                const NpgOptions& options, NpgIteration& result) {
   const GaussianPolicy before = policy;
@@ -166,6 +167,11 @@ void take_step(GaussianPolicy& policy, const Batch& batch, const VectorXd& gradi
     policy.set_parameters(before.parameters() + length * direction, options.least_log_std);
     result.divergence = before.divergence(policy, batch.observations);
     if (result.divergence <= options.divergence) break;
+  }
+  if (!(result.divergence <= options.divergence)) {  // also if it is NaN
+    policy = before;
+    result.divergence = 0;
+    return;
   }
   const Eigen::ArrayXd ratio = (policy.log_likelihood(batch.observations, batch.actions) -
                                 before.log_likelihood(batch.observations, batch.actions))

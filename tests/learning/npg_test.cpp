@@ -52,6 +52,54 @@ TEST(Npg, AStepStaysWithinItsDivergenceAndImprovesTheSurrogate) {
   EXPECT_EQ(state.iteration, 2);
 }
 
+/// A bound of 10 allows steps so long that the divergence is far above what its curvature at the
+/// start foretells.
+TEST(Npg, AStepThatNoHalvingBringsWithinTheBoundIsNotTaken) {
+  const auto model = make_model(fast_task());
+  NpgOptions options;
+  options.trajectories = 4;
+  options.episode.horizon = 8;
+  options.divergence = 10;
+  options.least_log_std = -20;
+  NpgState state;
+  state.policy = small_network(1).record();
+  const auto before = state.policy.arrays;
+  options.halvings = 0;
+  const auto result = npg_iteration(state, model, options, {}, 3, 1);
+  EXPECT_EQ(result.divergence, 0);
+  EXPECT_EQ(result.surrogate_gain, 0);
+  EXPECT_EQ(state.policy.arrays, before);
+  EXPECT_TRUE(state.value);  // the training goes on
+  options.halvings = 60;
+  NpgState again;
+  again.policy = small_network(1).record();
+  EXPECT_GT(npg_iteration(again, model, options, {}, 3, 1).divergence, 0);
+}
+
+/// Noise of 1e308 overflows in some of the actions: these episodes end flagged. The likelihoods
+/// overflow, too, so that no gradient is a number.
+TEST(Npg, DivergingEpisodesAreLeftOutAndTheTrainingGoesOn) {
+  const auto model = make_model(fast_task());
+  NpgOptions options;
+  options.trajectories = 12;
+  options.episode.horizon = 3;
+  NpgState state;
+  Eigen::VectorXd log_std = Eigen::VectorXd::Constant(simulation::kRelocateJoints, -1);
+  log_std[4] = 709.7;
+  auto policy = small_network(1);
+  policy.set_log_std(log_std);
+  state.policy = policy.record();
+  for (int i = 0; i < 2; ++i) {
+    const auto result = npg_iteration(state, model, options, {}, 3, 1);
+    EXPECT_GT(result.diverged, 0);
+    EXPECT_LT(result.diverged, options.trajectories);
+    EXPECT_EQ(result.divergence, 0);
+    EXPECT_EQ(state.policy.arrays, policy.record().arrays);
+    EXPECT_TRUE(state.value->parameters().allFinite());
+  }
+  EXPECT_EQ(state.iteration, 2);
+}
+
 TEST(Npg, IsTheSameForAnyNumberOfThreads) {
   const auto model = make_model(fast_task());
   NpgOptions options;
