@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 
 #include "learning/policies.hpp"
@@ -54,6 +55,42 @@ TEST(StructuredPolicy, OpensFarAwayAndClosesNearTheObject) {
   EXPECT_LT((policy.act(input).tail<24>() - p.open.cwiseMax(-1).cwiseMin(1)).norm(), 0.1);
   input.observation.segment<3>(30) = p.grasp_offset;
   EXPECT_LT((policy.act(input).tail<24>() - p.closed.cwiseMax(-1).cwiseMin(1)).norm(), 0.1);
+}
+
+/// The same policy with other parameters.
+StructuredPolicy with(const StructuredParameters& parameters) {
+  return {parameters, simulation::RelocateAction::Constant(0.1),
+          simulation::RelocateAction::Constant(0.4), false};
+}
+
+TEST(StructuredPolicy, AlignKeepsTheHandOpenUntilItStandsInLine) {
+  auto parameters = structured_start();
+  PolicyInput input;
+  input.observation.setZero();
+  const double beside = 2 * std::abs(parameters.close[0]) / 3;
+  const auto closed = [&](double align, const Eigen::Vector3d& away) {
+    parameters.align.setConstant(align);
+    input.observation.segment<3>(30) = parameters.grasp_offset + away;
+    const auto action = with(parameters).act(input);
+    const auto& p = parameters;
+    return (action.tail<24>() - p.open.cwiseMax(-1).cwiseMin(1)).norm();
+  };
+  EXPECT_LT(closed(3, {beside, 0, 0}), closed(1, {beside, 0, 0}));
+  EXPECT_DOUBLE_EQ(closed(3, {0, beside, 0}), closed(1, {0, beside, 0}));
+}
+
+TEST(StructuredPolicy, TheReachPushesNoHarderThanItsLimit) {
+  auto parameters = structured_start();
+  PolicyInput input;
+  input.observation.setZero();
+  const auto push = [&](double limit, double behind) {
+    parameters.limits[0] = limit;
+    input.observation.segment<3>(30) << 0, -behind, 0.1;
+    return with(parameters).act(input)[2];  // the base's z pushes along +y
+  };
+  parameters.reach_gains[0] = 10;  // so that no action reaches its own limit
+  EXPECT_NEAR(push(0.05, 0.5), push(0.05, 0.6), 1e-6);
+  EXPECT_GT(push(0.10, 0.6), push(0.05, 0.6));
 }
 
 TEST(StructuredPolicy, ActionsStayWithinTheirRange) {
