@@ -5,6 +5,7 @@
 
 #include "palpate/core/error.hpp"
 #include "palpate/learning/trainer.hpp"
+#include "policy_record.hpp"
 
 namespace palpate::learning {
 namespace {
@@ -56,12 +57,9 @@ class CemTrainer : public Trainer {
     state_.spread = checkpoint.array("spread");
     observer_.reset();
     if (!checkpoint.arrays.contains("observer_sizes")) return;
-    std::vector<int> sizes;
-    for (const double size : checkpoint.array("observer_sizes").reshaped()) {
-      sizes.push_back(static_cast<int>(size));
-    }
     observer_ = StructuredPolicy::Observer{
-        Mlp(sizes, Activation::tanh, checkpoint.array("observer_parameters")),
+        Mlp(layer_sizes(checkpoint.array("observer_sizes").reshaped()), Activation::tanh,
+            checkpoint.array("observer_parameters")),
         checkpoint.array("observer_shift"), checkpoint.array("observer_scale")};
   }
 

@@ -26,9 +26,7 @@ void save_mlp(const PolicyRecord& record, Checkpoint& checkpoint) {
 PolicyRecord restore_mlp(const Checkpoint& checkpoint) {
   PolicyRecord record;
   record.kind = "mlp";
-  for (const double size : checkpoint.array(std::string(kSizes)).reshaped()) {
-    record.sizes.push_back(static_cast<int>(size));
-  }
+  record.sizes = layer_sizes(checkpoint.array(std::string(kSizes)).reshaped());
   for (const auto& [name, values] : checkpoint.arrays) {
     if (!name.starts_with(kPrefix) || name == kSizes) continue;
     record.arrays[name.substr(kPrefix.size())] = to_array(values.reshaped());

@@ -3,6 +3,7 @@
 
 #include "mlp_checkpoint.hpp"
 #include "palpate/learning/trainer.hpp"
+#include "policy_record.hpp"
 
 namespace palpate::learning {
 namespace {
@@ -46,10 +47,7 @@ class NpgTrainer : public Trainer {
     state_.policy = restore_mlp(checkpoint);
     state_.value.reset();
     if (!checkpoint.arrays.contains("value_sizes")) return;
-    std::vector<int> sizes;
-    for (const double size : checkpoint.array("value_sizes").reshaped()) {
-      sizes.push_back(static_cast<int>(size));
-    }
+    const auto sizes = layer_sizes(checkpoint.array("value_sizes").reshaped());
     state_.value.emplace(sizes, Activation::relu, checkpoint.array("value_parameters"));
     state_.value_shift = checkpoint.array("value_range")(0, 0);
     state_.value_scale = checkpoint.array("value_range")(1, 0);

@@ -74,9 +74,8 @@ PolicyRecord read_own(const json& file) {
   }
   PolicyRecord record;
   record.kind = text(file, "kind");
-  for (const double size : numbers(member(file, "sizes"), "sizes")) {
-    record.sizes.push_back(static_cast<int>(size));
-  }
+  const auto sizes = numbers(member(file, "sizes"), "sizes");
+  record.sizes = layer_sizes(Eigen::VectorXd::Map(sizes.data(), std::ssize(sizes)));
   const json& arrays = member(file, "arrays");
   if (!arrays.is_object()) throw BadInput("'arrays' is no object");
   for (const auto& [name, values] : arrays.items()) record.arrays[name] = numbers(values, name);

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "palpate/core/error.hpp"
 
@@ -11,6 +12,18 @@ namespace palpate::learning {
 
 std::vector<double> to_array(const Eigen::VectorXd& values) {
   return {values.begin(), values.end()};
+}
+
+std::vector<int> layer_sizes(const Eigen::VectorXd& numbers) {
+  constexpr double kMost = 1e6;
+  std::vector<int> sizes;
+  for (const double size : numbers) {
+    if (!(size >= 1 && size <= kMost) || size != std::floor(size)) {
+      throw BadInput(fmt::format("a network with a layer of {} units", size));
+    }
+    sizes.push_back(static_cast<int>(size));
+  }
+  return sizes;
 }
 
 Eigen::VectorXd array(const PolicyRecord& record, const std::string& name) {

@@ -10,6 +10,10 @@ namespace palpate::learning {
 
 std::vector<double> to_array(const Eigen::VectorXd& values);
 
+/// Units of a network's layers, that a file holds as plain numbers.
+/// @throws BadInput unless all are whole numbers from 1 to a million
+std::vector<int> layer_sizes(const Eigen::VectorXd& numbers);
+
 /// The array of that name. @throws BadInput if the record lacks it
 Eigen::VectorXd array(const PolicyRecord& record, const std::string& name);
 

@@ -81,6 +81,14 @@ TEST_F(PolicyIo, RejectsADamagedOrForeignPolicy) {
             std::string::npos);
 }
 
+TEST_F(PolicyIo, RejectsLayersThatAreNoNumberOfUnits) {
+  for (const char* units : {"39.5", "1e300", "-39", "0", "2000000"}) {
+    EXPECT_NE(error_with("\"sizes\":[39,", fmt::format("\"sizes\":[{},", units)).find("layer of"),
+              std::string::npos)
+        << units;
+  }
+}
+
 TEST_F(PolicyIo, AnyTruncationIsAnError) {
   save_policy(path, small_network(1).record());
   const std::string text = read_file(path);

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
 #include <functional>
 
@@ -80,6 +81,33 @@ TEST(Trainer, NpgGoesOnAfterAnInterruption) {
   options.evaluation = 2;
   options.episode.horizon = 6;
   expect_resumable([&] { return make_npg_trainer(context(), options, small_network(1), {}); }, 3);
+}
+
+TEST(Trainer, RefusesACheckpointOfImpossibleLayers) {
+  NpgOptions npg;
+  npg.trajectories = 2;
+  npg.evaluation = 1;
+  npg.episode.horizon = 3;
+  const auto trainer = make_npg_trainer(context(), npg, small_network(1), {});
+  trainer->iterate();
+  Checkpoint whole;
+  trainer->save(whole);
+  const auto cem = make_cem_trainer(context(), {});
+  for (const double units : {39.5, 1e300, -1.0, std::nan("")}) {
+    for (const char* name : {"policy_sizes", "value_sizes"}) {
+      Checkpoint checkpoint = whole;
+      checkpoint.arrays.at(name)(0, 0) = units;
+      EXPECT_NE(error_message([&] { trainer->restore(checkpoint); }).find("layer of"),
+                std::string::npos)
+          << name << units;
+    }
+    Checkpoint checkpoint;
+    cem->save(checkpoint);
+    checkpoint.arrays["observer_sizes"] = Eigen::Vector3d(units, 4, 3);
+    checkpoint.arrays["observer_parameters"] = Eigen::VectorXd::Zero(9);
+    EXPECT_NE(error_message([&] { cem->restore(checkpoint); }).find("layer of"), std::string::npos)
+        << units;
+  }
 }
 
 TEST(Trainer, NpgTellsWhatTheMeanActionEarns) {
