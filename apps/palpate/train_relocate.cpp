@@ -4,7 +4,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <chrono>
+#include <optional>
+#include <string_view>
 
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
@@ -24,9 +27,13 @@ struct TrainArguments {
   CommonOptions common;
   std::string method = "cem";
   std::string from, expert, demos;
-  int iterations = 40;
-  std::size_t demonstrations = 25, episodes = 30;
+  std::optional<int> iterations;              // none: kIterations
+  std::optional<std::size_t> demonstrations;  // none: kDemonstrations
+  std::size_t episodes = 30;
 };
+
+constexpr int kIterations = 40;
+constexpr std::size_t kDemonstrations = 25;
 
 struct TrainOptions {
   learning::TaskOptions task;
@@ -82,7 +89,7 @@ learning::Demonstrations demonstrations(const TrainArguments& arguments,
   if (!arguments.demos.empty()) return frames_of(learning::read_minari(arguments.demos));
   return show(context.model, *expert, options.npg.episode,
               RandomStream(context.seed, "demonstrations").bits() % 1000000,
-              arguments.demonstrations);
+              arguments.demonstrations.value_or(kDemonstrations));
 }
 
 /// A training with what it must keep alive.
@@ -107,14 +114,36 @@ void make_gradient_trainer(const TrainArguments& arguments, const TrainOptions& 
   training.trainer = learning::make_npg_trainer(context, options.npg, network, std::move(demos));
 }
 
+/// Refuses options that the method would not look at.
+void check_use(const TrainArguments& arguments) {
+  struct Use {
+    const char* option;
+    bool given;
+    std::vector<std::string_view> methods;
+  };
+  const std::vector<Use> uses = {
+      {"--from", !arguments.from.empty(), {"cem", "npg", "dapg"}},
+      {"--expert", !arguments.expert.empty(), {"dagger", "bc", "dapg"}},
+      {"--demos", !arguments.demos.empty(), {"bc", "dapg"}},
+      {"--demonstrations", arguments.demonstrations.has_value(), {"bc", "dapg"}},
+      {"--iterations", arguments.iterations.has_value(), {"cem", "npg", "dapg"}}};
+  for (const Use& use : uses) {
+    const bool used =
+        std::find(use.methods.begin(), use.methods.end(), arguments.method) != use.methods.end();
+    if (use.given && !used) {
+      throw BadInput(fmt::format("{} is of no use to {}", use.option, arguments.method));
+    }
+  }
+  if (arguments.demos.empty()) return;
+  if (!arguments.expert.empty()) throw BadInput("--expert is of no use with --demos");
+  if (arguments.demonstrations) throw BadInput("--demonstrations is of no use with --demos");
+}
+
 Training make_training(const TrainArguments& arguments, const TrainOptions& options,
                        const learning::TrainingContext& context) {
   Training training;
   if (!arguments.from.empty()) training.from = find_policy(arguments.from);
   const std::string& method = arguments.method;
-  if (!arguments.demos.empty() && method != "bc" && method != "dapg") {
-    throw BadInput(fmt::format("--demos is of no use to {}", method));
-  }
   if (method != "cem" && method != "npg" && arguments.demos.empty()) {
     training.expert = find_policy(arguments.expert);
   }
@@ -132,7 +161,8 @@ Training make_training(const TrainArguments& arguments, const TrainOptions& opti
 
 int planned_iterations(const TrainArguments& arguments, const TrainOptions& options) {
   if (arguments.method == "bc") return 0;
-  return arguments.method == "dagger" ? options.dagger.rounds : arguments.iterations;
+  return arguments.method == "dagger" ? options.dagger.rounds
+                                      : arguments.iterations.value_or(kIterations);
 }
 
 /// The learning curves so far: a row an iteration.
@@ -188,7 +218,7 @@ class Curves {
 std::string settings_of(const TrainArguments& arguments, const TrainOptions& options) {
   return fmt::format("method {}, from '{}', expert '{}', demos '{}', demonstrations {}\n{}",
                      arguments.method, arguments.from, arguments.expert, arguments.demos,
-                     arguments.demonstrations, to_toml(options));
+                     arguments.demonstrations.value_or(kDemonstrations), to_toml(options));
 }
 
 bool resume(const std::filesystem::path& path, const TrainArguments& arguments,
@@ -216,10 +246,29 @@ void keep(const std::filesystem::path& folder, const TrainArguments& arguments,
   learning::save_checkpoint(folder / "checkpoint", checkpoint);
 }
 
+/// The command that makes the training again, but for --threads, --out and the evaluation.
+std::string command_of(const TrainArguments& arguments) {
+  const auto& common = arguments.common;
+  std::string command = fmt::format("palpate train relocate --method {}", arguments.method);
+  const auto add = [&](const char* option, const std::string& value) {
+    if (!value.empty()) command += fmt::format(" {} {}", option, value);
+  };
+  add("--config", common.config);
+  add("--from", arguments.from);
+  add("--expert", arguments.expert);
+  add("--demos", arguments.demos);
+  if (arguments.demonstrations)
+    add("--demonstrations", fmt::format("{}", *arguments.demonstrations));
+  if (arguments.iterations) add("--iterations", fmt::format("{}", *arguments.iterations));
+  add("--seed", fmt::format("{}", common.seed));
+  for (const auto& assignment : common.set) add("--set", assignment);
+  return command;
+}
+
 void write_policy(const std::filesystem::path& folder, const TrainArguments& arguments,
                   const learning::Trainer& trainer) {
   auto record = trainer.policy();
-  record.notes = {{"command", fmt::format("palpate train relocate --method {}", arguments.method)},
+  record.notes = {{"command", command_of(arguments)},
                   {"seed", fmt::format("{}", arguments.common.seed)},
                   {"iterations", fmt::format("{}", trainer.iteration())}};
   learning::save_policy(folder / "policy.json", record);
@@ -248,6 +297,7 @@ learning::RolloutSummary evaluate(const TrainArguments& arguments, const TrainOp
 int train(const TrainArguments& arguments) {
   const auto& common = arguments.common;
   if (common.out.empty()) throw BadInput("--out DIR is missing: where the training is to be kept");
+  check_use(arguments);
   const auto options = resolve<TrainOptions>(common);
   make_writable_folder(common.out);
   const std::filesystem::path folder = common.out;
@@ -299,9 +349,11 @@ void add_train_relocate(CLI::App& train_command, Command& chosen) {
   command.add_option("--method", arguments->method, "how to learn")
       ->check(CLI::IsMember({"cem", "dagger", "bc", "npg", "dapg"}))
       ->capture_default_str();
-  command.add_option("--iterations", arguments->iterations, "of cem, npg and dapg")
-      ->check(CLI::Range(1, 1000000))
-      ->capture_default_str();
+  command
+      .add_option("--iterations", arguments->iterations,
+                  fmt::format("of cem, npg and dapg ({} without it); dagger has dagger.rounds",
+                              kIterations))
+      ->check(CLI::Range(1, 1000000));
   command.add_option("--from", arguments->from, "policy to start from (cem, npg, dapg)");
   command.add_option("--expert", arguments->expert,
                      "policy that shows the task (dagger, bc, dapg); without it the best that "
@@ -310,9 +362,10 @@ void add_train_relocate(CLI::App& train_command, Command& chosen) {
                      "folder of demonstrations (bc, dapg) instead of an expert's");
   command
       .add_option("--demonstrations", arguments->demonstrations,
-                  "episodes that the expert shows (bc, dapg); successes are kept")
-      ->check(CLI::Range(1, 100000))
-      ->capture_default_str();
+                  fmt::format("episodes that the expert shows (bc, dapg; {} without it); successes "
+                              "are kept",
+                              kDemonstrations))
+      ->check(CLI::Range(1, 100000));
   command.add_option("--episodes", arguments->episodes, "of the evaluation at the end")
       ->check(CLI::Range(2, 1000000))
       ->capture_default_str();

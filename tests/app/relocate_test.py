@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Training, rolling out and comparing policies of the relocate task."""
 
+import json
 import signal
 import subprocess
 import time
@@ -24,6 +25,12 @@ class RelocateTest(cli.CliTest):
     def test_train_rollout_compare(self):
         done = self.train("a", 2)
         self.assertEqual(done.returncode, cli.DONE, done.stderr)
+        notes = json.loads((self.folder / "a" / "policy.json").read_text())["notes"]
+        self.assertEqual(
+            notes["command"],
+            "palpate train relocate --method cem --iterations 2 --seed 3 "
+            + " ".join(word for word in TINY if word not in ("--episodes", "2")),
+        )
         for name in ("policy.json", "curves.csv", "elite.svg", "config.toml", "report.json"):
             self.assertTrue((self.folder / "a" / name).exists(), name)
         few = ["--episodes", "3", "--set", "episode.horizon=10", "--set", "task.solver=fast"]
@@ -67,6 +74,18 @@ class RelocateTest(cli.CliTest):
             (["rollout", "bad.json", "--set", "task.solver=magic"], "bad.json"),
             (["compare", "bad.csv", "bad.csv"], "bad.csv:2"),
             (["train", "relocate"], "--out"),
+            (["train", "relocate", "--out", "x", "--method", "bc", "--from", "y"], "--from"),
+            (["train", "relocate", "--out", "x", "--method", "dagger", "--from", "y"], "--from"),
+            (["train", "relocate", "--out", "x", "--expert", "y"], "--expert"),
+            (["train", "relocate", "--out", "x", "--method", "npg", "--expert", "y"], "--expert"),
+            (["train", "relocate", "--out", "x", "--method", "npg", "--demos", "y"], "--demos"),
+            (["train", "relocate", "--out", "x", "--demonstrations", "9"], "--demonstrations"),
+            (["train", "relocate", "--out", "x", "--method", "dagger", "--iterations", "3"],
+             "--iterations"),
+            (["train", "relocate", "--out", "x", "--method", "bc", "--iterations", "3"],
+             "--iterations"),
+            (["train", "relocate", "--out", "x", "--method", "bc", "--demos", "y", "--expert",
+              "z"], "--expert"),
             (["rollout", "--record", "1", "--episodes", "1"], "--out"),
         ]:
             done = self.run_program(*arguments)
