@@ -55,6 +55,11 @@ Eigen::VectorXd BiotacDecoder::smoothed(const Eigen::VectorXd& values) {
   return end;
 }
 
+void BiotacDecoder::forget_window() {
+  window_.clear();
+  frames_ = 0;
+}
+
 double BiotacDecoder::noise_left() {
   constexpr double n = kWindow;
   return std::sqrt(2 * (2 * n - 1) / (n * (n + 1)));

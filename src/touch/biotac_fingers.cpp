@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "biotac_faults.hpp"
@@ -94,6 +95,7 @@ void BiotacFinger::learn_rest(const BiotacReading& reading) {
   if (rest_frames_ < kRestFrames) return;
   first_rest_ = rest_;
   decoder_.emplace(rest_, inverse_->sensor());
+  decoded_time_ = reading.time;
 }
 
 void BiotacFinger::follow_rest(const BiotacReading& reading) {
@@ -103,7 +105,9 @@ void BiotacFinger::follow_rest(const BiotacReading& reading) {
 
 BiotacFeeling BiotacFinger::step(const BiotacReading& reading, bool infer) {
   BiotacFeeling feeling{
-      .flags = fault_flags(reading), .contact = std::nullopt, .pressure = std::nullopt};
+      .flags = bit(BiotacFlag::missing), .contact = std::nullopt, .pressure = std::nullopt};
+  if (!std::isfinite(reading.time)) return feeling;  // before it spoils the times of later ones
+  feeling.flags = fault_flags(reading);
   if (feeling.flags & bit(BiotacFlag::out_of_order)) return feeling;
   last_ = reading;
   if (!biotac_usable(feeling.flags)) return feeling;
@@ -112,7 +116,10 @@ BiotacFeeling BiotacFinger::step(const BiotacReading& reading, bool infer) {
     learn_rest(reading);
     return feeling;
   }
+  // The line that takes the noise away may not run across what was missed.
+  if (reading.time - decoded_time_ > kLateGap * kBiotacPeriod) decoder_->forget_window();
   const auto decoded = decoder_->step(reading);
+  if (decoded) decoded_time_ = reading.time;
   if (far_from(channels_of(rest_), channels_of(first_rest_))) {
     feeling.flags |= bit(BiotacFlag::drifted);
   }

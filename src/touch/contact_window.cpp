@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "palpate/touch/told_error.hpp"
+
 namespace palpate::touch {
 namespace {
 
@@ -37,16 +39,16 @@ struct Cluster {
   }
 };
 
-bool finite(const hand::TipContact& contact) {
+bool sound(const hand::TipContact& contact) {
   return contact.p.allFinite() && contact.n.allFinite() && contact.f.allFinite() &&
-         contact.n.norm() > 0.5;
+         contact.n.norm() > 0.5 && tells_sound_errors(contact);
 }
 
 std::vector<Cluster> cluster_tip(std::span<const hand::HandReading> window, std::size_t finger) {
   std::vector<Cluster> clusters;
   for (const auto& reading : window) {
     for (const auto& contact : reading.contacts[finger]) {
-      if (!finite(contact)) continue;
+      if (!sound(contact)) continue;
       const auto home = std::find_if(clusters.begin(), clusters.end(),
                                      [&](const Cluster& c) { return c.takes(contact); });
       (home == clusters.end() ? clusters.emplace_back() : *home).add(contact);

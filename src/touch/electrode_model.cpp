@@ -82,7 +82,7 @@ std::vector<BiotacSample> covering_samples(const std::vector<BiotacSample>& samp
 }
 
 /// Weights a of the kernel's columns with K a near the values, by least absolute residuals beyond
-/// `outlier` times their median.
+/// `outlier` times the median size of the values.
 Eigen::VectorXd robust_weights(const Eigen::MatrixXd& K, const Eigen::VectorXd& noise,
                                const Eigen::VectorXd& values, double outlier) {
   const auto median_size = [](const Eigen::VectorXd& x) {

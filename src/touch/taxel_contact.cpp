@@ -17,13 +17,16 @@ std::optional<double> far_crossing(const Eigen::VectorXd& a, const Eigen::Vector
   return (std::sqrt(inside) - ad) / dd;
 }
 
-/// Where a line leaves the skin: the half ball, or the cylinder behind it.
+/// Where a line leaves the skin: the half ball, or the cylinder behind it, which ends at the back.
 std::optional<Eigen::Vector3d> leaves_skin(const Eigen::Vector3d& p, const Eigen::Vector3d& d,
-                                           double radius) {
+                                           const SkinOptions& skin) {
+  const double radius = skin.radius;
   if (const auto x = far_crossing(p, d, radius); x && (p + *x * d).x() >= 0) return p + *x * d;
   const auto x = far_crossing(p.tail<2>(), d.tail<2>(), radius);
-  if (!x || (p + *x * d).x() > 0) return std::nullopt;
-  return p + *x * d;
+  if (!x) return std::nullopt;
+  const Eigen::Vector3d end = p + *x * d;
+  if (end.x() > 0 || end.x() < -skin.length) return std::nullopt;
+  return end;
 }
 
 }  // namespace
@@ -56,7 +59,7 @@ std::optional<hand::TipContact> contact_of_taxels(const BiotacSkin& skin, const 
   const Eigen::Vector3d m = wrench.head<3>(), f = wrench.tail<3>();
   if (f.norm() < kLeastForce) return std::nullopt;
   const Eigen::Vector3d on_axis = f.cross(m) / f.squaredNorm();
-  const auto p = leaves_skin(on_axis, f.normalized(), skin.options().radius);
+  const auto p = leaves_skin(on_axis, f.normalized(), skin.options());
   if (!p) return std::nullopt;
   return hand::TipContact{.p = *p, .n = -skin.normal_at(*p), .f = f};
 }

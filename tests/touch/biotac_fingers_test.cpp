@@ -118,6 +118,43 @@ TEST(BiotacFinger, NamesFramesThatAreLateRepeatedOrOld) {
   EXPECT_TRUE(Stream::has(stream.finger.step(late), BiotacFlag::late));
 }
 
+TEST(BiotacFinger, NamesFramesWithoutATimeAndGoesOnAfterThem) {
+  Stream stream;
+  stream.rest();
+  for (int k = 0; k < 20; ++k) stream.feel(2);
+  for (const double time : {std::nan(""), static_cast<double>(INFINITY)}) {
+    auto reading = stream.read(2);
+    reading.time = time;
+    const auto feeling = stream.finger.step(reading);
+    EXPECT_TRUE(Stream::has(feeling, BiotacFlag::missing)) << time;
+    EXPECT_FALSE(feeling.contact) << time;
+    EXPECT_FALSE(feeling.pressure) << time;
+    const auto next = stream.feel(2);
+    EXPECT_EQ(next.flags, 0u) << time;
+    EXPECT_TRUE(next.contact) << time;
+  }
+  // The first frame of all may be without, too.
+  Stream fresh;
+  auto reading = fresh.read(0);
+  reading.time = std::nan("");
+  EXPECT_TRUE(Stream::has(fresh.finger.step(reading), BiotacFlag::missing));
+}
+
+TEST(BiotacFinger, DoesNotSmoothAcrossFramesThatWereLost) {
+  Stream stream;
+  stream.rest();
+  for (int k = 0; k < 40; ++k) stream.feel(2);
+  for (int k = 0; k < 10; ++k) {  // it lets go meanwhile
+    auto reading = stream.read(0);
+    reading.electrodes[3] = std::nan("");
+    EXPECT_FALSE(stream.finger.step(reading).pressure);
+  }
+  const auto feeling = stream.feel(0);
+  ASSERT_TRUE(feeling.pressure);
+  EXPECT_LT(std::abs(*feeling.pressure), 8);  // twenty standard deviations of the noise
+  EXPECT_FALSE(feeling.contact);
+}
+
 TEST(BiotacFinger, NoticesAStuckElectrode) {
   Stream stream;
   stream.rest();
@@ -204,6 +241,33 @@ TEST(BiotacFingers, AreBluntWhereNoElectrodeTellsThePlace) {
   EXPECT_LT((blunt.n + way).norm(), 1e-6);
   EXPECT_LT((blunt.p - hand.tips[1].b - hand.tips[1].radius * way).norm(), 1e-6);
   EXPECT_NEAR(blunt.f.dot(way), 2, 0.3);
+}
+
+TEST(BiotacFingers, FeelTheSameAfterFollowing) {
+  BiotacFingers asked(hand::one_link_hand(), inverse()), followed(hand::one_link_hand(), inverse());
+  Stream stream;
+  std::size_t contacts = 0;
+  for (int k = 0; k < 80; ++k) {
+    hand::HandReading a = reading_at(k, {0, 0.6, 0.8}, stream.read(k < 40 ? 0 : 2));
+    hand::HandReading b = a;
+    asked.infer_contacts(a);
+    if (k < 60) {
+      followed.follow(b);
+      continue;
+    }
+    followed.infer_contacts(b);
+    for (std::size_t i = 0; i < hand::kFingers; ++i) {
+      ASSERT_EQ(a.contacts[i].size(), b.contacts[i].size()) << k;
+      for (std::size_t c = 0; c < a.contacts[i].size(); ++c, ++contacts) {
+        EXPECT_EQ(a.contacts[i][c].p, b.contacts[i][c].p);
+        EXPECT_EQ(a.contacts[i][c].n, b.contacts[i][c].n);
+        EXPECT_EQ(a.contacts[i][c].f, b.contacts[i][c].f);
+        EXPECT_EQ(a.contacts[i][c].point_sigma, b.contacts[i][c].point_sigma);
+        EXPECT_EQ(a.contacts[i][c].normal_sigma, b.contacts[i][c].normal_sigma);
+      }
+    }
+  }
+  EXPECT_GT(contacts, 0u);
 }
 
 TEST(BiotacFingers, TellHowFarTheirContactsMayBeOff) {

@@ -8,6 +8,7 @@
 
 #include "palpate/core/random.hpp"
 #include "palpate/touch/contact.hpp"
+#include "palpate/touch/told_error.hpp"
 
 namespace palpate::touch {
 namespace {
@@ -109,6 +110,27 @@ TEST(LastingContacts, PassingAndBrokenContactsAreDropped) {
   const auto contacts = lasting_contacts(window, toy_hand(), {});
   ASSERT_EQ(contacts.size(), 1u);
   EXPECT_EQ(contacts[0].finger, 1);
+}
+
+TEST(LastingContacts, ContactsWhoseErrorsCannotBeAreDropped) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double infinity = std::numeric_limits<double>::infinity();
+  for (const double bad : {nan, infinity, -0.1}) {
+    EXPECT_FALSE(is_standard_deviation(bad));
+    for (const auto sigma : {&hand::TipContact::point_sigma, &hand::TipContact::normal_sigma}) {
+      auto window = held(30, 0, 1);
+      for (auto& reading : window) {
+        auto broken = reading.contacts[1][0];
+        broken.normal_sigma = broken.point_sigma = 0.1;
+        EXPECT_TRUE(tells_sound_errors(broken));
+        broken.*sigma = bad;
+        reading.contacts[4] = {broken};
+      }
+      const auto contacts = lasting_contacts(window, toy_hand(), {});
+      ASSERT_EQ(contacts.size(), 1u) << bad;
+      EXPECT_EQ(contacts[0].finger, 1);
+    }
+  }
 }
 
 TEST(LastingContacts, NoReadingsNoContacts) {

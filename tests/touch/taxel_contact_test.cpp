@@ -60,6 +60,25 @@ TEST(TaxelContact, IsWhereTheObjectPresses) {
   EXPECT_LT(quantile(places, 0.95), 0.0013);  // the taxels' spacing
 }
 
+/// Taxels on both flanks near the back, which push evenly and pull the same way.
+SkinState pulled_at_the_back(const BiotacSkin& skin, const Eigen::Vector3d& shear) {
+  const double radius = skin.options().radius;
+  SkinState state = pressed_evenly(skin, {-0.011, radius, 0}, 0.002);
+  state.pressure += pressed_evenly(skin, {-0.011, -radius, 0}, 0.002).pressure;
+  for (Eigen::Index i = 0; i < kTaxels; ++i) {
+    if (state.pressure[i] > 0) state.shear.col(i) = shear;
+  }
+  return state;
+}
+
+TEST(TaxelContact, IsNoneBehindTheSkin) {
+  const BiotacSkin skin;
+  const auto below = contact_of_taxels(skin, pulled_at_the_back(skin, {0, 0, -1e4}));
+  ASSERT_TRUE(below);
+  EXPECT_GE(below->p.x(), -skin.options().length);
+  EXPECT_FALSE(contact_of_taxels(skin, pulled_at_the_back(skin, {-1e4, 0, -5e3})));
+}
+
 TEST(TaxelContact, IsNoneWithoutLoad) { EXPECT_FALSE(contact_of_taxels(BiotacSkin(), {})); }
 
 }  // namespace

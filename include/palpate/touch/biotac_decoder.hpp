@@ -31,6 +31,9 @@ class BiotacDecoder {
   /// Another reading at rest, for what has drifted.
   void set_rest(const BiotacReading& rest) { rest_ = rest; }
 
+  /// Lets the line start anew, after frames that were lost.
+  void forget_window();
+
   /// The next frame, 10 ms after the last; nothing where a channel is not finite, outside 0..4095
   /// or at an end of that range.
   std::optional<DecodedReading> step(const BiotacReading& reading);

@@ -46,11 +46,13 @@ ElectrodeFit fit_electrodes(const std::vector<BiotacSample>& samples,
                             const ElectrodeFitOptions& options = {});
 
 struct ElectrodeModelOptions {
-  int centres = 400;     ///< at most so many samples carry the model
-  double length = 1;     ///< of the kernel, in root-mean-square features
-  double linear = 0.3;   ///< weight of the linear kernel
-  double noise = 0.1;    ///< variance of what firm touches show, of the kernel's
-  double outlier = 0.3;  ///< of the median residual, from which on residuals count linearly
+  int centres = 400;    ///< at most so many samples carry the model
+  double length = 1;    ///< of the kernel, in root-mean-square features
+  double linear = 0.3;  ///< weight of the linear kernel
+  double noise = 0.1;   ///< variance of what firm touches show, of the kernel's
+  /// Of the median size of the changes from their own median, from which on residuals count
+  /// linearly.
+  double outlier = 0.3;
 
   template <class Visitor>
   void visit(Visitor&& v) {
@@ -58,7 +60,8 @@ struct ElectrodeModelOptions {
     v("length", length, 0.01, 100.0, "of the kernel, in root-mean-square features");
     v("linear", linear, 0.0, 100.0, "weight of the linear kernel");
     v("noise", noise, 1e-6, 10.0, "variance of what firm touches show, relative to the kernel");
-    v("outlier", outlier, 0.01, 1e6, "of the median residual, from which on they count linearly");
+    v("outlier", outlier, 0.01, 1e6,
+      "of the changes' median size, from which on residuals count linearly");
   }
 };
 

@@ -28,8 +28,9 @@ struct BiotacFeeling {
 /// Feels contacts in the stream of one BioTac's frames, as they come.
 ///
 /// The first kRestFrames sound frames are taken for rest. Rest then follows the readings slowly
-/// while nothing touches. Nothing is inferred from a frame that is not usable (biotac_usable) or
-/// older than the one before it.
+/// while nothing touches. Nothing is inferred from a frame that is not usable (biotac_usable),
+/// older than the one before it, or without a finite time (`missing`). After frames that were lost
+/// or not usable for longer than a late frame takes, smoothing starts anew.
 class BiotacFinger {
  public:
   static constexpr int kRestFrames = 20;
@@ -49,6 +50,7 @@ class BiotacFinger {
   BiotacReading first_rest_, rest_;
   int rest_frames_ = 0;
   std::optional<BiotacDecoder> decoder_;
+  double decoded_time_ = 0;  // s, of the last frame that was decoded
   /// Of each electrode: frames with the same count, and the pressures among them.
   struct Stillness {
     int frames = 0;

@@ -18,7 +18,9 @@ struct InferredContact {
   Eigen::Vector3d n;  ///< outward unit normal of the object: against the skin's at p
   Eigen::Vector3d f;  ///< force on the object, N
   /// Of the point in the skin's tangent plane and the force: [u v fu fv fn], m and N, along the
-  /// columns of `tangents` and the skin's outward normal.
+  /// columns of `tangents` and the skin's outward normal. Diagonal: of how the errors go together
+  /// it tells nothing. On simulated touches .90 of the errors lie within two standard deviations,
+  /// where Gaussian ones would be .95.
   Eigen::Matrix<double, 5, 5> covariance;
   Eigen::Matrix3d tangents;  ///< columns u, v and the skin's outward normal at p
   double misfit = 0;         ///< root mean square residual of the channels, standard deviations
