@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "hdf5_file.hpp"
+#include "palpate/touch/told_error.hpp"
 #include "record_json.hpp"
 #include "schema.hpp"
 #include "seal.hpp"
@@ -98,8 +99,10 @@ void set_contacts(const std::vector<int>& counts, const std::vector<double>& row
 std::vector<double> read_contact_errors(const H5::H5File& file, const Seal& seal) {
   if (seal.version < kFirstVersionWithErrors) return {};
   auto errors = read_rows<double>(file, kContactErrors, kContactErrorWidth);
-  check_finite(errors, kContactErrors, kContactErrorWidth);
-  return errors;
+  const auto bad = std::find_if_not(errors.begin(), errors.end(), touch::is_standard_deviation);
+  if (bad == errors.end()) return errors;
+  throw BadInput(fmt::format("{} of contact {} holds {}", kContactErrors,
+                             (bad - errors.begin()) / kContactErrorWidth, *bad));
 }
 
 /// The counts of the BioTacs; empty where the fingertips have none.

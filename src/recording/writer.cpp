@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "hdf5_file.hpp"
+#include "palpate/touch/told_error.hpp"
 #include "record_json.hpp"
 #include "schema.hpp"
 #include "seal.hpp"
@@ -101,6 +102,18 @@ void check_silent(const hand::HandReading& reading) {
           fmt::format("a contact of the frame at {} s tells of its error, {} m and {} rad, which "
                       "the header does not announce",
                       reading.time, contact.point_sigma, contact.normal_sigma));
+    }
+  }
+}
+
+/// @throws BadInput if a contact tells of an error that cannot be one
+void check_errors(const hand::HandReading& reading) {
+  for (const auto& finger : reading.contacts) {
+    for (const auto& contact : finger) {
+      if (touch::tells_sound_errors(contact)) continue;
+      throw BadInput(fmt::format(
+          "a contact of the frame at {} s has the errors {} m and {} rad: not finite or negative",
+          reading.time, contact.point_sigma, contact.normal_sigma));
     }
   }
 }
@@ -216,7 +229,11 @@ void Writer::frame(const Frame& frame) {
                                frame.reading.time, has_channels ? "has" : "lacks"));
   }
   impl_->has_channels = has_channels;
-  if (!impl_->own_errors) check_silent(frame.reading);
+  if (impl_->own_errors) {
+    check_errors(frame.reading);
+  } else {
+    check_silent(frame.reading);
+  }
   if (has_channels) append_biotacs(frame.reading, impl_->channels);
   impl_->pending.push_back(frame);
   if (impl_->pending.size() < kFramesPerChunk) return;

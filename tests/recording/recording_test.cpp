@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/recording/recording.hpp"
 
+#include <H5Cpp.h>
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cmath>
 #include <fstream>
+#include <limits>
 
 #include "palpate/core/error.hpp"
 #include "palpate/recording/writer.hpp"
@@ -296,6 +300,51 @@ TEST(RecordingTest, RefusesErrorsOfContactsThatTheHeaderDoesNotAnnounce) {
                                               .f = -Eigen::Vector3d::UnitZ(),
                                               .normal_sigma = 0.1}};
   EXPECT_THROW(write_recording(folder / "toy.h5", recording), BadInput);
+}
+
+Recording one_contact_with_errors() {
+  Recording recording = toy_recording(3);
+  recording.header.own_errors = true;
+  for (Frame& frame : recording.frames) {
+    for (auto& finger : frame.reading.contacts) finger.clear();
+  }
+  recording.frames[1].reading.contacts[1] = {{.p = Eigen::Vector3d::Zero(),
+                                              .n = Eigen::Vector3d::UnitZ(),
+                                              .f = -Eigen::Vector3d::UnitZ(),
+                                              .point_sigma = 0.001,
+                                              .normal_sigma = 0.1}};
+  return recording;
+}
+
+/// Puts other errors of its only contact into a recording, and takes the checksum off it.
+void overwrite_errors(const std::filesystem::path& path, std::array<double, 2> errors) {
+  {
+    const H5::H5File file(path.string(), H5F_ACC_RDWR);
+    file.openDataSet("frames/contact_errors").write(errors.data(), H5::PredType::NATIVE_DOUBLE);
+  }
+  std::string seal = "PALPATE RECORDING 3\nunfinished\n";
+  seal.resize(512);
+  std::fstream(path, std::ios::in | std::ios::out | std::ios::binary) << seal;
+}
+
+TEST(RecordingTest, RefusesErrorsOfContactsThatCannotBe) {
+  const TestFolder folder;
+  write_recording(folder / "good.h5", one_contact_with_errors());
+  overwrite_errors(folder / "good.h5", {0.002, 0.2});
+  EXPECT_EQ(read_recording(folder / "good.h5").frames[1].reading.contacts[1][0].normal_sigma, 0.2);
+  for (const double bad : {-0.1, std::nan(""), std::numeric_limits<double>::infinity()}) {
+    for (const bool of_point : {true, false}) {
+      Recording recording = one_contact_with_errors();
+      write_recording(folder / "bad.h5", recording);
+      overwrite_errors(folder / "bad.h5", {of_point ? bad : 0.001, of_point ? 0.1 : bad});
+      EXPECT_NE(message_of(folder / "bad.h5").find("contact_errors of contact 0 holds"),
+                std::string::npos)
+          << message_of(folder / "bad.h5");
+      auto& contact = recording.frames[1].reading.contacts[1][0];
+      (of_point ? contact.point_sigma : contact.normal_sigma) = bad;
+      EXPECT_THROW(write_recording(folder / "bad.h5", recording), BadInput) << bad;
+    }
+  }
 }
 
 TEST(RecordingTest, TruthOverwrittenWithNanReadsAsAbsent) {
