@@ -3,9 +3,10 @@
 
 usage: relocate_peers.py PALPATE POLICY [--episodes N] [--rounds R]
 
-POLICY is a network on the 39 observations: of kind "mlp", as `palpate train relocate --method dagger`
-makes it, or DexMV's published one (W0, b0, ...). It drives all, for 99 steps an episode. The peer relocates its own ball, put where the mug
-starts, and in a second environment a mug of as many parts as palpate's, with the peer's own solver.
+POLICY is a network on the 39 observations: of kind "mlp", as `palpate train relocate` makes it with
+`--method dagger`, or DexMV's published one (W0, b0, ...). It drives all, for 99 steps an episode.
+The peer relocates its own ball, put where the mug starts, and in a second environment a mug of as
+many parts as palpate's, with the peer's own solver.
 Rounds alternate, and the medians are compared. Times are processor time on one thread, so that
 other work on the machine counts against nobody, and elapsed time: on one thread for the peer, on
 two for palpate. Only on an idle machine does elapsed time tell anything.
