@@ -9,6 +9,7 @@
 #include <cstring>
 
 #include "experiment.hpp"
+#include "palpate/core/assets.hpp"
 #include "palpate/core/file.hpp"
 #include "palpate/core/plot.hpp"
 
@@ -17,18 +18,19 @@ namespace {
 using namespace palpate;
 using namespace palpate::experiment;
 
-constexpr const char* kModel = "models/biotac_network.model";
+constexpr const char* kModel = "models/biotac_network.model";  // an asset
 
 struct Network {
   touch::BiotacNetwork network;
   Eigen::MatrixXf inputs, outputs;  // of unseen trajectories
 };
 
-/// The shipped weights, or (for a quick run, or without them) ones trained for a moment.
+/// The shipped weights; for a quick run ones trained for a moment.
+/// @throws BadInput without the shipped weights
 touch::BiotacNetwork network_of(const Options& options) {
-  std::error_code error;
-  if (!options.quick && std::filesystem::exists(kModel, error)) {
-    return touch::BiotacNetwork::parse(read_file(kModel), kModel);
+  if (!options.quick) {
+    const auto path = asset(kModel);
+    return touch::BiotacNetwork::parse(read_file(path), path.string());
   }
   touch::BiotacDatasetOptions data;
   data.trajectories = 20;

@@ -181,7 +181,9 @@ int eval(const EvalArguments& arguments) {
   if (!arguments.place.empty()) options.place.target = place_text(arguments.place);
   std::vector<geometry::KnownObject> objects;
   for (const auto& name : arguments.objects) objects.push_back(geometry::load_known_object(name));
-  for (const auto& object : objects) {  // a target that cannot be is named before anything moves
+  // A source or target that cannot be is named before anything moves.
+  static_cast<void>(options.touch.from_biotacs());
+  for (const auto& object : objects) {
     pipeline::place_target(object, options.place, arguments.common.seed);
   }
   // What the simulator refuses is said before anything is printed or written.

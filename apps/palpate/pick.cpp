@@ -54,7 +54,9 @@ int pick(const PickArguments& arguments) {
   }
   if (!arguments.place.empty()) options.place.target = place_text(arguments.place);
   const localization::ObjectModel object(geometry::load_known_object(arguments.object));
-  pipeline::place_target(object.object(), options.place, common.seed);  // bad ones are named first
+  // Bad ones are named first.
+  pipeline::place_target(object.object(), options.place, common.seed);
+  const bool own_errors = options.touch.from_biotacs();
   const std::string config =
       config_header(common) + fmt::format("# object {}\n", arguments.object) + to_toml(options);
   // First, so that nothing is left behind where the simulator refuses something.
@@ -64,7 +66,7 @@ int pick(const PickArguments& arguments) {
   make_writable_folder(folder);
   recording::Writer writer(folder / "recording.h5",
                            {std::string(version()), common.seed, object.object(),
-                            world.hand_model(), config, options.touch.from_biotacs()});
+                            world.hand_model(), config, own_errors});
   const auto trial =
       pipeline::run_trial(object, options, common.seed, &writer, phase_printer(common));
   writer.finish();

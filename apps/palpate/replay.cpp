@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "common.hpp"
+#include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
 #include "palpate/pipeline/recorder.hpp"
 #include "palpate/pipeline/trial.hpp"
@@ -17,12 +18,18 @@ struct ReplayArguments {
 };
 
 /// Options of the recording, changed by --config and --set.
+/// @throws BadInput for another source of contacts, for the recording holds those of its own
 pipeline::TrialOptions replay_options(const recording::Recording& recording,
                                       const CommonOptions& common, const std::string& name) {
   pipeline::TrialOptions options;
   parse_toml(recording.header.config_toml, name, options);
+  const std::string recorded = options.touch.source;
   if (!common.config.empty()) load_toml(common.config, options);
   for (const auto& assignment : common.set) apply_setting(assignment, options);
+  if (options.touch.source != recorded) {
+    throw BadInput(fmt::format("touch.source = {:?}: {} holds the contacts of {:?}",
+                               options.touch.source, name, recorded));
+  }
   return options;
 }
 

@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
 #include <limits>
 #include <memory>
 #include <numbers>
@@ -50,12 +49,6 @@ std::shared_ptr<const touch::BiotacInverse> inverse_of(const std::string& model)
       touch::BiotacInverse::parse(read_file(model), model));
 }
 
-/// Standard deviation per tangent axis of a normal that turns with the place on the tip, deg.
-double normal_sigma_deg(const touch::InferredContact& contact, double radius) {
-  const double variance = contact.covariance.topLeftCorner<2, 2>().trace() / 2;
-  return std::sqrt(variance) / radius * 180 / std::numbers::pi;
-}
-
 }  // namespace
 
 std::vector<SensedStream> sense_channels(const SenseArguments& arguments,
@@ -84,7 +77,7 @@ std::vector<SensedStream> sense_channels(const SenseArguments& arguments,
         sample.point = T * contact.p;
         sample.force = T.linear() * contact.f;
         sample.normal = T.linear() * contact.n;
-        sample.sigma_deg = normal_sigma_deg(*feelings[i].contact, hand.tips[i].radius);
+        sample.sigma_deg = contact.normal_sigma * 180 / std::numbers::pi;
         const Eigen::Vector3d tip_center = sample.point + hand.tips[i].radius * sample.normal;
         if (const auto truth = true_normal(mesh, frame, tip_center)) {
           sample.error_deg = touch::angle_between_deg(sample.normal, *truth);

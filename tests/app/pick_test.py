@@ -64,6 +64,9 @@ class BadInput(CliTest):
     def test_value_out_of_range(self):
         self.assert_bad_option(["--set", "lift.way=7"], "lift.way", "7")
 
+    def test_unknown_source_of_contacts(self):
+        self.assert_bad_option(["--set", "touch.source=skin"], "touch.source", "skin")
+
     def test_value_that_is_no_number(self):
         self.assert_bad_option(["--set", "lift.way=high"], "lift.way", "high")
         self.assert_bad_option(["--set", "lift.way=nan"], "lift.way", "nan")
@@ -104,6 +107,10 @@ class Results(CliTest):
         picked = report["estimate"]["modes"]
         self.assertEqual(poses, [(mode["T_world_object"], mode["weight"]) for mode in picked])
 
+        # It holds the solver's contacts, and no others.
+        other = ["replay", "run/recording.h5", "--set", "touch.source=biotac"]
+        self.assert_refused(BAD_INPUT, other, "touch.source", "solver")
+
         sensed = self.run_json("sense", "run/recording.h5")["streams"]
         self.assertGreaterEqual(len(sensed), 2)
         for name, stream in sensed.items():
@@ -117,6 +124,19 @@ class Results(CliTest):
             "pick", "--object", "box", "--seed", "3", "--out", "again", "--config",
             "run/config.toml")  # fmt: skip
         self.assertEqual(again["estimate"]["modes"], picked)
+
+    def test_a_pick_by_channels_and_its_recording_give_the_same_pose(self):
+        by_channels = ["--set", "touch.source=biotac"]
+        report = self.run_json("pick", "--object", "box", "--seed", "3", "--out", "run", *QUICK,
+                               *by_channels)  # fmt: skip
+        self.check_pick_report(report)
+        for settings in [], by_channels:
+            replay = self.run_json("replay", "run/recording.h5", *settings)
+            poses = [(mode["T_world_object"], mode["weight"]) for mode in replay["modes"]]
+            picked = report["estimate"]["modes"]
+            self.assertEqual(poses, [(mode["T_world_object"], mode["weight"]) for mode in picked])
+        other = ["replay", "run/recording.h5", "--set", "touch.source=solver"]
+        self.assert_refused(BAD_INPUT, other, "touch.source", "biotac")
 
     def test_a_grasp_that_fails_is_reported(self):
         slippery = ["--set", "world.hand_friction=0.01", "--set", "attempts=1"]

@@ -69,11 +69,25 @@ class Render(RecordingTest):
             self.assertEqual(header[:8], b"\x89PNG\r\n\x1a\n")
             self.assertEqual(struct.unpack(">II", header[16:]), (64, 48))
 
+    def test_draws_a_pick_by_channels(self):
+        checks = {check["name"]: check["ok"] for check in self.run_json("doctor")["checks"]}
+        if not checks["rendering"]:
+            self.skipTest("nothing here draws without a screen")
+        report = self.run_json(
+            "render", "--object", "box", "--seed", "3", "--size", "64x48", "--out", "pictures",
+            "--set", "touch.source=biotac", "--set", "attempts=1", *QUICK)  # fmt: skip
+        self.assertGreaterEqual(len(report["files"]), 3)
+        # The contacts tell of their errors, which the recording then must say.
+        seal = (self.folder / "pictures/recording.h5").read_bytes()[:20]
+        self.assertEqual(seal, b"PALPATE RECORDING 3\n")
+
     def test_refuses_what_it_cannot_draw(self):
         for size in ["big", "640", "640x480x3", "x480"]:
             self.assert_refused(USAGE, ["render", "--size", size], size, "WIDTHxHEIGHT")
         self.assert_refused(USAGE, ["render", "run.h5", "--object", "box"], "--object")
         self.assert_refused(BAD_INPUT, ["render", "missing.h5"], "missing.h5")
+        self.assert_refused(
+            BAD_INPUT, ["render", "--set", "touch.source=skin", "--out", "new"], "touch.source")
 
 
 if __name__ == "__main__":

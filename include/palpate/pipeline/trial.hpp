@@ -34,8 +34,8 @@ struct TouchOptions {
   void visit(Visitor&& v) {
     v("source", source, "of contacts: solver (with noise) or biotac (inferred from channels)");
     v("biotac_point", biotac_point, 1e-5, 0.05, "m, error of inferred points beside their own");
-    v("biotac_false", biotac_false, 1e-6, 0.9, "prior share of inferred contacts that are wrong");
     v("biotac_normal", biotac_normal, 1e-4, 1.0, "rad, error of inferred normals beside their own");
+    v("biotac_false", biotac_false, 1e-6, 0.9, "prior share of inferred contacts that are wrong");
   }
 
   /// @throws BadInput for another source
