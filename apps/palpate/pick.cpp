@@ -101,8 +101,9 @@ void add_pick(CLI::App& program, Command& chosen) {
       ->capture_default_str();
   command
       .add_option("--explore", arguments->explore,
-                  "touch the resting object this many times before the grasp; 0: not at all "
-                  "(default: 8, and up to 16 while the pose is ambiguous)")
+                  "feel this many touches of the resting object before the grasp, in at most twice "
+                  "as many sweeps; 0: none (default: 8 sweeps, and up to 16 while the pose is "
+                  "ambiguous)")
       ->check(CLI::Range(0, 64));
   add_place_option(command, arguments->place);
   add_common_options(command, arguments->common);
