@@ -125,7 +125,7 @@ Eigen::Vector3d PlacedObject::normal(const Eigen::Vector3f& p) const {
 }
 
 FingerMeeting meet(const PlacedObject& object, const ClosingPath& path, std::size_t finger,
-                   double table_clearance) {
+                   double least_height) {
   const auto& shapes = path.fingers[finger];
   const float radius = path.tip_radius[finger];
   FingerMeeting meeting;
@@ -137,7 +137,7 @@ FingerMeeting meet(const PlacedObject& object, const ClosingPath& path, std::siz
     const Eigen::Vector3f* nearest = nullptr;
     float least = std::numeric_limits<float>::infinity();
     for (const auto& p : shape.tip) {
-      if (object.height(p) - radius < table_clearance / 2) return meeting;
+      if (object.height(p) - radius < least_height) return meeting;
       const float distance = object.distance(p) - radius;
       if (distance >= least) continue;
       least = distance;

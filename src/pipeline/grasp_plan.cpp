@@ -54,7 +54,7 @@ class Candidate {
     plan.base = base_;
     plan.cost = std::numeric_limits<double>::infinity();
     for (std::size_t finger = 0; finger < hand::kFingers; ++finger) {
-      auto [stop, contact] = meet(target_, path, finger, options.table_clearance);
+      auto [stop, contact] = meet(target_, path, finger, options.table_clearance / 2);
       plan.stops[finger] = stop;
       if (!contact) continue;
       plan.contacts.push_back(*contact);

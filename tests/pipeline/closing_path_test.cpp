@@ -107,7 +107,7 @@ TEST_F(ClosingPathTest, ATipThatMeetsTheTableStops) {
   base_.translation().z() = 0;
   const ClosingPath closing = path();
   const PlacedObject box = box_on_the_way(closing, {0.5, 0, 0});
-  const auto [stop, contact] = meet(box, closing, kMiddle, 0.005);
+  const auto [stop, contact] = meet(box, closing, kMiddle, 0.0025);
   EXPECT_FALSE(contact);
   EXPECT_LT(stop + 1, closing.fingers[kMiddle].size());
 }

@@ -62,8 +62,8 @@ struct FingerMeeting {
 
 /// Closes a finger along its path, which must have a shape, until its tip or another of its links
 /// meets the object, or its tip the table.
-/// @param table_clearance  twice the height of the tip that counts as meeting the table, m
+/// @param least_height  of the tip above the table, m; lower counts as meeting it
 FingerMeeting meet(const PlacedObject& object, const ClosingPath& path, std::size_t finger,
-                   double table_clearance);
+                   double least_height);
 
 }  // namespace palpate::pipeline
