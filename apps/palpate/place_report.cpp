@@ -77,13 +77,30 @@ json round_json(const pipeline::MeansTaken::Round& round) {
           {"place", place}};
 }
 
+json turn_json(const pipeline::FingerTurn& turn) {
+  const auto& result = turn.result;
+  return {{"asked_deg", kDegrees * turn.asked.norm()},
+          {"base_turn_deg", kDegrees * turn.base_turn},
+          {"end", pipeline::to_string(result.end)},
+          {"left", error_json(result.left)},
+          {"known", turn.known},
+          {"lost", turn.lost},
+          {"steps", result.steps},
+          {"rehearsals", result.rehearsals},
+          {"sim_seconds", result.seconds},
+          {"plan_seconds", result.plan_seconds}};
+}
+
 json means_json(const pipeline::MeansTaken& means) {
   json rounds = json::array();
   for (const auto& round : means.rounds) rounds.push_back(round_json(round));
   json regrasp = nullptr;
   if (means.regrasp) regrasp = pipeline::to_string(*means.regrasp);
+  json fingers = nullptr;
+  if (means.turn) fingers = turn_json(*means.turn);
   return {{"chosen", pipeline::to_string(means.means)},
           {"reason", means.reason},
+          {"fingers", fingers},
           {"regrasp", regrasp},
           {"rounds", rounds}};
 }
@@ -96,6 +113,12 @@ std::string means_text(const pipeline::MeansTaken& means) {
       text += fmt::format("; {} {}: {}", pipeline::to_string(way.means),
                           way.possible ? "possible" : "impossible", way.reason);
     }
+  }
+  if (means.turn) {
+    text += fmt::format("; fingers {}: {:.1f} of {:.1f} deg left, planned in {:.1f} s",
+                        pipeline::to_string(means.turn->result.end),
+                        kDegrees * means.turn->result.left.rotation,
+                        kDegrees * means.turn->asked.norm(), means.turn->result.plan_seconds);
   }
   if (means.regrasp) {
     text += fmt::format("; {} round{}, {}", means.rounds.size(),

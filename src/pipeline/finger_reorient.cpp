@@ -177,11 +177,7 @@ class Turning {
         std::count(touches.begin(), touches.end(), true) < options_.least_fingers) {
       return ReorientEnd::losing;
     }
-    const Matrix6d& covariance = tracker_.posterior().modes.front().covariance;
-    if (largest_deviation(covariance.topLeftCorner<3, 3>()) > options_.drift_angle ||
-        largest_deviation(covariance.bottomRightCorner<3, 3>()) > options_.drift_way) {
-      return ReorientEnd::drift;
-    }
+    if (!well_known(tracker_.posterior().modes.front(), options_)) return ReorientEnd::drift;
     const auto error = left();
     if (error.rotation < options_.done_angle && error.translation < options_.done_way) {
       return ReorientEnd::reached;
@@ -203,6 +199,11 @@ class Turning {
 };
 
 }  // namespace
+
+bool well_known(const localization::Mode& mode, const ReorientOptions& options) {
+  return largest_deviation(mode.covariance.topLeftCorner<3, 3>()) <= options.drift_angle &&
+         largest_deviation(mode.covariance.bottomRightCorner<3, 3>()) <= options.drift_way;
+}
 
 std::string_view to_string(ReorientEnd end) { return kEndNames[static_cast<std::size_t>(end)]; }
 

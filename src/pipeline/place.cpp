@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -12,11 +13,15 @@
 
 #include "course.hpp"
 #include "load.hpp"
+#include "palpate/core/error.hpp"
 
 namespace palpate::pipeline {
 namespace {
 
-constexpr double kGravity = 9.81;       // m/s^2
+constexpr double kGravity = 9.81;  // m/s^2
+constexpr std::array<PlaceMeans, 4> kMeans = {PlaceMeans::automatic, PlaceMeans::wrist,
+                                              PlaceMeans::fingers, PlaceMeans::regrasp};
+constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr double kWrongHeight = 0.015;  // m: felt that far from what was expected, it fell over
 
 simulation::CollisionOptions held_collisions() {
@@ -87,6 +92,10 @@ class Placement {
 
  private:
   bool aim(const PlaceTarget& target);
+  GoalSearch search_goal(const HeldObject& held);
+  void plan_turn(const GoalSearch& search);
+  bool turn();
+  bool aim_turned();
   bool carry(std::string name);
   bool aim_again();
   bool set_down(const PlaceGoal& goal, double wall, bool back);
@@ -130,15 +139,82 @@ bool Placement::aim(const PlaceTarget& target) {
                                  held->certainty, options_.certain)};
     }
     status = PlaceStatus::unreachable;
-    const GoalSearch search =
-        find_goal(object_, *held, result_.T_world_target, robot_.reading(), scene_, options_.goal);
+    const GoalSearch search = search_goal(*held);
     result_.other_stance = !search.same_stance;
     result_.goal = search.goal;
-    if (!search.goal) return {false, "unreachable: " + search.obstacle};
-    return {true, fmt::format("{:.2f} agree; {} stance", held->certainty,
-                              search.same_stance ? "the same" : "another")};
+    plan_turn(search);
+    if (!search.goal && !result_.turn) return {false, "unreachable: " + search.obstacle};
+    return {true, fmt::format("{:.2f} agree; {} stance{}", held->certainty,
+                              search.same_stance ? "the same" : "another",
+                              result_.turn ? "; fingers " + result_.turn->why : "")};
   }));
   return ok || fail(status);
+}
+
+GoalSearch Placement::search_goal(const HeldObject& held) {
+  return find_goal(object_, held, result_.T_world_target, robot_.reading(), scene_, options_.goal);
+}
+
+/// Decides whether the fingers turn the object first: where that was asked for, as much of the
+/// base's turn as they can; else only where it makes a target reachable that is not.
+void Placement::plan_turn(const GoalSearch& search) {
+  const PlaceMeans means = place_means(options_);
+  if (means != PlaceMeans::fingers && (means != PlaceMeans::automatic || search.goal)) return;
+  const hand::BasePosition& base = robot_.reading().base;
+  const FingerTurnOptions& options = options_.fingers;
+  const Eigen::Isometry3d T_world_seat =
+      search.goal ? search.goal->seat.pose()
+                  : result_.T_world_target * result_.held.T_base_object_flat.inverse();
+  const hand::BasePosition seat = base_near(T_world_seat, base);
+  FingerTurn turn;
+  turn.base_turn = share_of_fingers(base, seat, std::numbers::pi).norm();
+  turn.asked = share_of_fingers(base, seat, options.most);
+  if (search.goal) {
+    if (turn.asked.norm() < options.least) return;
+    turn.why = fmt::format("asked for: {:.1f} of the {:.1f} deg that the base would turn",
+                           kDegrees * turn.asked.norm(), kDegrees * turn.base_turn);
+  } else {
+    const auto reaching = turn_that_reaches(
+        result_.held, base, turn.asked, options.most,
+        [&](const HeldObject& held) { return search_goal(held).goal.has_value(); });
+    if (!reaching) return;
+    turn.asked = *reaching;
+    turn.why =
+        fmt::format("unreachable as it is held ({}), reachable turned by {:.1f} deg in the hand",
+                    search.obstacle, kDegrees * turn.asked.norm());
+  }
+  result_.turn = turn;
+}
+
+/// Turns the object by the fingers, and aims anew at what the tracker says of it then.
+bool Placement::turn() {
+  if (!result_.turn) return true;
+  FingerTurnOptions options = options_.fingers;
+  options.reorient.errors = pick_options_.locate.errors;
+  const bool ok = course_.run(FingerTurnPhase(options, model_, seed_, *result_.turn));
+  if (result_.turn->lost) return fail(PlaceStatus::lost);
+  if (!ok) fail(PlaceStatus::slipped);
+  if (ok && aim_turned()) return true;
+  put_back();
+  return false;
+}
+
+bool Placement::aim_turned() {
+  const bool ok = course_.run(ThinkPhase("aim-turned", [&]() -> PhaseEnd {
+    TouchLog log = robot_.log();
+    log.moments.push_back({Mark::held, log.readings.size() - 1});
+    const double certainty = result_.held.certainty;
+    result_.held = *held_object(object_, state_.estimate.posterior, log, options_.same, true);
+    result_.held.certainty = certainty;
+    const GoalSearch search = search_goal(result_.held);
+    result_.goal = search.goal;
+    if (!search.goal) return {false, "unreachable: " + search.obstacle};
+    return {true, fmt::format("{:.1f} deg are left to the base",
+                              kDegrees * share_of_fingers(robot_.reading().base, search.goal->seat,
+                                                          std::numbers::pi)
+                                             .norm())};
+  }));
+  return ok || fail(PlaceStatus::unreachable);
 }
 
 /// Over the goal.
@@ -157,14 +233,15 @@ bool Placement::carry(std::string name) {
 
 /// Estimates the pose once more over the target, for the object has moved in the hand on the way:
 /// gravity pulls elsewhere once the hand has turned. What comes of it only mends the goal; where it
-/// is less certain than what was known before, it is left alone.
+/// is less certain than what was known before, it is left alone. What the fingers have turned is
+/// known from tracking them: the estimate counts on an object that has hardly moved in the hand.
 bool Placement::aim_again() {
-  if (!options_.again) return true;
+  if (!options_.again || result_.turn) return true;
   TouchLog log = robot_.log();
   log.moments.push_back({Mark::held, log.readings.size() - 1});
   const double least = std::min(options_.certain, result_.held.certainty);
   std::optional<PlaceGoal> goal;
-  course_.run(ThinkPhase("aim again", [&]() -> PhaseEnd {
+  course_.run(ThinkPhase("aim-again", [&]() -> PhaseEnd {
     state_.estimate = locate(model_, robot_.model(), log, pick_options_.locate, seed_);
     const auto held = held_object(object_, state_.estimate.posterior, log, options_.same);
     if (!held || held->certainty < least) return {true, "nothing new"};
@@ -186,7 +263,7 @@ bool Placement::aim_again() {
 /// Sets down at the goal under the hand and lets go.
 bool Placement::set_down(const PlaceGoal& goal, double wall, bool back) {
   PlacePhase lower(options_.lower, goal, wall, open_posture(pick_options_.grasp.top),
-                   back ? "put back" : "place");
+                   back ? "put-back" : "place");
   const bool ok = course_.run(lower);
   if (!back && lower.let_go()) result_.T_world_placed = laid_flat(object_, lower.T_world_object());
   if (ok) return withdraw();
@@ -205,10 +282,15 @@ void Placement::put_back() {
   PlaceGoal goal;
   goal.T_base_object = result_.held.T_base_object_flat;
   goal.seat = robot_.log().readings[*closed].base;
+  if (result_.turn && result_.turn->known) {
+    const Eigen::Isometry3d T_world_object =
+        laid_flat(object_, goal.seat.pose() * goal.T_base_object);
+    goal.seat = base_near(T_world_object * goal.T_base_object.inverse(), goal.seat);
+  }
   goal.above = goal.seat;
   goal.above.xyz.z() += options_.goal.rise;
   goal.T_world_object = goal.seat.pose() * goal.T_base_object;
-  TransportPhase carry(options_.transport, scene_, goal, seed_, "carry back");
+  TransportPhase carry(options_.transport, scene_, goal, seed_, "carry-back");
   const bool there = course_.run(carry);
   if (carry.lost()) {
     fail(PlaceStatus::lost);
@@ -230,7 +312,7 @@ PlaceResult Placement::run(const PlaceTarget& target) {
     return result_;
   }
   const bool slot = target.kind == PlaceTarget::Kind::fixture;
-  if (!carry("transport") || !aim_again()) return result_;
+  if (!turn() || !carry("transport") || !aim_again()) return result_;
   if (!set_down(*result_.goal, slot ? options_.fixture.height : 0, false)) {
     if (result_.status == PlaceStatus::refused) put_back();
     return result_;
@@ -247,6 +329,28 @@ PlaceResult Placement::run(const PlaceTarget& target) {
 }
 
 }  // namespace
+
+std::string_view to_string(PlaceMeans means) {
+  switch (means) {
+    case PlaceMeans::automatic:
+      return "auto";
+    case PlaceMeans::wrist:
+      return "wrist";
+    case PlaceMeans::fingers:
+      return "fingers";
+    case PlaceMeans::regrasp:
+      return "regrasp";
+  }
+  return "";
+}
+
+PlaceMeans place_means(const PlaceOptions& options) {
+  for (const PlaceMeans means : kMeans) {
+    if (options.means == to_string(means)) return means;
+  }
+  throw BadInput(fmt::format(
+      "place.means = {:?}: it is \"auto\", \"wrist\", \"fingers\" or \"regrasp\"", options.means));
+}
 
 bool was_put_back(PlaceStatus status) {
   return status == PlaceStatus::ambiguous || status == PlaceStatus::unreachable ||

@@ -4,17 +4,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <iterator>
 #include <utility>
 
-#include "palpate/core/error.hpp"
-
 namespace palpate::pipeline {
 namespace {
-
-constexpr std::array<PlaceMeans, 3> kMeans = {PlaceMeans::automatic, PlaceMeans::wrist,
-                                              PlaceMeans::regrasp};
 
 /// Keeps the phases in order: a pick's come after all that went before.
 void add(PlaceCourse& course, PickResult picked) {
@@ -63,6 +57,9 @@ class PlaceAttempts {
     if (means != PlaceMeans::regrasp) {
       in_one_hold(means == PlaceMeans::automatic);
       if (means == PlaceMeans::wrist) course_.means.reason = "asked for";
+      if (means == PlaceMeans::fingers && !course_.means.turn) {
+        course_.means.reason = "nothing for the fingers to turn: " + course_.means.reason;
+      }
     }
     const bool held = course_.picked.held && course_.place;
     if (means == PlaceMeans::regrasp) {
@@ -76,21 +73,30 @@ class PlaceAttempts {
  private:
   /// @param may_regrasp  end where only that can help
   void in_one_hold(bool may_regrasp) {
+    PlaceOptions options = options_;
     for (int attempt = 0; attempt < options_.picks; ++attempt) {
       add(course_, pick(robot_, object_, pick_options_, seed_, observer_));
       course_.means.reason = "the object was not held";
       if (!course_.picked.held) return;
       course_.place = place(robot_, object_, course_.picked, target_, fixture_, pick_options_,
-                            options_, seed_, observer_);
+                            options, seed_, observer_);
       course_.means.reason = "one hold: " + outcome_of(*course_.place);
+      if (course_.place->turn) {
+        course_.means.means = PlaceMeans::fingers;
+        course_.means.reason = course_.place->turn->why;
+        course_.means.turn = course_.place->turn;
+        options.means = to_string(PlaceMeans::wrist);
+      }
       if (!was_put_back(course_.place->status)) return;
       if (may_regrasp && needs_new_grasps(*course_.place)) return;
     }
   }
 
   void by_regrasping(std::string reason) {
+    PlaceOptions options = options_;
+    options.means = to_string(PlaceMeans::regrasp);
     RegraspResult result =
-        regrasp(robot_, object_, target_, fixture_, pick_options_, options_, seed_, observer_);
+        regrasp(robot_, object_, target_, fixture_, pick_options_, options, seed_, observer_);
     course_.means.means = PlaceMeans::regrasp;
     course_.means.reason = std::move(reason);
     course_.means.regrasp = result.status;
@@ -121,26 +127,6 @@ class PlaceAttempts {
 };
 
 }  // namespace
-
-std::string_view to_string(PlaceMeans means) {
-  switch (means) {
-    case PlaceMeans::automatic:
-      return "auto";
-    case PlaceMeans::wrist:
-      return "wrist";
-    case PlaceMeans::regrasp:
-      return "regrasp";
-  }
-  return "";
-}
-
-PlaceMeans place_means(const PlaceOptions& options) {
-  for (const PlaceMeans means : kMeans) {
-    if (options.means == to_string(means)) return means;
-  }
-  throw BadInput(
-      fmt::format("place.means = {:?}: it is \"auto\", \"wrist\" or \"regrasp\"", options.means));
-}
 
 PlaceCourse pick_and_place(Robot& robot, const localization::ObjectModel& object,
                            const PlaceTarget& target, const simulation::Fixture& fixture,

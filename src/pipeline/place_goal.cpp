@@ -60,7 +60,7 @@ double turn_between(const hand::BasePosition& a, const hand::BasePosition& b) {
 
 std::optional<HeldObject> held_object(const geometry::KnownObject& object,
                                       const localization::Posterior& posterior, const TouchLog& log,
-                                      const SamePose& same) {
+                                      const SamePose& same, bool turned) {
   const auto closed = log.at(Mark::closed), lifted = log.at(Mark::held);
   if (posterior.modes.empty() || !closed || !lifted) return std::nullopt;
   const Eigen::Isometry3d T_world_closed = log.readings[*closed].base.pose();
@@ -71,10 +71,9 @@ std::optional<HeldObject> held_object(const geometry::KnownObject& object,
   for (const WeightedPose& pose : poses_of(posterior)) {
     const Eigen::Isometry3d T_base_object = T_base_world * pose.T;
     const Eigen::Isometry3d standing = T_world_closed * T_base_object;
-    const NearestStance nearest = nearest_stance(object, standing.linear());
+    const bool settles = !turned && nearest_stance(object, standing.linear()).tilt < kSettles;
     in_air.push_back({T_base_object, pose.weight});
-    flat.push_back({T_world_closed.inverse() *
-                        (nearest.tilt < kSettles ? laid_flat(object, standing) : standing),
+    flat.push_back({T_world_closed.inverse() * (settles ? laid_flat(object, standing) : standing),
                     pose.weight});
   }
   const Consensus best = consensus(flat, object.symmetries, same);

@@ -38,6 +38,12 @@ class BadTargets(CliTest):
             "fixture", "too small", options=["--set", "place.fixture.tolerance=-0.001"])
 
 
+    def test_means_and_turns_that_cannot_be(self):
+        self.assert_bad_place("0.1,0,0", "place.means", "throw", options=["--set", "place.means=throw"])
+        self.assert_bad_place("0.1,0,0", "place.fingers.most", "9",
+                              options=["--set", "place.fingers.most=9"])  # fmt: skip
+
+
 class Results(CliTest):
     def test_pick_places_and_reports(self):
         report = self.run_json(
@@ -46,8 +52,8 @@ class Results(CliTest):
         self.assertEqual(report["status"], "ok")
         names = [phase["name"] for phase in report["phases"]]
         self.assertEqual(names[-3:], ["place", "withdraw", "verify"])
-        aimed = [name for name in names[:-3] if name in ("aim", "transport", "aim again", "mend")]
-        self.assertEqual(aimed[:3], ["aim", "transport", "aim again"])
+        aimed = [name for name in names[:-3] if name in ("aim", "transport", "aim-again", "mend")]
+        self.assertEqual(aimed[:3], ["aim", "transport", "aim-again"])
         place = report["place"]
         self.assertEqual(place["status"], "placed")
         self.assertEqual(place["plan"]["status"], "ok")
@@ -60,6 +66,26 @@ class Results(CliTest):
         poses = [mode["T_world_object"] for mode in replay["modes"]]
         picked = [mode["T_world_object"] for mode in report["estimate"]["modes"]]
         self.assertEqual(poses, picked)
+
+    def test_the_fingers_are_reported(self):
+        report = self.run_json(
+            "pick", "--object", "box", "--place", "0.15,0.1,0.5", "--seed", "7", "--out", "run",
+            "--set", "place.means=fingers", "--set", "place.fingers.reorient.sampling.samples=4",
+            *QUICK)  # fmt: skip
+        names = [phase["name"] for phase in report["phases"]]
+        self.assertIn("turn", names)
+        for name in names:
+            self.assertNotIn(" ", name)  # pictures of phases are named after them
+        means = report["place"]["means"]
+        self.assertEqual(means["chosen"], "fingers")
+        self.assertIn("asked for", means["reason"])
+        fingers = means["fingers"]
+        self.assertAlmostEqual(fingers["asked_deg"], 15, places=3)
+        self.assertGreater(fingers["base_turn_deg"], fingers["asked_deg"])
+        self.assertIn(fingers["end"], ["reached", "out_of_time", "drift", "losing"])
+        self.assertLessEqual(
+            {"left", "known", "lost", "steps", "rehearsals", "sim_seconds", "plan_seconds"},
+            fingers.keys())
 
     def test_eval_counts_places_alike_for_any_number_of_threads(self):
         command = ["eval", "--object", "box", "--place", "random", "--trials", "2", "--seed", "20",

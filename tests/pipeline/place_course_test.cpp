@@ -9,7 +9,8 @@ namespace palpate::pipeline {
 namespace {
 
 TEST(PlaceMeans, AreWhatTheirNamesSay) {
-  for (const PlaceMeans means : {PlaceMeans::automatic, PlaceMeans::wrist, PlaceMeans::regrasp}) {
+  for (const PlaceMeans means :
+       {PlaceMeans::automatic, PlaceMeans::wrist, PlaceMeans::fingers, PlaceMeans::regrasp}) {
     PlaceOptions options;
     options.means = to_string(means);
     EXPECT_EQ(place_means(options), means) << options.means;

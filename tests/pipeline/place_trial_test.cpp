@@ -176,7 +176,7 @@ TEST(PlaceTrial, GraspsAnewWhatOneHoldCannotStandUp) {
   const auto& before = trial.result.phases;
   EXPECT_EQ(count(before, "lift"), 1 + trial.means.rounds.size());
   EXPECT_EQ(count(before, "aim"), trial.means.rounds.size());
-  EXPECT_GE(count(before, "put back"), 1u);
+  EXPECT_GE(count(before, "put-back"), 1u);
   EXPECT_EQ(count(trial.place->phases, "aim"), 1u);
   EXPECT_EQ(trial.place->status, PlaceStatus::placed) << trial.place->phases.back().outcome;
   EXPECT_EQ(trial.means.regrasp, RegraspStatus::done);
@@ -185,6 +185,37 @@ TEST(PlaceTrial, GraspsAnewWhatOneHoldCannotStandUp) {
   EXPECT_TRUE(upright.isIdentity());
   EXPECT_LT(trial.place_judgement.error.translation, 0.03);
   EXPECT_LT(trial.place_judgement.error.rotation, 0.5);
+}
+
+TEST(PlaceTrial, TheFingersTakeAPartOfTheTurn) {
+  TrialOptions options = quick_options();
+  options.place.means = "fingers";
+  options.place.fingers.reorient.sampling.samples = 8;
+  const auto trial = run_trial(box(), options, kSeed);
+  ASSERT_TRUE(trial.place);
+  EXPECT_EQ(trial.means.means, PlaceMeans::fingers);
+  ASSERT_TRUE(trial.means.turn);
+  EXPECT_EQ(trial.means.reason, trial.means.turn->why);
+  EXPECT_NEAR(trial.means.turn->asked.norm(), options.place.fingers.most, 1e-9);
+  EXPECT_GT(trial.means.turn->base_turn, trial.means.turn->asked.norm());
+  EXPECT_GT(trial.means.turn->result.rehearsals, 0);
+  EXPECT_EQ(count(trial.place->phases, "turn"), 1u);
+  EXPECT_EQ(trial.place->status, PlaceStatus::placed) << trial.place->phases.back().outcome;
+  EXPECT_FALSE(trial.place_judgement.dropped);
+  EXPECT_LT(trial.place_judgement.error.translation, 0.03);
+}
+
+TEST(PlaceTrial, WhatTheBaseTurnsByLittleIsNoWorkForTheFingers) {
+  TrialOptions options = quick_options();
+  options.place.means = "fingers";
+  options.place.fingers.least = 1.0;  // more than `most`: always too little
+  const auto trial = run_trial(box(), options, kSeed);
+  ASSERT_TRUE(trial.place);
+  EXPECT_EQ(trial.means.means, PlaceMeans::wrist);
+  EXPECT_FALSE(trial.means.turn);
+  EXPECT_NE(trial.means.reason.find("nothing for the fingers"), std::string::npos)
+      << trial.means.reason;
+  EXPECT_EQ(count(trial.place->phases, "turn"), 0u);
 }
 
 TEST(PlaceTrial, MeansThatDoNotExistAreNamedBeforeAnythingMoves) {

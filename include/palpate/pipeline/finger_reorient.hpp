@@ -66,8 +66,8 @@ struct ReorientOptions {
   double friction = 0.5;      ///< that the balance of forces counts on
   SamplingOptions sampling;
   localization::TrackerOptions tracker = tracking_in_grasp();
-  touch::ContactErrorModel errors;
-  simulation::WorldOptions world;  ///< of the rehearsals
+  touch::ContactErrorModel errors;  ///< those of the pick's estimates; no option of its own
+  simulation::WorldOptions world;   ///< of the rehearsals
 
   template <class Visitor>
   void visit(Visitor&& v) {
@@ -88,7 +88,6 @@ struct ReorientOptions {
     v("friction", friction, 0.0, 2.0, "that the balance of forces counts on");
     v.section("sampling", sampling);
     v.section("tracker", tracker);
-    v.section("errors", errors);
     v.section("world", world);
   }
 };
@@ -100,6 +99,9 @@ enum class ReorientEnd {
   losing,       ///< too few fingers touch
 };
 std::string_view to_string(ReorientEnd end);
+
+/// Whether a pose's standard deviations are within the drift limit.
+bool well_known(const localization::Mode& mode, const ReorientOptions& options);
 
 struct ReorientResult {
   ReorientEnd end = ReorientEnd::out_of_time;

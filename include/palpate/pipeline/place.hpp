@@ -5,6 +5,7 @@
 #include <string>
 
 #include "palpate/pipeline/feel_phase.hpp"
+#include "palpate/pipeline/finger_turn.hpp"
 #include "palpate/pipeline/pick.hpp"
 #include "palpate/pipeline/place_phase.hpp"
 #include "palpate/pipeline/regrasp_plan.hpp"
@@ -15,7 +16,7 @@ namespace palpate::pipeline {
 /// All that can be configured of placing.
 struct PlaceOptions {
   std::string target;          ///< as parse_target() takes it; empty: the object is not placed
-  std::string means = "auto";  ///< wrist, regrasp, or what is needed (place_course.hpp)
+  std::string means = "auto";  ///< wrist, fingers, regrasp, or what is needed (PlaceMeans)
   int picks = 2;               ///< at most, where the object had to be put back
   double reach = 0.5;          ///< m, how far from the origin a target may be
   double turn_press = 6.0;  ///< as GraspOptions::press_per_weight, if the object may be turned over
@@ -28,12 +29,15 @@ struct PlaceOptions {
   TransportOptions transport;
   LowerOptions lower;
   WithdrawOptions withdraw;
+  FingerTurnOptions fingers;
   RegraspCourseOptions regrasp;
 
   template <class Visitor>
   void visit(Visitor&& v) {
     v("target", target, "fixture, random, x,y,yaw or the 16 numbers of a pose; empty: none");
-    v("means", means, "wrist (one hold), regrasp (planned grasps), auto (the first that does)");
+    v("means", means,
+      "wrist (one hold), fingers (turn in the hand first), regrasp (planned grasps), auto (the "
+      "first that does)");
     v("picks", picks, 1, 10, "at most, where the object had to be put back");
     v("reach", reach, 0.05, 1.0, "m, how far from the origin a target may be");
     v("turn_press", turn_press, 0.0, 100.0,
@@ -47,9 +51,23 @@ struct PlaceOptions {
     v.section("transport", transport);
     v.section("lower", lower);
     v.section("withdraw", withdraw);
+    v.section("fingers", fingers);
     v.section("regrasp", regrasp);
   }
 };
+
+/// Which way an object is brought to its target.
+enum class PlaceMeans {
+  automatic,  ///< in one hold, turned in the hand or grasped anew where that cannot be
+  wrist,      ///< in one hold, turned by the hand's base
+  fingers,    ///< in one hold, turned first by the fingers as far as they can, then by the base
+  regrasp     ///< with planned grasps, over other stances if need be
+};
+std::string_view to_string(PlaceMeans means);
+
+/// What PlaceOptions::means asks for.
+/// @throws BadInput for another word
+PlaceMeans place_means(const PlaceOptions& options);
 
 /// How placing ended.
 enum class PlaceStatus {
@@ -57,7 +75,7 @@ enum class PlaceStatus {
   ambiguous,    ///< its pose is not known well enough: it was put back
   unreachable,  ///< no position of the base brings it to the target: it was put back
   refused,      ///< something was in its way at the target: it was put back
-  slipped,      ///< it moved in the hand: it was put back
+  slipped,      ///< it moved in the hand more than is known: it was put back
   lost,         ///< it fell out of the hand
   stuck,        ///< it would not leave the hand, or could not be put back
   missing,      ///< it does not stand where it was put
@@ -78,6 +96,7 @@ struct PlaceResult {
   bool other_stance = false;  ///< the target asks for a stance other than that it was found in
   Eigen::Isometry3d T_world_target = Eigen::Isometry3d::Identity();
   std::optional<PlaceGoal> goal;
+  std::optional<FingerTurn> turn;                   ///< in the hand, where the fingers were used
   planning::Plan motion;                            ///< of the transport
   std::optional<Eigen::Isometry3d> T_world_placed;  ///< as it was let go, estimated
 };
@@ -88,7 +107,8 @@ PickOptions firm_enough(const PickOptions& pick_options, const PlaceTarget& targ
                         const PlaceOptions& options);
 
 /// Transport and placement (thesis chapter 1) of the object that hangs in the hand after a pick:
-/// find where the base has to go, carry, set down by touch, let go, withdraw, verify by touch. What
+/// find where the base has to go, turn by the fingers where that is asked for or alone makes the
+/// target reachable, carry, set down by touch, let go, withdraw, verify by touch. What
 /// cannot be done is said, and the object put back gently where it came from.
 ///
 /// It is given what the robot felt and the ESTIMATED pose; fixture and target are known.

@@ -3,25 +3,12 @@
 
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "palpate/pipeline/place.hpp"
 #include "palpate/pipeline/regrasp.hpp"
 
 namespace palpate::pipeline {
-
-/// Which way an object is brought to its target.
-enum class PlaceMeans {
-  automatic,  ///< in one hold, and by grasping anew where that cannot be
-  wrist,      ///< in one hold, turned by the hand's base
-  regrasp     ///< with planned grasps, over other stances if need be
-};
-std::string_view to_string(PlaceMeans means);
-
-/// What PlaceOptions::means asks for.
-/// @throws BadInput for another word
-PlaceMeans place_means(const PlaceOptions& options);
 
 /// Which way was gone, and why.
 struct MeansTaken {
@@ -30,8 +17,9 @@ struct MeansTaken {
     RegraspPlan plan;
     std::optional<PlaceStatus> place;  ///< none if the object was not held
   };
-  PlaceMeans means = PlaceMeans::wrist;  ///< wrist or regrasp
+  PlaceMeans means = PlaceMeans::wrist;  ///< wrist, fingers or regrasp
   std::string reason;
+  std::optional<FingerTurn> turn;        ///< the last one by the fingers
   std::optional<RegraspStatus> regrasp;  ///< how that ended
   std::vector<Round> rounds;             ///< of regrasping
 };
@@ -45,7 +33,8 @@ struct PlaceCourse {
 
 /// Picks the object and brings it to its target: `picks` times in one hold; by regrasp() where that
 /// was asked for, or where one hold could not bring it there: it was put back as unreachable, or
-/// for another reason on its way into another stance.
+/// for another reason on its way into another stance. The fingers turn it in the first hold alone:
+/// what they did not bring there is then left to the base.
 ///
 /// @param robot  stands free above the table; the object is near the world's origin
 /// @throws BadInput for `means` that do not exist, before anything moves

@@ -25,10 +25,11 @@ struct HeldObject {
 ///
 /// Height and tilt need no estimate, for the table fixed them when the fingers closed.
 /// @param posterior  of the held object, in the world, at the reading `held`
+/// @param turned  by the fingers, since they closed: then what the table told counts no more
 /// @return nothing without modes or without the marks closed and held
 std::optional<HeldObject> held_object(const geometry::KnownObject& object,
                                       const localization::Posterior& posterior, const TouchLog& log,
-                                      const SamePose& same);
+                                      const SamePose& same, bool turned = false);
 
 /// Where the base has to go, as measured, and the pose of the object that this is for.
 struct PlaceGoal {
