@@ -51,12 +51,21 @@ bool may_be_misplaced(const Link& link) {
   return link.joint >= 0 && !link.T_parent_link.translation().isZero();
 }
 
+std::vector<int> misplaced_links(const HandModel& hand, int link) {
+  std::vector<int> misplaced;
+  for (int i = link; i >= 0; i = hand.links[static_cast<std::size_t>(i)].parent) {
+    if (may_be_misplaced(hand.links[static_cast<std::size_t>(i)])) misplaced.push_back(i);
+  }
+  return misplaced;
+}
+
 HandModel with_perturbed_links(HandModel hand, double rms, RandomStream& random) {
   const double sigma = rms / std::sqrt(3.0);
   for (Link& link : hand.links) {
     Eigen::Vector3d offset = sigma * random.normal3();
     if (may_be_misplaced(link)) link.T_parent_link.translation() += offset;
   }
+  hand.link_error = rms;
   return hand;
 }
 

@@ -156,16 +156,19 @@ void add_swept_tip(const hand::HandModel& hand, const TouchLog& log, std::size_t
 /// Lasting contacts without the error of the links, which all contacts of a finger share.
 std::vector<touch::Contact> felt_contacts(std::span<const hand::HandReading> window,
                                           const hand::HandModel& hand,
-                                          touch::ContactErrorModel errors) {
-  errors.link = 0;
-  return touch::lasting_contacts(window, hand, errors);
+                                          const touch::ContactErrorModel& errors) {
+  auto contacts = touch::lasting_contacts(window, hand, errors);
+  for (auto& contact : contacts) {
+    const double shared = touch::link_offset_sigma(hand, contact.finger);
+    contact.point_sigma = std::sqrt(contact.point_sigma * contact.point_sigma - shared * shared);
+  }
+  return contacts;
 }
 
 /// The links' misplacement displaces all contacts of a finger alike, in the base's axes.
-localization::SharedOffset finger_offset(const hand::HandModel& hand, int finger,
-                                         const LocateOptions& options) {
+localization::SharedOffset finger_offset(const hand::HandModel& hand, int finger) {
   localization::SharedOffset offset;
-  offset.sigma = touch::link_offset_sigma(hand, finger, options.errors.link);
+  offset.sigma = touch::link_offset_sigma(hand, finger);
   return offset;
 }
 
@@ -174,7 +177,7 @@ localization::SharedOffset finger_offset(const hand::HandModel& hand, int finger
 Evidence evidence_of_sweeps(const hand::HandModel& hand, const TouchLog& log,
                             const LocateOptions& options, std::size_t skipped) {
   Evidence evidence;
-  auto offset = finger_offset(hand, static_cast<int>(hand::Finger::first), options);
+  auto offset = finger_offset(hand, static_cast<int>(hand::Finger::first));
   std::size_t sweep = 0, count = 0;
   for (const auto& moment : log.since_release()) {
     if (moment.mark == Mark::sweep) sweep = moment.reading;
@@ -255,9 +258,9 @@ Matrix6d motion_covariance(const LocateOptions& options, double scale) {
 }
 
 /// Groups contacts by the finger that felt them.
-void share_offsets(const hand::HandModel& hand, const LocateOptions& options, Evidence& evidence) {
+void share_offsets(const hand::HandModel& hand, Evidence& evidence) {
   for (int finger = 0; finger < hand::kFingers; ++finger) {
-    auto offset = finger_offset(hand, finger, options);
+    auto offset = finger_offset(hand, finger);
     for (std::size_t k = 0; k < evidence.contacts.size(); ++k) {
       if (evidence.contacts[k].finger == finger) offset.members.push_back({k});
     }
@@ -386,7 +389,7 @@ PoseEstimate locate(const localization::ObjectModel& object, const hand::HandMod
       evidence.prior = prior_after_grasp(resting, options);
     }
   }
-  share_offsets(hand, options, evidence);
+  share_offsets(hand, evidence);
   estimate.posterior =
       localization::localize(object, evidence, RandomStream(seed, "locate"), options.search);
   estimate.contacts = evidence.contacts;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/pipeline/pick.hpp"
 
+#include <algorithm>
 #include <numbers>
 
 #include "course.hpp"
@@ -14,6 +15,11 @@ namespace {
 
 constexpr double kGravity = 9.81;                       // m/s^2
 constexpr double kNextSide = 2 * std::numbers::pi / 3;  // rad between attempts
+
+bool has(const TouchLog& log, Mark mark) {
+  return std::any_of(log.moments.begin(), log.moments.end(),
+                     [mark](const auto& moment) { return moment.mark == mark; });
+}
 
 PickResult run_pick(Robot& robot, const localization::ObjectModel& object,
                     const PickOptions& options, std::uint64_t seed, const PhaseObserver& observer,
@@ -44,6 +50,10 @@ PickResult run_pick(Robot& robot, const localization::ObjectModel& object,
     }
     return true;
   };
+  if (options.calibrate.touches > 0 && robot.model().link_error > 0 &&
+      !has(robot.log(), Mark::on_table)) {
+    course.run(CalibratePhase(options.calibrate));
+  }
   while (!result.held && result.attempts < options.attempts) {
     if (result.attempts++ > 0) {
       course.run(ReleasePhase());

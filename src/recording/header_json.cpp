@@ -77,11 +77,8 @@ json hand_to_json(const hand::HandModel& hand) {
                        {"center", matrix_to_json(sphere.center)},
                        {"radius", sphere.radius}});
   }
-  return {{"links", links},
-          {"palm", hand.palm},
-          {"distal", hand.distal},
-          {"tips", tips},
-          {"spheres", spheres}};
+  return {{"links", links}, {"palm", hand.palm},  {"distal", hand.distal},
+          {"tips", tips},   {"spheres", spheres}, {"link_error", hand.link_error}};
 }
 
 hand::Link link_from_json(const json& j, std::size_t links_before) {
@@ -110,6 +107,9 @@ hand::HandModel hand_from_json(const json& j) {
                             vector_from_json(sphere.at("center")),
                             finite_from_json(sphere.at("radius"))});
   }
+  constexpr double kUsualLinkError = 0.002;  // m, of recordings that do not say
+  hand.link_error =
+      j.contains("link_error") ? finite_from_json(j.at("link_error")) : kUsualLinkError;
   return hand;
 }
 

@@ -75,31 +75,24 @@ hand::JointVector mean_joints(std::span<const hand::HandReading> window) {
   return sum / static_cast<double>(window.size());
 }
 
-/// Links from the base to this one that may be off.
-int misplaced_links(const hand::HandModel& hand, int link) {
-  int misplaced = 0;
-  for (int i = link; i >= 0; i = hand.links[static_cast<std::size_t>(i)].parent) {
-    misplaced += hand::may_be_misplaced(hand.links[static_cast<std::size_t>(i)]);
-  }
-  return misplaced;
-}
-
 /// Variance per axis of a point fixed to the link, from joint noise and misplaced links.
 double kinematic_variance(const hand::HandModel& hand, const hand::JointVector& joints, int link,
                           const Eigen::Vector3d& p_link, const ContactErrorModel& errors,
                           std::size_t readings) {
   const auto J = hand::jacobian(hand, joints, link, p_link);
   const double joint_variance = errors.joint * errors.joint / static_cast<double>(readings);
+  const double misplaced = static_cast<double>(hand::misplaced_links(hand, link).size());
   return (J.bottomRows<3>().squaredNorm() * joint_variance +
-          misplaced_links(hand, link) * errors.link * errors.link) /
+          misplaced * hand.link_error * hand.link_error) /
          3.0;
 }
 
 }  // namespace
 
-double link_offset_sigma(const hand::HandModel& hand, int finger, double link) {
+double link_offset_sigma(const hand::HandModel& hand, int finger) {
   const int tip = hand.distal.at(static_cast<std::size_t>(finger));
-  return link * std::sqrt(misplaced_links(hand, tip) / 3.0);
+  const double misplaced = static_cast<double>(hand::misplaced_links(hand, tip).size());
+  return hand.link_error * std::sqrt(misplaced / 3.0);
 }
 
 std::vector<Contact> lasting_contacts(std::span<const hand::HandReading> window,

@@ -54,6 +54,7 @@ void expect_same_hand(const hand::HandModel& a, const hand::HandModel& b) {
     EXPECT_EQ(a.links[i].joint, b.links[i].joint);
   }
   EXPECT_EQ(a.palm, b.palm);
+  EXPECT_EQ(a.link_error, b.link_error);
   EXPECT_EQ(a.distal, b.distal);
   for (std::size_t i = 0; i < hand::kFingers; ++i) {
     EXPECT_EQ(a.tips[i].a, b.tips[i].a);

@@ -52,8 +52,10 @@ TEST(LastingContacts, AverageInTheBaseFrame) {
 }
 
 TEST(LastingContacts, UncertaintyIsThatOfTheErrorModel) {
-  ContactErrorModel errors{.joint = 0, .link = 0.003, .point_floor = 1e-5, .normal_floor = 1e-4};
-  const auto contacts = lasting_contacts(held(25, 0, 1), toy_hand(), errors);
+  const ContactErrorModel errors{.joint = 0, .point_floor = 1e-5, .normal_floor = 1e-4};
+  hand::HandModel hand = toy_hand();
+  hand.link_error = 0.003;
+  const auto contacts = lasting_contacts(held(25, 0, 1), hand, errors);
   ASSERT_EQ(contacts.size(), 1u);
   EXPECT_NEAR(contacts[0].point_sigma, std::sqrt(1e-6 / 25 + 1e-10 + 9e-6 / 3), 1e-9);
   EXPECT_NEAR(contacts[0].normal_sigma, errors.normal / 5, 1e-6);
@@ -65,7 +67,7 @@ TEST(LastingContacts, WhatTheSensorTellsOfItsErrorTakesThePlaceOfTheModels) {
     reading.contacts[1][0].point_sigma = 0.002;
     reading.contacts[1][0].normal_sigma = 0.3;
   }
-  const ContactErrorModel errors{.joint = 0, .link = 0, .point_floor = 1e-3, .normal_floor = 0.4};
+  const ContactErrorModel errors{.joint = 0, .point_floor = 1e-3, .normal_floor = 0.4};
   const auto contacts = lasting_contacts(window, toy_hand(), errors);
   ASSERT_EQ(contacts.size(), 1u);
   EXPECT_NEAR(contacts[0].point_sigma, std::hypot(0.002, 1e-3), 1e-9);

@@ -39,6 +39,8 @@ struct HandModel {
   };
   std::array<TipCapsule, kFingers> tips;
   std::vector<LinkSphere> spheres;
+  /// By how much each link that may_be_misplaced() is believed to be, root mean square, m.
+  double link_error = 0;
 };
 
 /// T_base_link of every link at the given joint angles.
@@ -53,8 +55,12 @@ Eigen::Matrix<double, 6, kJoints> jacobian(const HandModel& hand, const JointVec
 /// but only one of the two that share their place in a universal joint.
 bool may_be_misplaced(const Link& link);
 
+/// Those of the links from this one to the base that may be: indices into HandModel::links.
+std::vector<int> misplaced_links(const HandModel& hand, int link);
+
 /// The same hand with every such link displaced from where the model says, by a normal vector of
-/// root mean square length `rms` (m): how far a real hand is from its drawing.
+/// root mean square length `rms` (m), which becomes its link_error: how far a real hand is from its
+/// drawing.
 HandModel with_perturbed_links(HandModel hand, double rms, RandomStream& random);
 
 }  // namespace palpate::hand

@@ -3,6 +3,7 @@
 
 #include <functional>
 
+#include "palpate/pipeline/calibrate_phase.hpp"
 #include "palpate/pipeline/explore_phase.hpp"
 #include "palpate/pipeline/feel_phase.hpp"
 #include "palpate/pipeline/grasp_phase.hpp"
@@ -16,6 +17,7 @@ namespace palpate::pipeline {
 struct PickOptions {
   int attempts = 3;                  ///< at most
   bool estimate_before_lift = true;  ///< the pose in the closed hand, too
+  CalibrateOptions calibrate;
   FeelOptions feel;
   ExploreOptions explore;
   GraspOptions grasp;
@@ -27,6 +29,7 @@ struct PickOptions {
   void visit(Visitor&& v) {
     v("attempts", attempts, 1, 20, "grasps tried at most");
     v("estimate_before_lift", estimate_before_lift, "estimate the pose in the closed hand, too");
+    v.section("calibrate", calibrate);
     v.section("feel", feel);
     v.section("explore", explore);
     v.section("grasp", grasp);
@@ -58,8 +61,9 @@ struct PhaseObserver {
   std::function<void(const PlaceResult& placed)> on_placed = {};
 };
 
-/// The main job (thesis chapter 1): feel how tall the object is, grasp it by touch, lift it, and
-/// estimate its pose in the hand. A grasp that fails is tried again from another side.
+/// The main job (thesis chapter 1): calibrate the hand, once a robot; feel how tall the object is,
+/// grasp it by touch, lift it, and estimate its pose in the hand. A grasp that fails is tried again
+/// from another side.
 ///
 /// @param robot  stands free above the table; the object is near the world's origin
 /// @param choose  chooses the grasp, if given

@@ -38,6 +38,8 @@ class Robot {
         Observer observer = {});
 
   const hand::HandModel& model() const { return model_; }
+  /// The hand is known better now.
+  void set_model(const hand::HandModel& model) { model_ = model; }
   const hand::HandCommand& command() const { return command_; }
   const hand::HandReading& reading() const { return log_.readings.back(); }
   const TouchLog& log() const { return log_; }
@@ -73,7 +75,7 @@ class Robot {
   MotionEnd tick_until(const StopCondition& stop);
 
   hand::Hand& hand_;
-  const hand::HandModel& model_;
+  hand::HandModel model_;
   hand::HandCommand command_;
   Observer observer_;
   TouchLog log_;

@@ -21,9 +21,11 @@ enum class Mark {
   released,  ///< the hand has let go: what was felt before no longer holds
   placed,    ///< the object stands where it was put; the hand is about to let go
   probed,    ///< a finger has closed on another spot of the object that the others hold
+  on_table,  ///< fingertips rest on the bare table
 };
-inline constexpr std::array<std::string_view, 9> kMarkNames = {
-    "felt", "sweep", "touched", "missed", "closed", "held", "released", "placed", "probed"};
+inline constexpr std::array<std::string_view, 10> kMarkNames = {
+    "felt", "sweep",    "touched", "missed", "closed",
+    "held", "released", "placed",  "probed", "on_table"};
 
 /// All that was felt, and when what was reached: everything that the pose estimate depends on.
 struct TouchLog {

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <cmath>
+#include <stdexcept>
+
+#include "common/experiment.hpp"
+#include "palpate/core/assets.hpp"
+#include "palpate/core/random.hpp"
+#include "palpate/geometry/known_object.hpp"
+#include "palpate/hand/coupling.hpp"
+#include "palpate/pipeline/calibrate_phase.hpp"
+#include "palpate/pipeline/grasp_phase.hpp"
+#include "palpate/pipeline/trial.hpp"
+#include "palpate/simulation/world.hpp"
+#include "palpate/touch/contact_window.hpp"
+
+namespace {
+
+using namespace palpate;
+
+constexpr int kPostures = 200;
+
+/// Fingers closed each to its own share from the open hand of a grasp.
+hand::JointVector random_grasp(RandomStream& random) {
+  hand::ActuatorVector posture = pipeline::open_posture(pipeline::top_recipe());
+  for (int i = 0; i < hand::kActuators; ++i) {
+    if (hand::finger_of_actuator(i) < 0) continue;
+    const auto name = hand::kActuatorNames[static_cast<std::size_t>(i)];
+    if (name.substr(2) == "J3") posture[i] += random.uniform(0, 1.0);
+    if (name.substr(2) == "J0") posture[i] += random.uniform(0, 1.2);
+    if (name == "THJ5" || name == "THJ2") posture[i] += random.uniform(0, 0.6);
+  }
+  return hand::joints_in_free_flexion(posture);
+}
+
+Eigen::Vector3d tip(const hand::HandModel& hand, const hand::JointVector& joints,
+                    std::size_t finger) {
+  const auto T = hand::forward_kinematics(hand, joints);
+  return T[static_cast<std::size_t>(hand.distal[finger])] * hand.tips[finger].b;
+}
+
+/// Root mean square distance of fingertips in grasps from where they are, m.
+double tip_error(const hand::HandModel& believed, const hand::HandModel& real) {
+  RandomStream random(1, "postures");
+  double sum = 0;
+  for (int i = 0; i < kPostures; ++i) {
+    const auto joints = random_grasp(random);
+    for (std::size_t finger = 0; finger < hand::kFingers; ++finger) {
+      sum += (tip(believed, joints, finger) - tip(real, joints, finger)).squaredNorm();
+    }
+  }
+  return std::sqrt(sum / (kPostures * hand::kFingers));
+}
+
+double claimed_error(const hand::HandModel& hand) {
+  double sum = 0;
+  for (int finger = 0; finger < hand::kFingers; ++finger) {
+    sum += 3 * std::pow(touch::link_offset_sigma(hand, finger), 2);
+  }
+  return std::sqrt(sum / hand::kFingers);
+}
+
+struct Sums {
+  double before = 0, after = 0, claimed = 0, seconds = 0, wall = 0;
+  std::string outcome;
+};
+
+void calibrate(const geometry::KnownObject& object, int touches, std::uint64_t seed, Sums& sums) {
+  simulation::World world(object, {}, seed);
+  world.reset(pipeline::draw_start(object, {}, seed), pipeline::waiting_command());
+  pipeline::Robot robot(world.hand(), world.hand_model(), pipeline::waiting_command());
+  const auto real = simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
+  sums.before += std::pow(tip_error(robot.model(), real), 2);
+  pipeline::CalibrateOptions options;
+  options.touches = touches;
+  pipeline::CalibratePhase phase(options);
+  pipeline::PickState state;
+  const auto report = run_phase(phase, robot, state);
+  sums.after += std::pow(tip_error(robot.model(), real), 2);
+  sums.claimed += std::pow(claimed_error(robot.model()), 2);
+  sums.seconds += report.sim_seconds;
+  sums.wall += report.wall_seconds;
+  sums.outcome = report.outcome;
+  if (world.diverged()) throw std::runtime_error(fmt::format("seed {}: the world diverged", seed));
+}
+
+void calibrate_hands(const experiment::Options& options) {
+  const auto object = geometry::load_known_object("box");
+  const int hands = options.quick ? 1 : 10;
+  experiment::Table table({"closings on the table", "tips off before, mm", "after, mm",
+                           "claimed, mm", "robot's s", "wall s", "of the last hand"});
+  for (const int touches : options.quick ? std::vector{10} : std::vector{10, 20, 30, 40, 60}) {
+    Sums sums;
+    for (int i = 0; i < hands; ++i) {
+      calibrate(object, touches, options.seed + static_cast<std::uint64_t>(i), sums);
+    }
+    const auto rms = [&](double sum) { return fmt::format("{:.2f}", 1e3 * std::sqrt(sum / hands)); };
+    table.add_row({std::to_string(touches), rms(sums.before), rms(sums.after), rms(sums.claimed),
+                   fmt::format("{:.0f}", sums.seconds / hands),
+                   fmt::format("{:.1f}", sums.wall / hands), sums.outcome});
+  }
+  table.publish(options, "hand_calibration",
+                fmt::format("Fingertips of {} hands, rms over {} grasps", hands, kPostures));
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return palpate::experiment::run(
+      argc, argv, "hand_calibration",
+      "How well the hand knows its fingertips before and after it has closed on the bare table",
+      calibrate_hands);
+}
