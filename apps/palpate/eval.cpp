@@ -130,6 +130,7 @@ void append(const pipeline::PlaceSummary& place, pipeline::PlaceSummary& all) {
   all.tight += place.tight;
   all.wrong += place.wrong;
   all.dropped += place.dropped;
+  all.in_stance += place.in_stance;
   for (const auto& [status, count] : place.status) all.status[status] += count;
   append(place.final_error, all.final_error);
   append(place.estimate_error, all.estimate_error);
@@ -251,7 +252,8 @@ void add_eval(CLI::App& program, Command& chosen) {
       "as they finish, a row for each trial in trials.csv into DIR.\n\nExamples:\n"
       "  palpate eval --object mug,box --trials 30 --threads 2 --seed 9000\n"
       "  palpate eval --object bunny --trials 10 --set attempts=1 --json\n"
-      "  palpate eval --place random --trials 20 --seed 9000");
+      "  palpate eval --place random --trials 20 --seed 9000\n"
+      "  palpate eval --object box --place stance --trials 10 --seed 9000");
   command.callback([arguments, &chosen] { chosen = [arguments] { return eval(*arguments); }; });
 }
 

@@ -140,9 +140,11 @@ std::string counts_text(const std::map<std::string, std::size_t>& counts) {
 
 void add_place_option(CLI::App& command, std::string& place) {
   command
-      .add_option("--place", place,
-                  "put the object down there: 16 numbers of a pose (or a file of them), x,y,yaw "
-                  "(m, rad; standing as it is found), fixture (a slot), or random")
+      .add_option(
+          "--place", place,
+          "put the object down there: 16 numbers of a pose (or a file of them), x,y,yaw "
+          "(m, rad; standing as it is found), fixture (a slot), random, or stance (another than it "
+          "starts in)")
       ->option_text("POSE|fixture");
 }
 
@@ -180,6 +182,7 @@ json place_json(const pipeline::Trial& trial) {
           {"tight", judgement.tight},
           {"wrong", judgement.wrong},
           {"dropped", judgement.dropped},
+          {"in_stance", judgement.in_stance},
           {"final_error", error_json(judgement.error)},
           {"estimate_error", error_json(judgement.estimate)},
           {"release_motion", error_json(judgement.release)}};
@@ -192,6 +195,7 @@ json place_summary_json(const pipeline::PlaceSummary& summary, std::size_t trial
           {"tight_of_certain", rate(summary.tight, summary.certain)},
           {"wrong_of_certain", rate(summary.wrong, summary.certain)},
           {"dropped", rate(summary.dropped, trials)},
+          {"in_stance", rate(summary.in_stance, trials)},
           {"status", summary.status},
           {"final_error", errors_json(summary.final_error)},
           {"estimate_error", errors_json(summary.estimate_error)},
@@ -199,20 +203,20 @@ json place_summary_json(const pipeline::PlaceSummary& summary, std::size_t trial
 }
 
 std::string place_heading() {
-  return fmt::format("{:<10} {:<18} {:<18} {:<18} {:<18} {:>6} {:>7} {:>7} {:>7}   {}", "object",
-                     "certain", "5 mm 3 deg*", "10 mm 5 deg", "wrong*", "dropped", "deg", "mm",
-                     "est. mm", "ends");
+  return fmt::format("{:<10} {:<18} {:<18} {:<18} {:<18} {:>6} {:>7} {:>7} {:>7} {:>7}   {}",
+                     "object", "certain", "5 mm 3 deg*", "10 mm 5 deg", "wrong*", "stance",
+                     "dropped", "deg", "mm", "est. mm", "ends");
 }
 
 std::string place_row(const std::string& name, const pipeline::PlaceSummary& summary,
                       std::size_t trials) {
-  return fmt::format("{:<10} {:<18} {:<18} {:<18} {:<18} {:>6} {:>7} {:>7} {:>7}   {}", name,
-                     rate_text(summary.certain, trials), rate_text(summary.tight, summary.certain),
-                     rate_text(summary.placed, trials), rate_text(summary.wrong, summary.certain),
-                     summary.dropped, median_text(summary.final_error.rotation_deg),
-                     median_text(summary.final_error.translation_mm),
-                     median_text(summary.estimate_error.translation_mm),
-                     counts_text(summary.status));
+  return fmt::format(
+      "{:<10} {:<18} {:<18} {:<18} {:<18} {:>6} {:>7} {:>7} {:>7} {:>7}   {}", name,
+      rate_text(summary.certain, trials), rate_text(summary.tight, summary.certain),
+      rate_text(summary.placed, trials), rate_text(summary.wrong, summary.certain),
+      summary.in_stance, summary.dropped, median_text(summary.final_error.rotation_deg),
+      median_text(summary.final_error.translation_mm),
+      median_text(summary.estimate_error.translation_mm), counts_text(summary.status));
 }
 
 std::string phases_table(const std::map<std::string, pipeline::PhaseSummary>& phases) {

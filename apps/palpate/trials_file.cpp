@@ -33,12 +33,12 @@ std::string pick_cells(const pipeline::Trial& trial) {
 }
 
 std::string place_cells(const pipeline::Trial& trial) {
-  if (!trial.place) return ",,,,,,,";
+  if (!trial.place) return ",,,,,,,,";
   const pipeline::PlaceJudgement& judgement = trial.place_judgement;
-  return fmt::format("{},{:d},{:d},{:d},{:d},{:d},{}", to_string(trial.place->status),
-                     trial.place->certain, judgement.placed, judgement.tight, judgement.wrong,
-                     judgement.dropped,
-                     error_cells(trial.place->T_world_placed.has_value(), judgement.error));
+  return fmt::format(
+      "{},{:d},{:d},{:d},{:d},{:d},{},{:d}", to_string(trial.place->status), trial.place->certain,
+      judgement.placed, judgement.tight, judgement.wrong, judgement.dropped,
+      error_cells(trial.place->T_world_placed.has_value(), judgement.error), judgement.in_stance);
 }
 
 }  // namespace
@@ -49,7 +49,8 @@ TrialsFile::TrialsFile(std::filesystem::path path, bool place)
       "object,seed,stance,lifted,attempts,pose_ok,pose_tight,pose_ok_before_lift,"
       "pose_ok_before_probe,truth_in_modes,weight,probes,rotation_error_deg,translation_error_mm,"
       "slip_mm,explored_motion_mm,tip_force,failed_phase";
-  if (place_) text_ += ",place_status,certain,placed,tight,wrong,dropped,place_deg,place_mm";
+  if (place_)
+    text_ += ",place_status,certain,placed,tight,wrong,dropped,place_deg,place_mm,in_stance";
   text_ += '\n';
   write_file_atomically(path_, text_);
 }

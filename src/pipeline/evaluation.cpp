@@ -40,6 +40,7 @@ void count_place(const Trial& trial, PlaceSummary& summary) {
   summary.tight += judgement.tight;
   summary.wrong += judgement.wrong;
   summary.dropped += judgement.dropped;
+  summary.in_stance += judgement.in_stance;
   ++summary.status[std::string(to_string(trial.place->status))];
   if (!trial.place->T_world_placed) return;
   add(judgement.error, summary.final_error);

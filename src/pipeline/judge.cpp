@@ -22,6 +22,7 @@ constexpr double kTightDistance = 0.0035;                     // m
 
 constexpr double kPlaceTightAngle = 3 * std::numbers::pi / 180;  // rad
 constexpr double kPlaceTightDistance = 0.005;                    // m
+constexpr double kSameSide = 5 * std::numbers::pi / 180;         // rad
 constexpr double kLeftHand = 0.025;                              // m of motion in the hand
 
 bool within(const localization::PoseError& error, double angle, double distance) {
@@ -123,6 +124,8 @@ PlaceJudgement Judge::place_verdict(const PlaceResult& result, const PlaceTarget
     return localization::pose_error(a, b, object.symmetries);
   };
   judgement.error = apart(after, judgement.T_world_target);
+  judgement.in_stance =
+      same_side_up(object, after.linear(), judgement.T_world_target.linear(), kSameSide);
   if (!result.T_world_placed || world_.diverged()) return judgement;
   const Eigen::Isometry3d at_release = object_at(log, let_go);
   judgement.estimate = apart(*result.T_world_placed, at_release);

@@ -26,16 +26,6 @@ std::array<Eigen::Vector3d, 2> angles_of(const Eigen::Matrix3d& R) {
   return {Eigen::Vector3d(yaw, pitch, roll), {yaw + kPi, kPi - pitch, roll + kPi}};
 }
 
-/// Whether the target's up direction is that of the stance, modulo symmetry.
-bool asks_for_stance(const geometry::KnownObject& object, const Eigen::Isometry3d& target,
-                     std::size_t stance) {
-  const Eigen::Vector3d up = object.stances[stance].R_table_object.row(2);
-  return std::any_of(object.symmetries.begin(), object.symmetries.end(), [&](const auto& S) {
-    const Eigen::Vector3d target_up = (target.linear() * S).row(2);
-    return std::acos(std::clamp(up.dot(target_up), -1.0, 1.0)) < kSameStance;
-  });
-}
-
 std::string obstacle_at(const hand::BasePosition& base, const GoalOptions& options) {
   if (base.xyz.head<2>().cwiseAbs().maxCoeff() > options.reach) {
     return fmt::format("the base would be at ({:.2f}, {:.2f}) m, out of reach", base.xyz.x(),
@@ -105,7 +95,8 @@ GoalSearch find_goal(const geometry::KnownObject& object, const HeldObject& held
                      const Eigen::Isometry3d& T_world_target, const hand::HandReading& now,
                      simulation::CollisionScene& scene, const GoalOptions& options) {
   GoalSearch search;
-  search.same_stance = asks_for_stance(object, T_world_target, held.found_stance);
+  search.same_stance = same_side_up(object, T_world_target.linear(),
+                                    object.stances[held.found_stance].R_table_object, kSameStance);
   const Eigen::Isometry3d& T_base_object =
       search.same_stance ? held.T_base_object_flat : held.T_base_object;
   std::vector<PlaceGoal> goals;

@@ -31,7 +31,8 @@ std::vector<double> numbers_in(std::string_view text) {
   for (double value; in >> value;) values.push_back(value);
   if (!in.eof() || (values.size() != 3 && values.size() != 16)) {
     throw BadInput(fmt::format(
-        "'{}' is no place: 'fixture', 'random', x,y,yaw or the 16 numbers of a pose", text));
+        "'{}' is no place: 'fixture', 'random', 'stance', x,y,yaw or the 16 numbers of a pose",
+        text));
   }
   return values;
 }
@@ -68,14 +69,36 @@ void check_reach(const Eigen::Vector2d& xy, double reach) {
 
 /// The first stance that is the same by the object's symmetry: its yaw is counted alike for all.
 std::size_t first_of_equal(const geometry::KnownObject& object, std::size_t stance) {
-  const Eigen::RowVector3d up = object.stances[stance].R_table_object.row(2);
   for (std::size_t i = 0; i < stance; ++i) {
-    const Eigen::RowVector3d other = object.stances[i].R_table_object.row(2);
-    for (const auto& S : object.symmetries) {
-      if ((other * S).dot(up) > std::cos(kMostTilt)) return i;
+    if (same_side_up(object, object.stances[i].R_table_object,
+                     object.stances[stance].R_table_object, kMostTilt)) {
+      return i;
     }
   }
   return stance;
+}
+
+/// Draws one of the stances that are not the same as the one it starts in.
+std::size_t other_stance(const geometry::KnownObject& object, std::size_t start,
+                         RandomStream& random) {
+  std::vector<double> weights;
+  double sum = 0;
+  for (const auto& stance : object.stances) {
+    const bool same = same_side_up(object, stance.R_table_object,
+                                   object.stances[start].R_table_object, kMostTilt);
+    weights.push_back(same ? 0 : stance.probability);
+    sum += weights.back();
+  }
+  if (sum <= 0) throw BadInput(fmt::format("{} has no other stance", object.name));
+  double share = sum * random.uniform();
+  std::size_t drawn = 0;
+  for (std::size_t i = 0; i < weights.size(); ++i) {
+    if (weights[i] <= 0) continue;
+    drawn = i;
+    share -= weights[i];
+    if (share < 0) break;
+  }
+  return drawn;
 }
 
 PlaceTarget random_spot(std::uint64_t seed) {
@@ -120,6 +143,31 @@ PlaceTarget parse_target(std::string_view text, const geometry::KnownObject& obj
   const PlaceTarget target = target_of(text, object, fixture, seed);
   const bool spot = target.kind == PlaceTarget::Kind::spot;
   check_reach(spot ? target.xy : target.T_world_object.translation().head<2>(), reach);
+  return target;
+}
+
+bool same_side_up(const geometry::KnownObject& object, const Eigen::Matrix3d& R_a,
+                  const Eigen::Matrix3d& R_b, double most) {
+  return std::any_of(
+      object.symmetries.begin(), object.symmetries.end(), [&](const Eigen::Matrix3d& S) {
+        return std::acos(std::clamp((R_a * S).row(2).dot(R_b.row(2)), -1.0, 1.0)) < most;
+      });
+}
+
+PlaceTarget stance_target(const geometry::KnownObject& object, std::size_t start_stance, int wanted,
+                          std::uint64_t seed) {
+  const int count = static_cast<int>(object.stances.size());
+  if (wanted >= count) {
+    throw BadInput(
+        fmt::format("place.stance = {}: {} has the stances 0..{}", wanted, object.name, count - 1));
+  }
+  RandomStream random(seed, "place stance");
+  const std::size_t stance =
+      wanted >= 0 ? static_cast<std::size_t>(wanted) : other_stance(object, start_stance, random);
+  const PlaceTarget spot = random_spot(seed);
+  PlaceTarget target;
+  target.kind = PlaceTarget::Kind::pose;
+  target.T_world_object = resting_pose(object, stance, spot.xy, spot.yaw);
   return target;
 }
 

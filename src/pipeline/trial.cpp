@@ -55,9 +55,13 @@ PickOptions TrialOptions::pick_options() const {
 }
 
 std::optional<PlaceTarget> place_target(const geometry::KnownObject& object,
-                                        const PlaceOptions& options, std::uint64_t seed) {
+                                        const PlaceOptions& options, std::uint64_t seed,
+                                        std::size_t start_stance) {
   place_means(options);
   if (options.target.empty()) return std::nullopt;
+  if (options.target == "stance") {
+    return stance_target(object, start_stance, options.stance, seed);
+  }
   return parse_target(options.target, object, options.fixture, options.reach, seed);
 }
 
@@ -77,7 +81,8 @@ Trial run_trial(const localization::ObjectModel& object, const TrialOptions& opt
                 std::uint64_t seed, recording::Writer* writer, const PhaseObserver& observer) {
   Trial trial;
   trial.start = draw_start(object.object(), options.start, seed);
-  const auto target = place_target(object.object(), options.place, seed);
+  const auto target = place_target(object.object(), options.place, seed,
+                                   static_cast<std::size_t>(trial.start.stance));
   const simulation::Fixture fixture = place_fixture(object.object(), options.place, target);
   const PickOptions pick_options = options.pick_options();
   simulation::WorldOptions world_options = options.world;

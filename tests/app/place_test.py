@@ -38,6 +38,9 @@ class BadTargets(CliTest):
             "fixture", "too small", options=["--set", "place.fixture.tolerance=-0.001"])
 
 
+    def test_a_stance_that_it_does_not_have(self):
+        self.assert_bad_place("stance", "place.stance", "99", options=["--set", "place.stance=99"])
+
     def test_means_and_turns_that_cannot_be(self):
         self.assert_bad_place("0.1,0,0", "place.means", "throw", options=["--set", "place.means=throw"])
         self.assert_bad_place("0.1,0,0", "place.fingers.most", "9",
@@ -94,7 +97,7 @@ class Results(CliTest):
         two = self.run_json(*command, "--threads", "2")["objects"]["box"]
         self.assertEqual(one, two)
         self.assertLessEqual(
-            {"certain", "placed", "tight", "dropped", "status"}, one["place"].keys())
+            {"certain", "placed", "tight", "dropped", "in_stance", "status"}, one["place"].keys())
         self.assertIn("transport", one["phases"])
         json.dumps(one)
 

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <numbers>
+#include <set>
 
 #include "palpate/core/error.hpp"
 #include "palpate/core/random.hpp"
@@ -44,6 +45,38 @@ std::string complaint(std::string_view text, const FixtureOptions& fixture = {})
 
 Eigen::Isometry3d on_table(const Eigen::Vector2d& xy) {
   return resting_pose(known("box"), 0, xy, 0.3);
+}
+
+TEST(PlaceTarget, AnotherStanceIsNeverTheOneItStartsIn) {
+  for (const char* name : {"box", "mug", "bottle", "bunny", "bracket"}) {
+    const auto& object = known(name);
+    std::set<std::size_t> drawn;
+    for (std::uint64_t seed = 0; seed < 40; ++seed) {
+      const std::size_t start = seed % object.stances.size();
+      const PlaceTarget target = stance_target(object, start, -1, seed);
+      EXPECT_EQ(target.kind, PlaceTarget::Kind::pose);
+      const Eigen::Matrix3d& from = object.stances[start].R_table_object;
+      EXPECT_FALSE(same_side_up(object, target.T_world_object.linear(), from, 0.05)) << name;
+      const NearestStance rest = nearest_stance(object, target.T_world_object.linear());
+      EXPECT_LT(rest.tilt, 1e-6);
+      drawn.insert(rest.stance);
+      const double radius = target.T_world_object.translation().head<2>().norm();
+      EXPECT_GE(radius, 0.1 - 1e-9);
+      EXPECT_LE(radius, 0.25 + 1e-9);
+      EXPECT_TRUE(
+          stance_target(object, start, -1, seed).T_world_object.isApprox(target.T_world_object));
+    }
+    EXPECT_GT(drawn.size(), 1u) << name;
+  }
+  const PlaceTarget wanted = stance_target(known("mug"), 0, 1, 5);
+  EXPECT_EQ(nearest_stance(known("mug"), wanted.T_world_object.linear()).stance, 1u);
+  EXPECT_THROW((void)stance_target(known("mug"), 0, 999, 5), BadInput);
+}
+
+TEST(PlaceTarget, WhereAllSidesAreAlikeThereIsNoOtherStance) {
+  geometry::KnownObject die = known("box");
+  die.stances.resize(1);
+  EXPECT_THROW((void)stance_target(die, 0, -1, 5), BadInput);
 }
 
 TEST(PlaceTarget, IsASpotAPoseOrTheFixture) {

@@ -20,6 +20,7 @@ struct PlaceSummary {
   std::size_t tight = 0;    ///< within 3 deg and 5 mm
   std::size_t wrong = 0;    ///< certain, let go at the target, and not `placed`
   std::size_t dropped = 0;
+  std::size_t in_stance = 0;  ///< the target's side is up at the end, wherever it stands
   std::map<std::string, std::size_t> status;  ///< how it ended, of the trials with a held object
   ErrorSummary final_error;     ///< of the trials in which it was let go at the target
   ErrorSummary estimate_error;  ///< of these: where it stood before, from where believed

@@ -15,7 +15,8 @@ namespace palpate::pipeline {
 
 /// All that can be configured of placing.
 struct PlaceOptions {
-  std::string target;          ///< as parse_target() takes it; empty: the object is not placed
+  std::string target;          ///< as parse_target() takes it, or "stance"; empty: none
+  int stance = -1;             ///< of the target "stance"; -1: another than the first, drawn
   std::string means = "auto";  ///< wrist, fingers, regrasp, or what is needed (PlaceMeans)
   int picks = 2;               ///< at most, where the object had to be put back
   double reach = 0.5;          ///< m, how far from the origin a target may be
@@ -34,7 +35,9 @@ struct PlaceOptions {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("target", target, "fixture, random, x,y,yaw or the 16 numbers of a pose; empty: none");
+    v("target", target,
+      "fixture, random, stance, x,y,yaw or the 16 numbers of a pose; empty: none");
+    v("stance", stance, -1, 1000, "of the target 'stance'; -1: another than it starts in, drawn");
     v("means", means,
       "wrist (one hold), fingers (turn in the hand first), regrasp (planned grasps), auto (the "
       "first that does)");

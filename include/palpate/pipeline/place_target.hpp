@@ -52,6 +52,19 @@ struct PlaceTarget {
 PlaceTarget parse_target(std::string_view text, const geometry::KnownObject& object,
                          const FixtureOptions& fixture, double reach, std::uint64_t seed);
 
+/// A pose in another stance than the object starts in, drawn by the seed: a stance by its
+/// probability, at a random spot as above. Who sets the task knows how the object starts; the robot
+/// is told the pose alone.
+/// @param wanted  the stance of the target; -1: drawn
+/// @throws BadInput for a stance that the object does not have, or where all are equal by symmetry
+PlaceTarget stance_target(const geometry::KnownObject& object, std::size_t start_stance, int wanted,
+                          std::uint64_t seed);
+
+/// Whether two stances, or a pose and a stance, are the same by the object's symmetry: the same
+/// side is up, to `most` rad.
+bool same_side_up(const geometry::KnownObject& object, const Eigen::Matrix3d& R_a,
+                  const Eigen::Matrix3d& R_b, double most);
+
 /// The walls of the slot: boxes along the sides of the footprint, which is the convex outline of
 /// all of the object that is below the walls' top when it is seated.
 /// @throws BadInput for a stance that the object does not have, or too little room

@@ -83,10 +83,11 @@ struct Judgement {
 
 /// What the simulator's truth says of placing. All errors are modulo symmetry.
 struct PlaceJudgement {
-  bool placed = false;   ///< let go for good, and within 5 deg and 10 mm of the target at the end
-  bool tight = false;    ///< within 3 deg and 5 mm
-  bool wrong = false;    ///< let go at the target after a certain estimate, and not `placed`
-  bool dropped = false;  ///< it left the hand before the hand let go
+  bool placed = false;     ///< let go for good, and within 5 deg and 10 mm of the target at the end
+  bool tight = false;      ///< within 3 deg and 5 mm
+  bool wrong = false;      ///< let go at the target after a certain estimate, and not `placed`
+  bool dropped = false;    ///< it left the hand before the hand let go
+  bool in_stance = false;  ///< at the end the target's side is up, wherever it stands
   localization::PoseError error;     ///< of the object at the end from the target
   localization::PoseError estimate;  ///< where it stood before the hand let go, from where believed
   localization::PoseError release;   ///< by which letting go and withdrawing moved it
@@ -116,9 +117,11 @@ Trial run_trial(const localization::ObjectModel& object, const TrialOptions& opt
                 const PhaseObserver& observer = {});
 
 /// The target and the fixture that options ask for; none, an empty one.
+/// @param start_stance  in which the object starts, for the target "stance"
 /// @throws BadInput for a target that cannot be, or for means of placing that do not exist
 std::optional<PlaceTarget> place_target(const geometry::KnownObject& object,
-                                        const PlaceOptions& options, std::uint64_t seed);
+                                        const PlaceOptions& options, std::uint64_t seed,
+                                        std::size_t start_stance = 0);
 simulation::Fixture place_fixture(const geometry::KnownObject& object, const PlaceOptions& options,
                                   const std::optional<PlaceTarget>& target);
 
