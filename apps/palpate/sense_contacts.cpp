@@ -6,6 +6,8 @@
 #include <limits>
 #include <numbers>
 
+#include "palpate/pipeline/calibrate_phase.hpp"
+#include "palpate/pipeline/recorder.hpp"
 #include "palpate/touch/biotac_normal.hpp"
 #include "palpate/touch/contact_log.hpp"
 #include "palpate/touch/normal_estimator.hpp"
@@ -15,6 +17,8 @@ namespace palpate::app {
 namespace {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
+constexpr double kReach = 0.02;  // m from a tip's centre to the object; what it touches farther
+                                 // away is something else, such as the table
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 /// Sends the frames of one finger through checks and estimator.
@@ -90,11 +94,14 @@ std::optional<Eigen::Vector3d> true_normal(const geometry::MeshQuery& mesh,
   if (!center.allFinite()) return std::nullopt;
   const geometry::ClosestPoint nearest = mesh.closest_point(center);
   const Eigen::Vector3d out = center - nearest.point;
+  if (out.norm() > kReach) return std::nullopt;
   return T.linear() * (out.dot(nearest.normal) > 0 ? out.normalized() : nearest.normal);
 }
 
 std::vector<SensedStream> sense_recording(const SenseArguments& arguments) {
-  const auto recording = recording::read_recording(arguments.recording);
+  auto recording = recording::read_recording(arguments.recording);
+  recording.header.hand =
+      pipeline::calibrated_hand(recording.header.hand, pipeline::touch_log(recording), {});
   const geometry::MeshQuery mesh(recording.header.object.mesh);
   std::vector<SensedStream> streams;
   for (int finger = 0; finger < hand::kFingers; ++finger) {

@@ -14,6 +14,7 @@ constexpr std::uint64_t kSeed = 7;
 
 TrialOptions quick_options() {
   TrialOptions options;
+  options.pick.calibrate.touches = 0;
   options.pick.explore.touches = 4;
   options.pick.explore.most_touches = 4;
   options.pick.lift.hold = 0.5;

@@ -7,6 +7,7 @@
 
 #include "core/temporary_folder.hpp"
 #include "palpate/core/error.hpp"
+#include "palpate/pipeline/calibrate_phase.hpp"
 #include "palpate/pipeline/evaluation.hpp"
 #include "palpate/pipeline/recorder.hpp"
 
@@ -115,7 +116,8 @@ struct RecordedPick {
 /// The estimate from what the recording holds and from nothing else.
 PoseEstimate replayed(const recording::Recording& recording, const LocateOptions& options) {
   const localization::ObjectModel object(recording.header.object);
-  return locate(object, recording.header.hand, touch_log(recording), options,
+  const auto log = touch_log(recording);
+  return locate(object, calibrated_hand(recording.header.hand, log, {}), log, options,
                 recording.header.seed);
 }
 
