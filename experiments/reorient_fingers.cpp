@@ -21,12 +21,7 @@ constexpr double kDegree = M_PI / 180;
 constexpr double kAsked = 15 * kDegree;
 constexpr double kNearAngle = 0.1, kNearWay = 0.01;  // rad, m: HandManipulateBlock's
 constexpr double kDropped = 0.02;                    // m over the table
-constexpr std::size_t kTrials = 8;
-
-struct Method {
-  std::string name;
-  int samples;
-};
+constexpr std::size_t kTrials = 20;
 
 struct Outcome {
   bool held = false;  // by the pick; nothing below means anything without
@@ -38,7 +33,7 @@ struct Outcome {
 
 /// The same turn for the true and for the estimated pose, so that the estimate's error at the
 /// start, which is the pick's, does not count.
-Outcome run_one(const localization::ObjectModel& object, const Method& method, std::uint64_t seed) {
+Outcome run_one(const localization::ObjectModel& object, std::uint64_t seed) {
   const TrialOptions trial;
   simulation::World world(object.object(), trial.world, seed);
   world.reset(draw_start(object.object(), trial.start, seed), waiting_command());
@@ -53,10 +48,7 @@ Outcome run_one(const localization::ObjectModel& object, const Method& method, s
   Eigen::Isometry3d goal = modes.front().T_frame_object;
   goal.linear() = turn * goal.linear();
   const Eigen::Isometry3d before = world.truth().T_world_object;
-  ReorientOptions options;
-  options.sampling.samples = method.samples;
-  outcome.result =
-      reorient_by_fingers(robot, object, picked.estimate.posterior, goal, options, seed);
+  outcome.result = reorient_by_fingers(robot, object, picked.estimate.posterior, goal, {}, seed);
   robot.wait(1.0);
   const Eigen::Isometry3d after = world.truth().T_world_object;
   Eigen::Isometry3d wanted = before;
@@ -74,14 +66,13 @@ bool reached(const Outcome& outcome) {
          outcome.error.translation < kNearWay;
 }
 
-void report(const std::string& object, const Method& method, std::uint64_t seed,
-            const Outcome& outcome) {
+void report(const std::string& object, std::uint64_t seed, const Outcome& outcome) {
   if (!outcome.held) {
-    fmt::print(stderr, "{} {} {}: not held\n", object, method.name, seed);
+    fmt::print(stderr, "{} {}: not held\n", object, seed);
     return;
   }
-  fmt::print(stderr, "{} {} {}: {}, {:.1f} deg {:.1f} mm off, tracked {:.1f} deg off{}{}\n", object,
-             method.name, seed, to_string(outcome.result.end), outcome.error.rotation / kDegree,
+  fmt::print(stderr, "{} {}: {}, {:.1f} deg {:.1f} mm off, tracked {:.1f} deg off{}{}\n", object,
+             seed, to_string(outcome.result.end), outcome.error.rotation / kDegree,
              1e3 * outcome.error.translation, outcome.tracking_error / kDegree,
              reached(outcome) ? ", right" : "", outcome.dropped ? ", dropped" : "");
 }
@@ -98,8 +89,7 @@ std::string median_of(const std::vector<double>& values, std::string_view format
   return values.empty() ? "-" : fmt::format(fmt::runtime(format), median(values));
 }
 
-std::vector<std::string> row_of(const std::string& object, const Method& method,
-                                const std::vector<Outcome>& outcomes) {
+std::vector<std::string> row_of(const std::string& object, const std::vector<Outcome>& outcomes) {
   std::size_t held = 0, right = 0, dropped = 0;
   std::vector<double> angles, ways, tracking, seconds, plan_seconds;
   std::map<std::string_view, int> ends;
@@ -118,7 +108,6 @@ std::vector<std::string> row_of(const std::string& object, const Method& method,
   std::string all;
   for (const auto& [end, count] : ends) all += fmt::format("{} {}; ", end, count);
   return {object,
-          method.name,
           fmt::format("{}", held),
           share(right, held),
           share(dropped, held),
@@ -131,34 +120,32 @@ std::vector<std::string> row_of(const std::string& object, const Method& method,
 }
 
 void fingers(const experiment::Options& options) {
-  const std::vector<Method> methods = {{"carried along", 0}, {"sampled", 16}};
   const auto names = options.quick ? std::vector<std::string>{"bracket"}
-                                   : std::vector<std::string>{"mug", "bracket", "box"};
+                                   : std::vector<std::string>{"box", "bracket", "mug"};
   const std::size_t count = options.quick ? 1 : kTrials;
-  experiment::Table table({"object", "method", "held", "within .1 rad, 1 cm", "dropped",
-                           "rotation error deg", "way mm", "tracking error deg", "robot s",
-                           "planning s", "ends"});
-  for (const auto& name : names) {
-    const localization::ObjectModel object(geometry::load_known_object(name));
-    for (const Method& method : methods) {
-      std::vector<Outcome> outcomes(count);
-      parallel_ordered(
-          count, options.threads,
-          [&](std::size_t i) { return run_one(object, method, options.seed + i); },
-          [&](std::size_t i, Outcome outcome) {
-            report(name, method, options.seed + i, outcome);
-            outcomes[i] = std::move(outcome);
-          });
-      table.add_row(row_of(name, method, outcomes));
-    }
-  }
+  experiment::Table table({"object", "held", "within .1 rad, 1 cm", "dropped", "rotation error deg",
+                           "way mm", "tracking error deg", "robot s", "planning s", "ends"});
+  std::vector<localization::ObjectModel> objects;
+  for (const auto& name : names) objects.emplace_back(geometry::load_known_object(name));
+  // The objects take turns, so that a run that is stopped has tried all of them alike.
+  std::vector<std::vector<Outcome>> outcomes(names.size(), std::vector<Outcome>(count));
+  parallel_ordered(
+      count * names.size(), options.threads,
+      [&](std::size_t k) {
+        return run_one(objects[k % names.size()], options.seed + k / names.size());
+      },
+      [&](std::size_t k, Outcome outcome) {
+        const std::size_t object = k % names.size(), trial = k / names.size();
+        report(names[object], options.seed + trial, outcome);
+        outcomes[object][trial] = std::move(outcome);
+      });
+  for (std::size_t i = 0; i < names.size(); ++i) table.add_row(row_of(names[i], outcomes[i]));
   table.publish(options, "fingers", "15 deg about a random axis, by the fingers (medians)");
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  return experiment::run(argc, argv, "reorient_fingers",
-                         "Turning a held object by the fingers, with and without rehearsals",
+  return experiment::run(argc, argv, "reorient_fingers", "Turning a held object by the fingers",
                          fingers);
 }

@@ -15,6 +15,7 @@
 namespace palpate::pipeline {
 namespace {
 
+constexpr double kGravity = 9.81;  // m/s^2
 constexpr std::array<std::string_view, 4> kEndNames = {"reached", "out_of_time", "drift", "losing"};
 
 double largest_deviation(const Eigen::Matrix3d& covariance) {
@@ -51,6 +52,7 @@ class Turning {
       : robot_(robot),
         options_(options),
         goal_(T_world_goal),
+        weight_(object.object().mass * kGravity),
         random_(random),
         tracker_(object, heaviest(held), options.tracker, random.fork("tracker")) {}
 
@@ -102,12 +104,13 @@ class Turning {
                      options_.speed * options_.period, options_.way_speed * options_.period);
   }
 
-  /// By how much the commands must lead so that the fingertips press with forces that balance,
-  /// wherever the contacts have gone.
+  /// By how much the commands must lead so that the fingertips press with forces that bear the
+  /// weight, wherever the contacts have gone.
   hand::ActuatorVector mending_lead(double gain) const {
     hand::ActuatorVector lead = hand::ActuatorVector::Zero();
     const auto balanced =
-        balance_forces(view_.contacts, options_.friction, options_.grip * first_force_);
+        balance_forces(view_.contacts, options_.friction, options_.grip * first_force_,
+                       weight_at(robot_, tracked(), weight_));
     const auto torques =
         pressing_torques(robot_.model(), view_.joints, view_.contacts, balanced.forces);
     for (int i = 0; i < hand::kActuators; ++i) {
@@ -188,6 +191,7 @@ class Turning {
   Robot& robot_;
   const ReorientOptions& options_;
   Eigen::Isometry3d goal_;
+  double weight_;  // of the object, N
   RandomStream random_;
   localization::Tracker tracker_;
   GraspView view_;

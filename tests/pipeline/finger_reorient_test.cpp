@@ -74,7 +74,7 @@ TEST(ReorientByFingers, TurnsABracketAndSaysHowFar) {
   const Eigen::Isometry3d goal = turned(posterior.modes.front().T_frame_object, turn);
   const Eigen::Isometry3d true_goal = turned(scene.truth(), turn);
   ReorientOptions options;
-  options.sampling.samples = 0;
+  options.sampling.samples = 8;
   const auto result =
       reorient_by_fingers(*scene.robot, scene.object, posterior, goal, options, kSeed);
   EXPECT_EQ(result.end, ReorientEnd::reached);
@@ -83,7 +83,7 @@ TEST(ReorientByFingers, TurnsABracketAndSaysHowFar) {
       localization::pose_error(scene.truth(), true_goal, {Eigen::Matrix3d::Identity()});
   EXPECT_LT(error.rotation, 0.1);
   EXPECT_LT(error.translation, 0.01);
-  EXPECT_EQ(result.rehearsals, 0);
+  EXPECT_GT(result.rehearsals, 0);
 }
 
 TEST(ReorientByFingers, ChoosesTheSameStepsWithTwoThreads) {

@@ -53,7 +53,7 @@ struct ReorientOptions {
   double way_speed = 0.01;    ///< m/s
   double period = 0.35;       ///< s of motion between two looks
   double pause = 0.12;        ///< s of rest before a look, averaged
-  double longest = 10.0;      ///< s in all
+  double longest = 16.0;      ///< s in all
   double done_angle = 0.05;   ///< rad from the goal that are near enough
   double done_way = 0.005;    ///< m
   double drift_angle = 0.15;  ///< rad, standard deviation of the tracked pose that ends it
