@@ -54,6 +54,7 @@ json summary_json(const ObjectSummary& summary) {
           {"pose_tight", rate(summary.pose_tight, summary.trials)},
           {"pose_ok_before_lift", rate(summary.pose_ok_before_lift, summary.trials)},
           {"pose_ok_before_probe", rate(summary.pose_ok_before_probe, summary.trials)},
+          {"pose_ok_tracked", rate(summary.pose_ok_tracked, summary.trials)},
           {"probed", rate(summary.probed, summary.trials)},
           {"sure_but_wrong", rate(summary.sure_but_wrong, summary.trials)},
           {"truth_in_modes", rate(summary.truth_in_modes, summary.trials)},

@@ -138,6 +138,8 @@ nlohmann::json trial_json(const pipeline::Trial& trial) {
           {"explored_motion_mm", 1e3 * trial.judgement.explored_motion},
           {"pose_ok_before_lift", trial.judgement.pose_ok_before_lift},
           {"pose_ok_before_probe", trial.judgement.pose_ok_before_probe},
+          {"pose_ok_tracked", trial.judgement.pose_ok_tracked},
+          {"tracked_share", trial.judgement.tracked_share},
           {"probes", trial.judgement.probes},
           {"stance", trial.start.stance},
           {"estimate", estimate_json(trial)},

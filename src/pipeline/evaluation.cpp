@@ -73,6 +73,7 @@ void count(const Trial& trial, ObjectSummary& summary, std::vector<double>& mode
   summary.pose_tight += judgement.pose_tight;
   summary.pose_ok_before_lift += judgement.pose_ok_before_lift;
   summary.pose_ok_before_probe += judgement.pose_ok_before_probe;
+  summary.pose_ok_tracked += judgement.pose_ok_tracked;
   summary.probed += judgement.probes > 0;
   summary.sure_but_wrong += !judgement.pose_ok && best.weight >= kSure;
   summary.truth_in_modes += judgement.truth_in_modes;

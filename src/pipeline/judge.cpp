@@ -69,6 +69,7 @@ Judgement Judge::verdict(const PickResult& result, const TouchLog& log, const Li
     judgement.pose_ok_before_probe =
         right_in_hand(result.before_probe, closed.front(), log, symmetries);
   }
+  judge_tracked(result, symmetries, judgement);
   judgement.probes = static_cast<int>(log.all(Mark::probed).size());
   judgement.explored_motion = motion_while_explored(log);
   const auto& posterior = result.estimate.posterior;
@@ -84,6 +85,19 @@ Judgement Judge::verdict(const PickResult& result, const TouchLog& log, const Li
     judgement.truth_in_modes = localization::truth_in_modes(posterior, truth, symmetries);
   }
   return judgement;
+}
+
+void Judge::judge_tracked(const PickResult& result, const std::vector<Eigen::Matrix3d>& symmetries,
+                          Judgement& judgement) const {
+  if (!result.tracked || result.tracked->looks.empty()) return;
+  int right = 0;
+  for (const auto& look : result.tracked->looks) {
+    const auto error = localization::pose_error(look.T_base_object,
+                                                moments_[look.reading].T_base_object, symmetries);
+    judgement.pose_ok_tracked = within(error, kPoseAngle, kPoseDistance);
+    right += judgement.pose_ok_tracked;
+  }
+  judgement.tracked_share = right / static_cast<double>(result.tracked->looks.size());
 }
 
 bool Judge::right_in_hand(const std::optional<PoseEstimate>& estimate, std::size_t closed,

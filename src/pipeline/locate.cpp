@@ -14,11 +14,13 @@
 namespace palpate::pipeline {
 namespace {
 
-constexpr int kSlides = 2;              // how often a grasp may slide, each time
-constexpr double kFarther = 3.0;        // so many times as far
-constexpr double kTouchWindow = 0.1;    // s of a touch that are averaged
-constexpr double kClosedWindow = 0.15;  // s of touching before the mark `closed`
-constexpr double kTouchMargin = 0.004;  // m before a touch that do not count as free
+constexpr int kSlides = 2;                // how often a grasp may slide, each time
+constexpr double kFarther = 3.0;          // so many times as far
+constexpr double kTouchWindow = 0.1;      // s of a touch that are averaged
+constexpr double kClosedWindow = 0.15;    // s of touching before the mark `closed`
+constexpr std::size_t kCarriedStep = 10;  // readings between looks at what carries the object
+constexpr double kCarriedWindow = 0.1;    // s of them that are averaged
+constexpr double kTouchMargin = 0.004;    // m before a touch that do not count as free
 /// Shares of the sweeps that are forgotten, one after the other, while no pose explains the rest: a
 /// touch may have moved the object.
 constexpr std::array<double, 3> kForgotten = {0, 0.35, 0.55};
@@ -106,21 +108,6 @@ std::vector<localization::FreeSphere> hand_spheres(const hand::HandModel& hand,
         {T_base_link[static_cast<std::size_t>(sphere.link)] * sphere.center, sphere.radius});
   }
   return spheres;
-}
-
-/// Expresses a posterior in another frame.
-void move(const Eigen::Isometry3d& T_new_old, localization::Posterior& posterior) {
-  Matrix6d turn = Matrix6d::Zero();
-  turn.topLeftCorner<3, 3>() = T_new_old.linear();
-  turn.bottomRightCorner<3, 3>() = T_new_old.linear();
-  for (auto& mode : posterior.modes) {
-    mode.T_frame_object = T_new_old * mode.T_frame_object;
-    mode.covariance = turn * mode.covariance * turn.transpose();
-    if (mode.free_axis) {
-      mode.free_axis->point = T_new_old * mode.free_axis->point;
-      mode.free_axis->direction = T_new_old.linear() * mode.free_axis->direction;
-    }
-  }
 }
 
 void move(const Eigen::Isometry3d& T_new_old, touch::Contact& contact) {
@@ -214,26 +201,28 @@ hand::HandReading mean_posture(std::span<const hand::HandReading> window) {
   return mean;
 }
 
-/// How the object has moved in the hand's base since the fingers met it, by where they have carried
-/// the contacts felt at both times. With less than three contacts only the way is told.
-Eigen::Isometry3d carried_motion(const hand::HandModel& hand,
-                                 std::span<const hand::HandReading> before,
-                                 std::span<const hand::HandReading> after,
-                                 const touch::ContactErrorModel& errors,
-                                 const std::array<bool, hand::kFingers>& moved = {}) {
+using Fingers = std::array<bool, hand::kFingers>;
+
+/// How an object moves in the hand's base from one window of readings to the next: as the
+/// fingertips do where they touch it. With less than three contacts only the way is told.
+Eigen::Isometry3d carried_step(const hand::HandModel& hand,
+                               std::span<const hand::HandReading> before,
+                               std::span<const hand::HandReading> after,
+                               const touch::ContactErrorModel& errors, const Fingers& ignored) {
   const auto T_before = hand::forward_kinematics(hand, mean_posture(before).joints);
   const auto T_after = hand::forward_kinematics(hand, mean_posture(after).joints);
-  const auto later = touch::lasting_contacts(after, hand, errors);
-  std::vector<Eigen::Vector3d> from, to;
+  Fingers touched{};
   for (const auto& contact : touch::lasting_contacts(before, hand, errors)) {
-    const bool lasts = std::any_of(later.begin(), later.end(), [&](const touch::Contact& other) {
-      return other.finger == contact.finger;
-    });
-    if (!lasts || moved[static_cast<std::size_t>(contact.finger)]) continue;
     const auto finger = static_cast<std::size_t>(contact.finger);
+    touched[finger] = !ignored[finger];
+  }
+  std::vector<Eigen::Vector3d> from, to;
+  for (const auto& contact : touch::lasting_contacts(after, hand, errors)) {
+    const auto finger = static_cast<std::size_t>(contact.finger);
+    if (!touched[finger]) continue;
     const auto link = static_cast<std::size_t>(hand.distal[finger]);
-    from.push_back(contact.p);
-    to.push_back(T_after[link] * T_before[link].inverse() * contact.p);
+    from.push_back(T_before[link] * (T_after[link].inverse() * contact.p));
+    to.push_back(contact.p);
   }
   Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
   if (from.empty()) return motion;
@@ -244,6 +233,24 @@ Eigen::Isometry3d carried_motion(const hand::HandModel& hand,
     motion.matrix() = Eigen::umeyama(P, Q, false);
   } else {
     motion.translation() = (Q - P).rowwise().mean();
+  }
+  return motion;
+}
+
+/// How the object has moved in the hand's base between two readings. Contacts roll along the
+/// fingertips while they carry it, so that the way is followed step by step.
+Eigen::Isometry3d carried_motion(const hand::HandModel& hand, const TouchLog& log,
+                                 std::size_t first, std::size_t last,
+                                 const touch::ContactErrorModel& errors,
+                                 const Fingers& ignored = {}) {
+  Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
+  std::size_t done = first;
+  while (done < last) {
+    const std::size_t next = last - done < 2 * kCarriedStep ? last : done + kCarriedStep;
+    motion = carried_step(hand, window_before(log, done, kCarriedWindow),
+                          window_before(log, next, kCarriedWindow), errors, ignored) *
+             motion;
+    done = next;
   }
   return motion;
 }
@@ -269,12 +276,11 @@ void share_offsets(const hand::HandModel& hand, Evidence& evidence) {
 }
 
 /// Which fingers were at another posture than at the moment of closing.
-std::array<bool, hand::kFingers> moved_fingers(const hand::HandModel& hand,
-                                               std::span<const hand::HandReading> closed,
-                                               std::span<const hand::HandReading> probed) {
+Fingers moved_fingers(const hand::HandModel& hand, std::span<const hand::HandReading> closed,
+                      std::span<const hand::HandReading> probed) {
   const auto T_closed = hand::forward_kinematics(hand, mean_posture(closed).joints);
   const auto T_probed = hand::forward_kinematics(hand, mean_posture(probed).joints);
-  std::array<bool, hand::kFingers> moved{};
+  Fingers moved{};
   for (std::size_t finger = 0; finger < hand::kFingers; ++finger) {
     const auto link = static_cast<std::size_t>(hand.distal[finger]);
     moved[finger] =
@@ -286,12 +292,12 @@ std::array<bool, hand::kFingers> moved_fingers(const hand::HandModel& hand,
 
 /// Adds what a finger found at another spot while the others held the object: its touch, if it
 /// made one, and the space that it takes. All is carried along to the present with the object.
-void add_probe(const hand::HandModel& hand, std::span<const hand::HandReading> closed,
-               std::span<const hand::HandReading> probed,
-               std::span<const hand::HandReading> present, const LocateOptions& options,
-               Evidence& evidence) {
+void add_probe(const hand::HandModel& hand, const TouchLog& log, std::size_t probe,
+               std::size_t present, const LocateOptions& options, Evidence& evidence) {
+  const auto probed = window_before(log, probe, kClosedWindow);
+  const auto closed = window_before(log, log.all(Mark::closed).front(), kClosedWindow);
   const auto moved = moved_fingers(hand, closed, probed);
-  const auto motion = carried_motion(hand, probed, present, options.errors, moved);
+  const auto motion = carried_motion(hand, log, probe, present, options.errors, moved);
   for (auto contact : felt_contacts(probed, hand, options.errors)) {
     if (!moved[static_cast<std::size_t>(contact.finger)]) continue;
     move(motion, contact);
@@ -342,6 +348,20 @@ PosePrior prior_after_grasp(const localization::Posterior& resting, const Locate
 
 }  // namespace
 
+void move(const Eigen::Isometry3d& T_new_old, localization::Posterior& posterior) {
+  Matrix6d turn = Matrix6d::Zero();
+  turn.topLeftCorner<3, 3>() = T_new_old.linear();
+  turn.bottomRightCorner<3, 3>() = T_new_old.linear();
+  for (auto& mode : posterior.modes) {
+    mode.T_frame_object = T_new_old * mode.T_frame_object;
+    mode.covariance = turn * mode.covariance * turn.transpose();
+    if (mode.free_axis) {
+      mode.free_axis->point = T_new_old * mode.free_axis->point;
+      mode.free_axis->direction = T_new_old.linear() * mode.free_axis->direction;
+    }
+  }
+}
+
 localization::Posterior locate_resting(const localization::ObjectModel& object,
                                        const hand::HandModel& hand, const TouchLog& log,
                                        const LocateOptions& options, std::uint64_t seed) {
@@ -376,15 +396,14 @@ PoseEstimate locate(const localization::ObjectModel& object, const hand::HandMod
   evidence.penetration_sigma = options.penetration_sigma;
   if (options.free_space) evidence.free_space = hand_spheres(hand, log.readings[*held]);
   if (const auto closed = log.all(Mark::closed); !closed.empty()) {
-    const auto first = window_before(log, closed.front(), kClosedWindow);
-    for (const std::size_t probed : log.all(Mark::probed)) {
-      add_probe(hand, first, window_before(log, probed, kClosedWindow), present, options, evidence);
+    for (const std::size_t probe : log.all(Mark::probed)) {
+      add_probe(hand, log, probe, *held, options, evidence);
     }
     auto resting = locate_resting(object, hand, log, options, seed);
     if (total_weight(resting) <= 0) {
       evidence.table = table_at_closing(object.object(), hand, log, options);
     } else {
-      const auto motion = carried_motion(hand, first, present, options.errors);
+      const auto motion = carried_motion(hand, log, closed.front(), *held, options.errors);
       move(motion * log.readings[closed.front()].base.pose().inverse(), resting);
       evidence.prior = prior_after_grasp(resting, options);
     }

@@ -9,6 +9,7 @@
 #include "palpate/pipeline/locate_phase.hpp"
 #include "palpate/pipeline/probe_phase.hpp"
 #include "palpate/pipeline/release_phase.hpp"
+#include "palpate/pipeline/track_phase.hpp"
 
 namespace palpate::pipeline {
 namespace {
@@ -66,6 +67,9 @@ PickResult run_pick(Robot& robot, const localization::ObjectModel& object,
   result.resting = state.resting;
   if (!result.held) return result;
   result.failed_phase.clear();
+  if (result.before_lift && course.run(TrackPhase(object, options.track, seed))) {
+    result.tracked = state.tracked;
+  }
   course.run(LocatePhase(object, options.locate, seed));
   result.estimate = state.estimate;
   return result;

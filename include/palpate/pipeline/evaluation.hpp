@@ -42,6 +42,7 @@ struct ObjectSummary {
   std::size_t pose_tight = 0;            ///< lifted, and the best pose within 2.5 deg and 3.5 mm
   std::size_t pose_ok_before_lift = 0;   ///< lifted, and the best pose in the closed hand right
   std::size_t pose_ok_before_probe = 0;  ///< lifted, and so without what probing told
+  std::size_t pose_ok_tracked = 0;       ///< lifted, and the pose followed from there right
   std::size_t probed = 0;                ///< lifted, and probed before
   std::size_t sure_but_wrong = 0;        ///< lifted, the best pose wrong, its weight at least .9
   std::size_t truth_in_modes = 0;        ///< lifted, and the truth among the modes

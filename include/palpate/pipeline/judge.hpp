@@ -26,6 +26,8 @@ class Judge {
   /// Whether an estimate in the closed hand, of that reading, was right.
   bool right_in_hand(const std::optional<PoseEstimate>& estimate, std::size_t closed,
                      const TouchLog& log, const std::vector<Eigen::Matrix3d>& symmetries) const;
+  void judge_tracked(const PickResult& result, const std::vector<Eigen::Matrix3d>& symmetries,
+                     Judgement& judgement) const;
   double motion_while_explored(const TouchLog& log) const;
   Eigen::Isometry3d object_at(const TouchLog& log, std::size_t reading) const;
   bool left_the_hand(const TouchLog& log, std::size_t first, std::size_t last) const;

@@ -16,11 +16,11 @@ struct LocateOptions {
   double swept_sigma = 0.003;           ///< of the place of the space that a sweep found free, m
   double resting_half_width =
       0.025;  ///< object within +- of its rough place before it is touched, m
-  double motion_angle_sigma = 0.012;  ///< by which the grasp turns the object in the hand, rad
-  double slide_share = 0.4;  ///< chance that it slid three times as far, and that much of it again
+  double motion_angle_sigma = 0.009;  ///< by which the grasp turns the object in the hand, rad
+  double slide_share = 0.2;  ///< chance that it slid three times as far, and that much of it again
   double probe_motion = 0.001;       ///< of the object while a finger probes it, m
   double elsewhere = 0.02;           ///< chance that the resting pose was wrong
-  double motion_sigma = 0.0008;      ///< by which it moves it, m
+  double motion_sigma = 0.0005;      ///< by which it moves it, m
   double other_stance = 0.03;        ///< chance that the grasp put the object into another stance
   double tilt_sigma = 0.30;          ///< by which the closing hand tilts the object, rad
   double height_sigma = 0.015;       ///< by which it raises it, m
@@ -60,6 +60,9 @@ struct LocateOptions {
 localization::Posterior locate_resting(const localization::ObjectModel& object,
                                        const hand::HandModel& hand, const TouchLog& log,
                                        const LocateOptions& options, std::uint64_t seed);
+
+/// Expresses a posterior in another frame.
+void move(const Eigen::Isometry3d& T_new_old, localization::Posterior& posterior);
 
 /// What is known of the object's pose when it hangs in the hand.
 struct PoseEstimate {

@@ -31,6 +31,17 @@ struct PhaseReport {
   double peak_force = 0;  ///< largest force of a fingertip contact during it, N
 };
 
+/// How an object was followed in the hand.
+struct Tracked {
+  struct Look {
+    std::size_t reading;              ///< index into the log
+    Eigen::Isometry3d T_base_object;  ///< heaviest pose
+  };
+  std::vector<Look> looks;
+  localization::Posterior posterior;  ///< at the last look, in the hand's base
+  int slips = 0;                      ///< that were noticed
+};
+
 /// What the phases hand on to each other: how the object is to be held, and how the hand holds it.
 struct PickState {
   double height = 0;                               ///< of the object, as felt, m
@@ -40,6 +51,7 @@ struct PickState {
   std::vector<double> tried_yaws;                  ///< of grasps that have been tried, rad
   double held_load = 0;                            ///< weight felt after the lift, N
   PoseEstimate estimate;                           ///< of the held object, in the world
+  std::optional<Tracked> tracked;                  ///< how it went from the closed hand on
 };
 
 /// A step of a pick. Its success test sees only what the hand sensed.

@@ -11,6 +11,7 @@
 #include "palpate/pipeline/locate.hpp"
 #include "palpate/pipeline/phase.hpp"
 #include "palpate/pipeline/probe_phase.hpp"
+#include "palpate/pipeline/track_phase.hpp"
 
 namespace palpate::pipeline {
 
@@ -23,6 +24,7 @@ struct PickOptions {
   GraspOptions grasp;
   ProbeOptions probe;
   LiftOptions lift;
+  TrackOptions track;
   LocateOptions locate;
 
   template <class Visitor>
@@ -35,6 +37,7 @@ struct PickOptions {
     v.section("grasp", grasp);
     v.section("probe", probe);
     v.section("lift", lift);
+    v.section("track", track);
     v.section("locate", locate);
   }
 };
@@ -48,6 +51,7 @@ struct PickResult {
   std::optional<localization::Posterior> resting;  ///< pose before the last grasp, in the world
   std::optional<PoseEstimate> before_probe;        ///< in the closed hand, still on the table
   std::optional<PoseEstimate> before_lift;         ///< there, with what probing told
+  std::optional<Tracked> tracked;                  ///< from there through the lift
   PoseEstimate estimate;
 };
 
