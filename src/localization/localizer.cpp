@@ -19,11 +19,12 @@ namespace {
 
 constexpr int kWeighingShare = 2;  // the population that weighs the modes is so many times smaller
 constexpr int kScreenedShare = 6;  // refining needs so many times fewer proposals than sampling
-constexpr int kSettledShare = 2;   // and sampling about few basins so many times fewer particles
 constexpr int kProposalsPerParticle = 4;
-constexpr double kSeenOnce = 0.1;     // share of basins found once at which others may be missing
-constexpr double kNegligible = 1e-5;  // share of a basin that is left out
-constexpr double kWiden = 2;          // of Laplace's covariances: the tails must be covered
+constexpr std::size_t kConstraints = 3;  // of a contact, distance and normal; and of a table
+constexpr std::size_t kEnough = 12;      // twice a pose's freedoms
+constexpr int kMostOpen = 1;             // directions of a basin that a chain of basins can cover
+constexpr double kNegligible = 1e-5;     // share of a basin that is left out
+constexpr double kWiden = 2;             // of Laplace's covariances: the tails must be covered
 constexpr double kNuggetAngle = 0.005, kNuggetStep = 0.0003;  // rad, m
 
 std::vector<PosePoint> poses_of(const std::vector<Particle>& particles) {
@@ -50,39 +51,42 @@ class Sampler {
         proposal_(make_proposal(model, evidence, options)),
         moves_(model, evidence),
         symmetries_(symmetry_quaternions(model.object().symmetries)),
-        may_settle_(options.starts > 0 && !evidence.contacts.empty() && !evidence.prior) {}
+        many_contacts_(many_contacts(evidence, options)) {}
 
   const PoseFamily::Symmetries& symmetries() const { return symmetries_; }
 
-  /// Few basins found again and again are all that there are, most likely, and a mixture about
-  /// them is next to the posterior; else the search is broad.
+  /// About the basins that descents from the best proposals find, where the evidence closes them: a
+  /// mixture about them covers the posterior, and no basin is lost that is narrow at enlarged
+  /// noise. Else from the proposals, broadly.
   std::vector<Particle> operator()(RandomStream random, int share) const {
     LocalizerOptions options = options_;
     options.particles /= share;
-    if (may_settle_) {
+    if (many_contacts_) {
       const auto basins = find_basins(
           *proposal_, energy_at_, symmetries_,
           {options.proposals / kScreenedShare, options.starts, options.first_scale}, random);
-      if (settled(basins)) return sample_about(basins, options, random.fork("basins"));
+      if (closed(basins)) return sample_about(basins, options, random.fork("basins"));
     }
     options.proposals /= share;
     return sample_posterior({*proposal_, moves_, energy_at_}, options, random.fork("broad"));
   }
 
  private:
-  static bool settled(const std::vector<Basin>& basins) {
-    const std::vector<double> shares = basin_shares(basins);
-    double seen_once = 0;
-    for (std::size_t i = 0; i < basins.size(); ++i) {
-      if (basins[i].starts == 1) seen_once += shares[i];
-    }
-    return !basins.empty() && seen_once < kSeenOnce;
+  /// Contacts at one point or on a plane leave more open than basins cover.
+  static bool closed(const std::vector<Basin>& basins) {
+    return !basins.empty() && open_directions(basins.front().best) <= kMostOpen;
+  }
+
+  /// Where a prior may be wrong, contacts must be heard all over.
+  static bool many_contacts(const Evidence& evidence, const LocalizerOptions& options) {
+    const std::size_t constraints =
+        kConstraints * (evidence.contacts.size() + (evidence.table ? 1 : 0));
+    return options.starts > 0 && !evidence.prior && constraints >= kEnough;
   }
 
   std::vector<Particle> sample_about(const std::vector<Basin>& basins, LocalizerOptions options,
                                      const RandomStream& random) const {
     const auto about = mixture_proposal(mixture_about(basins));
-    options.particles /= kSettledShare;
     options.proposals = kProposalsPerParticle * options.particles;
     options.first_scale = 1;
     return sample_posterior({*about, moves_, energy_at_}, options, random);
@@ -111,7 +115,7 @@ class Sampler {
   std::unique_ptr<Proposal> proposal_;
   Moves moves_;
   PoseFamily::Symmetries symmetries_;
-  bool may_settle_;  // where a prior may be wrong, contacts must be heard all over
+  bool many_contacts_;
 };
 
 Posterior search(const ObjectModel& model, const Evidence& evidence, const RandomStream& random,
@@ -125,7 +129,8 @@ Posterior search(const ObjectModel& model, const Evidence& evidence, const Rando
   const auto weighed_on = sample(random.fork("weighing"), kWeighingShare);
   if (weighed_on.empty()) return {};
   Posterior posterior;
-  posterior.modes = find_modes(poses_of(chosen_on), poses_of(weighed_on), sample.symmetries());
+  posterior.modes = find_modes(poses_of(chosen_on), poses_of(weighed_on), sample.symmetries(),
+                               static_cast<std::size_t>(options.modes));
   posterior.status = status_of(posterior.modes);
   return posterior;
 }

@@ -10,9 +10,8 @@
 namespace palpate::localization {
 namespace {
 
-constexpr std::size_t kMostModes = 16;
 constexpr std::size_t kCandidates = 100;  // centres tried for a ball
-constexpr double kLeastShare = 0.004;     // of the poses, for a mode
+constexpr double kLeastShare = 0.064;     // of the poses, for a mode, over the most modes
 /// Of the poses about which a mode is centred: most of a ball.
 constexpr PoseTolerance kCore{3.5 * std::numbers::pi / 180, 0.007};
 constexpr int kCoreSteps = 4;       // of shifting a centre to the mean of the poses about it
@@ -102,10 +101,12 @@ std::size_t take(const PoseFamily& family, const PoseFamily::Symmetries& symmetr
   return std::erase_if(poses, [&](const PosePoint& p) { return family.contains(p, symmetries); });
 }
 
-std::vector<Cluster> cover(Poses poses, const PoseFamily::Symmetries& symmetries) {
-  const auto least = static_cast<std::size_t>(kLeastShare * static_cast<double>(poses.size()));
+std::vector<Cluster> cover(Poses poses, const PoseFamily::Symmetries& symmetries,
+                           std::size_t most) {
+  const double share = kLeastShare / static_cast<double>(most);
+  const auto least = static_cast<std::size_t>(share * static_cast<double>(poses.size()));
   std::vector<Cluster> clusters;
-  while (clusters.size() < kMostModes && !poses.empty()) {
+  while (clusters.size() < most && !poses.empty()) {
     Cluster cluster = fullest_cluster(poses, symmetries);
     if (!clusters.empty() && cluster.members.size() <= least) break;
     take(cluster.family, symmetries, poses);
@@ -148,10 +149,10 @@ void make_decreasing(std::vector<Mode>& modes) {
 }  // namespace
 
 std::vector<Mode> find_modes(const Poses& chosen_on, const Poses& weighed_on,
-                             const PoseFamily::Symmetries& symmetries) {
+                             const PoseFamily::Symmetries& symmetries, std::size_t most) {
   Poses left = weighed_on;
   std::vector<Mode> modes;
-  for (const Cluster& cluster : cover(chosen_on, symmetries)) {
+  for (const Cluster& cluster : cover(chosen_on, symmetries, most)) {
     Mode mode;
     mode.T_frame_object = cluster.family.pose().isometry();
     mode.weight = static_cast<double>(take(cluster.family, symmetries, left)) /

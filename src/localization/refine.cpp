@@ -2,6 +2,7 @@
 #include "refine.hpp"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
@@ -85,5 +86,13 @@ RefinedPose refined(const SearchPose& start, const EnergyLadder& ladder) {
 }
 
 Matrix6d covariance_of(const RefinedPose& refined) { return refined.information.inverse(); }
+
+int open_directions(const RefinedPose& refined) {
+  const Vector6d root = weak_prior().diagonal().cwiseSqrt().cwiseInverse();
+  const Matrix6d relative = root.asDiagonal() * refined.information * root.asDiagonal();
+  const Vector6d gains =
+      Eigen::SelfAdjointEigenSolver<Matrix6d>(relative, Eigen::EigenvaluesOnly).eigenvalues();
+  return static_cast<int>((gains.array() < 2).count());
+}
 
 }  // namespace palpate::localization

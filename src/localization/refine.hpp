@@ -20,11 +20,14 @@ struct RefinedPose {
 };
 
 /// Descends from a pose by Levenberg-Marquardt steps, the noise shrinking to its true size.
-/// @param hopeless  energy at the first scale above which descending is given up after two steps
 RefinedPose refined(const SearchPose& start, const EnergyLadder& ladder);
 
 /// Covariance of a refined pose; directions that the evidence leaves open are held by
 /// `kWeakestRotation` and `kWeakestTranslation`.
 Matrix6d covariance_of(const RefinedPose& refined);
+
+/// Directions of a refined pose that the evidence leaves open: it adds less there than the prior
+/// that holds them.
+int open_directions(const RefinedPose& refined);
 
 }  // namespace palpate::localization

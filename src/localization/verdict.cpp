@@ -8,7 +8,8 @@ namespace {
 
 constexpr double kCertain = 0.95;
 /// Share of the energy that all contacts would have if they were false. At the pose of the right
-/// object it is about .15 and with twice the noise stated .2 to .4; of wrong ones .5 and more.
+/// object it is about .15 and with twice the noise stated .2 to .4; of wrong ones .5 and more. The
+/// false contacts that are expected take theirs besides.
 constexpr float kMostUnexplained = 0.45F;
 
 }  // namespace
@@ -16,8 +17,10 @@ constexpr float kMostUnexplained = 0.45F;
 bool contradicted(const ObjectModel& model, const Evidence& evidence, const SearchPose& best,
                   double contact_offset) {
   const ContactTerm contacts(model, evidence, contact_offset, 1.0);
+  const auto expected = static_cast<float>(evidence.false_contact_share);
   return 2 * contacts.unexplained(best) > static_cast<int>(contacts.size()) ||
-         contacts.energy(best, kNoBound) > kMostUnexplained * contacts.energy_if_false();
+         contacts.energy(best, kNoBound) >
+             (kMostUnexplained + expected) * contacts.energy_if_false();
 }
 
 PoseStatus status_of(const std::vector<Mode>& modes) {

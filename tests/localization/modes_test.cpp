@@ -168,5 +168,15 @@ TEST(FindModes, AtMostSixteenHeaviestFirstAndNoMoreThanAllTheWeight) {
   EXPECT_LT(sum, 1);
 }
 
+TEST(FindModes, ListsAsManyAsAreAskedFor) {
+  std::vector<PosePoint> poses;  // 40 places far apart, each held by ten poses
+  for (int i = 0; i < 400; ++i) {
+    poses.emplace_back(Eigen::Quaterniond::Identity(), Eigen::Vector3d(0.1 * (i % 40), 0, 0));
+  }
+  EXPECT_EQ(find_modes(poses, poses, kNone, 3).size(), 3u);
+  EXPECT_EQ(find_modes(poses, poses, kNone).size(), 16u);
+  EXPECT_EQ(find_modes(poses, poses, kNone, 64).size(), 40u);
+}
+
 }  // namespace
 }  // namespace palpate::localization

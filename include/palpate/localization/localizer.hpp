@@ -42,7 +42,8 @@ struct LocalizerOptions {
   int proposals = 40000;     ///< poses screened
   int particles = 800;       ///< carried through the tempering
   int moves = 6;             ///< Metropolis moves a particle and level
-  int starts = 80;           ///< best proposals that are refined before the sampling
+  int starts = 200;          ///< best proposals that are refined before the sampling
+  int modes = 16;            ///< reported at most
   double first_scale = 3.0;  ///< noise scale at which the search starts
   double contact_offset =
       0.003;  ///< distance outside the surface at which contacts are compared, m
@@ -53,6 +54,7 @@ struct LocalizerOptions {
     v("particles", particles, 50, 1000000, "poses carried through the tempering");
     v("moves", moves, 1, 1000, "Metropolis moves a particle and level");
     v("starts", starts, 0, 100000, "best proposals that are refined before the sampling");
+    v("modes", modes, 1, 1000, "modes reported at most");
     v("first_scale", first_scale, 1.0, 20.0, "noise scale at which the search starts");
     v("contact_offset", contact_offset, 0.0, 0.02, "m outside the surface where contacts compare");
   }

@@ -28,8 +28,9 @@ struct Mode {
 enum class PoseStatus { certain, ambiguous, no_pose };
 std::string_view to_string(PoseStatus status);
 
-/// What is known of the object's pose: at most 16 modes, heaviest first, equal poses of a symmetric
-/// object counted once.
+/// What is known of the object's pose: a few modes (LocalizerOptions::modes at most), heaviest
+/// first, equal poses of a symmetric object counted once. What their weights lack of 1 is spread
+/// over poses that are not listed.
 struct Posterior {
   PoseStatus status = PoseStatus::no_pose;
   std::vector<Mode> modes;
