@@ -87,15 +87,17 @@ void calibrate(const geometry::KnownObject& object, int touches, std::uint64_t s
 
 void calibrate_hands(const experiment::Options& options) {
   const auto object = geometry::load_known_object("box");
-  const int hands = options.quick ? 1 : 10;
-  experiment::Table table({"closings on the table", "tips off before, mm", "after, mm",
+  const int hands = options.quick ? 1 : 20;
+  experiment::Table table({"touches of the table", "tips off before, mm", "after, mm",
                            "claimed, mm", "robot's s", "wall s", "of the last hand"});
   for (const int touches : options.quick ? std::vector{10} : std::vector{10, 20, 30, 40, 60}) {
     Sums sums;
     for (int i = 0; i < hands; ++i) {
       calibrate(object, touches, options.seed + static_cast<std::uint64_t>(i), sums);
     }
-    const auto rms = [&](double sum) { return fmt::format("{:.2f}", 1e3 * std::sqrt(sum / hands)); };
+    const auto rms = [&](double sum) {
+      return fmt::format("{:.2f}", 1e3 * std::sqrt(sum / hands));
+    };
     table.add_row({std::to_string(touches), rms(sums.before), rms(sums.after), rms(sums.claimed),
                    fmt::format("{:.0f}", sums.seconds / hands),
                    fmt::format("{:.1f}", sums.wall / hands), sums.outcome});
