@@ -7,6 +7,7 @@
 
 #include "core/temporary_folder.hpp"
 #include "palpate/core/error.hpp"
+#include "palpate/core/options.hpp"
 #include "palpate/pipeline/calibrate_phase.hpp"
 #include "palpate/pipeline/evaluation.hpp"
 #include "palpate/pipeline/recorder.hpp"
@@ -211,6 +212,13 @@ TEST(Evaluation, NumberOfThreadsDoesNotChangeTheSummary) {
   EXPECT_EQ(one.trials, kTrials);
   expect_equal(one, two);
   EXPECT_EQ(order, (std::vector<std::size_t>{1, 2, 3}));
+}
+
+TEST(TrialOptions, TheExampleOfAConfigurationNamesTheDefaults) {
+  const auto tests = std::filesystem::path(__FILE__).parent_path();
+  TrialOptions options;
+  load_toml(tests / "../../configs/pick.toml", options);
+  EXPECT_EQ(to_toml(options), to_toml(TrialOptions()));
 }
 
 }  // namespace
