@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -119,6 +120,12 @@ std::vector<int> every_other_first(int count) {
   return order;
 }
 
+/// Whether one pose is left, and not a family of them.
+bool settled(const localization::Posterior& posterior, double certain) {
+  const auto& best = posterior.modes.front();
+  return best.weight > certain && !best.free_axis;
+}
+
 /// The first finger's balls around the centre of its tip.
 SweepingFinger sweeping_finger(const Robot& robot, double yaw) {
   const auto& hand = robot.model();
@@ -209,14 +216,23 @@ ExplorePhase::SweepEnd ExplorePhase::touch_from(Robot& robot, const PickState& s
 /// Touches where the modes differ most, one after the other, till one of them is left.
 int ExplorePhase::tell_apart(Robot& robot, PickState& state) {
   int touches = 0;
-  const auto sweeps = telling_sweeps(state, options_);
-  const std::size_t turn = options_.touches > 1 ? 1 : 0;  // as the hand is now
+  std::array<std::vector<Sweep>, 2> left;  // for each turn of the hand: what was not tried yet
+  left.fill(telling_sweeps(state, options_));
+  if (options_.touches <= 1) left[1].clear();
   for (int i = options_.touches; i < options_.most_touches; ++i) {
-    if (state.resting->modes.empty() || state.resting->modes[0].weight > options_.certain) break;
-    const auto choice =
-        most_telling_sweep(object_, *state.resting, sweeping_finger(robot, yaw(turn)), sweeps);
+    if (state.resting->modes.empty() || settled(*state.resting, options_.certain)) break;
+    std::optional<TellingSweep> choice;
+    std::size_t turn = 0;
+    for (const std::size_t other : {1, 0}) {
+      const auto best = most_telling_sweep(object_, *state.resting,
+                                           sweeping_finger(robot, yaw(other)), left[other]);
+      if (!best || (choice && best->information <= choice->information)) continue;
+      choice = best;
+      turn = other;
+    }
     if (!choice || choice->information < kLeastInformation) break;
     touches += sweep(robot, state, {choice->sweep, turn}) == SweepEnd::touched;
+    left[turn].erase(left[turn].begin() + static_cast<std::ptrdiff_t>(choice->index));
     state.resting = locate_resting(object_, robot.model(), robot.log(), locate_, seed_);
   }
   return touches;

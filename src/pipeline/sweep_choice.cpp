@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "palpate/pipeline/held_object.hpp"
+
 namespace palpate::pipeline {
 namespace {
 
@@ -51,19 +53,17 @@ double told_apart(const Outcome& a, const Outcome& b) {
   return std::min(1.0, std::abs(a.way - b.way) / kToldApart);
 }
 
-/// Chance that two draws from the modes are told apart.
-double information(const localization::ObjectModel& object,
-                   const localization::Posterior& posterior, const SweepingFinger& finger,
-                   const Sweep& sweep) {
+/// Chance that two draws from the poses are told apart.
+double information(const localization::ObjectModel& object, const std::vector<WeightedPose>& poses,
+                   const SweepingFinger& finger, const Sweep& sweep) {
   std::vector<Outcome> outcomes;
-  for (const auto& mode : posterior.modes) {
-    outcomes.push_back(outcome(object, mode.T_frame_object.inverse(), finger, sweep));
+  for (const auto& pose : poses) {
+    outcomes.push_back(outcome(object, pose.T.inverse(), finger, sweep));
   }
   double sum = 0;
   for (std::size_t i = 0; i < outcomes.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
-      sum += 2 * posterior.modes[i].weight * posterior.modes[j].weight *
-             told_apart(outcomes[i], outcomes[j]);
+      sum += 2 * poses[i].weight * poses[j].weight * told_apart(outcomes[i], outcomes[j]);
     }
   }
   return sum;
@@ -119,9 +119,10 @@ std::optional<TellingSweep> most_telling_sweep(const localization::ObjectModel& 
                                                const SweepingFinger& finger,
                                                const std::vector<Sweep>& sweeps) {
   std::optional<TellingSweep> best;
-  for (const Sweep& sweep : sweeps) {
-    const double told = information(object, posterior, finger, sweep);
-    if (told > (best ? best->information : 0.0)) best = {sweep, told};
+  const auto poses = poses_of(posterior);
+  for (std::size_t i = 0; i < sweeps.size(); ++i) {
+    const double told = information(object, poses, finger, sweeps[i]);
+    if (told > (best ? best->information : 0.0)) best = {sweeps[i], i, told};
   }
   return best;
 }

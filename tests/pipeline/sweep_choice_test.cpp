@@ -28,6 +28,7 @@ TEST(MostTellingSweep, IsAcrossTheDirectionInWhichTheModesDiffer) {
   const auto best = most_telling_sweep(box(), posterior, kBall, {kAlongY, kAlongX});
   ASSERT_TRUE(best);
   EXPECT_EQ(best->sweep.from, kAlongX.from);
+  EXPECT_EQ(best->index, 1u);
   EXPECT_NEAR(best->information, 0.5, 1e-9);  // two equal modes that are surely told apart
 }
 
@@ -37,6 +38,13 @@ TEST(MostTellingSweep, UnlikelyModesAreWorthLess) {
   const auto best = most_telling_sweep(box(), posterior, kBall, {kAlongX});
   ASSERT_TRUE(best);
   EXPECT_NEAR(best->information, 2 * 0.95 * 0.05, 1e-9);
+}
+
+TEST(MostTellingSweep, AFreeAxisLeavesSomethingToTell) {
+  localization::Posterior posterior;
+  posterior.modes = {mode_at({0, 0, 0}, 1)};
+  posterior.modes[0].free_axis = {Eigen::Vector3d::Zero(), Eigen::Vector3d::UnitZ(), 1.5};
+  EXPECT_TRUE(most_telling_sweep(box(), posterior, kBall, {kAlongX}));
 }
 
 TEST(MostTellingSweep, OneModeLeavesNothingToTell) {

@@ -19,13 +19,15 @@ struct SweepingFinger {
   Eigen::Matrix3d R_world_base = Eigen::Matrix3d::Identity();
 };
 
-/// A sweep and how well its end tells the modes apart.
+/// A sweep and how well its end tells poses apart.
 struct TellingSweep {
   Sweep sweep;
-  double information = 0;  ///< chance, 0..1, that two draws from the modes are told apart
+  std::size_t index = 0;   ///< of it among the sweeps
+  double information = 0;  ///< chance, 0..1, that two draws from the poses are told apart
 };
 
-/// The one of some sweeps whose end differs most between the modes. Where another part of the hand
+/// The one of some sweeps whose end differs most between the poses that a posterior holds for
+/// credible (poses_of: a mode with a free axis is several along it). Where another part of the hand
 /// touches first, the sweep ends, too.
 /// @return nothing if there is no sweep that tells anything
 std::optional<TellingSweep> most_telling_sweep(const localization::ObjectModel& object,
