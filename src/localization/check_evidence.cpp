@@ -130,6 +130,23 @@ void check_offsets(const Evidence& evidence) {
   }
 }
 
+void check_balance(const ForceBalance& balance) {
+  for (std::size_t k = 0; k < balance.pushes.size(); ++k) {
+    const std::string name = fmt::format("balance: push {}: ", k);
+    check_finite(name + "point", balance.pushes[k].p);
+    check_finite(name + "normal", balance.pushes[k].n);
+    check_finite(name + "force", balance.pushes[k].f);
+  }
+  check_finite("balance: weight", balance.weight);
+  check_positive("balance: the weight", balance.weight.norm());
+  check_positive("balance: point_sigma", balance.point_sigma);
+  check_positive("balance: force_sigma", balance.force_sigma);
+  check_not_negative("balance: twist", balance.twist);
+  if (!(balance.doubt > 0 && balance.doubt < 1)) {
+    throw BadInput(fmt::format("balance: doubt is {}, not between 0 and 1", balance.doubt));
+  }
+}
+
 /// Contacts over a space that the object is tiny in are most likely in another unit.
 void check_extent(const std::vector<touch::Contact>& contacts, const geometry::TriangleMesh& mesh) {
   Eigen::AlignedBox3d box;
@@ -162,6 +179,7 @@ void check_evidence(const ObjectModel& model, const Evidence& evidence) {
   if (!(share > 0 && share < 1)) {
     throw BadInput(fmt::format("false_contact_share is {}, not between 0 and 1", share));
   }
+  if (evidence.balance) check_balance(*evidence.balance);
   if (evidence.table) check_table(*evidence.table, model.object().stances.size());
   if (evidence.prior) check_prior(*evidence.prior);
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "energy_maker.hpp"
 
+#include "balance_term.hpp"
 #include "contact_term.hpp"
 #include "prior_term.hpp"
 #include "table_term.hpp"
@@ -28,6 +29,9 @@ Energy EnergyMaker::operator()(double scale) const {
     energy.add(std::make_unique<PriorTerm>(prior_, floor));
   }
   if (evidence_.table) energy.add(std::make_unique<TableTerm>(model_, *evidence_.table));
+  if (evidence_.balance) {
+    energy.add(std::make_unique<BalanceTerm>(model_, *evidence_.balance, scale));
+  }
   if (!evidence_.contacts.empty()) {
     energy.add(std::make_unique<ContactTerm>(model_, evidence_, contact_offset_, scale));
   }

@@ -381,6 +381,25 @@ localization::Posterior locate_resting(const localization::ObjectModel& object,
   return posterior;
 }
 
+namespace {
+
+constexpr double kGravity = 9.81;     // m/s^2
+constexpr double kForceSigma = 0.02;  // N, of a mean force
+
+/// What the fingertips do to the object that hangs in them, in the hand's base.
+localization::ForceBalance balance_of(const std::vector<touch::Contact>& contacts, double mass,
+                                      const Eigen::Isometry3d& T_world_base,
+                                      const LocateOptions& options) {
+  localization::ForceBalance balance;
+  for (const auto& contact : contacts) balance.pushes.push_back({contact.p, contact.n, contact.f});
+  balance.weight = -kGravity * mass * T_world_base.linear().row(2).transpose();
+  balance.force_sigma = kForceSigma;
+  balance.twist = options.twist;
+  return balance;
+}
+
+}  // namespace
+
 PoseEstimate locate(const localization::ObjectModel& object, const hand::HandModel& hand,
                     const TouchLog& log, const LocateOptions& options, std::uint64_t seed,
                     Mark instant) {
@@ -395,6 +414,10 @@ PoseEstimate locate(const localization::ObjectModel& object, const hand::HandMod
   evidence.false_contact_share = options.false_contacts;
   evidence.penetration_sigma = options.penetration_sigma;
   if (options.free_space) evidence.free_space = hand_spheres(hand, log.readings[*held]);
+  if (options.balance && instant == Mark::held) {
+    evidence.balance = balance_of(evidence.contacts, object.object().mass,
+                                  log.readings[*held].base.pose(), options);
+  }
   if (const auto closed = log.all(Mark::closed); !closed.empty()) {
     for (const std::size_t probe : log.all(Mark::probed)) {
       add_probe(hand, log, probe, *held, options, evidence);

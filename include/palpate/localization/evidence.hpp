@@ -57,6 +57,23 @@ struct SharedOffset {
   std::vector<Member> members;
 };
 
+/// The object is at rest in the hand: pushes and weight have no moment. It tells where the centre
+/// of mass is across the weight.
+struct ForceBalance {
+  /// What one contact does to the object.
+  struct Push {
+    Eigen::Vector3d p;  ///< point, m
+    Eigen::Vector3d n;  ///< outward unit normal of the object
+    Eigen::Vector3d f;  ///< force on the object, N
+  };
+  std::vector<Push> pushes;    ///< of all that touches it
+  Eigen::Vector3d weight;      ///< of the object, N
+  double point_sigma = 0.001;  ///< m, per push and axis
+  double force_sigma = 0.02;   ///< N, per push and axis
+  double twist = 0.003;        ///< m: moment about a push's normal that is not sensed, by its force
+  double doubt = 0.05;         ///< chance that something else holds the object, too
+};
+
 /// All that touch knows of the object at one instant, in one frame.
 struct Evidence {
   std::vector<touch::Contact> contacts;
@@ -65,6 +82,7 @@ struct Evidence {
   double noise_doubt = 0.2;  ///< prior chance that all contacts are twice as noisy as they say
   std::vector<FreeSphere> free_space;
   double penetration_sigma = 0.0015;  ///< m
+  std::optional<ForceBalance> balance;
   std::optional<TableSupport> table;
   std::optional<PosePrior> prior;  ///< instead of the table or together with it
 };

@@ -26,6 +26,8 @@ struct LocateOptions {
   double height_sigma = 0.015;       ///< by which it raises it, m
   double half_width = 0.08;          ///< object within +- of its rough place after the grasp, m
   double false_contacts = 0.02;      ///< prior share of contacts with something else
+  bool balance = false;              ///< use that pushes and weight balance, once the object hangs
+  double twist = 0.003;              ///< m, unsensed moment about a contact's normal by its force
   bool free_space = true;            ///< use that the hand's links do not penetrate the object
   double penetration_sigma = 0.004;  ///< m
   localization::LocalizerOptions search;
@@ -48,6 +50,8 @@ struct LocateOptions {
     v("height_sigma", height_sigma, 1e-4, 0.1, "m, by which the closing hand raises the object");
     v("half_width", half_width, 0.0, 0.3, "m, object within +- of its rough place");
     v("false_contacts", false_contacts, 1e-6, 0.9, "prior share of contacts with something else");
+    v("balance", balance, "use that the fingers' forces balance the weight of the held object");
+    v("twist", twist, 0.0, 0.1, "m, unsensed moment about a contact's normal, by its force");
     v("free_space", free_space, "use that the hand's links do not penetrate the object");
     v("penetration_sigma", penetration_sigma, 1e-4, 0.05, "m, error of the hand's surface");
     v.section("errors", errors);
