@@ -4,7 +4,10 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <cstring>
+#include <string>
 
+#include "palpate/core/cache.hpp"
 #include "palpate/core/error.hpp"
 
 namespace palpate::geometry {
@@ -51,6 +54,20 @@ Eigen::Array3i grid_size(const Eigen::Vector3d& extent, double cell) {
   return size.max(2).cast<int>();
 }
 
+template <class Value>
+void append(std::string& bytes, const Value* values, std::size_t count) {
+  bytes.append(reinterpret_cast<const char*>(values), count * sizeof(Value));
+}
+
+/// All that the nodes depend on.
+std::string cache_key(const TriangleMesh& mesh, double cell, double padding) {
+  std::string key = fmt::format("distance field 1: cell {}, padding {}, {} vertices\n", cell,
+                                padding, mesh.vertices.size());
+  for (const auto& vertex : mesh.vertices) append(key, vertex.data(), 3);
+  for (const auto& triangle : mesh.triangles) append(key, triangle.data(), 3);
+  return key;
+}
+
 }  // namespace
 
 DistanceField::DistanceField(const MeshQuery& mesh, double cell, double padding)
@@ -61,6 +78,23 @@ DistanceField::DistanceField(const MeshQuery& mesh, double cell, double padding)
   const Eigen::AlignedBox3d box = bounds(mesh.mesh());
   origin_ = (box.min().array() - padding).cast<float>();
   size_ = grid_size(box.sizes().array() + 2 * padding, cell_);
+  const std::string key = cache_key(mesh.mesh(), cell, padding);
+  if (const auto kept = read_cache(key); kept && take_nodes(*kept)) return;
+  fill(mesh);
+  std::string bytes;
+  append(bytes, nodes_.data(), nodes_.size());
+  write_cache(key, bytes);
+}
+
+bool DistanceField::take_nodes(std::string_view bytes) {
+  const auto count = static_cast<std::size_t>(size_.cast<double>().prod());
+  if (bytes.size() != count * sizeof(Eigen::Vector4f)) return false;
+  nodes_.resize(count);
+  std::memcpy(nodes_.data()->data(), bytes.data(), bytes.size());
+  return true;
+}
+
+void DistanceField::fill(const MeshQuery& mesh) {
   nodes_.reserve(static_cast<std::size_t>(size_.cast<double>().prod()));
   Walker walker(mesh);
   for (int x = 0; x < size_[0]; ++x) {

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+#include <filesystem>
 #include <random>
 
 #include "geometry/test_meshes.hpp"
@@ -49,6 +51,25 @@ TEST(DistanceField, OutsideTheGridIsBeyond) {
   EXPECT_FLOAT_EQ(field.distance({0, 1, 0}), 0.02F);
   EXPECT_TRUE(field.at({0, 0, 0.0499F}));
   EXPECT_NEAR(field.distance({0, 0, 0.0499F}), 0.0199F, 1e-6);
+}
+
+TEST(DistanceField, FromTheCacheItIsTheSame) {
+  const std::string folder = ::testing::TempDir() + "distance_field_cache";
+  std::filesystem::remove_all(folder);
+  setenv("PALPATE_CACHE", folder.c_str(), 1);
+  const MeshQuery mesh(torus_mesh(0.03, 0.012, 40, 20));
+  const DistanceField first(mesh, 0.002, 0.01);
+  EXPECT_FALSE(std::filesystem::is_empty(folder));
+  const DistanceField second(mesh, 0.002, 0.01), other(mesh, 0.002, 0.02);
+  unsetenv("PALPATE_CACHE");
+  std::filesystem::remove_all(folder);
+  EXPECT_EQ(other.beyond(), 0.02F);
+  for (float x = -0.05F; x < 0.05F; x += 0.0037F) {
+    const auto a = first.at({x, 0.01F, 0.002F}), b = second.at({x, 0.01F, 0.002F});
+    ASSERT_TRUE(a && b);
+    EXPECT_EQ(a->distance, b->distance);
+    EXPECT_EQ(a->gradient, b->gradient);
+  }
 }
 
 TEST(DistanceField, BadInputIsNamed) {

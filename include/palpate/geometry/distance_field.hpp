@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include "palpate/geometry/mesh_query.hpp"
@@ -9,7 +10,7 @@
 namespace palpate::geometry {
 
 /// Signed distance of a watertight mesh on a regular grid, with its gradient, interpolated
-/// linearly.
+/// linearly. It takes up to a second, so it is kept in the cache under the mesh's content.
 class DistanceField {
  public:
   struct Sample {
@@ -31,6 +32,9 @@ class DistanceField {
   float beyond() const { return beyond_; }
 
  private:
+  bool take_nodes(std::string_view bytes);
+  void fill(const MeshQuery& mesh);
+
   Eigen::Vector3f origin_;
   Eigen::Array3i size_;
   float cell_, beyond_;
