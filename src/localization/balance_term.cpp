@@ -2,6 +2,7 @@
 #include "balance_term.hpp"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 
 #include "palpate/core/se3.hpp"
@@ -10,13 +11,13 @@ namespace palpate::localization {
 namespace {
 
 constexpr float kDoubted = 100;                         // D: variance where it is doubted
-constexpr float kDoubtedPeak = 1 / (kDoubted * 10.0F);  // D^(-3/2)
+const float kDoubtedPeak = -1.5F * std::log(kDoubted);  // ln of D^(-3/2)
 constexpr double kLeastMoment = 1e-5;                   // N m, sigma that is always there
 
 Eigen::Vector3d middle_of(const std::vector<ForceBalance::Push>& pushes) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (const auto& push : pushes) sum += push.p;
-  return pushes.empty() ? sum : Eigen::Vector3d(sum / static_cast<double>(pushes.size()));
+  return sum / static_cast<double>(pushes.size());
 }
 
 /// Covariance of a x b where b errs by sigma per axis.
@@ -51,19 +52,18 @@ BalanceTerm::BalanceTerm(const ObjectModel& model, const ForceBalance& balance, 
   whitening_ = lower.inverse().cast<float>();
 }
 
+BalanceTerm::Exponents BalanceTerm::exponents(float q) const {
+  return {std::log1p(-doubt_) - q, std::log(doubt_) + kDoubtedPeak - q / kDoubted};
+}
+
 Eigen::Vector3f BalanceTerm::whitened_moment(const SearchPose& pose) const {
   const Eigen::Vector3f arm = pose.R * center_ + pose.t - middle_;
   return whitening_ * (moment_ + arm.cross(weight_));
 }
 
-float BalanceTerm::trust(float q) const {
-  const float held = (1 - doubt_) * std::exp(-q);
-  return held / (held + doubt_ * kDoubtedPeak * std::exp(-q / kDoubted));
-}
-
 float BalanceTerm::energy(const SearchPose& pose, float) const {
-  const float q = 0.5F * whitened_moment(pose).squaredNorm();
-  return -std::log((1 - doubt_) * std::exp(-q) + doubt_ * kDoubtedPeak * std::exp(-q / kDoubted));
+  const auto [held, doubted] = exponents(0.5F * whitened_moment(pose).squaredNorm());
+  return -std::max(held, doubted) - std::log1p(std::exp(-std::abs(held - doubted)));
 }
 
 void BalanceTerm::linearize(const SearchPose& pose, NormalEquations& equations) const {
@@ -74,8 +74,9 @@ void BalanceTerm::linearize(const SearchPose& pose, NormalEquations& equations) 
   Eigen::Matrix<double, 3, 6> J;
   J.leftCols<3>() = -by_center * skew(turned);
   J.rightCols<3>() = by_center;
-  const double held = static_cast<double>(trust(0.5F * r.squaredNorm()));
-  equations.add(J, r.cast<double>(), held + (1 - held) / static_cast<double>(kDoubted));
+  const auto [held, doubted] = exponents(0.5F * r.squaredNorm());
+  const double trust = 1 / (1 + std::exp(static_cast<double>(doubted - held)));
+  equations.add(J, r.cast<double>(), trust + (1 - trust) / static_cast<double>(kDoubted));
 }
 
 }  // namespace palpate::localization

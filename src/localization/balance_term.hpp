@@ -20,7 +20,10 @@ class BalanceTerm : public EvidenceTerm {
 
  private:
   Eigen::Vector3f whitened_moment(const SearchPose& pose) const;
-  float trust(float q) const;  ///< probability that nothing else holds the object
+  struct Exponents {
+    float held, doubted;  ///< ln of both parts of e^-E: nothing else holds the object, or something
+  };
+  Exponents exponents(float q) const;
 
   Eigen::Vector3f center_;  // of mass, in the object's frame
   Eigen::Vector3f middle_;  // of the pushes

@@ -131,11 +131,16 @@ void check_offsets(const Evidence& evidence) {
 }
 
 void check_balance(const ForceBalance& balance) {
+  if (balance.pushes.empty()) throw BadInput("balance: 0 pushes hold the object");
   for (std::size_t k = 0; k < balance.pushes.size(); ++k) {
     const std::string name = fmt::format("balance: push {}: ", k);
     check_finite(name + "point", balance.pushes[k].p);
     check_finite(name + "normal", balance.pushes[k].n);
     check_finite(name + "force", balance.pushes[k].f);
+    if (std::abs(balance.pushes[k].n.norm() - 1) > kUnitTolerance) {
+      throw BadInput(
+          fmt::format("{}normal has length {}, not 1", name, balance.pushes[k].n.norm()));
+    }
   }
   check_finite("balance: weight", balance.weight);
   check_positive("balance: the weight", balance.weight.norm());

@@ -23,6 +23,7 @@ constexpr double kAlone = 0.008;         // m by which all else is higher than t
 constexpr double kAbove = 0.012;         // m over the table from which it goes down, by the model
 constexpr double kBelow = 0.015;         // m under the table at which it has missed it
 constexpr double kTravelHeight = 0.05;   // m of the hand's lowest part while it changes posture
+constexpr double kFreeHeight = 0.34;     // m of the base, from where it may go anywhere
 constexpr double kPostureSeconds = 0.3;  // s
 constexpr double kTakenBack = 0.7;       // of the lead of the base's command, at a touch
 constexpr double kSettling = 0.1;        // s
@@ -143,13 +144,25 @@ std::vector<Attitude> telling_attitudes(const hand::HandModel& hand,
   return chosen;
 }
 
+void rise(Robot& robot, double way, double speed) {
+  hand::BasePosition up = robot.command().base;
+  up.xyz.z() += way;
+  robot.move_base(up, speed);
+}
+
+/// Lets the fingertip rest where it touches, no longer pushed on.
+void rest(Robot& robot, const CalibrateOptions& options) {
+  hand::BasePosition here = robot.command().base;
+  here.xyz += kTakenBack * (robot.reading().base.xyz - here.xyz);  // it would push on
+  robot.move_base(here, options.speed);
+  robot.wait(kSettling + options.rest);
+  robot.mark(Mark::on_table);
+}
+
 void touch_table(Robot& robot, const Attitude& attitude, const CalibrateOptions& options) {
   const double low =
       std::min(lowest(robot.model(), attitude, true), lowest(robot.model(), attitude, false));
-  hand::BasePosition up = robot.command().base;
-  up.xyz.z() += kTravelHeight;
-  robot.move_base(up, options.travel_speed);
-  const double high = std::max(up.xyz.z(), kTravelHeight - low);
+  const double high = std::max(robot.command().base.xyz.z(), kTravelHeight - low);
   robot.move_base(attitude.base(options, high), options.travel_speed);
   robot.move_fingers(attitude.posture, kPostureSeconds);
   robot.move_base(attitude.base(options, kAbove - low), options.travel_speed);
@@ -158,12 +171,8 @@ void touch_table(Robot& robot, const Attitude& attitude, const CalibrateOptions&
     return tip_force(reading, attitude.finger) > options.touch_force;
   };
   const auto end = robot.move_base(attitude.base(options, -kBelow - low), options.speed, touches);
-  if (end != MotionEnd::stopped) return;
-  hand::BasePosition here = robot.command().base;
-  here.xyz += kTakenBack * (robot.reading().base.xyz - here.xyz);  // it would push on
-  robot.move_base(here, options.speed);
-  robot.wait(kSettling + options.rest);
-  robot.mark(Mark::on_table);
+  if (end == MotionEnd::stopped) rest(robot, options);
+  rise(robot, kTravelHeight, options.travel_speed);
 }
 
 /// What a fingertip feels through a window of readings, in the distal link's frame.
@@ -241,6 +250,8 @@ PhaseEnd CalibratePhase::run(Robot& robot, PickState&) {
   for (const auto& attitude : telling_attitudes(before, options_)) {
     touch_table(robot, attitude, options_);
   }
+  rise(robot, kFreeHeight - std::min(kFreeHeight, robot.command().base.xyz.z()),
+       options_.travel_speed);
   const auto touches = table_touches(robot.log(), options_);
   robot.set_model(calibrated_hand(before, robot.log(), options_));
   const bool better = robot.model().link_error < before.link_error;

@@ -87,7 +87,8 @@ PhaseEnd FingerTurnPhase::run(Robot& robot, PickState& state) {
   if (turn_.lost) {
     return {false, fmt::format("lost: {:.2f} N of {:.2f} N still hang", state.held_load, load)};
   }
-  turn_.known = well_known(tracked, options_.reorient);
+  // Pressing anew moves the object by what no look has followed.
+  turn_.known = turn_.result.end != ReorientEnd::losing && well_known(tracked, options_.reorient);
   state.estimate.posterior = turn_.result.posterior;
   return {
       turn_.known,

@@ -414,7 +414,7 @@ PoseEstimate locate(const localization::ObjectModel& object, const hand::HandMod
   evidence.false_contact_share = options.false_contacts;
   evidence.penetration_sigma = options.penetration_sigma;
   if (options.free_space) evidence.free_space = hand_spheres(hand, log.readings[*held]);
-  if (options.balance && instant == Mark::held) {
+  if (options.balance && instant == Mark::held && !evidence.contacts.empty()) {
     evidence.balance = balance_of(evidence.contacts, object.object().mass,
                                   log.readings[*held].base.pose(), options);
   }

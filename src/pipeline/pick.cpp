@@ -67,7 +67,8 @@ PickResult run_pick(Robot& robot, const localization::ObjectModel& object,
   result.resting = state.resting;
   if (!result.held) return result;
   result.failed_phase.clear();
-  if (result.before_lift && course.run(TrackPhase(object, options.track, seed))) {
+  if (result.before_lift &&
+      course.run(TrackPhase(object, options.track, options.locate.errors, seed))) {
     result.tracked = state.tracked;
   }
   course.run(LocatePhase(object, options.locate, seed));

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <span>
 
+#include "palpate/core/error.hpp"
 #include "palpate/touch/contact_window.hpp"
 
 namespace palpate::pipeline {
@@ -23,13 +24,14 @@ hand::JointVector mean_joints(Window window) {
 
 /// Contacts in the hand's base, and how fast the fingertips have moved there since the window
 /// before.
-localization::TrackFrame look_at(const hand::HandModel& hand, Window before, Window now) {
+localization::TrackFrame look_at(const hand::HandModel& hand, Window before, Window now,
+                                 const touch::ContactErrorModel& errors) {
   const auto T_before = hand::forward_kinematics(hand, mean_joints(before));
   const auto T_now = hand::forward_kinematics(hand, mean_joints(now));
   localization::TrackFrame frame;
   frame.time = now.back().time;
   const double dt = now.back().time - before.back().time;
-  for (const auto& contact : touch::lasting_contacts(now, hand, {})) {
+  for (const auto& contact : touch::lasting_contacts(now, hand, errors)) {
     const auto link =
         static_cast<std::size_t>(hand.distal[static_cast<std::size_t>(contact.finger)]);
     const Eigen::Vector3d was = T_before[link] * (T_now[link].inverse() * contact.p);
@@ -42,8 +44,13 @@ localization::TrackFrame look_at(const hand::HandModel& hand, Window before, Win
 }  // namespace
 
 Tracked track(const localization::ObjectModel& object, const hand::HandModel& hand,
-              const TouchLog& log, const localization::Posterior& start, std::size_t first,
-              std::size_t last, const TrackOptions& options, std::uint64_t seed) {
+              const TouchLog& log, const touch::ContactErrorModel& errors,
+              const localization::Posterior& start, std::size_t first, std::size_t last,
+              const TrackOptions& options, std::uint64_t seed) {
+  if (first > last || last >= log.readings.size()) {
+    throw BadInput(
+        fmt::format("tracking from reading {} to {} of {}", first, last, log.readings.size()));
+  }
   Tracked tracked;
   tracked.posterior = start;
   move(log.readings[first].base.pose().inverse(), tracked.posterior);
@@ -52,8 +59,8 @@ Tracked track(const localization::ObjectModel& object, const hand::HandModel& ha
   const auto step = static_cast<std::size_t>(std::lround(options.look / hand::kTick));
   const std::span readings(log.readings);
   for (std::size_t i = std::max(first + step, 2 * step); i <= last; i += step) {
-    tracked.posterior = tracker.update(
-        look_at(hand, readings.subspan(i - 2 * step, step), readings.subspan(i - step + 1, step)));
+    tracked.posterior = tracker.update(look_at(hand, readings.subspan(i - 2 * step, step),
+                                               readings.subspan(i - step + 1, step), errors));
     tracked.looks.push_back({i, tracked.posterior.modes.front().T_frame_object});
   }
   tracked.slips = tracker.slips();
@@ -66,7 +73,7 @@ PhaseEnd TrackPhase::run(Robot& robot, PickState& state) {
   const auto& start = state.estimate.posterior;
   if (!closed || !held || start.modes.empty()) return {false, "no pose to follow"};
   state.tracked =
-      track(object_, robot.model(), robot.log(), start, *closed, *held, options_, seed_);
+      track(object_, robot.model(), robot.log(), errors_, start, *closed, *held, options_, seed_);
   const Eigen::Isometry3d T_base_start =
       robot.log().readings[*closed].base.pose().inverse() * start.modes.front().T_frame_object;
   const Eigen::Isometry3d& T_base_end = state.tracked->posterior.modes.front().T_frame_object;

@@ -10,6 +10,8 @@ namespace {
 
 using nlohmann::json;
 
+constexpr double kUsualLinkError = 0.002;  // m, of recordings that do not say
+
 /// @throws BadInput unless low <= value < high
 int index_from_json(const json& value, int low, std::size_t high, const char* what) {
   const auto index = value.get<std::int64_t>();
@@ -107,9 +109,11 @@ hand::HandModel hand_from_json(const json& j) {
                             vector_from_json(sphere.at("center")),
                             finite_from_json(sphere.at("radius"))});
   }
-  constexpr double kUsualLinkError = 0.002;  // m, of recordings that do not say
   hand.link_error =
       j.contains("link_error") ? finite_from_json(j.at("link_error")) : kUsualLinkError;
+  if (hand.link_error < 0) {
+    throw BadInput(fmt::format("link_error of {} m", hand.link_error));
+  }
   return hand;
 }
 

@@ -106,7 +106,8 @@ double remaining_error(const hand::HandModel& hand, std::span<const TipPosture> 
 }  // namespace
 
 double distance_from_plane(const hand::HandModel& hand, const TipOnPlane& touch) {
-  const int link = hand.distal.at(static_cast<std::size_t>(touch.tip.finger));
+  check(touch);
+  const int link = hand.distal[static_cast<std::size_t>(touch.tip.finger)];
   const auto T_base_link = hand::forward_kinematics(hand, touch.tip.joints);
   return touch.plane.signedDistance(T_base_link[static_cast<std::size_t>(link)] * touch.p);
 }
@@ -115,6 +116,9 @@ hand::HandModel calibrate_links(const hand::HandModel& hand, std::span<const Tip
                                 std::span<const TipPosture> uses) {
   for (const TipOnPlane& touch : touches) check(touch);
   for (const TipPosture& tip : uses) check(tip);
+  if (!(hand.link_error >= 0) || !std::isfinite(hand.link_error)) {
+    throw BadInput(fmt::format("calibrating a hand whose link_error is {} m", hand.link_error));
+  }
   if (touches.empty() || uses.empty() || hand.link_error == 0) return hand;
   LinkBelief belief(hand);
   for (const TipOnPlane& touch : touches) {

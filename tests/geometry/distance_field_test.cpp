@@ -60,7 +60,12 @@ TEST(DistanceField, FromTheCacheItIsTheSame) {
   const MeshQuery mesh(torus_mesh(0.03, 0.012, 40, 20));
   const DistanceField first(mesh, 0.002, 0.01);
   EXPECT_FALSE(std::filesystem::is_empty(folder));
-  const DistanceField second(mesh, 0.002, 0.01), other(mesh, 0.002, 0.02);
+  const auto files = [&] { return std::distance(std::filesystem::directory_iterator(folder), {}); };
+  const auto written = files();
+  const DistanceField second(mesh, 0.002, 0.01);
+  EXPECT_EQ(files(), written);  // it was found
+  const DistanceField other(mesh, 0.002, 0.02);
+  EXPECT_GT(files(), written);  // it has another key
   unsetenv("PALPATE_CACHE");
   std::filesystem::remove_all(folder);
   EXPECT_EQ(other.beyond(), 0.02F);

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 
 #include "palpate/core/error.hpp"
@@ -65,7 +66,19 @@ TEST(BalanceTerm, DoubtBoundsWhatItCosts) {
   const double far = energy(balance, with_center_at({0.05, 0, 0}));
   balance.doubt = 0.5;
   EXPECT_LT(energy(balance, with_center_at({0.05, 0, 0})), far);
-  EXPECT_LT(far, 150);  // q alone would be some 250
+  EXPECT_LT(far, 50);  // q alone would be 2500
+}
+
+TEST(BalanceTerm, IsFiniteHoweverFarTheObject) {
+  const ForceBalance balance = pinched_at({0, 0, 0});
+  const BalanceTerm term(model_of("bracket"), balance, 1);
+  for (const double x : {0.1, 0.3, 3.0}) {
+    const SearchPose pose = with_center_at({x, 0, 0});
+    EXPECT_TRUE(std::isfinite(term.energy(pose, kNoBound))) << x;
+    NormalEquations equations;
+    term.linearize(pose, equations);
+    EXPECT_TRUE(equations.H.allFinite() && equations.g.allFinite()) << x;
+  }
 }
 
 TEST(BalanceTerm, LinearizesItself) {
@@ -109,6 +122,8 @@ TEST(Localize, RefusesABalanceThatCannotBe) {
   refuses([](ForceBalance& balance) { balance.doubt = 1; });
   refuses([](ForceBalance& balance) { balance.point_sigma = 0; });
   refuses([](ForceBalance& balance) { balance.twist = -1; });
+  refuses([](ForceBalance& balance) { balance.pushes.clear(); });
+  refuses([](ForceBalance& balance) { balance.pushes[0].n *= 2; });
 }
 
 }  // namespace

@@ -61,6 +61,8 @@ TEST(CalibratePhase, FindsTheFingertipsWithoutTouchingTheObject) {
   EXPECT_LT(
       (scene.world.truth().T_world_object.translation() - T_world_object.translation()).norm(),
       1e-4);
+  EXPECT_FALSE(scene.world.diverged());
+  EXPECT_GT(scene.robot.reading().base.xyz.z(), 0.3);  // clear of all that stands about
   // Within three standard deviations of what it says of itself.
   double stated = 0;
   for (int finger = 0; finger < hand::kFingers; ++finger) {

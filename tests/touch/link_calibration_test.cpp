@@ -143,6 +143,9 @@ TEST(CalibrateLinks, RefusesTouchesThatCannotBe) {
   refuses([&](TipOnPlane& touch) { touch.p.x() = nan; });
   refuses([&](TipOnPlane& touch) { touch.tip.joints[3] = nan; });
   refuses([](TipOnPlane& touch) { touch.plane.coeffs() *= 2; });
+  hand::HandModel worse = hand;
+  worse.link_error = -0.002;
+  EXPECT_THROW(calibrate_links(worse, std::vector{good}, uses), BadInput);
   std::vector<TipPosture> elsewhere = uses;
   elsewhere[0].finger = 7;
   EXPECT_THROW(calibrate_links(hand, std::vector{good}, elsewhere), BadInput);

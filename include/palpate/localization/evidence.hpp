@@ -66,7 +66,7 @@ struct ForceBalance {
     Eigen::Vector3d n;  ///< outward unit normal of the object
     Eigen::Vector3d f;  ///< force on the object, N
   };
-  std::vector<Push> pushes;    ///< of all that touches it
+  std::vector<Push> pushes;    ///< of all that touches it, at least one
   Eigen::Vector3d weight;      ///< of the object, N
   double point_sigma = 0.001;  ///< m, per push and axis
   double force_sigma = 0.02;   ///< N, per push and axis

@@ -26,17 +26,20 @@ struct TrackOptions {
 
 /// Follows an object in the hand by what the fingertips feel and how they move, from the reading
 /// `first` of the log to `last`, as a localization::Tracker that ran along would.
-/// @param start  pose at the first reading, in the world, with modes
+/// @param errors  of the contacts
+/// @param start   pose at the first reading, in the world, with modes
+/// @throws BadInput unless first <= last, and the log has both
 Tracked track(const localization::ObjectModel& object, const hand::HandModel& hand,
-              const TouchLog& log, const localization::Posterior& start, std::size_t first,
-              std::size_t last, const TrackOptions& options, std::uint64_t seed);
+              const TouchLog& log, const touch::ContactErrorModel& errors,
+              const localization::Posterior& start, std::size_t first, std::size_t last,
+              const TrackOptions& options, std::uint64_t seed);
 
 /// Follows the object from the closed hand through the lift, from the state's estimate on.
 class TrackPhase : public Phase {
  public:
   TrackPhase(const localization::ObjectModel& object, const TrackOptions& options,
-             std::uint64_t seed)
-      : object_(object), options_(options), seed_(seed) {}
+             const touch::ContactErrorModel& errors, std::uint64_t seed)
+      : object_(object), options_(options), errors_(errors), seed_(seed) {}
   std::string_view name() const override { return "track"; }
   double time_limit() const override { return 1.0; }
   PhaseEnd run(Robot& robot, PickState& state) override;
@@ -44,6 +47,7 @@ class TrackPhase : public Phase {
  private:
   const localization::ObjectModel& object_;
   TrackOptions options_;
+  touch::ContactErrorModel errors_;
   std::uint64_t seed_;
 };
 

@@ -30,12 +30,13 @@ struct TipOnPlane {
 /// their posterior means, and as link_error what is left of it: that which makes link_offset_sigma
 /// right, in the mean square, for the tips in `uses`.
 /// @return the hand as it was, if there is no touch or no use, or it is known without error
-/// @throws BadInput for a finger that does not exist, values that are not finite, and a sigma that
-///         is not positive
+/// @throws BadInput for a finger that does not exist, values that are not finite, a sigma that is
+///         not positive, and a negative link_error
 hand::HandModel calibrate_links(const hand::HandModel& hand, std::span<const TipOnPlane> touches,
                                 std::span<const TipPosture> uses);
 
 /// How far the touching point is from the plane by the hand's model, m.
+/// @throws BadInput as calibrate_links
 double distance_from_plane(const hand::HandModel& hand, const TipOnPlane& touch);
 
 /// The touches, one after the other, that lessen the variance of the tips in `uses` most (greedy
