@@ -111,6 +111,6 @@ void calibrate_hands(const experiment::Options& options) {
 int main(int argc, char** argv) {
   return palpate::experiment::run(
       argc, argv, "hand_calibration",
-      "How well the hand knows its fingertips before and after it has closed on the bare table",
+      "How well the hand knows its fingertips before and after it has touched the bare table",
       calibrate_hands);
 }
