@@ -10,6 +10,7 @@
 #include "palpate/core/random.hpp"
 #include "palpate/hand/coupling.hpp"
 #include "palpate/pipeline/grasp_phase.hpp"
+#include "palpate/touch/contact_window.hpp"
 #include "palpate/touch/link_calibration.hpp"
 
 namespace palpate::pipeline {
@@ -200,9 +201,7 @@ Felt feel(std::span<const hand::HandReading> window, std::size_t finger) {
 /// The fingertips that rest on the table through a window of readings.
 void add_resting_tips(std::span<const hand::HandReading> window, double sigma,
                       std::vector<touch::TipOnPlane>& touches) {
-  hand::JointVector joints = hand::JointVector::Zero();
-  for (const auto& reading : window) joints += reading.joints;
-  joints /= static_cast<double>(window.size());
+  const hand::JointVector joints = touch::mean_joints(window);
   for (std::size_t finger = 0; finger < hand::kFingers; ++finger) {
     const Felt felt = feel(window, finger);
     if (felt.readings < kLastingShare * static_cast<double>(window.size())) continue;

@@ -8,19 +8,18 @@
 #include <numbers>
 #include <span>
 
+#include "carried_motion.hpp"
 #include "palpate/localization/pose_prior.hpp"
 #include "palpate/pipeline/feel_phase.hpp"
 
 namespace palpate::pipeline {
 namespace {
 
-constexpr int kSlides = 2;                // how often a grasp may slide, each time
-constexpr double kFarther = 3.0;          // so many times as far
-constexpr double kTouchWindow = 0.1;      // s of a touch that are averaged
-constexpr double kClosedWindow = 0.15;    // s of touching before the mark `closed`
-constexpr std::size_t kCarriedStep = 10;  // readings between looks at what carries the object
-constexpr double kCarriedWindow = 0.1;    // s of them that are averaged
-constexpr double kTouchMargin = 0.004;    // m before a touch that do not count as free
+constexpr int kSlides = 2;              // how often a grasp may slide, each time
+constexpr double kFarther = 3.0;        // so many times as far
+constexpr double kTouchWindow = 0.1;    // s of a touch that are averaged
+constexpr double kClosedWindow = 0.15;  // s of touching before the mark `closed`
+constexpr double kTouchMargin = 0.004;  // m before a touch that do not count as free
 /// Shares of the sweeps that are forgotten, one after the other, while no pose explains the rest: a
 /// touch may have moved the object.
 constexpr std::array<double, 3> kForgotten = {0, 0.35, 0.55};
@@ -32,13 +31,6 @@ using geometry::KnownObject;
 using localization::Evidence;
 using localization::PosePrior;
 using localization::TableSupport;
-
-std::span<const hand::HandReading> window_before(const TouchLog& log, std::size_t index,
-                                                 double seconds) {
-  const auto count =
-      std::min(index + 1, static_cast<std::size_t>(std::ceil(seconds / hand::kTick)));
-  return std::span(log.readings).subspan(index + 1 - count, count);
-}
 
 double top_of(const KnownObject& object, const geometry::Stance& stance) {
   double top = -std::numeric_limits<double>::infinity();
@@ -192,69 +184,6 @@ double total_weight(const localization::Posterior& posterior) {
   return sum;
 }
 
-hand::HandReading mean_posture(std::span<const hand::HandReading> window) {
-  hand::HandReading mean = window.back();
-  mean.joints.setZero();
-  for (const auto& reading : window) {
-    mean.joints += reading.joints / static_cast<double>(window.size());
-  }
-  return mean;
-}
-
-using Fingers = std::array<bool, hand::kFingers>;
-
-/// How an object moves in the hand's base from one window of readings to the next: as the
-/// fingertips do where they touch it. With less than three contacts only the way is told.
-Eigen::Isometry3d carried_step(const hand::HandModel& hand,
-                               std::span<const hand::HandReading> before,
-                               std::span<const hand::HandReading> after,
-                               const touch::ContactErrorModel& errors, const Fingers& ignored) {
-  const auto T_before = hand::forward_kinematics(hand, mean_posture(before).joints);
-  const auto T_after = hand::forward_kinematics(hand, mean_posture(after).joints);
-  Fingers touched{};
-  for (const auto& contact : touch::lasting_contacts(before, hand, errors)) {
-    const auto finger = static_cast<std::size_t>(contact.finger);
-    touched[finger] = !ignored[finger];
-  }
-  std::vector<Eigen::Vector3d> from, to;
-  for (const auto& contact : touch::lasting_contacts(after, hand, errors)) {
-    const auto finger = static_cast<std::size_t>(contact.finger);
-    if (!touched[finger]) continue;
-    const auto link = static_cast<std::size_t>(hand.distal[finger]);
-    from.push_back(T_before[link] * (T_after[link].inverse() * contact.p));
-    to.push_back(contact.p);
-  }
-  Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
-  if (from.empty()) return motion;
-  const auto count = static_cast<Eigen::Index>(from.size());
-  const Eigen::Map<const Eigen::Matrix3Xd> P(from.data()->data(), 3, count);
-  const Eigen::Map<const Eigen::Matrix3Xd> Q(to.data()->data(), 3, count);
-  if (count >= 3) {
-    motion.matrix() = Eigen::umeyama(P, Q, false);
-  } else {
-    motion.translation() = (Q - P).rowwise().mean();
-  }
-  return motion;
-}
-
-/// How the object has moved in the hand's base between two readings. Contacts roll along the
-/// fingertips while they carry it, so that the way is followed step by step.
-Eigen::Isometry3d carried_motion(const hand::HandModel& hand, const TouchLog& log,
-                                 std::size_t first, std::size_t last,
-                                 const touch::ContactErrorModel& errors,
-                                 const Fingers& ignored = {}) {
-  Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
-  std::size_t done = first;
-  while (done < last) {
-    const std::size_t next = last - done < 2 * kCarriedStep ? last : done + kCarriedStep;
-    motion = carried_step(hand, window_before(log, done, kCarriedWindow),
-                          window_before(log, next, kCarriedWindow), errors, ignored) *
-             motion;
-    done = next;
-  }
-  return motion;
-}
-
 /// By how much closing, pressing and lifting move the object in the hand, times `scale`.
 Matrix6d motion_covariance(const LocateOptions& options, double scale) {
   const double turn = scale * options.motion_angle_sigma;
@@ -278,8 +207,8 @@ void share_offsets(const hand::HandModel& hand, Evidence& evidence) {
 /// Which fingers were at another posture than at the moment of closing.
 Fingers moved_fingers(const hand::HandModel& hand, std::span<const hand::HandReading> closed,
                       std::span<const hand::HandReading> probed) {
-  const auto T_closed = hand::forward_kinematics(hand, mean_posture(closed).joints);
-  const auto T_probed = hand::forward_kinematics(hand, mean_posture(probed).joints);
+  const auto T_closed = hand::forward_kinematics(hand, touch::mean_joints(closed));
+  const auto T_probed = hand::forward_kinematics(hand, touch::mean_joints(probed));
   Fingers moved{};
   for (std::size_t finger = 0; finger < hand::kFingers; ++finger) {
     const auto link = static_cast<std::size_t>(hand.distal[finger]);
@@ -305,7 +234,7 @@ void add_probe(const hand::HandModel& hand, const TouchLog& log, std::size_t pro
     evidence.contacts.push_back(contact);
   }
   if (!options.free_space) return;
-  const auto T_base_link = hand::forward_kinematics(hand, mean_posture(probed).joints);
+  const auto T_base_link = hand::forward_kinematics(hand, touch::mean_joints(probed));
   for (const auto& sphere : hand.spheres) {
     for (std::size_t finger = 0; finger < hand::kFingers; ++finger) {
       if (!moved[finger] || sphere.link != hand.distal[finger]) continue;

@@ -16,18 +16,12 @@ namespace {
 
 using Window = std::span<const hand::HandReading>;
 
-hand::JointVector mean_joints(Window window) {
-  hand::JointVector sum = hand::JointVector::Zero();
-  for (const auto& reading : window) sum += reading.joints;
-  return sum / static_cast<double>(window.size());
-}
-
 /// Contacts in the hand's base, and how fast the fingertips have moved there since the window
 /// before.
 localization::TrackFrame look_at(const hand::HandModel& hand, Window before, Window now,
                                  const touch::ContactErrorModel& errors) {
-  const auto T_before = hand::forward_kinematics(hand, mean_joints(before));
-  const auto T_now = hand::forward_kinematics(hand, mean_joints(now));
+  const auto T_before = hand::forward_kinematics(hand, touch::mean_joints(before));
+  const auto T_now = hand::forward_kinematics(hand, touch::mean_joints(now));
   localization::TrackFrame frame;
   frame.time = now.back().time;
   const double dt = now.back().time - before.back().time;

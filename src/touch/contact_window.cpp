@@ -69,12 +69,6 @@ double normal_sigma(const Cluster& cluster, const ContactErrorModel& errors) {
   return errors.normal / std::sqrt(cluster.count);
 }
 
-hand::JointVector mean_joints(std::span<const hand::HandReading> window) {
-  hand::JointVector sum = hand::JointVector::Zero();
-  for (const auto& reading : window) sum += reading.joints;
-  return sum / static_cast<double>(window.size());
-}
-
 /// Variance per axis of a point fixed to the link, from joint noise and misplaced links.
 double kinematic_variance(const hand::HandModel& hand, const hand::JointVector& joints, int link,
                           const Eigen::Vector3d& p_link, const ContactErrorModel& errors,
@@ -88,6 +82,12 @@ double kinematic_variance(const hand::HandModel& hand, const hand::JointVector& 
 }
 
 }  // namespace
+
+hand::JointVector mean_joints(std::span<const hand::HandReading> window) {
+  hand::JointVector sum = hand::JointVector::Zero();
+  for (const auto& reading : window) sum += reading.joints;
+  return sum / static_cast<double>(window.size());
+}
 
 double link_offset_sigma(const hand::HandModel& hand, int finger) {
   const int tip = hand.distal.at(static_cast<std::size_t>(finger));

@@ -29,6 +29,9 @@ struct ContactErrorModel {
   }
 };
 
+/// Mean joint angles of some readings, at least one, rad.
+hand::JointVector mean_joints(std::span<const hand::HandReading> window);
+
 /// Standard deviation per axis, m, of the place of a fingertip whose links each are off by the
 /// hand's link_error: what all contacts of that finger are displaced by alike.
 double link_offset_sigma(const hand::HandModel& hand, int finger);
