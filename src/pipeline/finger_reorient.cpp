@@ -8,6 +8,7 @@
 #include <cmath>
 #include <span>
 
+#include "load.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/pipeline/squeeze.hpp"
 #include "step_sampler.hpp"
@@ -15,7 +16,6 @@
 namespace palpate::pipeline {
 namespace {
 
-constexpr double kGravity = 9.81;  // m/s^2
 constexpr std::array<std::string_view, 4> kEndNames = {"reached", "out_of_time", "drift", "losing"};
 
 double largest_deviation(const Eigen::Matrix3d& covariance) {

@@ -15,7 +15,6 @@ namespace palpate::pipeline {
 namespace {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
-constexpr double kGravity = 9.81;  // m/s^2
 constexpr double kRegripSeconds = 0.3;
 constexpr std::array<double, 2> kShares = {0.5, 1.0};  // of the longest turn that are tried
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <numbers>
 
+#include "load.hpp"
 #include "palpate/pipeline/feel_phase.hpp"
 #include "palpate/pipeline/squeeze.hpp"
 #include "palpate/touch/contact_window.hpp"
@@ -13,7 +14,6 @@
 namespace palpate::pipeline {
 namespace {
 
-constexpr double kGravity = 9.81;        // m/s^2
 constexpr double kSideDistance = 0.22;   // m before the object where a side approach starts
 constexpr double kSideOvershoot = 0.03;  // m past the object's place where it ends at the latest
 constexpr double kTopDistance = 0.13;    // m above the object where an approach from above starts

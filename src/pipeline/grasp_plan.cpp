@@ -7,6 +7,7 @@
 #include <limits>
 #include <numbers>
 
+#include "load.hpp"
 #include "palpate/pipeline/squeeze.hpp"
 
 namespace palpate::pipeline {
@@ -14,7 +15,6 @@ namespace {
 
 using std::numbers::pi;
 
-constexpr double kGravity = 9.81;      // m/s^2
 constexpr float kCommonWidth = 0.06f;  // m
 constexpr std::size_t kFinalists = 16;
 constexpr double kTurnedAway = 0.35;  // rad between a yaw and those that have failed

@@ -5,6 +5,8 @@
 
 namespace palpate::pipeline {
 
+inline constexpr double kGravity = 9.81;  // m/s^2
+
 /// Mean of what the base carries over the last readings (N, up positive).
 double mean_load(const TouchLog& log, std::size_t readings = 20);
 

@@ -9,6 +9,7 @@
 #include <span>
 
 #include "carried_motion.hpp"
+#include "load.hpp"
 #include "palpate/localization/pose_prior.hpp"
 #include "palpate/pipeline/feel_phase.hpp"
 
@@ -312,7 +313,6 @@ localization::Posterior locate_resting(const localization::ObjectModel& object,
 
 namespace {
 
-constexpr double kGravity = 9.81;     // m/s^2
 constexpr double kForceSigma = 0.02;  // N, of a mean force
 
 /// What the fingertips do to the object that hangs in them, in the hand's base.

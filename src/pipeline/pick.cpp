@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "course.hpp"
+#include "load.hpp"
 #include "palpate/pipeline/explore_phase.hpp"
 #include "palpate/pipeline/locate_phase.hpp"
 #include "palpate/pipeline/probe_phase.hpp"
@@ -14,7 +15,6 @@
 namespace palpate::pipeline {
 namespace {
 
-constexpr double kGravity = 9.81;                       // m/s^2
 constexpr double kNextSide = 2 * std::numbers::pi / 3;  // rad between attempts
 
 bool has(const TouchLog& log, Mark mark) {

@@ -18,7 +18,6 @@
 namespace palpate::pipeline {
 namespace {
 
-constexpr double kGravity = 9.81;  // m/s^2
 constexpr std::array<PlaceMeans, 4> kMeans = {PlaceMeans::automatic, PlaceMeans::wrist,
                                               PlaceMeans::fingers, PlaceMeans::regrasp};
 constexpr double kDegrees = 180 / std::numbers::pi;

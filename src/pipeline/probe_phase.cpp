@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <span>
 
+#include "load.hpp"
 #include "palpate/hand/closing.hpp"
 #include "palpate/localization/next_touch.hpp"
 #include "palpate/pipeline/closing_path.hpp"
@@ -15,7 +16,6 @@
 namespace palpate::pipeline {
 namespace {
 
-constexpr double kGravity = 9.81;         // m/s^2
 constexpr std::size_t kWindow = 15;       // readings of a touch that are averaged
 constexpr double kTransferSeconds = 0.4;  // s, of a finger's force to the others, and back
 constexpr double kOpenSeconds = 0.4;      // s
