@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <numeric>
 #include <sstream>
 #include <vector>
 
@@ -67,15 +68,33 @@ void check_reach(const Eigen::Vector2d& xy, double reach) {
                   xy.x(), xy.y(), reach));
 }
 
-/// The first stance that is the same by the object's symmetry: its yaw is counted alike for all.
-std::size_t first_of_equal(const geometry::KnownObject& object, std::size_t stance) {
-  for (std::size_t i = 0; i < stance; ++i) {
-    if (same_side_up(object, object.stances[i].R_table_object,
-                     object.stances[stance].R_table_object, kMostTilt)) {
-      return i;
+double tilt_between(const Eigen::Matrix3d& R_a, const Eigen::Matrix3d& R_b) {
+  return std::acos(std::clamp(R_a.row(2).dot(R_b.row(2)), -1.0, 1.0));
+}
+
+/// The first of all stances that an estimate of an object in this one may be taken for: it is right
+/// but for a symmetry, which maps stances beside one another where the shape keeps it only roughly.
+std::size_t first_of_alike(const geometry::KnownObject& object, std::size_t stance) {
+  std::vector<std::size_t> first(object.stances.size());
+  std::iota(first.begin(), first.end(), std::size_t{0});
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    for (const auto& S : object.symmetries) {
+      const std::size_t image = nearest_stance(object, object.stances[i].R_table_object * S).stance;
+      const std::size_t low = std::min(first[i], first[image]);
+      const std::size_t high = std::max(first[i], first[image]);
+      std::ranges::replace(first, high, low);
     }
   }
-  return stance;
+  return first[stance];
+}
+
+/// A pose tilted the shortest way into a stance, at its height over the table.
+Eigen::Isometry3d laid_into(const geometry::Stance& stance, const Eigen::Isometry3d& T) {
+  const Eigen::Vector3d up = T.linear() * stance.R_table_object.row(2).transpose();
+  Eigen::Isometry3d flat = T;
+  flat.linear() = Eigen::Quaterniond::FromTwoVectors(up, Eigen::Vector3d::UnitZ()) * T.linear();
+  flat.translation().z() = stance.height;
+  return flat;
 }
 
 /// Draws one of the stances that are not the same as the one it starts in.
@@ -148,10 +167,8 @@ PlaceTarget parse_target(std::string_view text, const geometry::KnownObject& obj
 
 bool same_side_up(const geometry::KnownObject& object, const Eigen::Matrix3d& R_a,
                   const Eigen::Matrix3d& R_b, double most) {
-  return std::any_of(
-      object.symmetries.begin(), object.symmetries.end(), [&](const Eigen::Matrix3d& S) {
-        return std::acos(std::clamp((R_a * S).row(2).dot(R_b.row(2)), -1.0, 1.0)) < most;
-      });
+  return std::any_of(object.symmetries.begin(), object.symmetries.end(),
+                     [&](const Eigen::Matrix3d& S) { return tilt_between(R_a * S, R_b) < most; });
 }
 
 PlaceTarget stance_target(const geometry::KnownObject& object, std::size_t start_stance, int wanted,
@@ -194,19 +211,21 @@ NearestStance nearest_stance(const geometry::KnownObject& object,
 
 Eigen::Isometry3d laid_flat(const geometry::KnownObject& object,
                             const Eigen::Isometry3d& T_world_object) {
-  const auto& stance = object.stances[nearest_stance(object, T_world_object.linear()).stance];
-  const Eigen::Vector3d up = T_world_object.linear() * stance.R_table_object.row(2).transpose();
-  Eigen::Isometry3d flat = T_world_object;
-  flat.linear() =
-      Eigen::Quaterniond::FromTwoVectors(up, Eigen::Vector3d::UnitZ()) * T_world_object.linear();
-  flat.translation().z() = stance.height;
-  return flat;
+  const std::size_t stance = nearest_stance(object, T_world_object.linear()).stance;
+  return laid_into(object.stances[stance], T_world_object);
 }
 
 Eigen::Isometry3d target_pose(const PlaceTarget& target, const geometry::KnownObject& object,
                               std::size_t found_stance) {
   if (target.kind != PlaceTarget::Kind::spot) return target.T_world_object;
-  return resting_pose(object, first_of_equal(object, found_stance), target.xy, target.yaw);
+  const geometry::Stance& found = object.stances[found_stance];
+  Eigen::Isometry3d T =
+      resting_pose(object, first_of_alike(object, found_stance), target.xy, target.yaw);
+  const auto tilt = [&](const Eigen::Matrix3d& S) {
+    return tilt_between(T.linear() * S, found.R_table_object);
+  };
+  T.linear() *= *std::ranges::min_element(object.symmetries, {}, tilt);
+  return laid_into(found, T);
 }
 
 }  // namespace palpate::pipeline

@@ -4,12 +4,18 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <map>
 #include <numbers>
 #include <set>
 
 #include "palpate/core/error.hpp"
 #include "palpate/core/random.hpp"
 #include "palpate/core/se3.hpp"
+#include "palpate/geometry/mass_properties.hpp"
+#include "palpate/geometry/shapes.hpp"
+#include "palpate/geometry/stable_poses.hpp"
+#include "palpate/geometry/symmetry.hpp"
 #include "palpate/localization/posterior.hpp"
 
 namespace palpate::pipeline {
@@ -137,6 +143,66 @@ TEST(PlaceTarget, APoseThatDoesNotRestIsNamed) {
   for (const auto& v : box.mesh.vertices) low = std::min(low, (T * v).z());
   T.translation().z() -= low;
   EXPECT_NE(complaint(text_of(T)).find("does not rest"), std::string::npos);
+}
+
+/// A block whose top slopes by 6 deg: its half turn keeps the shape within tolerance, but maps no
+/// side that it lies on exactly to another.
+geometry::KnownObject wedge() {
+  geometry::KnownObject object;
+  object.mesh = geometry::box_mesh({0.06, 0.05, 0.12});
+  for (auto& v : object.mesh.vertices) {
+    if (v.y() > 0) v.y() += std::tan(6 * std::numbers::pi / 180) * v.x();
+  }
+  const Eigen::Vector3d centroid = geometry::mass_properties(object.mesh, 1).centroid;
+  for (auto& v : object.mesh.vertices) v -= centroid;
+  object.stances = geometry::stable_poses(object.mesh, Eigen::Vector3d::Zero());
+  object.symmetries = geometry::rotational_symmetries(object.mesh, Eigen::Vector3d::Zero());
+  return object;
+}
+
+/// The stances that an estimate may report of an object in one, right but for a symmetry.
+std::set<std::size_t> taken_for(const geometry::KnownObject& object, std::size_t stance) {
+  std::set<std::size_t> images;
+  for (const auto& S : object.symmetries) {
+    images.insert(nearest_stance(object, object.stances[stance].R_table_object * S).stance);
+  }
+  return images;
+}
+
+TEST(PlaceTarget, OfASpotIsTheSameWhicheverOfTheEqualPosesIsFound) {
+  PlaceTarget spot;
+  spot.xy = {0.1, -0.05};
+  spot.yaw = 0.7;
+  std::vector<geometry::KnownObject> objects = {wedge()};
+  for (const auto& name : geometry::built_in_objects()) objects.push_back(known(name));
+  for (const auto& object : objects) {
+    for (std::size_t stance = 0; stance < object.stances.size(); ++stance) {
+      const Eigen::Isometry3d T = target_pose(spot, object, stance);
+      EXPECT_EQ(T.translation().head<2>(), spot.xy);
+      EXPECT_NEAR(T.translation().z(), object.stances[stance].height, 1e-12);
+      EXPECT_TRUE(T.linear().row(2).isApprox(object.stances[stance].R_table_object.row(2), 1e-9));
+      for (const std::size_t image : taken_for(object, stance)) {
+        // As far apart as the symmetry maps the stances, and not by half a turn.
+        EXPECT_LT(localization::pose_error(target_pose(spot, object, image), T, object.symmetries)
+                      .rotation,
+                  5 * std::numbers::pi / 180)
+            << object.name << " " << stance << " taken for " << image;
+      }
+    }
+  }
+}
+
+TEST(PlaceTarget, ABlockWithASlopingTopIsMappedBesideItsOtherStances) {
+  const auto block = wedge();
+  ASSERT_EQ(block.symmetries.size(), 2u);
+  double farthest = 0;
+  for (const auto& stance : block.stances) {
+    for (const auto& S : block.symmetries) {
+      farthest = std::max(farthest, nearest_stance(block, stance.R_table_object * S).tilt);
+    }
+  }
+  EXPECT_GT(farthest, 3 * std::numbers::pi / 180);
+  EXPECT_LT(farthest, 5 * std::numbers::pi / 180);
 }
 
 /// Least distance of what is lower than the walls from any of them, negative inside; vertices
