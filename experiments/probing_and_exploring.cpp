@@ -125,6 +125,7 @@ std::optional<Probing> probe(Scene& scene, PickState& state, const localization:
                              int most, std::uint64_t seed) {
   PickOptions options;
   options.probe.most = most;
+  options.probe.regrasps = 0;
   options.probe.certain = 1;
   options.probe.least_information = 0;
   GraspPhase grasp(options.grasp, model);
@@ -133,8 +134,7 @@ std::optional<Probing> probe(Scene& scene, PickState& state, const localization:
   if (run_phase(locate_closed, scene.robot(), state).status != PhaseStatus::ok) return std::nullopt;
   const double weight = model.object().mass * kGravity;
   const std::size_t first = scene.now();
-  ProbePhase phase(model, options.probe, options.locate, pressure(options.grasp, model.object()),
-                   seed);
+  ProbePhase phase(model, options.probe, options.locate, options.grasp, seed);
   run_phase(phase, scene.robot(), state);
   const auto closed = scene.robot().log().all(Mark::closed);  // also after each touch
   const auto probes = scene.robot().log().all(Mark::probed);

@@ -6,6 +6,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "palpate/core/error.hpp"
@@ -46,6 +47,39 @@ std::vector<PredictedTouch> outcomes_of(const ObjectModel& model,
     outcomes.push_back(predict_touch(model, poses[i], probe, tip_radius));
   }
   return outcomes;
+}
+
+/// Exponent of the bound for two outcomes; infinite for a hit and a miss.
+double unlikeness(const PredictedTouch& a, const PredictedTouch& b,
+                  const NextTouchOptions& options) {
+  if (a.hit != b.hit) return std::numeric_limits<double>::infinity();
+  if (!a.hit) return 0;
+  const double along = (a.distance - b.distance) / options.point_sigma;
+  const double exponent = along * along / 8;
+  if (exponent >= kForgotten) return exponent;
+  return exponent +
+         (a.normal - b.normal).squaredNorm() / (8 * options.normal_sigma * options.normal_sigma);
+}
+
+/// -sum_i w_i ln sum_j w_j exp(-exponent(i, j)), w the weights over their sum.
+template <class Exponent>
+double bound_of(const std::vector<double>& weights, const Exponent& exponent) {
+  const double total = std::accumulate(weights.begin(), weights.end(), 0.0);
+  std::vector<double> alike = weights;  // to itself
+  for (std::size_t i = 0; i < weights.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      const double unlike = exponent(i, j);
+      if (unlike >= kForgotten) continue;
+      const double likeness = std::exp(-unlike);
+      alike[i] += weights[j] * likeness;
+      alike[j] += weights[i] * likeness;
+    }
+  }
+  double sum = 0;
+  for (std::size_t i = 0; i < weights.size(); ++i) {
+    if (weights[i] > 0) sum -= weights[i] / total * std::log(alike[i] / total);
+  }
+  return sum;
 }
 
 void check(const Posterior& posterior, const std::vector<Probe>& probes) {
@@ -90,28 +124,21 @@ PredictedTouch predict_touch(const ObjectModel& model, const Eigen::Isometry3d& 
 
 double information_bound(const std::vector<PredictedTouch>& outcomes,
                          const NextTouchOptions& options) {
-  const double along = 1 / (8 * options.point_sigma * options.point_sigma);
-  const double across = 1 / (8 * options.normal_sigma * options.normal_sigma);
-  const std::size_t count = outcomes.size();
-  std::vector<double> alike(count, 1.0);  // to itself
-  for (std::size_t i = 0; i < count; ++i) {
-    for (std::size_t j = 0; j < i; ++j) {
-      const PredictedTouch &a = outcomes[i], &b = outcomes[j];
-      if (a.hit != b.hit) continue;
-      double exponent = 0;
-      if (a.hit) {
-        exponent = along * std::pow(a.distance - b.distance, 2);
-        if (exponent < kForgotten) exponent += across * (a.normal - b.normal).squaredNorm();
-      }
-      if (exponent >= kForgotten) continue;
-      const double likeness = std::exp(-exponent);
-      alike[i] += likeness;
-      alike[j] += likeness;
+  const std::vector<double> weights(outcomes.size(), 1.0);
+  return bound_of(weights, [&](std::size_t i, std::size_t j) {
+    return unlikeness(outcomes[i], outcomes[j], options);
+  });
+}
+
+double information_bound(const std::vector<PredictedFeel>& outcomes,
+                         const std::vector<double>& weights, const NextTouchOptions& options) {
+  return bound_of(weights, [&](std::size_t i, std::size_t j) {
+    double exponent = 0;
+    for (std::size_t k = 0; k < outcomes[i].size() && exponent < kForgotten; ++k) {
+      exponent += unlikeness(outcomes[i][k], outcomes[j][k], options);
     }
-  }
-  double sum = 0;
-  for (const double a : alike) sum -= std::log(a / static_cast<double>(count));
-  return sum / static_cast<double>(count);
+    return exponent;
+  });
 }
 
 std::vector<Eigen::Isometry3d> draw_poses(const Posterior& posterior, int count,

@@ -151,16 +151,22 @@ double mean_cost(const localization::ObjectModel& object, const Eigen::Isometry3
   return sum / 5;
 }
 
+std::optional<GraspPlan> close_at(const localization::ObjectModel& object,
+                                  const Eigen::Isometry3d& T_world_object, const ClosingPath& path,
+                                  const hand::BasePosition& base, const PlanOptions& options) {
+  const Candidate candidate(object, T_world_object, base);
+  if (!candidate.free(path, options)) return std::nullopt;
+  return candidate.judge(path, options);
+}
+
 std::vector<GraspPlan> find_grasps(const localization::ObjectModel& object,
                                    const Eigen::Isometry3d& T_world_object, const ClosingPath& path,
                                    const Eigen::Vector2d& attitude, const PlanOptions& options,
                                    const std::vector<double>& avoid) {
   std::vector<GraspPlan> plans;
   for (const auto& base : places(path, T_world_object.translation(), attitude, options, avoid)) {
-    const Candidate candidate(object, T_world_object, base);
-    if (!candidate.free(path, options)) continue;
-    GraspPlan plan = candidate.judge(path, options);
-    if (std::isfinite(plan.cost)) plans.push_back(std::move(plan));
+    auto plan = close_at(object, T_world_object, path, base, options);
+    if (plan && std::isfinite(plan->cost)) plans.push_back(*std::move(plan));
   }
   return plans;
 }

@@ -220,20 +220,38 @@ Fingers moved_fingers(const hand::HandModel& hand, std::span<const hand::HandRea
   return moved;
 }
 
-/// Adds what a finger found at another spot while the others held the object: its touch, if it
-/// made one, and the space that it takes. All is carried along to the present with the object.
-void add_probe(const hand::HandModel& hand, const TouchLog& log, std::size_t probe,
-               std::size_t present, const LocateOptions& options, Evidence& evidence) {
-  const auto probed = window_before(log, probe, kClosedWindow);
-  const auto closed = window_before(log, log.all(Mark::closed).front(), kClosedWindow);
-  const auto moved = moved_fingers(hand, closed, probed);
-  const auto motion = carried_motion(hand, log, probe, present, options.errors, moved);
-  for (auto contact : felt_contacts(probed, hand, options.errors)) {
-    if (!moved[static_cast<std::size_t>(contact.finger)]) continue;
+/// Adds contacts of some fingers that are carried along with the object to the present.
+void add_carried(std::vector<touch::Contact> contacts, const Fingers& fingers,
+                 const Eigen::Isometry3d& motion, const LocateOptions& options,
+                 Evidence& evidence) {
+  for (auto& contact : contacts) {
+    if (!fingers[static_cast<std::size_t>(contact.finger)]) continue;
     move(motion, contact);
     contact.point_sigma = std::hypot(contact.point_sigma, options.probe_motion);
     evidence.contacts.push_back(contact);
   }
+}
+
+/// The last moment before a probe at which all fingers held the object.
+std::size_t holding_before(const TouchLog& log, std::size_t probe) {
+  std::size_t latest = log.all(Mark::closed).front();
+  for (const Mark mark : {Mark::closed, Mark::held}) {
+    for (const std::size_t reading : log.all(mark)) {
+      if (reading < probe) latest = std::max(latest, reading);
+    }
+  }
+  return latest;
+}
+
+/// Adds what a finger found at another spot while the others held the object: its touch, if it
+/// made one, and the space that it takes.
+void add_probe(const hand::HandModel& hand, const TouchLog& log, std::size_t probe,
+               std::size_t present, const LocateOptions& options, Evidence& evidence) {
+  const auto probed = window_before(log, probe, kClosedWindow);
+  const auto holding = window_before(log, holding_before(log, probe), kClosedWindow);
+  const auto moved = moved_fingers(hand, holding, probed);
+  const auto motion = carried_motion(hand, log, probe, present, options.errors, moved);
+  add_carried(felt_contacts(probed, hand, options.errors), moved, motion, options, evidence);
   if (!options.free_space) return;
   const auto T_base_link = hand::forward_kinematics(hand, touch::mean_joints(probed));
   for (const auto& sphere : hand.spheres) {
@@ -244,6 +262,15 @@ void add_probe(const hand::HandModel& hand, const TouchLog& log, std::size_t pro
            sphere.radius});
     }
   }
+}
+
+/// Adds what the fingers touched when they had rolled the object aside.
+void add_rolled(const hand::HandModel& hand, const TouchLog& log, std::size_t rolled,
+                std::size_t present, const LocateOptions& options, Evidence& evidence) {
+  Fingers all;
+  all.fill(true);
+  add_carried(felt_contacts(window_before(log, rolled, kClosedWindow), hand, options.errors), all,
+              carried_motion(hand, log, rolled, present, options.errors), options, evidence);
 }
 
 /// Share of the peak density that spreads the probability `elsewhere` over all poses.
@@ -295,6 +322,9 @@ void move(const Eigen::Isometry3d& T_new_old, localization::Posterior& posterior
 localization::Posterior locate_resting(const localization::ObjectModel& object,
                                        const hand::HandModel& hand, const TouchLog& log,
                                        const LocateOptions& options, std::uint64_t seed) {
+  if (const auto before = log.before_opening()) {
+    return locate(object, hand, *before, options, seed, Mark::placed).posterior;
+  }
   const std::size_t sweeps = log.all(Mark::touched).size() + log.all(Mark::missed).size();
   localization::Posterior posterior;
   for (const double forgotten : kForgotten) {
@@ -350,6 +380,9 @@ PoseEstimate locate(const localization::ObjectModel& object, const hand::HandMod
   if (const auto closed = log.all(Mark::closed); !closed.empty()) {
     for (const std::size_t probe : log.all(Mark::probed)) {
       add_probe(hand, log, probe, *held, options, evidence);
+    }
+    for (const std::size_t rolled : log.all(Mark::rolled)) {
+      add_rolled(hand, log, rolled, *held, options, evidence);
     }
     auto resting = locate_resting(object, hand, log, options, seed);
     if (total_weight(resting) <= 0) {

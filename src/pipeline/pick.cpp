@@ -22,65 +22,112 @@ bool has(const TouchLog& log, Mark mark) {
                      [mark](const auto& moment) { return moment.mark == mark; });
 }
 
-PickResult run_pick(Robot& robot, const localization::ObjectModel& object,
-                    const PickOptions& options, std::uint64_t seed, const PhaseObserver& observer,
-                    const GraspChooser& choose) {
-  PickState state;
-  PickResult result;
-  Course course(robot, state, result.phases, result.failed_phase, observer);
-  const double weight = object.object().mass * kGravity;
-  const double press = pressure(options.grasp, object.object());
+/// Picks one object: the phases, and when which of them comes.
+class Picking {
+ public:
+  Picking(Robot& robot, const localization::ObjectModel& object, const PickOptions& options,
+          std::uint64_t seed, const PhaseObserver& observer, const GraspChooser& choose)
+      : robot_(robot),
+        object_(object),
+        options_(options),
+        seed_(seed),
+        choose_(choose),
+        course_(robot, state_, result_.phases, result_.failed_phase, observer) {}
 
-  // Without a pose to aim by, the grasp goes for the rough place.
-  const auto explore = [&] {
-    if (options.explore.touches > 0) {
-      course.run(ExplorePhase(object, options.explore, options.locate, seed));
+  PickResult run() {
+    if (options_.calibrate.touches > 0 && robot_.model().link_error > 0 &&
+        !has(robot_.log(), Mark::on_table)) {
+      course_.run(CalibratePhase(options_.calibrate));
     }
-    return true;
-  };
-  const auto estimate = [&] {
-    result.before_probe.reset();
-    result.before_lift.reset();
-    if (options.estimate_before_lift &&
-        course.run(LocatePhase(object, options.locate, seed, Mark::closed))) {
-      result.before_probe = result.before_lift = state.estimate;
-      if (options.probe.most > 0) {
-        course.run(ProbePhase(object, options.probe, options.locate, press, seed));
-        result.before_lift = state.estimate;
+    while (!result_.held && result_.attempts < options_.attempts) {
+      if (result_.attempts++ > 0) {
+        course_.run(ReleasePhase());
+        state_.yaw += kNextSide;
       }
+      result_.held = attempt();
     }
-    return true;
-  };
-  if (options.calibrate.touches > 0 && robot.model().link_error > 0 &&
-      !has(robot.log(), Mark::on_table)) {
-    course.run(CalibratePhase(options.calibrate));
+    result_.resting = state_.resting;
+    if (result_.held) result_.failed_phase.clear();
+    result_.estimate = state_.estimate;
+    return std::move(result_);
   }
-  while (!result.held && result.attempts < options.attempts) {
-    if (result.attempts++ > 0) {
-      course.run(ReleasePhase());
-      state.yaw += kNextSide;
+
+ private:
+  /// Holds and lifts the object, from other sides too while that tells more of its pose.
+  bool attempt() {
+    if (!course_.run(FeelPhase(options_.feel))) return false;
+    explore();
+    GraspChooser choose = choose_;
+    while (true) {
+      if (!course_.run(GraspPhase(options_.grasp, object_, choose))) return false;
+      estimate_closed();
+      if (!state_.next_grasp) {
+        const double weight = object_.object().mass * kGravity;
+        if (!course_.run(LiftPhase(options_.lift, weight)) || !estimate_held()) return false;
+      }
+      if (!state_.next_grasp) return true;
+      choose = [grasp = *state_.next_grasp](const auto&) { return grasp; };
+      put_back();
     }
-    result.held = course.run(FeelPhase(options.feel)) && explore() &&
-                  course.run(GraspPhase(options.grasp, object, choose)) && estimate() &&
-                  course.run(LiftPhase(options.lift, weight));
   }
-  result.resting = state.resting;
-  if (!result.held) return result;
-  result.failed_phase.clear();
-  if (result.before_lift &&
-      course.run(TrackPhase(object, options.track, options.locate.errors, seed))) {
-    result.tracked = state.tracked;
+
+  /// Without a pose to aim by, the grasp goes for the rough place.
+  void explore() {
+    if (options_.explore.touches == 0) return;
+    course_.run(ExplorePhase(object_, options_.explore, options_.locate, seed_));
   }
-  course.run(LocatePhase(object, options.locate, seed));
-  result.estimate = state.estimate;
-  return result;
-}
+
+  void estimate_closed() {
+    state_.next_grasp.reset();
+    result_.before_probe.reset();
+    result_.before_lift.reset();
+    if (!options_.estimate_before_lift ||
+        !course_.run(LocatePhase(object_, options_.locate, seed_, Mark::closed))) {
+      return;
+    }
+    result_.before_probe = state_.estimate;
+    probe(Mark::closed);
+    result_.before_lift = state_.estimate;
+  }
+
+  /// @return whether the object is still held
+  bool estimate_held() {
+    result_.tracked.reset();
+    if (result_.before_lift &&
+        course_.run(TrackPhase(object_, options_.track, options_.locate.errors, seed_))) {
+      result_.tracked = state_.tracked;
+    }
+    return !course_.run(LocatePhase(object_, options_.locate, seed_)) || probe(Mark::held);
+  }
+
+  /// @return whether the object is still held, as far as was felt
+  bool probe(Mark instant) {
+    if (options_.probe.none()) return true;
+    return course_.run(
+        ProbePhase(object_, options_.probe, options_.locate, options_.grasp, seed_, instant));
+  }
+
+  void put_back() {
+    course_.run(ReleasePhase(Mark::opened));
+    state_.resting = locate_resting(object_, robot_.model(), robot_.log(), options_.locate, seed_);
+    ++result_.regrasps;
+  }
+
+  Robot& robot_;
+  const localization::ObjectModel& object_;
+  const PickOptions& options_;
+  std::uint64_t seed_;
+  const GraspChooser& choose_;
+  PickState state_;
+  PickResult result_;
+  Course course_;
+};
 
 }  // namespace
 
 PickResult pick(Robot& robot, const localization::ObjectModel& object, const PickOptions& options,
                 std::uint64_t seed, const PhaseObserver& observer, const GraspChooser& choose) {
-  PickResult result = run_pick(robot, object, options, seed, observer, choose);
+  PickResult result = Picking(robot, object, options, seed, observer, choose).run();
   if (observer.on_picked) observer.on_picked(result);
   return result;
 }

@@ -4,237 +4,130 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <span>
+#include <cmath>
 
-#include "load.hpp"
-#include "palpate/hand/closing.hpp"
-#include "palpate/localization/next_touch.hpp"
-#include "palpate/pipeline/closing_path.hpp"
-#include "palpate/pipeline/squeeze.hpp"
-#include "palpate/touch/contact_window.hpp"
+#include "palpate/pipeline/held_object.hpp"
+#include "probe_finger.hpp"
+#include "probe_regrasp.hpp"
+#include "probe_roll.hpp"
 
 namespace palpate::pipeline {
 namespace {
 
-constexpr std::size_t kWindow = 15;       // readings of a touch that are averaged
-constexpr double kTransferSeconds = 0.4;  // s, of a finger's force to the others, and back
-constexpr double kOpenSeconds = 0.4;      // s
-constexpr double kMoveSeconds = 0.3;      // s
-constexpr double kReturnSeconds = 0.6;    // s, back to where the finger pressed
-constexpr double kLongestClose = 1.5;     // s
-constexpr double kThumbLimit = 1.0;       // rad; the thumb does not move here
-constexpr double kTouchSeconds = 6;       // s that a touch takes at most, and back
-constexpr double kLost = 0.03;            // N at which a holding finger has lost touch
-constexpr int kLeastHolding = 2;          // fingers that hold meanwhile, the thumb among them
-constexpr int kSteps = 2;                 // of J4 and of J0 to either side
-constexpr std::size_t kPoses = 6;         // by which a move is judged, the heaviest
-constexpr double kPlannedRate = 1.0;      // rad/s, of the closing planned; the path is that of any
-constexpr double kSame = 0.05;            // rad, of actuators of two moves that are the same
+constexpr double kStepSeconds = 10;     // s that a touch or a roll takes at most, and back
+constexpr double kRegraspSeconds = 15;  // s, of an object on the table
+constexpr double kLiftSeconds = 8;      // s more, where it is to be put down and lifted again
+constexpr double kPlannedRate = 1.0;    // rad/s, of the closing planned; the path is that of any
 
-int actuator(int finger, std::string_view joint) {
-  return hand::actuator_index(
-      std::string(hand::kFingerNames[static_cast<std::size_t>(finger)]).append(joint));
+int regrasps_made(const TouchLog& log) {
+  const auto moments = log.since_release();
+  return static_cast<int>(std::count_if(moments.begin(), moments.end(), [](const auto& moment) {
+    return moment.mark == Mark::opened;
+  }));
 }
 
-std::vector<touch::Contact> contacts_at(const Robot& robot, std::size_t reading) {
-  const std::span<const hand::HandReading> readings(robot.log().readings);
-  const std::size_t count = std::min(reading + 1, kWindow);
-  return touch::lasting_contacts(readings.subspan(reading + 1 - count, count), robot.model(), {});
+GraspTool tool_of(const Robot& robot, const GraspOptions& options) {
+  const GraspRecipe& recipe = options.top;
+  const hand::ClosingLaw law(robot.actuators(), kPlannedRate, recipe.thumb_limit);
+  return {closing_path(robot.model(), open_posture(recipe), law),
+          {{recipe.pitch, recipe.roll}, {options.steep_pitch, recipe.roll}}};
 }
 
-/// Places (base's frame) where each finger has touched the object since the hand closed.
-using KnownSpots = std::array<std::vector<Eigen::Vector3d>, hand::kFingers>;
-
-KnownSpots known_spots(const Robot& robot) {
-  KnownSpots known;
-  for (const Mark mark : {Mark::closed, Mark::probed}) {
-    for (const std::size_t reading : robot.log().all(mark)) {
-      for (const auto& contact : contacts_at(robot, reading)) {
-        known[static_cast<std::size_t>(contact.finger)].push_back(contact.p);
-      }
-    }
+/// What there is to be learnt about which of the poses in question is true, nats.
+double entropy(const localization::Posterior& posterior) {
+  const auto poses = poses_of(posterior);
+  double total = 0, sum = 0;
+  for (const WeightedPose& pose : poses) total += pose.weight;
+  for (const WeightedPose& pose : poses) {
+    const double share = pose.weight / total;
+    if (share > 0) sum -= share * std::log(share);
   }
-  return known;
+  return sum;
 }
 
-/// A posture whose actuators of one finger are those of another posture.
-hand::ActuatorVector with_finger(hand::ActuatorVector posture, int finger,
-                                 const hand::ActuatorVector& other) {
-  for (int i = 0; i < hand::kActuators; ++i) {
-    if (hand::finger_of_actuator(i) == finger) posture[i] = other[i];
+/// What could be done next, each with what it promises.
+struct Choices {
+  std::optional<FingerProbes::Move> touch;
+  std::optional<Roll> roll;
+  std::optional<TellingGrasp> grasp;
+
+  /// Leaves the one that tells most a second.
+  void keep_best(double least_information) {
+    const auto rate = [&](const auto& choice) {
+      const bool tells = choice && choice->promise.information >= least_information;
+      return tells ? choice->promise.rate() : -1.0;
+    };
+    const double best = std::max({rate(touch), rate(roll), rate(grasp)});
+    if (rate(touch) < std::max(best, 0.0)) touch.reset();
+    if (touch || rate(roll) < std::max(best, 0.0)) roll.reset();
+    if (touch || roll || rate(grasp) < std::max(best, 0.0)) grasp.reset();
   }
-  return posture;
+};
+
+/// Where the object comes to stand when the hand goes back to where it closed.
+localization::Posterior put_back(const Robot& robot, localization::Posterior posterior) {
+  const auto& readings = robot.log().readings;
+  move(readings[*robot.log().at(Mark::closed)].base.pose() * robot.reading().base.pose().inverse(),
+       posterior);
+  return posterior;
+}
+
+std::optional<TellingGrasp> other_grasp(const Robot& robot, const PickState& state,
+                                        const localization::ObjectModel& object,
+                                        const GraspOptions& grasp, bool hangs) {
+  TellingGraspOptions options;
+  options.plan.press = pressure(grasp, object.object());
+  options.worst_cost = grasp.most_imbalance;
+  options.avoid = state.tried_yaws;
+  options.seconds = kRegraspSeconds + (hangs ? kLiftSeconds : 0);
+  const auto& posterior = state.estimate.posterior;
+  return most_telling_grasp(object, hangs ? put_back(robot, posterior) : posterior,
+                            tool_of(robot, grasp), options);
 }
 
 }  // namespace
 
-bool ProbePhase::same(const FingerMove& a, const FingerMove& b) {
-  const hand::ActuatorVector a_alone = with_finger(b.opened, a.finger, a.opened);
-  return a.finger == b.finger && (a_alone - b.opened).cwiseAbs().maxCoeff() < kSame;
-}
-
-/// Fingers whose place can be given up: the others' forces balance and bear the weight.
-std::vector<ProbePhase::FreeFinger> ProbePhase::free_fingers(const Robot& robot,
-                                                             const PickState& state) const {
-  const auto contacts = contacts_at(robot, robot.log().readings.size() - 1);
-  const Load load = weight_at(robot, state.estimate.posterior.modes.front().T_frame_object,
-                              object_.object().mass * kGravity);
-  std::vector<FreeFinger> free;
-  for (int finger = 1; finger < hand::kFingers; ++finger) {  // never the thumb
-    std::vector<touch::Contact> others;
-    std::array<bool, hand::kFingers> holds{};
-    for (const auto& contact : contacts) {
-      if (contact.finger == finger) continue;
-      others.push_back(contact);
-      holds[static_cast<std::size_t>(contact.finger)] = true;
-    }
-    if (!holds[0] || std::count(holds.begin(), holds.end(), true) < kLeastHolding) continue;
-    const auto balanced = balance_forces(others, options_.friction, press_, load);
-    if (balanced.imbalance > options_.balance) continue;
-    free.push_back({finger, pressing_command(robot, others, balanced.forces)});
-  }
-  return free;
-}
-
-std::vector<ProbePhase::FingerMove> ProbePhase::moves(const Robot& robot,
-                                                      const FreeFinger& free) const {
-  std::vector<FingerMove> result;
-  for (int side = -kSteps; side <= kSteps; ++side) {
-    for (int bend = -kSteps; bend <= kSteps; ++bend) {
-      FingerMove move{free.finger, free.held};
-      const auto shift = [&](std::string_view joint, double by) {
-        const auto index = static_cast<std::size_t>(actuator(free.finger, joint));
-        const auto& range = robot.actuators()[index].command;
-        double& value = move.opened[static_cast<Eigen::Index>(index)];
-        value = std::clamp(value + by, range.low, range.high);
-      };
-      shift("J3", -options_.opening);
-      shift("J4", options_.spread * side / kSteps);
-      shift("J0", options_.bend * bend / kSteps);
-      result.push_back(move);
-    }
-  }
-  return result;
-}
-
-/// Closes the moved finger in thought, for the heaviest of the poses in question.
-ProbePhase::Foresight ProbePhase::foresee(const Robot& robot, const PickState& state,
-                                          const FingerMove& move,
-                                          const std::vector<Eigen::Vector3d>& known) const {
-  const auto finger = static_cast<std::size_t>(move.finger);
-  const Eigen::Isometry3d T_world_base = robot.reading().base.pose();
-  std::array<bool, hand::kFingers> closing{};
-  closing[finger] = true;
-  const hand::ClosingLaw law(robot.actuators(), kPlannedRate, kThumbLimit);
-  ClosingPath path = closing_path(robot.model(), move.opened, law, closing);
-  end_at_other_fingers(robot.model(), robot.reading().joints, finger, path);
-  const auto& shapes = path.fingers[finger];
-  Foresight foresight;
-  if (shapes.size() < 2) return foresight;
-
-  const auto& modes = state.estimate.posterior.modes;
-  double looked_at = 0;
-  std::size_t first_stop = 0;  // by the heaviest pose that it should meet
-  for (std::size_t i = 0; i < std::min(modes.size(), kPoses); ++i) {
-    looked_at += modes[i].weight;
-    const PlacedObject object(object_, modes[i].T_frame_object, T_world_base);
-    const auto [stop, contact] = meet(object, path, finger, 0);
-    if (stop == 0 || !contact) continue;
-    if (first_stop == 0) first_stop = stop;
-    const bool is_new = std::none_of(known.begin(), known.end(), [&](const Eigen::Vector3d& p) {
-      return (p - contact->p).norm() < options_.elsewhere;
-    });
-    if (is_new) foresight.chance += modes[i].weight;
-  }
-  foresight.chance /= looked_at;
-  const std::size_t stop = first_stop > 0 ? first_stop : shapes.size() - 1;
-  const Eigen::Vector3d from = shapes.front().tip.back().cast<double>();
-  const Eigen::Vector3d way = shapes[stop].tip.back().cast<double>() - from;
-  foresight.probe = {T_world_base * from, T_world_base.linear() * way.normalized(), 2 * way.norm(),
-                     kTouchSeconds};
-  return foresight;
-}
-
-std::optional<ProbePhase::FingerMove> ProbePhase::choose(
-    const Robot& robot, const PickState& state, const std::vector<FingerMove>& made) const {
-  const KnownSpots known = known_spots(robot);
-  std::vector<FingerMove> promising;
-  std::vector<localization::Probe> probes;
-  for (const FreeFinger& free : free_fingers(robot, state)) {
-    for (const FingerMove& move : moves(robot, free)) {
-      const auto made_before = [&](const FingerMove& other) { return same(move, other); };
-      if (std::any_of(made.begin(), made.end(), made_before)) continue;
-      const Foresight foresight =
-          foresee(robot, state, move, known[static_cast<std::size_t>(free.finger)]);
-      const bool moves_at_all = foresight.probe.direction.norm() > 0.5;
-      if (!moves_at_all || foresight.chance < options_.likely) continue;
-      promising.push_back(move);
-      probes.push_back(foresight.probe);
-    }
-  }
-  if (probes.empty()) return std::nullopt;
-  const auto choice = localization::choose_probe(object_, state.estimate.posterior, probes,
-                                                 RandomStream(seed_, "probe"));
-  if (choice.information < options_.least_information) return std::nullopt;
-  return promising[choice.index];
-}
-
-/// Lets the others take over, opens the finger, moves it, closes it until it touches or has closed
-/// in vain, and brings it back.
-/// @return whether the thumb and enough of the other fingers still touch the object
-bool ProbePhase::touch(Robot& robot, const FingerMove& move) const {
-  const hand::ActuatorVector held = robot.command().positions;
-  const hand::ActuatorVector without = with_finger(move.opened, move.finger, held);
-  const int knuckle = actuator(move.finger, "J3");
-  hand::ActuatorVector open = without;
-  open[knuckle] = move.opened[knuckle];
-  robot.move_fingers(without, kTransferSeconds);
-  robot.move_fingers(open, kOpenSeconds);
-  robot.move_fingers(move.opened, kMoveSeconds);
-  const hand::ClosingLaw law(robot.actuators(), options_.closing_rate, kThumbLimit);
-  std::array<bool, hand::kFingers> active{};
-  active[static_cast<std::size_t>(move.finger)] = true;
-  robot.set_grip(Grip{law, {options_.torque, 0.7 * options_.torque}, active});
-  robot.wait(kLongestClose, [&](const hand::HandReading& reading) {
-    return tip_force(reading, move.finger) > options_.touch_force;
-  });
-  robot.set_grip(std::nullopt);
-  robot.wait(kWindow * hand::kTick);
-  robot.mark(Mark::probed);
-  hand::ActuatorVector away = robot.command().positions;
-  away[knuckle] = std::min(away[knuckle], move.opened[knuckle]);
-  robot.move_fingers(away, kOpenSeconds);
-  robot.move_fingers(open, kMoveSeconds);
-  robot.move_fingers(without, kReturnSeconds);
-  robot.move_fingers(held, kTransferSeconds);
-  robot.wait(kWindow * hand::kTick);
-  int others = 0;
-  for (int finger = 1; finger < hand::kFingers; ++finger) {
-    others += finger != move.finger && tip_force(robot.reading(), finger) > kLost;
-  }
-  return others + 1 >= kLeastHolding && tip_force(robot.reading(), 0) > kLost;
-}
-
 PhaseEnd ProbePhase::run(Robot& robot, PickState& state) {
-  std::vector<FingerMove> made;
+  state.next_grasp.reset();
+  FingerProbes fingers(object_, options_, pressure(grasp_, object_.object()));
   const auto weight = [&] {
     const auto& modes = state.estimate.posterior.modes;
     return modes.empty() ? 0.0 : modes[0].weight;
   };
   const double before = weight();
+  const double last_start = robot.time() + time_limit() - kStepSeconds;
+  const bool hangs = instant_ == Mark::held;
+  int touches = 0, rolls = 0;
   bool holds = true;
-  const double last_start = robot.time() + time_limit() - kTouchSeconds;
-  while (holds && static_cast<int>(made.size()) < options_.most && weight() > 0 &&
-         weight() <= options_.certain && robot.time() < last_start) {
-    const auto move = choose(robot, state, made);
-    if (!move) break;
-    holds = touch(robot, *move);
-    made.push_back(*move);
-    robot.mark(Mark::closed);
-    state.estimate = locate(object_, robot.model(), robot.log(), locate_, seed_, Mark::closed);
+  while (holds && weight() > 0 && weight() <= options_.certain && robot.time() < last_start) {
+    const auto& posterior = state.estimate.posterior;
+    Choices next;
+    if (touches < options_.most) {
+      next.touch = fingers.choose(robot, posterior, RandomStream(seed_, "probe"));
+    }
+    if (next.touch) {  // of draws, which also differ by each pose's own error
+      auto& information = next.touch->promise.information;
+      information = std::min(information, entropy(posterior));
+    }
+    if (hangs && rolls < options_.rolls) {
+      const auto contacts = contacts_at(robot, robot.log().readings.size() - 1);
+      next.roll = most_telling_roll(robot, object_, posterior, contacts);
+    }
+    if (regrasps_made(robot.log()) < options_.regrasps) {
+      next.grasp = other_grasp(robot, state, object_, grasp_, hangs);
+    }
+    next.keep_best(options_.least_information);
+    if (next.grasp) state.next_grasp = next.grasp->plan;
+    if (!next.touch && !next.roll) break;
+    holds = next.touch ? fingers.make(robot, *next.touch)
+                       : roll(robot, object_, posterior, *next.roll, locate_.errors, seed_);
+    (next.touch ? touches : rolls) += 1;
+    robot.mark(instant_);
+    state.estimate = locate(object_, robot.model(), robot.log(), locate_, seed_, instant_);
   }
-  return {holds, fmt::format("{} touch{}, certainty {:.2f} -> {:.2f}", made.size(),
-                             made.size() == 1 ? "" : "es", before, weight())};
+  return {holds, fmt::format("{} touch{}, {} roll{}, certainty {:.2f} -> {:.2f}{}", touches,
+                             touches == 1 ? "" : "es", rolls, rolls == 1 ? "" : "s", before,
+                             weight(), state.next_grasp ? "; another grasp tells more" : "")};
 }
 
 }  // namespace palpate::pipeline

@@ -12,6 +12,22 @@ std::vector<TouchLog::Moment> TouchLog::since_release() const {
   return {release.base(), moments.end()};
 }
 
+std::vector<TouchLog::Moment> TouchLog::since_opening() const {
+  const auto moments_held = since_release();
+  const auto opening =
+      std::find_if(moments_held.rbegin(), moments_held.rend(),
+                   [](const Moment& moment) { return moment.mark == Mark::opened; });
+  return {opening.base(), moments_held.end()};
+}
+
+std::optional<TouchLog> TouchLog::before_opening() const {
+  const std::size_t since = since_opening().size();
+  if (since == since_release().size()) return std::nullopt;
+  const auto opening = moments.end() - static_cast<std::ptrdiff_t>(since) - 1;
+  const auto count = static_cast<std::ptrdiff_t>(opening->reading) + 1;
+  return TouchLog{{readings.begin(), readings.begin() + count}, {moments.begin(), opening}};
+}
+
 TouchLog TouchLog::until(Mark mark) const {
   const auto last = std::find_if(moments.rbegin(), moments.rend(),
                                  [&](const Moment& moment) { return moment.mark == mark; });
@@ -22,7 +38,7 @@ TouchLog TouchLog::until(Mark mark) const {
 
 std::optional<std::size_t> TouchLog::at(Mark mark) const {
   std::optional<std::size_t> reading;
-  for (const Moment& moment : since_release()) {
+  for (const Moment& moment : since_opening()) {
     if (moment.mark == mark) reading = moment.reading;
   }
   return reading;
@@ -30,7 +46,7 @@ std::optional<std::size_t> TouchLog::at(Mark mark) const {
 
 std::vector<std::size_t> TouchLog::all(Mark mark) const {
   std::vector<std::size_t> all;
-  for (const Moment& moment : since_release()) {
+  for (const Moment& moment : since_opening()) {
     if (moment.mark == mark) all.push_back(moment.reading);
   }
   return all;

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 
 #include "palpate/core/error.hpp"
@@ -59,6 +60,24 @@ TEST(InformationBound, IsNoneForEqualOutcomesAndLnCountForDistinctOnes) {
 
 TEST(InformationBound, CountsNormals) {
   EXPECT_GT(information_bound({hit_at(0.1), hit_at(0.1, {0, 0, 1})}), 0.6);
+}
+
+TEST(InformationBound, OfWeightedPosesIsAtMostTheirEntropy) {
+  const std::vector<PredictedFeel> apart{{hit_at(0.1)}, {hit_at(0.2)}, {PredictedTouch{}}};
+  const double entropy = -(0.7 * std::log(0.7) + 0.2 * std::log(0.2) + 0.1 * std::log(0.1));
+  EXPECT_NEAR(information_bound(apart, {0.7, 0.2, 0.1}), entropy, 1e-9);
+  EXPECT_NEAR(information_bound(apart, {7, 2, 1}), entropy, 1e-9);
+  EXPECT_NEAR(information_bound(apart, {1, 0, 0}), 0, 1e-12);
+}
+
+TEST(InformationBound, AddsUpWhatSeveralFingersFeel) {
+  const double step = 0.004;  // twice the error of a touch: not told apart for sure
+  const std::vector<PredictedFeel> one{{hit_at(0)}, {hit_at(step)}};
+  const std::vector<PredictedFeel> two{{hit_at(0), hit_at(0)}, {hit_at(step), hit_at(step)}};
+  const std::vector<PredictedFeel> alike{{hit_at(0), hit_at(0)}, {hit_at(0), hit_at(step)}};
+  const std::vector<double> even{1, 1};
+  EXPECT_GT(information_bound(two, even), 1.2 * information_bound(one, even));
+  EXPECT_NEAR(information_bound(alike, even), information_bound(one, even), 1e-12);
 }
 
 Posterior two_boxes() {

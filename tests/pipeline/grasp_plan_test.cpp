@@ -80,5 +80,20 @@ TEST(PlanGrasp, FindsNothingWhereAllDirectionsHaveFailed) {
       plan_grasp(scene.object, scene.resting(0, {0, 0}), scene.path, {kPitch, kRoll}, {}, all));
 }
 
+TEST(CloseAt, IsWhatThePlanForesawAndNothingWhereTheHandWouldLandOnTheObject) {
+  const BoxScene scene;
+  const auto T = scene.resting(0.4, {0, 0});
+  const auto grasps = find_grasps(scene.object, T, scene.path, {kPitch, kRoll}, {});
+  ASSERT_FALSE(grasps.empty());
+  const GraspPlan& grasp = grasps.front();
+  const auto again = close_at(scene.object, T, scene.path, grasp.base, {});
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->cost, grasp.cost);
+  EXPECT_EQ(again->stops, grasp.stops);
+  Eigen::Isometry3d below_palm = T;  // the object where the palm comes down
+  below_palm.translation().head<2>() = grasp.base.xyz.head<2>();
+  EXPECT_FALSE(close_at(scene.object, below_palm, scene.path, grasp.base, {}));
+}
+
 }  // namespace
 }  // namespace palpate::pipeline

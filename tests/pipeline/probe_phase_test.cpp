@@ -55,7 +55,9 @@ struct Hold {
           }
         }),
         robot(hand, model, holding()) {
+    grasp.least_press = kTotal;
     options.certain = 1;
+    options.regrasps = 0;
     options.least_information = 0;
     options.balance = 2;  // all contacts are on top
     options.spread = 0.3;
@@ -84,7 +86,7 @@ struct Hold {
   }
 
   PhaseReport probe() {
-    ProbePhase phase(object, options, locate, kTotal, 1);
+    ProbePhase phase(object, options, locate, grasp, 1);
     return run_phase(phase, robot, state);
   }
 
@@ -94,6 +96,7 @@ struct Hold {
   hand::HandModel model = simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
   localization::ObjectModel object{geometry::load_known_object("box")};
   ProbeOptions options;
+  GraspOptions grasp;
   LocateOptions locate;
   PickState state;
   FakeHand hand;

@@ -210,6 +210,27 @@ TEST(TouchLog, ForgetsWhatWasBeforeTheLastRelease) {
   EXPECT_FALSE(log.at(Mark::closed));
 }
 
+TEST(TouchLog, AnOpenedHandFeelsAnewButKnowsTheGraspBefore) {
+  TouchLog log;
+  log.readings.resize(12);
+  log.moments = {{Mark::felt, 1}, {Mark::touched, 2}, {Mark::closed, 3}, {Mark::placed, 5}};
+  EXPECT_FALSE(log.before_opening());
+  log.moments.push_back({Mark::opened, 7});
+  EXPECT_FALSE(log.at(Mark::closed));
+  EXPECT_EQ(log.since_release().size(), 5u);
+  log.moments.push_back({Mark::closed, 9});
+  EXPECT_EQ(log.at(Mark::closed), 9u);
+  EXPECT_TRUE(log.all(Mark::touched).empty());
+  const auto before = log.before_opening();
+  ASSERT_TRUE(before);
+  EXPECT_EQ(before->readings.size(), 8u);
+  EXPECT_EQ(before->at(Mark::closed), 3u);
+  EXPECT_EQ(before->at(Mark::placed), 5u);
+  EXPECT_FALSE(before->before_opening());
+  log.moments.push_back({Mark::released, 11});
+  EXPECT_FALSE(log.before_opening());
+}
+
 /// A phase that waits, then says what it was told to say.
 class WaitingPhase : public Phase {
  public:

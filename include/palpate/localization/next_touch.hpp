@@ -55,6 +55,15 @@ struct NextTouchOptions {
 double information_bound(const std::vector<PredictedTouch>& outcomes,
                          const NextTouchOptions& options = {});
 
+/// What several fingertips should feel at once: one touch each, always of the same fingertips.
+using PredictedFeel = std::vector<PredictedTouch>;
+
+/// The same bound where an outcome is several touches, whose errors are independent, and the poses
+/// have weights: -sum_i w_i ln sum_j w_j exp(-..), at most the weights' entropy.
+/// @param weights  of the poses, as many as outcomes; their sum is taken for 1
+double information_bound(const std::vector<PredictedFeel>& outcomes,
+                         const std::vector<double>& weights, const NextTouchOptions& options = {});
+
 /// Equally weighted draws from the modes: normal about each, even along a free axis.
 std::vector<Eigen::Isometry3d> draw_poses(const Posterior& posterior, int count,
                                           RandomStream& random);

@@ -42,6 +42,13 @@ struct GraspPlan {
   std::array<std::size_t, hand::kFingers> stops{};  ///< shape of its path where each finger ends
 };
 
+/// How the hand closes at a place; of infinite cost if its thumb and another finger do not both
+/// meet the object.
+/// @return nothing where the opened hand cannot come down freely
+std::optional<GraspPlan> close_at(const localization::ObjectModel& object,
+                                  const Eigen::Isometry3d& T_world_object, const ClosingPath& path,
+                                  const hand::BasePosition& base, const PlanOptions& options);
+
 /// All places where the opened hand can come down freely and its thumb and another finger then meet
 /// the object, in a fixed order. Their costs are for the object just where it is.
 std::vector<GraspPlan> find_grasps(const localization::ObjectModel& object,

@@ -59,7 +59,8 @@ struct LocateOptions {
   }
 };
 
-/// Estimates how the object lies on the table from the felt height and the touches of a fingertip.
+/// Estimates how the object lies on the table: from the felt height and the touches of a fingertip,
+/// or, where the hand has opened around it since, from the grasp before.
 /// @return in the world; status no_pose if the log has no touch
 localization::Posterior locate_resting(const localization::ObjectModel& object,
                                        const hand::HandModel& hand, const TouchLog& log,
@@ -76,9 +77,10 @@ struct PoseEstimate {
 
 /// Estimates the pose of the held object from what the hand felt, and from nothing else.
 ///
-/// Contacts are those of the held object; the table supported it when the fingers had closed; the
-/// felt height weighs its stances. All is expressed in the hand's base, in which the object rests.
-/// @param instant  `held`, or `closed` for the pose before the lift
+/// Contacts are those of the held object, with those of probes
+/// and those that it had rolled aside; the table supported it when the fingers had closed; the felt
+/// height weighs its stances. All is expressed in the hand's base, in which the object rests.
+/// @param instant  `held`, `closed` for the pose before the lift, or `placed`
 /// @return status no_pose if the log has no such mark
 PoseEstimate locate(const localization::ObjectModel& object, const hand::HandModel& hand,
                     const TouchLog& log, const LocateOptions& options, std::uint64_t seed,

@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "palpate/pipeline/grasp_plan.hpp"
 #include "palpate/pipeline/locate.hpp"
 #include "palpate/pipeline/robot.hpp"
 
@@ -52,6 +53,7 @@ struct PickState {
   double held_load = 0;                            ///< weight felt after the lift, N
   PoseEstimate estimate;                           ///< of the held object, in the world
   std::optional<Tracked> tracked;                  ///< how it went from the closed hand on
+  std::optional<GraspPlan> next_grasp;             ///< that is to tell what this one has left open
 };
 
 /// A step of a pick. Its success test sees only what the hand sensed.

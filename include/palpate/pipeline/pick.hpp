@@ -46,6 +46,7 @@ struct PickOptions {
 struct PickResult {
   bool held = false;  ///< the object hangs in the hand
   int attempts = 0;
+  int regrasps = 0;          ///< from other sides, to tell poses apart
   std::string failed_phase;  ///< of the last attempt; empty if all went well
   std::vector<PhaseReport> phases;
   std::optional<localization::Posterior> resting;  ///< pose before the last grasp, in the world
@@ -66,8 +67,8 @@ struct PhaseObserver {
 };
 
 /// The main job (thesis chapter 1): calibrate the hand, once a robot; feel how tall the object is,
-/// grasp it by touch, lift it, and estimate its pose in the hand. A grasp that fails is tried again
-/// from another side.
+/// grasp it by touch, lift it, and estimate its pose in the hand, feeling more of it while the pose
+/// is in doubt and that tells something. A grasp that fails is tried again from another side.
 ///
 /// @param robot  stands free above the table; the object is near the world's origin
 /// @param choose  chooses the grasp, if given

@@ -1,17 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
-#include <vector>
-
-#include "palpate/localization/next_touch.hpp"
+#include "palpate/pipeline/grasp_phase.hpp"
 #include "palpate/pipeline/locate.hpp"
 #include "palpate/pipeline/phase.hpp"
 
 namespace palpate::pipeline {
 
 struct ProbeOptions {
-  int most = 3;                    ///< touches at most; 0: none
+  int most = 3;                    ///< touches of single fingers at most; 0: none
+  int rolls = 2;                   ///< at most, of the object that hangs in the hand
+  int regrasps = 2;                ///< at most, in all
   double certain = 0.97;           ///< weight of a pose that needs none
   double least_information = 0.1;  ///< nats that a touch must be expected to tell
   double opening = 0.5;            ///< of J3 before a finger moves to another spot, rad
@@ -25,9 +24,13 @@ struct ProbeOptions {
   double balance = 0.15;           ///< imbalance that the other fingers' forces may have
   double friction = 0.5;           ///< that their balance counts on
 
+  [[nodiscard]] bool none() const { return most == 0 && rolls == 0 && regrasps == 0; }
+
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("most", most, 0, 64, "touches at most; 0: none");
+    v("most", most, 0, 64, "touches of single fingers at most; 0: none");
+    v("rolls", rolls, 0, 64, "of the object between the fingers at most, once it hangs");
+    v("regrasps", regrasps, 0, 16, "from other sides at most, to tell poses apart");
     v("certain", certain, 0.0, 1.0, "weight of a pose that needs none");
     v("least_information", least_information, 0.0, 10.0, "nats that a touch is expected to tell");
     v("opening", opening, 0.1, 1.5, "rad, of J3 before a finger moves to another spot");
@@ -43,51 +46,36 @@ struct ProbeOptions {
   }
 };
 
-/// Touches the object in the hand at other spots, one finger at a time, while the best pose is in
-/// doubt. The moves are those that should make a finger meet the object where it has not been, by
-/// the poses in question; of them the one of which most is to be learnt is made, by a finger that
-/// the others can do without: they take over what it held. Then all is as before.
+/// Feels more of the object in the hand while its best pose is in doubt. Of all that could be done
+/// the phase does what should tell most about the poses in question, a second of the robot's time:
+///
+/// - a finger that the others can do without touches another spot, and comes back;
+/// - where the object hangs in the hand, the fingers roll it aside, and back;
+/// - the object is let go and grasped from another side. Then the phase ends; the grasp is left to
+///   who runs it (PickState::next_grasp).
 class ProbePhase : public Phase {
  public:
-  /// @param press  of all fingers together, N, as the grasp's
+  /// @param instant  `closed`, the object still standing on the table, or `held`
   ProbePhase(const localization::ObjectModel& object, const ProbeOptions& options,
-             const LocateOptions& locate, double press, std::uint64_t seed)
-      : object_(object), options_(options), locate_(locate), press_(press), seed_(seed) {}
+             const LocateOptions& locate, const GraspOptions& grasp, std::uint64_t seed,
+             Mark instant = Mark::closed)
+      : object_(object),
+        options_(options),
+        locate_(locate),
+        grasp_(grasp),
+        seed_(seed),
+        instant_(instant) {}
   std::string_view name() const override { return "probe"; }
   double time_limit() const override { return 60.0; }
   PhaseEnd run(Robot& robot, PickState& state) override;
 
  private:
-  /// A finger that the others can do without, and what they do meanwhile.
-  struct FreeFinger {
-    int finger = 0;
-    hand::ActuatorVector held;  ///< the whole hand, pressing without this finger
-  };
-  /// A finger moved to another spot while the others hold: its actuators before it closes again.
-  struct FingerMove {
-    int finger = 0;
-    hand::ActuatorVector opened;  ///< of the whole hand
-  };
-  /// How a move should end, by the poses in question.
-  struct Foresight {
-    double chance = 0;  ///< that the tip meets the object where it has not touched it
-    localization::Probe probe{{0, 0, 0}, {0, 0, 0}};  ///< the tip's way, as if it were straight
-  };
-
-  static bool same(const FingerMove& a, const FingerMove& b);
-  std::vector<FreeFinger> free_fingers(const Robot& robot, const PickState& state) const;
-  std::vector<FingerMove> moves(const Robot& robot, const FreeFinger& free) const;
-  Foresight foresee(const Robot& robot, const PickState& state, const FingerMove& move,
-                    const std::vector<Eigen::Vector3d>& known) const;
-  std::optional<FingerMove> choose(const Robot& robot, const PickState& state,
-                                   const std::vector<FingerMove>& made) const;
-  bool touch(Robot& robot, const FingerMove& move) const;
-
   const localization::ObjectModel& object_;
   ProbeOptions options_;
   LocateOptions locate_;
-  double press_;
+  GraspOptions grasp_;
   std::uint64_t seed_;
+  Mark instant_;
 };
 
 }  // namespace palpate::pipeline

@@ -22,10 +22,12 @@ enum class Mark {
   placed,    ///< the object stands where it was put; the hand is about to let go
   probed,    ///< a finger has closed on another spot of the object that the others hold
   on_table,  ///< fingertips rest on the bare table
+  rolled,    ///< the fingers have rolled the object aside, and are about to roll it back
+  opened,    ///< the hand has opened around the object, which has stayed where it was
 };
-inline constexpr std::array<std::string_view, 10> kMarkNames = {
-    "felt", "sweep",    "touched", "missed", "closed",
-    "held", "released", "placed",  "probed", "on_table"};
+inline constexpr std::array<std::string_view, 12> kMarkNames = {
+    "felt",     "sweep",  "touched", "missed",   "closed", "held",
+    "released", "placed", "probed",  "on_table", "rolled", "opened"};
 
 /// All that was felt, and when what was reached: everything that the pose estimate depends on.
 struct TouchLog {
@@ -36,17 +38,24 @@ struct TouchLog {
   std::vector<hand::HandReading> readings;  ///< one a tick
   std::vector<Moment> moments;              ///< in the order of time
 
-  /// Moments since the hand last let go.
+  /// Moments since the hand last let go for good.
   std::vector<Moment> since_release() const;
 
   /// The log up to the latest moment of a kind, with it; all of it where there was none.
   TouchLog until(Mark mark) const;
 
-  /// Reading of the latest moment of a kind since the hand last let go.
+  /// The log of the grasp before, where since it let go the hand has opened and stayed at the
+  /// object.
+  std::optional<TouchLog> before_opening() const;
+
+  /// Reading of the latest moment of a kind since the hand last let go or opened.
   std::optional<std::size_t> at(Mark mark) const;
 
   /// Readings of all moments of a kind since then.
   std::vector<std::size_t> all(Mark mark) const;
+
+ private:
+  std::vector<Moment> since_opening() const;
 };
 
 }  // namespace palpate::pipeline

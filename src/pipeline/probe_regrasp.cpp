@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "probe_regrasp.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+#include "palpate/pipeline/held_object.hpp"
+
+namespace palpate::pipeline {
+namespace {
+
+constexpr std::size_t kFinalists = 12;  // grasps that are compared
+constexpr double kSameYaw = 1e-6;       // rad
+
+using localization::PredictedFeel;
+
+/// The cheapest grasp from each side that holds the object at a pose, the cheapest of all first.
+std::vector<GraspPlan> grasps_from_all_sides(const localization::ObjectModel& object,
+                                             const Eigen::Isometry3d& T_world_object,
+                                             const GraspTool& tool,
+                                             const TellingGraspOptions& options) {
+  std::vector<GraspPlan> found;
+  for (const auto& attitude : tool.attitudes) {
+    for (auto& grasp :
+         find_grasps(object, T_world_object, tool.path, attitude, options.plan, options.avoid)) {
+      if (grasp.cost < options.worst_cost) found.push_back(std::move(grasp));
+    }
+  }
+  std::stable_sort(found.begin(), found.end(),
+                   [](const GraspPlan& a, const GraspPlan& b) { return a.cost < b.cost; });
+  std::vector<GraspPlan> sides;
+  for (auto& grasp : found) {
+    if (sides.size() == kFinalists) break;
+    const bool known = std::any_of(sides.begin(), sides.end(), [&](const GraspPlan& other) {
+      return (other.base.ypr - grasp.base.ypr).cwiseAbs().maxCoeff() < kSameYaw;
+    });
+    if (!known) sides.push_back(std::move(grasp));
+  }
+  return sides;
+}
+
+/// Way of each fingertip along its closing up to each shape, m.
+using TipWays = std::array<std::vector<double>, hand::kFingers>;
+
+TipWays tip_ways(const ClosingPath& path) {
+  TipWays ways;
+  for (std::size_t finger = 0; finger < hand::kFingers; ++finger) {
+    double way = 0;
+    const FingerShape* before = nullptr;
+    for (const FingerShape& shape : path.fingers[finger]) {
+      if (before) way += static_cast<double>((shape.tip.back() - before->tip.back()).norm());
+      ways[finger].push_back(way);
+      before = &shape;
+    }
+  }
+  return ways;
+}
+
+/// What the fingers feel when they have closed.
+PredictedFeel feel_of(const GraspPlan& closed, const TipWays& ways) {
+  PredictedFeel feel(hand::kFingers);
+  for (const auto& contact : closed.contacts) {
+    const auto finger = static_cast<std::size_t>(contact.finger);
+    feel[finger] = {true, ways[finger][closed.stops[finger]], contact.n};
+  }
+  return feel;
+}
+
+}  // namespace
+
+std::optional<TellingGrasp> most_telling_grasp(const localization::ObjectModel& object,
+                                               const localization::Posterior& resting,
+                                               const GraspTool& tool,
+                                               const TellingGraspOptions& options) {
+  if (resting.modes.empty()) return std::nullopt;
+  const auto poses = poses_of(resting);
+  std::vector<double> weights;
+  for (const WeightedPose& pose : poses) weights.push_back(pose.weight);
+  const double total = std::accumulate(weights.begin(), weights.end(), 0.0);
+  const TipWays ways = tip_ways(tool.path);
+  std::optional<TellingGrasp> best;
+  for (const GraspPlan& grasp :
+       grasps_from_all_sides(object, resting.modes.front().T_frame_object, tool, options)) {
+    std::vector<PredictedFeel> feels;
+    double holds = 0;
+    for (const WeightedPose& pose : poses) {
+      const auto closed = close_at(object, pose.T, tool.path, grasp.base, options.plan);
+      if (closed && closed->cost < options.worst_cost) holds += pose.weight;
+      feels.push_back(closed ? feel_of(*closed, ways) : PredictedFeel(hand::kFingers));
+    }
+    if (holds < options.likely * total) continue;
+    const double information = localization::information_bound(feels, weights, touches_of_modes());
+    if (best && information <= best->promise.information) continue;
+    best = TellingGrasp{grasp, {information, options.seconds}};
+  }
+  return best;
+}
+
+}  // namespace palpate::pipeline

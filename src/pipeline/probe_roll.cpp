@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "probe_roll.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "palpate/pipeline/finger_reorient.hpp"
+#include "palpate/pipeline/held_object.hpp"
+#include "probe_finger.hpp"
+
+namespace palpate::pipeline {
+namespace {
+
+constexpr double kTurn = 0.17;               // rad: as far as fingers turn an object surely
+constexpr double kSeconds = 9;               // of the robot's time, there and back
+constexpr double kRest = 0.2;                // s, of contacts that are averaged, amply
+constexpr std::ptrdiff_t kLeastFingers = 4;  // that touch, the thumb among them
+
+using localization::PredictedFeel;
+
+/// How far from the object's surface each fingertip is that has rolled, and the normal there.
+PredictedFeel feel_after(const localization::ObjectModel& object,
+                         const Eigen::Isometry3d& T_base_object,
+                         const std::vector<touch::Contact>& contacts, const Robot& robot,
+                         const Eigen::Vector3d& turn) {
+  PredictedFeel feel;
+  for (const auto& contact : contacts) {
+    const double radius = robot.model().tips[static_cast<std::size_t>(contact.finger)].radius;
+    // Seen from the object, the tip's centre goes round the contact the other way.
+    const Eigen::Vector3d center = contact.p + radius * (contact.n - turn.cross(contact.n));
+    const auto sample = object.field().at((T_base_object.inverse() * center).cast<float>());
+    localization::PredictedTouch touch;
+    if (sample) {
+      touch.hit = true;
+      touch.distance = static_cast<double>(sample->distance);
+      touch.normal = T_base_object.linear() * sample->gradient.cast<double>().normalized();
+    }
+    feel.push_back(touch);
+  }
+  return feel;
+}
+
+bool firmly_held(const std::vector<touch::Contact>& contacts) {
+  std::array<bool, hand::kFingers> touches{};
+  for (const auto& contact : contacts) touches[static_cast<std::size_t>(contact.finger)] = true;
+  return touches[0] && std::count(touches.begin(), touches.end(), true) >= kLeastFingers;
+}
+
+/// The pose turned about its own origin, the centroid.
+Eigen::Isometry3d turned(const Robot& robot, Eigen::Isometry3d T_world_object,
+                         const Eigen::Vector3d& turn) {
+  const Eigen::Matrix3d R_world_base = robot.reading().base.pose().linear();
+  T_world_object.linear() = R_world_base * Eigen::AngleAxisd(turn.norm(), turn.normalized()) *
+                            R_world_base.transpose() * T_world_object.linear();
+  return T_world_object;
+}
+
+}  // namespace
+
+std::optional<Roll> most_telling_roll(const Robot& robot, const localization::ObjectModel& object,
+                                      const localization::Posterior& held,
+                                      const std::vector<touch::Contact>& contacts) {
+  if (held.modes.empty() || !firmly_held(contacts)) return std::nullopt;
+  const Eigen::Isometry3d T_base_world = robot.reading().base.pose().inverse();
+  const auto poses = poses_of(held);
+  std::vector<double> weights;
+  for (const WeightedPose& pose : poses) weights.push_back(pose.weight);
+  std::optional<Roll> best;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double sign : {1.0, -1.0}) {
+      const Eigen::Vector3d turn = sign * kTurn * Eigen::Vector3d::Unit(axis);
+      std::vector<PredictedFeel> feels;
+      for (const WeightedPose& pose : poses) {
+        feels.push_back(feel_after(object, T_base_world * pose.T, contacts, robot, turn));
+      }
+      const Promise promise{localization::information_bound(feels, weights, touches_of_modes()),
+                            kSeconds};
+      if (!best || promise.information > best->promise.information) best = Roll{turn, promise};
+    }
+  }
+  return best;
+}
+
+bool roll(Robot& robot, const localization::ObjectModel& object,
+          const localization::Posterior& held, const Roll& roll,
+          const touch::ContactErrorModel& errors, std::uint64_t seed) {
+  ReorientOptions options;
+  options.sampling.samples = 0;  // the poses in question disagree on what a rehearsal would show
+  options.errors = errors;
+  const hand::ActuatorVector before = robot.command().positions;
+  const Eigen::Isometry3d& start = held.modes.front().T_frame_object;
+  const auto aside =
+      reorient_by_fingers(robot, object, held, turned(robot, start, roll.turn), options, seed);
+  if (aside.end == ReorientEnd::losing) return false;
+  robot.wait(kRest);
+  robot.mark(Mark::rolled);
+  const auto back = reorient_by_fingers(robot, object, aside.posterior, start, options, seed);
+  robot.move_fingers(before, options.period);
+  robot.wait(kRest);
+  return back.end != ReorientEnd::losing && still_holds(robot);
+}
+
+}  // namespace palpate::pipeline
