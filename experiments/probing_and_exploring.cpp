@@ -127,7 +127,7 @@ std::optional<Probing> probe(Scene& scene, PickState& state, const localization:
   options.probe.most = most;
   options.probe.regrasps = 0;
   options.probe.certain = 1;
-  options.probe.least_information = 0;
+  options.probe.worth = 0;
   GraspPhase grasp(options.grasp, model);
   LocatePhase locate_closed(model, options.locate, seed, Mark::closed);
   if (run_phase(grasp, scene.robot(), state).status != PhaseStatus::ok) return std::nullopt;

@@ -127,12 +127,12 @@ PhaseEnd GraspPhase::run(Robot& robot, PickState& state) {
   if (!planned) return grasp_unplanned(robot, state);
   Hold hold = close_as_planned(robot, state, *planned);
   int closings = 1;
-  for (; hold.forces.imbalance > options_.most_imbalance && closings < options_.closings &&
-         !choose_;  // a chooser knows of no other
+  for (; hold.forces.imbalance > options_.most_imbalance && closings < options_.closings;
        ++closings) {
     tried_yaws.push_back(planned->base.ypr.x());
     planned = plan(robot, state, tried_yaws);
     if (!planned || planned->cost > hold.forces.imbalance) break;
+    if (std::count(tried_yaws.begin(), tried_yaws.end(), planned->base.ypr.x()) > 0) break;
     let_go(robot);
     hold = close_as_planned(robot, state, *planned);
   }

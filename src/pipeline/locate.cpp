@@ -18,6 +18,7 @@ namespace {
 
 constexpr int kSlides = 2;              // how often a grasp may slide, each time
 constexpr double kFarther = 3.0;        // so many times as far
+constexpr double kGraspedAnew = 3.0;    // so many times as far do opening and closing anew move it
 constexpr double kTouchWindow = 0.1;    // s of a touch that are averaged
 constexpr double kClosedWindow = 0.15;  // s of touching before the mark `closed`
 constexpr double kTouchMargin = 0.004;  // m before a touch that do not count as free
@@ -286,9 +287,11 @@ double floor_density(const PosePrior& prior, double elsewhere) {
 }
 
 /// The resting pose seen from the hand, after a grasp that mostly moved the object a little.
-PosePrior prior_after_grasp(const localization::Posterior& resting, const LocateOptions& options) {
+/// @param scale  of that motion
+PosePrior prior_after_grasp(const localization::Posterior& resting, const LocateOptions& options,
+                            double scale) {
   PosePrior prior;
-  double scale = 1, share = 1;
+  double share = 1;
   for (int slides = 0; slides <= kSlides; ++slides) {
     PosePrior part = localization::prior_from(resting, motion_covariance(options, scale));
     const double stays = slides < kSlides ? 1 - options.slide_share : 1;
@@ -390,7 +393,8 @@ PoseEstimate locate(const localization::ObjectModel& object, const hand::HandMod
     } else {
       const auto motion = carried_motion(hand, log, closed.front(), *held, options.errors);
       move(motion * log.readings[closed.front()].base.pose().inverse(), resting);
-      evidence.prior = prior_after_grasp(resting, options);
+      evidence.prior =
+          prior_after_grasp(resting, options, log.before_opening() ? kGraspedAnew : 1.0);
     }
   }
   share_offsets(hand, evidence);

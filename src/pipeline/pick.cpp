@@ -3,11 +3,13 @@
 
 #include <algorithm>
 #include <numbers>
+#include <utility>
 
 #include "course.hpp"
 #include "load.hpp"
 #include "palpate/pipeline/explore_phase.hpp"
 #include "palpate/pipeline/locate_phase.hpp"
+#include "palpate/pipeline/place_phase.hpp"
 #include "palpate/pipeline/probe_phase.hpp"
 #include "palpate/pipeline/release_phase.hpp"
 #include "palpate/pipeline/track_phase.hpp"
@@ -20,6 +22,13 @@ constexpr double kNextSide = 2 * std::numbers::pi / 3;  // rad between attempts
 bool has(const TouchLog& log, Mark mark) {
   return std::any_of(log.moments.begin(), log.moments.end(),
                      [mark](const auto& moment) { return moment.mark == mark; });
+}
+
+/// Where that grasp does not hold, the phase chooses.
+GraspChooser once(const GraspPlan& grasp) {
+  return [next = std::optional(grasp)](const localization::Posterior&) mutable {
+    return std::exchange(next, std::nullopt);
+  };
 }
 
 /// Picks one object: the phases, and when which of them comes.
@@ -66,8 +75,8 @@ class Picking {
         if (!course_.run(LiftPhase(options_.lift, weight)) || !estimate_held()) return false;
       }
       if (!state_.next_grasp) return true;
-      choose = [grasp = *state_.next_grasp](const auto&) { return grasp; };
-      put_back();
+      choose = once(*state_.next_grasp);
+      if (!put_back()) return false;
     }
   }
 
@@ -107,10 +116,23 @@ class Picking {
         ProbePhase(object_, options_.probe, options_.locate, options_.grasp, seed_, instant));
   }
 
-  void put_back() {
-    course_.run(ReleasePhase(Mark::opened));
+  /// Lets go of the object where it was grasped.
+  bool put_back() {
+    const auto& log = robot_.log();
+    const auto open = open_posture(options_.grasp.top);
+    const double weight = object_.object().mass * kGravity;
+    bool ok = false;
+    if (log.at(Mark::held)) {
+      PlaceGoal goal;
+      goal.seat = log.readings[*log.at(Mark::closed)].base;
+      ok = course_.run(PlacePhase({}, goal, 0, open, "put-down"));
+    } else {
+      ok = course_.run(OpenPhase({}, open));
+    }
+    if (!ok || !course_.run(WithdrawPhase({}, weight, Mark::opened))) return false;
     state_.resting = locate_resting(object_, robot_.model(), robot_.log(), options_.locate, seed_);
     ++result_.regrasps;
+    return true;
   }
 
   Robot& robot_;

@@ -87,7 +87,8 @@ PhaseEnd PlacePhase::run(Robot& robot, PickState&) {
       break;
   }
   T_world_object_ = mean_base(robot.log(), 5).pose() * goal_.T_base_object;
-  release(robot);
+  let_go_ = true;
+  palpate::pipeline::let_go(robot, options_, open_);
   return {true, fmt::format("contact at {:+.1f} mm{}, let go", 1e3 * height_error_,
                             attempt > 0 ? fmt::format(", try {}", attempt + 1) : "")};
 }
@@ -127,18 +128,23 @@ PlacePhase::Touchdown PlacePhase::lower(Robot& robot, const Eigen::Vector3d& asi
   return Touchdown::early;
 }
 
-/// Takes the squeeze back as it came, then opens slowly.
-void PlacePhase::release(Robot& robot) {
+void let_go(Robot& robot, const LowerOptions& options, const hand::ActuatorVector& open) {
   robot.mark(Mark::placed);
-  let_go_ = true;
   robot.set_grip(std::nullopt);
-  robot.move_fingers(unloaded(robot), options_.unload_seconds);
-  hand::ActuatorVector open = robot.command().positions;
+  robot.move_fingers(unloaded(robot), options.unload_seconds);
+  hand::ActuatorVector opened = robot.command().positions;
   for (int i = 0; i < hand::kActuators; ++i) {
-    if (hand::finger_of_actuator(i) >= 0) open[i] = open_[i];
+    if (hand::finger_of_actuator(i) >= 0) opened[i] = open[i];
   }
-  robot.move_fingers(open, options_.open_seconds);
+  robot.move_fingers(opened, options.open_seconds);
   robot.wait(kRest);
+}
+
+PhaseEnd OpenPhase::run(Robot& robot, PickState&) {
+  robot.wait(kRest);
+  let_go(robot, options_, open_);
+  const int contacts = count_contacts(robot.reading());
+  return {contacts == 0, fmt::format("{} contacts left", contacts)};
 }
 
 PhaseEnd WithdrawPhase::run(Robot& robot, PickState&) {
@@ -158,7 +164,7 @@ PhaseEnd WithdrawPhase::run(Robot& robot, PickState&) {
   far.xyz.z() = std::max(far.xyz.z(), options_.height);
   robot.move_base(far, options_.far_speed);
   robot.wait(2 * kRest);
-  robot.mark(Mark::released);
+  robot.mark(mark_);
   const double load = mean_load(robot.log());
   if (load > options_.empty * weight_) {
     return {false, fmt::format("{:.2f} N still hang in the hand", load)};

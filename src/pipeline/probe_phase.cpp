@@ -15,8 +15,8 @@ namespace palpate::pipeline {
 namespace {
 
 constexpr double kStepSeconds = 10;     // s that a touch or a roll takes at most, and back
-constexpr double kRegraspSeconds = 15;  // s, of an object on the table
-constexpr double kLiftSeconds = 8;      // s more, where it is to be put down and lifted again
+constexpr double kRegraspSeconds = 14;  // s, of an object on the table
+constexpr double kLiftSeconds = 6;      // s more, where it is to be put down and lifted again
 constexpr double kPlannedRate = 1.0;    // rad/s, of the closing planned; the path is that of any
 
 int regrasps_made(const TouchLog& log) {
@@ -52,10 +52,9 @@ struct Choices {
   std::optional<TellingGrasp> grasp;
 
   /// Leaves the one that tells most a second.
-  void keep_best(double least_information) {
+  void keep_best(double worth) {
     const auto rate = [&](const auto& choice) {
-      const bool tells = choice && choice->promise.information >= least_information;
-      return tells ? choice->promise.rate() : -1.0;
+      return choice && choice->promise.rate() >= worth ? choice->promise.rate() : -1.0;
     };
     const double best = std::max({rate(touch), rate(roll), rate(grasp)});
     if (rate(touch) < std::max(best, 0.0)) touch.reset();
@@ -116,7 +115,7 @@ PhaseEnd ProbePhase::run(Robot& robot, PickState& state) {
     if (regrasps_made(robot.log()) < options_.regrasps) {
       next.grasp = other_grasp(robot, state, object_, grasp_, hangs);
     }
-    next.keep_best(options_.least_information);
+    next.keep_best(options_.worth);
     if (next.grasp) state.next_grasp = next.grasp->plan;
     if (!next.touch && !next.roll) break;
     holds = next.touch ? fingers.make(robot, *next.touch)

@@ -21,7 +21,7 @@ struct TellingGraspOptions {
   double worst_cost = 0.3;    ///< of a grasp that holds
   double likely = 0.6;        ///< share of the poses in question for which it must hold
   std::vector<double> avoid;  ///< yaws (rad) of grasps made before
-  double seconds = 15;        ///< that it takes
+  double seconds = 14;        ///< that it takes
 };
 
 /// The one of the grasps of the likeliest pose from which most is to be learnt about which of the

@@ -12,7 +12,7 @@ namespace palpate::pipeline {
 namespace {
 
 constexpr double kTurn = 0.17;               // rad: as far as fingers turn an object surely
-constexpr double kSeconds = 9;               // of the robot's time, there and back
+constexpr double kSeconds = 8;               // of the robot's time, there and back
 constexpr double kRest = 0.2;                // s, of contacts that are averaged, amply
 constexpr std::ptrdiff_t kLeastFingers = 4;  // that touch, the thumb among them
 

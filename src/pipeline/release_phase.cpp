@@ -10,8 +10,7 @@
 namespace palpate::pipeline {
 namespace {
 
-constexpr double kDownSpeed = 0.05;   // m/s
-constexpr double kStanding = 0.2;     // s at rest that are felt before the hand opens
+constexpr double kDownSpeed = 0.10;   // m/s
 constexpr double kUpSpeed = 0.30;     // m/s
 constexpr double kFreeHeight = 0.34;  // m of the base
 constexpr double kReach = 0.12;       // m from the origin: where the object can be at all
@@ -53,17 +52,13 @@ PhaseEnd ReleasePhase::run(Robot& robot, PickState& state) {
     if (base.xyz.z() > height) robot.move_base(at_height(base, height), kDownSpeed);
   }
   robot.set_grip(std::nullopt);
-  if (mark_ == Mark::opened) {
-    robot.wait(kStanding);
-    robot.mark(Mark::placed);
-  }
   hand::ActuatorVector open = robot.command().positions;
   for (int i = 0; i < hand::kActuators; ++i) {
     if (hand::finger_of_actuator(i) >= 0) open[i] = std::min(open[i], 0.1);
   }
   robot.move_fingers(open, 0.6);
   robot.move_base(at_height(robot.command().base, kFreeHeight), kUpSpeed);
-  robot.mark(mark_);
+  robot.mark(Mark::released);
   return {true, fmt::format("next try at ({:.0f}, {:.0f}) mm", 1e3 * state.place.x(),
                             1e3 * state.place.y())};
 }

@@ -67,6 +67,39 @@ TEST(PlacePhase, StopsAtTheTableAndLetsGo) {
   EXPECT_NEAR(descent.phase.T_world_object().translation().z(), kGround, 0.003);
 }
 
+TEST(OpenPhase, OpensWhereTheHandIsAndMarksWhenItStillHeld) {
+  Descent descent(
+      [](auto& reading) {
+        if (reading.joints[hand::joint_index("FFJ3")] > 0.3) {
+          reading.contacts[1] = {{{0, 0, 0.02}, {0, 1, 0}, {0, -1, 0}}};
+        }
+      },
+      0);
+  hand::ActuatorVector closed = descent.robot.command().positions;
+  closed[hand::actuator_index("FFJ3")] = 0.6;
+  descent.robot.move_fingers(closed, 0.1);
+  const auto base = descent.robot.command().base;
+  PickState state;
+  OpenPhase open({}, descent.open);
+  EXPECT_EQ(run_phase(open, descent.robot, state).status, PhaseStatus::ok);
+  const auto& log = descent.robot.log();
+  ASSERT_TRUE(log.at(Mark::placed));
+  EXPECT_GT(tip_force(log.readings[*log.at(Mark::placed)], 1), 0.9);
+  EXPECT_EQ(descent.robot.command().base.xyz, base.xyz);
+  EXPECT_DOUBLE_EQ(descent.robot.command().positions[hand::actuator_index("FFJ3")], 0.2);
+}
+
+TEST(OpenPhase, FailsWhileTheObjectIsStillFelt) {
+  Descent descent(
+      [](auto& reading) {
+        reading.contacts[1] = {{{0, 0, 0.02}, {0, 1, 0}, {0, -1, 0}}};
+      },
+      0);
+  PickState state;
+  OpenPhase open({}, descent.open);
+  EXPECT_EQ(run_phase(open, descent.robot, state).status, PhaseStatus::failed);
+}
+
 TEST(PlacePhase, FollowsTheTableWhereItIsLowerThanExpected) {
   Descent descent([](auto& reading) { stand(reading, kGround - 0.008); }, 0);
   EXPECT_EQ(descent.run().status, PhaseStatus::ok);

@@ -58,7 +58,7 @@ struct Hold {
     grasp.least_press = kTotal;
     options.certain = 1;
     options.regrasps = 0;
-    options.least_information = 0;
+    options.worth = 0;
     options.balance = 2;  // all contacts are on top
     options.spread = 0.3;
     options.bend = 0;    // J4 alone tells where a finger is

@@ -74,20 +74,5 @@ TEST(ReleasePhase, TheNextTryIsWhereTheFingersLastTouched) {
   EXPECT_LT((holding.state.place - expected.cwiseMax(-kReach).cwiseMin(kReach)).norm(), 1e-9);
 }
 
-TEST(ReleasePhase, OpensAroundAnObjectThatStays) {
-  Holding holding;
-  const ReleasePhase phase(Mark::opened);
-  EXPECT_EQ(phase.name(), "open");
-  ASSERT_TRUE(ReleasePhase(Mark::opened).run(holding.robot, holding.state).ok);
-  const TouchLog& log = holding.robot.log();
-  ASSERT_TRUE(log.before_opening());
-  const auto placed = log.before_opening()->at(Mark::placed);
-  ASSERT_TRUE(placed);  // down where the hand had closed, still closed
-  EXPECT_NEAR(log.readings[*placed].base.xyz.z(), Holding::kHeight, 1e-9);
-  EXPECT_NEAR(log.readings[*placed].joints[hand::joint_index("FFJ3")], 0.8, 1e-9);
-  EXPECT_FALSE(log.at(Mark::closed));
-  EXPECT_TRUE(log.before_opening()->at(Mark::closed));
-}
-
 }  // namespace
 }  // namespace palpate::pipeline

@@ -28,7 +28,7 @@ TrialOptions quick_options() {
   options.pick.lift.hold = 0.5;
   options.pick.probe.most = 2;
   options.pick.probe.certain = 1;  // probe whatever is known
-  options.pick.probe.least_information = 0;
+  options.pick.probe.worth = 0;
   options.pick.locate.search.proposals = 20000;
   options.pick.locate.search.particles = 400;
   return options;

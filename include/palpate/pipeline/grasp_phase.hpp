@@ -99,7 +99,8 @@ struct GraspOptions {
 /// With how much (N) all fingertips together press on an object.
 double pressure(const GraspOptions& options, const geometry::KnownObject& object);
 
-/// Chooses a grasp for the estimated resting pose; nothing leaves the choice to the phase.
+/// Chooses a grasp for the estimated resting pose, before every closing; nothing leaves the choice
+/// to the phase, the same grasp again ends it.
 using GraspChooser = std::function<std::optional<GraspPlan>(const localization::Posterior&)>;
 
 /// Brings the hand to the object as planned on its resting pose, and closes it by touch. Where the

@@ -41,6 +41,26 @@ struct LowerOptions {
   }
 };
 
+/// Lets go of an object that stands on the table: marks `placed`, takes the squeeze back as it
+/// came, then opens slowly.
+/// @param open  posture of the open hand, rad
+void let_go(Robot& robot, const LowerOptions& options, const hand::ActuatorVector& open);
+
+/// Opens around an object that the hand has grasped and not lifted.
+class OpenPhase : public Phase {
+ public:
+  /// @param open  posture of the open hand, rad
+  OpenPhase(const LowerOptions& options, const hand::ActuatorVector& open)
+      : options_(options), open_(open) {}
+  std::string_view name() const override { return "open"; }
+  double time_limit() const override { return 30.0; }
+  PhaseEnd run(Robot& robot, PickState& state) override;
+
+ private:
+  LowerOptions options_;
+  hand::ActuatorVector open_;
+};
+
 /// Lets the object down until the table bears it (guarded descent), presses it flat, and lets go.
 /// A contact much too early is a refusal: where a fixture may be the reason, the next try is a
 /// little aside.
@@ -64,7 +84,6 @@ class PlacePhase : public Phase {
 
  private:
   Touchdown lower(Robot& robot, const Eigen::Vector3d& aside);
-  void release(Robot& robot);
 
   LowerOptions options_;
   PlaceGoal goal_;
@@ -102,8 +121,10 @@ struct WithdrawOptions {
 class WithdrawPhase : public Phase {
  public:
   /// @param weight  of the object, N
-  WithdrawPhase(const WithdrawOptions& options, double weight)
-      : options_(options), weight_(weight) {}
+  /// @param mark  at the end: `opened` where the object is grasped anew and what is known of its
+  ///   pose still holds
+  WithdrawPhase(const WithdrawOptions& options, double weight, Mark mark = Mark::released)
+      : options_(options), weight_(weight), mark_(mark) {}
   std::string_view name() const override { return "withdraw"; }
   double time_limit() const override { return 30.0; }
   PhaseEnd run(Robot& robot, PickState& state) override;
@@ -111,6 +132,7 @@ class WithdrawPhase : public Phase {
  private:
   WithdrawOptions options_;
   double weight_;
+  Mark mark_;
 };
 
 }  // namespace palpate::pipeline

@@ -12,7 +12,7 @@ struct ProbeOptions {
   int rolls = 2;                   ///< at most, of the object that hangs in the hand
   int regrasps = 2;                ///< at most, in all
   double certain = 0.97;           ///< weight of a pose that needs none
-  double least_information = 0.1;  ///< nats that a touch must be expected to tell
+  double worth = 0.025;            ///< nats/s that are expected to be told, at least
   double opening = 0.5;            ///< of J3 before a finger moves to another spot, rad
   double spread = 0.25;            ///< of J4 to either side, at most, rad
   double bend = 0.6;               ///< of J0, to reach lower or higher, at most, rad
@@ -32,7 +32,7 @@ struct ProbeOptions {
     v("rolls", rolls, 0, 64, "of the object between the fingers at most, once it hangs");
     v("regrasps", regrasps, 0, 16, "from other sides at most, to tell poses apart");
     v("certain", certain, 0.0, 1.0, "weight of a pose that needs none");
-    v("least_information", least_information, 0.0, 10.0, "nats that a touch is expected to tell");
+    v("worth", worth, 0.0, 10.0, "nats/s that are expected to be told, at least");
     v("opening", opening, 0.1, 1.5, "rad, of J3 before a finger moves to another spot");
     v("spread", spread, 0.0, 0.35, "rad, of J4 to either side, at most");
     v("bend", bend, 0.0, 1.5, "rad, of J0, at most");
