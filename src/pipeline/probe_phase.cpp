@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "load.hpp"
 #include "palpate/pipeline/held_object.hpp"
 #include "probe_finger.hpp"
 #include "probe_regrasp.hpp"
@@ -17,6 +18,7 @@ namespace {
 constexpr double kStepSeconds = 10;     // s that a touch or a roll takes at most, and back
 constexpr double kRegraspSeconds = 14;  // s, of an object on the table
 constexpr double kLiftSeconds = 6;      // s more, where it is to be put down and lifted again
+constexpr double kLeastWeight = 0.5;    // of the object's weight, that must still hang
 constexpr double kPlannedRate = 1.0;    // rad/s, of the closing planned; the path is that of any
 
 int regrasps_made(const TouchLog& log) {
@@ -124,7 +126,9 @@ PhaseEnd ProbePhase::run(Robot& robot, PickState& state) {
     robot.mark(instant_);
     state.estimate = locate(object_, robot.model(), robot.log(), locate_, seed_, instant_);
   }
-  return {holds, fmt::format("{} touch{}, {} roll{}, certainty {:.2f} -> {:.2f}{}", touches,
+  const bool lost =
+      hangs ? mean_load(robot.log()) < kLeastWeight * object_.object().mass * kGravity : !holds;
+  return {!lost, fmt::format("{} touch{}, {} roll{}, certainty {:.2f} -> {:.2f}{}", touches,
                              touches == 1 ? "" : "es", rolls, rolls == 1 ? "" : "s", before,
                              weight(), state.next_grasp ? "; another grasp tells more" : "")};
 }

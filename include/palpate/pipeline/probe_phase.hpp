@@ -8,21 +8,21 @@
 namespace palpate::pipeline {
 
 struct ProbeOptions {
-  int most = 3;                    ///< touches of single fingers at most; 0: none
-  int rolls = 2;                   ///< at most, of the object that hangs in the hand
-  int regrasps = 2;                ///< at most, in all
-  double certain = 0.97;           ///< weight of a pose that needs none
-  double worth = 0.025;            ///< nats/s that are expected to be told, at least
-  double opening = 0.5;            ///< of J3 before a finger moves to another spot, rad
-  double spread = 0.25;            ///< of J4 to either side, at most, rad
-  double bend = 0.6;               ///< of J0, to reach lower or higher, at most, rad
-  double elsewhere = 0.006;        ///< m between spots of a finger that are not the same
-  double likely = 0.6;             ///< chance of a touch at another spot that a move must have
-  double closing_rate = 0.8;       ///< of J3, rad/s
-  double torque = 0.06;            ///< N m at J3 while closing
-  double touch_force = 0.1;        ///< N at the fingertip
-  double balance = 0.15;           ///< imbalance that the other fingers' forces may have
-  double friction = 0.5;           ///< that their balance counts on
+  int most = 3;               ///< touches of single fingers at most; 0: none
+  int rolls = 2;              ///< at most, of the object that hangs in the hand
+  int regrasps = 2;           ///< at most, in all
+  double certain = 0.97;      ///< weight of a pose that needs none
+  double worth = 0.025;       ///< nats/s that are expected to be told, at least
+  double opening = 0.5;       ///< of J3 before a finger moves to another spot, rad
+  double spread = 0.25;       ///< of J4 to either side, at most, rad
+  double bend = 0.6;          ///< of J0, to reach lower or higher, at most, rad
+  double elsewhere = 0.006;   ///< m between spots of a finger that are not the same
+  double likely = 0.6;        ///< chance of a touch at another spot that a move must have
+  double closing_rate = 0.8;  ///< of J3, rad/s
+  double torque = 0.06;       ///< N m at J3 while closing
+  double touch_force = 0.1;   ///< N at the fingertip
+  double balance = 0.15;      ///< imbalance that the other fingers' forces may have
+  double friction = 0.5;      ///< that their balance counts on
 
   [[nodiscard]] bool none() const { return most == 0 && rolls == 0 && regrasps == 0; }
 
