@@ -90,7 +90,7 @@ LineSeries median_error(const std::string& name, const std::vector<Run>& runs) {
 
 void tracking(const experiment::Options& options) {
   const double seconds = options.quick ? 1.0 : 8.0;
-  const std::size_t count = options.quick ? 1 : 20;
+  const std::size_t count = options.quick ? 1 : 100;
   const std::vector<TouchSetting> settings = {{"white noise, slide 1 mm/s", 0.001, false, false},
                                               {"correlated, slide 1 mm/s", 0.001, true, false},
                                               {"correlated, slide 5 mm/s", 0.005, true, false},

@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "check_evidence.hpp"
+#include "contact_memory.hpp"
 #include "contact_term.hpp"
 #include "palpate/core/error.hpp"
 #include "pose_family.hpp"
@@ -24,9 +25,10 @@ constexpr double kLongestGap = 0.5;                // s without a frame that are
 constexpr double kLearningTime = 0.5;              // s over which sliding is averaged
 constexpr double kDrift = 1e-4;                    // variance a second, rad^2 and (dm)^2
 constexpr std::size_t kRecent = 3, kBefore = 25, kSettling = 12;  // frames compared for a slip
-constexpr int kSearchFrames = 14;
-constexpr double kSearchTrust = 0.15;  // of a frame while a slip is searched
-constexpr double kLoss = 12;           // of ln weight at which a hypothesis is dropped
+constexpr std::size_t kSlipped = 2;      // of the recent ones were surely felt after it
+constexpr std::ptrdiff_t kLearnt = 20;   // frames before it, whose errors are learnt
+constexpr std::size_t kMostFrames = 50;  // that are remembered
+constexpr double kLoss = 12;             // of ln weight at which a hypothesis is dropped
 constexpr std::size_t kMostHypotheses = 16;
 constexpr PoseTolerance kSamePose{0.026, 0.002};
 
@@ -78,7 +80,7 @@ Tracker::Tracker(const ObjectModel& model, const Posterior& start, const Tracker
       velocity_variance_(std::pow(options.sliding, 2) / 2 + std::pow(options.velocity_noise, 2)) {
   if (start.modes.empty()) throw BadInput("tracker: a posterior of 0 modes to start from");
   for (const Mode& mode : start.modes) {
-    if (mode.weight <= 0) continue;
+    if (mode.weight <= 0 || hypotheses_.size() == kMostHypotheses) continue;
     Matrix6d covariance = mode.covariance;
     covariance.diagonal().array() += 1e-8;
     hypotheses_.push_back({mode.T_frame_object, covariance, std::log(mode.weight)});
@@ -170,31 +172,64 @@ void Tracker::watch_for_slip(const Evidence& evidence) {
       static_cast<double>(contacts.energy(search_pose(hypotheses_.front().T), kNoBound));
   energies_.push_back(energy / static_cast<double>(evidence.contacts.size()));
   if (energies_.size() > kBefore + kRecent) energies_.erase(energies_.begin());
-  if (searching_ > 0 || energies_.size() < kSettling + kRecent) return;
+  if (searching() || energies_.size() < kSettling + kRecent) return;
   const std::size_t split = energies_.size() - kRecent;
   const double jump = mean_of(energies_, split, energies_.size()) - mean_of(energies_, 0, split);
   if (jump < options_.slip_jump) return;
   ++slips_;
-  searching_ = kSearchFrames;
   energies_.clear();
-  for (Hypothesis& hypothesis : hypotheses_) {
+  searched_ = 0;
+  const auto slipped = recent_.end() - kSlipped;
+  const auto first = slipped - std::min<std::ptrdiff_t>(slipped - recent_.begin(), kLearnt + 1);
+  const KnownErrors before = mean_errors({first, slipped - 1}, model_, hypotheses_.front().T);
+  errors_before_ = before.mean;
+  learnt_frames_ = before.frames;
+  recent_.erase(recent_.begin(), slipped);
+  before_slip_ = hypotheses_;
+  for (Hypothesis& hypothesis : before_slip_) {
     hypothesis.covariance.diagonal().head<3>().array() += std::pow(options_.slip_angle, 2) / 3;
     hypothesis.covariance.diagonal().tail<3>().array() += std::pow(options_.slip_way, 2) / 3;
   }
 }
 
-/// The best hypothesis again, corrected from poses around it.
-std::vector<Tracker::Hypothesis> Tracker::other_starts(const Evidence& evidence) {
-  std::vector<Hypothesis> others;
+/// Keeps the contacts of a frame, and moves those before along with the object.
+void Tracker::remember(const TrackFrame& frame, const Eigen::Isometry3d& motion) {
+  for (auto& contacts : recent_) {
+    for (auto& contact : contacts) {
+      contact.p = motion * contact.p;
+      contact.n = motion.linear() * contact.n;
+    }
+  }
+  if (frame.contacts.empty()) return;
+  recent_.push_back(frame.contacts);
+  if (recent_.size() > kMostFrames) recent_.erase(recent_.begin());
+}
+
+/// All hypotheses anew: those before the slip, corrected by the mean of what was felt since, from
+/// where they are, from poses about them, and from what the last frame has found.
+void Tracker::search_slip(const Evidence& evidence, double dt) {
+  Evidence since = evidence;
+  since.contacts =
+      mean_contacts(recent_, {options_.correlated_share, options_.correlation_time, dt},
+                    {errors_before_, learnt_frames_});
+  std::vector<Hypothesis> found;
+  const auto from = [&](const Hypothesis& before, const Eigen::Isometry3d& start) {
+    Hypothesis hypothesis = before;
+    correct(since, 1.0, start, hypothesis);
+    found.push_back(hypothesis);
+  };
+  for (const Hypothesis& before : before_slip_) from(before, before.T);
+  const Hypothesis& likeliest = before_slip_.front();
+  for (const Hypothesis& last : hypotheses_) from(likeliest, last.T);
   for (int i = 0; i < options_.slip_poses; ++i) {
     Vector6d x;
     x << options_.slip_angle / std::sqrt(3.0) * random_.normal3(),
         options_.slip_way / std::sqrt(3.0) * random_.normal3();
-    Hypothesis other = hypotheses_.front();
-    correct(evidence, kSearchTrust, moved(other.T, x), other);
-    others.push_back(other);
+    from(likeliest, moved(likeliest.T, x));
   }
-  return others;
+  hypotheses_ = std::move(found);
+  searched_ += dt;
+  if (searched_ > options_.slip_search) before_slip_.clear();
 }
 
 void Tracker::prune() {
@@ -233,24 +268,28 @@ const Posterior& Tracker::update(const TrackFrame& frame) {
   Evidence evidence;
   evidence.contacts = frame.contacts;
   evidence.false_contact_share = options_.false_contacts;
-  evidence.noise_doubt = 0;  // a slip would pass for noise
+  evidence.noise_doubt = evidence.size_doubt = 0;  // a slip would pass for noise
   check_evidence(model_, evidence);
   if (started_ && frame.time <= time_) return posterior_;
   const double dt = started_ ? std::min(frame.time - time_, kLongestGap) : 0.0;
   started_ = true;
   time_ = frame.time;
   if (dt > 0) learn_sliding(frame, dt);
+  const Eigen::Isometry3d before = hypotheses_.front().T;
   for (Hypothesis& hypothesis : hypotheses_) predict(frame, dt, hypothesis);
+  for (Hypothesis& hypothesis : before_slip_) predict(frame, dt, hypothesis);
+  remember(frame, hypotheses_.front().T * before.inverse());
   if (!frame.contacts.empty()) {
     watch_for_slip(evidence);
-    std::vector<Hypothesis> others;
-    if (searching_ > kSearchFrames / 2) others = other_starts(evidence);
-    const double time = 2 * options_.correlation_time * options_.correlated_share;
-    const double usual = std::min(1.0, std::max(dt, 1e-3) / time);
-    const double trust = searching_ > 0 ? kSearchTrust : usual;
-    for (Hypothesis& hypothesis : hypotheses_) correct(evidence, trust, hypothesis.T, hypothesis);
-    hypotheses_.insert(hypotheses_.end(), others.begin(), others.end());
-    searching_ = std::max(0, searching_ - 1);
+    if (searching()) {
+      search_slip(evidence, dt);
+    } else {
+      const double time = 2 * options_.correlation_time * options_.correlated_share;
+      const double trust = std::min(1.0, std::max(dt, 1e-3) / time);
+      for (Hypothesis& hypothesis : hypotheses_) {
+        correct(evidence, trust, hypothesis.T, hypothesis);
+      }
+    }
     prune();
   }
   publish();

@@ -93,6 +93,25 @@ TEST(Tracker, FollowsAMovingObject) {
   }
 }
 
+TEST(Tracker, FindsTheObjectAgainAfterASlip) {
+  constexpr int kSlips = 20;
+  int noticed = 0, back = 0;
+  for (int i = 0; i < kSlips; ++i) {
+    Moving object("box", static_cast<std::uint64_t>(50 + i));
+    Tracker tracker(object.model(), at(object.truth));
+    for (int k = 0; k < 60; ++k) tracker.update(object.next());
+    object.slip();
+    for (int k = 0; k < 20; ++k) tracker.update(object.next());
+    noticed += tracker.slips() > 0;
+    const auto& best = tracker.posterior().modes.front();
+    back += within_tolerance(
+        pose_error(best.T_frame_object, object.truth, object.model().object().symmetries));
+  }
+  // Where .9 of the slips are to be found again, fewer than 15 of 20 are in 1 % of such tests.
+  EXPECT_GE(noticed, 15);
+  EXPECT_GE(back, 15);
+}
+
 TEST(Tracker, PrefersTheModeThatKeepsExplaining) {
   Moving object("bracket", 4);
   Posterior start = at(object.truth, 0.3);

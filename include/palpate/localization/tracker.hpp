@@ -24,10 +24,11 @@ struct TrackerOptions {
   double turning = 0.5;           ///< rms turning that is expected beforehand, rad/s
   double moving = 0.03;           ///< and moving, m/s
   double false_contacts = 0.05;   ///< prior share
-  double slip_jump = 2.2;         ///< rise of a contact's mean energy that tells a slip
+  double slip_jump = 1.8;         ///< rise of a contact's mean energy that tells a slip
   double slip_angle = 0.1745;     ///< spread of the poses searched after it, rad
   double slip_way = 0.005;        ///< and m
-  int slip_poses = 12;            ///< started a frame while it is searched
+  int slip_poses = 40;            ///< started a frame while it is searched
+  double slip_search = 0.3;       ///< s after a slip in which it is searched
 
   template <class Visitor>
   void visit(Visitor&& v) {
@@ -42,6 +43,7 @@ struct TrackerOptions {
     v("slip_angle", slip_angle, 0.0, 3.2, "spread of the poses searched after a slip, rad");
     v("slip_way", slip_way, 0.0, 0.1, "spread of the poses searched after a slip, m");
     v("slip_poses", slip_poses, 1, 1000, "poses started a frame while a slip is searched");
+    v("slip_search", slip_search, 0.0, 5.0, "s after a slip in which it is searched");
   }
 };
 
@@ -50,7 +52,8 @@ struct TrackerOptions {
 ///
 /// The twist comes from the fingertips' velocities, which stick up to `sliding`; errors of contacts
 /// keep for `correlation_time`, so that a frame's likelihood counts to the power dt / 2 tau. A slip
-/// shows as a jump of the contacts' energy; then poses around are tried until one explains them.
+/// shows as a jump of the contacts' energy. Then poses about those before it are corrected by the
+/// mean of all contacts felt since, in every frame anew, until there are enough of them to go on.
 class Tracker {
  public:
   /// @throws BadInput for a posterior without modes
@@ -85,9 +88,12 @@ class Tracker {
   void correct(const Evidence& evidence, double trust, const Eigen::Isometry3d& start,
                Hypothesis& hypothesis) const;
   void watch_for_slip(const Evidence& evidence);
-  std::vector<Hypothesis> other_starts(const Evidence& evidence);
+  void remember(const TrackFrame& frame, const Eigen::Isometry3d& motion);
+  void search_slip(const Evidence& evidence, double dt);
   void prune();
   void publish();
+
+  [[nodiscard]] bool searching() const { return !before_slip_.empty(); }
 
   const ObjectModel& model_;
   TrackerOptions options_;
@@ -98,7 +104,11 @@ class Tracker {
   double time_ = 0;
   bool started_ = false;
   std::vector<double> energies_;  // per contact, of the last frames at the predicted pose
-  int searching_ = 0;             // frames left of the search after a slip
+  std::vector<std::vector<touch::Contact>> recent_;  // frames, carried along to the present
+  std::vector<touch::Contact> errors_before_;        // mean ones, of the frames before the slip
+  std::size_t learnt_frames_ = 0;
+  std::vector<Hypothesis> before_slip_;  // carried along, while a slip is searched
+  double searched_ = 0;                  // s since it was noticed
   int slips_ = 0;
 };
 
