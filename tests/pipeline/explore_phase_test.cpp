@@ -10,7 +10,8 @@
 namespace palpate::pipeline {
 namespace {
 
-constexpr double kMet = 0.1;  // m of a sweep after which the finger touches
+constexpr double kMet = 0.1;       // m of a sweep after which the finger touches
+constexpr double kObstacle = 5.0;  // N
 
 /// A hand that sweeps about a box, and touches something on the sweeps that a rule names.
 struct Exploring {
@@ -19,7 +20,11 @@ struct Exploring {
   explicit Exploring(Rule touches)
       : hand([this, touches = std::move(touches)](hand::HandReading& reading) {
           if (sweeping && touches(sweeps - 1) && (reading.base.xyz - start).norm() > kMet) {
-            reading.contacts[1] = {{{0, 0, 0.02}, {0, 1, 0}, {0, -1, 0}}};
+            touch(reading);
+          }
+          if (sweeping && blocks && blocks(sweeps - 1) &&
+              (reading.base.xyz - start).norm() > kMet) {
+            reading.base_force = kObstacle * (reading.base.xyz - start).normalized();
           }
           last = reading.base.xyz;
         }),
@@ -27,6 +32,7 @@ struct Exploring {
                                   sweeping = mark == Mark::sweep;
                                   if (!sweeping) return;
                                   start = last;
+                                  starts.push_back(robot.command().base);
                                   ++sweeps;
                                 }}) {
     locate.search.proposals = 2000;
@@ -35,12 +41,37 @@ struct Exploring {
     state.height = 0.05;
   }
 
+  /// The fingertip meets a face that looks against the sweep.
+  void touch(hand::HandReading& reading) const {
+    const auto link = static_cast<std::size_t>(model.distal[1]);
+    const Eigen::Matrix3d R_link_world =
+        (reading.base.pose() * hand::forward_kinematics(model, reading.joints)[link])
+            .linear()
+            .transpose();
+    const Eigen::Vector3d n = R_link_world * (start - reading.base.xyz).normalized();
+    reading.contacts[1] = {{model.tips[1].b - model.tips[1].radius * n, n, -n}};
+  }
+
   PhaseReport explore() {
     ExplorePhase phase(object, options, locate, 1);
     return run_phase(phase, robot, state);
   }
   std::size_t marked(Mark mark) const { return robot.log().all(mark).size(); }
 
+  /// Sweeps that set out from the same place with the hand turned alike.
+  std::size_t repeated() const {
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < starts.size(); ++i) {
+      for (std::size_t j = 0; j < i; ++j) {
+        count += (starts[i].xyz - starts[j].xyz).norm() < 1e-6 &&
+                 (starts[i].ypr - starts[j].ypr).norm() < 1e-6;
+      }
+    }
+    return count;
+  }
+
+  Rule blocks;                             // where another part of the hand meets something
+  std::vector<hand::BasePosition> starts;  // of the sweeps
   std::size_t sweeps = 0;
   bool sweeping = false;
   Eigen::Vector3d start{0, 0, 0}, last{0, 0, 0};
@@ -83,6 +114,17 @@ TEST(ExplorePhase, MakesUpForNoMissWhereMoreTouchesMayFollow) {
   exploring.options.most_touches = 8;
   exploring.explore();
   EXPECT_EQ(exploring.sweeps, 4u);  // without a pose there is none to tell apart
+}
+
+TEST(ExplorePhase, TellsPosesApartBySweepsNotMadeYet) {
+  // The first touches leave the box's yaw open; then something else is always in the way.
+  Exploring exploring([](std::size_t sweep) { return sweep < 2; });
+  exploring.blocks = [](std::size_t sweep) { return sweep >= 2; };
+  exploring.options.touches = 2;
+  exploring.options.most_touches = 10;
+  exploring.explore();
+  EXPECT_GT(exploring.sweeps, 5u);
+  EXPECT_EQ(exploring.repeated(), 0u);
 }
 
 TEST(ExplorePhase, ASweepCutShortByTimeMissedNothing) {
