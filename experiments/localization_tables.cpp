@@ -84,7 +84,9 @@ std::vector<Cell> wrong_cells() {
   Cell lies5 = with("K5, 10 % false", 5), lies10 = with("K10, 10 % false", 10);
   for (Cell* lies : {&lies5, &lies10}) lies->false_share = lies->evidence.false_share = 0.1;
   Cell large = with("K10, mesh 3 % small", 10), offset = with("K10, 2 mm hand offset", 10);
+  Cell small = with("K10, mesh 3 % large", 10);
   large.scale = 1.03;
+  small.scale = 0.97;
   offset.evidence.hand_offset = 0.002;
   Cell expected = offset;
   expected.name += ", expected";
@@ -96,7 +98,7 @@ std::vector<Cell> wrong_cells() {
   twice.evidence.point_noise *= 2;
   twice.evidence.normal_noise *= 2;
   twice.evidence.assumed_noise = 0.5;
-  return {lies5, lies10, large, offset, expected, sure, unsure, twice};
+  return {lies5, lies10, large, small, offset, expected, sure, unsure, twice};
 }
 
 /// An object, and what makes scenes with it.
@@ -117,7 +119,7 @@ struct Bench {
   const experiment::Options& options;
   hand::HandModel hand;
   std::map<std::string, std::unique_ptr<Subject>> subjects;
-  std::map<std::string, std::unique_ptr<Subject>> scaled_subjects;
+  std::map<std::pair<std::string, double>, std::unique_ptr<Subject>> scaled_subjects;
 };
 
 /// The probability stated for the best mode's pose itself: of a family about a free axis, the share
@@ -162,7 +164,8 @@ Outcome run_one(const Bench& bench, const Subject& subject, const Subject& belie
 std::vector<Outcome> run_cell(Bench& bench, const std::string& object, const Cell& cell,
                               std::size_t scenes) {
   const Subject& believed = *bench.subjects.at(object);
-  const Subject& true_one = cell.scale == 1 ? believed : *bench.scaled_subjects.at(object);
+  const Subject& true_one =
+      cell.scale == 1 ? believed : *bench.scaled_subjects.at({object, cell.scale});
   std::vector<Outcome> outcomes(scenes);
   parallel_for(scenes, bench.options.threads, [&](std::size_t i) {
     outcomes[i] = run_one(bench, true_one, believed, cell, bench.options.seed + i);
@@ -287,8 +290,10 @@ void tables(const experiment::Options& options) {
       options.quick ? std::vector<std::string>{"box"} : geometry::built_in_objects();
   for (const auto& name : objects) {
     bench.subjects[name] = std::make_unique<Subject>(geometry::load_known_object(name));
-    bench.scaled_subjects[name] =
-        std::make_unique<Subject>(scaled(bench.subjects[name]->model.object(), 1.03));
+    for (const double scale : {1.03, 0.97}) {
+      bench.scaled_subjects[{name, scale}] =
+          std::make_unique<Subject>(scaled(bench.subjects[name]->model.object(), scale));
+    }
   }
   std::vector<Outcome> pool, others;
   publish_table(bench, main_cells(), "main",

@@ -20,18 +20,21 @@ namespace {
 namespace lo = localization;
 
 constexpr double kDegree = std::numbers::pi / 180;
+constexpr std::size_t kMostShown = 10;  // modes
 
 struct LocalizeOptions {
   lo::LocalizerOptions search;
   lo::FastOptions fast;
   double false_contacts = 0.02;
-  double noise_doubt = 0.2;
+  double noise_doubt = 0.4;
+  double size_doubt = 0.25;
   double hand_offset = 0;
 
   template <class Visitor>
   void visit(Visitor&& v) {
     v("false_contacts", false_contacts, 0.001, 0.9, "prior share of contacts with something else");
-    v("noise_doubt", noise_doubt, 0.0, 0.99, "chance that contacts are twice as noisy as stated");
+    v("noise_doubt", noise_doubt, 0.0, 0.99, "chance of noise other than stated, half to twice");
+    v("size_doubt", size_doubt, 0.0, 0.99, "chance of an object up to 3 % off its mesh's size");
     v("hand_offset", hand_offset, 0.0, 0.02, "m rms, by which contacts of one time are displaced");
     v.section("search", search);
     v.section("fast", fast);
@@ -96,6 +99,7 @@ Result solve(const LocalizeArguments& arguments, const LocalizeOptions& options)
       arguments.contacts, {arguments.point_noise, arguments.normal_noise_deg * kDegree});
   evidence.false_contact_share = options.false_contacts;
   evidence.noise_doubt = options.noise_doubt;
+  evidence.size_doubt = options.size_doubt;
   evidence.offsets = offsets_of_grasps(evidence.contacts, options.hand_offset);
   Result result;
   result.prepare_seconds = prepared.count();
@@ -181,7 +185,13 @@ void print_result(const Result& result) {
   if (!result.hint.empty()) fmt::print("{}\n", result.hint);
   if (result.posterior.modes.empty()) return;
   fmt::print("weight  rotation vector                translation\n");
-  for (const auto& mode : result.posterior.modes) print_mode(mode, result.T_object_mesh);
+  const auto& modes = result.posterior.modes;
+  const std::size_t shown = std::min(kMostShown, modes.size());
+  for (std::size_t i = 0; i < shown; ++i) print_mode(modes[i], result.T_object_mesh);
+  if (shown == modes.size()) return;
+  double rest = 0;
+  for (std::size_t i = shown; i < modes.size(); ++i) rest += modes[i].weight;
+  fmt::print("{:6.3f}  in {} more (--json lists them)\n", rest, modes.size() - shown);
 }
 
 int localize(const LocalizeArguments& arguments) {

@@ -152,6 +152,11 @@ void check_balance(const ForceBalance& balance) {
   }
 }
 
+void check_doubt(const std::string& name, double doubt) {
+  if (doubt >= 0 && doubt < 1) return;
+  throw BadInput(fmt::format("{} is {}, not from 0 to 1", name, doubt));
+}
+
 /// Contacts over a space that the object is tiny in are most likely in another unit.
 void check_extent(const std::vector<touch::Contact>& contacts, const geometry::TriangleMesh& mesh) {
   Eigen::AlignedBox3d box;
@@ -171,9 +176,8 @@ void check_evidence(const ObjectModel& model, const Evidence& evidence) {
   for (std::size_t k = 0; k < evidence.contacts.size(); ++k) check_contact(evidence.contacts[k], k);
   check_extent(evidence.contacts, model.object().mesh);
   check_offsets(evidence);
-  if (!(evidence.noise_doubt >= 0 && evidence.noise_doubt < 1)) {
-    throw BadInput(fmt::format("noise_doubt is {}, not from 0 to 1", evidence.noise_doubt));
-  }
+  check_doubt("noise_doubt", evidence.noise_doubt);
+  check_doubt("size_doubt", evidence.size_doubt);
   for (std::size_t j = 0; j < evidence.free_space.size(); ++j) {
     const std::string name = fmt::format("free sphere {}: ", j);
     check_finite(name + "center", evidence.free_space[j].center);

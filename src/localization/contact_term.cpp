@@ -3,7 +3,6 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -18,20 +17,13 @@ constexpr float kShortestGradient = 0.3F;  // interpolated across a medial sheet
 constexpr float kCurvatureStep = 0.001F;   // m, over which the gradient's change is measured
 constexpr double kLeastTrust = 0.02;       // of a contact off the surface: it still draws the pose
 constexpr float kHopeless = 30;            // misfit whose likelihood rounds to that of a false one
-constexpr double kDoubtedScale = 2;        // of the noise, where it is in doubt
+constexpr float kLeastProduct = 1e-18F;    // times the least factor still is a float
 constexpr float kOffsetReach = 3;          // standard deviations that an offset is within
 constexpr int kFitSteps = 2;               // of reweighting contacts for the offset
 
 double true_to_false_odds(double false_share, double area, double sp, double sn) {
   const double false_density = 1 / (kFalseVolume * 4 * std::numbers::pi);
   return (1 - false_share) / false_share * peak_contact_density(area, sp, sn) / false_density;
-}
-
-/// -ln of the sum of exp(-energies).
-float mixed(const std::array<float, 2>& energies, std::size_t count) {
-  if (count == 1) return energies[0];
-  const float least = std::min(energies[0], energies[1]);
-  return least - std::log1p(std::exp(-std::abs(energies[0] - energies[1])));
 }
 
 }  // namespace
@@ -60,33 +52,62 @@ ContactTerm::ContactTerm(const ObjectModel& model, const Evidence& evidence, dou
     }
     groups_.push_back(std::move(group));
   }
-  const double doubt = evidence.noise_doubt;
-  levels_.push_back(make_level(model, evidence, scale, 1 - doubt));
-  if (doubt > 0) levels_.push_back(make_level(model, evidence, kDoubtedScale * scale, doubt));
-  for (const Noise& noise : levels_[0].noise) caps_.push_back(std::log1p(noise.odds));
+  const std::vector<Assumption> levels = assumptions(evidence);
+  priors_.resize(static_cast<Eigen::Index>(levels.size()));
+  growth_.resize(priors_.size());
+  for (std::size_t j = 0; j < levels.size(); ++j) {
+    priors_[static_cast<Eigen::Index>(j)] = static_cast<float>(levels[j].share);
+    growth_[static_cast<Eigen::Index>(j)] = static_cast<float>(levels[j].growth);
+  }
+  for (const touch::Contact& contact : evidence.contacts) {
+    noise_.push_back(make_noise(model, evidence, contact, levels, scale));
+  }
 }
 
-ContactTerm::Level ContactTerm::make_level(const ObjectModel& model, const Evidence& evidence,
-                                           double scale, double probability) const {
-  Level level{static_cast<float>(-std::log(probability)), {}};
-  for (const touch::Contact& contact : evidence.contacts) {
-    const double sp = scale * contact.point_sigma;
-    const double sn = std::min(scale * contact.normal_sigma, kWidestNormal);
+ContactTerm::Noise ContactTerm::make_noise(const ObjectModel& model, const Evidence& evidence,
+                                           const touch::Contact& contact,
+                                           const std::vector<Assumption>& levels, double scale) {
+  const auto count = static_cast<Eigen::Index>(levels.size());
+  Noise noise{Levels::Zero(count), Levels::Zero(count), Levels::Zero(count)};
+  double greatest = 0;
+  for (Eigen::Index j = 0; j < count; ++j) {
+    const Assumption& level = levels[static_cast<std::size_t>(j)];
+    const double sp = scale * level.point_noise * contact.point_sigma;
+    const double sn = std::min(scale * level.normal_noise * contact.normal_sigma, kWidestNormal);
     const double odds = true_to_false_odds(evidence.false_contact_share, model.area(), sp, sn);
-    level.noise.push_back({static_cast<float>(0.5 / (sp * sp)), static_cast<float>(1 / (sn * sn)),
-                           static_cast<float>(odds)});
+    noise.half_point_precision[j] = static_cast<float>(0.5 / (sp * sp));
+    noise.normal_precision[j] = static_cast<float>(1 / (sn * sn));
+    noise.odds[j] = static_cast<float>(odds);
+    greatest = std::max(greatest, odds);
   }
-  return level;
+  noise.cap = static_cast<float>(std::log1p(greatest));
+  noise.inverse_peak = std::exp(-noise.cap);
+  noise.stated_cap = std::log1p(noise.odds[0]);
+  return noise;
+}
+
+void ContactTerm::Product::multiply(const Levels& factor) {
+  likelihood *= factor;
+  const float most = likelihood.maxCoeff();
+  if (most > kLeastProduct) return;
+  likelihood /= most;
+  log_scale += std::log(most);
+}
+
+float ContactTerm::Product::energy(const Levels& priors) const {
+  return -log_scale - std::log((priors * likelihood).sum());
 }
 
 ContactTerm::Felt ContactTerm::feel(const Datum& contact, const SearchPose& pose) const {
   Felt felt;
-  const auto sample = field_.at(pose.R.transpose() * (contact.raised - pose.t));
+  const Eigen::Vector3f y = pose.R.transpose() * (contact.raised - pose.t);
+  const auto sample = field_.at(y);
   if (!sample) return felt;
   felt.near = true;
   felt.away = sample->distance - offset_;
   const float length = std::max(kShortestGradient, sample->gradient.norm());
   felt.tilt = 1 - (pose.R.transpose() * contact.n).dot(sample->gradient) / length;
+  felt.swell = sample->distance - y.dot(sample->gradient) / length;
   if (contact.reach > 0) felt.slope = contact.R_offset_frame * (pose.R * sample->gradient) / length;
   return felt;
 }
@@ -98,22 +119,31 @@ std::vector<ContactTerm::Felt> ContactTerm::feel_all(const SearchPose& pose) con
   return felt;
 }
 
+ContactTerm::Levels ContactTerm::likelihood(std::size_t k, const Felt& felt, float slack) const {
+  const Noise& noise = noise_[k];
+  if (!felt.near) return Levels::Constant(growth_.size(), noise.inverse_peak);
+  Levels away = felt.away + growth_ * felt.swell;
+  if (slack > 0) away = (away.abs() - slack).max(0.0F);
+  const Levels q = away.square() * noise.half_point_precision + felt.tilt * noise.normal_precision;
+  return (1 + noise.odds * (-q).exp()) * noise.inverse_peak;
+}
+
 float ContactTerm::contact_energy(std::size_t k, const Felt& felt, float away,
-                                  const Level& level) const {
-  const Noise& noise = level.noise[k];
+                                  Eigen::Index level) const {
+  const LevelNoise noise = noise_at(k, level);
   const float q = away * away * noise.half_point_precision + felt.tilt * noise.normal_precision;
-  if (!felt.near || q >= kHopeless) return caps_[k];
-  return caps_[k] - std::log1p(noise.odds * std::exp(-q));
+  if (!felt.near || q >= kHopeless) return noise_[k].cap;
+  return noise_[k].cap - std::log1p(noise.odds * std::exp(-q));
 }
 
 float ContactTerm::contact_energy(std::size_t k, const SearchPose& pose) const {
   const Felt felt = feel(contacts_[k], pose);
-  return contact_energy(k, felt, felt.away, levels_[0]);
+  return noise_[k].stated_cap - noise_[k].cap + contact_energy(k, felt, felt.away, 0);
 }
 
 /// Reweighted least squares. The first weights bear with a contact as far off as the offset may be.
 ContactTerm::Fit ContactTerm::fit(const Group& group, const std::vector<Felt>& felt,
-                                  const Level& level) const {
+                                  Eigen::Index level) const {
   Fit fit;
   const float variance = 1 / group.precision;
   for (int step = 0; step < kFitSteps; ++step) {
@@ -121,9 +151,9 @@ ContactTerm::Fit ContactTerm::fit(const Group& group, const std::vector<Felt>& f
     Eigen::Vector3f g = Eigen::Vector3f::Zero();
     for (const std::size_t k : group.members) {
       if (!felt[k].near) continue;
-      const Noise& noise = level.noise[k];
+      const LevelNoise noise = noise_at(k, level);
       const float precision = 2 * noise.half_point_precision;
-      const float away = felt[k].away + felt[k].slope.dot(fit.offset);
+      const float away = away_at(felt[k], level) + felt[k].slope.dot(fit.offset);
       const float patience = step == 0 ? 1 + variance * precision : 1;
       const float q = away * away * noise.half_point_precision / patience +
                       felt[k].tilt * noise.normal_precision;
@@ -131,7 +161,7 @@ ContactTerm::Fit ContactTerm::fit(const Group& group, const std::vector<Felt>& f
       const float odds = noise.odds * std::exp(-q);
       const float weight = odds / (1 + odds) * precision;
       H.noalias() += weight * felt[k].slope * felt[k].slope.transpose();
-      g += weight * felt[k].away * felt[k].slope;
+      g += weight * away_at(felt[k], level) * felt[k].slope;
     }
     fit.information = H;
     fit.offset = -H.inverse() * g;
@@ -140,67 +170,67 @@ ContactTerm::Fit ContactTerm::fit(const Group& group, const std::vector<Felt>& f
 }
 
 float ContactTerm::group_energy(const Group& group, const std::vector<Felt>& felt,
-                                const Level& level) const {
+                                Eigen::Index level) const {
   const Fit best = fit(group, felt, level);
   float sum = 0.5F * group.precision * best.offset.squaredNorm() +
               0.5F * std::log(best.information.determinant() / std::pow(group.precision, 3.0F));
   for (const std::size_t k : group.members) {
-    sum += contact_energy(k, felt[k], felt[k].away + felt[k].slope.dot(best.offset), level);
+    sum +=
+        contact_energy(k, felt[k], away_at(felt[k], level) + felt[k].slope.dot(best.offset), level);
   }
   return sum;
 }
 
-float ContactTerm::level_energy(const std::vector<Felt>& felt, const Level& level) const {
-  float sum = level.cost;
+float ContactTerm::level_energy(const std::vector<Felt>& felt, Eigen::Index level) const {
+  float sum = -std::log(priors_[level]);
   for (std::size_t k = 0; k < felt.size(); ++k) {
-    if (!shares(k)) sum += contact_energy(k, felt[k], felt[k].away, level);
+    if (!shares(k)) sum += contact_energy(k, felt[k], away_at(felt[k], level), level);
   }
   for (const Group& group : groups_) sum += group_energy(group, felt, level);
   return sum;
 }
 
 float ContactTerm::energy(const SearchPose& pose, float bound) const {
-  std::array<float, 2> sums{};
-  for (std::size_t j = 0; j < levels_.size(); ++j) sums[j] = levels_[j].cost;
+  Product alone{Levels::Ones(growth_.size())};
   std::vector<Felt> sharing;
   if (!groups_.empty()) sharing.resize(contacts_.size());
-  std::array<float, 2> least = sums;  // with contacts as near as their offset may bring them
+  Product least = alone;  // with contacts as near as their offset may bring them
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
     const Felt felt = feel(contacts_[k], pose);
-    const float near =
-        shares(k) ? std::max(0.0F, std::abs(felt.away) - contacts_[k].reach * felt.slope.norm())
-                  : felt.away;
-    for (std::size_t j = 0; j < levels_.size(); ++j) {
-      const float e = contact_energy(k, felt, near, levels_[j]);
-      least[j] += e;
-      if (!shares(k)) sums[j] += e;
+    const Levels factor = likelihood(k, felt, contacts_[k].reach * felt.slope.norm());
+    least.multiply(factor);
+    if (const float sum = least.energy(priors_); sum > bound) return sum;
+    if (groups_.empty()) continue;
+    if (shares(k)) {
+      sharing[k] = felt;
+    } else {
+      alone.multiply(factor);
     }
-    if (const float sum = mixed(least, levels_.size()); sum > bound) return sum;
-    if (shares(k)) sharing[k] = felt;
   }
+  if (groups_.empty()) return least.energy(priors_);
+  Levels sums = -priors_.log() - alone.likelihood.log() - alone.log_scale;
   for (const Group& group : groups_) {
-    for (std::size_t j = 0; j < levels_.size(); ++j) {
-      sums[j] += group_energy(group, sharing, levels_[j]);
-    }
+    for (Eigen::Index j = 0; j < sums.size(); ++j) sums[j] += group_energy(group, sharing, j);
   }
-  return mixed(sums, levels_.size());
+  const float lowest = sums.minCoeff();
+  return lowest - std::log((lowest - sums).exp().sum());
 }
 
-const ContactTerm::Level& ContactTerm::likeliest_level(const std::vector<Felt>& felt) const {
-  const Level* best = &levels_[0];
+Eigen::Index ContactTerm::likeliest_level(const std::vector<Felt>& felt) const {
+  Eigen::Index best = 0;
   float least = kNoBound;
-  for (const Level& level : levels_) {
-    const float energy = levels_.size() == 1 ? 0 : level_energy(felt, level);
-    if (energy < least) best = &level;
+  for (Eigen::Index j = 0; j < priors_.size(); ++j) {
+    const float energy = level_energy(felt, j);
+    if (energy < least) best = j;
     least = std::min(least, energy);
   }
-  return *best;
+  return best;
 }
 
 std::vector<float> ContactTerm::away_at_best(const std::vector<Felt>& felt,
-                                             const Level& level) const {
+                                             Eigen::Index level) const {
   std::vector<float> away;
-  for (const Felt& contact : felt) away.push_back(contact.away);
+  for (const Felt& contact : felt) away.push_back(away_at(contact, level));
   for (const Group& group : groups_) {
     const Eigen::Vector3f offset = fit(group, felt, level).offset;
     for (const std::size_t k : group.members) away[k] += felt[k].slope.dot(offset);
@@ -210,11 +240,11 @@ std::vector<float> ContactTerm::away_at_best(const std::vector<Felt>& felt,
 
 void ContactTerm::linearize(const SearchPose& pose, NormalEquations& equations) const {
   const std::vector<Felt> felt = feel_all(pose);
-  const Level& level = likeliest_level(felt);
+  const Eigen::Index level = likeliest_level(felt);
   const std::vector<float> away = away_at_best(felt, level);
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
     if (shares(k)) continue;
-    const auto contact = linearized(k, pose, away[k], level.noise[k]);
+    const auto contact = linearized(k, pose, away[k], noise_at(k, level));
     if (contact) equations.add(contact->J, contact->r, contact->weight);
   }
   for (const Group& group : groups_) {  // the offset is eliminated by its Schur complement
@@ -223,10 +253,11 @@ void ContactTerm::linearize(const SearchPose& pose, NormalEquations& equations) 
         static_cast<double>(group.precision) * fit(group, felt, level).offset.cast<double>();
     Eigen::Matrix<double, 6, 3> across = Eigen::Matrix<double, 6, 3>::Zero();
     for (const std::size_t k : group.members) {
-      const auto contact = linearized(k, pose, away[k], level.noise[k]);
+      const auto contact = linearized(k, pose, away[k], noise_at(k, level));
       if (!contact) continue;
       equations.add(contact->J, contact->r, contact->weight);
-      const double scale = std::sqrt(2 * static_cast<double>(level.noise[k].half_point_precision));
+      const double scale =
+          std::sqrt(2 * static_cast<double>(noise_at(k, level).half_point_precision));
       const Eigen::Vector3d slope = scale * felt[k].slope.cast<double>();
       H += contact->weight * slope * slope.transpose();
       g += contact->weight * contact->r[0] * slope;
@@ -240,7 +271,7 @@ void ContactTerm::linearize(const SearchPose& pose, NormalEquations& equations) 
 
 std::optional<ContactTerm::Linearized> ContactTerm::linearized(std::size_t k,
                                                                const SearchPose& pose, float away,
-                                                               const Noise& noise) const {
+                                                               const LevelNoise& noise) const {
   const Datum& contact = contacts_[k];
   const Eigen::Vector3f arm = contact.raised - pose.t;
   const Eigen::Matrix3f to_object = pose.R.transpose();
@@ -271,19 +302,22 @@ std::optional<ContactTerm::Linearized> ContactTerm::linearized(std::size_t k,
   return Linearized{J.cast<double>(), r.cast<double>(), weight};
 }
 
-float ContactTerm::energy_if_false() const {
-  float sum = 0;
-  for (const float cap : caps_) sum += cap;
-  return sum;
+float ContactTerm::misfit(const SearchPose& pose) const {
+  float stated = 0, greatest = 0;
+  for (const Noise& noise : noise_) {
+    stated += noise.stated_cap;
+    greatest += noise.cap;
+  }
+  return (energy(pose, kNoBound) - (greatest - stated)) / stated;
 }
 
 int ContactTerm::unexplained(const SearchPose& pose) const {
   const std::vector<Felt> felt = feel_all(pose);
-  const Level& level = likeliest_level(felt);
+  const Eigen::Index level = likeliest_level(felt);
   const std::vector<float> away = away_at_best(felt, level);
   int count = 0;
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
-    const float explained = caps_[k] - contact_energy(k, felt[k], away[k], level);
+    const float explained = noise_[k].cap - contact_energy(k, felt[k], away[k], level);
     count += explained < std::log(2.0F);  // ln(1 + A e^-q)
   }
   return count;

@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "assumption.hpp"
 #include "evidence_term.hpp"
 #include "palpate/localization/localizer.hpp"
 
@@ -23,8 +24,9 @@ double peak_contact_density(double area, double point_sigma, double normal_sigma
 /// An offset b ~ N(0, so^2 I) that contacts share makes it a_k + m_k.b, and is integrated out by
 /// Laplace's method: E = sum E_k(b*) + |b*|^2 / 2 so^2 + ln det(I + so^2 sum w_k m_k m_k' / sp^2) /
 /// 2, w_k being the probability that the contact is a true one.
-/// Where the noise is in doubt, the likelihood is a mixture of that at the noise stated and at
-/// twice as much, the same for all contacts.
+/// The likelihood is a mixture over assumptions that are the same for all contacts: the noise is
+/// that stated or another one, the object as large as its mesh or larger by g. The latter makes
+/// a_k + g (phi - y.grad phi) of it, as a field phi(y / (1 + g)) (1 + g) is to first order.
 class ContactTerm : public EvidenceTerm {
  public:
   ContactTerm(const ObjectModel& model, const Evidence& evidence, double offset, double scale);
@@ -41,8 +43,9 @@ class ContactTerm : public EvidenceTerm {
   /// Contacts that at this pose are more likely false than true.
   int unexplained(const SearchPose& pose) const;
 
-  /// The energy of a pose that explains no contact.
-  float energy_if_false() const;
+  /// Energy of a pose above that of contacts that fit exactly at the noise stated, as a share of
+  /// what it would be if no contact were explained.
+  float misfit(const SearchPose& pose) const;
 
   std::size_t size() const { return contacts_.size(); }
 
@@ -53,14 +56,18 @@ class ContactTerm : public EvidenceTerm {
     Eigen::Matrix3f R_offset_frame = Eigen::Matrix3f::Identity();
     float reach = 0;  // of the offset it shares; 0: it shares none
   };
-  /// The noise of a contact at a level of noise.
+  /// One value for each assumption, the first being that all is as stated.
+  using Levels = Eigen::Array<float, Eigen::Dynamic, 1, 0, kMostAssumptions, 1>;
+  /// The noise of a contact at each level.
   struct Noise {
-    float half_point_precision, normal_precision;
-    float odds;  // A
+    Levels half_point_precision, normal_precision;
+    Levels odds;                      // A
+    float cap = 0, inverse_peak = 0;  // the greatest ln(1 + A), 1 / (1 + A)
+    float stated_cap = 0;             // ln(1 + A) of the first
   };
-  struct Level {
-    float cost;  // -ln of its prior probability
-    std::vector<Noise> noise;
+  /// Of a contact at one level.
+  struct LevelNoise {
+    float half_point_precision, normal_precision, odds;
   };
   /// Contacts that share an offset.
   struct Group {
@@ -70,6 +77,7 @@ class ContactTerm : public EvidenceTerm {
   /// A contact as it lies at a pose.
   struct Felt {
     float away = 0, tilt = 0;                         // a, 1 - n.m
+    float swell = 0;                                  // change of `away` by the object's growth
     Eigen::Vector3f slope = Eigen::Vector3f::Zero();  // of `away` by the offset
     bool near = false;                                // within reach of the distance field
   };
@@ -84,28 +92,45 @@ class ContactTerm : public EvidenceTerm {
     Eigen::Vector4d r;
     double weight;
   };
+  /// The product over contacts of their likelihoods at each level: one logarithm for all.
+  struct Product {
+    Levels likelihood;
+    float log_scale = 0;
+    void multiply(const Levels& factor);
+    float energy(const Levels& priors) const;
+  };
 
   bool shares(std::size_t contact) const { return contacts_[contact].reach > 0; }
-  Level make_level(const ObjectModel& model, const Evidence& evidence, double scale,
-                   double probability) const;
+  LevelNoise noise_at(std::size_t k, Eigen::Index level) const {
+    return {noise_[k].half_point_precision[level], noise_[k].normal_precision[level],
+            noise_[k].odds[level]};
+  }
+  static Noise make_noise(const ObjectModel& model, const Evidence& evidence,
+                          const touch::Contact& contact, const std::vector<Assumption>& levels,
+                          double scale);
   Felt feel(const Datum& contact, const SearchPose& pose) const;
   std::vector<Felt> feel_all(const SearchPose& pose) const;
-  float contact_energy(std::size_t contact, const Felt& felt, float away, const Level& level) const;
-  Fit fit(const Group& group, const std::vector<Felt>& felt, const Level& level) const;
-  float group_energy(const Group& group, const std::vector<Felt>& felt, const Level& level) const;
-  float level_energy(const std::vector<Felt>& felt, const Level& level) const;
-  const Level& likeliest_level(const std::vector<Felt>& felt) const;
+  float away_at(const Felt& felt, Eigen::Index level) const {
+    return felt.away + growth_[level] * felt.swell;
+  }
+  /// Likelihood of a contact at every level, at most 1; `slack` nearer than it lies.
+  Levels likelihood(std::size_t contact, const Felt& felt, float slack) const;
+  float contact_energy(std::size_t contact, const Felt& felt, float away, Eigen::Index level) const;
+  Fit fit(const Group& group, const std::vector<Felt>& felt, Eigen::Index level) const;
+  float group_energy(const Group& group, const std::vector<Felt>& felt, Eigen::Index level) const;
+  float level_energy(const std::vector<Felt>& felt, Eigen::Index level) const;
+  Eigen::Index likeliest_level(const std::vector<Felt>& felt) const;
   /// Of every contact, displaced by the offset that fits best.
-  std::vector<float> away_at_best(const std::vector<Felt>& felt, const Level& level) const;
+  std::vector<float> away_at_best(const std::vector<Felt>& felt, Eigen::Index level) const;
   std::optional<Linearized> linearized(std::size_t contact, const SearchPose& pose, float away,
-                                       const Noise& noise) const;
+                                       const LevelNoise& noise) const;
 
   const geometry::DistanceField& field_;
   float offset_;
   std::vector<Datum> contacts_;
-  std::vector<float> caps_;  // ln(1 + A) of each contact at the noise stated
   std::vector<Group> groups_;
-  std::vector<Level> levels_;
+  Levels priors_, growth_;  // probability, relative growth of the object
+  std::vector<Noise> noise_;
 };
 
 }  // namespace palpate::localization

@@ -21,12 +21,12 @@ constexpr PoseTolerance kLoose{1.7 * kDegree,
                                0.0033};  // a standard deviation: a third of the tolerance
 constexpr int kLeastStarts = 3;          // that must have led to the best pose
 constexpr double kNegligible = 1e-4;     // weight of a pose not worth reporting
-constexpr std::size_t kMostModes = 16;
 
 using Symmetries = PoseFamily::Symmetries;
 
 /// Basins within the tolerance of a pose are one mode.
-std::vector<Mode> modes_of(const std::vector<Basin>& basins, const Symmetries& symmetries) {
+std::vector<Mode> modes_of(const std::vector<Basin>& basins, const Symmetries& symmetries,
+                           std::size_t most) {
   const std::vector<double> shares = basin_shares(basins);
   std::vector<Mode> modes;
   for (std::size_t i = 0; i < basins.size(); ++i) {
@@ -36,7 +36,7 @@ std::vector<Mode> modes_of(const std::vector<Basin>& basins, const Symmetries& s
     });
     if (same != modes.end()) {
       same->weight += shares[i];
-    } else if (modes.size() < kMostModes && shares[i] > kNegligible) {
+    } else if (modes.size() < most && shares[i] > kNegligible) {
       modes.push_back({pose.isometry(), shares[i], covariance_of(basins[i].best), std::nullopt});
     }
   }
@@ -64,7 +64,7 @@ std::vector<Mode> settled_modes(const ObjectModel& model, const Evidence& eviden
   const auto basins = find_basins(*proposal, energy_at, symmetries,
                                   {options.proposals, options.starts, search.first_scale}, random);
   if (basins.empty()) return {};
-  const auto modes = modes_of(basins, symmetries);
+  const auto modes = modes_of(basins, symmetries, static_cast<std::size_t>(search.modes));
   const Basin& best = basins.front();
   const bool trusted = best.starts >= kLeastStarts && tight(modes.front().covariance) &&
                        modes.front().weight > options.certainty &&

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "assumption.hpp"
+
 namespace palpate::localization {
 namespace {
 
@@ -42,6 +44,20 @@ std::vector<FreeSphere> without_covered(std::vector<FreeSphere> spheres) {
   return kept;
 }
 
+/// Contacts that share an offset come from a hand that is off by it, and so are its balls.
+double depth_variance(const Evidence& evidence, double scale) {
+  double offset = 0;
+  for (const SharedOffset& shared : evidence.offsets) offset = std::max(offset, shared.sigma);
+  return std::pow(scale * evidence.penetration_sigma, 2) + offset * offset;
+}
+
+/// Of the object's relative growth, as far as it is taken into account.
+double growth_variance(const Evidence& evidence) {
+  double variance = 0;
+  for (const Assumption& a : assumptions(evidence)) variance += a.share * a.growth * a.growth;
+  return variance;
+}
+
 double bounding_radius(const geometry::TriangleMesh& mesh) {
   double squared = 0;
   for (const auto& vertex : mesh.vertices) squared = std::max(squared, vertex.squaredNorm());
@@ -64,7 +80,8 @@ FreeSpaceTerm::FreeSpaceTerm(const ObjectModel& model, const Evidence& evidence,
     : field_(model.field()),
       clearance_(model.clearance()),
       shared_(std::move(balls)),
-      half_precision_(static_cast<float>(0.5 / std::pow(scale * evidence.penetration_sigma, 2))) {
+      variance_(static_cast<float>(depth_variance(evidence, scale))),
+      growth_variance_(static_cast<float>(growth_variance(evidence))) {
   const auto all = static_cast<double>(shared_->balls.size());
   const auto few = static_cast<std::size_t>(all / (scale * scale));
   count_ = std::min(shared_->balls.size(), std::max(kFewest, few));
@@ -81,7 +98,7 @@ float FreeSpaceTerm::energy(const SearchPose& pose, float bound) const {
     if (clearance_.at_least(center) >= ball.radius) continue;
     const float depth = ball.radius - field_.distance(center);
     if (depth <= 0) continue;
-    sum += depth * depth * half_precision_;
+    sum += 0.5F * depth * depth / (variance_ + growth_variance_ * arm.squaredNorm());
     if (sum > bound) break;
   }
   return sum;
@@ -101,7 +118,8 @@ void FreeSpaceTerm::linearize(const SearchPose& pose, NormalEquations& equations
     Eigen::Matrix<double, 1, 6> J;  // of the depth; moving the object away lessens it
     J << arm.cast<double>().cross(m).transpose(), m.transpose();
     const Eigen::Matrix<double, 1, 1> depth(static_cast<double>(ball.radius - sample->distance));
-    equations.add(J, depth, 2 * static_cast<double>(half_precision_));
+    equations.add(J, depth,
+                  1 / static_cast<double>(variance_ + growth_variance_ * arm.squaredNorm()));
   }
 }
 

@@ -35,8 +35,8 @@ class FreeSpaceTerm : public EvidenceTerm {
   const geometry::DistanceField& field_;
   const Clearance& clearance_;
   std::shared_ptr<const Balls> shared_;
-  float half_precision_;
-  std::size_t count_;  // of the balls that are looked at
+  float variance_, growth_variance_;  // of a depth: m^2, and per m^2 from the object's origin
+  std::size_t count_;                 // of the balls that are looked at
 };
 
 }  // namespace palpate::localization

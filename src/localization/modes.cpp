@@ -11,7 +11,8 @@ namespace palpate::localization {
 namespace {
 
 constexpr std::size_t kCandidates = 100;  // centres tried for a ball
-constexpr double kLeastShare = 0.064;     // of the poses, for a mode, over the most modes
+/// Of the poses. Once so many are in modes, the rest is only listed where it lies together.
+constexpr double kEnoughHeld = 0.97, kWorthListing = 0.004;
 /// Of the poses about which a mode is centred: most of a ball.
 constexpr PoseTolerance kCore{3.5 * std::numbers::pi / 180, 0.007};
 constexpr int kCoreSteps = 4;       // of shifting a centre to the mean of the poses about it
@@ -103,12 +104,12 @@ std::size_t take(const PoseFamily& family, const PoseFamily::Symmetries& symmetr
 
 std::vector<Cluster> cover(Poses poses, const PoseFamily::Symmetries& symmetries,
                            std::size_t most) {
-  const double share = kLeastShare / static_cast<double>(most);
-  const auto least = static_cast<std::size_t>(share * static_cast<double>(poses.size()));
+  const auto all = static_cast<double>(poses.size());
   std::vector<Cluster> clusters;
   while (clusters.size() < most && !poses.empty()) {
     Cluster cluster = fullest_cluster(poses, symmetries);
-    if (!clusters.empty() && cluster.members.size() <= least) break;
+    const bool few_left = static_cast<double>(poses.size()) <= (1 - kEnoughHeld) * all;
+    if (few_left && static_cast<double>(cluster.members.size()) <= kWorthListing * all) break;
     take(cluster.family, symmetries, poses);
     clusters.push_back(std::move(cluster));
   }

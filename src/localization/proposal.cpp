@@ -87,7 +87,7 @@ class AnchorProposal : public Proposal {
   static Evidence with_contacts(Evidence evidence, const std::vector<touch::Contact>& contacts) {
     evidence.contacts = contacts;
     evidence.offsets.clear();
-    evidence.noise_doubt = 0;
+    evidence.noise_doubt = evidence.size_doubt = 0;
     return evidence;
   }
 

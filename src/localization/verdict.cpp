@@ -19,8 +19,7 @@ bool contradicted(const ObjectModel& model, const Evidence& evidence, const Sear
   const ContactTerm contacts(model, evidence, contact_offset, 1.0);
   const auto expected = static_cast<float>(evidence.false_contact_share);
   return 2 * contacts.unexplained(best) > static_cast<int>(contacts.size()) ||
-         contacts.energy(best, kNoBound) >
-             (kMostUnexplained + expected) * contacts.energy_if_false();
+         contacts.misfit(best) > kMostUnexplained + expected;
 }
 
 PoseStatus status_of(const std::vector<Mode>& modes) {

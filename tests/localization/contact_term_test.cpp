@@ -16,7 +16,7 @@ Evidence on_a_face(int count) {
   const auto bounds = model_of("box").bounds();
   Evidence evidence;
   evidence.false_contact_share = 1e-9;
-  evidence.noise_doubt = 0;
+  evidence.noise_doubt = evidence.size_doubt = 0;
   for (int k = 0; k < count; ++k) {
     touch::Contact contact;
     contact.p = {static_cast<double>(bounds.max().x()), 0.004 * k - 0.008, 0.006 * (k % 3)};
@@ -88,26 +88,62 @@ TEST(ContactTerm, LinearizesWhatItIntegrates) {
   EXPECT_NEAR(equations.g[3], 0.001 * expected, 0.02 * 0.001 * expected);
 }
 
-TEST(ContactTerm, DoubtOfTheNoiseIsAMixture) {
+/// Contacts as a scaled face or other noise would have them, their energy up to a constant.
+double likelihood_at(Evidence evidence, const Assumption& as, double x) {
+  for (auto& contact : evidence.contacts) {
+    contact.point_sigma *= as.point_noise;
+    contact.normal_sigma *= as.normal_noise;
+  }
+  evidence.noise_doubt = evidence.size_doubt = 0;
+  const double half_width = static_cast<double>(model_of("box").bounds().max().x());
+  const double e = energy_at(evidence, x + as.growth * half_width);
+  // Its peak is lower for wider noise, by 2 for the point and about 4 for the normal if doubled.
+  return std::exp(-e) *
+         std::pow(evidence.contacts[0].point_sigma / kPointSigma * std::pow(as.normal_noise, 2),
+                  -1.0 * static_cast<double>(evidence.contacts.size()));
+}
+
+TEST(ContactTerm, DoubtsAreMixtures) {
   Evidence evidence = on_a_face(4);
-  Evidence twice = evidence;
-  for (auto& contact : twice.contacts) {
-    contact.point_sigma *= 2;
-    contact.normal_sigma *= 2;
+  evidence.noise_doubt = 0.3;
+  evidence.size_doubt = 0.2;
+  const auto mixed = [&](double x) {
+    double sum = 0;
+    for (const Assumption& as : assumptions(evidence)) {
+      sum += as.share * likelihood_at(evidence, as, x);
+    }
+    return -std::log(sum);
+  };
+  for (const double x : {0.0005, 0.001, 0.002, 0.003}) {
+    EXPECT_NEAR(energy_at(evidence, x) - energy_at(evidence, 0), mixed(x) - mixed(0), 0.1) << x;
   }
-  evidence.noise_doubt = 0.25;
-  for (const double x : {0.0, 0.001, 0.003}) {
-    Evidence sure = evidence;
-    sure.noise_doubt = 0;
-    // The wider density is lower at its peak by 2 for the point and about 4 for the normal.
-    const auto odds = [](const Evidence& e) {
-      return ContactTerm(model_of("box"), e, kOffset, 1.0).energy_if_false();
-    };
-    const double lower = static_cast<double>(odds(sure) - odds(twice));
-    const double expected = -std::log(0.75 * std::exp(-energy_at(sure, x)) +
-                                      0.25 * std::exp(-energy_at(twice, x) - lower));
-    EXPECT_NEAR(energy_at(evidence, x), expected, 0.01);
+}
+
+TEST(Assumptions, BeginWithWhatIsStatedAndSumToOne) {
+  for (const bool offsets : {false, true}) {
+    Evidence evidence = on_a_face(3);
+    evidence.noise_doubt = 0.3;
+    evidence.size_doubt = 0.2;
+    if (offsets) evidence.offsets = {offset_of_all(evidence, 0.001)};
+    double sum = 0;
+    for (const Assumption& as : assumptions(evidence)) sum += as.share;
+    EXPECT_NEAR(sum, 1, 1e-12);
+    const Assumption stated = assumptions(evidence).front();
+    EXPECT_EQ(stated.point_noise, 1);
+    EXPECT_EQ(stated.growth, 0);
+    evidence.noise_doubt = evidence.size_doubt = 0;
+    EXPECT_EQ(assumptions(evidence).size(), 1u);
   }
+}
+
+TEST(ContactTerm, MisfitIsNoneWhereAllFitsAndOneWhereNothingDoes) {
+  Evidence evidence = on_a_face(4);
+  evidence.noise_doubt = 0.4;
+  const ContactTerm term(model_of("box"), evidence, kOffset, 1.0);
+  SearchPose pose;
+  EXPECT_LT(term.misfit(pose), 0.05F);
+  pose.t.x() = 1;
+  EXPECT_NEAR(term.misfit(pose), 1, 1e-3);
 }
 
 TEST(ContactTerm, StopsEarlyOnlyAboveTheBound) {

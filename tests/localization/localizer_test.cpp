@@ -190,6 +190,54 @@ TEST(Localize, SaysWhenTheContactsAreOfSomethingElse) {
   }
 }
 
+/// The misfit that is allowed grows with the expected share of false contacts, not without end.
+TEST(Localize, TellsFalseContactsFromAnotherObject) {
+  SceneOptions options;
+  options.contacts = 20;
+  for (const double share : {0.1, 0.2, 0.3}) {
+    for (const std::uint64_t seed : {1U, 2U, 3U, 4U}) {
+      Scene scene = scene_of("mug", options, seed);
+      scene.evidence.false_contact_share = share;
+      EXPECT_EQ(localize(model_of("bracket"), scene.evidence, RandomStream(1), quick()).status,
+                PoseStatus::no_pose)
+          << share;
+      SceneOptions some_false = options;
+      some_false.false_share = share;
+      const Scene own = scene_of("bracket", some_false, seed);
+      EXPECT_NE(localize(model_of("bracket"), own.evidence, RandomStream(1), quick()).status,
+                PoseStatus::no_pose)
+          << share;
+    }
+  }
+}
+
+/// Success with `change` made to what the search is told.
+template <class Change>
+double success_when(const std::string& name, const Change& change) {
+  const ObjectModel& model = model_of(name);
+  constexpr int kScenes = 15;
+  int successes = 0;
+  for (int i = 0; i < kScenes; ++i) {
+    Scene scene = scene_of(name, {}, static_cast<std::uint64_t>(i));
+    change(scene.evidence);
+    successes += right(localize(model, scene.evidence, RandomStream(7), quick()), model, scene);
+  }
+  return successes / static_cast<double>(kScenes);
+}
+
+TEST(Localize, BearsNoiseOfAnotherSizeThanStated) {
+  const double exact = success_when("bottle", [](Evidence&) {});
+  for (const double times : {0.5, 2.0}) {
+    const double wrong = success_when("bottle", [times](Evidence& evidence) {
+      for (auto& contact : evidence.contacts) {
+        contact.point_sigma *= times;
+        contact.normal_sigma *= times;
+      }
+    });
+    EXPECT_GE(wrong, exact - 0.1) << times;
+  }
+}
+
 TEST(Localize, RefusesContactsInMillimetres) {
   Scene scene = scene_of("box", {}, 1);
   for (auto& contact : scene.evidence.contacts) contact.p *= 1000;
@@ -326,6 +374,7 @@ TEST(Localize, RefusesWhatCannotBeUsed) {
   expect_bad("normal_sigma is -1", [](Evidence& e) { e.contacts[0].normal_sigma = -1; });
   expect_bad("false_contact_share is 1", [](Evidence& e) { e.false_contact_share = 1; });
   expect_bad("noise_doubt is 1", [](Evidence& e) { e.noise_doubt = 1; });
+  expect_bad("size_doubt is -0.1", [](Evidence& e) { e.size_doubt = -0.1; });
   expect_bad("offset 0: sigma is 0", [](Evidence& e) { e.offsets = {{0.0, {}}}; });
   expect_bad("contact 1000 of", [](Evidence& e) { e.offsets = {{0.001, {{1000}}}}; });
   expect_bad("contact 0 is in another one", [](Evidence& e) {

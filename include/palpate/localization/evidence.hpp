@@ -79,7 +79,11 @@ struct Evidence {
   std::vector<touch::Contact> contacts;
   std::vector<SharedOffset> offsets;  ///< a contact is in one of them at most
   double false_contact_share = 0.02;  ///< prior share of contacts with something else
-  double noise_doubt = 0.2;  ///< prior chance that all contacts are twice as noisy as they say
+  /// Prior chance that the noise of all contacts is not as stated, but half to twice as much.
+  double noise_doubt = 0.4;
+  /// Prior chance that the object is up to 3 % larger or smaller than its mesh. Not looked at where
+  /// contacts share offsets.
+  double size_doubt = 0.25;
   std::vector<FreeSphere> free_space;
   double penetration_sigma = 0.0015;  ///< m
   std::optional<ForceBalance> balance;
