@@ -10,6 +10,12 @@ namespace {
 constexpr std::array<std::string_view, 5> kStatusNames = {"done", "no_way", "not_held", "lost",
                                                           "out_of_rounds"};
 
+/// The target as one that may ask for turning the object over: a slot may, too.
+PlaceTarget turned_over(PlaceTarget target) {
+  if (target.kind == PlaceTarget::Kind::fixture) target.kind = PlaceTarget::Kind::pose;
+  return target;
+}
+
 /// A course over several transfers.
 class Transfers {
  public:
@@ -20,7 +26,7 @@ class Transfers {
         object_(object),
         target_(target),
         fixture_(fixture),
-        pick_options_(firm_enough(pick_options, target, options)),
+        pick_options_(firm_enough(pick_options, turned_over(target), options)),
         place_options_(options),
         options_(options.regrasp),
         observer_(observer),

@@ -20,6 +20,7 @@ namespace {
 constexpr double kSameStance = 0.06;    // rad between stances that are one
 constexpr double kInsideTable = 0.003;  // m by which a target may be below the table
 constexpr double kFarRoll = -0.8;       // rad
+constexpr double kFarthestRoll = -1.2;  // rad
 constexpr int kStart = 0;               // nodes: the start, the stances, the target
 
 /// Direction in the object's frame that points up.
@@ -238,8 +239,10 @@ GraspTool regrasp_tool(const hand::HandModel& hand,
   const hand::ClosingLaw law(actuators, recipe.closing_rate, recipe.thumb_limit);
   GraspTool tool;
   tool.path = closing_path(hand, open_posture(recipe), law);
-  // Rolled far, the hand still clears the table when it stands up what lay on its side.
-  tool.attitudes = {{recipe.pitch, recipe.roll}, {0.9, recipe.roll}, {0.9, kFarRoll}};
+  // Rolled far, the hand still clears the table when it stands up what lay on its side; farther
+  // still, when it lays down what stood.
+  tool.attitudes = {
+      {recipe.pitch, recipe.roll}, {0.9, recipe.roll}, {0.9, kFarRoll}, {0.9, kFarthestRoll}};
   return tool;
 }
 

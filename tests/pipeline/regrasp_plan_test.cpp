@@ -9,6 +9,7 @@
 #include "palpate/core/error.hpp"
 #include "palpate/hand/coupling.hpp"
 #include "palpate/pipeline/grasp_phase.hpp"
+#include "palpate/pipeline/place_target.hpp"
 #include "palpate/simulation/collision_scene.hpp"
 #include "palpate/simulation/world.hpp"
 
@@ -97,6 +98,19 @@ TEST(PlanRegrasp, StandsALyingBoxUpInOneGo) {
   const auto again = table.plan(from, to);
   EXPECT_EQ(plan.cost, again.cost);
   EXPECT_EQ(plan.transfers.front().release.ypr, again.transfers.front().release.ypr);
+}
+
+TEST(PlanRegrasp, LaysAStandingBoxAndBracketDown) {
+  for (const char* name : {"box", "bracket"}) {
+    const Table table(name);
+    const auto& object = table.object.object();
+    const std::size_t standing = object.stances.size() - 1;  // both stand in their rarest stance
+    const auto from = resting_pose(object, standing, {0.01, 0}, 0.3);
+    const auto to = resting_pose(object, 0, {0.25, 0.15}, 0);
+    const auto plan = table.plan(from, to);
+    EXPECT_TRUE(plan.found) << name;
+    expect_sound(table, plan, from, to);
+  }
 }
 
 TEST(PlanRegrasp, StandsALyingBottleUp) {
