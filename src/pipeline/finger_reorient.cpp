@@ -6,6 +6,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <span>
 
 #include "load.hpp"
@@ -73,6 +74,10 @@ class Turning {
       result.plan_seconds +=
           std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
       ++result.steps;
+      if (chosen.falls) {
+        end = ReorientEnd::losing;
+        break;
+      }
       robot_.move_fingers(targets_of(robot_, view_, chosen.motion), options_.period);
       rest();
       displacement_ = chosen.displacement;
@@ -102,6 +107,32 @@ class Turning {
     const Eigen::Isometry3d T_base_world = robot_.command().base.pose().inverse();
     return shortened(way_between(T_base_world * tracked(), T_base_world * goal_),
                      options_.speed * options_.period, options_.way_speed * options_.period);
+  }
+
+  /// Remembers where the fingertips touch, for those that will not in the next look: they go along
+  /// with the object and are pressed against it for a while.
+  void remember_contacts() {
+    const auto T_base_link = hand::forward_kinematics(robot_.model(), view_.joints);
+    std::array<bool, hand::kFingers> touches{};
+    for (const auto& contact : view_.contacts) {
+      const auto finger = static_cast<std::size_t>(contact.finger);
+      const auto link = static_cast<std::size_t>(robot_.model().distal[finger]);
+      touches[finger] = true;
+      lasts_[finger] = contact;
+      lasts_[finger]->p = T_base_link[link].inverse() * contact.p;
+      lasts_[finger]->n = T_base_link[link].linear().transpose() * contact.n;
+      missed_[finger] = 0;
+    }
+    view_.lost.clear();
+    view_.regain = options_.regain;
+    for (std::size_t finger = 0; finger < hand::kFingers; ++finger) {
+      if (touches[finger] || !lasts_[finger] || ++missed_[finger] > options_.regains) continue;
+      const auto link = static_cast<std::size_t>(robot_.model().distal[finger]);
+      touch::Contact contact = *lasts_[finger];
+      contact.p = T_base_link[link] * contact.p;
+      contact.n = T_base_link[link].linear() * contact.n;
+      view_.lost.push_back(contact);
+    }
   }
 
   /// By how much the commands must lead so that the fingertips press with forces that bear the
@@ -134,6 +165,7 @@ class Turning {
     view_.command = robot_.command();
     view_.joints = joints;
     view_.contacts = touch::lasting_contacts(window, robot_.model(), options_.errors);
+    remember_contacts();
     if (first_force_ == 0) first_force_ = pressing_force(view_.contacts);
     view_.lead =
         mending_lead(looks_++ < options_.tightenings ? options_.tighten_gain : options_.force_gain);
@@ -171,20 +203,22 @@ class Turning {
     return frame;
   }
 
-  std::optional<ReorientEnd> judge() const {
+  std::optional<ReorientEnd> judge() {
     std::array<bool, hand::kFingers> touches{};
     for (const auto& contact : view_.contacts) {
       touches[static_cast<std::size_t>(contact.finger)] = true;
     }
-    if (!touches.front() ||
-        std::count(touches.begin(), touches.end(), true) < options_.least_fingers) {
+    if (std::count(touches.begin(), touches.end(), true) < options_.least_fingers) {
       return ReorientEnd::losing;
     }
     if (!well_known(tracker_.posterior().modes.front(), options_)) return ReorientEnd::drift;
     const auto error = left();
-    if (error.rotation < options_.done_angle && error.translation < options_.done_way) {
-      return ReorientEnd::reached;
-    }
+    const double distance =
+        std::max(error.rotation / options_.done_angle, error.translation / options_.done_way);
+    if (distance < 1) return ReorientEnd::reached;
+    stalled_ = distance < nearest_ ? 0 : stalled_ + 1;
+    nearest_ = std::min(nearest_, distance);
+    if (stalled_ > options_.patience) return ReorientEnd::out_of_time;
     return std::nullopt;
   }
 
@@ -196,7 +230,11 @@ class Turning {
   localization::Tracker tracker_;
   GraspView view_;
   int looks_ = 0;
-  double first_force_ = 0;                         // N, of all fingertips
+  double nearest_ = std::numeric_limits<double>::infinity();  // to the goal, in what is enough
+  int stalled_ = 0;                                           // looks since then
+  std::array<std::optional<touch::Contact>, hand::kFingers> lasts_;  // link's frame
+  std::array<int, hand::kFingers> missed_{};                         // looks without touch
+  double first_force_ = 0;                                           // N, of all fingertips
   std::optional<Eigen::Isometry3d> displacement_;  // that the last step was rehearsed to make
   std::vector<Eigen::Isometry3d> last_links_;
   double last_time_ = 0;

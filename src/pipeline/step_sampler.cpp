@@ -11,14 +11,27 @@ namespace palpate::pipeline {
 namespace {
 
 constexpr double kTouching = 0.05;  // N
+constexpr double kFallen = 0.010;   // m, more than any step asks for
+
+bool fallen(const simulation::Rehearsal::Outcome& settled,
+            const simulation::Rehearsal::Outcome& end) {
+  const Eigen::Vector3d way = end.T_base_object.translation() - settled.T_base_object.translation();
+  return settled.diverged || end.diverged || way.norm() > kFallen;
+}
 
 }  // namespace
 
 hand::ActuatorVector targets_of(const Robot& robot, const GraspView& view,
                                 const GraspMotion& motion) {
+  std::vector<touch::Contact> carrying = view.contacts;
+  GraspMotion regaining = motion;
+  for (const auto& contact : view.lost) {
+    carrying.push_back(contact);
+    regaining.press[static_cast<std::size_t>(contact.finger)] += view.regain;
+  }
   hand::ActuatorVector targets = view.command.positions + view.lead +
-                                 finger_motion(robot.model(), view.joints, view.contacts,
-                                               view.T_base_object.translation(), motion);
+                                 finger_motion(robot.model(), view.joints, carrying,
+                                               view.T_base_object.translation(), regaining);
   for (int i = 0; i < hand::kActuators; ++i) {
     const auto& range = robot.actuators()[static_cast<std::size_t>(i)].command;
     targets[i] = std::clamp(targets[i], range.low, range.high);
@@ -104,7 +117,7 @@ GraspMotion StepSampler::mix(const std::vector<GraspMotion>& motions,
 /// Each thread rehearses every so-many-th motion, all from the same start: what comes of a motion
 /// does not depend on the number of threads.
 ChosenStep StepSampler::choose(const GraspView& view, const Vector6d& step, RandomStream random) {
-  if (options_.sampling.samples == 0) return {{step, {}}, std::nullopt};
+  if (options_.sampling.samples == 0) return {{step, {}}, std::nullopt, false};
   const auto motions = variants(step, random);
   std::vector<double> costs(motions.size());
   const simulation::BelievedGrasp grasp{view.command, view.joints,
@@ -118,13 +131,13 @@ ChosenStep StepSampler::choose(const GraspView& view, const Vector6d& step, Rand
     }
   });
   rehearsals_ += static_cast<int>(motions.size()) + 1;
-  ChosenStep chosen{mix(motions, costs), std::nullopt};
+  ChosenStep chosen{mix(motions, costs), std::nullopt, false};
   auto& rehearsal = rehearsals_of_threads_.front();
   const auto settled = rehearsal.start(grasp, options_.sampling.settle);
   const auto end = rehearsal.play(commands_of(view, chosen.motion));
-  if (!settled.diverged && !end.diverged) {
-    chosen.displacement = end.T_base_object * settled.T_base_object.inverse();
-  }
+  chosen.falls = fallen(settled, end);
+  if (chosen.falls) return chosen;
+  chosen.displacement = end.T_base_object * settled.T_base_object.inverse();
   return chosen;
 }
 

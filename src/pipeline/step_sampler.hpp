@@ -14,8 +14,10 @@ namespace palpate::pipeline {
 /// The grasp as it is seen before a step.
 struct GraspView {
   hand::HandCommand command;
-  hand::JointVector joints = hand::JointVector::Zero();             ///< averaged over the look
-  std::vector<touch::Contact> contacts;                             ///< base's frame
+  hand::JointVector joints = hand::JointVector::Zero();  ///< averaged over the look
+  std::vector<touch::Contact> contacts;                  ///< base's frame
+  std::vector<touch::Contact> lost;  ///< where fingertips that touch no more touched last
+  double regain = 0;                 ///< m by which these press into the object
   Eigen::Isometry3d T_base_object = Eigen::Isometry3d::Identity();  ///< tracked
   hand::ActuatorVector lead = hand::ActuatorVector::Zero();         ///< rad, that mends the forces
 };
@@ -31,6 +33,7 @@ Vector6d way_between(const Eigen::Isometry3d& from, const Eigen::Isometry3d& to)
 struct ChosenStep {
   GraspMotion motion;
   std::optional<Eigen::Isometry3d> displacement;  ///< T_after_before, base's frame
+  bool falls = false;                             ///< in the rehearsal the object is lost
 };
 
 /// Tries motions in rehearsals and mixes those that end well.

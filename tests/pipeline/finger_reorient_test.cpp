@@ -107,6 +107,41 @@ TEST(ReorientByFingers, ChoosesTheSameStepsWithTwoThreads) {
             results[1].posterior.modes.front().T_frame_object.matrix());
 }
 
+TEST(ReorientByFingers, CarriesTheObjectAlongWithoutRehearsals) {
+  HeldBracket scene;
+  ASSERT_TRUE(scene.picked.held);
+  const auto& posterior = scene.picked.estimate.posterior;
+  const Eigen::Vector3d turn(0, 0, 0.17);
+  const Eigen::Isometry3d goal = turned(posterior.modes.front().T_frame_object, turn);
+  const Eigen::Isometry3d true_goal = turned(scene.truth(), turn);
+  ReorientOptions options;
+  options.sampling.samples = 0;
+  options.longest = 3;
+  const auto result =
+      reorient_by_fingers(*scene.robot, scene.object, posterior, goal, options, kSeed);
+  EXPECT_EQ(result.rehearsals, 0);
+  EXPECT_GT(result.steps, options.tightenings);
+  const auto error =
+      localization::pose_error(scene.truth(), true_goal, {Eigen::Matrix3d::Identity()});
+  EXPECT_LT(error.rotation, turn.norm());
+  EXPECT_GT(scene.world.truth().lowest_point, 0.02);  // it hangs
+}
+
+TEST(ReorientByFingers, EndsWhereItComesNoNearer) {
+  HeldBracket scene;
+  ASSERT_TRUE(scene.picked.held);
+  const auto& posterior = scene.picked.estimate.posterior;
+  Eigen::Isometry3d goal = posterior.modes.front().T_frame_object;
+  goal.translation().z() += 0.3;  // longer than fingers are
+  ReorientOptions options;
+  options.sampling.samples = 0;
+  options.patience = 1;
+  const auto result =
+      reorient_by_fingers(*scene.robot, scene.object, posterior, goal, options, kSeed);
+  EXPECT_NE(result.end, ReorientEnd::reached);
+  EXPECT_LT(result.seconds, options.longest);
+}
+
 TEST(ReorientByFingers, RejectsAGoalThatIsNoneAndAMissingPose) {
   HeldBracket scene;
   Eigen::Isometry3d goal = Eigen::Isometry3d::Identity();

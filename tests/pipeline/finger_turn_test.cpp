@@ -84,7 +84,7 @@ struct HeldBox {
     picked = pick(*robot, object, options.pick, kSeed);
   }
   PlaceResult place_it() {
-    const auto target = place_target(object.object(), options.place, kSeed);
+    const auto target = place_target(object.object(), options.place, kSeed, 0);
     return place(*robot, object, picked, *target, {}, options.pick, options.place, kSeed);
   }
 
@@ -123,6 +123,34 @@ TEST(FingerTurn, WhereFingersLetGoTheBaseTakesWhatIsLeft) {
   EXPECT_GT(placed.turn->result.left.rotation, 0.1);
   EXPECT_EQ(placed.status, PlaceStatus::placed) << placed.phases.back().outcome;
   EXPECT_LT(scene.world.truth().lowest_point, 0.002);
+}
+
+double pressing(const Robot& robot) {
+  double sum = 0;
+  for (int finger = 0; finger < hand::kFingers; ++finger) sum += tip_force(robot.reading(), finger);
+  return sum;
+}
+
+TEST(FingerTurn, FingersThatAreAboutToLetGoPressAnew) {
+  HeldBox scene;
+  ASSERT_TRUE(scene.picked.held);
+  FingerTurnOptions options = scene.options.place.fingers;
+  options.reorient.least_fingers = hand::kFingers + 1;  // more than there are
+  options.reorient.errors = scene.options.pick.locate.errors;
+  PickState state;
+  state.estimate = scene.picked.estimate;
+  FingerTurn turn;
+  turn.asked = {0, 0, 0.1};
+  const double before = pressing(*scene.robot);
+  const PhaseEnd end =
+      FingerTurnPhase(options, scene.object, HeldBox::kSeed, turn).run(*scene.robot, state);
+  EXPECT_EQ(turn.result.end, ReorientEnd::losing);
+  EXPECT_EQ(turn.result.steps, 0);
+  EXPECT_GT(pressing(*scene.robot), 1.2 * before);
+  EXPECT_FALSE(turn.lost);
+  EXPECT_FALSE(turn.known);  // nothing has followed what pressing did
+  EXPECT_FALSE(end.ok);
+  EXPECT_GT(scene.world.truth().lowest_point, 0.02);  // it hangs
 }
 
 }  // namespace

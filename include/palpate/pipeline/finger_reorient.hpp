@@ -54,11 +54,14 @@ struct ReorientOptions {
   double period = 0.35;       ///< s of motion between two looks
   double pause = 0.12;        ///< s of rest before a look, averaged
   double longest = 16.0;      ///< s in all
+  int patience = 6;           ///< looks in which it may come no nearer to the goal
   double done_angle = 0.05;   ///< rad from the goal that are near enough
   double done_way = 0.005;    ///< m
   double drift_angle = 0.15;  ///< rad, standard deviation of the tracked pose that ends it
   double drift_way = 0.010;   ///< m
-  int least_fingers = 2;      ///< that must touch; the thumb is one of them
+  int least_fingers = 3;      ///< that must touch
+  double regain = 0.001;      ///< m a step by which a fingertip that has lost touch is pressed on
+  int regains = 4;            ///< steps in which that is tried
   double grip = 2.5;          ///< force of all fingertips while they turn, times that of the hold
   int tightenings = 2;        ///< steps at first in which they only press
   double tighten_gain = 0.5;  ///< share of the forces' error that such a step makes up for
@@ -76,11 +79,14 @@ struct ReorientOptions {
     v("period", period, 0.05, 5.0, "s of motion between two looks");
     v("pause", pause, 0.01, 1.0, "s of rest before a look");
     v("longest", longest, 0.1, 600.0, "s in all");
+    v("patience", patience, 1, 1000, "looks in which it may come no nearer to the goal");
     v("done_angle", done_angle, 1e-3, 1.0, "rad from the goal that are near enough");
     v("done_way", done_way, 1e-4, 0.1, "m from the goal that are near enough");
     v("drift_angle", drift_angle, 1e-3, 3.2, "rad, standard deviation of the pose that ends it");
     v("drift_way", drift_way, 1e-4, 0.1, "m, standard deviation of the pose that ends it");
-    v("least_fingers", least_fingers, 1, 5, "that must touch, the thumb among them");
+    v("least_fingers", least_fingers, 1, 5, "that must touch");
+    v("regain", regain, 0.0, 0.01, "m a step by which a fingertip that lost touch is pressed on");
+    v("regains", regains, 0, 100, "steps in which that is tried");
     v("grip", grip, 0.1, 10.0, "force of all tips while they turn, times that of the hold");
     v("tightenings", tightenings, 0, 100, "steps at first in which they only press");
     v("tighten_gain", tighten_gain, 0.0, 1.0, "share of the forces' error made up for by each");
@@ -94,9 +100,9 @@ struct ReorientOptions {
 
 enum class ReorientEnd {
   reached,      ///< as near to the goal as asked, by the tracked pose
-  out_of_time,  ///< the joints do not reach, or it goes on slipping
+  out_of_time,  ///< it comes no nearer: the joints do not reach, or it goes on slipping
   drift,        ///< the tracked pose has become too uncertain to go on
-  losing,       ///< too few fingers touch
+  losing,       ///< too few fingers touch, or the next step would lose it, as rehearsed
 };
 std::string_view to_string(ReorientEnd end);
 
