@@ -108,7 +108,7 @@ Outcome Watch::run(const localization::ObjectModel& model) {
   PhaseObserver observer{
       [&](std::string_view phase, double) { begins[std::string(phase)] = ticks_.size() - 1; },
       [&](const PhaseReport& report, double) { ends[report.name] = ticks_.size() - 1; }};
-  const auto target = *place_target(object_, options_.place, seed_);
+  const auto target = *place_target(object_, options_.place, seed_, 0);
   const PlaceCourse course =
       pick_and_place(robot, model, target, {}, options_.pick, options_.place, seed_, observer);
   Outcome outcome;

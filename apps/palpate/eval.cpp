@@ -186,7 +186,9 @@ int eval(const EvalArguments& arguments) {
   // A source or target that cannot be is named before anything moves.
   static_cast<void>(options.touch.from_biotacs());
   for (const auto& object : objects) {
-    pipeline::place_target(object, options.place, arguments.common.seed);
+    const auto start = pipeline::draw_start(object, options.start, arguments.common.seed);
+    pipeline::place_target(object, options.place, arguments.common.seed,
+                           static_cast<std::size_t>(start.stance));
   }
   // What the simulator refuses is said before anything is printed or written.
   const simulation::World probe(objects.front(), options.world, arguments.common.seed);

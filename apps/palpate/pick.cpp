@@ -55,7 +55,9 @@ int pick(const PickArguments& arguments) {
   if (!arguments.place.empty()) options.place.target = place_text(arguments.place);
   const localization::ObjectModel object(geometry::load_known_object(arguments.object));
   // Bad ones are named first.
-  pipeline::place_target(object.object(), options.place, common.seed);
+  const auto start = pipeline::draw_start(object.object(), options.start, common.seed);
+  pipeline::place_target(object.object(), options.place, common.seed,
+                         static_cast<std::size_t>(start.stance));
   const bool own_errors = options.touch.from_biotacs();
   const std::string config =
       config_header(common) + fmt::format("# object {}\n", arguments.object) + to_toml(options);

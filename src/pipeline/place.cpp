@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -13,13 +12,11 @@
 
 #include "course.hpp"
 #include "load.hpp"
-#include "palpate/core/error.hpp"
+#include "turn_plan.hpp"
 
 namespace palpate::pipeline {
 namespace {
 
-constexpr std::array<PlaceMeans, 4> kMeans = {PlaceMeans::automatic, PlaceMeans::wrist,
-                                              PlaceMeans::fingers, PlaceMeans::regrasp};
 constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr double kWrongHeight = 0.015;  // m: felt that far from what was expected, it fell over
 
@@ -92,7 +89,6 @@ class Placement {
  private:
   bool aim(const PlaceTarget& target);
   GoalSearch search_goal(const HeldObject& held);
-  void plan_turn(const GoalSearch& search);
   bool turn();
   bool aim_turned();
   bool carry(std::string name);
@@ -141,7 +137,10 @@ bool Placement::aim(const PlaceTarget& target) {
     const GoalSearch search = search_goal(*held);
     result_.other_stance = !search.same_stance;
     result_.goal = search.goal;
-    plan_turn(search);
+    result_.turn = plan_finger_turn(
+        place_means(options_), {robot_.reading().base, result_.T_world_target, *held, search},
+        options_.fingers,
+        [&](const HeldObject& turned) { return search_goal(turned).goal.has_value(); });
     if (!search.goal && !result_.turn) return {false, "unreachable: " + search.obstacle};
     return {true, fmt::format("{:.2f} agree; {} stance{}", held->certainty,
                               search.same_stance ? "the same" : "another",
@@ -152,37 +151,6 @@ bool Placement::aim(const PlaceTarget& target) {
 
 GoalSearch Placement::search_goal(const HeldObject& held) {
   return find_goal(object_, held, result_.T_world_target, robot_.reading(), scene_, options_.goal);
-}
-
-/// Decides whether the fingers turn the object first: where that was asked for, as much of the
-/// base's turn as they can; else only where it makes a target reachable that is not.
-void Placement::plan_turn(const GoalSearch& search) {
-  const PlaceMeans means = place_means(options_);
-  if (means != PlaceMeans::fingers && (means != PlaceMeans::automatic || search.goal)) return;
-  const hand::BasePosition& base = robot_.reading().base;
-  const FingerTurnOptions& options = options_.fingers;
-  const Eigen::Isometry3d T_world_seat =
-      search.goal ? search.goal->seat.pose()
-                  : result_.T_world_target * result_.held.T_base_object_flat.inverse();
-  const hand::BasePosition seat = base_near(T_world_seat, base);
-  FingerTurn turn;
-  turn.base_turn = share_of_fingers(base, seat, std::numbers::pi).norm();
-  turn.asked = share_of_fingers(base, seat, options.most);
-  if (search.goal) {
-    if (turn.asked.norm() < options.least) return;
-    turn.why = fmt::format("asked for: {:.1f} of the {:.1f} deg that the base would turn",
-                           kDegrees * turn.asked.norm(), kDegrees * turn.base_turn);
-  } else {
-    const auto reaching = turn_that_reaches(
-        result_.held, base, turn.asked, options.most,
-        [&](const HeldObject& held) { return search_goal(held).goal.has_value(); });
-    if (!reaching) return;
-    turn.asked = *reaching;
-    turn.why =
-        fmt::format("unreachable as it is held ({}), reachable turned by {:.1f} deg in the hand",
-                    search.obstacle, kDegrees * turn.asked.norm());
-  }
-  result_.turn = turn;
 }
 
 /// Turns the object by the fingers, and aims anew at what the tracker says of it then.
@@ -203,7 +171,9 @@ bool Placement::aim_turned() {
     TouchLog log = robot_.log();
     log.moments.push_back({Mark::held, log.readings.size() - 1});
     const double certainty = result_.held.certainty;
-    result_.held = *held_object(object_, state_.estimate.posterior, log, options_.same, true);
+    const auto held = held_object(object_, state_.estimate.posterior, log, options_.same, true);
+    if (!held) return {false, "no pose of the held object"};
+    result_.held = *held;
     result_.held.certainty = certainty;
     const GoalSearch search = search_goal(result_.held);
     result_.goal = search.goal;
@@ -328,66 +298,6 @@ PlaceResult Placement::run(const PlaceTarget& target) {
 }
 
 }  // namespace
-
-std::string_view to_string(PlaceMeans means) {
-  switch (means) {
-    case PlaceMeans::automatic:
-      return "auto";
-    case PlaceMeans::wrist:
-      return "wrist";
-    case PlaceMeans::fingers:
-      return "fingers";
-    case PlaceMeans::regrasp:
-      return "regrasp";
-  }
-  return "";
-}
-
-PlaceMeans place_means(const PlaceOptions& options) {
-  for (const PlaceMeans means : kMeans) {
-    if (options.means == to_string(means)) return means;
-  }
-  throw BadInput(fmt::format(
-      "place.means = {:?}: it is \"auto\", \"wrist\", \"fingers\" or \"regrasp\"", options.means));
-}
-
-bool was_put_back(PlaceStatus status) {
-  return status == PlaceStatus::ambiguous || status == PlaceStatus::unreachable ||
-         status == PlaceStatus::refused || status == PlaceStatus::slipped;
-}
-
-std::string_view to_string(PlaceStatus status) {
-  switch (status) {
-    case PlaceStatus::placed:
-      return "placed";
-    case PlaceStatus::ambiguous:
-      return "ambiguous";
-    case PlaceStatus::unreachable:
-      return "unreachable";
-    case PlaceStatus::refused:
-      return "refused";
-    case PlaceStatus::slipped:
-      return "slipped";
-    case PlaceStatus::lost:
-      return "lost";
-    case PlaceStatus::stuck:
-      return "stuck";
-    case PlaceStatus::missing:
-      return "missing";
-    case PlaceStatus::under_way:
-      return "under way";
-  }
-  return "";
-}
-
-PickOptions firm_enough(const PickOptions& pick_options, const PlaceTarget& target,
-                        const PlaceOptions& options) {
-  PickOptions firm = pick_options;
-  if (target.kind == PlaceTarget::Kind::pose) {
-    firm.grasp.press_per_weight = std::max(firm.grasp.press_per_weight, options.turn_press);
-  }
-  return firm;
-}
 
 PlaceResult place(Robot& robot, const localization::ObjectModel& object, const PickResult& picked,
                   const PlaceTarget& target, const simulation::Fixture& fixture,

@@ -76,6 +76,7 @@ class PlaceAttempts {
     PlaceOptions options = options_;
     for (int attempt = 0; attempt < options_.picks; ++attempt) {
       add(course_, pick(robot_, object_, pick_options_, seed_, observer_));
+      course_.means.means = PlaceMeans::wrist;
       course_.means.reason = "the object was not held";
       if (!course_.picked.held) return;
       course_.place = place(robot_, object_, course_.picked, target_, fixture_, pick_options_,

@@ -174,9 +174,13 @@ bool same_side_up(const geometry::KnownObject& object, const Eigen::Matrix3d& R_
 PlaceTarget stance_target(const geometry::KnownObject& object, std::size_t start_stance, int wanted,
                           std::uint64_t seed) {
   const int count = static_cast<int>(object.stances.size());
-  if (wanted >= count) {
+  if (wanted < -1 || wanted >= count) {
     throw BadInput(
         fmt::format("place.stance = {}: {} has the stances 0..{}", wanted, object.name, count - 1));
+  }
+  if (start_stance >= object.stances.size()) {
+    throw BadInput(fmt::format("an object that starts in stance {}: {} has the stances 0..{}",
+                               start_stance, object.name, count - 1));
   }
   RandomStream random(seed, "place stance");
   const std::size_t stance =

@@ -58,6 +58,10 @@ std::optional<PlaceTarget> place_target(const geometry::KnownObject& object,
                                         const PlaceOptions& options, std::uint64_t seed,
                                         std::size_t start_stance) {
   place_means(options);
+  if (options.stance >= 0 && options.target != "stance") {
+    throw BadInput(fmt::format("place.stance = {} is of the target \"stance\", not of {:?}",
+                               options.stance, options.target));
+  }
   if (options.target.empty()) return std::nullopt;
   if (options.target == "stance") {
     return stance_target(object, start_stance, options.stance, seed);

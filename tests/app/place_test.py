@@ -41,6 +41,9 @@ class BadTargets(CliTest):
     def test_a_stance_that_it_does_not_have(self):
         self.assert_bad_place("stance", "place.stance", "99", options=["--set", "place.stance=99"])
 
+    def test_a_stance_of_another_target(self):
+        self.assert_bad_place("random", "place.stance = 1", "random", options=["--set", "place.stance=1"])
+
     def test_means_and_turns_that_cannot_be(self):
         self.assert_bad_place("0.1,0,0", "place.means", "throw", options=["--set", "place.means=throw"])
         self.assert_bad_place("0.1,0,0", "place.fingers.most", "9",

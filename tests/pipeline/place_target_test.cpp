@@ -17,6 +17,7 @@
 #include "palpate/geometry/stable_poses.hpp"
 #include "palpate/geometry/symmetry.hpp"
 #include "palpate/localization/posterior.hpp"
+#include "palpate/pipeline/trial.hpp"
 
 namespace palpate::pipeline {
 namespace {
@@ -77,6 +78,24 @@ TEST(PlaceTarget, AnotherStanceIsNeverTheOneItStartsIn) {
   const PlaceTarget wanted = stance_target(known("mug"), 0, 1, 5);
   EXPECT_EQ(nearest_stance(known("mug"), wanted.T_world_object.linear()).stance, 1u);
   EXPECT_THROW((void)stance_target(known("mug"), 0, 999, 5), BadInput);
+  EXPECT_THROW((void)stance_target(known("mug"), 0, -2, 5), BadInput);
+  EXPECT_THROW((void)stance_target(known("mug"), 999, -1, 5), BadInput);
+}
+
+TEST(PlaceTarget, AStanceIsOfTheTargetStanceAlone) {
+  PlaceOptions options;
+  options.stance = 1;
+  for (const char* target : {"", "random", "fixture", "0.1,0,0"}) {
+    options.target = target;
+    try {
+      (void)place_target(known("box"), options, 3, 0);
+      FAIL() << target;
+    } catch (const BadInput& error) {
+      EXPECT_NE(std::string(error.what()).find("place.stance = 1"), std::string::npos);
+    }
+  }
+  options.target = "stance";
+  EXPECT_TRUE(place_target(known("box"), options, 3, 4));
 }
 
 TEST(PlaceTarget, WhereAllSidesAreAlikeThereIsNoOtherStance) {

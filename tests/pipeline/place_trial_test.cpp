@@ -48,7 +48,7 @@ std::vector<hand::HandCommand> commands(const TrialOptions& options, bool wrong_
                {}});
   const auto picked = pick(robot, box(), options.pick, kSeed);
   if (!picked.held) return told;
-  const auto target = place_target(box().object(), options.place, kSeed);
+  const auto target = place_target(box().object(), options.place, kSeed, 0);
   const auto placed = place(robot, box(), picked, *target, {}, options.pick, options.place, kSeed);
   const auto verdict = judge.place_verdict(placed, *target, robot.log(), box().object());
   EXPECT_EQ(verdict.placed && wrong_truth, false);
@@ -80,7 +80,7 @@ double error_after_a_shift(const Eigen::Vector3d& shift, bool again) {
   auto picked = pick(robot, box(), options.pick, kSeed);
   EXPECT_TRUE(picked.held);
   for (auto& mode : picked.estimate.posterior.modes) mode.T_frame_object.pretranslate(shift);
-  const auto target = place_target(box().object(), options.place, kSeed);
+  const auto target = place_target(box().object(), options.place, kSeed, 0);
   const auto placed = place(robot, box(), picked, *target, {}, options.pick, options.place, kSeed);
   EXPECT_EQ(placed.status, PlaceStatus::placed);
   return localization::pose_error(world.truth().T_world_object, placed.T_world_target,
@@ -141,7 +141,7 @@ TEST(PlaceTrial, WhatIsAmbiguousIsPutBackWhereItCameFrom) {
     turned.weight = 0.25;
     picked.estimate.posterior.modes.push_back(turned);
   }
-  const auto target = place_target(box().object(), options.place, kSeed);
+  const auto target = place_target(box().object(), options.place, kSeed, 0);
   const auto placed = place(robot, box(), picked, *target, {}, options.pick, options.place, kSeed);
   EXPECT_EQ(placed.status, PlaceStatus::ambiguous);
   EXPECT_EQ(placed.failed_phase, "aim");

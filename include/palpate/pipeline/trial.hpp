@@ -120,10 +120,11 @@ Trial run_trial(const localization::ObjectModel& object, const TrialOptions& opt
 
 /// The target and the fixture that options ask for; none, an empty one.
 /// @param start_stance  in which the object starts, for the target "stance"
-/// @throws BadInput for a target that cannot be, or for means of placing that do not exist
+/// @throws BadInput for a target that cannot be, for means of placing that do not exist, or for a
+///         place.stance of another target than "stance"
 std::optional<PlaceTarget> place_target(const geometry::KnownObject& object,
                                         const PlaceOptions& options, std::uint64_t seed,
-                                        std::size_t start_stance = 0);
+                                        std::size_t start_stance);
 simulation::Fixture place_fixture(const geometry::KnownObject& object, const PlaceOptions& options,
                                   const std::optional<PlaceTarget>& target);
 
