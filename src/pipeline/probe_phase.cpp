@@ -99,8 +99,9 @@ PhaseEnd ProbePhase::run(Robot& robot, PickState& state) {
   const double last_start = robot.time() + time_limit() - kStepSeconds;
   const bool hangs = instant_ == Mark::held;
   int touches = 0, rolls = 0;
-  bool holds = true;
-  while (holds && weight() > 0 && weight() <= options_.certain && robot.time() < last_start) {
+  bool holds = true, slipped = false;
+  while (holds && !slipped && weight() > 0 && weight() <= options_.certain &&
+         robot.time() < last_start) {
     const auto& posterior = state.estimate.posterior;
     Choices next;
     if (touches < options_.most) {
@@ -120,17 +121,22 @@ PhaseEnd ProbePhase::run(Robot& robot, PickState& state) {
     next.keep_best(options_.worth);
     if (next.grasp) state.next_grasp = next.grasp->plan;
     if (!next.touch && !next.roll) break;
-    holds = next.touch ? fingers.make(robot, *next.touch)
-                       : roll(robot, object_, posterior, *next.roll, locate_.errors, seed_);
-    (next.touch ? touches : rolls) += 1;
+    if (next.touch) {
+      holds = fingers.make(robot, *next.touch);
+      ++touches;
+    } else {
+      slipped = !roll(robot, object_, posterior, *next.roll, locate_.errors, seed_);
+      ++rolls;
+    }
     robot.mark(instant_);
     state.estimate = locate(object_, robot.model(), robot.log(), locate_, seed_, instant_);
   }
   const bool lost =
       hangs ? mean_load(robot.log()) < kLeastWeight * object_.object().mass * kGravity : !holds;
-  return {!lost, fmt::format("{} touch{}, {} roll{}, certainty {:.2f} -> {:.2f}{}", touches,
-                             touches == 1 ? "" : "es", rolls, rolls == 1 ? "" : "s", before,
-                             weight(), state.next_grasp ? "; another grasp tells more" : "")};
+  return {!lost && !slipped,
+          fmt::format("{} touch{}, {} roll{}, certainty {:.2f} -> {:.2f}{}", touches,
+                      touches == 1 ? "" : "es", rolls, rolls == 1 ? "" : "s", before, weight(),
+                      state.next_grasp ? "; another grasp tells more" : "")};
 }
 
 }  // namespace palpate::pipeline

@@ -13,6 +13,8 @@ namespace {
 
 constexpr double kTurn = 0.17;               // rad: as far as fingers turn an object surely
 constexpr double kSeconds = 8;               // of the robot's time, there and back
+constexpr double kSameSpot = 0.006;          // m
+constexpr double kRelaxing = 0.8;            // s, back to the grip before
 constexpr double kRest = 0.2;                // s, of contacts that are averaged, amply
 constexpr std::ptrdiff_t kLeastFingers = 4;  // that touch, the thumb among them
 
@@ -44,6 +46,17 @@ bool firmly_held(const std::vector<touch::Contact>& contacts) {
   std::array<bool, hand::kFingers> touches{};
   for (const auto& contact : contacts) touches[static_cast<std::size_t>(contact.finger)] = true;
   return touches[0] && std::count(touches.begin(), touches.end(), true) >= kLeastFingers;
+}
+
+/// Whether all of the contacts but one at most are still there.
+bool touch_alike(const std::vector<touch::Contact>& before,
+                 const std::vector<touch::Contact>& after) {
+  const auto gone = std::count_if(before.begin(), before.end(), [&](const touch::Contact& old) {
+    return std::none_of(after.begin(), after.end(), [&](const touch::Contact& contact) {
+      return contact.finger == old.finger && (contact.p - old.p).norm() < kSameSpot;
+    });
+  });
+  return gone <= 1;
 }
 
 /// The pose turned about its own origin, the centroid.
@@ -88,6 +101,7 @@ bool roll(Robot& robot, const localization::ObjectModel& object,
   options.sampling.samples = 0;  // the poses in question disagree on what a rehearsal would show
   options.errors = errors;
   const hand::ActuatorVector before = robot.command().positions;
+  const auto contacts = contacts_at(robot, robot.log().readings.size() - 1);
   const Eigen::Isometry3d& start = held.modes.front().T_frame_object;
   const auto aside =
       reorient_by_fingers(robot, object, held, turned(robot, start, roll.turn), options, seed);
@@ -95,9 +109,10 @@ bool roll(Robot& robot, const localization::ObjectModel& object,
   robot.wait(kRest);
   robot.mark(Mark::rolled);
   const auto back = reorient_by_fingers(robot, object, aside.posterior, start, options, seed);
-  robot.move_fingers(before, options.period);
+  robot.move_fingers(before, kRelaxing);
   robot.wait(kRest);
-  return back.end != ReorientEnd::losing && still_holds(robot);
+  return back.end != ReorientEnd::losing &&
+         touch_alike(contacts, contacts_at(robot, robot.log().readings.size() - 1));
 }
 
 }  // namespace palpate::pipeline

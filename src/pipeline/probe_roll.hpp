@@ -29,7 +29,7 @@ std::optional<Roll> most_telling_roll(const Robot& robot, const localization::Ob
                                       const std::vector<touch::Contact>& contacts);
 
 /// Rolls the object there, marks `rolled`, and rolls it back.
-/// @return whether the fingers hold it as they did
+/// @return whether the fingers touch it where they did; else it has slipped, who knows how far
 bool roll(Robot& robot, const localization::ObjectModel& object,
           const localization::Posterior& held, const Roll& roll,
           const touch::ContactErrorModel& errors, std::uint64_t seed);

@@ -27,6 +27,7 @@ TrialOptions quick_options() {
   options.pick.explore.touches = 4;
   options.pick.lift.hold = 0.5;
   options.pick.probe.most = 2;
+  options.pick.probe.rolls = options.pick.probe.regrasps = 0;
   options.pick.probe.certain = 1;  // probe whatever is known
   options.pick.probe.worth = 0;
   options.pick.locate.search.proposals = 20000;
@@ -151,6 +152,38 @@ TEST(Trial, RecordingAloneGivesThePicksPoseToTheLastBit) {
   ASSERT_FALSE(blind.frames.empty());
   EXPECT_EQ(blind.frames.size(), recording.frames.size());
   expect_equal(pick.trial.result.estimate, replayed(blind, pick.options.pick.locate));
+}
+
+TEST(Trial, GraspsAnewFromAnotherSideAndKeepsWhatItKnew) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "pick.h5";
+  TrialOptions options = quick_options();
+  options.pick.probe.most = 0;
+  options.pick.probe.regrasps = 1;
+  const auto box = model("box");
+  const simulation::World world(box.object(), options.world, kSeed);
+  recording::Writer writer(path, {"1.2.3", kSeed, box.object(), world.hand_model(), ""});
+  const Trial trial = run_trial(box, options, kSeed, &writer);
+  writer.finish();
+  EXPECT_EQ(trial.result.regrasps, 1);
+  EXPECT_TRUE(trial.judgement.lifted);
+  EXPECT_TRUE(trial.judgement.pose_ok);
+  const auto recording = recording::read_recording(path);
+  const auto log = touch_log(recording);
+  EXPECT_TRUE(log.before_opening());
+  expect_equal(trial.result.estimate, replayed(recording, options.pick.locate));
+}
+
+TEST(Trial, RollsTheObjectAsideAndBack) {
+  TrialOptions options = quick_options();
+  options.pick.probe.most = 0;
+  options.pick.probe.rolls = 1;
+  const Trial trial = run_trial(model("bunny"), options, kSeed);
+  EXPECT_TRUE(trial.judgement.lifted);
+  const auto& probe = trial.result.phases.back();
+  EXPECT_EQ(probe.name, "probe");
+  EXPECT_NE(probe.outcome.find("1 roll,"), std::string::npos) << probe.outcome;
+  EXPECT_GT(probe.sim_seconds, 2);
 }
 
 TEST(Trial, SameSeedGivesTheSameTrialRecordedOrNot) {
