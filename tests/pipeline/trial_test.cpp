@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 
 #include "core/temporary_folder.hpp"
@@ -180,10 +181,11 @@ TEST(Trial, RollsTheObjectAsideAndBack) {
   options.pick.probe.rolls = 1;
   const Trial trial = run_trial(model("bunny"), options, kSeed);
   EXPECT_TRUE(trial.judgement.lifted);
-  const auto& probe = trial.result.phases.back();
-  EXPECT_EQ(probe.name, "probe");
-  EXPECT_NE(probe.outcome.find("1 roll,"), std::string::npos) << probe.outcome;
-  EXPECT_GT(probe.sim_seconds, 2);
+  const auto& phases = trial.result.phases;
+  EXPECT_TRUE(std::any_of(phases.begin(), phases.end(), [](const PhaseReport& phase) {
+    return phase.name == "probe" && phase.outcome.find("1 roll,") != std::string::npos &&
+           phase.sim_seconds > 2;
+  }));
 }
 
 TEST(Trial, SameSeedGivesTheSameTrialRecordedOrNot) {
