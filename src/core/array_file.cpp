@@ -10,6 +10,7 @@
 #include <cstring>
 
 #include "palpate/core/error.hpp"
+#include "palpate/core/fnv1a.hpp"
 
 namespace palpate {
 namespace {
@@ -17,15 +18,6 @@ namespace {
 constexpr Eigen::Index kMostValues = 1 << 26;
 
 static_assert(std::endian::native == std::endian::little, "values are written as they lie");
-
-std::uint64_t fnv1a(std::string_view bytes) {
-  std::uint64_t sum = 14695981039346656037u;
-  for (const char c : bytes) {
-    sum ^= static_cast<unsigned char>(c);
-    sum *= 1099511628211u;
-  }
-  return sum;
-}
 
 /// Takes text and values off the front of a file.
 class Cursor {

@@ -5,16 +5,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "palpate/core/fnv1a.hpp"
+
 namespace palpate {
 namespace {
-
-constexpr std::uint64_t kFnvOffset = 0xcbf29ce484222325ull;
-constexpr std::uint64_t kFnvPrime = 0x100000001b3ull;
-
-std::uint64_t fnv1a(std::uint64_t hash, std::string_view text) {
-  for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * kFnvPrime;
-  return hash;
-}
 
 std::uint64_t splitmix64(std::uint64_t& x) {
   std::uint64_t z = (x += 0x9e3779b97f4a7c15ull);
@@ -28,7 +22,7 @@ std::uint64_t mixed(std::uint64_t x) { return splitmix64(x); }
 }  // namespace
 
 RandomStream::RandomStream(std::uint64_t seed, std::string_view name)
-    : origin_(mixed(seed) ^ fnv1a(kFnvOffset, name)) {
+    : origin_(mixed(seed) ^ fnv1a(name)) {
   std::uint64_t x = origin_;
   for (auto& word : state_) word = splitmix64(x);
 }

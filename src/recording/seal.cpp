@@ -11,6 +11,7 @@
 #include <string_view>
 
 #include "palpate/core/error.hpp"
+#include "palpate/core/fnv1a.hpp"
 #include "palpate/recording/recording.hpp"
 
 namespace palpate::recording {
@@ -23,14 +24,11 @@ constexpr std::string_view kOpen = "unfinished\n";
 std::uint64_t checksum(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
   file.seekg(kSealSize);
-  std::uint64_t hash = 0xcbf29ce484222325u;
+  std::uint64_t hash = kFnvOffset;
   std::array<char, 1 << 16> buffer;
   while (file) {
     file.read(buffer.data(), buffer.size());
-    for (std::streamsize i = 0; i < file.gcount(); ++i) {
-      hash =
-          (hash ^ static_cast<unsigned char>(buffer[static_cast<std::size_t>(i)])) * 0x100000001b3u;
-    }
+    hash = fnv1a({buffer.data(), static_cast<std::size_t>(file.gcount())}, hash);
   }
   return hash;
 }
