@@ -181,6 +181,7 @@ struct Felt {
   int readings = 0, contacts = 0;
   Eigen::Vector3d p = Eigen::Vector3d::Zero();  ///< mean of the contacts
   double told_variance = 0;                     ///< of them, as the sensor tells
+  double mean_variance = 0;                     ///< of p, an axis, by how much they scatter
 };
 
 Felt feel(std::span<const hand::HandReading> window, std::size_t finger) {
@@ -195,6 +196,12 @@ Felt feel(std::span<const hand::HandReading> window, std::size_t finger) {
   }
   felt.p /= std::max(1, felt.contacts);
   felt.told_variance /= std::max(1, felt.contacts);
+  for (const auto& reading : window) {
+    for (const auto& contact : reading.contacts[finger]) {
+      felt.mean_variance += (contact.p - felt.p).squaredNorm() / 3;
+    }
+  }
+  felt.mean_variance /= std::max(1.0, std::pow(felt.contacts, 2));
   return felt;
 }
 
@@ -205,10 +212,11 @@ void add_resting_tips(std::span<const hand::HandReading> window, double sigma,
   for (std::size_t finger = 0; finger < hand::kFingers; ++finger) {
     const Felt felt = feel(window, finger);
     if (felt.readings < kLastingShare * static_cast<double>(window.size())) continue;
-    touches.push_back({{static_cast<int>(finger), joints},
-                       felt.p,
-                       table_from(window.back().base),
-                       std::sqrt(sigma * sigma + felt.told_variance)});
+    touches.push_back(
+        {{static_cast<int>(finger), joints},
+         felt.p,
+         table_from(window.back().base),
+         std::sqrt(std::max(sigma * sigma, felt.mean_variance) + felt.told_variance)});
   }
 }
 

@@ -82,6 +82,23 @@ TEST(CalibratePhase, TheLogAloneTellsTheSameHand) {
   EXPECT_LT(again.link_error, drawn.link_error);
 }
 
+TEST(CalibratePhase, KnowsLessFromNoisierTouches) {
+  Calibrating scene(4);
+  scene.options.touches = 6;
+  const auto drawn = scene.robot.model();
+  scene.calibrate();
+  TouchLog noisy = scene.robot.log();
+  RandomStream random(1);
+  for (auto& reading : noisy.readings) {
+    for (auto& contacts : reading.contacts) {
+      for (auto& contact : contacts) contact.p += 0.01 * random.normal3();
+    }
+  }
+  const auto calibrated = calibrated_hand(drawn, noisy, scene.options);
+  EXPECT_GT(calibrated.link_error, scene.robot.model().link_error);
+  EXPECT_LT(calibrated.link_error, drawn.link_error);
+}
+
 TEST(CalibratePhase, LeavesTheHandThatFeelsNothing) {
   FakeHand hand;
   hand::HandModel model = drawn_hand();

@@ -12,7 +12,7 @@ struct CalibrateOptions {
   double travel_speed = 0.5;  ///< through the air, m/s
   double touch_force = 0.1;   ///< N at the fingertip
   double rest = 0.25;         ///< s that the fingertip rests and is averaged
-  double sigma = 0.0003;      ///< m, of a resting tip's height, but for the links
+  double sigma = 0.0003;      ///< m, of a resting tip's height but for the links, at least
 
   template <class Visitor>
   void visit(Visitor&& v) {
@@ -23,7 +23,7 @@ struct CalibrateOptions {
     v("travel_speed", travel_speed, 0.01, 2.0, "m/s, through the air");
     v("touch_force", touch_force, 0.02, 5.0, "N at the fingertip");
     v("rest", rest, 0.02, 5.0, "s that the fingertip rests and is averaged");
-    v("sigma", sigma, 1e-5, 0.02, "m, error of a resting tip's height, but for the links");
+    v("sigma", sigma, 1e-5, 0.02, "m, error of a resting tip's height but for the links, at least");
   }
 };
 
