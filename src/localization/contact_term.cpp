@@ -58,6 +58,7 @@ ContactTerm::ContactTerm(const ObjectModel& model, const Evidence& evidence, dou
   for (std::size_t j = 0; j < levels.size(); ++j) {
     priors_[static_cast<Eigen::Index>(j)] = static_cast<float>(levels[j].share);
     growth_[static_cast<Eigen::Index>(j)] = static_cast<float>(levels[j].growth);
+    most_growth_ = std::max(most_growth_, std::abs(static_cast<float>(levels[j].growth)));
   }
   for (const touch::Contact& contact : evidence.contacts) {
     noise_.push_back(make_noise(model, evidence, contact, levels, scale));
@@ -69,7 +70,7 @@ ContactTerm::Noise ContactTerm::make_noise(const ObjectModel& model, const Evide
                                            const std::vector<Assumption>& levels, double scale) {
   const auto count = static_cast<Eigen::Index>(levels.size());
   Noise noise{Levels::Zero(count), Levels::Zero(count), Levels::Zero(count)};
-  double greatest = 0;
+  double greatest = 0, least_half_point = kNoBound, least_normal = kNoBound;
   for (Eigen::Index j = 0; j < count; ++j) {
     const Assumption& level = levels[static_cast<std::size_t>(j)];
     const double sp = scale * level.point_noise * contact.point_sigma;
@@ -79,7 +80,11 @@ ContactTerm::Noise ContactTerm::make_noise(const ObjectModel& model, const Evide
     noise.normal_precision[j] = static_cast<float>(1 / (sn * sn));
     noise.odds[j] = static_cast<float>(odds);
     greatest = std::max(greatest, odds);
+    least_half_point = std::min(least_half_point, 0.5 / (sp * sp));
+    least_normal = std::min(least_normal, 1 / (sn * sn));
   }
+  noise.least_half_point_precision = static_cast<float>(least_half_point);
+  noise.least_normal_precision = static_cast<float>(least_normal);
   noise.cap = static_cast<float>(std::log1p(greatest));
   noise.inverse_peak = std::exp(-noise.cap);
   noise.stated_cap = std::log1p(noise.odds[0]);
@@ -121,7 +126,13 @@ std::vector<ContactTerm::Felt> ContactTerm::feel_all(const SearchPose& pose) con
 
 ContactTerm::Levels ContactTerm::likelihood(std::size_t k, const Felt& felt, float slack) const {
   const Noise& noise = noise_[k];
-  if (!felt.near) return Levels::Constant(growth_.size(), noise.inverse_peak);
+  const float least_away =
+      std::max(0.0F, std::abs(felt.away) - most_growth_ * std::abs(felt.swell) - slack);
+  const float least_q = least_away * least_away * noise.least_half_point_precision +
+                        felt.tilt * noise.least_normal_precision;
+  if (!felt.near || least_q > kHopeless) {
+    return Levels::Constant(growth_.size(), noise.inverse_peak);
+  }
   Levels away = felt.away + growth_ * felt.swell;
   if (slack > 0) away = (away.abs() - slack).max(0.0F);
   const Levels q = away.square() * noise.half_point_precision + felt.tilt * noise.normal_precision;
@@ -181,13 +192,13 @@ float ContactTerm::group_energy(const Group& group, const std::vector<Felt>& fel
   return sum;
 }
 
-float ContactTerm::level_energy(const std::vector<Felt>& felt, Eigen::Index level) const {
-  float sum = -std::log(priors_[level]);
-  for (std::size_t k = 0; k < felt.size(); ++k) {
-    if (!shares(k)) sum += contact_energy(k, felt[k], away_at(felt[k], level), level);
+ContactTerm::Levels ContactTerm::level_energies(const Product& alone,
+                                                const std::vector<Felt>& felt) const {
+  Levels sums = -priors_.log() - alone.likelihood.log() - alone.log_scale;
+  for (const Group& group : groups_) {
+    for (Eigen::Index j = 0; j < sums.size(); ++j) sums[j] += group_energy(group, felt, j);
   }
-  for (const Group& group : groups_) sum += group_energy(group, felt, level);
-  return sum;
+  return sums;
 }
 
 float ContactTerm::energy(const SearchPose& pose, float bound) const {
@@ -208,22 +219,18 @@ float ContactTerm::energy(const SearchPose& pose, float bound) const {
     }
   }
   if (groups_.empty()) return least.energy(priors_);
-  Levels sums = -priors_.log() - alone.likelihood.log() - alone.log_scale;
-  for (const Group& group : groups_) {
-    for (Eigen::Index j = 0; j < sums.size(); ++j) sums[j] += group_energy(group, sharing, j);
-  }
+  const Levels sums = level_energies(alone, sharing);
   const float lowest = sums.minCoeff();
   return lowest - std::log((lowest - sums).exp().sum());
 }
 
 Eigen::Index ContactTerm::likeliest_level(const std::vector<Felt>& felt) const {
-  Eigen::Index best = 0;
-  float least = kNoBound;
-  for (Eigen::Index j = 0; j < priors_.size(); ++j) {
-    const float energy = level_energy(felt, j);
-    if (energy < least) best = j;
-    least = std::min(least, energy);
+  Product alone{Levels::Ones(growth_.size())};
+  for (std::size_t k = 0; k < felt.size(); ++k) {
+    if (!shares(k)) alone.multiply(likelihood(k, felt[k], 0));
   }
+  Eigen::Index best = 0;
+  level_energies(alone, felt).minCoeff(&best);
   return best;
 }
 

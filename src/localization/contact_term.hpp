@@ -61,7 +61,8 @@ class ContactTerm : public EvidenceTerm {
   /// The noise of a contact at each level.
   struct Noise {
     Levels half_point_precision, normal_precision;
-    Levels odds;                      // A
+    Levels odds;  // A
+    float least_half_point_precision = 0, least_normal_precision = 0;
     float cap = 0, inverse_peak = 0;  // the greatest ln(1 + A), 1 / (1 + A)
     float stated_cap = 0;             // ln(1 + A) of the first
   };
@@ -118,7 +119,8 @@ class ContactTerm : public EvidenceTerm {
   float contact_energy(std::size_t contact, const Felt& felt, float away, Eigen::Index level) const;
   Fit fit(const Group& group, const std::vector<Felt>& felt, Eigen::Index level) const;
   float group_energy(const Group& group, const std::vector<Felt>& felt, Eigen::Index level) const;
-  float level_energy(const std::vector<Felt>& felt, Eigen::Index level) const;
+  /// Of all contacts, given the product of those that share no offset.
+  Levels level_energies(const Product& alone, const std::vector<Felt>& felt) const;
   Eigen::Index likeliest_level(const std::vector<Felt>& felt) const;
   /// Of every contact, displaced by the offset that fits best.
   std::vector<float> away_at_best(const std::vector<Felt>& felt, Eigen::Index level) const;
@@ -129,6 +131,7 @@ class ContactTerm : public EvidenceTerm {
   float offset_;
   std::vector<Datum> contacts_;
   std::vector<Group> groups_;
+  float most_growth_ = 0;
   Levels priors_, growth_;  // probability, relative growth of the object
   std::vector<Noise> noise_;
 };
