@@ -6,7 +6,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <utility>
 
 #include "experiment.hpp"
 #include "moving_object.hpp"
@@ -164,6 +164,19 @@ bool near(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b, const Subject&
   return error.rotation < 5 * kDegree && error.translation < 0.01;
 }
 
+/// Index of the draw that has most of all draws within tolerance, and their share.
+std::pair<std::size_t, double> best_guess(const std::vector<Eigen::Isometry3d>& poses,
+                                          const Subject& subject) {
+  std::pair<std::size_t, double> best{0, 0};
+  for (std::size_t i = 0; i < poses.size(); i += 4) {
+    double mass = 0;
+    for (const auto& pose : poses) mass += near(pose, poses[i], subject);
+    mass /= static_cast<double>(poses.size());
+    if (mass > best.second) best = {i, mass};
+  }
+  return best;
+}
+
 /// One slip, seen by the observer.
 Outcome slip_once(const Subject& subject, const Averaging& averaging, std::size_t draws,
                   RandomStream random) {
@@ -195,18 +208,8 @@ Outcome slip_once(const Subject& subject, const Averaging& averaging, std::size_
   const Observer observer(subject, before, mean, averaging.variance);
   std::vector<Eigen::Isometry3d> poses;
   for (const Jump& jump : observer.draws(draws, random)) poses.push_back(jump.of(before));
-  Outcome best;
-  const Eigen::Isometry3d* guess = nullptr;
-  for (std::size_t i = 0; i < poses.size(); i += 4) {
-    double mass = 0;
-    for (const auto& pose : poses) mass += near(pose, poses[i], subject);
-    mass /= static_cast<double>(poses.size());
-    if (mass <= best.mass) continue;
-    best.mass = mass;
-    guess = &poses[i];
-  }
-  best.right = guess && near(*guess, slipped, subject);
-  return best;
+  const auto [guess, mass] = best_guess(poses, subject);
+  return {mass, near(poses[guess], slipped, subject)};
 }
 
 void slip_bound(const experiment::Options& options) {

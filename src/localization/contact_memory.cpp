@@ -7,6 +7,8 @@
 namespace palpate::localization {
 namespace {
 
+constexpr double kLeastVariance = 1e-4;  // of a mean, those of a frame being 1
+
 /// The contact of a frame that is the same fingertip's as the i-th of another.
 const touch::Contact* same_tip(const std::vector<touch::Contact>& frame, std::size_t i,
                                const touch::Contact& contact) {
@@ -15,6 +17,15 @@ const touch::Contact* same_tip(const std::vector<touch::Contact>& frame, std::si
     return other.finger == contact.finger;
   });
   return found == frame.end() ? nullptr : &*found;
+}
+
+/// The contacts of all frames with the fingertip of the i-th contact of the last.
+std::vector<const touch::Contact*> tips_like(const ContactFrames& frames, std::size_t i) {
+  std::vector<const touch::Contact*> tips;
+  for (const auto& frame : frames) {
+    if (const auto* tip = same_tip(frame, i, frames.back()[i])) tips.push_back(tip);
+  }
+  return tips;
 }
 
 }  // namespace
@@ -34,14 +45,19 @@ double variance_of_mean(std::size_t count, const LastingErrors& errors) {
 double covariance_of_means(std::size_t before, std::size_t count, const LastingErrors& errors) {
   const double keep = std::exp(-errors.frame / errors.time);
   const auto sum = [keep](std::size_t n) {  // of keep^i, i < n
-    return (1 - std::pow(keep, static_cast<double>(n))) / (1 - keep);
+    double power = 1, total = 0;
+    for (std::size_t i = 0; i < n; ++i, power *= keep) total += power;
+    return total;
   };
   return errors.share * keep * sum(before) * sum(count) / static_cast<double>(before * count);
 }
 
 KnownErrors mean_errors(const ContactFrames& frames, const ObjectModel& model,
                         const Eigen::Isometry3d& T_frame_object) {
-  KnownErrors result{mean_contacts(frames, {}), frames.size()};
+  KnownErrors result{mean_contacts(frames, {}), {}};
+  for (std::size_t i = 0; i < result.mean.size(); ++i) {
+    result.frames.push_back(tips_like(frames, i).size());
+  }
   const Eigen::Isometry3d T_object_frame = T_frame_object.inverse();
   for (touch::Contact& contact : result.mean) {
     const auto surface = model.field().at((T_object_frame * contact.p).cast<float>());
@@ -64,26 +80,23 @@ std::vector<touch::Contact> mean_contacts(const ContactFrames& frames, const Las
   if (frames.empty()) return means;
   const auto& last = frames.back();
   for (std::size_t i = 0; i < last.size(); ++i) {
+    const auto tips = tips_like(frames, i);
     touch::Contact mean = last[i];
     mean.p.setZero();
     mean.n.setZero();
-    std::size_t count = 0;
-    for (const auto& frame : frames) {
-      const touch::Contact* contact = same_tip(frame, i, last[i]);
-      if (!contact) continue;
-      mean.p += contact->p;
-      mean.n += contact->n;
-      ++count;
+    for (const touch::Contact* tip : tips) {
+      mean.p += tip->p / static_cast<double>(tips.size());
+      mean.n += tip->n;
     }
-    mean.p /= static_cast<double>(count);
     mean.n.normalize();
-    double variance = variance_of_mean(count, errors);
+    double variance = variance_of_mean(tips.size(), errors);
     if (const touch::Contact* known = same_tip(before.mean, i, last[i])) {
-      const double covariance = covariance_of_means(before.frames, count, errors);
-      const double share = covariance / variance_of_mean(before.frames, errors);
+      const std::size_t felt = before.frames[static_cast<std::size_t>(known - before.mean.data())];
+      const double covariance = covariance_of_means(felt, tips.size(), errors);
+      const double share = covariance / variance_of_mean(felt, errors);
       mean.p -= share * known->p;
       mean.n = (mean.n - share * known->n).normalized();
-      variance -= share * covariance;
+      variance = std::max(kLeastVariance, variance - share * covariance);
     }
     const double scale = std::sqrt(variance);
     mean.point_sigma *= scale;

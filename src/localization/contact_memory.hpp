@@ -28,7 +28,7 @@ double covariance_of_means(std::size_t before, std::size_t count, const LastingE
 /// was felt, less what the pose known then says.
 struct KnownErrors {
   std::vector<touch::Contact> mean;
-  std::size_t frames = 0;
+  std::vector<std::size_t> frames;  ///< in which each was felt
 };
 
 /// Off the surface, and off its normal.

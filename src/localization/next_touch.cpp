@@ -95,6 +95,25 @@ void check(const Posterior& posterior, const std::vector<Probe>& probes) {
   }
 }
 
+void check(const std::vector<PredictedFeel>& outcomes, const std::vector<double>& weights) {
+  if (outcomes.size() != weights.size()) {
+    throw BadInput(
+        fmt::format("next touch: {} weights of {} outcomes", weights.size(), outcomes.size()));
+  }
+  double sum = 0;
+  for (std::size_t i = 0; i < outcomes.size(); ++i) {
+    if (outcomes[i].size() != outcomes[0].size()) {
+      throw BadInput(fmt::format("next touch: outcome {} is {} touches, the first {}", i,
+                                 outcomes[i].size(), outcomes[0].size()));
+    }
+    if (!(weights[i] >= 0)) throw BadInput(fmt::format("next touch: weight {}", weights[i]));
+    sum += weights[i];
+  }
+  if (!outcomes.empty() && !(sum > 0 && std::isfinite(sum))) {
+    throw BadInput(fmt::format("next touch: the weights' sum is {}", sum));
+  }
+}
+
 }  // namespace
 
 PredictedTouch predict_touch(const ObjectModel& model, const Eigen::Isometry3d& T_frame_object,
@@ -132,6 +151,7 @@ double information_bound(const std::vector<PredictedTouch>& outcomes,
 
 double information_bound(const std::vector<PredictedFeel>& outcomes,
                          const std::vector<double>& weights, const NextTouchOptions& options) {
+  check(outcomes, weights);
   return bound_of(weights, [&](std::size_t i, std::size_t j) {
     double exponent = 0;
     for (std::size_t k = 0; k < outcomes[i].size() && exponent < kForgotten; ++k) {

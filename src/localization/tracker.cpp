@@ -200,18 +200,24 @@ void Tracker::remember(const TrackFrame& frame, const Eigen::Isometry3d& motion)
       contact.n = motion.linear() * contact.n;
     }
   }
+  for (auto& error : errors_before_) {
+    error.p = motion.linear() * error.p;
+    error.n = motion.linear() * error.n;
+  }
   if (frame.contacts.empty()) return;
   recent_.push_back(frame.contacts);
+  for (auto& contact : recent_.back()) contact.time = frame.time;
   if (recent_.size() > kMostFrames) recent_.erase(recent_.begin());
 }
 
 /// All hypotheses anew: those before the slip, corrected by the mean of what was felt since, from
 /// where they are, from poses about them, and from what the last frame has found.
 void Tracker::search_slip(const Evidence& evidence, double dt) {
+  const double watched = recent_.back().front().time - recent_.front().front().time;
+  const LastingErrors errors{options_.correlated_share, options_.correlation_time,
+                             watched / static_cast<double>(recent_.size() - 1)};
   Evidence since = evidence;
-  since.contacts =
-      mean_contacts(recent_, {options_.correlated_share, options_.correlation_time, dt},
-                    {errors_before_, learnt_frames_});
+  since.contacts = mean_contacts(recent_, errors, {errors_before_, learnt_frames_});
   std::vector<Hypothesis> found;
   const auto from = [&](const Hypothesis& before, const Eigen::Isometry3d& start) {
     Hypothesis hypothesis = before;

@@ -38,6 +38,13 @@ double median_tip_force(const hand::HandReading& reading) {
   return forces.empty() ? 0 : median(forces);
 }
 
+/// Moments of a kind since the hand let go, of all grasps.
+int count(const TouchLog& log, Mark mark) {
+  const auto moments = log.since_release();
+  return static_cast<int>(std::count_if(
+      moments.begin(), moments.end(), [mark](const auto& moment) { return moment.mark == mark; }));
+}
+
 }  // namespace
 
 void Judge::observe(const hand::HandReading& reading) {
@@ -70,7 +77,7 @@ Judgement Judge::verdict(const PickResult& result, const TouchLog& log, const Li
         right_in_hand(result.before_probe, closed.front(), log, symmetries);
   }
   judge_tracked(result, symmetries, judgement);
-  judgement.probes = static_cast<int>(log.all(Mark::probed).size());
+  judgement.probes = count(log, Mark::probed);
   judgement.explored_motion = motion_while_explored(log);
   const auto& posterior = result.estimate.posterior;
   judgement.has_pose = !posterior.modes.empty();
@@ -127,7 +134,8 @@ PlaceJudgement Judge::place_verdict(const PlaceResult& result, const PlaceTarget
   PlaceJudgement judgement;
   const TouchLog picked = log.until(Mark::held);
   const std::size_t held = picked.readings.size() - 1;
-  const std::size_t let_go = log.until(Mark::placed).readings.size() - 1;
+  std::size_t let_go = log.until(Mark::placed).readings.size() - 1;
+  if (let_go < held) let_go = log.readings.size() - 1;  // it was not placed since it was picked
   judgement.dropped = left_the_hand(log, held, let_go);
   const auto closed = picked.at(Mark::closed);
   const Eigen::Isometry3d before = object_at(log, closed ? *closed : held);

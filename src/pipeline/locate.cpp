@@ -56,9 +56,11 @@ std::vector<double> stance_weights(const KnownObject& object, std::optional<doub
 }
 
 std::optional<double> felt_height(const hand::HandModel& hand, const TouchLog& log) {
-  const auto felt = log.at(Mark::felt);
-  if (!felt) return std::nullopt;
-  return lowest_of_hand(hand, log.readings[*felt]);
+  std::optional<double> height;
+  for (const auto& moment : log.since_release()) {
+    if (moment.mark == Mark::felt) height = lowest_of_hand(hand, log.readings[moment.reading]);
+  }
+  return height;
 }
 
 /// The table under the object that nobody has moved yet. Misplaced links of the hand shift all that
@@ -186,7 +188,7 @@ PoseEstimate locate(const localization::ObjectModel& object, const hand::HandMod
     } else {
       const auto motion = carried_motion(hand, log, closed.front(), *held, options.errors);
       move(motion * log.readings[closed.front()].base.pose().inverse(), resting);
-      const bool stirred = log.before_opening() || log.at(Mark::rolled);
+      const bool stirred = log.has_opened() || log.at(Mark::rolled);
       evidence.prior = prior_after_grasp(resting, options, stirred ? kStirred : 1.0);
     }
   }

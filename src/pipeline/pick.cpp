@@ -17,6 +17,7 @@
 namespace palpate::pipeline {
 namespace {
 
+constexpr double kLeft = 0.25;  // of the object's weight, in the hand: it has not been let go
 constexpr double kNextSide = 2 * std::numbers::pi / 3;  // rad between attempts
 
 bool has(const TouchLog& log, Mark mark) {
@@ -50,18 +51,31 @@ class Picking {
     }
     while (!result_.held && result_.attempts < options_.attempts) {
       if (result_.attempts++ > 0) {
-        course_.run(ReleasePhase());
+        release();
         state_.yaw += kNextSide;
       }
       result_.held = attempt();
     }
     result_.resting = state_.resting;
-    if (result_.held) result_.failed_phase.clear();
+    if (result_.held) {
+      result_.failed_phase.clear();
+    } else if (mean_load(robot_.log()) > kLeft * weight()) {
+      release();  // nothing is left hanging
+    }
     result_.estimate = state_.estimate;
     return std::move(result_);
   }
 
  private:
+  [[nodiscard]] double weight() const { return object_.object().mass * kGravity; }
+
+  /// What was known of the object's pose no longer holds.
+  void release() {
+    course_.run(ReleasePhase());
+    state_.resting.reset();
+    state_.next_grasp.reset();
+  }
+
   /// Holds and lifts the object, from other sides too while that tells more of its pose.
   bool attempt() {
     if (!course_.run(FeelPhase(options_.feel))) return false;
@@ -71,8 +85,7 @@ class Picking {
       if (!course_.run(GraspPhase(options_.grasp, object_, choose))) return false;
       estimate_closed();
       if (!state_.next_grasp) {
-        const double weight = object_.object().mass * kGravity;
-        if (!course_.run(LiftPhase(options_.lift, weight)) || !estimate_held()) return false;
+        if (!course_.run(LiftPhase(options_.lift, weight())) || !estimate_held()) return false;
       }
       if (!state_.next_grasp) return true;
       choose = once(*state_.next_grasp);
@@ -120,7 +133,6 @@ class Picking {
   bool put_back() {
     const auto& log = robot_.log();
     const auto open = open_posture(options_.grasp.top);
-    const double weight = object_.object().mass * kGravity;
     bool ok = false;
     if (log.at(Mark::held)) {
       PlaceGoal goal;
@@ -129,8 +141,9 @@ class Picking {
     } else {
       ok = course_.run(OpenPhase({}, open));
     }
-    if (!ok || !course_.run(WithdrawPhase({}, weight, Mark::opened))) return false;
+    if (!ok || !course_.run(WithdrawPhase({}, weight(), Mark::opened))) return false;
     state_.resting = locate_resting(object_, robot_.model(), robot_.log(), options_.locate, seed_);
+    if (state_.resting->modes.empty()) state_.resting.reset();
     ++result_.regrasps;
     return true;
   }

@@ -65,78 +65,118 @@ struct Choices {
   }
 };
 
-/// Where the object comes to stand when the hand goes back to where it closed.
-localization::Posterior put_back(const Robot& robot, localization::Posterior posterior) {
-  const auto& readings = robot.log().readings;
-  move(readings[*robot.log().at(Mark::closed)].base.pose() * robot.reading().base.pose().inverse(),
-       posterior);
-  return posterior;
-}
+/// One run of the phase.
+class Probing {
+ public:
+  Probing(Robot& robot, PickState& state, const localization::ObjectModel& object,
+          const ProbeOptions& options, const LocateOptions& locate, const GraspOptions& grasp,
+          std::uint64_t seed, Mark instant)
+      : robot_(robot),
+        state_(state),
+        object_(object),
+        options_(options),
+        locate_(locate),
+        grasp_(grasp),
+        seed_(seed),
+        instant_(instant),
+        fingers_(object, options, pressure(grasp, object.object())) {}
 
-std::optional<TellingGrasp> other_grasp(const Robot& robot, const PickState& state,
-                                        const localization::ObjectModel& object,
-                                        const GraspOptions& grasp, bool hangs) {
-  TellingGraspOptions options;
-  options.plan.press = pressure(grasp, object.object());
-  options.worst_cost = grasp.most_imbalance;
-  options.avoid = state.tried_yaws;
-  options.seconds = kRegraspSeconds + (hangs ? kLiftSeconds : 0);
-  const auto& posterior = state.estimate.posterior;
-  return most_telling_grasp(object, hangs ? put_back(robot, posterior) : posterior,
-                            tool_of(robot, grasp), options);
-}
+  PhaseEnd run(double last_start) {
+    state_.next_grasp.reset();
+    const double before = weight();
+    while (holds_ && !slipped_ && weight() > 0 && weight() <= options_.certain &&
+           robot_.time() < last_start) {
+      const Choices next = choices();
+      if (next.grasp) state_.next_grasp = next.grasp->plan;
+      if (!next.touch && !next.roll) break;
+      carry_out(next);
+    }
+    return {!lost() && !slipped_,
+            fmt::format("{} touch{}, {} roll{}, certainty {:.2f} -> {:.2f}{}", touches_,
+                        touches_ == 1 ? "" : "es", rolls_, rolls_ == 1 ? "" : "s", before, weight(),
+                        state_.next_grasp ? "; another grasp tells more" : "")};
+  }
+
+ private:
+  [[nodiscard]] bool hangs() const { return instant_ == Mark::held; }
+  [[nodiscard]] const localization::Posterior& posterior() const {
+    return state_.estimate.posterior;
+  }
+  [[nodiscard]] double weight() const {
+    return posterior().modes.empty() ? 0.0 : posterior().modes[0].weight;
+  }
+  [[nodiscard]] bool lost() const {
+    if (!hangs()) return !holds_;
+    return mean_load(robot_.log()) < kLeastWeight * object_.object().mass * kGravity;
+  }
+
+  /// What is worth most of what has not been done too often yet.
+  [[nodiscard]] Choices choices() const {
+    Choices next;
+    if (touches_ < options_.most) {
+      next.touch = fingers_.choose(robot_, posterior(), RandomStream(seed_, "probe"));
+    }
+    if (next.touch) {  // of draws, which also differ by each pose's own error
+      auto& information = next.touch->promise.information;
+      information = std::min(information, entropy(posterior()));
+    }
+    if (hangs() && rolls_ < options_.rolls) {
+      const auto contacts = contacts_at(robot_, robot_.log().readings.size() - 1);
+      next.roll = most_telling_roll(robot_, object_, posterior(), contacts);
+    }
+    if (regrasps_made(robot_.log()) < options_.regrasps) next.grasp = other_grasp();
+    next.keep_best(options_.worth);
+    return next;
+  }
+
+  [[nodiscard]] std::optional<TellingGrasp> other_grasp() const {
+    const auto closed = robot_.log().at(Mark::closed);
+    if (!closed) return std::nullopt;
+    TellingGraspOptions options;
+    options.plan.press = pressure(grasp_, object_.object());
+    options.worst_cost = grasp_.most_imbalance;
+    options.avoid = state_.tried_yaws;
+    options.seconds = kRegraspSeconds + (hangs() ? kLiftSeconds : 0);
+    localization::Posterior standing = posterior();
+    if (hangs()) {  // where it comes to stand when the hand goes back to where it closed
+      move(robot_.log().readings[*closed].base.pose() * robot_.reading().base.pose().inverse(),
+           standing);
+    }
+    return most_telling_grasp(object_, standing, tool_of(robot_, grasp_), options);
+  }
+
+  /// Touches or rolls, and estimates the pose anew.
+  void carry_out(const Choices& next) {
+    if (next.touch) {
+      holds_ = fingers_.make(robot_, *next.touch);
+      ++touches_;
+    } else {
+      slipped_ = !roll(robot_, object_, posterior(), *next.roll, locate_.errors, seed_);
+      ++rolls_;
+    }
+    if (hangs()) robot_.wait(locate_.window);  // which the estimate averages
+    robot_.mark(instant_);
+    state_.estimate = locate(object_, robot_.model(), robot_.log(), locate_, seed_, instant_);
+  }
+
+  Robot& robot_;
+  PickState& state_;
+  const localization::ObjectModel& object_;
+  const ProbeOptions& options_;
+  const LocateOptions& locate_;
+  const GraspOptions& grasp_;
+  std::uint64_t seed_;
+  Mark instant_;
+  FingerProbes fingers_;
+  int touches_ = 0, rolls_ = 0;
+  bool holds_ = true, slipped_ = false;
+};
 
 }  // namespace
 
 PhaseEnd ProbePhase::run(Robot& robot, PickState& state) {
-  state.next_grasp.reset();
-  FingerProbes fingers(object_, options_, pressure(grasp_, object_.object()));
-  const auto weight = [&] {
-    const auto& modes = state.estimate.posterior.modes;
-    return modes.empty() ? 0.0 : modes[0].weight;
-  };
-  const double before = weight();
-  const double last_start = robot.time() + time_limit() - kStepSeconds;
-  const bool hangs = instant_ == Mark::held;
-  int touches = 0, rolls = 0;
-  bool holds = true, slipped = false;
-  while (holds && !slipped && weight() > 0 && weight() <= options_.certain &&
-         robot.time() < last_start) {
-    const auto& posterior = state.estimate.posterior;
-    Choices next;
-    if (touches < options_.most) {
-      next.touch = fingers.choose(robot, posterior, RandomStream(seed_, "probe"));
-    }
-    if (next.touch) {  // of draws, which also differ by each pose's own error
-      auto& information = next.touch->promise.information;
-      information = std::min(information, entropy(posterior));
-    }
-    if (hangs && rolls < options_.rolls) {
-      const auto contacts = contacts_at(robot, robot.log().readings.size() - 1);
-      next.roll = most_telling_roll(robot, object_, posterior, contacts);
-    }
-    if (regrasps_made(robot.log()) < options_.regrasps) {
-      next.grasp = other_grasp(robot, state, object_, grasp_, hangs);
-    }
-    next.keep_best(options_.worth);
-    if (next.grasp) state.next_grasp = next.grasp->plan;
-    if (!next.touch && !next.roll) break;
-    if (next.touch) {
-      holds = fingers.make(robot, *next.touch);
-      ++touches;
-    } else {
-      slipped = !roll(robot, object_, posterior, *next.roll, locate_.errors, seed_);
-      ++rolls;
-    }
-    robot.mark(instant_);
-    state.estimate = locate(object_, robot.model(), robot.log(), locate_, seed_, instant_);
-  }
-  const bool lost =
-      hangs ? mean_load(robot.log()) < kLeastWeight * object_.object().mass * kGravity : !holds;
-  return {!lost && !slipped,
-          fmt::format("{} touch{}, {} roll{}, certainty {:.2f} -> {:.2f}{}", touches,
-                      touches == 1 ? "" : "es", rolls, rolls == 1 ? "" : "s", before, weight(),
-                      state.next_grasp ? "; another grasp tells more" : "")};
+  Probing probing(robot, state, object_, options_, locate_, grasp_, seed_, instant_);
+  return probing.run(robot.time() + time_limit() - kStepSeconds);
 }
 
 }  // namespace palpate::pipeline

@@ -10,7 +10,7 @@ namespace palpate::pipeline {
 namespace {
 
 constexpr std::size_t kFinalists = 12;  // grasps that are compared
-constexpr double kSameYaw = 1e-6;       // rad
+constexpr double kSameAttitude = 1e-6;  // rad
 
 using localization::PredictedFeel;
 
@@ -32,7 +32,7 @@ std::vector<GraspPlan> grasps_from_all_sides(const localization::ObjectModel& ob
   for (auto& grasp : found) {
     if (sides.size() == kFinalists) break;
     const bool known = std::any_of(sides.begin(), sides.end(), [&](const GraspPlan& other) {
-      return (other.base.ypr - grasp.base.ypr).cwiseAbs().maxCoeff() < kSameYaw;
+      return (other.base.ypr - grasp.base.ypr).cwiseAbs().maxCoeff() < kSameAttitude;
     });
     if (!known) sides.push_back(std::move(grasp));
   }

@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kTurn = 0.17;               // rad: as far as fingers turn an object surely
 constexpr double kSeconds = 8;               // of the robot's time, there and back
+constexpr double kLongest = 4;               // s of either way
 constexpr double kSameSpot = 0.006;          // m
 constexpr double kRelaxing = 0.8;            // s, back to the grip before
 constexpr double kRest = 0.2;                // s, of contacts that are averaged, amply
@@ -78,16 +79,19 @@ std::optional<Roll> most_telling_roll(const Robot& robot, const localization::Ob
   const auto poses = poses_of(held);
   std::vector<double> weights;
   for (const WeightedPose& pose : poses) weights.push_back(pose.weight);
+  const auto told = [&](const Eigen::Vector3d& turn) {
+    std::vector<PredictedFeel> feels;
+    for (const WeightedPose& pose : poses) {
+      feels.push_back(feel_after(object, T_base_world * pose.T, contacts, robot, turn));
+    }
+    return localization::information_bound(feels, weights, touches_of_modes());
+  };
+  const double already = told(Eigen::Vector3d::Zero());  // poses that do not fit what is felt
   std::optional<Roll> best;
   for (int axis = 0; axis < 3; ++axis) {
     for (const double sign : {1.0, -1.0}) {
       const Eigen::Vector3d turn = sign * kTurn * Eigen::Vector3d::Unit(axis);
-      std::vector<PredictedFeel> feels;
-      for (const WeightedPose& pose : poses) {
-        feels.push_back(feel_after(object, T_base_world * pose.T, contacts, robot, turn));
-      }
-      const Promise promise{localization::information_bound(feels, weights, touches_of_modes()),
-                            kSeconds};
+      const Promise promise{std::max(0.0, told(turn) - already), kSeconds};
       if (!best || promise.information > best->promise.information) best = Roll{turn, promise};
     }
   }
@@ -100,6 +104,7 @@ bool roll(Robot& robot, const localization::ObjectModel& object,
   ReorientOptions options;
   options.sampling.samples = 0;  // the poses in question disagree on what a rehearsal would show
   options.errors = errors;
+  options.longest = kLongest;
   const hand::ActuatorVector before = robot.command().positions;
   const auto contacts = contacts_at(robot, robot.log().readings.size() - 1);
   const Eigen::Isometry3d& start = held.modes.front().T_frame_object;

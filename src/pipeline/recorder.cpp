@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <span>
 
+#include "palpate/core/error.hpp"
+
 namespace palpate::pipeline {
 namespace {
 
@@ -24,10 +26,14 @@ recording::PoseModeRecord to_record(const localization::Mode& mode) {
 }
 
 std::optional<Mark> mark_of(const recording::Event& event) {
-  for (std::size_t i = 0; i < kMarkNames.size(); ++i) {
-    if (event.text == std::string(kMarkPrefix).append(kMarkNames[i])) return static_cast<Mark>(i);
+  if (!event.text.starts_with(kMarkPrefix)) return std::nullopt;
+  const std::string name = event.text.substr(kMarkPrefix.size());
+  const auto found = std::find(kMarkNames.begin(), kMarkNames.end(), name);
+  if (found == kMarkNames.end()) {
+    throw BadInput(fmt::format("the recording has a mark {:?} at {} s, which means nothing here",
+                               name, event.time));
   }
-  return std::nullopt;
+  return static_cast<Mark>(found - kMarkNames.begin());
 }
 
 }  // namespace

@@ -40,7 +40,8 @@ class Transfers {
         pick(robot_, object_, pick_options_, seed, observer_,
              [&](const localization::Posterior& resting) { return choose(resting, round); });
     if (!round.pick.held) return round;
-    if (round.plan.transfers.empty()) round.plan = plan_in_hand(round.pick);
+    const bool otherwise_held = round.pick.regrasps > 0;  // than was planned
+    if (otherwise_held || round.plan.transfers.empty()) round.plan = plan_in_hand(round.pick);
     // Where no way is known the target itself is tried: that puts the object back if it cannot be.
     PlaceTarget target = target_;
     PlaceOptions options = place_options_;

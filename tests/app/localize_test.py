@@ -83,7 +83,7 @@ class Localize(CliTest):
         for rows in (one, one * 6, contacts_on_box(10, faces=[5])):
             result = self.localize(rows)
             self.assertEqual(result["status"], "ambiguous")
-            self.assertLessEqual(len(result["modes"]), 64)
+            self.assertLessEqual(len(result["modes"]), 16)
 
     def test_no_contacts_leave_no_pose(self):
         result = self.localize([], code=NO_SOLUTION)

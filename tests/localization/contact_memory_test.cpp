@@ -48,6 +48,16 @@ TEST(VarianceOfMean, AgreesWithDrawnErrorsAsTheCovarianceDoes) {
   EXPECT_NEAR(covariance_of_means(kBefore, kAfter, errors), covariance, 0.06 * covariance);
 }
 
+TEST(MeanContacts, HasFiniteErrorsWhereAllErrorsLastAndFramesCoincide) {
+  const ContactFrames frames(5, {contact_at(-1, {0, 0, 0.1}, Eigen::Vector3d::UnitZ())});
+  const KnownErrors known{frames.back(), {5}};
+  for (const double spacing : {0.0, 1e-12, 1e-3}) {
+    const auto means = mean_contacts(frames, {1, 0.5, spacing}, known);
+    EXPECT_GT(means[0].point_sigma, 0);
+    EXPECT_TRUE(std::isfinite(means[0].normal_sigma));
+  }
+}
+
 TEST(MeanContacts, AveragesEachFingerThatStillTouches) {
   const Eigen::Vector3d z = Eigen::Vector3d::UnitZ();
   const ContactFrames frames = {{contact_at(1, {0, 0, 0.001}, z), contact_at(2, {0.1, 0, 0}, z)},

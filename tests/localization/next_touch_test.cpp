@@ -80,6 +80,18 @@ TEST(InformationBound, AddsUpWhatSeveralFingersFeel) {
   EXPECT_NEAR(information_bound(alike, even), information_bound(one, even), 1e-12);
 }
 
+TEST(InformationBound, RefusesOutcomesThatDoNotMatch) {
+  const auto bound = [](const std::vector<PredictedFeel>& outcomes,
+                        const std::vector<double>& weights) {
+    return information_bound(outcomes, weights);
+  };
+  EXPECT_THROW(bound({{hit_at(0)}, {hit_at(1)}}, {1}), BadInput);
+  EXPECT_THROW(bound({{hit_at(0)}, {hit_at(1), hit_at(1)}}, {1, 1}), BadInput);
+  EXPECT_THROW(bound({{hit_at(0)}, {hit_at(1)}}, {0, 0}), BadInput);
+  EXPECT_THROW(bound({{hit_at(0)}, {hit_at(1)}}, {1, -1}), BadInput);
+  EXPECT_EQ(information_bound(std::vector<PredictedFeel>{}, std::vector<double>{}), 0);
+}
+
 Posterior two_boxes() {
   Posterior posterior;
   posterior.status = PoseStatus::ambiguous;

@@ -43,7 +43,7 @@ struct LocalizerOptions {
   int particles = 800;       ///< carried through the tempering
   int moves = 6;             ///< Metropolis moves a particle and level
   int starts = 200;          ///< best proposals that are refined before the sampling
-  int modes = 64;            ///< reported at most
+  int modes = 16;            ///< reported at most
   double first_scale = 3.0;  ///< noise scale at which the search starts
   double contact_offset =
       0.003;  ///< distance outside the surface at which contacts are compared, m

@@ -61,6 +61,7 @@ using PredictedFeel = std::vector<PredictedTouch>;
 /// The same bound where an outcome is several touches, whose errors are independent, and the poses
 /// have weights: -sum_i w_i ln sum_j w_j exp(-..), at most the weights' entropy.
 /// @param weights  of the poses, as many as outcomes; their sum is taken for 1
+/// @throws BadInput for other sizes, negative weights or none above 0
 double information_bound(const std::vector<PredictedFeel>& outcomes,
                          const std::vector<double>& weights, const NextTouchOptions& options = {});
 

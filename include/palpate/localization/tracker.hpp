@@ -43,7 +43,7 @@ struct TrackerOptions {
     v("slip_angle", slip_angle, 0.0, 3.2, "spread of the poses searched after a slip, rad");
     v("slip_way", slip_way, 0.0, 0.1, "spread of the poses searched after a slip, m");
     v("slip_poses", slip_poses, 1, 1000, "poses started a frame while a slip is searched");
-    v("slip_search", slip_search, 0.0, 5.0, "s after a slip in which it is searched");
+    v("slip_search", slip_search, 0.0, 0.5, "s after a slip in which it is searched");
   }
 };
 
@@ -106,9 +106,9 @@ class Tracker {
   std::vector<double> energies_;  // per contact, of the last frames at the predicted pose
   std::vector<std::vector<touch::Contact>> recent_;  // frames, carried along to the present
   std::vector<touch::Contact> errors_before_;        // mean ones, of the frames before the slip
-  std::size_t learnt_frames_ = 0;
-  std::vector<Hypothesis> before_slip_;  // carried along, while a slip is searched
-  double searched_ = 0;                  // s since it was noticed
+  std::vector<std::size_t> learnt_frames_;           // of each of them
+  std::vector<Hypothesis> before_slip_;              // carried along, while a slip is searched
+  double searched_ = 0;                              // s since it was noticed
   int slips_ = 0;
 };
 

@@ -44,6 +44,9 @@ struct TouchLog {
   /// The log up to the latest moment of a kind, with it; all of it where there was none.
   TouchLog until(Mark mark) const;
 
+  /// Whether the hand has opened and stayed at the object since it let go.
+  bool has_opened() const { return since_opening().size() < since_release().size(); }
+
   /// The log of the grasp before, where since it let go the hand has opened and stayed at the
   /// object.
   std::optional<TouchLog> before_opening() const;

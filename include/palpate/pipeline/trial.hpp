@@ -77,7 +77,7 @@ struct Judgement {
   bool pose_ok_before_probe = false;
   bool pose_ok_tracked = false;  ///< the pose followed from there to the end of the lift
   double tracked_share = 0;      ///< of the time of following in which it was right
-  int probes = 0;                ///< touches of other spots in the closed hand
+  int probes = 0;                ///< touches of other spots of the object that fingers hold
   double explored_motion = 0;    ///< m, of the object while it was touched before the grasp
   double tip_force = 0;          ///< N, median over the touching fingertips at the end
   Eigen::Isometry3d T_world_object = Eigen::Isometry3d::Identity();  ///< at the end
