@@ -141,6 +141,7 @@ nlohmann::json trial_json(const pipeline::Trial& trial) {
           {"pose_ok_tracked", trial.judgement.pose_ok_tracked},
           {"tracked_share", trial.judgement.tracked_share},
           {"probes", trial.judgement.probes},
+          {"regrasps", trial.result.regrasps},
           {"stance", trial.start.stance},
           {"estimate", estimate_json(trial)},
           {"T_world_object_true", to_json(trial.judgement.T_world_object)},

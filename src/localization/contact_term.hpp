@@ -44,7 +44,8 @@ class ContactTerm : public EvidenceTerm {
   int unexplained(const SearchPose& pose) const;
 
   /// Energy of a pose above that of contacts that fit exactly at the noise stated, as a share of
-  /// what it would be if no contact were explained.
+  /// what it would be if no contact were explained. A little below 0 where less noise than stated
+  /// explains them better.
   float misfit(const SearchPose& pose) const;
 
   std::size_t size() const { return contacts_.size(); }

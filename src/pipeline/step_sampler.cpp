@@ -11,12 +11,13 @@ namespace palpate::pipeline {
 namespace {
 
 constexpr double kTouching = 0.05;  // N
-constexpr double kFallen = 0.010;   // m, more than any step asks for
+constexpr double kFallen = 0.010;   // m off the way that was asked for
 
+/// @param asked  m, of the object
 bool fallen(const simulation::Rehearsal::Outcome& settled,
-            const simulation::Rehearsal::Outcome& end) {
+            const simulation::Rehearsal::Outcome& end, const Eigen::Vector3d& asked) {
   const Eigen::Vector3d way = end.T_base_object.translation() - settled.T_base_object.translation();
-  return settled.diverged || end.diverged || way.norm() > kFallen;
+  return settled.diverged || end.diverged || (way - asked).norm() > kFallen;
 }
 
 }  // namespace
@@ -135,7 +136,7 @@ ChosenStep StepSampler::choose(const GraspView& view, const Vector6d& step, Rand
   auto& rehearsal = rehearsals_of_threads_.front();
   const auto settled = rehearsal.start(grasp, options_.sampling.settle);
   const auto end = rehearsal.play(commands_of(view, chosen.motion));
-  chosen.falls = fallen(settled, end);
+  chosen.falls = fallen(settled, end, chosen.motion.twist.tail<3>());
   if (chosen.falls) return chosen;
   chosen.displacement = end.T_base_object * settled.T_base_object.inverse();
   return chosen;

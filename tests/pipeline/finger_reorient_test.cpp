@@ -123,7 +123,7 @@ TEST(ReorientByFingers, CarriesTheObjectAlongWithoutRehearsals) {
   EXPECT_GT(result.steps, options.tightenings);
   const auto error =
       localization::pose_error(scene.truth(), true_goal, {Eigen::Matrix3d::Identity()});
-  EXPECT_LT(error.rotation, turn.norm());
+  EXPECT_LT(error.rotation, 0.5 * turn.norm());
   EXPECT_GT(scene.world.truth().lowest_point, 0.02);  // it hangs
 }
 
@@ -131,14 +131,16 @@ TEST(ReorientByFingers, EndsWhereItComesNoNearer) {
   HeldBracket scene;
   ASSERT_TRUE(scene.picked.held);
   const auto& posterior = scene.picked.estimate.posterior;
-  Eigen::Isometry3d goal = posterior.modes.front().T_frame_object;
-  goal.translation().z() += 0.3;  // longer than fingers are
+  const Eigen::Isometry3d goal =
+      turned(posterior.modes.front().T_frame_object, Eigen::Vector3d(0, 0, 0.17));
   ReorientOptions options;
   options.sampling.samples = 0;
+  options.speed = 0.001;  // less than can be told
+  options.way_speed = 1e-4;
   options.patience = 1;
   const auto result =
       reorient_by_fingers(*scene.robot, scene.object, posterior, goal, options, kSeed);
-  EXPECT_NE(result.end, ReorientEnd::reached);
+  EXPECT_EQ(result.end, ReorientEnd::out_of_time);
   EXPECT_LT(result.seconds, options.longest);
 }
 

@@ -175,6 +175,22 @@ TEST(Trial, GraspsAnewFromAnotherSideAndKeepsWhatItKnew) {
   expect_equal(trial.result.estimate, replayed(recording, options.pick.locate));
 }
 
+TEST(Trial, PutsDownWhatHangsToGraspItAnew) {
+  TrialOptions options = quick_options();
+  options.pick.estimate_before_lift = false;
+  options.pick.probe.most = 0;
+  options.pick.probe.regrasps = 1;
+  const Trial trial = run_trial(model("box"), options, kSeed);
+  EXPECT_EQ(trial.result.regrasps, 1);
+  EXPECT_TRUE(trial.judgement.lifted);
+  EXPECT_TRUE(trial.judgement.pose_ok);
+  std::vector<std::string> names;
+  for (const auto& phase : trial.result.phases) names.push_back(phase.name);
+  const auto lift = std::find(names.begin(), names.end(), "lift");
+  const auto down = std::find(lift, names.end(), "put-down");
+  EXPECT_NE(std::find(down, names.end(), "lift"), names.end());
+}
+
 TEST(Trial, RollsTheObjectAsideAndBack) {
   TrialOptions options = quick_options();
   options.pick.probe.most = 0;
