@@ -20,7 +20,7 @@ const localization::ObjectModel& box() {
 TrialOptions quick_options() {
   TrialOptions options;
   options.pick.explore.touches = options.pick.explore.most_touches = 6;
-  options.pick.probe.most = 0;
+  options.pick.probe.most = options.pick.probe.rolls = options.pick.probe.regrasps = 0;
   options.pick.lift.hold = 0.5;
   options.pick.locate.search.proposals = 20000;
   options.pick.locate.search.particles = 400;
