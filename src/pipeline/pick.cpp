@@ -119,7 +119,9 @@ class Picking {
         course_.run(TrackPhase(object_, options_.track, options_.locate.errors, seed_))) {
       result_.tracked = state_.tracked;
     }
-    return !course_.run(LocatePhase(object_, options_.locate, seed_)) || probe(Mark::held);
+    if (!course_.run(LocatePhase(object_, options_.locate, seed_))) return true;
+    const bool in_doubt = state_.estimate.posterior.modes[0].weight <= options_.probe.certain;
+    return !in_doubt || probe(Mark::held);
   }
 
   /// @return whether the object is still held, as far as was felt
