@@ -42,7 +42,7 @@ const SearchPose& best_of(const std::vector<Particle>& particles) {
       ->pose;
 }
 
-/// The search for one population of samples.
+/// The search for populations of samples.
 class Sampler {
  public:
   Sampler(const ObjectModel& model, const Evidence& evidence, const LocalizerOptions& options)
@@ -55,18 +55,22 @@ class Sampler {
 
   const PoseFamily::Symmetries& symmetries() const { return symmetries_; }
 
-  /// About the basins that descents from the best proposals find, where the evidence closes them: a
-  /// mixture about them covers the posterior, and no basin is lost that is narrow at enlarged
-  /// noise. Else from the proposals, broadly.
-  std::vector<Particle> operator()(RandomStream random, int share) const {
+  /// Those that descents from the best proposals find, where the evidence closes them; else none.
+  std::vector<Basin> basins(RandomStream random) const {
+    if (!many_contacts_) return {};
+    auto found = find_basins(
+        *proposal_, energy_at_, symmetries_,
+        {options_.proposals / kScreenedShare, options_.starts, options_.first_scale}, random);
+    return closed(found) ? std::move(found) : std::vector<Basin>{};
+  }
+
+  /// About basins: a mixture about them covers the posterior, and none is lost that is narrow at
+  /// enlarged noise. Without any, from the proposals, broadly.
+  std::vector<Particle> operator()(const std::vector<Basin>& basins, RandomStream random,
+                                   int share) const {
     LocalizerOptions options = options_;
     options.particles /= share;
-    if (many_contacts_) {
-      const auto basins = find_basins(
-          *proposal_, energy_at_, symmetries_,
-          {options.proposals / kScreenedShare, options.starts, options.first_scale}, random);
-      if (closed(basins)) return sample_about(basins, options, random.fork("basins"));
-    }
+    if (!basins.empty()) return sample_about(basins, options, random.fork("basins"));
     options.proposals /= share;
     return sample_posterior({*proposal_, moves_, energy_at_}, options, random.fork("broad"));
   }
@@ -121,12 +125,13 @@ class Sampler {
 Posterior search(const ObjectModel& model, const Evidence& evidence, const RandomStream& random,
                  const LocalizerOptions& options) {
   const Sampler sample(model, evidence, options);
-  const auto chosen_on = sample(random.fork("choosing"), 1);
+  const auto basins = sample.basins(random.fork("descents"));
+  const auto chosen_on = sample(basins, random.fork("choosing"), 1);
   if (chosen_on.empty() ||
       contradicted(model, evidence, best_of(chosen_on), options.contact_offset)) {
     return {};
   }
-  const auto weighed_on = sample(random.fork("weighing"), kWeighingShare);
+  const auto weighed_on = sample(basins, random.fork("weighing"), kWeighingShare);
   if (weighed_on.empty()) return {};
   Posterior posterior;
   posterior.modes = find_modes(poses_of(chosen_on), poses_of(weighed_on), sample.symmetries(),
