@@ -60,20 +60,21 @@ hand::ActuatorVector with_finger(hand::ActuatorVector posture, int finger,
   return posture;
 }
 
-}  // namespace
-
-std::vector<touch::Contact> contacts_at(const Robot& robot, std::size_t reading) {
-  const std::span<const hand::HandReading> readings(robot.log().readings);
-  const std::size_t count = std::min(reading + 1, kWindow);
-  return touch::lasting_contacts(readings.subspan(reading + 1 - count, count), robot.model(), {});
-}
-
+/// Whether the thumb and a finger, other than `but_for`, touch what they held.
 bool still_holds(const Robot& robot, int but_for) {
   int fingers = 0;
   for (int finger = 1; finger < hand::kFingers; ++finger) {
     fingers += finger != but_for && tip_force(robot.reading(), finger) > kLost;
   }
   return fingers + 1 >= kLeastHolding && tip_force(robot.reading(), 0) > kLost;
+}
+
+}  // namespace
+
+std::vector<touch::Contact> contacts_at(const Robot& robot, std::size_t reading) {
+  const std::span<const hand::HandReading> readings(robot.log().readings);
+  const std::size_t count = std::min(reading + 1, kWindow);
+  return touch::lasting_contacts(readings.subspan(reading + 1 - count, count), robot.model(), {});
 }
 
 bool FingerProbes::was_made(const Move& move) const {

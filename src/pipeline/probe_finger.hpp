@@ -13,9 +13,6 @@ namespace palpate::pipeline {
 /// Contacts that have lasted up to a reading, base's frame.
 std::vector<touch::Contact> contacts_at(const Robot& robot, std::size_t reading);
 
-/// Whether the thumb and a finger, other than `but_for`, touch what they held.
-bool still_holds(const Robot& robot, int but_for = -1);
-
 /// Touches of other spots of a held object by one finger at a time: one that the others can do
 /// without, who take over what it held.
 class FingerProbes {

@@ -66,13 +66,20 @@ TEST(Rehearsal, HoldsWhatTheHandHoldsAndDropsWhatItLetsGo) {
   EXPECT_THROW((void)rehearsal.start(grasp, 0.1), BadInput);
 }
 
+const Eigen::Vector3d kTurn(0, 0, 0.17);  // rad
+
+/// The estimated pose turned, and the true one.
+std::pair<Eigen::Isometry3d, Eigen::Isometry3d> goals(const HeldBracket& scene,
+                                                      const Eigen::Vector3d& turn) {
+  return {turned(scene.picked.estimate.posterior.modes.front().T_frame_object, turn),
+          turned(scene.truth(), turn)};
+}
+
 TEST(ReorientByFingers, TurnsABracketAndSaysHowFar) {
   HeldBracket scene;
   ASSERT_TRUE(scene.picked.held);
   const auto& posterior = scene.picked.estimate.posterior;
-  const Eigen::Vector3d turn(0, 0, 0.17);
-  const Eigen::Isometry3d goal = turned(posterior.modes.front().T_frame_object, turn);
-  const Eigen::Isometry3d true_goal = turned(scene.truth(), turn);
+  const auto [goal, true_goal] = goals(scene, kTurn);
   ReorientOptions options;
   options.sampling.samples = 8;
   const auto result =
@@ -111,9 +118,7 @@ TEST(ReorientByFingers, CarriesTheObjectAlongWithoutRehearsals) {
   HeldBracket scene;
   ASSERT_TRUE(scene.picked.held);
   const auto& posterior = scene.picked.estimate.posterior;
-  const Eigen::Vector3d turn(0, 0, 0.17);
-  const Eigen::Isometry3d goal = turned(posterior.modes.front().T_frame_object, turn);
-  const Eigen::Isometry3d true_goal = turned(scene.truth(), turn);
+  const auto [goal, true_goal] = goals(scene, kTurn);
   ReorientOptions options;
   options.sampling.samples = 0;
   options.longest = 3;
@@ -123,7 +128,7 @@ TEST(ReorientByFingers, CarriesTheObjectAlongWithoutRehearsals) {
   EXPECT_GT(result.steps, options.tightenings);
   const auto error =
       localization::pose_error(scene.truth(), true_goal, {Eigen::Matrix3d::Identity()});
-  EXPECT_LT(error.rotation, 0.5 * turn.norm());
+  EXPECT_LT(error.rotation, 0.5 * kTurn.norm());
   EXPECT_GT(scene.world.truth().lowest_point, 0.02);  // it hangs
 }
 

@@ -77,10 +77,9 @@ struct PoseEstimate {
 
 /// Estimates the pose of the held object from what the hand felt, and from nothing else.
 ///
-/// Contacts are those of the held object, with those that
-/// probes have found and those that it had rolled aside; the table supported it when the fingers
-/// had closed; the felt height weighs its stances. All is expressed in the hand's base, in which
-/// the object rests.
+/// Contacts are those of the held object, with those that probes have found and those that it had
+/// rolled aside; the table supported it when the fingers had closed; the felt height weighs its
+/// stances. All is expressed in the hand's base, in which the object rests.
 /// @param instant  `held`, `closed` for the pose before the lift, or `placed`
 /// @return status no_pose if the log has no such mark
 PoseEstimate locate(const localization::ObjectModel& object, const hand::HandModel& hand,
