@@ -4,6 +4,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "palpate/core/se3.hpp"
@@ -20,6 +21,11 @@ constexpr float kHopeless = 30;            // misfit whose likelihood rounds to 
 constexpr float kLeastProduct = 1e-18F;    // times the least factor still is a float
 constexpr float kOffsetReach = 3;          // standard deviations that an offset is within
 constexpr int kFitSteps = 2;               // of reweighting contacts for the offset
+
+/// Of the doubt about the noise: the chance of each contact that its normal strays. Next to edges
+/// and in corners the point's noise takes the normal from one face to another.
+constexpr double kStrayShare = 0.125;
+constexpr float kStray = 9;  // times the variance of normals, there
 
 double true_to_false_odds(double false_share, double area, double sp, double sn) {
   const double false_density = 1 / (kFalseVolume * 4 * std::numbers::pi);
@@ -38,7 +44,9 @@ double peak_contact_density(double area, double point_sigma, double normal_sigma
 
 ContactTerm::ContactTerm(const ObjectModel& model, const Evidence& evidence, double offset,
                          double scale)
-    : field_(model.field()), offset_(static_cast<float>(offset)) {
+    : field_(model.field()),
+      offset_(static_cast<float>(offset)),
+      stray_(static_cast<float>(kStrayShare * evidence.noise_doubt)) {
   for (const touch::Contact& contact : evidence.contacts) {
     const Eigen::Vector3d n = contact.n.normalized();
     contacts_.push_back({(contact.p + offset * n).cast<float>(), n.cast<float>()});
@@ -103,6 +111,13 @@ float ContactTerm::Product::energy(const Levels& priors) const {
   return -log_scale - std::log((priors * likelihood).sum());
 }
 
+ContactTerm::NormalFit ContactTerm::normal_fit(float q) const {
+  const float near = (1 - stray_) * std::exp(-q);
+  const float far = stray_ / kStray * std::exp(-q / kStray);
+  const float density = std::max(near + far, std::numeric_limits<float>::min());
+  return {density, stray_ > 0 ? (near + far / kStray) / density : 1};
+}
+
 ContactTerm::Felt ContactTerm::feel(const Datum& contact, const SearchPose& pose) const {
   Felt felt;
   const Eigen::Vector3f y = pose.R.transpose() * (contact.raised - pose.t);
@@ -129,22 +144,25 @@ ContactTerm::Levels ContactTerm::likelihood(std::size_t k, const Felt& felt, flo
   const float least_away =
       std::max(0.0F, std::abs(felt.away) - most_growth_ * std::abs(felt.swell) - slack);
   const float least_q = least_away * least_away * noise.least_half_point_precision +
-                        felt.tilt * noise.least_normal_precision;
+                        felt.tilt * noise.least_normal_precision / kStray;
   if (!felt.near || least_q > kHopeless) {
     return Levels::Constant(growth_.size(), noise.inverse_peak);
   }
   Levels away = felt.away + growth_ * felt.swell;
   if (slack > 0) away = (away.abs() - slack).max(0.0F);
-  const Levels q = away.square() * noise.half_point_precision + felt.tilt * noise.normal_precision;
-  return (1 + noise.odds * (-q).exp()) * noise.inverse_peak;
+  const Levels qn = felt.tilt * noise.normal_precision;
+  const Levels normal = (1 - stray_) * (-qn).exp() + stray_ / kStray * (-qn / kStray).exp();
+  return (1 + noise.odds * normal * (-away.square() * noise.half_point_precision).exp()) *
+         noise.inverse_peak;
 }
 
 float ContactTerm::contact_energy(std::size_t k, const Felt& felt, float away,
                                   Eigen::Index level) const {
   const LevelNoise noise = noise_at(k, level);
-  const float q = away * away * noise.half_point_precision + felt.tilt * noise.normal_precision;
+  const float q = away * away * noise.half_point_precision;
   if (!felt.near || q >= kHopeless) return noise_[k].cap;
-  return noise_[k].cap - std::log1p(noise.odds * std::exp(-q));
+  const float normal = normal_fit(felt.tilt * noise.normal_precision).density;
+  return noise_[k].cap - std::log1p(noise.odds * std::exp(-q) * normal);
 }
 
 float ContactTerm::contact_energy(std::size_t k, const SearchPose& pose) const {
@@ -166,10 +184,10 @@ ContactTerm::Fit ContactTerm::fit(const Group& group, const std::vector<Felt>& f
       const float precision = 2 * noise.half_point_precision;
       const float away = away_at(felt[k], level) + felt[k].slope.dot(fit.offset);
       const float patience = step == 0 ? 1 + variance * precision : 1;
-      const float q = away * away * noise.half_point_precision / patience +
-                      felt[k].tilt * noise.normal_precision;
+      const float q = away * away * noise.half_point_precision / patience;
       if (q >= kHopeless) continue;
-      const float odds = noise.odds * std::exp(-q);
+      const float normal = normal_fit(felt[k].tilt * noise.normal_precision).density;
+      const float odds = noise.odds * std::exp(-q) * normal;
       const float weight = odds / (1 + odds) * precision;
       H.noalias() += weight * felt[k].slope * felt[k].slope.transpose();
       g += weight * away_at(felt[k], level) * felt[k].slope;
@@ -295,7 +313,8 @@ std::optional<ContactTerm::Linearized> ContactTerm::linearized(std::size_t k,
   Eigen::Matrix<float, 3, 6> dy;  // of the point in the object's frame by [w; v]
   dy << to_object * skew(arm.cast<double>()).cast<float>(), -to_object;
   const float point_scale = std::sqrt(2 * noise.half_point_precision);
-  const float normal_scale = std::sqrt(noise.normal_precision);
+  const NormalFit normal = normal_fit(0.5F * noise.normal_precision * (m - n).squaredNorm());
+  const float normal_scale = std::sqrt(noise.normal_precision * normal.precision);
   Eigen::Matrix<float, 4, 6> J;
   J.row(0) = point_scale * m.transpose() * dy;
   J.bottomRows<3>() = normal_scale * curvature * dy;
@@ -303,7 +322,7 @@ std::optional<ContactTerm::Linearized> ContactTerm::linearized(std::size_t k,
       normal_scale * to_object * skew(contact.n.cast<double>()).cast<float>();
   Eigen::Vector4f r;
   r << point_scale * away, normal_scale * (m - n);
-  const double q = 0.5 * static_cast<double>(r.squaredNorm());
+  const double q = static_cast<double>(0.5F * r[0] * r[0] - std::log(normal.density));
   const double odds = static_cast<double>(noise.odds) * std::exp(-q);
   const double weight = std::max(odds / (1 + odds), kLeastTrust / (1 + q));
   return Linearized{J.cast<double>(), r.cast<double>(), weight};

@@ -19,7 +19,8 @@ double peak_contact_density(double area, double point_sigma, double normal_sigma
 /// With y = R'(p + d n - t), a = phi(y) - d and m = R grad phi: q = a^2 / 2 sp^2 + (1 - n.m) / sn^2
 /// (Gaussian distance, von Mises-Fisher normal), E = ln[(1 + A) / (1 + A e^-q)], where
 /// A = (1 - eps) / eps p_true(q = 0) / p_false, a false contact being uniform over a litre and all
-/// directions. `scale` multiplies the noise.
+/// directions. `scale` multiplies the noise. Of the true contacts a share s, by the doubt about the
+/// noise, has a normal that strays, sn^2 being nine times as large: e^-q is a mixture of both.
 ///
 /// An offset b ~ N(0, so^2 I) that contacts share makes it a_k + m_k.b, and is integrated out by
 /// Laplace's method: E = sum E_k(b*) + |b*|^2 / 2 so^2 + ln det(I + so^2 sum w_k m_k m_k' / sp^2) /
@@ -71,6 +72,11 @@ class ContactTerm : public EvidenceTerm {
   struct LevelNoise {
     float half_point_precision, normal_precision, odds;
   };
+  /// How a contact's normal fits: its density, relative to the peak of those that do not stray, and
+  /// precision, relative to theirs.
+  struct NormalFit {
+    float density, precision;
+  };
   /// Contacts that share an offset.
   struct Group {
     float precision;  // 1 / so^2
@@ -110,6 +116,8 @@ class ContactTerm : public EvidenceTerm {
   static Noise make_noise(const ObjectModel& model, const Evidence& evidence,
                           const touch::Contact& contact, const std::vector<Assumption>& levels,
                           double scale);
+  /// @param q  (1 - n.m) / sn^2
+  NormalFit normal_fit(float q) const;
   Felt feel(const Datum& contact, const SearchPose& pose) const;
   std::vector<Felt> feel_all(const SearchPose& pose) const;
   float away_at(const Felt& felt, Eigen::Index level) const {
@@ -130,6 +138,7 @@ class ContactTerm : public EvidenceTerm {
 
   const geometry::DistanceField& field_;
   float offset_;
+  float stray_;  // prior share of contacts whose normal strays
   std::vector<Datum> contacts_;
   std::vector<Group> groups_;
   float most_growth_ = 0;

@@ -8,6 +8,7 @@
 #include "check_evidence.hpp"
 #include "descent.hpp"
 #include "energy_maker.hpp"
+#include "further_poses.hpp"
 #include "modes.hpp"
 #include "moves.hpp"
 #include "proposal.hpp"
@@ -24,6 +25,8 @@ constexpr std::size_t kConstraints = 3;  // of a contact, distance and normal; a
 constexpr std::size_t kEnough = 12;      // twice a pose's freedoms
 constexpr int kMostOpen = 1;             // directions of a basin that a chain of basins can cover
 constexpr double kNegligible = 1e-5;     // share of a basin that is left out
+constexpr double kMostUnseen = 0.05;     // of fresh poses, outside the balls of those there are
+constexpr int kMore = 3;                 // times the samples are drawn besides where it is more
 constexpr double kWiden = 2;             // of Laplace's covariances: the tails must be covered
 constexpr double kNuggetAngle = 0.005, kNuggetStep = 0.0003;  // rad, m
 
@@ -34,6 +37,10 @@ std::vector<PosePoint> poses_of(const std::vector<Particle>& particles) {
                         particle.pose.t.cast<double>());
   }
   return result;
+}
+
+void append(std::vector<PosePoint>& poses, const std::vector<PosePoint>& more) {
+  poses.insert(poses.end(), more.begin(), more.end());
 }
 
 const SearchPose& best_of(const std::vector<Particle>& particles) {
@@ -62,6 +69,15 @@ class Sampler {
         *proposal_, energy_at_, symmetries_,
         {options_.proposals / kScreenedShare, options_.starts, options_.first_scale}, random);
     return closed(found) ? std::move(found) : std::vector<Basin>{};
+  }
+
+  /// Many more about basins, which matters more than that each is moved about much.
+  std::vector<PosePoint> more(const std::vector<Basin>& basins, const RandomStream& random,
+                              int share) const {
+    LocalizerOptions options = options_;
+    options.particles = kMore * options.particles / share;
+    options.moves = std::max(1, options.moves / kMore);
+    return poses_of(sample_about(basins, options, random));
   }
 
   /// About basins: a mixture about them covers the posterior, and none is lost that is narrow at
@@ -133,9 +149,15 @@ Posterior search(const ObjectModel& model, const Evidence& evidence, const Rando
   }
   const auto weighed_on = sample(basins, random.fork("weighing"), kWeighingShare);
   if (weighed_on.empty()) return {};
+  auto choosing = poses_of(chosen_on), weighing = poses_of(weighed_on);
   Posterior posterior;
-  posterior.modes = find_modes(poses_of(chosen_on), poses_of(weighed_on), sample.symmetries(),
-                               static_cast<std::size_t>(options.modes));
+  posterior.modes =
+      find_modes(choosing, weighing, sample.symmetries(), static_cast<std::size_t>(options.modes));
+  if (!basins.empty() && unseen_share(weighing, choosing, sample.symmetries()) > kMostUnseen) {
+    append(choosing, sample.more(basins, random.fork("more"), 1));
+    append(weighing, sample.more(basins, random.fork("more weighing"), kWeighingShare));
+  }
+  posterior.further = further_poses(posterior.modes, choosing, weighing, sample.symmetries());
   posterior.status = status_of(posterior.modes);
   return posterior;
 }

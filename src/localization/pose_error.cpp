@@ -1,18 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
 #include "palpate/localization/posterior.hpp"
 #include "pose_family.hpp"
 
 namespace palpate::localization {
-namespace {
-
-constexpr double kCredible = 0.95;
-
-PoseFamily family_of(const Mode& mode) {
-  const PosePoint pose(mode.T_frame_object);
-  return mode.free_axis ? PoseFamily(pose, *mode.free_axis) : PoseFamily(pose);
-}
-
-}  // namespace
 
 std::string_view to_string(PoseStatus status) {
   switch (status) {
@@ -24,6 +16,12 @@ std::string_view to_string(PoseStatus status) {
       return "no_pose";
   }
   return "unknown";
+}
+
+double Posterior::unlisted() const {
+  double listed = 0;
+  for (const Mode& mode : modes) listed += mode.weight;
+  return std::max(0.0, 1 - listed);
 }
 
 PoseError pose_error(const Eigen::Isometry3d& estimate, const Eigen::Isometry3d& truth,
@@ -46,7 +44,10 @@ bool truth_in_modes(const Posterior& posterior, const Eigen::Isometry3d& truth,
     if (family_of(mode).contains(PosePoint(truth), copies)) return true;
     covered += mode.weight;
   }
-  return false;
+  return covered < kCredible &&
+         std::ranges::any_of(posterior.further, [&](const Eigen::Isometry3d& center) {
+           return PoseFamily(PosePoint(center)).contains(PosePoint(truth), copies);
+         });
 }
 
 }  // namespace palpate::localization

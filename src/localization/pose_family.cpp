@@ -66,6 +66,11 @@ bool PoseFamily::contains(const PosePoint& pose, const Symmetries& symmetries,
   });
 }
 
+PoseFamily family_of(const Mode& mode) {
+  const PosePoint pose(mode.T_frame_object);
+  return mode.free_axis ? PoseFamily(pose, *mode.free_axis) : PoseFamily(pose);
+}
+
 PoseFamily::Symmetries symmetry_quaternions(const std::vector<Eigen::Matrix3d>& symmetries) {
   PoseFamily::Symmetries result;
   for (const Eigen::Matrix3d& R : symmetries) result.emplace_back(Eigen::Quaterniond(R));

@@ -20,6 +20,9 @@ struct PosePoint {
   Eigen::Isometry3d isometry() const { return Eigen::Translation3d(t) * q; }
 };
 
+/// Of the probability, that the set of poses holds which is called credible.
+inline constexpr double kCredible = 0.95;
+
 /// How close poses must be to count as the same.
 struct PoseTolerance {
   double rotation = 0.0872664625997165;  ///< 5 deg
@@ -59,6 +62,8 @@ class PoseFamily {
   PosePoint pose_;
   std::optional<FreeAxis> axis_;
 };
+
+PoseFamily family_of(const Mode& mode);
 
 PoseFamily::Symmetries symmetry_quaternions(const std::vector<Eigen::Matrix3d>& symmetries);
 

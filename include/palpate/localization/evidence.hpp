@@ -79,7 +79,8 @@ struct Evidence {
   std::vector<touch::Contact> contacts;
   std::vector<SharedOffset> offsets;  ///< a contact is in one of them at most
   double false_contact_share = 0.02;  ///< prior share of contacts with something else
-  /// Prior chance that the noise of all contacts is not as stated, but half to twice as much.
+  /// Prior chance that the noise of all contacts is not as stated, but half to twice as much. Of
+  /// each contact an eighth of that is the chance that its normal alone is three times as noisy.
   double noise_doubt = 0.4;
   /// Prior chance that the object is up to 3 % larger or smaller than its mesh. Not looked at where
   /// contacts share offsets.

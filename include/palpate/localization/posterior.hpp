@@ -29,12 +29,17 @@ enum class PoseStatus { certain, ambiguous, no_pose };
 std::string_view to_string(PoseStatus status);
 
 /// What is known of the object's pose: a few modes (LocalizerOptions::modes at most), heaviest
-/// first, equal poses of a symmetric object counted once. What their weights lack of 1 is spread
-/// over poses that are not listed.
+/// first, equal poses of a symmetric object counted once.
 struct Posterior {
   PoseStatus status = PoseStatus::no_pose;
   std::vector<Mode> modes;
+  /// Where the modes hold less than 95 %: centres of balls of 5 deg and 10 mm, heaviest first, that
+  /// hold the rest up to there, or of all that the samples form where those are too few.
+  std::vector<Eigen::Isometry3d> further;
   double seconds = 0;  ///< wall time of the search
+
+  /// What the modes' weights lack of 1: the share of poses that are in none of them.
+  double unlisted() const;
 };
 
 struct PoseError {
@@ -50,8 +55,8 @@ PoseError pose_error(const Eigen::Isometry3d& estimate, const Eigen::Isometry3d&
 PoseError mode_error(const Mode& mode, const Eigen::Isometry3d& truth,
                      const std::vector<Eigen::Matrix3d>& symmetries);
 
-/// True when the truth is within 5 deg and 10 mm of the smallest set of modes that holds 95 % of
-/// the weight.
+/// True when the truth is within 5 deg and 10 mm of the smallest set of modes and, if these do not
+/// suffice, further poses that holds 95 % of the probability.
 bool truth_in_modes(const Posterior& posterior, const Eigen::Isometry3d& truth,
                     const std::vector<Eigen::Matrix3d>& symmetries);
 
