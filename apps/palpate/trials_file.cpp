@@ -24,12 +24,12 @@ std::string pick_cells(const pipeline::Trial& trial) {
   const pipeline::Judgement& judgement = trial.judgement;
   const auto& modes = trial.result.estimate.posterior.modes;
   return fmt::format(
-      "{},{:d},{},{:d},{:d},{:d},{:d},{:d},{:.3f},{:d},{},{},{},{:.3f},{:.3f},{:.3f},{}",
-      trial.start.stance, judgement.lifted, trial.result.attempts, judgement.pose_ok,
-      judgement.pose_tight, judgement.pose_ok_before_lift, judgement.pose_ok_before_probe,
-      judgement.pose_ok_tracked, judgement.tracked_share, judgement.truth_in_modes,
-      modes.empty() ? "" : fmt::format("{:.4f}", modes[0].weight), judgement.probes,
-      error_cells(judgement.has_pose, judgement.error), 1e3 * judgement.slip,
+      "{},{:d},{},{},{:d},{:d},{:d},{:d},{:d},{:.3f},{:d},{},{},{},{:.3f},{:.3f},{:.3f},{}",
+      trial.start.stance, judgement.lifted, trial.result.attempts, trial.result.regrasps,
+      judgement.pose_ok, judgement.pose_tight, judgement.pose_ok_before_lift,
+      judgement.pose_ok_before_probe, judgement.pose_ok_tracked, judgement.tracked_share,
+      judgement.truth_in_modes, modes.empty() ? "" : fmt::format("{:.4f}", modes[0].weight),
+      judgement.probes, error_cells(judgement.has_pose, judgement.error), 1e3 * judgement.slip,
       1e3 * judgement.explored_motion, judgement.tip_force, trial.result.failed_phase);
 }
 
@@ -47,7 +47,7 @@ std::string place_cells(const pipeline::Trial& trial) {
 TrialsFile::TrialsFile(std::filesystem::path path, bool place)
     : path_(std::move(path)), place_(place) {
   text_ =
-      "object,seed,stance,lifted,attempts,pose_ok,pose_tight,pose_ok_before_lift,"
+      "object,seed,stance,lifted,attempts,regrasps,pose_ok,pose_tight,pose_ok_before_lift,"
       "pose_ok_before_probe,pose_ok_tracked,tracked_share,truth_in_modes,weight,probes,"
       "rotation_error_deg,translation_error_mm,slip_mm,explored_motion_mm,tip_force,failed_phase";
   if (place_)

@@ -70,6 +70,7 @@ TableSupport resting_table(const KnownObject& object, const hand::HandModel& han
   TableSupport table;
   table.T_frame_table = Eigen::Isometry3d::Identity();
   table.stance_weights = stance_weights(object, felt_height(hand, log), options);
+  table.tilt_sigma = options.resting_tilt_sigma;
   table.height_sigma = options.resting_height_sigma;
   table.half_width = options.resting_half_width;
   table.edge_sigma = 0.005;

@@ -17,7 +17,9 @@
 namespace palpate::pipeline {
 namespace {
 
-constexpr double kLeft = 0.25;  // of the object's weight, in the hand: it has not been let go
+constexpr double kLeft = 0.25;        // of the object's weight, in the hand: it has not been let go
+constexpr double kFallenTilt = 0.12;  // rad
+constexpr double kFallenWay = 0.05;   // m
 constexpr double kNextSide = 2 * std::numbers::pi / 3;  // rad between attempts
 
 bool has(const TouchLog& log, Mark mark) {
@@ -42,7 +44,10 @@ class Picking {
         options_(options),
         seed_(seed),
         choose_(choose),
-        course_(robot, state_, result_.phases, result_.failed_phase, observer) {}
+        course_(robot, state_, result_.phases, result_.failed_phase, observer) {
+    state_.place = options.place;
+    if (options.fallen) expect_anywhere();
+  }
 
   PickResult run() {
     if (options_.calibrate.touches > 0 && robot_.model().link_error > 0 &&
@@ -52,6 +57,7 @@ class Picking {
     while (!result_.held && result_.attempts < options_.attempts) {
       if (result_.attempts++ > 0) {
         release();
+        expect_anywhere();
         state_.yaw += kNextSide;
       }
       result_.held = attempt();
@@ -68,6 +74,16 @@ class Picking {
 
  private:
   [[nodiscard]] double weight() const { return object_.object().mass * kGravity; }
+
+  /// A fallen object may rest beside its stances, in a pose that a small push would end, and it may
+  /// have rolled.
+  void expect_anywhere() {
+    result_.fallen = true;
+    auto& locate = options_.locate;
+    locate.resting_tilt_sigma = std::max(locate.resting_tilt_sigma, kFallenTilt);
+    locate.resting_half_width =
+        std::max(locate.resting_half_width, kFallenWay + state_.place.cwiseAbs().maxCoeff());
+  }
 
   /// What was known of the object's pose no longer holds.
   void release() {
@@ -152,7 +168,7 @@ class Picking {
 
   Robot& robot_;
   const localization::ObjectModel& object_;
-  const PickOptions& options_;
+  PickOptions options_;
   std::uint64_t seed_;
   const GraspChooser& choose_;
   PickState state_;

@@ -11,13 +11,16 @@
 #include <utility>
 
 #include "course.hpp"
+#include "last_contacts.hpp"
 #include "load.hpp"
+#include "palpate/pipeline/release_phase.hpp"
 #include "turn_plan.hpp"
 
 namespace palpate::pipeline {
 namespace {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
+constexpr double kAnyHeight = 1.0;      // m
 constexpr double kWrongHeight = 0.015;  // m: felt that far from what was expected, it fell over
 
 simulation::CollisionOptions held_collisions() {
@@ -84,9 +87,14 @@ class Placement {
     state_.estimate = picked.estimate;
   }
 
-  PlaceResult run(const PlaceTarget& target);
+  PlaceResult run(const PlaceTarget& target) {
+    bring(target);
+    if (result_.status == PlaceStatus::lost) course_.run(ClearPhase());
+    return std::move(result_);
+  }
 
  private:
+  void bring(const PlaceTarget& target);
   bool aim(const PlaceTarget& target);
   GoalSearch search_goal(const HeldObject& held);
   bool turn();
@@ -117,12 +125,16 @@ class Placement {
 bool Placement::fail(PlaceStatus status) {
   result_.status = status;
   if (result_.failed_phase.empty()) result_.failed_phase = result_.phases.back().name;
+  if (status == PlaceStatus::lost) {
+    result_.lost_at = place_of_last_contacts(robot_).value_or(Eigen::Vector2d::Zero());
+  }
   return false;
 }
 
 /// Decides whether the pose is known well enough, and where the base has to go.
 bool Placement::aim(const PlaceTarget& target) {
-  const auto held = held_object(object_, picked_.estimate.posterior, robot_.log(), options_.same);
+  const auto held =
+      held_object(object_, picked_.estimate.posterior, robot_.log(), options_.same, picked_.fallen);
   PlaceStatus status = PlaceStatus::ambiguous;
   const bool ok = course_.run(ThinkPhase("aim", [&]() -> PhaseEnd {
     if (!held) return {false, "no pose of the held object"};
@@ -209,29 +221,40 @@ bool Placement::aim_again() {
   TouchLog log = robot_.log();
   log.moments.push_back({Mark::held, log.readings.size() - 1});
   const double least = std::min(options_.certain, result_.held.certainty);
+  LocateOptions options = pick_options_.locate;
+  if (result_.other_stance) {
+    options.motion_sigma *= options_.turned_motion;
+    options.motion_angle_sigma *= options_.turned_motion;
+  }
   std::optional<PlaceGoal> goal;
-  course_.run(ThinkPhase("aim-again", [&]() -> PhaseEnd {
-    state_.estimate = locate(model_, robot_.model(), log, pick_options_.locate, seed_);
-    const auto held = held_object(object_, state_.estimate.posterior, log, options_.same);
+  const bool ok = course_.run(ThinkPhase("aim-again", [&]() -> PhaseEnd {
+    state_.estimate = locate(model_, robot_.model(), log, options, seed_);
+    const auto held =
+        held_object(object_, state_.estimate.posterior, log, options_.same, picked_.fallen);
     if (!held || held->certainty < least) return {true, "nothing new"};
-    goal =
-        find_goal(object_, *held, result_.T_world_target, robot_.reading(), scene_, options_.goal)
-            .goal;
-    if (!goal) return {true, "nothing that could be reached"};
+    const GoalSearch search = search_goal(*held);
     result_.held = *held;
+    goal = search.goal;
+    if (!goal) return {false, "unreachable, as it has moved in the hand: " + search.obstacle};
     const Eigen::Isometry3d by = goal->seat.pose() * result_.goal->seat.pose().inverse();
     return {true, fmt::format("the hand goes {:.1f} mm and {:.1f} deg from where it was to go",
                               1e3 * (goal->seat.xyz - result_.goal->seat.xyz).norm(),
                               180 / std::numbers::pi * Eigen::AngleAxisd(by.linear()).angle())};
   }));
-  if (!goal) return true;
+  if (!ok) {
+    fail(PlaceStatus::slipped);
+    put_back();
+  }
+  if (!goal) return ok;
   result_.goal = goal;
   return carry("mend");
 }
 
 /// Sets down at the goal under the hand and lets go.
 bool Placement::set_down(const PlaceGoal& goal, double wall, bool back) {
-  PlacePhase lower(options_.lower, goal, wall, open_posture(pick_options_.grasp.top),
+  LowerOptions options = options_.lower;
+  if (back) options.early = kAnyHeight;  // there is nothing else that it could be refused by
+  PlacePhase lower(options, goal, wall, open_posture(pick_options_.grasp.top),
                    back ? "put-back" : "place");
   const bool ok = course_.run(lower);
   if (!back && lower.let_go()) result_.T_world_placed = laid_flat(object_, lower.T_world_object());
@@ -275,26 +298,25 @@ void Placement::put_back() {
   if (result_.status == PlaceStatus::refused && !down) result_.status = PlaceStatus::stuck;
 }
 
-PlaceResult Placement::run(const PlaceTarget& target) {
+void Placement::bring(const PlaceTarget& target) {
   if (!aim(target)) {
     put_back();
-    return result_;
+    return;
   }
   const bool slot = target.kind == PlaceTarget::Kind::fixture;
-  if (!turn() || !carry("transport") || !aim_again()) return result_;
+  if (!turn() || !carry("transport") || !aim_again()) return;
   if (!set_down(*result_.goal, slot ? options_.fixture.height : 0, false)) {
     if (result_.status == PlaceStatus::refused) put_back();
-    return result_;
+    return;
   }
   result_.status = PlaceStatus::placed;
-  if (!options_.verify) return result_;
+  if (!options_.verify) return;
   state_.place = result_.T_world_placed->translation().head<2>();
   FeelOptions feel = pick_options_.feel;
   feel.search = 0;
   if (!course_.run(VerifyPhase(feel, top_of(object_.mesh, *result_.T_world_placed)))) {
     fail(PlaceStatus::missing);
   }
-  return result_;
 }
 
 }  // namespace

@@ -32,10 +32,14 @@ std::string outcome_of(const PlaceResult& place) {
   return phase == place.phases.end() ? std::string(to_string(place.status)) : phase->outcome;
 }
 
+/// Whether the object lies where it can be picked anew.
+bool may_be_picked(const PlaceResult& place) {
+  return was_put_back(place.status) || place.status == PlaceStatus::lost;
+}
+
 /// Whether another grasp of the same kind would not help.
 bool needs_new_grasps(const PlaceResult& place) {
-  return was_put_back(place.status) &&
-         (place.status == PlaceStatus::unreachable || place.other_stance);
+  return may_be_picked(place) && (place.status == PlaceStatus::unreachable || place.other_stance);
 }
 
 /// One course, step by step.
@@ -88,7 +92,11 @@ class PlaceAttempts {
         course_.means.turn = course_.place->turn;
         options.means = to_string(PlaceMeans::wrist);
       }
-      if (!was_put_back(course_.place->status)) return;
+      if (!may_be_picked(*course_.place)) return;
+      if (course_.place->status == PlaceStatus::lost) {
+        pick_options_.place = course_.place->lost_at;
+        pick_options_.fallen = true;
+      }
       if (may_regrasp && needs_new_grasps(*course_.place)) return;
     }
   }

@@ -52,6 +52,7 @@ class Transfers {
     }
     round.place = place(robot_, object_, round.pick, target, fixture_, pick_options_, options, seed,
                         observer_);
+    remember(*round.place);
     return round;
   }
 
@@ -60,16 +61,17 @@ class Transfers {
     return target_.kind == PlaceTarget::Kind::spot || round.plan.transfers.size() <= 1;
   }
 
-  /// Whether the object stands near the origin, and not yet at the target.
+  /// Whether the object is somewhere on the table where it can be felt, and not yet at the target.
   bool goes_on(const RegraspRound& round) const {
     const PlaceStatus status = round.place->status;
-    if (was_put_back(status)) return true;
+    if (was_put_back(status) || status == PlaceStatus::lost) return true;
     return !last(round) && (status == PlaceStatus::placed || status == PlaceStatus::missing);
   }
 
   /// The course's status if this round is the last one.
   RegraspStatus end_of(const RegraspRound& round) const {
     if (!round.pick.held) return RegraspStatus::not_held;
+    if (round.place->status == PlaceStatus::lost) return RegraspStatus::lost;
     if (goes_on(round)) {
       return round.plan.found ? RegraspStatus::out_of_rounds : RegraspStatus::no_way;
     }
@@ -77,10 +79,22 @@ class Transfers {
   }
 
  private:
+  /// Where the object is to be looked for next: what was put back lies where it was.
+  void remember(const PlaceResult& place) {
+    if (was_put_back(place.status)) return;
+    pick_options_.fallen = place.status == PlaceStatus::lost;
+    pick_options_.place = pick_options_.fallen ? place.lost_at : Eigen::Vector2d(0, 0);
+  }
+
   std::optional<GraspPlan> choose(const localization::Posterior& resting, RegraspRound& round) {
     if (resting.modes.empty()) return std::nullopt;
     const Eigen::Isometry3d& now = resting.modes.front().T_frame_object;
-    round.plan = plan_regrasp(object_, robot_.model(), tool_, now, goal(now), options_.plan);
+    // Asked again after a closing out of balance, of an object that lies as it lay.
+    const bool known = !round.plan.transfers.empty() &&
+                       round.plan.transfers.front().T_world_from.matrix() == now.matrix();
+    if (!known) {
+      round.plan = plan_regrasp(object_, robot_.model(), tool_, now, goal(now), options_.plan);
+    }
     if (!round.plan.found || round.plan.transfers.empty()) return std::nullopt;
     if (target_.kind == PlaceTarget::Kind::spot && round.plan.transfers.size() > 1) {
       return std::nullopt;  // the first transfer would end in a stance that was not asked for

@@ -71,9 +71,9 @@ MotionEnd Robot::move_base(const hand::BasePosition& target, double speed,
   return MotionEnd::reached;
 }
 
-MotionEnd Robot::follow_base(std::span<const hand::BasePosition> way, const StopCondition& stop) {
-  for (const auto& position : way) {
-    command_.base = position;
+MotionEnd Robot::follow(std::span<const hand::HandCommand> way, const StopCondition& stop) {
+  for (const auto& command : way) {
+    command_ = command;
     if (const auto end = tick_until(stop); end != MotionEnd::reached) return end;
   }
   return MotionEnd::reached;

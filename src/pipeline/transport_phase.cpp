@@ -5,9 +5,12 @@
 
 #include "contact_drift.hpp"
 #include "load.hpp"
+#include "weight_bearing.hpp"
 
 namespace palpate::pipeline {
 namespace {
+
+constexpr double kTightening = 0.3;  // s
 
 /// What the base is told for a configuration that it is to reach, by what its drives give way.
 hand::BasePosition told(const hand::BasePosition& wanted, const hand::BasePosition& yielded) {
@@ -23,6 +26,23 @@ std::string why_no_path(const planning::Plan& motion) {
 
 }  // namespace
 
+/// Of base and fingers, one a tick.
+std::vector<hand::HandCommand> TransportPhase::commands(const Robot& robot,
+                                                        const hand::BasePosition& yielded) const {
+  std::vector<hand::HandCommand> way(motion_.samples.size(), robot.command());
+  for (std::size_t i = 0; i < way.size(); ++i) {
+    way[i].base = told(motion_.samples[i].base, yielded);
+  }
+  if (!options_.bear_weight) return way;
+  const WeightBearing bearing(robot, goal_.T_base_object.translation(), mean_load(robot.log()),
+                              options_.friction, options_.grip);
+  for (std::size_t i = 0; i < way.size(); ++i) {
+    const double share = std::min(1.0, static_cast<double>(i) * hand::kTick / kTightening);
+    way[i].positions = bearing.command(motion_.samples[i].base, share);
+  }
+  return way;
+}
+
 PhaseEnd TransportPhase::run(Robot& robot, PickState& state) {
   const double load = mean_load(robot.log());
   const hand::BasePosition measured = mean_base(robot.log());
@@ -34,15 +54,14 @@ PhaseEnd TransportPhase::run(Robot& robot, PickState& state) {
       planning::plan({{measured, joints}, {goal_.above, joints}}, scene_, options_.plan, seed_);
   if (motion_.status != planning::PlanStatus::ok) return {false, why_no_path(motion_)};
 
-  std::vector<hand::BasePosition> way;
-  for (const auto& sample : motion_.samples) way.push_back(told(sample.base, yielded));
+  const std::vector<hand::HandCommand> way = commands(robot, yielded);
   const std::size_t start = robot.log().readings.size() - 1;
   int untouched = 0;
   const auto dropped = [&](const hand::HandReading& reading) {
     untouched = count_contacts(reading) == 0 ? untouched + 1 : 0;
     return untouched >= options_.lost_ticks;
   };
-  lost_ = robot.follow_base(way, dropped) == MotionEnd::stopped ||
+  lost_ = robot.follow(way, dropped) == MotionEnd::stopped ||
           robot.wait(options_.settle, dropped) == MotionEnd::stopped;
   const double now = mean_load(robot.log());
   lost_ = lost_ || now < options_.least_weight * load;
@@ -53,8 +72,9 @@ PhaseEnd TransportPhase::run(Robot& robot, PickState& state) {
   if (drift > options_.most_slip) {
     return {false, fmt::format("slipped by {:.1f} mm", 1e3 * drift)};
   }
-  return {true, fmt::format("planned in {:.0f} ms, moved in {:.1f} s, {:.2f} N hang",
-                            1e3 * motion_.seconds, motion_.duration(), now)};
+  return {true, fmt::format(
+                    "planned in {:.0f} ms, moved in {:.1f} s, {:.2f} N hang, wandered by {:.1f} mm",
+                    1e3 * motion_.seconds, motion_.duration(), now, 1e3 * drift)};
 }
 
 }  // namespace palpate::pipeline

@@ -108,6 +108,23 @@ TEST(PlaceTrial, WhatMayBeTurnedOverIsHeldFirmer) {
   EXPECT_EQ(press(PlaceTarget::Kind::pose), 9);
 }
 
+TEST(PlaceTrial, WhatFellOnTheWayIsFeltForAndPickedAnew) {
+  TrialOptions options = quick_options();
+  options.place.means = "wrist";
+  options.place.transport.grip = 0.1;  // too little to hold it
+  options.place.transport.most_slip = 0.1;
+  const auto trial = run_trial(box(), options, kSeed);
+  ASSERT_TRUE(trial.place);
+  const auto count = [&](std::string_view name) {
+    return std::count_if(trial.result.phases.begin(), trial.result.phases.end(),
+                         [&](const auto& phase) { return phase.name == name; });
+  };
+  EXPECT_EQ(count("clear"), 1);  // of the first pick; the last one's phases are the placing's
+  EXPECT_GE(count("feel"), 2);
+  EXPECT_TRUE(trial.place_judgement.dropped);
+  EXPECT_EQ(trial.place->status, PlaceStatus::lost);
+}
+
 TEST(PlaceTrial, TheTruthChangesNoCommand) {
   const auto right = commands(quick_options(), false), wrong = commands(quick_options(), true);
   ASSERT_EQ(right.size(), wrong.size());

@@ -70,8 +70,25 @@ TEST(ReleasePhase, TheNextTryIsWhereTheFingersLastTouched) {
   touching = false;
   holding.robot.wait(0.1);
   ASSERT_TRUE(ReleasePhase().run(holding.robot, holding.state).ok);
-  constexpr double kReach = 0.12;  // m: farther from the origin the object cannot be
+  constexpr double kReach = 0.4;  // m: farther from the origin the object cannot be
   EXPECT_LT((holding.state.place - expected.cwiseMax(-kReach).cwiseMin(kReach)).norm(), 1e-9);
+}
+
+TEST(ClearPhase, RisesBeforeItOpensAndTurnsLevel) {
+  Holding holding;
+  hand::BasePosition turned = holding.robot.command().base;
+  turned.ypr = {0.4, 1.2, -0.8};
+  holding.robot.move_base(turned, 0.5);
+  const std::size_t before = holding.robot.log().readings.size();
+  ASSERT_TRUE(ClearPhase().run(holding.robot, holding.state).ok);
+  for (std::size_t i = before; i < holding.robot.log().readings.size(); ++i) {
+    const auto& reading = holding.robot.log().readings[i];
+    if (reading.base.xyz.z() > 0.33) continue;
+    EXPECT_EQ(reading.base.ypr, turned.ypr);
+    EXPECT_GT(reading.joints[hand::joint_index("FFJ3")], 0.79);
+  }
+  EXPECT_EQ(holding.robot.command().base.ypr, Eigen::Vector3d::Zero());
+  EXPECT_FALSE(holding.robot.log().at(Mark::closed));  // what was felt before no longer holds
 }
 
 }  // namespace

@@ -13,6 +13,7 @@ struct LocateOptions {
   double window = 0.5;                  ///< s of readings, before the mark, that are averaged
   double felt_sigma = 0.005;            ///< of the felt height, m
   double resting_height_sigma = 0.001;  ///< of the resting object, m
+  double resting_tilt_sigma = 0.02;     ///< of the resting object from its stance, rad
   double swept_sigma = 0.003;           ///< of the place of the space that a sweep found free, m
   double resting_half_width =
       0.025;  ///< object within +- of its rough place before it is touched, m
@@ -37,6 +38,7 @@ struct LocateOptions {
     v("window", window, 0.01, 10.0, "s of readings that are averaged");
     v("felt_sigma", felt_sigma, 1e-4, 0.1, "m, error of the felt height");
     v("resting_height_sigma", resting_height_sigma, 1e-4, 0.1, "m, of the resting object");
+    v("resting_tilt_sigma", resting_tilt_sigma, 1e-4, 1.0, "rad, of the object from its stance");
     v("swept_sigma", swept_sigma, 1e-4, 0.1, "m, of the space that a sweep found free");
     v("resting_half_width", resting_half_width, 0.0, 0.3,
       "m, resting object within +- of its place");

@@ -17,6 +17,8 @@ namespace palpate::pipeline {
 
 struct PickOptions {
   int attempts = 3;                  ///< at most
+  Eigen::Vector2d place{0, 0};       ///< rough place of the object, m; no option of its own
+  bool fallen = false;               ///< it fell there: it may rest in no stance; no option
   bool estimate_before_lift = true;  ///< the pose in the closed hand, too
   CalibrateOptions calibrate;
   FeelOptions feel;
@@ -47,6 +49,7 @@ struct PickResult {
   bool held = false;  ///< the object hangs in the hand
   int attempts = 0;
   int regrasps = 0;          ///< from other sides, to tell poses apart
+  bool fallen = false;       ///< it had fallen before this grasp: it may have rested in no stance
   std::string failed_phase;  ///< of the last attempt; empty if all went well
   std::vector<PhaseReport> phases;
   std::optional<localization::Posterior> resting;  ///< pose before the last grasp, in the world
@@ -70,7 +73,7 @@ struct PhaseObserver {
 /// grasp it by touch, lift it, and estimate its pose in the hand, feeling more of it while the pose
 /// is in doubt and that tells something. A grasp that fails is tried again from another side.
 ///
-/// @param robot  stands free above the table; the object is near the world's origin
+/// @param robot  stands free above the table; the object is near PickOptions::place
 /// @param choose  chooses the grasp, if given
 PickResult pick(Robot& robot, const localization::ObjectModel& object, const PickOptions& options,
                 std::uint64_t seed, const PhaseObserver& observer = {},

@@ -23,7 +23,8 @@ struct PlaceOptions {
   double turn_press = 6.0;  ///< as GraspOptions::press_per_weight, if the object may be turned over
   double certain = 0.85;  ///< share of the estimate that must agree on where the object would stand
   bool again = true;      ///< estimate the pose once more over the target
-  bool verify = true;     ///< feel afterwards whether it stands there
+  double turned_motion = 3.0;  ///< of a turned-over object in the hand, times that of the grasp
+  bool verify = true;          ///< feel afterwards whether it stands there
   SamePose same;
   FixtureOptions fixture;
   GoalOptions goal;
@@ -47,6 +48,8 @@ struct PlaceOptions {
       "grasp.press_per_weight at least, for targets that may be in another stance");
     v("certain", certain, 0.0, 1.0, "share of the estimate that must agree on the place");
     v("again", again, "estimate the pose once more over the target");
+    v("turned_motion", turned_motion, 1.0, 100.0,
+      "motion in the hand that is expected of a turned-over object, times that of the grasp");
     v("verify", verify, "feel afterwards whether the object stands there");
     v.section("same", same);
     v.section("fixture", fixture);
@@ -102,6 +105,7 @@ struct PlaceResult {
   std::optional<FingerTurn> turn;                   ///< in the hand, where the fingers were used
   planning::Plan motion;                            ///< of the transport
   std::optional<Eigen::Isometry3d> T_world_placed;  ///< as it was let go, estimated
+  Eigen::Vector2d lost_at{0, 0};  ///< m, where contacts were felt last, of a lost object
 };
 
 /// With a firmer grasp for a target that may be in another stance (a pose): turned about the axis

@@ -15,7 +15,7 @@ struct LowerOptions {
   double contact_load = 0.4;    ///< N that the table must bear to count as contact
   double press = 1.0;           ///< N beyond the weight that lay the object flat
   double beyond = 0.015;        ///< m below the target at which it gives up
-  double early = 0.012;         ///< m over the target where a contact means refusal
+  double early = 0.008;         ///< m over the target where a contact means refusal
   double most_press = 0.006;    ///< m of way from the contact to lying flat
   double back_off = 0.004;      ///< m up between two tries
   double spiral = 0.002;        ///< m by which the tries move apart

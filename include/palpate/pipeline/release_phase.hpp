@@ -14,4 +14,12 @@ class ReleasePhase : public Phase {
   PhaseEnd run(Robot& robot, PickState& state) override;
 };
 
+/// After the object has fallen out of the hand: rises as it is, then opens and turns level.
+class ClearPhase : public Phase {
+ public:
+  std::string_view name() const override { return "clear"; }
+  double time_limit() const override { return 30.0; }
+  PhaseEnd run(Robot& robot, PickState& state) override;
+};
+
 }  // namespace palpate::pipeline

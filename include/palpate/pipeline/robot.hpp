@@ -64,8 +64,8 @@ class Robot {
   MotionEnd move_base(const hand::BasePosition& target, double speed,
                       const StopCondition& stop = {});
 
-  /// Tells the base one position a tick, until the last or `stop`.
-  MotionEnd follow_base(std::span<const hand::BasePosition> way, const StopCondition& stop = {});
+  /// Gives one command a tick, until the last or `stop`.
+  MotionEnd follow(std::span<const hand::HandCommand> way, const StopCondition& stop = {});
 
   /// Moves all actuators to a posture in a given time.
   MotionEnd move_fingers(const hand::ActuatorVector& posture, double seconds);

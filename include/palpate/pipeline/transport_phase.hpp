@@ -27,6 +27,9 @@ struct TransportOptions {
   double least_weight = 0.5;  ///< share of the load before that must still hang
   double most_slip = 0.012;   ///< m, of a fingertip's contact along the fingertip
   int lost_ticks = 10;        ///< without any touch: the object is lost
+  bool bear_weight = true;    ///< the fingers' commands follow the weight as the hand turns
+  double friction = 0.4;      ///< that the forces which bear it count on
+  double grip = 1.0;          ///< force of all fingertips on the way, times that of the hold
 
   template <class Visitor>
   void visit(Visitor&& v) {
@@ -35,12 +38,16 @@ struct TransportOptions {
     v("least_weight", least_weight, 0.0, 1.0, "share of the load that must still hang");
     v("most_slip", most_slip, 1e-3, 0.1, "m, of a fingertip's contact along the fingertip");
     v("lost_ticks", lost_ticks, 1, 1000, "without any touch: the object is lost");
+    v("bear_weight", bear_weight, "the fingers' commands follow the weight as the hand turns");
+    v("friction", friction, 0.0, 2.0, "that the forces which bear it count on");
+    v("grip", grip, 0.1, 10.0, "force of all tips on the way, times that of the hold");
   }
 };
 
 /// Carries the held object over its goal along a planned path that is free of collisions (thesis
 /// section 2.2.1) for the hand and for the object at its ESTIMATED pose. Only the base moves; the
-/// fingers keep pressing as they were told last. Loss and slip are noticed by touch and load.
+/// fingers keep pressing, and bear the weight wherever it pulls as the hand turns. Loss and slip
+/// are noticed by touch and load.
 class TransportPhase : public Phase {
  public:
   /// @param scene  with the held object in it
@@ -56,6 +63,9 @@ class TransportPhase : public Phase {
   const planning::Plan& motion() const { return motion_; }
 
  private:
+  std::vector<hand::HandCommand> commands(const Robot& robot,
+                                          const hand::BasePosition& yielded) const;
+
   TransportOptions options_;
   simulation::CollisionScene& scene_;
   PlaceGoal goal_;
