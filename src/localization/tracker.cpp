@@ -24,6 +24,7 @@ constexpr double kShortened[] = {1.0, 0.4, 0.15};  // of a step that does not lo
 constexpr double kLongestGap = 0.5;                // s without a frame that are trusted
 constexpr double kLearningTime = 0.5;              // s over which sliding is averaged
 constexpr double kDrift = 1e-4;                    // variance a second, rad^2 and (dm)^2
+constexpr double kLeastSliding = 0.05;             // share of the velocities' variance
 constexpr std::size_t kRecent = 3, kBefore = 25, kSettling = 12;  // frames compared for a slip
 constexpr std::size_t kSlipped = 2;      // of the recent ones were surely felt after it
 constexpr std::ptrdiff_t kLearnt = 20;   // frames before it, whose errors are learnt
@@ -103,10 +104,18 @@ Tracker::TwistFit Tracker::fit_twist(const TrackFrame& frame, const Eigen::Vecto
   return {solver.solve(g), solver.solve(Matrix6d::Identity())};
 }
 
+/// Sliding keeps for a while, so that what it makes of the twist adds up; the noise of the
+/// velocities is another one in every frame.
+double Tracker::twist_error_growth(double dt) const {
+  const double noise = std::pow(options_.velocity_noise, 2) / velocity_variance_;
+  const double sliding = std::max(kLeastSliding, 1 - noise);
+  return 2 * options_.correlation_time * dt * sliding + dt * dt * noise;
+}
+
 void Tracker::predict(const TrackFrame& frame, double dt, Hypothesis& hypothesis) const {
   const TwistFit fit = fit_twist(frame, hypothesis.T.translation());
   hypothesis.T = moved(hypothesis.T, dt * fit.twist);
-  hypothesis.covariance += 2 * options_.correlation_time * dt * fit.covariance;
+  hypothesis.covariance += twist_error_growth(dt) * fit.covariance;
   hypothesis.covariance.diagonal().array() +=
       dt * kDrift * (Vector6d() << 1, 1, 1, 0.01, 0.01, 0.01).finished().array();
 }

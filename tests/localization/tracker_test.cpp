@@ -112,6 +112,23 @@ TEST(Tracker, FindsTheObjectAgainAfterASlip) {
   EXPECT_GE(back, 15);
 }
 
+TEST(Tracker, TellsTheNoiseOfVelocitiesFromSliding) {
+  const auto uncertainty = [](double velocity_noise) {
+    Moving object("box", 8);
+    TrackerOptions options;
+    options.velocity_noise = velocity_noise;
+    Tracker tracker(object.model(), at(object.truth), options);
+    RandomStream random(8);
+    for (int k = 0; k < 200; ++k) {
+      TrackFrame frame = object.next();
+      for (auto& velocity : frame.velocities) velocity += 0.002 * random.normal3();
+      tracker.update(frame);
+    }
+    return tracker.posterior().modes.front().covariance.trace();
+  };
+  EXPECT_LT(uncertainty(0.002), uncertainty(1e-5));  // all of it is taken for sliding
+}
+
 TEST(Tracker, PrefersTheModeThatKeepsExplaining) {
   Moving object("bracket", 4);
   Posterior start = at(object.truth, 0.3);

@@ -83,6 +83,8 @@ class Tracker {
   };
   /// Least squares on v_k = v + w x (p_k - about), held by what motion is expected.
   TwistFit fit_twist(const TrackFrame& frame, const Eigen::Vector3d& about) const;
+  /// s^2, by which the variance of the twist goes into that of the pose.
+  [[nodiscard]] double twist_error_growth(double dt) const;
   void predict(const TrackFrame& frame, double dt, Hypothesis& hypothesis) const;
   void learn_sliding(const TrackFrame& frame, double dt);
   void correct(const Evidence& evidence, double trust, const Eigen::Isometry3d& start,
