@@ -155,11 +155,11 @@ class Picking {
     if (log.at(Mark::held)) {
       PlaceGoal goal;
       goal.seat = log.readings[*log.at(Mark::closed)].base;
-      ok = course_.run(PlacePhase({}, goal, 0, open, "put-down"));
+      ok = course_.run(PlacePhase(options_.lower, goal, 0, open, "put-down"));
     } else {
-      ok = course_.run(OpenPhase({}, open));
+      ok = course_.run(OpenPhase(options_.lower, open));
     }
-    if (!ok || !course_.run(WithdrawPhase({}, weight(), Mark::opened))) return false;
+    if (!ok || !course_.run(WithdrawPhase(options_.withdraw, weight(), Mark::opened))) return false;
     state_.resting = locate_resting(object_, robot_.model(), robot_.log(), options_.locate, seed_);
     if (state_.resting->modes.empty()) state_.resting.reset();
     ++result_.regrasps;

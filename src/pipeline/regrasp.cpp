@@ -16,6 +16,13 @@ PlaceTarget turned_over(PlaceTarget target) {
   return target;
 }
 
+/// Where no way is found: more directions of the hand, and a longer way.
+RegraspOptions closer(RegraspOptions options) {
+  options.grasp.yaws *= 2;
+  ++options.most_transfers;
+  return options;
+}
+
 /// A course over several transfers.
 class Transfers {
  public:
@@ -93,13 +100,18 @@ class Transfers {
     const bool known = !round.plan.transfers.empty() &&
                        round.plan.transfers.front().T_world_from.matrix() == now.matrix();
     if (!known) {
-      round.plan = plan_regrasp(object_, robot_.model(), tool_, now, goal(now), options_.plan);
+      round.plan = plan(now, options_.plan);
+      if (!round.plan.found) round.plan = plan(now, closer(options_.plan));
     }
     if (!round.plan.found || round.plan.transfers.empty()) return std::nullopt;
     if (target_.kind == PlaceTarget::Kind::spot && round.plan.transfers.size() > 1) {
       return std::nullopt;  // the first transfer would end in a stance that was not asked for
     }
     return round.plan.transfers.front().grasp;
+  }
+
+  RegraspPlan plan(const Eigen::Isometry3d& now, const RegraspOptions& options) const {
+    return plan_regrasp(object_, robot_.model(), tool_, now, goal(now), options);
   }
 
   /// With the grasp that the hand has.

@@ -61,6 +61,8 @@ TEST(PlaceTrial, PutsTheBoxDownAtItsTarget) {
   ASSERT_TRUE(trial.place);
   EXPECT_EQ(trial.place->status, PlaceStatus::placed) << trial.place->phases.back().outcome;
   EXPECT_FALSE(trial.place_judgement.dropped);
+  EXPECT_EQ(trial.means.means, PlaceMeans::wrist);
+  EXPECT_EQ(trial.means.reason.rfind("one hold: ", 0), 0u) << trial.means.reason;
   EXPECT_TRUE(trial.place->T_world_placed);
   EXPECT_LT(trial.place_judgement.error.translation, 0.03);
   const auto target =
@@ -123,6 +125,8 @@ TEST(PlaceTrial, WhatFellOnTheWayIsFeltForAndPickedAnew) {
   EXPECT_GE(count("feel"), 2);
   EXPECT_TRUE(trial.place_judgement.dropped);
   EXPECT_EQ(trial.place->status, PlaceStatus::lost);
+  EXPECT_EQ(trial.means.means, PlaceMeans::wrist);  // told of the last hold, too
+  EXPECT_EQ(trial.means.reason, "asked for");
 }
 
 TEST(PlaceTrial, TheTruthChangesNoCommand) {

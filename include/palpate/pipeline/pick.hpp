@@ -10,6 +10,7 @@
 #include "palpate/pipeline/lift_phase.hpp"
 #include "palpate/pipeline/locate.hpp"
 #include "palpate/pipeline/phase.hpp"
+#include "palpate/pipeline/place_phase.hpp"
 #include "palpate/pipeline/probe_phase.hpp"
 #include "palpate/pipeline/track_phase.hpp"
 
@@ -26,6 +27,8 @@ struct PickOptions {
   GraspOptions grasp;
   ProbeOptions probe;
   LiftOptions lift;
+  LowerOptions lower;        ///< putting it down to grasp it from another side
+  WithdrawOptions withdraw;  ///< then
   TrackOptions track;
   LocateOptions locate;
 
@@ -39,6 +42,8 @@ struct PickOptions {
     v.section("grasp", grasp);
     v.section("probe", probe);
     v.section("lift", lift);
+    v.section("lower", lower);
+    v.section("withdraw", withdraw);
     v.section("track", track);
     v.section("locate", locate);
   }

@@ -76,7 +76,7 @@ struct RegraspOptions {
 /// A lighter hold on certainty than where the object is to stay: between two stances a wrong guess
 /// is felt after the next transfer.
 struct RegraspCourseOptions {
-  int rounds = 5;                ///< transfers tried at most, repeated ones included
+  int rounds = 8;                ///< transfers tried at most, repeated ones included
   double certain_between = 0.5;  ///< PlaceOptions::certain of all transfers but the last
   RegraspOptions plan;
 
