@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "course.hpp"
+#include "fallen.hpp"
 #include "load.hpp"
 #include "palpate/pipeline/explore_phase.hpp"
 #include "palpate/pipeline/locate_phase.hpp"
@@ -17,9 +18,7 @@
 namespace palpate::pipeline {
 namespace {
 
-constexpr double kLeft = 0.25;        // of the object's weight, in the hand: it has not been let go
-constexpr double kFallenTilt = 0.12;  // rad
-constexpr double kFallenWay = 0.05;   // m
+constexpr double kLeft = 0.25;  // of the object's weight, in the hand: it has not been let go
 constexpr double kNextSide = 2 * std::numbers::pi / 3;  // rad between attempts
 
 bool has(const TouchLog& log, Mark mark) {
@@ -75,14 +74,9 @@ class Picking {
  private:
   [[nodiscard]] double weight() const { return object_.object().mass * kGravity; }
 
-  /// A fallen object may rest beside its stances, in a pose that a small push would end, and it may
-  /// have rolled.
   void expect_anywhere() {
     result_.fallen = true;
-    auto& locate = options_.locate;
-    locate.resting_tilt_sigma = std::max(locate.resting_tilt_sigma, kFallenTilt);
-    locate.resting_half_width =
-        std::max(locate.resting_half_width, kFallenWay + state_.place.cwiseAbs().maxCoeff());
+    options_.locate = of_fallen(options_.locate, state_.place);
   }
 
   /// What was known of the object's pose no longer holds.
