@@ -149,8 +149,13 @@ nlohmann::json report_of(const LocalizeArguments& arguments, const Result& resul
                      {"covariance", row_major(mesh_covariance(mode, result.T_object_mesh))},
                      {"free_axis", axis_json(mode)}});
   }
+  auto further = nlohmann::json::array();
+  for (const auto& T : result.posterior.further)
+    further.push_back(to_json(T * result.T_object_mesh));
   return {{"status", lo::to_string(result.posterior.status)},
           {"modes", modes},
+          {"unlisted", result.posterior.unlisted()},
+          {"further", further},
           {"method", arguments.method},
           {"hint", result.hint},
           {"repairs", result.repairs},
@@ -188,10 +193,15 @@ void print_result(const Result& result) {
   const auto& modes = result.posterior.modes;
   const std::size_t shown = std::min(kMostShown, modes.size());
   for (std::size_t i = 0; i < shown; ++i) print_mode(modes[i], result.T_object_mesh);
-  if (shown == modes.size()) return;
-  double rest = 0;
-  for (std::size_t i = shown; i < modes.size(); ++i) rest += modes[i].weight;
-  fmt::print("{:6.3f}  in {} more (--json lists them)\n", rest, modes.size() - shown);
+  if (shown < modes.size()) {
+    double rest = 0;
+    for (std::size_t i = shown; i < modes.size(); ++i) rest += modes[i].weight;
+    fmt::print("{:6.3f}  in {} more (--json lists them)\n", rest, modes.size() - shown);
+  }
+  const std::size_t further = result.posterior.further.size();
+  if (further == 0) return;
+  fmt::print("{:6.3f}  elsewhere, most of it about {} poses (--json lists them)\n",
+             result.posterior.unlisted(), further);
 }
 
 int localize(const LocalizeArguments& arguments) {

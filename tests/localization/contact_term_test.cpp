@@ -119,6 +119,24 @@ TEST(ContactTerm, DoubtsAreMixtures) {
   }
 }
 
+/// Energy of one normal, of eight, that is 60 deg off.
+double cost_of_a_stray(double noise_doubt) {
+  Evidence evidence = on_a_face(8);
+  evidence.noise_doubt = noise_doubt;
+  const double fitting = energy_at(evidence, 0);
+  auto& stray = evidence.contacts[3];
+  stray.n = exp_so3({0, 0, M_PI / 3}) * stray.n;
+  stray.p += kOffset * (Eigen::Vector3d::UnitX() - stray.n);  // where it is compared stays
+  return energy_at(evidence, 0) - fitting;
+}
+
+TEST(ContactTerm, BearsASingleNormalThatStrays) {
+  const double q = 0.5 / std::pow(touch::Contact{}.normal_sigma, 2);
+  EXPECT_NEAR(cost_of_a_stray(0), q, 0.05 * q);
+  const double share = 0.4 / 8;  // the others fit as with half of the noise
+  EXPECT_NEAR(cost_of_a_stray(0.4), 4 * q / 9 - std::log(share / 9), 0.5);
+}
+
 TEST(Assumptions, BeginWithWhatIsStatedAndSumToOne) {
   for (const bool offsets : {false, true}) {
     Evidence evidence = on_a_face(3);

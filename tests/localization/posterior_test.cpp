@@ -97,6 +97,30 @@ TEST(TruthInModes, LooksOnlyAtTheModesThatHoldMostOfTheWeight) {
   EXPECT_FALSE(truth_in_modes(posterior, tilted, kNone));
 }
 
+TEST(TruthInModes, LooksAtFurtherPosesWhereTheModesDoNotSuffice) {
+  Posterior posterior;
+  posterior.modes.resize(1);
+  posterior.modes[0].weight = 0.3;
+  posterior.further = {pose(Eigen::Matrix3d::Identity(), {1, 0, 0})};
+  const auto at = [](double x) { return pose(Eigen::Matrix3d::Identity(), {x, 0, 0}); };
+  EXPECT_TRUE(truth_in_modes(posterior, at(0.009), kNone));
+  EXPECT_TRUE(truth_in_modes(posterior, at(1.009), kNone));
+  EXPECT_FALSE(truth_in_modes(posterior, at(1.011), kNone));
+  posterior.modes[0].weight = 0.96;
+  EXPECT_FALSE(truth_in_modes(posterior, at(1), kNone));
+}
+
+TEST(Posterior, SaysHowMuchItDoesNotList) {
+  Posterior posterior;
+  EXPECT_EQ(posterior.unlisted(), 1);
+  posterior.modes.resize(2);
+  posterior.modes[0].weight = 0.5;
+  posterior.modes[1].weight = 0.2;
+  EXPECT_NEAR(posterior.unlisted(), 0.3, 1e-12);
+  posterior.modes[1].weight = 0.5 + 1e-9;  // rounding
+  EXPECT_EQ(posterior.unlisted(), 0);
+}
+
 TEST(PoseStatus, HasNames) {
   EXPECT_EQ(to_string(PoseStatus::certain), "certain");
   EXPECT_EQ(to_string(PoseStatus::ambiguous), "ambiguous");
