@@ -5,6 +5,12 @@
 
 namespace palpate::pipeline {
 
+namespace {
+
+constexpr double kReach = 0.4;  // m from the origin: where the object can be at all
+
+}  // namespace
+
 std::optional<Eigen::Vector2d> place_of_last_contacts(const Robot& robot) {
   const auto& readings = robot.log().readings;
   for (auto reading = readings.rbegin(); reading != readings.rend(); ++reading) {
@@ -19,7 +25,8 @@ std::optional<Eigen::Vector2d> place_of_last_contacts(const Robot& robot) {
         ++count;
       }
     }
-    return (reading->base.pose() * (sum / count)).head<2>();
+    const Eigen::Vector2d place = (reading->base.pose() * (sum / count)).head<2>();
+    return place.cwiseMax(-kReach).cwiseMin(kReach);
   }
   return std::nullopt;
 }

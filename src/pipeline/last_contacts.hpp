@@ -7,7 +7,7 @@
 
 namespace palpate::pipeline {
 
-/// Mean place over the table of the fingertip contacts felt last, if any was felt, m.
+/// Mean place over the table of the fingertip contacts felt last, if any was felt, m; within reach.
 std::optional<Eigen::Vector2d> place_of_last_contacts(const Robot& robot);
 
 }  // namespace palpate::pipeline

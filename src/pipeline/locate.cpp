@@ -151,6 +151,7 @@ void move(const Eigen::Isometry3d& T_new_old, localization::Posterior& posterior
       mode.free_axis->direction = T_new_old.linear() * mode.free_axis->direction;
     }
   }
+  for (auto& T_frame_object : posterior.further) T_frame_object = T_new_old * T_frame_object;
 }
 
 localization::Posterior locate_resting(const localization::ObjectModel& object,

@@ -44,8 +44,9 @@ class Picking {
         seed_(seed),
         choose_(choose),
         course_(robot, state_, result_.phases, result_.failed_phase, observer) {
-    state_.place = options.place;
-    if (options.fallen) expect_anywhere();
+    if (!options.fallen_at) return;
+    state_.place = *options.fallen_at;
+    expect_anywhere();
   }
 
   PickResult run() {
@@ -74,6 +75,7 @@ class Picking {
  private:
   [[nodiscard]] double weight() const { return object_.object().mass * kGravity; }
 
+  /// What fell, or what a failed attempt has moved, may rest in no stance, and elsewhere.
   void expect_anywhere() {
     result_.fallen = true;
     options_.locate = of_fallen(options_.locate, state_.place);
@@ -144,14 +146,15 @@ class Picking {
   /// Lets go of the object where it was grasped.
   bool put_back() {
     const auto& log = robot_.log();
+    const LowerOptions lower = never_refused(options_.lower);
     const auto open = open_posture(options_.grasp.top);
     bool ok = false;
     if (log.at(Mark::held)) {
       PlaceGoal goal;
       goal.seat = log.readings[*log.at(Mark::closed)].base;
-      ok = course_.run(PlacePhase(options_.lower, goal, 0, open, "put-down"));
+      ok = course_.run(PlacePhase(lower, goal, 0, open, "put-down"));
     } else {
-      ok = course_.run(OpenPhase(options_.lower, open));
+      ok = course_.run(OpenPhase(lower, open));
     }
     if (!ok || !course_.run(WithdrawPhase(options_.withdraw, weight(), Mark::opened))) return false;
     state_.resting = locate_resting(object_, robot_.model(), robot_.log(), options_.locate, seed_);

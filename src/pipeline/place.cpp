@@ -21,7 +21,6 @@ namespace palpate::pipeline {
 namespace {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
-constexpr double kAnyHeight = 1.0;      // m
 constexpr double kWrongHeight = 0.015;  // m: felt that far from what was expected, it fell over
 
 simulation::CollisionOptions held_collisions() {
@@ -127,7 +126,7 @@ bool Placement::fail(PlaceStatus status) {
   result_.status = status;
   if (result_.failed_phase.empty()) result_.failed_phase = result_.phases.back().name;
   if (status == PlaceStatus::lost) {
-    result_.lost_at = place_of_last_contacts(robot_).value_or(Eigen::Vector2d::Zero());
+    result_.lost_at = place_of_last_contacts(robot_).value_or(robot_.reading().base.xyz.head<2>());
   }
   return false;
 }
@@ -201,7 +200,9 @@ bool Placement::aim_turned() {
 
 /// Over the goal.
 bool Placement::carry(std::string name) {
-  TransportPhase transport(options_.transport, scene_, *result_.goal, seed_, std::move(name));
+  TransportOptions options = options_.transport;
+  if (name != "transport") options.grip = 1;  // it is tightened once
+  TransportPhase transport(options, scene_, *result_.goal, seed_, std::move(name));
   const bool there = course_.run(transport);
   if (result_.motion.samples.empty()) result_.motion = transport.motion();
   if (there) return true;
@@ -244,7 +245,7 @@ bool Placement::aim_again() {
     const Eigen::Isometry3d by = goal->seat.pose() * result_.goal->seat.pose().inverse();
     return {true, fmt::format("the hand goes {:.1f} mm and {:.1f} deg from where it was to go",
                               1e3 * (goal->seat.xyz - result_.goal->seat.xyz).norm(),
-                              180 / std::numbers::pi * Eigen::AngleAxisd(by.linear()).angle())};
+                              kDegrees * Eigen::AngleAxisd(by.linear()).angle())};
   }));
   if (!ok) {
     fail(PlaceStatus::slipped);
@@ -257,8 +258,7 @@ bool Placement::aim_again() {
 
 /// Sets down at the goal under the hand and lets go.
 bool Placement::set_down(const PlaceGoal& goal, double wall, bool back) {
-  LowerOptions options = options_.lower;
-  if (back) options.early = kAnyHeight;  // there is nothing else that it could be refused by
+  const LowerOptions options = back ? never_refused(options_.lower) : options_.lower;
   PlacePhase lower(options, goal, wall, open_posture(pick_options_.grasp.top),
                    back ? "put-back" : "place");
   const bool ok = course_.run(lower);
@@ -287,7 +287,9 @@ void Placement::put_back() {
   goal.above = goal.seat;
   goal.above.xyz.z() += options_.goal.rise;
   goal.T_world_object = goal.seat.pose() * goal.T_base_object;
-  TransportPhase carry(options_.transport, scene_, goal, seed_, "carry-back");
+  TransportOptions options = options_.transport;
+  options.grip = 1;
+  TransportPhase carry(options, scene_, goal, seed_, "carry-back");
   const bool there = course_.run(carry);
   if (carry.lost()) {
     fail(PlaceStatus::lost);

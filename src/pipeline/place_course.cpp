@@ -94,8 +94,7 @@ class PlaceAttempts {
       }
       if (!may_be_picked(*course_.place)) return;
       if (course_.place->status == PlaceStatus::lost) {
-        pick_options_.place = course_.place->lost_at;
-        pick_options_.fallen = true;
+        pick_options_.fallen_at = course_.place->lost_at;
       }
       if (may_regrasp && needs_new_grasps(*course_.place)) return;
     }

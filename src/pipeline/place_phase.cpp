@@ -19,6 +19,7 @@ constexpr double kTries = 6;          // places on a turn of the spiral
 constexpr double kEarlyOfWall = 0.5;  // of a wall's height: that high, the object stands on it
 constexpr double kWider = 0.25;       // rad by which the fingers open further
 constexpr int kWithdrawals = 3;
+constexpr double kAnyHeight = 1.0;  // m
 
 /// Where the n-th try is: on rings around the first.
 Eigen::Vector3d aside(int attempt, double spacing) {
@@ -65,6 +66,11 @@ hand::ActuatorVector wider(const Robot& robot) {
 }
 
 }  // namespace
+
+LowerOptions never_refused(LowerOptions options) {
+  options.early = kAnyHeight;
+  return options;
+}
 
 PhaseEnd PlacePhase::run(Robot& robot, PickState&) {
   const int tries = wall_ > 0 ? options_.tries : 1;

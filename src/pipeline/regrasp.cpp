@@ -89,8 +89,11 @@ class Transfers {
   /// Where the object is to be looked for next: what was put back lies where it was.
   void remember(const PlaceResult& place) {
     if (was_put_back(place.status)) return;
-    pick_options_.fallen = place.status == PlaceStatus::lost;
-    pick_options_.place = pick_options_.fallen ? place.lost_at : Eigen::Vector2d(0, 0);
+    pick_options_.fallen_at.reset();
+    if (place.status == PlaceStatus::lost) pick_options_.fallen_at = place.lost_at;
+    if (place.status == PlaceStatus::missing && place.T_world_placed) {  // it fell over there
+      pick_options_.fallen_at = place.T_world_placed->translation().head<2>();
+    }
   }
 
   std::optional<GraspPlan> choose(const localization::Posterior& resting, RegraspRound& round) {

@@ -15,7 +15,6 @@ constexpr double kUpSpeed = 0.30;     // m/s
 constexpr double kFreeHeight = 0.34;  // m of the base
 constexpr double kOpenSeconds = 0.6;  // s
 constexpr double kRest = 0.3;         // s
-constexpr double kReach = 0.4;        // m from the origin: where the object can be at all
 
 hand::BasePosition at_height(hand::BasePosition base, double height) {
   base.xyz.z() = height;
@@ -34,9 +33,7 @@ hand::ActuatorVector opened(const Robot& robot) {
 }  // namespace
 
 PhaseEnd ReleasePhase::run(Robot& robot, PickState& state) {
-  if (const auto place = place_of_last_contacts(robot)) {
-    state.place = place->cwiseMax(-kReach).cwiseMin(kReach);
-  }
+  state.place = place_of_last_contacts(robot).value_or(state.place);
   if (const auto closed = robot.log().at(Mark::closed)) {
     const double height = robot.log().readings[*closed].base.xyz.z();
     const auto& base = robot.command().base;

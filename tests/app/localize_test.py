@@ -48,6 +48,16 @@ class Localize(CliTest):
         self.assertEqual(done.returncode, code, done.stderr)
         return json.loads(done.stdout)
 
+    def test_says_what_lies_outside_the_modes(self):
+        result = self.localize(contacts_on_box(3))
+        listed = sum(mode["weight"] for mode in result["modes"])
+        self.assertLess(listed, 0.95)
+        self.assertAlmostEqual(result["unlisted"], 1 - listed)
+        self.assertGreater(len(result["further"]), 0)
+        self.assertTrue(all(len(pose) == 16 for pose in result["further"]))
+        certain = self.localize(contacts_on_box(18))
+        self.assertEqual(certain["further"], [])
+
     def test_pose_maps_the_files_own_coordinates(self):
         for method in ("fast", "full"):
             result = self.localize(contacts_on_box(18), "--method", method)

@@ -38,6 +38,23 @@ const PickedBox& scene() {
   return box;
 }
 
+TEST(Locate, MovesAllOfAPosterior) {
+  const auto pose = [](double x, double turn) {
+    Eigen::Isometry3d T(Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()));
+    T.translation().x() = x;
+    return T;
+  };
+  const Eigen::Isometry3d first = pose(0.1, 0.3), second = pose(-0.2, 1.1), by = pose(0.5, -0.8);
+  localization::Posterior posterior;
+  posterior.modes.push_back({first, 0.5, Matrix6d::Identity(), {}});
+  posterior.further = {first, second};
+  move(by, posterior);
+  EXPECT_TRUE(posterior.modes[0].T_frame_object.isApprox(by * first));
+  ASSERT_EQ(posterior.further.size(), 2u);
+  EXPECT_TRUE(posterior.further[0].isApprox(by * first));
+  EXPECT_TRUE(posterior.further[1].isApprox(by * second));
+}
+
 TEST(Locate, TheLogTellsAllThatTheEstimateDependsOn) {
   ASSERT_TRUE(scene().picked.held);
   const auto again =

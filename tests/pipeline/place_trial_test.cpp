@@ -116,7 +116,9 @@ TEST(PlaceTrial, WhatFellOnTheWayIsFeltForAndPickedAnew) {
   options.place.transport.grip = 0.1;  // too little to hold it
   options.place.transport.most_slip = 0.1;
   const auto trial = run_trial(box(), options, kSeed);
+  ASSERT_TRUE(trial.result.held);  // found where it fell, and held again
   ASSERT_TRUE(trial.place);
+  EXPECT_TRUE(trial.result.fallen);
   const auto count = [&](std::string_view name) {
     return std::count_if(trial.result.phases.begin(), trial.result.phases.end(),
                          [&](const auto& phase) { return phase.name == name; });

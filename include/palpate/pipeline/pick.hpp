@@ -17,9 +17,10 @@
 namespace palpate::pipeline {
 
 struct PickOptions {
-  int attempts = 3;                  ///< at most
-  Eigen::Vector2d place{0, 0};       ///< rough place of the object, m; no option of its own
-  bool fallen = false;               ///< it fell there: it may rest in no stance; no option
+  int attempts = 3;  ///< at most
+  /// Rough place on the table, m, of an object that has fallen there: it may rest in no stance. Not
+  /// an option of the program.
+  std::optional<Eigen::Vector2d> fallen_at;
   bool estimate_before_lift = true;  ///< the pose in the closed hand, too
   CalibrateOptions calibrate;
   FeelOptions feel;
@@ -54,7 +55,7 @@ struct PickResult {
   bool held = false;  ///< the object hangs in the hand
   int attempts = 0;
   int regrasps = 0;          ///< from other sides, to tell poses apart
-  bool fallen = false;       ///< it had fallen before this grasp: it may have rested in no stance
+  bool fallen = false;       ///< before this grasp, or an attempt failed: it may rest in no stance
   std::string failed_phase;  ///< of the last attempt; empty if all went well
   std::vector<PhaseReport> phases;
   std::optional<localization::Posterior> resting;  ///< pose before the last grasp, in the world
@@ -78,7 +79,8 @@ struct PhaseObserver {
 /// grasp it by touch, lift it, and estimate its pose in the hand, feeling more of it while the pose
 /// is in doubt and that tells something. A grasp that fails is tried again from another side.
 ///
-/// @param robot  stands free above the table; the object is near PickOptions::place
+/// @param robot  stands free above the table; the object is near the world's origin, or
+/// PickOptions::fallen_at
 /// @param choose  chooses the grasp, if given
 PickResult pick(Robot& robot, const localization::ObjectModel& object, const PickOptions& options,
                 std::uint64_t seed, const PhaseObserver& observer = {},

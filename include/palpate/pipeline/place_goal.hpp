@@ -25,7 +25,8 @@ struct HeldObject {
 ///
 /// Height and tilt need no estimate, for the table fixed them when the fingers closed.
 /// @param posterior  of the held object, in the world, at the reading `held`
-/// @param turned  by the fingers, since they closed: then what the table told counts no more
+/// @param turned  by the fingers, since they closed, or fallen before: then what the table told of
+///        a stance counts no more
 /// @return nothing without modes or without the marks closed and held
 std::optional<HeldObject> held_object(const geometry::KnownObject& object,
                                       const localization::Posterior& posterior, const TouchLog& log,

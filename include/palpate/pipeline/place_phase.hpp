@@ -41,6 +41,10 @@ struct LowerOptions {
   }
 };
 
+/// For setting down where the object stood: no contact is too early, for nothing else is there that
+/// could refuse it.
+LowerOptions never_refused(LowerOptions options);
+
 /// Lets go of an object that stands on the table: marks `placed`, takes the squeeze back as it
 /// came, then opens slowly.
 /// @param open  posture of the open hand, rad
