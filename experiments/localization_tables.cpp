@@ -145,7 +145,7 @@ Outcome judged(const Posterior& posterior, const Eigen::Isometry3d& truth,
   const PoseError error = pose_error(best.T_frame_object, truth, object.symmetries);
   outcome.probability = pose_probability(best);
   outcome.success = error.rotation < 5 * kDegree && error.translation < 0.01;
-  outcome.covered = truth_in_modes(posterior, truth, object.symmetries);
+  outcome.covered = truth_in_credible_set(posterior, truth, object.symmetries);
   return outcome;
 }
 

@@ -44,10 +44,17 @@ bool truth_in_modes(const Posterior& posterior, const Eigen::Isometry3d& truth,
     if (family_of(mode).contains(PosePoint(truth), copies)) return true;
     covered += mode.weight;
   }
-  return covered < kCredible &&
-         std::ranges::any_of(posterior.further, [&](const Eigen::Isometry3d& center) {
-           return PoseFamily(PosePoint(center)).contains(PosePoint(truth), copies);
-         });
+  return false;
+}
+
+bool truth_in_credible_set(const Posterior& posterior, const Eigen::Isometry3d& truth,
+                           const std::vector<Eigen::Matrix3d>& symmetries) {
+  if (truth_in_modes(posterior, truth, symmetries)) return true;
+  if (posterior.unlisted() <= 1 - kCredible) return false;
+  const auto copies = symmetry_quaternions(symmetries);
+  return std::ranges::any_of(posterior.further, [&](const Eigen::Isometry3d& center) {
+    return PoseFamily(PosePoint(center)).contains(PosePoint(truth), copies);
+  });
 }
 
 }  // namespace palpate::localization

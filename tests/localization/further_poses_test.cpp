@@ -70,7 +70,7 @@ TEST(FurtherPoses, HoldTheTruthAsOftenAsTheySay) {
     const std::string name = i % 2 == 0 ? "box" : "bunny";
     const Scene scene = scene_of(name, options, i);
     const Posterior posterior = localize(model_of(name), scene.evidence, RandomStream(i), search);
-    held += truth_in_modes(posterior, scene.truth, model_of(name).object().symmetries);
+    held += truth_in_credible_set(posterior, scene.truth, model_of(name).object().symmetries);
     spread += !posterior.further.empty();
   }
   EXPECT_GE(held, 0.95 * kScenes - 2 * std::sqrt(kScenes * 0.95 * 0.05));

@@ -97,17 +97,18 @@ TEST(TruthInModes, LooksOnlyAtTheModesThatHoldMostOfTheWeight) {
   EXPECT_FALSE(truth_in_modes(posterior, tilted, kNone));
 }
 
-TEST(TruthInModes, LooksAtFurtherPosesWhereTheModesDoNotSuffice) {
+TEST(TruthInCredibleSet, LooksAtFurtherPosesWhereTheModesDoNotSuffice) {
   Posterior posterior;
   posterior.modes.resize(1);
   posterior.modes[0].weight = 0.3;
   posterior.further = {pose(Eigen::Matrix3d::Identity(), {1, 0, 0})};
   const auto at = [](double x) { return pose(Eigen::Matrix3d::Identity(), {x, 0, 0}); };
-  EXPECT_TRUE(truth_in_modes(posterior, at(0.009), kNone));
-  EXPECT_TRUE(truth_in_modes(posterior, at(1.009), kNone));
-  EXPECT_FALSE(truth_in_modes(posterior, at(1.011), kNone));
+  EXPECT_TRUE(truth_in_credible_set(posterior, at(0.009), kNone));
+  EXPECT_TRUE(truth_in_credible_set(posterior, at(1.009), kNone));
+  EXPECT_FALSE(truth_in_credible_set(posterior, at(1.011), kNone));
+  EXPECT_FALSE(truth_in_modes(posterior, at(1.009), kNone));
   posterior.modes[0].weight = 0.96;
-  EXPECT_FALSE(truth_in_modes(posterior, at(1), kNone));
+  EXPECT_FALSE(truth_in_credible_set(posterior, at(1), kNone));
 }
 
 TEST(Posterior, SaysHowMuchItDoesNotList) {

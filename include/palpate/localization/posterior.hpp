@@ -33,8 +33,9 @@ std::string_view to_string(PoseStatus status);
 struct Posterior {
   PoseStatus status = PoseStatus::no_pose;
   std::vector<Mode> modes;
-  /// Where the modes hold less than 95 %: centres of balls of 5 deg and 10 mm, heaviest first, that
-  /// hold the rest up to there, or of all that the samples form where those are too few.
+  /// Where the modes hold less than 95 %, of the samples that are drawn besides then, too: centres
+  /// of balls of 5 deg and 10 mm, heaviest first, that hold the rest up to there, or of all that
+  /// the samples form where those are too few.
   std::vector<Eigen::Isometry3d> further;
   double seconds = 0;  ///< wall time of the search
 
@@ -55,9 +56,13 @@ PoseError pose_error(const Eigen::Isometry3d& estimate, const Eigen::Isometry3d&
 PoseError mode_error(const Mode& mode, const Eigen::Isometry3d& truth,
                      const std::vector<Eigen::Matrix3d>& symmetries);
 
-/// True when the truth is within 5 deg and 10 mm of the smallest set of modes and, if these do not
-/// suffice, further poses that holds 95 % of the probability.
+/// True when the truth is within 5 deg and 10 mm of the smallest set of modes that holds 95 % of
+/// the probability, or of all modes where they hold less.
 bool truth_in_modes(const Posterior& posterior, const Eigen::Isometry3d& truth,
                     const std::vector<Eigen::Matrix3d>& symmetries);
+
+/// The same with the further poses, of which there may be many.
+bool truth_in_credible_set(const Posterior& posterior, const Eigen::Isometry3d& truth,
+                           const std::vector<Eigen::Matrix3d>& symmetries);
 
 }  // namespace palpate::localization
