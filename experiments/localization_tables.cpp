@@ -130,13 +130,6 @@ struct Bench {
   std::map<std::pair<std::string, double>, std::unique_ptr<Subject>> scaled_subjects;
 };
 
-/// The probability stated for the best mode's pose itself: of a family about a free axis, the share
-/// of its arc that lies within the tolerance.
-double pose_probability(const Mode& mode) {
-  if (!mode.free_axis) return mode.weight;
-  return mode.weight * std::min(1.0, 5 * kDegree / mode.free_axis->extent);
-}
-
 Outcome judged(const Posterior& posterior, const Eigen::Isometry3d& truth,
                const geometry::KnownObject& object) {
   Outcome outcome;

@@ -58,7 +58,7 @@ std::vector<Share> search_all(const lo::ObjectModel& model,
     const auto error =
         lo::pose_error(best.T_frame_object, scenes[i].truth, model.object().symmetries);
     each[i].right = error.rotation < 5 * std::numbers::pi / 180 && error.translation < 0.01;
-    each[i].stated = best.weight;
+    each[i].stated = lo::pose_probability(best);
   });
   return each;
 }

@@ -35,6 +35,11 @@ PoseError mode_error(const Mode& mode, const Eigen::Isometry3d& truth,
   return family_of(mode).match(PosePoint(truth), symmetry_quaternions(symmetries)).error;
 }
 
+double pose_probability(const Mode& mode) {
+  if (!mode.free_axis) return mode.weight;
+  return mode.weight * std::min(1.0, PoseTolerance{}.rotation / mode.free_axis->extent);
+}
+
 bool truth_in_modes(const Posterior& posterior, const Eigen::Isometry3d& truth,
                     const std::vector<Eigen::Matrix3d>& symmetries) {
   const auto copies = symmetry_quaternions(symmetries);

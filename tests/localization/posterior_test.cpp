@@ -79,6 +79,17 @@ TEST(ModeError, IsZeroAlongTheFreeAxisAndGrowsBeyondItsEnds) {
   }
 }
 
+TEST(PoseProbability, IsTheShareOfAFamilysArc) {
+  Mode mode;
+  mode.weight = 0.8;
+  EXPECT_EQ(pose_probability(mode), 0.8);
+  mode.free_axis = FreeAxis{{0, 0, 0}, {0, 0, 1}, 0};
+  mode.free_axis->extent = 20 * kDegree;
+  EXPECT_NEAR(pose_probability(mode), 0.2, 1e-9);
+  mode.free_axis->extent = 2 * kDegree;
+  EXPECT_EQ(pose_probability(mode), 0.8);
+}
+
 TEST(TruthInModes, LooksOnlyAtTheModesThatHoldMostOfTheWeight) {
   Posterior posterior;
   for (const double weight : {0.9, 0.06, 0.04}) {

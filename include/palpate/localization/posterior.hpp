@@ -56,6 +56,10 @@ PoseError pose_error(const Eigen::Isometry3d& estimate, const Eigen::Isometry3d&
 PoseError mode_error(const Mode& mode, const Eigen::Isometry3d& truth,
                      const std::vector<Eigen::Matrix3d>& symmetries);
 
+/// The probability stated for the pose of a mode itself: of a family about a free axis, the share
+/// of its arc that lies within 5 deg.
+double pose_probability(const Mode& mode);
+
 /// True when the truth is within 5 deg and 10 mm of the smallest set of modes that holds 95 % of
 /// the probability, or of all modes where they hold less.
 bool truth_in_modes(const Posterior& posterior, const Eigen::Isometry3d& truth,
