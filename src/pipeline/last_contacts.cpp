@@ -4,7 +4,6 @@
 #include "palpate/pipeline/phase.hpp"
 
 namespace palpate::pipeline {
-
 namespace {
 
 constexpr double kReach = 0.4;  // m from the origin: where the object can be at all

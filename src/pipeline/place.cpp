@@ -99,7 +99,8 @@ class Placement {
   GoalSearch search_goal(const HeldObject& held);
   bool turn();
   bool aim_turned();
-  bool carry(std::string name);
+  bool carry(std::string name, const TransportOptions& options);
+  TransportOptions without_tightening() const;
   bool aim_again();
   bool set_down(const PlaceGoal& goal, double wall, bool back);
   bool withdraw();
@@ -198,10 +199,15 @@ bool Placement::aim_turned() {
   return ok || fail(PlaceStatus::unreachable);
 }
 
-/// Over the goal.
-bool Placement::carry(std::string name) {
+/// For further ways with an object that is held as firmly as it shall be.
+TransportOptions Placement::without_tightening() const {
   TransportOptions options = options_.transport;
-  if (name != "transport") options.grip = 1;  // it is tightened once
+  options.grip = 1;
+  return options;
+}
+
+/// Over the goal.
+bool Placement::carry(std::string name, const TransportOptions& options) {
   TransportPhase transport(options, scene_, *result_.goal, seed_, std::move(name));
   const bool there = course_.run(transport);
   if (result_.motion.samples.empty()) result_.motion = transport.motion();
@@ -253,7 +259,7 @@ bool Placement::aim_again() {
   }
   if (!goal) return ok;
   result_.goal = goal;
-  return carry("mend");
+  return carry("mend", without_tightening());
 }
 
 /// Sets down at the goal under the hand and lets go.
@@ -287,9 +293,7 @@ void Placement::put_back() {
   goal.above = goal.seat;
   goal.above.xyz.z() += options_.goal.rise;
   goal.T_world_object = goal.seat.pose() * goal.T_base_object;
-  TransportOptions options = options_.transport;
-  options.grip = 1;
-  TransportPhase carry(options, scene_, goal, seed_, "carry-back");
+  TransportPhase carry(without_tightening(), scene_, goal, seed_, "carry-back");
   const bool there = course_.run(carry);
   if (carry.lost()) {
     fail(PlaceStatus::lost);
@@ -311,7 +315,7 @@ void Placement::bring(const PlaceTarget& target) {
     return;
   }
   const bool slot = target.kind == PlaceTarget::Kind::fixture;
-  if (!turn() || !carry("transport") || !aim_again()) return;
+  if (!turn() || !carry("transport", options_.transport) || !aim_again()) return;
   if (!set_down(*result_.goal, slot ? options_.fixture.height : 0, false)) {
     if (result_.status == PlaceStatus::refused) put_back();
     return;
