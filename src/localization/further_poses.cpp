@@ -14,10 +14,6 @@ struct Ball {
   std::size_t chosen = 0, weighed = 0;
 };
 
-std::size_t take(const PoseFamily& family, const PoseFamily::Symmetries& symmetries, Poses& poses) {
-  return std::erase_if(poses, [&](const PosePoint& p) { return family.contains(p, symmetries); });
-}
-
 /// Balls about poses of `chosen` in their order, which are random draws, so that a dense place is
 /// likely to be met early; both populations are used up.
 std::vector<Ball> cover(Poses chosen, Poses& weighed, const PoseFamily::Symmetries& symmetries) {

@@ -97,11 +97,6 @@ Cluster fullest_cluster(const Poses& poses, const PoseFamily::Symmetries& symmet
   return arc.members.size() > enough ? arc : ball;
 }
 
-/// Removes from `poses` what the family holds and returns how many that were.
-std::size_t take(const PoseFamily& family, const PoseFamily::Symmetries& symmetries, Poses& poses) {
-  return std::erase_if(poses, [&](const PosePoint& p) { return family.contains(p, symmetries); });
-}
-
 std::vector<Cluster> cover(Poses poses, const PoseFamily::Symmetries& symmetries,
                            std::size_t most) {
   const auto all = static_cast<double>(poses.size());

@@ -71,6 +71,11 @@ PoseFamily family_of(const Mode& mode) {
   return mode.free_axis ? PoseFamily(pose, *mode.free_axis) : PoseFamily(pose);
 }
 
+std::size_t take(const PoseFamily& family, const PoseFamily::Symmetries& symmetries,
+                 std::vector<PosePoint>& poses) {
+  return std::erase_if(poses, [&](const PosePoint& p) { return family.contains(p, symmetries); });
+}
+
 PoseFamily::Symmetries symmetry_quaternions(const std::vector<Eigen::Matrix3d>& symmetries) {
   PoseFamily::Symmetries result;
   for (const Eigen::Matrix3d& R : symmetries) result.emplace_back(Eigen::Quaterniond(R));

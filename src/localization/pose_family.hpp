@@ -65,6 +65,10 @@ class PoseFamily {
 
 PoseFamily family_of(const Mode& mode);
 
+/// Removes from `poses` what the family holds and returns how many that were.
+std::size_t take(const PoseFamily& family, const PoseFamily::Symmetries& symmetries,
+                 std::vector<PosePoint>& poses);
+
 PoseFamily::Symmetries symmetry_quaternions(const std::vector<Eigen::Matrix3d>& symmetries);
 
 /// The larger of the two errors, each relative to its tolerance.
