@@ -47,8 +47,8 @@ int replay(const ReplayArguments& arguments) {
   const localization::ObjectModel object(recording.header.object);
   const auto log = pipeline::touch_log(recording).until(pipeline::Mark::held);
   const auto hand = pipeline::calibrated_hand(recording.header.hand, log, options.pick.calibrate);
-  const auto estimate = pipeline::locate(object, hand, log, options.pick_options().locate,
-                                         recording.header.seed);
+  const auto estimate =
+      pipeline::locate(object, hand, log, options.pick_options().locate, recording.header.seed);
   const auto& posterior = estimate.posterior;
   if (arguments.common.json) {
     fmt::print("{}\n", posterior_json(posterior).dump(2));

@@ -62,6 +62,9 @@ struct Servo {
 };
 constexpr Servo kSlideServo = {4000, 253, 200};  // N/m, N s/m, N
 constexpr Servo kHingeServo = {200, 12.6, 50};   // N m/rad, N m s/rad, N m
+/// Of the hinges' rotors. Without it the inertia is singular at a pitch of 90 deg, where yaw and
+/// roll turn about one axis, and what the hand holds is thrown out of it there.
+constexpr double kHingeInertia = 0.01;  // kg m^2
 
 void require_positive(const char* name, double value) {
   if (!(std::isfinite(value) && value > 0)) {
@@ -128,6 +131,7 @@ void add_base_joint(mjSpec& spec, mjsBody& root, const BaseAxis& axis) {
   joint->type = axis.type;
   Eigen::Vector3d::Map(joint->axis) = T_root_base.linear().col(axis.axis);
   Eigen::Vector3d::Map(joint->pos) = T_root_base.translation();
+  if (axis.type == mjJNT_HINGE) joint->armature = kHingeInertia;
 }
 
 void add_base_servo(mjSpec& spec, const BaseAxis& axis) {

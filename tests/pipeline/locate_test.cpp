@@ -78,6 +78,19 @@ TEST(Locate, WithoutTheMomentOrATouchThereIsNoPose) {
   EXPECT_EQ(resting.status, localization::PoseStatus::no_pose);
 }
 
+TEST(Locate, WhatMayRestTiltedIsKnownLessUpright) {
+  const auto& s = scene();
+  ASSERT_TRUE(s.picked.held);
+  const auto tilt = [&](double sigma) {
+    LocateOptions options = s.locate_options;
+    options.resting_tilt_sigma = sigma;
+    const auto resting = locate_resting(s.object, s.model, s.log, options, PickedBox::kSeed);
+    return resting.modes.empty() ? 0.0 : resting.modes[0].covariance.topLeftCorner<2, 2>().trace();
+  };
+  EXPECT_GT(tilt(0.02), 0);
+  EXPECT_GT(tilt(0.12), 2 * tilt(0.02));
+}
+
 /// The log of the box, with moments added at its last reading.
 TouchLog with_moments(std::initializer_list<Mark> marks) {
   TouchLog log = scene().log;
