@@ -99,8 +99,7 @@ class Placement {
   GoalSearch search_goal(const HeldObject& held);
   bool turn();
   bool aim_turned();
-  bool carry(std::string name, const TransportOptions& options);
-  TransportOptions without_tightening() const;
+  bool carry(std::string name);
   bool aim_again();
   bool set_down(const PlaceGoal& goal, double wall, bool back);
   bool withdraw();
@@ -199,16 +198,9 @@ bool Placement::aim_turned() {
   return ok || fail(PlaceStatus::unreachable);
 }
 
-/// For further ways with an object that is held as firmly as it shall be.
-TransportOptions Placement::without_tightening() const {
-  TransportOptions options = options_.transport;
-  options.grip = 1;
-  return options;
-}
-
 /// Over the goal.
-bool Placement::carry(std::string name, const TransportOptions& options) {
-  TransportPhase transport(options, scene_, *result_.goal, seed_, std::move(name));
+bool Placement::carry(std::string name) {
+  TransportPhase transport(options_.transport, scene_, *result_.goal, seed_, std::move(name));
   const bool there = course_.run(transport);
   if (result_.motion.samples.empty()) result_.motion = transport.motion();
   if (there) return true;
@@ -259,7 +251,7 @@ bool Placement::aim_again() {
   }
   if (!goal) return ok;
   result_.goal = goal;
-  return carry("mend", without_tightening());
+  return carry("mend");
 }
 
 /// Sets down at the goal under the hand and lets go.
@@ -293,7 +285,7 @@ void Placement::put_back() {
   goal.above = goal.seat;
   goal.above.xyz.z() += options_.goal.rise;
   goal.T_world_object = goal.seat.pose() * goal.T_base_object;
-  TransportPhase carry(without_tightening(), scene_, goal, seed_, "carry-back");
+  TransportPhase carry(options_.transport, scene_, goal, seed_, "carry-back");
   const bool there = course_.run(carry);
   if (carry.lost()) {
     fail(PlaceStatus::lost);
@@ -315,7 +307,7 @@ void Placement::bring(const PlaceTarget& target) {
     return;
   }
   const bool slot = target.kind == PlaceTarget::Kind::fixture;
-  if (!turn() || !carry("transport", options_.transport) || !aim_again()) return;
+  if (!turn() || !carry("transport") || !aim_again()) return;
   if (!set_down(*result_.goal, slot ? options_.fixture.height : 0, false)) {
     if (result_.status == PlaceStatus::refused) put_back();
     return;

@@ -10,8 +10,6 @@
 namespace palpate::pipeline {
 namespace {
 
-constexpr double kTightening = 0.3;  // s
-
 /// What the base is told for a configuration that it is to reach, by what its drives give way.
 hand::BasePosition told(const hand::BasePosition& wanted, const hand::BasePosition& yielded) {
   return {wanted.xyz + yielded.xyz, wanted.ypr + yielded.ypr};
@@ -35,10 +33,9 @@ std::vector<hand::HandCommand> TransportPhase::commands(const Robot& robot,
   }
   if (!options_.bear_weight) return way;
   const WeightBearing bearing(robot, goal_.T_base_object.translation(), mean_load(robot.log()),
-                              options_.friction, options_.grip);
+                              options_.friction);
   for (std::size_t i = 0; i < way.size(); ++i) {
-    const double share = std::min(1.0, static_cast<double>(i) * hand::kTick / kTightening);
-    way[i].positions = bearing.command(motion_.samples[i].base, share);
+    way[i].positions = bearing.command(motion_.samples[i].base);
   }
   return way;
 }

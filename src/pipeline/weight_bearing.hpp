@@ -19,24 +19,21 @@ class WeightBearing {
   /// @param p_base_object  the object's centroid in the base's frame, m
   /// @param weight  N
   /// @param friction  that the forces count on
-  /// @param grip  force of all fingertips at the end, times what they press with now
   WeightBearing(const Robot& robot, const Eigen::Vector3d& p_base_object, double weight,
-                double friction, double grip);
+                double friction);
 
   /// The fingers' commands for another attitude of the base.
-  /// @param tightened  share of the grip's change that is in force
-  [[nodiscard]] hand::ActuatorVector command(const hand::BasePosition& base,
-                                             double tightened) const;
+  [[nodiscard]] hand::ActuatorVector command(const hand::BasePosition& base) const;
 
  private:
-  [[nodiscard]] hand::ActuatorVector torques(const hand::BasePosition& base, double press) const;
+  [[nodiscard]] hand::ActuatorVector torques(const hand::BasePosition& base) const;
 
   const Robot& robot_;
   std::vector<touch::Contact> contacts_;
   hand::JointVector joints_;
   hand::ActuatorVector positions_, torques_;
   Eigen::Vector3d p_base_object_;
-  double weight_, friction_, press_ = 0, grip_;
+  double weight_, friction_, press_ = 0;
 };
 
 }  // namespace palpate::pipeline

@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
+#include "mishap.hpp"
 #include "palpate/core/error.hpp"
 
 namespace palpate::pipeline {
@@ -27,6 +30,27 @@ TEST(PlaceMeans, OtherWordsAreNamed) {
   } catch (const BadInput& error) {
     EXPECT_NE(std::string(error.what()).find("teleport"), std::string::npos) << error.what();
   }
+}
+
+TEST(PickAndPlace, WhatFellOnTheWayIsFeltForAndPickedAnew) {
+  Mishap mishap;
+  mishap.options.place.means = "wrist";
+  const auto course =
+      pick_and_place(mishap.robot, mishap.box, mishap.target(), {}, mishap.options.pick,
+                     mishap.options.place, Mishap::kSeed, mishap.observer);
+  ASSERT_TRUE(course.picked.held);  // found where it fell, and held again
+  EXPECT_TRUE(course.picked.fallen);
+  const auto count = [&](std::string_view name) {
+    return std::count_if(course.picked.phases.begin(), course.picked.phases.end(),
+                         [&](const auto& phase) { return phase.name == name; });
+  };
+  EXPECT_EQ(count("clear"), 1);
+  EXPECT_GE(count("feel"), 2);
+  ASSERT_TRUE(course.place);
+  EXPECT_EQ(course.place->status, PlaceStatus::placed);
+  EXPECT_LT(mishap.off(*course.place), 0.03);
+  EXPECT_EQ(course.means.means, PlaceMeans::wrist);  // told of the last hold, too
+  EXPECT_EQ(course.means.reason, "asked for");
 }
 
 }  // namespace

@@ -110,25 +110,16 @@ TEST(PlaceTrial, WhatMayBeTurnedOverIsHeldFirmer) {
   EXPECT_EQ(press(PlaceTarget::Kind::pose), 9);
 }
 
-TEST(PlaceTrial, WhatFellOnTheWayIsFeltForAndPickedAnew) {
+TEST(PlaceTrial, WhatIsShakenOutOfTheHandIsDropped) {
   TrialOptions options = quick_options();
   options.place.means = "wrist";
-  options.place.transport.grip = 0.1;  // too little to hold it
+  auto& limits = options.place.transport.plan.limits;
+  limits.base_speed = limits.turn_speed = 10;
+  limits.base_acceleration = limits.turn_acceleration = 100;
   options.place.transport.most_slip = 0.1;
   const auto trial = run_trial(box(), options, kSeed);
-  ASSERT_TRUE(trial.result.held);  // found where it fell, and held again
   ASSERT_TRUE(trial.place);
-  EXPECT_TRUE(trial.result.fallen);
-  const auto count = [&](std::string_view name) {
-    return std::count_if(trial.result.phases.begin(), trial.result.phases.end(),
-                         [&](const auto& phase) { return phase.name == name; });
-  };
-  EXPECT_EQ(count("clear"), 1);  // of the first pick; the last one's phases are the placing's
-  EXPECT_GE(count("feel"), 2);
   EXPECT_TRUE(trial.place_judgement.dropped);
-  EXPECT_EQ(trial.place->status, PlaceStatus::lost);
-  EXPECT_EQ(trial.means.means, PlaceMeans::wrist);  // told of the last hold, too
-  EXPECT_EQ(trial.means.reason, "asked for");
 }
 
 TEST(PlaceTrial, TheTruthChangesNoCommand) {

@@ -30,9 +30,7 @@ struct Pinching {
         robot(hand, model, {}) {
     robot.wait(0.3);
   }
-  WeightBearing bearing(double grip) const {
-    return {robot, p_base_object, kWeight, kFriction, grip};
-  }
+  WeightBearing bearing() const { return {robot, p_base_object, kWeight, kFriction}; }
 
   hand::HandModel model = simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
   FakeHand hand;
@@ -46,16 +44,16 @@ hand::BasePosition turned(double yaw, double pitch, double roll) {
 
 TEST(WeightBearing, NothingChangesWhileGravityPullsAlike) {
   const Pinching pinching;
-  const auto bearing = pinching.bearing(1.0);
+  const auto bearing = pinching.bearing();
   for (const double yaw : {0.0, 1.0, 3.0}) {
-    const auto command = bearing.command(turned(yaw, 0, 0), 1.0);
+    const auto command = bearing.command(turned(yaw, 0, 0));
     EXPECT_LT((command - pinching.robot.command().positions).norm(), 1e-9) << yaw;
   }
 }
 
 TEST(WeightBearing, FollowsTheWeightByWhatTheStaticsAsk) {
   const Pinching pinching;
-  const auto bearing = pinching.bearing(1.0);
+  const auto bearing = pinching.bearing();
   const auto window = std::span(pinching.robot.log().readings).last(20);
   const auto contacts = touch::lasting_contacts(window, pinching.model, {});
   const auto joints = touch::mean_joints(window);
@@ -66,7 +64,7 @@ TEST(WeightBearing, FollowsTheWeightByWhatTheStaticsAsk) {
   };
   const auto base = turned(0.3, std::numbers::pi / 2, 0.4);
   const hand::ActuatorVector change = torques(base) - torques(turned(0, 0, 0));
-  const hand::ActuatorVector told = bearing.command(base, 1.0) - pinching.robot.command().positions;
+  const hand::ActuatorVector told = bearing.command(base) - pinching.robot.command().positions;
   EXPECT_GT(change.norm(), 0.01);  // N m: a weight of 1.5 N turned by a right angle
   for (int i = 0; i < hand::kActuators; ++i) {
     const auto& actuator = pinching.robot.actuators()[static_cast<std::size_t>(i)];
@@ -74,23 +72,12 @@ TEST(WeightBearing, FollowsTheWeightByWhatTheStaticsAsk) {
   }
 }
 
-TEST(WeightBearing, TightensByItsShare) {
-  const Pinching pinching;
-  const auto bearing = pinching.bearing(2.0);
-  const auto base = turned(0, 0, 0);
-  const auto at = [&](double share) -> hand::ActuatorVector {
-    return bearing.command(base, share) - pinching.robot.command().positions;
-  };
-  EXPECT_LT(at(0).norm(), 1e-9);
-  EXPECT_GT(at(1).norm(), at(0.5).norm());
-}
-
 TEST(WeightBearing, WithoutTouchTheFingersStay) {
   hand::HandModel model = simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
   FakeHand hand;
   Robot robot(hand, model, {});
-  const WeightBearing bearing(robot, {0.3, 0, 0}, kWeight, kFriction, 2.0);
-  EXPECT_EQ(bearing.command(turned(0, 1, 1), 1.0), robot.command().positions);
+  const WeightBearing bearing(robot, {0.3, 0, 0}, kWeight, kFriction);
+  EXPECT_EQ(bearing.command(turned(0, 1, 1)), robot.command().positions);
 }
 
 }  // namespace

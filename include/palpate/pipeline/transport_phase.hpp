@@ -29,7 +29,6 @@ struct TransportOptions {
   int lost_ticks = 10;        ///< without any touch: the object is lost
   bool bear_weight = true;    ///< the fingers' commands follow the weight as the hand turns
   double friction = 0.4;      ///< that the forces which bear it count on
-  double grip = 1.0;          ///< force of all fingertips on the way, times that of the hold
 
   template <class Visitor>
   void visit(Visitor&& v) {
@@ -40,7 +39,6 @@ struct TransportOptions {
     v("lost_ticks", lost_ticks, 1, 1000, "without any touch: the object is lost");
     v("bear_weight", bear_weight, "the fingers' commands follow the weight as the hand turns");
     v("friction", friction, 0.0, 2.0, "that the forces which bear it count on");
-    v("grip", grip, 0.1, 10.0, "force of all tips on the way, times that of the hold");
   }
 };
 

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "palpate/pipeline/trial.hpp"
+
+namespace palpate::pipeline {
+
+/// A hand whose fingers open, whatever they are told, while `lets_go`.
+class SlipperyHand : public hand::Hand {
+ public:
+  explicit SlipperyHand(hand::Hand& hand) : hand_(hand) {}
+
+  const std::array<hand::Actuator, hand::kActuators>& actuators() const override {
+    return hand_.actuators();
+  }
+  hand::HandReading step(const hand::HandCommand& command) override {
+    hand::HandCommand told = command;
+    if (lets_go) told.positions = open_posture(top_recipe());
+    return hand_.step(told);
+  }
+
+  bool lets_go = false;
+
+ private:
+  hand::Hand& hand_;
+};
+
+/// A box (resting in its first stance) before a hand that lets go of it in the first transport.
+struct Mishap {
+  static constexpr std::uint64_t kSeed = 7;
+
+  Mishap() {
+    options.pick.calibrate.touches = 0;
+    options.pick.explore.touches = options.pick.explore.most_touches = 4;
+    options.pick.lift.hold = 0.5;
+    options.pick.locate.search.proposals = 20000;
+    options.pick.locate.search.particles = 400;
+    options.start.stance = 0;
+    options.place.target = "0.15,0.1,0.5";
+    options.place.certain = options.place.regrasp.certain_between = 0.3;
+    world.reset(draw_start(box.object(), options.start, kSeed), waiting_command());
+  }
+  PlaceTarget target() const { return *place_target(box.object(), options.place, kSeed, 0); }
+  /// Of the object from where it was to be put, m.
+  double off(const PlaceResult& place) const {
+    return (world.truth().T_world_object.translation() - place.T_world_target.translation()).norm();
+  }
+
+  localization::ObjectModel box{geometry::load_known_object("box")};
+  TrialOptions options;
+  simulation::World world{box.object(), {}, kSeed};
+  SlipperyHand hand{world.hand()};
+  Robot robot{hand, world.hand_model(), waiting_command()};
+  int transports = 0;
+  PhaseObserver observer{[this](std::string_view phase, double) {
+                           hand.lets_go = phase == "transport" && ++transports == 1;
+                         },
+                         [this](const PhaseReport&, double) { hand.lets_go = false; }};
+};
+
+}  // namespace palpate::pipeline
