@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the object is to be put: an outline of it at the target, and the fixture.
+// Where the object is to be put: an outline of it at the target, the way planned there, and the
+// fixture.
 import * as THREE from 'three';
 
 const TARGET_COLOR = '#1f9d55';
@@ -24,6 +25,12 @@ function targetGhost(pose, geometry, edges) {
   return group;
 }
 
+function plannedPath(values) {
+  const geometry = new THREE.BufferGeometry();
+  geometry.setAttribute('position', new THREE.Float32BufferAttribute(values, 3));
+  return new THREE.Line(geometry, new THREE.LineBasicMaterial({ color: TARGET_COLOR }));
+}
+
 function fixtureBox(values) {
   const [x, y, z] = values.slice(16);
   const box = new THREE.Mesh(
@@ -36,11 +43,12 @@ function fixtureBox(values) {
   return box;
 }
 
-/** Target and fixture of a recording; empty for a pick without placing. */
+/** Target, planned way and fixture of a recording; empty for a pick without placing. */
 export class PlacementView extends THREE.Group {
   constructor(placement, geometry, edges) {
     super();
     if (placement?.target) this.add(targetGhost(placement.target, geometry, edges));
+    if (placement?.path?.length) this.add(plannedPath(placement.path));
     for (const box of placement?.fixture ?? []) this.add(fixtureBox(box));
   }
 }

@@ -142,9 +142,9 @@ void add_place_option(CLI::App& command, std::string& place) {
   command
       .add_option(
           "--place", place,
-          "put the object down there: 16 numbers of a pose (or a file of them), x,y,yaw "
-          "(m, rad; standing as it is found), fixture (a slot), random, or stance (another than it "
-          "starts in)")
+          "put the object down there: 16 numbers of a pose of its centroid (or a file of them), "
+          "x,y,yaw (m, rad; standing as it is found), fixture (a slot), random, or stance (another "
+          "than it starts in)")
       ->option_text("POSE|fixture");
 }
 

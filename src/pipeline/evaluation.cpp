@@ -35,14 +35,14 @@ void count_phases(const std::vector<PhaseReport>& reports,
 void count_place(const Trial& trial, PlaceSummary& summary) {
   if (!trial.place) return;
   const PlaceJudgement& judgement = trial.place_judgement;
-  summary.certain += trial.place->certain;
+  summary.certain += trial.place->certain && !trial.place->on_the_way;
   summary.placed += judgement.placed;
   summary.tight += judgement.tight;
   summary.wrong += judgement.wrong;
   summary.dropped += judgement.dropped;
   summary.in_stance += judgement.in_stance;
   ++summary.status[std::string(to_string(trial.place->status))];
-  if (!trial.place->T_world_placed) return;
+  if (!trial.place->T_world_placed || trial.place->on_the_way) return;
   add(judgement.error, summary.final_error);
   add(judgement.estimate, summary.estimate_error);
   add(judgement.release, summary.release_motion);

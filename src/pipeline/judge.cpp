@@ -157,7 +157,7 @@ PlaceJudgement Judge::place_verdict(const PlaceResult& result, const PlaceTarget
   judgement.placed = let_go_for_good && within(judgement.error, kPoseAngle, kPoseDistance);
   judgement.tight =
       judgement.placed && within(judgement.error, kPlaceTightAngle, kPlaceTightDistance);
-  judgement.wrong = result.certain && !judgement.placed;
+  judgement.wrong = result.certain && !result.on_the_way && !judgement.placed;
   return judgement;
 }
 

@@ -20,8 +20,10 @@
 namespace palpate::pipeline {
 namespace {
 
+constexpr const char* kPlace = "place";  // the phase that puts it at the target
 constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr double kWrongHeight = 0.015;  // m: felt that far from what was expected, it fell over
+constexpr double kUnknownHeight = 0.1;  // m, by which a turned hand may have to go lower
 
 simulation::CollisionOptions held_collisions() {
   simulation::CollisionOptions options;
@@ -88,6 +90,7 @@ class Placement {
   }
 
   PlaceResult run(const PlaceTarget& target) {
+    result_.on_the_way = target.on_the_way;
     bring(target);
     if (result_.status == PlaceStatus::lost) course_.run(ClearPhase());
     return std::move(result_);
@@ -101,7 +104,7 @@ class Placement {
   bool aim_turned();
   bool carry(std::string name);
   bool aim_again();
-  bool set_down(const PlaceGoal& goal, double wall, bool back);
+  bool set_down(const PlaceGoal& goal, double wall, const LowerOptions& options, std::string name);
   bool withdraw();
   void put_back();
   bool fail(PlaceStatus status);
@@ -255,12 +258,14 @@ bool Placement::aim_again() {
 }
 
 /// Sets down at the goal under the hand and lets go.
-bool Placement::set_down(const PlaceGoal& goal, double wall, bool back) {
-  const LowerOptions options = back ? never_refused(options_.lower) : options_.lower;
-  PlacePhase lower(options, goal, wall, open_posture(pick_options_.grasp.top),
-                   back ? "put-back" : "place");
+bool Placement::set_down(const PlaceGoal& goal, double wall, const LowerOptions& options,
+                         std::string name) {
+  const bool for_good = name == kPlace;
+  PlacePhase lower(options, goal, wall, open_posture(pick_options_.grasp.top), std::move(name));
   const bool ok = course_.run(lower);
-  if (!back && lower.let_go()) result_.T_world_placed = laid_flat(object_, lower.T_world_object());
+  if (for_good && lower.let_go()) {
+    result_.T_world_placed = laid_flat(object_, lower.T_world_object());
+  }
   if (ok) return withdraw();
   return fail(lower.touchdown() == PlacePhase::Touchdown::lost ? PlaceStatus::lost
                                                                : PlaceStatus::refused);
@@ -268,6 +273,13 @@ bool Placement::set_down(const PlaceGoal& goal, double wall, bool back) {
 
 bool Placement::withdraw() {
   return course_.run(WithdrawPhase(options_.withdraw, weight())) || fail(PlaceStatus::stuck);
+}
+
+/// Slowly all the way, for it is not known how far down the table is.
+LowerOptions felt_for(LowerOptions options, double above) {
+  options.near = std::max(options.near, above);
+  options.beyond = kUnknownHeight;
+  return options;
 }
 
 /// Back to where the object was lifted from: the one place that is known to be free and level.
@@ -291,12 +303,16 @@ void Placement::put_back() {
     fail(PlaceStatus::lost);
     return;
   }
-  // Even where no free way back is known, setting down here is gentler than letting go up here.
-  if (!there) {
-    goal.seat.xyz.head<2>() = robot_.reading().base.xyz.head<2>();
-    goal.seat.ypr = robot_.reading().base.ypr;
+  LowerOptions lower = never_refused(options_.lower);
+  if (!there) {  // setting down here is gentler than letting go up here
+    const hand::BasePosition& here = robot_.reading().base;
+    lower = felt_for(lower, here.xyz.z() - goal.seat.xyz.z());
+    goal.seat.xyz.head<2>() = here.xyz.head<2>();
+    goal.seat.ypr = here.ypr;
   }
-  const bool down = set_down(goal, 0, true);
+  const bool down = set_down(goal, 0, lower, "put-back");
+  if (down && !there)
+    result_.put_aside = (goal.seat.pose() * goal.T_base_object).translation().head<2>();
   if (down) result_.status = reason;
   if (result_.status == PlaceStatus::refused && !down) result_.status = PlaceStatus::stuck;
 }
@@ -308,7 +324,7 @@ void Placement::bring(const PlaceTarget& target) {
   }
   const bool slot = target.kind == PlaceTarget::Kind::fixture;
   if (!turn() || !carry("transport") || !aim_again()) return;
-  if (!set_down(*result_.goal, slot ? options_.fixture.height : 0, false)) {
+  if (!set_down(*result_.goal, slot ? options_.fixture.height : 0, options_.lower, kPlace)) {
     if (result_.status == PlaceStatus::refused) put_back();
     return;
   }

@@ -79,12 +79,13 @@ class PlaceAttempts {
   void in_one_hold(bool may_regrasp) {
     PlaceOptions options = options_;
     for (int attempt = 0; attempt < options_.picks; ++attempt) {
-      add(course_, pick(robot_, object_, pick_options_, seed_, observer_));
+      const std::uint64_t seed = seed_ + 1000003 * static_cast<std::uint64_t>(attempt);
+      add(course_, pick(robot_, object_, pick_options_, seed, observer_));
       course_.means.means = PlaceMeans::wrist;
       course_.means.reason = "the object was not held";
       if (!course_.picked.held) return;
       course_.place = place(robot_, object_, course_.picked, target_, fixture_, pick_options_,
-                            options, seed_, observer_);
+                            options, seed, observer_);
       course_.means.reason = "one hold: " + outcome_of(*course_.place);
       if (course_.place->turn) {
         course_.means.means = PlaceMeans::fingers;
@@ -93,6 +94,7 @@ class PlaceAttempts {
         options.means = to_string(PlaceMeans::wrist);
       }
       if (!may_be_picked(*course_.place)) return;
+      if (course_.place->put_aside) pick_options_.fallen_at = course_.place->put_aside;
       if (course_.place->status == PlaceStatus::lost) {
         pick_options_.fallen_at = course_.place->lost_at;
       }

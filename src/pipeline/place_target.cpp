@@ -120,10 +120,10 @@ std::size_t other_stance(const geometry::KnownObject& object, std::size_t start,
   return drawn;
 }
 
-PlaceTarget random_spot(std::uint64_t seed) {
+PlaceTarget random_spot(double reach, std::uint64_t seed) {
   RandomStream random(seed, "place");
   const double angle = random.uniform(-std::numbers::pi, std::numbers::pi);
-  const double radius = random.uniform(kNear, kFar);
+  const double radius = random.uniform(kNear, std::clamp(reach, kNear, kFar));
   PlaceTarget target;
   target.xy = radius * Eigen::Vector2d(std::cos(angle), std::sin(angle));
   target.yaw = random.uniform(-std::numbers::pi, std::numbers::pi);
@@ -131,9 +131,9 @@ PlaceTarget random_spot(std::uint64_t seed) {
 }
 
 PlaceTarget target_of(std::string_view text, const geometry::KnownObject& object,
-                      const FixtureOptions& fixture, std::uint64_t seed) {
+                      const FixtureOptions& fixture, double reach, std::uint64_t seed) {
   PlaceTarget target;
-  if (text == "random") return random_spot(seed);
+  if (text == "random") return random_spot(reach, seed);
   if (text == "fixture") {
     make_fixture(object, fixture);  // throws if it does not fit
     target.kind = PlaceTarget::Kind::fixture;
@@ -159,7 +159,7 @@ PlaceTarget target_of(std::string_view text, const geometry::KnownObject& object
 
 PlaceTarget parse_target(std::string_view text, const geometry::KnownObject& object,
                          const FixtureOptions& fixture, double reach, std::uint64_t seed) {
-  const PlaceTarget target = target_of(text, object, fixture, seed);
+  const PlaceTarget target = target_of(text, object, fixture, reach, seed);
   const bool spot = target.kind == PlaceTarget::Kind::spot;
   check_reach(spot ? target.xy : target.T_world_object.translation().head<2>(), reach);
   return target;
@@ -172,7 +172,7 @@ bool same_side_up(const geometry::KnownObject& object, const Eigen::Matrix3d& R_
 }
 
 PlaceTarget stance_target(const geometry::KnownObject& object, std::size_t start_stance, int wanted,
-                          std::uint64_t seed) {
+                          double reach, std::uint64_t seed) {
   const int count = static_cast<int>(object.stances.size());
   if (wanted < -1 || wanted >= count) {
     throw BadInput(
@@ -185,7 +185,8 @@ PlaceTarget stance_target(const geometry::KnownObject& object, std::size_t start
   RandomStream random(seed, "place stance");
   const std::size_t stance =
       wanted >= 0 ? static_cast<std::size_t>(wanted) : other_stance(object, start_stance, random);
-  const PlaceTarget spot = random_spot(seed);
+  const PlaceTarget spot = random_spot(reach, seed);
+  check_reach(spot.xy, reach);
   PlaceTarget target;
   target.kind = PlaceTarget::Kind::pose;
   target.T_world_object = resting_pose(object, stance, spot.xy, spot.yaw);

@@ -8,6 +8,7 @@
 #include <span>
 
 #include "palpate/core/error.hpp"
+#include "palpate/pipeline/place.hpp"
 
 namespace palpate::pipeline {
 namespace {
@@ -36,6 +37,18 @@ std::optional<Mark> mark_of(const recording::Event& event) {
   return static_cast<Mark>(found - kMarkNames.begin());
 }
 
+/// Places of the object's centroid along the transport as it was planned: x y z of each, m.
+std::vector<double> planned_path(const PlaceResult& placed) {
+  constexpr std::size_t kStep = 10;  // samples
+  std::vector<double> path;
+  for (std::size_t i = 0; i < placed.motion.samples.size(); i += kStep) {
+    const Eigen::Vector3d p =
+        placed.motion.samples[i].base.pose() * placed.held.T_base_object.translation();
+    path.insert(path.end(), p.begin(), p.end());
+  }
+  return path;
+}
+
 }  // namespace
 
 void Recorder::frame(const hand::HandReading& reading, const hand::HandCommand& command) {
@@ -61,14 +74,14 @@ void Recorder::estimate(double time, const PoseEstimate& estimate) {
   writer_->estimate(record);
 }
 
-void Recorder::placement(const Eigen::Isometry3d& T_world_target,
-                         const simulation::Fixture& fixture) {
+void Recorder::placement(const PlaceResult& placed, const simulation::Fixture& fixture) {
   if (!writer_) return;
   const auto note = [&](std::string_view what, std::span<const double> values) {
     writer_->event({time_, recording::EventKind::note, phase_,
                     fmt::format("{} {}", what, fmt::join(values, " "))});
   };
-  note("target", pose_to_row_major(T_world_target));
+  note("target", pose_to_row_major(placed.T_world_target));
+  note("path", planned_path(placed));
   for (const auto& box : fixture) {
     const auto pose = pose_to_row_major(box.T_world_box);
     std::vector<double> values(pose.begin(), pose.end());

@@ -10,6 +10,8 @@ namespace {
 constexpr std::array<std::string_view, 5> kStatusNames = {"done", "no_way", "not_held", "lost",
                                                           "out_of_rounds"};
 
+constexpr int kWithoutWay = 2;  // rounds that find no way before it is given up
+
 /// The target as one that may ask for turning the object over: a slot may, too.
 PlaceTarget turned_over(PlaceTarget target) {
   if (target.kind == PlaceTarget::Kind::fixture) target.kind = PlaceTarget::Kind::pose;
@@ -54,6 +56,7 @@ class Transfers {
     PlaceOptions options = place_options_;
     if (!last(round)) {
       target.kind = PlaceTarget::Kind::pose;
+      target.on_the_way = true;
       target.T_world_object = round.plan.transfers.front().T_world_to;
       options.certain = options_.certain_between;
     }
@@ -88,6 +91,7 @@ class Transfers {
  private:
   /// Where the object is to be looked for next: what was put back lies where it was.
   void remember(const PlaceResult& place) {
+    if (place.put_aside) pick_options_.fallen_at = place.put_aside;
     if (was_put_back(place.status)) return;
     pick_options_.fallen_at.reset();
     if (place.status == PlaceStatus::lost) pick_options_.fallen_at = place.lost_at;
@@ -153,11 +157,13 @@ RegraspResult regrasp(Robot& robot, const localization::ObjectModel& object,
                       std::uint64_t seed, const PhaseObserver& observer) {
   Transfers transfers(robot, object, target, fixture, pick_options, options, observer);
   RegraspResult result;
-  for (int i = 0; i < options.regrasp.rounds; ++i) {
+  int without_way = 0;  // rounds on end
+  for (int i = 0; i < options.regrasp.rounds && without_way < kWithoutWay; ++i) {
     result.rounds.push_back(transfers.round(seed + 1000003 * static_cast<std::uint64_t>(i)));
     const RegraspRound& round = result.rounds.back();
     result.status = transfers.end_of(round);
     if (!round.pick.held || !transfers.goes_on(round)) break;
+    without_way = result.status == RegraspStatus::no_way ? without_way + 1 : 0;
   }
   return result;
 }

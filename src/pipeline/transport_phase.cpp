@@ -3,6 +3,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <span>
+
 #include "contact_drift.hpp"
 #include "load.hpp"
 #include "weight_bearing.hpp"
@@ -13,6 +16,16 @@ namespace {
 /// What the base is told for a configuration that it is to reach, by what its drives give way.
 hand::BasePosition told(const hand::BasePosition& wanted, const hand::BasePosition& yielded) {
   return {wanted.xyz + yielded.xyz, wanted.ypr + yielded.ypr};
+}
+
+/// Largest distance of the base from where it was planned to be in each tick, m.
+double lag_of(std::span<const hand::HandReading> readings,
+              const std::vector<hand::HandCommand>& planned) {
+  double most = 0;
+  for (std::size_t i = 0; i < std::min(readings.size(), planned.size()); ++i) {
+    most = std::max(most, (readings[i].base.xyz - planned[i].base.xyz).norm());
+  }
+  return most;
 }
 
 std::string why_no_path(const planning::Plan& motion) {
@@ -69,9 +82,13 @@ PhaseEnd TransportPhase::run(Robot& robot, PickState& state) {
   if (drift > options_.most_slip) {
     return {false, fmt::format("slipped by {:.1f} mm", 1e3 * drift)};
   }
-  return {true, fmt::format(
-                    "planned in {:.0f} ms, moved in {:.1f} s, {:.2f} N hang, wandered by {:.1f} mm",
-                    1e3 * motion_.seconds, motion_.duration(), now, 1e3 * drift)};
+  return {
+      true,
+      fmt::format("planned in {:.0f} ms, moved in {:.1f} s, at most {:.1f} mm behind, {:.2f} N "
+                  "hang, wandered by {:.1f} mm",
+                  1e3 * motion_.seconds, motion_.duration(),
+                  1e3 * lag_of(std::span(robot.log().readings).subspan(start + 1), motion_.samples),
+                  now, 1e3 * drift)};
 }
 
 }  // namespace palpate::pipeline

@@ -3,7 +3,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <exception>
 #include <numbers>
 #include <optional>
 #include <utility>
@@ -14,6 +16,40 @@
 #include "palpate/pipeline/recorder.hpp"
 
 namespace palpate::pipeline {
+namespace {
+
+/// Farthest that any of an object is from its centroid, m.
+double radius_of(const geometry::KnownObject& object) {
+  double radius = 0;
+  for (const auto& vertex : object.mesh.vertices) radius = std::max(radius, vertex.norm());
+  return radius;
+}
+
+/// A trial in which the simulation became unstable: nothing that was felt means anything.
+Trial unstable(const simulation::Start& start) {
+  Trial trial;
+  trial.start = start;
+  trial.result.failed_phase = "simulation";
+  return trial;
+}
+
+/// The object must not stand on the fixture before it is picked.
+void check_clear(const simulation::Fixture& fixture, const geometry::KnownObject& object,
+                 double uncertainty) {
+  const double room = radius_of(object) + std::numbers::sqrt2 * uncertainty;
+  for (const auto& wall : fixture) {
+    const Eigen::Vector3d origin = wall.T_world_box.inverse() * Eigen::Vector3d::Zero();
+    const Eigen::Vector3d beyond = (origin.cwiseAbs() - wall.half_extents).cwiseMax(0);
+    const double apart = beyond.head<2>().norm();
+    if (apart >= room) continue;
+    throw BadInput(fmt::format(
+        "the fixture is where {} may stand at first: a wall {:.3f} m from the origin, {:.3f} m "
+        "are needed",
+        object.name, apart, room));
+  }
+}
+
+}  // namespace
 
 simulation::Start draw_start(const geometry::KnownObject& object, const StartOptions& options,
                              std::uint64_t seed) {
@@ -64,7 +100,7 @@ std::optional<PlaceTarget> place_target(const geometry::KnownObject& object,
   }
   if (options.target.empty()) return std::nullopt;
   if (options.target == "stance") {
-    return stance_target(object, start_stance, options.stance, seed);
+    return stance_target(object, start_stance, options.stance, options.reach, seed);
   }
   return parse_target(options.target, object, options.fixture, options.reach, seed);
 }
@@ -88,6 +124,7 @@ Trial run_trial(const localization::ObjectModel& object, const TrialOptions& opt
   const auto target = place_target(object.object(), options.place, seed,
                                    static_cast<std::size_t>(trial.start.stance));
   const simulation::Fixture fixture = place_fixture(object.object(), options.place, target);
+  check_clear(fixture, object.object(), options.start.uncertainty);
   const PickOptions pick_options = options.pick_options();
   simulation::WorldOptions world_options = options.world;
   world_options.biotacs = world_options.biotacs || options.touch.from_biotacs();
@@ -119,19 +156,21 @@ Trial run_trial(const localization::ObjectModel& object, const TrialOptions& opt
     trial.place_judgement.dropped |= dropped;
     if (observer.on_placed) observer.on_placed(placed);
   };
-  if (!target) {
-    trial.result = pick(robot, object, pick_options, seed, told);
-    return trial;
+  try {
+    if (target) {
+      PlaceCourse course =
+          pick_and_place(robot, object, *target, fixture, pick_options, options.place, seed, told);
+      trial.result = std::move(course.picked);
+      trial.place = std::move(course.place);
+      trial.means = std::move(course.means);
+    } else {
+      trial.result = pick(robot, object, pick_options, seed, told);
+    }
+  } catch (const std::exception&) {
+    if (!world.diverged()) throw;
   }
-  PlaceCourse course =
-      pick_and_place(robot, object, *target, fixture, pick_options, options.place, seed, told);
-  trial.result = std::move(course.picked);
-  trial.place = std::move(course.place);
-  trial.means = std::move(course.means);
-  if (trial.place && trial.place->status == PlaceStatus::under_way) {
-    trial.place_judgement.wrong = false;  // it was not let go at the target
-  }
-  if (trial.place) recorder.placement(trial.place->T_world_target, fixture);
+  if (world.diverged()) return unstable(trial.start);
+  if (trial.place) recorder.placement(*trial.place, fixture);
   return trial;
 }
 

@@ -30,8 +30,16 @@ std::size_t column_index(std::string_view name, std::string_view source) {
   return kBaseColumns + static_cast<std::size_t>(joint - hand::kJointNames.begin());
 }
 
-std::vector<std::size_t> parse_header(std::string_view line, std::string_view source) {
-  const auto names = csv_cells(line);
+constexpr std::string_view kTime = "t_s";  // first column of a planned path, which has no say here
+
+std::vector<std::string_view> cells_without_time(std::string_view line, bool timed) {
+  auto cells = csv_cells(line);
+  if (timed && !cells.empty()) cells.erase(cells.begin());
+  return cells;
+}
+
+std::vector<std::size_t> parse_header(std::string_view line, bool timed, std::string_view source) {
+  const auto names = cells_without_time(line, timed);
   constexpr std::size_t kNarrow = hand::kJoints, kWide = kBaseColumns + hand::kJoints;
   if (names.size() != kNarrow && names.size() != kWide) {
     throw BadInput(
@@ -63,9 +71,9 @@ double parse_number(std::string_view cell, std::string_view where, std::size_t c
       column < kBaseColumns ? kBaseNames[column] : hand::kJointNames[column - kBaseColumns]));
 }
 
-Waypoint parse_row(std::string_view line, const std::vector<std::size_t>& columns,
+Waypoint parse_row(std::string_view line, bool timed, const std::vector<std::size_t>& columns,
                    const std::string& where, Waypoint waypoint) {
-  const auto cells = csv_cells(line);
+  const auto cells = cells_without_time(line, timed);
   if (cells.size() != columns.size()) {
     throw BadInput(
         fmt::format("{}: {} values for {} columns", where, cells.size(), columns.size()));
@@ -94,6 +102,7 @@ WaypointsFile parse_waypoints(std::string_view text, std::string_view source,
                               const hand::BasePosition& base) {
   if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
   std::vector<std::size_t> columns;
+  bool timed = false;
   WaypointsFile file;
   for (std::size_t number = 1; !text.empty(); ++number) {
     const auto end = std::min(text.find('\n'), text.size());
@@ -101,10 +110,11 @@ WaypointsFile parse_waypoints(std::string_view text, std::string_view source,
     text.remove_prefix(std::min(end + 1, text.size()));
     if (line.empty()) continue;
     if (columns.empty()) {
-      columns = parse_header(line, source);
+      timed = csv_cells(line).front() == kTime;
+      columns = parse_header(line, timed, source);
     } else {
       file.waypoints.push_back(
-          parse_row(line, columns, fmt::format("{}:{}", source, number), {.base = base}));
+          parse_row(line, timed, columns, fmt::format("{}:{}", source, number), {.base = base}));
     }
   }
   if (file.waypoints.size() < 2) {

@@ -36,28 +36,39 @@ json phases_to_json(const Recording& recording) {
   return phases;
 }
 
-constexpr std::string_view kTarget = "target ", kFixture = "fixture ";
+constexpr std::string_view kTarget = "target ", kFixture = "fixture ", kPath = "path ";
 constexpr std::string_view kLetGo = "mark placed";
 constexpr std::size_t kPoseNumbers = 16, kBoxNumbers = kPoseNumbers + 3;
 
-/// The numbers that follow a word in a note; none unless there are as many as there should be.
-std::vector<double> numbers_after(std::string_view word, const std::string& text,
-                                  std::size_t count) {
+/// The numbers that follow a word in a note.
+std::vector<double> numbers_after(std::string_view word, const std::string& text) {
   if (!text.starts_with(word)) return {};
   std::istringstream in(text.substr(word.size()));
   std::vector<double> values;
   for (double value; in >> value;) values.push_back(value);
+  return values;
+}
+
+/// The same; none unless there are as many as there should be.
+std::vector<double> numbers_after(std::string_view word, const std::string& text,
+                                  std::size_t count) {
+  const auto values = numbers_after(word, text);
   return values.size() == count ? values : std::vector<double>{};
 }
 
-/// Where the object was to be put, the boxes of the fixture (pose, then half extents), and when the
-/// hand let go there, as the notes tell.
+/// Where the object was to be put, the way planned there (x y z of its centroid), the boxes of the
+/// fixture (pose, then half extents), and when the hand let go there, as the notes tell.
 json placement_to_json(const std::vector<Event>& events) {
-  json placement = {{"target", nullptr}, {"fixture", json::array()}, {"let_go", json::array()}};
+  json placement = {{"target", nullptr},
+                    {"path", json::array()},
+                    {"fixture", json::array()},
+                    {"let_go", json::array()}};
   for (const Event& event : events) {
     if (event.kind != EventKind::note) continue;
     const auto target = numbers_after(kTarget, event.text, kPoseNumbers);
     if (!target.empty()) placement["target"] = target;
+    const auto path = numbers_after(kPath, event.text);
+    if (path.size() % 3 == 0 && !path.empty()) placement["path"] = path;
     const auto box = numbers_after(kFixture, event.text, kBoxNumbers);
     if (!box.empty()) placement["fixture"].push_back(box);
     if (event.text == kLetGo) placement["let_go"].push_back(event.time);

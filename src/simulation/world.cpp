@@ -55,7 +55,8 @@ struct World::Impl {
         scene(compose_scene(known, surface, options, fixture)),
         data(make_data(*scene.model)),
         believed(believed_hand(options.noise, random)),
-        hand(scene, *data, options, random.fork("readers")) {
+        hand(scene, *data, options, random.fork("readers")),
+        false_truth(options.false_truth) {
     if (options.biotacs) hand.wear(SimulatedBiotacs(mesh, believed, random.fork("biotacs")));
   }
 
@@ -68,6 +69,7 @@ struct World::Impl {
   DataHandle data;
   hand::HandModel believed;
   SimulatedHand hand;
+  bool false_truth;
 };
 
 void World::Impl::place_object(const Start& start) {
@@ -110,6 +112,11 @@ Truth World::truth() const {
   truth.T_world_object = pose3(position, position + 3);
   for (std::size_t i = 0; i < scene.joint_positions.size(); ++i) {
     truth.joints[static_cast<int>(i)] = data.qpos[scene.joint_positions[i]];
+  }
+  if (impl_->false_truth) {
+    truth.T_world_object.prerotate(Eigen::AngleAxisd(1, Eigen::Vector3d(1, 2, 2) / 3));
+    truth.T_world_object.pretranslate(Eigen::Vector3d(0.1, -0.2, 0.3));
+    truth.joints.array() += 0.3;
   }
   truth.lowest_point = lowest_point(impl_->object.mesh, truth.T_world_object);
   return truth;

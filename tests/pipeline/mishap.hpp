@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "palpate/pipeline/trial.hpp"
+#include "quick_options.hpp"
 
 namespace palpate::pipeline {
 
@@ -29,17 +29,7 @@ class SlipperyHand : public hand::Hand {
 struct Mishap {
   static constexpr std::uint64_t kSeed = 7;
 
-  Mishap() {
-    options.pick.calibrate.touches = 0;
-    options.pick.explore.touches = options.pick.explore.most_touches = 4;
-    options.pick.lift.hold = 0.5;
-    options.pick.locate.search.proposals = 20000;
-    options.pick.locate.search.particles = 400;
-    options.start.stance = 0;
-    options.place.target = "0.15,0.1,0.5";
-    options.place.certain = options.place.regrasp.certain_between = 0.3;
-    world.reset(draw_start(box.object(), options.start, kSeed), waiting_command());
-  }
+  Mishap() { world.reset(draw_start(box.object(), options.start, kSeed), waiting_command()); }
   PlaceTarget target() const { return *place_target(box.object(), options.place, kSeed, 0); }
   /// Of the object from where it was to be put, m.
   double off(const PlaceResult& place) const {
@@ -47,7 +37,7 @@ struct Mishap {
   }
 
   localization::ObjectModel box{geometry::load_known_object("box")};
-  TrialOptions options;
+  TrialOptions options = quick_place_options();
   simulation::World world{box.object(), {}, kSeed};
   SlipperyHand hand{world.hand()};
   Robot robot{hand, world.hand_model(), waiting_command()};

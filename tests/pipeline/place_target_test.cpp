@@ -60,7 +60,7 @@ TEST(PlaceTarget, AnotherStanceIsNeverTheOneItStartsIn) {
     std::set<std::size_t> drawn;
     for (std::uint64_t seed = 0; seed < 40; ++seed) {
       const std::size_t start = seed % object.stances.size();
-      const PlaceTarget target = stance_target(object, start, -1, seed);
+      const PlaceTarget target = stance_target(object, start, -1, kReach, seed);
       EXPECT_EQ(target.kind, PlaceTarget::Kind::pose);
       const Eigen::Matrix3d& from = object.stances[start].R_table_object;
       EXPECT_FALSE(same_side_up(object, target.T_world_object.linear(), from, 0.05)) << name;
@@ -70,16 +70,27 @@ TEST(PlaceTarget, AnotherStanceIsNeverTheOneItStartsIn) {
       const double radius = target.T_world_object.translation().head<2>().norm();
       EXPECT_GE(radius, 0.1 - 1e-9);
       EXPECT_LE(radius, 0.25 + 1e-9);
-      EXPECT_TRUE(
-          stance_target(object, start, -1, seed).T_world_object.isApprox(target.T_world_object));
+      EXPECT_TRUE(stance_target(object, start, -1, kReach, seed)
+                      .T_world_object.isApprox(target.T_world_object));
     }
     EXPECT_GT(drawn.size(), 1u) << name;
   }
-  const PlaceTarget wanted = stance_target(known("mug"), 0, 1, 5);
+  const PlaceTarget wanted = stance_target(known("mug"), 0, 1, kReach, 5);
   EXPECT_EQ(nearest_stance(known("mug"), wanted.T_world_object.linear()).stance, 1u);
-  EXPECT_THROW((void)stance_target(known("mug"), 0, 999, 5), BadInput);
-  EXPECT_THROW((void)stance_target(known("mug"), 0, -2, 5), BadInput);
-  EXPECT_THROW((void)stance_target(known("mug"), 999, -1, 5), BadInput);
+  EXPECT_THROW((void)stance_target(known("mug"), 0, 999, kReach, 5), BadInput);
+  EXPECT_THROW((void)stance_target(known("mug"), 0, -2, kReach, 5), BadInput);
+  EXPECT_THROW((void)stance_target(known("mug"), 999, -1, kReach, 5), BadInput);
+}
+
+TEST(PlaceTarget, WhatIsDrawnIsWithinReach) {
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    const auto spot = parse_target("random", known("box"), {}, 0.15, seed);
+    EXPECT_LE(spot.xy.norm(), 0.15);
+    const auto pose = stance_target(known("box"), 0, -1, 0.15, seed);
+    EXPECT_LE(pose.T_world_object.translation().head<2>().norm(), 0.15);
+  }
+  EXPECT_THROW((void)parse_target("random", known("box"), {}, 0.05, 1), BadInput);
+  EXPECT_THROW((void)stance_target(known("box"), 0, -1, 0.05, 1), BadInput);
 }
 
 TEST(PlaceTarget, AStanceIsOfTheTargetStanceAlone) {
@@ -101,7 +112,7 @@ TEST(PlaceTarget, AStanceIsOfTheTargetStanceAlone) {
 TEST(PlaceTarget, WhereAllSidesAreAlikeThereIsNoOtherStance) {
   geometry::KnownObject die = known("box");
   die.stances.resize(1);
-  EXPECT_THROW((void)stance_target(die, 0, -1, 5), BadInput);
+  EXPECT_THROW((void)stance_target(die, 0, -1, kReach, 5), BadInput);
 }
 
 TEST(PlaceTarget, IsASpotAPoseOrTheFixture) {

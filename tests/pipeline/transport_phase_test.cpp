@@ -33,8 +33,8 @@ struct Carrying {
     command.base.xyz.z() = 0.6;
     return command;
   }
-  PhaseReport run() {
-    TransportPhase phase({}, scene, goal, 1);
+  PhaseReport run(const TransportOptions& options = {}) {
+    TransportPhase phase(options, scene, goal, 1);
     PickState state;
     const auto report = run_phase(phase, robot, state);
     lost = phase.lost();
@@ -55,6 +55,7 @@ TEST(TransportPhase, EndsOverTheGoalWithinItsLimits) {
   Carrying carrying({});
   const auto report = carrying.run();
   EXPECT_EQ(report.status, PhaseStatus::ok) << report.outcome;
+  EXPECT_NE(report.outcome.find("at most 0.0 mm behind"), std::string::npos) << report.outcome;
   EXPECT_LT((carrying.robot.command().base.xyz - carrying.goal.above.xyz).norm(), 1e-9);
   EXPECT_LT((carrying.robot.command().base.ypr - carrying.goal.above.ypr).norm(), 1e-9);
   const auto& readings = carrying.robot.log().readings;
@@ -64,6 +65,21 @@ TEST(TransportPhase, EndsOverTheGoalWithinItsLimits) {
     EXPECT_LE(step.cwiseAbs().maxCoeff(),
               options.plan.limits.base_speed * ::palpate::hand::kTick + 1e-9);
     EXPECT_EQ(readings[i].joints, readings[0].joints);  // the fingers keep still
+  }
+}
+
+TEST(TransportPhase, TheFingersBearTheWeightAsTheHandTurns) {
+  for (const bool bears : {true, false}) {
+    Carrying carrying({});
+    carrying.goal.seat.ypr.y() = carrying.goal.above.ypr.y() = 0.6;
+    const hand::ActuatorVector before = carrying.robot.command().positions;
+    TransportOptions options;
+    options.bear_weight = bears;
+    const auto report = carrying.run(options);
+    EXPECT_EQ(report.status, PhaseStatus::ok) << report.outcome;
+    const double change = (carrying.robot.command().positions - before).norm();
+    EXPECT_EQ(change > 1e-3, bears) << change;
+    EXPECT_EQ(change > 0, bears) << change;
   }
 }
 

@@ -47,6 +47,16 @@ TEST(Waypoints, BaseIsReadOrGiven) {
   EXPECT_EQ(narrow.waypoints[1].base.xyz.z(), 0.4);
 }
 
+TEST(Waypoints, TheTimesOfAPlannedPathAreLeftOut) {
+  const std::string text = "t_s," + header() + "\n0.00," + row(1) + "\n0.01," + row(2);
+  const auto file = parse_waypoints(text, "path.csv", {});
+  ASSERT_EQ(file.waypoints.size(), 2U);
+  EXPECT_EQ(file.waypoints[0].joints[0], 1);
+  EXPECT_EQ(file.waypoints[1].joints[0], 2);
+  const std::string untimed = "t_s," + header() + "\n" + row(1) + "\n" + row(2);
+  EXPECT_THROW((void)parse_waypoints(untimed, "path.csv", {}), BadInput);
+}
+
 TEST(Waypoints, BadFilesAreNamed) {
   const auto message = [](const std::string& text) {
     return error_message([&] { (void)parse_waypoints(text, "q.csv", {}); });

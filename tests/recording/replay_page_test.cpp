@@ -76,13 +76,15 @@ TEST(ReplayPageTest, ShowsWhereTheObjectWasToBePut) {
   Recording recording = toy_recording(10);
   EXPECT_TRUE(data_of(page_of(recording))["placement"]["target"].is_null());
   const std::string pose = "1 0 0 0.2 0 1 0 0.1 0 0 1 0.05 0 0 0 1";
-  for (const std::string& text : {"target " + pose, "fixture " + pose + " 0.1 0.002 0.003",
+  for (const std::string& text : {"target " + pose, std::string("path 0 0 0.3 0.1 0 0.4"),
+                                  "fixture " + pose + " 0.1 0.002 0.003",
                                   std::string("fixture 1 2"), std::string("mark placed")}) {
     recording.events.push_back({0.05, EventKind::note, "place", text});
   }
   const auto placement = data_of(page_of(recording))["placement"];
   ASSERT_EQ(placement["target"].size(), 16u);
   EXPECT_EQ(placement["target"][3], 0.2);
+  EXPECT_EQ(placement["path"], nlohmann::json::array({0.0, 0.0, 0.3, 0.1, 0.0, 0.4}));
   ASSERT_EQ(placement["fixture"].size(), 1u);  // a note that is not a box is left out
   EXPECT_EQ(placement["fixture"][0].back(), 0.003);
   EXPECT_EQ(placement["let_go"], nlohmann::json::array({0.05}));

@@ -42,6 +42,7 @@ struct PlaceTarget {
   Eigen::Isometry3d T_world_object = Eigen::Isometry3d::Identity();  ///< of pose and fixture
   Eigen::Vector2d xy = Eigen::Vector2d::Zero();                      ///< of a spot, m
   double yaw = 0;                                                    ///< of a spot, rad
+  bool on_the_way = false;  ///< to the target proper: the object will be picked up again there
 };
 
 /// A target from "fixture", "random" (a spot 10 to 25 cm from the origin, drawn by the seed),
@@ -56,9 +57,11 @@ PlaceTarget parse_target(std::string_view text, const geometry::KnownObject& obj
 /// probability, at a random spot as above. Who sets the task knows how the object starts; the robot
 /// is told the pose alone.
 /// @param wanted  the stance of the target; -1: drawn
-/// @throws BadInput for a stance that the object does not have, or where all are equal by symmetry
+/// @param reach  m, how far from the origin the spot may be
+/// @throws BadInput for a stance that the object does not have, where all are equal by symmetry, or
+///         for a reach that is too small
 PlaceTarget stance_target(const geometry::KnownObject& object, std::size_t start_stance, int wanted,
-                          std::uint64_t seed);
+                          double reach, std::uint64_t seed);
 
 /// Whether two stances, or a pose and a stance, are the same by the object's symmetry: the same
 /// side is up, to `most` rad.

@@ -17,8 +17,8 @@ class Recorder {
   void mark(Mark mark);
   void estimate(double time, const PoseEstimate& estimate);
 
-  /// Notes where the object is to come and the fixture, for the page.
-  void placement(const Eigen::Isometry3d& T_world_target, const simulation::Fixture& fixture);
+  /// Notes where the object was to come, the way planned there, and the fixture, for the page.
+  void placement(const PlaceResult& placed, const simulation::Fixture& fixture);
 
   /// Observer that records the phases and tells another one.
   PhaseObserver phases_and(const PhaseObserver& other);

@@ -31,12 +31,12 @@ struct WaypointsFile {
 };
 
 /// Waypoints from a CSV: a header with the names of all 24 joints, in any order, and either all or
-/// none of kBaseNames; one row a waypoint. Values need only be finite.
+/// none of kBaseNames; one row a waypoint. Values need only be finite. A first column t_s, as
+/// planned paths have it, is left out.
 /// @param source  named in errors, as in "waypoints.csv:3: ..."
 /// @param base  where there is none in the file
 /// @throws BadInput for a header of the wrong width or names, a row of the wrong width, a value
-/// that
-///         is no finite number, fewer than two rows
+///         that is no finite number, fewer than two rows
 WaypointsFile parse_waypoints(std::string_view text, std::string_view source,
                               const hand::BasePosition& base);
 

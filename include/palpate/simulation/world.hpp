@@ -40,6 +40,7 @@ struct WorldOptions {
   double stiffness_scale = 4.0;  ///< of the fingers' position controllers
   bool exact_tips = true;        ///< fingertips meet the true surface, else the convex parts
   bool biotacs = false;          ///< readings hold the channels of BioTacs on the fingertips
+  bool false_truth = false;      ///< World::truth() is wrong: whoever acts on it shows
   hand::IntegralOptions integral;
   SensorNoise noise;
 
@@ -51,6 +52,7 @@ struct WorldOptions {
     v("stiffness_scale", stiffness_scale, 0.1, 20.0, "of the fingers' position controllers");
     v("exact_tips", exact_tips, "fingertips meet the true surface, else its convex parts");
     v("biotacs", biotacs, "simulate the channels of BioTacs on the fingertips");
+    v("false_truth", false_truth, "the truth that is told is wrong: whoever acts on it shows");
     v.section("integral", integral);
     v.section("noise", noise);
   }
