@@ -311,8 +311,9 @@ void Placement::put_back() {
     goal.seat.ypr = here.ypr;
   }
   const bool down = set_down(goal, 0, lower, "put-back");
-  if (down && !there)
+  if (down && !there) {
     result_.put_aside = (goal.seat.pose() * goal.T_base_object).translation().head<2>();
+  }
   if (down) result_.status = reason;
   if (result_.status == PlaceStatus::refused && !down) result_.status = PlaceStatus::stuck;
 }

@@ -5,7 +5,7 @@
 
 #include "palpate/core/random.hpp"
 #include "palpate/pipeline/place.hpp"
-#include "palpate/pipeline/trial.hpp"
+#include "quick_options.hpp"
 
 namespace palpate::pipeline {
 namespace {
@@ -70,13 +70,7 @@ struct HeldBox {
   static constexpr std::uint64_t kSeed = 7;
 
   HeldBox() : object(geometry::load_known_object("box")), world(object.object(), {}, kSeed) {
-    options.pick.explore.touches = options.pick.explore.most_touches = 4;
-    options.pick.lift.hold = 0.5;
-    options.pick.locate.search.proposals = 20000;
-    options.pick.locate.search.particles = 400;
-    options.start.stance = 0;
-    options.place.target = "0.15,0.1,0.5";
-    options.place.certain = 0.3;
+    options.pick.calibrate = {};
     options.place.means = "fingers";
     options.place.fingers.reorient.sampling.samples = 4;
     world.reset(draw_start(object.object(), options.start, kSeed), waiting_command());
@@ -88,7 +82,7 @@ struct HeldBox {
     return place(*robot, object, picked, *target, {}, options.pick, options.place, kSeed);
   }
 
-  TrialOptions options;
+  TrialOptions options = quick_place_options();
   localization::ObjectModel object;
   simulation::World world;
   std::optional<Robot> robot;

@@ -45,8 +45,8 @@ struct PlaceTarget {
   bool on_the_way = false;  ///< to the target proper: the object will be picked up again there
 };
 
-/// A target from "fixture", "random" (a spot 10 to 25 cm from the origin, drawn by the seed),
-/// "x,y,yaw" (m, rad) or the 16 numbers of a pose, row-major.
+/// A target from "fixture", "random" (a spot 10 to 25 cm from the origin and within reach, drawn by
+/// the seed), "x,y,yaw" (m, rad) or the 16 numbers of a pose, row-major.
 /// @param reach  m, how far from the origin a target may be
 /// @throws BadInput for other text; for a target beyond the reach, inside the table, in the air, in
 ///         which the object does not rest, or for a fixture that is too small
