@@ -28,11 +28,12 @@ constexpr double kContactTime = 0.007;  // s
 constexpr std::array<double, 5> kObjectImpedance = {0.9, 0.95, 0.001, 0.5, 2};
 
 // Who meets whom: type of one and affinity of the other must share a bit. Fingertips meet the
-// object's true surface, all else its convex parts.
+// object's true surface, the table its convex hull, all else its convex parts.
 struct ContactBits {
   int type, affinity;
 };
 constexpr ContactBits kSolidBits = {1, 7};
+constexpr ContactBits kTableBits = {1, 13};
 constexpr ContactBits kPartBits = {2, 2};
 constexpr ContactBits kTipBits = {4, 12};
 constexpr ContactBits kSurfaceBits = {8, 0};
@@ -95,7 +96,8 @@ void set_solver(mjSpec& spec, const WorldOptions& options) {
   spec.option.disableflags |= mjDSBL_AUTORESET;  // a diverged world must stay visible
 }
 
-void add_table(mjSpec& spec, double friction) {
+/// @param exact  it meets the hull of the object's true surface: a plane touches nothing else of it
+void add_table(mjSpec& spec, double friction, bool exact) {
   mjsGeom* table = mjs_addGeom(mjs_findBody(&spec, "world"), nullptr);
   mjs_setName(table->element, "table");
   table->type = mjGEOM_PLANE;
@@ -103,7 +105,7 @@ void add_table(mjSpec& spec, double friction) {
   Eigen::Vector3d::Map(table->friction) << friction, 0.005, 0.0001;
   table->condim = 3;
   table->priority = 1;
-  set_bits(*table, kSolidBits);
+  set_bits(*table, exact ? kTableBits : kSolidBits);
 }
 
 void add_fixture(mjSpec& spec, const Fixture& fixture, double friction) {
@@ -251,7 +253,7 @@ Scene compose_scene(const geometry::KnownObject& object, const geometry::Capsule
   const SpecHandle spec = parse_shadow_hand(asset("shadow_hand/right_hand.xml"));
   prepare_hand(*spec, options);
   set_solver(*spec, options);
-  add_table(*spec, options.table_friction);
+  add_table(*spec, options.table_friction, options.exact_tips);
   add_fixture(*spec, fixture, options.table_friction);
   add_base(*spec);
   add_object(*spec, object, options);

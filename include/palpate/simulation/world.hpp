@@ -38,7 +38,7 @@ struct WorldOptions {
   double hand_friction = 0.8;    ///< sliding, hand against object
   double table_friction = 0.5;   ///< sliding, object against table
   double stiffness_scale = 4.0;  ///< of the fingers' position controllers
-  bool exact_tips = true;        ///< fingertips meet the true surface, else the convex parts
+  bool exact_tips = true;        ///< tips meet the true surface, the table its hull; else the parts
   bool biotacs = false;          ///< readings hold the channels of BioTacs on the fingertips
   bool false_truth = false;      ///< World::truth() is wrong: whoever acts on it shows
   hand::IntegralOptions integral;
@@ -50,7 +50,8 @@ struct WorldOptions {
     v("hand_friction", hand_friction, 0.0, 5.0, "sliding, hand against object");
     v("table_friction", table_friction, 0.0, 5.0, "sliding, object against table");
     v("stiffness_scale", stiffness_scale, 0.1, 20.0, "of the fingers' position controllers");
-    v("exact_tips", exact_tips, "fingertips meet the true surface, else its convex parts");
+    v("exact_tips", exact_tips,
+      "fingertips meet the true surface, the table its hull; else convex parts");
     v("biotacs", biotacs, "simulate the channels of BioTacs on the fingertips");
     v("false_truth", false_truth, "the truth that is told is wrong: whoever acts on it shows");
     v.section("integral", integral);
