@@ -1,16 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
-#include <unistd.h>
 
-#include <chrono>
 #include <cstdio>
 
 #include "common.hpp"
 #include "palpate/core/file.hpp"
-#include "palpate/core/progress.hpp"
 #include "palpate/core/statistics.hpp"
 #include "palpate/pipeline/evaluation.hpp"
 #include "place_report.hpp"
+#include "progress_bar.hpp"
 #include "trials_file.hpp"
 
 namespace palpate::app {
@@ -157,27 +155,6 @@ void print_places(const std::vector<std::string>& names,
   fmt::print("{}\n* of the certain\n\n{}", place_row("all", places, trials), phases_table(phases));
 }
 
-class ProgressBar {
- public:
-  ProgressBar(std::string label, std::size_t total, bool shown)
-      : label_(std::move(label)), total_(total), shown_(shown) {}
-  ~ProgressBar() {
-    if (shown_) fmt::print(stderr, "\r\033[K");
-  }
-  void show(std::size_t done) const {
-    if (!shown_) return;
-    const double elapsed =
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-    fmt::print(stderr, "\r{} {}\033[K", label_, progress_bar(done, total_, elapsed));
-  }
-
- private:
-  std::string label_;
-  std::size_t total_;
-  bool shown_;
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
-
 int eval(const EvalArguments& arguments) {
   auto options = resolve<pipeline::TrialOptions>(arguments.common);
   if (!arguments.place.empty()) options.place.target = place_text(arguments.place);
@@ -211,8 +188,7 @@ int eval(const EvalArguments& arguments) {
   std::vector<ObjectSummary> summaries;
   for (std::size_t i = 0; i < objects.size(); ++i) {
     const localization::ObjectModel model(objects[i]);
-    const ProgressBar bar(arguments.objects[i], arguments.trials,
-                          !arguments.common.quiet && isatty(STDERR_FILENO));
+    const ProgressBar bar(arguments.objects[i], arguments.trials, arguments.common.quiet);
     bar.show(0);
     summaries.push_back(pipeline::evaluate(
         model, options, arguments.common.seed, arguments.trials, arguments.common.threads,

@@ -3,13 +3,18 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
+#include <optional>
 
 #include "common.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
+#include "palpate/core/statistics.hpp"
 #include "palpate/learning/episode_recording.hpp"
+#include "palpate/pipeline/relocation.hpp"
 #include "palpate/recording/writer.hpp"
+#include "progress_bar.hpp"
 #include "relocate_arguments.hpp"
 
 namespace palpate::app {
@@ -21,27 +26,93 @@ struct RolloutArguments {
   CommonOptions common;
   std::string policy;
   std::size_t episodes = 100, record = 0;
+  bool touch = false;
 };
 
+struct RolloutOptions : RelocateOptions {
+  pipeline::RelocationOptions touch;
+
+  template <class Visitor>
+  void visit(Visitor&& v) {
+    RelocateOptions::visit(v);
+    v.section("touch", touch);
+  }
+};
+
+/// The episodes, and what touch knew in them, if the policy was told that.
+struct Rollout {
+  std::vector<learning::Episode> episodes;
+  std::vector<pipeline::FeltEpisode> felt;
+};
+
+/// Runs episodes: told the truth, or by touch.
+class Runner {
+ public:
+  Runner(const RolloutArguments& arguments, const RolloutOptions& options)
+      : arguments_(arguments), options_(options) {
+    if (arguments.touch) {
+      relocation_.emplace(options.task, options.touch);
+    } else {
+      model_.emplace(learning::make_model(options.task));
+    }
+  }
+
+  [[nodiscard]] Rollout run(const learning::Policy& policy) const {
+    const auto& common = arguments_.common;
+    Rollout result;
+    if (model_) {
+      result.episodes = learning::rollout(*model_, policy, options_.episode, common.seed,
+                                          arguments_.episodes, common.threads);
+      return result;
+    }
+    const ProgressBar bar("relocate", arguments_.episodes, common.quiet);
+    bar.show(0);
+    result.felt = relocation_->run_all(policy, options_.episode, common.seed, arguments_.episodes,
+                                       common.threads,
+                                       [&bar](std::size_t done, std::size_t) { bar.show(done); });
+    for (const auto& felt : result.felt) result.episodes.push_back(felt.episode);
+    return result;
+  }
+
+ private:
+  const RolloutArguments& arguments_;
+  const RolloutOptions& options_;
+  std::optional<simulation::RelocateModel> model_;
+  std::optional<pipeline::Relocation> relocation_;
+};
+
+double median_of(const std::vector<pipeline::FeltEpisode>& felt,
+                 double pipeline::FeltEpisode::*value) {
+  std::vector<double> values;
+  for (const auto& episode : felt) values.push_back(episode.*value);
+  return median(values);
+}
+
+std::string config_text(const RolloutArguments& arguments, const RolloutOptions& options) {
+  const RelocateOptions& told_the_truth = options;
+  return config_header(arguments.common) +
+         (arguments.touch ? to_toml(options) : to_toml(told_the_truth));
+}
+
 /// Runs the first episodes again and keeps what they look like.
-void write_recordings(const RolloutArguments& arguments, const RelocateOptions& options,
+void write_recordings(const RolloutArguments& arguments, const RolloutOptions& options,
                       const learning::Policy& policy) {
   const auto& common = arguments.common;
   for (std::size_t i = 0; i < std::min(arguments.record, arguments.episodes); ++i) {
     auto recording =
         learning::record_episode(options.task, policy, options.episode, common.seed, i);
-    recording.header.config_toml = config_header(common) + to_toml(options);
+    recording.header.config_toml = config_text(arguments, options);
     recording::write_recording(std::filesystem::path(common.out) / fmt::format("episode-{}.h5", i),
                                recording);
   }
 }
 
-void write_results(const RolloutArguments& arguments, const RelocateOptions& options,
+void write_results(const RolloutArguments& arguments, const RolloutOptions& options,
                    const std::vector<learning::Episode>& episodes, const json& report) {
   const std::filesystem::path folder = arguments.common.out;
   write_file_atomically(folder / "episodes.csv", episodes_csv(episodes));
   write_file_atomically(folder / "rollout.json", report.dump(2) + "\n");
-  write_file_atomically(folder / "config.toml", config_header(arguments.common) + to_toml(options));
+  write_file_atomically(folder / "config.toml", config_text(arguments, options));
 }
 
 void print_table(const learning::RolloutSummary& s, double steps_per_second) {
@@ -56,19 +127,45 @@ void print_table(const learning::RolloutSummary& s, double steps_per_second) {
              steps_per_second);
 }
 
+json touch_json(const std::vector<pipeline::FeltEpisode>& felt) {
+  using pipeline::FeltEpisode;
+  double estimates = 0, seconds = 0;
+  for (const auto& episode : felt) {
+    estimates += episode.estimates;
+    seconds += episode.estimates * episode.estimate_seconds;
+  }
+  return {{"explored", std::ranges::count_if(felt, &FeltEpisode::explored)},
+          {"resting_error_mm", 1e3 * median_of(felt, &FeltEpisode::resting_error)},
+          {"told_error_mm", 1e3 * median_of(felt, &FeltEpisode::told_error)},
+          {"estimates", estimates / static_cast<double>(felt.size())},
+          {"estimate_seconds", estimates > 0 ? json(seconds / estimates) : json(nullptr)}};
+}
+
+void print_touch(const std::vector<pipeline::FeltEpisode>& felt) {
+  const json touch = touch_json(felt);
+  fmt::print(
+      "by touch    {} explored; the place told was {:.1f} mm off at first (in x and y), {:.1f} mm "
+      "at the end (medians); {:.1f} estimates in the grasp\n",
+      touch["explored"].get<int>(), touch["resting_error_mm"].get<double>(),
+      touch["told_error_mm"].get<double>(), touch["estimates"].get<double>());
+}
+
 int rollout(const RolloutArguments& arguments) {
   const auto& common = arguments.common;
   if (arguments.record > 0 && common.out.empty()) {
     throw BadInput("--record needs --out DIR: where the recordings are to go");
   }
-  const auto options = resolve<RelocateOptions>(common);
+  if (arguments.record > 0 && arguments.touch) {
+    throw BadInput(
+        "--record keeps episodes in which the policy is told the truth: not with --touch");
+  }
+  const auto options = resolve<RolloutOptions>(common);
   const auto policy = find_policy(arguments.policy);
-  const auto model = learning::make_model(options.task);
+  const Runner runner(arguments, options);  // what cannot be run is said before a folder is made
   if (!common.out.empty()) make_writable_folder(common.out);
 
   const auto start = std::chrono::steady_clock::now();
-  const auto episodes = learning::rollout(model, *policy, options.episode, common.seed,
-                                          arguments.episodes, common.threads);
+  const auto [episodes, felt] = runner.run(*policy);
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   double steps = 0;
@@ -77,12 +174,14 @@ int rollout(const RolloutArguments& arguments) {
   const auto summary = learning::summarize(episodes);
   json report = summary_json(summary);
   report["steps_per_second"] = steps / seconds;
+  if (arguments.touch) report["touch"] = touch_json(felt);
   if (!common.out.empty()) write_results(arguments, options, episodes, report);
   write_recordings(arguments, options, *policy);
   if (common.json) {
     fmt::print("{}\n", report.dump(2));
   } else {
     print_table(summary, steps / seconds);
+    if (arguments.touch) print_touch(felt);
   }
   return kDone;
 }
@@ -105,9 +204,13 @@ void add_rollout(CLI::App& program, Command& chosen) {
                   "of the first episodes to keep as DIR/episode-N.h5, for view and render")
       ->check(CLI::Range(0, 1000))
       ->capture_default_str();
+  command.add_flag("--touch", arguments->touch,
+                   "tell the policy where touch has the object, not where it is");
   add_common_options(command, arguments->common);
   command.footer(
       "The hand brings a mug from the table to a target in the air within 99 steps of 10 ms.\n"
+      "With --touch a finger explores the resting object first, and the fingertips feel it in the\n"
+      "grasp (options touch.*); that takes some ten seconds an episode.\n"
       "With --out every episode goes to DIR/episodes.csv, which palpate compare reads. A "
       "recording\n"
       "shows the hand as the Shadow hand, which the task's Adroit hand is a model of.\n\n"
@@ -115,6 +218,7 @@ void add_rollout(CLI::App& program, Command& chosen) {
       "  palpate rollout --episodes 20 --threads 2\n"
       "  palpate rollout relocate-best --set episode.scale_high=1 --json\n"
       "  palpate rollout --episodes 3 --record 3 --out out/rollout\n"
+      "  palpate rollout relocate-near --touch --episodes 10\n"
       "  palpate rollout --set task.object=box --set task.friction_scale=0.7");
   command.callback([arguments, &chosen] { chosen = [arguments] { return rollout(*arguments); }; });
 }

@@ -23,12 +23,12 @@ constexpr double kSmallest = 0.010, kLargest = 0.400;  // m, of the longest side
 constexpr double kDensity = 300;                       // kg/m^3, of a file's mesh
 constexpr double kLightest = 0.05, kHeaviest = 0.6;    // kg, of a file's mesh
 
-struct Source {
+struct BuiltIn {
   TriangleMesh mesh;
-  double mass = 0;  ///< kg; 0: from the volume
+  double mass = 0;  ///< kg
 };
 
-Source built_in(const std::string& name) {
+BuiltIn built_in(const std::string& name) {
   if (name == "mug") return {mug_mesh(), 0.12};
   if (name == "bottle") return {bottle_mesh(), 0.40};
   if (name == "box") return {box_mesh({0.050, 0.094, 0.175}), 0.40};
@@ -77,26 +77,32 @@ const std::vector<std::string>& built_in_objects() {
   return names;
 }
 
-KnownObject load_known_object(const std::string& name_or_file) {
-  const bool is_built_in = std::ranges::count(built_in_objects(), name_or_file) > 0;
-  std::error_code unknown;  // of a name too long for a file, for one
-  if (!is_built_in && !std::filesystem::exists(name_or_file, unknown)) refuse_name(name_or_file);
-  Source source = is_built_in ? built_in(name_or_file) : Source{load_mesh(name_or_file)};
-  check_size(name_or_file, source.mesh);
-
-  RepairedMesh repaired = repair_named(name_or_file, source.mesh);
-
+KnownObject make_known_object(const std::string& name, const TriangleMesh& mesh, double mass) {
+  check_size(name, mesh);
+  RepairedMesh repaired = repair_named(name, mesh);
   KnownObject object;
-  object.name = is_built_in ? name_or_file : std::filesystem::path(name_or_file).stem().string();
+  object.name = name;
   object.repairs = std::move(repaired.actions);
   const MassProperties in_file = mass_properties(repaired.mesh, 1);
-  object.mass =
-      source.mass > 0 ? source.mass : std::clamp(kDensity * in_file.volume, kLightest, kHeaviest);
+  object.mass = mass > 0 ? mass : std::clamp(kDensity * in_file.volume, kLightest, kHeaviest);
   object.T_mesh_object.translation() = in_file.centroid;
   object.mesh = transformed(object.T_mesh_object.inverse(), std::move(repaired.mesh));
   object.mass_properties = mass_properties(object.mesh, object.mass);
   object.stances = stable_poses(object.mesh, Eigen::Vector3d::Zero());
   object.symmetries = rotational_symmetries(object.mesh, Eigen::Vector3d::Zero());
+  return object;
+}
+
+KnownObject load_known_object(const std::string& name_or_file) {
+  const bool is_built_in = std::ranges::count(built_in_objects(), name_or_file) > 0;
+  std::error_code unknown;  // of a name too long for a file, for one
+  if (!is_built_in && !std::filesystem::exists(name_or_file, unknown)) refuse_name(name_or_file);
+  if (is_built_in) {
+    const BuiltIn source = built_in(name_or_file);
+    return make_known_object(name_or_file, source.mesh, source.mass);
+  }
+  KnownObject object = make_known_object(name_or_file, load_mesh(name_or_file), 0);
+  object.name = std::filesystem::path(name_or_file).stem().string();
   return object;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/hand/kinematics.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "palpate/core/se3.hpp"
@@ -16,6 +17,13 @@ Eigen::Isometry3d BasePosition::pose() const {
                            Eigen::AngleAxisd(ypr[2], Eigen::Vector3d::UnitX()))
                               .toRotationMatrix();
   return T_world_base;
+}
+
+BasePosition BasePosition::at(const Eigen::Isometry3d& T_world_base) {
+  const Eigen::Matrix3d& R = T_world_base.linear();
+  return {T_world_base.translation(),
+          {std::atan2(R(1, 0), R(0, 0)), std::asin(std::clamp(-R(2, 0), -1.0, 1.0)),
+           std::atan2(R(2, 1), R(2, 2))}};
 }
 
 std::vector<Eigen::Isometry3d> forward_kinematics(const HandModel& hand,

@@ -66,7 +66,7 @@ class Follower {
     const RelocateJoints q = motion_.joints.position.col(step);
     const RelocateJoints velocity = motion_.joints.velocity.col(step);
     const double held = motion_.held[step];
-    const Vector3d object = target_ + input.observation.segment<3>(36);
+    const Vector3d object = target_ + input.observation.segment<3>(simulation::kObjectFromTarget);
     RelocateJoints forces =
         dynamics_.torques(q, velocity, motion_.joints.acceleration.col(step), held * mass_);
     forces += dynamics_.press(q, object, held * options_.press);

@@ -4,18 +4,16 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <algorithm>
-#include <array>
-#include <cmath>
 #include <string>
 
-#include "object_surface.hpp"
 #include "palpate/core/assets.hpp"
 #include "palpate/core/se3.hpp"
 #include "palpate/core/version.hpp"
 #include "palpate/hand/kinematics.hpp"
+#include "palpate/learning/relocated_object.hpp"
 #include "palpate/simulation/relocate_dynamics.hpp"
 #include "palpate/simulation/relocate_task.hpp"
+#include "palpate/simulation/relocate_touch.hpp"
 #include "palpate/simulation/world.hpp"
 
 namespace palpate::learning {
@@ -26,27 +24,6 @@ using recording::EventKind;
 using simulation::RelocateJoints;
 
 constexpr double kLifted = 0.015, kArrived = 0.05;  // m
-
-/// Where each joint of the Shadow hand, in the order of hand::kJointNames, is among the Adroit
-/// hand's, and which way round its axis is there.
-struct Twin {
-  int joint;
-  double sign;
-};
-constexpr std::array<Twin, hand::kJoints> kTwins = {
-    {{6, 1},   {7, 1},                                 // wrist
-     {25, 1},  {26, 1}, {27, 1}, {28, -1}, {29, -1},   // thumb
-     {8, -1},  {9, 1},  {10, 1}, {11, 1},              // first
-     {12, -1}, {13, 1}, {14, 1}, {15, 1},              // middle
-     {16, 1},  {17, 1}, {18, 1}, {19, 1},              // ring
-     {20, 1},  {21, 1}, {22, 1}, {23, 1},  {24, 1}}};  // little
-
-hand::BasePosition base_at(const Eigen::Isometry3d& T_world_base) {
-  const Eigen::Matrix3d& R = T_world_base.linear();
-  return {T_world_base.translation(),
-          {std::atan2(R(1, 0), R(0, 0)), std::asin(std::clamp(-R(2, 0), -1.0, 1.0)),
-           std::atan2(R(2, 1), R(2, 2))}};
-}
 
 Eigen::Isometry3d object_pose(const Eigen::VectorXd& positions) {
   const Eigen::Matrix<double, 7, 1> p = positions.tail<7>();
@@ -64,10 +41,10 @@ class Frames {
     const RelocateJoints q = positions.head<simulation::kRelocateJoints>();
     recording::Frame frame;
     frame.reading.time = step * hand::kTick;
-    frame.reading.joints = shadow_joints(q);
+    frame.reading.joints = simulation::shadow_joints(q);
     const auto links = hand::forward_kinematics(hand_, frame.reading.joints);
     const auto& T_base_palm = links[static_cast<std::size_t>(hand_.palm)];
-    frame.reading.base = base_at(dynamics_.palm(q) * T_base_palm.inverse());
+    frame.reading.base = hand::BasePosition::at(dynamics_.palm(q) * T_base_palm.inverse());
     frame.command = {hand::actuator_positions(frame.reading.joints), frame.reading.base};
     frame.truth = {object_pose(positions), frame.reading.joints};
     return frame;
@@ -116,14 +93,6 @@ geometry::KnownObject drawn_object(const simulation::RelocateObject& object, dou
 }
 
 }  // namespace
-
-hand::JointVector shadow_joints(const RelocateJoints& joints) {
-  hand::JointVector result;
-  for (std::size_t i = 0; i < kTwins.size(); ++i) {
-    result[static_cast<Eigen::Index>(i)] = kTwins[i].sign * joints[kTwins[i].joint];
-  }
-  return result;
-}
 
 recording::Recording record_episode(const TaskOptions& task, const Policy& policy,
                                     const EpisodeOptions& episode, std::uint64_t seed,

@@ -37,8 +37,12 @@ double over(double value, double width, double least) {
 /// World axes to those of the base's sliding joints.
 Vector3d base_axes(const Vector3d& world) { return {-world.x(), world.z(), world.y()}; }
 
-Vector3d palm_from_object(const RelocateObservation& o) { return o.segment<3>(30); }
-Vector3d object_from_target(const RelocateObservation& o) { return o.segment<3>(36); }
+Vector3d palm_from_object(const RelocateObservation& o) {
+  return o.segment<3>(simulation::kPalmFromObject);
+}
+Vector3d object_from_target(const RelocateObservation& o) {
+  return o.segment<3>(simulation::kObjectFromTarget);
+}
 
 }  // namespace
 

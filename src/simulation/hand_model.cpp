@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "hand_model.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -6,7 +8,6 @@
 
 #include "hand_spec.hpp"
 #include "palpate/core/error.hpp"
-#include "palpate/hand/kinematics.hpp"
 #include "palpate/simulation/world.hpp"
 
 namespace palpate::simulation {
@@ -15,7 +16,6 @@ namespace {
 constexpr double kSphereSpacing = 0.024;  // m, between the balls that stand for a link's surface
 constexpr double kThinnest = 0.003;       // m, half thickness below which a part is left out
 constexpr double kMeshFill = 0.85;
-constexpr int kWorldBody = 0;
 
 std::string without_prefix(const std::string& name) {
   return name.starts_with(kRight) ? name.substr(kRight.size()) : name;
@@ -28,7 +28,7 @@ int link_named(const hand::HandModel& hand, const std::string& name) {
   return static_cast<int>(found - hand.links.begin());
 }
 
-void read_joint(const mjModel& model, int body, hand::Link& link) {
+void read_joint(const mjModel& model, int body, const JointNamer& joint_of, hand::Link& link) {
   const int count = model.body_jntnum[body];
   if (count == 0) return;
   const int joint = model.body_jntadr[body];
@@ -36,16 +36,18 @@ void read_joint(const mjModel& model, int body, hand::Link& link) {
   if (count > 1 || model.jnt_type[joint] != mjJNT_HINGE || vector3(anchor).norm() > 0) {
     throw BadInput(fmt::format("link {} is not joined by one hinge at its origin", link.name));
   }
-  link.axis = vector3(model.jnt_axis + 3 * joint);
-  link.joint = hand::joint_index(without_prefix(mj_id2name(&model, mjOBJ_JOINT, joint)));
+  const NamedJoint named = joint_of(mj_id2name(&model, mjOBJ_JOINT, joint));
+  link.axis = named.sign * vector3(model.jnt_axis + 3 * joint);
+  link.joint = named.joint;
 }
 
-hand::Link read_link(const mjModel& model, int body) {
+hand::Link read_link(const mjModel& model, int body, int root, const JointNamer& joint_of) {
   hand::Link link;
   link.name = without_prefix(mj_id2name(&model, mjOBJ_BODY, body));
-  link.parent = model.body_parentid[body] - 1;  // bodies are links but for the world, the first
   link.T_parent_link = pose3(model.body_pos + 3 * body, model.body_quat + 4 * body);
-  read_joint(model, body, link);
+  if (body == root) return link;
+  link.parent = model.body_parentid[body] - root;
+  read_joint(model, body, joint_of, link);
   return link;
 }
 
@@ -85,7 +87,7 @@ Eigen::Vector3d extents(const mjModel& model, int geom) {
   }
 }
 
-void add_spheres(const mjModel& model, int geom, std::vector<hand::LinkSphere>& spheres) {
+void add_spheres(const mjModel& model, int geom, int root, std::vector<hand::LinkSphere>& spheres) {
   const Eigen::Isometry3d T = pose3(model.geom_pos + 3 * geom, model.geom_quat + 4 * geom);
   const Eigen::Vector3d center = vector3(model.geom_aabb + 6 * geom);
   const Eigen::Vector3d half = extents(model, geom);
@@ -95,7 +97,7 @@ void add_spheres(const mjModel& model, int geom, std::vector<hand::LinkSphere>& 
     for (double y : offsets(half.y(), radius)) {
       for (double z : offsets(half.z(), radius)) {
         spheres.push_back(
-            {model.geom_bodyid[geom] - 1, T * (center + Eigen::Vector3d(x, y, z)), radius});
+            {model.geom_bodyid[geom] - root, T * (center + Eigen::Vector3d(x, y, z)), radius});
       }
     }
   }
@@ -103,24 +105,43 @@ void add_spheres(const mjModel& model, int geom, std::vector<hand::LinkSphere>& 
 
 }  // namespace
 
+hand::HandModel read_hand_model(const mjModel& model, int root, const JointNamer& joint_of,
+                                const std::array<int, hand::kFingers>& tips) {
+  hand::HandModel hand;
+  int end = root + 1;  // bodies come depth first, so that a hand's are one after the other
+  while (end < model.nbody && model.body_parentid[end] >= root) ++end;
+  for (int body = root; body < end; ++body) {
+    hand.links.push_back(read_link(model, body, root, joint_of));
+  }
+  hand.palm = link_named(hand, "palm");
+  for (std::size_t i = 0; i < tips.size(); ++i) {
+    hand.distal[i] = model.geom_bodyid[tips[i]] - root;
+    hand.tips[i] = read_tip(model, tips[i]);
+  }
+  for (int geom = 0; geom < model.ngeom; ++geom) {
+    const int body = model.geom_bodyid[geom];
+    if (body < root || body >= end || model.geom_contype[geom] == 0) continue;
+    add_spheres(model, geom, root, hand.spheres);
+  }
+  return hand;
+}
+
 hand::HandModel load_shadow_hand(const std::filesystem::path& mjcf) {
   const SpecHandle spec = parse_shadow_hand(mjcf);
   const ModelHandle model = compile(*spec);
-  hand::HandModel hand;
-  for (int body = kWorldBody + 1; body < model->nbody; ++body) {
-    hand.links.push_back(read_link(*model, body));
-  }
   for (std::string_view joint : hand::kJointNames) find_id(*model, mjOBJ_JOINT, mjcf_joint(joint));
-  hand.palm = link_named(hand, "palm");
+  std::array<int, hand::kFingers> tips{};
   for (int finger = 0; finger < hand::kFingers; ++finger) {
-    const auto i = static_cast<std::size_t>(finger);
-    hand.distal[i] = link_named(hand, without_prefix(mjcf_distal(finger)));
-    hand.tips[i] = read_tip(*model, find_id(*model, mjOBJ_GEOM, mjcf_tip(finger)));
+    find_id(*model, mjOBJ_BODY, mjcf_distal(finger));
+    tips[static_cast<std::size_t>(finger)] = find_id(*model, mjOBJ_GEOM, mjcf_tip(finger));
   }
-  for (int geom = 0; geom < model->ngeom; ++geom) {
-    if (model->geom_contype[geom] != 0) add_spheres(*model, geom, hand.spheres);
-  }
-  return hand;
+  constexpr int kForearm = 1;  // the first body after the world
+  return read_hand_model(
+      *model, kForearm,
+      [](const std::string& name) {
+        return NamedJoint{hand::joint_index(without_prefix(name)), 1.0};
+      },
+      tips);
 }
 
 }  // namespace palpate::simulation

@@ -80,32 +80,27 @@ double RelocateModel::object_mass() const {
   return impl_->scene.model->body_mass[impl_->scene.object];
 }
 
-struct RelocateTask::Impl {
-  explicit Impl(const RelocateModel& m) : model(m), data(mj_makeData(m.impl().scene.model.get())) {
-    if (!data) throw std::bad_alloc();
-  }
+RelocateTask::Impl::Impl(const RelocateModel& m)
+    : model(m), data(mj_makeData(m.impl().scene.model.get())) {
+  if (!data) throw std::bad_alloc();
+}
 
-  const RelocateScene& scene() const { return model.impl().scene; }
-  Eigen::Vector3d palm() const { return vector3(data->site_xpos + 3 * scene().palm); }
-  Eigen::Vector3d object() const { return vector3(data->xpos + 3 * scene().object); }
+Eigen::Vector3d RelocateTask::Impl::palm() const {
+  return vector3(data->site_xpos + 3 * scene().palm);
+}
 
-  Distances distances() const {
-    return {(palm() - object()).norm(), (palm() - target).norm(), (object() - target).norm()};
-  }
+Eigen::Vector3d RelocateTask::Impl::object() const {
+  return vector3(data->xpos + 3 * scene().object);
+}
 
-  bool contact() const {
-    const auto& [hand, held] = std::tie(scene().hand, scene().held);
-    return std::any_of(data->contact, data->contact + data->ncon, [&](const mjContact& c) {
-      if (c.geom[0] < 0 || c.geom[1] < 0) return false;
-      const auto a = static_cast<std::size_t>(c.geom[0]), b = static_cast<std::size_t>(c.geom[1]);
-      return (held[a] && hand[b]) || (held[b] && hand[a]);
-    });
-  }
-
-  RelocateModel model;  // shares the compiled model, which must outlive the data
-  DataHandle data;
-  Eigen::Vector3d target = Eigen::Vector3d::Zero();
-};
+bool RelocateTask::Impl::contact() const {
+  const auto& [hand, held] = std::tie(scene().hand, scene().held);
+  return std::any_of(data->contact, data->contact + data->ncon, [&](const mjContact& c) {
+    if (c.geom[0] < 0 || c.geom[1] < 0) return false;
+    const auto a = static_cast<std::size_t>(c.geom[0]), b = static_cast<std::size_t>(c.geom[1]);
+    return (held[a] && hand[b]) || (held[b] && hand[a]);
+  });
+}
 
 RelocateTask::RelocateTask(const RelocateModel& model) : impl_(std::make_unique<Impl>(model)) {
   reset({});
@@ -149,12 +144,14 @@ RelocateStep RelocateTask::step(const RelocateAction& action) {
         action.cwiseMax(-1).cwiseMin(1).cwiseProduct(impl_->model.action_half_range());
     for (int i = 0; i < impl_->scene().substeps; ++i) mj_step(impl_->scene().model.get(), &data);
   }
-  const Distances d = impl_->distances();
+  const Eigen::Vector3d palm = impl_->palm(), object = impl_->object();
+  const Distances d = {(palm - object).norm(), (palm - impl_->target).norm(),
+                       (object - impl_->target).norm()};
   result.diverged = !action.allFinite() || broken(data) || !std::isfinite(d.object_target);
   if (result.diverged) return result;
   result.distance = d.object_target;
   result.contact = impl_->contact();
-  const double height = std::min(impl_->object().z(), impl_->target.z());
+  const double height = std::min(object.z(), impl_->target.z());
   const double lift = std::max(height - impl_->model.impl().start_height, 0.0);
   result.reward = reward(d, result.contact, lift);
   return result;
@@ -163,5 +160,7 @@ RelocateStep RelocateTask::step(const RelocateAction& action) {
 Eigen::VectorXd RelocateTask::positions() const {
   return Eigen::VectorXd::Map(impl_->data->qpos, impl_->scene().model->nq);
 }
+
+const RelocateTask::Impl& RelocateTask::impl() const { return *impl_; }
 
 }  // namespace palpate::simulation

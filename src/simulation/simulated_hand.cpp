@@ -5,9 +5,9 @@
 #include <fmt/ranges.h>
 
 #include <cmath>
-#include <optional>
 #include <string>
 
+#include "fingertip_touch.hpp"
 #include "object_step.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/se3.hpp"
@@ -35,47 +35,6 @@ Vector6d base_vector(const hand::BasePosition& base) {
   Vector6d result;
   result << base.xyz, base.ypr;
   return result;
-}
-
-/// What one contact of the solver does to a fingertip, in the world.
-struct Touch {
-  int finger = 0;
-  bool of_object = false;  // else of what stands fast
-  Eigen::Vector3d p, n, f;
-};
-
-std::optional<Touch> read_touch(const Scene& scene, const mjData& data, int index) {
-  const mjContact& contact = data.contact[index];
-  for (int side = 0; side < 2; ++side) {
-    const int other = contact.geom[1 - side];
-    const bool felt = scene.stands_fast(other) || scene.model->geom_bodyid[other] == scene.object;
-    for (int finger = 0; felt && finger < hand::kFingers; ++finger) {
-      if (contact.geom[side] != scene.tips[static_cast<Index>(finger)]) continue;
-      // The solver's normal and force point from the first body to the second.
-      const double sign = side == 0 ? 1 : -1;
-      std::array<mjtNum, 6> wrench{};
-      mj_contactForce(scene.model.get(), &data, index, wrench.data());
-      const Eigen::Matrix3d R_world_contact = rotation3(contact.frame).transpose();
-      const Eigen::Vector3d n = -sign * R_world_contact.col(0);
-      return Touch{.finger = finger,
-                   .of_object = scene.model->geom_bodyid[other] == scene.object,
-                   .p = vector3(contact.pos) - 0.5 * contact.dist * n,
-                   .n = n,
-                   .f = sign * (R_world_contact * vector3(wrench.data()))};
-    }
-  }
-  return std::nullopt;
-}
-
-hand::TipContact with_noise(hand::TipContact contact, const SensorNoise& noise,
-                            RandomStream& random) {
-  contact.p += noise.point * random.normal3();
-  const Eigen::Matrix3d tangents = frame_with_z(contact.n);
-  const double tilt_x = noise.normal * random.normal();
-  const double tilt_y = noise.normal * random.normal();
-  contact.n = (contact.n + tilt_x * tangents.col(0) + tilt_y * tangents.col(1)).normalized();
-  contact.f += noise.force * random.normal3();
-  return contact;
 }
 
 }  // namespace
@@ -189,19 +148,15 @@ void SimulatedHand::read_contacts(hand::HandReading& reading, RandomStream& rand
     loads[i].T_object_link = T_object_world * body_pose(data_, link);
   }
   for (int i = 0; i < data_.ncon; ++i) {
-    const auto touch = read_touch(scene_, data_, i);
-    if (!touch || !(touch->f.dot(touch->n) < 0)) continue;
+    const auto touch = read_fingertip_touch(*scene_.model, data_, i, scene_.tips);
+    if (!touch) continue;
+    const bool of_object = scene_.model->geom_bodyid[touch->other_geom] == scene_.object;
+    if (!of_object && !scene_.stands_fast(touch->other_geom)) continue;
     const auto finger = static_cast<Index>(touch->finger);
-    const int link = scene_.model->geom_bodyid[scene_.tips[finger]];
-    const Eigen::Matrix3d R_link_world = rotation3(data_.xmat + 9 * link).transpose();
-    const Eigen::Vector3d origin = vector3(data_.xpos + 3 * link);
-    const hand::TipContact contact{.p = R_link_world * (touch->p - origin),
-                                   .n = R_link_world * touch->n,
-                                   .f = R_link_world * touch->f};
-    (touch->of_object ? loads[finger].on_object : loads[finger].on_others).push_back(contact);
-    const hand::TipContact felt = with_noise(contact, noise_, random);
-    // A force that drowns in the sensor's noise is not felt.
-    if (felt.f.dot(felt.n) < 0) reading.contacts[finger].push_back(felt);
+    (of_object ? loads[finger].on_object : loads[finger].on_others).push_back(touch->contact);
+    if (const auto felt = as_felt(touch->contact, noise_, random)) {
+      reading.contacts[finger].push_back(*felt);
+    }
   }
   if (biotacs_) reading.biotacs = biotacs_->step(loads, reading.time);
 }

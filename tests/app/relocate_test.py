@@ -50,6 +50,22 @@ class RelocateTest(cli.CliTest):
              "valid_test"}, compared.keys())  # fmt: skip
         self.assertTrue((self.folder / "c" / "normal-plot.svg").exists())
 
+    def test_a_policy_may_be_told_what_touch_knows(self):
+        few = ["--episodes", "1", "--set", "episode.horizon=40", "--set", "touch.explore=false"]
+        report = self.run_json("rollout", "relocate-near", "--touch", *few)
+        self.assertEqual(
+            set(report["touch"]),
+            {"explored", "resting_error_mm", "told_error_mm", "estimates", "estimate_seconds"},
+        )
+        self.assertGreater(report["touch"]["estimates"], 0)
+        self.assertGreater(report["touch"]["resting_error_mm"], 0)
+        self.assertEqual(report["touch"]["explored"], 0)
+        told_the_truth = self.run_json("rollout", "relocate-near", *few)
+        self.assertNotIn("touch", told_the_truth)
+        refused = self.run_program("rollout", "--touch", "--record", "1", "--out", "r")
+        self.assertEqual(refused.returncode, cli.BAD_INPUT)
+        self.assertIn("--touch", refused.stderr)
+
     def test_a_killed_training_goes_on(self):
         self.assertEqual(self.train("whole", 5).returncode, cli.DONE)
         command = [cli.PROGRAM, "train", "relocate", "--out", "part", "--iterations", "5",

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "palpate/core/random.hpp"
 #include "palpate/core/se3.hpp"
 #include "palpate/hand/hand.hpp"
 
@@ -90,6 +91,18 @@ TEST(BasePosition, PoseTurnsByYawThenPitchThenRoll) {
   base.ypr = {M_PI / 2, 0, M_PI / 2};
   const Eigen::Vector3d p = base.pose() * Eigen::Vector3d(0, 1, 0);
   EXPECT_TRUE(p.isApprox(Eigen::Vector3d(1, 2, 4), 1e-12));
+}
+
+TEST(BasePosition, IsFoundAgainFromItsPose) {
+  RandomStream random(8);
+  for (int trial = 0; trial < 50; ++trial) {
+    BasePosition base;
+    base.xyz = random.normal3();
+    base.ypr = {random.uniform(-3, 3), random.uniform(-1.5, 1.5), random.uniform(-3, 3)};
+    const BasePosition found = BasePosition::at(base.pose());
+    EXPECT_LT((found.xyz - base.xyz).norm(), 1e-12);
+    EXPECT_LT((found.ypr - base.ypr).norm(), 1e-9);
+  }
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "palpate/core/error.hpp"
 #include "palpate/recording/writer.hpp"
 #include "palpate/simulation/mjcf_hand.hpp"
+#include "palpate/simulation/relocate_touch.hpp"
 
 namespace palpate::learning {
 namespace {
@@ -59,7 +60,7 @@ TEST(EpisodeRecording, TheShadowHandStandsAsTheAdroitHandDoes) {
     own.insert(own.end(), below.begin(), below.end());
     const auto expected = last_links("adroit_hand/adroit_relocate.xml", "", own);
     const auto drawn =
-        last_links("shadow_hand/right_hand.xml", "rh_", shadow_order(shadow_joints(q)));
+        last_links("shadow_hand/right_hand.xml", "rh_", shadow_order(simulation::shadow_joints(q)));
     // The little finger's metacarpal is 2 mm and turned otherwise in the two files.
     EXPECT_LT((expected - drawn).colwise().norm().head(3).maxCoeff(), 2e-3);
     EXPECT_LT((expected - drawn).col(4).norm(), 2e-3);

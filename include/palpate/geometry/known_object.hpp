@@ -36,6 +36,11 @@ struct KnownObject {
 ///         than 10 mm or larger than 400 mm (one in millimetres is named as such)
 KnownObject load_known_object(const std::string& name_or_file);
 
+/// An object of that shape (m).
+/// @param mass  kg; 0: from the volume
+/// @throws BadInput as load_known_object, naming the object
+KnownObject make_known_object(const std::string& name, const TriangleMesh& mesh, double mass);
+
 /// Names of the built-in objects.
 const std::vector<std::string>& built_in_objects();
 

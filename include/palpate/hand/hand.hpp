@@ -29,6 +29,9 @@ struct BasePosition {
 
   /// T_world_base = Trans(xyz) Rz(yaw) Ry(pitch) Rx(roll).
   Eigen::Isometry3d pose() const;
+
+  /// The position of a pose, with a pitch of at most a quarter turn.
+  static BasePosition at(const Eigen::Isometry3d& T_world_base);
 };
 
 /// What the hand senses in one tick.

@@ -21,6 +21,7 @@ using RelocateJoints = Eigen::Matrix<double, kRelocateJoints, 1>;
 
 /// 30 joint positions (m, rad); palm - object; palm - target; object - target (m, world axes).
 using RelocateObservation = Eigen::Matrix<double, kRelocateObservations, 1>;
+inline constexpr int kPalmFromObject = 30, kPalmFromTarget = 33, kObjectFromTarget = 36;
 
 /// How exactly the physics is solved. Training uses the fast ones; results are of the faithful one.
 enum class RelocateSolver {
@@ -101,8 +102,10 @@ class RelocateTask {
   /// All generalised positions (37), for drawing and tests.
   Eigen::VectorXd positions() const;
 
- private:
   struct Impl;
+  const Impl& impl() const;  ///< for what senses or draws the task's simulator
+
+ private:
   std::unique_ptr<Impl> impl_;
 };
 

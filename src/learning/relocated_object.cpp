@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "object_surface.hpp"
+#include "palpate/learning/relocated_object.hpp"
 
 #include <cmath>
 #include <numbers>
@@ -56,6 +56,10 @@ TriangleMesh surface(const simulation::RelocateObject& object) {
   for (const auto& part : object.primitives) append(part_mesh(part), mesh);
   for (const auto& hull : object.hulls) append(hull, mesh);
   return mesh;
+}
+
+geometry::KnownObject known_object(const simulation::RelocateObject& object, double mass) {
+  return geometry::make_known_object(object.name, surface(object), mass);
 }
 
 }  // namespace palpate::learning

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "palpate/geometry/known_object.hpp"
+#include "palpate/simulation/relocate_object.hpp"
+
+namespace palpate::learning {
+
+/// What the object looks like: its parts for the physics, one beside the other, in its frame,
+/// m. They may overlap.
+geometry::TriangleMesh surface(const simulation::RelocateObject& object);
+
+/// The object as an estimator knows it; T_mesh_object leads back to the task's own frame. Where
+/// parts overlap, its volume counts them twice.
+/// @param mass  kg
+/// @throws BadInput for a shape that a hand cannot hold
+geometry::KnownObject known_object(const simulation::RelocateObject& object, double mass);
+
+}  // namespace palpate::learning
