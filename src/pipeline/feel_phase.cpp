@@ -48,6 +48,10 @@ double lowest_of_hand(const hand::HandModel& model, const hand::HandReading& rea
   return lowest;
 }
 
+Eigen::Vector2d place_under_hand(const hand::HandReading& reading) {
+  return reading.base.xyz.head<2>() + Eigen::Rotation2Dd(reading.base.ypr[0]) * kLevelCenter;
+}
+
 PhaseEnd FeelPhase::run(Robot& robot, PickState& state) {
   const Eigen::Vector2d rough = state.place;
   robot.move_fingers(flat_hand(), 0.4);

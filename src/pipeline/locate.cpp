@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "carried_motion.hpp"
+#include "fallen.hpp"
 #include "felt_evidence.hpp"
 #include "palpate/localization/pose_prior.hpp"
 #include "palpate/pipeline/feel_phase.hpp"
@@ -55,12 +56,26 @@ std::vector<double> stance_weights(const KnownObject& object, std::optional<doub
   return weights;
 }
 
-std::optional<double> felt_height(const hand::HandModel& hand, const TouchLog& log) {
-  std::optional<double> height;
+/// Latest reading of a kind since the hand let go for good.
+const hand::HandReading* reading_at(const TouchLog& log, Mark mark) {
+  const hand::HandReading* reading = nullptr;
   for (const auto& moment : log.since_release()) {
-    if (moment.mark == Mark::felt) height = lowest_of_hand(hand, log.readings[moment.reading]);
+    if (moment.mark == mark) reading = &log.readings[moment.reading];
   }
-  return height;
+  return reading;
+}
+
+std::optional<double> felt_height(const hand::HandModel& hand, const TouchLog& log) {
+  const auto* const felt = reading_at(log, Mark::felt);
+  if (!felt) return std::nullopt;
+  return lowest_of_hand(hand, *felt);
+}
+
+/// Those for an object that may have fallen before it was felt.
+LocateOptions as_it_lay(const TouchLog& log, const LocateOptions& options) {
+  const auto* const felt = reading_at(log, Mark::felt);
+  if (!felt || !reading_at(log, Mark::fallen)) return options;
+  return of_fallen(options, place_under_hand(*felt));
 }
 
 /// The table under the object that nobody has moved yet. Misplaced links of the hand shift all that
@@ -168,7 +183,7 @@ localization::Posterior locate_resting(const localization::ObjectModel& object,
     if (evidence.contacts.size() < (skipped > 0 ? kLeastTouches : 1)) break;
     evidence.false_contact_share = options.false_contacts;
     evidence.penetration_sigma = options.swept_sigma;
-    evidence.table = resting_table(object.object(), hand, log, options);
+    evidence.table = resting_table(object.object(), hand, log, as_it_lay(log, options));
     posterior = localization::localize(object, evidence, RandomStream(seed, "locate resting"),
                                        options.search);
     if (total_weight(posterior) > 0) break;

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "course.hpp"
-#include "fallen.hpp"
 #include "load.hpp"
 #include "palpate/pipeline/explore_phase.hpp"
 #include "palpate/pipeline/locate_phase.hpp"
@@ -46,7 +45,7 @@ class Picking {
         course_(robot, state_, result_.phases, result_.failed_phase, observer) {
     if (!options.fallen_at) return;
     state_.place = *options.fallen_at;
-    expect_anywhere();
+    result_.fallen = true;
   }
 
   PickResult run() {
@@ -57,7 +56,7 @@ class Picking {
     while (!result_.held && result_.attempts < options_.attempts) {
       if (result_.attempts++ > 0) {
         release();
-        expect_anywhere();
+        result_.fallen = true;  // or a failed attempt has moved it
         state_.yaw += kNextSide;
       }
       result_.held = attempt();
@@ -75,12 +74,6 @@ class Picking {
  private:
   [[nodiscard]] double weight() const { return object_.object().mass * kGravity; }
 
-  /// What fell, or what a failed attempt has moved, may rest in no stance, and elsewhere.
-  void expect_anywhere() {
-    result_.fallen = true;
-    options_.locate = of_fallen(options_.locate, state_.place);
-  }
-
   /// What was known of the object's pose no longer holds.
   void release() {
     course_.run(ReleasePhase());
@@ -91,6 +84,7 @@ class Picking {
   /// Holds and lifts the object, from other sides too while that tells more of its pose.
   bool attempt() {
     if (!course_.run(FeelPhase(options_.feel))) return false;
+    if (result_.fallen) robot_.mark(Mark::fallen);
     explore();
     GraspChooser choose = choose_;
     while (true) {

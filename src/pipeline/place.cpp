@@ -11,7 +11,6 @@
 #include <utility>
 
 #include "course.hpp"
-#include "fallen.hpp"
 #include "last_contacts.hpp"
 #include "load.hpp"
 #include "palpate/pipeline/release_phase.hpp"
@@ -225,10 +224,6 @@ bool Placement::aim_again() {
   log.moments.push_back({Mark::held, log.readings.size() - 1});
   const double least = std::min(options_.certain, result_.held.certainty);
   LocateOptions options = pick_options_.locate;
-  if (picked_.fallen && picked_.resting && !picked_.resting->modes.empty()) {
-    const Eigen::Isometry3d& rested = picked_.resting->modes.front().T_frame_object;
-    options = of_fallen(options, rested.translation().head<2>());
-  }
   if (result_.other_stance) {
     options.motion_sigma *= options_.turned_motion;
     options.motion_angle_sigma *= options_.turned_motion;

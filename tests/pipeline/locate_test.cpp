@@ -3,6 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
+#include "../../src/pipeline/fallen.hpp"
+#include "palpate/pipeline/feel_phase.hpp"
 #include "palpate/pipeline/trial.hpp"
 
 namespace palpate::pipeline {
@@ -89,6 +93,25 @@ TEST(Locate, WhatMayRestTiltedIsKnownLessUpright) {
   };
   EXPECT_GT(tilt(0.02), 0);
   EXPECT_GT(tilt(0.12), 2 * tilt(0.02));
+}
+
+TEST(Locate, WhatMayHaveFallenRestsAsTheLogTells) {
+  const auto& s = scene();
+  ASSERT_TRUE(s.picked.held);
+  TouchLog log = s.log;
+  const auto felt = std::find_if(log.moments.begin(), log.moments.end(),
+                                 [](const auto& moment) { return moment.mark == Mark::felt; });
+  ASSERT_NE(felt, log.moments.end());
+  const Eigen::Vector2d place = place_under_hand(log.readings[felt->reading]);
+  EXPECT_LT(place.norm(), 0.005);  // the hand came down over the rough place
+  log.moments.insert(felt + 1, {Mark::fallen, felt->reading});
+  const auto fallen = locate_resting(s.object, s.model, log, s.locate_options, PickedBox::kSeed);
+  const auto wider = locate_resting(s.object, s.model, s.log, of_fallen(s.locate_options, place),
+                                    PickedBox::kSeed);
+  const auto upright = locate_resting(s.object, s.model, s.log, s.locate_options, PickedBox::kSeed);
+  ASSERT_FALSE(fallen.modes.empty());
+  EXPECT_EQ(fallen.modes[0].covariance, wider.modes[0].covariance);
+  EXPECT_NE(fallen.modes[0].covariance, upright.modes[0].covariance);
 }
 
 /// The log of the box, with moments added at its last reading.

@@ -27,6 +27,9 @@ struct FeelOptions {
 /// Height above the table of the lowest part of the hand, in a reading, m.
 double lowest_of_hand(const hand::HandModel& model, const hand::HandReading& reading);
 
+/// Place on the table under the middle of the flat hand, in a reading, m.
+Eigen::Vector2d place_under_hand(const hand::HandReading& reading);
+
 /// Lowers the flat hand onto the object to feel how tall it is.
 class FeelPhase : public Phase {
  public:

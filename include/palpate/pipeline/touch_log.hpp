@@ -24,10 +24,11 @@ enum class Mark {
   on_table,  ///< fingertips rest on the bare table
   rolled,    ///< the fingers have rolled the object aside, and are about to roll it back
   opened,    ///< the hand has opened around the object, which has stayed where it was
+  fallen,    ///< what has been felt fell before, or was moved: it may rest in no stance
 };
-inline constexpr std::array<std::string_view, 12> kMarkNames = {
-    "felt",     "sweep",  "touched", "missed",   "closed", "held",
-    "released", "placed", "probed",  "on_table", "rolled", "opened"};
+inline constexpr std::array<std::string_view, 13> kMarkNames = {
+    "felt",   "sweep",  "touched",  "missed", "closed", "held",  "released",
+    "placed", "probed", "on_table", "rolled", "opened", "fallen"};
 
 /// All that was felt, and when what was reached: everything that the pose estimate depends on.
 struct TouchLog {
