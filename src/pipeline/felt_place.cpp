@@ -26,20 +26,13 @@ std::size_t ticks(double seconds) {
   return static_cast<std::size_t>(std::max(1L, std::lround(seconds / hand::kTick)));
 }
 
-double total_weight(const localization::Posterior& posterior) {
-  double sum = 0;
-  for (const auto& mode : posterior.modes) sum += mode.weight;
-  return sum;
-}
-
 }  // namespace
 
 FeltPlace::FeltPlace(const localization::ObjectModel& object, const hand::HandModel& hand,
                      const localization::Posterior& resting, const FeltPlaceOptions& options,
                      std::uint64_t seed)
     : object_(object), hand_(hand), options_(options), random_(seed, "felt place") {
-  if (!(total_weight(resting) > 0))
-    throw BadInput("no pose from which an object could be followed");
+  if (resting.unlisted() >= 1) throw BadInput("no pose from which an object could be followed");
   known_.posterior = coming_.posterior = resting;
 }
 
@@ -112,7 +105,7 @@ void FeltPlace::estimate() {
   auto posterior = localization::localize(
       object_, evidence, random_.fork("estimate", static_cast<std::uint64_t>(present)),
       options_.locate.search);
-  if (total_weight(posterior) > 0) {  // else the contacts leave the pose open
+  if (posterior.unlisted() < 1) {  // else the contacts leave the pose open
     move(T_world_base, posterior);
     coming_ = {std::move(posterior), present};
     ++estimates_;

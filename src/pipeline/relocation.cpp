@@ -129,7 +129,7 @@ FeltEpisode Relocation::run(const learning::Policy& policy, const learning::Epis
   FeltEpisode result;
   localization::Posterior resting;
   if (options_.explore) resting = explored(from_rough, random.fork("explore").bits());
-  result.explored = resting.status != localization::PoseStatus::no_pose;
+  result.explored = resting.unlisted() < 1;
   if (!result.explored) resting = rough(random.fork("rough"));
   move(Eigen::Isometry3d(Eigen::Translation3d(rough_place.x(), rough_place.y(), 0)), resting);
 
