@@ -25,12 +25,6 @@ using simulation::RelocateJoints;
 
 constexpr double kLifted = 0.015, kArrived = 0.05;  // m
 
-Eigen::Isometry3d object_pose(const Eigen::VectorXd& positions) {
-  const Eigen::Matrix<double, 7, 1> p = positions.tail<7>();
-  return Eigen::Translation3d(p.head<3>()) *
-         Eigen::Quaterniond(p[3], p[4], p[5], p[6]).normalized();
-}
-
 /// The frames of an episode, from the positions at each step.
 class Frames {
  public:

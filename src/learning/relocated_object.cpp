@@ -58,6 +58,12 @@ TriangleMesh surface(const simulation::RelocateObject& object) {
   return mesh;
 }
 
+Eigen::Isometry3d object_pose(const Eigen::VectorXd& positions) {
+  const Eigen::Matrix<double, 7, 1> p = positions.tail<7>();
+  return Eigen::Translation3d(p.head<3>()) *
+         Eigen::Quaterniond(p[3], p[4], p[5], p[6]).normalized();
+}
+
 geometry::KnownObject known_object(const simulation::RelocateObject& object, double mass) {
   return geometry::make_known_object(object.name, surface(object), mass);
 }

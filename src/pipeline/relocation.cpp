@@ -19,7 +19,9 @@ namespace {
 
 using simulation::kObjectFromTarget, simulation::kPalmFromObject, simulation::kPalmFromTarget;
 
-constexpr int kYaws = 24;          // of an object of which only the rough place is known
+constexpr int kYaws = 24;  // of an object of which only the rough place is known
+// Variances of an object of which only the rough place is known: rad^2, m^2, least of a place m^2.
+constexpr double kTilt = 1e-4, kHeight = 1e-6, kLeast = 1e-8;
 constexpr double kSameTilt = 0.1;  // rad, of a stance from how the object starts
 
 /// How an object of that orientation stands: in which stance, by which yaw.
@@ -43,13 +45,6 @@ simulation::Start standing(const geometry::KnownObject& object,
                     object.name, kSameTilt));
   }
   return start;
-}
-
-/// Of the object's frame in the task, which only the simulator knows.
-Eigen::Isometry3d true_pose(const simulation::RelocateTask& task) {
-  const Eigen::Matrix<double, 7, 1> p = task.positions().tail<7>();
-  return Eigen::Translation3d(p.head<3>()) *
-         Eigen::Quaterniond(p[3], p[4], p[5], p[6]).normalized();
 }
 
 /// What the policy meets if the object is at that place.
@@ -99,7 +94,7 @@ localization::Posterior Relocation::rough(RandomStream random) const {
   const double place = options_.uncertainty * options_.uncertainty / 3;
   const double yaw = std::numbers::pi / kYaws;
   Vector6d variance;
-  variance << 1e-4, 1e-4, yaw * yaw, place + 1e-8, place + 1e-8, 1e-6;
+  variance << kTilt, kTilt, yaw * yaw, place + kLeast, place + kLeast, kHeight;
   localization::Posterior posterior;
   posterior.status = localization::PoseStatus::ambiguous;
   for (int i = 0; i < kYaws; ++i) {
@@ -141,7 +136,7 @@ FeltEpisode Relocation::run(const learning::Policy& policy, const learning::Epis
     return felt.T_world_object() * T_task_object.inverse().translation();
   };
   const auto error = [&]() -> Eigen::Vector3d {
-    return told_place() - true_pose(task).translation();
+    return told_place() - learning::object_pose(task.positions()).translation();
   };
   result.resting_error = error().head<2>().norm();
   result.episode = learning::run_episode(task, start, episode.horizon,

@@ -37,10 +37,8 @@ TEST(Relocation, FingertipsFeelTheSurfaceOfWhatTheyHold) {
   simulation::RelocateTask task(model);
   int contacts = 0;
   const auto look = [&](int step) {
-    const Eigen::Matrix<double, 7, 1> p = task.positions().tail<7>();
-    const Eigen::Isometry3d T_world_object = Eigen::Translation3d(p.head<3>()) *
-                                             Eigen::Quaterniond(p[3], p[4], p[5], p[6]) *
-                                             object.T_mesh_object;
+    const Eigen::Isometry3d T_world_object =
+        learning::object_pose(task.positions()) * object.T_mesh_object;
     const auto reading = touch.read(task, step);
     const auto T_base_link = hand::forward_kinematics(hand, reading.joints);
     for (std::size_t finger = 0; finger < reading.contacts.size(); ++finger) {

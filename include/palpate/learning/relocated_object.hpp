@@ -10,6 +10,10 @@ namespace palpate::learning {
 /// m. They may overlap.
 geometry::TriangleMesh surface(const simulation::RelocateObject& object);
 
+/// Pose of the object's frame in the world, of which only the simulator knows.
+/// @param positions  all generalised positions, as RelocateTask::positions gives them
+Eigen::Isometry3d object_pose(const Eigen::VectorXd& positions);
+
 /// The object as an estimator knows it; T_mesh_object leads back to the task's own frame. Where
 /// parts overlap, its volume counts them twice.
 /// @param mass  kg
