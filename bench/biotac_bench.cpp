@@ -3,9 +3,9 @@
 
 #include <memory>
 
-#include "palpate/touch/biotac_inverse.hpp"
+#include "palpate/tactile/biotac/inverse.hpp"
 
-namespace palpate::touch {
+namespace palpate::tactile {
 namespace {
 
 /// All channels of five tips, each pressed on a ball; items are frames of the whole hand.
@@ -46,4 +46,4 @@ void infer_a_contact(benchmark::State& state) {
 BENCHMARK(infer_a_contact);
 
 }  // namespace
-}  // namespace palpate::touch
+}  // namespace palpate::tactile

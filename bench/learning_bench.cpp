@@ -4,10 +4,10 @@
 #include <string>
 
 #include "palpate/core/assets.hpp"
-#include "palpate/learning/policy_io.hpp"
-#include "palpate/learning/rollout.hpp"
+#include "palpate/tasks/relocate/policies/policy_io.hpp"
+#include "palpate/tasks/relocate/rollout.hpp"
 
-namespace palpate::learning {
+namespace palpate::relocate {
 namespace {
 
 /// Steps of control per second while the shipped policy holds the mug; threads as the argument.
@@ -32,4 +32,4 @@ BENCHMARK_CAPTURE(relocate_rollouts, newton, "newton")->Arg(1)->Arg(2)->UseRealT
 BENCHMARK_CAPTURE(relocate_rollouts, fast, "fast")->Arg(1)->Arg(2)->UseRealTime();
 
 }  // namespace
-}  // namespace palpate::learning
+}  // namespace palpate::relocate

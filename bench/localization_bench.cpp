@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <benchmark/benchmark.h>
 
-#include "../tests/localization/scenes.hpp"
+#include "localization/scenes.hpp"
 
 namespace {
 
@@ -9,7 +9,7 @@ using namespace palpate;
 using namespace palpate::localization;
 
 /// Balls beside the object, as a hand's.
-std::vector<FreeSphere> balls_beside(const ObjectModel& model, const Eigen::Isometry3d& T,
+std::vector<FreeSphere> balls_beside(const geometry::ObjectModel& model, const Eigen::Isometry3d& T,
                                      std::size_t count) {
   constexpr double kRadius = 0.009;
   RandomStream random(2);
@@ -24,7 +24,7 @@ std::vector<FreeSphere> balls_beside(const ObjectModel& model, const Eigen::Isom
 
 /// Arguments: contacts, balls of free space, 1 with a table.
 void localize_object(benchmark::State& state) {
-  const ObjectModel& model = model_of("bunny");
+  const geometry::ObjectModel& model = model_of("bunny");
   SceneOptions options;
   options.contacts = static_cast<int>(state.range(0));
   options.table = state.range(2) == 1;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <benchmark/benchmark.h>
 
-#include "../tests/registration/problems.hpp"
 #include "palpate/registration/registration.hpp"
+#include "registration/problems.hpp"
 
 namespace {
 

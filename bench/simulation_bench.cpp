@@ -7,10 +7,10 @@
 #include <string>
 #include <utility>
 
-#include "palpate/geometry/capsule_collider.hpp"
-#include "palpate/geometry/known_object.hpp"
-#include "palpate/hand/closing.hpp"
-#include "palpate/simulation/world.hpp"
+#include "palpate/geometry/objects/known_object.hpp"
+#include "palpate/geometry/query/capsule_collider.hpp"
+#include "palpate/grasping/closing_law.hpp"
+#include "palpate/simulation/world/world.hpp"
 
 namespace {
 
@@ -41,7 +41,7 @@ void step_in_grasp(benchmark::State& state) {
   simulation::WorldOptions options;
   options.exact_tips = state.range(0) != 0;
   simulation::World world(geometry::load_known_object("bunny"), options, 1);
-  const hand::ClosingLaw closing(world.hand().actuators(), 3.0, 0.718);
+  const grasping::ClosingLaw closing(world.hand().actuators(), 3.0, 0.718);
   hand::HandCommand command = above();
   world.reset({.stance = 0, .yaw = 3.0}, command);
   hand::HandReading reading;

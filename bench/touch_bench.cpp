@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <benchmark/benchmark.h>
 
-#include "../tests/touch/sliding.hpp"
-#include "palpate/touch/normal_clusters.hpp"
-#include "palpate/touch/normal_estimator.hpp"
+#include "palpate/tactile/normals/normal_clusters.hpp"
+#include "palpate/tactile/normals/normal_estimator.hpp"
+#include "tactile/sliding.hpp"
 
 namespace {
 
 using namespace palpate;
-using namespace palpate::touch;
+using namespace palpate::tactile;
 
 std::vector<FingerSample> samples_over_an_edge() {
   const SlidingOptions options;

@@ -9,25 +9,25 @@
 #include "experiment.hpp"
 #include "palpate/core/parallel.hpp"
 #include "palpate/core/statistics.hpp"
-#include "palpate/geometry/known_object.hpp"
-#include "palpate/geometry/mesh_query.hpp"
-#include "palpate/pipeline/biotac_hand.hpp"
-#include "palpate/pipeline/judge.hpp"
-#include "palpate/pipeline/trial.hpp"
+#include "palpate/evaluation/evaluator.hpp"
+#include "palpate/evaluation/trial.hpp"
+#include "palpate/geometry/objects/known_object.hpp"
+#include "palpate/geometry/query/mesh_query.hpp"
+#include "palpate/tactile/biotac/contact_hand.hpp"
 
 namespace {
 
 using namespace palpate;
 using namespace palpate::experiment;
 
-using Inverse = std::shared_ptr<const touch::BiotacInverse>;
+using Inverse = std::shared_ptr<const tactile::BiotacInverse>;
 
 constexpr double kDegrees = 180 / std::numbers::pi;
 
 /// What became of the same pick, located twice.
 struct Outcome {
   bool lifted = false;
-  pipeline::Judgement solver, biotac;
+  evaluation::Judgement solver, biotac;
 };
 
 /// Errors of lasting contacts against the object's true surface.
@@ -42,26 +42,27 @@ struct Result {
 
 /// The shipped inverse, or (for a quick run) one trained for a moment.
 Inverse inverse_of(const Options& options) {
-  if (!options.quick) return pipeline::shipped_biotac_inverse();
-  touch::BiotacDatasetOptions data;
+  if (!options.quick) return tactile::shipped_biotac_inverse();
+  tactile::BiotacDatasetOptions data;
   data.trajectories = 20;
   data.seconds = 1;
-  return std::make_shared<const touch::BiotacInverse>(
-      touch::BiotacInverse::train(touch::simulate_biotac(data)));
+  return std::make_shared<const tactile::BiotacInverse>(
+      tactile::BiotacInverse::train(tactile::simulate_biotac(data)));
 }
 
 /// Whether the estimate may look at a reading: it lies within the longest window before a moment.
-bool is_used(const pipeline::TouchLog& log, std::size_t reading) {
-  const auto window = static_cast<std::size_t>(pipeline::LocateOptions{}.window / hand::kTick) + 1;
+bool is_used(const estimation::TouchLog& log, std::size_t reading) {
+  const auto window =
+      static_cast<std::size_t>(estimation::LocateOptions{}.window / hand::kTick) + 1;
   return std::any_of(log.moments.begin(), log.moments.end(), [&](const auto& moment) {
     return reading <= moment.reading && moment.reading < reading + window;
   });
 }
 
 /// The log with its contacts replaced by those that the channels tell of.
-pipeline::TouchLog inferred(pipeline::TouchLog log, const hand::HandModel& hand,
-                            const Inverse& inverse) {
-  touch::BiotacFingers fingers(hand, inverse);
+estimation::TouchLog inferred(estimation::TouchLog log, const hand::HandModel& hand,
+                              const Inverse& inverse) {
+  tactile::BiotacFingers fingers(hand, inverse);
   for (std::size_t i = 0; i < log.readings.size(); ++i) {
     auto& reading = log.readings[i];
     if (is_used(log, i)) {
@@ -74,7 +75,7 @@ pipeline::TouchLog inferred(pipeline::TouchLog log, const hand::HandModel& hand,
   return log;
 }
 
-void add_errors(const pipeline::PoseEstimate& estimate, const geometry::MeshQuery& mesh,
+void add_errors(const estimation::PoseEstimate& estimate, const geometry::MeshQuery& mesh,
                 const Eigen::Isometry3d& T_world_object, ContactErrors& errors) {
   for (const auto& contact : estimate.contacts) {
     const auto closest = mesh.closest_point(T_world_object.inverse() * contact.p);
@@ -87,18 +88,18 @@ void add_errors(const pipeline::PoseEstimate& estimate, const geometry::MeshQuer
 
 /// A pick on the solver's contacts, and its pose once more on the contacts that the same pick's
 /// channels tell of.
-Result pick_and_locate_twice(const localization::ObjectModel& object, const Inverse& inverse,
+Result pick_and_locate_twice(const geometry::ObjectModel& object, const Inverse& inverse,
                              std::uint64_t seed) {
-  pipeline::TrialOptions options;
+  evaluation::TrialOptions options;
   options.world.biotacs = true;
   simulation::World world(object.object(), options.world, seed);
-  world.reset(pipeline::draw_start(object.object(), options.start, seed),
-              pipeline::waiting_command());
-  pipeline::Judge judge(world);
-  pipeline::Robot robot(
-      world.hand(), world.hand_model(), pipeline::waiting_command(),
-      {[&](const auto& reading, const auto&) { judge.observe(reading); }, [](pipeline::Mark) {}});
-  const auto picked = pipeline::pick(robot, object, options.pick, seed);
+  world.reset(evaluation::draw_start(object.object(), options.start, seed),
+              evaluation::waiting_command());
+  evaluation::Judge judge(world);
+  skills::Robot robot(
+      world.hand(), world.hand_model(), evaluation::waiting_command(),
+      {[&](const auto& reading, const auto&) { judge.observe(reading); }, [](estimation::Mark) {}});
+  const auto picked = skills::pick(robot, object, options.pick, seed);
   const auto& symmetries = object.object().symmetries;
   Result result;
   result.outcome.solver = judge.verdict(picked, robot.log(), options.pick.lift, symmetries);
@@ -107,8 +108,8 @@ Result pick_and_locate_twice(const localization::ObjectModel& object, const Inve
   options.touch.source = "biotac";
   auto again = picked;
   again.estimate =
-      pipeline::locate(object, robot.model(), inferred(robot.log(), robot.model(), inverse),
-                       options.pick_options().locate, seed);
+      estimation::locate(object, robot.model(), inferred(robot.log(), robot.model(), inverse),
+                         options.pick_options().locate, seed);
   result.outcome.biotac = judge.verdict(again, robot.log(), options.pick.lift, symmetries);
   const geometry::MeshQuery mesh(object.object().mesh);
   const auto T_world_object = world.truth().T_world_object;
@@ -121,7 +122,7 @@ Result pick_and_locate_twice(const localization::ObjectModel& object, const Inve
 struct Tally {
   std::size_t lifted = 0, ok = 0, in_modes = 0;
 
-  void add(const pipeline::Judgement& judgement) {
+  void add(const evaluation::Judgement& judgement) {
     ++lifted;
     ok += judgement.pose_ok;
     in_modes += judgement.truth_in_modes;
@@ -172,7 +173,7 @@ void biotac_localization(const Options& options) {
   ContactErrors solver_errors, biotac_errors;
   std::size_t picks = 0;
   for (const auto& name : geometry::built_in_objects()) {
-    const localization::ObjectModel object(geometry::load_known_object(name));
+    const geometry::ObjectModel object(geometry::load_known_object(name));
     Tally solver, biotac;
     parallel_ordered(
         trials, options.threads,

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/touch/biotac_network.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -11,7 +9,8 @@
 #include "experiment.hpp"
 #include "palpate/core/assets.hpp"
 #include "palpate/core/file.hpp"
-#include "palpate/core/plot.hpp"
+#include "palpate/plotting/plot.hpp"
+#include "palpate/tactile/biotac/network.hpp"
 
 namespace {
 
@@ -21,42 +20,42 @@ using namespace palpate::experiment;
 constexpr const char* kModel = "models/biotac_network.model";  // an asset
 
 struct Network {
-  touch::BiotacNetwork network;
+  tactile::BiotacNetwork network;
   Eigen::MatrixXf inputs, outputs;  // of unseen trajectories
 };
 
 /// The shipped weights; for a quick run ones trained for a moment.
 /// @throws BadInput without the shipped weights
-touch::BiotacNetwork network_of(const Options& options) {
+tactile::BiotacNetwork network_of(const Options& options) {
   if (!options.quick) {
     const auto path = asset(kModel);
-    return touch::BiotacNetwork::parse(read_file(path), path.string());
+    return tactile::BiotacNetwork::parse(read_file(path), path.string());
   }
-  touch::BiotacDatasetOptions data;
+  tactile::BiotacDatasetOptions data;
   data.trajectories = 20;
   data.seconds = 1;
-  const auto rows = touch::biotac_dataset(touch::simulate_biotac(data));
-  touch::NetworkTrainingOptions training;
+  const auto rows = tactile::biotac_dataset(tactile::simulate_biotac(data));
+  tactile::NetworkTrainingOptions training;
   training.epochs = 4;
-  touch::BiotacNetwork network;
-  network.train(touch::network_inputs(rows), touch::network_outputs(rows), training);
+  tactile::BiotacNetwork network;
+  network.train(tactile::network_inputs(rows), tactile::network_outputs(rows), training);
   return network;
 }
 
 Network unseen(const Options& options) {
-  touch::BiotacDatasetOptions data;
+  tactile::BiotacDatasetOptions data;
   data.seed = options.seed;
   data.trajectories = options.quick ? 5 : 80;
-  const auto rows = touch::biotac_dataset(touch::simulate_biotac(data));
+  const auto rows = tactile::biotac_dataset(tactile::simulate_biotac(data));
   return {.network = network_of(options),
-          .inputs = touch::network_inputs(rows),
-          .outputs = touch::network_outputs(rows)};
+          .inputs = tactile::network_inputs(rows),
+          .outputs = tactile::network_outputs(rows)};
 }
 
 /// What touches the sensor in figs 5.9 and B.1 to B.3.
 struct Surface {
   std::string name;
-  std::function<touch::SurfaceDistance(const Eigen::Vector3d& p)> at;
+  std::function<tactile::SurfaceDistance(const Eigen::Vector3d& p)> at;
 };
 
 std::vector<Surface> surfaces() {
@@ -79,9 +78,10 @@ std::vector<Surface> surfaces() {
 }
 
 /// 30 s of a finger that presses and rubs.
-std::vector<touch::BiotacFrame> press(const Surface& surface, double seconds, std::uint64_t seed) {
-  const touch::BiotacSkin skin;
-  touch::BiotacSensor sensor(skin, {}, RandomStream(seed, surface.name));
+std::vector<tactile::BiotacFrame> press(const Surface& surface, double seconds,
+                                        std::uint64_t seed) {
+  const tactile::BiotacSkin skin;
+  tactile::BiotacSensor sensor(skin, {}, RandomStream(seed, surface.name));
   const auto contact_at = [&](double t) {
     const double normal = std::max(0.05, 2 * std::sin(0.2 * t) * std::sin(0.2 * t) + 0.3);
     const Eigen::Vector3d p(-0.004 + 0.003 * std::sin(0.5 * t), 0, -skin.options().radius);
@@ -90,11 +90,11 @@ std::vector<touch::BiotacFrame> press(const Surface& surface, double seconds, st
         .n = Eigen::Vector3d::UnitZ(),
         .f = {0.4 * normal * std::sin(1.1 * t), 0.4 * normal * std::sin(0.7 * t + 1), -normal}};
   };
-  std::vector<touch::BiotacFrame> frames;
-  for (int k = 0; k * touch::kBiotacPeriod < seconds; ++k) {
-    const double t = k * touch::kBiotacPeriod;
+  std::vector<tactile::BiotacFrame> frames;
+  for (int k = 0; k * tactile::kBiotacPeriod < seconds; ++k) {
+    const double t = k * tactile::kBiotacPeriod;
     const auto contact = contact_at(t);
-    touch::BiotacFrame frame;
+    tactile::BiotacFrame frame;
     frame.time = t;
     frame.p = contact.p;
     frame.n = contact.n;
@@ -107,50 +107,51 @@ std::vector<touch::BiotacFrame> press(const Surface& surface, double seconds, st
   return frames;
 }
 
-LineSeries line(std::string name, const std::vector<double>& x, const Eigen::VectorXf& y) {
+plotting::LineSeries line(std::string name, const std::vector<double>& x,
+                          const Eigen::VectorXf& y) {
   return {.name = std::move(name), .x = x, .y = {y.begin(), y.end()}};
 }
 
 /// Inputs and outputs over time, as in the thesis' figures.
 void draw(const Options& options, const std::string& name, const std::vector<double>& time,
           const Eigen::MatrixXf& inputs, const Eigen::MatrixXf& outputs) {
-  Plot forces;
+  plotting::Plot forces;
   forces.title = name + ": force on the object";
   forces.x.label = "time (s)";
   forces.y.label = "force (N)";
   for (int k = 0; k < 3; ++k) {
     forces.series.emplace_back(line(std::string(1, "xyz"[k]), time, inputs.row(3 + k)));
   }
-  Plot electrodes;
+  plotting::Plot electrodes;
   electrodes.title = name + ": electrodes of the network";
   electrodes.x.label = "time (s)";
   electrodes.y.label = "counts";
   for (const int e : {1, 4, 7, 8, 10, 14, 17, 18}) {
     electrodes.series.emplace_back(line(fmt::format("e{}", e), time, outputs.row(3 + e)));
   }
-  publish_figure(options, name + "-forces", to_svg(forces));
-  publish_figure(options, name + "-electrodes", to_svg(electrodes));
+  publish_figure(options, name + "-forces", plotting::to_svg(forces));
+  publish_figure(options, name + "-electrodes", plotting::to_svg(electrodes));
 }
 
-std::vector<double> times_of(const std::vector<touch::BiotacFrame>& frames) {
+std::vector<double> times_of(const std::vector<tactile::BiotacFrame>& frames) {
   std::vector<double> time;
   for (const auto& frame : frames) time.push_back(frame.time);
   return time;
 }
 
 /// Fig. 5.8(a): the electrodes in the finger's plane, seen obliquely, with their changes as stems.
-Plot activations_3d(const Eigen::VectorXd& change) {
-  const auto p = touch::electrode_positions();
-  Plot plot;
+plotting::Plot activations_3d(const Eigen::VectorXd& change) {
+  const auto p = tactile::electrode_positions();
+  plotting::Plot plot;
   plot.title = "changes of the electrodes over the finger, seen obliquely";
   plot.x.label = "y + x / 3 (mm)";
   plot.y.label = "x / 2 (mm), stems: change / 10 (counts)";
-  for (int e = 0; e < touch::kElectrodes; ++e) {
+  for (int e = 0; e < tactile::kElectrodes; ++e) {
     const double x = 1e3 * p(0, e), y = 1e3 * p(1, e);
     const double across = y + x / 3, up = x / 2;
     const std::string name = fmt::format("e{}", e + 1);
     plot.series.emplace_back(
-        LineSeries{.name = name, .x = {across, across}, .y = {up, up + change[e] / 10}});
+        plotting::LineSeries{.name = name, .x = {across, across}, .y = {up, up + change[e] / 10}});
   }
   plot.width = 700;
   plot.height = 560;
@@ -159,29 +160,30 @@ Plot activations_3d(const Eigen::VectorXd& change) {
 
 /// Fig. 5.8: where the electrodes lie, with their change under a flat touch.
 void draw_maps(const Options& options, const Eigen::VectorXd& change) {
-  const auto p = touch::electrode_positions();
+  const auto p = tactile::electrode_positions();
   Table table({"electrode", "x mm", "y mm", "z mm", "change, counts"});
-  Plot flat;
+  plotting::Plot flat;
   flat.title = "electrodes seen from the felt side";
   flat.x.label = "y (mm)";
   flat.y.label = "x (mm)";
-  Plot solid;
+  plotting::Plot solid;
   solid.title = "change of the electrodes along the finger";
   solid.x.label = "x (mm)";
   solid.y.label = "change (counts)";
-  for (int e = 0; e < touch::kElectrodes; ++e) {
+  for (int e = 0; e < tactile::kElectrodes; ++e) {
     const Eigen::Vector3d mm = 1e3 * p.col(e);
     const std::string name = fmt::format("e{}", e + 1);
     table.add_row({name, fmt::format("{:.2f}", mm.x()), fmt::format("{:.2f}", mm.y()),
                    fmt::format("{:.2f}", mm.z()), fmt::format("{:.0f}", change[e])});
-    flat.series.emplace_back(ScatterSeries{.name = name, .x = {mm.y()}, .y = {mm.x()}});
-    solid.series.emplace_back(ScatterSeries{.name = name, .x = {mm.x()}, .y = {change[e]}});
+    flat.series.emplace_back(plotting::ScatterSeries{.name = name, .x = {mm.y()}, .y = {mm.x()}});
+    solid.series.emplace_back(
+        plotting::ScatterSeries{.name = name, .x = {mm.x()}, .y = {change[e]}});
   }
   flat.width = 420;
   flat.height = 700;
-  publish_figure(options, "electrode-activations", to_svg(activations_3d(change)));
-  publish_figure(options, "electrode-map", to_svg(flat));
-  publish_figure(options, "electrode-profile", to_svg(solid));
+  publish_figure(options, "electrode-activations", plotting::to_svg(activations_3d(change)));
+  publish_figure(options, "electrode-map", plotting::to_svg(flat));
+  publish_figure(options, "electrode-profile", plotting::to_svg(solid));
   table.publish(options, "electrodes", "Electrodes under a flat touch (fig. 5.8)");
 }
 
@@ -212,7 +214,7 @@ std::vector<float> misread(const Eigen::VectorXf& row) {
 }
 
 /// The network's layers as the port loads them; of each row as many values as there is room for.
-std::array<touch::NetworkBlock, 4> misread(std::array<touch::NetworkBlock, 4> blocks) {
+std::array<tactile::NetworkBlock, 4> misread(std::array<tactile::NetworkBlock, 4> blocks) {
   for (auto& block : blocks) {
     for (auto& layer : block) {
       const auto read = [](Eigen::Ref<Eigen::VectorXf> row) {
@@ -227,7 +229,7 @@ std::array<touch::NetworkBlock, 4> misread(std::array<touch::NetworkBlock, 4> bl
 }
 
 /// A pass that, where asked to, normalises every layer's output to mean 0 and deviation 1.
-Eigen::MatrixXd pass(const touch::NetworkBlock& block, Eigen::MatrixXd values, bool normalise) {
+Eigen::MatrixXd pass(const tactile::NetworkBlock& block, Eigen::MatrixXd values, bool normalise) {
   for (const auto& layer : block) {
     Eigen::MatrixXd next = layer.weights.cast<double>() * values;
     next.colwise() += layer.biases.cast<double>();
@@ -237,8 +239,8 @@ Eigen::MatrixXd pass(const touch::NetworkBlock& block, Eigen::MatrixXd values, b
       const double sd = std::sqrt((next.col(k).array() - mean).square().mean()) + 1e-30;
       next.col(k) = (next.col(k).array() - mean) / sd;
     }
-    if (layer.activation == touch::LayerActivation::relu) next = next.cwiseMax(0.0);
-    if (layer.activation == touch::LayerActivation::sigmoid) {
+    if (layer.activation == tactile::LayerActivation::relu) next = next.cwiseMax(0.0);
+    if (layer.activation == tactile::LayerActivation::sigmoid) {
       next = (1 / (1 + (-next.array()).exp())).matrix();
     }
     values = std::move(next);
@@ -246,7 +248,7 @@ Eigen::MatrixXd pass(const touch::NetworkBlock& block, Eigen::MatrixXd values, b
   return values;
 }
 
-Eigen::MatrixXd run_port(const std::array<touch::NetworkBlock, 4>& blocks,
+Eigen::MatrixXd run_port(const std::array<tactile::NetworkBlock, 4>& blocks,
                          const Eigen::MatrixXd& inputs, bool normalise) {
   const Eigen::MatrixXd position = pass(blocks[0], inputs.topRows<3>(), normalise);
   const Eigen::MatrixXd forces = pass(blocks[1], inputs.middleRows<9>(3), normalise);
@@ -264,7 +266,7 @@ void explain_failure(const Options& options, const Network& network) {
   x = (x.array().colwise() / sd.array()).matrix();
   Table table({"weights", "layer-wise normalisation", "finite outputs",
                "spread over inputs / spread over channels"});
-  const auto add = [&](const std::string& name, const std::array<touch::NetworkBlock, 4>& blocks,
+  const auto add = [&](const std::string& name, const std::array<tactile::NetworkBlock, 4>& blocks,
                        bool normalise) {
     const Eigen::MatrixXd y = run_port(blocks, x, normalise);
     double finite = 0;
@@ -288,7 +290,7 @@ void explain_failure(const Options& options, const Network& network) {
 
 void judge(const Options& options, const Network& network) {
   const Eigen::VectorXd ratios =
-      touch::error_ratios(network.network(network.inputs), network.outputs);
+      tactile::error_ratios(network.network(network.inputs), network.outputs);
   Table table({"channels", "MAE / sd on unseen trajectories"});
   const std::vector<std::string> names = {"pdc", "pac", "tdc", "tac"};
   for (int k = 0; k < 4; ++k) {
@@ -298,13 +300,13 @@ void judge(const Options& options, const Network& network) {
   table.add_row({"e1..e19, worst", fmt::format("{:.3f}", ratios.tail<19>().maxCoeff())});
   table.add_row({"all, mean", fmt::format("{:.3f}", ratios.mean())});
   table.publish(options, "errors", "Errors of network B (target: .2)");
-  const auto felt = touch::sensitivities(network.network, network.inputs, network.outputs);
-  const auto lost =
-      touch::shuffled_input_losses(network.network, network.inputs, network.outputs, options.seed);
+  const auto felt = tactile::sensitivities(network.network, network.inputs, network.outputs);
+  const auto lost = tactile::shuffled_input_losses(network.network, network.inputs, network.outputs,
+                                                   options.seed);
   Table inputs({"input", "sensitivity, sd a sd", "MAE / sd lost when shuffled"});
   const std::vector<std::string> inputs_names = {"cx",  "cy",  "cz",  "f1x", "f1y", "f1z", "f2x",
                                                  "f2y", "f2z", "f3x", "f3y", "f3z", "T"};
-  for (int k = 0; k < touch::kNetworkInputs; ++k) {
+  for (int k = 0; k < tactile::kNetworkInputs; ++k) {
     inputs.add_row({inputs_names[static_cast<std::size_t>(k)], fmt::format("{:.3f}", felt[k]),
                     fmt::format("{:.3f}", lost[k])});
   }
@@ -317,19 +319,19 @@ void network_b(const Options& options) {
   explain_failure(options, network);
   for (const auto& surface : surfaces()) {
     const auto frames = press(surface, options.quick ? 2 : 30, options.seed);
-    const auto rows = touch::biotac_dataset(frames);
-    const auto inputs = touch::network_inputs(rows);
+    const auto rows = tactile::biotac_dataset(frames);
+    const auto inputs = tactile::network_inputs(rows);
     draw(options, surface.name, times_of(frames), inputs, network.network(inputs));
     if (surface.name != "flat") continue;
     const std::size_t middle = frames.size() / 4;
-    draw_maps(options, frames[middle].reading.electrodes - touch::electrode_rest());
+    draw_maps(options, frames[middle].reading.electrodes - tactile::electrode_rest());
   }
-  touch::BiotacDatasetOptions learned;  // the network's own training data (fig. 5.10)
+  tactile::BiotacDatasetOptions learned;  // the network's own training data (fig. 5.10)
   learned.trajectories = 1;
   learned.stride = 1;
   learned.seconds = options.quick ? 1 : 10;
-  const auto frames = touch::simulate_biotac(learned);
-  const auto inputs = touch::network_inputs(touch::biotac_dataset(frames));
+  const auto frames = tactile::simulate_biotac(learned);
+  const auto inputs = tactile::network_inputs(tactile::biotac_dataset(frames));
   draw(options, "training", times_of(frames), inputs, network.network(inputs));
 }
 

@@ -6,12 +6,12 @@
 #include <numbers>
 
 #include "experiment.hpp"
-#include "palpate/core/plot.hpp"
 #include "palpate/core/random.hpp"
 #include "palpate/core/statistics.hpp"
-#include "palpate/geometry/known_object.hpp"
-#include "palpate/geometry/mesh_query.hpp"
-#include "palpate/simulation/blind_grasp.hpp"
+#include "palpate/geometry/objects/known_object.hpp"
+#include "palpate/geometry/query/mesh_query.hpp"
+#include "palpate/plotting/plot.hpp"
+#include "palpate/simulation/hand/open_loop_grasp.hpp"
 
 namespace {
 
@@ -80,11 +80,11 @@ void judge(const geometry::MeshQuery& mesh, const simulation::ObjectStep& step, 
   for (const simulation::ObjectContact& contact : step.contacts) {
     sum += contact.T_world_contact.linear() * contact.wrench.tail<3>();
     if (contact.finger < 0 || contact.wrench[3] < kFelt) continue;
-    const Eigen::VectorXd force = hand::transmission(contact.model) * contact.wrench;
+    const Eigen::VectorXd force = grasping::transmission(contact.model) * contact.wrench;
     ++tally.contacts;
     ++of_finger[static_cast<std::size_t>(contact.finger)];
-    tally.in_cone += hand::is_within_cone(contact.model, contact.friction, force,
-                                          kConeTolerance * contact.wrench.tail<3>().norm());
+    tally.in_cone += grasping::is_within_cone(contact.model, contact.friction, force,
+                                              kConeTolerance * contact.wrench.tail<3>().norm());
     compare(mesh, place_of(step, contact), contact.distance <= deepest_of(step, contact.finger),
             tally);
   }
@@ -132,9 +132,9 @@ std::string share(std::size_t part, std::size_t whole) {
 }
 
 /// Share of the values at or below x, on a logarithmic axis.
-LineSeries distribution(const std::string& name, std::vector<double> values) {
+plotting::LineSeries distribution(const std::string& name, std::vector<double> values) {
   std::sort(values.begin(), values.end());
-  LineSeries series{.name = name, .x = {}, .y = {}};
+  plotting::LineSeries series{.name = name, .x = {}, .y = {}};
   constexpr std::size_t kPoints = 200;
   for (std::size_t i = 0; i <= kPoints; ++i) {
     const std::size_t at = i * (values.size() - 1) / kPoints;
@@ -149,7 +149,7 @@ void run(const experiment::Options& options) {
                            "angle median / p95 / max deg", "position median / p95 / max mm",
                            "force in the cone", "momentum median / p95 / max %",
                            "tips with two contacts"});
-  Plot angles;
+  plotting::Plot angles;
   angles.title = "Solver's contact normal against closest point to tip axis";
   angles.x.label = "angle (deg)";
   angles.x.logarithmic = true;
@@ -170,7 +170,7 @@ void run(const experiment::Options& options) {
     if (tally.contacts > 0) angles.series.emplace_back(distribution(name, tally.angles_deg));
   }
   table.publish(options, "contact_exactness", "Fingertip contacts in grasps, every physics step");
-  experiment::publish_figure(options, "contact_angles", to_svg(angles));
+  experiment::publish_figure(options, "contact_angles", plotting::to_svg(angles));
 }
 
 }  // namespace

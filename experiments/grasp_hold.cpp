@@ -9,13 +9,17 @@
 #include "hand_scene.hpp"
 #include "palpate/core/random.hpp"
 #include "palpate/core/statistics.hpp"
-#include "palpate/pipeline/pick.hpp"
-#include "palpate/pipeline/trial.hpp"
+#include "palpate/evaluation/trial.hpp"
+#include "palpate/hand/tip_forces.hpp"
+#include "palpate/skills/pick.hpp"
 
 namespace {
 
 using namespace palpate;
-using namespace palpate::pipeline;
+using namespace palpate::estimation;
+using namespace palpate::evaluation;
+using namespace palpate::grasping;
+using namespace palpate::skills;
 using experiment::between;
 using experiment::HandScene;
 using experiment::Motion;
@@ -49,7 +53,7 @@ localization::Posterior told_pose(const Eigen::Isometry3d& truth, std::uint64_t 
 int touching_fingers(const hand::HandReading& reading) {
   int count = 0;
   for (int finger = 0; finger < hand::kFingers; ++finger)
-    count += tip_force(reading, finger) > kTouch;
+    count += hand::tip_force(reading, finger) > kTouch;
   return count;
 }
 
@@ -60,7 +64,7 @@ struct Grasp {
   std::string outcome;
 };
 
-Grasp grasp_and_lift(const localization::ObjectModel& model, std::uint64_t seed) {
+Grasp grasp_and_lift(const geometry::ObjectModel& model, std::uint64_t seed) {
   const PickOptions options;
   HandScene scene(model.object(), seed);
   PickState state;
@@ -96,7 +100,7 @@ void run(const experiment::Options& options) {
                              "pressing deg: median / p90", "lifting mm", "lifting deg",
                              "turned by less than 3 deg"});
   for (const std::string& name : names) {
-    const localization::ObjectModel model(geometry::load_known_object(name));
+    const geometry::ObjectModel model(geometry::load_known_object(name));
     std::vector<double> fingers, pressing, way, turn;
     int lifted = 0, many = 0, steady = 0;
     for (int i = 0; i < trials; ++i) {

@@ -7,13 +7,13 @@
 #include "common/experiment.hpp"
 #include "palpate/core/assets.hpp"
 #include "palpate/core/random.hpp"
-#include "palpate/geometry/known_object.hpp"
+#include "palpate/evaluation/trial.hpp"
+#include "palpate/geometry/objects/known_object.hpp"
 #include "palpate/hand/coupling.hpp"
-#include "palpate/pipeline/calibrate_phase.hpp"
-#include "palpate/pipeline/grasp_phase.hpp"
-#include "palpate/pipeline/trial.hpp"
-#include "palpate/simulation/world.hpp"
-#include "palpate/touch/contact_window.hpp"
+#include "palpate/simulation/world/world.hpp"
+#include "palpate/skills/explore/calibrate_phase.hpp"
+#include "palpate/skills/grasp/grasp_phase.hpp"
+#include "palpate/tactile/contacts/contact_window.hpp"
 
 namespace {
 
@@ -23,7 +23,7 @@ constexpr int kPostures = 200;
 
 /// Fingers closed each to its own share from the open hand of a grasp.
 hand::JointVector random_grasp(RandomStream& random) {
-  hand::ActuatorVector posture = pipeline::open_posture(pipeline::top_recipe());
+  hand::ActuatorVector posture = skills::open_posture(skills::top_recipe());
   for (int i = 0; i < hand::kActuators; ++i) {
     if (hand::finger_of_actuator(i) < 0) continue;
     const auto name = hand::kActuatorNames[static_cast<std::size_t>(i)];
@@ -56,7 +56,7 @@ double tip_error(const hand::HandModel& believed, const hand::HandModel& real) {
 double claimed_error(const hand::HandModel& hand) {
   double sum = 0;
   for (int finger = 0; finger < hand::kFingers; ++finger) {
-    sum += 3 * std::pow(touch::link_offset_sigma(hand, finger), 2);
+    sum += 3 * std::pow(tactile::link_offset_sigma(hand, finger), 2);
   }
   return std::sqrt(sum / hand::kFingers);
 }
@@ -68,14 +68,14 @@ struct Sums {
 
 void calibrate(const geometry::KnownObject& object, int touches, std::uint64_t seed, Sums& sums) {
   simulation::World world(object, {}, seed);
-  world.reset(pipeline::draw_start(object, {}, seed), pipeline::waiting_command());
-  pipeline::Robot robot(world.hand(), world.hand_model(), pipeline::waiting_command());
+  world.reset(evaluation::draw_start(object, {}, seed), evaluation::waiting_command());
+  skills::Robot robot(world.hand(), world.hand_model(), evaluation::waiting_command());
   const auto real = simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
   sums.before += std::pow(tip_error(robot.model(), real), 2);
-  pipeline::CalibrateOptions options;
+  skills::CalibrateOptions options;
   options.touches = touches;
-  pipeline::CalibratePhase phase(options);
-  pipeline::PickState state;
+  skills::CalibratePhase phase(options);
+  skills::PickState state;
   const auto report = run_phase(phase, robot, state);
   sums.after += std::pow(tip_error(robot.model(), real), 2);
   sums.claimed += std::pow(claimed_error(robot.model()), 2);

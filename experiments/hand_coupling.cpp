@@ -7,10 +7,10 @@
 #include <numbers>
 
 #include "experiment.hpp"
-#include "palpate/core/plot.hpp"
-#include "palpate/geometry/known_object.hpp"
+#include "palpate/geometry/objects/known_object.hpp"
 #include "palpate/hand/coupling.hpp"
-#include "palpate/simulation/world.hpp"
+#include "palpate/plotting/plot.hpp"
+#include "palpate/simulation/world/world.hpp"
 
 namespace {
 
@@ -95,22 +95,22 @@ void publish_summary(const experiment::Options& options, const Trace& trace) {
 }
 
 void publish_figure(const experiment::Options& options, const Trace& trace) {
-  Plot plot;
+  plotting::Plot plot;
   plot.title = "Joints of the first finger; no motion is commanded of FFJ1";
   plot.x.label = "time (s)";
   plot.x.low = 0;
   plot.x.high = kSeconds;
   plot.y.label = "angle (deg)";
   const auto line = [&](const std::string& name, const std::vector<double>& angles) {
-    LineSeries series{.name = name, .x = trace.time, .y = angles};
+    plotting::LineSeries series{.name = name, .x = trace.time, .y = angles};
     std::transform(angles.begin(), angles.end(), series.y.begin(), degrees);
     plot.series.emplace_back(series);
   };
   line("FFJ1", trace.j1);
   line("FFJ2", trace.j2);
   line("FFJ3", trace.j3);
-  ScatterSeries middle{.name = "FFJ2 waypoints", .x = {}, .y = {}};
-  ScatterSeries proximal{.name = "FFJ3 waypoints", .x = {}, .y = {}};
+  plotting::ScatterSeries middle{.name = "FFJ2 waypoints", .x = {}, .y = {}};
+  plotting::ScatterSeries proximal{.name = "FFJ3 waypoints", .x = {}, .y = {}};
   for (std::size_t i = 1; i < kPath.size(); ++i) {
     const double time = kSeconds * static_cast<double>(i) / (kPath.size() - 1);
     middle.x.push_back(time);
@@ -120,7 +120,7 @@ void publish_figure(const experiment::Options& options, const Trace& trace) {
   }
   plot.series.emplace_back(middle);
   plot.series.emplace_back(proximal);
-  experiment::publish_figure(options, "figure_2_5", to_svg(plot));
+  experiment::publish_figure(options, "figure_2_5", plotting::to_svg(plot));
 }
 
 }  // namespace

@@ -6,12 +6,12 @@
 #include <numbers>
 
 #include "experiment.hpp"
-#include "palpate/core/plot.hpp"
 #include "palpate/core/random.hpp"
 #include "palpate/core/statistics.hpp"
-#include "palpate/geometry/known_object.hpp"
-#include "palpate/hand/force_closure.hpp"
-#include "palpate/simulation/blind_grasp.hpp"
+#include "palpate/geometry/objects/known_object.hpp"
+#include "palpate/grasping/force_closure.hpp"
+#include "palpate/plotting/plot.hpp"
+#include "palpate/simulation/hand/open_loop_grasp.hpp"
 
 namespace {
 
@@ -45,7 +45,7 @@ double squeeze_of(const Eigen::VectorXd& wrenches) {
 }
 
 void look(const simulation::ObjectStep& step, double time_step, Tally& tally) {
-  hand::GraspContacts contacts;
+  grasping::GraspContacts contacts;
   Eigen::VectorXd wrenches(6 * static_cast<Eigen::Index>(step.contacts.size()));
   for (const simulation::ObjectContact& contact : step.contacts) {
     if (contact.link < 0) return;  // it still stands on the table
@@ -57,18 +57,18 @@ void look(const simulation::ObjectStep& step, double time_step, Tally& tally) {
   tally.contacts.push_back(static_cast<double>(contacts.size()));
   const Eigen::Vector3d center = step.T_world_object.translation();
   const Eigen::Vector3d needed = step.momentum_change / time_step - step.gravity;
-  const Vector6d made = hand::object_wrench(hand::grasp_matrix(contacts, center), wrenches);
+  const Vector6d made = grasping::object_wrench(grasping::grasp_matrix(contacts, center), wrenches);
   tally.force_errors.push_back((made.tail<3>() - needed).norm() / step.gravity.norm() * 100);
-  const auto closure = timed(tally.closure_us, [&] { return hand::force_closure(contacts); });
+  const auto closure = timed(tally.closure_us, [&] { return grasping::force_closure(contacts); });
   tally.closed += closure.closed;
   tally.margins.push_back(closure.margin);
   tally.qualities.push_back(
-      timed(tally.quality_us, [&] { return hand::grasp_quality(contacts, center); }));
+      timed(tally.quality_us, [&] { return grasping::grasp_quality(contacts, center); }));
   Vector6d weight = Vector6d::Zero();
   weight.tail<3>() = -step.gravity;
   const auto balance =
-      timed(tally.balance_us, [&] { return hand::balance_wrench(contacts, center, weight); });
-  if (balance.status != hand::BalanceStatus::balanced) return;
+      timed(tally.balance_us, [&] { return grasping::balance_wrench(contacts, center, weight); });
+  if (balance.status != grasping::BalanceStatus::balanced) return;
   ++tally.balanced;
   tally.squeeze.push_back(squeeze_of(wrenches) / squeeze_of(balance.contact_wrenches));
 }
@@ -106,10 +106,10 @@ void run(const experiment::Options& options) {
   experiment::Table table({"object", "grasps lifted", "looks", "contacts", "G w_c error % (max)",
                            "force closure", "margin N", "quality", "weight balanced",
                            "squeeze over least", "closure us", "quality us", "balance us"});
-  Plot plot;
+  plotting::Plot plot;
   plot.title = "Grasp quality (largest ball in the wrench hull) of held objects";
   plot.y.label = "quality (N for 1 N of normal force)";
-  BoxSeries boxes;
+  plotting::BoxSeries boxes;
   const std::vector<std::string> objects =
       options.quick ? std::vector<std::string>{"bracket"}
                     : std::vector<std::string>{"bunny", "mug", "bracket", "bottle", "box"};
@@ -130,7 +130,7 @@ void run(const experiment::Options& options) {
   table.publish(options, "grasp_kinematics", "Held objects: what the contacts can do (medians)");
   if (plot.categories.empty()) return;
   plot.series.emplace_back(boxes);
-  experiment::publish_figure(options, "grasp_quality", to_svg(plot));
+  experiment::publish_figure(options, "grasp_quality", plotting::to_svg(plot));
 }
 
 }  // namespace

@@ -7,26 +7,26 @@
 
 #include "experiment.hpp"
 #include "palpate/core/assets.hpp"
-#include "palpate/core/hypothesis_tests.hpp"
-#include "palpate/core/plot.hpp"
-#include "palpate/learning/policy_io.hpp"
-#include "palpate/learning/rollout.hpp"
+#include "palpate/numerics/hypothesis_tests.hpp"
+#include "palpate/plotting/plot.hpp"
+#include "palpate/tasks/relocate/policies/policy_io.hpp"
+#include "palpate/tasks/relocate/rollout.hpp"
 
 namespace {
 
 using namespace palpate;
 using experiment::Options;
-using learning::Episode;
+using relocate::Episode;
 
 struct Condition {
   std::string name;
-  learning::TaskOptions task;
-  learning::EpisodeOptions episode;
+  relocate::TaskOptions task;
+  relocate::EpisodeOptions episode;
 };
 
 struct Contender {
   std::string name;
-  std::unique_ptr<learning::Policy> policy;
+  std::unique_ptr<relocate::Policy> policy;
 };
 
 std::optional<std::filesystem::path> data_folder() {
@@ -38,11 +38,11 @@ std::optional<std::filesystem::path> data_folder() {
 std::vector<Contender> contenders() {
   std::vector<Contender> result;
   for (const char* name : {"relocate-best", "relocate-memoryless", "relocate-box"}) {
-    result.push_back({name, learning::load_policy(asset(fmt::format("models/{}.json", name)))});
+    result.push_back({name, relocate::load_policy(asset(fmt::format("models/{}.json", name)))});
   }
   if (const auto data = data_folder()) {
     result.push_back(
-        {"published", learning::load_policy(*data / "relocate_mug_published_policy.json")});
+        {"published", relocate::load_policy(*data / "relocate_mug_published_policy.json")});
   }
   return result;
 }
@@ -71,7 +71,7 @@ std::vector<Condition> conditions() {
 
 void add_row(experiment::Table& table, const Condition& condition, const std::string& name,
              const std::vector<Episode>& episodes) {
-  const auto s = learning::summarize(episodes);
+  const auto s = relocate::summarize(episodes);
   table.add_row({condition.name, name, fmt::format("{}", s.episodes),
                  fmt::format("{:.0f} +- {:.0f}", s.mean, s.sd),
                  fmt::format("{:.3f}", s.success_10cm), fmt::format("{:.3f}", s.success_5cm),
@@ -90,7 +90,7 @@ void publish_distributions(const Options& options, const std::vector<Contender>&
                            const std::vector<std::vector<Episode>>& episodes) {
   constexpr std::size_t kBins = 20;
   constexpr double kLow = -500, kHigh = 6500;
-  Plot figure, normal;
+  plotting::Plot figure, normal;
   figure.title = "Returns on the mug of primitives";
   figure.x.label = "return";
   figure.y.label = "share of episodes";
@@ -98,9 +98,9 @@ void publish_distributions(const Options& options, const std::vector<Contender>&
   normal.x.label = "quantile of a standard normal";
   normal.y.label = "return";
   for (std::size_t i = 0; i < policies.size(); ++i) {
-    const auto totals = learning::returns(episodes[i]);
+    const auto totals = relocate::returns(episodes[i]);
     const auto counts = histogram(totals, kLow, kHigh, kBins);
-    LineSeries outline{policies[i].name, {}, {}};
+    plotting::LineSeries outline{policies[i].name, {}, {}};
     for (std::size_t k = 0; k < kBins; ++k) {
       for (const std::size_t edge : {k, k + 1}) {
         outline.x.push_back(kLow + (kHigh - kLow) * static_cast<double>(edge) / kBins);
@@ -108,11 +108,12 @@ void publish_distributions(const Options& options, const std::vector<Contender>&
       }
     }
     figure.series.emplace_back(outline);
-    const auto points = normal_plot(totals);
-    normal.series.emplace_back(ScatterSeries{policies[i].name, points.quantiles, points.values});
+    const auto points = numerics::normal_plot(totals);
+    normal.series.emplace_back(
+        plotting::ScatterSeries{policies[i].name, points.quantiles, points.values});
   }
-  publish_figure(options, "figure-7-6-histograms", to_svg(figure));
-  publish_figure(options, "figure-7-8-normal-plots", to_svg(normal));
+  publish_figure(options, "figure-7-6-histograms", plotting::to_svg(figure));
+  publish_figure(options, "figure-7-8-normal-plots", plotting::to_svg(normal));
 }
 
 void run_all(const Options& options) {
@@ -124,10 +125,10 @@ void run_all(const Options& options) {
       {"condition", "policy", "episodes", "return", "< 10 cm", "< 5 cm", "< 2 cm"});
   experiment::Table differences({"condition", "policy", "return - published, paired [95 %]"});
   for (std::size_t k = 0; k < all.size(); ++k) {
-    const auto model = learning::make_model(all[k].task);
+    const auto model = relocate::make_model(all[k].task);
     std::vector<std::vector<Episode>> episodes;
     for (const auto& contender : policies) {
-      episodes.push_back(learning::rollout(model, *contender.policy, all[k].episode, options.seed,
+      episodes.push_back(relocate::rollout(model, *contender.policy, all[k].episode, options.seed,
                                            count, options.threads));
       add_row(table, all[k], contender.name, episodes.back());
     }

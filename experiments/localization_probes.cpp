@@ -9,11 +9,11 @@
 
 #include "experiment.hpp"
 #include "palpate/core/parallel.hpp"
-#include "palpate/core/plot.hpp"
 #include "palpate/core/statistics.hpp"
-#include "palpate/geometry/mesh_query.hpp"
-#include "palpate/localization/grasp_scene.hpp"
-#include "palpate/localization/next_touch.hpp"
+#include "palpate/geometry/query/mesh_query.hpp"
+#include "palpate/localization/information/next_touch.hpp"
+#include "palpate/localization/synthetic/grasp_scene.hpp"
+#include "palpate/plotting/plot.hpp"
 
 namespace {
 
@@ -31,7 +31,7 @@ constexpr int kNever = 1000;
 struct Subject {
   explicit Subject(const std::string& name)
       : model(geometry::load_known_object(name)), mesh(model.object().mesh) {}
-  ObjectModel model;
+  geometry::ObjectModel model;
   geometry::MeshQuery mesh;
 };
 
@@ -75,7 +75,7 @@ void touch(const Subject& subject, const Eigen::Isometry3d& truth, const Probe& 
   if (!end.hit) return;
   const Eigen::Vector3d center = probe.start + end.distance * probe.direction;
   const auto closest = subject.mesh.closest_point(truth.inverse() * center);
-  touch::Contact contact;
+  tactile::Contact contact;
   contact.p = truth * closest.point;
   contact.n = (center - contact.p).normalized();
   evidence.contacts.push_back(disturbed(contact, 0.001, 0.1745, random));
@@ -156,8 +156,8 @@ Policy run_policy(const experiment::Options& options, const Subject& subject, bo
   return policy;
 }
 
-LineSeries reached(const std::string& name, const std::vector<double>& probes) {
-  LineSeries line{name, {}, {}};
+plotting::LineSeries reached(const std::string& name, const std::vector<double>& probes) {
+  plotting::LineSeries line{name, {}, {}};
   for (int k = 0; k <= 12; ++k) {
     const auto done = std::count_if(probes.begin(), probes.end(), [k](double p) { return p <= k; });
     line.x.push_back(k);
@@ -188,12 +188,12 @@ void probes(const experiment::Options& options) {
     random_probes.insert(random_probes.end(), random.probes.begin(), random.probes.end());
   }
   table.publish(options, "probes", "Touches until the pose is certain and stays so, on the table");
-  Plot plot;
+  plotting::Plot plot;
   plot.title = "Touches until the pose is certain, all objects";
   plot.x = {"touches", false, 0.0, 12.0};
   plot.y = {"share of trials certain", false, 0.0, 1.0};
   plot.series = {reached("chosen by information", chosen_probes), reached("random", random_probes)};
-  experiment::publish_figure(options, "probes", to_svg(plot));
+  experiment::publish_figure(options, "probes", plotting::to_svg(plot));
 }
 
 }  // namespace

@@ -9,10 +9,10 @@
 #include "experiment.hpp"
 #include "palpate/core/assets.hpp"
 #include "palpate/core/parallel.hpp"
-#include "palpate/core/plot.hpp"
 #include "palpate/core/statistics.hpp"
-#include "palpate/localization/grasp_scene.hpp"
-#include "palpate/simulation/world.hpp"
+#include "palpate/localization/synthetic/grasp_scene.hpp"
+#include "palpate/plotting/plot.hpp"
+#include "palpate/simulation/world/world.hpp"
 #include "processor_time.hpp"
 
 namespace {
@@ -113,7 +113,7 @@ std::vector<Cell> wrong_cells() {
 struct Subject {
   explicit Subject(geometry::KnownObject object)
       : model(std::move(object)), mesh(model.object().mesh) {}
-  ObjectModel model;
+  geometry::ObjectModel model;
   geometry::MeshQuery mesh;
 };
 
@@ -260,15 +260,15 @@ void publish_calibration(const Bench& bench, const std::vector<Outcome>& pool) {
                   "above .95: {:.3f} of {}; truth in the 95 % set: {:.3f}",
                   pool.size(), bins.error, sure.empty() ? 1.0 : mean_of(sure, &Outcome::success),
                   sure.size(), mean_of(pool, &Outcome::covered)));
-  Plot plot;
+  plotting::Plot plot;
   plot.title = "Stated probability and share right";
   plot.x = {"stated probability of the best pose", false, 0.0, 1.0};
   plot.y = {"share within 5 deg and 10 mm", false, 0.0, 1.0};
-  plot.series = {LineSeries{"perfect", {0, 1}, {0, 1}},
-                 LineSeries{"measured", bins.stated, bins.right},
-                 ScatterSeries{"", bins.stated, bins.right}};
+  plot.series = {plotting::LineSeries{"perfect", {0, 1}, {0, 1}},
+                 plotting::LineSeries{"measured", bins.stated, bins.right},
+                 plotting::ScatterSeries{"", bins.stated, bins.right}};
   plot.width = plot.height = 440;
-  experiment::publish_figure(bench.options, "calibration", to_svg(plot));
+  experiment::publish_figure(bench.options, "calibration", plotting::to_svg(plot));
 }
 
 /// The usual search and one of ten times the proposals, particles and starts on the same scenes.
@@ -320,12 +320,12 @@ void publish_time(Bench& bench) {
 void publish_success(Bench& bench) {
   const std::vector<int> counts =
       bench.options.quick ? std::vector<int>{5} : std::vector<int>{3, 5, 7, 10, 14, 20};
-  Plot plot;
+  plotting::Plot plot;
   plot.title = "Success from several grasps, nothing known of the pose before";
   plot.x = {"contacts", false, 0.0, 20.0};
   plot.y = {"share within 5 deg and 10 mm", false, 0.0, 1.0};
   for (const auto& [object, subject] : bench.subjects) {
-    LineSeries line{object, {}, {}};
+    plotting::LineSeries line{object, {}, {}};
     for (int count : counts) {
       const auto outcomes =
           run_cell(bench, object, cell("", count, false, true, true), bench.options.quick ? 1 : 50);
@@ -334,7 +334,7 @@ void publish_success(Bench& bench) {
     }
     plot.series.push_back(line);
   }
-  experiment::publish_figure(bench.options, "success", to_svg(plot));
+  experiment::publish_figure(bench.options, "success", plotting::to_svg(plot));
 }
 
 void tables(const experiment::Options& options) {

@@ -8,9 +8,9 @@
 #include "experiment.hpp"
 #include "moving_object.hpp"
 #include "palpate/core/parallel.hpp"
-#include "palpate/core/plot.hpp"
 #include "palpate/core/statistics.hpp"
-#include "palpate/localization/tracker.hpp"
+#include "palpate/localization/tracking/tracker.hpp"
+#include "palpate/plotting/plot.hpp"
 
 namespace {
 
@@ -77,8 +77,8 @@ double share_within(const std::vector<Run>& runs, std::size_t first, std::size_t
   return good / count;
 }
 
-LineSeries median_error(const std::string& name, const std::vector<Run>& runs) {
-  LineSeries line{name, {}, {}};
+plotting::LineSeries median_error(const std::string& name, const std::vector<Run>& runs) {
+  plotting::LineSeries line{name, {}, {}};
   for (std::size_t k = 0; k < runs.front().errors.size(); k += 2) {
     std::vector<double> errors;
     for (const Run& run : runs) errors.push_back(run.errors[k].rotation / kDegree);
@@ -98,7 +98,7 @@ void tracking(const experiment::Options& options) {
   experiment::Table table({"object", "setting", "share within 5 deg, 10 mm", "at .2 s after",
                            "at 1 s after", "false alarms a second", "slips found",
                            "step us (median, p99)"});
-  Plot plot;
+  plotting::Plot plot;
   plot.title = "Rotation error, slip of 5 mm and 10 deg at 4 s";
   plot.x = {"time (s)", false, {}, {}};
   plot.y = {"median rotation error (deg)", false, 0.0, {}};
@@ -136,7 +136,7 @@ void tracking(const experiment::Options& options) {
     fmt::print(stderr, "{} done\n", name);
   }
   table.publish(options, "tracking", "Tracking at 100 Hz, 5 contacts, 2 cm/s and 20 deg/s rms");
-  experiment::publish_figure(options, "tracking", to_svg(plot));
+  experiment::publish_figure(options, "tracking", plotting::to_svg(plot));
 }
 
 }  // namespace

@@ -9,12 +9,16 @@
 #include "experiment.hpp"
 #include "palpate/core/parallel.hpp"
 #include "palpate/core/statistics.hpp"
-#include "palpate/pipeline/trial.hpp"
+#include "palpate/evaluation/trial.hpp"
+#include "palpate/simulation/collision/forward_model.hpp"
 
 namespace {
 
 using namespace palpate;
-using namespace palpate::pipeline;
+using namespace palpate::estimation;
+using namespace palpate::evaluation;
+using namespace palpate::grasping;
+using namespace palpate::skills;
 
 constexpr double kDegree = M_PI / 180;
 constexpr double kTouches = 0.0005;  // m over the table
@@ -65,7 +69,7 @@ class Watch {
     options_.place.target = "random";
     options_.place.again = again;
   }
-  Outcome run(const localization::ObjectModel& model);
+  Outcome run(const geometry::ObjectModel& model);
 
  private:
   Error error_at(std::size_t tick, const PlaceResult& place, bool at_target) const;
@@ -95,16 +99,18 @@ Error Watch::error_at(std::size_t tick, const PlaceResult& place, bool at_target
   return error;
 }
 
-Outcome Watch::run(const localization::ObjectModel& model) {
+Outcome Watch::run(const geometry::ObjectModel& model) {
   world_.reset(draw_start(object_, options_.start, seed_), waiting_command());
   std::map<Mark, std::size_t> marks;
   std::map<std::string, std::size_t, std::less<>> begins, ends;
+  const simulation::SimulatedModels models;
   Robot robot(world_.hand(), world_.hand_model(), waiting_command(),
               {[&](const hand::HandReading& reading, const auto&) {
                  const auto truth = world_.truth();
                  ticks_.push_back({reading.base.pose(), truth.T_world_object, truth.lowest_point});
                },
-               [&](Mark mark) { marks[mark] = ticks_.size() - 1; }});
+               [&](Mark mark) { marks[mark] = ticks_.size() - 1; }},
+              &models);
   PhaseObserver observer{
       [&](std::string_view phase, double) { begins[std::string(phase)] = ticks_.size() - 1; },
       [&](const PhaseReport& report, double) { ends[report.name] = ticks_.size() - 1; }};
@@ -178,7 +184,7 @@ void add_rows(const std::string& name, const std::vector<Outcome>& outcomes,
 
 std::vector<Outcome> run_all(const experiment::Options& options, const std::string& name,
                              bool again) {
-  const localization::ObjectModel model(geometry::load_known_object(name));
+  const geometry::ObjectModel model(geometry::load_known_object(name));
   std::vector<Outcome> outcomes(options.quick ? 1 : kTrials);
   parallel_ordered(
       outcomes.size(), options.threads,

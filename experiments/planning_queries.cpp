@@ -4,11 +4,12 @@
 #include <algorithm>
 
 #include "experiment.hpp"
-#include "palpate/core/plot.hpp"
 #include "palpate/core/random.hpp"
 #include "palpate/core/statistics.hpp"
 #include "palpate/hand/coupling.hpp"
 #include "palpate/planning/planner.hpp"
+#include "palpate/plotting/plot.hpp"
+#include "palpate/simulation/collision/collision_scene.hpp"
 
 namespace {
 
@@ -162,7 +163,7 @@ void planning_queries(const experiment::Options& options) {
   const std::vector<std::string> columns = {
       "planner", "queries about", "queries", "found (95 % CI)",   "free of collision",
       "detours", "median ms",     "95 % ms", "median s of motion"};
-  BoxSeries boxes{.name = "", .samples = {}};
+  plotting::BoxSeries boxes{.name = "", .samples = {}};
   const std::vector<std::string> planners = {"rrt-connect", "prm", "fmt", "rrt-star"};
   experiment::Table table(columns), others(columns);
   ask_all(table, objects, Kind::anywhere, planners.front(), queries, options.seed);
@@ -179,13 +180,13 @@ void planning_queries(const experiment::Options& options) {
     boxes.samples.push_back(tally.seconds);
   }
   others.publish(options, "planners", "The other planners, about one object");
-  Plot plot;
+  plotting::Plot plot;
   plot.title = "Planning time of a motion around an obstacle";
   plot.x.label = "planner";
   plot.y = {.label = "time (s)", .logarithmic = true, .low = {}, .high = {}};
   plot.categories = planners;
   plot.series = {boxes};
-  experiment::publish_figure(options, "seconds", to_svg(plot));
+  experiment::publish_figure(options, "seconds", plotting::to_svg(plot));
 }
 
 }  // namespace

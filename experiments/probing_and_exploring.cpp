@@ -11,14 +11,17 @@
 #include "experiment.hpp"
 #include "hand_scene.hpp"
 #include "palpate/core/statistics.hpp"
-#include "palpate/pipeline/locate_phase.hpp"
-#include "palpate/pipeline/trial.hpp"
-#include "palpate/touch/contact_window.hpp"
+#include "palpate/evaluation/trial.hpp"
+#include "palpate/skills/grasp/pose_phase.hpp"
+#include "palpate/tactile/contacts/contact_window.hpp"
 
 namespace {
 
 using namespace palpate;
-using namespace palpate::pipeline;
+using namespace palpate::estimation;
+using namespace palpate::evaluation;
+using namespace palpate::grasping;
+using namespace palpate::skills;
 using experiment::between;
 using experiment::Motion;
 using Scene = experiment::HandScene;
@@ -38,7 +41,7 @@ struct Exploring {
   std::size_t contacts = 0;  // within the time allowed
 };
 
-Exploring explore(Scene& scene, PickState& state, const localization::ObjectModel& model,
+Exploring explore(Scene& scene, PickState& state, const geometry::ObjectModel& model,
                   std::size_t touches, std::uint64_t seed) {
   const PickOptions defaults;
   ExploreOptions options = defaults.explore;
@@ -62,10 +65,10 @@ struct Probing {
   bool kept = false;            // and lifted
 };
 
-std::vector<touch::Contact> contacts_at(const Robot& robot, std::size_t reading) {
+std::vector<tactile::Contact> contacts_at(const Robot& robot, std::size_t reading) {
   const std::span<const hand::HandReading> readings(robot.log().readings);
-  return touch::lasting_contacts(readings.subspan(reading + 1 - kWindow, kWindow), robot.model(),
-                                 {});
+  return tactile::lasting_contacts(readings.subspan(reading + 1 - kWindow, kWindow), robot.model(),
+                                   {});
 }
 
 /// The finger whose tip is farthest from where it was.
@@ -121,7 +124,7 @@ bool lift(Scene& scene, PickState& state, double weight) {
 
 /// Probes as often as it may, whether or not the pose is in doubt.
 /// @return nothing if no pose was found in the closed hand
-std::optional<Probing> probe(Scene& scene, PickState& state, const localization::ObjectModel& model,
+std::optional<Probing> probe(Scene& scene, PickState& state, const geometry::ObjectModel& model,
                              int most, std::uint64_t seed) {
   PickOptions options;
   options.probe.most = most;
@@ -197,7 +200,7 @@ void run(const experiment::Options& options) {
                             "a touch moves mm: median / p95", "turns deg", "all touches move mm",
                             "turn deg", "kept and lifted"});
   for (const std::string& name : names) {
-    const localization::ObjectModel model(geometry::load_known_object(name));
+    const geometry::ObjectModel model(geometry::load_known_object(name));
     Tally tally;
     for (int i = 0; i < trials; ++i) {
       const std::uint64_t seed = options.seed + static_cast<std::uint64_t>(i);

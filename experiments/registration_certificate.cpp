@@ -5,12 +5,12 @@
 #include <string>
 #include <vector>
 
-#include "../tests/registration/problems.hpp"
 #include "experiment.hpp"
 #include "palpate/core/statistics.hpp"
 #include "palpate/registration/dual_sdp.hpp"
 #include "palpate/registration/pose.hpp"
 #include "processor_time.hpp"
+#include "registration/problems.hpp"
 
 namespace {
 

@@ -5,11 +5,11 @@
 #include <string>
 #include <vector>
 
-#include "../tests/registration/problems.hpp"
 #include "experiment.hpp"
 #include "palpate/registration/consistency_graph.hpp"
 #include "palpate/registration/pose.hpp"
 #include "palpate/registration/registration.hpp"
+#include "registration/problems.hpp"
 
 namespace {
 

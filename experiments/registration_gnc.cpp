@@ -8,12 +8,12 @@
 #include <string>
 #include <vector>
 
-#include "../tests/registration/problems.hpp"
 #include "experiment.hpp"
-#include "palpate/core/plot.hpp"
 #include "palpate/core/statistics.hpp"
+#include "palpate/plotting/plot.hpp"
 #include "palpate/registration/gnc.hpp"
 #include "palpate/registration/pose.hpp"
+#include "registration/problems.hpp"
 
 namespace {
 
@@ -132,13 +132,13 @@ void draw_boxes(const experiment::Options& options, const Runs& literal, const R
       {"fig_6_8_position", "Position error (fig. 6.8)", "position error (mm)", &Run::millimetres, 1,
        true}};
   for (const Figure& figure : figures) {
-    Plot plot{.title = figure.title,
-              .x = {.label = "outliers"},
-              .y = {.label = figure.axis, .logarithmic = figure.logarithmic},
-              .categories = share_names()};
+    plotting::Plot plot{.title = figure.title,
+                        .x = {.label = "outliers"},
+                        .y = {.label = figure.axis, .logarithmic = figure.logarithmic},
+                        .categories = share_names()};
     for (const auto& [name, runs] :
          {std::pair{"literal rule", &literal}, {"corrected", &corrected}}) {
-      BoxSeries series{.name = name, .samples = {}};
+      plotting::BoxSeries series{.name = name, .samples = {}};
       for (const auto& share : *runs) {
         auto samples = values(share, figure.member);
         for (double& v : samples) v = std::max(v * figure.scale, figure.logarithmic ? 1e-9 : 0.0);
@@ -146,7 +146,7 @@ void draw_boxes(const experiment::Options& options, const Runs& literal, const R
       }
       plot.series.emplace_back(series);
     }
-    experiment::publish_figure(options, figure.file, to_svg(plot));
+    experiment::publish_figure(options, figure.file, plotting::to_svg(plot));
   }
 }
 
@@ -178,28 +178,29 @@ void tabulate(const experiment::Options& options, const std::vector<std::pair<Ru
 
 /// Weights of one run (figure 6.9) and, for every share, how many are not zero (6.10, C.1-C.5).
 void draw_weights(const experiment::Options& options, const Runs& runs, const std::string& rule) {
-  Plot weights{.title = "Weights over the iterations, 10 % outliers, " + rule + " (fig. 6.9)",
-               .x = {.label = "outer iteration"},
-               .y = {.label = "weight"}};
+  plotting::Plot weights{
+      .title = "Weights over the iterations, 10 % outliers, " + rule + " (fig. 6.9)",
+      .x = {.label = "outer iteration"},
+      .y = {.label = "weight"}};
   const auto& history = runs[0][0].gnc.history;
   for (std::size_t i = 0; i < 60 && !history.empty(); ++i) {
     const std::size_t pair = i * history[0].weights.size() / 60;
-    LineSeries line;
+    plotting::LineSeries line;
     for (std::size_t t = 0; t < history.size(); ++t) {
       line.x.push_back(static_cast<double>(t + 1));
       line.y.push_back(history[t].weights[pair]);
     }
     weights.series.emplace_back(line);
   }
-  experiment::publish_figure(options, "fig_6_9_weights_" + rule, to_svg(weights));
+  experiment::publish_figure(options, "fig_6_9_weights_" + rule, plotting::to_svg(weights));
   for (std::size_t k = 0; k < kShares; ++k) {
-    Plot plot{
+    plotting::Plot plot{
         .title = fmt::format("Weights that are not zero, {}0 % outliers, {} ({})", k + 1, rule,
                              k == 0 ? "figs 6.10, C.1" : fmt::format("fig. C.{}", k / 2 + 1)),
         .x = {.label = "outer iteration"},
         .y = {.label = "number of weights"}};
     for (const Run& r : runs[k]) {
-      LineSeries line;
+      plotting::LineSeries line;
       for (std::size_t t = 0; t < r.gnc.history.size(); ++t) {
         line.x.push_back(static_cast<double>(t + 1));
         line.y.push_back(static_cast<double>(
@@ -208,43 +209,43 @@ void draw_weights(const experiment::Options& options, const Runs& runs, const st
       plot.series.emplace_back(line);
     }
     experiment::publish_figure(options, fmt::format("fig_c_nonzero_{}0_{}", k + 1, rule),
-                               to_svg(plot));
+                               plotting::to_svg(plot));
   }
 }
 
 void draw_surrogate(const experiment::Options& options) {
-  Plot plot{.title = "TLS surrogate for c = 1 (thesis fig. 6.2)",
-            .x = {.label = "residual r / c"},
-            .y = {.label = "cost / c^2", .high = 2}};
+  plotting::Plot plot{.title = "TLS surrogate for c = 1 (thesis fig. 6.2)",
+                      .x = {.label = "residual r / c"},
+                      .y = {.label = "cost / c^2", .high = 2}};
   for (const double mu : {0.05, 0.2, 1.0, 5.0, 100.0}) {
-    LineSeries line{.name = fmt::format("mu = {}", mu), .x = {}, .y = {}};
+    plotting::LineSeries line{.name = fmt::format("mu = {}", mu), .x = {}, .y = {}};
     for (double r = -3; r <= 3; r += 0.02) {
       line.x.push_back(r);
       line.y.push_back(surrogate_cost(RobustCost::kTruncatedLeastSquares, r * r, mu, 1));
     }
     plot.series.emplace_back(line);
   }
-  experiment::publish_figure(options, "fig_6_2_surrogate", to_svg(plot));
+  experiment::publish_figure(options, "fig_6_2_surrogate", plotting::to_svg(plot));
 }
 
 /// Source and target of one problem, seen along x.
 void draw_clouds(const experiment::Options& options) {
   const auto problem = thesis_problem(0, options.seed, 1000);
-  Plot plot{.title = "Target and source, 45 deg apart, seen from above (fig. 6.3)",
-            .x = {.label = "x (m)"},
-            .y = {.label = "y (m)"},
-            .width = 560,
-            .height = 520};
+  plotting::Plot plot{.title = "Target and source, 45 deg apart, seen from above (fig. 6.3)",
+                      .x = {.label = "x (m)"},
+                      .y = {.label = "y (m)"},
+                      .width = 560,
+                      .height = 520};
   for (const auto& [name, points] : {std::pair{"target", &problem.correspondences.target},
                                      {"source", &problem.correspondences.source}}) {
-    ScatterSeries series{.name = name, .x = {}, .y = {}};
+    plotting::ScatterSeries series{.name = name, .x = {}, .y = {}};
     for (const auto& p : *points) {
       series.x.push_back(p.x());
       series.y.push_back(p.y());
     }
     plot.series.emplace_back(series);
   }
-  experiment::publish_figure(options, "fig_6_3_clouds", to_svg(plot));
+  experiment::publish_figure(options, "fig_6_3_clouds", plotting::to_svg(plot));
 }
 
 void experiment_gnc(const experiment::Options& options) {

@@ -7,14 +7,14 @@
 #include <string>
 #include <vector>
 
-#include "../tests/registration/problems.hpp"
 #include "experiment.hpp"
-#include "palpate/core/plot.hpp"
-#include "palpate/geometry/fpfh.hpp"
-#include "palpate/geometry/normals.hpp"
-#include "palpate/geometry/outlier_filter.hpp"
+#include "palpate/geometry/cloud/fpfh.hpp"
+#include "palpate/geometry/cloud/normals.hpp"
+#include "palpate/geometry/cloud/outlier_filter.hpp"
+#include "palpate/plotting/plot.hpp"
 #include "palpate/registration/cloud_registration.hpp"
-#include "palpate/touch/contact_log.hpp"
+#include "palpate/tactile/contacts/contact_log.hpp"
+#include "registration/problems.hpp"
 #include "sliding_finger.hpp"
 
 namespace {
@@ -102,13 +102,13 @@ void publish_matches(const experiment::Options& options, const Sweep& sweep) {
   if (options.quick) sizes = {100, 500, 1000};
   Table table({"target points", "matches", "within 5 mm", "matches, filtered",
                "within 5 mm, filtered", "thesis"});
-  Plot plot{.title = "Mutual FPFH matches of swept contacts (thesis fig. 6.4)",
-            .x = {.label = "target points", .logarithmic = true},
-            .y = {.label = "matches"}};
-  LineSeries lines[4] = {{.name = "all contacts", .x = {}, .y = {}},
-                         {.name = "of these within 5 mm", .x = {}, .y = {}},
-                         {.name = "filtered", .x = {}, .y = {}},
-                         {.name = "of these within 5 mm (filtered)", .x = {}, .y = {}}};
+  plotting::Plot plot{.title = "Mutual FPFH matches of swept contacts (thesis fig. 6.4)",
+                      .x = {.label = "target points", .logarithmic = true},
+                      .y = {.label = "matches"}};
+  plotting::LineSeries lines[4] = {{.name = "all contacts", .x = {}, .y = {}},
+                                   {.name = "of these within 5 mm", .x = {}, .y = {}},
+                                   {.name = "filtered", .x = {}, .y = {}},
+                                   {.name = "of these within 5 mm (filtered)", .x = {}, .y = {}}};
   for (const std::size_t n : sizes) {
     const PointCloud target = sampled(sweep.mesh, n, RandomStream(options.seed, "target"));
     const Matches raw = match(contacts, target, area), clean = match(filtered, target, area);
@@ -125,7 +125,7 @@ void publish_matches(const experiment::Options& options, const Sweep& sweep) {
                 fmt::format("{} {} ({} after the filter of 1000 neighbours and ratio "
                             "0.5) against targets of growing density",
                             contacts.size(), sweep.title, filtered.size()));
-  experiment::publish_figure(options, "fig_6_4_" + sweep.name, to_svg(plot));
+  experiment::publish_figure(options, "fig_6_4_" + sweep.name, plotting::to_svg(plot));
 }
 
 /// The contacts that touch_bunny recorded beside this experiment's folder, if it did, in the frame
@@ -137,7 +137,7 @@ std::optional<Sweep> recorded_sweep(const experiment::Options& options,
   constexpr std::size_t kEvery = 10;  // neighbouring ticks touch the same place
   const Eigen::Vector3d shift(0, 0, object.stances[0].height);
   PointCloud contacts;
-  for (const auto& log : touch::read_contact_log(file)) {
+  for (const auto& log : tactile::read_contact_log(file)) {
     for (std::size_t i = 0; i < log.frames.size(); i += kEvery) {
       if (!log.normals[i]) continue;
       contacts.points.push_back(log.frames[i].contacts.front().p - shift);

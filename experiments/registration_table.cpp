@@ -6,12 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "../tests/registration/problems.hpp"
 #include "experiment.hpp"
 #include "palpate/core/statistics.hpp"
-#include "palpate/geometry/known_object.hpp"
+#include "palpate/geometry/objects/known_object.hpp"
 #include "palpate/registration/registration.hpp"
 #include "processor_time.hpp"
+#include "registration/problems.hpp"
 
 namespace {
 

@@ -7,13 +7,13 @@
 #include "experiment.hpp"
 #include "palpate/core/assets.hpp"
 #include "palpate/core/statistics.hpp"
-#include "palpate/learning/policy_io.hpp"
-#include "palpate/pipeline/relocation.hpp"
+#include "palpate/tasks/relocate/policies/policy_io.hpp"
+#include "palpate/tasks/relocate/relocation.hpp"
 
 namespace {
 
 using namespace palpate;
-using pipeline::FeltEpisode;
+using relocate::FeltEpisode;
 
 struct Case {
   std::string name;
@@ -31,8 +31,8 @@ double median_mm(const std::vector<FeltEpisode>& episodes, double FeltEpisode::*
 }
 
 std::vector<std::string> row(const Subject& subject, const std::string& name,
-                             const std::vector<learning::Episode>& episodes) {
-  const auto summary = learning::summarize(episodes);
+                             const std::vector<relocate::Episode>& episodes) {
+  const auto summary = relocate::summarize(episodes);
   return {subject.object,
           subject.policy,
           name,
@@ -45,7 +45,7 @@ std::vector<std::string> row(const Subject& subject, const std::string& name,
 
 std::vector<std::string> felt_row(const Subject& subject, const std::string& name,
                                   const std::vector<FeltEpisode>& felt) {
-  std::vector<learning::Episode> episodes;
+  std::vector<relocate::Episode> episodes;
   for (const auto& episode : felt) episodes.push_back(episode.episode);
   auto cells = row(subject, name, episodes);
   cells.push_back(fmt::format("{:.1f}", median_mm(felt, &FeltEpisode::resting_error)));
@@ -69,19 +69,19 @@ void relocate(const experiment::Options& options) {
                            "error at first mm (median)", "error at the end mm (median)", "explored",
                            "an estimate takes ms (median)"});
   for (const Subject& subject : subjects) {
-    learning::TaskOptions task;
+    relocate::TaskOptions task;
     task.object = subject.object;
-    const auto policy = learning::load_policy(asset(fmt::format("models/{}.json", subject.policy)));
+    const auto policy = relocate::load_policy(asset(fmt::format("models/{}.json", subject.policy)));
     auto truth = row(subject, "true place",
-                     learning::rollout(learning::make_model(task), *policy, {}, options.seed, count,
+                     relocate::rollout(relocate::make_model(task), *policy, {}, options.seed, count,
                                        options.threads));
     truth.insert(truth.end(), {"0", "0", "", ""});
     table.add_row(truth);
     for (const Case& what : options.quick ? std::vector<Case>{cases[2]} : cases) {
-      pipeline::RelocationOptions relocation;
+      relocate::RelocationOptions relocation;
       relocation.explore = what.explore;
       relocation.felt.estimate = what.estimate;
-      const auto felt = pipeline::Relocation(task, relocation)
+      const auto felt = relocate::Relocation(task, relocation)
                             .run_all(*policy, {}, options.seed, count, options.threads);
       table.add_row(felt_row(subject, what.name, felt));
     }

@@ -9,13 +9,17 @@
 #include "experiment.hpp"
 #include "palpate/core/parallel.hpp"
 #include "palpate/core/statistics.hpp"
-#include "palpate/pipeline/finger_reorient.hpp"
-#include "palpate/pipeline/trial.hpp"
+#include "palpate/evaluation/trial.hpp"
+#include "palpate/simulation/collision/forward_model.hpp"
+#include "palpate/skills/reorient/in_hand_reorientation.hpp"
 
 namespace {
 
 using namespace palpate;
-using namespace palpate::pipeline;
+using namespace palpate::estimation;
+using namespace palpate::evaluation;
+using namespace palpate::grasping;
+using namespace palpate::skills;
 
 constexpr double kDegree = M_PI / 180;
 constexpr double kAsked = 15 * kDegree;
@@ -33,11 +37,12 @@ struct Outcome {
 
 /// The same turn for the true and for the estimated pose, so that the estimate's error at the
 /// start, which is the pick's, does not count.
-Outcome run_one(const localization::ObjectModel& object, std::uint64_t seed) {
+Outcome run_one(const geometry::ObjectModel& object, std::uint64_t seed) {
   const TrialOptions trial;
   simulation::World world(object.object(), trial.world, seed);
   world.reset(draw_start(object.object(), trial.start, seed), waiting_command());
-  Robot robot(world.hand(), world.hand_model(), waiting_command());
+  const simulation::SimulatedModels models;
+  Robot robot(world.hand(), world.hand_model(), waiting_command(), {}, &models);
   const PickResult picked = pick(robot, object, trial.pick, seed);
   const auto& modes = picked.estimate.posterior.modes;
   Outcome outcome;
@@ -125,7 +130,7 @@ void fingers(const experiment::Options& options) {
   const std::size_t count = options.quick ? 1 : kTrials;
   experiment::Table table({"object", "held", "within .1 rad, 1 cm", "dropped", "rotation error deg",
                            "way mm", "tracking error deg", "robot s", "planning s", "ends"});
-  std::vector<localization::ObjectModel> objects;
+  std::vector<geometry::ObjectModel> objects;
   for (const auto& name : names) objects.emplace_back(geometry::load_known_object(name));
   // The objects take turns, so that a run that is stopped has tried all of them alike.
   std::vector<std::vector<Outcome>> outcomes(names.size(), std::vector<Outcome>(count));

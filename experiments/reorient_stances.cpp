@@ -9,13 +9,17 @@
 #include "experiment.hpp"
 #include "palpate/core/parallel.hpp"
 #include "palpate/core/statistics.hpp"
-#include "palpate/pipeline/regrasp.hpp"
-#include "palpate/pipeline/trial.hpp"
+#include "palpate/evaluation/trial.hpp"
+#include "palpate/simulation/collision/forward_model.hpp"
+#include "palpate/skills/reorient/regrasp.hpp"
 
 namespace {
 
 using namespace palpate;
-using namespace palpate::pipeline;
+using namespace palpate::estimation;
+using namespace palpate::evaluation;
+using namespace palpate::grasping;
+using namespace palpate::skills;
 
 constexpr double kDegree = M_PI / 180;
 constexpr double kSameStance = 5 * kDegree;
@@ -50,13 +54,14 @@ bool same_stance(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b,
   });
 }
 
-Outcome run_one(const localization::ObjectModel& object, const Change& change, std::uint64_t seed) {
+Outcome run_one(const geometry::ObjectModel& object, const Change& change, std::uint64_t seed) {
   const auto& known = object.object();
   TrialOptions options;
   options.start.stance = stance_with_up(known, change.from);
   simulation::World world(known, options.world, seed);
   world.reset(draw_start(known, options.start, seed), waiting_command());
-  Robot robot(world.hand(), world.hand_model(), waiting_command());
+  const simulation::SimulatedModels models;
+  Robot robot(world.hand(), world.hand_model(), waiting_command(), {}, &models);
   RandomStream random(seed, "target");
   PlaceTarget target{.kind = PlaceTarget::Kind::pose};
   target.T_world_object = resting_pose(
@@ -130,7 +135,7 @@ void stances(const experiment::Options& options) {
                            "plan s (median)", "robot s (median)", "ends of rounds"});
   for (const Change& change : changes) {
     if (options.quick && change.object != "bottle") continue;
-    const localization::ObjectModel object(geometry::load_known_object(change.object));
+    const geometry::ObjectModel object(geometry::load_known_object(change.object));
     std::vector<Outcome> outcomes(count);
     parallel_ordered(
         count, options.threads,

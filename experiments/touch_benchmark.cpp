@@ -4,16 +4,16 @@
 #include <ctime>
 #include <map>
 
-#include "../tests/touch/sliding_score.hpp"
 #include "experiment.hpp"
-#include "palpate/core/plot.hpp"
 #include "palpate/core/statistics.hpp"
+#include "palpate/plotting/plot.hpp"
+#include "tactile/sliding_score.hpp"
 
 namespace {
 
 using namespace palpate;
 using namespace palpate::experiment;
-using namespace palpate::touch;
+using namespace palpate::tactile;
 
 struct Result {
   SlidingScore score;
@@ -50,15 +50,15 @@ std::string nees_of(const Result& result) {
 /// Medians by surface, one bar an estimator.
 std::string figure(const std::map<std::string, std::vector<double>>& medians,
                    const std::string& title) {
-  Plot plot;
+  plotting::Plot plot;
   plot.title = title;
   plot.y.label = "median angle error (deg)";
   plot.y.logarithmic = true;
   for (auto name : kSurfaceNames) plot.categories.emplace_back(name);
   for (const std::string& name : normal_estimators()) {
-    plot.series.emplace_back(BarSeries{name, medians.at(name), {}, {}});
+    plot.series.emplace_back(plotting::BarSeries{name, medians.at(name), {}, {}});
   }
-  return to_svg(plot);
+  return plotting::to_svg(plot);
 }
 
 void compare(const SlidingOptions& sliding, const std::string& file, const Options& options) {

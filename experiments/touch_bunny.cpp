@@ -5,15 +5,15 @@
 #include <cmath>
 #include <numbers>
 
-#include "../tests/touch/sliding_score.hpp"
 #include "experiment.hpp"
 #include "palpate/core/file.hpp"
-#include "palpate/core/plot.hpp"
 #include "palpate/core/statistics.hpp"
 #include "palpate/core/version.hpp"
-#include "palpate/geometry/sampling.hpp"
+#include "palpate/geometry/mesh/sampling.hpp"
+#include "palpate/plotting/plot.hpp"
 #include "palpate/recording/writer.hpp"
 #include "reach.hpp"
+#include "tactile/sliding_score.hpp"
 #include "touch_surfaces.hpp"
 
 namespace {
@@ -88,18 +88,18 @@ std::vector<Eigen::Vector3d> places_of(const TipPath& path) {
 std::vector<Touched> sense(const std::vector<SlideTick>& ticks, const hand::HandModel& hand,
                            const geometry::MeshQuery& mesh, int finger) {
   std::vector<Touched> touched;
-  std::vector<touch::FingerSample> samples;
-  touch::SampleMaker maker;
-  const auto estimator = touch::make_normal_estimator("s2-lag");
+  std::vector<tactile::FingerSample> samples;
+  tactile::SampleMaker maker;
+  const auto estimator = tactile::make_normal_estimator("s2-lag");
   for (const SlideTick& tick : ticks) {
-    samples.push_back(maker.next(touch::finger_frame(tick.frame.reading, hand, finger)));
+    samples.push_back(maker.next(tactile::finger_frame(tick.frame.reading, hand, finger)));
     const auto estimate = estimator->update(samples.back());
-    if (estimate.status != touch::NormalStatus::tracked) continue;
+    if (estimate.status != tactile::NormalStatus::tracked) continue;
     const auto at = static_cast<std::size_t>(std::lround(estimate.time / hand::kTick)) - 1;
     const auto& truth = ticks.at(at).true_normals;
     if (truth.empty()) continue;
     double error = 180;
-    for (const auto& n : truth) error = std::min(error, touch::angle_between_deg(estimate.n, n));
+    for (const auto& n : truth) error = std::min(error, tactile::angle_between_deg(estimate.n, n));
     const auto& felt = samples[at];
     const Eigen::Isometry3d& T = ticks[at].frame.truth->T_world_object;
     const double off = mesh.closest_point(T.inverse() * felt.p).distance;
@@ -130,21 +130,22 @@ std::string contacts_csv(const std::vector<Touched>& touched) {
 /// Touched points over the object's vertices, seen along the third axis.
 std::string view(const std::vector<Touched>& touched, const geometry::KnownObject& object,
                  const Eigen::Vector3d& place, const std::array<int, 2>& axes) {
-  Plot plot;
+  plotting::Plot plot;
   plot.title = "Points touched by the fingers, over the bunny";
   plot.width = plot.height = 560;
   plot.x.label = fmt::format("{} (mm)", "xyz"[axes[0]]);
   plot.y.label = fmt::format("{} (mm)", "xyz"[axes[1]]);
-  ScatterSeries mesh{.name = "mesh", .x = {}, .y = {}};
+  plotting::ScatterSeries mesh{.name = "mesh", .x = {}, .y = {}};
   for (const Eigen::Vector3d& v : object.mesh.vertices) {
     mesh.x.push_back(1e3 * (v + place)[axes[0]]);
     mesh.y.push_back(1e3 * (v + place)[axes[1]]);
   }
   plot.series.emplace_back(std::move(mesh));
   for (int finger = 0; finger < hand::kFingers; ++finger) {
-    ScatterSeries points{.name = std::string(hand::kFingerNames[static_cast<std::size_t>(finger)]),
-                         .x = {},
-                         .y = {}};
+    plotting::ScatterSeries points{
+        .name = std::string(hand::kFingerNames[static_cast<std::size_t>(finger)]),
+        .x = {},
+        .y = {}};
     for (std::size_t i = 0; i < touched.size(); i += 5) {
       if (touched[i].finger != finger) continue;
       points.x.push_back(1e3 * touched[i].p[axes[0]]);
@@ -152,7 +153,7 @@ std::string view(const std::vector<Touched>& touched, const geometry::KnownObjec
     }
     plot.series.emplace_back(std::move(points));
   }
-  return to_svg(plot);
+  return plotting::to_svg(plot);
 }
 
 /// Shares of the surface that were felt, by places drawn from it evenly.

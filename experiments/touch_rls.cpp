@@ -5,10 +5,10 @@
 #include <numbers>
 
 #include "experiment.hpp"
-#include "palpate/core/plot.hpp"
 #include "palpate/core/statistics.hpp"
-#include "palpate/touch/normal_estimator.hpp"
-#include "palpate/touch/rls.hpp"
+#include "palpate/plotting/plot.hpp"
+#include "palpate/tactile/normals/normal_estimator.hpp"
+#include "palpate/tactile/normals/rls.hpp"
 #include "touch_surfaces.hpp"
 
 namespace {
@@ -26,23 +26,23 @@ struct Series {
 };
 
 std::string figure(const Series& series, const std::string& title, const std::string& label) {
-  Plot plot;
+  plotting::Plot plot;
   plot.title = title;
   plot.x.label = "time (s)";
   plot.y.label = label;
   for (int axis = 0; axis < 3; ++axis) {
-    LineSeries line{.name = std::string(1, "xyz"[axis]), .x = series.time, .y = {}};
+    plotting::LineSeries line{.name = std::string(1, "xyz"[axis]), .x = series.time, .y = {}};
     for (const auto& v : series.value) line.y.push_back(v[axis]);
     plot.series.emplace_back(std::move(line));
   }
-  return to_svg(plot);
+  return plotting::to_svg(plot);
 }
 
 /// Velocity of the contact through the thesis' rolling low-pass filter of 100 samples.
-Series filtered_velocity(const std::vector<touch::FingerSample>& samples) {
-  touch::RollingMean low_pass(100);
+Series filtered_velocity(const std::vector<tactile::FingerSample>& samples) {
+  tactile::RollingMean low_pass(100);
   Series series;
-  const touch::FingerSample* last = nullptr;
+  const tactile::FingerSample* last = nullptr;
   for (const auto& sample : samples) {
     if (!sample.flags.usable()) continue;
     if (last) {
@@ -54,28 +54,28 @@ Series filtered_velocity(const std::vector<touch::FingerSample>& samples) {
   return series;
 }
 
-Series normals_by(touch::NormalEstimator& estimator,
-                  const std::vector<touch::FingerSample>& samples) {
+Series normals_by(tactile::NormalEstimator& estimator,
+                  const std::vector<tactile::FingerSample>& samples) {
   Series series;
   for (const auto& sample : samples) {
     const auto estimate = estimator.update(sample);
     series.time.push_back(sample.time);
-    series.value.push_back(estimate.status == touch::NormalStatus::tracked
+    series.value.push_back(estimate.status == tactile::NormalStatus::tracked
                                ? estimate.n
                                : Eigen::Vector3d(Eigen::Vector3d::Constant(kNan)));
   }
   return series;
 }
 
-std::string path_figure(const std::vector<touch::FingerSample>& samples) {
-  Plot plot;
+std::string path_figure(const std::vector<tactile::FingerSample>& samples) {
+  plotting::Plot plot;
   plot.title = "Contact path on the flat face";
   plot.x.label = "x (mm)";
   plot.y.label = "y (mm)";
   plot.width = plot.height = 520;
-  LineSeries felt{.name = "felt", .x = {}, .y = {}},
+  plotting::LineSeries felt{.name = "felt", .x = {}, .y = {}},
       filtered{.name = "rolling mean of 100", .x = {}, .y = {}};
-  touch::RollingMean low_pass(100);
+  tactile::RollingMean low_pass(100);
   for (const auto& sample : samples) {
     if (!sample.flags.usable()) continue;
     const Eigen::Vector3d mean = low_pass.add(sample.p);
@@ -85,7 +85,7 @@ std::string path_figure(const std::vector<touch::FingerSample>& samples) {
     filtered.y.push_back(1e3 * mean.y());
   }
   plot.series = {std::move(felt), std::move(filtered)};
-  return to_svg(plot);
+  return plotting::to_svg(plot);
 }
 
 /// Errors against the top face's normal, after a second of contact, deg.
@@ -107,11 +107,11 @@ void experiment_rls(const Options& options) {
   SlidingFinger finger(surface.object, sliding_world(), options.seed,
                        straight_finger(hand::Finger::first));
   const auto path = path_over(surface, finger.tip_radius(), options.quick ? 3 : 14);
-  touch::SampleMaker maker;
-  std::vector<touch::FingerSample> samples;
+  tactile::SampleMaker maker;
+  std::vector<tactile::FingerSample> samples;
   for (const auto& tick : finger.follow(path, surface.start, kPress)) {
     samples.push_back(
-        maker.next(touch::finger_frame(tick.frame.reading, finger.believed_hand(), kFinger)));
+        maker.next(tactile::finger_frame(tick.frame.reading, finger.believed_hand(), kFinger)));
   }
   publish_figure(options, "contact_path", path_figure(samples));
   publish_figure(options, "velocity",
@@ -119,7 +119,7 @@ void experiment_rls(const Options& options) {
                         "velocity (m/s)"));
   Table table({"estimator", "median deg", "p95 deg"});
   for (const std::string name : {"rls-literal", "rls", "s2", "s2-lag"}) {
-    const auto normals = normals_by(*touch::make_normal_estimator(name), samples);
+    const auto normals = normals_by(*tactile::make_normal_estimator(name), samples);
     const auto errors = errors_of(normals);
     publish_figure(options, "normal_" + name,
                    figure(normals, "Normal of the flat face by " + name, "component"));

@@ -7,12 +7,12 @@
 #include <map>
 #include <numbers>
 
-#include "../tests/touch/sliding_score.hpp"
 #include "experiment.hpp"
-#include "palpate/core/plot.hpp"
 #include "palpate/core/statistics.hpp"
-#include "palpate/touch/normal_clusters.hpp"
-#include "palpate/touch/s2_smoother.hpp"
+#include "palpate/plotting/plot.hpp"
+#include "palpate/tactile/normals/normal_clusters.hpp"
+#include "palpate/tactile/normals/s2_smoother.hpp"
+#include "tactile/sliding_score.hpp"
 
 namespace {
 
@@ -25,7 +25,7 @@ constexpr double kSettle = 1;  // s from the start that are not judged
 
 /// Normals of one kind, with their errors (deg) where the truth is known.
 struct Normals {
-  std::vector<touch::NormalAt> felt;
+  std::vector<tactile::NormalAt> felt;
   std::vector<double> error_deg, nees;
 };
 
@@ -36,7 +36,7 @@ struct Slide {
   std::size_t samples = 0, flagged = 0;
 };
 
-void judge(const touch::NormalAt& felt, const std::vector<Eigen::Vector3d>& truth,
+void judge(const tactile::NormalAt& felt, const std::vector<Eigen::Vector3d>& truth,
            const std::optional<Eigen::Matrix3d>& covariance, Normals& normals) {
   if (truth.empty()) return;
   const Eigen::Vector3d& n = felt.n;
@@ -44,9 +44,9 @@ void judge(const touch::NormalAt& felt, const std::vector<Eigen::Vector3d>& trut
       *std::min_element(truth.begin(), truth.end(),
                         [&](const auto& a, const auto& b) { return a.dot(n) > b.dot(n); });
   normals.felt.push_back(felt);
-  normals.error_deg.push_back(touch::angle_between_deg(n, nearest));
+  normals.error_deg.push_back(tactile::angle_between_deg(n, nearest));
   if (covariance) {
-    normals.nees.push_back(touch::normalised_error_squared(n, nearest, *covariance));
+    normals.nees.push_back(tactile::normalised_error_squared(n, nearest, *covariance));
   }
 }
 
@@ -58,7 +58,7 @@ class SlideJudge {
     const auto& reading = tick.frame.reading;
     truth_.push_back(tick.true_normals);
     if (reading.time > kSettle) take_raw(reading);
-    const auto sample = maker_.next(touch::finger_frame(reading, hand_, kFinger));
+    const auto sample = maker_.next(tactile::finger_frame(reading, hand_, kFinger));
     points_.push_back(sample.p);
     ++slide_.samples;
     slide_.flagged += sample.flags.any();
@@ -82,26 +82,26 @@ class SlideJudge {
       judge(recent_.back(), truth_.back(), {}, slide_.normals["raw"]);
     }
     if (++ticks_ % kClusterTicks != 0) return;
-    for (const auto& cluster : touch::cluster_normals(recent_)) {
+    for (const auto& cluster : tactile::cluster_normals(recent_)) {
       judge({cluster.p, cluster.n}, truth_.back(), {}, slide_.normals["clustered"]);
     }
     recent_.clear();
   }
 
-  void take_estimate(const std::string& name, const touch::NormalEstimate& estimate) {
-    if (estimate.status != touch::NormalStatus::tracked || estimate.time < kSettle) return;
+  void take_estimate(const std::string& name, const tactile::NormalEstimate& estimate) {
+    if (estimate.status != tactile::NormalStatus::tracked || estimate.time < kSettle) return;
     const auto tick = static_cast<std::size_t>(std::lround(estimate.time / hand::kTick)) - 1;
     judge({points_.at(tick), estimate.n}, truth_.at(tick), estimate.covariance,
           slide_.normals[name]);
   }
 
   const hand::HandModel& hand_;
-  touch::SampleMaker maker_;
-  touch::S2Filter filter_;
-  touch::S2Smoother smoother_;
+  tactile::SampleMaker maker_;
+  tactile::S2Filter filter_;
+  tactile::S2Smoother smoother_;
   std::vector<std::vector<Eigen::Vector3d>> truth_;  // of every tick, the first at kTick
   std::vector<Eigen::Vector3d> points_;              // felt in them
-  std::vector<touch::NormalAt> recent_;
+  std::vector<tactile::NormalAt> recent_;
   std::size_t ticks_ = 0;
   Slide slide_;
 };
@@ -110,28 +110,28 @@ class SlideJudge {
 std::string cone(const std::vector<Eigen::Vector3d>& vectors, const std::array<int, 2>& axes,
                  const std::string& title, const std::string& unit) {
   constexpr std::size_t kMost = 1500;
-  Plot plot;
+  plotting::Plot plot;
   plot.title = title;
   plot.width = plot.height = 480;
   plot.x.label = fmt::format("{} ({})", "xyz"[axes[0]], unit);
   plot.y.label = fmt::format("{} ({})", "xyz"[axes[1]], unit);
-  ScatterSeries points;
+  plotting::ScatterSeries points;
   for (std::size_t i = 0; i < vectors.size(); i += 1 + vectors.size() / kMost) {
     points.x.push_back(vectors[i][axes[0]]);
     points.y.push_back(vectors[i][axes[1]]);
   }
   plot.series.emplace_back(std::move(points));
-  return to_svg(plot);
+  return plotting::to_svg(plot);
 }
 
 /// Share of the errors in every degree.
-LineSeries density(const std::string& name, const std::vector<double>& errors) {
+plotting::LineSeries density(const std::string& name, const std::vector<double>& errors) {
   constexpr int kDegrees = 40;
   std::vector<double> counts(kDegrees, 0);
   for (double error : errors) {
     if (error < kDegrees) ++counts[static_cast<std::size_t>(error)];
   }
-  LineSeries line{.name = name, .x = {}, .y = {}};
+  plotting::LineSeries line{.name = name, .x = {}, .y = {}};
   for (int i = 0; i < kDegrees; ++i) {
     line.x.push_back(i + 0.5);
     line.y.push_back(counts[static_cast<std::size_t>(i)] / static_cast<double>(errors.size()));
@@ -154,7 +154,7 @@ void draw_edge(const Slide& slide, const Options& options) {
   }
 }
 
-std::string face_list(const std::vector<touch::Face>& faces,
+std::string face_list(const std::vector<tactile::Face>& faces,
                       const std::vector<Eigen::Vector3d>& truth) {
   std::string text;
   for (const auto& face : faces) {
@@ -162,7 +162,7 @@ std::string face_list(const std::vector<touch::Face>& faces,
                         face.n.y(), face.n.z(), 100 * face.share);
     if (truth.empty()) continue;
     double error = 180;
-    for (const auto& n : truth) error = std::min(error, touch::angle_between_deg(face.n, n));
+    for (const auto& n : truth) error = std::min(error, tactile::angle_between_deg(face.n, n));
     text += fmt::format(", {:.1f} deg off", error);
   }
   return text;
@@ -195,7 +195,7 @@ void experiment_surfaces(const Options& options) {
   Table honesty({"surface", "s2", "s2-lag"});
   Table faces(
       {"surface", "faces crossed", "faces found by s2-lag: normal, share of the time, error"});
-  Plot density_plot;
+  plotting::Plot density_plot;
   density_plot.title = "P(angle error) of the sensed normals, s2-lag";
   density_plot.x.label = "angle error (deg)";
   density_plot.y.label = "share a degree";
@@ -206,14 +206,14 @@ void experiment_surfaces(const Options& options) {
     honesty.add_row({name, fmt::format("{:.2f}", mean(slide.normals["s2"].nees)),
                      fmt::format("{:.2f}", mean(slide.normals["s2-lag"].nees))});
     faces.add_row({name, std::to_string(surface.faces.size()),
-                   face_list(touch::find_faces(slide.normals["s2-lag"].felt), surface.faces)});
+                   face_list(tactile::find_faces(slide.normals["s2-lag"].felt), surface.faces)});
     density_plot.series.emplace_back(density(name, slide.normals["s2-lag"].error_deg));
     if (name == "edge") draw_edge(slide, options);
   }
   errors.publish(options, "errors", "Angle error against the surface met, median / p95 deg");
   honesty.publish(options, "nees", "Normalised error squared, mean (honest: 2)");
   faces.publish(options, "faces", "Faces reported");
-  publish_figure(options, "angle_error", to_svg(density_plot));
+  publish_figure(options, "angle_error", plotting::to_svg(density_plot));
 }
 
 }  // namespace

@@ -12,9 +12,9 @@
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
 #include "palpate/core/statistics.hpp"
-#include "palpate/geometry/known_object.hpp"
-#include "palpate/simulation/blind_grasp.hpp"
-#include "palpate/simulation/representations.hpp"
+#include "palpate/geometry/objects/known_object.hpp"
+#include "palpate/simulation/contact/representations.hpp"
+#include "palpate/simulation/hand/open_loop_grasp.hpp"
 
 namespace palpate::app {
 namespace {

@@ -12,7 +12,7 @@
 #include "palpate/core/file.hpp"
 #include "palpate/core/se3.hpp"
 #include "palpate/core/version.hpp"
-#include "palpate/simulation/world.hpp"
+#include "palpate/simulation/world/world.hpp"
 
 namespace palpate::app {
 

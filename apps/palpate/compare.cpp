@@ -5,8 +5,8 @@
 
 #include "common.hpp"
 #include "palpate/core/file.hpp"
-#include "palpate/core/hypothesis_tests.hpp"
-#include "palpate/core/plot.hpp"
+#include "palpate/numerics/hypothesis_tests.hpp"
+#include "palpate/plotting/plot.hpp"
 #include "relocate_arguments.hpp"
 
 namespace palpate::app {
@@ -33,7 +33,7 @@ TwoSamples gather(const CompareArguments& arguments) {
   const auto sample = [&](const std::string& name) {
     if (!is_policy(name)) return read_returns(name);
     const auto policy = find_policy(name);
-    return learning::returns(learning::rollout(learning::make_model(options.task), *policy,
+    return relocate::returns(relocate::rollout(relocate::make_model(options.task), *policy,
                                                options.episode, arguments.common.seed,
                                                arguments.episodes, arguments.common.threads));
   };
@@ -41,7 +41,9 @@ TwoSamples gather(const CompareArguments& arguments) {
           is_policy(arguments.a) && is_policy(arguments.b)};
 }
 
-json test_json(const TestResult& test) { return {{"statistic", test.statistic}, {"p", test.p}}; }
+json test_json(const numerics::TestResult& test) {
+  return {{"statistic", test.statistic}, {"p", test.p}};
+}
 
 std::vector<double> differences(const TwoSamples& samples) {
   std::vector<double> result;
@@ -49,7 +51,7 @@ std::vector<double> differences(const TwoSamples& samples) {
   return result;
 }
 
-json comparison_json(const Comparison& c, const TwoSamples& samples) {
+json comparison_json(const numerics::Comparison& c, const TwoSamples& samples) {
   json report = {
       {"normality", {{"a", test_json(c.normality_a)}, {"b", test_json(c.normality_b)}}},
       {"bartlett_p", c.bartlett.p},
@@ -69,17 +71,17 @@ json comparison_json(const Comparison& c, const TwoSamples& samples) {
   return report;
 }
 
-Plot histogram_plot(const TwoSamples& samples) {
+plotting::Plot histogram_plot(const TwoSamples& samples) {
   const auto [low_a, high_a] = std::minmax_element(samples.a.begin(), samples.a.end());
   const auto [low_b, high_b] = std::minmax_element(samples.b.begin(), samples.b.end());
   const double low = std::min(*low_a, *low_b), high = std::max(*high_a, *high_b);
-  Plot plot;
+  plotting::Plot plot;
   plot.title = "Returns";
   plot.x.label = "return";
   plot.y.label = "share of episodes";
   const auto outline = [&](const char* name, const std::vector<double>& values) {
     const auto counts = histogram(values, low, high, kBins);
-    LineSeries line{name, {}, {}};
+    plotting::LineSeries line{name, {}, {}};
     for (std::size_t i = 0; i < kBins; ++i) {
       for (const std::size_t edge : {i, i + 1}) {
         line.x.push_back(low + (high - low) * static_cast<double>(edge) / kBins);
@@ -93,20 +95,20 @@ Plot histogram_plot(const TwoSamples& samples) {
   return plot;
 }
 
-Plot normal_plots(const TwoSamples& samples) {
-  Plot plot;
+plotting::Plot normal_plots(const TwoSamples& samples) {
+  plotting::Plot plot;
   plot.title = "Normal plot";
   plot.x.label = "quantile of a standard normal";
   plot.y.label = "return";
   for (const auto& [name, values] : {std::pair{"A", &samples.a}, {"B", &samples.b}}) {
-    const auto points = normal_plot(*values);
-    plot.series.emplace_back(ScatterSeries{name, points.quantiles, points.values});
+    const auto points = numerics::normal_plot(*values);
+    plot.series.emplace_back(plotting::ScatterSeries{name, points.quantiles, points.values});
   }
   return plot;
 }
 
-void print_table(const Comparison& c, const TwoSamples& samples) {
-  const auto row = [](const char* name, const TestResult& test, const char* what) {
+void print_table(const numerics::Comparison& c, const TwoSamples& samples) {
+  const auto row = [](const char* name, const numerics::TestResult& test, const char* what) {
     fmt::print("{:<15} {:>10.4g}   p = {:<10.3g} {}\n", name, test.statistic, test.p, what);
   };
   fmt::print("A {:.1f}, B {:.1f}; A - B = {:.1f} [{:.1f}, {:.1f}] (95 %), Hedges' g {:.2f}\n\n",
@@ -131,13 +133,13 @@ int compare(const CompareArguments& arguments) {
   if (!common.out.empty()) make_writable_folder(common.out);
   const TwoSamples samples = gather(arguments);
   const auto comparison =
-      compare_samples(samples.a, samples.b, RandomStream(common.seed, "compare"));
+      numerics::compare_samples(samples.a, samples.b, RandomStream(common.seed, "compare"));
   const json report = comparison_json(comparison, samples);
   if (!common.out.empty()) {
     const std::filesystem::path folder = common.out;
     write_file_atomically(folder / "compare.json", report.dump(2) + "\n");
-    write_file_atomically(folder / "histogram.svg", to_svg(histogram_plot(samples)));
-    write_file_atomically(folder / "normal-plot.svg", to_svg(normal_plots(samples)));
+    write_file_atomically(folder / "histogram.svg", plotting::to_svg(histogram_plot(samples)));
+    write_file_atomically(folder / "normal-plot.svg", plotting::to_svg(normal_plots(samples)));
   }
   if (common.json) {
     fmt::print("{}\n", report.dump(2));

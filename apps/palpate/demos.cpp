@@ -8,7 +8,7 @@
 #include "palpate/core/assets.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
-#include "palpate/learning/minari_io.hpp"
+#include "palpate/tasks/relocate/minari_io.hpp"
 
 namespace palpate::app {
 namespace {
@@ -24,8 +24,8 @@ struct MakeArguments {
 };
 
 struct MakeOptions {
-  learning::TaskOptions task;
-  learning::DemonstrationOptions demonstration;
+  relocate::TaskOptions task;
+  relocate::DemonstrationOptions demonstration;
 
   template <class Visitor>
   void visit(Visitor&& v) {
@@ -39,13 +39,13 @@ int make(const MakeArguments& arguments) {
   if (common.out.empty()) throw BadInput("--out DIR is missing: where the data set is to be kept");
   const auto options = resolve<MakeOptions>(common);
   make_writable_folder(common.out);
-  const auto model = learning::make_model(options.task);
+  const auto model = relocate::make_model(options.task);
   const auto begin = std::chrono::steady_clock::now();
   const auto progress = [&](std::size_t done, std::size_t all) {
     if (!common.quiet) fmt::print(stderr, "kept {} of {}\n", done, all);
   };
   const auto set =
-      learning::make_demonstrations(model, options.demonstration, common.seed, arguments.count,
+      relocate::make_demonstrations(model, options.demonstration, common.seed, arguments.count,
                                     kTries * arguments.count, common.threads, progress);
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
@@ -54,11 +54,11 @@ int make(const MakeArguments& arguments) {
     return kNoSolution;
   }
   const std::filesystem::path folder = common.out;
-  learning::write_minari(folder, learning::dataset_of(set.kept, kDatasetId, common.seed));
+  relocate::write_minari(folder, relocate::dataset_of(set.kept, kDatasetId, common.seed));
   write_file_atomically(folder / "config.toml", config_header(common) + to_toml(options));
-  std::vector<learning::Episode> episodes;
+  std::vector<relocate::Episode> episodes;
   for (const auto& d : set.kept) episodes.push_back(d.episode);
-  const auto summary = learning::summarize(episodes);
+  const auto summary = relocate::summarize(episodes);
   const json report = {{"kept", set.kept.size()},
                        {"tried", set.tried},
                        {"return", {{"mean", summary.mean}, {"sd", summary.sd}}},

@@ -10,9 +10,9 @@
 #include "palpate/core/cache.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/version.hpp"
-#include "palpate/simulation/convex_parts.hpp"
-#include "palpate/simulation/renderer.hpp"
-#include "palpate/simulation/world.hpp"
+#include "palpate/simulation/rendering/renderer.hpp"
+#include "palpate/simulation/world/convex_parts.hpp"
+#include "palpate/simulation/world/world.hpp"
 
 namespace palpate::app {
 namespace {

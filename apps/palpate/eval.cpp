@@ -6,7 +6,7 @@
 #include "common.hpp"
 #include "palpate/core/file.hpp"
 #include "palpate/core/statistics.hpp"
-#include "palpate/pipeline/evaluation.hpp"
+#include "palpate/evaluation/evaluation.hpp"
 #include "place_report.hpp"
 #include "progress_bar.hpp"
 #include "trials_file.hpp"
@@ -14,8 +14,8 @@
 namespace palpate::app {
 namespace {
 
+using evaluation::ObjectSummary;
 using nlohmann::json;
-using pipeline::ObjectSummary;
 
 struct EvalArguments {
   CommonOptions common;
@@ -34,7 +34,7 @@ double rate(std::size_t count, std::size_t trials) {
 }
 
 /// Nothing here depends on how fast the machine is.
-json phases_json(const std::map<std::string, pipeline::PhaseSummary>& phases) {
+json phases_json(const std::map<std::string, evaluation::PhaseSummary>& phases) {
   json all = json::object();
   for (const auto& [name, phase] : phases) {
     all[name] = {{"runs", phase.runs},
@@ -118,12 +118,12 @@ ObjectSummary total(const std::vector<ObjectSummary>& summaries) {
   return sum;
 }
 
-void append(const pipeline::ErrorSummary& errors, pipeline::ErrorSummary& all) {
+void append(const evaluation::ErrorSummary& errors, evaluation::ErrorSummary& all) {
   append(errors.rotation_deg, all.rotation_deg);
   append(errors.translation_mm, all.translation_mm);
 }
 
-void append(const pipeline::PlaceSummary& place, pipeline::PlaceSummary& all) {
+void append(const evaluation::PlaceSummary& place, evaluation::PlaceSummary& all) {
   all.certain += place.certain;
   all.placed += place.placed;
   all.tight += place.tight;
@@ -138,8 +138,8 @@ void append(const pipeline::PlaceSummary& place, pipeline::PlaceSummary& all) {
 void print_places(const std::vector<std::string>& names,
                   const std::vector<ObjectSummary>& summaries) {
   fmt::print("\n{}\n", place_heading());
-  pipeline::PlaceSummary places;
-  std::map<std::string, pipeline::PhaseSummary> phases;
+  evaluation::PlaceSummary places;
+  std::map<std::string, evaluation::PhaseSummary> phases;
   std::size_t trials = 0;
   for (std::size_t i = 0; i < summaries.size(); ++i) {
     fmt::print("{}\n", place_row(names[i], summaries[i].place, summaries[i].trials));
@@ -156,16 +156,16 @@ void print_places(const std::vector<std::string>& names,
 }
 
 int eval(const EvalArguments& arguments) {
-  auto options = resolve<pipeline::TrialOptions>(arguments.common);
+  auto options = resolve<evaluation::TrialOptions>(arguments.common);
   if (!arguments.place.empty()) options.place.target = place_text(arguments.place);
   std::vector<geometry::KnownObject> objects;
   for (const auto& name : arguments.objects) objects.push_back(geometry::load_known_object(name));
   // A source or target that cannot be is named before anything moves.
   static_cast<void>(options.touch.from_biotacs());
   for (const auto& object : objects) {
-    const auto start = pipeline::draw_start(object, options.start, arguments.common.seed);
-    pipeline::place_target(object, options.place, arguments.common.seed,
-                           static_cast<std::size_t>(start.stance));
+    const auto start = evaluation::draw_start(object, options.start, arguments.common.seed);
+    evaluation::place_target(object, options.place, arguments.common.seed,
+                             static_cast<std::size_t>(start.stance));
   }
   // What the simulator refuses is said before anything is printed or written.
   const simulation::World probe(objects.front(), options.world, arguments.common.seed);
@@ -187,12 +187,12 @@ int eval(const EvalArguments& arguments) {
   json report = {{"trials", arguments.trials}, {"seed", arguments.common.seed}};
   std::vector<ObjectSummary> summaries;
   for (std::size_t i = 0; i < objects.size(); ++i) {
-    const localization::ObjectModel model(objects[i]);
+    const geometry::ObjectModel model(objects[i]);
     const ProgressBar bar(arguments.objects[i], arguments.trials, arguments.common.quiet);
     bar.show(0);
-    summaries.push_back(pipeline::evaluate(
+    summaries.push_back(evaluation::evaluate(
         model, options, arguments.common.seed, arguments.trials, arguments.common.threads,
-        [&](std::size_t done, const pipeline::Trial& trial) {
+        [&](std::size_t done, const evaluation::Trial& trial) {
           bar.show(done);
           if (trials_file) {
             trials_file->add(arguments.objects[i], arguments.common.seed + done - 1, trial);

@@ -57,13 +57,13 @@ struct Result {
   double prepare_seconds = 0;
 };
 
-std::vector<touch::Contact> flipped(std::vector<touch::Contact> contacts) {
+std::vector<tactile::Contact> flipped(std::vector<tactile::Contact> contacts) {
   for (auto& contact : contacts) contact.n = -contact.n;
   return contacts;
 }
 
 /// Why no pose may explain the contacts.
-std::string hint_for(const lo::ObjectModel& model, lo::Evidence evidence, RandomStream random,
+std::string hint_for(const geometry::ObjectModel& model, lo::Evidence evidence, RandomStream random,
                      const LocalizeOptions& options) {
   if (evidence.contacts.empty()) return "there are no contacts";
   evidence.contacts = flipped(std::move(evidence.contacts));
@@ -76,7 +76,7 @@ std::string hint_for(const lo::ObjectModel& model, lo::Evidence evidence, Random
 }
 
 /// Contacts felt at the same time are of one grasp, whose place in the world is uncertain.
-std::vector<lo::SharedOffset> offsets_of_grasps(const std::vector<touch::Contact>& contacts,
+std::vector<lo::SharedOffset> offsets_of_grasps(const std::vector<tactile::Contact>& contacts,
                                                 double rms) {
   std::map<double, lo::SharedOffset> grasps;
   for (std::size_t k = 0; k < contacts.size(); ++k) {
@@ -92,7 +92,7 @@ std::vector<lo::SharedOffset> offsets_of_grasps(const std::vector<touch::Contact
 
 Result solve(const LocalizeArguments& arguments, const LocalizeOptions& options) {
   const auto start = std::chrono::steady_clock::now();
-  const lo::ObjectModel model(geometry::load_known_object(arguments.mesh));
+  const geometry::ObjectModel model(geometry::load_known_object(arguments.mesh));
   const std::chrono::duration<double> prepared = std::chrono::steady_clock::now() - start;
   lo::Evidence evidence;
   evidence.contacts = lo::read_contacts(

@@ -9,9 +9,9 @@
 #include "palpate/core/assets.hpp"
 #include "palpate/core/file.hpp"
 #include "palpate/core/parallel.hpp"
-#include "palpate/core/plot.hpp"
-#include "palpate/localization/grasp_scene.hpp"
-#include "palpate/simulation/world.hpp"
+#include "palpate/localization/synthetic/grasp_scene.hpp"
+#include "palpate/plotting/plot.hpp"
+#include "palpate/simulation/world/world.hpp"
 
 namespace palpate::app {
 namespace {
@@ -41,7 +41,7 @@ Told told(const std::string& name, int contacts, bool normals, bool hand, bool s
 }
 
 /// Success and stated probability of each scene.
-std::vector<Share> search_all(const lo::ObjectModel& model,
+std::vector<Share> search_all(const geometry::ObjectModel& model,
                               const std::vector<lo::GraspScene>& scenes, const Told& told,
                               const CommonOptions& common) {
   constexpr double kNothing = 100;  // rad of noise: the normal tells nothing
@@ -72,8 +72,8 @@ Share mean_of(const std::vector<Share>& shares) {
   return mean;
 }
 
-std::vector<lo::GraspScene> scenes_with(const lo::ObjectModel& model, const hand::HandModel& hand,
-                                        const CommonOptions& common) {
+std::vector<lo::GraspScene> scenes_with(const geometry::ObjectModel& model,
+                                        const hand::HandModel& hand, const CommonOptions& common) {
   const geometry::MeshQuery mesh(model.object().mesh);
   std::vector<lo::GraspScene> scenes;
   for (std::size_t i = 0; i < kScenes; ++i) {
@@ -96,11 +96,11 @@ std::string contacts_csv(const lo::GraspScene& scene, std::uint64_t seed) {
 }
 
 /// Share right against stated probability, in bins of equal numbers of searches.
-Plot calibration_plot(std::vector<Share> searches) {
+plotting::Plot calibration_plot(std::vector<Share> searches) {
   constexpr std::size_t kBins = 5;
   std::stable_sort(searches.begin(), searches.end(),
                    [](const Share& a, const Share& b) { return a.stated < b.stated; });
-  LineSeries measured{"measured", {}, {}};
+  plotting::LineSeries measured{"measured", {}, {}};
   for (std::size_t bin = 0; bin < kBins; ++bin) {
     const auto at = [&](std::size_t i) {
       return searches.begin() + static_cast<std::ptrdiff_t>(searches.size() * i / kBins);
@@ -109,11 +109,11 @@ Plot calibration_plot(std::vector<Share> searches) {
     measured.x.push_back(mean.stated);
     measured.y.push_back(mean.right);
   }
-  Plot plot;
+  plotting::Plot plot;
   plot.title = fmt::format("Is the stated probability true? {} searches", searches.size());
   plot.x = {"stated probability of the best pose", false, 0.0, 1.0};
   plot.y = {"share within 5 deg and 10 mm", false, 0.0, 1.0};
-  plot.series = {LineSeries{"perfect", {0, 1}, {0, 1}}, measured};
+  plot.series = {plotting::LineSeries{"perfect", {0, 1}, {0, 1}}, measured};
   return plot;
 }
 
@@ -128,7 +128,7 @@ std::vector<Told> ablation() {
 int demonstrate_localize(const CommonOptions& common) {
   const std::filesystem::path folder = common.out.empty() ? "out/localize-demo" : common.out;
   const auto hand = simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
-  Plot plot, ablated;
+  plotting::Plot plot, ablated;
   plot.title = "Pose from contacts and what the hand does not touch";
   plot.x = {"contacts of fingertips", false, 0.0, 20.0};
   plot.y = {"share within 5 deg and 10 mm", false, 0.0, 1.0};
@@ -141,12 +141,12 @@ int demonstrate_localize(const CommonOptions& common) {
     fmt::print("right / stated  3 contacts    5             10            20\n");
   }
   for (const auto& name : geometry::built_in_objects()) {
-    const lo::ObjectModel model(geometry::load_known_object(name));
+    const geometry::ObjectModel model(geometry::load_known_object(name));
     const auto scenes = scenes_with(model, hand, common);
     if (name == "mug") {
       write_file_atomically(folder / "contacts.csv", contacts_csv(scenes[0], common.seed));
     }
-    LineSeries line{name, {}, {}}, kinds{name, {}, {}};
+    plotting::LineSeries line{name, {}, {}}, kinds{name, {}, {}};
     std::string row = fmt::format("{:<14}", name);
     for (const int count : kCounts) {
       const auto each = search_all(model, scenes, told("", count, true, true, true), common);
@@ -167,9 +167,10 @@ int demonstrate_localize(const CommonOptions& common) {
     ablated.series.push_back(kinds);
     if (!common.json) fmt::print("{}\n", row);
   }
-  write_file_atomically(folder / "success.svg", to_svg(plot));
-  write_file_atomically(folder / "ablation.svg", to_svg(ablated));
-  write_file_atomically(folder / "calibration.svg", to_svg(calibration_plot(std::move(all))));
+  write_file_atomically(folder / "success.svg", plotting::to_svg(plot));
+  write_file_atomically(folder / "ablation.svg", plotting::to_svg(ablated));
+  write_file_atomically(folder / "calibration.svg",
+                        plotting::to_svg(calibration_plot(std::move(all))));
   if (common.json) {
     fmt::print("{}\n", nlohmann::json{{"objects", objects}, {"out", folder.string()}}.dump(2));
   } else {

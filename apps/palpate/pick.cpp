@@ -8,7 +8,7 @@
 #include "common.hpp"
 #include "palpate/core/file.hpp"
 #include "palpate/core/version.hpp"
-#include "palpate/pipeline/trial.hpp"
+#include "palpate/evaluation/trial.hpp"
 #include "pick_report.hpp"
 #include "place_report.hpp"
 #include "replay_file.hpp"
@@ -32,14 +32,14 @@ fs::path output_folder(const PickArguments& arguments) {
 }
 
 /// Prints the phases as they end, and on a terminal the one that runs.
-pipeline::PhaseObserver phase_printer(const CommonOptions& common) {
+skills::PhaseObserver phase_printer(const CommonOptions& common) {
   if (common.json) return {};
   fmt::print("{}\n", phase_heading());
   const bool live = !common.quiet && isatty(STDERR_FILENO);
   return {[live](std::string_view phase, double) {
             if (live) fmt::print(stderr, "{} ...\r", phase);
           },
-          [](const pipeline::PhaseReport& report, double) {
+          [](const skills::PhaseReport& report, double) {
             fmt::print("{}\n", phase_row(report));
             std::fflush(stdout);
           }};
@@ -47,17 +47,17 @@ pipeline::PhaseObserver phase_printer(const CommonOptions& common) {
 
 int pick(const PickArguments& arguments) {
   const CommonOptions& common = arguments.common;
-  auto options = resolve<pipeline::TrialOptions>(common);
+  auto options = resolve<evaluation::TrialOptions>(common);
   if (arguments.explore) {
     options.pick.explore.touches = *arguments.explore;
     options.pick.explore.most_touches = *arguments.explore;
   }
   if (!arguments.place.empty()) options.place.target = place_text(arguments.place);
-  const localization::ObjectModel object(geometry::load_known_object(arguments.object));
+  const geometry::ObjectModel object(geometry::load_known_object(arguments.object));
   // Bad ones are named first.
-  const auto start = pipeline::draw_start(object.object(), options.start, common.seed);
-  pipeline::place_target(object.object(), options.place, common.seed,
-                         static_cast<std::size_t>(start.stance));
+  const auto start = evaluation::draw_start(object.object(), options.start, common.seed);
+  evaluation::place_target(object.object(), options.place, common.seed,
+                           static_cast<std::size_t>(start.stance));
   const bool own_errors = options.touch.from_biotacs();
   const std::string config =
       config_header(common) + fmt::format("# object {}\n", arguments.object) + to_toml(options);
@@ -70,7 +70,7 @@ int pick(const PickArguments& arguments) {
                            {std::string(version()), common.seed, object.object(),
                             world.hand_model(), config, own_errors});
   const auto trial =
-      pipeline::run_trial(object, options, common.seed, &writer, phase_printer(common));
+      evaluation::run_trial(object, options, common.seed, &writer, phase_printer(common));
   writer.finish();
   write_file_atomically(folder / "config.toml", config);
   auto report = trial_json(trial);

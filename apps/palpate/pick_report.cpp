@@ -33,7 +33,7 @@ json modes_json(const localization::Posterior& posterior) {
   return modes;
 }
 
-json estimate_json(const pipeline::Trial& trial) {
+json estimate_json(const evaluation::Trial& trial) {
   const auto& posterior = trial.result.estimate.posterior;
   const auto& judgement = trial.judgement;
   if (posterior.modes.empty()) return nullptr;
@@ -48,9 +48,9 @@ json estimate_json(const pipeline::Trial& trial) {
           {"seconds", posterior.seconds}};
 }
 
-json phase_json(const pipeline::PhaseReport& report) {
+json phase_json(const skills::PhaseReport& report) {
   return {{"name", report.name},
-          {"status", pipeline::to_string(report.status)},
+          {"status", skills::to_string(report.status)},
           {"outcome", report.outcome},
           {"sim_seconds", report.sim_seconds},
           {"wall_seconds", report.wall_seconds},
@@ -85,16 +85,16 @@ std::string phase_heading() {
                      "wall", "contacts", "force");
 }
 
-std::string phase_row(const pipeline::PhaseReport& report) {
+std::string phase_row(const skills::PhaseReport& report) {
   const std::string outcome =
-      report.status == pipeline::PhaseStatus::ok
+      report.status == skills::PhaseStatus::ok
           ? report.outcome
-          : fmt::format("{}: {}", pipeline::to_string(report.status), report.outcome);
+          : fmt::format("{}: {}", skills::to_string(report.status), report.outcome);
   return fmt::format("{:<10} {:<44} {:>7.1f} s {:>6.2f} s {:>9} {:>5.1f} N", report.name, outcome,
                      report.sim_seconds, report.wall_seconds, report.contacts, report.peak_force);
 }
 
-std::string estimate_text(const pipeline::Trial& trial) {
+std::string estimate_text(const evaluation::Trial& trial) {
   const auto& posterior = trial.result.estimate.posterior;
   if (posterior.modes.empty()) return "no pose explains what was felt";
   const auto& best = posterior.modes[0];
@@ -115,8 +115,8 @@ std::string estimate_text(const pipeline::Trial& trial) {
   return text;
 }
 
-nlohmann::json trial_json(const pipeline::Trial& trial) {
-  const bool put = !trial.place || trial.place->status == pipeline::PlaceStatus::placed;
+nlohmann::json trial_json(const evaluation::Trial& trial) {
+  const bool put = !trial.place || trial.place->status == skills::PlaceStatus::placed;
   const bool ok = trial.result.held && trial.judgement.has_pose && put;
   json phases = json::array();
   for (const auto& report : trial.result.phases) phases.push_back(phase_json(report));

@@ -4,18 +4,18 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "palpate/pipeline/trial.hpp"
+#include "palpate/evaluation/trial.hpp"
 
 namespace palpate::app {
 
 /// Heading of the table of phases, and a row of it, for a person.
 std::string phase_heading();
-std::string phase_row(const pipeline::PhaseReport& report);
+std::string phase_row(const skills::PhaseReport& report);
 
 /// The estimate in words: the best pose with its error, and the other modes.
-std::string estimate_text(const pipeline::Trial& trial);
+std::string estimate_text(const evaluation::Trial& trial);
 
 /// What `palpate pick --json` prints and report.json holds.
-nlohmann::json trial_json(const pipeline::Trial& trial);
+nlohmann::json trial_json(const evaluation::Trial& trial);
 
 }  // namespace palpate::app

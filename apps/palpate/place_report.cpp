@@ -40,7 +40,7 @@ json quantiles_json(const std::vector<double>& values) {
   return {{"median", median(values)}, {"p95", quantile(values, 0.95)}};
 }
 
-json errors_json(const pipeline::ErrorSummary& errors) {
+json errors_json(const evaluation::ErrorSummary& errors) {
   return {{"rotation_deg", quantiles_json(errors.rotation_deg)},
           {"translation_mm", quantiles_json(errors.translation_mm)}};
 }
@@ -59,17 +59,17 @@ std::string median_text(const std::vector<double>& values) {
   return values.empty() ? "-" : fmt::format("{:.1f}", median(values));
 }
 
-json round_json(const pipeline::MeansTaken::Round& round) {
+json round_json(const skills::MeansTaken::Round& round) {
   json considered = json::array();
   for (const auto& means : round.plan.considered) {
-    considered.push_back({{"means", pipeline::to_string(means.means)},
+    considered.push_back({{"means", skills::to_string(means.means)},
                           {"possible", means.possible},
                           {"reason", means.reason}});
   }
   json place = nullptr;
-  if (round.place) place = pipeline::to_string(*round.place);
+  if (round.place) place = skills::to_string(*round.place);
   return {{"found", round.plan.found},
-          {"means", pipeline::to_string(round.plan.means)},
+          {"means", skills::to_string(round.plan.means)},
           {"transfers", round.plan.transfers.size()},
           {"grasps", round.plan.grasps},
           {"seconds", round.plan.seconds},
@@ -77,11 +77,11 @@ json round_json(const pipeline::MeansTaken::Round& round) {
           {"place", place}};
 }
 
-json turn_json(const pipeline::FingerTurn& turn) {
+json turn_json(const skills::FingerTurn& turn) {
   const auto& result = turn.result;
   return {{"asked_deg", kDegrees * turn.asked.norm()},
           {"base_turn_deg", kDegrees * turn.base_turn},
-          {"end", pipeline::to_string(result.end)},
+          {"end", skills::to_string(result.end)},
           {"left", error_json(result.left)},
           {"known", turn.known},
           {"lost", turn.lost},
@@ -91,14 +91,14 @@ json turn_json(const pipeline::FingerTurn& turn) {
           {"plan_seconds", result.plan_seconds}};
 }
 
-json means_json(const pipeline::MeansTaken& means) {
+json means_json(const skills::MeansTaken& means) {
   json rounds = json::array();
   for (const auto& round : means.rounds) rounds.push_back(round_json(round));
   json regrasp = nullptr;
-  if (means.regrasp) regrasp = pipeline::to_string(*means.regrasp);
+  if (means.regrasp) regrasp = skills::to_string(*means.regrasp);
   json fingers = nullptr;
   if (means.turn) fingers = turn_json(*means.turn);
-  return {{"chosen", pipeline::to_string(means.means)},
+  return {{"chosen", skills::to_string(means.means)},
           {"reason", means.reason},
           {"fingers", fingers},
           {"regrasp", regrasp},
@@ -106,23 +106,23 @@ json means_json(const pipeline::MeansTaken& means) {
 }
 
 /// One line: the means, why, and what the first plan found.
-std::string means_text(const pipeline::MeansTaken& means) {
-  std::string text = fmt::format("means: {} ({})", pipeline::to_string(means.means), means.reason);
+std::string means_text(const skills::MeansTaken& means) {
+  std::string text = fmt::format("means: {} ({})", skills::to_string(means.means), means.reason);
   if (!means.rounds.empty()) {
     for (const auto& way : means.rounds.front().plan.considered) {
-      text += fmt::format("; {} {}: {}", pipeline::to_string(way.means),
+      text += fmt::format("; {} {}: {}", skills::to_string(way.means),
                           way.possible ? "possible" : "impossible", way.reason);
     }
   }
   if (means.turn) {
     text += fmt::format("; fingers {}: {:.1f} of {:.1f} deg left, planned in {:.1f} s",
-                        pipeline::to_string(means.turn->result.end),
+                        skills::to_string(means.turn->result.end),
                         kDegrees * means.turn->result.left.rotation,
                         kDegrees * means.turn->asked.norm(), means.turn->result.plan_seconds);
   }
   if (means.regrasp) {
     text += fmt::format("; {} round{}, {}", means.rounds.size(),
-                        means.rounds.size() == 1 ? "" : "s", pipeline::to_string(*means.regrasp));
+                        means.rounds.size() == 1 ? "" : "s", skills::to_string(*means.regrasp));
   }
   return text + "\n";
 }
@@ -153,25 +153,25 @@ std::string place_text(const std::string& argument) {
   return std::filesystem::is_regular_file(argument, error) ? read_file(argument) : argument;
 }
 
-std::string place_text(const pipeline::Trial& trial) {
+std::string place_text(const evaluation::Trial& trial) {
   if (!trial.place) return "";
   const auto& judgement = trial.place_judgement;
   const std::string end =
-      trial.place->status == pipeline::PlaceStatus::placed
+      trial.place->status == skills::PlaceStatus::placed
           ? "placed"
-          : fmt::format("not placed: {}", pipeline::to_string(trial.place->status));
+          : fmt::format("not placed: {}", skills::to_string(trial.place->status));
   return means_text(trial.means) + fmt::format("{}: {:.1f} deg, {:.1f} mm from the target\n", end,
                                                kDegrees * judgement.error.rotation,
                                                1e3 * judgement.error.translation);
 }
 
-json place_json(const pipeline::Trial& trial) {
+json place_json(const evaluation::Trial& trial) {
   if (!trial.place) return nullptr;
   const auto& place = *trial.place;
   const auto& judgement = trial.place_judgement;
   json placed = nullptr;
   if (place.T_world_placed) placed = to_json(*place.T_world_placed);
-  return {{"status", pipeline::to_string(place.status)},
+  return {{"status", skills::to_string(place.status)},
           {"means", means_json(trial.means)},
           {"certain", place.certain},
           {"certainty", place.held.certainty},
@@ -188,7 +188,7 @@ json place_json(const pipeline::Trial& trial) {
           {"release_motion", error_json(judgement.release)}};
 }
 
-json place_summary_json(const pipeline::PlaceSummary& summary, std::size_t trials) {
+json place_summary_json(const evaluation::PlaceSummary& summary, std::size_t trials) {
   return {{"certain", rate(summary.certain, trials)},
           {"placed", rate(summary.placed, trials)},
           {"tight", rate(summary.tight, trials)},
@@ -208,7 +208,7 @@ std::string place_heading() {
                      "dropped", "deg", "mm", "est. mm", "ends");
 }
 
-std::string place_row(const std::string& name, const pipeline::PlaceSummary& summary,
+std::string place_row(const std::string& name, const evaluation::PlaceSummary& summary,
                       std::size_t trials) {
   return fmt::format(
       "{:<10} {:<18} {:<18} {:<18} {:<18} {:>6} {:>7} {:>7} {:>7} {:>7}   {}", name,
@@ -219,7 +219,7 @@ std::string place_row(const std::string& name, const pipeline::PlaceSummary& sum
       median_text(summary.estimate_error.translation_mm), counts_text(summary.status));
 }
 
-std::string phases_table(const std::map<std::string, pipeline::PhaseSummary>& phases) {
+std::string phases_table(const std::map<std::string, evaluation::PhaseSummary>& phases) {
   std::string text = fmt::format("{:<10} {:>6} {:>6} {:>12} {:>10}\n", "phase", "runs", "ok",
                                  "simulated s", "wall s");
   for (const auto& [name, phase] : phases) {

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "palpate/pipeline/evaluation.hpp"
+#include "palpate/evaluation/evaluation.hpp"
 
 namespace palpate::app {
 
@@ -16,20 +16,20 @@ void add_place_option(CLI::App& command, std::string& place);
 std::string place_text(const std::string& argument);
 
 /// How placing went, for a person; ends with a newline where there is anything to say.
-std::string place_text(const pipeline::Trial& trial);
+std::string place_text(const evaluation::Trial& trial);
 
 /// Placing in report.json: null without.
-nlohmann::json place_json(const pipeline::Trial& trial);
+nlohmann::json place_json(const evaluation::Trial& trial);
 
 /// Placing in what `palpate eval --place` prints as JSON.
-nlohmann::json place_summary_json(const pipeline::PlaceSummary& summary, std::size_t trials);
+nlohmann::json place_summary_json(const evaluation::PlaceSummary& summary, std::size_t trials);
 
 /// The table of `palpate eval --place`, for a person.
 std::string place_heading();
-std::string place_row(const std::string& name, const pipeline::PlaceSummary& summary,
+std::string place_row(const std::string& name, const evaluation::PlaceSummary& summary,
                       std::size_t trials);
 
 /// Phases with their rates and times, for a person.
-std::string phases_table(const std::map<std::string, pipeline::PhaseSummary>& phases);
+std::string phases_table(const std::map<std::string, evaluation::PhaseSummary>& phases);
 
 }  // namespace palpate::app

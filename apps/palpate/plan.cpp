@@ -11,7 +11,8 @@
 #include "palpate/hand/coupling.hpp"
 #include "palpate/planning/execution.hpp"
 #include "palpate/planning/planner.hpp"
-#include "palpate/simulation/world.hpp"
+#include "palpate/simulation/collision/collision_scene.hpp"
+#include "palpate/simulation/world/world.hpp"
 #include "plan_report.hpp"
 
 namespace palpate::app {
@@ -24,7 +25,7 @@ constexpr double kBaseHeight = 0.3;  // m, where the file does not say: well abo
 
 struct PlanSettings {
   pl::PlanOptions plan;
-  si::CollisionOptions collision;
+  pl::CollisionOptions collision;
   si::WorldOptions world;
   pl::ExecutionOptions execution;
 
@@ -69,7 +70,7 @@ Setting read_setting(const PlanArguments& arguments) {
   return setting;
 }
 
-si::CollisionScene make_scene(const Setting& setting, const si::CollisionOptions& options) {
+si::CollisionScene make_scene(const Setting& setting, const pl::CollisionOptions& options) {
   if (!setting.object) return si::CollisionScene(options);
   si::CollisionScene scene(*setting.object, options);
   if (setting.held) {

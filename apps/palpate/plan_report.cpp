@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <numeric>
 
-#include "palpate/core/plot.hpp"
 #include "palpate/hand/coupling.hpp"
+#include "palpate/plotting/plot.hpp"
 
 namespace palpate::app {
 namespace {
@@ -38,8 +38,9 @@ std::vector<int> moving(const std::vector<pl::Coordinates>& rows) {
   return order;
 }
 
-LineSeries series(const std::string& name, const std::vector<pl::Coordinates>& rows, int k) {
-  LineSeries line{.name = name, .x = {}, .y = {}};
+plotting::LineSeries series(const std::string& name, const std::vector<pl::Coordinates>& rows,
+                            int k) {
+  plotting::LineSeries line{.name = name, .x = {}, .y = {}};
   for (std::size_t i = 0; i < rows.size(); ++i) {
     line.x.push_back(static_cast<double>(i) * hand::kTick);
     line.y.push_back(rows[i][k]);
@@ -96,7 +97,7 @@ std::string plot_motion(const pl::Plan& plan, const std::optional<pl::TrackingEr
   auto shown = moving(rows);
   if (shown.empty()) shown = {0};
   shown.resize(std::min(shown.size(), tracking ? kLines / 2 : kLines));
-  Plot plot;
+  plotting::Plot plot;
   plot.title = "planned motion";
   plot.x.label = "time (s)";
   plot.y.label = "position (m, rad)";
@@ -105,7 +106,7 @@ std::string plot_motion(const pl::Plan& plan, const std::optional<pl::TrackingEr
     if (!tracking) continue;
     plot.series.emplace_back(series(fmt::format("{} measured", name_of(k)), tracking->measured, k));
   }
-  return to_svg(plot);
+  return plotting::to_svg(plot);
 }
 
 }  // namespace palpate::app

@@ -3,8 +3,8 @@
 
 #include "common.hpp"
 #include "palpate/core/file.hpp"
-#include "palpate/geometry/outlier_filter.hpp"
-#include "palpate/geometry/point_cloud_io.hpp"
+#include "palpate/geometry/cloud/outlier_filter.hpp"
+#include "palpate/geometry/io/point_cloud_io.hpp"
 #include "palpate/registration/cloud_registration.hpp"
 #include "palpate/registration/correspondences_io.hpp"
 #include "register_report.hpp"

@@ -11,7 +11,7 @@
 #include "palpate/core/assets.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
-#include "palpate/learning/policy_io.hpp"
+#include "palpate/tasks/relocate/policies/policy_io.hpp"
 
 namespace palpate::app {
 namespace {
@@ -31,18 +31,18 @@ double number_before_comma(const std::string& line) {
 
 }  // namespace
 
-std::unique_ptr<learning::Policy> find_policy(const std::string& name) {
+std::unique_ptr<relocate::Policy> find_policy(const std::string& name) {
   const std::string wanted = name.empty() ? kBest : name;
-  if (std::filesystem::exists(wanted)) return learning::load_policy(wanted);
+  if (std::filesystem::exists(wanted)) return relocate::load_policy(wanted);
   if (wanted.find('/') != std::string::npos || wanted.ends_with(".json")) {
     throw BadInput(fmt::format("{}: there is no such policy", wanted));
   }
-  return learning::load_policy(asset(fmt::format("models/{}.json", wanted)));
+  return relocate::load_policy(asset(fmt::format("models/{}.json", wanted)));
 }
 
 bool is_policy(const std::string& name) { return !name.ends_with(".csv"); }
 
-nlohmann::json summary_json(const learning::RolloutSummary& s) {
+nlohmann::json summary_json(const relocate::RolloutSummary& s) {
   return {{"episodes", s.episodes},
           {"return", {{"mean", s.mean}, {"sd", s.sd}, {"ci95", {s.ci95.low, s.ci95.high}}}},
           {"success_10cm", s.success_10cm},
@@ -53,7 +53,7 @@ nlohmann::json summary_json(const learning::RolloutSummary& s) {
           {"diverged", s.diverged}};
 }
 
-std::string episodes_csv(const std::vector<learning::Episode>& episodes) {
+std::string episodes_csv(const std::vector<relocate::Episode>& episodes) {
   std::string text = fmt::format("{}\n", kHeader);
   for (const auto& e : episodes) {
     text +=

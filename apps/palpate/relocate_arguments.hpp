@@ -6,15 +6,15 @@
 #include <string>
 #include <vector>
 
-#include "palpate/learning/policy.hpp"
-#include "palpate/learning/rollout.hpp"
+#include "palpate/tasks/relocate/policies/policy.hpp"
+#include "palpate/tasks/relocate/rollout.hpp"
 
 namespace palpate::app {
 
 /// What rollout and compare let a user set.
 struct RelocateOptions {
-  learning::TaskOptions task;
-  learning::EpisodeOptions episode;
+  relocate::TaskOptions task;
+  relocate::EpisodeOptions episode;
 
   template <class Visitor>
   void visit(Visitor&& v) {
@@ -24,16 +24,16 @@ struct RelocateOptions {
 };
 
 /// The policy of a file, of a name in models/ ("relocate-best"), or the best that ships for "".
-std::unique_ptr<learning::Policy> find_policy(const std::string& name);
+std::unique_ptr<relocate::Policy> find_policy(const std::string& name);
 
 /// Whether it is the name or the file of a policy; no if it is a list of returns.
 bool is_policy(const std::string& name);
 
 /// "return", "success_10cm", ... as the program's interface names them.
-nlohmann::json summary_json(const learning::RolloutSummary& summary);
+nlohmann::json summary_json(const relocate::RolloutSummary& summary);
 
 /// A CSV file of episodes: return, distance, steps_within_5cm, diverged.
-std::string episodes_csv(const std::vector<learning::Episode>& episodes);
+std::string episodes_csv(const std::vector<relocate::Episode>& episodes);
 
 /// The returns of a file that episodes_csv made. @throws BadInput, naming file and line
 std::vector<double> read_returns(const std::string& path);

@@ -9,9 +9,9 @@
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
 #include "palpate/core/version.hpp"
-#include "palpate/pipeline/trial.hpp"
+#include "palpate/evaluation/trial.hpp"
 #include "palpate/recording/recording.hpp"
-#include "palpate/simulation/renderer.hpp"
+#include "palpate/simulation/rendering/renderer.hpp"
 
 namespace palpate::app {
 namespace {
@@ -62,16 +62,16 @@ fs::path output_folder(const RenderArguments& arguments) {
 /// Picks the object up and records it. Whether that succeeds does not matter to a picture.
 fs::path record_pick(const RenderArguments& arguments, const fs::path& folder) {
   const CommonOptions& common = arguments.common;
-  const auto options = resolve<pipeline::TrialOptions>(common);
+  const auto options = resolve<evaluation::TrialOptions>(common);
   const bool own_errors = options.touch.from_biotacs();  // bad ones are named first
-  const localization::ObjectModel object(geometry::load_known_object(arguments.object));
+  const geometry::ObjectModel object(geometry::load_known_object(arguments.object));
   const simulation::World world(object.object(), options.world, common.seed);
   make_writable_folder(folder);
   const fs::path path = folder / "recording.h5";
   recording::Writer writer(
       path, {std::string(version()), common.seed, object.object(), world.hand_model(),
              config_header(common) + to_toml(options), own_errors});
-  pipeline::run_trial(object, options, common.seed, &writer);
+  evaluation::run_trial(object, options, common.seed, &writer);
   writer.finish();
   return path;
 }

@@ -6,8 +6,9 @@
 #include "common.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
-#include "palpate/pipeline/recorder.hpp"
-#include "palpate/pipeline/trial.hpp"
+#include "palpate/evaluation/recorder.hpp"
+#include "palpate/evaluation/trial.hpp"
+#include "palpate/recording/touch_log.hpp"
 
 namespace palpate::app {
 namespace {
@@ -19,9 +20,9 @@ struct ReplayArguments {
 
 /// Options of the recording, changed by --config and --set.
 /// @throws BadInput for another source of contacts, for the recording holds those of its own
-pipeline::TrialOptions replay_options(const recording::Recording& recording,
-                                      const CommonOptions& common, const std::string& name) {
-  pipeline::TrialOptions options;
+evaluation::TrialOptions replay_options(const recording::Recording& recording,
+                                        const CommonOptions& common, const std::string& name) {
+  evaluation::TrialOptions options;
   parse_toml(recording.header.config_toml, name, options);
   const std::string recorded = options.touch.source;
   if (!common.config.empty()) load_toml(common.config, options);
@@ -44,11 +45,11 @@ nlohmann::json posterior_json(const localization::Posterior& posterior) {
 int replay(const ReplayArguments& arguments) {
   const auto recording = recording::read_recording(arguments.recording);
   const auto options = replay_options(recording, arguments.common, arguments.recording);
-  const localization::ObjectModel object(recording.header.object);
-  const auto log = pipeline::touch_log(recording).until(pipeline::Mark::held);
-  const auto hand = pipeline::calibrated_hand(recording.header.hand, log, options.pick.calibrate);
+  const geometry::ObjectModel object(recording.header.object);
+  const auto log = recording::touch_log(recording).until(estimation::Mark::held);
+  const auto hand = skills::calibrated_hand(recording.header.hand, log, options.pick.calibrate);
   const auto estimate =
-      pipeline::locate(object, hand, log, options.pick_options().locate, recording.header.seed);
+      estimation::locate(object, hand, log, options.pick_options().locate, recording.header.seed);
   const auto& posterior = estimate.posterior;
   if (arguments.common.json) {
     fmt::print("{}\n", posterior_json(posterior).dump(2));

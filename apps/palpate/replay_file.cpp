@@ -4,7 +4,7 @@
 #include "palpate/core/assets.hpp"
 #include "palpate/core/file.hpp"
 #include "palpate/recording/replay_page.hpp"
-#include "palpate/simulation/world.hpp"
+#include "palpate/simulation/world/world.hpp"
 
 namespace palpate::app {
 

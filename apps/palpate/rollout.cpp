@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/learning/rollout.hpp"
+#include "palpate/tasks/relocate/rollout.hpp"
 
 #include <fmt/format.h>
 
@@ -11,9 +11,9 @@
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
 #include "palpate/core/statistics.hpp"
-#include "palpate/learning/episode_recording.hpp"
-#include "palpate/pipeline/relocation.hpp"
 #include "palpate/recording/writer.hpp"
+#include "palpate/tasks/relocate/episode_recording.hpp"
+#include "palpate/tasks/relocate/relocation.hpp"
 #include "progress_bar.hpp"
 #include "relocate_arguments.hpp"
 
@@ -30,7 +30,7 @@ struct RolloutArguments {
 };
 
 struct RolloutOptions : RelocateOptions {
-  pipeline::RelocationOptions touch;
+  relocate::RelocationOptions touch;
 
   template <class Visitor>
   void visit(Visitor&& v) {
@@ -41,8 +41,8 @@ struct RolloutOptions : RelocateOptions {
 
 /// The episodes, and what touch knew in them, if the policy was told that.
 struct Rollout {
-  std::vector<learning::Episode> episodes;
-  std::vector<pipeline::FeltEpisode> felt;
+  std::vector<relocate::Episode> episodes;
+  std::vector<relocate::FeltEpisode> felt;
 };
 
 /// Runs episodes: told the truth, or by touch.
@@ -53,15 +53,15 @@ class Runner {
     if (arguments.touch) {
       relocation_.emplace(options.task, options.touch);
     } else {
-      model_.emplace(learning::make_model(options.task));
+      model_.emplace(relocate::make_model(options.task));
     }
   }
 
-  [[nodiscard]] Rollout run(const learning::Policy& policy) const {
+  [[nodiscard]] Rollout run(const relocate::Policy& policy) const {
     const auto& common = arguments_.common;
     Rollout result;
     if (model_) {
-      result.episodes = learning::rollout(*model_, policy, options_.episode, common.seed,
+      result.episodes = relocate::rollout(*model_, policy, options_.episode, common.seed,
                                           arguments_.episodes, common.threads);
       return result;
     }
@@ -77,12 +77,12 @@ class Runner {
  private:
   const RolloutArguments& arguments_;
   const RolloutOptions& options_;
-  std::optional<simulation::RelocateModel> model_;
-  std::optional<pipeline::Relocation> relocation_;
+  std::optional<relocate::RelocateModel> model_;
+  std::optional<relocate::Relocation> relocation_;
 };
 
-double median_of(const std::vector<pipeline::FeltEpisode>& felt,
-                 double pipeline::FeltEpisode::*value) {
+double median_of(const std::vector<relocate::FeltEpisode>& felt,
+                 double relocate::FeltEpisode::*value) {
   std::vector<double> values;
   for (const auto& episode : felt) values.push_back(episode.*value);
   return median(values);
@@ -96,11 +96,11 @@ std::string config_text(const RolloutArguments& arguments, const RolloutOptions&
 
 /// Runs the first episodes again and keeps what they look like.
 void write_recordings(const RolloutArguments& arguments, const RolloutOptions& options,
-                      const learning::Policy& policy) {
+                      const relocate::Policy& policy) {
   const auto& common = arguments.common;
   for (std::size_t i = 0; i < std::min(arguments.record, arguments.episodes); ++i) {
     auto recording =
-        learning::record_episode(options.task, policy, options.episode, common.seed, i);
+        relocate::record_episode(options.task, policy, options.episode, common.seed, i);
     recording.header.config_toml = config_text(arguments, options);
     recording::write_recording(std::filesystem::path(common.out) / fmt::format("episode-{}.h5", i),
                                recording);
@@ -108,14 +108,14 @@ void write_recordings(const RolloutArguments& arguments, const RolloutOptions& o
 }
 
 void write_results(const RolloutArguments& arguments, const RolloutOptions& options,
-                   const std::vector<learning::Episode>& episodes, const json& report) {
+                   const std::vector<relocate::Episode>& episodes, const json& report) {
   const std::filesystem::path folder = arguments.common.out;
   write_file_atomically(folder / "episodes.csv", episodes_csv(episodes));
   write_file_atomically(folder / "rollout.json", report.dump(2) + "\n");
   write_file_atomically(folder / "config.toml", config_text(arguments, options));
 }
 
-void print_table(const learning::RolloutSummary& s, double steps_per_second) {
+void print_table(const relocate::RolloutSummary& s, double steps_per_second) {
   fmt::print("return      {:.0f} +- {:.0f}, mean within [{:.0f}, {:.0f}] (95 %)\n", s.mean, s.sd,
              s.ci95.low, s.ci95.high);
   fmt::print(
@@ -127,8 +127,8 @@ void print_table(const learning::RolloutSummary& s, double steps_per_second) {
              steps_per_second);
 }
 
-json touch_json(const std::vector<pipeline::FeltEpisode>& felt) {
-  using pipeline::FeltEpisode;
+json touch_json(const std::vector<relocate::FeltEpisode>& felt) {
+  using relocate::FeltEpisode;
   double estimates = 0, seconds = 0;
   for (const auto& episode : felt) {
     estimates += episode.estimates;
@@ -141,7 +141,7 @@ json touch_json(const std::vector<pipeline::FeltEpisode>& felt) {
           {"estimate_seconds", estimates > 0 ? json(seconds / estimates) : json(nullptr)}};
 }
 
-void print_touch(const std::vector<pipeline::FeltEpisode>& felt) {
+void print_touch(const std::vector<relocate::FeltEpisode>& felt) {
   const json touch = touch_json(felt);
   fmt::print(
       "by touch    {} explored; the place told was {:.1f} mm off at first (in x and y), {:.1f} mm "
@@ -171,7 +171,7 @@ int rollout(const RolloutArguments& arguments) {
   double steps = 0;
   for (const auto& episode : episodes) steps += episode.steps;
 
-  const auto summary = learning::summarize(episodes);
+  const auto summary = relocate::summarize(episodes);
   json report = summary_json(summary);
   report["steps_per_second"] = steps / seconds;
   if (arguments.touch) report["touch"] = touch_json(felt);

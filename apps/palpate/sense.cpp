@@ -7,7 +7,7 @@
 #include <fstream>
 
 #include "palpate/core/error.hpp"
-#include "palpate/touch/normal_estimator.hpp"
+#include "palpate/tactile/normals/normal_estimator.hpp"
 #include "sense_biotac.hpp"
 #include "sense_contacts.hpp"
 
@@ -86,7 +86,7 @@ void add_sense(CLI::App& program, Command& chosen) {
       ->option_text("RECORDING")
       ->required();
   command.add_option("--estimator", arguments->estimator, "of contact normals from contacts")
-      ->check(CLI::IsMember(touch::normal_estimators()))
+      ->check(CLI::IsMember(tactile::normal_estimators()))
       ->capture_default_str();
   command
       .add_option("--tick", arguments->tick,

@@ -10,8 +10,8 @@
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
 #include "palpate/hand/kinematics.hpp"
-#include "palpate/pipeline/biotac_hand.hpp"
-#include "palpate/touch/biotac_normal.hpp"
+#include "palpate/tactile/biotac/contact_hand.hpp"
+#include "palpate/tactile/biotac/normal.hpp"
 #include "sense_contacts.hpp"
 
 namespace palpate::app {
@@ -28,25 +28,25 @@ SensedSample unfelt(double time, unsigned flags) {
           .normal = unknown,
           .sigma_deg = kUnknown,
           .error_deg = kUnknown,
-          .flags = touch::biotac_flag_names(flags)};
+          .flags = tactile::biotac_flag_names(flags)};
 }
 
-SensedSample sense_frame(const touch::BiotacNormalModel& model, const touch::BiotacLog& log,
-                         const touch::BiotacSignals& signals, std::size_t i) {
+SensedSample sense_frame(const tactile::BiotacNormalModel& model, const tactile::BiotacLog& log,
+                         const tactile::BiotacSignals& signals, std::size_t i) {
   SensedSample sample = unfelt(log.time[i], signals.flags[i]);
-  if (!touch::biotac_usable(signals.flags[i])) return sample;
+  if (!tactile::biotac_usable(signals.flags[i])) return sample;
   const auto felt = model.estimate(signals.changes[i]);
   if (!felt) return sample;
   sample.normal = felt->n;
   sample.sigma_deg = felt->sigma * 180 / std::numbers::pi;
-  if (log.normals[i]) sample.error_deg = touch::angle_between_deg(felt->n, *log.normals[i]);
+  if (log.normals[i]) sample.error_deg = tactile::angle_between_deg(felt->n, *log.normals[i]);
   return sample;
 }
 
-std::shared_ptr<const touch::BiotacInverse> inverse_of(const std::string& model) {
-  if (model.empty()) return pipeline::shipped_biotac_inverse();
-  return std::make_shared<const touch::BiotacInverse>(
-      touch::BiotacInverse::parse(read_file(model), model));
+std::shared_ptr<const tactile::BiotacInverse> inverse_of(const std::string& model) {
+  if (model.empty()) return tactile::shipped_biotac_inverse();
+  return std::make_shared<const tactile::BiotacInverse>(
+      tactile::BiotacInverse::parse(read_file(model), model));
 }
 
 }  // namespace
@@ -60,7 +60,7 @@ std::vector<SensedStream> sense_channels(const SenseArguments& arguments,
   }
   const auto& hand = recording.header.hand;
   const geometry::MeshQuery mesh(recording.header.object.mesh);
-  touch::BiotacFingers fingers(hand, inverse_of(arguments.model));
+  tactile::BiotacFingers fingers(hand, inverse_of(arguments.model));
   std::vector<SensedStream> streams;
   for (const auto name : hand::kFingerNames) {
     streams.push_back({.name = fmt::format("{}-biotac", name), .samples = {}});
@@ -80,7 +80,7 @@ std::vector<SensedStream> sense_channels(const SenseArguments& arguments,
         sample.sigma_deg = contact.normal_sigma * 180 / std::numbers::pi;
         const Eigen::Vector3d tip_center = sample.point + hand.tips[i].radius * sample.normal;
         if (const auto truth = true_normal(mesh, frame, tip_center)) {
-          sample.error_deg = touch::angle_between_deg(sample.normal, *truth);
+          sample.error_deg = tactile::angle_between_deg(sample.normal, *truth);
         }
       }
       streams[i].samples.push_back(std::move(sample));
@@ -96,9 +96,9 @@ std::vector<SensedStream> sense_biotac(const SenseArguments& arguments) {
                     "biotac-normal makes one",
                     arguments.recording));
   }
-  const auto model = touch::BiotacNormalModel::parse(read_file(arguments.model), arguments.model);
-  const auto log = touch::read_biotac_log(arguments.recording);
-  const auto signals = touch::biotac_signals(log);
+  const auto model = tactile::BiotacNormalModel::parse(read_file(arguments.model), arguments.model);
+  const auto log = tactile::read_biotac_log(arguments.recording);
+  const auto signals = tactile::biotac_signals(log);
   SensedStream stream{.name = "biotac", .samples = {}};
   for (std::size_t i = 0; i < log.time.size(); ++i) {
     stream.samples.push_back(sense_frame(model, log, signals, i));

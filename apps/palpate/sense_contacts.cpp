@@ -6,11 +6,12 @@
 #include <limits>
 #include <numbers>
 
-#include "palpate/pipeline/calibrate_phase.hpp"
-#include "palpate/pipeline/recorder.hpp"
-#include "palpate/touch/biotac_normal.hpp"
-#include "palpate/touch/contact_log.hpp"
-#include "palpate/touch/normal_estimator.hpp"
+#include "palpate/evaluation/recorder.hpp"
+#include "palpate/recording/touch_log.hpp"
+#include "palpate/skills/explore/calibrate_phase.hpp"
+#include "palpate/tactile/biotac/normal.hpp"
+#include "palpate/tactile/contacts/contact_log.hpp"
+#include "palpate/tactile/normals/normal_estimator.hpp"
 #include "sense_biotac.hpp"
 
 namespace palpate::app {
@@ -27,10 +28,10 @@ class FingerSensor {
   FingerSensor(const std::string& name, const std::string& estimator, double period)
       : stream_{.name = name, .samples = {}},
         maker_({.period = period}),
-        estimator_(touch::make_normal_estimator(estimator)) {}
+        estimator_(tactile::make_normal_estimator(estimator)) {}
 
-  void take(const touch::FingerFrame& frame, const std::optional<Eigen::Vector3d>& truth) {
-    const touch::FingerSample sample = maker_.next(frame);
+  void take(const tactile::FingerFrame& frame, const std::optional<Eigen::Vector3d>& truth) {
+    const tactile::FingerSample sample = maker_.next(frame);
     stream_.samples.push_back({.time = sample.time,
                                .point = sample.p,
                                .force = sample.f,
@@ -40,8 +41,8 @@ class FingerSensor {
                                .flags = sample.flags.names()});
     truths_.push_back(truth);
     touched_ = touched_ || !frame.contacts.empty();
-    const touch::NormalEstimate estimate = estimator_->update(sample);
-    if (estimate.status == touch::NormalStatus::tracked) place(estimate);
+    const tactile::NormalEstimate estimate = estimator_->update(sample);
+    if (estimate.status == tactile::NormalStatus::tracked) place(estimate);
   }
 
   bool touched() const { return touched_; }
@@ -49,7 +50,7 @@ class FingerSensor {
 
  private:
   /// Puts an estimate to the sample that it describes, which may lie some time back.
-  void place(const touch::NormalEstimate& estimate) {
+  void place(const tactile::NormalEstimate& estimate) {
     for (std::size_t i = stream_.samples.size(); i-- > 0;) {
       SensedSample& sample = stream_.samples[i];
       if (sample.time != estimate.time || !sample.point.allFinite()) continue;
@@ -57,21 +58,21 @@ class FingerSensor {
       if (estimate.covariance) {
         sample.sigma_deg = kDegrees * std::sqrt(estimate.covariance->trace() / 2);
       }
-      if (truths_[i]) sample.error_deg = touch::angle_between_deg(estimate.n, *truths_[i]);
+      if (truths_[i]) sample.error_deg = tactile::angle_between_deg(estimate.n, *truths_[i]);
       return;
     }
   }
 
   SensedStream stream_;
   std::vector<std::optional<Eigen::Vector3d>> truths_;  // of the samples
-  touch::SampleMaker maker_;
-  std::unique_ptr<touch::NormalEstimator> estimator_;
+  tactile::SampleMaker maker_;
+  std::unique_ptr<tactile::NormalEstimator> estimator_;
   bool touched_ = false;
 };
 
 std::optional<Eigen::Vector3d> true_normal_of(const geometry::MeshQuery& mesh,
                                               const recording::Frame& frame,
-                                              const touch::FingerFrame& felt, double tip_radius) {
+                                              const tactile::FingerFrame& felt, double tip_radius) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   double count = 0;
   for (const auto& contact : felt.contacts) {
@@ -101,14 +102,14 @@ std::optional<Eigen::Vector3d> true_normal(const geometry::MeshQuery& mesh,
 std::vector<SensedStream> sense_recording(const SenseArguments& arguments) {
   auto recording = recording::read_recording(arguments.recording);
   recording.header.hand =
-      pipeline::calibrated_hand(recording.header.hand, pipeline::touch_log(recording), {});
+      skills::calibrated_hand(recording.header.hand, recording::touch_log(recording), {});
   const geometry::MeshQuery mesh(recording.header.object.mesh);
   std::vector<SensedStream> streams;
   for (int finger = 0; finger < hand::kFingers; ++finger) {
     FingerSensor sensor(std::string(hand::kFingerNames[static_cast<std::size_t>(finger)]),
                         arguments.estimator, hand::kTick);
     for (const recording::Frame& frame : recording.frames) {
-      const auto felt = touch::finger_frame(frame.reading, recording.header.hand, finger);
+      const auto felt = tactile::finger_frame(frame.reading, recording.header.hand, finger);
       const double radius = recording.header.hand.tips[static_cast<std::size_t>(finger)].radius;
       sensor.take(felt, true_normal_of(mesh, frame, felt, radius));
     }
@@ -120,7 +121,7 @@ std::vector<SensedStream> sense_recording(const SenseArguments& arguments) {
 
 std::vector<SensedStream> sense_contact_log(const SenseArguments& arguments) {
   std::vector<SensedStream> streams;
-  for (const auto& log : touch::read_contact_log(arguments.recording, arguments.tick)) {
+  for (const auto& log : tactile::read_contact_log(arguments.recording, arguments.tick)) {
     FingerSensor sensor(log.finger, arguments.estimator, log.period);
     for (std::size_t i = 0; i < log.frames.size(); ++i) sensor.take(log.frames[i], log.normals[i]);
     streams.push_back(sensor.take_stream());

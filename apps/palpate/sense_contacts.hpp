@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "palpate/geometry/mesh_query.hpp"
+#include "palpate/geometry/query/mesh_query.hpp"
 #include "palpate/recording/recording.hpp"
 #include "sense.hpp"
 

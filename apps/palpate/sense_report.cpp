@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "palpate/core/file.hpp"
-#include "palpate/core/plot.hpp"
 #include "palpate/core/statistics.hpp"
+#include "palpate/plotting/plot.hpp"
 #include "sense.hpp"
 
 namespace palpate::app {
@@ -71,13 +71,13 @@ std::string series_csv(const SensedStream& stream) {
 /// Figure of a vector's components over time; none if it is never known.
 std::string figure(const SensedStream& stream, const Eigen::Vector3d SensedSample::*vector,
                    const std::string& what, const std::string& label) {
-  Plot plot;
+  plotting::Plot plot;
   plot.title = stream.name + ": " + what;
   plot.x.label = "time (s)";
   plot.y.label = label;
   bool known = false;
   for (int axis = 0; axis < 3; ++axis) {
-    LineSeries line{.name = std::string(1, "xyz"[axis]), .x = {}, .y = {}};
+    plotting::LineSeries line{.name = std::string(1, "xyz"[axis]), .x = {}, .y = {}};
     for (const SensedSample& sample : stream.samples) {
       line.x.push_back(sample.time);
       line.y.push_back((sample.*vector)[axis]);
@@ -85,7 +85,7 @@ std::string figure(const SensedStream& stream, const Eigen::Vector3d SensedSampl
     }
     plot.series.emplace_back(std::move(line));
   }
-  return known ? to_svg(plot) : "";
+  return known ? plotting::to_svg(plot) : "";
 }
 
 std::vector<std::string> write_stream(const std::filesystem::path& folder,

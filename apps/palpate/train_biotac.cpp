@@ -10,10 +10,10 @@
 #include "palpate/core/progress.hpp"
 #include "palpate/core/se3.hpp"
 #include "palpate/core/statistics.hpp"
-#include "palpate/touch/biotac_electrodes.hpp"
-#include "palpate/touch/biotac_inverse.hpp"
-#include "palpate/touch/biotac_network.hpp"
-#include "palpate/touch/biotac_normal.hpp"
+#include "palpate/tactile/biotac/electrodes.hpp"
+#include "palpate/tactile/biotac/inverse.hpp"
+#include "palpate/tactile/biotac/network.hpp"
+#include "palpate/tactile/biotac/normal.hpp"
 
 namespace palpate::app {
 namespace {
@@ -27,29 +27,29 @@ void require_out(const CommonOptions& common) {
   if (common.out.empty()) throw BadInput("--out FILE is missing: where the model is to go");
 }
 
-std::vector<touch::BiotacSample> samples_of(const std::vector<touch::BiotacLog>& logs) {
-  std::vector<touch::BiotacSample> samples;
+std::vector<tactile::BiotacSample> samples_of(const std::vector<tactile::BiotacLog>& logs) {
+  std::vector<tactile::BiotacSample> samples;
   for (const auto& log : logs) {
-    const auto more = touch::biotac_samples(log);
+    const auto more = tactile::biotac_samples(log);
     samples.insert(samples.end(), more.begin(), more.end());
   }
   return samples;
 }
 
-std::vector<touch::BiotacLog> read_logs(const std::vector<std::string>& paths) {
-  std::vector<touch::BiotacLog> logs;
-  for (const auto& path : paths) logs.push_back(touch::read_biotac_log(path));
+std::vector<tactile::BiotacLog> read_logs(const std::vector<std::string>& paths) {
+  std::vector<tactile::BiotacLog> logs;
+  for (const auto& path : paths) logs.push_back(tactile::read_biotac_log(path));
   return logs;
 }
 
 int train_biotac_normal(const BiotacNormalArguments& arguments) {
   require_out(arguments.common);
-  auto options = resolve<touch::BiotacNormalOptions>(arguments.common);
+  auto options = resolve<tactile::BiotacNormalOptions>(arguments.common);
   options.seed = arguments.common.seed;
   const auto logs = read_logs(arguments.logs);
   const auto samples = samples_of(logs);
-  const auto model = touch::BiotacNormalModel::train(samples, options);
-  const auto errors = touch::cross_validate_biotac_normal(logs, options);
+  const auto model = tactile::BiotacNormalModel::train(samples, options);
+  const auto errors = tactile::cross_validate_biotac_normal(logs, options);
   write_file_atomically(arguments.common.out, model.bytes());
   nlohmann::json report = {{"samples", samples.size()}, {"logs", logs.size()}};
   report["validation_error_deg"] = nullptr;
@@ -96,8 +96,8 @@ void report(const CommonOptions& common, const nlohmann::json& result) {
 }
 
 struct ElectrodeOptions {
-  touch::ElectrodeFitOptions fit;
-  touch::ElectrodeModelOptions model;
+  tactile::ElectrodeFitOptions fit;
+  tactile::ElectrodeModelOptions model;
 
   template <class Visitor>
   void visit(Visitor&& v) {
@@ -111,16 +111,16 @@ struct ElectrodeArguments {
   std::vector<std::string> logs, judges;
 };
 
-nlohmann::json errors_json(const std::optional<touch::ElectrodeErrors>& errors) {
+nlohmann::json errors_json(const std::optional<tactile::ElectrodeErrors>& errors) {
   if (!errors) return nullptr;
-  const auto summary = [](const touch::ElectrodeChanges& ratios) {
+  const auto summary = [](const tactile::ElectrodeChanges& ratios) {
     return nlohmann::json{{"mean", ratios.mean()},
                           {"electrodes", std::vector<double>(ratios.begin(), ratios.end())}};
   };
   return {{"fit", summary(errors->fit)}, {"model", summary(errors->model)}};
 }
 
-nlohmann::json fit_json(const touch::ElectrodeFit& fit) {
+nlohmann::json fit_json(const tactile::ElectrodeFit& fit) {
   const Eigen::Vector3d turn = log_so3(fit.R_sensor_log) * 180 / std::numbers::pi;
   return {
       {"skin.stiffness", fit.skin.stiffness},       {"skin.crown", fit.skin.crown},
@@ -134,16 +134,16 @@ int train_biotac_electrodes(const ElectrodeArguments& arguments) {
   options.fit.seed = arguments.common.seed;
   const auto logs = read_logs(arguments.logs);
   const auto samples = samples_of(logs);
-  const auto fit = touch::fit_electrodes(samples, options.fit);
-  const auto model = touch::ElectrodeModel::train(samples, options.model);
+  const auto fit = tactile::fit_electrodes(samples, options.fit);
+  const auto model = tactile::ElectrodeModel::train(samples, options.model);
   nlohmann::json result = {{"samples", samples.size()}, {"fit", fit_json(fit)}};
   result["validation_mae_over_sd"] =
-      errors_json(touch::cross_validate_electrodes(logs, options.fit, options.model));
+      errors_json(tactile::cross_validate_electrodes(logs, options.fit, options.model));
   if (!arguments.judges.empty()) {
     const auto judged = samples_of(read_logs(arguments.judges));
     result["test_samples"] = judged.size();
     result["test_mae_over_sd"] =
-        errors_json(touch::judge_electrodes(samples, judged, options.fit, options.model));
+        errors_json(tactile::judge_electrodes(samples, judged, options.fit, options.model));
   }
   write_file_atomically(arguments.common.out, model.bytes());
   report(arguments.common, result);
@@ -175,11 +175,11 @@ void add_biotac_electrodes(CLI::App& train, Command& chosen) {
 
 /// Options of the models that learn from simulated touches.
 struct SimulatedOptions {
-  touch::BiotacDatasetOptions data;
-  touch::SkinOptions skin;
-  touch::BiotacSensorOptions sensor;
-  touch::NetworkTrainingOptions network;
-  touch::BiotacInverseOptions inverse;
+  tactile::BiotacDatasetOptions data;
+  tactile::SkinOptions skin;
+  tactile::BiotacSensorOptions sensor;
+  tactile::NetworkTrainingOptions network;
+  tactile::BiotacInverseOptions inverse;
 
   template <class Visitor>
   void visit(Visitor&& v) {
@@ -199,7 +199,7 @@ struct SimulatedArguments {
 constexpr std::uint64_t kJudgeSeed = 9000;  // beyond that of what is learned
 
 struct SimulatedTouches {
-  std::vector<touch::BiotacFrame> learn, judge;
+  std::vector<tactile::BiotacFrame> learn, judge;
 };
 
 /// Touches to learn from and, of another seed and a fifth as many, to judge by.
@@ -207,13 +207,13 @@ SimulatedTouches simulate(const SimulatedArguments& arguments, const SimulatedOp
   SimulatedTouches touches;
   auto data = options.data;
   data.seed = arguments.common.seed;
-  touches.learn = touch::simulate_biotac(data, options.skin, options.sensor);
+  touches.learn = tactile::simulate_biotac(data, options.skin, options.sensor);
   if (!arguments.write_data.empty()) {
-    write_file_atomically(arguments.write_data, touch::dataset_csv(touches.learn));
+    write_file_atomically(arguments.write_data, tactile::dataset_csv(touches.learn));
   }
   data.seed = arguments.common.seed + kJudgeSeed;
   data.trajectories = std::max(1, data.trajectories / 5);
-  touches.judge = touch::simulate_biotac(data, options.skin, options.sensor);
+  touches.judge = tactile::simulate_biotac(data, options.skin, options.sensor);
   return touches;
 }
 
@@ -229,13 +229,13 @@ int train_biotac_network(const SimulatedArguments& arguments) {
   auto options = resolve<SimulatedOptions>(arguments.common);
   options.network.seed = arguments.common.seed;
   const auto touches = simulate(arguments, options);
-  const Eigen::MatrixXd learn = touch::biotac_dataset(touches.learn),
-                        judge = touch::biotac_dataset(touches.judge);
-  touch::BiotacNetwork network(arguments.common.seed);
-  network.train(touch::network_inputs(learn), touch::network_outputs(learn), options.network,
+  const Eigen::MatrixXd learn = tactile::biotac_dataset(touches.learn),
+                        judge = tactile::biotac_dataset(touches.judge);
+  tactile::BiotacNetwork network(arguments.common.seed);
+  network.train(tactile::network_inputs(learn), tactile::network_outputs(learn), options.network,
                 bar(arguments.common));
-  const auto inputs = touch::network_inputs(judge), outputs = touch::network_outputs(judge);
-  const Eigen::VectorXd ratios = touch::error_ratios(network(inputs), outputs);
+  const auto inputs = tactile::network_inputs(judge), outputs = tactile::network_outputs(judge);
+  const Eigen::VectorXd ratios = tactile::error_ratios(network(inputs), outputs);
   const auto as_vector = [](const Eigen::VectorXd& v) {
     return std::vector<double>(v.begin(), v.end());
   };
@@ -245,15 +245,15 @@ int train_biotac_network(const SimulatedArguments& arguments) {
           {"test_samples", judge.rows()},
           {"test_mae_over_sd", ratios.mean()},
           {"test_mae_over_sd_of_channels", as_vector(ratios)},
-          {"sensitivity_of_inputs", as_vector(touch::sensitivities(network, inputs, outputs))},
+          {"sensitivity_of_inputs", as_vector(tactile::sensitivities(network, inputs, outputs))},
           {"loss_by_shuffled_inputs",
-           as_vector(touch::shuffled_input_losses(network, inputs, outputs, 0))}});
+           as_vector(tactile::shuffled_input_losses(network, inputs, outputs, 0))}});
   return kDone;
 }
 
 /// Errors of contacts that were not learned from.
-nlohmann::json inverse_errors(const touch::BiotacInverse& model,
-                              const std::vector<touch::BiotacFrame>& frames) {
+nlohmann::json inverse_errors(const tactile::BiotacInverse& model,
+                              const std::vector<tactile::BiotacFrame>& frames) {
   constexpr std::size_t kStride = 5;  // neighbouring frames tell the same
   std::vector<double> points, forces, normals, directions;
   double within_one = 0, within_two = 0, components = 0;
@@ -262,10 +262,10 @@ nlohmann::json inverse_errors(const touch::BiotacInverse& model,
     if (!found) continue;
     points.push_back(1e3 * (found->p - frames[i].p).norm());
     forces.push_back((found->f - frames[i].f1).norm());
-    normals.push_back(touch::angle_between_deg(found->n, frames[i].n));
-    directions.push_back(touch::angle_between_deg(found->f, frames[i].f1));
+    normals.push_back(tactile::angle_between_deg(found->n, frames[i].n));
+    directions.push_back(tactile::angle_between_deg(found->f, frames[i].f1));
     const Eigen::ArrayXd sigmas =
-        touch::contact_error(*found, frames[i].p, frames[i].f1).array().abs() /
+        tactile::contact_error(*found, frames[i].p, frames[i].f1).array().abs() /
         found->covariance.diagonal().array().sqrt();
     within_one += static_cast<double>((sigmas < 1).count());
     within_two += static_cast<double>((sigmas < 2).count());
@@ -289,7 +289,7 @@ int train_biotac_inverse(const SimulatedArguments& arguments) {
   options.inverse.seed = arguments.common.seed;
   const auto touches = simulate(arguments, options);
   const auto model =
-      touch::BiotacInverse::train(touches.learn, options.inverse, options.skin, options.sensor);
+      tactile::BiotacInverse::train(touches.learn, options.inverse, options.skin, options.sensor);
   write_file_atomically(arguments.common.out, model.bytes());
   nlohmann::json result = inverse_errors(model, touches.judge);
   result["samples"] = touches.learn.size();

@@ -11,10 +11,10 @@
 
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
-#include "palpate/core/plot.hpp"
-#include "palpate/learning/minari_io.hpp"
-#include "palpate/learning/policy_io.hpp"
-#include "palpate/learning/trainer.hpp"
+#include "palpate/plotting/plot.hpp"
+#include "palpate/tasks/relocate/minari_io.hpp"
+#include "palpate/tasks/relocate/policies/policy_io.hpp"
+#include "palpate/tasks/relocate/training/trainer.hpp"
 #include "relocate_arguments.hpp"
 
 namespace palpate::app {
@@ -36,11 +36,11 @@ constexpr int kIterations = 40;
 constexpr std::size_t kDemonstrations = 25;
 
 struct TrainOptions {
-  learning::TaskOptions task;
-  learning::CemTrainingOptions cem;
-  learning::DaggerOptions dagger;
-  learning::CloningOptions bc;
-  learning::NpgOptions npg;
+  relocate::TaskOptions task;
+  relocate::CemTrainingOptions cem;
+  relocate::DaggerOptions dagger;
+  relocate::CloningOptions bc;
+  relocate::NpgOptions npg;
 
   TrainOptions() { task.solver = "fast"; }
 
@@ -55,19 +55,18 @@ struct TrainOptions {
 };
 
 /// Episodes that an expert shows.
-learning::Demonstrations show(const simulation::RelocateModel& model,
-                              const learning::Policy& expert,
-                              const learning::EpisodeOptions& episode, std::uint64_t seed,
+relocate::Demonstrations show(const relocate::RelocateModel& model, const relocate::Policy& expert,
+                              const relocate::EpisodeOptions& episode, std::uint64_t seed,
                               std::size_t count) {
-  learning::Demonstrations demos;
+  relocate::Demonstrations demos;
   const auto horizon = static_cast<Eigen::Index>(episode.horizon);
-  demos.observations.resize(simulation::kRelocateObservations, 0);
-  demos.actions.resize(simulation::kRelocateJoints, 0);
+  demos.observations.resize(relocate::kRelocateObservations, 0);
+  demos.actions.resize(relocate::kRelocateJoints, 0);
   for (std::size_t i = 0; i < count; ++i) {
-    simulation::RelocateTask task(model);
-    learning::Path path;
-    const auto agent = [&](int, const learning::PolicyInput& input) { return expert.act(input); };
-    const auto outcome = learning::run_episode(task, learning::episode_start(episode, seed, i),
+    relocate::RelocateTask task(model);
+    relocate::Path path;
+    const auto agent = [&](int, const relocate::PolicyInput& input) { return expert.act(input); };
+    const auto outcome = relocate::run_episode(task, relocate::episode_start(episode, seed, i),
                                                episode.horizon, agent, &path);
     if (outcome.diverged || !(outcome.distance < 0.05)) continue;  // only successes teach
     const Eigen::Index before = demos.actions.cols();
@@ -81,12 +80,12 @@ learning::Demonstrations show(const simulation::RelocateModel& model,
   return demos;
 }
 
-learning::Demonstrations demonstrations(const TrainArguments& arguments,
+relocate::Demonstrations demonstrations(const TrainArguments& arguments,
                                         const TrainOptions& options,
-                                        const learning::TrainingContext& context,
-                                        const learning::Policy* expert) {
+                                        const relocate::TrainingContext& context,
+                                        const relocate::Policy* expert) {
   if (arguments.method == "npg") return {};
-  if (!arguments.demos.empty()) return frames_of(learning::read_minari(arguments.demos));
+  if (!arguments.demos.empty()) return relocate::frames_of(relocate::read_minari(arguments.demos));
   return show(context.model, *expert, options.npg.episode,
               RandomStream(context.seed, "demonstrations").bits() % 1000000,
               arguments.demonstrations.value_or(kDemonstrations));
@@ -94,24 +93,24 @@ learning::Demonstrations demonstrations(const TrainArguments& arguments,
 
 /// A training with what it must keep alive.
 struct Training {
-  std::unique_ptr<learning::Policy> expert, from;
-  std::unique_ptr<learning::Trainer> trainer;
+  std::unique_ptr<relocate::Policy> expert, from;
+  std::unique_ptr<relocate::Trainer> trainer;
 };
 
-learning::MlpPolicy starting_network(const Training& training,
-                                     const learning::Demonstrations& demos,
+relocate::MlpPolicy starting_network(const Training& training,
+                                     const relocate::Demonstrations& demos,
                                      const TrainOptions& options, std::uint64_t seed) {
-  if (!training.from) return learning::clone_behavior(demos, options.bc, seed);
-  const auto* network = dynamic_cast<const learning::MlpPolicy*>(training.from.get());
+  if (!training.from) return relocate::clone_behavior(demos, options.bc, seed);
+  const auto* network = dynamic_cast<const relocate::MlpPolicy*>(training.from.get());
   if (!network) throw BadInput("--from needs a policy of kind mlp for this method");
   return *network;
 }
 
 void make_gradient_trainer(const TrainArguments& arguments, const TrainOptions& options,
-                           const learning::TrainingContext& context, Training& training) {
+                           const relocate::TrainingContext& context, Training& training) {
   auto demos = demonstrations(arguments, options, context, training.expert.get());
   const auto network = starting_network(training, demos, options, context.seed);
-  training.trainer = learning::make_npg_trainer(context, options.npg, network, std::move(demos));
+  training.trainer = relocate::make_npg_trainer(context, options.npg, network, std::move(demos));
 }
 
 /// Refuses options that the method would not look at.
@@ -140,7 +139,7 @@ void check_use(const TrainArguments& arguments) {
 }
 
 Training make_training(const TrainArguments& arguments, const TrainOptions& options,
-                       const learning::TrainingContext& context) {
+                       const relocate::TrainingContext& context) {
   Training training;
   if (!arguments.from.empty()) training.from = find_policy(arguments.from);
   const std::string& method = arguments.method;
@@ -148,11 +147,11 @@ Training make_training(const TrainArguments& arguments, const TrainOptions& opti
     training.expert = find_policy(arguments.expert);
   }
   if (method == "cem") {
-    const auto* from = dynamic_cast<const learning::StructuredPolicy*>(training.from.get());
+    const auto* from = dynamic_cast<const relocate::StructuredPolicy*>(training.from.get());
     if (training.from && !from) throw BadInput("--from needs a policy of kind structured for cem");
-    training.trainer = learning::make_cem_trainer(context, options.cem, from);
+    training.trainer = relocate::make_cem_trainer(context, options.cem, from);
   } else if (method == "dagger") {
-    training.trainer = learning::make_dagger_trainer(context, options.dagger, *training.expert);
+    training.trainer = relocate::make_dagger_trainer(context, options.dagger, *training.expert);
   } else {
     make_gradient_trainer(arguments, options, context, training);
   }
@@ -170,7 +169,7 @@ class Curves {
  public:
   explicit Curves(std::filesystem::path folder) : folder_(std::move(folder)) {}
 
-  void add(const learning::Metrics& metrics) {
+  void add(const relocate::Metrics& metrics) {
     const Eigen::Index row = values_.rows();
     values_.conservativeResize(row + 1, std::ssize(metrics));
     for (Eigen::Index k = 0; k < values_.cols(); ++k) {
@@ -196,17 +195,17 @@ class Curves {
 
  private:
   void write_figure(std::size_t k) const {
-    Plot plot;
+    plotting::Plot plot;
     plot.title = names_[k];
     plot.x.label = "iteration";
     plot.y.label = names_[k];
-    LineSeries line;
+    plotting::LineSeries line;
     for (Eigen::Index i = 0; i < values_.rows(); ++i) {
       line.x.push_back(static_cast<double>(i));
       line.y.push_back(values_(i, static_cast<Eigen::Index>(k)));
     }
     plot.series.emplace_back(line);
-    write_file_atomically(folder_ / (names_[k] + ".svg"), to_svg(plot));
+    write_file_atomically(folder_ / (names_[k] + ".svg"), plotting::to_svg(plot));
   }
 
   std::filesystem::path folder_;
@@ -222,7 +221,7 @@ std::string settings_of(const TrainArguments& arguments, const TrainOptions& opt
 }
 
 bool resume(const std::filesystem::path& path, const TrainArguments& arguments,
-            const std::string& settings, learning::Trainer& trainer, Curves& curves) {
+            const std::string& settings, relocate::Trainer& trainer, Curves& curves) {
   if (!std::filesystem::exists(path)) return false;
   const Checkpoint checkpoint = learning::load_checkpoint(path);
   if (checkpoint.settings != settings || checkpoint.seed != arguments.common.seed) {
@@ -235,7 +234,7 @@ bool resume(const std::filesystem::path& path, const TrainArguments& arguments,
 }
 
 void keep(const std::filesystem::path& folder, const TrainArguments& arguments,
-          const std::string& settings, const learning::Trainer& trainer, const Curves& curves) {
+          const std::string& settings, const relocate::Trainer& trainer, const Curves& curves) {
   Checkpoint checkpoint;
   checkpoint.method = arguments.method;
   checkpoint.seed = arguments.common.seed;
@@ -266,15 +265,15 @@ std::string command_of(const TrainArguments& arguments) {
 }
 
 void write_policy(const std::filesystem::path& folder, const TrainArguments& arguments,
-                  const learning::Trainer& trainer) {
+                  const relocate::Trainer& trainer) {
   auto record = trainer.policy();
   record.notes = {{"command", command_of(arguments)},
                   {"seed", fmt::format("{}", arguments.common.seed)},
                   {"iterations", fmt::format("{}", trainer.iteration())}};
-  learning::save_policy(folder / "policy.json", record);
+  relocate::save_policy(folder / "policy.json", record);
 }
 
-void log_iteration(const CommonOptions& common, int iteration, const learning::Metrics& metrics,
+void log_iteration(const CommonOptions& common, int iteration, const relocate::Metrics& metrics,
                    double seconds) {
   if (common.quiet) return;
   std::string text = fmt::format("iteration {:>4}  {:>6.0f} s", iteration, seconds);
@@ -282,14 +281,14 @@ void log_iteration(const CommonOptions& common, int iteration, const learning::M
   fmt::print(stderr, "{}\n", text);
 }
 
-learning::RolloutSummary evaluate(const TrainArguments& arguments, const TrainOptions& options,
-                                  const learning::Policy& policy) {
+relocate::RolloutSummary evaluate(const TrainArguments& arguments, const TrainOptions& options,
+                                  const relocate::Policy& policy) {
   auto task = options.task;
   task.solver = "faithful";
   const auto& episode = arguments.method == "cem"      ? options.cem.search.episode
                         : arguments.method == "dagger" ? options.dagger.episode
                                                        : options.npg.episode;
-  return learning::summarize(learning::rollout(learning::make_model(task), policy, episode,
+  return relocate::summarize(relocate::rollout(relocate::make_model(task), policy, episode,
                                                arguments.common.seed + 500, arguments.episodes,
                                                arguments.common.threads));
 }
@@ -301,7 +300,7 @@ int train(const TrainArguments& arguments) {
   const auto options = resolve<TrainOptions>(common);
   make_writable_folder(common.out);
   const std::filesystem::path folder = common.out;
-  const learning::TrainingContext context{learning::make_model(options.task), common.seed,
+  const relocate::TrainingContext context{relocate::make_model(options.task), common.seed,
                                           common.threads};
   const Training training = make_training(arguments, options, context);
   const std::string settings = settings_of(arguments, options);
@@ -321,7 +320,7 @@ int train(const TrainArguments& arguments) {
                   std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
   }
   write_policy(folder, arguments, *training.trainer);
-  const auto summary = evaluate(arguments, options, *learning::load_policy(folder / "policy.json"));
+  const auto summary = evaluate(arguments, options, *relocate::load_policy(folder / "policy.json"));
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   json report = summary_json(summary);

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "palpate/core/file.hpp"
-#include "palpate/pipeline/place.hpp"
+#include "palpate/skills/place/place.hpp"
 
 namespace palpate::app {
 namespace {
@@ -20,8 +20,8 @@ std::string error_cells(bool known, const localization::PoseError& error) {
   return fmt::format("{:.3f},{:.3f}", kDegrees * error.rotation, 1e3 * error.translation);
 }
 
-std::string pick_cells(const pipeline::Trial& trial) {
-  const pipeline::Judgement& judgement = trial.judgement;
+std::string pick_cells(const evaluation::Trial& trial) {
+  const evaluation::Judgement& judgement = trial.judgement;
   const auto& modes = trial.result.estimate.posterior.modes;
   return fmt::format(
       "{},{:d},{},{},{:d},{:d},{:d},{:d},{:d},{:.3f},{:d},{},{},{},{:.3f},{:.3f},{:.3f},{}",
@@ -33,9 +33,9 @@ std::string pick_cells(const pipeline::Trial& trial) {
       1e3 * judgement.explored_motion, judgement.tip_force, trial.result.failed_phase);
 }
 
-std::string place_cells(const pipeline::Trial& trial) {
+std::string place_cells(const evaluation::Trial& trial) {
   if (!trial.place) return ",,,,,,,,";
-  const pipeline::PlaceJudgement& judgement = trial.place_judgement;
+  const evaluation::PlaceJudgement& judgement = trial.place_judgement;
   return fmt::format(
       "{},{:d},{:d},{:d},{:d},{:d},{},{:d}", to_string(trial.place->status), trial.place->certain,
       judgement.placed, judgement.tight, judgement.wrong, judgement.dropped,
@@ -56,7 +56,8 @@ TrialsFile::TrialsFile(std::filesystem::path path, bool place)
   write_file_atomically(path_, text_);
 }
 
-void TrialsFile::add(const std::string& object, std::uint64_t seed, const pipeline::Trial& trial) {
+void TrialsFile::add(const std::string& object, std::uint64_t seed,
+                     const evaluation::Trial& trial) {
   text_ += fmt::format("{},{},{}", object, seed, pick_cells(trial));
   if (place_) text_ += fmt::format(",{}", place_cells(trial));
   text_ += '\n';

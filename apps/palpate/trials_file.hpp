@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-#include "palpate/pipeline/trial.hpp"
+#include "palpate/evaluation/trial.hpp"
 
 namespace palpate::app {
 
@@ -15,7 +15,7 @@ class TrialsFile {
   /// Begins the file with its header.
   /// @param place  whether the trials place the object
   TrialsFile(std::filesystem::path path, bool place);
-  void add(const std::string& object, std::uint64_t seed, const pipeline::Trial& trial);
+  void add(const std::string& object, std::uint64_t seed, const evaluation::Trial& trial);
 
  private:
   std::filesystem::path path_;

@@ -3,13 +3,13 @@
 #include <cstdio>
 #include <numbers>
 
-#include "palpate/geometry/known_object.hpp"
-#include "palpate/geometry/sampling.hpp"
+#include "palpate/geometry/mesh/sampling.hpp"
+#include "palpate/geometry/objects/known_object.hpp"
 #include "palpate/localization/localizer.hpp"
 
 int main() {
   using namespace palpate;
-  const localization::ObjectModel object(geometry::load_known_object("bracket"));
+  const geometry::ObjectModel object(geometry::load_known_object("bracket"));
 
   // A real hand would bring these; here they are drawn from the surface at a pose we then forget.
   const Eigen::Isometry3d truth =
@@ -18,7 +18,7 @@ int main() {
   localization::Evidence evidence;
   for (const auto& sample :
        geometry::sample_surface(object.object().mesh, 12, random.fork("points"))) {
-    touch::Contact contact;
+    tactile::Contact contact;
     contact.p = truth * sample.point + 0.001 * random.normal3();
     contact.n = (truth.linear() * sample.normal + 0.17 * random.normal3()).normalized();
     evidence.contacts.push_back(contact);

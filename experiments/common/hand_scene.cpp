@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hand_scene.hpp"
 
-#include "palpate/pipeline/trial.hpp"
+#include "palpate/evaluation/trial.hpp"
 
 namespace palpate::experiment {
 
@@ -16,12 +16,12 @@ Eigen::Isometry3d HandScene::in_hand(std::size_t tick) const {
   return robot_.log().readings[tick].base.pose().inverse() * truths_[tick];
 }
 
-pipeline::Robot HandScene::make_robot(const geometry::KnownObject& object, std::uint64_t seed) {
-  world_.reset(pipeline::draw_start(object, {}, seed), pipeline::waiting_command());
+skills::Robot HandScene::make_robot(const geometry::KnownObject& object, std::uint64_t seed) {
+  world_.reset(evaluation::draw_start(object, {}, seed), evaluation::waiting_command());
   const auto note = [this](const auto&, const auto&) {
     truths_.push_back(world_.truth().T_world_object);
   };
-  return {world_.hand(), world_.hand_model(), pipeline::waiting_command(), {note, {}}};
+  return {world_.hand(), world_.hand_model(), evaluation::waiting_command(), {note, {}}};
 }
 
 }  // namespace palpate::experiment

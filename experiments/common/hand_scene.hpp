@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "palpate/pipeline/robot.hpp"
-#include "palpate/simulation/world.hpp"
+#include "palpate/simulation/world/world.hpp"
+#include "palpate/skills/executor.hpp"
 
 namespace palpate::experiment {
 
@@ -20,18 +20,18 @@ class HandScene {
  public:
   HandScene(const geometry::KnownObject& object, std::uint64_t seed);
 
-  pipeline::Robot& robot() { return robot_; }
+  skills::Robot& robot() { return robot_; }
   [[nodiscard]] std::size_t now() const { return truths_.size() - 1; }
   [[nodiscard]] double lowest() const { return world_.truth().lowest_point; }
   [[nodiscard]] const Eigen::Isometry3d& in_world(std::size_t tick) const { return truths_[tick]; }
   [[nodiscard]] Eigen::Isometry3d in_hand(std::size_t tick) const;
 
  private:
-  pipeline::Robot make_robot(const geometry::KnownObject& object, std::uint64_t seed);
+  skills::Robot make_robot(const geometry::KnownObject& object, std::uint64_t seed);
 
   simulation::World world_;
   std::vector<Eigen::Isometry3d> truths_;  // T_world_object, one a reading
-  pipeline::Robot robot_;
+  skills::Robot robot_;
 };
 
 }  // namespace palpate::experiment

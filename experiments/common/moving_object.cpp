@@ -94,8 +94,8 @@ void MovingObject::settle(TouchingTip& tip, const Eigen::Vector3d& near) const {
   tip.n = closest.normal;
 }
 
-touch::Contact MovingObject::felt(TouchingTip& tip) {
-  touch::Contact contact;
+tactile::Contact MovingObject::felt(TouchingTip& tip) {
+  tactile::Contact contact;
   const double share = setting_.correlated ? std::sqrt(1 - kCorrelatedShare) : 1.0;
   const double kept = setting_.correlated ? std::sqrt(kCorrelatedShare) : 0.0;
   contact.p = T_ * tip.p;

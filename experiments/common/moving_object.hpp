@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "palpate/core/random.hpp"
-#include "palpate/geometry/mesh_query.hpp"
+#include "palpate/geometry/query/mesh_query.hpp"
 #include "palpate/localization/localizer.hpp"
-#include "palpate/localization/tracker.hpp"
+#include "palpate/localization/tracking/tracker.hpp"
 
 namespace palpate::experiment {
 
@@ -32,7 +32,7 @@ inline constexpr double kSlipAngle = 0.174532925;  // rad
 struct Subject {
   explicit Subject(const std::string& name)
       : model(geometry::load_known_object(name)), mesh(model.object().mesh) {}
-  localization::ObjectModel model;
+  geometry::ObjectModel model;
   geometry::MeshQuery mesh;
 };
 
@@ -70,7 +70,7 @@ class MovingObject {
  private:
   void place_fingertips();
   void settle(TouchingTip& tip, const Eigen::Vector3d& near) const;
-  touch::Contact felt(TouchingTip& tip);
+  tactile::Contact felt(TouchingTip& tip);
 
   const Subject& subject_;
   TouchSetting setting_;

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "palpate/simulation/collision_scene.hpp"
+#include "palpate/simulation/collision/collision_scene.hpp"
 #include "pointing_finger.hpp"
 
 namespace palpate::experiment {

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "palpate/core/assets.hpp"
-#include "palpate/touch/finger_sample.hpp"
+#include "palpate/tactile/contacts/finger_sample.hpp"
 
 namespace palpate::experiment {
 namespace {
@@ -72,7 +72,7 @@ std::vector<Eigen::Vector3d> SlidingFinger::true_normals(const hand::HandReading
 double SlidingFinger::pressing(const hand::HandReading& reading, const Eigen::Vector3d& n) const {
   double force = 0;
   for (const auto& contact :
-       touch::finger_frame(reading, finger_.hand(), finger_.finger()).contacts) {
+       tactile::finger_frame(reading, finger_.hand(), finger_.finger()).contacts) {
     force -= n.dot(contact.f);
   }
   return force;

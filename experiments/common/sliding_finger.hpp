@@ -4,9 +4,9 @@
 #include <memory>
 #include <vector>
 
-#include "palpate/geometry/capsule_collider.hpp"
+#include "palpate/geometry/query/capsule_collider.hpp"
 #include "palpate/recording/recording.hpp"
-#include "palpate/simulation/world.hpp"
+#include "palpate/simulation/world/world.hpp"
 #include "pointing_finger.hpp"
 
 namespace palpate::experiment {

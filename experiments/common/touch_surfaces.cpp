@@ -6,9 +6,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "../../tests/touch/sliding.hpp"
 #include "palpate/core/error.hpp"
-#include "palpate/geometry/shapes.hpp"
+#include "palpate/geometry/objects/shapes.hpp"
+#include "tactile/sliding.hpp"
 
 namespace palpate::experiment {
 namespace {
@@ -71,9 +71,9 @@ void add_over_edges(double t, double radius, bool corner, TipPath& path) {
   const double u = 0.022 * std::sin(2 * kPi * t / 8 - 0.6);
   const double w =
       corner ? 0.02 * std::sin(2 * kPi * t / 6.1 + 2) : 0.02 * std::sin(2 * kPi * t / 5.3);
-  touch::SlidingPath local;
+  tactile::SlidingPath local;
   const Eigen::Vector3d over_edge(std::min(u, 0.0), w - kWide / 2, std::min(-u, 0.0));
-  touch::add_rounded(corner ? touch::fold_onto_corner(u, w) : over_edge, radius, local);
+  tactile::add_rounded(corner ? tactile::fold_onto_corner(u, w) : over_edge, radius, local);
   // From the solid grown by the tip to the box that it was grown from.
   const Eigen::Vector3d to_box(kWide / 2 + radius, corner ? kWide / 2 + radius : kWide / 2,
                                kHigh + radius);

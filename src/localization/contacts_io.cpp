@@ -77,8 +77,8 @@ int finger_of(const Row& row) {
   return index;
 }
 
-touch::Contact contact_of(const Row& row, const ContactNoise& noise) {
-  touch::Contact contact;
+tactile::Contact contact_of(const Row& row, const ContactNoise& noise) {
+  tactile::Contact contact;
   contact.p = *row.vector({"x", "y", "z"});
   const Eigen::Vector3d n = *row.vector({"nx", "ny", "nz"});
   if (!(n.norm() > kLeastNormal)) {
@@ -103,11 +103,11 @@ void check_header(const std::vector<std::string_view>& names, std::string_view s
 
 }  // namespace
 
-std::vector<touch::Contact> parse_contacts(std::string_view text, std::string_view source,
-                                           const ContactNoise& noise) {
+std::vector<tactile::Contact> parse_contacts(std::string_view text, std::string_view source,
+                                             const ContactNoise& noise) {
   if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
   std::vector<std::string_view> names;
-  std::vector<touch::Contact> contacts;
+  std::vector<tactile::Contact> contacts;
   for (std::size_t number = 1; !text.empty(); ++number) {
     const auto end = std::min(text.find('\n'), text.size());
     const std::string_view line = trimmed(text.substr(0, end));
@@ -126,8 +126,8 @@ std::vector<touch::Contact> parse_contacts(std::string_view text, std::string_vi
   return contacts;
 }
 
-std::vector<touch::Contact> read_contacts(const std::filesystem::path& path,
-                                          const ContactNoise& noise) {
+std::vector<tactile::Contact> read_contacts(const std::filesystem::path& path,
+                                            const ContactNoise& noise) {
   return parse_contacts(read_file(path), path.string(), noise);
 }
 

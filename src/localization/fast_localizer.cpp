@@ -5,13 +5,13 @@
 #include <cmath>
 #include <numbers>
 
-#include "check_evidence.hpp"
-#include "descent.hpp"
-#include "energy_maker.hpp"
+#include "localization/likelihood/check_evidence.hpp"
+#include "localization/likelihood/energy_maker.hpp"
+#include "localization/likelihood/verdict.hpp"
+#include "localization/search/descent.hpp"
+#include "localization/search/pose_family.hpp"
+#include "localization/search/proposal.hpp"
 #include "palpate/localization/localizer.hpp"
-#include "pose_family.hpp"
-#include "proposal.hpp"
-#include "verdict.hpp"
 
 namespace palpate::localization {
 namespace {
@@ -55,7 +55,7 @@ bool tight(const Matrix6d& covariance) {
 }
 
 /// The modes, if they are all that there can be: nothing otherwise.
-std::vector<Mode> settled_modes(const ObjectModel& model, const Evidence& evidence,
+std::vector<Mode> settled_modes(const geometry::ObjectModel& model, const Evidence& evidence,
                                 RandomStream random, const LocalizerOptions& search,
                                 const FastOptions& options) {
   const EnergyMaker energy_at(model, evidence, search.contact_offset);
@@ -74,8 +74,9 @@ std::vector<Mode> settled_modes(const ObjectModel& model, const Evidence& eviden
 
 }  // namespace
 
-Posterior localize_fast(const ObjectModel& model, const Evidence& evidence, RandomStream random,
-                        const LocalizerOptions& options, const FastOptions& fast) {
+Posterior localize_fast(const geometry::ObjectModel& model, const Evidence& evidence,
+                        RandomStream random, const LocalizerOptions& options,
+                        const FastOptions& fast) {
   const auto start = std::chrono::steady_clock::now();
   const auto elapsed = [start] {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

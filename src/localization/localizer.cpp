@@ -5,15 +5,15 @@
 #include <chrono>
 #include <cmath>
 
-#include "check_evidence.hpp"
-#include "descent.hpp"
-#include "energy_maker.hpp"
-#include "further_poses.hpp"
-#include "modes.hpp"
-#include "moves.hpp"
-#include "proposal.hpp"
-#include "tempering.hpp"
-#include "verdict.hpp"
+#include "localization/likelihood/check_evidence.hpp"
+#include "localization/likelihood/energy_maker.hpp"
+#include "localization/likelihood/verdict.hpp"
+#include "localization/search/descent.hpp"
+#include "localization/search/further_poses.hpp"
+#include "localization/search/modes.hpp"
+#include "localization/search/moves.hpp"
+#include "localization/search/proposal.hpp"
+#include "localization/search/tempering.hpp"
 
 namespace palpate::localization {
 namespace {
@@ -52,7 +52,8 @@ const SearchPose& best_of(const std::vector<Particle>& particles) {
 /// The search for populations of samples.
 class Sampler {
  public:
-  Sampler(const ObjectModel& model, const Evidence& evidence, const LocalizerOptions& options)
+  Sampler(const geometry::ObjectModel& model, const Evidence& evidence,
+          const LocalizerOptions& options)
       : options_(options),
         energy_at_(model, evidence, options.contact_offset),
         proposal_(make_proposal(model, evidence, options)),
@@ -138,8 +139,8 @@ class Sampler {
   bool many_contacts_;
 };
 
-Posterior search(const ObjectModel& model, const Evidence& evidence, const RandomStream& random,
-                 const LocalizerOptions& options) {
+Posterior search(const geometry::ObjectModel& model, const Evidence& evidence,
+                 const RandomStream& random, const LocalizerOptions& options) {
   const Sampler sample(model, evidence, options);
   const auto basins = sample.basins(random.fork("descents"));
   const auto chosen_on = sample(basins, random.fork("choosing"), 1);
@@ -164,8 +165,8 @@ Posterior search(const ObjectModel& model, const Evidence& evidence, const Rando
 
 }  // namespace
 
-Posterior localize(const ObjectModel& model, const Evidence& evidence, RandomStream random,
-                   const LocalizerOptions& options) {
+Posterior localize(const geometry::ObjectModel& model, const Evidence& evidence,
+                   RandomStream random, const LocalizerOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   check_evidence(model, evidence);
   Posterior posterior;

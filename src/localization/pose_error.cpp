@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 
+#include "localization/search/pose_family.hpp"
 #include "palpate/localization/posterior.hpp"
-#include "pose_family.hpp"
 
 namespace palpate::localization {
 

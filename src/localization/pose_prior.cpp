@@ -8,8 +8,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "localization/search/pose_family.hpp"
 #include "palpate/core/error.hpp"
-#include "pose_family.hpp"
 
 namespace palpate::localization {
 namespace {

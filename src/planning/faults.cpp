@@ -51,7 +51,7 @@ void check_joints(const hand::JointVector& joints, std::vector<std::string>& rea
   }
 }
 
-void check_collision(const Waypoint& waypoint, simulation::CollisionScene& scene,
+void check_collision(const Waypoint& waypoint, CollisionChecker& scene,
                      std::vector<std::string>& reasons) {
   const hand::HandCommand command = command_of(waypoint);
   const auto pair =
@@ -63,8 +63,8 @@ void check_collision(const Waypoint& waypoint, simulation::CollisionScene& scene
 
 }  // namespace
 
-std::vector<Fault> find_faults(const std::vector<Waypoint>& waypoints,
-                               simulation::CollisionScene& scene, const BaseRange& range) {
+std::vector<Fault> find_faults(const std::vector<Waypoint>& waypoints, CollisionChecker& scene,
+                               const BaseRange& range) {
   std::vector<Fault> faults;
   for (std::size_t i = 0; i < waypoints.size(); ++i) {
     std::vector<std::string> reasons;

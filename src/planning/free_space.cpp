@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "free_space.hpp"
+#include "planning/free_space.hpp"
 
 #include <cmath>
 

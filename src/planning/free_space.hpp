@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "palpate/planning/collision_checker.hpp"
 #include "palpate/planning/trajectory.hpp"
-#include "palpate/simulation/collision_scene.hpp"
 
 namespace palpate::planning {
 
@@ -10,7 +10,7 @@ namespace palpate::planning {
 class FreeSpace {
  public:
   /// @param step  m of path between the configurations of a way that are checked
-  FreeSpace(simulation::CollisionScene& scene, double step) : scene_(&scene), step_(step) {}
+  FreeSpace(CollisionChecker& scene, double step) : scene_(&scene), step_(step) {}
 
   [[nodiscard]] bool holds(const Coordinates& configuration);
   [[nodiscard]] bool holds_line(const Coordinates& start, const Coordinates& end);
@@ -21,7 +21,7 @@ class FreeSpace {
   [[nodiscard]] int checks() const { return checks_; }
 
  private:
-  simulation::CollisionScene* scene_;
+  CollisionChecker* scene_;
   double step_;
   int checks_ = 0;
 };

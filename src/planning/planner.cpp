@@ -12,7 +12,7 @@
 
 #include "palpate/core/error.hpp"
 #include "palpate/core/random.hpp"
-#include "search.hpp"
+#include "planning/search.hpp"
 
 namespace palpate::planning {
 namespace {
@@ -44,7 +44,7 @@ hand::Range range_of(int coordinate, const BaseRange& base) {
 /// Plans the ways from each waypoint to the next.
 class LegPlanner {
  public:
-  LegPlanner(const std::vector<Coordinates>& waypoints, simulation::CollisionScene& scene,
+  LegPlanner(const std::vector<Coordinates>& waypoints, CollisionChecker& scene,
              const PlanOptions& options, std::uint64_t seed)
       : options_(options),
         planner_(planner_named(options.planner)),
@@ -202,7 +202,7 @@ std::string_view to_string(PlanStatus status) {
   return "no_path";
 }
 
-Plan plan(const std::vector<Waypoint>& waypoints, simulation::CollisionScene& scene,
+Plan plan(const std::vector<Waypoint>& waypoints, CollisionChecker& scene,
           const PlanOptions& options, std::uint64_t seed) {
   if (waypoints.size() < 2) {
     throw BadInput(fmt::format("a path needs at least two waypoints, not {}", waypoints.size()));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "search.hpp"
+#include "planning/search.hpp"
 
 #include <ompl/base/ScopedState.h>
 #include <ompl/base/spaces/RealVectorStateSpace.h>
@@ -13,7 +13,7 @@
 #include <algorithm>
 #include <mutex>
 
-#include "sequential_prm.hpp"
+#include "planning/sequential_prm.hpp"
 
 namespace palpate::planning {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "free_space.hpp"
 #include "palpate/planning/planner.hpp"
+#include "planning/free_space.hpp"
 
 namespace palpate::planning {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sequential_prm.hpp"
+#include "planning/sequential_prm.hpp"
 
 #include <ompl/base/terminationconditions/IterationTerminationCondition.h>
 

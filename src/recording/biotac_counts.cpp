@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "palpate/core/error.hpp"
-#include "schema.hpp"
+#include "recording/schema.hpp"
 
 namespace palpate::recording {
 namespace {

@@ -3,9 +3,9 @@
 
 #include <array>
 
-#include "matrix_json.hpp"
 #include "palpate/core/error.hpp"
-#include "record_json.hpp"
+#include "recording/matrix_json.hpp"
+#include "recording/record_json.hpp"
 
 namespace palpate::recording {
 namespace {
@@ -40,7 +40,7 @@ PoseModeRecord mode_from_json(const json& j) {
   return mode;
 }
 
-json contact_to_json(const touch::Contact& contact) {
+json contact_to_json(const tactile::Contact& contact) {
   return {{"finger", contact.finger},
           {"time", contact.time},
           {"p", matrix_to_json(contact.p)},
@@ -50,8 +50,8 @@ json contact_to_json(const touch::Contact& contact) {
           {"normal_sigma", contact.normal_sigma}};
 }
 
-touch::Contact contact_from_json(const json& j) {
-  touch::Contact contact;
+tactile::Contact contact_from_json(const json& j) {
+  tactile::Contact contact;
   contact.finger = j.at("finger").get<int>();
   contact.time = finite_from_json(j.at("time"));
   contact.p = vector_from_json(j.at("p"));

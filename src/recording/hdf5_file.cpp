@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hdf5_file.hpp"
+#include "recording/hdf5_file.hpp"
 
 #include <array>
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
-#include "matrix_json.hpp"
 #include "palpate/core/error.hpp"
-#include "record_json.hpp"
+#include "recording/matrix_json.hpp"
+#include "recording/record_json.hpp"
 
 namespace palpate::recording {
 namespace {

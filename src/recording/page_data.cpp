@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "page_data.hpp"
+#include "recording/page_data.hpp"
 
 #include <algorithm>
 #include <vector>
 
-#include "base64.hpp"
 #include "palpate/hand/kinematics.hpp"
+#include "recording/base64.hpp"
 
 namespace palpate::recording {
 namespace {

@@ -4,11 +4,11 @@
 #include <map>
 #include <vector>
 
-#include "base64.hpp"
-#include "matrix_json.hpp"
-#include "page_data.hpp"
 #include "palpate/core/error.hpp"
-#include "palpate/geometry/sampling.hpp"
+#include "palpate/geometry/mesh/sampling.hpp"
+#include "recording/base64.hpp"
+#include "recording/matrix_json.hpp"
+#include "recording/page_data.hpp"
 
 namespace palpate::recording {
 namespace {

@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "matrix_json.hpp"
-#include "page_data.hpp"
+#include "recording/matrix_json.hpp"
+#include "recording/page_data.hpp"
 
 namespace palpate::recording {
 namespace {

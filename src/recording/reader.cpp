@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hdf5_file.hpp"
-#include "palpate/touch/told_error.hpp"
-#include "record_json.hpp"
-#include "schema.hpp"
-#include "seal.hpp"
+#include "palpate/tactile/contacts/reported_error.hpp"
+#include "recording/hdf5_file.hpp"
+#include "recording/record_json.hpp"
+#include "recording/schema.hpp"
+#include "recording/seal.hpp"
 
 namespace palpate::recording {
 namespace {
@@ -99,7 +99,7 @@ void set_contacts(const std::vector<int>& counts, const std::vector<double>& row
 std::vector<double> read_contact_errors(const H5::H5File& file, const Seal& seal) {
   if (seal.version < kFirstVersionWithErrors) return {};
   auto errors = read_rows<double>(file, kContactErrors, kContactErrorWidth);
-  const auto bad = std::find_if_not(errors.begin(), errors.end(), touch::is_standard_deviation);
+  const auto bad = std::find_if_not(errors.begin(), errors.end(), tactile::is_standard_deviation);
   if (bad == errors.end()) return errors;
   throw BadInput(fmt::format("{} of contact {} holds {}", kContactErrors,
                              (bad - errors.begin()) / kContactErrorWidth, *bad));

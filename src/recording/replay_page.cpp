@@ -3,8 +3,8 @@
 
 #include <fmt/format.h>
 
-#include "page_data.hpp"
 #include "palpate/core/error.hpp"
+#include "recording/page_data.hpp"
 
 namespace palpate::recording {
 namespace {

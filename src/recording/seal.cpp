@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "seal.hpp"
+#include "recording/seal.hpp"
 
 #include <fmt/format.h>
 

@@ -6,11 +6,11 @@
 #include <map>
 #include <optional>
 
-#include "hdf5_file.hpp"
-#include "palpate/touch/told_error.hpp"
-#include "record_json.hpp"
-#include "schema.hpp"
-#include "seal.hpp"
+#include "palpate/tactile/contacts/reported_error.hpp"
+#include "recording/hdf5_file.hpp"
+#include "recording/record_json.hpp"
+#include "recording/schema.hpp"
+#include "recording/seal.hpp"
 
 namespace palpate::recording {
 namespace {
@@ -110,7 +110,7 @@ void check_silent(const hand::HandReading& reading) {
 void check_errors(const hand::HandReading& reading) {
   for (const auto& finger : reading.contacts) {
     for (const auto& contact : finger) {
-      if (touch::tells_sound_errors(contact)) continue;
+      if (tactile::tells_sound_errors(contact)) continue;
       throw BadInput(fmt::format(
           "a contact of the frame at {} s has the errors {} m and {} rad: not finite or negative",
           reading.time, contact.point_sigma, contact.normal_sigma));

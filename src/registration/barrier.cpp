@@ -2,7 +2,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
-#include "certificate.hpp"
+#include "registration/certificate.hpp"
 
 namespace palpate::registration {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bitset_rows.hpp"
+#include "registration/bitset_rows.hpp"
 
 #include <cstddef>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "certificate.hpp"
+#include "registration/certificate.hpp"
 
 #include <fmt/format.h>
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "palpate/registration/rotation.hpp"
-#include "rotation_constraints.hpp"
+#include "registration/rotation_constraints.hpp"
 
 namespace palpate::registration {
 

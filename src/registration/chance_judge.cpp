@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "chance_judge.hpp"
+#include "registration/chance_judge.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -5,10 +5,10 @@
 #include <utility>
 #include <vector>
 
-#include "pairing_rates.hpp"
 #include "palpate/core/random.hpp"
 #include "palpate/registration/chance.hpp"
-#include "scorer.hpp"
+#include "registration/pairing_rates.hpp"
+#include "registration/scorer.hpp"
 
 namespace palpate::registration {
 

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "clock.hpp"
-#include "fill_in.hpp"
-#include "palpate/geometry/kd_tree.hpp"
-#include "palpate/geometry/normals.hpp"
+#include "palpate/geometry/cloud/kd_tree.hpp"
+#include "palpate/geometry/cloud/normals.hpp"
+#include "registration/clock.hpp"
+#include "registration/fill_in.hpp"
 
 namespace palpate::registration {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "consensus.hpp"
+#include "registration/consensus.hpp"
 
 #include <algorithm>
 #include <array>
@@ -8,10 +8,10 @@
 #include <numbers>
 #include <numeric>
 
-#include "chance_judge.hpp"
 #include "palpate/registration/gnc.hpp"
-#include "scorer.hpp"
-#include "star.hpp"
+#include "registration/chance_judge.hpp"
+#include "registration/scorer.hpp"
+#include "registration/star.hpp"
 
 namespace palpate::registration {
 namespace {

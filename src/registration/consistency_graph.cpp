@@ -5,9 +5,9 @@
 
 #include <utility>
 
-#include "bitset_rows.hpp"
-#include "pair_gates.hpp"
 #include "palpate/core/error.hpp"
+#include "registration/bitset_rows.hpp"
+#include "registration/pair_gates.hpp"
 
 namespace palpate::registration {
 

@@ -9,9 +9,9 @@
 #include <array>
 #include <limits>
 
-#include "nearest_rotation.hpp"
 #include "palpate/core/error.hpp"
-#include "rotation_constraints.hpp"
+#include "registration/nearest_rotation.hpp"
+#include "registration/rotation_constraints.hpp"
 
 namespace palpate::registration {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "pair_columns.hpp"
+#include "registration/pair_columns.hpp"
 
 namespace palpate::registration {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "pair_gates.hpp"
+#include "registration/pair_gates.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "bitset_rows.hpp"
-#include "pair_columns.hpp"
+#include "registration/bitset_rows.hpp"
+#include "registration/pair_columns.hpp"
 
 namespace palpate::registration {
 

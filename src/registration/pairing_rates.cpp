@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "pairing_rates.hpp"
+#include "registration/pairing_rates.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -4,8 +4,8 @@
 #include <Eigen/Geometry>
 #include <vector>
 
-#include "pair_columns.hpp"
 #include "palpate/core/random.hpp"
+#include "registration/pair_columns.hpp"
 
 namespace palpate::registration {
 

@@ -6,9 +6,9 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 
-#include "certificate.hpp"
-#include "nearest_rotation.hpp"
 #include "palpate/core/error.hpp"
+#include "registration/certificate.hpp"
+#include "registration/nearest_rotation.hpp"
 
 namespace palpate::registration {
 namespace {

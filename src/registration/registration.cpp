@@ -7,10 +7,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "clock.hpp"
-#include "consensus.hpp"
-#include "fill_in.hpp"
 #include "palpate/core/error.hpp"
+#include "registration/clock.hpp"
+#include "registration/consensus.hpp"
+#include "registration/fill_in.hpp"
 
 namespace palpate::registration {
 namespace {

@@ -8,10 +8,10 @@
 #include <cmath>
 #include <vector>
 
-#include "certificate.hpp"
-#include "nearest_rotation.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/registration/dual_sdp.hpp"
+#include "registration/certificate.hpp"
+#include "registration/nearest_rotation.hpp"
 
 namespace palpate::registration {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "rotation_constraints.hpp"
+#include "registration/rotation_constraints.hpp"
 
 #include <Eigen/QR>
 #include <Eigen/SVD>

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "scorer.hpp"
+#include "registration/scorer.hpp"
 
 #include <algorithm>
 #include <array>
 
-#include "bitset_rows.hpp"
-#include "nearest_rotation.hpp"
 #include "palpate/registration/quadratic_form.hpp"
+#include "registration/bitset_rows.hpp"
+#include "registration/nearest_rotation.hpp"
 
 namespace palpate::registration {
 namespace {

@@ -4,7 +4,7 @@
 #include <Eigen/Geometry>
 #include <vector>
 
-#include "pair_columns.hpp"
+#include "registration/pair_columns.hpp"
 
 namespace palpate::registration {
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "star.hpp"
+#include "registration/star.hpp"
 
 #include <algorithm>
 
-#include "bitset_rows.hpp"
+#include "registration/bitset_rows.hpp"
 
 namespace palpate::registration {
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "pair_gates.hpp"
+#include "registration/pair_gates.hpp"
 
 namespace palpate::registration {
 

@@ -6,7 +6,7 @@
 #include <cstring>
 #include <limits>
 
-#include "error_message.hpp"
+#include "core/error_message.hpp"
 
 namespace palpate {
 namespace {

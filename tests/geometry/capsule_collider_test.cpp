@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/geometry/capsule_collider.hpp"
+#include "palpate/geometry/query/capsule_collider.hpp"
 
 #include <gtest/gtest.h>
 

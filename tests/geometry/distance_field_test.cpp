@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/geometry/distance_field.hpp"
+#include "palpate/geometry/query/distance_field.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/geometry/known_object.hpp"
+#include "palpate/geometry/objects/known_object.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,9 +8,9 @@
 #include <map>
 
 #include "palpate/core/error.hpp"
-#include "palpate/geometry/mesh_io.hpp"
-#include "palpate/geometry/mesh_repair.hpp"
-#include "palpate/geometry/shapes.hpp"
+#include "palpate/geometry/io/mesh_io.hpp"
+#include "palpate/geometry/objects/shapes.hpp"
+#include "palpate/geometry/repair/mesh_repair.hpp"
 
 namespace palpate::geometry {
 namespace {

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/geometry/mass_properties.hpp"
+#include "palpate/geometry/mesh/mass_properties.hpp"
 
 #include <gtest/gtest.h>
 
 #include <numbers>
 
+#include "geometry/test_meshes.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/random.hpp"
-#include "palpate/geometry/shapes.hpp"
-#include "test_meshes.hpp"
+#include "palpate/geometry/objects/shapes.hpp"
 
 namespace palpate::geometry {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/geometry/mesh_io.hpp"
+#include "palpate/geometry/io/mesh_io.hpp"
 
 #include <gtest/gtest.h>
 

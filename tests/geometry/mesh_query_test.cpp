@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/geometry/mesh_query.hpp"
+#include "palpate/geometry/query/mesh_query.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/geometry/mesh_repair.hpp"
+#include "palpate/geometry/repair/mesh_repair.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 #include "palpate/core/assets.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/random.hpp"
-#include "palpate/geometry/mesh_io.hpp"
+#include "palpate/geometry/io/mesh_io.hpp"
 
 namespace palpate::geometry {
 namespace {

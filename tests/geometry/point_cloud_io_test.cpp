@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/geometry/point_cloud_io.hpp"
+#include "palpate/geometry/io/point_cloud_io.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,9 +8,9 @@
 #include "core/temporary_folder.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/random.hpp"
-#include "palpate/geometry/mesh.hpp"
-#include "palpate/geometry/mesh_io.hpp"
-#include "palpate/geometry/shapes.hpp"
+#include "palpate/geometry/io/mesh_io.hpp"
+#include "palpate/geometry/mesh/mesh.hpp"
+#include "palpate/geometry/objects/shapes.hpp"
 
 namespace palpate::geometry {
 namespace {

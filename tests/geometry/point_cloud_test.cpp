@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/geometry/point_cloud.hpp"
+#include "palpate/geometry/cloud/point_cloud.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,11 +10,11 @@
 
 #include "geometry/test_meshes.hpp"
 #include "palpate/core/error.hpp"
-#include "palpate/geometry/fpfh.hpp"
-#include "palpate/geometry/kd_tree.hpp"
-#include "palpate/geometry/normals.hpp"
-#include "palpate/geometry/outlier_filter.hpp"
-#include "palpate/geometry/sampling.hpp"
+#include "palpate/geometry/cloud/fpfh.hpp"
+#include "palpate/geometry/cloud/kd_tree.hpp"
+#include "palpate/geometry/cloud/normals.hpp"
+#include "palpate/geometry/cloud/outlier_filter.hpp"
+#include "palpate/geometry/mesh/sampling.hpp"
 
 namespace palpate::geometry {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/geometry/sampling.hpp"
+#include "palpate/geometry/mesh/sampling.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 
 #include "geometry/test_meshes.hpp"
 #include "palpate/core/error.hpp"
-#include "palpate/geometry/mesh_query.hpp"
+#include "palpate/geometry/query/mesh_query.hpp"
 
 namespace palpate::geometry {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/geometry/shapes.hpp"
+#include "palpate/geometry/objects/shapes.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "palpate/core/error.hpp"
-#include "palpate/geometry/mass_properties.hpp"
+#include "palpate/geometry/mesh/mass_properties.hpp"
 
 namespace palpate::geometry {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/geometry/stable_poses.hpp"
+#include "palpate/geometry/objects/stable_poses.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,9 +11,9 @@
 
 #include "palpate/core/error.hpp"
 #include "palpate/core/random.hpp"
-#include "palpate/geometry/mass_properties.hpp"
-#include "palpate/geometry/mesh_query.hpp"
-#include "palpate/geometry/shapes.hpp"
+#include "palpate/geometry/mesh/mass_properties.hpp"
+#include "palpate/geometry/objects/shapes.hpp"
+#include "palpate/geometry/query/mesh_query.hpp"
 
 namespace palpate::geometry {
 namespace {

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/geometry/symmetry.hpp"
+#include "palpate/geometry/objects/symmetry.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
+#include "geometry/test_meshes.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/random.hpp"
 #include "palpate/core/se3.hpp"
-#include "palpate/geometry/mass_properties.hpp"
-#include "palpate/geometry/shapes.hpp"
-#include "test_meshes.hpp"
+#include "palpate/geometry/mesh/mass_properties.hpp"
+#include "palpate/geometry/objects/shapes.hpp"
 
 namespace palpate::geometry {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "palpate/geometry/mesh.hpp"
+#include "palpate/geometry/mesh/mesh.hpp"
 
 namespace palpate::geometry::testing {
 

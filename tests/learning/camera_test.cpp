@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/learning/camera.hpp"
+#include "palpate/learning/demonstrations/camera.hpp"
 
 #include <gtest/gtest.h>
 

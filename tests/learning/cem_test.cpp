@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/learning/cem.hpp"
+#include "palpate/learning/training/cem.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/learning/hand_fit.hpp"
+#include "palpate/learning/demonstrations/hand_fit.hpp"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 
-#include "human_data.hpp"
+#include "learning/human_data.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/random.hpp"
 #include "palpate/core/se3.hpp"
-#include "palpate/learning/human_sequence.hpp"
+#include "palpate/learning/demonstrations/human_sequence.hpp"
 
 namespace palpate::learning {
 namespace {
@@ -19,8 +19,8 @@ Camera small_camera() { return {300, {160, 120}, 320, 240}; }
 /// A hand with half-bent fingers, 60 cm from the camera, its back towards it.
 HandState true_state(RandomStream& random) {
   HandState state;
-  for (int i = 2; i < hand::kHumanJoints; ++i) {
-    const auto& range = hand::human_ranges()[static_cast<std::size_t>(i)];
+  for (int i = 2; i < learning::kHumanJoints; ++i) {
+    const auto& range = learning::human_ranges()[static_cast<std::size_t>(i)];
     state.joints[i] = range.low + random.uniform(0.35, 0.65) * (range.high - range.low);
   }
   state.shape.palm = random.uniform(0.9, 1.1);
@@ -34,7 +34,7 @@ HandImage image_of(const Camera& camera, const HandState& state, double noise,
                    RandomStream& random) {
   HandImage image;
   const auto keypoints = state.keypoints();
-  for (int i = 0; i < hand::kHandKeypoints; ++i) {
+  for (int i = 0; i < learning::kHandKeypoints; ++i) {
     image.pixels.col(i) = camera.project(keypoints.col(i)) +
                           noise * Eigen::Vector2d(random.normal(), random.normal());
   }
@@ -62,7 +62,7 @@ TEST(HandFit, DepthShowsTheNearestSurface) {
   const HandState state = true_state(random);
   const auto depth = render_depth(camera, state);
   const auto keypoints = state.keypoints();
-  for (int i = 0; i < hand::kHandKeypoints; ++i) {
+  for (int i = 0; i < learning::kHandKeypoints; ++i) {
     const Eigen::Vector2d pixel = camera.project(keypoints.col(i));
     const double seen = depth_at(camera, keypoints, state.shape, pixel);
     EXPECT_GT(seen, 0) << i;
@@ -129,7 +129,7 @@ TEST(HandFit, AHumansHandIsFittedWithinItsKeypointsNoise) {
   const auto frames = read_keypoints(*folder / "hand_joints.csv");
   for (const std::size_t i : {20U, 60U, 100U}) {
     HandState start;
-    start.T_camera_wrist.linear() = hand::palm_frame(frames[i]);
+    start.T_camera_wrist.linear() = learning::palm_frame(frames[i]);
     start.T_camera_wrist.translation() = frames[i].col(0);
     // The detector's own bones differ by millimetres from any hand of this shape.
     EXPECT_LT(fit_hand(frames[i], start, {.rest = 0.5}).pixel_rms, 5);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/learning/human_sequence.hpp"
+#include "palpate/learning/demonstrations/human_sequence.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,21 +7,21 @@
 
 #include "core/error_message.hpp"
 #include "core/temporary_folder.hpp"
-#include "human_data.hpp"
+#include "learning/human_data.hpp"
 #include "palpate/core/file.hpp"
 #include "palpate/core/random.hpp"
 
 namespace palpate::learning {
 namespace {
 
-std::vector<hand::HandKeypoints> moving_hand(int frames) {
-  std::vector<hand::HandKeypoints> result;
+std::vector<learning::HandKeypoints> moving_hand(int frames) {
+  std::vector<learning::HandKeypoints> result;
   for (int i = 0; i < frames; ++i) {
-    hand::HumanJoints q = hand::HumanJoints::Constant(0.2);
-    q[hand::human_joint_index("FF3")] = 0.5 + 0.01 * i;
+    learning::HumanJoints q = learning::HumanJoints::Constant(0.2);
+    q[learning::human_joint_index("FF3")] = 0.5 + 0.01 * i;
     Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
     T.translation().x() = 0.002 * i;
-    result.push_back(hand::human_keypoints(q, {}, T));
+    result.push_back(learning::human_keypoints(q, {}, T));
   }
   return result;
 }

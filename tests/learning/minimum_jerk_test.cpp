@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/learning/minimum_jerk.hpp"
+#include "palpate/learning/demonstrations/minimum_jerk.hpp"
 
 #include <gtest/gtest.h>
 

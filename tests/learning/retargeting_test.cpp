@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/learning/retargeting.hpp"
+#include "palpate/learning/demonstrations/retargeting.hpp"
 
 #include <gtest/gtest.h>
 
 #include "core/error_message.hpp"
-#include "human_data.hpp"
+#include "learning/human_data.hpp"
 #include "palpate/core/assets.hpp"
-#include "palpate/learning/human_sequence.hpp"
+#include "palpate/learning/demonstrations/human_sequence.hpp"
 
 namespace palpate::learning {
 namespace {
@@ -14,7 +14,7 @@ namespace {
 simulation::MjcfHand adroit() { return {asset("adroit_hand/adroit_relocate.xml"), "palm"}; }
 
 /// Keypoints that the robot's own hand would have.
-hand::HandKeypoints robot_keypoints(const Eigen::VectorXd& joints) {
+learning::HandKeypoints robot_keypoints(const Eigen::VectorXd& joints) {
   auto model = adroit();
   std::vector<simulation::HandPoint> points = {model.point("palm")};
   const char* const names[5][4] = {{"thproximal", "thmiddle", "thdistal", "S_thtip"},
@@ -95,7 +95,7 @@ TEST(Retargeting, RefusesATipInTheMiddleOfItsLink) {
 
 TEST(Retargeting, RefusesKeypointsThatAreNotFinite) {
   Retargeter retargeter(adroit(), adroit_points());
-  hand::HandKeypoints keypoints = robot_keypoints(0.5 * (adroit().lower() + adroit().upper()));
+  learning::HandKeypoints keypoints = robot_keypoints(0.5 * (adroit().lower() + adroit().upper()));
   keypoints(1, 7) = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(retargeter.next(keypoints), BadInput);
 }

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "../../src/localization/balance_term.hpp"
+#include "localization/likelihood/balance_term.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
+#include "localization/scenes.hpp"
 #include "palpate/core/error.hpp"
-#include "scenes.hpp"
 
 namespace palpate::localization {
 namespace {

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "../../src/localization/contact_memory.hpp"
+#include "localization/tracking/contact_memory.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
+#include "localization/scenes.hpp"
 #include "palpate/core/random.hpp"
-#include "scenes.hpp"
 
 namespace palpate::localization {
 namespace {
 
-touch::Contact contact_at(int finger, const Eigen::Vector3d& p, const Eigen::Vector3d& n) {
-  touch::Contact contact;
+tactile::Contact contact_at(int finger, const Eigen::Vector3d& p, const Eigen::Vector3d& n) {
+  tactile::Contact contact;
   contact.finger = finger;
   contact.p = p;
   contact.n = n;
@@ -73,7 +73,7 @@ TEST(MeanContacts, AveragesEachFingerThatStillTouches) {
 }
 
 TEST(MeanContacts, TakesOffTheErrorsThatAreKnownAsFarAsTheyKeep) {
-  const ObjectModel& box = model_of("box");
+  const geometry::ObjectModel& box = model_of("box");
   const double top = static_cast<double>(box.bounds().max().z());
   const Eigen::Vector3d tilted = Eigen::Vector3d(0.1, 0, 1).normalized();
   const ContactFrames frames(10, {contact_at(-1, {0, 0, top + 0.001}, tilted)});

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "../../src/localization/contact_term.hpp"
+#include "localization/likelihood/contact_term.hpp"
 
 #include <gtest/gtest.h>
 
-#include "scenes.hpp"
+#include "localization/scenes.hpp"
 
 namespace palpate::localization {
 namespace {
@@ -18,7 +18,7 @@ Evidence on_a_face(int count) {
   evidence.false_contact_share = 1e-9;
   evidence.noise_doubt = evidence.size_doubt = 0;
   for (int k = 0; k < count; ++k) {
-    touch::Contact contact;
+    tactile::Contact contact;
     contact.p = {static_cast<double>(bounds.max().x()), 0.004 * k - 0.008, 0.006 * (k % 3)};
     contact.n = Eigen::Vector3d::UnitX();
     contact.point_sigma = kPointSigma;
@@ -131,7 +131,7 @@ double cost_of_a_stray(double noise_doubt) {
 }
 
 TEST(ContactTerm, BearsASingleNormalThatStrays) {
-  const double q = 0.5 / std::pow(touch::Contact{}.normal_sigma, 2);
+  const double q = 0.5 / std::pow(tactile::Contact{}.normal_sigma, 2);
   EXPECT_NEAR(cost_of_a_stray(0), q, 0.05 * q);
   const double share = 0.4 / 8;  // the others fit as with half of the noise
   EXPECT_NEAR(cost_of_a_stray(0.4), 4 * q / 9 - std::log(share / 9), 0.5);
@@ -167,7 +167,7 @@ TEST(ContactTerm, MisfitIsNoneWhereAllFitsAndOneWhereNothingDoes) {
 
 TEST(ContactTerm, StopsEarlyOnlyAboveTheBound) {
   RandomStream random(4);
-  const ObjectModel& model = model_of("bunny");
+  const geometry::ObjectModel& model = model_of("bunny");
   for (int i = 0; i < 20; ++i) {
     SceneOptions options;
     const Scene scene = make_scene(model, options, random.fork(std::to_string(i)));

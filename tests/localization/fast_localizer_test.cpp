@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include "localization/scenes.hpp"
 #include "palpate/localization/localizer.hpp"
-#include "scenes.hpp"
 
 namespace palpate::localization {
 namespace {
@@ -12,7 +12,7 @@ TEST(LocalizeFast, FindsThePoseOfExactContacts) {
   options.contacts = 20;
   options.point_noise = options.normal_noise = 0;
   for (const char* name : {"bottle", "bracket", "bunny"}) {
-    const ObjectModel& model = model_of(name);
+    const geometry::ObjectModel& model = model_of(name);
     const Scene scene = make_scene(model, options, RandomStream(2));
     const Posterior posterior = localize_fast(model, scene.evidence, RandomStream(1));
     ASSERT_FALSE(posterior.modes.empty()) << name;
@@ -26,7 +26,7 @@ TEST(LocalizeFast, FindsThePoseOfExactContacts) {
 TEST(LocalizeFast, LeavesWhatIsOpenToTheFullSearch) {
   SceneOptions options;
   options.contacts = 2;
-  const ObjectModel& model = model_of("box");
+  const geometry::ObjectModel& model = model_of("box");
   const Scene scene = make_scene(model, options, RandomStream(1));
   LocalizerOptions quick;
   quick.proposals = 10000;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include "localization/searches.hpp"
 #include "palpate/localization/localizer.hpp"
-#include "searches.hpp"
 
 namespace palpate::localization {
 namespace {
@@ -11,7 +11,7 @@ constexpr double kDegree = M_PI / 180;
 
 /// A mug that stands upright, touched round its side but for the half with the handle.
 Scene mug_without_handle() {
-  const ObjectModel& model = model_of("mug");
+  const geometry::ObjectModel& model = model_of("mug");
   const auto& stances = model.object().stances;
   const auto upright = std::find_if(stances.begin(), stances.end(), [](const auto& stance) {
     return stance.R_table_object(2, 2) > 0.99;
@@ -34,7 +34,7 @@ Scene mug_without_handle() {
     const Eigen::Vector3d side = exp_so3({0, 0, angle * kDegree}) * away;
     const double wall = 0.2 - mesh_of(model).raycast(0.2 * side, -side, 0.4)->distance;
     if (angle % 40 == 20 || angle % 40 == -20) {
-      touch::Contact contact;
+      tactile::Contact contact;
       contact.p = scene.truth * (wall * side);
       contact.n = scene.truth.linear() * side;
       scene.evidence.contacts.push_back(contact);
@@ -48,7 +48,7 @@ Scene mug_without_handle() {
 }
 
 TEST(Localize, AMugWhoseHandleWasNotTouchedTurnsFreely) {
-  const ObjectModel& model = model_of("mug");
+  const geometry::ObjectModel& model = model_of("mug");
   const Scene scene = mug_without_handle();
   const Posterior posterior = localize(model, scene.evidence, RandomStream(1));
   ASSERT_FALSE(posterior.modes.empty());
@@ -63,7 +63,7 @@ TEST(Localize, AMugWhoseHandleWasNotTouchedTurnsFreely) {
 }
 
 TEST(Localize, FreeSpaceRulesPosesOut) {
-  const ObjectModel& model = model_of("mug");
+  const geometry::ObjectModel& model = model_of("mug");
   Scene scene = mug_without_handle();
   const Posterior with = localize(model, scene.evidence, RandomStream(1));
   scene.evidence.free_space.clear();

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "../../src/localization/further_poses.hpp"
+#include "localization/search/further_poses.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
+#include "localization/searches.hpp"
 #include "palpate/core/random.hpp"
-#include "searches.hpp"
 
 namespace palpate::localization {
 namespace {

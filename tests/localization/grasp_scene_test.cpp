@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/localization/grasp_scene.hpp"
+#include "palpate/localization/synthetic/grasp_scene.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "scenes.hpp"
+#include "localization/scenes.hpp"
 
 namespace palpate::localization {
 namespace {
@@ -34,7 +34,7 @@ hand::HandModel toy_hand() {
 
 GraspScene scene_with(const std::string& name, const GraspSceneOptions& options,
                       std::uint64_t seed) {
-  const ObjectModel& model = model_of(name);
+  const geometry::ObjectModel& model = model_of(name);
   return make_grasp_scene(model, mesh_of(model), toy_hand(), options, RandomStream(seed));
 }
 

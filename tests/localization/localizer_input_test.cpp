@@ -3,9 +3,9 @@
 
 #include <limits>
 
+#include "localization/searches.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/localization/localizer.hpp"
-#include "searches.hpp"
 
 namespace palpate::localization {
 namespace {
@@ -13,7 +13,7 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 TEST(Localize, SaysWhenTheContactsAreOfSomethingElse) {
-  const ObjectModel& model = model_of("bracket");
+  const geometry::ObjectModel& model = model_of("bracket");
   SceneOptions options;
   options.contacts = 20;
   for (const std::uint64_t seed : {1U, 2U, 3U, 4U}) {
@@ -75,10 +75,10 @@ TEST(Localize, ContactsAtOnePointAreAmbiguous) {
 }
 
 TEST(Localize, ContactsOnOnePlaneAreAmbiguous) {
-  const ObjectModel& model = model_of("box");
+  const geometry::ObjectModel& model = model_of("box");
   Evidence evidence;
   for (int k = 0; k < 9; ++k) {
-    touch::Contact contact;
+    tactile::Contact contact;
     contact.p = {0.008 * (k % 3), 0.008 * static_cast<double>(k / 3), 0};
     contact.n = Eigen::Vector3d::UnitZ();
     evidence.contacts.push_back(contact);
@@ -144,7 +144,7 @@ TEST(Localize, RefusesWhatCannotBeUsed) {
 }
 
 TEST(ObjectModel, RefusesAnObjectWithoutTriangles) {
-  EXPECT_THROW(ObjectModel{geometry::KnownObject{}}, BadInput);
+  EXPECT_THROW(geometry::ObjectModel{geometry::KnownObject{}}, BadInput);
 }
 
 }  // namespace

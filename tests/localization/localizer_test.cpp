@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "searches.hpp"
+#include "localization/searches.hpp"
 
 namespace palpate::localization {
 namespace {
@@ -11,7 +11,7 @@ namespace {
 constexpr double kDegree = M_PI / 180;
 
 double success_rate(const std::string& name, const SceneOptions& options, int scenes) {
-  const ObjectModel& model = model_of(name);
+  const geometry::ObjectModel& model = model_of(name);
   int successes = 0;
   for (int i = 0; i < scenes; ++i) {
     const Scene scene = scene_of(name, options, static_cast<std::uint64_t>(i));
@@ -26,7 +26,7 @@ TEST(Localize, ExactContactsGiveTheExactPose) {
   options.point_noise = 0;
   options.normal_noise = 0;
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
-    const ObjectModel& model = model_of("bunny");
+    const geometry::ObjectModel& model = model_of("bunny");
     Scene scene = scene_of("bunny", options, seed);
     scene.evidence.noise_doubt = 0;
     const Posterior posterior = localize(model, scene.evidence, RandomStream(seed));
@@ -65,7 +65,7 @@ TEST(Localize, BearsFalseContacts) {
 }
 
 TEST(Localize, CountsEqualPosesOfASymmetricObjectOnce) {
-  const ObjectModel& model = model_of("box");
+  const geometry::ObjectModel& model = model_of("box");
   ASSERT_EQ(model.object().symmetries.size(), 4U);
   SceneOptions options;
   options.contacts = 20;
@@ -85,7 +85,7 @@ TEST(Localize, WeightsAreAsOftenRight) {
     SceneOptions options;
     options.contacts = 4 + static_cast<int>(i % 4);
     const std::string& name = names[i % 5];
-    const ObjectModel& model = model_of(name);
+    const geometry::ObjectModel& model = model_of(name);
     const Scene scene = scene_of(name, options, i);
     const Posterior posterior = localize(model, scene.evidence, RandomStream(i), quick());
     expected += posterior.modes.empty() ? 0 : posterior.modes[0].weight;
@@ -97,7 +97,7 @@ TEST(Localize, WeightsAreAsOftenRight) {
 /// Success with `change` made to what the search is told.
 template <class Change>
 double success_when(const std::string& name, const Change& change) {
-  const ObjectModel& model = model_of(name);
+  const geometry::ObjectModel& model = model_of(name);
   constexpr int kScenes = 15;
   int successes = 0;
   for (int i = 0; i < kScenes; ++i) {
@@ -122,7 +122,7 @@ TEST(Localize, BearsNoiseOfAnotherSizeThanStated) {
 }
 
 TEST(Localize, TenThousandContactsGiveThePose) {
-  const ObjectModel& model = model_of("bunny");
+  const geometry::ObjectModel& model = model_of("bunny");
   SceneOptions options;
   options.contacts = 100;
   Scene scene = scene_of("bunny", options, 5);
@@ -133,7 +133,7 @@ TEST(Localize, TenThousandContactsGiveThePose) {
 }
 
 TEST(Localize, ATableAloneGivesThePrior) {
-  const ObjectModel& model = model_of("bracket");
+  const geometry::ObjectModel& model = model_of("bracket");
   Evidence evidence;
   evidence.table.emplace().T_frame_table = Eigen::Isometry3d::Identity();
   evidence.table->half_width = 0.002;
@@ -172,12 +172,12 @@ TEST(Localize, MovesWithTheFrame) {
     contact.p = T * contact.p;
     contact.n = T.linear() * contact.n;
   }
-  const ObjectModel& model = model_of("bunny");
+  const geometry::ObjectModel& model = model_of("bunny");
   EXPECT_TRUE(right(localize(model, scene.evidence, RandomStream(1)), model, scene));
 }
 
 TEST(ObjectModel, SamplesTheWholeSurface) {
-  const ObjectModel& model = model_of("box");
+  const geometry::ObjectModel& model = model_of("box");
   EXPECT_NEAR(model.area(), geometry::area(model.object().mesh), 1e-12);
   Eigen::AlignedBox3d box;
   Eigen::Vector3f flux = Eigen::Vector3f::Zero();

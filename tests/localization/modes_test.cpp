@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "../../src/localization/modes.hpp"
+#include "localization/search/modes.hpp"
 
 #include <gtest/gtest.h>
 

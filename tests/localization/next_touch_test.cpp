@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/localization/next_touch.hpp"
+#include "palpate/localization/information/next_touch.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
+#include "localization/scenes.hpp"
 #include "palpate/core/error.hpp"
-#include "scenes.hpp"
 
 namespace palpate::localization {
 namespace {
@@ -27,7 +27,7 @@ TEST(PredictTouch, MeetsABoxsFace) {
 }
 
 TEST(PredictTouch, AgreesWithTheMeshFromAnySide) {
-  const ObjectModel& model = model_of("bunny");
+  const geometry::ObjectModel& model = model_of("bunny");
   RandomStream random(4);
   int hits = 0;
   for (int i = 0; i < 50; ++i) {

@@ -6,10 +6,10 @@
 #include <limits>
 #include <string>
 
-#include "../../src/localization/prior_term.hpp"
-#include "../../src/localization/proposal.hpp"
+#include "localization/likelihood/prior_term.hpp"
+#include "localization/scenes.hpp"
+#include "localization/search/proposal.hpp"
 #include "palpate/core/error.hpp"
-#include "scenes.hpp"
 
 namespace palpate::localization {
 namespace {
@@ -196,7 +196,7 @@ TEST(PriorProposal, MixesDensitiesThatAreNormalised) {
   options.point_noise = 0.004;
   options.normal_noise = 0.3;
   options.table = true;
-  const ObjectModel& model = model_of("box");
+  const geometry::ObjectModel& model = model_of("box");
   Scene scene = make_scene(model, options, RandomStream(6));
   const Share table =
       share_near(*make_proposal(model, scene.evidence, {}), scene.truth, covariance_of(0.3, 0.02));
@@ -211,7 +211,7 @@ TEST(PriorProposal, MixesDensitiesThatAreNormalised) {
 
 TEST(Localize, APriorAloneGivesItsMean) {
   RandomStream random(7);
-  const ObjectModel& model = model_of("bracket");
+  const geometry::ObjectModel& model = model_of("bracket");
   Evidence evidence;
   const Eigen::Isometry3d T = random_pose(random);
   evidence.prior = prior_at(T, 1.5 * kDegree, 0.002);
@@ -224,7 +224,7 @@ TEST(Localize, APriorAloneGivesItsMean) {
   EXPECT_NEAR(std::sqrt(posterior.modes[0].covariance(4, 4)), 0.002, 0.0005);
 }
 
-bool right(const Posterior& posterior, const ObjectModel& model, const Scene& scene) {
+bool right(const Posterior& posterior, const geometry::ObjectModel& model, const Scene& scene) {
   return !posterior.modes.empty() &&
          within_tolerance(mode_error(posterior.modes[0], scene.truth, model.object().symmetries));
 }
@@ -233,7 +233,7 @@ TEST(Localize, ClearContactsOverruleAWrongPrior) {
   SceneOptions options;
   options.contacts = 20;
   options.table = true;
-  const ObjectModel& model = model_of("bottle");
+  const geometry::ObjectModel& model = model_of("bottle");
   int overruled = 0;
   for (const std::uint64_t seed : {1U, 2U, 3U, 4U, 5U}) {
     Scene scene = make_scene(model, options, RandomStream(seed));
@@ -250,7 +250,7 @@ TEST(Localize, ClearContactsOverruleAWrongPrior) {
 TEST(Localize, APriorHelpsFewContacts) {
   SceneOptions options;
   options.contacts = 4;
-  const ObjectModel& model = model_of("bracket");
+  const geometry::ObjectModel& model = model_of("bracket");
   int with = 0, without = 0;
   constexpr int kScenes = 12;
   LocalizerOptions quick;

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "../../src/localization/proposal.hpp"
+#include "localization/search/proposal.hpp"
 
 #include <gtest/gtest.h>
 
-#include "../../src/localization/moves.hpp"
-#include "../../src/localization/table_term.hpp"
-#include "scenes.hpp"
+#include "localization/likelihood/table_term.hpp"
+#include "localization/scenes.hpp"
+#include "localization/search/moves.hpp"
 
 namespace palpate::localization {
 namespace {
 
 TEST(TableTerm, DrawsFromTheDensityItEvaluates) {
-  const ObjectModel& model = model_of("bracket");
+  const geometry::ObjectModel& model = model_of("bracket");
   SceneOptions options;
   options.table = true;
   const Scene scene = make_scene(model, options, RandomStream(1));
@@ -37,7 +37,7 @@ TEST(TableTerm, DrawsFromTheDensityItEvaluates) {
 }
 
 TEST(AnchorProposal, PutsTheSurfaceAtAContact) {
-  const ObjectModel& model = model_of("bracket");
+  const geometry::ObjectModel& model = model_of("bracket");
   const Scene scene = make_scene(model, {}, RandomStream(3));
   const auto proposal = make_proposal(model, scene.evidence, {});
   RandomStream random(4);
@@ -56,7 +56,7 @@ TEST(AnchorProposal, PutsTheSurfaceAtAContact) {
 }
 
 TEST(Moves, AreRigidAndStaySmallWhenNarrow) {
-  const ObjectModel& model = model_of("bracket");
+  const geometry::ObjectModel& model = model_of("bracket");
   SceneOptions options;
   options.table = true;
   const Scene scene = make_scene(model, options, RandomStream(5));

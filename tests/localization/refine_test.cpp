@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "../../src/localization/refine.hpp"
+#include "localization/search/refine.hpp"
 
 #include <gtest/gtest.h>
 

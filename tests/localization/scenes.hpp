@@ -32,15 +32,15 @@ struct SceneOptions {
 };
 
 /// Built-in objects prepared once a program.
-inline const ObjectModel& model_of(const std::string& name) {
-  static std::map<std::string, std::unique_ptr<ObjectModel>> models;
+inline const geometry::ObjectModel& model_of(const std::string& name) {
+  static std::map<std::string, std::unique_ptr<geometry::ObjectModel>> models;
   auto& model = models[name];
-  if (!model) model = std::make_unique<ObjectModel>(geometry::load_known_object(name));
+  if (!model) model = std::make_unique<geometry::ObjectModel>(geometry::load_known_object(name));
   return *model;
 }
 
-inline const geometry::MeshQuery& mesh_of(const ObjectModel& model) {
-  static std::map<const ObjectModel*, std::unique_ptr<geometry::MeshQuery>> meshes;
+inline const geometry::MeshQuery& mesh_of(const geometry::ObjectModel& model) {
+  static std::map<const geometry::ObjectModel*, std::unique_ptr<geometry::MeshQuery>> meshes;
   auto& mesh = meshes[&model];
   if (!mesh) mesh = std::make_unique<geometry::MeshQuery>(model.object().mesh);
   return *mesh;
@@ -54,7 +54,7 @@ inline Eigen::Isometry3d random_pose(RandomStream& random) {
 }
 
 /// A stance drawn by its probability, any yaw, the place uniform in the support's square.
-inline Eigen::Isometry3d random_rest(const ObjectModel& model, const TableSupport& table,
+inline Eigen::Isometry3d random_rest(const geometry::ObjectModel& model, const TableSupport& table,
                                      RandomStream& random) {
   const auto& stances = model.object().stances;
   double left = random.uniform();
@@ -70,19 +70,19 @@ inline Eigen::Isometry3d random_rest(const ObjectModel& model, const TableSuppor
 
 /// Points of the surface (object's frame) that a finger from 1-3 sides (`up`: not from below)
 /// meets.
-inline std::vector<touch::Contact> touchable(const ObjectModel& model, RandomStream& random,
-                                             const Eigen::Vector3d* up) {
+inline std::vector<tactile::Contact> touchable(const geometry::ObjectModel& model,
+                                               RandomStream& random, const Eigen::Vector3d* up) {
   std::vector<Eigen::Vector3d> sides;
   const std::size_t count = 1 + random.index(3);
   while (sides.size() < count) {
     const Eigen::Vector3d side = random.unit_vector();
     if (!up || side.dot(*up) > 0) sides.push_back(side);
   }
-  std::vector<touch::Contact> result;
+  std::vector<tactile::Contact> result;
   while (result.size() < 300) {
     const auto& sample = model.surface()[random.index(model.surface().size())];
     const Eigen::Vector3d& side = sides[random.index(count)];
-    touch::Contact contact;
+    tactile::Contact contact;
     contact.p = sample.p.cast<double>();
     contact.n = sample.n.cast<double>();
     if (contact.n.dot(side) < 0.3 || (up && contact.n.dot(*up) < -0.3)) continue;
@@ -93,8 +93,8 @@ inline std::vector<touch::Contact> touchable(const ObjectModel& model, RandomStr
 }
 
 /// `count` of the contacts, each the farthest from those before it.
-inline std::vector<touch::Contact> spread(std::vector<touch::Contact> contacts, int count) {
-  std::vector<touch::Contact> chosen;
+inline std::vector<tactile::Contact> spread(std::vector<tactile::Contact> contacts, int count) {
+  std::vector<tactile::Contact> chosen;
   std::vector<double> gap(contacts.size(), std::numeric_limits<double>::infinity());
   std::size_t next = 0;
   while (static_cast<int>(chosen.size()) < count) {
@@ -107,7 +107,7 @@ inline std::vector<touch::Contact> spread(std::vector<touch::Contact> contacts, 
   return chosen;
 }
 
-inline void disturb(touch::Contact& contact, const SceneOptions& options, RandomStream& random) {
+inline void disturb(tactile::Contact& contact, const SceneOptions& options, RandomStream& random) {
   const Eigen::Matrix3d tangent = frame_with_z(contact.n);
   const double a = random.normal(), b = random.normal();
   contact.n += options.normal_noise * (a * tangent.col(0) + b * tangent.col(1));
@@ -121,7 +121,7 @@ inline void disturb(touch::Contact& contact, const SceneOptions& options, Random
   contact.normal_sigma = std::max(options.normal_noise, 0.03);
 }
 
-inline Scene make_scene(const ObjectModel& model, const SceneOptions& options,
+inline Scene make_scene(const geometry::ObjectModel& model, const SceneOptions& options,
                         RandomStream random) {
   Scene scene;
   if (options.table) {
@@ -138,7 +138,7 @@ inline Scene make_scene(const ObjectModel& model, const SceneOptions& options,
   }
   const Eigen::Vector3d up = scene.truth.linear().row(2).transpose();
   auto contacts = spread(touchable(model, random, options.table ? &up : nullptr), options.contacts);
-  for (touch::Contact& contact : contacts) {
+  for (tactile::Contact& contact : contacts) {
     disturb(contact, options, random);
     contact.p = scene.truth * contact.p;
     contact.n = scene.truth.linear() * contact.n;

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "scenes.hpp"
+#include "localization/scenes.hpp"
 
 namespace palpate::localization {
 
@@ -15,7 +15,8 @@ inline LocalizerOptions quick() {
   return options;
 }
 
-inline bool right(const Posterior& posterior, const ObjectModel& model, const Scene& scene) {
+inline bool right(const Posterior& posterior, const geometry::ObjectModel& model,
+                  const Scene& scene) {
   return !posterior.modes.empty() &&
          within_tolerance(mode_error(posterior.modes[0], scene.truth, model.object().symmetries));
 }

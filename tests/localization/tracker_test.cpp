@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/localization/tracker.hpp"
+#include "palpate/localization/tracking/tracker.hpp"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 
+#include "localization/scenes.hpp"
 #include "palpate/core/error.hpp"
-#include "scenes.hpp"
 
 namespace palpate::localization {
 namespace {
@@ -70,13 +70,13 @@ class Moving {
     }
   }
 
-  const ObjectModel& model() const { return model_; }
+  const geometry::ObjectModel& model() const { return model_; }
   Eigen::Isometry3d truth;
 
  private:
   RandomStream random_;
-  const ObjectModel& model_;
-  std::vector<touch::Contact> tips_;
+  const geometry::ObjectModel& model_;
+  std::vector<tactile::Contact> tips_;
   double time_ = 0;
 };
 

@@ -5,6 +5,7 @@
 
 #include "palpate/hand/coupling.hpp"
 #include "palpate/planning/planner.hpp"
+#include "palpate/simulation/collision/collision_scene.hpp"
 
 namespace palpate::planning {
 

@@ -5,8 +5,9 @@
 
 #include <algorithm>
 
-#include "motions.hpp"
 #include "palpate/core/error.hpp"
+#include "palpate/simulation/collision/collision_scene.hpp"
+#include "planning/motions.hpp"
 
 namespace palpate::planning {
 namespace {

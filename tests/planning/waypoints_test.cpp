@@ -8,7 +8,8 @@
 #include <limits>
 
 #include "core/error_message.hpp"
-#include "motions.hpp"
+#include "palpate/simulation/collision/collision_scene.hpp"
+#include "planning/motions.hpp"
 
 namespace palpate::planning {
 namespace {

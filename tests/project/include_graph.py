@@ -1,32 +1,45 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Checks that every module includes only modules to its left, and MuJoCo only where it belongs."""
+"""Checks that every room includes only rooms to its left, and MuJoCo only where it belongs.
+
+usage: include_graph.py REPOSITORY
+"""
 
 import pathlib
 import re
 import sys
 
-MODULES = (
-    "core geometry registration hand touch recording localization simulation planning learning "
-    "pipeline"
+ROOMS = (
+    "core plotting numerics geometry registration hand tactile grasping localization estimation "
+    "planning skills recording simulation evaluation learning tasks"
 ).split()
-SIMULATOR_HEADERS_ALLOWED_IN = {"hand", "simulation"}
+FIRST_WITH_SIMULATOR = "simulation"
 INCLUDE = re.compile(r'^\s*#include\s+[<"]([^>"]+)[>"]', re.MULTILINE)
 
 
+def room_of_header(header):
+    """The room of a public ("palpate/ROOM/...") or private ("ROOM/...") header, or None."""
+    parts = header.removeprefix("palpate/").split("/")
+    return parts[0] if len(parts) > 1 and parts[0] in ROOMS else None
+
+
 def violations(root):
-    files = [*root.glob("include/palpate/*/*.hpp"), *root.glob("src/*/*.[ch]pp")]
+    bases = (root / "include" / "palpate", root / "src")
+    files = [(base, file) for base in bases for file in base.rglob("*.[ch]pp")]
     assert files, f"no sources under {root}"
-    for file in files:
-        module = file.parent.name
+    for base, file in files:
+        room = file.relative_to(base).parts[0]
+        if room not in ROOMS:
+            yield f"{file.relative_to(root)}: {room} is no room"
+            continue
         for header in INCLUDE.findall(file.read_text()):
-            included = header.split("/")[1] if header.startswith("palpate/") else None
-            if included and MODULES.index(included) > MODULES.index(module):
-                yield f"{file.relative_to(root)}: {module} may not include {header}"
-            if header.startswith("mujoco/") and module not in SIMULATOR_HEADERS_ALLOWED_IN:
-                yield f"{file.relative_to(root)}: {module} may not include {header}"
+            included = room_of_header(header)
+            if included and ROOMS.index(included) > ROOMS.index(room):
+                yield f"{file.relative_to(root)}: {room} may not include {header}"
+            if header.startswith("mujoco/") and ROOMS.index(room) < ROOMS.index(FIRST_WITH_SIMULATOR):
+                yield f"{file.relative_to(root)}: {room} may not include {header}"
 
 
 if __name__ == "__main__":
     found = list(violations(pathlib.Path(sys.argv[1])))
-    print("\n".join(found) or "the include graph follows the order of the modules")
+    print("\n".join(found) or "the include graph follows the order of the rooms")
     sys.exit(bool(found))

@@ -7,7 +7,7 @@
 
 #include "palpate/core/error.hpp"
 #include "palpate/recording/recording.hpp"
-#include "toy_recording.hpp"
+#include "recording/toy_recording.hpp"
 
 namespace palpate::recording {
 namespace {

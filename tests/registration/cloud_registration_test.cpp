@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "palpate/core/error.hpp"
-#include "problems.hpp"
+#include "registration/problems.hpp"
 
 namespace palpate::registration {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "palpate/core/error.hpp"
 #include "palpate/registration/rotation.hpp"
-#include "problems.hpp"
+#include "registration/problems.hpp"
 
 namespace palpate::registration {
 namespace {

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "../../src/registration/pairing_rates.hpp"
+#include "registration/pairing_rates.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numeric>
 
-#include "../../src/registration/chance_judge.hpp"
-#include "../../src/registration/consensus.hpp"
-#include "problems.hpp"
+#include "registration/chance_judge.hpp"
+#include "registration/consensus.hpp"
+#include "registration/problems.hpp"
 
 namespace palpate::registration {
 namespace {

@@ -7,8 +7,8 @@
 #include "palpate/core/assets.hpp"
 #include "palpate/core/random.hpp"
 #include "palpate/core/se3.hpp"
-#include "palpate/geometry/mesh_io.hpp"
-#include "palpate/geometry/sampling.hpp"
+#include "palpate/geometry/io/mesh_io.hpp"
+#include "palpate/geometry/mesh/sampling.hpp"
 #include "palpate/registration/correspondences.hpp"
 
 namespace palpate::registration::testing {

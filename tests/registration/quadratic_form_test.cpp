@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "palpate/core/error.hpp"
-#include "problems.hpp"
+#include "registration/problems.hpp"
 
 namespace palpate::registration {
 namespace {

@@ -6,8 +6,8 @@
 #include <limits>
 
 #include "palpate/core/error.hpp"
-#include "palpate/geometry/known_object.hpp"
-#include "problems.hpp"
+#include "palpate/geometry/objects/known_object.hpp"
+#include "registration/problems.hpp"
 
 namespace palpate::registration {
 namespace {

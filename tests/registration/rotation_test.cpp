@@ -7,7 +7,7 @@
 
 #include "palpate/core/error.hpp"
 #include "palpate/registration/pose.hpp"
-#include "problems.hpp"
+#include "registration/problems.hpp"
 
 namespace palpate::registration {
 namespace {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "../../src/registration/star.hpp"
+#include "registration/star.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "../../src/registration/nearest_rotation.hpp"
 #include "palpate/registration/consistency_graph.hpp"
-#include "problems.hpp"
+#include "registration/nearest_rotation.hpp"
+#include "registration/problems.hpp"
 
 namespace palpate::registration {
 namespace {

@@ -6,8 +6,8 @@
 #include <numbers>
 
 #include "palpate/core/se3.hpp"
-#include "palpate/simulation/blind_grasp.hpp"
-#include "palpate/touch/biotac_skin.hpp"
+#include "palpate/simulation/hand/open_loop_grasp.hpp"
+#include "palpate/tactile/biotac/skin.hpp"
 #include "simulation/scenes.hpp"
 
 namespace palpate::simulation {
@@ -48,7 +48,7 @@ bool within_friction(const std::vector<hand::TipContact>& contacts, double frict
 
 TEST(BiotacGrasp, TaxelsCarryTheSolversForces) {
   World world(cuboid({0.12, 0.04, 0.05}, 0.2), without_noise(), 1);
-  const touch::BiotacSkin skin;
+  const tactile::BiotacSkin skin;
   int steps = 0, checked = 0, carried = 0;
   world.observe([&](const ObjectStep& step) {
     if (++steps % 20 != 0) return;

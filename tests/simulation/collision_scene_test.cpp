@@ -1,20 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/simulation/collision_scene.hpp"
+#include "palpate/simulation/collision/collision_scene.hpp"
 
 #include <gtest/gtest.h>
 
 #include "palpate/core/error.hpp"
 #include "palpate/hand/coupling.hpp"
-#include "scenes.hpp"
+#include "simulation/scenes.hpp"
 
 namespace palpate::simulation {
 namespace {
 
-std::optional<CollidingPair> collision(CollisionScene& scene, const hand::HandCommand& command) {
+std::optional<planning::CollidingPair> collision(CollisionScene& scene,
+                                                 const hand::HandCommand& command) {
   return scene.deepest_collision(command.base, hand::joints_in_free_flexion(command.positions));
 }
 
-bool names(const CollidingPair& pair, std::string_view body) {
+bool names(const planning::CollidingPair& pair, std::string_view body) {
   return pair.first == body || pair.second == body;
 }
 
@@ -71,11 +72,11 @@ TEST(CollisionScene, HeldObjectMovesWithThePalmAndMeetsOnlyTheTable) {
 }
 
 TEST(CollisionScene, AllowsSomeDepth) {
-  CollisionScene strict(CollisionOptions{.allowed_depth = 0});
+  CollisionScene strict(planning::CollisionOptions{.allowed_depth = 0});
   hand::HandCommand hand = open_hand(-0.05);
   const auto pair = collision(strict, hand);
   ASSERT_TRUE(pair);
-  CollisionScene lax(CollisionOptions{.allowed_depth = pair->depth + 1e-6});
+  CollisionScene lax(planning::CollisionOptions{.allowed_depth = pair->depth + 1e-6});
   EXPECT_FALSE(collision(lax, hand));
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/simulation/convex_parts.hpp"
+#include "palpate/simulation/world/convex_parts.hpp"
 
 #include <gtest/gtest.h>
 

@@ -7,8 +7,8 @@
 #include <optional>
 
 #include "palpate/core/random.hpp"
-#include "palpate/geometry/capsule_collider.hpp"
-#include "palpate/geometry/known_object.hpp"
+#include "palpate/geometry/objects/known_object.hpp"
+#include "palpate/geometry/query/capsule_collider.hpp"
 #include "simulation/fine_meshes.hpp"
 
 namespace palpate::simulation {

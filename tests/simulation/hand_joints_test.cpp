@@ -4,7 +4,7 @@
 #include <string>
 
 #include "palpate/hand/coupling.hpp"
-#include "palpate/simulation/world.hpp"
+#include "palpate/simulation/world/world.hpp"
 #include "simulation/scenes.hpp"
 
 namespace palpate::simulation {

@@ -9,7 +9,7 @@
 #include "palpate/core/error.hpp"
 #include "palpate/core/random.hpp"
 #include "palpate/hand/kinematics.hpp"
-#include "palpate/simulation/world.hpp"
+#include "palpate/simulation/world/world.hpp"
 
 namespace palpate::simulation {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/simulation/mjcf_hand.hpp"
+#include "palpate/simulation/hand/mjcf_hand.hpp"
 
 #include <gtest/gtest.h>
 

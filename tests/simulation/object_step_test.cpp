@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/simulation/object_step.hpp"
+#include "palpate/simulation/world/object_step.hpp"
 
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "palpate/core/assets.hpp"
-#include "palpate/geometry/mesh_query.hpp"
-#include "palpate/hand/force_closure.hpp"
-#include "palpate/simulation/blind_grasp.hpp"
-#include "palpate/simulation/world.hpp"
+#include "palpate/geometry/query/mesh_query.hpp"
+#include "palpate/grasping/force_closure.hpp"
+#include "palpate/simulation/hand/open_loop_grasp.hpp"
+#include "palpate/simulation/world/world.hpp"
 #include "simulation/scenes.hpp"
 
 namespace palpate::simulation {
@@ -43,8 +43,8 @@ const RecordedGrasp& recorded_grasp() {
   return grasp;
 }
 
-hand::GraspContacts grasp_contacts(const ObjectStep& step) {
-  hand::GraspContacts contacts;
+grasping::GraspContacts grasp_contacts(const ObjectStep& step) {
+  grasping::GraspContacts contacts;
   for (const ObjectContact& contact : step.contacts) {
     if (contact.link < 0) continue;
     contacts.push_back({contact.T_world_contact, contact.link, contact.model, contact.friction});
@@ -96,9 +96,9 @@ TEST(ObjectStep, ForcesStayWithinTheFrictionConeOfTheReportedNormal) {
     for (const ObjectContact& contact : step.contacts) {
       const double force = contact.wrench.tail<3>().norm();
       if (force < 0.01) continue;
-      within +=
-          hand::is_within_cone(contact.model, contact.friction,
-                               hand::transmission(contact.model) * contact.wrench, 1e-6 * force);
+      within += grasping::is_within_cone(contact.model, contact.friction,
+                                         grasping::transmission(contact.model) * contact.wrench,
+                                         1e-6 * force);
       ++count;
     }
   }
@@ -141,10 +141,10 @@ TEST(ObjectStep, TipsAreWhereTheHandsModelHasThem) {
 
 TEST(ObjectStep, GraspMatrixBalancesTheHeldObject) {
   const ObjectStep& step = held_step();
-  const hand::GraspContacts contacts = grasp_contacts(step);
+  const grasping::GraspContacts contacts = grasp_contacts(step);
   const Eigen::Vector3d center = step.T_world_object.translation();
   const Vector6d wrench =
-      hand::object_wrench(hand::grasp_matrix(contacts, center), contact_wrenches(step));
+      grasping::object_wrench(grasping::grasp_matrix(contacts, center), contact_wrenches(step));
   const Eigen::Vector3d force = step.momentum_change / kTimeStep - step.gravity;
   EXPECT_LT((wrench.tail<3>() - force).norm(), 0.02 * step.gravity.norm());
   EXPECT_LT(wrench.head<3>().norm(), 0.05 * step.gravity.norm() * 0.05);  // at rest: no moment
@@ -152,13 +152,13 @@ TEST(ObjectStep, GraspMatrixBalancesTheHeldObject) {
 
 TEST(ObjectStep, TheHeldObjectIsInForceClosureAndItsWeightCanBeBalanced) {
   const ObjectStep& step = held_step();
-  const hand::GraspContacts contacts = grasp_contacts(step);
+  const grasping::GraspContacts contacts = grasp_contacts(step);
   const Eigen::Vector3d center = step.T_world_object.translation();
-  EXPECT_TRUE(hand::force_closure(contacts).closed);
+  EXPECT_TRUE(grasping::force_closure(contacts).closed);
   Vector6d weight = Vector6d::Zero();
   weight.tail<3>() = -step.gravity;
-  const hand::Balance balance = hand::balance_wrench(contacts, center, weight);
-  ASSERT_EQ(balance.status, hand::BalanceStatus::balanced);
+  const grasping::Balance balance = grasping::balance_wrench(contacts, center, weight);
+  ASSERT_EQ(balance.status, grasping::BalanceStatus::balanced);
   // The solver's forces also balance it, and none that do are smaller than the least.
   const Eigen::VectorXd solver = contact_wrenches(step);
   const auto cost = [&](const Eigen::VectorXd& w) {
@@ -166,8 +166,9 @@ TEST(ObjectStep, TheHeldObjectIsInForceClosureAndItsWeightCanBeBalanced) {
     for (std::size_t i = 0; i < contacts.size(); ++i) {
       const auto& contact = contacts[i];
       Eigen::VectorXd u =
-          hand::transmission(contact.model) * w.segment<6>(static_cast<Eigen::Index>(6 * i));
-      if (contact.model == hand::ContactModel::soft_finger) u[3] /= contact.friction.eccentricity;
+          grasping::transmission(contact.model) * w.segment<6>(static_cast<Eigen::Index>(6 * i));
+      if (contact.model == grasping::ContactModel::soft_finger)
+        u[3] /= contact.friction.eccentricity;
       u[0] *= contact.friction.sliding;
       sum += u.squaredNorm();
     }
@@ -178,7 +179,7 @@ TEST(ObjectStep, TheHeldObjectIsInForceClosureAndItsWeightCanBeBalanced) {
 
 /// The simulator's own Jacobian of the maker's hand, its palm where the base's model has it.
 Eigen::MatrixXd simulators_jacobian(const hand::HandModel& hand, const hand::JointVector& joints,
-                                    const hand::GraspContacts& contacts) {
+                                    const grasping::GraspContacts& contacts) {
   const std::unique_ptr<mjModel, void (*)(mjModel*)> model(
       mj_loadXML(asset("shadow_hand/right_hand.xml").c_str(), nullptr, nullptr, 0), mj_deleteModel);
   const std::unique_ptr<mjData, void (*)(mjData*)> data(mj_makeData(model.get()), mj_deleteData);
@@ -222,16 +223,16 @@ TEST(ObjectStep, HandJacobianIsTheSimulatorsInTheGrasp) {
   const ObjectStep& step = held_step();
   const World& world = recorded_grasp().world;
   const hand::JointVector& joints = step.joints;
-  hand::GraspContacts contacts = grasp_contacts(step);
+  grasping::GraspContacts contacts = grasp_contacts(step);
   for (auto& contact : contacts) {
     contact.T_base_contact = step.T_world_base.inverse() * contact.T_base_contact;
   }
-  const Eigen::MatrixXd J = hand::hand_jacobian(world.hand_model(), joints, contacts);
+  const Eigen::MatrixXd J = grasping::hand_jacobian(world.hand_model(), joints, contacts);
   const Eigen::MatrixXd expected = simulators_jacobian(world.hand_model(), joints, contacts);
   EXPECT_GT(J.norm(), 1);
   EXPECT_LT((J - expected).cwiseAbs().maxCoeff(), 1e-9);
   const Eigen::VectorXd w = contact_wrenches(step);
-  EXPECT_LT((hand::joint_torques(J, w) - expected.transpose() * w).norm(), 1e-9);
+  EXPECT_LT((grasping::joint_torques(J, w) - expected.transpose() * w).norm(), 1e-9);
 }
 
 TEST(ObjectStep, ObservingChangesNothingAndEnds) {

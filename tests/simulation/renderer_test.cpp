@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/simulation/renderer.hpp"
+#include "palpate/simulation/rendering/renderer.hpp"
 
 #include <gtest/gtest.h>
 #include <png.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/simulation/representations.hpp"
+#include "palpate/simulation/contact/representations.hpp"
 
 #include <gtest/gtest.h>
 

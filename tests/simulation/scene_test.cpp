@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "../../src/simulation/scene.hpp"
+#include "simulation/world/scene.hpp"
 
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
@@ -8,7 +8,7 @@
 #include <numbers>
 #include <vector>
 
-#include "palpate/geometry/mesh_query.hpp"
+#include "palpate/geometry/query/mesh_query.hpp"
 #include "simulation/scenes.hpp"
 
 namespace palpate::simulation {

@@ -5,9 +5,9 @@
 #include <string_view>
 #include <vector>
 
-#include "palpate/geometry/known_object.hpp"
+#include "palpate/geometry/objects/known_object.hpp"
 #include "palpate/hand/hand.hpp"
-#include "palpate/simulation/world.hpp"
+#include "palpate/simulation/world/world.hpp"
 
 namespace palpate::simulation {
 

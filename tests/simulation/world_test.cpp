@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/simulation/world.hpp"
+#include "palpate/simulation/world/world.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 #include "palpate/core/assets.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/se3.hpp"
-#include "palpate/geometry/mesh_query.hpp"
+#include "palpate/geometry/query/mesh_query.hpp"
 #include "palpate/hand/coupling.hpp"
 #include "palpate/hand/kinematics.hpp"
 #include "simulation/scenes.hpp"

@@ -53,7 +53,8 @@ struct HandCommand {
 };
 
 /// A PID-controlled actuator: torque = stiffness (command - position) + integral - damping speed,
-/// within the limit; the integral (hand::IntegralAction) is small, so that contacts stay soft.
+/// within the limit; the integral (simulation::IntegralAction) is small, so that contacts stay
+/// soft.
 struct Actuator {
   double stiffness = 1;   ///< N m / rad
   Range command;          ///< rad

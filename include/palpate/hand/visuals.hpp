@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "palpate/geometry/mesh.hpp"
+#include "palpate/geometry/mesh/mesh.hpp"
 
 namespace palpate::hand {
 

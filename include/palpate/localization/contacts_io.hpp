@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "palpate/touch/contact.hpp"
+#include "palpate/tactile/contacts/contact.hpp"
 
 namespace palpate::localization {
 
@@ -22,11 +22,11 @@ struct ContactNoise {
 /// @param source  named in errors, as in "contacts.csv:3: ..."
 /// @throws BadInput for a missing column, a row of another length, a value that is no finite number
 ///         or a normal without direction
-std::vector<touch::Contact> parse_contacts(std::string_view text, std::string_view source,
-                                           const ContactNoise& noise = {});
+std::vector<tactile::Contact> parse_contacts(std::string_view text, std::string_view source,
+                                             const ContactNoise& noise = {});
 
 /// As parse_contacts, from a file. @throws BadInput also if the file cannot be read
-std::vector<touch::Contact> read_contacts(const std::filesystem::path& path,
-                                          const ContactNoise& noise = {});
+std::vector<tactile::Contact> read_contacts(const std::filesystem::path& path,
+                                            const ContactNoise& noise = {});
 
 }  // namespace palpate::localization

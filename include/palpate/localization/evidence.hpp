@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "palpate/core/se3.hpp"
-#include "palpate/geometry/known_object.hpp"
-#include "palpate/touch/contact.hpp"
+#include "palpate/geometry/objects/known_object.hpp"
+#include "palpate/tactile/contacts/contact.hpp"
 
 namespace palpate::localization {
 
@@ -76,7 +76,7 @@ struct ForceBalance {
 
 /// All that touch knows of the object at one instant, in one frame.
 struct Evidence {
-  std::vector<touch::Contact> contacts;
+  std::vector<tactile::Contact> contacts;
   std::vector<SharedOffset> offsets;  ///< a contact is in one of them at most
   double false_contact_share = 0.02;  ///< prior share of contacts with something else
   /// Prior chance that the noise of all contacts is not as stated, but half to twice as much. Of

@@ -1,42 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <memory>
-
 #include "palpate/core/random.hpp"
-#include "palpate/geometry/distance_field.hpp"
-#include "palpate/geometry/known_object.hpp"
+#include "palpate/geometry/objects/object_model.hpp"
 #include "palpate/localization/evidence.hpp"
 #include "palpate/localization/posterior.hpp"
 
 namespace palpate::localization {
-
-class Clearance;
-
-/// An object prepared for the search: distance field and surface samples. Shared by threads.
-class ObjectModel {
- public:
-  explicit ObjectModel(geometry::KnownObject object);
-  ~ObjectModel();
-  ObjectModel(ObjectModel&&) noexcept;
-  const geometry::KnownObject& object() const { return object_; }
-  const geometry::DistanceField& field() const { return field_; }
-  struct SurfacePoint {
-    Eigen::Vector3f p, n;
-  };
-  const std::vector<SurfacePoint>& surface() const { return surface_; }
-  double area() const { return area_; }
-  const Clearance& clearance() const { return *clearance_; }
-  const Eigen::AlignedBox3f& bounds() const { return bounds_; }
-
- private:
-  geometry::KnownObject object_;
-  double area_;
-  Eigen::AlignedBox3f bounds_;
-  geometry::DistanceField field_;
-  std::vector<SurfacePoint> surface_;
-  std::unique_ptr<const Clearance> clearance_;
-};
 
 struct LocalizerOptions {
   int proposals = 40000;     ///< poses screened
@@ -80,14 +50,15 @@ struct FastOptions {
 /// the contacts unexplained.
 /// @throws BadInput for evidence with values that are not finite, sigmas that are not positive,
 ///         contacts spread as if in millimetres, and a prior whose weights or covariances are none
-Posterior localize(const ObjectModel& model, const Evidence& evidence, RandomStream random,
-                   const LocalizerOptions& options = {});
+Posterior localize(const geometry::ObjectModel& model, const Evidence& evidence,
+                   RandomStream random, const LocalizerOptions& options = {});
 
 /// As localize, in a tenth of the time where the evidence settles the pose: the best proposals are
 /// refined by Levenberg-Marquardt and weighed by Laplace's approximation. Where several poses
 /// survive, one was found from too few starts to trust that none is missing, or a direction stays
 /// open, localize decides.
-Posterior localize_fast(const ObjectModel& model, const Evidence& evidence, RandomStream random,
-                        const LocalizerOptions& options = {}, const FastOptions& fast = {});
+Posterior localize_fast(const geometry::ObjectModel& model, const Evidence& evidence,
+                        RandomStream random, const LocalizerOptions& options = {},
+                        const FastOptions& fast = {});
 
 }  // namespace palpate::localization

@@ -66,7 +66,7 @@ struct Plan {
 /// only moves if waypoints differ in it. Bounded by iterations, not time: the same seed gives the
 /// same plan. Plans of several threads wait for one another, for OMPL has one source of seeds.
 /// @throws BadInput for fewer than two waypoints or an unknown planner
-Plan plan(const std::vector<Waypoint>& waypoints, simulation::CollisionScene& scene,
+Plan plan(const std::vector<Waypoint>& waypoints, CollisionChecker& scene,
           const PlanOptions& options, std::uint64_t seed);
 
 }  // namespace palpate::planning

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "palpate/hand/hand.hpp"
-#include "palpate/simulation/collision_scene.hpp"
+#include "palpate/planning/collision_checker.hpp"
 
 namespace palpate::planning {
 
@@ -64,7 +64,7 @@ struct BaseRange {
 
 /// Every waypoint with an angle that is not finite, beyond its joint's range (shadow_ranges) or J1
 /// > J2; with a base out of its range; or, where all that is well, in collision. In order.
-std::vector<Fault> find_faults(const std::vector<Waypoint>& waypoints,
-                               simulation::CollisionScene& scene, const BaseRange& range = {});
+std::vector<Fault> find_faults(const std::vector<Waypoint>& waypoints, CollisionChecker& scene,
+                               const BaseRange& range = {});
 
 }  // namespace palpate::planning

@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "palpate/core/se3.hpp"
-#include "palpate/geometry/known_object.hpp"
+#include "palpate/geometry/objects/known_object.hpp"
 #include "palpate/hand/hand.hpp"
 #include "palpate/hand/kinematics.hpp"
-#include "palpate/touch/contact.hpp"
+#include "palpate/tactile/contacts/contact.hpp"
 
 namespace palpate::recording {
 
@@ -72,10 +72,10 @@ struct PoseModeRecord {
 
 /// An estimate of the object's pose, in the world, and what it was made from.
 struct EstimateRecord {
-  double time = 0;                       ///< s
-  std::string status;                    ///< "certain", "ambiguous" or "no_pose"
-  std::vector<PoseModeRecord> modes;     ///< heaviest first
-  std::vector<touch::Contact> contacts;  ///< in the world
+  double time = 0;                         ///< s
+  std::string status;                      ///< "certain", "ambiguous" or "no_pose"
+  std::vector<PoseModeRecord> modes;       ///< heaviest first
+  std::vector<tactile::Contact> contacts;  ///< in the world
 };
 
 /// A whole recording in memory. Without the truth it holds no more than a real hand could sense.

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "palpate/geometry/fpfh.hpp"
-#include "palpate/geometry/point_cloud.hpp"
+#include "palpate/geometry/cloud/fpfh.hpp"
+#include "palpate/geometry/cloud/point_cloud.hpp"
 #include "palpate/registration/registration.hpp"
 
 namespace palpate::registration {

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <map>
+
+#include "palpate/evaluation/trial.hpp"
+
+namespace palpate::evaluation {
+
+/// Errors of several trials.
+struct ErrorSummary {
+  std::vector<double> rotation_deg, translation_mm;
+};
+
+/// What became of placing, over all trials of an object.
+struct PlaceSummary {
+  std::size_t certain = 0;  ///< held, and known well enough to place
+  std::size_t placed = 0;   ///< within 5 deg and 10 mm of the target
+  std::size_t tight = 0;    ///< within 3 deg and 5 mm
+  std::size_t wrong = 0;    ///< certain, let go at the target, and not `placed`
+  std::size_t dropped = 0;
+  std::size_t in_stance = 0;  ///< the target's side is up at the end, wherever it stands
+  std::map<std::string, std::size_t> status;  ///< how it ended, of the trials with a held object
+  ErrorSummary final_error;     ///< of the trials in which it was let go at the target
+  ErrorSummary estimate_error;  ///< of these: where it stood before, from where believed
+  ErrorSummary release_motion;  ///< of these: by which letting go moved it
+};
+
+/// A phase over all trials.
+struct PhaseSummary {
+  std::size_t runs = 0, ok = 0;
+  std::vector<double> sim_seconds, wall_seconds;  ///< one a run
+};
+
+/// What became of one object's trials. Rates are over all trials started.
+struct ObjectSummary {
+  std::size_t trials = 0;
+  std::size_t lifted = 0;
+  std::size_t pose_ok = 0;               ///< lifted, and the best pose within 5 deg and 10 mm
+  std::size_t lifted_at_once = 0;        ///< at the first attempt
+  std::size_t pose_tight = 0;            ///< lifted, and the best pose within 2.5 deg and 3.5 mm
+  std::size_t pose_ok_before_lift = 0;   ///< lifted, and the best pose in the closed hand right
+  std::size_t pose_ok_before_probe = 0;  ///< lifted, and so without what probing told
+  std::size_t pose_ok_tracked = 0;       ///< lifted, and the pose followed from there right
+  std::size_t probed = 0;                ///< lifted, and probed before
+  std::size_t sure_but_wrong = 0;        ///< lifted, the best pose wrong, its weight at least .9
+  std::size_t truth_in_modes = 0;        ///< lifted, and the truth among the modes
+  std::size_t false_hold = 0;            ///< reported as held, but not lifted
+  double modes_median = 0;               ///< of the trials with a pose
+  std::vector<double> rotation_error_deg, translation_error_mm, slip_mm;  ///< of lifted trials
+  std::vector<double> tip_force, explored_motion_mm;  ///< N, mm, of lifted trials
+  std::map<std::string, std::size_t> failures;  ///< by the phase that failed; "slip" if lost later
+  std::size_t symmetry_order = 1;
+  PlaceSummary place;
+  std::map<std::string, PhaseSummary> phases;
+};
+
+/// Told of each finished trial, in the order of the seeds.
+using TrialObserver = std::function<void(std::size_t done, const Trial& trial)>;
+
+/// Repeats the pick of one object with the seeds first_seed, first_seed + 1, ...
+///
+/// The result is the same for any number of threads.
+ObjectSummary evaluate(const geometry::ObjectModel& object, const TrialOptions& options,
+                       std::uint64_t first_seed, std::size_t trials, int threads,
+                       const TrialObserver& observer = {});
+
+}  // namespace palpate::evaluation

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "palpate/recording/writer.hpp"
+#include "palpate/simulation/world/world.hpp"
+#include "palpate/skills/pick.hpp"
+
+namespace palpate::evaluation {
+
+/// Passes on to a recording, if there is one, what happens in a simulated pick.
+class Recorder {
+ public:
+  Recorder(recording::Writer* writer, const simulation::World& world)
+      : writer_(writer), world_(world) {}
+
+  void frame(const hand::HandReading& reading, const hand::HandCommand& command);
+  void mark(estimation::Mark mark);
+  void estimate(double time, const estimation::PoseEstimate& estimate);
+
+  /// Notes where the object was to come, the way planned there, and the fixture, for the page.
+  void placement(const skills::PlaceResult& placed, const planning::Fixture& fixture);
+
+  /// Observer that records the phases and tells another one.
+  skills::PhaseObserver phases_and(const skills::PhaseObserver& other);
+
+ private:
+  recording::Writer* writer_;
+  const simulation::World& world_;
+  std::string phase_;
+  double time_ = 0;
+};
+
+}  // namespace palpate::evaluation

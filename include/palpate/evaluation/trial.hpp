@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "palpate/recording/writer.hpp"
+#include "palpate/simulation/world/world.hpp"
+#include "palpate/skills/pick.hpp"
+#include "palpate/skills/place/pick_and_place.hpp"
+
+namespace palpate::evaluation {
+
+/// How the object starts; drawn at random where nothing is fixed.
+struct StartOptions {
+  int stance = -1;            ///< index into KnownObject::stances; -1: drawn by probability
+  double uncertainty = 0.02;  ///< m: its place is within +- of the origin
+
+  template <class Visitor>
+  void visit(Visitor&& v) {
+    v("stance", stance, -1, 1000, "resting pose; -1: drawn by its probability");
+    v("uncertainty", uncertainty, 0.0, 0.1, "m, the object's place is within +- of the origin");
+  }
+};
+
+/// Where the contacts come from that the hand feels.
+struct TouchOptions {
+  std::string source = "solver";  ///< or "biotac"
+  /// Of inferred contacts, beside what each of them says of its error.
+  double biotac_point = 0.0005;  ///< m
+  double biotac_normal = 0.12;   ///< rad
+  double biotac_false = 0.05;    ///< prior share of inferred contacts that are wrong
+
+  template <class Visitor>
+  void visit(Visitor&& v) {
+    v("source", source, "of contacts: solver (with noise) or biotac (inferred from channels)");
+    v("biotac_point", biotac_point, 1e-5, 0.05, "m, error of inferred points beside their own");
+    v("biotac_normal", biotac_normal, 1e-4, 1.0, "rad, error of inferred normals beside their own");
+    v("biotac_false", biotac_false, 1e-6, 0.9, "prior share of inferred contacts that are wrong");
+  }
+
+  /// @throws BadInput for another source
+  [[nodiscard]] bool from_biotacs() const;
+};
+
+/// All that can be configured of a simulated pick.
+struct TrialOptions {
+  skills::PickOptions pick;
+  skills::PlaceOptions place;
+  StartOptions start;
+  TouchOptions touch;
+  simulation::WorldOptions world;
+  simulation::WorldOptions forward_model;  ///< the world in which motions are rolled out
+
+  template <class Visitor>
+  void visit(Visitor&& v) {
+    pick.visit(v);
+    v.section("place", place);
+    v.section("start", start);
+    v.section("touch", touch);
+    v.section("world", world);
+    v.section("forward_model", forward_model);
+  }
+
+  /// The pick's options, with the errors of the contacts that it will be given.
+  [[nodiscard]] skills::PickOptions pick_options() const;
+};
+
+/// What the simulator's truth says of a pick. Made after it, for judging alone.
+struct Judgement {
+  bool lifted = false;  ///< 5 cm above the table for the whole hold, slipped less than 10 mm
+  double slip = 0;      ///< m, of the object in the hand during the hold
+  bool has_pose = false;
+  localization::PoseError error;              ///< modulo symmetry
+  localization::PoseError error_no_symmetry;  ///< every pose of a symmetric object distinct
+  bool pose_ok = false;                       ///< within 5 deg and 10 mm
+  bool pose_tight = false;                    ///< within 2.5 deg and 3.5 mm
+  bool truth_in_modes = false;
+  bool pose_ok_before_lift = false;  ///< as the fingers had met the object, with probing
+  bool pose_ok_before_probe = false;
+  bool pose_ok_tracked = false;  ///< the pose followed from there to the end of the lift
+  double tracked_share = 0;      ///< of the time of following in which it was right
+  int probes = 0;                ///< touches of other spots of the object that fingers hold
+  double explored_motion = 0;    ///< m, of the object while it was touched before the grasp
+  double tip_force = 0;          ///< N, median over the touching fingertips at the end
+  Eigen::Isometry3d T_world_object = Eigen::Isometry3d::Identity();  ///< at the end
+};
+
+/// What the simulator's truth says of placing. All errors are modulo symmetry.
+struct PlaceJudgement {
+  bool placed = false;     ///< let go for good, and within 5 deg and 10 mm of the target at the end
+  bool tight = false;      ///< within 3 deg and 5 mm
+  bool wrong = false;      ///< let go at the target after a certain estimate, and not `placed`
+  bool dropped = false;    ///< it left the hand before the hand let go
+  bool in_stance = false;  ///< at the end the target's side is up, wherever it stands
+  localization::PoseError error;     ///< of the object at the end from the target
+  localization::PoseError estimate;  ///< where it stood before the hand let go, from where believed
+  localization::PoseError release;   ///< by which letting go and withdrawing moved it
+  Eigen::Isometry3d T_world_target = Eigen::Isometry3d::Identity();  ///< for its true stance
+};
+
+struct Trial {
+  simulation::Start start;
+  skills::PickResult result;
+  Judgement judgement;
+  std::optional<skills::PlaceResult> place;  ///< where the object was held and was to be placed
+  PlaceJudgement place_judgement;
+  skills::MeansTaken means;  ///< by which it was to be placed
+};
+
+/// Draws where the object of a trial starts.
+/// @throws BadInput for a stance that the object does not have
+simulation::Start draw_start(const geometry::KnownObject& object, const StartOptions& options,
+                             std::uint64_t seed);
+
+/// One pick in simulation, with placing if options.place has a target, judged afterwards. Neither
+/// is given the world, only the hand.
+/// @param writer  if given, gets every frame (with the truth), phase and estimate
+/// @throws BadInput for a target that cannot be, before anything moves
+Trial run_trial(const geometry::ObjectModel& object, const TrialOptions& options,
+                std::uint64_t seed, recording::Writer* writer = nullptr,
+                const skills::PhaseObserver& observer = {});
+
+/// The target and the fixture that options ask for; none, an empty one.
+/// @param start_stance  in which the object starts, for the target "stance"
+/// @throws BadInput for a target that cannot be, for means of placing that do not exist, or for a
+///         place.stance of another target than "stance"
+std::optional<skills::PlaceTarget> place_target(const geometry::KnownObject& object,
+                                                const skills::PlaceOptions& options,
+                                                std::uint64_t seed, std::size_t start_stance);
+planning::Fixture place_fixture(const geometry::KnownObject& object,
+                                const skills::PlaceOptions& options,
+                                const std::optional<skills::PlaceTarget>& target);
+
+/// Where the hand waits before a pick.
+hand::HandCommand waiting_command();
+
+}  // namespace palpate::evaluation

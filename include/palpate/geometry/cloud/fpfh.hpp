@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+
+#include "palpate/geometry/cloud/point_cloud.hpp"
+
+namespace palpate::geometry {
+
+inline constexpr int kFpfhBins = 33;  ///< three angles, 11 bins each
+
+/// One column a point.
+using Features = Eigen::Matrix<float, kFpfhBins, Eigen::Dynamic>;
+
+/// Fast point feature histograms (Rusu, Blodow & Beetz, ICRA 2009).
+///
+/// A histogram of the three angles between a point's normal and those of its neighbours, plus the
+/// mean of the neighbours' histograms weighted by 1 / squared distance (the omega of the paper's
+/// eq. 3 as the common implementations take it). The angles are in the order theta, alpha, phi;
+/// each histogram of single pairs sums to 100, the mean too, so that a column sums to 600, or to 0
+/// without neighbours.
+/// @param radius  neighbourhood, m: about five times the distance between points
+/// @param most_neighbours  nearest ones taken within it, the point itself not counted
+/// @throws BadInput for a cloud without normals, a radius that is not positive, as check_cloud()
+Features fpfh(const PointCloud& cloud, double radius, int most_neighbours = 100);
+
+struct Match {
+  int source = -1, target = -1;
+};
+
+/// Pairs of columns that are each other's nearest, by source index; of equally near ones the first.
+std::vector<Match> mutual_matches(const Features& source, const Features& target);
+
+}  // namespace palpate::geometry

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "palpate/geometry/query/mesh_query.hpp"
+
+namespace palpate::geometry {
+
+/// Signed distance of a watertight mesh on a regular grid, with its gradient, interpolated
+/// linearly. It takes up to a second, so it is kept in the cache under the mesh's content.
+class DistanceField {
+ public:
+  struct Sample {
+    float distance;            ///< m, negative inside
+    Eigen::Vector3f gradient;  ///< interpolated outward direction; its length is <= 1
+  };
+
+  /// @param cell  grid spacing, m
+  /// @param padding  how far the grid reaches beyond the mesh's bounds, m
+  DistanceField(const MeshQuery& mesh, double cell = 0.002, double padding = 0.03);
+
+  /// Interpolated value at p (in the mesh's frame); nothing outside the grid.
+  std::optional<Sample> at(const Eigen::Vector3f& p) const;
+
+  /// Interpolated distance at p; outside the grid `beyond()`.
+  float distance(const Eigen::Vector3f& p) const;
+
+  /// Distance reported outside the grid: its padding, m.
+  float beyond() const { return beyond_; }
+
+ private:
+  bool take_nodes(std::string_view bytes);
+  void fill(const MeshQuery& mesh);
+
+  Eigen::Vector3f origin_;
+  Eigen::Array3i size_;
+  float cell_, beyond_;
+  std::vector<Eigen::Vector4f> nodes_;  // gradient and distance, z fastest
+};
+
+}  // namespace palpate::geometry

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "palpate/geometry/objects/object_model.hpp"
+#include "palpate/grasping/closing_law.hpp"
+#include "palpate/hand/kinematics.hpp"
+#include "palpate/tactile/contacts/contact.hpp"
+
+namespace palpate::grasping {
+
+/// Points of one finger, in the base's frame, at one instant of its closing.
+struct FingerShape {
+  std::vector<Eigen::Vector3f> tip;            ///< on the axis of the fingertip's capsule
+  std::vector<Eigen::Vector4f> other_spheres;  ///< of its other links: center and radius
+};
+
+/// How an empty hand closes: the shapes that its fingers pass through.
+struct ClosingPath {
+  std::vector<Eigen::Vector4f> open_spheres;  ///< of the whole hand before closing
+  std::array<std::vector<FingerShape>, hand::kFingers> fingers;
+  std::array<float, hand::kFingers> tip_radius{};
+};
+
+inline constexpr std::array<bool, hand::kFingers> kAllFingers = {true, true, true, true, true};
+
+/// @param law  of the closing; its rates say how the joints move in proportion
+/// @param closing  the fingers that close; the others have no shapes
+ClosingPath closing_path(const hand::HandModel& hand, const hand::ActuatorVector& open,
+                         const grasping::ClosingLaw& law,
+                         const std::array<bool, hand::kFingers>& closing = kAllFingers);
+
+/// Ends the path of a finger before it meets the other fingers, which stand still at these joints.
+void end_at_other_fingers(const hand::HandModel& hand, const hand::JointVector& joints,
+                          std::size_t finger, ClosingPath& path);
+
+/// An object at a pose above the table, asked from the hand's base.
+class PlacedObject {
+ public:
+  PlacedObject(const geometry::ObjectModel& object, const Eigen::Isometry3d& T_world_object,
+               const Eigen::Isometry3d& T_world_base);
+  /// Of a point in the base's frame, m. Infinite far from the object, where the field ends.
+  float distance(const Eigen::Vector3f& p) const;
+  /// Above the table, m.
+  float height(const Eigen::Vector3f& p) const;
+  /// Outward normal near the surface, in the base's axes.
+  Eigen::Vector3d normal(const Eigen::Vector3f& p) const;
+
+ private:
+  const geometry::DistanceField& field_;
+  Eigen::Isometry3f T_object_base_, T_world_base_;
+};
+
+/// Where a closing finger stops, and the contact of its tip if that is why.
+struct FingerMeeting {
+  std::size_t stop = 0;                     ///< index of its shape
+  std::optional<tactile::Contact> contact;  ///< in the base's frame
+};
+
+/// Closes a finger along its path, which must have a shape, until its tip or another of its links
+/// meets the object, or its tip the table.
+/// @param least_height  of the tip above the table, m; lower counts as meeting it
+FingerMeeting meet(const PlacedObject& object, const ClosingPath& path, std::size_t finger,
+                   double least_height);
+
+}  // namespace palpate::grasping

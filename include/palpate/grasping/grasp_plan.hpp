@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "palpate/geometry/objects/object_model.hpp"
+#include "palpate/grasping/closing_trajectory.hpp"
+
+namespace palpate::grasping {
+
+struct PlanOptions {
+  double clearance = 0.004;        ///< of the opened hand from the object, m
+  double table_clearance = 0.005;  ///< of the hand from the table, m
+  double press = 6.0;              ///< N, of all fingertips together; whoever plans sets it
+  double friction = 0.4;           ///< that the balance of forces counts on
+  double missing_finger = 0.05;    ///< cost of a finger that does not meet the object
+  double pose_error = 0.004;       ///< m by which the object may lie elsewhere
+  int yaws = 24;                   ///< of the hand that are tried
+  int places = 3;                  ///< that are tried to either side of the middle
+  double spacing = 0.010;          ///< m between them
+
+  template <class Visitor>
+  void visit(Visitor&& v) {
+    v("clearance", clearance, 0.0, 0.02, "m, of the opened hand from the object");
+    v("table_clearance", table_clearance, 0.0, 0.05, "m, of the hand from the table");
+    v("friction", friction, 0.0, 2.0, "that the balance of forces counts on");
+    v("missing_finger", missing_finger, 0.0, 1.0, "cost of a finger that does not meet the object");
+    v("pose_error", pose_error, 0.0, 0.05, "m by which the object may lie elsewhere");
+    v("yaws", yaws, 1, 360, "of the hand that are tried");
+    v("places", places, 0, 20, "that are tried to either side of the middle");
+    v("spacing", spacing, 0.001, 0.1, "m between them");
+  }
+};
+
+/// Where the hand is to close, and how well the fingers should then hold the object.
+struct GraspPlan {
+  hand::BasePosition base;
+  double cost = 0;                                  ///< mean over small displacements of the object
+  int fingers = 0;                                  ///< that meet the object
+  std::vector<tactile::Contact> contacts;           ///< of their tips, in the base's frame
+  std::array<std::size_t, hand::kFingers> stops{};  ///< shape of its path where each finger ends
+};
+
+/// How the hand closes at a place; of infinite cost if its thumb and another finger do not both
+/// meet the object.
+/// @return nothing where the opened hand cannot come down freely
+std::optional<GraspPlan> close_at(const geometry::ObjectModel& object,
+                                  const Eigen::Isometry3d& T_world_object, const ClosingPath& path,
+                                  const hand::BasePosition& base, const PlanOptions& options);
+
+/// All places where the opened hand can come down freely and its thumb and another finger then meet
+/// the object, in a fixed order. Their costs are for the object just where it is.
+std::vector<GraspPlan> find_grasps(const geometry::ObjectModel& object,
+                                   const Eigen::Isometry3d& T_world_object, const ClosingPath& path,
+                                   const Eigen::Vector2d& attitude, const PlanOptions& options,
+                                   const std::vector<double>& avoid = {});
+
+/// Mean cost of a grasp over the displacements that PlanOptions::pose_error tells.
+double mean_cost(const geometry::ObjectModel& object, const Eigen::Isometry3d& T_world_object,
+                 const ClosingPath& path, const PlanOptions& options, const GraspPlan& plan);
+
+/// Cost of a grasp of these contacts: how badly its forces balance when gravity pulls that way.
+/// @param gravity  unit, in the base's frame
+/// @param p_base_object  the object's centroid in the base's frame, m
+double grasp_cost(const geometry::ObjectModel& object, const GraspPlan& plan,
+                  const PlanOptions& options, const Eigen::Vector3d& gravity,
+                  const Eigen::Vector3d& p_base_object);
+
+/// Closes the hand in thought, at many places around the object's pose, and takes the one where the
+/// fingertips' forces balance best, together with the weight. The opened hand must come down there
+/// without touching the object.
+///
+/// @param attitude  pitch and roll of the base, rad
+/// @param avoid  yaws of the base (rad) that have failed before
+/// @return nothing if no place will do
+std::optional<GraspPlan> plan_grasp(const geometry::ObjectModel& object,
+                                    const Eigen::Isometry3d& T_world_object,
+                                    const ClosingPath& path, const Eigen::Vector2d& attitude,
+                                    const PlanOptions& options,
+                                    const std::vector<double>& avoid = {});
+
+}  // namespace palpate::grasping

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string_view>
+
+#include "palpate/geometry/objects/known_object.hpp"
+#include "palpate/hand/hand.hpp"
+#include "palpate/hand/kinematics.hpp"
+#include "palpate/hand/visuals.hpp"
+#include "palpate/planning/fixture.hpp"
+#include "palpate/simulation/hand/integral_action.hpp"
+#include "palpate/simulation/world/object_step.hpp"
+
+namespace palpate::simulation {
+
+/// Noise of the readers, per reading (conventions: "Readers add seeded noise by default").
+struct SensorNoise {
+  double point = 0.001;                 ///< m, per axis
+  double normal = 0.17453292519943295;  ///< rad, per tangent axis (10 deg)
+  double force = 0.05;                  ///< N, per axis
+  double joint = 0.008726646259971648;  ///< rad (.5 deg)
+  double link = 0.002;                  ///< m, how far each link is from the model (rms)
+
+  template <class Visitor>
+  void visit(Visitor&& v) {
+    v("point", point, 0.0, 0.05, "m, of contact points, per axis");
+    v("normal", normal, 0.0, 1.0, "rad, of contact normals, per tangent axis");
+    v("force", force, 0.0, 10.0, "N, of contact forces, per axis");
+    v("joint", joint, 0.0, 0.2, "rad, of joint angles");
+    v("link", link, 0.0, 0.02, "m, of each link's place in the hand, rms");
+  }
+};
+
+struct WorldOptions {
+  double time_step = 0.002;      ///< s
+  double hand_friction = 0.8;    ///< sliding, hand against object
+  double table_friction = 0.5;   ///< sliding, object against table
+  double stiffness_scale = 4.0;  ///< of the fingers' position controllers
+  bool exact_tips = true;        ///< tips meet the true surface, the table its hull; else the parts
+  bool biotacs = false;          ///< readings hold the channels of BioTacs on the fingertips
+  bool false_truth = false;      ///< World::truth() is wrong: whoever acts on it shows
+  simulation::IntegralOptions integral;
+  SensorNoise noise;
+
+  template <class Visitor>
+  void visit(Visitor&& v) {
+    v("time_step", time_step, 1e-4, 0.01, "s, of the physics");
+    v("hand_friction", hand_friction, 0.0, 5.0, "sliding, hand against object");
+    v("table_friction", table_friction, 0.0, 5.0, "sliding, object against table");
+    v("stiffness_scale", stiffness_scale, 0.1, 20.0, "of the fingers' position controllers");
+    v("exact_tips", exact_tips,
+      "fingertips meet the true surface, the table its hull; else convex parts");
+    v("biotacs", biotacs, "simulate the channels of BioTacs on the fingertips");
+    v("false_truth", false_truth, "the truth that is told is wrong: whoever acts on it shows");
+    v.section("integral", integral);
+    v.section("noise", noise);
+  }
+};
+
+/// Where the object starts.
+struct Start {
+  int stance = 0;                                ///< index into KnownObject::stances
+  double yaw = 0;                                ///< rad
+  Eigen::Vector2d xy = Eigen::Vector2d::Zero();  ///< of the centroid, m
+};
+
+/// What only the simulator knows. For judging and drawing; never for estimating or acting.
+struct Truth {
+  Eigen::Isometry3d T_world_object = Eigen::Isometry3d::Identity();
+  hand::JointVector joints = hand::JointVector::Zero();
+  double lowest_point = 0;  ///< z of the object's lowest vertex, m
+};
+
+/// A table, perhaps a fixture on it, the Shadow hand on its base and one free object, in MuJoCo.
+class World {
+ public:
+  World(const geometry::KnownObject& object, const WorldOptions& options, std::uint64_t seed,
+        const planning::Fixture& fixture = {});
+  ~World();
+  World(const World&) = delete;
+  World& operator=(const World&) = delete;
+
+  /// Puts object and hand at their starts, at rest, at time 0.
+  void reset(const Start& start, const hand::HandCommand& command);
+
+  hand::Hand& hand();
+
+  /// The hand as the estimator knows it: the physics follows the MJCF, and this model's links are
+  /// off by SensorNoise::link. The same for every reset.
+  const hand::HandModel& hand_model() const;
+  Truth truth() const;
+
+  /// Tells of every step of the physics from now on; an empty observer ends that.
+  void observe(StepObserver observer);
+
+  /// True when the simulation has become unstable since the last reset; readings then mean nothing.
+  bool diverged() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// The Shadow hand's model, read from its MJCF.
+/// @throws BadInput if the file is missing or lacks a link or joint of the hand
+hand::HandModel load_shadow_hand(const std::filesystem::path& mjcf);
+
+/// What the Shadow hand looks like: the drawn meshes of its MJCF, for load_shadow_hand's links.
+hand::HandVisuals load_shadow_hand_visuals(const std::filesystem::path& mjcf);
+
+/// Version of MuJoCo, as in "3.17.0".
+std::string_view simulator_version();
+
+}  // namespace palpate::simulation

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <span>
+
+#include "palpate/estimation/event_log.hpp"
+#include "palpate/grasping/closing_law.hpp"
+#include "palpate/hand/hand.hpp"
+#include "palpate/hand/kinematics.hpp"
+#include "palpate/skills/forward_model.hpp"
+
+namespace palpate::skills {
+
+/// How a motion ended.
+enum class MotionEnd { reached, stopped, timed_out };
+
+/// What the fingers do while the base moves: close with limited torque.
+struct Grip {
+  grasping::ClosingLaw law;
+  grasping::ClosingTorque torque;
+  std::array<bool, hand::kFingers> active;
+};
+
+/// Moves a hand tick by tick and keeps all that it felt. It knows nothing but the hand's readings.
+class Robot {
+ public:
+  using StopCondition = std::function<bool(const hand::HandReading&)>;
+
+  /// Who wants to know what the robot does; each may be empty.
+  struct Observer {
+    std::function<void(const hand::HandReading&, const hand::HandCommand&)> on_tick;
+    std::function<void(estimation::Mark)> on_mark;
+  };
+
+  /// @param start  where the hand is commanded now
+  /// @param models  of the world, for the skills that plan; must outlive the robot
+  Robot(hand::Hand& hand, const hand::HandModel& model, const hand::HandCommand& start,
+        Observer observer = {}, const ModelFactory* models = nullptr);
+
+  const hand::HandModel& model() const { return model_; }
+  /// The hand is known better now.
+  void set_model(const hand::HandModel& model) { model_ = model; }
+  /// What skills plan with. @throws BadInput if the robot was given none
+  const ModelFactory& models() const;
+  const hand::HandCommand& command() const { return command_; }
+  const hand::HandReading& reading() const { return log_.readings.back(); }
+  const estimation::TouchLog& log() const { return log_; }
+  const std::array<hand::Actuator, hand::kActuators>& actuators() const {
+    return hand_.actuators();
+  }
+  double time() const { return log_.readings.back().time; }
+
+  /// Motions end with timed_out once this time (s) has come.
+  void set_deadline(double time) { deadline_ = time; }
+
+  /// Remembers the present reading under a name that the estimator looks for.
+  void mark(estimation::Mark mark);
+
+  /// From now on every tick advances this grip; nothing releases it.
+  void set_grip(std::optional<Grip> grip) { grip_ = std::move(grip); }
+
+  /// Stays for `seconds`, or until `stop`.
+  MotionEnd wait(double seconds, const StopCondition& stop = {});
+
+  /// Moves the base on a straight line (m/s; it turns along in proportion), until there or `stop`.
+  MotionEnd move_base(const hand::BasePosition& target, double speed,
+                      const StopCondition& stop = {});
+
+  /// Gives one command a tick, until the last or `stop`.
+  MotionEnd follow(std::span<const hand::HandCommand> way, const StopCondition& stop = {});
+
+  /// Moves all actuators to a posture in a given time.
+  MotionEnd move_fingers(const hand::ActuatorVector& posture, double seconds);
+
+ private:
+  void tick();
+  MotionEnd tick_until(const StopCondition& stop);
+
+  hand::Hand& hand_;
+  hand::HandModel model_;
+  hand::HandCommand command_;
+  Observer observer_;
+  const ModelFactory* models_;
+  estimation::TouchLog log_;
+  std::optional<Grip> grip_;
+  double deadline_;
+};
+
+/// Stop condition: the base has pushed along `direction` (unit, world) with more than `load` (N)
+/// for some ticks on end. The load of setting out, in the first moments of a motion, does not
+/// count.
+Robot::StopCondition lasting_load(const Robot& robot, const Eigen::Vector3d& direction,
+                                  double load);
+
+/// Stop condition: for some ticks on end the base has pushed along `direction` (unit, world) with
+/// `load` (N) more than its steady motion takes. That is measured in the motion's first half
+/// second, in which nothing stops it.
+Robot::StopCondition rising_load(const Robot& robot, const Eigen::Vector3d& direction, double load);
+
+}  // namespace palpate::skills

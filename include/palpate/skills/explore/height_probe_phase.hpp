@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "palpate/estimation/height_probe.hpp"
+#include "palpate/skills/phase.hpp"
+
+namespace palpate::skills {
+
+struct FeelOptions {
+  double start_height = 0.26;  ///< of the hand's base, m
+  double speed = 0.05;         ///< downwards, m/s
+  double touch_force = 0.7;    ///< N of load on the base
+  double clearance = 0.012;    ///< stop this far above the table, m
+  double travel_speed = 0.5;   ///< through the air, m/s
+  double search = 0.10;        ///< where nothing is felt: this far to four sides of the place, m
+
+  template <class Visitor>
+  void visit(Visitor&& v) {
+    v("start_height", start_height, 0.1, 0.5, "m, of the hand's base above the table");
+    v("speed", speed, 0.001, 0.5, "m/s, downwards");
+    v("touch_force", touch_force, 0.05, 20.0, "N, load on the base that counts as touch");
+    v("clearance", clearance, 0.0, 0.1, "m, nearest approach to the table");
+    v("search", search, 0.0, 0.3, "m, to the sides of a place where nothing is felt");
+    v("travel_speed", travel_speed, 0.01, 2.0, "m/s, through the air");
+  }
+};
+
+/// Lowers the flat hand onto the object to feel how tall it is.
+class FeelPhase : public Phase {
+ public:
+  explicit FeelPhase(const FeelOptions& options) : options_(options) {}
+  std::string_view name() const override { return "feel"; }
+  double time_limit() const override { return 60.0; }
+  PhaseEnd run(Robot& robot, PickState& state) override;
+
+ private:
+  bool lower(Robot& robot, PickState& state, const Eigen::Vector2d& place) const;
+
+  FeelOptions options_;
+};
+
+}  // namespace palpate::skills

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "palpate/skills/phase.hpp"
+
+namespace palpate::skills {
+
+/// After a grasp that failed: sets down what may be left in the hand, opens, and rises. The place
+/// of the last contacts becomes the object's rough place.
+class ReleasePhase : public Phase {
+ public:
+  std::string_view name() const override { return "release"; }
+  double time_limit() const override { return 20.0; }
+  PhaseEnd run(Robot& robot, PickState& state) override;
+};
+
+/// After the object has fallen out of the hand: rises as it is, then opens and turns level.
+class ClearPhase : public Phase {
+ public:
+  std::string_view name() const override { return "clear"; }
+  double time_limit() const override { return 30.0; }
+  PhaseEnd run(Robot& robot, PickState& state) override;
+};
+
+}  // namespace palpate::skills

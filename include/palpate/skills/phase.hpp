@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "palpate/estimation/estimate.hpp"
+#include "palpate/grasping/grasp_plan.hpp"
+#include "palpate/skills/executor.hpp"
+
+namespace palpate::skills {
+
+enum class PhaseStatus { ok, failed, timed_out };
+std::string_view to_string(PhaseStatus status);
+
+/// What a phase reports of itself: whether its own success test passed, and in words.
+struct PhaseEnd {
+  bool ok = false;
+  std::string outcome;
+};
+
+/// What became of a phase.
+struct PhaseReport {
+  std::string name;
+  PhaseStatus status = PhaseStatus::failed;
+  std::string outcome;
+  double sim_seconds = 0;
+  double wall_seconds = 0;
+  int contacts = 0;       ///< fingertip contacts at its end
+  double peak_force = 0;  ///< largest force of a fingertip contact during it, N
+};
+
+/// How an object was followed in the hand.
+struct Tracked {
+  struct Look {
+    std::size_t reading;              ///< index into the log
+    Eigen::Isometry3d T_base_object;  ///< heaviest pose
+  };
+  std::vector<Look> looks;
+  localization::Posterior posterior;  ///< at the last look, in the hand's base
+  int slips = 0;                      ///< that were noticed
+};
+
+/// What the phases hand on to each other: how the object is to be held, and how the hand holds it.
+struct PickState {
+  double height = 0;                               ///< of the object, as felt, m
+  Eigen::Vector2d place{0, 0};                     ///< rough place of the object, m
+  std::optional<localization::Posterior> resting;  ///< pose on the table, in the world
+  double yaw = 0;                                  ///< direction from which to grasp, rad
+  std::vector<double> tried_yaws;                  ///< of grasps that have been tried, rad
+  double held_load = 0;                            ///< weight felt after the lift, N
+  estimation::PoseEstimate estimate;               ///< of the held object, in the world
+  std::optional<Tracked> tracked;                  ///< how it went from the closed hand on
+  std::optional<grasping::GraspPlan> next_grasp;   ///< that is to tell what this one has left open
+};
+
+/// A step of a pick. Its success test sees only what the hand sensed.
+class Phase {
+ public:
+  virtual ~Phase() = default;
+  virtual std::string_view name() const = 0;
+  virtual double time_limit() const = 0;  ///< s of the robot's time
+  virtual PhaseEnd run(Robot& robot, PickState& state) = 0;
+};
+
+/// Runs a phase under its time limit and reports on it.
+PhaseReport run_phase(Phase& phase, Robot& robot, PickState& state);
+
+}  // namespace palpate::skills

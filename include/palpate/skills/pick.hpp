@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+
+#include "palpate/estimation/estimate.hpp"
+#include "palpate/skills/explore/calibrate_phase.hpp"
+#include "palpate/skills/explore/explore_phase.hpp"
+#include "palpate/skills/explore/height_probe_phase.hpp"
+#include "palpate/skills/grasp/grasp_phase.hpp"
+#include "palpate/skills/grasp/lift_phase.hpp"
+#include "palpate/skills/grasp/track_phase.hpp"
+#include "palpate/skills/phase.hpp"
+#include "palpate/skills/place/place_phase.hpp"
+#include "palpate/skills/probe/probe_phase.hpp"
+
+namespace palpate::skills {
+
+struct PickOptions {
+  int attempts = 3;  ///< at most
+  /// Rough place on the table, m, of an object that has fallen there: it may rest in no stance. Not
+  /// an option of the program.
+  std::optional<Eigen::Vector2d> fallen_at;
+  bool estimate_before_lift = true;  ///< the pose in the closed hand, too
+  CalibrateOptions calibrate;
+  FeelOptions feel;
+  ExploreOptions explore;
+  GraspOptions grasp;
+  ProbeOptions probe;
+  LiftOptions lift;
+  LowerOptions lower;        ///< putting it down to grasp it from another side
+  WithdrawOptions withdraw;  ///< then
+  TrackOptions track;
+  estimation::LocateOptions locate;
+
+  template <class Visitor>
+  void visit(Visitor&& v) {
+    v("attempts", attempts, 1, 20, "grasps tried at most");
+    v("estimate_before_lift", estimate_before_lift, "estimate the pose in the closed hand, too");
+    v.section("calibrate", calibrate);
+    v.section("feel", feel);
+    v.section("explore", explore);
+    v.section("grasp", grasp);
+    v.section("probe", probe);
+    v.section("lift", lift);
+    v.section("lower", lower);
+    v.section("withdraw", withdraw);
+    v.section("track", track);
+    v.section("locate", locate);
+  }
+};
+
+/// What became of a pick, as the robot itself knows it.
+struct PickResult {
+  bool held = false;  ///< the object hangs in the hand
+  int attempts = 0;
+  int regrasps = 0;          ///< from other sides, to tell poses apart
+  bool fallen = false;       ///< before this grasp, or an attempt failed: it may rest in no stance
+  std::string failed_phase;  ///< of the last attempt; empty if all went well
+  std::vector<PhaseReport> phases;
+  std::optional<localization::Posterior> resting;  ///< pose before the last grasp, in the world
+  std::optional<estimation::PoseEstimate> before_probe;  ///< in the closed hand, still on the table
+  std::optional<estimation::PoseEstimate> before_lift;   ///< there, with what probing told
+  std::optional<Tracked> tracked;                        ///< from there through the lift
+  estimation::PoseEstimate estimate;
+};
+
+struct PlaceResult;
+
+/// Who wants to know of what comes and goes; each may be empty.
+struct PhaseObserver {
+  std::function<void(std::string_view phase, double time)> on_begin;
+  std::function<void(const PhaseReport& report, double time)> on_end;
+  std::function<void(const PickResult& picked)> on_picked = {};  ///< a pick has ended
+  std::function<void(const PlaceResult& placed)> on_placed = {};
+};
+
+/// The main job (thesis chapter 1): calibrate the hand, once a robot; feel how tall the object is,
+/// grasp it by touch, lift it, and estimate its pose in the hand, feeling more of it while the pose
+/// is in doubt and that tells something. A grasp that fails is tried again from another side.
+///
+/// @param robot  stands free above the table; the object is near the world's origin, or
+/// PickOptions::fallen_at
+/// @param choose  chooses the grasp, if given
+PickResult pick(Robot& robot, const geometry::ObjectModel& object, const PickOptions& options,
+                std::uint64_t seed, const PhaseObserver& observer = {},
+                const GraspChooser& choose = {});
+
+}  // namespace palpate::skills

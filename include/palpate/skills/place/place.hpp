@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "palpate/skills/explore/height_probe_phase.hpp"
+#include "palpate/skills/pick.hpp"
+#include "palpate/skills/place/place_phase.hpp"
+#include "palpate/skills/place/transport_phase.hpp"
+#include "palpate/skills/reorient/in_hand_phase.hpp"
+#include "palpate/skills/reorient/regrasp_plan.hpp"
+
+namespace palpate::skills {
+
+/// All that can be configured of placing.
+struct PlaceOptions {
+  std::string target;          ///< as parse_target() takes it, or "stance"; empty: none
+  int stance = -1;             ///< of the target "stance"; -1: another than the first, drawn
+  std::string means = "auto";  ///< wrist, fingers, regrasp, or what is needed (PlaceMeans)
+  int picks = 2;               ///< at most, where the object had to be put back
+  double reach = 0.5;          ///< m, how far from the origin a target may be
+  double turn_press = 6.0;  ///< as GraspOptions::press_per_weight, if the object may be turned over
+  double certain = 0.85;  ///< share of the estimate that must agree on where the object would stand
+  bool again = true;      ///< estimate the pose once more over the target
+  double turned_motion = 3.0;  ///< of a turned-over object in the hand, times that of the grasp
+  bool verify = true;          ///< feel afterwards whether it stands there
+  localization::SamePose same;
+  FixtureOptions fixture;
+  GoalOptions goal;
+  TransportOptions transport;
+  LowerOptions lower;
+  WithdrawOptions withdraw;
+  FingerTurnOptions fingers;
+  RegraspCourseOptions regrasp;
+
+  template <class Visitor>
+  void visit(Visitor&& v) {
+    v("target", target,
+      "fixture, random, stance, x,y,yaw or the 16 numbers of a pose; empty: none");
+    v("stance", stance, -1, 1000, "of the target 'stance'; -1: another than it starts in, drawn");
+    v("means", means,
+      "wrist (one hold), fingers (turn in the hand first), regrasp (planned grasps), auto (the "
+      "first that does)");
+    v("picks", picks, 1, 10, "at most, where the object had to be put back");
+    v("reach", reach, 0.05, 1.0, "m, how far from the origin a target may be");
+    v("turn_press", turn_press, 0.0, 100.0,
+      "grasp.press_per_weight at least, for targets that may be in another stance");
+    v("certain", certain, 0.0, 1.0, "share of the estimate that must agree on the place");
+    v("again", again, "estimate the pose once more over the target");
+    v("turned_motion", turned_motion, 1.0, 100.0,
+      "motion in the hand that is expected of a turned-over object, times that of the grasp");
+    v("verify", verify, "feel afterwards whether the object stands there");
+    v.section("same", same);
+    v.section("fixture", fixture);
+    v.section("goal", goal);
+    v.section("transport", transport);
+    v.section("lower", lower);
+    v.section("withdraw", withdraw);
+    v.section("fingers", fingers);
+    v.section("regrasp", regrasp);
+  }
+};
+
+/// Which way an object is brought to its target.
+enum class PlaceMeans {
+  automatic,  ///< in one hold, turned in the hand or grasped anew where that cannot be
+  wrist,      ///< in one hold, turned by the hand's base
+  fingers,    ///< in one hold, turned first by the fingers as far as they can, then by the base
+  regrasp     ///< with planned grasps, over other stances if need be
+};
+std::string_view to_string(PlaceMeans means);
+
+/// What PlaceOptions::means asks for.
+/// @throws BadInput for another word
+PlaceMeans place_means(const PlaceOptions& options);
+
+/// How placing ended.
+enum class PlaceStatus {
+  placed,       ///< the object stands at the target, as far as was felt
+  ambiguous,    ///< its pose is not known well enough: it was put back
+  unreachable,  ///< no position of the base brings it to the target: it was put back
+  refused,      ///< something was in its way at the target: it was put back
+  slipped,      ///< it moved in the hand more than is known: it was put back
+  lost,         ///< it fell out of the hand
+  stuck,        ///< it would not leave the hand, or could not be put back
+  missing,      ///< it does not stand where it was put
+  under_way,    ///< regrasping ended while it stood in another stance on the way to the target
+};
+std::string_view to_string(PlaceStatus status);
+
+/// Whether the object stands where it came from, so that another pick may go better.
+bool was_put_back(PlaceStatus status);
+
+/// What became of placing, as the robot itself knows it.
+struct PlaceResult {
+  PlaceStatus status = PlaceStatus::lost;
+  std::string failed_phase;  ///< empty if all went well
+  std::vector<PhaseReport> phases;
+  HeldObject held;
+  bool certain = false;       ///< the pose was known well enough
+  bool other_stance = false;  ///< the target asks for a stance other than that it was found in
+  bool on_the_way = false;    ///< the target was one on the way to the target proper
+  Eigen::Isometry3d T_world_target = Eigen::Isometry3d::Identity();
+  std::optional<PlaceGoal> goal;
+  std::optional<FingerTurn> turn;                   ///< in the hand, where the fingers were used
+  planning::Plan motion;                            ///< of the transport
+  std::optional<Eigen::Isometry3d> T_world_placed;  ///< as it was let go, estimated
+  Eigen::Vector2d lost_at{0, 0};  ///< m, where contacts were felt last, of a lost object
+  /// m, where the object was put down instead, where no way back was free
+  std::optional<Eigen::Vector2d> put_aside;
+};
+
+/// With a firmer grasp for a target that may be in another stance (a pose): turned about the axis
+/// through its contacts, the object hangs on their friction.
+PickOptions firm_enough(const PickOptions& pick_options, const PlaceTarget& target,
+                        const PlaceOptions& options);
+
+/// Transport and placement (thesis chapter 1) of the object that hangs in the hand after a pick:
+/// find where the base has to go, turn by the fingers where that is asked for or alone makes the
+/// target reachable, carry, set down by touch, let go, withdraw, verify by touch. What
+/// cannot be done is said, and the object put back gently where it came from.
+///
+/// It is given what the robot felt and the ESTIMATED pose; fixture and target are known.
+/// @param picked  held, with an estimate
+PlaceResult place(Robot& robot, const geometry::ObjectModel& object, const PickResult& picked,
+                  const PlaceTarget& target, const planning::Fixture& fixture,
+                  const PickOptions& pick_options, const PlaceOptions& options, std::uint64_t seed,
+                  const PhaseObserver& observer = {});
+
+}  // namespace palpate::skills

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "palpate/estimation/event_log.hpp"
+#include "palpate/localization/consensus.hpp"
+#include "palpate/planning/collision_checker.hpp"
+#include "palpate/skills/place/place_target.hpp"
+
+namespace palpate::skills {
+
+/// How the object is held, as far as it matters to placing it.
+struct HeldObject {
+  Eigen::Isometry3d T_base_object = Eigen::Isometry3d::Identity();  ///< in the air
+  /// As it stood on the table in the closed hand, laid flat: lifting it let the fingers give way,
+  /// setting it down takes that back.
+  Eigen::Isometry3d T_base_object_flat = Eigen::Isometry3d::Identity();
+  std::size_t found_stance = 0;  ///< in which it stood there
+  double certainty = 0;          ///< share of the estimate that would be placed like this one
+};
+
+/// Makes one of the estimate's modes: those that come to the same when laid flat count together.
+///
+/// Height and tilt need no estimate, for the table fixed them when the fingers closed.
+/// @param posterior  of the held object, in the world, at the reading `held`
+/// @param turned  by the fingers, since they closed, or fallen before: then what the table told of
+///        a stance counts no more
+/// @return nothing without modes or without the marks closed and held
+std::optional<HeldObject> held_object(const geometry::KnownObject& object,
+                                      const localization::Posterior& posterior,
+                                      const estimation::TouchLog& log,
+                                      const localization::SamePose& same, bool turned = false);
+
+/// Where the base has to go, as measured, and the pose of the object that this is for.
+struct PlaceGoal {
+  Eigen::Isometry3d T_world_object = Eigen::Isometry3d::Identity();  ///< one of equal targets
+  Eigen::Isometry3d T_base_object = Eigen::Isometry3d::Identity();   ///< that it counts on
+  hand::BasePosition seat;                                           ///< object at the target
+  hand::BasePosition above;                                          ///< object over it
+};
+
+struct GoalSearch {
+  std::optional<PlaceGoal> goal;
+  std::string obstacle;      ///< why there is none: what would collide, or be out of reach
+  bool same_stance = false;  ///< the target asks for the stance in which the object was found
+};
+
+struct GoalOptions {
+  double rise = 0.10;    ///< m over the target from which the object is let down
+  double room = 0.0015;  ///< m over the target where nothing may collide yet
+  double reach = 0.9;    ///< m, of |x| and |y| of the base
+  double highest = 0.9;  ///< m, of the base
+
+  template <class Visitor>
+  void visit(Visitor&& v) {
+    v("rise", rise, 0.02, 0.4, "m over the target from which the object is let down");
+    v("room", room, 0.0, 0.05, "m over the target where nothing may collide yet");
+    v("reach", reach, 0.1, 2.0, "m, of |x| and |y| of the base");
+    v("highest", highest, 0.1, 2.0, "m, of the base");
+  }
+};
+
+/// Base position with a pose, turned the shorter way from `near`.
+hand::BasePosition base_near(const Eigen::Isometry3d& T_world_base, const hand::BasePosition& near);
+
+/// The base position that brings the held object to the target: base = T_world_object S
+/// T_base_object^-1, where S is that symmetry of the object that needs the least turn of the base
+/// and leaves hand and object free of table and fixture.
+/// @param scene  with the object held in it
+/// @param now  where the base is; joints: of the closed hand, rad
+GoalSearch find_goal(const geometry::KnownObject& object, const HeldObject& held,
+                     const Eigen::Isometry3d& T_world_target, const hand::HandReading& now,
+                     planning::CollisionChecker& scene, const GoalOptions& options);
+
+/// Joint angles as a planner takes them: within their ranges and coupling, without sensor noise
+/// beyond them.
+hand::JointVector plannable(const hand::JointVector& joints);
+
+}  // namespace palpate::skills

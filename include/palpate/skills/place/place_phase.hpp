@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "palpate/skills/phase.hpp"
+#include "palpate/skills/place/place_goal.hpp"
+
+namespace palpate::skills {
+
+struct LowerOptions {
+  double speed = 0.05;          ///< m/s, down to near the target
+  double near = 0.012;          ///< m over the target from where it goes slowly
+  double slow_speed = 0.008;    ///< m/s
+  double contact_load = 0.4;    ///< N that the table must bear to count as contact
+  double press = 1.0;           ///< N beyond the weight that lay the object flat
+  double beyond = 0.015;        ///< m below the target at which it gives up
+  double early = 0.008;         ///< m over the target where a contact means refusal
+  double most_press = 0.006;    ///< m of way from the contact to lying flat
+  double back_off = 0.004;      ///< m up between two tries
+  double spiral = 0.002;        ///< m by which the tries move apart
+  int tries = 7;                ///< at shifted places, after a refusal by a fixture
+  double unload_seconds = 0.8;  ///< from pressing to touching
+  double open_seconds = 2.0;    ///< from touching to open
+
+  template <class Visitor>
+  void visit(Visitor&& v) {
+    v("speed", speed, 0.001, 0.5, "m/s, down to near the target");
+    v("near", near, 0.0, 0.1, "m over the target from where it goes slowly");
+    v("slow_speed", slow_speed, 0.0005, 0.1, "m/s, from there");
+    v("contact_load", contact_load, 0.05, 20.0, "N that the table must bear");
+    v("press", press, 0.0, 20.0, "N beyond the weight that lay the object flat");
+    v("beyond", beyond, 0.0, 0.05, "m below the target at which it gives up");
+    v("early", early, 0.0, 0.1, "m over the target where a contact means refusal");
+    v("most_press", most_press, 0.0, 0.05, "m of way from the contact to lying flat");
+    v("back_off", back_off, 0.0, 0.05, "m up between two tries");
+    v("spiral", spiral, 0.0, 0.02, "m by which the tries move apart");
+    v("tries", tries, 1, 100, "at shifted places, after a refusal by a fixture");
+    v("unload_seconds", unload_seconds, 0.0, 10.0, "s, from pressing to touching");
+    v("open_seconds", open_seconds, 0.1, 10.0, "s, from touching to open");
+  }
+};
+
+/// For setting down where the object stood: no contact is too early, for nothing else is there that
+/// could refuse it.
+LowerOptions never_refused(LowerOptions options);
+
+/// Lets go of an object that stands on the table: marks `placed`, takes the squeeze back as it
+/// came, then opens slowly.
+/// @param open  posture of the open hand, rad
+void let_go(Robot& robot, const LowerOptions& options, const hand::ActuatorVector& open);
+
+/// Opens around an object that the hand has grasped and not lifted.
+class OpenPhase : public Phase {
+ public:
+  /// @param open  posture of the open hand, rad
+  OpenPhase(const LowerOptions& options, const hand::ActuatorVector& open)
+      : options_(options), open_(open) {}
+  std::string_view name() const override { return "open"; }
+  double time_limit() const override { return 30.0; }
+  PhaseEnd run(Robot& robot, PickState& state) override;
+
+ private:
+  LowerOptions options_;
+  hand::ActuatorVector open_;
+};
+
+/// Lets the object down until the table bears it (guarded descent), presses it flat, and lets go.
+/// A contact much too early is a refusal: where a fixture may be the reason, the next try is a
+/// little aside.
+class PlacePhase : public Phase {
+ public:
+  /// @param wall  m, height of the fixture's walls; 0: none
+  /// @param open  posture of the open hand, rad
+  PlacePhase(const LowerOptions& options, const PlaceGoal& goal, double wall,
+             const hand::ActuatorVector& open, std::string name = "place")
+      : options_(options), goal_(goal), wall_(wall), open_(open), name_(std::move(name)) {}
+  std::string_view name() const override { return name_; }
+  double time_limit() const override { return 90.0; }
+  PhaseEnd run(Robot& robot, PickState& state) override;
+
+  enum class Touchdown { flat, early, nothing, lost };
+  /// Pose of the object in the closed hand when the table bore it, in the world, estimated.
+  const Eigen::Isometry3d& T_world_object() const { return T_world_object_; }
+  bool let_go() const { return let_go_; }
+  /// How the last descent ended.
+  Touchdown touchdown() const { return touchdown_; }
+
+ private:
+  Touchdown lower(Robot& robot, const Eigen::Vector3d& aside);
+
+  LowerOptions options_;
+  PlaceGoal goal_;
+  double wall_;
+  hand::ActuatorVector open_;
+  std::string name_;
+  Eigen::Isometry3d T_world_object_ = Eigen::Isometry3d::Identity();
+  hand::BasePosition contact_;  // commanded at the last contact
+  double height_error_ = 0;     // m, of the contact over where it was expected
+  bool let_go_ = false;
+  Touchdown touchdown_ = Touchdown::nothing;
+};
+
+struct WithdrawOptions {
+  double speed = 0.05;     ///< m/s, out of the object's reach
+  double way = 0.12;       ///< m
+  double caught = 0.3;     ///< N on the base that mean the object comes along
+  double height = 0.34;    ///< m, where the base then waits
+  double far_speed = 0.3;  ///< m/s, up there
+  double empty = 0.25;     ///< share of the object's weight that must not hang in the hand
+
+  template <class Visitor>
+  void visit(Visitor&& v) {
+    v("speed", speed, 0.001, 0.5, "m/s, out of the object's reach");
+    v("way", way, 0.01, 0.5, "m, out of the object's reach");
+    v("caught", caught, 0.05, 10.0, "N on the base that mean the object comes along");
+    v("height", height, 0.1, 1.0, "m, where the base then waits");
+    v("far_speed", far_speed, 0.01, 1.0, "m/s, up there");
+    v("empty", empty, 0.0, 1.0, "share of the object's weight that must not hang in the hand");
+  }
+};
+
+/// Takes the open hand away upwards. Where something pulls, the hand goes back, opens wider and
+/// tries again. At the end the base must carry nothing.
+class WithdrawPhase : public Phase {
+ public:
+  /// @param weight  of the object, N
+  /// @param mark  at the end: `opened` where the object is grasped anew and what is known of its
+  ///   pose still holds
+  WithdrawPhase(const WithdrawOptions& options, double weight,
+                estimation::Mark mark = estimation::Mark::released)
+      : options_(options), weight_(weight), mark_(mark) {}
+  std::string_view name() const override { return "withdraw"; }
+  double time_limit() const override { return 30.0; }
+  PhaseEnd run(Robot& robot, PickState& state) override;
+
+ private:
+  WithdrawOptions options_;
+  double weight_;
+  estimation::Mark mark_;
+};
+
+}  // namespace palpate::skills

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "palpate/skills/place/place.hpp"
+#include "palpate/skills/reorient/regrasp_plan.hpp"
+
+namespace palpate::skills {
+
+/// A transfer as it went.
+struct RegraspRound {
+  RegraspPlan plan;  ///< from the pose then estimated
+  PickResult pick;
+  std::optional<PlaceResult> place;  ///< none if the object was not held
+};
+
+enum class RegraspStatus {
+  done,          ///< the object stands at the target, as far as was felt
+  no_way,        ///< at last no chain of transfers led there
+  not_held,      ///< the object could not be picked up
+  lost,          ///< it fell, does not leave the hand, or is not where it was put
+  out_of_rounds  ///< transfers went wrong again and again
+};
+std::string_view to_string(RegraspStatus status);
+
+struct RegraspResult {
+  RegraspStatus status = RegraspStatus::out_of_rounds;
+  std::vector<RegraspRound> rounds;
+};
+
+/// Brings an object on the table to a target, over other stances where that is needed. Before every
+/// transfer its pose is estimated by touch anew, and the rest of the way planned anew. A spot is
+/// reached in the stance that the object has; for it only the grasp is chosen.
+///
+/// @param robot  stands free above the table; the object is near the world's origin
+/// @param options  with `regrasp`, the course's own
+RegraspResult regrasp(Robot& robot, const geometry::ObjectModel& object, const PlaceTarget& target,
+                      const planning::Fixture& fixture, const PickOptions& pick_options,
+                      const PlaceOptions& options, std::uint64_t seed,
+                      const PhaseObserver& observer = {});
+
+}  // namespace palpate::skills

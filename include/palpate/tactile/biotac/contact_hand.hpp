@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+
+#include "palpate/hand/hand.hpp"
+#include "palpate/tactile/biotac/fingers.hpp"
+
+namespace palpate::tactile {
+
+/// A hand whose contacts are inferred from the channels of its fingertips' BioTacs, and from
+/// nothing else.
+class BiotacHand : public hand::Hand {
+ public:
+  /// Keeps a reference: the hand must outlive this. @param model  of the hand, for the sensors'
+  /// places
+  BiotacHand(hand::Hand& hand, const hand::HandModel& model,
+             std::shared_ptr<const tactile::BiotacInverse> inverse);
+
+  const std::array<hand::Actuator, hand::kActuators>& actuators() const override {
+    return hand_.actuators();
+  }
+  /// @throws BadInput if the hand's readings hold no channels
+  hand::HandReading step(const hand::HandCommand& command) override;
+
+ private:
+  hand::Hand& hand_;
+  tactile::BiotacFingers fingers_;
+};
+
+/// The shipped inverse of the simulated BioTac. @throws BadInput if it is missing or damaged
+std::shared_ptr<const tactile::BiotacInverse> shipped_biotac_inverse();
+
+}  // namespace palpate::tactile

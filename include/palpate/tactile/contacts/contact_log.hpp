@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "palpate/tactile/contacts/finger_sample.hpp"
+
+namespace palpate::tactile {
+
+/// The frames of one finger from a log of contacts.
+struct FingerLog {
+  std::string finger;
+  double period = hand::kTick;  ///< s between frames
+  std::vector<FingerFrame> frames;
+  /// Outward normal of the object that the log gives for each frame, unit, where it gives one.
+  std::vector<std::optional<Eigen::Vector3d>> normals;
+};
+
+/// Reads a CSV of contacts, one a row: columns finger, t and the vectors p, f and, optionally, n
+/// (px,py,pz or x,y,z; fx,fy,fz; nx,ny,nz); others are ignored. Rows of one finger that follow each
+/// other with the same t are one frame. A t of whole numbers only counts ticks.
+///
+/// @param tick  s, of one tick
+/// @throws BadInput, naming the file and line, for a file that cannot be read, a missing column or
+///         a cell that is no number (nan is one)
+std::vector<FingerLog> read_contact_log(const std::filesystem::path& path, double tick = 0.1);
+
+}  // namespace palpate::tactile

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "palpate/hand/hand.hpp"
+#include "palpate/hand/kinematics.hpp"
+
+namespace palpate::tactile {
+
+/// What is wrong with a sample. All but `gap`, `late` and `left_out` make it useless for
+/// estimating.
+enum class SampleFlag : unsigned {
+  gap = 1u << 0,           ///< frames are missing before it
+  late = 1u << 1,          ///< it came later than half a period after its time
+  repeated = 1u << 2,      ///< time or content is that of the last frame
+  out_of_order = 1u << 3,  ///< its time lies before that of an earlier frame
+  placeholder = 1u << 4,   ///< nothing but forces of exactly (0, -1, 0)
+  no_force = 1u << 5,      ///< contacts, but no force that tells a direction
+  not_finite = 1u << 6,    ///< a value that is not finite
+  no_contact = 1u << 7,    ///< the finger touches nothing
+  far_apart = 1u << 8,     ///< contacts too far apart, in place or direction, to be one
+  left_out = 1u << 9,      ///< of its contacts, some told nothing and are not in it
+};
+inline constexpr int kSampleFlags = 10;
+
+/// The flag's name, as in "out_of_order".
+std::string_view to_string(SampleFlag flag);
+
+/// A set of flags.
+class SampleFlags {
+ public:
+  void set(SampleFlag flag) { bits_ |= static_cast<unsigned>(flag); }
+  void merge(SampleFlags other) { bits_ |= other.bits_; }
+  [[nodiscard]] bool has(SampleFlag flag) const {
+    return (bits_ & static_cast<unsigned>(flag)) != 0;
+  }
+  [[nodiscard]] bool any() const { return bits_ != 0; }
+  /// Whether an estimator may use the sample.
+  [[nodiscard]] bool usable() const;
+  /// Names of all that are set, joined by "+"; empty if there are none.
+  [[nodiscard]] std::string names() const;
+
+ private:
+  unsigned bits_ = 0;
+};
+
+/// One contact of a fingertip, in a frame that does not move.
+struct FingerContact {
+  Eigen::Vector3d p;  ///< point, m
+  Eigen::Vector3d f;  ///< force of the finger on the object, N
+  /// Outward normal of the object as the tip's own shape has it: the inward normal of the tip's
+  /// surface at the contact, unit.
+  std::optional<Eigen::Vector3d> tip_normal;
+};
+
+/// All that a fingertip feels in one tick.
+struct FingerFrame {
+  double time = 0;  ///< s
+  std::vector<FingerContact> contacts;
+};
+
+/// The contacts of one tick as one: what the estimators are fed.
+struct FingerSample {
+  double time = 0;    ///< s
+  Eigen::Vector3d p;  ///< centroid of the contacts, m; nan unless usable
+  Eigen::Vector3d f;  ///< sum of their forces on the object, N; nan unless usable
+  std::optional<Eigen::Vector3d> tip_normal;  ///< mean of theirs, unit
+  SampleFlags flags;
+};
+
+struct SampleOptions {
+  double period = hand::kTick;  ///< s between frames
+  double least_force = 1e-3;    ///< N; less tells no direction
+  double one_contact = 0.008;   ///< m; contacts further apart are not one
+  double one_direction = 1.0;   ///< rad; nor are those whose tip normals differ by more
+
+  template <class Visitor>
+  void visit(Visitor&& v) {
+    v("period", period, 1e-5, 10.0, "s, between frames");
+    v("least_force", least_force, 0.0, 10.0, "N, less tells no direction");
+    v("one_contact", one_contact, 0.0, 0.1, "m, contacts further apart are not one");
+    v("one_direction", one_direction, 0.0, 3.2, "rad, nor are those whose tip normals differ more");
+  }
+};
+
+/// Turns the frames of one finger, as they come, into checked samples. Bad frames come out flagged,
+/// never as plausible numbers; single contacts that are placeholders, not finite or without force
+/// are left out of a frame that has better ones, which is flagged `left_out`.
+class SampleMaker {
+ public:
+  /// @throws BadInput for options out of range
+  explicit SampleMaker(const SampleOptions& options = {});
+
+  FingerSample next(const FingerFrame& frame);
+
+ private:
+  void check_time(const FingerFrame& frame, SampleFlags& flags);
+
+  SampleOptions options_;
+  std::optional<FingerFrame> last_;
+};
+
+/// What a finger feels in a reading, with the normals of its capsule tip, in the world.
+FingerFrame finger_frame(const hand::HandReading& reading, const hand::HandModel& hand, int finger);
+
+}  // namespace palpate::tactile

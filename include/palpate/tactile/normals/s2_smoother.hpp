@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <deque>
+#include <limits>
+
+#include "palpate/tactile/normals/s2_filter.hpp"
+
+namespace palpate::tactile {
+
+/// S2Filter whose estimates also know the samples of a while after: each tells of the contact `lag`
+/// earlier (NormalEstimate::time).
+///
+/// While the contact `lag` ago was none, the last before it is held. Where the finger may have left
+/// the surface, what came after tells nothing of what was before.
+///
+/// Fixed-lag Rauch-Tung-Striebel smoothing of the tilt alone, its correlation with the rest of the
+/// state left aside, through each tick's hypotheses by their weights.
+class S2Smoother final : public NormalEstimator {
+ public:
+  /// @param options  lag: of the estimates, s
+  /// @throws BadInput for options out of range
+  explicit S2Smoother(const S2Options& options = {});
+  NormalEstimate update(const FingerSample& sample) override;
+
+ private:
+  struct Tick {
+    double time = 0;
+    Eigen::Matrix3d R;
+    Eigen::Matrix2d P;
+    S2Filter::Step step;  // that led to it
+  };
+
+  S2Options options_;
+  S2Filter filter_;
+  std::deque<Tick> ticks_;
+  double reported_ = -std::numeric_limits<double>::infinity();  // time of the last tick reported
+};
+
+}  // namespace palpate::tactile

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <string_view>
+
+#include "palpate/core/random.hpp"
+#include "palpate/tasks/relocate/relocate_object.hpp"
+
+namespace palpate::relocate {
+
+/// Version of the task: observation, action, reward and reset. Policies name it in their files.
+inline constexpr std::string_view kRelocateVersion = "relocate-1";
+
+inline constexpr int kRelocateJoints = 30;  ///< base x y z roll pitch yaw, wrist 2, fingers 22
+inline constexpr int kRelocateObservations = 39;
+
+using RelocateAction = Eigen::Matrix<double, kRelocateJoints, 1>;
+using RelocateJoints = Eigen::Matrix<double, kRelocateJoints, 1>;
+
+/// 30 joint positions (m, rad); palm - object; palm - target; object - target (m, world axes).
+using RelocateObservation = Eigen::Matrix<double, kRelocateObservations, 1>;
+inline constexpr int kPalmFromObject = 30, kPalmFromTarget = 33, kObjectFromTarget = 36;
+
+/// How exactly the physics is solved. Training uses the fast ones; results are of the faithful one.
+enum class RelocateSolver {
+  faithful,  ///< projected Gauss-Seidel with slip removal, elliptic cones: the published task
+  newton,    ///< Newton, elliptic cones
+  fast       ///< Newton, pyramidal cones, 3 steps of physics each control step instead of 5
+};
+
+/// @throws BadInput for a name that is none of "faithful", "newton", "fast"
+RelocateSolver relocate_solver(std::string_view name);
+std::string_view to_string(RelocateSolver solver);
+
+struct RelocatePhysics {
+  RelocateSolver solver = RelocateSolver::faithful;
+  double mass_scale = 1;      ///< of the object's mass and inertia
+  double friction_scale = 1;  ///< of the sliding friction of everything
+};
+
+/// Where an episode starts: the object on the table and the place to bring it to.
+struct RelocateStart {
+  Eigen::Vector2d object = Eigen::Vector2d::Zero();  ///< of its frame's origin, m
+  Eigen::Vector3d target = Eigen::Vector3d::Zero();  ///< m
+};
+
+/// Draws a start. The object's x is .15 s - .1, its y is within .15 s; the target does not depend
+/// on the scale s.
+/// @param scale  s, 0..1; the published task has .25
+RelocateStart sample_relocate_start(RandomStream& random, double scale);
+
+/// What a robot's own sensors tell beyond the observation.
+struct Proprioception {
+  RelocateJoints velocity = RelocateJoints::Zero();  ///< of the joints, m/s, rad/s
+  RelocateJoints bias = RelocateJoints::Zero();  ///< force that holds the joints at rest, N, N m
+};
+
+struct RelocateStep {
+  double reward = 0;
+  double distance = 0;    ///< of the object from the target, m
+  bool contact = false;   ///< of hand and object
+  bool diverged = false;  ///< the physics failed or the action was not finite: the episode is over
+};
+
+/// The compiled task; immutable, shared by the tasks of all threads.
+class RelocateModel {
+ public:
+  /// @throws BadInput if the hand's model is missing or the object cannot be simulated
+  explicit RelocateModel(const RelocateObject& object, const RelocatePhysics& physics = {});
+
+  /// An action of a commands the actuators to center + clip(a, -1, 1) * half_range.
+  const RelocateAction& action_center() const;
+  const RelocateAction& action_half_range() const;
+  double object_mass() const;  ///< kg
+
+  struct Impl;
+  const Impl& impl() const { return *impl_; }
+
+ private:
+  std::shared_ptr<const Impl> impl_;
+};
+
+/// One episode after another of the relocate task: the Adroit hand brings an object from the table
+/// to a target in the air. Control at 100 Hz, five steps of physics each (three on the fast
+/// solver).
+class RelocateTask {
+ public:
+  explicit RelocateTask(const RelocateModel& model);
+  ~RelocateTask();
+  RelocateTask(RelocateTask&&) noexcept;
+  RelocateTask& operator=(RelocateTask&&) noexcept;
+
+  /// @throws BadInput for a start that is not finite
+  void reset(const RelocateStart& start);
+
+  RelocateObservation observation() const;
+  Proprioception proprioception() const;
+  RelocateStep step(const RelocateAction& action);
+
+  /// All generalised positions (37), for drawing and tests.
+  Eigen::VectorXd positions() const;
+
+  struct Impl;
+  const Impl& impl() const;  ///< for what senses or draws the task's simulator
+
+ private:
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace palpate::relocate

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "palpate/core/random.hpp"
+#include "palpate/hand/hand.hpp"
+#include "palpate/hand/kinematics.hpp"
+#include "palpate/simulation/world/world.hpp"
+#include "palpate/tasks/relocate/relocate_task.hpp"
+
+namespace palpate::relocate {
+
+/// Joints of the Shadow hand that hold it as the Adroit hand is held at these positions: the latter
+/// models the former, with the joints in another order and the axes of some turned round.
+/// @param joints  base, wrist and fingers of the Adroit hand; the base is not looked at
+hand::JointVector shadow_joints(const RelocateJoints& joints);
+
+/// The relocate task's hand as links, in the joints of the Shadow hand. Its base is the forearm,
+/// its fingertips are the capsules that the task has for them.
+/// @throws BadInput if it is not the Adroit hand
+hand::HandModel adroit_hand_model(const RelocateModel& model);
+
+/// Puts tactile sensors on the fingertips of the relocate task's hand, as noisy as those of the
+/// simulated Shadow hand. The published task has none; the physics is left alone.
+class RelocateTouch {
+ public:
+  /// @param seed  of the noise, and of where the links really are
+  RelocateTouch(const RelocateModel& model, const simulation::SensorNoise& noise,
+                std::uint64_t seed);
+
+  /// The hand as an estimator knows it: its links are off by SensorNoise::link.
+  const hand::HandModel& hand_model() const { return hand_; }
+
+  /// What the hand senses after so many steps of an episode: joints, base and contacts. Torques and
+  /// the base's force stay empty. The base is measured without noise.
+  hand::HandReading read(const RelocateTask& task, int step) const;
+
+ private:
+  simulation::SensorNoise noise_;
+  RandomStream random_;
+  hand::HandModel hand_;
+  int base_;                                ///< body
+  std::array<int, hand::kFingers> tips_{};  ///< geoms
+};
+
+}  // namespace palpate::relocate

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "palpate/core/progress.hpp"
+#include "palpate/estimation/online_tracker.hpp"
+#include "palpate/skills/explore/explore_phase.hpp"
+#include "palpate/skills/explore/height_probe_phase.hpp"
+#include "palpate/tasks/relocate/relocate_touch.hpp"
+#include "palpate/tasks/relocate/rollout.hpp"
+
+namespace palpate::relocate {
+
+/// How a policy of the relocate task learns where the object is (thesis chapter 7 tells it).
+struct RelocationOptions {
+  bool explore = true;  ///< the resting object is touched first, else only `uncertainty` known
+  double uncertainty = 0.02;  ///< m, within which the object's place is known at first, in x and y
+  estimation::FeltPlaceOptions felt;
+  skills::FeelOptions feel;
+  skills::ExploreOptions exploring;
+  estimation::LocateOptions resting;  ///< how the pose on the table is estimated
+  simulation::SensorNoise noise;
+
+  template <class Visitor>
+  void visit(Visitor&& v) {
+    v("explore", explore, "touch the resting object first, else only its rough place is known");
+    v("uncertainty", uncertainty, 0.0, 0.2, "m, the object within +- of its rough place");
+    v.section("felt", felt);
+    v.section("feel", feel);
+    v.section("exploring", exploring);
+    v.section("resting", resting);
+    v.section("noise", noise);
+  }
+};
+
+/// An episode in which the policy was told what touch knows.
+struct FeltEpisode {
+  Episode episode;
+  double resting_error = 0;     ///< m, of the place it was told at first, in x and y
+  double told_error = 0;        ///< m, in the last step
+  bool explored = false;        ///< a finger has told the pose of the resting object
+  int estimates = 0;            ///< of the pose in the grasp
+  double estimate_seconds = 0;  ///< wall time of one, mean; 0 without any
+};
+
+/// The relocate task with a policy that is told the object's place as touch has it, never the true
+/// one: the transport phase of thesis chapter 7 behind the estimation of chapter 6.
+///
+/// Before it reaches out, a finger explores the resting object as a pick does; while it closes and
+/// carries, the pose is estimated from the fingertips of the Adroit hand (FeltPlace).
+class Relocation {
+ public:
+  /// @throws BadInput for an object that cannot be used, or does not stand on its own at the start
+  Relocation(const TaskOptions& task, const RelocationOptions& options);
+
+  /// Episode i starts as rollout starts it.
+  FeltEpisode run(const Policy& policy, const EpisodeOptions& episode, std::uint64_t seed,
+                  std::size_t index) const;
+
+  /// `count` episodes on up to `threads` threads.
+  std::vector<FeltEpisode> run_all(const Policy& policy, const EpisodeOptions& episode,
+                                   std::uint64_t seed, std::size_t count, int threads,
+                                   const ProgressCallback& progress = {}) const;
+
+ private:
+  localization::Posterior explored(const Eigen::Vector2d& place, std::uint64_t seed) const;
+  localization::Posterior rough(RandomStream random) const;
+
+  RelocationOptions options_;
+  RelocateObject shape_;
+  RelocateModel model_;
+  geometry::ObjectModel object_;
+  simulation::Start standing_;  ///< how the object starts, at the origin
+};
+
+}  // namespace palpate::relocate

@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/estimation/estimate.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "estimation/fallen.hpp"
+#include "estimation/in_hand_motion.hpp"
+#include "estimation/log_evidence.hpp"
+#include "palpate/estimation/height_probe.hpp"
+#include "palpate/localization/pose_prior.hpp"
+
+namespace palpate::estimation {
+namespace {
+
+constexpr int kSlides = 2;        // how often a grasp may slide, each time
+constexpr double kFarther = 3.0;  // so many times as far
+constexpr double kStirred = 3.0;  // so many times as far, where it was rolled or grasped anew
+/// Shares of the sweeps that are forgotten, one after the other, while no pose explains the rest: a
+/// touch may have moved the object.
+constexpr std::array<double, 3> kForgotten = {0, 0.35, 0.55};
+constexpr std::size_t kLeastTouches = 4;  // that are then left
+
+using geometry::KnownObject;
+using localization::Evidence;
+using localization::PosePrior;
+using localization::TableSupport;
+
+double top_of(const KnownObject& object, const geometry::Stance& stance) {
+  double top = -std::numeric_limits<double>::infinity();
+  for (const auto& vertex : object.mesh.vertices) {
+    top = std::max(top, stance.R_table_object.row(2).dot(vertex));
+  }
+  return top + stance.height;
+}
+
+/// Probability of each stance, given how tall the object felt.
+std::vector<double> stance_weights(const KnownObject& object, std::optional<double> felt_height,
+                                   const LocateOptions& options) {
+  std::vector<double> weights;
+  double sum = 0;
+  for (const auto& stance : object.stances) {
+    const double miss =
+        felt_height ? (top_of(object, stance) - *felt_height) / options.felt_sigma : 0.0;
+    weights.push_back(stance.probability * std::exp(-0.5 * miss * miss));
+    sum += weights.back();
+  }
+  for (std::size_t i = 0; i < weights.size(); ++i) {
+    const double felt = sum > 0 ? weights[i] / sum : object.stances[i].probability;
+    weights[i] =
+        (1 - options.other_stance) * felt + options.other_stance * object.stances[i].probability;
+  }
+  return weights;
+}
+
+/// Latest reading of a kind since the hand let go for good.
+const hand::HandReading* reading_at(const TouchLog& log, Mark mark) {
+  const hand::HandReading* reading = nullptr;
+  for (const auto& moment : log.since_release()) {
+    if (moment.mark == mark) reading = &log.readings[moment.reading];
+  }
+  return reading;
+}
+
+std::optional<double> felt_height(const hand::HandModel& hand, const TouchLog& log) {
+  const auto* const felt = reading_at(log, Mark::felt);
+  if (!felt) return std::nullopt;
+  return lowest_of_hand(hand, *felt);
+}
+
+/// Those for an object that may have fallen before it was felt.
+LocateOptions as_it_lay(const TouchLog& log, const LocateOptions& options) {
+  const auto* const felt = reading_at(log, Mark::felt);
+  if (!felt || !reading_at(log, Mark::fallen)) return options;
+  return of_fallen(options, place_under_hand(*felt));
+}
+
+/// The table under the object that nobody has moved yet. Misplaced links of the hand shift all that
+/// it feels, so that height and place are uncertain by that much.
+TableSupport resting_table(const KnownObject& object, const hand::HandModel& hand,
+                           const TouchLog& log, const LocateOptions& options) {
+  TableSupport table;
+  table.T_frame_table = Eigen::Isometry3d::Identity();
+  table.stance_weights = stance_weights(object, felt_height(hand, log), options);
+  table.tilt_sigma = options.resting_tilt_sigma;
+  table.height_sigma = options.resting_height_sigma;
+  table.half_width = options.resting_half_width;
+  table.edge_sigma = 0.005;
+  return table;
+}
+
+TableSupport table_at_closing(const KnownObject& object, const hand::HandModel& hand,
+                              const TouchLog& log, const LocateOptions& options) {
+  TableSupport table;
+  const auto& closed = log.readings[*log.at(Mark::closed)];
+  table.T_frame_table = closed.base.pose().inverse();
+  table.stance_weights = stance_weights(object, felt_height(hand, log), options);
+  table.tilt_sigma = options.tilt_sigma;
+  table.height_sigma = options.height_sigma;
+  table.half_width = options.half_width;
+  table.edge_sigma = 0.01;
+  return table;
+}
+
+double total_weight(const localization::Posterior& posterior) {
+  double sum = 0;
+  for (const auto& mode : posterior.modes) sum += mode.weight;
+  return sum;
+}
+
+/// By how much closing, pressing and lifting move the object in the hand, times `scale`.
+Matrix6d motion_covariance(const LocateOptions& options, double scale) {
+  const double turn = scale * options.motion_angle_sigma;
+  const double way = scale * options.motion_sigma;
+  Vector6d variance;
+  variance << Eigen::Vector3d::Constant(turn * turn), Eigen::Vector3d::Constant(way * way);
+  return variance.asDiagonal();
+}
+
+/// Share of the peak density that spreads the probability `elsewhere` over all poses.
+double floor_density(const PosePrior& prior, double elsewhere) {
+  constexpr double kPoses = 8 * std::numbers::pi * std::numbers::pi * 1e-3;  // 1 dm^3, rad^3 m^3
+  double peak = 0;
+  for (const auto& component : prior.components) {
+    const double volume =
+        std::sqrt(std::pow(2 * std::numbers::pi, 6) * component.covariance.determinant());
+    peak = std::max(peak, component.weight / volume);
+  }
+  return std::min(0.5, elsewhere / kPoses / peak);
+}
+
+/// The resting pose seen from the hand, after a grasp that mostly moved the object a little.
+/// @param scale  of that motion
+PosePrior prior_after_grasp(const localization::Posterior& resting, const LocateOptions& options,
+                            double scale) {
+  PosePrior prior;
+  double share = 1;
+  for (int slides = 0; slides <= kSlides; ++slides) {
+    PosePrior part = localization::prior_from(resting, motion_covariance(options, scale));
+    const double stays = slides < kSlides ? 1 - options.slide_share : 1;
+    for (auto& component : part.components) component.weight *= share * stays;
+    prior.components.insert(prior.components.end(), part.components.begin(), part.components.end());
+    share *= options.slide_share;
+    scale *= kFarther;
+  }
+  std::stable_sort(prior.components.begin(), prior.components.end(),
+                   [](const auto& a, const auto& b) { return a.weight > b.weight; });
+  prior.floor = floor_density(prior, options.elsewhere);
+  return prior;
+}
+
+}  // namespace
+
+void move(const Eigen::Isometry3d& T_new_old, localization::Posterior& posterior) {
+  Matrix6d turn = Matrix6d::Zero();
+  turn.topLeftCorner<3, 3>() = T_new_old.linear();
+  turn.bottomRightCorner<3, 3>() = T_new_old.linear();
+  for (auto& mode : posterior.modes) {
+    mode.T_frame_object = T_new_old * mode.T_frame_object;
+    mode.covariance = turn * mode.covariance * turn.transpose();
+    if (mode.free_axis) {
+      mode.free_axis->point = T_new_old * mode.free_axis->point;
+      mode.free_axis->direction = T_new_old.linear() * mode.free_axis->direction;
+    }
+  }
+  for (auto& T_frame_object : posterior.further) T_frame_object = T_new_old * T_frame_object;
+}
+
+localization::Posterior locate_resting(const geometry::ObjectModel& object,
+                                       const hand::HandModel& hand, const TouchLog& log,
+                                       const LocateOptions& options, std::uint64_t seed) {
+  if (const auto before = log.before_opening()) {
+    return locate(object, hand, *before, options, seed, Mark::placed).posterior;
+  }
+  const std::size_t sweeps = log.all(Mark::touched).size() + log.all(Mark::missed).size();
+  localization::Posterior posterior;
+  for (const double forgotten : kForgotten) {
+    const auto skipped = static_cast<std::size_t>(forgotten * static_cast<double>(sweeps));
+    Evidence evidence = evidence_of_sweeps(hand, log, options, skipped);
+    if (evidence.contacts.size() < (skipped > 0 ? kLeastTouches : 1)) break;
+    evidence.false_contact_share = options.false_contacts;
+    evidence.penetration_sigma = options.swept_sigma;
+    evidence.table = resting_table(object.object(), hand, log, as_it_lay(log, options));
+    posterior = localization::localize(object, evidence, RandomStream(seed, "locate resting"),
+                                       options.search);
+    if (total_weight(posterior) > 0) break;
+  }
+  return posterior;
+}
+
+PoseEstimate locate(const geometry::ObjectModel& object, const hand::HandModel& hand,
+                    const TouchLog& log, const LocateOptions& options, std::uint64_t seed,
+                    Mark instant) {
+  PoseEstimate estimate;
+  const auto held = log.at(instant);
+  if (!held) return estimate;
+  Evidence evidence = evidence_in_hand(hand, log, instant, object.object().mass, options);
+  if (const auto closed = log.all(Mark::closed); !closed.empty()) {
+    auto resting = locate_resting(object, hand, log, options, seed);
+    if (total_weight(resting) <= 0) {
+      evidence.table = table_at_closing(object.object(), hand, log, options);
+    } else {
+      const auto motion = carried_motion(hand, log, closed.front(), *held, options.errors);
+      move(motion * log.readings[closed.front()].base.pose().inverse(), resting);
+      const bool stirred = log.has_opened() || log.at(Mark::rolled);
+      evidence.prior = prior_after_grasp(resting, options, stirred ? kStirred : 1.0);
+    }
+  }
+  estimate.posterior =
+      localization::localize(object, evidence, RandomStream(seed, "locate"), options.search);
+  estimate.contacts = evidence.contacts;
+  const Eigen::Isometry3d T_world_base = log.readings[*held].base.pose();
+  move(T_world_base, estimate.posterior);
+  for (auto& contact : estimate.contacts) move(T_world_base, contact);
+  return estimate;
+}
+
+}  // namespace palpate::estimation

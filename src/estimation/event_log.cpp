@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/estimation/event_log.hpp"
+
+#include <algorithm>
+
+namespace palpate::estimation {
+
+std::vector<TouchLog::Moment> TouchLog::since_release() const {
+  const auto release = std::find_if(moments.rbegin(), moments.rend(), [](const Moment& moment) {
+    return moment.mark == Mark::released;
+  });
+  return {release.base(), moments.end()};
+}
+
+std::vector<TouchLog::Moment> TouchLog::since_opening() const {
+  const auto moments_held = since_release();
+  const auto opening =
+      std::find_if(moments_held.rbegin(), moments_held.rend(),
+                   [](const Moment& moment) { return moment.mark == Mark::opened; });
+  return {opening.base(), moments_held.end()};
+}
+
+std::optional<TouchLog> TouchLog::before_opening() const {
+  const std::size_t since = since_opening().size();
+  if (since == since_release().size()) return std::nullopt;
+  const auto opening = moments.end() - static_cast<std::ptrdiff_t>(since) - 1;
+  const auto count = static_cast<std::ptrdiff_t>(opening->reading) + 1;
+  return TouchLog{{readings.begin(), readings.begin() + count}, {moments.begin(), opening}};
+}
+
+TouchLog TouchLog::until(Mark mark) const {
+  const auto last = std::find_if(moments.rbegin(), moments.rend(),
+                                 [&](const Moment& moment) { return moment.mark == mark; });
+  if (last == moments.rend()) return *this;
+  const auto count = static_cast<std::ptrdiff_t>(last->reading) + 1;
+  return {{readings.begin(), readings.begin() + count}, {moments.begin(), last.base()}};
+}
+
+std::optional<std::size_t> TouchLog::at(Mark mark) const {
+  std::optional<std::size_t> reading;
+  for (const Moment& moment : since_opening()) {
+    if (moment.mark == mark) reading = moment.reading;
+  }
+  return reading;
+}
+
+std::vector<std::size_t> TouchLog::all(Mark mark) const {
+  std::vector<std::size_t> all;
+  for (const Moment& moment : since_opening()) {
+    if (moment.mark == mark) all.push_back(moment.reading);
+  }
+  return all;
+}
+
+}  // namespace palpate::estimation

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "estimation/in_hand_motion.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace palpate::estimation {
+namespace {
+
+constexpr std::size_t kCarriedStep = 10;  // readings between looks at what carries the object
+constexpr double kCarriedWindow = 0.1;    // s of them that are averaged
+
+/// How an object moves in the hand's base from one window of readings to the next: as the
+/// fingertips do where they touch it. With less than three contacts only the way is told.
+Eigen::Isometry3d carried_step(const hand::HandModel& hand,
+                               std::span<const hand::HandReading> before,
+                               std::span<const hand::HandReading> after,
+                               const tactile::ContactErrorModel& errors, const Fingers& ignored) {
+  const auto T_before = hand::forward_kinematics(hand, tactile::mean_joints(before));
+  const auto T_after = hand::forward_kinematics(hand, tactile::mean_joints(after));
+  Fingers touched{};
+  for (const auto& contact : tactile::lasting_contacts(before, hand, errors)) {
+    const auto finger = static_cast<std::size_t>(contact.finger);
+    touched[finger] = !ignored[finger];
+  }
+  std::vector<Eigen::Vector3d> from, to;
+  for (const auto& contact : tactile::lasting_contacts(after, hand, errors)) {
+    const auto finger = static_cast<std::size_t>(contact.finger);
+    if (!touched[finger]) continue;
+    const auto link = static_cast<std::size_t>(hand.distal[finger]);
+    from.push_back(T_before[link] * (T_after[link].inverse() * contact.p));
+    to.push_back(contact.p);
+  }
+  Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
+  if (from.empty()) return motion;
+  const auto count = static_cast<Eigen::Index>(from.size());
+  const Eigen::Map<const Eigen::Matrix3Xd> P(from.data()->data(), 3, count);
+  const Eigen::Map<const Eigen::Matrix3Xd> Q(to.data()->data(), 3, count);
+  if (count >= 3) {
+    motion.matrix() = Eigen::umeyama(P, Q, false);
+  } else {
+    motion.translation() = (Q - P).rowwise().mean();
+  }
+  return motion;
+}
+
+}  // namespace
+
+std::span<const hand::HandReading> window_before(const TouchLog& log, std::size_t index,
+                                                 double seconds) {
+  const auto count =
+      std::min(index + 1, static_cast<std::size_t>(std::ceil(seconds / hand::kTick)));
+  return std::span(log.readings).subspan(index + 1 - count, count);
+}
+
+Eigen::Isometry3d carried_motion(const hand::HandModel& hand, const TouchLog& log,
+                                 std::size_t first, std::size_t last,
+                                 const tactile::ContactErrorModel& errors, const Fingers& ignored) {
+  Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
+  std::size_t done = first;
+  while (done < last) {
+    const std::size_t next = last - done < 2 * kCarriedStep ? last : done + kCarriedStep;
+    motion = carried_step(hand, window_before(log, done, kCarriedWindow),
+                          window_before(log, next, kCarriedWindow), errors, ignored) *
+             motion;
+    done = next;
+  }
+  return motion;
+}
+
+}  // namespace palpate::estimation

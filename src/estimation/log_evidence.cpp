@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "estimation/log_evidence.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <span>
+
+#include "estimation/in_hand_motion.hpp"
+#include "estimation/mean_load.hpp"
+#include "palpate/core/gravity.hpp"
+
+namespace palpate::estimation {
+
+using localization::Evidence;
+
+namespace {
+
+constexpr double kTouchWindow = 0.1;     // s of a touch that are averaged
+constexpr double kClosedWindow = 0.15;   // s of touching before a mark, but for `held`
+constexpr double kTouchMargin = 0.004;   // m before a touch that do not count as free
+constexpr double kElsewhere = 0.004;     // m that a fingertip has gone when it probes
+constexpr double kSweptSpacing = 0.008;  // m between the places of a swept fingertip
+constexpr double kForceSigma = 0.02;     // N, of a mean force
+
+std::vector<localization::FreeSphere> hand_spheres(const hand::HandModel& hand,
+                                                   const hand::HandReading& reading) {
+  const auto T_base_link = hand::forward_kinematics(hand, reading.joints);
+  std::vector<localization::FreeSphere> spheres;
+  for (const auto& sphere : hand.spheres) {
+    spheres.push_back(
+        {T_base_link[static_cast<std::size_t>(sphere.link)] * sphere.center, sphere.radius});
+  }
+  return spheres;
+}
+
+bool carries(const hand::LinkSphere& sphere, const hand::HandModel& hand, hand::Finger finger) {
+  return sphere.link == hand.distal[static_cast<std::size_t>(finger)];
+}
+
+/// Where the probing fingertip has been between two readings, without the last `margin` metres.
+void add_swept_tip(const hand::HandModel& hand, const TouchLog& log, std::size_t first,
+                   std::size_t last, double margin, std::vector<localization::FreeSphere>& swept) {
+  const auto T_base_link = hand::forward_kinematics(hand, log.readings[first].joints);
+  const Eigen::Vector3d end = log.readings[last].base.xyz;
+  Eigen::Vector3d previous = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
+  for (std::size_t i = first; i <= last; ++i) {
+    const auto& base = log.readings[i].base;
+    if ((base.xyz - end).norm() < margin) break;
+    if ((base.xyz - previous).norm() < kSweptSpacing) continue;
+    previous = base.xyz;
+    for (const auto& sphere : hand.spheres) {
+      if (!carries(sphere, hand, hand::Finger::first)) continue;
+      swept.push_back(
+          {base.pose() * T_base_link[static_cast<std::size_t>(sphere.link)] * sphere.center,
+           sphere.radius});
+    }
+  }
+}
+
+/// Lasting contacts without the error of the links, which all contacts of a finger share.
+std::vector<tactile::Contact> felt_contacts(std::span<const hand::HandReading> window,
+                                            const hand::HandModel& hand,
+                                            const tactile::ContactErrorModel& errors) {
+  auto contacts = tactile::lasting_contacts(window, hand, errors);
+  for (auto& contact : contacts) {
+    const double shared = tactile::link_offset_sigma(hand, contact.finger);
+    contact.point_sigma = std::sqrt(contact.point_sigma * contact.point_sigma - shared * shared);
+  }
+  return contacts;
+}
+
+/// The links' misplacement displaces all contacts of a finger alike, in the base's axes.
+localization::SharedOffset finger_offset(const hand::HandModel& hand, int finger) {
+  localization::SharedOffset offset;
+  offset.sigma = tactile::link_offset_sigma(hand, finger);
+  return offset;
+}
+
+/// Groups contacts by the finger that felt them.
+void share_offsets(const hand::HandModel& hand, Evidence& evidence) {
+  for (int finger = 0; finger < hand::kFingers; ++finger) {
+    auto offset = finger_offset(hand, finger);
+    for (std::size_t k = 0; k < evidence.contacts.size(); ++k) {
+      if (evidence.contacts[k].finger == finger) offset.members.push_back({k});
+    }
+    if (offset.sigma > 0 && !offset.members.empty()) evidence.offsets.push_back(std::move(offset));
+  }
+}
+
+/// Which fingers were at another posture than at the moment of closing.
+Fingers moved_fingers(const hand::HandModel& hand, std::span<const hand::HandReading> closed,
+                      std::span<const hand::HandReading> probed) {
+  const auto T_closed = hand::forward_kinematics(hand, tactile::mean_joints(closed));
+  const auto T_probed = hand::forward_kinematics(hand, tactile::mean_joints(probed));
+  Fingers moved{};
+  for (std::size_t finger = 0; finger < hand::kFingers; ++finger) {
+    const auto link = static_cast<std::size_t>(hand.distal[finger]);
+    moved[finger] =
+        (T_closed[link] * hand.tips[finger].b - T_probed[link] * hand.tips[finger].b).norm() >
+        kElsewhere;
+  }
+  return moved;
+}
+
+/// Adds contacts of some fingers that are carried along with the object to the present.
+void add_carried(std::vector<tactile::Contact> contacts, const Fingers& fingers,
+                 const Eigen::Isometry3d& motion, const LocateOptions& options,
+                 Evidence& evidence) {
+  for (auto& contact : contacts) {
+    if (!fingers[static_cast<std::size_t>(contact.finger)]) continue;
+    move(motion, contact);
+    contact.point_sigma = std::hypot(contact.point_sigma, options.probe_motion);
+    evidence.contacts.push_back(contact);
+  }
+}
+
+/// The last moment before a probe at which all fingers held the object.
+std::size_t holding_before(const TouchLog& log, std::size_t probe) {
+  std::size_t latest = log.all(Mark::closed).front();
+  for (const Mark mark : {Mark::closed, Mark::held}) {
+    for (const std::size_t reading : log.all(mark)) {
+      if (reading < probe) latest = std::max(latest, reading);
+    }
+  }
+  return latest;
+}
+
+/// Adds what a finger found at another spot while the others held the object: its touch, if it
+/// made one, and the space that it takes.
+void add_probe(const hand::HandModel& hand, const TouchLog& log, std::size_t probe,
+               std::size_t present, const LocateOptions& options, Evidence& evidence) {
+  const auto probed = window_before(log, probe, kClosedWindow);
+  const auto holding = window_before(log, holding_before(log, probe), kClosedWindow);
+  const auto moved = moved_fingers(hand, holding, probed);
+  const auto motion = carried_motion(hand, log, probe, present, options.errors, moved);
+  add_carried(felt_contacts(probed, hand, options.errors), moved, motion, options, evidence);
+  if (!options.free_space) return;
+  const auto T_base_link = hand::forward_kinematics(hand, tactile::mean_joints(probed));
+  for (const auto& sphere : hand.spheres) {
+    for (std::size_t finger = 0; finger < hand::kFingers; ++finger) {
+      if (!moved[finger] || sphere.link != hand.distal[finger]) continue;
+      evidence.free_space.push_back(
+          {motion * T_base_link[static_cast<std::size_t>(sphere.link)] * sphere.center,
+           sphere.radius});
+    }
+  }
+}
+
+/// Adds what the fingers touched when they had rolled the object aside.
+void add_rolled(const hand::HandModel& hand, const TouchLog& log, std::size_t rolled,
+                std::size_t present, const LocateOptions& options, Evidence& evidence) {
+  Fingers all;
+  all.fill(true);
+  add_carried(felt_contacts(window_before(log, rolled, kClosedWindow), hand, options.errors), all,
+              carried_motion(hand, log, rolled, present, options.errors), options, evidence);
+}
+
+/// What the fingertips do to the object that hangs in them, in the hand's base.
+localization::ForceBalance balance_of(const std::vector<tactile::Contact>& contacts, double mass,
+                                      const Eigen::Isometry3d& T_world_base,
+                                      const LocateOptions& options) {
+  localization::ForceBalance balance;
+  for (const auto& contact : contacts) balance.pushes.push_back({contact.p, contact.n, contact.f});
+  balance.weight = -kGravity * mass * T_world_base.linear().row(2).transpose();
+  balance.force_sigma = kForceSigma;
+  balance.twist = options.twist;
+  return balance;
+}
+
+}  // namespace
+
+void move(const Eigen::Isometry3d& T_new_old, tactile::Contact& contact) {
+  contact.p = T_new_old * contact.p;
+  contact.n = T_new_old.linear() * contact.n;
+  contact.f = T_new_old.linear() * contact.f;
+}
+
+Evidence evidence_of_sweeps(const hand::HandModel& hand, const TouchLog& log,
+                            const LocateOptions& options, std::size_t skipped) {
+  Evidence evidence;
+  auto offset = finger_offset(hand, static_cast<int>(hand::Finger::first));
+  std::size_t sweep = 0, count = 0;
+  for (const auto& moment : log.since_release()) {
+    if (moment.mark == Mark::sweep) sweep = moment.reading;
+    if (moment.mark != Mark::touched && moment.mark != Mark::missed) continue;
+    if (count++ < skipped) continue;
+    const bool touched = moment.mark == Mark::touched;
+    add_swept_tip(hand, log, sweep, moment.reading, touched ? kTouchMargin : 0.0,
+                  evidence.free_space);
+    if (!touched) continue;
+    const Eigen::Isometry3d T_world_base = log.readings[moment.reading].base.pose();
+    const auto window = window_before(log, moment.reading, kTouchWindow);
+    for (auto contact : felt_contacts(window, hand, options.errors)) {
+      move(T_world_base, contact);
+      offset.members.push_back({evidence.contacts.size(), T_world_base.linear()});
+      evidence.contacts.push_back(contact);
+    }
+  }
+  if (offset.sigma > 0) evidence.offsets.push_back(std::move(offset));
+  return evidence;
+}
+
+Evidence evidence_in_hand(const hand::HandModel& hand, const TouchLog& log, Mark instant,
+                          double mass, const LocateOptions& options) {
+  Evidence evidence;
+  const auto present = log.at(instant);
+  if (!present) return evidence;
+  const double window = instant == Mark::held ? options.window : kClosedWindow;
+  evidence.contacts = felt_contacts(window_before(log, *present, window), hand, options.errors);
+  evidence.false_contact_share = options.false_contacts;
+  evidence.penetration_sigma = options.penetration_sigma;
+  if (options.free_space) evidence.free_space = hand_spheres(hand, log.readings[*present]);
+  if (options.balance && instant == Mark::held && !evidence.contacts.empty()) {
+    evidence.balance =
+        balance_of(evidence.contacts, mass, log.readings[*present].base.pose(), options);
+  }
+  if (log.at(Mark::closed)) {
+    for (const std::size_t probe : log.all(Mark::probed)) {
+      add_probe(hand, log, probe, *present, options, evidence);
+    }
+    for (const std::size_t rolled : log.all(Mark::rolled)) {
+      add_rolled(hand, log, rolled, *present, options, evidence);
+    }
+  }
+  share_offsets(hand, evidence);
+  return evidence;
+}
+
+}  // namespace palpate::estimation

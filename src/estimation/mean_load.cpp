@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "estimation/mean_load.hpp"
+
+#include <algorithm>
+#include <span>
+
+namespace palpate::estimation {
+namespace {
+
+std::span<const hand::HandReading> last_of(const TouchLog& log, std::size_t readings) {
+  const std::span<const hand::HandReading> all(log.readings);
+  return all.last(std::min(all.size(), readings));
+}
+
+}  // namespace
+
+double mean_load(const TouchLog& log, std::size_t readings) {
+  double sum = 0;
+  const auto window = last_of(log, readings);
+  for (const auto& reading : window) sum += reading.base_force.z();
+  return sum / static_cast<double>(window.size());
+}
+
+hand::BasePosition mean_base(const TouchLog& log, std::size_t readings) {
+  hand::BasePosition mean;
+  const auto window = last_of(log, readings);
+  for (const auto& reading : window) {
+    mean.xyz += reading.base.xyz / static_cast<double>(window.size());
+    mean.ypr += reading.base.ypr / static_cast<double>(window.size());
+  }
+  return mean;
+}
+
+}  // namespace palpate::estimation

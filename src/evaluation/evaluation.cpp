@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/evaluation/evaluation.hpp"
+
+#include <numbers>
+
+#include "palpate/core/parallel.hpp"
+#include "palpate/core/statistics.hpp"
+
+namespace palpate::evaluation {
+namespace {
+
+constexpr double kSure = 0.9;
+constexpr double kDegrees = 180 / std::numbers::pi;
+
+std::string failed_phase(const Trial& trial) {
+  return trial.result.held ? "slip" : trial.result.failed_phase;
+}
+
+void add(const localization::PoseError& error, ErrorSummary& errors) {
+  errors.rotation_deg.push_back(kDegrees * error.rotation);
+  errors.translation_mm.push_back(1e3 * error.translation);
+}
+
+void count_phases(const std::vector<skills::PhaseReport>& reports,
+                  std::map<std::string, PhaseSummary>& phases) {
+  for (const skills::PhaseReport& report : reports) {
+    PhaseSummary& phase = phases[report.name];
+    ++phase.runs;
+    phase.ok += report.status == skills::PhaseStatus::ok;
+    phase.sim_seconds.push_back(report.sim_seconds);
+    phase.wall_seconds.push_back(report.wall_seconds);
+  }
+}
+
+void count_place(const Trial& trial, PlaceSummary& summary) {
+  if (!trial.place) return;
+  const PlaceJudgement& judgement = trial.place_judgement;
+  summary.certain += trial.place->certain && !trial.place->on_the_way;
+  summary.placed += judgement.placed;
+  summary.tight += judgement.tight;
+  summary.wrong += judgement.wrong;
+  summary.dropped += judgement.dropped;
+  summary.in_stance += judgement.in_stance;
+  ++summary.status[std::string(skills::to_string(trial.place->status))];
+  if (!trial.place->T_world_placed || trial.place->on_the_way) return;
+  add(judgement.error, summary.final_error);
+  add(judgement.estimate, summary.estimate_error);
+  add(judgement.release, summary.release_motion);
+}
+
+void count(const Trial& trial, ObjectSummary& summary, std::vector<double>& modes) {
+  const Judgement& judgement = trial.judgement;
+  ++summary.trials;
+  count_phases(trial.result.phases, summary.phases);
+  if (trial.place) count_phases(trial.place->phases, summary.phases);
+  count_place(trial, summary.place);
+  if (!judgement.lifted) {
+    ++summary.failures[failed_phase(trial)];
+    summary.false_hold += trial.result.held;
+    return;
+  }
+  ++summary.lifted;
+  summary.slip_mm.push_back(1e3 * judgement.slip);
+  summary.lifted_at_once += trial.result.attempts == 1;
+  summary.tip_force.push_back(judgement.tip_force);
+  summary.explored_motion_mm.push_back(1e3 * judgement.explored_motion);
+  if (!judgement.has_pose) {
+    ++summary.failures["pose"];
+    return;
+  }
+  const auto& best = trial.result.estimate.posterior.modes[0];
+  summary.pose_ok += judgement.pose_ok;
+  summary.pose_tight += judgement.pose_tight;
+  summary.pose_ok_before_lift += judgement.pose_ok_before_lift;
+  summary.pose_ok_before_probe += judgement.pose_ok_before_probe;
+  summary.pose_ok_tracked += judgement.pose_ok_tracked;
+  summary.probed += judgement.probes > 0;
+  summary.sure_but_wrong += !judgement.pose_ok && best.weight >= kSure;
+  summary.truth_in_modes += judgement.truth_in_modes;
+  summary.rotation_error_deg.push_back(kDegrees * judgement.error.rotation);
+  summary.translation_error_mm.push_back(1e3 * judgement.error.translation);
+  modes.push_back(static_cast<double>(trial.result.estimate.posterior.modes.size()));
+}
+
+}  // namespace
+
+ObjectSummary evaluate(const geometry::ObjectModel& object, const TrialOptions& options,
+                       std::uint64_t first_seed, std::size_t trials, int threads,
+                       const TrialObserver& observer) {
+  ObjectSummary summary;
+  summary.symmetry_order = object.object().symmetries.size();
+  std::vector<double> modes;
+  parallel_ordered(
+      trials, threads, [&](std::size_t i) { return run_trial(object, options, first_seed + i); },
+      [&](std::size_t i, const Trial& trial) {
+        count(trial, summary, modes);
+        if (observer) observer(i + 1, trial);
+      });
+  if (!modes.empty()) summary.modes_median = median(modes);
+  return summary;
+}
+
+}  // namespace palpate::evaluation

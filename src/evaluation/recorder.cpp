@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/evaluation/recorder.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <span>
+
+#include "palpate/core/error.hpp"
+#include "palpate/skills/place/place.hpp"
+
+namespace palpate::evaluation {
+namespace {
+
+constexpr std::string_view kMarkPrefix = "mark ";
+
+recording::PoseModeRecord to_record(const localization::Mode& mode) {
+  recording::PoseModeRecord record;
+  record.T_world_object = mode.T_frame_object;
+  record.weight = mode.weight;
+  record.covariance = mode.covariance;
+  if (mode.free_axis) {
+    record.free_axis = {mode.free_axis->point, mode.free_axis->direction, mode.free_axis->extent};
+  }
+  return record;
+}
+
+/// Places of the object's centroid along the transport as it was planned: x y z of each, m.
+std::vector<double> planned_path(const skills::PlaceResult& placed) {
+  constexpr std::size_t kStep = 10;  // samples
+  std::vector<double> path;
+  for (std::size_t i = 0; i < placed.motion.samples.size(); i += kStep) {
+    const Eigen::Vector3d p =
+        placed.motion.samples[i].base.pose() * placed.held.T_base_object.translation();
+    path.insert(path.end(), p.begin(), p.end());
+  }
+  return path;
+}
+
+}  // namespace
+
+void Recorder::frame(const hand::HandReading& reading, const hand::HandCommand& command) {
+  time_ = reading.time;
+  if (!writer_) return;
+  const simulation::Truth truth = world_.truth();
+  writer_->frame({reading, command, recording::FrameTruth{truth.T_world_object, truth.joints}});
+}
+
+void Recorder::mark(estimation::Mark mark) {
+  if (!writer_) return;
+  writer_->event(
+      {time_, recording::EventKind::note, phase_,
+       std::string(kMarkPrefix).append(estimation::kMarkNames[static_cast<std::size_t>(mark)])});
+}
+
+void Recorder::estimate(double time, const estimation::PoseEstimate& estimate) {
+  if (!writer_) return;
+  recording::EstimateRecord record;
+  record.time = time;
+  record.status = localization::to_string(estimate.posterior.status);
+  for (const auto& mode : estimate.posterior.modes) record.modes.push_back(to_record(mode));
+  record.contacts = estimate.contacts;
+  writer_->estimate(record);
+}
+
+void Recorder::placement(const skills::PlaceResult& placed, const planning::Fixture& fixture) {
+  if (!writer_) return;
+  const auto note = [&](std::string_view what, std::span<const double> values) {
+    writer_->event({time_, recording::EventKind::note, phase_,
+                    fmt::format("{} {}", what, fmt::join(values, " "))});
+  };
+  note("target", pose_to_row_major(placed.T_world_target));
+  note("path", planned_path(placed));
+  for (const auto& box : fixture) {
+    const auto pose = pose_to_row_major(box.T_world_box);
+    std::vector<double> values(pose.begin(), pose.end());
+    values.insert(values.end(), box.half_extents.begin(), box.half_extents.end());
+    note("fixture", values);
+  }
+}
+
+skills::PhaseObserver Recorder::phases_and(const skills::PhaseObserver& other) {
+  const auto begin = [this, other](std::string_view phase, double time) {
+    phase_ = phase;
+    if (writer_) writer_->event({time, recording::EventKind::begin, phase_, ""});
+    if (other.on_begin) other.on_begin(phase, time);
+  };
+  const auto end = [this, other](const skills::PhaseReport& report, double time) {
+    if (writer_) {
+      writer_->event({time, recording::EventKind::end, report.name,
+                      std::string(skills::to_string(report.status)) + ": " + report.outcome});
+    }
+    if (other.on_end) other.on_end(report, time);
+  };
+  return {begin, end, other.on_picked, other.on_placed};
+}
+
+}  // namespace palpate::evaluation

@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/evaluation/trial.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+#include "palpate/core/error.hpp"
+#include "palpate/evaluation/evaluator.hpp"
+#include "palpate/evaluation/recorder.hpp"
+#include "palpate/simulation/collision/forward_model.hpp"
+#include "palpate/tactile/biotac/contact_hand.hpp"
+
+namespace palpate::evaluation {
+namespace {
+
+/// Farthest that any of an object is from its centroid, m.
+double radius_of(const geometry::KnownObject& object) {
+  double radius = 0;
+  for (const auto& vertex : object.mesh.vertices) radius = std::max(radius, vertex.norm());
+  return radius;
+}
+
+/// A trial in which the simulation became unstable: nothing that was felt means anything.
+Trial unstable(const simulation::Start& start) {
+  Trial trial;
+  trial.start = start;
+  trial.result.failed_phase = "simulation";
+  return trial;
+}
+
+/// The object must not stand on the fixture before it is picked.
+void check_clear(const planning::Fixture& fixture, const geometry::KnownObject& object,
+                 double uncertainty) {
+  const double room = radius_of(object) + std::numbers::sqrt2 * uncertainty;
+  for (const auto& wall : fixture) {
+    const Eigen::Vector3d origin = wall.T_world_box.inverse() * Eigen::Vector3d::Zero();
+    const Eigen::Vector3d beyond = (origin.cwiseAbs() - wall.half_extents).cwiseMax(0);
+    const double apart = beyond.head<2>().norm();
+    if (apart >= room) continue;
+    throw BadInput(fmt::format(
+        "the fixture is where {} may stand at first: a wall {:.3f} m from the origin, {:.3f} m "
+        "are needed",
+        object.name, apart, room));
+  }
+}
+
+}  // namespace
+
+simulation::Start draw_start(const geometry::KnownObject& object, const StartOptions& options,
+                             std::uint64_t seed) {
+  const int count = static_cast<int>(object.stances.size());
+  if (options.stance >= count) {
+    throw BadInput(fmt::format("start.stance = {}: {} has the stances 0..{}", options.stance,
+                               object.name, count - 1));
+  }
+  RandomStream random(seed, "start");
+  simulation::Start start;
+  double share = random.uniform();
+  while (start.stance + 1 < count &&
+         share >= object.stances[static_cast<std::size_t>(start.stance)].probability) {
+    share -= object.stances[static_cast<std::size_t>(start.stance)].probability;
+    ++start.stance;
+  }
+  if (options.stance >= 0) start.stance = options.stance;
+  start.yaw = random.uniform(-std::numbers::pi, std::numbers::pi);
+  start.xy = {random.uniform(-options.uncertainty, options.uncertainty),
+              random.uniform(-options.uncertainty, options.uncertainty)};
+  return start;
+}
+
+bool TouchOptions::from_biotacs() const {
+  if (source != "solver" && source != "biotac") {
+    throw BadInput(fmt::format("touch.source = {:?}: it is \"solver\" or \"biotac\"", source));
+  }
+  return source == "biotac";
+}
+
+skills::PickOptions TrialOptions::pick_options() const {
+  skills::PickOptions options = pick;
+  if (touch.from_biotacs()) {
+    options.locate.errors.point_floor = touch.biotac_point;
+    options.locate.errors.normal_floor = touch.biotac_normal;
+    options.locate.false_contacts = touch.biotac_false;
+  }
+  return options;
+}
+
+std::optional<skills::PlaceTarget> place_target(const geometry::KnownObject& object,
+                                                const skills::PlaceOptions& options,
+                                                std::uint64_t seed, std::size_t start_stance) {
+  skills::place_means(options);
+  if (options.stance >= 0 && options.target != "stance") {
+    throw BadInput(fmt::format("place.stance = {} is of the target \"stance\", not of {:?}",
+                               options.stance, options.target));
+  }
+  if (options.target.empty()) return std::nullopt;
+  if (options.target == "stance") {
+    return skills::stance_target(object, start_stance, options.stance, options.reach, seed);
+  }
+  return skills::parse_target(options.target, object, options.fixture, options.reach, seed);
+}
+
+planning::Fixture place_fixture(const geometry::KnownObject& object,
+                                const skills::PlaceOptions& options,
+                                const std::optional<skills::PlaceTarget>& target) {
+  if (!target || target->kind != skills::PlaceTarget::Kind::fixture) return {};
+  return skills::make_fixture(object, options.fixture);
+}
+
+hand::HandCommand waiting_command() {
+  hand::HandCommand command;
+  command.base.xyz = {0, 0, 0.34};
+  return command;
+}
+
+Trial run_trial(const geometry::ObjectModel& object, const TrialOptions& options,
+                std::uint64_t seed, recording::Writer* writer,
+                const skills::PhaseObserver& observer) {
+  Trial trial;
+  trial.start = draw_start(object.object(), options.start, seed);
+  const auto target = place_target(object.object(), options.place, seed,
+                                   static_cast<std::size_t>(trial.start.stance));
+  const planning::Fixture fixture = place_fixture(object.object(), options.place, target);
+  check_clear(fixture, object.object(), options.start.uncertainty);
+  const skills::PickOptions pick_options = options.pick_options();
+  simulation::WorldOptions world_options = options.world;
+  world_options.biotacs = world_options.biotacs || options.touch.from_biotacs();
+  simulation::World world(object.object(), world_options, seed, fixture);
+  world.reset(trial.start, waiting_command());
+
+  Judge judge(world);
+  Recorder recorder(writer, world);
+  std::optional<tactile::BiotacHand> feeling;
+  if (options.touch.from_biotacs()) {
+    feeling.emplace(world.hand(), world.hand_model(), tactile::shipped_biotac_inverse());
+  }
+  const simulation::SimulatedModels models(options.forward_model);
+  skills::Robot robot(feeling ? *feeling : world.hand(), world.hand_model(), waiting_command(),
+                      {[&](const auto& reading, const auto& command) {
+                         judge.observe(reading);
+                         recorder.frame(reading, command);
+                       },
+                       [&](estimation::Mark mark) { recorder.mark(mark); }},
+                      &models);
+  skills::PhaseObserver told = recorder.phases_and(observer);
+  told.on_picked = [&](const skills::PickResult& picked) {
+    recorder.estimate(robot.time(), picked.estimate);
+    trial.judgement =
+        judge.verdict(picked, robot.log(), pick_options.lift, object.object().symmetries);
+    if (observer.on_picked) observer.on_picked(picked);
+  };
+  told.on_placed = [&](const skills::PlaceResult& placed) {
+    const bool dropped = trial.place_judgement.dropped;  // before, on the way
+    trial.place_judgement = judge.place_verdict(placed, *target, robot.log(), object.object());
+    trial.place_judgement.dropped |= dropped;
+    if (observer.on_placed) observer.on_placed(placed);
+  };
+  try {
+    if (target) {
+      skills::PlaceCourse course = skills::pick_and_place(robot, object, *target, fixture,
+                                                          pick_options, options.place, seed, told);
+      trial.result = std::move(course.picked);
+      trial.place = std::move(course.place);
+      trial.means = std::move(course.means);
+    } else {
+      trial.result = skills::pick(robot, object, pick_options, seed, told);
+    }
+  } catch (const std::exception&) {
+    if (!world.diverged()) throw;
+  }
+  if (world.diverged()) return unstable(trial.start);
+  if (trial.place) recorder.placement(*trial.place, fixture);
+  return trial;
+}
+
+}  // namespace palpate::evaluation

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/geometry/cloud/kd_tree.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nanoflann.hpp>
+#include <utility>
+
+#include "palpate/core/error.hpp"
+
+namespace palpate::geometry {
+namespace {
+
+/// What nanoflann asks of a set of points.
+struct Points {
+  std::vector<Eigen::Vector3d> list;
+
+  std::size_t kdtree_get_point_count() const { return list.size(); }
+  double kdtree_get_pt(std::size_t i, std::size_t axis) const {
+    return list[i][static_cast<Eigen::Index>(axis)];
+  }
+  template <class Box>
+  bool kdtree_get_bbox(Box&) const {
+    return false;
+  }
+};
+
+using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Points>,
+                                                 Points, 3, int>;
+
+}  // namespace
+
+struct KdTree::Index {
+  explicit Index(std::vector<Eigen::Vector3d> list) : points{std::move(list)}, tree(3, points) {}
+
+  Points points;
+  Tree tree;
+};
+
+KdTree::KdTree(std::vector<Eigen::Vector3d> points) {
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (!points[i].allFinite()) throw BadInput(fmt::format("point {} is not finite", i));
+  }
+  index_ = std::make_unique<const Index>(std::move(points));
+}
+
+KdTree::~KdTree() = default;
+KdTree::KdTree(KdTree&&) noexcept = default;
+KdTree& KdTree::operator=(KdTree&&) noexcept = default;
+
+const std::vector<Eigen::Vector3d>& KdTree::points() const { return index_->points.list; }
+
+std::vector<Neighbour> KdTree::nearest(const Eigen::Vector3d& query, int k) const {
+  const auto most = std::min(static_cast<std::size_t>(std::max(0, k)), points().size());
+  if (most == 0) return {};
+  std::vector<int> indices(most);
+  std::vector<double> squared(most);
+  nanoflann::KNNResultSet<double, int> found(most);
+  found.init(indices.data(), squared.data());
+  index_->tree.findNeighbors(found, query.data(), nanoflann::SearchParams());
+  std::vector<Neighbour> result;
+  for (std::size_t i = 0; i < found.size(); ++i) result.push_back({indices[i], squared[i]});
+  return result;
+}
+
+std::vector<Neighbour> KdTree::within(const Eigen::Vector3d& query, double radius) const {
+  if (points().empty() || !(radius > 0)) return {};
+  std::vector<std::pair<int, double>> found;
+  index_->tree.radiusSearch(query.data(), radius * radius, found, nanoflann::SearchParams());
+  std::ranges::sort(found, [](const auto& a, const auto& b) {
+    return std::pair(a.second, a.first) < std::pair(b.second, b.first);
+  });
+  std::vector<Neighbour> result;
+  for (const auto& [index, squared] : found) result.push_back({index, squared});
+  return result;
+}
+
+}  // namespace palpate::geometry

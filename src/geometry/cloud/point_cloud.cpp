@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/geometry/cloud/point_cloud.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <unordered_map>
+
+#include "palpate/core/error.hpp"
+
+namespace palpate::geometry {
+namespace {
+
+using Cell = std::array<std::int64_t, 3>;
+
+struct CellHash {
+  std::size_t operator()(const Cell& cell) const {
+    std::uint64_t hash = 0;
+    for (const std::int64_t k : cell) {
+      hash = (hash ^ static_cast<std::uint64_t>(k)) * 0x9e3779b97f4a7c15;
+      hash ^= hash >> 29;
+    }
+    return hash;
+  }
+};
+
+/// For each point the number of its cube, counted from 0 as they are first met.
+std::vector<std::size_t> cells_of(const PointCloud& cloud, double cell, std::size_t& count) {
+  Eigen::AlignedBox3d box;
+  for (const auto& p : cloud.points) box.extend(p);
+  std::unordered_map<Cell, std::size_t, CellHash> numbers;
+  std::vector<std::size_t> result;
+  result.reserve(cloud.size());
+  for (const auto& p : cloud.points) {
+    const Eigen::Vector3d k = ((p - box.min()) / cell).array().floor();
+    const Cell key{static_cast<std::int64_t>(k[0]), static_cast<std::int64_t>(k[1]),
+                   static_cast<std::int64_t>(k[2])};
+    result.push_back(numbers.try_emplace(key, numbers.size()).first->second);
+  }
+  count = numbers.size();
+  return result;
+}
+
+}  // namespace
+
+void check_cloud(const PointCloud& cloud) {
+  if (cloud.has_normals() && cloud.normals.size() != cloud.size()) {
+    throw BadInput(fmt::format("{} normals for {} points", cloud.normals.size(), cloud.size()));
+  }
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const auto& p = cloud.points[i];
+    if (!p.allFinite()) {
+      throw BadInput(fmt::format("point {} is not finite: ({}, {}, {})", i, p[0], p[1], p[2]));
+    }
+    if (cloud.has_normals() && !(std::abs(cloud.normals[i].norm() - 1) < 1e-3)) {
+      throw BadInput(fmt::format("normal {} has length {}", i, cloud.normals[i].norm()));
+    }
+  }
+}
+
+PointCloud subset(const PointCloud& cloud, const std::vector<int>& indices) {
+  PointCloud result;
+  for (const int i : indices) {
+    result.points.push_back(cloud.points[static_cast<std::size_t>(i)]);
+    if (cloud.has_normals()) result.normals.push_back(cloud.normals[static_cast<std::size_t>(i)]);
+  }
+  return result;
+}
+
+PointCloud transformed(const Eigen::Isometry3d& T, PointCloud cloud) {
+  for (auto& p : cloud.points) p = T * p;
+  for (auto& n : cloud.normals) n = T.linear() * n;
+  return cloud;
+}
+
+PointCloud voxel_sampled(const PointCloud& cloud, double cell) {
+  if (!(cell > 0) || !std::isfinite(cell)) {
+    throw BadInput(fmt::format("cannot sample a cloud to cells of {} m", cell));
+  }
+  check_cloud(cloud);
+  std::size_t count = 0;
+  const auto cells = cells_of(cloud, cell, count);
+  PointCloud result;
+  result.points.assign(count, Eigen::Vector3d::Zero());
+  if (cloud.has_normals()) result.normals.assign(count, Eigen::Vector3d::Zero());
+  std::vector<double> members(count, 0);
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const std::size_t k = cells[i];
+    members[k] += 1;
+    result.points[k] += (cloud.points[i] - result.points[k]) / members[k];
+    if (!cloud.has_normals()) continue;
+    // The two sides of a thin sheet may cancel: the first normal then stands.
+    const Eigen::Vector3d sum = result.normals[k] + cloud.normals[i];
+    if (sum.norm() > 1e-6) result.normals[k] = sum;
+  }
+  for (auto& n : result.normals) n.normalize();
+  return result;
+}
+
+double voxel_cell_for(const PointCloud& cloud, std::size_t most) {
+  if (cloud.size() <= most || most == 0) return 0;
+  Eigen::AlignedBox3d box;
+  for (const auto& p : cloud.points) box.extend(p);
+  constexpr double kStep = 1.05;
+  double cell = box.diagonal().norm() / 1000;
+  if (!(cell > 0)) return 0;
+  for (std::size_t count = cloud.size(); count > most; cell *= kStep) {
+    cells_of(cloud, cell, count);
+    // A surface: the number falls with the square of the cell.
+    const double excess = static_cast<double>(count) / static_cast<double>(most);
+    if (excess > 1.5) cell *= std::sqrt(excess / 1.3);
+  }
+  return cell / kStep;
+}
+
+}  // namespace palpate::geometry

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/geometry/objects/known_object.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "palpate/core/assets.hpp"
+#include "palpate/core/error.hpp"
+#include "palpate/core/spelling.hpp"
+#include "palpate/geometry/io/mesh_io.hpp"
+#include "palpate/geometry/objects/shapes.hpp"
+#include "palpate/geometry/objects/stable_poses.hpp"
+#include "palpate/geometry/objects/symmetry.hpp"
+#include "palpate/geometry/repair/mesh_repair.hpp"
+
+namespace palpate::geometry {
+namespace {
+
+constexpr double kSmallest = 0.010, kLargest = 0.400;  // m, of the longest side
+constexpr double kDensity = 300;                       // kg/m^3, of a file's mesh
+constexpr double kLightest = 0.05, kHeaviest = 0.6;    // kg, of a file's mesh
+
+struct BuiltIn {
+  TriangleMesh mesh;
+  double mass = 0;  ///< kg
+};
+
+BuiltIn built_in(const std::string& name) {
+  if (name == "mug") return {mug_mesh(), 0.12};
+  if (name == "bottle") return {bottle_mesh(), 0.40};
+  if (name == "box") return {box_mesh({0.050, 0.094, 0.175}), 0.40};
+  if (name == "bracket") return {bracket_mesh(), 0.25};
+  return {load_mesh(asset("bunny.ply")), 0.20};
+}
+
+[[noreturn]] void refuse_name(const std::string& name) {
+  const auto& known = built_in_objects();
+  const auto distance = [&](const std::string& other) { return spelling_distance(name, other); };
+  const auto nearest = std::ranges::min_element(known, {}, distance);
+  const bool similar = distance(*nearest) <= kLikelyMeant;
+  throw BadInput(fmt::format("'{}' is neither a mesh file nor a built-in object ({}){}", name,
+                             fmt::join(known, ", "),
+                             similar ? fmt::format("; did you mean '{}'?", *nearest) : ""));
+}
+
+/// @throws BadInput, naming the object, if its mesh cannot be repaired
+RepairedMesh repair_named(const std::string& name, const TriangleMesh& mesh) {
+  try {
+    return repair(mesh);
+  } catch (const BadInput& error) {
+    throw BadInput(fmt::format("{}: {}", name, error.what()));
+  }
+}
+
+/// Refuses an object that a hand cannot hold.
+void check_size(const std::string& name, const TriangleMesh& mesh) {
+  const Eigen::Vector3d size = bounds(mesh).sizes();
+  const double longest = size.maxCoeff();
+  if (longest >= kSmallest && longest <= kLargest) return;
+  const std::string measured =
+      fmt::format("{} measures {:.4g} x {:.4g} x {:.4g} m", name, size.x(), size.y(), size.z());
+  const double as_millimetres = longest / 1000;
+  if (longest > 1 && as_millimetres >= kSmallest && as_millimetres <= kLargest) {
+    throw BadInput(measured + ": its mesh looks as if it were in millimetres; scale it by 0.001");
+  }
+  throw BadInput(fmt::format("{}; its longest side must be {:.0f} to {:.0f} mm", measured,
+                             1e3 * kSmallest, 1e3 * kLargest));
+}
+
+}  // namespace
+
+const std::vector<std::string>& built_in_objects() {
+  static const std::vector<std::string> names = {"mug", "bottle", "box", "bracket", "bunny"};
+  return names;
+}
+
+KnownObject make_known_object(const std::string& name, const TriangleMesh& mesh, double mass) {
+  check_size(name, mesh);
+  RepairedMesh repaired = repair_named(name, mesh);
+  KnownObject object;
+  object.name = name;
+  object.repairs = std::move(repaired.actions);
+  const MassProperties in_file = mass_properties(repaired.mesh, 1);
+  object.mass = mass > 0 ? mass : std::clamp(kDensity * in_file.volume, kLightest, kHeaviest);
+  object.T_mesh_object.translation() = in_file.centroid;
+  object.mesh = transformed(object.T_mesh_object.inverse(), std::move(repaired.mesh));
+  object.mass_properties = mass_properties(object.mesh, object.mass);
+  object.stances = stable_poses(object.mesh, Eigen::Vector3d::Zero());
+  object.symmetries = rotational_symmetries(object.mesh, Eigen::Vector3d::Zero());
+  return object;
+}
+
+KnownObject load_known_object(const std::string& name_or_file) {
+  const bool is_built_in = std::ranges::count(built_in_objects(), name_or_file) > 0;
+  std::error_code unknown;  // of a name too long for a file, for one
+  if (!is_built_in && !std::filesystem::exists(name_or_file, unknown)) refuse_name(name_or_file);
+  if (is_built_in) {
+    const BuiltIn source = built_in(name_or_file);
+    return make_known_object(name_or_file, source.mesh, source.mass);
+  }
+  KnownObject object = make_known_object(name_or_file, load_mesh(name_or_file), 0);
+  object.name = std::filesystem::path(name_or_file).stem().string();
+  return object;
+}
+
+}  // namespace palpate::geometry

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/grasping/closing_trajectory.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "palpate/hand/coupling.hpp"
+
+namespace palpate::grasping {
+namespace {
+
+constexpr int kTipPoints = 5;
+constexpr int kStepTicks = 2;  // of the closing law between two shapes
+constexpr int kMostSteps = 150;
+constexpr float kOverlap = 0.002f;  // m of a link that counts as stuck
+
+std::vector<Eigen::Vector3f> tip_points(const hand::HandModel::TipCapsule& tip,
+                                        const Eigen::Isometry3d& T_base_link) {
+  std::vector<Eigen::Vector3f> points;
+  for (int i = 0; i < kTipPoints; ++i) {
+    const double share = static_cast<double>(i) / (kTipPoints - 1);
+    points.emplace_back((T_base_link * ((1 - share) * tip.a + share * tip.b)).cast<float>());
+  }
+  return points;
+}
+
+Eigen::Vector4f in_base(const hand::LinkSphere& sphere,
+                        const std::vector<Eigen::Isometry3d>& T_base_link) {
+  Eigen::Vector4f result;
+  result << (T_base_link[static_cast<std::size_t>(sphere.link)] * sphere.center).cast<float>(),
+      static_cast<float>(sphere.radius);
+  return result;
+}
+
+/// Finger that carries each link, -1 for the palm and what is behind it.
+std::vector<int> finger_of_links(const hand::HandModel& hand) {
+  std::vector<int> owner(hand.links.size(), -1);
+  for (int finger = 0; finger < hand::kFingers; ++finger) {
+    for (int link = hand.distal[static_cast<std::size_t>(finger)]; link >= 0 && link != hand.palm;
+         link = hand.links[static_cast<std::size_t>(link)].parent) {
+      owner[static_cast<std::size_t>(link)] = finger;
+    }
+  }
+  return owner;
+}
+
+}  // namespace
+
+ClosingPath closing_path(const hand::HandModel& hand, const hand::ActuatorVector& open,
+                         const grasping::ClosingLaw& law,
+                         const std::array<bool, hand::kFingers>& closing) {
+  ClosingPath path;
+  const std::vector<int> owner = finger_of_links(hand);
+  hand::HandCommand command;
+  command.positions = open;
+  const hand::HandReading empty;  // of a hand that follows its commands at once
+  const grasping::ClosingTorque unlimited{1e6, 1e6, 1e6, 1e6};
+  for (int step = 0; step < kMostSteps; ++step) {
+    const auto T = hand::forward_kinematics(hand, hand::joints_in_free_flexion(command.positions));
+    for (std::size_t finger = 0; finger < hand::kFingers; ++finger) {
+      path.tip_radius[finger] = static_cast<float>(hand.tips[finger].radius);
+      if (!closing[finger]) continue;
+      path.fingers[finger].push_back(
+          {tip_points(hand.tips[finger], T[static_cast<std::size_t>(hand.distal[finger])]), {}});
+    }
+    for (const auto& sphere : hand.spheres) {
+      if (step == 0) path.open_spheres.push_back(in_base(sphere, T));
+      const int finger = owner[static_cast<std::size_t>(sphere.link)];
+      if (finger < 0 || !closing[static_cast<std::size_t>(finger)]) continue;
+      if (sphere.link == hand.distal[static_cast<std::size_t>(finger)]) continue;
+      path.fingers[static_cast<std::size_t>(finger)].back().other_spheres.push_back(
+          in_base(sphere, T));
+    }
+    const hand::ActuatorVector before = command.positions;
+    for (int tick = 0; tick < kStepTicks; ++tick) law.advance(command, empty, unlimited, closing);
+    if (command.positions == before) break;
+  }
+  return path;
+}
+
+void end_at_other_fingers(const hand::HandModel& hand, const hand::JointVector& joints,
+                          std::size_t finger, ClosingPath& path) {
+  const std::vector<int> owner = finger_of_links(hand);
+  const auto T = hand::forward_kinematics(hand, joints);
+  std::vector<Eigen::Vector4f> others;
+  for (const auto& sphere : hand.spheres) {
+    const int other = owner[static_cast<std::size_t>(sphere.link)];
+    if (other >= 0 && other != static_cast<int>(finger)) others.push_back(in_base(sphere, T));
+  }
+  const auto meets_other = [&](const Eigen::Vector3f& p, float radius) {
+    return std::any_of(others.begin(), others.end(), [&](const Eigen::Vector4f& other) {
+      return (p - other.head<3>()).norm() < radius + other.w() - kOverlap;
+    });
+  };
+  auto& shapes = path.fingers[finger];
+  const auto blocked = std::find_if(shapes.begin(), shapes.end(), [&](const FingerShape& shape) {
+    return std::any_of(shape.tip.begin(), shape.tip.end(),
+                       [&](const auto& p) { return meets_other(p, path.tip_radius[finger]); }) ||
+           std::any_of(shape.other_spheres.begin(), shape.other_spheres.end(),
+                       [&](const auto& s) { return meets_other(s.template head<3>(), s.w()); });
+  });
+  shapes.erase(blocked, shapes.end());
+}
+
+PlacedObject::PlacedObject(const geometry::ObjectModel& object,
+                           const Eigen::Isometry3d& T_world_object,
+                           const Eigen::Isometry3d& T_world_base)
+    : field_(object.field()),
+      T_object_base_((T_world_object.inverse() * T_world_base).cast<float>()),
+      T_world_base_(T_world_base.cast<float>()) {}
+
+float PlacedObject::distance(const Eigen::Vector3f& p) const {
+  const float distance = field_.distance(T_object_base_ * p);
+  return distance < field_.beyond() ? distance : std::numeric_limits<float>::infinity();
+}
+
+float PlacedObject::height(const Eigen::Vector3f& p) const {
+  return T_world_base_.linear().row(2).dot(p) + T_world_base_.translation().z();
+}
+
+Eigen::Vector3d PlacedObject::normal(const Eigen::Vector3f& p) const {
+  const auto sample = field_.at(T_object_base_ * p);
+  if (!sample) return Eigen::Vector3d::UnitZ();
+  return (T_object_base_.linear().transpose() * sample->gradient).cast<double>().normalized();
+}
+
+FingerMeeting meet(const PlacedObject& object, const ClosingPath& path, std::size_t finger,
+                   double least_height) {
+  const auto& shapes = path.fingers[finger];
+  const float radius = path.tip_radius[finger];
+  FingerMeeting meeting;
+  for (; meeting.stop < shapes.size(); ++meeting.stop) {
+    const FingerShape& shape = shapes[meeting.stop];
+    for (const auto& sphere : shape.other_spheres) {
+      if (object.distance(sphere.head<3>()) < sphere.w() - kOverlap) return meeting;
+    }
+    const Eigen::Vector3f* nearest = nullptr;
+    float least = std::numeric_limits<float>::infinity();
+    for (const auto& p : shape.tip) {
+      if (object.height(p) - radius < least_height) return meeting;
+      const float distance = object.distance(p) - radius;
+      if (distance >= least) continue;
+      least = distance;
+      nearest = &p;
+    }
+    if (least > 0) continue;
+    meeting.contact.emplace();
+    meeting.contact->finger = static_cast<int>(finger);
+    meeting.contact->n = object.normal(*nearest);
+    meeting.contact->p = nearest->cast<double>() - radius * meeting.contact->n;
+    return meeting;
+  }
+  --meeting.stop;
+  return meeting;
+}
+
+}  // namespace palpate::grasping

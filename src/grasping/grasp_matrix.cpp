@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/grasping/grasp_matrix.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "palpate/core/error.hpp"
+
+namespace palpate::grasping {
+namespace {
+
+void require_size(const char* what, Eigen::Index size, Eigen::Index expected) {
+  if (size != expected) {
+    throw BadInput(fmt::format("{} needs {} values, not {}", what, expected, size));
+  }
+}
+
+void require_finite(const GraspContacts& contacts, const Eigen::Vector3d& p_base_object) {
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    if (contacts[i].T_base_contact.matrix().allFinite()) continue;
+    const Eigen::Vector3d p = contacts[i].T_base_contact.translation();
+    throw BadInput(fmt::format("the frame of contact {} at ({}, {}, {}) m is not finite", i, p.x(),
+                               p.y(), p.z()));
+  }
+  if (p_base_object.allFinite()) return;
+  throw BadInput(fmt::format("wrenches are taken at a finite point, not ({}, {}, {}) m",
+                             p_base_object.x(), p_base_object.y(), p_base_object.z()));
+}
+
+}  // namespace
+
+Eigen::Isometry3d contact_frame(const Eigen::Vector3d& p_base, const Eigen::Vector3d& n_base) {
+  if (!p_base.allFinite() || !(std::abs(n_base.norm() - 1) < 1e-3)) {
+    throw BadInput(fmt::format(
+        "a contact needs a finite point and a unit normal, not ({}, {}, {}) m and "
+        "({}, {}, {}) of length {}",
+        p_base.x(), p_base.y(), p_base.z(), n_base.x(), n_base.y(), n_base.z(), n_base.norm()));
+  }
+  const Eigen::Matrix3d axes = frame_with_z(-n_base.normalized());
+  Eigen::Isometry3d T_base_contact = Eigen::Isometry3d::Identity();
+  T_base_contact.linear() << axes.col(2), axes.col(0), axes.col(1);
+  T_base_contact.translation() = p_base;
+  return T_base_contact;
+}
+
+GraspContacts grasp_contacts(const hand::HandModel& hand, const hand::HandReading& reading,
+                             ContactModel model, const Friction& friction) {
+  const auto T_base_link = hand::forward_kinematics(hand, reading.joints);
+  GraspContacts contacts;
+  for (std::size_t finger = 0; finger < hand::kFingers; ++finger) {
+    const int link = hand.distal[finger];
+    const Eigen::Isometry3d& T = T_base_link.at(static_cast<std::size_t>(link));
+    for (const hand::TipContact& touch : reading.contacts[finger]) {
+      contacts.push_back({contact_frame(T * touch.p, T.linear() * touch.n), link, model, friction});
+    }
+  }
+  return contacts;
+}
+
+Eigen::MatrixXd grasp_matrix(const GraspContacts& contacts, const Eigen::Vector3d& p_base_object) {
+  require_finite(contacts, p_base_object);
+  Eigen::MatrixXd G(6, 6 * static_cast<Eigen::Index>(contacts.size()));
+  Eigen::Index column = 0;
+  for (const GraspContact& contact : contacts) {
+    const Eigen::Matrix3d R = contact.T_base_contact.linear();
+    const Eigen::Vector3d arm = contact.T_base_contact.translation() - p_base_object;
+    G.middleCols<6>(column) << R, skew(arm) * R, Eigen::Matrix3d::Zero(), R;
+    column += 6;
+  }
+  return G;
+}
+
+Eigen::MatrixXd hand_jacobian(const hand::HandModel& hand, const hand::JointVector& joints,
+                              const GraspContacts& contacts) {
+  const auto T_base_link = hand::forward_kinematics(hand, joints);
+  Eigen::MatrixXd J(6 * static_cast<Eigen::Index>(contacts.size()), hand::kJoints);
+  Eigen::Index row = 0;
+  for (const GraspContact& contact : contacts) {
+    if (contact.link < 0 || contact.link >= static_cast<int>(hand.links.size())) {
+      throw BadInput(fmt::format("a contact names link {} of a hand with {} links", contact.link,
+                                 hand.links.size()));
+    }
+    const Eigen::Isometry3d& T = T_base_link[static_cast<std::size_t>(contact.link)];
+    const Eigen::Vector3d p_link = T.inverse() * contact.T_base_contact.translation();
+    const auto J_base = hand::jacobian(hand, joints, contact.link, p_link);
+    const Eigen::Matrix3d R_contact_base = contact.T_base_contact.linear().transpose();
+    J.middleRows<3>(row) = R_contact_base * J_base.topRows<3>();
+    J.middleRows<3>(row + 3) = R_contact_base * J_base.bottomRows<3>();
+    row += 6;
+  }
+  return J;
+}
+
+Eigen::MatrixXd transmission(const GraspContacts& contacts) {
+  Eigen::Index rows = 0;
+  for (const GraspContact& contact : contacts) rows += components(contact.model);
+  const auto columns = 6 * static_cast<Eigen::Index>(contacts.size());
+  Eigen::MatrixXd H = Eigen::MatrixXd::Zero(rows, columns);
+  Eigen::Index row = 0, column = 0;
+  for (const GraspContact& contact : contacts) {
+    const Eigen::MatrixXd own = transmission(contact.model);
+    H.block(row, column, own.rows(), 6) = own;
+    row += own.rows();
+    column += 6;
+  }
+  return H;
+}
+
+Vector6d object_wrench(const Eigen::MatrixXd& G, const Eigen::VectorXd& contact_wrenches) {
+  require_size("the wrench of the contacts", contact_wrenches.size(), G.cols());
+  return G * contact_wrenches;
+}
+
+Eigen::VectorXd object_contact_twists(const Eigen::MatrixXd& G, const Vector6d& twist) {
+  require_size("a grasp matrix's column", G.rows(), 6);
+  return G.transpose() * twist;
+}
+
+Eigen::VectorXd hand_contact_twists(const Eigen::MatrixXd& J, const hand::JointVector& velocities) {
+  require_size("a hand Jacobian's row", J.cols(), hand::kJoints);
+  return J * velocities;
+}
+
+hand::JointVector joint_torques(const Eigen::MatrixXd& J, const Eigen::VectorXd& contact_wrenches) {
+  require_size("the wrench of the contacts", contact_wrenches.size(), J.rows());
+  return J.transpose() * contact_wrenches;
+}
+
+}  // namespace palpate::grasping

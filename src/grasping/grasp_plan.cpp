@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/grasping/grasp_plan.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "palpate/core/gravity.hpp"
+#include "palpate/grasping/force_distribution.hpp"
+
+namespace palpate::grasping {
+namespace {
+
+using std::numbers::pi;
+
+constexpr float kCommonWidth = 0.06f;  // m
+constexpr std::size_t kFinalists = 16;
+constexpr double kTurnedAway = 0.35;  // rad between a yaw and those that have failed
+const std::array<double, 7> kHeights = {0, 0.012, 0.024, 0.036, 0.05, 0.065, 0.08};  // m
+const std::array<float, 5> kDescent = {0, 0.01f, 0.03f, 0.06f, 0.1f};                // m
+
+bool comes_down_freely(const PlacedObject& target, const ClosingPath& path,
+                       const PlanOptions& options, const Eigen::Vector3f& up) {
+  const auto clearance = static_cast<float>(options.clearance);
+  for (const auto& sphere : path.open_spheres) {
+    if (target.height(sphere.head<3>()) - sphere.w() < options.table_clearance) return false;
+    for (const float raised : kDescent) {
+      if (target.distance(sphere.head<3>() + raised * up) < sphere.w() + clearance) return false;
+    }
+  }
+  return true;
+}
+
+/// A place to close, with the object where it is thought to lie.
+class Candidate {
+ public:
+  Candidate(const geometry::ObjectModel& object, const Eigen::Isometry3d& T_world_object,
+            const hand::BasePosition& base)
+      : object_(object),
+        T_world_object_(T_world_object),
+        base_(base),
+        T_world_base_(base.pose()),
+        target_(object, T_world_object, T_world_base_) {}
+
+  bool free(const ClosingPath& path, const PlanOptions& options) const {
+    const Eigen::Vector3d up = T_world_base_.linear().row(2).transpose();
+    return comes_down_freely(target_, path, options, up.cast<float>());
+  }
+
+  GraspPlan judge(const ClosingPath& path, const PlanOptions& options) const {
+    GraspPlan plan;
+    plan.base = base_;
+    plan.cost = std::numeric_limits<double>::infinity();
+    for (std::size_t finger = 0; finger < hand::kFingers; ++finger) {
+      auto [stop, contact] = meet(target_, path, finger, options.table_clearance / 2);
+      plan.stops[finger] = stop;
+      if (!contact) continue;
+      plan.contacts.push_back(*contact);
+    }
+    plan.fingers = static_cast<int>(plan.contacts.size());
+    const bool thumb = plan.fingers > 0 && plan.contacts.front().finger == 0;
+    if (!thumb || plan.fingers < 2) return plan;
+    plan.cost = grasp_cost(object_, plan, options, -T_world_base_.linear().row(2).transpose(),
+                           T_world_base_.inverse() * T_world_object_.translation());
+    return plan;
+  }
+
+ private:
+  const geometry::ObjectModel& object_;
+  Eigen::Isometry3d T_world_object_;
+  hand::BasePosition base_;
+  Eigen::Isometry3d T_world_base_;
+  PlacedObject target_;
+};
+
+/// Where thumb and fingers meet, in the base's frame: between the tips when they have closed to
+/// the width of a common object.
+Eigen::Vector3d closing_center(const ClosingPath& path) {
+  const auto& thumb = path.fingers[static_cast<std::size_t>(hand::Finger::thumb)];
+  const auto& middle = path.fingers[static_cast<std::size_t>(hand::Finger::middle)];
+  std::size_t step = 0;
+  while (step + 1 < thumb.size() &&
+         (thumb[step].tip.back() - middle[step].tip.back()).norm() > kCommonWidth) {
+    ++step;
+  }
+  return (0.5f * (thumb[step].tip.back() + middle[step].tip.back())).cast<double>();
+}
+
+double lowest_below_base(const ClosingPath& path, const Eigen::Matrix3d& R_world_base) {
+  double lowest = 0;
+  for (const auto& sphere : path.open_spheres) {
+    lowest = std::min(lowest, R_world_base.row(2).dot(sphere.head<3>().cast<double>()) -
+                                  static_cast<double>(sphere.w()));
+  }
+  return lowest;
+}
+
+bool was_tried(double yaw, const std::vector<double>& avoid) {
+  return std::any_of(avoid.begin(), avoid.end(), [&](double tried) {
+    return std::abs(std::remainder(yaw - tried, 2 * pi)) < kTurnedAway;
+  });
+}
+
+std::vector<hand::BasePosition> places(const ClosingPath& path, const Eigen::Vector3d& centroid,
+                                       const Eigen::Vector2d& attitude, const PlanOptions& options,
+                                       const std::vector<double>& avoid) {
+  std::vector<hand::BasePosition> result;
+  const Eigen::Vector3d center = closing_center(path);
+  for (int i = 0; i < options.yaws; ++i) {
+    hand::BasePosition base;
+    base.ypr = {2 * pi * i / options.yaws, attitude.x(), attitude.y()};
+    if (was_tried(base.ypr.x(), avoid)) continue;
+    const Eigen::Matrix3d R = base.pose().linear();
+    const double low = options.table_clearance + 0.001 - lowest_below_base(path, R);
+    const Eigen::Vector2d middle = (centroid - R * center).head<2>();
+    const Eigen::Rotation2Dd turn(base.ypr.x());
+    for (const double raised : kHeights) {
+      for (int x = -options.places; x <= options.places; ++x) {
+        for (int y = -options.places; y <= options.places; ++y) {
+          base.xyz << middle + turn * (options.spacing * Eigen::Vector2d(x, y)), low + raised;
+          result.push_back(base);
+        }
+      }
+    }
+  }
+  return result;
+}
+
+}  // namespace
+
+double grasp_cost(const geometry::ObjectModel& object, const GraspPlan& plan,
+                  const PlanOptions& options, const Eigen::Vector3d& gravity,
+                  const Eigen::Vector3d& p_base_object) {
+  const double weight = object.object().mass * kGravity;
+  const auto balance = balance_forces(plan.contacts, options.friction, options.press,
+                                      Load{p_base_object, weight * gravity});
+  return balance.imbalance + options.missing_finger * (hand::kFingers - plan.fingers);
+}
+
+double mean_cost(const geometry::ObjectModel& object, const Eigen::Isometry3d& T_world_object,
+                 const ClosingPath& path, const PlanOptions& options, const GraspPlan& plan) {
+  double sum = plan.cost;
+  for (int side = 0; side < 4; ++side) {
+    Eigen::Isometry3d moved = T_world_object;
+    moved.pretranslate(options.pose_error *
+                       Eigen::Vector3d(std::cos(side * pi / 2), std::sin(side * pi / 2), 0));
+    sum += std::min(1.5, Candidate(object, moved, plan.base).judge(path, options).cost);
+  }
+  return sum / 5;
+}
+
+std::optional<GraspPlan> close_at(const geometry::ObjectModel& object,
+                                  const Eigen::Isometry3d& T_world_object, const ClosingPath& path,
+                                  const hand::BasePosition& base, const PlanOptions& options) {
+  const Candidate candidate(object, T_world_object, base);
+  if (!candidate.free(path, options)) return std::nullopt;
+  return candidate.judge(path, options);
+}
+
+std::vector<GraspPlan> find_grasps(const geometry::ObjectModel& object,
+                                   const Eigen::Isometry3d& T_world_object, const ClosingPath& path,
+                                   const Eigen::Vector2d& attitude, const PlanOptions& options,
+                                   const std::vector<double>& avoid) {
+  std::vector<GraspPlan> plans;
+  for (const auto& base : places(path, T_world_object.translation(), attitude, options, avoid)) {
+    auto plan = close_at(object, T_world_object, path, base, options);
+    if (plan && std::isfinite(plan->cost)) plans.push_back(*std::move(plan));
+  }
+  return plans;
+}
+
+std::optional<GraspPlan> plan_grasp(const geometry::ObjectModel& object,
+                                    const Eigen::Isometry3d& T_world_object,
+                                    const ClosingPath& path, const Eigen::Vector2d& attitude,
+                                    const PlanOptions& options, const std::vector<double>& avoid) {
+  auto plans = find_grasps(object, T_world_object, path, attitude, options, avoid);
+  if (plans.empty()) return std::nullopt;
+  const auto cheaper = [](const GraspPlan& a, const GraspPlan& b) { return a.cost < b.cost; };
+  std::stable_sort(plans.begin(), plans.end(), cheaper);
+  plans.resize(std::min(plans.size(), kFinalists));
+  for (auto& plan : plans) plan.cost = mean_cost(object, T_world_object, path, options, plan);
+  return *std::min_element(plans.begin(), plans.end(), cheaper);
+}
+
+}  // namespace palpate::grasping

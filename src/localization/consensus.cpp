@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/localization/consensus.hpp"
+
+#include <limits>
+
+namespace palpate::localization {
+namespace {
+
+constexpr int kAlongAxis = 2;  // poses to either side of a mode with a free axis
+
+/// The equivalent of a pose whose orientation is nearest to that of another.
+Eigen::Isometry3d nearest_equivalent(const Eigen::Isometry3d& T, const Eigen::Isometry3d& other,
+                                     const std::vector<Eigen::Matrix3d>& symmetries) {
+  Eigen::Isometry3d nearest = T;
+  double least = std::numeric_limits<double>::infinity();
+  for (const auto& S : symmetries) {
+    const Eigen::Matrix3d R = T.linear() * S;
+    const double angle = rotation_distance(R, other.linear());
+    if (angle >= least) continue;
+    least = angle;
+    nearest.linear() = R;
+  }
+  return nearest;
+}
+
+}  // namespace
+
+std::vector<WeightedPose> poses_of(const localization::Posterior& posterior) {
+  std::vector<WeightedPose> poses;
+  for (const auto& mode : posterior.modes) {
+    if (!mode.free_axis) {
+      poses.push_back({mode.T_frame_object, mode.weight});
+      continue;
+    }
+    const auto& axis = *mode.free_axis;
+    for (int k = -kAlongAxis; k <= kAlongAxis; ++k) {
+      const double angle = axis.extent * k / (kAlongAxis + 0.5);
+      poses.push_back({Eigen::Translation3d(axis.point) * Eigen::AngleAxisd(angle, axis.direction) *
+                           Eigen::Translation3d(-axis.point) * mode.T_frame_object,
+                       mode.weight / (2 * kAlongAxis + 1)});
+    }
+  }
+  return poses;
+}
+
+Consensus consensus(const std::vector<WeightedPose>& poses,
+                    const std::vector<Eigen::Matrix3d>& symmetries, const SamePose& same) {
+  Consensus best;
+  double total = 0;
+  for (const auto& pose : poses) total += pose.weight;
+  for (const auto& center : poses) {
+    double near = 0;
+    Vector6d sum = Vector6d::Zero();
+    for (const auto& pose : poses) {
+      const Eigen::Isometry3d T = nearest_equivalent(pose.T, center.T, symmetries);
+      Vector6d apart;
+      apart << log_so3(T.linear() * center.T.linear().transpose()),
+          T.translation() - center.T.translation();
+      if (apart.head<3>().norm() > same.angle || apart.tail<3>().norm() > same.distance) continue;
+      near += pose.weight;
+      sum += pose.weight * apart;
+    }
+    if (near <= best.share * total) continue;
+    best.share = near / total;
+    best.T.linear() = exp_so3(sum.head<3>() / near) * center.T.linear();
+    best.T.translation() = center.T.translation() + sum.tail<3>() / near;
+  }
+  return best;
+}
+
+}  // namespace palpate::localization

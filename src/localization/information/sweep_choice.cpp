@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/localization/information/sweep_choice.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "palpate/localization/consensus.hpp"
+
+namespace palpate::localization {
+namespace {
+
+constexpr double kStep = 0.003;       // m of a way between places that are looked at
+constexpr double kToldApart = 0.010;  // m between ends that are surely told apart
+constexpr double kGuard = 0.002;      // m that the rest of the finger is to stay away
+
+// Of the errors that a refining sweep is chosen by; angles in rad, lengths in m.
+constexpr double kPointSigma = 0.0008, kNormalSigma = 0.13, kOffsetSigma = 0.0025;
+constexpr double kTiltSigma = 0.02, kHeightSigma = 0.001, kFarSigma = 0.1;
+constexpr double kTightAngle = 0.0436, kTightDistance = 0.0035;
+
+using localization::FreeSphere;
+
+/// Where a sweep ends for the object at one pose.
+enum class Ending { touch, nothing, blocked };
+struct Outcome {
+  Ending ending = Ending::nothing;
+  double way = 0;  ///< m
+};
+
+bool meets(const geometry::ObjectModel& object, const Eigen::Isometry3d& T_object_world,
+           const std::vector<FreeSphere>& spheres, const Eigen::Vector3d& at, double margin) {
+  return std::any_of(spheres.begin(), spheres.end(), [&](const FreeSphere& sphere) {
+    const Eigen::Vector3d p = T_object_world * (at + sphere.center);
+    const float distance = object.field().distance(p.cast<float>());
+    return distance < object.field().beyond() && distance < sphere.radius + margin;
+  });
+}
+
+Outcome outcome(const geometry::ObjectModel& object, const Eigen::Isometry3d& T_object_world,
+                const SweepingFinger& finger, const Sweep& sweep) {
+  const double length = (sweep.to - sweep.from).norm();
+  for (double way = 0; way <= length; way += kStep) {
+    const Eigen::Vector3d at = sweep.from + way / length * (sweep.to - sweep.from);
+    if (meets(object, T_object_world, finger.rest, at, kGuard)) return {Ending::blocked, way};
+    if (meets(object, T_object_world, finger.tip, at, 0)) return {Ending::touch, way};
+  }
+  return {Ending::nothing, length};
+}
+
+/// A way that ends without a touch of the tip tells only how far the tip came.
+double told_apart(const Outcome& a, const Outcome& b) {
+  if (a.ending != Ending::touch && b.ending != Ending::touch) return 0;
+  return std::min(1.0, std::abs(a.way - b.way) / kToldApart);
+}
+
+/// Chance that two draws from the poses are told apart.
+double information(const geometry::ObjectModel& object, const std::vector<WeightedPose>& poses,
+                   const SweepingFinger& finger, const Sweep& sweep) {
+  std::vector<Outcome> outcomes;
+  for (const auto& pose : poses) {
+    outcomes.push_back(outcome(object, pose.T.inverse(), finger, sweep));
+  }
+  double sum = 0;
+  for (std::size_t i = 0; i < outcomes.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      sum += 2 * poses[i].weight * poses[j].weight * told_apart(outcomes[i], outcomes[j]);
+    }
+  }
+  return sum;
+}
+
+using Matrix9d = Eigen::Matrix<double, 9, 9>;  // of [rotation; translation; offset]
+
+/// What is known of a resting object's pose and of the fingertip's offset before any touch.
+Matrix9d information_before() {
+  Eigen::Matrix<double, 9, 1> sigmas;
+  sigmas << kTiltSigma, kTiltSigma, 1, kFarSigma, kFarSigma, kHeightSigma, kOffsetSigma,
+      kOffsetSigma, kOffsetSigma;
+  return sigmas.cwiseAbs2().cwiseInverse().asDiagonal();
+}
+
+/// What a sweep's touch would add; nothing where it ends without one.
+std::optional<Matrix9d> information_of(const geometry::ObjectModel& object,
+                                       const Eigen::Isometry3d& T_world_object,
+                                       const SweepingFinger& finger, const Sweep& sweep) {
+  const Eigen::Isometry3d T_object_world = T_world_object.inverse();
+  const Outcome end = outcome(object, T_object_world, finger, sweep);
+  if (end.ending != Ending::touch) return std::nullopt;
+  const Eigen::Vector3d at = sweep.from + end.way * (sweep.to - sweep.from).normalized();
+  std::optional<geometry::DistanceField::Sample> nearest;
+  Eigen::Vector3d p = at;
+  for (const FreeSphere& sphere : finger.tip) {
+    const Eigen::Vector3d center = at + sphere.center;
+    const auto sample = object.field().at((T_object_world * center).cast<float>());
+    if (!sample || (nearest && sample->distance >= nearest->distance)) continue;
+    nearest = sample;
+    p = center;
+  }
+  if (!nearest) return std::nullopt;
+  const Eigen::Vector3d n = T_world_object.linear() * nearest->gradient.cast<double>().normalized();
+  Eigen::Matrix<double, 9, 1> row;
+  row << (p - T_world_object.translation()).cross(n), n, -finger.R_world_base.transpose() * n;
+  Matrix9d information = row * row.transpose() / (kPointSigma * kPointSigma);
+  information.topLeftCorner<3, 3>() +=
+      (Eigen::Matrix3d::Identity() - n * n.transpose()) / (kNormalSigma * kNormalSigma);
+  return information;
+}
+
+double spread_of(const Matrix9d& information) {
+  const Matrix9d covariance = information.inverse();
+  return covariance.topLeftCorner<3, 3>().trace() / (kTightAngle * kTightAngle) +
+         covariance.block<3, 3>(3, 3).trace() / (kTightDistance * kTightDistance);
+}
+
+}  // namespace
+
+std::optional<TellingSweep> most_telling_sweep(const geometry::ObjectModel& object,
+                                               const localization::Posterior& posterior,
+                                               const SweepingFinger& finger,
+                                               const std::vector<Sweep>& sweeps) {
+  std::optional<TellingSweep> best;
+  const auto poses = poses_of(posterior);
+  for (std::size_t i = 0; i < sweeps.size(); ++i) {
+    const double told = information(object, poses, finger, sweeps[i]);
+    if (told > (best ? best->information : 0.0)) best = {sweeps[i], i, told};
+  }
+  return best;
+}
+
+std::optional<RefiningSweep> most_refining_sweep(const geometry::ObjectModel& object,
+                                                 const Eigen::Isometry3d& T_world_object,
+                                                 const std::vector<SweepingFinger>& fingers,
+                                                 const std::vector<Sweep>& sweeps,
+                                                 const std::vector<TurnedSweep>& done) {
+  Matrix9d known = information_before();
+  for (const TurnedSweep& sweep : done) {
+    const auto told = information_of(object, T_world_object, fingers[sweep.turn], sweep.sweep);
+    if (told) known += *told;
+  }
+  const double before = spread_of(known);
+  std::optional<RefiningSweep> best;
+  for (std::size_t turn = 0; turn < fingers.size(); ++turn) {
+    for (const Sweep& sweep : sweeps) {
+      const auto told = information_of(object, T_world_object, fingers[turn], sweep);
+      if (!told) continue;
+      const double after = spread_of(known + *told);
+      if (!best || after < best->after) best = {{sweep, turn}, before, after};
+    }
+  }
+  return best;
+}
+
+}  // namespace palpate::localization

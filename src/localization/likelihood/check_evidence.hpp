@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "palpate/localization/localizer.hpp"
+
+namespace palpate::localization {
+
+/// @throws BadInput naming the first value that cannot be used
+void check_evidence(const geometry::ObjectModel& model, const Evidence& evidence);
+
+/// The evidence with at most 64 contacts, spread evenly over their order: more hardly sharpen the
+/// pose but cost time in proportion.
+Evidence thinned(Evidence evidence);
+
+}  // namespace palpate::localization

@@ -1,0 +1,353 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "localization/likelihood/contact_term.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "palpate/core/se3.hpp"
+
+namespace palpate::localization {
+namespace {
+
+constexpr double kFalseVolume = 1e-3;      // m^3 in which a false contact may lie
+constexpr double kWidestNormal = 0.6;      // rad; a wider normal says nothing
+constexpr float kShortestGradient = 0.3F;  // interpolated across a medial sheet: no direction
+constexpr float kCurvatureStep = 0.001F;   // m, over which the gradient's change is measured
+constexpr double kLeastTrust = 0.02;       // of a contact off the surface: it still draws the pose
+constexpr float kHopeless = 30;            // misfit whose likelihood rounds to that of a false one
+constexpr float kLeastProduct = 1e-18F;    // times the least factor still is a float
+constexpr float kOffsetReach = 3;          // standard deviations that an offset is within
+constexpr int kFitSteps = 2;               // of reweighting contacts for the offset
+
+/// Of the doubt about the noise: the chance of each contact that its normal strays. Next to edges
+/// and in corners the point's noise takes the normal from one face to another.
+constexpr double kStrayShare = 0.125;
+constexpr float kStray = 9;  // times the variance of normals, there
+
+double true_to_false_odds(double false_share, double area, double sp, double sn) {
+  const double false_density = 1 / (kFalseVolume * 4 * std::numbers::pi);
+  return (1 - false_share) / false_share * peak_contact_density(area, sp, sn) / false_density;
+}
+
+}  // namespace
+
+double peak_contact_density(double area, double point_sigma, double normal_sigma) {
+  using std::numbers::pi;
+  const double sn = std::min(normal_sigma, kWidestNormal);
+  const double point_density = 1 / (area * std::sqrt(2 * pi) * point_sigma);
+  const double normal_density = 1 / (2 * pi * sn * sn * (1 - std::exp(-2 / (sn * sn))));
+  return point_density * normal_density;
+}
+
+ContactTerm::ContactTerm(const geometry::ObjectModel& model, const Evidence& evidence,
+                         double offset, double scale)
+    : field_(model.field()),
+      offset_(static_cast<float>(offset)),
+      stray_(static_cast<float>(kStrayShare * evidence.noise_doubt)) {
+  for (const tactile::Contact& contact : evidence.contacts) {
+    const Eigen::Vector3d n = contact.n.normalized();
+    contacts_.push_back({(contact.p + offset * n).cast<float>(), n.cast<float>()});
+  }
+  for (const SharedOffset& shared : evidence.offsets) {
+    Group group{static_cast<float>(1 / (shared.sigma * shared.sigma)), {}};
+    for (const auto& member : shared.members) {
+      contacts_[member.contact].R_offset_frame = member.R_frame_offset.transpose().cast<float>();
+      contacts_[member.contact].reach = kOffsetReach * static_cast<float>(shared.sigma);
+      group.members.push_back(member.contact);
+    }
+    groups_.push_back(std::move(group));
+  }
+  const std::vector<Assumption> levels = assumptions(evidence);
+  priors_.resize(static_cast<Eigen::Index>(levels.size()));
+  growth_.resize(priors_.size());
+  for (std::size_t j = 0; j < levels.size(); ++j) {
+    priors_[static_cast<Eigen::Index>(j)] = static_cast<float>(levels[j].share);
+    growth_[static_cast<Eigen::Index>(j)] = static_cast<float>(levels[j].growth);
+    most_growth_ = std::max(most_growth_, std::abs(static_cast<float>(levels[j].growth)));
+  }
+  for (const tactile::Contact& contact : evidence.contacts) {
+    noise_.push_back(make_noise(model, evidence, contact, levels, scale));
+  }
+}
+
+ContactTerm::Noise ContactTerm::make_noise(const geometry::ObjectModel& model,
+                                           const Evidence& evidence,
+                                           const tactile::Contact& contact,
+                                           const std::vector<Assumption>& levels, double scale) {
+  const auto count = static_cast<Eigen::Index>(levels.size());
+  Noise noise{Levels::Zero(count), Levels::Zero(count), Levels::Zero(count)};
+  double greatest = 0, least_half_point = kNoBound, least_normal = kNoBound;
+  for (Eigen::Index j = 0; j < count; ++j) {
+    const Assumption& level = levels[static_cast<std::size_t>(j)];
+    const double sp = scale * level.point_noise * contact.point_sigma;
+    const double sn = std::min(scale * level.normal_noise * contact.normal_sigma, kWidestNormal);
+    const double odds = true_to_false_odds(evidence.false_contact_share, model.area(), sp, sn);
+    noise.half_point_precision[j] = static_cast<float>(0.5 / (sp * sp));
+    noise.normal_precision[j] = static_cast<float>(1 / (sn * sn));
+    noise.odds[j] = static_cast<float>(odds);
+    greatest = std::max(greatest, odds);
+    least_half_point = std::min(least_half_point, 0.5 / (sp * sp));
+    least_normal = std::min(least_normal, 1 / (sn * sn));
+  }
+  noise.least_half_point_precision = static_cast<float>(least_half_point);
+  noise.least_normal_precision = static_cast<float>(least_normal);
+  noise.cap = static_cast<float>(std::log1p(greatest));
+  noise.inverse_peak = std::exp(-noise.cap);
+  noise.stated_cap = std::log1p(noise.odds[0]);
+  return noise;
+}
+
+void ContactTerm::Product::multiply(const Levels& factor) {
+  likelihood *= factor;
+  const float most = likelihood.maxCoeff();
+  if (most > kLeastProduct) return;
+  likelihood /= most;
+  log_scale += std::log(most);
+}
+
+float ContactTerm::Product::energy(const Levels& priors) const {
+  return -log_scale - std::log((priors * likelihood).sum());
+}
+
+ContactTerm::NormalFit ContactTerm::normal_fit(float q) const {
+  const float near = (1 - stray_) * std::exp(-q);
+  const float far = stray_ / kStray * std::exp(-q / kStray);
+  const float density = std::max(near + far, std::numeric_limits<float>::min());
+  return {density, stray_ > 0 ? (near + far / kStray) / density : 1};
+}
+
+ContactTerm::Felt ContactTerm::feel(const Datum& contact, const SearchPose& pose) const {
+  Felt felt;
+  const Eigen::Vector3f y = pose.R.transpose() * (contact.raised - pose.t);
+  const auto sample = field_.at(y);
+  if (!sample) return felt;
+  felt.near = true;
+  felt.away = sample->distance - offset_;
+  const float length = std::max(kShortestGradient, sample->gradient.norm());
+  felt.tilt = 1 - (pose.R.transpose() * contact.n).dot(sample->gradient) / length;
+  felt.swell = sample->distance - y.dot(sample->gradient) / length;
+  if (contact.reach > 0) felt.slope = contact.R_offset_frame * (pose.R * sample->gradient) / length;
+  return felt;
+}
+
+std::vector<ContactTerm::Felt> ContactTerm::feel_all(const SearchPose& pose) const {
+  std::vector<Felt> felt;
+  felt.reserve(contacts_.size());
+  for (const Datum& contact : contacts_) felt.push_back(feel(contact, pose));
+  return felt;
+}
+
+ContactTerm::Levels ContactTerm::likelihood(std::size_t k, const Felt& felt, float slack) const {
+  const Noise& noise = noise_[k];
+  const float least_away =
+      std::max(0.0F, std::abs(felt.away) - most_growth_ * std::abs(felt.swell) - slack);
+  const float least_q = least_away * least_away * noise.least_half_point_precision +
+                        felt.tilt * noise.least_normal_precision / kStray;
+  if (!felt.near || least_q > kHopeless) {
+    return Levels::Constant(growth_.size(), noise.inverse_peak);
+  }
+  Levels away = felt.away + growth_ * felt.swell;
+  if (slack > 0) away = (away.abs() - slack).max(0.0F);
+  const Levels qn = felt.tilt * noise.normal_precision;
+  const Levels normal = (1 - stray_) * (-qn).exp() + stray_ / kStray * (-qn / kStray).exp();
+  return (1 + noise.odds * normal * (-away.square() * noise.half_point_precision).exp()) *
+         noise.inverse_peak;
+}
+
+float ContactTerm::contact_energy(std::size_t k, const Felt& felt, float away,
+                                  Eigen::Index level) const {
+  const LevelNoise noise = noise_at(k, level);
+  const float q = away * away * noise.half_point_precision;
+  if (!felt.near || q >= kHopeless) return noise_[k].cap;
+  const float normal = normal_fit(felt.tilt * noise.normal_precision).density;
+  return noise_[k].cap - std::log1p(noise.odds * std::exp(-q) * normal);
+}
+
+float ContactTerm::contact_energy(std::size_t k, const SearchPose& pose) const {
+  const Felt felt = feel(contacts_[k], pose);
+  return noise_[k].stated_cap - noise_[k].cap + contact_energy(k, felt, felt.away, 0);
+}
+
+/// Reweighted least squares. The first weights bear with a contact as far off as the offset may be.
+ContactTerm::Fit ContactTerm::fit(const Group& group, const std::vector<Felt>& felt,
+                                  Eigen::Index level) const {
+  Fit fit;
+  const float variance = 1 / group.precision;
+  for (int step = 0; step < kFitSteps; ++step) {
+    Eigen::Matrix3f H = group.precision * Eigen::Matrix3f::Identity();
+    Eigen::Vector3f g = Eigen::Vector3f::Zero();
+    for (const std::size_t k : group.members) {
+      if (!felt[k].near) continue;
+      const LevelNoise noise = noise_at(k, level);
+      const float precision = 2 * noise.half_point_precision;
+      const float away = away_at(felt[k], level) + felt[k].slope.dot(fit.offset);
+      const float patience = step == 0 ? 1 + variance * precision : 1;
+      const float q = away * away * noise.half_point_precision / patience;
+      if (q >= kHopeless) continue;
+      const float normal = normal_fit(felt[k].tilt * noise.normal_precision).density;
+      const float odds = noise.odds * std::exp(-q) * normal;
+      const float weight = odds / (1 + odds) * precision;
+      H.noalias() += weight * felt[k].slope * felt[k].slope.transpose();
+      g += weight * away_at(felt[k], level) * felt[k].slope;
+    }
+    fit.information = H;
+    fit.offset = -H.inverse() * g;
+  }
+  return fit;
+}
+
+float ContactTerm::group_energy(const Group& group, const std::vector<Felt>& felt,
+                                Eigen::Index level) const {
+  const Fit best = fit(group, felt, level);
+  float sum = 0.5F * group.precision * best.offset.squaredNorm() +
+              0.5F * std::log(best.information.determinant() / std::pow(group.precision, 3.0F));
+  for (const std::size_t k : group.members) {
+    sum +=
+        contact_energy(k, felt[k], away_at(felt[k], level) + felt[k].slope.dot(best.offset), level);
+  }
+  return sum;
+}
+
+ContactTerm::Levels ContactTerm::level_energies(const Product& alone,
+                                                const std::vector<Felt>& felt) const {
+  Levels sums = -priors_.log() - alone.likelihood.log() - alone.log_scale;
+  for (const Group& group : groups_) {
+    for (Eigen::Index j = 0; j < sums.size(); ++j) sums[j] += group_energy(group, felt, j);
+  }
+  return sums;
+}
+
+float ContactTerm::energy(const SearchPose& pose, float bound) const {
+  Product alone{Levels::Ones(growth_.size())};
+  std::vector<Felt> sharing;
+  if (!groups_.empty()) sharing.resize(contacts_.size());
+  Product least = alone;  // with contacts as near as their offset may bring them
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    const Felt felt = feel(contacts_[k], pose);
+    const Levels factor = likelihood(k, felt, contacts_[k].reach * felt.slope.norm());
+    least.multiply(factor);
+    if (const float sum = least.energy(priors_); sum > bound) return sum;
+    if (groups_.empty()) continue;
+    if (shares(k)) {
+      sharing[k] = felt;
+    } else {
+      alone.multiply(factor);
+    }
+  }
+  if (groups_.empty()) return least.energy(priors_);
+  const Levels sums = level_energies(alone, sharing);
+  const float lowest = sums.minCoeff();
+  return lowest - std::log((lowest - sums).exp().sum());
+}
+
+Eigen::Index ContactTerm::likeliest_level(const std::vector<Felt>& felt) const {
+  Product alone{Levels::Ones(growth_.size())};
+  for (std::size_t k = 0; k < felt.size(); ++k) {
+    if (!shares(k)) alone.multiply(likelihood(k, felt[k], 0));
+  }
+  Eigen::Index best = 0;
+  level_energies(alone, felt).minCoeff(&best);
+  return best;
+}
+
+std::vector<float> ContactTerm::away_at_best(const std::vector<Felt>& felt,
+                                             Eigen::Index level) const {
+  std::vector<float> away;
+  for (const Felt& contact : felt) away.push_back(away_at(contact, level));
+  for (const Group& group : groups_) {
+    const Eigen::Vector3f offset = fit(group, felt, level).offset;
+    for (const std::size_t k : group.members) away[k] += felt[k].slope.dot(offset);
+  }
+  return away;
+}
+
+void ContactTerm::linearize(const SearchPose& pose, NormalEquations& equations) const {
+  const std::vector<Felt> felt = feel_all(pose);
+  const Eigen::Index level = likeliest_level(felt);
+  const std::vector<float> away = away_at_best(felt, level);
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    if (shares(k)) continue;
+    const auto contact = linearized(k, pose, away[k], noise_at(k, level));
+    if (contact) equations.add(contact->J, contact->r, contact->weight);
+  }
+  for (const Group& group : groups_) {  // the offset is eliminated by its Schur complement
+    Eigen::Matrix3d H = Eigen::Matrix3d::Identity() * static_cast<double>(group.precision);
+    Eigen::Vector3d g =
+        static_cast<double>(group.precision) * fit(group, felt, level).offset.cast<double>();
+    Eigen::Matrix<double, 6, 3> across = Eigen::Matrix<double, 6, 3>::Zero();
+    for (const std::size_t k : group.members) {
+      const auto contact = linearized(k, pose, away[k], noise_at(k, level));
+      if (!contact) continue;
+      equations.add(contact->J, contact->r, contact->weight);
+      const double scale =
+          std::sqrt(2 * static_cast<double>(noise_at(k, level).half_point_precision));
+      const Eigen::Vector3d slope = scale * felt[k].slope.cast<double>();
+      H += contact->weight * slope * slope.transpose();
+      g += contact->weight * contact->r[0] * slope;
+      across += contact->weight * contact->J.row(0).transpose() * slope.transpose();
+    }
+    const Eigen::Matrix3d inverse = H.inverse();
+    equations.H -= across * inverse * across.transpose();
+    equations.g -= across * inverse * g;
+  }
+}
+
+std::optional<ContactTerm::Linearized> ContactTerm::linearized(std::size_t k,
+                                                               const SearchPose& pose, float away,
+                                                               const LevelNoise& noise) const {
+  const Datum& contact = contacts_[k];
+  const Eigen::Vector3f arm = contact.raised - pose.t;
+  const Eigen::Matrix3f to_object = pose.R.transpose();
+  const Eigen::Vector3f y = to_object * arm;
+  const auto here = field_.at(y);
+  if (!here || here->gradient.norm() < kShortestGradient) return std::nullopt;
+  const Eigen::Vector3f m = here->gradient.normalized(), n = to_object * contact.n;
+  Eigen::Matrix3f curvature = Eigen::Matrix3f::Zero();  // of the distance
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto beside = field_.at(y + kCurvatureStep * Eigen::Vector3f::Unit(axis));
+    if (!beside || beside->gradient.norm() < kShortestGradient) continue;
+    curvature.col(axis) = (beside->gradient.normalized() - m) / kCurvatureStep;
+  }
+  Eigen::Matrix<float, 3, 6> dy;  // of the point in the object's frame by [w; v]
+  dy << to_object * skew(arm.cast<double>()).cast<float>(), -to_object;
+  const float point_scale = std::sqrt(2 * noise.half_point_precision);
+  const NormalFit normal = normal_fit(0.5F * noise.normal_precision * (m - n).squaredNorm());
+  const float normal_scale = std::sqrt(noise.normal_precision * normal.precision);
+  Eigen::Matrix<float, 4, 6> J;
+  J.row(0) = point_scale * m.transpose() * dy;
+  J.bottomRows<3>() = normal_scale * curvature * dy;
+  J.bottomLeftCorner<3, 3>() -=
+      normal_scale * to_object * skew(contact.n.cast<double>()).cast<float>();
+  Eigen::Vector4f r;
+  r << point_scale * away, normal_scale * (m - n);
+  const double q = static_cast<double>(0.5F * r[0] * r[0] - std::log(normal.density));
+  const double odds = static_cast<double>(noise.odds) * std::exp(-q);
+  const double weight = std::max(odds / (1 + odds), kLeastTrust / (1 + q));
+  return Linearized{J.cast<double>(), r.cast<double>(), weight};
+}
+
+float ContactTerm::misfit(const SearchPose& pose) const {
+  float stated = 0, greatest = 0;
+  for (const Noise& noise : noise_) {
+    stated += noise.stated_cap;
+    greatest += noise.cap;
+  }
+  return (energy(pose, kNoBound) - (greatest - stated)) / stated;
+}
+
+int ContactTerm::unexplained(const SearchPose& pose) const {
+  const std::vector<Felt> felt = feel_all(pose);
+  const Eigen::Index level = likeliest_level(felt);
+  const std::vector<float> away = away_at_best(felt, level);
+  int count = 0;
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    const float explained = noise_[k].cap - contact_energy(k, felt[k], away[k], level);
+    count += explained < std::log(2.0F);  // ln(1 + A e^-q)
+  }
+  return count;
+}
+
+}  // namespace palpate::localization

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "localization/likelihood/assumption.hpp"
+#include "localization/likelihood/evidence_term.hpp"
+#include "palpate/localization/localizer.hpp"
+
+namespace palpate::localization {
+
+/// Density (per m and sr) of a true contact's distance and normal at its peak, the contact lying
+/// anywhere on the surface (per m^2).
+double peak_contact_density(double area, double point_sigma, double normal_sigma);
+
+/// Contacts (p, n) with the surface, each with its own noise, some share of them false.
+///
+/// With y = R'(p + d n - t), a = phi(y) - d and m = R grad phi: q = a^2 / 2 sp^2 + (1 - n.m) / sn^2
+/// (Gaussian distance, von Mises-Fisher normal), E = ln[(1 + A) / (1 + A e^-q)], where
+/// A = (1 - eps) / eps p_true(q = 0) / p_false, a false contact being uniform over a litre and all
+/// directions. `scale` multiplies the noise. Of the true contacts a share s, by the doubt about the
+/// noise, has a normal that strays, sn^2 being nine times as large: e^-q is a mixture of both.
+///
+/// An offset b ~ N(0, so^2 I) that contacts share makes it a_k + m_k.b, and is integrated out by
+/// Laplace's method: E = sum E_k(b*) + |b*|^2 / 2 so^2 + ln det(I + so^2 sum w_k m_k m_k' / sp^2) /
+/// 2, w_k being the probability that the contact is a true one.
+/// The likelihood is a mixture over assumptions that are the same for all contacts: the noise is
+/// that stated or another one, the object as large as its mesh or larger by g. The latter makes
+/// a_k + g (phi - y.grad phi) of it, as a field phi(y / (1 + g)) (1 + g) is to first order.
+class ContactTerm : public EvidenceTerm {
+ public:
+  ContactTerm(const geometry::ObjectModel& model, const Evidence& evidence, double offset,
+              double scale);
+
+  float energy(const SearchPose& pose, float bound) const override;
+
+  /// Residuals [a / sp; (m - n) / sn] of every contact, weighted by the probability that it is a
+  /// true one: A e^-q / (1 + A e^-q); at the level of noise that explains the contacts best.
+  void linearize(const SearchPose& pose, NormalEquations& equations) const override;
+
+  /// Of a contact by itself, at the noise stated and without its offset.
+  float contact_energy(std::size_t contact, const SearchPose& pose) const;
+
+  /// Contacts that at this pose are more likely false than true.
+  int unexplained(const SearchPose& pose) const;
+
+  /// Energy of a pose above that of contacts that fit exactly at the noise stated, as a share of
+  /// what it would be if no contact were explained. A little below 0 where less noise than stated
+  /// explains them better.
+  float misfit(const SearchPose& pose) const;
+
+  std::size_t size() const { return contacts_.size(); }
+
+ private:
+  struct Datum {
+    Eigen::Vector3f raised;  // the contact's point moved out along its normal
+    Eigen::Vector3f n;
+    Eigen::Matrix3f R_offset_frame = Eigen::Matrix3f::Identity();
+    float reach = 0;  // of the offset it shares; 0: it shares none
+  };
+  /// One value for each assumption, the first being that all is as stated.
+  using Levels = Eigen::Array<float, Eigen::Dynamic, 1, 0, kMostAssumptions, 1>;
+  /// The noise of a contact at each level.
+  struct Noise {
+    Levels half_point_precision, normal_precision;
+    Levels odds;  // A
+    float least_half_point_precision = 0, least_normal_precision = 0;
+    float cap = 0, inverse_peak = 0;  // the greatest ln(1 + A), 1 / (1 + A)
+    float stated_cap = 0;             // ln(1 + A) of the first
+  };
+  /// Of a contact at one level.
+  struct LevelNoise {
+    float half_point_precision, normal_precision, odds;
+  };
+  /// How a contact's normal fits: its density, relative to the peak of those that do not stray, and
+  /// precision, relative to theirs.
+  struct NormalFit {
+    float density, precision;
+  };
+  /// Contacts that share an offset.
+  struct Group {
+    float precision;  // 1 / so^2
+    std::vector<std::size_t> members;
+  };
+  /// A contact as it lies at a pose.
+  struct Felt {
+    float away = 0, tilt = 0;                         // a, 1 - n.m
+    float swell = 0;                                  // change of `away` by the object's growth
+    Eigen::Vector3f slope = Eigen::Vector3f::Zero();  // of `away` by the offset
+    bool near = false;                                // within reach of the distance field
+  };
+  /// An offset and the information about it.
+  struct Fit {
+    Eigen::Vector3f offset = Eigen::Vector3f::Zero();
+    Eigen::Matrix3f information = Eigen::Matrix3f::Identity();
+  };
+  /// The residuals of a contact and their change with pose and offset.
+  struct Linearized {
+    Eigen::Matrix<double, 4, 6> J;
+    Eigen::Vector4d r;
+    double weight;
+  };
+  /// The product over contacts of their likelihoods at each level: one logarithm for all.
+  struct Product {
+    Levels likelihood;
+    float log_scale = 0;
+    void multiply(const Levels& factor);
+    float energy(const Levels& priors) const;
+  };
+
+  bool shares(std::size_t contact) const { return contacts_[contact].reach > 0; }
+  LevelNoise noise_at(std::size_t k, Eigen::Index level) const {
+    return {noise_[k].half_point_precision[level], noise_[k].normal_precision[level],
+            noise_[k].odds[level]};
+  }
+  static Noise make_noise(const geometry::ObjectModel& model, const Evidence& evidence,
+                          const tactile::Contact& contact, const std::vector<Assumption>& levels,
+                          double scale);
+  /// @param q  (1 - n.m) / sn^2
+  NormalFit normal_fit(float q) const;
+  Felt feel(const Datum& contact, const SearchPose& pose) const;
+  std::vector<Felt> feel_all(const SearchPose& pose) const;
+  float away_at(const Felt& felt, Eigen::Index level) const {
+    return felt.away + growth_[level] * felt.swell;
+  }
+  /// Likelihood of a contact at every level, at most 1; `slack` nearer than it lies.
+  Levels likelihood(std::size_t contact, const Felt& felt, float slack) const;
+  float contact_energy(std::size_t contact, const Felt& felt, float away, Eigen::Index level) const;
+  Fit fit(const Group& group, const std::vector<Felt>& felt, Eigen::Index level) const;
+  float group_energy(const Group& group, const std::vector<Felt>& felt, Eigen::Index level) const;
+  /// Of all contacts, given the product of those that share no offset.
+  Levels level_energies(const Product& alone, const std::vector<Felt>& felt) const;
+  Eigen::Index likeliest_level(const std::vector<Felt>& felt) const;
+  /// Of every contact, displaced by the offset that fits best.
+  std::vector<float> away_at_best(const std::vector<Felt>& felt, Eigen::Index level) const;
+  std::optional<Linearized> linearized(std::size_t contact, const SearchPose& pose, float away,
+                                       const LevelNoise& noise) const;
+
+  const geometry::DistanceField& field_;
+  float offset_;
+  float stray_;  // prior share of contacts whose normal strays
+  std::vector<Datum> contacts_;
+  std::vector<Group> groups_;
+  float most_growth_ = 0;
+  Levels priors_, growth_;  // probability, relative growth of the object
+  std::vector<Noise> noise_;
+};
+
+}  // namespace palpate::localization

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+
+#include "localization/likelihood/evidence_term.hpp"
+#include "localization/likelihood/free_space_term.hpp"
+#include "localization/search/pose_mixture.hpp"
+#include "palpate/localization/localizer.hpp"
+
+namespace palpate::localization {
+
+/// Builds the sum of the terms that the evidence calls for, at any noise scale.
+class EnergyMaker {
+ public:
+  EnergyMaker(const geometry::ObjectModel& model, const Evidence& evidence, double contact_offset);
+
+  Energy operator()(double scale) const;
+
+ private:
+  const geometry::ObjectModel& model_;
+  const Evidence& evidence_;
+  double contact_offset_;
+  std::shared_ptr<const PoseMixture> prior_;
+  std::shared_ptr<const FreeSpaceTerm::Balls> balls_;
+};
+
+}  // namespace palpate::localization

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "localization/likelihood/verdict.hpp"
+
+#include "localization/likelihood/contact_term.hpp"
+
+namespace palpate::localization {
+namespace {
+
+constexpr double kCertain = 0.95;
+/// Share of the energy that all contacts would have if they were false. At the pose of the right
+/// object it is about .15 and with twice the noise stated .2 to .4; of wrong ones .5 and more. The
+/// false contacts that are expected take theirs besides.
+constexpr float kMostUnexplained = 0.45F;
+
+}  // namespace
+
+bool contradicted(const geometry::ObjectModel& model, const Evidence& evidence,
+                  const SearchPose& best, double contact_offset) {
+  const ContactTerm contacts(model, evidence, contact_offset, 1.0);
+  const auto expected = static_cast<float>(evidence.false_contact_share);
+  return 2 * contacts.unexplained(best) > static_cast<int>(contacts.size()) ||
+         contacts.misfit(best) > kMostUnexplained + expected;
+}
+
+PoseStatus status_of(const std::vector<Mode>& modes) {
+  if (modes.empty()) return PoseStatus::no_pose;
+  const Mode& best = modes.front();
+  return best.weight > kCertain && !best.free_axis ? PoseStatus::certain : PoseStatus::ambiguous;
+}
+
+}  // namespace palpate::localization

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "localization/search/descent.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace palpate::localization {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr PoseTolerance kSamePose{1.5 * kDegree, 0.002};  // two descents that ended together
+
+/// The proposals of the least energy.
+std::vector<SearchPose> best_proposals(const Proposal& proposal, const Energy& energy,
+                                       const DescentOptions& options, RandomStream& random) {
+  using Scored = std::pair<float, SearchPose>;
+  const auto less = [](const Scored& a, const Scored& b) { return a.first < b.first; };
+  std::vector<Scored> best;  // a heap, the worst on top
+  for (int i = 0; i < options.proposals; ++i) {
+    const bool full = static_cast<int>(best.size()) >= options.starts;
+    const float bound = full ? best.front().first : kNoBound;
+    const SearchPose pose = proposal.draw(random);
+    const float e = energy(pose, bound);
+    if (!(e < bound)) continue;
+    if (full) {
+      std::pop_heap(best.begin(), best.end(), less);
+      best.pop_back();
+    }
+    best.emplace_back(e, pose);
+    std::push_heap(best.begin(), best.end(), less);
+  }
+  std::vector<SearchPose> poses;
+  for (const auto& [e, pose] : best) poses.push_back(pose);
+  return poses;
+}
+
+PosePoint point_of(const SearchPose& pose) {
+  return {Eigen::Quaterniond(pose.R.cast<double>()).normalized(), pose.t.cast<double>()};
+}
+
+std::vector<Basin> basins_of(std::vector<RefinedPose> refined,
+                             const PoseFamily::Symmetries& symmetries) {
+  std::sort(refined.begin(), refined.end(),
+            [](const auto& a, const auto& b) { return a.log_weight > b.log_weight; });
+  std::vector<Basin> basins;
+  for (const RefinedPose& r : refined) {
+    const PosePoint pose = point_of(r.pose);
+    const auto same = std::find_if(basins.begin(), basins.end(), [&](const Basin& basin) {
+      return PoseFamily(basin.pose).contains(pose, symmetries, kSamePose);
+    });
+    if (same != basins.end()) {
+      ++same->starts;
+    } else {
+      basins.push_back({r, pose});
+    }
+  }
+  return basins;
+}
+
+}  // namespace
+
+std::vector<Basin> find_basins(const Proposal& proposal,
+                               const std::function<Energy(double)>& energy_at,
+                               const PoseFamily::Symmetries& symmetries,
+                               const DescentOptions& options, RandomStream& random) {
+  const EnergyLadder ladder = energy_ladder(energy_at, options.first_scale);
+  std::vector<RefinedPose> ends;
+  for (const SearchPose& start : best_proposals(proposal, ladder.front().second, options, random)) {
+    ends.push_back(refined(start, ladder));
+  }
+  return basins_of(std::move(ends), symmetries);
+}
+
+std::vector<double> basin_shares(const std::vector<Basin>& basins) {
+  std::vector<double> shares;
+  double total = 0;
+  for (const Basin& basin : basins) {
+    shares.push_back(std::exp(basin.best.log_weight - basins.front().best.log_weight));
+    total += shares.back();
+  }
+  for (double& share : shares) share /= total;
+  return shares;
+}
+
+}  // namespace palpate::localization

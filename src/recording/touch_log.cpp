@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/recording/touch_log.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string_view>
+
+#include "palpate/core/error.hpp"
+
+namespace palpate::recording {
+namespace {
+
+constexpr std::string_view kMarkPrefix = "mark ";
+
+std::optional<estimation::Mark> mark_of(const Event& event) {
+  if (!event.text.starts_with(kMarkPrefix)) return std::nullopt;
+  const std::string name = event.text.substr(kMarkPrefix.size());
+  const auto found = std::find(estimation::kMarkNames.begin(), estimation::kMarkNames.end(), name);
+  if (found == estimation::kMarkNames.end()) {
+    throw BadInput(fmt::format("the recording has a mark {:?} at {} s, which means nothing here",
+                               name, event.time));
+  }
+  return static_cast<estimation::Mark>(found - estimation::kMarkNames.begin());
+}
+
+}  // namespace
+
+estimation::TouchLog touch_log(const Recording& recording) {
+  estimation::TouchLog log;
+  for (const auto& frame : recording.frames) log.readings.push_back(frame.reading);
+  for (const auto& event : recording.events) {
+    const auto mark = mark_of(event);
+    const auto reading =
+        std::find_if(log.readings.begin(), log.readings.end(),
+                     [&](const auto& candidate) { return candidate.time >= event.time; });
+    if (!mark || reading == log.readings.end()) continue;
+    log.moments.push_back({*mark, static_cast<std::size_t>(reading - log.readings.begin())});
+  }
+  return log;
+}
+
+}  // namespace palpate::recording

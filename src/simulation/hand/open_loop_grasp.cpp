@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/simulation/hand/open_loop_grasp.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+
+namespace palpate::simulation {
+namespace {
+
+constexpr double kApproach = 0.22;   // m before the object where a side approach starts
+constexpr double kOvershoot = 0.03;  // m past its place where it ends at the latest
+constexpr double kSpeed = 0.1;       // m/s
+constexpr double kDescent = 0.08;    // m, from where the approach from above starts
+constexpr double kSideLoad = 1.0;    // N on the base that ends the approach
+constexpr double kTopLoad = 2.5;     // N
+constexpr int kSettingOut = 40;      // ticks whose load is that of setting out
+constexpr double kLift = 0.1;        // m
+constexpr double kRamp = 0.8;        // s, to the holding torques
+constexpr double kHangs = 0.05;      // m above the table
+
+constexpr grasping::ClosingTorque kTouch = {
+    .proximal = 0.098, .distal = 0.07, .thumb = 0.098, .thumb_distal = 0.07};
+constexpr grasping::ClosingTorque kHold = {
+    .proximal = 0.23, .distal = 0.2, .thumb = 0.2, .thumb_distal = 0.14};
+constexpr std::array<bool, hand::kFingers> kAll = {true, true, true, true, true};
+
+int ticks(double seconds) { return static_cast<int>(std::lround(seconds / hand::kTick)); }
+
+hand::HandCommand opened(const BlindGrasp& grasp) {
+  hand::HandCommand command;
+  const auto set = [&](const std::string& name, double value) {
+    command.positions[hand::actuator_index(name)] = value;
+  };
+  for (const std::string finger : {"FF", "MF", "RF", "LF"}) {
+    set(finger + "J3", grasp.side ? 0.175 : 0.094);
+    set(finger + "J0", grasp.side ? 0.328 : 0.54);
+  }
+  set("FFJ4", grasp.side ? -0.18 : -0.087);
+  set("LFJ4", grasp.side ? -0.18 : -0.087);
+  set("LFJ5", 0.1);
+  set("THJ5", grasp.side ? -0.3 : -0.2);
+  set("THJ4", grasp.side ? 1.08 : 1.03);
+  set("THJ2", grasp.side ? -0.34 : -0.21);
+  if (grasp.side) {
+    command.base.xyz << 0.002, -kApproach, grasp.height;
+    command.base.ypr << 0, 0.197, 0.5 * std::numbers::pi - 0.017;
+  } else {
+    command.base.xyz << -0.027, -0.02, grasp.height + kDescent;
+    command.base.ypr << 0, 0.475, -0.3;
+  }
+  return command;
+}
+
+/// Moves the base along y, or down, until it feels a load or the way is done.
+hand::HandReading approach(World& world, hand::HandCommand& command, bool side) {
+  hand::HandReading reading;
+  const int axis = side ? 1 : 2;
+  const double way = side ? kApproach + kOvershoot : -kDescent;
+  const double load = side ? kSideLoad : kTopLoad;
+  const int most = ticks(std::abs(way) / kSpeed);
+  for (int tick = 0; tick < most; ++tick) {
+    command.base.xyz[axis] += way / most;
+    reading = world.hand().step(command);
+    if (tick > kSettingOut && std::abs(reading.base_force[axis]) > load) break;
+  }
+  return reading;
+}
+
+}  // namespace
+
+bool run_blind_grasp(World& world, const BlindGrasp& grasp) {
+  hand::HandCommand command = opened(grasp);
+  world.reset(grasp.start, command);
+  hand::HandReading reading = approach(world, command, grasp.side);
+  const grasping::ClosingLaw law(world.hand().actuators(), grasp.side ? 1.76 : 3.0,
+                                 grasp.side ? 0.785 : 0.718);
+  grasping::ClosingTorque hold = kHold;
+  hold.proximal *= grasp.grip;
+  hold.distal *= grasp.grip;
+  hold.thumb *= grasp.grip;
+  hold.thumb_distal *= grasp.grip;
+  const int closed = ticks(grasp.close_seconds), held = closed + ticks(kRamp);
+  const int lifted = held + ticks(grasp.lift_seconds);
+  for (int tick = 0; tick < lifted + ticks(grasp.hold_seconds); ++tick) {
+    const double share = std::clamp((tick - closed) * hand::kTick / kRamp, 0.0, 1.0);
+    law.advance(command, reading, grasping::blend(kTouch, hold, share), kAll);
+    if (tick >= held && tick < lifted) command.base.xyz.z() += kLift / (lifted - held);
+    reading = world.hand().step(command);
+  }
+  return !world.diverged() && world.truth().lowest_point > kHangs;
+}
+
+}  // namespace palpate::simulation

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "simulation/hand/simulated_hand.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <cmath>
+#include <string>
+
+#include "palpate/core/error.hpp"
+#include "palpate/core/se3.hpp"
+#include "palpate/hand/coupling.hpp"
+#include "simulation/contact/fingertip_touch.hpp"
+#include "simulation/world/object_step.hpp"
+
+namespace palpate::simulation {
+namespace {
+
+using Index = std::size_t;
+
+std::array<hand::Actuator, hand::kActuators> read_actuators(const Scene& scene) {
+  const mjModel& m = *scene.model;
+  std::array<hand::Actuator, hand::kActuators> result;
+  for (Index i = 0; i < result.size(); ++i) {
+    const int id = scene.actuators[i];
+    const mjtNum* const range = m.actuator_ctrlrange + 2 * id;
+    result[i] = {.stiffness = m.actuator_gainprm[mjNGAIN * id],
+                 .command = {range[0], range[1]},
+                 .max_torque = m.actuator_forcerange[2 * id + 1]};
+  }
+  return result;
+}
+
+Vector6d base_vector(const hand::BasePosition& base) {
+  Vector6d result;
+  result << base.xyz, base.ypr;
+  return result;
+}
+
+}  // namespace
+
+SimulatedHand::SimulatedHand(const Scene& scene, mjData& data, const WorldOptions& options,
+                             const RandomStream& random)
+    : scene_(scene),
+      data_(data),
+      noise_(options.noise),
+      integral_(options.integral),
+      random_(random),
+      steps_a_tick_(static_cast<int>(std::lround(hand::kTick / scene.model->opt.timestep))),
+      actuators_(read_actuators(scene)) {
+  for (Index i = 0; i < actuators_.size(); ++i) {
+    stiffness_[static_cast<int>(i)] = actuators_[i].stiffness;
+  }
+}
+
+void SimulatedHand::apply(const hand::HandCommand& command) {
+  const Vector6d base = base_vector(command.base);
+  if (!command.positions.allFinite() || !base.allFinite()) {
+    throw BadInput(
+        fmt::format("the hand's command has a value that is not finite: base {}, sum of "
+                    "positions {}",
+                    fmt::join(base, " "), command.positions.sum()));
+  }
+  for (Index i = 0; i < scene_.actuators.size(); ++i) {
+    data_.ctrl[scene_.actuators[i]] = command.positions[static_cast<int>(i)];
+  }
+  for (Index i = 0; i < scene_.base_actuators.size(); ++i) {
+    data_.ctrl[scene_.base_actuators[i]] = base[static_cast<int>(i)];
+  }
+}
+
+/// The servos give P and D; the integral moves their setpoint by what makes up its torque.
+void SimulatedHand::integrate(const hand::HandCommand& command) {
+  hand::ActuatorVector errors;
+  for (Index i = 0; i < scene_.actuators.size(); ++i) {
+    const auto k = static_cast<int>(i);
+    errors[k] = command.positions[k] - data_.actuator_length[scene_.actuators[i]];
+  }
+  const hand::ActuatorVector& torques =
+      integral_.update(errors, stiffness_, scene_.model->opt.timestep);
+  for (Index i = 0; i < scene_.actuators.size(); ++i) {
+    const auto k = static_cast<int>(i);
+    data_.ctrl[scene_.actuators[i]] = command.positions[k] + torques[k] / stiffness_[k];
+  }
+}
+
+void SimulatedHand::step_physics() {
+  if (!observer_) {
+    mj_step(scene_.model.get(), &data_);
+    return;
+  }
+  const StepStart start = read_step_start(scene_, data_);
+  mj_step(scene_.model.get(), &data_);
+  observer_(read_object_step(scene_, data_, start));
+}
+
+hand::HandReading SimulatedHand::step(const hand::HandCommand& command) {
+  apply(command);
+  for (int i = 0; i < steps_a_tick_; ++i) {
+    integrate(command);
+    step_physics();
+  }
+  ++tick_;
+  return read();
+}
+
+void SimulatedHand::reset(const hand::HandCommand& command) {
+  apply(command);
+  const hand::JointVector joints = hand::joints_in_free_flexion(command.positions);
+  for (Index i = 0; i < scene_.joint_positions.size(); ++i) {
+    data_.qpos[scene_.joint_positions[i]] = joints[static_cast<int>(i)];
+  }
+  const Vector6d base = base_vector(command.base);
+  for (Index i = 0; i < scene_.base_positions.size(); ++i) {
+    data_.qpos[scene_.base_positions[i]] = base[static_cast<int>(i)];
+  }
+  integral_.reset();
+  if (biotacs_) biotacs_->reset();
+  tick_ = 0;
+}
+
+hand::HandReading SimulatedHand::read() {
+  RandomStream random = random_.fork("reading", tick_);
+  hand::HandReading reading;
+  reading.time = static_cast<double>(tick_) * hand::kTick;
+  for (int i = 0; i < hand::kJoints; ++i) {
+    reading.joints[i] =
+        data_.qpos[scene_.joint_positions[static_cast<Index>(i)]] + noise_.joint * random.normal();
+  }
+  for (int i = 0; i < hand::kActuators; ++i) {
+    reading.torques[i] = data_.actuator_force[scene_.actuators[static_cast<Index>(i)]];
+  }
+  for (int i = 0; i < 3; ++i) {
+    const auto k = static_cast<Index>(i);
+    reading.base.xyz[i] = data_.qpos[scene_.base_positions[k]];
+    reading.base.ypr[i] = data_.qpos[scene_.base_positions[k + 3]];
+    reading.base_force[i] = data_.actuator_force[scene_.base_actuators[k]];
+  }
+  read_contacts(reading, random);
+  return reading;
+}
+
+void SimulatedHand::read_contacts(hand::HandReading& reading, RandomStream& random) {
+  std::array<TipLoad, hand::kFingers> loads;
+  const Eigen::Isometry3d T_object_world = body_pose(data_, scene_.object).inverse();
+  for (Index i = 0; i < loads.size(); ++i) {
+    const int link = scene_.model->geom_bodyid[scene_.tips[i]];
+    loads[i].T_object_link = T_object_world * body_pose(data_, link);
+  }
+  for (int i = 0; i < data_.ncon; ++i) {
+    const auto touch = read_fingertip_touch(*scene_.model, data_, i, scene_.tips);
+    if (!touch) continue;
+    const bool of_object = scene_.model->geom_bodyid[touch->other_geom] == scene_.object;
+    if (!of_object && !scene_.stands_fast(touch->other_geom)) continue;
+    const auto finger = static_cast<Index>(touch->finger);
+    (of_object ? loads[finger].on_object : loads[finger].on_others).push_back(touch->contact);
+    if (const auto felt = as_felt(touch->contact, noise_, random)) {
+      reading.contacts[finger].push_back(*felt);
+    }
+  }
+  if (biotacs_) reading.biotacs = biotacs_->step(loads, reading.time);
+}
+
+}  // namespace palpate::simulation

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <utility>
+
+#include "palpate/core/random.hpp"
+#include "palpate/hand/hand.hpp"
+#include "simulation/hand/simulated_biotacs.hpp"
+#include "simulation/world/scene.hpp"
+
+namespace palpate::simulation {
+
+/// The Shadow hand of a scene: drives its actuators and reads its noisy sensors.
+class SimulatedHand : public hand::Hand {
+ public:
+  /// Keeps references: scene and data must outlive the hand.
+  SimulatedHand(const Scene& scene, mjData& data, const WorldOptions& options,
+                const RandomStream& random);
+
+  const std::array<hand::Actuator, hand::kActuators>& actuators() const override {
+    return actuators_;
+  }
+  hand::HandReading step(const hand::HandCommand& command) override;
+
+  /// Puts the hand, at rest, where the command wants it, and starts the noise anew. The coupled
+  /// joints J1 and J2 share J0 as in free flexion.
+  void reset(const hand::HandCommand& command);
+
+  /// From now on readings hold the channels of these.
+  void wear(SimulatedBiotacs biotacs) { biotacs_.emplace(std::move(biotacs)); }
+
+  /// Tells of every step of the physics; an empty observer ends that.
+  void observe(StepObserver observer) { observer_ = std::move(observer); }
+
+ private:
+  void apply(const hand::HandCommand& command);
+  void integrate(const hand::HandCommand& command);
+  void step_physics();
+  hand::HandReading read();
+  void read_contacts(hand::HandReading& reading, RandomStream& random);
+
+  const Scene& scene_;
+  mjData& data_;
+  SensorNoise noise_;
+  simulation::IntegralAction integral_;
+  hand::ActuatorVector stiffness_;
+  RandomStream random_;
+  std::uint64_t tick_ = 0;
+  int steps_a_tick_;
+  std::array<hand::Actuator, hand::kActuators> actuators_;
+  StepObserver observer_;
+  std::optional<SimulatedBiotacs> biotacs_;
+};
+
+}  // namespace palpate::simulation

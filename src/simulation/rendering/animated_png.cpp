@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "simulation/rendering/animated_png.hpp"
+
+#include <zlib.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <string_view>
+
+namespace palpate::simulation {
+namespace {
+
+constexpr std::size_t kSignature = 8, kHeader = 25;  // bytes of the file's signature and its IHDR
+
+struct Rectangle {
+  int x = 0, y = 0, width = 1, height = 1;
+};
+
+void append(std::string& bytes, std::uint32_t value) {
+  for (const int shift : {24, 16, 8, 0}) bytes += static_cast<char>(value >> shift & 0xff);
+}
+
+void append_short(std::string& bytes, std::uint32_t value) {
+  for (const int shift : {8, 0}) bytes += static_cast<char>(value >> shift & 0xff);
+}
+
+std::uint32_t number_at(std::string_view bytes, std::size_t at) {
+  std::uint32_t value = 0;
+  for (std::size_t i = 0; i < 4; ++i) value = value << 8 | static_cast<std::uint8_t>(bytes[at + i]);
+  return value;
+}
+
+void append_chunk(std::string& file, const std::string& type, const std::string& data) {
+  const std::string checked = type + data;
+  append(file, static_cast<std::uint32_t>(data.size()));
+  file += checked;
+  append(file, static_cast<std::uint32_t>(crc32(0, reinterpret_cast<const Bytef*>(checked.data()),
+                                                static_cast<uInt>(checked.size()))));
+}
+
+/// The compressed pixels of a PNG file: the data of its IDAT chunks.
+std::string pixels_of(std::string_view png) {
+  std::string pixels;
+  for (std::size_t at = kSignature; at + 12 <= png.size();) {
+    const std::size_t length = number_at(png, at);
+    if (png.substr(at + 4, 4) == "IDAT") pixels += png.substr(at + 8, length);
+    at += 12 + length;
+  }
+  return pixels;
+}
+
+/// Where two pictures of one size differ; one pixel where they do not.
+Rectangle difference(const Image& a, const Image& b) {
+  int left = a.width, right = -1, top = a.height, bottom = -1;
+  for (int y = 0; y < a.height; ++y) {
+    for (int x = 0; x < a.width; ++x) {
+      const auto at = 3 * (static_cast<std::ptrdiff_t>(y) * a.width + x);
+      if (std::equal(a.rgb.begin() + at, a.rgb.begin() + at + 3, b.rgb.begin() + at)) continue;
+      left = std::min(left, x);
+      right = std::max(right, x);
+      top = std::min(top, y);
+      bottom = y;
+    }
+  }
+  if (right < 0) return {};
+  return {left, top, right - left + 1, bottom - top + 1};
+}
+
+Image cropped(const Image& image, const Rectangle& part) {
+  Image result{part.width, part.height, {}};
+  for (int y = part.y; y < part.y + part.height; ++y) {
+    const auto row =
+        image.rgb.begin() + 3 * (static_cast<std::ptrdiff_t>(y) * image.width + part.x);
+    result.rgb.insert(result.rgb.end(), row, row + 3 * part.width);
+  }
+  return result;
+}
+
+std::string frame_control(std::uint32_t sequence, const Rectangle& part, double seconds) {
+  std::string data;
+  append(data, sequence);
+  for (const int number : {part.width, part.height, part.x, part.y}) {
+    append(data, static_cast<std::uint32_t>(number));
+  }
+  append_short(data, static_cast<std::uint32_t>(std::lround(1000 * seconds)));
+  append_short(data, 1000);
+  data += std::string(2, '\0');  // leave the picture as it is, and put the next one over it
+  return data;
+}
+
+}  // namespace
+
+std::string encode_animation(const std::vector<Image>& images, double seconds) {
+  const std::string first = encode_png(images[0]);
+  std::string file = first.substr(0, kSignature + kHeader);
+  std::string control;
+  append(control, static_cast<std::uint32_t>(images.size()));
+  append(control, 0);  // for ever
+  append_chunk(file, "acTL", control);
+  std::uint32_t sequence = 0;
+  append_chunk(file, "fcTL",
+               frame_control(sequence++, {0, 0, images[0].width, images[0].height}, seconds));
+  append_chunk(file, "IDAT", pixels_of(first));
+  for (std::size_t i = 1; i < images.size(); ++i) {
+    const Rectangle part = difference(images[i - 1], images[i]);
+    append_chunk(file, "fcTL", frame_control(sequence++, part, seconds));
+    std::string data;
+    append(data, sequence++);
+    append_chunk(file, "fdAT", data + pixels_of(encode_png(cropped(images[i], part))));
+  }
+  append_chunk(file, "IEND", "");
+  return file;
+}
+
+}  // namespace palpate::simulation

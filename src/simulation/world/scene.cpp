@@ -1,0 +1,268 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "simulation/world/scene.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <string_view>
+
+#include "palpate/core/assets.hpp"
+#include "palpate/core/error.hpp"
+#include "palpate/simulation/world/convex_parts.hpp"
+#include "simulation/contact/exact_contact.hpp"
+#include "simulation/hand/hand_joints.hpp"
+#include "simulation/hand/hand_spec.hpp"
+#include "simulation/world/mesh_geom.hpp"
+
+namespace palpate::simulation {
+namespace {
+
+constexpr int kContactDimensions = 4;  // normal, two of sliding, one of spinning
+constexpr double kSpinFriction = 0.01;
+constexpr double kRollFriction = 0.0002;
+
+// Softer than the tightest spring the time step allows, so that a flat contact does not chatter.
+constexpr double kContactTime = 0.007;  // s
+constexpr std::array<double, 5> kObjectImpedance = {0.9, 0.95, 0.001, 0.5, 2};
+
+// Who meets whom: type of one and affinity of the other must share a bit. Fingertips meet the
+// object's true surface, the table its convex hull, all else its convex parts.
+struct ContactBits {
+  int type, affinity;
+};
+constexpr ContactBits kSolidBits = {1, 7};
+constexpr ContactBits kTableBits = {1, 13};
+constexpr ContactBits kPartBits = {2, 2};
+constexpr ContactBits kTipBits = {4, 12};
+constexpr ContactBits kSurfaceBits = {8, 0};
+
+void set_bits(mjsGeom& geom, ContactBits bits) {
+  geom.contype = bits.type;
+  geom.conaffinity = bits.affinity;
+}
+
+constexpr const char* kSurface = "surface";
+constexpr const char* kFixture = "fixture_";  // and a number
+
+struct BaseAxis {
+  const char* name;
+  mjtJoint type;
+  int axis;
+};
+constexpr std::array<BaseAxis, 6> kBaseAxes = {{{"base_x", mjJNT_SLIDE, 0},
+                                                {"base_y", mjJNT_SLIDE, 1},
+                                                {"base_z", mjJNT_SLIDE, 2},
+                                                {"base_yaw", mjJNT_HINGE, 2},
+                                                {"base_pitch", mjJNT_HINGE, 1},
+                                                {"base_roll", mjJNT_HINGE, 0}}};
+
+struct Servo {
+  double stiffness, damping, limit;
+};
+constexpr Servo kSlideServo = {4000, 253, 200};  // N/m, N s/m, N
+constexpr Servo kHingeServo = {200, 12.6, 50};   // N m/rad, N m s/rad, N m
+/// Of the hinges' rotors. Without it the inertia is singular at a pitch of 90 deg, where yaw and
+/// roll turn about one axis, and what the hand holds is thrown out of it there.
+constexpr double kHingeInertia = 0.01;  // kg m^2
+
+void require_positive(const char* name, double value) {
+  if (!(std::isfinite(value) && value > 0)) {
+    throw BadInput(fmt::format("{} must be positive, not {}", name, value));
+  }
+}
+
+void check(const WorldOptions& options) {
+  require_positive("time_step", options.time_step);
+  require_positive("hand_friction", options.hand_friction);
+  require_positive("table_friction", options.table_friction);
+  require_positive("stiffness_scale", options.stiffness_scale);
+  const double steps = hand::kTick / options.time_step;
+  if (steps < 1 || std::abs(steps - std::round(steps)) > 1e-9) {
+    throw BadInput(
+        fmt::format("time_step must divide {} s, not {}", hand::kTick, options.time_step));
+  }
+}
+
+void set_solver(mjSpec& spec, const WorldOptions& options) {
+  spec.option.timestep = options.time_step;
+  spec.option.integrator = mjINT_IMPLICITFAST;
+  spec.option.solver = mjSOL_NEWTON;
+  spec.option.cone = mjCONE_ELLIPTIC;  // with pyramids objects slip out of the hand
+  spec.option.impratio = 10;
+  spec.option.noslip_iterations = 5;
+  spec.nuser_geom = kExactContactUserData;
+  spec.option.disableflags |= mjDSBL_AUTORESET;  // a diverged world must stay visible
+}
+
+/// @param exact  it meets the hull of the object's true surface: a plane touches nothing else of it
+void add_table(mjSpec& spec, double friction, bool exact) {
+  mjsGeom* table = mjs_addGeom(mjs_findBody(&spec, "world"), nullptr);
+  mjs_setName(table->element, "table");
+  table->type = mjGEOM_PLANE;
+  Eigen::Vector3d::Map(table->size) << 1, 1, 0.1;
+  Eigen::Vector3d::Map(table->friction) << friction, 0.005, 0.0001;
+  table->condim = 3;
+  table->priority = 1;
+  set_bits(*table, exact ? kTableBits : kSolidBits);
+}
+
+void add_fixture(mjSpec& spec, const planning::Fixture& fixture, double friction) {
+  mjsBody* world = mjs_findBody(&spec, "world");
+  int number = 0;
+  for (const planning::FixtureBox& box : fixture) {
+    for (const double half : box.half_extents) require_positive("a fixture's half extent", half);
+    mjsGeom* geom = mjs_addGeom(world, nullptr);
+    mjs_setName(geom->element, fmt::format("{}{}", kFixture, number++).c_str());
+    geom->type = mjGEOM_BOX;
+    Eigen::Vector3d::Map(geom->size) = box.half_extents;
+    write_pose(box.T_world_box, geom->pos, geom->quat);
+    Eigen::Vector3d::Map(geom->friction) << friction, 0.005, 0.0001;
+    geom->condim = 3;
+    geom->priority = 1;
+    geom->solref[0] = kContactTime;
+    set_bits(*geom, kSolidBits);
+  }
+}
+
+void add_base_joint(mjSpec& spec, mjsBody& root, const BaseAxis& axis) {
+  const Eigen::Isometry3d T_root_base = pose3(root.pos, root.quat).inverse();
+  mjsJoint* joint = mjs_addJoint(&root, mjs_getSpecDefault(&spec));
+  mjs_setName(joint->element, axis.name);
+  joint->type = axis.type;
+  Eigen::Vector3d::Map(joint->axis) = T_root_base.linear().col(axis.axis);
+  Eigen::Vector3d::Map(joint->pos) = T_root_base.translation();
+  if (axis.type == mjJNT_HINGE) joint->armature = kHingeInertia;
+}
+
+void add_base_servo(mjSpec& spec, const BaseAxis& axis) {
+  const Servo& servo = axis.type == mjJNT_SLIDE ? kSlideServo : kHingeServo;
+  mjsActuator* actuator = mjs_addActuator(&spec, mjs_getSpecDefault(&spec));
+  mjs_setName(actuator->element, axis.name);
+  mjs_setString(actuator->target, axis.name);
+  actuator->trntype = mjTRN_JOINT;
+  // Damped by the servo, not the joint: joint damping would show up as a contact force.
+  double damping = servo.damping;
+  mjs_setToPosition(actuator, servo.stiffness, &damping, nullptr, nullptr, 0);
+  actuator->forcelimited = mjLIMITED_TRUE;
+  actuator->forcerange[0] = -servo.limit;
+  actuator->forcerange[1] = servo.limit;
+}
+
+void add_base(mjSpec& spec) {
+  mjsBody& root = find_body(spec, std::string(kRight) + "forearm");
+  for (const BaseAxis& axis : kBaseAxes) {
+    add_base_joint(spec, root, axis);
+    add_base_servo(spec, axis);
+  }
+}
+
+void set_friction(mjsGeom& geom, double friction) {
+  Eigen::Vector3d::Map(geom.friction) << friction, kSpinFriction, kRollFriction;
+  geom.condim = kContactDimensions;
+}
+
+void prepare_hand(mjSpec& spec, const WorldOptions& options) {
+  mjs_discardVisual(&spec, nullptr);
+  for (mjsElement* e = mjs_firstElement(&spec, mjOBJ_GEOM); e; e = mjs_nextElement(&spec, e)) {
+    set_friction(*mjs_asGeom(e), options.hand_friction);
+    set_bits(*mjs_asGeom(e), kSolidBits);
+  }
+  for (int finger = 0; finger < hand::kFingers; ++finger) {
+    mjsGeom& tip = *mjs_asGeom(mjs_findElement(&spec, mjOBJ_GEOM, mjcf_tip(finger).c_str()));
+    tip.solref[0] = kContactTime;
+    if (options.exact_tips) set_bits(tip, kTipBits);
+  }
+  for (mjsElement* e = mjs_firstElement(&spec, mjOBJ_BODY); e; e = mjs_nextElement(&spec, e)) {
+    mjs_asBody(e)->gravcomp = 1;
+  }
+  prepare_joints(spec, options);
+}
+
+mjsGeom& add_solid(mjSpec& spec, mjsBody& body, const std::string& name,
+                   const geometry::TriangleMesh& mesh) {
+  mjsGeom& geom = add_mesh(spec, body, name, mesh);
+  geom.solref[0] = kContactTime;
+  std::copy(kObjectImpedance.begin(), kObjectImpedance.end(), geom.solimp);
+  return geom;
+}
+
+mjsBody& add_object_body(mjSpec& spec, const geometry::KnownObject& object) {
+  mjsBody* body = mjs_addBody(mjs_findBody(&spec, "world"), nullptr);
+  mjs_setName(body->element, "object");
+  const Eigen::Matrix3d& I = object.mass_properties.inertia;
+  const std::array<double, 6> inertia = {I(0, 0), I(1, 1), I(2, 2), I(0, 1), I(0, 2), I(1, 2)};
+  body->explicitinertial = 1;
+  body->mass = object.mass;
+  Eigen::Vector3d::Map(body->ipos) = object.mass_properties.centroid;
+  std::copy(inertia.begin(), inertia.end(), body->fullinertia);
+  mjsJoint* joint = mjs_addFreeJoint(body);
+  joint->align = mjALIGNFREE_FALSE;
+  return *body;
+}
+
+void add_object(mjSpec& spec, const geometry::KnownObject& object, const WorldOptions& options) {
+  mjsBody& body = add_object_body(spec, object);
+  int number = 0;
+  for (const geometry::TriangleMesh& part : convex_parts(object.mesh)) {
+    mjsGeom& geom = add_solid(spec, body, fmt::format("part_{}", number++), part);
+    set_friction(geom, options.hand_friction);
+    set_bits(geom, kPartBits);
+  }
+  if (!options.exact_tips) return;
+  mjsGeom& surface = add_solid(spec, body, kSurface, object.mesh);
+  set_friction(surface, options.hand_friction);
+  set_bits(surface, kSurfaceBits);
+}
+
+void locate(Scene& scene) {
+  const mjModel& m = *scene.model;
+  for (std::size_t i = 0; i < scene.joint_positions.size(); ++i) {
+    scene.joint_positions[i] =
+        m.jnt_qposadr[find_id(m, mjOBJ_JOINT, mjcf_joint(hand::kJointNames[i]))];
+  }
+  for (std::size_t i = 0; i < scene.actuators.size(); ++i) {
+    scene.actuators[i] = find_id(m, mjOBJ_ACTUATOR, mjcf_actuator(hand::kActuatorNames[i]));
+  }
+  for (std::size_t i = 0; i < kBaseAxes.size(); ++i) {
+    scene.base_positions[i] = m.jnt_qposadr[find_id(m, mjOBJ_JOINT, kBaseAxes[i].name)];
+    scene.base_actuators[i] = find_id(m, mjOBJ_ACTUATOR, kBaseAxes[i].name);
+  }
+  for (int finger = 0; finger < hand::kFingers; ++finger) {
+    scene.tips[static_cast<std::size_t>(finger)] = find_id(m, mjOBJ_GEOM, mjcf_tip(finger));
+  }
+  scene.table = find_id(m, mjOBJ_GEOM, "table");
+  for (int geom = 0; geom < m.ngeom; ++geom) {
+    const char* name = mj_id2name(&m, mjOBJ_GEOM, geom);
+    if (name && std::string_view(name).starts_with(kFixture)) scene.fixture.push_back(geom);
+  }
+  scene.object = find_id(m, mjOBJ_BODY, "object");
+  scene.object_position = m.jnt_qposadr[m.body_jntadr[scene.object]];
+}
+
+}  // namespace
+
+bool Scene::stands_fast(int geom) const {
+  return geom == table || std::find(fixture.begin(), fixture.end(), geom) != fixture.end();
+}
+
+Scene compose_scene(const geometry::KnownObject& object, const geometry::CapsuleCollider& surface,
+                    const WorldOptions& options, const planning::Fixture& fixture) {
+  check(options);
+  const SpecHandle spec = parse_shadow_hand(asset("shadow_hand/right_hand.xml"));
+  prepare_hand(*spec, options);
+  set_solver(*spec, options);
+  add_table(*spec, options.table_friction, options.exact_tips);
+  add_fixture(*spec, fixture, options.table_friction);
+  add_base(*spec);
+  add_object(*spec, object, options);
+  Scene scene{.model = compile(*spec)};
+  locate(scene);
+  if (options.exact_tips) {
+    use_exact_surface(*scene.model, find_id(*scene.model, mjOBJ_GEOM, kSurface), surface);
+  }
+  return scene;
+}
+
+}  // namespace palpate::simulation

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/simulation/world/world.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <mutex>
+#include <utility>
+
+#include "palpate/core/assets.hpp"
+#include "palpate/core/error.hpp"
+#include "simulation/hand/simulated_hand.hpp"
+
+namespace palpate::simulation {
+namespace {
+
+constexpr double kDropHeight = 0.0005;  // m, above the table at the start
+
+hand::HandModel believed_hand(const SensorNoise& noise, const RandomStream& random) {
+  hand::HandModel hand = load_shadow_hand(asset("shadow_hand/right_hand.xml"));
+  if (noise.link == 0) return hand;
+  RandomStream links = random.fork("links");
+  return hand::with_perturbed_links(std::move(hand), noise.link, links);
+}
+
+/// The simulator would print its warnings and log them to a file; they are counted in its data too.
+void silence_warnings() {
+  static std::once_flag silenced;
+  std::call_once(silenced, [] {
+    if (!mju_user_warning) mju_user_warning = [](const char*) {};
+  });
+}
+
+DataHandle make_data(const mjModel& model) {
+  DataHandle data(mj_makeData(&model));
+  if (!data) throw std::bad_alloc();
+  return data;
+}
+
+double lowest_point(const geometry::TriangleMesh& mesh, const Eigen::Isometry3d& T_world_mesh) {
+  double low = std::numeric_limits<double>::infinity();
+  for (const Eigen::Vector3d& v : mesh.vertices) low = std::min(low, (T_world_mesh * v).z());
+  return low;
+}
+
+}  // namespace
+
+struct World::Impl {
+  Impl(const geometry::KnownObject& known, const WorldOptions& options, const RandomStream& random,
+       const planning::Fixture& fixture)
+      : object(known),
+        mesh(known.mesh),
+        surface(mesh),
+        scene(compose_scene(known, surface, options, fixture)),
+        data(make_data(*scene.model)),
+        believed(believed_hand(options.noise, random)),
+        hand(scene, *data, options, random.fork("readers")),
+        false_truth(options.false_truth) {
+    if (options.biotacs) hand.wear(SimulatedBiotacs(mesh, believed, random.fork("biotacs")));
+  }
+
+  void place_object(const Start& start);
+
+  geometry::KnownObject object;
+  geometry::MeshQuery mesh;
+  geometry::CapsuleCollider surface;
+  Scene scene;
+  DataHandle data;
+  hand::HandModel believed;
+  SimulatedHand hand;
+  bool false_truth;
+};
+
+void World::Impl::place_object(const Start& start) {
+  if (start.stance < 0 || start.stance >= static_cast<int>(object.stances.size())) {
+    throw BadInput(fmt::format("object {} has {} stances, not number {}", object.name,
+                               object.stances.size(), start.stance));
+  }
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.linear() = Eigen::AngleAxisd(start.yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix() *
+               object.stances[static_cast<std::size_t>(start.stance)].R_table_object;
+  T.translation() << start.xy, kDropHeight - lowest_point(object.mesh, T);
+  mjtNum* const position = data->qpos + scene.object_position;
+  write_pose(T, position, position + 3);
+}
+
+World::World(const geometry::KnownObject& object, const WorldOptions& options, std::uint64_t seed,
+             const planning::Fixture& fixture)
+    : impl_(std::make_unique<Impl>(object, options, RandomStream(seed, "world"), fixture)) {
+  silence_warnings();
+}
+
+World::~World() = default;
+
+void World::reset(const Start& start, const hand::HandCommand& command) {
+  mj_resetData(impl_->scene.model.get(), impl_->data.get());
+  impl_->place_object(start);
+  impl_->hand.reset(command);
+  mj_forward(impl_->scene.model.get(), impl_->data.get());
+}
+
+hand::Hand& World::hand() { return impl_->hand; }
+
+const hand::HandModel& World::hand_model() const { return impl_->believed; }
+
+Truth World::truth() const {
+  const Scene& scene = impl_->scene;
+  const mjData& data = *impl_->data;
+  Truth truth;
+  const mjtNum* const position = data.qpos + scene.object_position;
+  truth.T_world_object = pose3(position, position + 3);
+  for (std::size_t i = 0; i < scene.joint_positions.size(); ++i) {
+    truth.joints[static_cast<int>(i)] = data.qpos[scene.joint_positions[i]];
+  }
+  if (impl_->false_truth) {
+    truth.T_world_object.prerotate(Eigen::AngleAxisd(1, Eigen::Vector3d(1, 2, 2) / 3));
+    truth.T_world_object.pretranslate(Eigen::Vector3d(0.1, -0.2, 0.3));
+    truth.joints.array() += 0.3;
+  }
+  truth.lowest_point = lowest_point(impl_->object.mesh, truth.T_world_object);
+  return truth;
+}
+
+void World::observe(StepObserver observer) { impl_->hand.observe(std::move(observer)); }
+
+bool World::diverged() const {
+  const mjData& data = *impl_->data;
+  const auto warned = [&](int kind) { return data.warning[kind].number > 0; };
+  return warned(mjWARN_BADQPOS) || warned(mjWARN_BADQVEL) || warned(mjWARN_BADQACC) ||
+         !Eigen::VectorXd::Map(data.qpos, impl_->scene.model->nq).allFinite();
+}
+
+std::string_view simulator_version() { return mj_versionString(); }
+
+}  // namespace palpate::simulation

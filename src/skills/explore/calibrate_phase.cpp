@@ -1,0 +1,271 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/skills/explore/calibrate_phase.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "palpate/core/random.hpp"
+#include "palpate/hand/coupling.hpp"
+#include "palpate/hand/tip_forces.hpp"
+#include "palpate/skills/grasp/grasp_phase.hpp"
+#include "palpate/tactile/calibration/link_calibration.hpp"
+#include "palpate/tactile/contacts/contact_window.hpp"
+
+namespace palpate::skills {
+namespace {
+
+constexpr int kAttitudes = 3000;         // drawn, of which those count that can touch the table
+constexpr int kUses = 24;                // grasps for which the hand is to be known
+constexpr std::uint64_t kDesign = 1;     // seed of what is drawn: the same for every hand
+constexpr double kSteepest = 1.4;        // rad of pitch; at pi/2 yaw and roll are one
+constexpr double kAlone = 0.008;         // m by which all else is higher than the fingertip
+constexpr double kAbove = 0.012;         // m over the table from which it goes down, by the model
+constexpr double kBelow = 0.015;         // m under the table at which it has missed it
+constexpr double kTravelHeight = 0.05;   // m of the hand's lowest part while it changes posture
+constexpr double kFreeHeight = 0.34;     // m of the base, from where it may go anywhere
+constexpr double kPostureSeconds = 0.3;  // s
+constexpr double kTakenBack = 0.7;       // of the lead of the base's command, at a touch
+constexpr double kSettling = 0.1;        // s
+constexpr double kLastingShare = 0.8;    // of the readings in which a resting fingertip touches
+constexpr double kSecondsATouch = 8;     // amply
+constexpr double kContradiction = 3.0;   // sigmas, rms, that touches leave unexplained
+
+/// One fingertip is the lowest part of the hand.
+struct Attitude {
+  int finger = 0;
+  hand::ActuatorVector posture;
+  double pitch = 0, roll = 0;  ///< of the base, rad
+
+  hand::BasePosition base(const CalibrateOptions& options, double height) const {
+    return {{options.x, options.y, height}, {0, pitch, roll}};
+  }
+};
+
+/// The whole hand extended, or all fingers folded; the thumb aside.
+hand::ActuatorVector hand_apart(bool folded) {
+  hand::ActuatorVector posture = hand::ActuatorVector::Zero();
+  for (const std::string finger : {"FF", "MF", "RF", "LF"}) {
+    posture[hand::actuator_index(finger + "J3")] = folded ? 1.4 : -0.2;
+    posture[hand::actuator_index(finger + "J0")] = folded ? 2.6 : 0.0;
+  }
+  posture[hand::actuator_index("THJ5")] = -1.0;
+  posture[hand::actuator_index("THJ2")] = -0.6;
+  return posture;
+}
+
+void bend_finger(int finger, RandomStream& random, hand::ActuatorVector& posture) {
+  const auto set = [&](const std::string& joint, double low, double high) {
+    const std::string name = std::string(hand::kFingerNames[static_cast<std::size_t>(finger)]);
+    posture[hand::actuator_index(name + joint)] = random.uniform(low, high);
+  };
+  if (finger == static_cast<int>(hand::Finger::thumb)) {
+    set("J5", -0.5, 0.7);
+    set("J4", 0.5, 1.2);
+    set("J2", -0.4, 0.6);
+    set("J1", 0.0, 0.6);
+  } else {
+    set("J4", -0.15, 0.15);
+    set("J3", 0.0, 1.2);
+    set("J0", 0.0, 1.8);
+  }
+}
+
+Attitude draw_attitude(int finger, RandomStream& random) {
+  Attitude attitude;
+  attitude.finger = finger;
+  attitude.posture = hand_apart(random.uniform() < 0.5);
+  bend_finger(finger, random, attitude.posture);
+  attitude.pitch = random.uniform(-0.3, kSteepest);
+  attitude.roll = random.uniform(-1.6, 1.6);
+  return attitude;
+}
+
+/// Height of the lowest part of the hand that is (or is not) a fingertip's, over the base's, m.
+double lowest(const hand::HandModel& hand, const Attitude& attitude, bool of_tip) {
+  const auto T_base_link =
+      hand::forward_kinematics(hand, hand::joints_in_free_flexion(attitude.posture));
+  const Eigen::Isometry3d T_world_base = attitude.base({0}, 0).pose();
+  double low = std::numeric_limits<double>::infinity();
+  for (const auto& sphere : hand.spheres) {
+    if ((sphere.link == hand.distal[static_cast<std::size_t>(attitude.finger)]) != of_tip) continue;
+    const auto& T = T_base_link[static_cast<std::size_t>(sphere.link)];
+    low = std::min(low, (T_world_base.linear() * (T * sphere.center)).z() - sphere.radius);
+  }
+  return low;
+}
+
+std::vector<Attitude> possible_attitudes(const hand::HandModel& hand) {
+  RandomStream random(kDesign, "attitudes");
+  std::vector<Attitude> attitudes;
+  for (int i = 0; i < kAttitudes; ++i) {
+    Attitude attitude = draw_attitude(i % hand::kFingers, random);
+    if (lowest(hand, attitude, false) - lowest(hand, attitude, true) > kAlone) {
+      attitudes.push_back(attitude);
+    }
+  }
+  return attitudes;
+}
+
+/// The table in the base's frame.
+Eigen::Hyperplane<double, 3> table_from(const hand::BasePosition& base) {
+  const Eigen::Isometry3d T_base_world = base.pose().inverse();
+  return {T_base_world.linear() * Eigen::Vector3d::UnitZ(), T_base_world.translation()};
+}
+
+/// Fingertips in grasps: each finger somewhere on its way from the open to the closed hand.
+std::vector<tactile::TipPosture> fingertips_in_grasps() {
+  RandomStream random(kDesign, "grasps");
+  std::vector<tactile::TipPosture> tips;
+  for (int i = 0; i < kUses; ++i) {
+    hand::ActuatorVector posture = open_posture(top_recipe());
+    for (int finger = 0; finger < hand::kFingers; ++finger) bend_finger(finger, random, posture);
+    const auto joints = hand::joints_in_free_flexion(posture);
+    for (int finger = 0; finger < hand::kFingers; ++finger) tips.push_back({finger, joints});
+  }
+  return tips;
+}
+
+std::vector<Attitude> telling_attitudes(const hand::HandModel& hand,
+                                        const CalibrateOptions& options) {
+  const auto attitudes = possible_attitudes(hand);
+  std::vector<tactile::TipOnPlane> touches;
+  for (const Attitude& attitude : attitudes) {
+    touches.push_back({{attitude.finger, hand::joints_in_free_flexion(attitude.posture)},
+                       Eigen::Vector3d::Zero(),
+                       table_from(attitude.base(options, 0)),
+                       options.sigma});
+  }
+  std::vector<Attitude> chosen;
+  for (const std::size_t i : tactile::choose_touches(
+           hand, touches, static_cast<std::size_t>(options.touches), fingertips_in_grasps())) {
+    chosen.push_back(attitudes[i]);
+  }
+  return chosen;
+}
+
+void rise(Robot& robot, double way, double speed) {
+  hand::BasePosition up = robot.command().base;
+  up.xyz.z() += way;
+  robot.move_base(up, speed);
+}
+
+/// Lets the fingertip rest where it touches, no longer pushed on.
+void rest(Robot& robot, const CalibrateOptions& options) {
+  hand::BasePosition here = robot.command().base;
+  here.xyz += kTakenBack * (robot.reading().base.xyz - here.xyz);  // it would push on
+  robot.move_base(here, options.speed);
+  robot.wait(kSettling + options.rest);
+  robot.mark(estimation::Mark::on_table);
+}
+
+void touch_table(Robot& robot, const Attitude& attitude, const CalibrateOptions& options) {
+  const double low =
+      std::min(lowest(robot.model(), attitude, true), lowest(robot.model(), attitude, false));
+  const double high = std::max(robot.command().base.xyz.z(), kTravelHeight - low);
+  robot.move_base(attitude.base(options, high), options.travel_speed);
+  robot.move_fingers(attitude.posture, kPostureSeconds);
+  robot.move_base(attitude.base(options, kAbove - low), options.travel_speed);
+  robot.wait(kSettling);
+  const auto touches = [&](const hand::HandReading& reading) {
+    return hand::tip_force(reading, attitude.finger) > options.touch_force;
+  };
+  const auto end = robot.move_base(attitude.base(options, -kBelow - low), options.speed, touches);
+  if (end == MotionEnd::stopped) rest(robot, options);
+  rise(robot, kTravelHeight, options.travel_speed);
+}
+
+/// What a fingertip feels through a window of readings, in the distal link's frame.
+struct Felt {
+  int readings = 0, contacts = 0;
+  Eigen::Vector3d p = Eigen::Vector3d::Zero();  ///< mean of the contacts
+  double told_variance = 0;                     ///< of them, as the sensor tells
+  double mean_variance = 0;                     ///< of p, an axis, by how much they scatter
+};
+
+Felt feel(std::span<const hand::HandReading> window, std::size_t finger) {
+  Felt felt;
+  for (const auto& reading : window) {
+    felt.readings += !reading.contacts[finger].empty();
+    for (const auto& contact : reading.contacts[finger]) {
+      ++felt.contacts;
+      felt.p += contact.p;
+      felt.told_variance += contact.point_sigma * contact.point_sigma;
+    }
+  }
+  felt.p /= std::max(1, felt.contacts);
+  felt.told_variance /= std::max(1, felt.contacts);
+  for (const auto& reading : window) {
+    for (const auto& contact : reading.contacts[finger]) {
+      felt.mean_variance += (contact.p - felt.p).squaredNorm() / 3;
+    }
+  }
+  felt.mean_variance /= std::max(1.0, std::pow(felt.contacts, 2));
+  return felt;
+}
+
+/// The fingertips that rest on the table through a window of readings.
+void add_resting_tips(std::span<const hand::HandReading> window, double sigma,
+                      std::vector<tactile::TipOnPlane>& touches) {
+  const hand::JointVector joints = tactile::mean_joints(window);
+  for (std::size_t finger = 0; finger < hand::kFingers; ++finger) {
+    const Felt felt = feel(window, finger);
+    if (felt.readings < kLastingShare * static_cast<double>(window.size())) continue;
+    touches.push_back(
+        {{static_cast<int>(finger), joints},
+         felt.p,
+         table_from(window.back().base),
+         std::sqrt(std::max(sigma * sigma, felt.mean_variance) + felt.told_variance)});
+  }
+}
+
+std::vector<tactile::TipOnPlane> table_touches(const estimation::TouchLog& log,
+                                               const CalibrateOptions& options) {
+  const auto readings = static_cast<std::size_t>(std::lround(options.rest / hand::kTick));
+  std::vector<tactile::TipOnPlane> touches;
+  for (const auto& moment : log.moments) {
+    if (moment.mark != estimation::Mark::on_table) continue;
+    const std::size_t count = std::min(readings, moment.reading + 1);
+    add_resting_tips(std::span(log.readings).subspan(moment.reading + 1 - count, count),
+                     options.sigma, touches);
+  }
+  return touches;
+}
+
+/// Root mean square of what the links' places leave unexplained, in standard deviations.
+double unexplained(const hand::HandModel& hand, const std::vector<tactile::TipOnPlane>& touches) {
+  double sum = 0;
+  for (const auto& touch : touches) {
+    sum += std::pow(tactile::distance_from_plane(hand, touch) / touch.sigma, 2);
+  }
+  return touches.empty() ? 0 : std::sqrt(sum / static_cast<double>(touches.size()));
+}
+
+}  // namespace
+
+hand::HandModel calibrated_hand(const hand::HandModel& hand, const estimation::TouchLog& log,
+                                const CalibrateOptions& options) {
+  const auto touches = table_touches(log, options);
+  hand::HandModel calibrated = tactile::calibrate_links(hand, touches, fingertips_in_grasps());
+  return unexplained(calibrated, touches) < kContradiction ? calibrated : hand;
+}
+
+double CalibratePhase::time_limit() const { return 20 + kSecondsATouch * options_.touches; }
+
+PhaseEnd CalibratePhase::run(Robot& robot, PickState&) {
+  const hand::HandModel before = robot.model();
+  for (const auto& attitude : telling_attitudes(before, options_)) {
+    touch_table(robot, attitude, options_);
+  }
+  rise(robot, kFreeHeight - std::min(kFreeHeight, robot.command().base.xyz.z()),
+       options_.travel_speed);
+  const auto touches = table_touches(robot.log(), options_);
+  robot.set_model(calibrated_hand(before, robot.log(), options_));
+  const bool better = robot.model().link_error < before.link_error;
+  return {better, fmt::format("{} touches of the table, links known to {:.2f} mm", touches.size(),
+                              1e3 * robot.model().link_error)};
+}
+
+}  // namespace palpate::skills

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/skills/explore/height_probe_phase.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <limits>
+
+namespace palpate::skills {
+namespace {
+
+constexpr double kRetreat = 0.06;  // m, up from the touch
+
+// With the forearm raised, these angles of wrist and knuckles make the underside of the fingers and
+// of the palm's front one level plane, whose middle estimation::kLevelCenter is.
+constexpr double kForearmPitch = 0.5;   // rad
+constexpr double kWristBend = -0.25;    // rad
+constexpr double kKnuckleBend = -0.25;  // rad
+
+/// Where to feel for the object, as shares of the search's width from its rough place.
+const std::array<Eigen::Vector2d, 5> kSearch = {
+    Eigen::Vector2d{0, 0}, {1, 0}, {0, 1}, {-1, 0}, {0, -1}};
+
+hand::ActuatorVector flat_hand() {
+  hand::ActuatorVector posture = hand::ActuatorVector::Zero();
+  posture[hand::actuator_index("WRJ1")] = kWristBend;
+  posture[hand::actuator_index("THJ5")] = -1.0;
+  posture[hand::actuator_index("THJ2")] = -0.5;
+  for (const char* knuckle : {"FFJ3", "MFJ3", "RFJ3", "LFJ3"}) {
+    posture[hand::actuator_index(knuckle)] = kKnuckleBend;
+  }
+  return posture;
+}
+
+}  // namespace
+
+PhaseEnd FeelPhase::run(Robot& robot, PickState& state) {
+  const Eigen::Vector2d rough = state.place;
+  robot.move_fingers(flat_hand(), 0.4);
+  for (const auto& side : kSearch) {
+    const Eigen::Vector2d place = rough + options_.search * side;
+    if (!lower(robot, state, place)) continue;
+    state.place = place;
+    return {true, fmt::format("{:.0f} mm tall", 1e3 * state.height)};
+  }
+  return {false, "felt nothing above the table"};
+}
+
+/// Comes down flat over a place. @return whether there was something above the table
+bool FeelPhase::lower(Robot& robot, PickState& state, const Eigen::Vector2d& place) const {
+  const Eigen::Vector2d xy = place - Eigen::Rotation2Dd(state.yaw) * estimation::kLevelCenter;
+  hand::BasePosition above;
+  above.xyz = {xy.x(), xy.y(), options_.start_height};
+  above.ypr = {state.yaw, kForearmPitch, 0};
+  robot.move_base(above, options_.travel_speed);
+  robot.wait(0.2);
+
+  hand::BasePosition low = above;
+  low.xyz.z() = -options_.start_height;
+  const auto touched = lasting_load(robot, -Eigen::Vector3d::UnitZ(), options_.touch_force);
+  bool found = false;
+  robot.move_base(low, options_.speed, [&](const hand::HandReading& reading) {
+    found = touched(reading);
+    return found || estimation::lowest_of_hand(robot.model(), reading) < options_.clearance;
+  });
+  if (found) {
+    robot.mark(estimation::Mark::felt);
+    state.height = estimation::lowest_of_hand(robot.model(), robot.reading());
+  }
+  hand::BasePosition up = robot.command().base;
+  up.xyz.z() += kRetreat;
+  robot.move_base(up, options_.travel_speed);
+  return found;
+}
+
+}  // namespace palpate::skills

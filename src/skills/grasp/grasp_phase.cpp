@@ -1,0 +1,311 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/skills/grasp/grasp_phase.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numbers>
+
+#include "estimation/mean_load.hpp"
+#include "palpate/core/gravity.hpp"
+#include "palpate/grasping/force_distribution.hpp"
+#include "palpate/hand/tip_forces.hpp"
+#include "palpate/skills/explore/height_probe_phase.hpp"
+#include "palpate/tactile/contacts/contact_window.hpp"
+#include "skills/grasp/pressing.hpp"
+
+namespace palpate::skills {
+namespace {
+
+constexpr double kSideDistance = 0.22;   // m before the object where a side approach starts
+constexpr double kSideOvershoot = 0.03;  // m past the object's place where it ends at the latest
+constexpr double kTopDistance = 0.13;    // m above the object where an approach from above starts
+constexpr double kTopClearance = 0.003;  // m above the table where it ends at the latest
+constexpr double kClear = 0.06;          // m up from where the fingers landed on top
+constexpr double kSafeHeight = 0.34;     // m of the base while it travels
+constexpr double kTipContact = 0.10;     // N at which a finger counts as touching
+constexpr double kPlannedRate = 1.0;     // rad/s, of the closing planned; the path is that of any
+constexpr double kTakenBack = 0.7;       // of a finger's torque, at its touch
+constexpr double kOpenSeconds = 0.4;     // s
+constexpr int kLostTicks = 10;
+constexpr std::size_t kTouchReadings = 15;
+constexpr double kTouchSeconds = kTouchReadings * hand::kTick;
+constexpr int kStillTicks = 12;
+constexpr double kStillStep = 0.0003;  // rad a tick
+
+/// Position of the base that puts it at `ahead`, `left` of a place, seen along the yaw.
+hand::BasePosition base_at(const PickState& state, const GraspRecipe& recipe, double ahead,
+                           double left, double height) {
+  const Eigen::Rotation2Dd turn(state.yaw);
+  const Eigen::Vector2d xy = state.place + turn * Eigen::Vector2d(ahead, left);
+  return {{xy.x(), xy.y(), height}, {state.yaw, recipe.pitch, recipe.roll}};
+}
+
+/// The fingers' command when some of them give back most of the torque that they close with, which
+/// would push the object on.
+hand::ActuatorVector relaxed(const Robot& robot, const std::array<bool, hand::kFingers>& fingers) {
+  hand::ActuatorVector positions = robot.command().positions;
+  for (int i = 0; i < hand::kActuators; ++i) {
+    const int finger = hand::finger_of_actuator(i);
+    if (finger < 0 || !fingers[static_cast<std::size_t>(finger)]) continue;
+    const auto& actuator = robot.actuators()[static_cast<std::size_t>(i)];
+    const double lead = robot.reading().torques[i] / actuator.stiffness;
+    positions[i] =
+        std::clamp(positions[i] - kTakenBack * lead, actuator.command.low, actuator.command.high);
+  }
+  return positions;
+}
+
+/// Which fingers are done: they touch, or their command, which never leads the joint by more than
+/// the torque limit allows, has stood still for a while. One that has lost touch closes on.
+class FingersDone {
+ public:
+  void update(const hand::HandReading& reading, const hand::HandCommand& command) {
+    for (std::size_t finger = 0; finger < hand::kFingers; ++finger) {
+      const double position = command.positions[hand::actuator_index(kDrives[finger])];
+      const bool still = std::abs(position - last_[finger]) < kStillStep;
+      still_[finger] = still && !touches_[finger] ? still_[finger] + 1 : 0;
+      last_[finger] = position;
+      const bool touches = hand::tip_force(reading, static_cast<int>(finger)) > kTipContact;
+      apart_[finger] = touches ? 0 : apart_[finger] + 1;
+      touches_[finger] = touches || (touches_[finger] && apart_[finger] < kLostTicks);
+      stuck_[finger] = stuck_[finger] || still_[finger] > kStillTicks;
+    }
+  }
+  const std::array<bool, hand::kFingers>& touches() const { return touches_; }
+  bool done(std::size_t finger) const { return touches_[finger] || stuck_[finger]; }
+  bool all() const { return touching() + stuck() == hand::kFingers; }
+  std::array<bool, hand::kFingers> still_closing() const {
+    std::array<bool, hand::kFingers> open{};
+    for (std::size_t finger = 0; finger < hand::kFingers; ++finger) open[finger] = !done(finger);
+    return open;
+  }
+
+ private:
+  int touching() const {
+    return static_cast<int>(std::count(touches_.begin(), touches_.end(), true));
+  }
+  int stuck() const {
+    int count = 0;
+    for (std::size_t finger = 0; finger < hand::kFingers; ++finger) {
+      count += stuck_[finger] && !touches_[finger];
+    }
+    return count;
+  }
+
+  static constexpr std::array<std::string_view, hand::kFingers> kDrives = {"THJ5", "FFJ3", "MFJ3",
+                                                                           "RFJ3", "LFJ3"};
+  std::array<bool, hand::kFingers> touches_{}, stuck_{};
+  std::array<int, hand::kFingers> still_{}, apart_{};
+  std::array<double, hand::kFingers> last_{};
+};
+
+}  // namespace
+
+double pressure(const GraspOptions& options, const geometry::KnownObject& object) {
+  return std::max(options.least_press, options.press_per_weight * object.mass * kGravity);
+}
+
+hand::ActuatorVector open_posture(const GraspRecipe& recipe) {
+  hand::ActuatorVector posture = hand::ActuatorVector::Zero();
+  const auto set = [&](std::string_view name, double value) {
+    posture[hand::actuator_index(name)] = value;
+  };
+  for (const std::string finger : {"FF", "MF", "RF", "LF"}) {
+    set(finger + "J3", recipe.proximal);
+    set(finger + "J0", recipe.distal);
+  }
+  set("FFJ4", -recipe.spread);
+  set("LFJ4", -recipe.spread);
+  set("LFJ5", recipe.little_base);
+  set("THJ5", recipe.thumb_base);
+  set("THJ4", recipe.thumb_opposition);
+  set("THJ2", recipe.thumb_middle);
+  return posture;
+}
+
+PhaseEnd GraspPhase::run(Robot& robot, PickState& state) {
+  std::vector<double> tried_yaws = state.tried_yaws;
+  auto planned = plan(robot, state, tried_yaws);
+  if (!planned) return grasp_unplanned(robot, state);
+  Hold hold = close_as_planned(robot, state, *planned);
+  int closings = 1;
+  for (; hold.forces.imbalance > options_.most_imbalance && closings < options_.closings;
+       ++closings) {
+    tried_yaws.push_back(planned->base.ypr.x());
+    planned = plan(robot, state, tried_yaws);
+    if (!planned || planned->cost > hold.forces.imbalance) break;
+    if (std::count(tried_yaws.begin(), tried_yaws.end(), planned->base.ypr.x()) > 0) break;
+    let_go(robot);
+    hold = close_as_planned(robot, state, *planned);
+  }
+  state.tried_yaws.push_back(state.yaw);
+  press(robot, hold);
+  return end(robot, hold,
+             closings == 1 ? "planned grasp" : fmt::format("planned grasp, closing {}", closings));
+}
+
+GraspPhase::Hold GraspPhase::close_as_planned(Robot& robot, PickState& state,
+                                              const grasping::GraspPlan& plan) const {
+  state.yaw = plan.base.ypr.x();
+  approach(robot, plan);
+  close(robot, options_.top);
+  return balance(robot, state);
+}
+
+PhaseEnd GraspPhase::grasp_unplanned(Robot& robot, PickState& state) {
+  const bool from_side = state.height >= options_.side_from;
+  if (from_side) {
+    approach_from_side(robot, state);
+  } else {
+    approach_from_above(robot, state);
+  }
+  state.tried_yaws.push_back(state.yaw);
+  close(robot, from_side ? options_.side : options_.top);
+  const Hold hold = balance(robot, state);
+  press(robot, hold);
+  return end(robot, hold, from_side ? "side grasp" : "top grasp");
+}
+
+PhaseEnd GraspPhase::end(const Robot& robot, const Hold& hold, std::string_view grasp) const {
+  const int contacts = hand::count_contacts(robot.reading());
+  return {contacts >= options_.least_contacts,
+          fmt::format("{}, {} contacts, imbalance {:.2f}", grasp, contacts, hold.forces.imbalance)};
+}
+
+std::optional<grasping::GraspPlan> GraspPhase::plan(const Robot& robot, const PickState& state,
+                                                    const std::vector<double>& tried_yaws) const {
+  if (!state.resting) return std::nullopt;
+  if (choose_) {
+    if (auto chosen = choose_(*state.resting)) return chosen;
+  }
+  const GraspRecipe& recipe = options_.top;
+  const grasping::ClosingLaw law(robot.actuators(), kPlannedRate, recipe.thumb_limit);
+  const auto path = grasping::closing_path(robot.model(), open_posture(recipe), law);
+  grasping::PlanOptions options = options_.plan;
+  options.press = pressure(options_, object_.object());
+  std::optional<grasping::GraspPlan> best;
+  for (const double pitch : {recipe.pitch, options_.steep_pitch}) {
+    const auto plan = grasping::plan_grasp(object_, state.resting->modes.front().T_frame_object,
+                                           path, {pitch, recipe.roll}, options, tried_yaws);
+    if (plan && (!best || plan->cost < best->cost)) best = plan;
+    if (best && best->cost < options_.good_cost) break;
+  }
+  return best;
+}
+
+void GraspPhase::approach(Robot& robot, const grasping::GraspPlan& plan) const {
+  hand::BasePosition above = plan.base;
+  above.xyz.z() += kTopDistance;
+  travel_to(robot, above, options_.top);
+  const auto loaded = lasting_load(robot, -Eigen::Vector3d::UnitZ(), options_.top.contact_load);
+  robot.move_base(plan.base, options_.top.approach_speed, [&](const hand::HandReading& reading) {
+    return loaded(reading) || estimation::lowest_of_hand(robot.model(), reading) < kTopClearance;
+  });
+  robot.wait(0.15);
+}
+
+void GraspPhase::travel_to(Robot& robot, const hand::BasePosition& start,
+                           const GraspRecipe& recipe) const {
+  hand::BasePosition up = robot.command().base;
+  up.xyz.z() = std::max(up.xyz.z(), kSafeHeight);
+  robot.move_base(up, options_.travel_speed);
+  robot.move_fingers(open_posture(recipe), 0.4);
+  hand::BasePosition above = start;
+  above.xyz.z() = std::max(start.xyz.z(), kSafeHeight);
+  robot.move_base(above, options_.travel_speed);
+  robot.move_base(start, options_.travel_speed);
+  robot.wait(0.2);
+}
+
+void GraspPhase::approach_from_side(Robot& robot, const PickState& state) const {
+  const GraspRecipe& recipe = options_.side;
+  travel_to(robot, base_at(state, recipe, recipe.offset_x, -kSideDistance, recipe.height), recipe);
+  const Eigen::Vector3d forward(-std::sin(state.yaw), std::cos(state.yaw), 0);
+  robot.move_base(base_at(state, recipe, recipe.offset_x, kSideOvershoot, recipe.height),
+                  recipe.approach_speed, lasting_load(robot, forward, recipe.contact_load));
+  hand::BasePosition further = robot.command().base;
+  further.xyz += recipe.push * forward;
+  robot.move_base(further, 0.5 * recipe.approach_speed);
+  robot.wait(0.1);
+}
+
+void GraspPhase::approach_from_above(Robot& robot, PickState& state) const {
+  const GraspRecipe& recipe = options_.top;
+  travel_to(robot,
+            base_at(state, recipe, recipe.offset_x, recipe.offset_y, state.height + kTopDistance),
+            recipe);
+  for (int turn = 0; turn < options_.turns; ++turn) {
+    descend(robot, state);
+    const bool beside = estimation::lowest_of_hand(robot.model(), robot.reading()) <
+                        state.height - options_.least_depth;
+    if (beside || turn + 1 == options_.turns) break;
+    state.yaw += std::numbers::pi / options_.turns;
+    hand::BasePosition raised = robot.command().base;
+    raised.xyz.z() += kClear;
+    robot.move_base(raised, options_.travel_speed);
+    robot.move_base(base_at(state, recipe, recipe.offset_x, recipe.offset_y, raised.xyz.z()),
+                    options_.travel_speed);
+    robot.wait(0.2);
+  }
+}
+
+void GraspPhase::descend(Robot& robot, const PickState& state) const {
+  const GraspRecipe& recipe = options_.top;
+  const hand::BasePosition low = base_at(state, recipe, recipe.offset_x, recipe.offset_y, 0.02);
+  const auto loaded = lasting_load(robot, -Eigen::Vector3d::UnitZ(), recipe.contact_load);
+  robot.move_base(low, recipe.approach_speed, [&](const hand::HandReading& reading) {
+    return loaded(reading) || estimation::lowest_of_hand(robot.model(), reading) < kTopClearance;
+  });
+  robot.wait(0.15);
+}
+
+void GraspPhase::close(Robot& robot, const GraspRecipe& recipe) const {
+  const grasping::ClosingLaw law(robot.actuators(), recipe.closing_rate, recipe.thumb_limit);
+  FingersDone done;
+  std::array<bool, hand::kFingers> met{};  // in the tick before
+  const double end = robot.time() + options_.longest_close;
+  while (robot.time() < end && !done.all()) {
+    robot.set_grip(Grip{law, recipe.contact_torque, done.still_closing()});
+    if (robot.move_fingers(relaxed(robot, met), hand::kTick) == MotionEnd::timed_out) break;
+    const auto touched = done.touches();
+    done.update(robot.reading(), robot.command());
+    for (std::size_t i = 0; i < met.size(); ++i) met[i] = done.touches()[i] && !touched[i];
+  }
+  robot.move_fingers(relaxed(robot, met), hand::kTick);
+  robot.set_grip(std::nullopt);
+  robot.wait(kTouchSeconds);
+}
+
+/// The forces that cancel best, together with the weight: the fingers bear it from the first, so
+/// that they do not give way when the table no longer does.
+GraspPhase::Hold GraspPhase::balance(const Robot& robot, const PickState& state) const {
+  const std::span<const hand::HandReading> readings(robot.log().readings);
+  const auto window = readings.last(std::min(readings.size(), kTouchReadings));
+  Hold hold;
+  hold.contacts = tactile::lasting_contacts(window, robot.model(), {});
+  std::optional<grasping::Load> load;
+  if (state.resting) {
+    load = weight_at(robot, state.resting->modes.front().T_frame_object,
+                     object_.object().mass * kGravity);
+  }
+  hold.forces = grasping::balance_forces(hold.contacts, options_.friction,
+                                         pressure(options_, object_.object()), load);
+  return hold;
+}
+
+void GraspPhase::press(Robot& robot, const Hold& hold) const {
+  robot.mark(estimation::Mark::closed);
+  robot.move_fingers(pressing_command(robot, hold.contacts, hold.forces.forces),
+                     options_.ramp_seconds);
+  robot.wait(0.2);
+}
+
+void GraspPhase::let_go(Robot& robot) const {
+  robot.move_fingers(open_posture(options_.top), kOpenSeconds);
+  hand::BasePosition up = robot.command().base;
+  up.xyz.z() += kTopDistance;
+  robot.move_base(up, options_.travel_speed);
+}
+
+}  // namespace palpate::skills

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/skills/grasp/lift_phase.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <span>
+
+#include "estimation/mean_load.hpp"
+#include "estimation/slip.hpp"
+#include "palpate/hand/tip_forces.hpp"
+
+namespace palpate::skills {
+namespace {
+
+constexpr std::size_t kJudged = 50;  // readings at the end of the hold, averaged against noise
+
+/// How many fingers touch with at least a force, in the mean over the last readings.
+int touching_fingers(const estimation::TouchLog& log, double force) {
+  const auto window = std::span(log.readings).last(std::min(log.readings.size(), kJudged));
+  int count = 0;
+  for (int finger = 0; finger < hand::kFingers; ++finger) {
+    double sum = 0;
+    for (const auto& reading : window) sum += hand::tip_force(reading, finger);
+    count += sum >= force * static_cast<double>(window.size());
+  }
+  return count;
+}
+
+}  // namespace
+
+PhaseEnd LiftPhase::run(Robot& robot, PickState& state) {
+  hand::BasePosition up = robot.command().base;
+  up.xyz.z() += options_.way;
+  robot.move_base(up, options_.speed);
+  robot.wait(options_.settle);
+  const std::size_t settled = robot.log().readings.size() - 1;
+  robot.wait(options_.hold);
+  robot.mark(estimation::Mark::held);
+  state.held_load = estimation::mean_load(robot.log(), kJudged);
+  const int fingers = touching_fingers(robot.log(), options_.touch_force);
+  const double slip = estimation::contact_drift(robot.log(), robot.model(), settled,
+                                                robot.log().readings.size() - 1);
+
+  const bool light = state.held_load <= options_.least_weight * weight_;
+  const bool untouched = fingers < options_.least_fingers;
+  const bool slipping = slip > options_.most_slip;
+  const char* const verdict = light       ? "lost"
+                              : untouched ? "contacts lost"
+                              : slipping  ? "slipping"
+                                          : "held";
+  return {!light && !untouched && !slipping,
+          fmt::format("{}: {:.2f} N of {:.2f} N hang in the hand, {} fingers touch, slip {:.1f} mm",
+                      verdict, state.held_load, weight_, fingers, 1e3 * slip)};
+}
+
+}  // namespace palpate::skills

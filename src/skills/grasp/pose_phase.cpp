@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/skills/grasp/pose_phase.hpp"
+
+#include <fmt/format.h>
+
+namespace palpate::skills {
+
+PhaseEnd LocatePhase::run(Robot& robot, PickState& state) {
+  state.estimate =
+      estimation::locate(object_, robot.model(), robot.log(), options_, seed_, instant_);
+  const auto& posterior = state.estimate.posterior;
+  if (posterior.modes.empty()) return {false, "no pose explains what was felt"};
+  return {true, fmt::format("{} ({:.2f}), {} mode{}, {} contacts",
+                            localization::to_string(posterior.status), posterior.modes[0].weight,
+                            posterior.modes.size(), posterior.modes.size() == 1 ? "" : "s",
+                            state.estimate.contacts.size())};
+}
+
+}  // namespace palpate::skills

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/skills/grasp/release_phase.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "skills/last_contacts.hpp"
+
+namespace palpate::skills {
+namespace {
+
+constexpr double kDownSpeed = 0.10;   // m/s
+constexpr double kUpSpeed = 0.30;     // m/s
+constexpr double kFreeHeight = 0.34;  // m of the base
+constexpr double kOpenSeconds = 0.6;  // s
+constexpr double kRest = 0.3;         // s
+
+hand::BasePosition at_height(hand::BasePosition base, double height) {
+  base.xyz.z() = height;
+  return base;
+}
+
+/// The fingers' command with all of them straight.
+hand::ActuatorVector opened(const Robot& robot) {
+  hand::ActuatorVector open = robot.command().positions;
+  for (int i = 0; i < hand::kActuators; ++i) {
+    if (hand::finger_of_actuator(i) >= 0) open[i] = std::min(open[i], 0.1);
+  }
+  return open;
+}
+
+}  // namespace
+
+PhaseEnd ReleasePhase::run(Robot& robot, PickState& state) {
+  state.place = place_of_last_contacts(robot).value_or(state.place);
+  if (const auto closed = robot.log().at(estimation::Mark::closed)) {
+    const double height = robot.log().readings[*closed].base.xyz.z();
+    const auto& base = robot.command().base;
+    if (base.xyz.z() > height) robot.move_base(at_height(base, height), kDownSpeed);
+  }
+  robot.set_grip(std::nullopt);
+  robot.move_fingers(opened(robot), kOpenSeconds);
+  robot.move_base(at_height(robot.command().base, kFreeHeight), kUpSpeed);
+  robot.mark(estimation::Mark::released);
+  return {true, fmt::format("next try at ({:.0f}, {:.0f}) mm", 1e3 * state.place.x(),
+                            1e3 * state.place.y())};
+}
+
+PhaseEnd ClearPhase::run(Robot& robot, PickState&) {
+  robot.set_grip(std::nullopt);
+  hand::BasePosition high = robot.command().base;
+  high.xyz.z() = std::max(high.xyz.z(), kFreeHeight);
+  robot.move_base(high, kUpSpeed);
+  robot.move_fingers(opened(robot), kOpenSeconds);
+  high.ypr.setZero();
+  robot.move_base(high, kUpSpeed);
+  robot.wait(kRest);
+  robot.mark(estimation::Mark::released);
+  return {true, "the hand is free"};
+}
+
+}  // namespace palpate::skills

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "skills/last_contacts.hpp"
+
+#include "palpate/hand/tip_forces.hpp"
+#include "palpate/skills/phase.hpp"
+
+namespace palpate::skills {
+namespace {
+
+constexpr double kReach = 0.4;  // m from the origin: where the object can be at all
+
+}  // namespace
+
+std::optional<Eigen::Vector2d> place_of_last_contacts(const Robot& robot) {
+  const auto& readings = robot.log().readings;
+  for (auto reading = readings.rbegin(); reading != readings.rend(); ++reading) {
+    if (hand::count_contacts(*reading) < 2) continue;
+    const auto T_base_link = hand::forward_kinematics(robot.model(), reading->joints);
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    int count = 0;
+    for (std::size_t finger = 0; finger < hand::kFingers; ++finger) {
+      const auto link = static_cast<std::size_t>(robot.model().distal[finger]);
+      for (const auto& contact : reading->contacts[finger]) {
+        sum += T_base_link[link] * contact.p;
+        ++count;
+      }
+    }
+    const Eigen::Vector2d place = (reading->base.pose() * (sum / count)).head<2>();
+    return place.cwiseMax(-kReach).cwiseMin(kReach);
+  }
+  return std::nullopt;
+}
+
+}  // namespace palpate::skills

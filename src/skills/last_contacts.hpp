@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+
+#include "palpate/skills/executor.hpp"
+
+namespace palpate::skills {
+
+/// Mean place over the table of the fingertip contacts felt last, if any was felt, m; within reach.
+std::optional<Eigen::Vector2d> place_of_last_contacts(const Robot& robot);
+
+}  // namespace palpate::skills

@@ -1,0 +1,351 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/skills/place/place.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+#include "estimation/mean_load.hpp"
+#include "palpate/core/gravity.hpp"
+#include "palpate/skills/grasp/release_phase.hpp"
+#include "skills/last_contacts.hpp"
+#include "skills/phase_sequence.hpp"
+#include "skills/place/turn_plan.hpp"
+
+namespace palpate::skills {
+namespace {
+
+constexpr const char* kPlace = "place";  // the phase that puts it at the target
+constexpr double kDegrees = 180 / std::numbers::pi;
+constexpr double kWrongHeight = 0.015;  // m: felt that far from what was expected, it fell over
+constexpr double kUnknownHeight = 0.1;  // m, by which a turned hand may have to go lower
+
+planning::CollisionOptions held_collisions() {
+  planning::CollisionOptions options;
+  options.self = false;  // the fingers of a closed hand touch each other
+  return options;
+}
+
+double top_of(const geometry::TriangleMesh& mesh, const Eigen::Isometry3d& T) {
+  double top = -std::numeric_limits<double>::infinity();
+  for (const auto& v : mesh.vertices) top = std::max(top, (T * v).z());
+  return top;
+}
+
+/// A phase made of a function.
+class ThinkPhase : public Phase {
+ public:
+  ThinkPhase(std::string_view name, std::function<PhaseEnd()> think)
+      : name_(name), think_(std::move(think)) {}
+  std::string_view name() const override { return name_; }
+  double time_limit() const override { return 1.0; }
+  PhaseEnd run(Robot&, PickState&) override { return think_(); }
+
+ private:
+  std::string_view name_;
+  std::function<PhaseEnd()> think_;
+};
+
+/// Feels from above whether the object stands where it was put.
+class VerifyPhase : public Phase {
+ public:
+  VerifyPhase(const FeelOptions& options, double expected_top)
+      : options_(options), expected_top_(expected_top) {}
+  std::string_view name() const override { return "verify"; }
+  double time_limit() const override { return 30.0; }
+  PhaseEnd run(Robot& robot, PickState& state) override {
+    const PhaseEnd felt = FeelPhase(options_).run(robot, state);
+    if (!felt.ok) return {false, "felt nothing where the object was put"};
+    const double off = state.height - expected_top_;
+    return {std::abs(off) < kWrongHeight,
+            fmt::format("top felt {:+.1f} mm from where it should be", 1e3 * off)};
+  }
+
+ private:
+  FeelOptions options_;
+  double expected_top_;
+};
+
+/// One placing, step by step.
+class Placement {
+ public:
+  Placement(Robot& robot, const geometry::ObjectModel& object, const PickResult& picked,
+            const planning::Fixture& fixture, const PickOptions& pick_options,
+            const PlaceOptions& options, std::uint64_t seed, const PhaseObserver& observer)
+      : robot_(robot),
+        model_(object),
+        object_(object.object()),
+        picked_(picked),
+        pick_options_(pick_options),
+        options_(options),
+        seed_(seed),
+        scene_(
+            robot.models().collision_checker(object_, robot.model(), held_collisions(), fixture)),
+        course_(robot, state_, result_.phases, last_failed_, observer) {
+    state_.estimate = picked.estimate;
+  }
+
+  PlaceResult run(const PlaceTarget& target) {
+    result_.on_the_way = target.on_the_way;
+    bring(target);
+    if (result_.status == PlaceStatus::lost) course_.run(ClearPhase());
+    return std::move(result_);
+  }
+
+ private:
+  void bring(const PlaceTarget& target);
+  bool aim(const PlaceTarget& target);
+  GoalSearch search_goal(const HeldObject& held);
+  bool turn();
+  bool aim_turned();
+  bool carry(std::string name);
+  bool aim_again();
+  bool set_down(const PlaceGoal& goal, double wall, const LowerOptions& options, std::string name);
+  bool withdraw();
+  void put_back();
+  bool fail(PlaceStatus status);
+  double weight() const { return object_.mass * kGravity; }
+
+  Robot& robot_;
+  const geometry::ObjectModel& model_;
+  const geometry::KnownObject& object_;
+  const PickResult& picked_;
+  const PickOptions& pick_options_;
+  const PlaceOptions& options_;
+  std::uint64_t seed_;
+  std::unique_ptr<planning::CollisionChecker> scene_;
+  PickState state_;
+  PlaceResult result_;
+  std::string last_failed_;
+  Course course_;
+};
+
+/// Remembers the first failure.
+bool Placement::fail(PlaceStatus status) {
+  result_.status = status;
+  if (result_.failed_phase.empty()) result_.failed_phase = result_.phases.back().name;
+  if (status == PlaceStatus::lost) {
+    result_.lost_at = place_of_last_contacts(robot_).value_or(robot_.reading().base.xyz.head<2>());
+  }
+  return false;
+}
+
+/// Decides whether the pose is known well enough, and where the base has to go.
+bool Placement::aim(const PlaceTarget& target) {
+  const auto held =
+      held_object(object_, picked_.estimate.posterior, robot_.log(), options_.same, picked_.fallen);
+  PlaceStatus status = PlaceStatus::ambiguous;
+  const bool ok = course_.run(ThinkPhase("aim", [&]() -> PhaseEnd {
+    if (!held) return {false, "no pose of the held object"};
+    result_.held = *held;
+    result_.T_world_target = target_pose(target, object_, held->found_stance);
+    result_.certain = held->certainty >= options_.certain;
+    if (!result_.certain) {
+      return {false, fmt::format("ambiguous: {:.2f} agree on where it would stand, {:.2f} asked",
+                                 held->certainty, options_.certain)};
+    }
+    status = PlaceStatus::unreachable;
+    const GoalSearch search = search_goal(*held);
+    result_.other_stance = !search.same_stance;
+    result_.goal = search.goal;
+    result_.turn = plan_finger_turn(
+        place_means(options_), {robot_.reading().base, result_.T_world_target, *held, search},
+        options_.fingers,
+        [&](const HeldObject& turned) { return search_goal(turned).goal.has_value(); });
+    if (!search.goal && !result_.turn) return {false, "unreachable: " + search.obstacle};
+    return {true, fmt::format("{:.2f} agree; {} stance{}", held->certainty,
+                              search.same_stance ? "the same" : "another",
+                              result_.turn ? "; fingers " + result_.turn->why : "")};
+  }));
+  return ok || fail(status);
+}
+
+GoalSearch Placement::search_goal(const HeldObject& held) {
+  return find_goal(object_, held, result_.T_world_target, robot_.reading(), *scene_, options_.goal);
+}
+
+/// Turns the object by the fingers, and aims anew at what the tracker says of it then.
+bool Placement::turn() {
+  if (!result_.turn) return true;
+  FingerTurnOptions options = options_.fingers;
+  options.reorient.errors = pick_options_.locate.errors;
+  const bool ok = course_.run(FingerTurnPhase(options, model_, seed_, *result_.turn));
+  if (result_.turn->lost) return fail(PlaceStatus::lost);
+  if (!ok) fail(PlaceStatus::slipped);
+  if (ok && aim_turned()) return true;
+  put_back();
+  return false;
+}
+
+bool Placement::aim_turned() {
+  const bool ok = course_.run(ThinkPhase("aim-turned", [&]() -> PhaseEnd {
+    estimation::TouchLog log = robot_.log();
+    log.moments.push_back({estimation::Mark::held, log.readings.size() - 1});
+    const double certainty = result_.held.certainty;
+    const auto held = held_object(object_, state_.estimate.posterior, log, options_.same, true);
+    if (!held) return {false, "no pose of the held object"};
+    result_.held = *held;
+    result_.held.certainty = certainty;
+    const GoalSearch search = search_goal(result_.held);
+    result_.goal = search.goal;
+    if (!search.goal) return {false, "unreachable: " + search.obstacle};
+    return {true, fmt::format("{:.1f} deg are left to the base",
+                              kDegrees * share_of_fingers(robot_.reading().base, search.goal->seat,
+                                                          std::numbers::pi)
+                                             .norm())};
+  }));
+  return ok || fail(PlaceStatus::unreachable);
+}
+
+/// Over the goal.
+bool Placement::carry(std::string name) {
+  TransportPhase transport(options_.transport, *scene_, *result_.goal, seed_, std::move(name));
+  const bool there = course_.run(transport);
+  if (result_.motion.samples.empty()) result_.motion = transport.motion();
+  if (there) return true;
+  const bool moved = transport.motion().status == planning::PlanStatus::ok;
+  fail(transport.lost() ? PlaceStatus::lost
+       : moved          ? PlaceStatus::slipped
+                        : PlaceStatus::unreachable);
+  if (!transport.lost()) put_back();
+  return false;
+}
+
+/// Estimates the pose once more over the target, for the object has moved in the hand on the way:
+/// gravity pulls elsewhere once the hand has turned. What comes of it only mends the goal; where it
+/// is less certain than what was known before, it is left alone. What the fingers have turned is
+/// known from tracking them: the estimate counts on an object that has hardly moved in the hand.
+bool Placement::aim_again() {
+  if (!options_.again || result_.turn) return true;
+  estimation::TouchLog log = robot_.log();
+  log.moments.push_back({estimation::Mark::held, log.readings.size() - 1});
+  const double least = std::min(options_.certain, result_.held.certainty);
+  estimation::LocateOptions options = pick_options_.locate;
+  if (result_.other_stance) {
+    options.motion_sigma *= options_.turned_motion;
+    options.motion_angle_sigma *= options_.turned_motion;
+  }
+  std::optional<PlaceGoal> goal;
+  const bool ok = course_.run(ThinkPhase("aim-again", [&]() -> PhaseEnd {
+    state_.estimate = estimation::locate(model_, robot_.model(), log, options, seed_);
+    const auto held =
+        held_object(object_, state_.estimate.posterior, log, options_.same, picked_.fallen);
+    if (!held || held->certainty < least) return {true, "nothing new"};
+    const GoalSearch search = search_goal(*held);
+    result_.held = *held;
+    goal = search.goal;
+    if (!goal) return {false, "unreachable, as it has moved in the hand: " + search.obstacle};
+    const Eigen::Isometry3d by = goal->seat.pose() * result_.goal->seat.pose().inverse();
+    return {true, fmt::format("the hand goes {:.1f} mm and {:.1f} deg from where it was to go",
+                              1e3 * (goal->seat.xyz - result_.goal->seat.xyz).norm(),
+                              kDegrees * Eigen::AngleAxisd(by.linear()).angle())};
+  }));
+  if (!ok) {
+    fail(PlaceStatus::slipped);
+    put_back();
+  }
+  if (!goal) return ok;
+  result_.goal = goal;
+  return carry("mend");
+}
+
+/// Sets down at the goal under the hand and lets go.
+bool Placement::set_down(const PlaceGoal& goal, double wall, const LowerOptions& options,
+                         std::string name) {
+  const bool for_good = name == kPlace;
+  PlacePhase lower(options, goal, wall, open_posture(pick_options_.grasp.top), std::move(name));
+  const bool ok = course_.run(lower);
+  if (for_good && lower.let_go()) {
+    result_.T_world_placed = laid_flat(object_, lower.T_world_object());
+  }
+  if (ok) return withdraw();
+  return fail(lower.touchdown() == PlacePhase::Touchdown::lost ? PlaceStatus::lost
+                                                               : PlaceStatus::refused);
+}
+
+bool Placement::withdraw() {
+  return course_.run(WithdrawPhase(options_.withdraw, weight())) || fail(PlaceStatus::stuck);
+}
+
+/// Slowly all the way, for it is not known how far down the table is.
+LowerOptions felt_for(LowerOptions options, double above) {
+  options.near = std::max(options.near, above);
+  options.beyond = kUnknownHeight;
+  return options;
+}
+
+/// Back to where the object was lifted from: the one place that is known to be free and level.
+void Placement::put_back() {
+  const PlaceStatus reason = result_.status;
+  const auto closed = robot_.log().at(estimation::Mark::closed);
+  PlaceGoal goal;
+  goal.T_base_object = result_.held.T_base_object_flat;
+  goal.seat = robot_.log().readings[*closed].base;
+  if (result_.turn && result_.turn->known) {
+    const Eigen::Isometry3d T_world_object =
+        laid_flat(object_, goal.seat.pose() * goal.T_base_object);
+    goal.seat = base_near(T_world_object * goal.T_base_object.inverse(), goal.seat);
+  }
+  goal.above = goal.seat;
+  goal.above.xyz.z() += options_.goal.rise;
+  goal.T_world_object = goal.seat.pose() * goal.T_base_object;
+  TransportPhase carry(options_.transport, *scene_, goal, seed_, "carry-back");
+  const bool there = course_.run(carry);
+  if (carry.lost()) {
+    fail(PlaceStatus::lost);
+    return;
+  }
+  LowerOptions lower = never_refused(options_.lower);
+  if (!there) {  // setting down here is gentler than letting go up here
+    const hand::BasePosition& here = robot_.reading().base;
+    lower = felt_for(lower, here.xyz.z() - goal.seat.xyz.z());
+    goal.seat.xyz.head<2>() = here.xyz.head<2>();
+    goal.seat.ypr = here.ypr;
+  }
+  const bool down = set_down(goal, 0, lower, "put-back");
+  if (down && !there) {
+    result_.put_aside = (goal.seat.pose() * goal.T_base_object).translation().head<2>();
+  }
+  if (down) result_.status = reason;
+  if (result_.status == PlaceStatus::refused && !down) result_.status = PlaceStatus::stuck;
+}
+
+void Placement::bring(const PlaceTarget& target) {
+  if (!aim(target)) {
+    put_back();
+    return;
+  }
+  const bool slot = target.kind == PlaceTarget::Kind::fixture;
+  if (!turn() || !carry("transport") || !aim_again()) return;
+  if (!set_down(*result_.goal, slot ? options_.fixture.height : 0, options_.lower, kPlace)) {
+    if (result_.status == PlaceStatus::refused) put_back();
+    return;
+  }
+  result_.status = PlaceStatus::placed;
+  if (!options_.verify) return;
+  state_.place = result_.T_world_placed->translation().head<2>();
+  FeelOptions feel = pick_options_.feel;
+  feel.search = 0;
+  if (!course_.run(VerifyPhase(feel, top_of(object_.mesh, *result_.T_world_placed)))) {
+    fail(PlaceStatus::missing);
+  }
+}
+
+}  // namespace
+
+PlaceResult place(Robot& robot, const geometry::ObjectModel& object, const PickResult& picked,
+                  const PlaceTarget& target, const planning::Fixture& fixture,
+                  const PickOptions& pick_options, const PlaceOptions& options, std::uint64_t seed,
+                  const PhaseObserver& observer) {
+  PlaceResult result =
+      Placement(robot, object, picked, fixture, pick_options, options, seed, observer).run(target);
+  if (observer.on_placed) observer.on_placed(result);
+  return result;
+}
+
+}  // namespace palpate::skills

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/skills/place/place_goal.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "palpate/hand/coupling.hpp"
+#include "palpate/hand/hand.hpp"
+
+namespace palpate::skills {
+namespace {
+
+constexpr double kSettles = 30 * std::numbers::pi / 180;    // rad: more than a grasp tilts
+constexpr double kSameStance = 3 * std::numbers::pi / 180;  // rad
+
+/// Angles of Rz Ry Rx. There are two triples; the second one turns pitch past the vertical.
+std::array<Eigen::Vector3d, 2> angles_of(const Eigen::Matrix3d& R) {
+  const double pitch = std::asin(std::clamp(-R(2, 0), -1.0, 1.0));
+  const double yaw = std::atan2(R(1, 0), R(0, 0));
+  const double roll = std::atan2(R(2, 1), R(2, 2));
+  constexpr double kPi = std::numbers::pi;
+  return {Eigen::Vector3d(yaw, pitch, roll), {yaw + kPi, kPi - pitch, roll + kPi}};
+}
+
+std::string obstacle_at(const hand::BasePosition& base, const GoalOptions& options) {
+  if (base.xyz.head<2>().cwiseAbs().maxCoeff() > options.reach) {
+    return fmt::format("the base would be at ({:.2f}, {:.2f}) m, out of reach", base.xyz.x(),
+                       base.xyz.y());
+  }
+  if (base.xyz.z() > options.highest) {
+    return fmt::format("the base would be {:.2f} m high, out of reach", base.xyz.z());
+  }
+  return {};
+}
+
+hand::BasePosition raised(hand::BasePosition base, double by) {
+  base.xyz.z() += by;
+  return base;
+}
+
+double turn_between(const hand::BasePosition& a, const hand::BasePosition& b) {
+  return (a.ypr - b.ypr).norm();
+}
+
+}  // namespace
+
+std::optional<HeldObject> held_object(const geometry::KnownObject& object,
+                                      const localization::Posterior& posterior,
+                                      const estimation::TouchLog& log,
+                                      const localization::SamePose& same, bool turned) {
+  const auto closed = log.at(estimation::Mark::closed), lifted = log.at(estimation::Mark::held);
+  if (posterior.modes.empty() || !closed || !lifted) return std::nullopt;
+  const Eigen::Isometry3d T_world_closed = log.readings[*closed].base.pose();
+  const Eigen::Isometry3d T_base_world = log.readings[*lifted].base.pose().inverse();
+
+  std::map<std::size_t, double> stances;
+  std::vector<localization::WeightedPose> in_air, flat;
+  for (const localization::WeightedPose& pose : localization::poses_of(posterior)) {
+    const Eigen::Isometry3d T_base_object = T_base_world * pose.T;
+    const Eigen::Isometry3d standing = T_world_closed * T_base_object;
+    const bool settles = !turned && nearest_stance(object, standing.linear()).tilt < kSettles;
+    in_air.push_back({T_base_object, pose.weight});
+    flat.push_back({T_world_closed.inverse() * (settles ? laid_flat(object, standing) : standing),
+                    pose.weight});
+  }
+  const localization::Consensus best = localization::consensus(flat, object.symmetries, same);
+  HeldObject held;
+  held.T_base_object_flat = best.T;
+  held.T_base_object = localization::consensus(in_air, object.symmetries, same).T;
+  held.found_stance = nearest_stance(object, (T_world_closed * best.T).linear()).stance;
+  held.certainty = best.share;
+  return held;
+}
+
+hand::BasePosition base_near(const Eigen::Isometry3d& T_world_base,
+                             const hand::BasePosition& near) {
+  constexpr double kTurn = 2 * std::numbers::pi;
+  hand::BasePosition best;
+  best.xyz = T_world_base.translation();
+  double least = std::numeric_limits<double>::infinity();
+  for (Eigen::Vector3d ypr : angles_of(T_world_base.linear())) {
+    ypr -= kTurn * ((ypr - near.ypr) / kTurn).array().round().matrix();
+    const double turn = (ypr - near.ypr).norm();
+    if (turn >= least) continue;
+    least = turn;
+    best.ypr = ypr;
+  }
+  return best;
+}
+
+GoalSearch find_goal(const geometry::KnownObject& object, const HeldObject& held,
+                     const Eigen::Isometry3d& T_world_target, const hand::HandReading& now,
+                     planning::CollisionChecker& scene, const GoalOptions& options) {
+  GoalSearch search;
+  search.same_stance = same_side_up(object, T_world_target.linear(),
+                                    object.stances[held.found_stance].R_table_object, kSameStance);
+  const Eigen::Isometry3d& T_base_object =
+      search.same_stance ? held.T_base_object_flat : held.T_base_object;
+  std::vector<PlaceGoal> goals;
+  for (const auto& S : object.symmetries) {
+    PlaceGoal goal;
+    goal.T_base_object = T_base_object;
+    goal.T_world_object = T_world_target;
+    goal.T_world_object.linear() = T_world_target.linear() * S;
+    goal.seat = base_near(goal.T_world_object * T_base_object.inverse(), now.base);
+    goal.above = raised(goal.seat, options.rise);
+    goals.push_back(goal);
+  }
+  std::stable_sort(goals.begin(), goals.end(), [&](const PlaceGoal& a, const PlaceGoal& b) {
+    return turn_between(a.seat, now.base) < turn_between(b.seat, now.base);
+  });
+  const hand::JointVector joints = plannable(now.joints);
+  scene.hold(scene.palm_pose(hand::BasePosition{}, joints).inverse() * T_base_object);
+  for (const PlaceGoal& goal : goals) {
+    std::string obstacle = obstacle_at(goal.above, options);
+    for (const auto& base : {raised(goal.seat, options.room), goal.above}) {
+      if (!obstacle.empty()) break;
+      const auto pair = scene.deepest_collision(base, joints);
+      if (!pair) continue;
+      obstacle = fmt::format("{} would be {:.0f} mm inside {}", pair->first, 1e3 * pair->depth,
+                             pair->second);
+    }
+    if (obstacle.empty()) {
+      search.goal = goal;
+      return search;
+    }
+    if (search.obstacle.empty()) search.obstacle = obstacle;
+  }
+  return search;
+}
+
+hand::JointVector plannable(const hand::JointVector& joints) {
+  hand::JointVector clamped = joints;
+  for (int i = 0; i < hand::kJoints; ++i) {
+    const hand::Range range = hand::shadow_ranges()[static_cast<std::size_t>(i)];
+    clamped[i] = std::clamp(clamped[i], range.low, range.high);
+  }
+  return hand::joints_in_free_flexion(hand::actuator_positions(clamped));
+}
+
+}  // namespace palpate::skills

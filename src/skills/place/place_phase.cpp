@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/skills/place/place_phase.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "estimation/mean_load.hpp"
+#include "palpate/hand/tip_forces.hpp"
+
+namespace palpate::skills {
+namespace {
+
+constexpr double kRest = 0.25;       // s
+constexpr double kSettle = 0.75;     // s, for the load's mean to hold nothing of the motion before
+constexpr double kSettingOut = 0.3;  // s
+constexpr int kLoadedTicks = 3;
+constexpr double kTries = 6;          // places on a turn of the spiral
+constexpr double kEarlyOfWall = 0.5;  // of a wall's height: that high, the object stands on it
+constexpr double kWider = 0.25;       // rad by which the fingers open further
+constexpr int kWithdrawals = 3;
+constexpr double kAnyHeight = 1.0;  // m
+
+/// Where the n-th try is: on rings around the first.
+Eigen::Vector3d aside(int attempt, double spacing) {
+  if (attempt == 0) return Eigen::Vector3d::Zero();
+  const double ring = 1 + std::floor((attempt - 1) / kTries);
+  const double angle = 2 * std::numbers::pi * (attempt - 1) / kTries;
+  return ring * spacing * Eigen::Vector3d(std::cos(angle), std::sin(angle), 0);
+}
+
+hand::BasePosition moved(hand::BasePosition base, const Eigen::Vector3d& way) {
+  base.xyz += way;
+  return base;
+}
+
+/// Stop condition: what the base carries has fallen below a load for some ticks on end, not before
+/// a time (s), for setting out takes load off, too.
+Robot::StopCondition load_below(double load, double since = 0) {
+  return [load, since, ticks = 0](const hand::HandReading& reading) mutable {
+    ticks = reading.time > since && reading.base_force.z() < load ? ticks + 1 : 0;
+    return ticks >= kLoadedTicks;
+  };
+}
+
+/// The posture at which the actuators that press would press no more.
+hand::ActuatorVector unloaded(const Robot& robot) {
+  hand::ActuatorVector posture = robot.command().positions;
+  for (int i = 0; i < hand::kActuators; ++i) {
+    if (hand::finger_of_actuator(i) < 0) continue;
+    const auto& actuator = robot.actuators()[static_cast<std::size_t>(i)];
+    posture[i] -= robot.reading().torques[i] / actuator.stiffness;
+  }
+  return posture;
+}
+
+hand::ActuatorVector wider(const Robot& robot) {
+  hand::ActuatorVector posture = robot.command().positions;
+  for (const char* name :
+       {"FFJ3", "FFJ0", "MFJ3", "MFJ0", "RFJ3", "RFJ0", "LFJ3", "LFJ0", "THJ5", "THJ2"}) {
+    const int i = hand::actuator_index(name);
+    const auto& range = robot.actuators()[static_cast<std::size_t>(i)].command;
+    posture[i] = std::max(range.low, posture[i] - kWider);
+  }
+  return posture;
+}
+
+}  // namespace
+
+LowerOptions never_refused(LowerOptions options) {
+  options.early = kAnyHeight;
+  return options;
+}
+
+PhaseEnd PlacePhase::run(Robot& robot, PickState&) {
+  const int tries = wall_ > 0 ? options_.tries : 1;
+  int attempt = 0;
+  for (; attempt < tries; ++attempt) {
+    touchdown_ = lower(robot, aside(attempt, options_.spiral));
+    if (touchdown_ != Touchdown::early) break;
+    robot.move_base(moved(contact_, {0, 0, options_.back_off}), options_.slow_speed);
+  }
+  switch (touchdown_) {
+    case Touchdown::lost:
+      return {false, "lost: nothing hangs in the hand"};
+    case Touchdown::nothing:
+      return {false, fmt::format("felt no table down to {:.0f} mm below the target",
+                                 1e3 * options_.beyond)};
+    case Touchdown::early:
+      return {false, fmt::format("refused: contact {:.1f} mm too high, tried {} places",
+                                 1e3 * height_error_, attempt)};
+    case Touchdown::flat:
+      break;
+  }
+  T_world_object_ = estimation::mean_base(robot.log(), 5).pose() * goal_.T_base_object;
+  let_go_ = true;
+  palpate::skills::let_go(robot, options_, open_);
+  return {true, fmt::format("contact at {:+.1f} mm{}, let go", 1e3 * height_error_,
+                            attempt > 0 ? fmt::format(", try {}", attempt + 1) : "")};
+}
+
+/// Goes down from over the goal until the table bears the object and a little more.
+PlacePhase::Touchdown PlacePhase::lower(Robot& robot, const Eigen::Vector3d& aside) {
+  const hand::BasePosition measured = estimation::mean_base(robot.log());
+  const hand::BasePosition& command = robot.command().base;
+  hand::BasePosition seat = moved(goal_.seat, aside + command.xyz - measured.xyz);
+  seat.ypr += command.ypr - measured.ypr;
+  const hand::BasePosition over = moved(seat, {0, 0, std::max(options_.near, 1.5 * wall_)});
+  if (command.xyz.z() > over.xyz.z()) robot.move_base(over, options_.speed);
+  hand::BasePosition start = seat;
+  start.xyz.z() = robot.command().base.xyz.z();
+  robot.move_base(start, options_.slow_speed);
+  robot.wait(kSettle);
+  const double load = estimation::mean_load(robot.log());
+  if (load < options_.contact_load) return Touchdown::lost;
+
+  const hand::BasePosition low = moved(seat, {0, 0, -options_.beyond});
+  const auto borne = load_below(load - options_.contact_load, robot.time() + kSettingOut);
+  if (robot.move_base(low, options_.slow_speed, borne) != MotionEnd::stopped) {
+    return Touchdown::nothing;
+  }
+  contact_ = robot.command().base;
+  height_error_ = robot.reading().base.xyz.z() - goal_.seat.xyz.z();
+  if (height_error_ > options_.early) return Touchdown::early;
+  robot.move_base(moved(contact_, {0, 0, -options_.most_press}), options_.slow_speed,
+                  load_below(-options_.press));
+  // The object sank in the hand when it was lifted, so that any contact comes early, by more than a
+  // low wall is high. Where all of the load is borne, it has been pushed back to where it was in
+  // the hand when the fingers closed: over the table the hand is then as low as expected, and over
+  // a wall it is not.
+  const double seated = robot.reading().base.xyz.z() - goal_.seat.xyz.z();
+  if (wall_ <= 0 || seated <= kEarlyOfWall * wall_) return Touchdown::flat;
+  height_error_ = seated;
+  return Touchdown::early;
+}
+
+void let_go(Robot& robot, const LowerOptions& options, const hand::ActuatorVector& open) {
+  robot.mark(estimation::Mark::placed);
+  robot.set_grip(std::nullopt);
+  robot.move_fingers(unloaded(robot), options.unload_seconds);
+  hand::ActuatorVector opened = robot.command().positions;
+  for (int i = 0; i < hand::kActuators; ++i) {
+    if (hand::finger_of_actuator(i) >= 0) opened[i] = open[i];
+  }
+  robot.move_fingers(opened, options.open_seconds);
+  robot.wait(kRest);
+}
+
+PhaseEnd OpenPhase::run(Robot& robot, PickState&) {
+  robot.wait(kRest);
+  let_go(robot, options_, open_);
+  const int contacts = hand::count_contacts(robot.reading());
+  return {contacts == 0, fmt::format("{} contacts left", contacts)};
+}
+
+PhaseEnd WithdrawPhase::run(Robot& robot, PickState&) {
+  const hand::BasePosition low = robot.command().base;
+  const hand::BasePosition high = moved(low, {0, 0, options_.way});
+  int attempt = 0;
+  bool caught = true;
+  for (; caught && attempt < kWithdrawals; ++attempt) {
+    if (attempt > 0) {
+      robot.move_base(low, options_.speed);
+      robot.move_fingers(wider(robot), 0.5);
+    }
+    const auto pulled = lasting_load(robot, Eigen::Vector3d::UnitZ(), options_.caught);
+    caught = robot.move_base(high, options_.speed, pulled) == MotionEnd::stopped;
+  }
+  hand::BasePosition far = robot.command().base;
+  far.xyz.z() = std::max(far.xyz.z(), options_.height);
+  robot.move_base(far, options_.far_speed);
+  robot.wait(2 * kRest);
+  robot.mark(mark_);
+  const double load = estimation::mean_load(robot.log());
+  if (load > options_.empty * weight_) {
+    return {false, fmt::format("{:.2f} N still hang in the hand", load)};
+  }
+  return {true, attempt > 1 ? fmt::format("free after {} tries", attempt) : "free"};
+}
+
+}  // namespace palpate::skills

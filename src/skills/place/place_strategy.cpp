@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "palpate/core/error.hpp"
+#include "palpate/skills/place/place.hpp"
+
+namespace palpate::skills {
+namespace {
+
+constexpr std::array<PlaceMeans, 4> kMeans = {PlaceMeans::automatic, PlaceMeans::wrist,
+                                              PlaceMeans::fingers, PlaceMeans::regrasp};
+
+}  // namespace
+
+std::string_view to_string(PlaceMeans means) {
+  switch (means) {
+    case PlaceMeans::automatic:
+      return "auto";
+    case PlaceMeans::wrist:
+      return "wrist";
+    case PlaceMeans::fingers:
+      return "fingers";
+    case PlaceMeans::regrasp:
+      return "regrasp";
+  }
+  return "";
+}
+
+PlaceMeans place_means(const PlaceOptions& options) {
+  for (const PlaceMeans means : kMeans) {
+    if (options.means == to_string(means)) return means;
+  }
+  throw BadInput(fmt::format(
+      "place.means = {:?}: it is \"auto\", \"wrist\", \"fingers\" or \"regrasp\"", options.means));
+}
+
+bool was_put_back(PlaceStatus status) {
+  return status == PlaceStatus::ambiguous || status == PlaceStatus::unreachable ||
+         status == PlaceStatus::refused || status == PlaceStatus::slipped;
+}
+
+std::string_view to_string(PlaceStatus status) {
+  switch (status) {
+    case PlaceStatus::placed:
+      return "placed";
+    case PlaceStatus::ambiguous:
+      return "ambiguous";
+    case PlaceStatus::unreachable:
+      return "unreachable";
+    case PlaceStatus::refused:
+      return "refused";
+    case PlaceStatus::slipped:
+      return "slipped";
+    case PlaceStatus::lost:
+      return "lost";
+    case PlaceStatus::stuck:
+      return "stuck";
+    case PlaceStatus::missing:
+      return "missing";
+    case PlaceStatus::under_way:
+      return "under way";
+  }
+  return "";
+}
+
+PickOptions firm_enough(const PickOptions& pick_options, const PlaceTarget& target,
+                        const PlaceOptions& options) {
+  PickOptions firm = pick_options;
+  if (target.kind == PlaceTarget::Kind::pose) {
+    firm.grasp.press_per_weight = std::max(firm.grasp.press_per_weight, options.turn_press);
+  }
+  return firm;
+}
+
+}  // namespace palpate::skills

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "skills/place/put_down.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "palpate/core/se3.hpp"
+#include "palpate/skills/place/place_goal.hpp"
+
+namespace palpate::skills {
+namespace {
+
+constexpr std::size_t kFinalists = 12;
+constexpr std::array<double, 4> kRise = {0.1, 0.3, 0.6, 1.0};  // shares of the retreat
+constexpr float kFree = 0.002f;  // m, between the rising hand and the object
+
+void add_finger(const grasping::FingerShape& shape, float radius,
+                std::vector<Eigen::Vector4f>& spheres) {
+  spheres.insert(spheres.end(), shape.other_spheres.begin(), shape.other_spheres.end());
+  for (const auto& p : shape.tip) {
+    spheres.emplace_back();
+    spheres.back() << p, radius;
+  }
+}
+
+/// The hand opened and closed around the object.
+std::vector<Eigen::Vector4f> room_of(const grasping::ClosingPath& path,
+                                     const grasping::GraspPlan& grasp) {
+  auto spheres = path.open_spheres;
+  for (std::size_t finger = 0; finger < hand::kFingers; ++finger) {
+    add_finger(path.fingers[finger][grasp.stops[finger]], path.tip_radius[finger], spheres);
+  }
+  return spheres;
+}
+
+}  // namespace
+
+std::vector<Hold> holds_of(const geometry::ObjectModel& object, const GraspTool& tool,
+                           const Eigen::Isometry3d& T_world_object, const RegraspOptions& options) {
+  std::vector<Hold> holds;
+  for (const auto& attitude : tool.attitudes) {
+    for (auto& grasp :
+         grasping::find_grasps(object, T_world_object, tool.path, attitude, options.grasp)) {
+      if (grasp.cost > options.worst_grasp) continue;
+      const Eigen::Isometry3d T_base_world = grasp.base.pose().inverse();
+      Hold hold;
+      hold.T_base_object = T_base_world * T_world_object;
+      hold.spheres = room_of(tool.path, grasp);
+      hold.grasp = std::move(grasp);
+      holds.push_back(std::move(hold));
+    }
+  }
+  return holds;
+}
+
+Hold hold_of(const hand::HandModel& hand, const Holding& holding,
+             const Eigen::Isometry3d& T_world_object) {
+  Hold hold;
+  hold.T_base_object = holding.base.pose().inverse() * T_world_object;
+  const auto T_base_link = hand::forward_kinematics(hand, holding.joints);
+  for (const auto& sphere : hand.spheres) {
+    const Eigen::Vector3d center =
+        T_base_link[static_cast<std::size_t>(sphere.link)] * sphere.center;
+    hold.spheres.emplace_back();
+    hold.spheres.back() << center.cast<float>(), static_cast<float>(sphere.radius);
+  }
+  return hold;
+}
+
+void PutDown::aim(const Eigen::Isometry3d& T_world_to, bool free_yaw) {
+  to_ = T_world_to;
+  turn_ = std::numeric_limits<double>::infinity();
+  for (const Eigen::Matrix3d& S : object_.object().symmetries) {
+    Eigen::Matrix3d R = T_world_to.linear() * S;
+    const Eigen::Matrix3d M = R * from_.linear().transpose();
+    // The yaw that makes the trace of Rz(yaw) M largest, and with it the turn smallest.
+    const double yaw = free_yaw ? std::atan2(M(0, 1) - M(1, 0), M(0, 0) + M(1, 1)) : 0;
+    R = Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) * R;
+    const double turn = rotation_distance(R, from_.linear());
+    if (turn >= turn_ - 1e-9) continue;
+    turn_ = turn;
+    to_.linear() = R;
+  }
+}
+
+/// Lowest point of the hand where it lets go and where it has withdrawn, m above the table.
+double PutDown::clearance(const Hold& hold) const {
+  const Eigen::Isometry3d T_world_base = to_ * hold.T_base_object.inverse();
+  const Eigen::RowVector3f up = T_world_base.linear().row(2).cast<float>();
+  float low = std::numeric_limits<float>::infinity();
+  for (const auto& sphere : hold.spheres) {
+    low = std::min(low, up.dot(sphere.head<3>()) - sphere.w());
+  }
+  return T_world_base.translation().z() + static_cast<double>(low);
+}
+
+/// Whether the opened hand leaves the object behind when it rises.
+bool PutDown::rises_freely(const Hold& hold) const {
+  const auto& field = object_.field();
+  const Eigen::Isometry3f T_object_base = hold.T_base_object.inverse().cast<float>();
+  const Eigen::Vector3f up = to_.linear().row(2).transpose().cast<float>();
+  for (const auto& sphere : tool_.path.open_spheres) {
+    for (const double share : kRise) {
+      const Eigen::Vector3f raised =
+          T_object_base * sphere.head<3>() + static_cast<float>(share * options_.retreat) * up;
+      if (field.distance(raised) < std::min(sphere.w() + kFree, field.beyond())) return false;
+    }
+  }
+  return true;
+}
+
+/// What the grasp costs where it starts and, with gravity pulling otherwise, where it ends.
+double PutDown::cost(const Hold& hold) const {
+  const double moving = options_.transfer_cost + options_.turn_cost * turn_;
+  if (!hold.grasp) return moving;
+  const Eigen::Isometry3d T_world_base = to_ * hold.T_base_object.inverse();
+  const double at_end = grasping::grasp_cost(object_, *hold.grasp, options_.grasp,
+                                             -T_world_base.linear().row(2).transpose(),
+                                             hold.T_base_object.translation());
+  if (at_end > options_.worst_grasp) return std::numeric_limits<double>::infinity();
+  return moving + hold.grasp->cost + at_end;
+}
+
+Transfer PutDown::transfer(const Choice& choice) const {
+  Transfer transfer;
+  transfer.grasp = choice.hold->grasp;
+  transfer.T_world_from = from_;
+  transfer.T_world_to = to_;
+  transfer.release =
+      base_near(to_ * choice.hold->T_base_object.inverse(),
+                choice.hold->grasp ? choice.hold->grasp->base : hand::BasePosition{});
+  transfer.turn = turn_;
+  transfer.clearance = choice.clearance;
+  transfer.cost = choice.cost;
+  return transfer;
+}
+
+std::optional<Transfer> PutDown::cheapest(const std::vector<Hold>& holds) {
+  std::vector<Choice> choices;
+  for (const Hold& hold : holds) {
+    const double above = clearance(hold);
+    largest_clearance_ = std::max(largest_clearance_, above);
+    if (above < options_.clearance || (hold.grasp && !rises_freely(hold))) continue;
+    const double cost_of_hold = cost(hold);
+    if (std::isfinite(cost_of_hold)) choices.push_back({&hold, above, cost_of_hold});
+  }
+  if (choices.empty()) return std::nullopt;
+  const auto cheaper = [](const Choice& a, const Choice& b) { return a.cost < b.cost; };
+  std::stable_sort(choices.begin(), choices.end(), cheaper);
+  choices.resize(std::min(choices.size(), kFinalists));
+  for (Choice& choice : choices) {
+    if (!choice.hold->grasp) continue;
+    const grasping::GraspPlan& grasp = *choice.hold->grasp;
+    choice.cost +=
+        grasping::mean_cost(object_, from_, tool_.path, options_.grasp, grasp) - grasp.cost;
+  }
+  return transfer(*std::min_element(choices.begin(), choices.end(), cheaper));
+}
+
+}  // namespace palpate::skills

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <limits>
+
+#include "palpate/skills/reorient/regrasp_plan.hpp"
+
+namespace palpate::skills {
+
+/// A way to hold the object, and the room that the hand takes up.
+struct Hold {
+  std::optional<grasping::GraspPlan> grasp;  ///< none: the hand holds it already
+  Eigen::Isometry3d T_base_object = Eigen::Isometry3d::Identity();
+  std::vector<Eigen::Vector4f> spheres;  ///< base's frame: closed, but for the fingers' ways
+};
+
+/// The grasps of an object at rest that are good enough.
+std::vector<Hold> holds_of(const geometry::ObjectModel& object, const GraspTool& tool,
+                           const Eigen::Isometry3d& T_world_object, const RegraspOptions& options);
+
+/// That of a hand that holds the object.
+Hold hold_of(const hand::HandModel& hand, const Holding& holding,
+             const Eigen::Isometry3d& T_world_object);
+
+/// Looks for the cheapest hold by which the object can be put down in a pose.
+class PutDown {
+ public:
+  PutDown(const geometry::ObjectModel& object, const GraspTool& tool, const RegraspOptions& options,
+          const Eigen::Isometry3d& T_world_from)
+      : object_(object), tool_(tool), options_(options), from_(T_world_from) {}
+
+  /// The pose, or with a free yaw that which needs the least turn; always one that the object's
+  /// symmetries allow.
+  void aim(const Eigen::Isometry3d& T_world_to, bool free_yaw);
+
+  std::optional<Transfer> cheapest(const std::vector<Hold>& holds);
+
+  /// Largest of the holds' clearances, m.
+  [[nodiscard]] double largest_clearance() const { return largest_clearance_; }
+
+ private:
+  struct Choice {
+    const Hold* hold;
+    double clearance, cost;
+  };
+  double clearance(const Hold& hold) const;
+  bool rises_freely(const Hold& hold) const;
+  Transfer transfer(const Choice& choice) const;
+  double cost(const Hold& hold) const;
+
+  const geometry::ObjectModel& object_;
+  const GraspTool& tool_;
+  const RegraspOptions& options_;
+  Eigen::Isometry3d from_, to_ = Eigen::Isometry3d::Identity();
+  double turn_ = 0;
+  double largest_clearance_ = -std::numeric_limits<double>::infinity();
+};
+
+}  // namespace palpate::skills

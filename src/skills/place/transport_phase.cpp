@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/skills/place/transport_phase.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <span>
+
+#include "estimation/mean_load.hpp"
+#include "estimation/slip.hpp"
+#include "palpate/hand/tip_forces.hpp"
+#include "skills/place/weight_bearing.hpp"
+
+namespace palpate::skills {
+namespace {
+
+/// What the base is told for a configuration that it is to reach, by what its drives give way.
+hand::BasePosition told(const hand::BasePosition& wanted, const hand::BasePosition& yielded) {
+  return {wanted.xyz + yielded.xyz, wanted.ypr + yielded.ypr};
+}
+
+/// Largest distance of the base from where it was planned to be in each tick, m.
+double lag_of(std::span<const hand::HandReading> readings,
+              const std::vector<hand::HandCommand>& planned) {
+  double most = 0;
+  for (std::size_t i = 0; i < std::min(readings.size(), planned.size()); ++i) {
+    most = std::max(most, (readings[i].base.xyz - planned[i].base.xyz).norm());
+  }
+  return most;
+}
+
+std::string why_no_path(const planning::Plan& motion) {
+  if (motion.status != planning::PlanStatus::invalid) return "no free path";
+  const auto& fault = motion.invalid.front();
+  return fmt::format("{}: {}", fault.waypoint == 0 ? "at the start" : "over the target",
+                     fault.reason);
+}
+
+}  // namespace
+
+/// Of base and fingers, one a tick.
+std::vector<hand::HandCommand> TransportPhase::commands(const Robot& robot,
+                                                        const hand::BasePosition& yielded) const {
+  std::vector<hand::HandCommand> way(motion_.samples.size(), robot.command());
+  for (std::size_t i = 0; i < way.size(); ++i) {
+    way[i].base = told(motion_.samples[i].base, yielded);
+  }
+  if (!options_.bear_weight) return way;
+  const WeightBearing bearing(robot, goal_.T_base_object.translation(),
+                              estimation::mean_load(robot.log()), options_.friction);
+  for (std::size_t i = 0; i < way.size(); ++i) {
+    way[i].positions = bearing.command(motion_.samples[i].base);
+  }
+  return way;
+}
+
+PhaseEnd TransportPhase::run(Robot& robot, PickState& state) {
+  const double load = estimation::mean_load(robot.log());
+  const hand::BasePosition measured = estimation::mean_base(robot.log());
+  const hand::BasePosition yielded = {robot.command().base.xyz - measured.xyz,
+                                      robot.command().base.ypr - measured.ypr};
+  const hand::JointVector joints = plannable(robot.reading().joints);
+  scene_.hold(scene_.palm_pose(hand::BasePosition{}, joints).inverse() * goal_.T_base_object);
+  motion_ =
+      planning::plan({{measured, joints}, {goal_.above, joints}}, scene_, options_.plan, seed_);
+  if (motion_.status != planning::PlanStatus::ok) return {false, why_no_path(motion_)};
+
+  const std::vector<hand::HandCommand> way = commands(robot, yielded);
+  const std::size_t start = robot.log().readings.size() - 1;
+  int untouched = 0;
+  const auto dropped = [&](const hand::HandReading& reading) {
+    untouched = hand::count_contacts(reading) == 0 ? untouched + 1 : 0;
+    return untouched >= options_.lost_ticks;
+  };
+  lost_ = robot.follow(way, dropped) == MotionEnd::stopped ||
+          robot.wait(options_.settle, dropped) == MotionEnd::stopped;
+  const double now = estimation::mean_load(robot.log());
+  lost_ = lost_ || now < options_.least_weight * load;
+  state.held_load = now;
+  if (lost_) return {false, fmt::format("lost: {:.2f} N of {:.2f} N still hang", now, load)};
+  const double drift =
+      estimation::contact_drift(robot.log(), robot.model(), start, robot.log().readings.size() - 1);
+  if (drift > options_.most_slip) {
+    return {false, fmt::format("slipped by {:.1f} mm", 1e3 * drift)};
+  }
+  return {
+      true,
+      fmt::format("planned in {:.0f} ms, moved in {:.1f} s, at most {:.1f} mm behind, {:.2f} N "
+                  "hang, wandered by {:.1f} mm",
+                  1e3 * motion_.seconds, motion_.duration(),
+                  1e3 * lag_of(std::span(robot.log().readings).subspan(start + 1), motion_.samples),
+                  now, 1e3 * drift)};
+}
+
+}  // namespace palpate::skills

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "skills/place/turn_plan.hpp"
+
+#include <fmt/format.h>
+
+#include <numbers>
+
+namespace palpate::skills {
+namespace {
+
+constexpr double kDegrees = 180 / std::numbers::pi;
+
+hand::BasePosition wanted_base(const TurnQuestion& question) {
+  if (question.search.goal) return base_near(question.search.goal->seat.pose(), question.base);
+  return base_near(question.T_world_target * question.held.T_base_object_flat.inverse(),
+                   question.base);
+}
+
+}  // namespace
+
+std::optional<FingerTurn> plan_finger_turn(PlaceMeans means, const TurnQuestion& question,
+                                           const FingerTurnOptions& options,
+                                           const std::function<bool(const HeldObject&)>& reaches) {
+  const GoalSearch& search = question.search;
+  const bool asked_for = means == PlaceMeans::fingers;
+  if (!asked_for && (means != PlaceMeans::automatic || search.goal)) return std::nullopt;
+  const hand::BasePosition seat = wanted_base(question);
+  FingerTurn turn;
+  turn.base_turn = share_of_fingers(question.base, seat, std::numbers::pi).norm();
+  turn.asked = share_of_fingers(question.base, seat, options.most);
+  if (search.goal) {
+    if (turn.asked.norm() < options.least) return std::nullopt;
+    turn.why = fmt::format("asked for: {:.1f} of the {:.1f} deg that the base would turn",
+                           kDegrees * turn.asked.norm(), kDegrees * turn.base_turn);
+    return turn;
+  }
+  const auto reaching =
+      turn_that_reaches(question.held, question.base, turn.asked, options.most, reaches);
+  if (!reaching) return std::nullopt;
+  turn.asked = *reaching;
+  turn.why =
+      fmt::format("unreachable as it is held ({}), reachable turned by {:.1f} deg in the hand",
+                  search.obstacle, kDegrees * turn.asked.norm());
+  return turn;
+}
+
+}  // namespace palpate::skills

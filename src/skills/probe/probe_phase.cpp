@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/skills/probe/probe_phase.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "estimation/mean_load.hpp"
+#include "palpate/core/gravity.hpp"
+#include "palpate/localization/consensus.hpp"
+#include "skills/probe/probe_finger.hpp"
+#include "skills/probe/probe_regrasp.hpp"
+#include "skills/probe/probe_roll.hpp"
+
+namespace palpate::skills {
+namespace {
+
+constexpr double kStepSeconds = 10;     // s that a touch or a roll takes at most, and back
+constexpr double kRegraspSeconds = 14;  // s, of an object on the table
+constexpr double kLiftSeconds = 6;      // s more, where it is to be put down and lifted again
+constexpr double kLeastWeight = 0.5;    // of the object's weight, that must still hang
+constexpr double kPlannedRate = 1.0;    // rad/s, of the closing planned; the path is that of any
+
+int regrasps_made(const estimation::TouchLog& log) {
+  const auto moments = log.since_release();
+  return static_cast<int>(std::count_if(moments.begin(), moments.end(), [](const auto& moment) {
+    return moment.mark == estimation::Mark::opened;
+  }));
+}
+
+GraspTool tool_of(const Robot& robot, const GraspOptions& options) {
+  const GraspRecipe& recipe = options.top;
+  const grasping::ClosingLaw law(robot.actuators(), kPlannedRate, recipe.thumb_limit);
+  return {grasping::closing_path(robot.model(), open_posture(recipe), law),
+          {{recipe.pitch, recipe.roll}, {options.steep_pitch, recipe.roll}}};
+}
+
+/// What there is to be learnt about which of the poses in question is true, nats.
+double entropy(const localization::Posterior& posterior) {
+  const auto poses = localization::poses_of(posterior);
+  double total = 0, sum = 0;
+  for (const localization::WeightedPose& pose : poses) total += pose.weight;
+  for (const localization::WeightedPose& pose : poses) {
+    const double share = pose.weight / total;
+    if (share > 0) sum -= share * std::log(share);
+  }
+  return sum;
+}
+
+/// What could be done next, each with what it promises.
+struct Choices {
+  std::optional<FingerProbes::Move> touch;
+  std::optional<Roll> roll;
+  std::optional<TellingGrasp> grasp;
+
+  /// Leaves the one that tells most a second.
+  void keep_best(double worth) {
+    const auto rate = [&](const auto& choice) {
+      return choice && choice->promise.rate() >= worth ? choice->promise.rate() : -1.0;
+    };
+    const double best = std::max({rate(touch), rate(roll), rate(grasp)});
+    if (rate(touch) < std::max(best, 0.0)) touch.reset();
+    if (touch || rate(roll) < std::max(best, 0.0)) roll.reset();
+    if (touch || roll || rate(grasp) < std::max(best, 0.0)) grasp.reset();
+  }
+};
+
+/// One run of the phase.
+class Probing {
+ public:
+  Probing(Robot& robot, PickState& state, const geometry::ObjectModel& object,
+          const ProbeOptions& options, const estimation::LocateOptions& locate,
+          const GraspOptions& grasp, std::uint64_t seed, estimation::Mark instant)
+      : robot_(robot),
+        state_(state),
+        object_(object),
+        options_(options),
+        locate_(locate),
+        grasp_(grasp),
+        seed_(seed),
+        instant_(instant),
+        fingers_(object, options, pressure(grasp, object.object())) {}
+
+  PhaseEnd run(double last_start) {
+    state_.next_grasp.reset();
+    const double before = weight();
+    while (holds_ && !slipped_ && weight() > 0 && weight() <= options_.certain &&
+           robot_.time() < last_start) {
+      const Choices next = choices();
+      if (next.grasp) state_.next_grasp = next.grasp->plan;
+      if (!next.touch && !next.roll) break;
+      carry_out(next);
+    }
+    return {!lost() && !slipped_,
+            fmt::format("{} touch{}, {} roll{}, certainty {:.2f} -> {:.2f}{}", touches_,
+                        touches_ == 1 ? "" : "es", rolls_, rolls_ == 1 ? "" : "s", before, weight(),
+                        state_.next_grasp ? "; another grasp tells more" : "")};
+  }
+
+ private:
+  [[nodiscard]] bool hangs() const { return instant_ == estimation::Mark::held; }
+  [[nodiscard]] const localization::Posterior& posterior() const {
+    return state_.estimate.posterior;
+  }
+  [[nodiscard]] double weight() const {
+    return posterior().modes.empty() ? 0.0 : posterior().modes[0].weight;
+  }
+  [[nodiscard]] bool lost() const {
+    if (!hangs()) return !holds_;
+    return estimation::mean_load(robot_.log()) < kLeastWeight * object_.object().mass * kGravity;
+  }
+
+  /// What is worth most of what has not been done too often yet.
+  [[nodiscard]] Choices choices() const {
+    Choices next;
+    if (touches_ < options_.most) {
+      next.touch = fingers_.choose(robot_, posterior(), RandomStream(seed_, "probe"));
+    }
+    if (next.touch) {  // of draws, which also differ by each pose's own error
+      auto& information = next.touch->promise.information;
+      information = std::min(information, entropy(posterior()));
+    }
+    if (hangs() && rolls_ < options_.rolls) {
+      const auto contacts = contacts_at(robot_, robot_.log().readings.size() - 1);
+      next.roll = most_telling_roll(robot_, object_, posterior(), contacts);
+    }
+    if (regrasps_made(robot_.log()) < options_.regrasps) next.grasp = other_grasp();
+    next.keep_best(options_.worth);
+    return next;
+  }
+
+  [[nodiscard]] std::optional<TellingGrasp> other_grasp() const {
+    const auto closed = robot_.log().at(estimation::Mark::closed);
+    if (!closed) return std::nullopt;
+    TellingGraspOptions options;
+    options.plan.press = pressure(grasp_, object_.object());
+    options.worst_cost = grasp_.most_imbalance;
+    options.avoid = state_.tried_yaws;
+    options.seconds = kRegraspSeconds + (hangs() ? kLiftSeconds : 0);
+    localization::Posterior standing = posterior();
+    if (hangs()) {  // where it comes to stand when the hand goes back to where it closed
+      estimation::move(
+          robot_.log().readings[*closed].base.pose() * robot_.reading().base.pose().inverse(),
+          standing);
+    }
+    return most_telling_grasp(object_, standing, tool_of(robot_, grasp_), options);
+  }
+
+  /// Touches or rolls, and estimates the pose anew.
+  void carry_out(const Choices& next) {
+    if (next.touch) {
+      holds_ = fingers_.make(robot_, *next.touch);
+      ++touches_;
+    } else {
+      slipped_ = !roll(robot_, object_, posterior(), *next.roll, locate_.errors, seed_);
+      ++rolls_;
+    }
+    if (hangs()) robot_.wait(locate_.window);  // which the estimate averages
+    robot_.mark(instant_);
+    state_.estimate =
+        estimation::locate(object_, robot_.model(), robot_.log(), locate_, seed_, instant_);
+  }
+
+  Robot& robot_;
+  PickState& state_;
+  const geometry::ObjectModel& object_;
+  const ProbeOptions& options_;
+  const estimation::LocateOptions& locate_;
+  const GraspOptions& grasp_;
+  std::uint64_t seed_;
+  estimation::Mark instant_;
+  FingerProbes fingers_;
+  int touches_ = 0, rolls_ = 0;
+  bool holds_ = true, slipped_ = false;
+};
+
+}  // namespace
+
+PhaseEnd ProbePhase::run(Robot& robot, PickState& state) {
+  Probing probing(robot, state, object_, options_, locate_, grasp_, seed_, instant_);
+  return probing.run(robot.time() + time_limit() - kStepSeconds);
+}
+
+}  // namespace palpate::skills

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "palpate/skills/reorient/regrasp_plan.hpp"
+#include "skills/probe/probe_choice.hpp"
+
+namespace palpate::skills {
+
+/// A grasp from another side and what the fingers should feel there.
+struct TellingGrasp {
+  grasping::GraspPlan plan;
+  Promise promise;
+};
+
+/// How safe and how different a grasp must be that is made for what it tells.
+struct TellingGraspOptions {
+  grasping::PlanOptions plan = many_grasps();
+  double worst_cost = 0.3;    ///< of a grasp that holds
+  double likely = 0.6;        ///< share of the poses in question for which it must hold
+  std::vector<double> avoid;  ///< yaws (rad) of grasps made before
+  double seconds = 14;        ///< that it takes
+};
+
+/// The one of the grasps of the likeliest pose from which most is to be learnt about which of the
+/// poses in question is true, by where each finger should meet the object.
+/// @param resting  the object's pose on the table, world
+/// @return nothing if no grasp will do
+std::optional<TellingGrasp> most_telling_grasp(const geometry::ObjectModel& object,
+                                               const localization::Posterior& resting,
+                                               const GraspTool& tool,
+                                               const TellingGraspOptions& options);
+
+}  // namespace palpate::skills

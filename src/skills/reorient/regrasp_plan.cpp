@@ -1,0 +1,269 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/skills/reorient/regrasp_plan.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "palpate/core/error.hpp"
+#include "palpate/skills/grasp/grasp_phase.hpp"
+#include "palpate/skills/place/place_goal.hpp"
+#include "skills/place/put_down.hpp"
+
+namespace palpate::skills {
+namespace {
+
+constexpr double kSameStance = 0.06;    // rad between stances that are one
+constexpr double kInsideTable = 0.003;  // m by which a target may be below the table
+constexpr double kFarRoll = -0.8;       // rad
+constexpr double kFarthestRoll = -1.2;  // rad
+constexpr int kStart = 0;               // nodes: the start, the stances, the target
+
+/// Direction in the object's frame that points up.
+Eigen::Vector3d up_of(const Eigen::Matrix3d& R_world_object) {
+  return R_world_object.row(2).transpose();
+}
+
+/// A pose the object rests in, up to yaw and place but for the start and the target.
+struct Node {
+  int stance = -1;
+  bool free_yaw = false;
+  Eigen::Isometry3d T_world_object = Eigen::Isometry3d::Identity();
+  double rare = 0;  ///< improbability of the stance
+};
+
+/// How a node has been reached.
+struct Visit {
+  double cost = std::numeric_limits<double>::infinity();
+  std::size_t before = 0;
+  int transfers = 0;
+  std::optional<Transfer> transfer;
+  bool expanded = false;
+};
+
+class Search {
+ public:
+  Search(const geometry::ObjectModel& object, const hand::HandModel& hand, const GraspTool& tool,
+         const RegraspOptions& options)
+      : object_(object), hand_(hand), tool_(tool), options_(options) {}
+
+  RegraspPlan run(const Eigen::Isometry3d& start, const Eigen::Isometry3d& target,
+                  const std::optional<Holding>& holding) {
+    make_nodes(start, target);
+    holding_ = holding;
+    RegraspPlan plan;
+    visits_.assign(nodes_.size(), {});
+    visits_[kStart].cost = 0;
+    while (const auto next = cheapest()) {
+      if (*next + 1 == nodes_.size()) {
+        plan.found = true;
+        break;
+      }
+      expand(*next, plan);
+    }
+    if (plan.found) trace(plan);
+    plan.means = plan.transfers.size() > 1 ? Means::regrasp : Means::carry;
+    explain(plan);
+    return plan;
+  }
+
+ private:
+  void make_nodes(const Eigen::Isometry3d& start, const Eigen::Isometry3d& target) {
+    nodes_ = {{-1, false, start, 0}};
+    std::vector<Eigen::Vector3d> ups;
+    if (rests_in_a_stance(start)) ups.push_back(up_of(start.linear()));
+    const auto& stances = object_.object().stances;
+    for (std::size_t i = 0; i < stances.size(); ++i) {
+      const Eigen::Vector3d up = up_of(stances[i].R_table_object);
+      if (std::any_of(ups.begin(), ups.end(), [&](const auto& u) { return same(u, up); })) continue;
+      ups.push_back(up);
+      nodes_.push_back({static_cast<int>(i), true,
+                        resting_pose(object_.object(), i, Eigen::Vector2d::Zero(), 0),
+                        1 - stances[i].probability});
+    }
+    nodes_.push_back({-1, false, target, 0});
+  }
+
+  bool same(const Eigen::Vector3d& a, const Eigen::Vector3d& b) const {
+    const auto& symmetries = object_.object().symmetries;
+    return std::any_of(symmetries.begin(), symmetries.end(),
+                       [&](const Eigen::Matrix3d& S) { return (S * a - b).norm() < kSameStance; });
+  }
+
+  bool rests_in_a_stance(const Eigen::Isometry3d& T) const {
+    const auto& stances = object_.object().stances;
+    return std::any_of(stances.begin(), stances.end(), [&](const geometry::Stance& stance) {
+      return same(up_of(T.linear()), up_of(stance.R_table_object));
+    });
+  }
+
+  /// Node that promises the cheapest way, not yet expanded; every node but the target is at least
+  /// one transfer away from it.
+  std::optional<std::size_t> cheapest() const {
+    std::optional<std::size_t> best;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+      if (visits_[i].expanded) continue;
+      const double ahead = i + 1 == nodes_.size() ? 0 : options_.transfer_cost;
+      if (visits_[i].cost + ahead >= least) continue;
+      least = visits_[i].cost + ahead;
+      best = i;
+    }
+    return best;
+  }
+
+  void expand(std::size_t index, RegraspPlan& plan) {
+    visits_[index].expanded = true;
+    if (visits_[index].transfers >= options_.most_transfers) return;
+    const bool held = index == kStart && holding_;
+    const auto holds =
+        held ? std::vector<Hold>{hold_of(hand_, *holding_, nodes_[index].T_world_object)}
+             : holds_of(object_, tool_, nodes_[index].T_world_object, options_);
+    plan.grasps += held ? 0 : static_cast<int>(holds.size());
+    for (std::size_t other = 1; other < nodes_.size(); ++other) {
+      if (visits_[other].expanded) continue;
+      connect(index, other, holds);
+    }
+    if (index == kStart) from_start_ = holds.size();
+  }
+
+  void connect(std::size_t from, std::size_t to, const std::vector<Hold>& holds) {
+    PutDown put_down(object_, tool_, options_, nodes_[from].T_world_object);
+    put_down.aim(nodes_[to].T_world_object, nodes_[to].free_yaw);
+    auto transfer = put_down.cheapest(holds);
+    if (from == kStart && to + 1 == nodes_.size()) nearest_ = put_down.largest_clearance();
+    if (!transfer) return;
+    transfer->from = nodes_[from].stance;
+    transfer->to = nodes_[to].stance;
+    transfer->cost += options_.rare_cost * nodes_[to].rare;
+    const double cost = visits_[from].cost + transfer->cost;
+    if (cost >= visits_[to].cost) return;
+    visits_[to] = {cost, from, visits_[from].transfers + 1, std::move(transfer), false};
+  }
+
+  /// Nodes with a free yaw were searched at yaw 0; on the way they have that in which the transfer
+  /// before leaves the object.
+  void trace(RegraspPlan& plan) const {
+    for (std::size_t i = nodes_.size() - 1; i != kStart; i = visits_[i].before) {
+      plan.transfers.insert(plan.transfers.begin(), *visits_[i].transfer);
+    }
+    plan.cost = visits_.back().cost;
+    Eigen::Isometry3d turned = Eigen::Isometry3d::Identity();
+    for (std::size_t k = 1; k < plan.transfers.size(); ++k) {
+      Transfer& transfer = plan.transfers[k];
+      const Eigen::Isometry3d at = plan.transfers[k - 1].T_world_to;
+      turned = at * transfer.T_world_from.inverse();
+      transfer.grasp->base = base_near(turned * transfer.grasp->base.pose(), transfer.grasp->base);
+      const bool last = k + 1 == plan.transfers.size();
+      if (!last) {
+        transfer.T_world_to = turned * transfer.T_world_to;
+        transfer.release = base_near(turned * transfer.release.pose(), transfer.release);
+      }
+      transfer.T_world_from = at;
+      transfer.turn = rotation_distance(transfer.T_world_to.linear(), at.linear());
+    }
+  }
+
+  void explain(RegraspPlan& plan) const {
+    const bool carried = plan.found && plan.means == Means::carry;
+    plan.considered.push_back({Means::carry, carried, why_carry(plan, carried)});
+    if (carried) return;
+    std::string way;
+    for (const auto& t : plan.transfers) way += t.to >= 0 ? fmt::format(" stance {},", t.to) : "";
+    plan.considered.push_back(
+        {Means::regrasp, plan.found,
+         plan.found ? fmt::format("over{} {} transfers, cost {:.2f}", way, plan.transfers.size(),
+                                  plan.cost)
+                    : fmt::format("no chain of at most {} transfers leads to the target",
+                                  options_.most_transfers)});
+  }
+
+  std::string why_carry(const RegraspPlan& plan, bool carried) const {
+    if (carried) {
+      const Transfer& t = plan.transfers.front();
+      return fmt::format("turned by {:.0f} deg, the hand stays {:.0f} mm above the table",
+                         t.turn * 180 / std::numbers::pi, 1e3 * t.clearance);
+    }
+    if (from_start_ == 0) return "no grasp holds the object where it is";
+    if (nearest_ < options_.clearance) {
+      return fmt::format("of {} grasps the best would put the hand {:.0f} mm above the table",
+                         from_start_, 1e3 * nearest_);
+    }
+    return "a way over other stances costs less";
+  }
+
+  const geometry::ObjectModel& object_;
+  const hand::HandModel& hand_;
+  const GraspTool& tool_;
+  const RegraspOptions& options_;
+  std::optional<Holding> holding_;
+  std::vector<Node> nodes_;
+  std::vector<Visit> visits_;
+  std::size_t from_start_ = 0;                                 // grasps there
+  double nearest_ = -std::numeric_limits<double>::infinity();  // clearance at the target, m
+};
+
+void check(const geometry::ObjectModel& object, const Eigen::Isometry3d& start,
+           const Eigen::Isometry3d& target) {
+  if (!start.matrix().allFinite() || !target.matrix().allFinite()) {
+    throw BadInput("a pose to be regrasped from or to has a value that is not finite");
+  }
+  double low = std::numeric_limits<double>::infinity();
+  for (const auto& v : object.object().mesh.vertices) low = std::min(low, (target * v).z());
+  if (low < -kInsideTable) {
+    throw BadInput(fmt::format("the target is {:.0f} mm inside the table", -1e3 * low));
+  }
+}
+
+}  // namespace
+
+std::string_view to_string(Means means) {
+  switch (means) {
+    case Means::none:
+      return "none";
+    case Means::carry:
+      return "carry";
+    case Means::regrasp:
+      return "regrasp";
+  }
+  return "";
+}
+
+GraspTool regrasp_tool(const hand::HandModel& hand,
+                       const std::array<hand::Actuator, hand::kActuators>& actuators) {
+  const GraspRecipe recipe = top_recipe();
+  const grasping::ClosingLaw law(actuators, recipe.closing_rate, recipe.thumb_limit);
+  GraspTool tool;
+  tool.path = grasping::closing_path(hand, open_posture(recipe), law);
+  // Rolled far, the hand still clears the table when it stands up what lay on its side; farther
+  // still, when it lays down what stood.
+  tool.attitudes = {
+      {recipe.pitch, recipe.roll}, {0.9, recipe.roll}, {0.9, kFarRoll}, {0.9, kFarthestRoll}};
+  return tool;
+}
+
+RegraspPlan plan_regrasp(const geometry::ObjectModel& object, const hand::HandModel& hand,
+                         const GraspTool& tool, const Eigen::Isometry3d& T_world_object,
+                         const Eigen::Isometry3d& T_world_target, const RegraspOptions& options,
+                         const std::optional<Holding>& holding) {
+  const auto begin = std::chrono::steady_clock::now();
+  check(object, T_world_object, T_world_target);
+  const auto error =
+      localization::pose_error(T_world_object, T_world_target, object.object().symmetries);
+  RegraspPlan plan;
+  if (!holding && error.rotation < options.done_angle &&
+      error.translation < options.done_distance) {
+    plan.found = true;
+    plan.considered.push_back({Means::none, true, "the object is there"});
+  } else {
+    plan = Search(object, hand, tool, options).run(T_world_object, T_world_target, holding);
+  }
+  plan.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return plan;
+}
+
+}  // namespace palpate::skills

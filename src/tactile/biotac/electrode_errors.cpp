@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/core/error.hpp"
+#include "palpate/tactile/biotac/electrodes.hpp"
+#include "tactile/biotac/chosen_samples.hpp"
+#include "tactile/biotac/folds.hpp"
+
+namespace palpate::tactile {
+namespace {
+
+/// Sums of the absolute errors of each electrode.
+struct ErrorSums {
+  ElectrodeChanges fit = ElectrodeChanges::Zero(), model = ElectrodeChanges::Zero();
+};
+
+void add_errors(const BiotacFold& fold, const ElectrodeFitOptions& fit_options,
+                const ElectrodeModelOptions& model_options, ErrorSums& sums) {
+  const Eigen::MatrixXd fitted = fit_electrodes(fold.learn, fit_options).changes(fold.judge);
+  const auto model = ElectrodeModel::train(fold.learn, model_options);
+  for (std::size_t i = 0; i < fold.judge.size(); ++i) {
+    const BiotacSample& sample = fold.judge[i];
+    const auto truth = sample.change.tail<kElectrodes>();
+    sums.fit += (fitted.col(static_cast<Eigen::Index>(i)) - truth).cwiseAbs();
+    sums.model += (model(sample.n, sample.change[0]) - truth).cwiseAbs();
+  }
+}
+
+ElectrodeErrors errors_of(const ErrorSums& sums, const std::vector<BiotacSample>& judged) {
+  const ElectrodeChanges scale = electrode_deviation(judged) * static_cast<double>(judged.size());
+  return {.fit = sums.fit.cwiseQuotient(scale), .model = sums.model.cwiseQuotient(scale)};
+}
+
+}  // namespace
+
+ElectrodeErrors judge_electrodes(const std::vector<BiotacSample>& learn,
+                                 const std::vector<BiotacSample>& judge,
+                                 const ElectrodeFitOptions& fit,
+                                 const ElectrodeModelOptions& model) {
+  if (judge.empty()) throw BadInput("there are no samples of contact to judge electrodes by");
+  ErrorSums sums;
+  add_errors({learn, judge}, fit, model, sums);
+  return errors_of(sums, judge);
+}
+
+std::optional<ElectrodeErrors> cross_validate_electrodes(const std::vector<BiotacLog>& logs,
+                                                         const ElectrodeFitOptions& fit,
+                                                         const ElectrodeModelOptions& model,
+                                                         int folds) {
+  ErrorSums sums;
+  std::vector<BiotacSample> judged;
+  for (const auto& fold : folds_of_touches(logs, folds)) {
+    if (fold.judge.empty()) continue;
+    add_errors(fold, fit, model, sums);
+    judged.insert(judged.end(), fold.judge.begin(), fold.judge.end());
+  }
+  if (judged.empty()) return std::nullopt;
+  return errors_of(sums, judged);
+}
+
+}  // namespace palpate::tactile

@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/tactile/biotac/network.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include "palpate/core/array_file.hpp"
+#include "palpate/core/error.hpp"
+#include "palpate/core/random.hpp"
+#include "tactile/biotac/backpropagation.hpp"
+
+namespace palpate::tactile {
+namespace {
+
+constexpr const char* kKind = "biotac-network";
+constexpr int kVersion = 1;
+
+const std::array<std::vector<int>, 4> kShapes = {std::vector<int>{3, 512, 512, 512, 64},
+                                                 {9, 256, 256, 256, 64},
+                                                 {1, 256, 23},
+                                                 {64, 256, 256, 23}};
+
+LayerActivation activation_of(std::size_t block, bool last) {
+  if (last) return LayerActivation::linear;
+  return block == 2 ? LayerActivation::sigmoid : LayerActivation::relu;
+}
+
+std::string layer_name(std::size_t block, std::size_t layer) {
+  return fmt::format("mlp{}.{}", block + 1, layer + 1);
+}
+
+void check_inputs(const Eigen::MatrixXf& inputs) {
+  if (inputs.rows() != kNetworkInputs) {
+    throw BadInput(fmt::format("{} inputs, not {}", inputs.rows(), kNetworkInputs));
+  }
+  if (!inputs.allFinite()) throw BadInput("an input of the network is not finite");
+}
+
+Eigen::VectorXf spread(const Eigen::MatrixXf& values, const Eigen::VectorXf& mean) {
+  const Eigen::MatrixXf deviations = values.colwise() - mean;
+  return (deviations.rowwise().squaredNorm() / static_cast<float>(values.cols()))
+      .cwiseSqrt()
+      .cwiseMax(1e-12f);
+}
+
+Eigen::MatrixXf standardised(const Eigen::MatrixXf& values, const Eigen::VectorXf& mean,
+                             const Eigen::VectorXf& sd) {
+  return ((values.colwise() - mean).array().colwise() / sd.array()).matrix();
+}
+
+Eigen::MatrixXf columns_of(const Eigen::MatrixXf& values, const std::vector<Eigen::Index>& order,
+                           std::size_t start, std::size_t end) {
+  Eigen::MatrixXf batch(values.rows(), static_cast<Eigen::Index>(end - start));
+  for (std::size_t k = start; k < end; ++k) {
+    batch.col(static_cast<Eigen::Index>(k - start)) = values.col(order[k]);
+  }
+  return batch;
+}
+
+}  // namespace
+
+BiotacNetwork::BiotacNetwork(std::uint64_t seed)
+    : input_mean_(Eigen::VectorXf::Zero(kNetworkInputs)),
+      input_sd_(Eigen::VectorXf::Ones(kNetworkInputs)),
+      output_mean_(Eigen::VectorXf::Zero(kNetworkOutputs)),
+      output_sd_(Eigen::VectorXf::Ones(kNetworkOutputs)) {
+  RandomStream random(seed, "biotac-network");
+  for (std::size_t b = 0; b < kShapes.size(); ++b) {
+    for (std::size_t k = 0; k + 1 < kShapes[b].size(); ++k) {
+      const int in = kShapes[b][k], out = kShapes[b][k + 1];
+      const double reach = std::sqrt(6.0 / (in + out));
+      NetworkLayer layer{.weights = Eigen::MatrixXf(out, in),
+                         .biases = Eigen::VectorXf::Zero(out),
+                         .activation = activation_of(b, k + 2 == kShapes[b].size())};
+      for (float& weight : layer.weights.reshaped()) {
+        weight = static_cast<float>(random.uniform(-reach, reach));
+      }
+      blocks_[b].push_back(std::move(layer));
+    }
+  }
+}
+
+std::string BiotacNetwork::bytes() const {
+  ArrayFile file(kKind, kVersion);
+  file.add("input_mean", input_mean_);
+  file.add("input_sd", input_sd_);
+  file.add("output_mean", output_mean_);
+  file.add("output_sd", output_sd_);
+  for (std::size_t b = 0; b < blocks_.size(); ++b) {
+    for (std::size_t k = 0; k < blocks_[b].size(); ++k) {
+      file.add(layer_name(b, k) + ".weights", blocks_[b][k].weights);
+      file.add(layer_name(b, k) + ".biases", blocks_[b][k].biases);
+    }
+  }
+  return file.bytes();
+}
+
+BiotacNetwork BiotacNetwork::parse(std::string_view bytes, const std::string& source) {
+  const auto file = ArrayFile::parse(bytes, source, kKind, kVersion);
+  BiotacNetwork network;
+  network.input_mean_ = file.get("input_mean", kNetworkInputs, 1);
+  network.input_sd_ = file.get("input_sd", kNetworkInputs, 1);
+  network.output_mean_ = file.get("output_mean", kNetworkOutputs, 1);
+  network.output_sd_ = file.get("output_sd", kNetworkOutputs, 1);
+  if (network.input_sd_.minCoeff() <= 0 || network.output_sd_.minCoeff() <= 0) {
+    throw BadInput(fmt::format("{}: a standard deviation is not positive", source));
+  }
+  for (std::size_t b = 0; b < network.blocks_.size(); ++b) {
+    for (std::size_t k = 0; k < network.blocks_[b].size(); ++k) {
+      NetworkLayer& layer = network.blocks_[b][k];
+      const Eigen::Index out = layer.weights.rows(), in = layer.weights.cols();
+      layer.weights = file.get(layer_name(b, k) + ".weights", out, in);
+      layer.biases = file.get(layer_name(b, k) + ".biases", out, 1);
+    }
+  }
+  return network;
+}
+
+Eigen::MatrixXf BiotacNetwork::operator()(const Eigen::MatrixXf& inputs) const {
+  check_inputs(inputs);
+  const auto trace = forward(blocks_, standardised(inputs, input_mean_, input_sd_));
+  return ((trace.output.array().colwise() * output_sd_.array()).colwise() + output_mean_.array())
+      .matrix();
+}
+
+double BiotacNetwork::train(const Eigen::MatrixXf& inputs, const Eigen::MatrixXf& outputs,
+                            const NetworkTrainingOptions& options,
+                            const ProgressCallback& progress) {
+  check_inputs(inputs);
+  if (outputs.rows() != kNetworkOutputs || outputs.cols() != inputs.cols() || inputs.cols() < 2 ||
+      !outputs.allFinite()) {
+    throw BadInput(fmt::format("{} x {} outputs for {} x {} inputs cannot be learned",
+                               outputs.rows(), outputs.cols(), inputs.rows(), inputs.cols()));
+  }
+  input_mean_ = inputs.rowwise().mean();
+  input_sd_ = spread(inputs, input_mean_);
+  output_mean_ = outputs.rowwise().mean();
+  output_sd_ = spread(outputs, output_mean_);
+  const Eigen::MatrixXf x = standardised(inputs, input_mean_, input_sd_);
+  const Eigen::MatrixXf y = standardised(outputs, output_mean_, output_sd_);
+  RandomStream random(options.seed, "biotac-training");
+  BlockAdam adam(blocks_);
+  std::vector<Eigen::Index> order(static_cast<std::size_t>(x.cols()));
+  std::iota(order.begin(), order.end(), 0);
+  double error = 0;
+  for (int epoch = 0; epoch < options.epochs; ++epoch) {
+    for (std::size_t i = order.size(); i > 1; --i) {
+      std::swap(order[i - 1], order[random.index(i)]);
+    }
+    error = 0;
+    for (std::size_t at = 0; at < order.size(); at += static_cast<std::size_t>(options.batch)) {
+      const auto end = std::min(order.size(), at + static_cast<std::size_t>(options.batch));
+      const double done =
+          (epoch + static_cast<double>(at) / static_cast<double>(order.size())) / options.epochs;
+      const double share = options.final_rate +
+                           (1 - options.final_rate) * (1 + std::cos(std::numbers::pi * done)) / 2;
+      const auto trace = forward(blocks_, columns_of(x, order, at, end));
+      const Eigen::MatrixXf miss = trace.output - columns_of(y, order, at, end);
+      error += miss.squaredNorm();
+      const float scale = 2 / static_cast<float>(miss.size());
+      auto gradient = backward(blocks_, trace, scale * miss);
+      for (std::size_t k = 0; k + 1 < blocks_[1].size(); ++k) {
+        gradient[1][k].biases +=
+            static_cast<float>(options.bias_penalty) * blocks_[1][k].biases.array().sign().matrix();
+      }
+      adam.step(blocks_, gradient, static_cast<float>(options.rate * share));
+    }
+    if (progress) {
+      progress(static_cast<std::size_t>(epoch + 1), static_cast<std::size_t>(options.epochs));
+    }
+  }
+  return error / static_cast<double>(y.size());
+}
+
+Eigen::VectorXd error_ratios(const Eigen::MatrixXf& predicted, const Eigen::MatrixXf& truth) {
+  const Eigen::VectorXf mean = truth.rowwise().mean();
+  const Eigen::VectorXf mae = (predicted - truth).cwiseAbs().rowwise().mean();
+  return (mae.array() / spread(truth, mean).array()).matrix().cast<double>();
+}
+
+Eigen::VectorXd shuffled_input_losses(const BiotacNetwork& network, const Eigen::MatrixXf& inputs,
+                                      const Eigen::MatrixXf& outputs, std::uint64_t seed) {
+  const double before = error_ratios(network(inputs), outputs).mean();
+  RandomStream random(seed, "shuffle");
+  Eigen::VectorXd losses(kNetworkInputs);
+  for (int k = 0; k < kNetworkInputs; ++k) {
+    Eigen::MatrixXf shuffled = inputs;
+    for (Eigen::Index i = shuffled.cols(); i > 1; --i) {
+      const auto other = static_cast<Eigen::Index>(random.index(static_cast<std::size_t>(i)));
+      std::swap(shuffled(k, i - 1), shuffled(k, other));
+    }
+    losses[k] = error_ratios(network(shuffled), outputs).mean() - before;
+  }
+  return losses;
+}
+
+Eigen::VectorXd sensitivities(const BiotacNetwork& network, const Eigen::MatrixXf& inputs,
+                              const Eigen::MatrixXf& outputs) {
+  constexpr float kStep = 0.05f;  // standard deviations
+  const Eigen::VectorXf sd_in = spread(inputs, inputs.rowwise().mean());
+  const Eigen::VectorXf sd_out = spread(outputs, outputs.rowwise().mean());
+  Eigen::VectorXd result(kNetworkInputs);
+  for (int k = 0; k < kNetworkInputs; ++k) {
+    Eigen::MatrixXf more = inputs, less = inputs;
+    more.row(k).array() += kStep * sd_in[k];
+    less.row(k).array() -= kStep * sd_in[k];
+    const Eigen::MatrixXf change = (network(more) - network(less)).cwiseAbs();
+    result[k] = (change.rowwise().mean().array() / sd_out.array()).mean() / (2 * kStep);
+  }
+  return result;
+}
+
+}  // namespace palpate::tactile

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/tactile/contacts/contact_log.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/csv_table.hpp"
+#include "palpate/core/error.hpp"
+#include "palpate/core/file.hpp"
+
+namespace palpate::tactile {
+namespace {
+
+using Columns = std::array<std::size_t, 3>;
+
+Columns require_vector(const palpate::CsvTable& table, const std::string& prefix) {
+  return {table.require(prefix + "x"), table.require(prefix + "y"), table.require(prefix + "z")};
+}
+
+Eigen::Vector3d vector_of(const palpate::CsvTable& table, const Columns& columns) {
+  return {table.number(columns[0]), table.number(columns[1]), table.number(columns[2])};
+}
+
+/// Where a log of contacts has its values.
+struct Layout {
+  explicit Layout(const palpate::CsvTable& table)
+      : finger(table.require("finger")),
+        t(table.require("t")),
+        p(require_vector(table, table.find("px") ? "p" : "")),
+        f(require_vector(table, "f")) {
+    if (table.find("nx")) n = require_vector(table, "n");
+  }
+  std::size_t finger, t;
+  Columns p, f;
+  std::optional<Columns> n;
+};
+
+FingerLog& log_of(std::vector<FingerLog>& logs, std::string_view finger) {
+  const auto found = std::find_if(logs.begin(), logs.end(),
+                                  [&](const FingerLog& log) { return log.finger == finger; });
+  if (found != logs.end()) return *found;
+  return logs.emplace_back(FingerLog{.finger = std::string(finger), .frames = {}, .normals = {}});
+}
+
+void add_row(const palpate::CsvTable& table, const Layout& layout, FingerLog& log) {
+  const double time = table.number(layout.t);
+  const bool same_frame = !log.frames.empty() && log.frames.back().time == time;
+  if (!same_frame) {
+    log.frames.push_back({.time = time, .contacts = {}});
+    log.normals.emplace_back();
+  }
+  log.frames.back().contacts.push_back(
+      {.p = vector_of(table, layout.p), .f = vector_of(table, layout.f), .tip_normal = {}});
+  if (!layout.n) return;
+  const Eigen::Vector3d n = vector_of(table, *layout.n);
+  auto& normal = log.normals.back();
+  if (n.norm() > 1e-6) normal = normal.value_or(Eigen::Vector3d::Zero()) + n.normalized();
+}
+
+/// Whether all times are whole, those aside that are not finite.
+bool counts_ticks(const std::vector<FingerLog>& logs) {
+  bool whole = true;
+  for (const FingerLog& log : logs) {
+    for (const FingerFrame& frame : log.frames) {
+      whole = whole && (!std::isfinite(frame.time) || frame.time == std::floor(frame.time));
+    }
+  }
+  return whole;
+}
+
+/// Median time between frames, s.
+double usual_period(const std::vector<FingerFrame>& frames) {
+  std::vector<double> periods;
+  for (std::size_t i = 1; i < frames.size(); ++i) {
+    const double period = frames[i].time - frames[i - 1].time;
+    if (period > 0) periods.push_back(period);
+  }
+  if (periods.empty()) return hand::kTick;
+  const auto middle = periods.begin() + static_cast<std::ptrdiff_t>(periods.size() / 2);
+  std::nth_element(periods.begin(), middle, periods.end());
+  return *middle;
+}
+
+void finish(FingerLog& log, double unit) {
+  for (FingerFrame& frame : log.frames) frame.time *= unit;
+  log.period = usual_period(log.frames);
+  for (auto& n : log.normals) {
+    if (n && n->norm() > 1e-6) {
+      n->normalize();
+    } else {
+      n.reset();
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<FingerLog> read_contact_log(const std::filesystem::path& path, double tick) {
+  if (!(std::isfinite(tick) && tick > 0)) {
+    throw BadInput(fmt::format("the tick must be positive, not {} s", tick));
+  }
+  const std::string text = read_file(path);
+  palpate::CsvTable table(text, path.string());
+  const Layout layout(table);
+  std::vector<FingerLog> logs;
+  while (table.next()) add_row(table, layout, log_of(logs, table.cell(layout.finger)));
+  if (logs.empty()) throw BadInput(fmt::format("{} has no rows", path.string()));
+  const double unit = counts_ticks(logs) ? tick : 1.0;
+  for (FingerLog& log : logs) finish(log, unit);
+  return logs;
+}
+
+}  // namespace palpate::tactile

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/tactile/contacts/finger_sample.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "palpate/core/error.hpp"
+
+namespace palpate::tactile {
+namespace {
+
+constexpr std::array<std::string_view, kSampleFlags> kFlagNames = {
+    "gap",      "late",       "repeated",   "out_of_order", "placeholder",
+    "no_force", "not_finite", "no_contact", "far_apart",    "left_out"};
+constexpr unsigned kUsable = static_cast<unsigned>(SampleFlag::gap) |
+                             static_cast<unsigned>(SampleFlag::late) |
+                             static_cast<unsigned>(SampleFlag::left_out);
+constexpr double kOffGrid = 0.25;  // of a period
+
+const Eigen::Vector3d kPlaceholder(0, -1, 0);
+
+bool finite(const FingerContact& contact) {
+  return contact.p.allFinite() && contact.f.allFinite() &&
+         (!contact.tip_normal || contact.tip_normal->allFinite());
+}
+
+bool same(const FingerContact& a, const FingerContact& b) { return a.p == b.p && a.f == b.f; }
+
+bool same_contacts(const FingerFrame& a, const FingerFrame& b) {
+  return !a.contacts.empty() && a.contacts.size() == b.contacts.size() &&
+         std::equal(a.contacts.begin(), a.contacts.end(), b.contacts.begin(), same);
+}
+
+/// The contacts that tell something; flags those that do not.
+std::vector<FingerContact> sound_contacts(const FingerFrame& frame, double least_force,
+                                          SampleFlags& flags) {
+  if (frame.contacts.empty()) flags.set(SampleFlag::no_contact);
+  SampleFlags faults;
+  std::vector<FingerContact> sound;
+  for (const FingerContact& contact : frame.contacts) {
+    if (!finite(contact)) {
+      faults.set(SampleFlag::not_finite);
+    } else if (contact.f == kPlaceholder) {
+      faults.set(SampleFlag::placeholder);
+    } else if (contact.f.norm() < least_force) {
+      faults.set(SampleFlag::no_force);
+    } else {
+      sound.push_back(contact);
+    }
+  }
+  if (sound.empty()) {
+    flags.merge(faults);
+  } else if (faults.any()) {
+    flags.set(SampleFlag::left_out);
+  }
+  return sound;
+}
+
+bool are_one(const FingerContact& a, const FingerContact& b, const SampleOptions& options) {
+  if ((a.p - b.p).norm() > options.one_contact) return false;
+  if (!a.tip_normal || !b.tip_normal) return true;
+  return a.tip_normal->dot(*b.tip_normal) >= std::cos(options.one_direction);
+}
+
+bool are_one(const std::vector<FingerContact>& contacts, const SampleOptions& options) {
+  for (const auto& a : contacts) {
+    for (const auto& b : contacts) {
+      if (!are_one(a, b, options)) return false;
+    }
+  }
+  return true;
+}
+
+void merge(const std::vector<FingerContact>& contacts, FingerSample& sample) {
+  const auto count = static_cast<double>(contacts.size());
+  sample.p.setZero();
+  sample.f.setZero();
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+  for (const FingerContact& contact : contacts) {
+    sample.p += contact.p / count;
+    sample.f += contact.f;
+    if (contact.tip_normal) normal += *contact.tip_normal;
+  }
+  if (normal.norm() > 0.1 * count) sample.tip_normal = normal.normalized();
+}
+
+}  // namespace
+
+std::string_view to_string(SampleFlag flag) {
+  for (std::size_t i = 0; i < kFlagNames.size(); ++i) {
+    if (static_cast<unsigned>(flag) == 1u << i) return kFlagNames[i];
+  }
+  return "unknown";
+}
+
+bool SampleFlags::usable() const { return (bits_ & ~kUsable) == 0; }
+
+std::string SampleFlags::names() const {
+  std::string result;
+  for (std::size_t i = 0; i < kFlagNames.size(); ++i) {
+    if ((bits_ & 1u << i) == 0) continue;
+    if (!result.empty()) result += '+';
+    result += kFlagNames[i];
+  }
+  return result;
+}
+
+SampleMaker::SampleMaker(const SampleOptions& options) : options_(options) {
+  if (!(std::isfinite(options.period) && options.period > 0)) {
+    throw BadInput(fmt::format("the period must be positive, not {} s", options.period));
+  }
+  if (!(options.least_force >= 0 && options.one_contact >= 0 && options.one_direction >= 0)) {
+    throw BadInput(
+        fmt::format("least_force {} N, one_contact {} m and one_direction {} rad must not be "
+                    "negative",
+                    options.least_force, options.one_contact, options.one_direction));
+  }
+}
+
+void SampleMaker::check_time(const FingerFrame& frame, SampleFlags& flags) {
+  if (!std::isfinite(frame.time)) {
+    flags.set(SampleFlag::not_finite);
+  } else if (last_ && frame.time < last_->time) {
+    flags.set(SampleFlag::out_of_order);
+  } else if (last_ && (frame.time == last_->time || same_contacts(frame, *last_))) {
+    flags.set(SampleFlag::repeated);
+  } else if (last_) {
+    const double periods = (frame.time - last_->time) / options_.period;
+    if (std::abs(periods - std::round(periods)) > kOffGrid) flags.set(SampleFlag::late);
+    if (periods > 1.5) flags.set(SampleFlag::gap);
+  }
+}
+
+FingerSample SampleMaker::next(const FingerFrame& frame) {
+  FingerSample sample{.time = frame.time,
+                      .p = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN()),
+                      .f = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN()),
+                      .tip_normal = {},
+                      .flags = {}};
+  check_time(frame, sample.flags);
+  if (sample.flags.usable() || sample.flags.has(SampleFlag::repeated)) last_ = frame;
+  if (!sample.flags.usable()) return sample;
+  const auto contacts = sound_contacts(frame, options_.least_force, sample.flags);
+  if (!are_one(contacts, options_)) sample.flags.set(SampleFlag::far_apart);
+  if (sample.flags.usable()) merge(contacts, sample);
+  if (sample.flags.usable() && sample.f.norm() < options_.least_force) {
+    sample.flags.set(SampleFlag::no_force);  // contacts that push against each other
+  }
+  return sample;
+}
+
+FingerFrame finger_frame(const hand::HandReading& reading, const hand::HandModel& hand,
+                         int finger) {
+  const auto i = static_cast<std::size_t>(finger);
+  FingerFrame frame{.time = reading.time, .contacts = {}};
+  if (reading.contacts.at(i).empty()) return frame;
+  const auto T_base_link = hand::forward_kinematics(hand, reading.joints);
+  const Eigen::Isometry3d T =
+      reading.base.pose() * T_base_link.at(static_cast<std::size_t>(hand.distal[i]));
+  const auto& tip = hand.tips[i];
+  const Eigen::Vector3d axis = tip.b - tip.a;
+  for (const hand::TipContact& contact : reading.contacts[i]) {
+    const double along = axis.dot(contact.p - tip.a) / axis.squaredNorm();
+    const Eigen::Vector3d core = tip.a + std::clamp(along, 0.0, 1.0) * axis;
+    const Eigen::Vector3d inward = core - contact.p;
+    FingerContact felt{.p = T * contact.p, .f = T.linear() * contact.f, .tip_normal = {}};
+    if (inward.norm() > 0.1 * tip.radius) felt.tip_normal = T.linear() * inward.normalized();
+    frame.contacts.push_back(felt);
+  }
+  return frame;
+}
+
+}  // namespace palpate::tactile

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/tasks/relocate/relocation.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <numbers>
+
+#include "palpate/core/error.hpp"
+#include "palpate/core/parallel.hpp"
+#include "palpate/core/se3.hpp"
+#include "palpate/evaluation/trial.hpp"
+#include "palpate/tasks/relocate/relocated_object.hpp"
+
+namespace palpate::relocate {
+namespace {
+
+constexpr int kYaws = 24;  // of an object of which only the rough place is known
+// Variances of an object of which only the rough place is known: rad^2, m^2, least of a place m^2.
+constexpr double kTilt = 1e-4, kHeight = 1e-6, kLeast = 1e-8;
+constexpr double kSameTilt = 0.1;  // rad, of a stance from how the object starts
+
+/// How an object of that orientation stands: in which stance, by which yaw.
+simulation::Start standing(const geometry::KnownObject& object,
+                           const Eigen::Matrix3d& R_world_object) {
+  simulation::Start start{-1, 0, Eigen::Vector2d::Zero()};
+  double least = kSameTilt;
+  for (std::size_t i = 0; i < object.stances.size(); ++i) {
+    const Eigen::Matrix3d R_world_table =
+        R_world_object * object.stances[i].R_table_object.transpose();
+    const double tilt = std::acos(std::clamp(R_world_table(2, 2), -1.0, 1.0));
+    if (tilt >= least) continue;
+    least = tilt;
+    start.stance = static_cast<int>(i);
+    start.yaw = std::atan2(R_world_table(1, 0), R_world_table(0, 0));
+  }
+  if (start.stance < 0) {
+    throw BadInput(
+        fmt::format("{} does not stand on its own as the task has it stand: it has no "
+                    "stance within {} rad of that",
+                    object.name, kSameTilt));
+  }
+  return start;
+}
+
+/// What the policy meets if the object is at that place.
+PolicyInput told(PolicyInput input, const Eigen::Vector3d& place, const RelocateStart& start) {
+  auto& o = input.observation;
+  const Eigen::Vector3d palm = o.segment<3>(kPalmFromTarget) + start.target;
+  o.segment<3>(kPalmFromObject) = palm - place;
+  o.segment<3>(kObjectFromTarget) = place - start.target;
+  return input;
+}
+
+}  // namespace
+
+Relocation::Relocation(const TaskOptions& task, const RelocationOptions& options)
+    : options_(options),
+      shape_(make_object(task)),
+      model_(make_model(task)),
+      object_(known_object(shape_, model_.object_mass())),
+      standing_(standing(object_.object(), shape_.start_rotation.toRotationMatrix())) {}
+
+/// What a finger tells of the object that a world puts there; no pose if it tells none.
+localization::Posterior Relocation::explored(const Eigen::Vector2d& place,
+                                             std::uint64_t seed) const {
+  simulation::WorldOptions world_options;
+  world_options.noise = options_.noise;
+  simulation::World world(object_.object(), world_options, seed);
+  world.reset({standing_.stance, standing_.yaw, place}, evaluation::waiting_command());
+  skills::Robot robot(world.hand(), world.hand_model(), evaluation::waiting_command());
+  skills::PickState state;
+  try {
+    skills::FeelPhase feel(options_.feel);
+    skills::ExplorePhase explore(object_, options_.exploring, options_.resting, seed);
+    if (skills::run_phase(feel, robot, state).status == skills::PhaseStatus::ok)
+      skills::run_phase(explore, robot, state);
+  } catch (const std::exception&) {
+    if (!world.diverged()) throw;
+  }
+  if (world.diverged() || !state.resting) return {};
+  return *state.resting;
+}
+
+/// What is known at the origin of an object of which only the rough place, and on which side it
+/// stands, are known.
+localization::Posterior Relocation::rough(RandomStream random) const {
+  const auto& stance = object_.object().stances[static_cast<std::size_t>(standing_.stance)];
+  const double first_yaw = random.uniform(-std::numbers::pi, std::numbers::pi);
+  const double place = options_.uncertainty * options_.uncertainty / 3;
+  const double yaw = std::numbers::pi / kYaws;
+  Vector6d variance;
+  variance << kTilt, kTilt, yaw * yaw, place + kLeast, place + kLeast, kHeight;
+  localization::Posterior posterior;
+  posterior.status = localization::PoseStatus::ambiguous;
+  for (int i = 0; i < kYaws; ++i) {
+    localization::Mode mode;
+    mode.T_frame_object.translation().z() = stance.height;
+    mode.T_frame_object.linear() =
+        Eigen::AngleAxisd(first_yaw + 2 * yaw * i, Eigen::Vector3d::UnitZ()) *
+        stance.R_table_object;
+    mode.weight = 1.0 / kYaws;
+    mode.covariance = variance.asDiagonal();
+    posterior.modes.push_back(mode);
+  }
+  return posterior;
+}
+
+FeltEpisode Relocation::run(const Policy& policy, const EpisodeOptions& episode, std::uint64_t seed,
+                            std::size_t index) const {
+  const auto start = episode_start(episode, seed, index);
+  const RandomStream random = RandomStream(seed, "relocation").fork("episode", index);
+  RandomStream chance = random.fork("place");
+  Eigen::Vector2d from_rough;
+  for (double& value : from_rough) value = chance.uniform(-1, 1) * options_.uncertainty;
+
+  const Eigen::Isometry3d& T_task_object = object_.object().T_mesh_object;
+  const Eigen::Vector3d centroid = shape_.start_rotation * T_task_object.translation();
+  const Eigen::Vector2d rough_place = start.object + centroid.head<2>() - from_rough;
+  FeltEpisode result;
+  localization::Posterior resting;
+  if (options_.explore) resting = explored(from_rough, random.fork("explore").bits());
+  result.explored = resting.unlisted() < 1;
+  if (!result.explored) resting = rough(random.fork("rough"));
+  estimation::move(Eigen::Isometry3d(Eigen::Translation3d(rough_place.x(), rough_place.y(), 0)),
+                   resting);
+
+  RelocateTask task(model_);
+  task.reset(start);
+  RelocateTouch touch(model_, options_.noise, random.fork("touch").bits());
+  estimation::FeltPlace felt(object_, touch.hand_model(), resting, options_.felt,
+                             random.fork("felt").bits());
+  const auto told_place = [&]() -> Eigen::Vector3d {
+    return felt.T_world_object() * T_task_object.inverse().translation();
+  };
+  const auto error = [&]() -> Eigen::Vector3d {
+    return told_place() - object_pose(task.positions()).translation();
+  };
+  result.resting_error = error().head<2>().norm();
+  result.episode =
+      run_episode(task, start, episode.horizon, [&](int step, const PolicyInput& input) {
+        felt.feel(touch.read(task, step));
+        result.told_error = error().norm();
+        return policy.act(told(input, told_place(), start));
+      });
+  result.estimates = felt.estimates();
+  if (felt.estimates() > 0) result.estimate_seconds = felt.seconds() / felt.estimates();
+  return result;
+}
+
+std::vector<FeltEpisode> Relocation::run_all(const Policy& policy, const EpisodeOptions& episode,
+                                             std::uint64_t seed, std::size_t count, int threads,
+                                             const ProgressCallback& progress) const {
+  std::vector<FeltEpisode> episodes(count);
+  parallel_ordered(
+      count, threads, [&](std::size_t index) { return run(policy, episode, seed, index); },
+      [&](std::size_t index, const FeltEpisode& felt) {
+        episodes[index] = felt;
+        if (progress) progress(index + 1, count);
+      });
+  return episodes;
+}
+
+}  // namespace palpate::relocate

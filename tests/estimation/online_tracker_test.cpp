@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/estimation/online_tracker.hpp"
+
+#include <gtest/gtest.h>
+
+#include "palpate/core/assets.hpp"
+#include "palpate/core/error.hpp"
+#include "palpate/simulation/world/world.hpp"
+
+namespace palpate::estimation {
+namespace {
+
+localization::Posterior at(const Eigen::Vector3d& place) {
+  localization::Mode mode;
+  mode.T_frame_object.translation() = place;
+  mode.weight = 1;
+  mode.covariance = 1e-6 * Matrix6d::Identity();
+  return {localization::PoseStatus::certain, {mode}, {}, 0};
+}
+
+class FeltPlaceTest : public testing::Test {
+ protected:
+  FeltPlaceTest()
+      : object(geometry::load_known_object("box")),
+        hand(simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"))) {
+    options.estimate = false;
+  }
+
+  /// A reading with the base at that place, touching or not.
+  hand::HandReading reading(const Eigen::Vector3d& base, bool touches) {
+    hand::HandReading result;
+    result.time = hand::kTick * tick++;
+    result.base.xyz = base;
+    if (touches) {
+      const Eigen::Vector3d z = Eigen::Vector3d::UnitZ();
+      result.contacts[1].push_back({.p = 0.02 * z, .n = -z, .f = 2 * z});
+    }
+    return result;
+  }
+
+  geometry::ObjectModel object;
+  hand::HandModel hand;
+  FeltPlaceOptions options;
+  int tick = 0;
+};
+
+TEST_F(FeltPlaceTest, StaysUntilTheHandLiftsWhatItTouches) {
+  FeltPlace felt(object, hand, at({0.1, 0, 0.05}), options, 1);
+  felt.feel(reading({0, 0, 0.3}, false));
+  felt.feel(reading({0.02, 0, 0.2}, false));
+  felt.feel(reading({0.04, 0, 0.2}, true));  // pushes perhaps, but has not risen
+  EXPECT_EQ(felt.T_world_object().translation(), Eigen::Vector3d(0.1, 0, 0.05));
+  felt.feel(reading({0.04, 0, 0.25}, false));  // rises with nothing
+  EXPECT_EQ(felt.T_world_object().translation(), Eigen::Vector3d(0.1, 0, 0.05));
+  felt.feel(reading({0.04, 0, 0.26}, true));
+  felt.feel(reading({0.05, 0.02, 0.30}, true));
+  EXPECT_LT((felt.T_world_object().translation() - Eigen::Vector3d(0.11, 0.02, 0.10)).norm(),
+            1e-12);
+  felt.feel(reading({0.2, 0.1, 0.5}, false));  // let go
+  EXPECT_LT((felt.T_world_object().translation() - Eigen::Vector3d(0.11, 0.02, 0.10)).norm(),
+            1e-12);
+  EXPECT_EQ(felt.estimates(), 0);
+}
+
+TEST_F(FeltPlaceTest, AnEstimateIsThereOnePeriodLater) {
+  options.estimate = true;
+  options.fingers = 1;
+  options.period = 0.05;
+  options.locate.free_space = false;
+  options.turn_sigma = 0.02;
+  options.way_sigma = 0.004;
+  FeltPlace felt(object, hand, at({0, 0, 0.05}), options, 1);
+  // The fingertip touches 4 mm beside where the box is believed to be: it must have been moved.
+  hand::HandReading beside = reading({0, 0, 0}, true);
+  const Eigen::Isometry3d T_base_tip =
+      hand::forward_kinematics(hand, beside.joints)[static_cast<std::size_t>(hand.distal[1])];
+  const Eigen::Vector3d n = T_base_tip.linear().transpose() * Eigen::Vector3d::UnitX();
+  const Eigen::Vector3d p = hand.tips[1].b - hand.tips[1].radius * n;
+  beside.base.xyz = Eigen::Vector3d(0.029, 0, 0.05) - T_base_tip * p;
+  beside.contacts[1] = {{.p = p, .n = n, .f = -2 * n}};
+  for (int i = 0; i < 5; ++i) {
+    felt.feel(beside);
+    EXPECT_EQ(felt.T_world_object().translation(), Eigen::Vector3d(0, 0, 0.05)) << i;
+  }
+  felt.feel(beside);
+  EXPECT_GT(felt.T_world_object().translation().x(), 0.001);
+  EXPECT_EQ(felt.estimates(), 2);
+}
+
+TEST_F(FeltPlaceTest, NeedsAPose) {
+  EXPECT_THROW(FeltPlace(object, hand, {}, options, 1), BadInput);
+}
+
+}  // namespace
+}  // namespace palpate::estimation

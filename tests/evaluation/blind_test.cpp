@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+// Nothing that the hand is told depends on the simulator's truth: with a false one it is told the
+// same, to the last bit.
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "core/temporary_folder.hpp"
+#include "evaluation/quick_options.hpp"
+#include "palpate/recording/recording.hpp"
+
+namespace palpate::evaluation {
+namespace {
+
+constexpr std::uint64_t kSeed = 7;
+
+struct Course {
+  Trial trial;
+  std::vector<recording::Frame> frames;
+};
+
+Course course_of(const char* name, TrialOptions options, bool false_truth) {
+  options.world.false_truth = false_truth;
+  const geometry::ObjectModel object(geometry::load_known_object(name));
+  const simulation::World world(object.object(), options.world, kSeed);
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "recording.h5";
+  recording::Writer writer(path, {"1.2.3", kSeed, object.object(), world.hand_model(), ""});
+  Course course;
+  course.trial = run_trial(object, options, kSeed, &writer);
+  writer.finish();
+  course.frames = recording::read_recording(path).frames;
+  return course;
+}
+
+/// @return the course with the right truth
+Course expect_blind(const char* name, const TrialOptions& options) {
+  Course right = course_of(name, options, false);
+  const Course wrong = course_of(name, options, true);
+  EXPECT_GT(right.frames.size(), 1000u);
+  EXPECT_EQ(right.frames.size(), wrong.frames.size());
+  for (std::size_t i = 0; i < std::min(right.frames.size(), wrong.frames.size()); ++i) {
+    const auto &a = right.frames[i], &b = wrong.frames[i];
+    EXPECT_NE(a.truth->T_world_object.matrix(), b.truth->T_world_object.matrix());
+    const bool same = a.command.positions == b.command.positions &&
+                      a.command.base.xyz == b.command.base.xyz &&
+                      a.command.base.ypr == b.command.base.ypr;
+    EXPECT_TRUE(same) << "in frame " << i;
+    if (!same) break;
+  }
+  EXPECT_FALSE(wrong.trial.judgement.pose_ok);  // who judges by the truth is misled
+  return right;
+}
+
+TEST(Blind, PlacingOnASpotDoesNotSeeTheTruth) {
+  const auto course = expect_blind("box", quick_place_options());
+  EXPECT_EQ(course.trial.means.means, skills::PlaceMeans::wrist);
+  EXPECT_TRUE(course.trial.place_judgement.placed);
+}
+
+TEST(Blind, TurningByTheFingersDoesNotSeeTheTruth) {
+  TrialOptions options = quick_place_options();
+  options.place.means = "fingers";
+  options.place.fingers.reorient.sampling.samples = 4;
+  const auto course = expect_blind("box", options);
+  EXPECT_EQ(course.trial.means.means, skills::PlaceMeans::fingers);
+}
+
+TEST(Blind, RegraspingDoesNotSeeTheTruth) {
+  TrialOptions options = quick_place_options();
+  options.start.stance = 1;
+  options.place.target = "stance";
+  options.place.stance = 4;
+  options.place.means = "regrasp";
+  const auto course = expect_blind("box", options);
+  EXPECT_EQ(course.trial.means.means, skills::PlaceMeans::regrasp);
+}
+
+}  // namespace
+}  // namespace palpate::evaluation

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "evaluation/quick_options.hpp"
+#include "palpate/simulation/collision/forward_model.hpp"
+
+namespace palpate::evaluation {
+
+/// A hand whose fingers open, whatever they are told, while `lets_go`.
+class SlipperyHand : public hand::Hand {
+ public:
+  explicit SlipperyHand(hand::Hand& hand) : hand_(hand) {}
+
+  const std::array<hand::Actuator, hand::kActuators>& actuators() const override {
+    return hand_.actuators();
+  }
+  hand::HandReading step(const hand::HandCommand& command) override {
+    hand::HandCommand told = command;
+    if (lets_go) told.positions = skills::open_posture(skills::top_recipe());
+    return hand_.step(told);
+  }
+
+  bool lets_go = false;
+
+ private:
+  hand::Hand& hand_;
+};
+
+/// A box (resting in its first stance) before a hand that lets go of it in the first transport.
+struct Mishap {
+  static constexpr std::uint64_t kSeed = 7;
+
+  Mishap() { world.reset(draw_start(box.object(), options.start, kSeed), waiting_command()); }
+  skills::PlaceTarget target() const {
+    return *place_target(box.object(), options.place, kSeed, 0);
+  }
+  /// Of the object from where it was to be put, m.
+  double off(const skills::PlaceResult& place) const {
+    return (world.truth().T_world_object.translation() - place.T_world_target.translation()).norm();
+  }
+
+  geometry::ObjectModel box{geometry::load_known_object("box")};
+  TrialOptions options = quick_place_options();
+  simulation::World world{box.object(), {}, kSeed};
+  SlipperyHand hand{world.hand()};
+  simulation::SimulatedModels models;
+  skills::Robot robot{hand, world.hand_model(), waiting_command(), {}, &models};
+  int transports = 0;
+  skills::PhaseObserver observer{
+      [this](std::string_view phase, double) {
+        hand.lets_go = phase == "transport" && ++transports == 1;
+      },
+      [this](const skills::PhaseReport&, double) { hand.lets_go = false; }};
+};
+
+}  // namespace palpate::evaluation

@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "evaluation/quick_options.hpp"
+#include "palpate/core/error.hpp"
+#include "palpate/simulation/collision/forward_model.hpp"
+
+namespace palpate::evaluation {
+namespace {
+
+constexpr std::uint64_t kSeed = 7;
+
+const geometry::ObjectModel& box() {
+  static const geometry::ObjectModel model(geometry::load_known_object("box"));
+  return model;
+}
+
+TEST(PlaceTrial, PutsTheBoxDownAtItsTarget) {
+  const auto trial = run_trial(box(), quick_place_options(), kSeed);
+  ASSERT_TRUE(trial.result.held);
+  ASSERT_TRUE(trial.place);
+  EXPECT_EQ(trial.place->status, skills::PlaceStatus::placed) << trial.place->phases.back().outcome;
+  EXPECT_FALSE(trial.place_judgement.dropped);
+  EXPECT_EQ(trial.means.means, skills::PlaceMeans::wrist);
+  EXPECT_EQ(trial.means.reason.rfind("one hold: ", 0), 0u) << trial.means.reason;
+  EXPECT_TRUE(trial.place->T_world_placed);
+  EXPECT_LT(trial.place_judgement.error.translation, 0.03);
+  const auto target =
+      localization::pose_error(*trial.place->T_world_placed, trial.place_judgement.T_world_target,
+                               box().object().symmetries);
+  EXPECT_LT(target.translation, 0.01);  // as far as the robot knows
+}
+
+/// Where the box ends, from its target, if it was estimated too far to one side when it was lifted.
+double error_after_a_shift(const Eigen::Vector3d& shift, bool again) {
+  TrialOptions options = quick_place_options();
+  options.place.again = again;
+  options.place.verify = false;
+  simulation::World world(box().object(), options.world, kSeed);
+  world.reset(draw_start(box().object(), options.start, kSeed), waiting_command());
+  const simulation::SimulatedModels models;
+  skills::Robot robot(world.hand(), world.hand_model(), waiting_command(), {}, &models);
+  auto picked = skills::pick(robot, box(), options.pick, kSeed);
+  EXPECT_TRUE(picked.held);
+  for (auto& mode : picked.estimate.posterior.modes) mode.T_frame_object.pretranslate(shift);
+  const auto target = place_target(box().object(), options.place, kSeed, 0);
+  const auto placed =
+      skills::place(robot, box(), picked, *target, {}, options.pick, options.place, kSeed);
+  EXPECT_EQ(placed.status, skills::PlaceStatus::placed);
+  return localization::pose_error(world.truth().T_world_object, placed.T_world_target,
+                                  box().object().symmetries)
+      .translation;
+}
+
+TEST(PlaceTrial, TheEstimateOverTheTargetMendsAWrongOne) {
+  const Eigen::Vector3d shift(0.02, 0, 0);
+  EXPECT_LT(error_after_a_shift(shift, true), error_after_a_shift(shift, false) - 0.005);
+}
+
+TEST(PlaceTrial, WhatMayBeTurnedOverIsHeldFirmer) {
+  skills::PickOptions pick;
+  pick.grasp.press_per_weight = 3;
+  skills::PlaceOptions options;
+  options.turn_press = 6;
+  const auto press = [&](skills::PlaceTarget::Kind kind) {
+    return skills::firm_enough(pick, {.kind = kind}, options).grasp.press_per_weight;
+  };
+  EXPECT_EQ(press(skills::PlaceTarget::Kind::pose), 6);
+  EXPECT_EQ(press(skills::PlaceTarget::Kind::spot), 3);
+  EXPECT_EQ(press(skills::PlaceTarget::Kind::fixture), 3);
+  pick.grasp.press_per_weight = 9;  // never weaker than asked for
+  EXPECT_EQ(press(skills::PlaceTarget::Kind::pose), 9);
+}
+
+TEST(PlaceTrial, WhatIsShakenOutOfTheHandIsDropped) {
+  TrialOptions options = quick_place_options();
+  options.place.means = "wrist";
+  auto& limits = options.place.transport.plan.limits;
+  limits.base_speed = limits.turn_speed = 10;
+  limits.base_acceleration = limits.turn_acceleration = 100;
+  options.place.transport.most_slip = 0.1;
+  const auto trial = run_trial(box(), options, kSeed);
+  ASSERT_TRUE(trial.place);
+  EXPECT_TRUE(trial.place_judgement.dropped);
+}
+
+TEST(PlaceTrial, WhatIsAmbiguousIsPutBackWhereItCameFrom) {
+  const TrialOptions options = quick_place_options();
+  simulation::World world(box().object(), options.world, kSeed);
+  world.reset(draw_start(box().object(), options.start, kSeed), waiting_command());
+  const simulation::SimulatedModels models;
+  skills::Robot robot(world.hand(), world.hand_model(), waiting_command(), {}, &models);
+  auto picked = skills::pick(robot, box(), options.pick, kSeed);
+  ASSERT_TRUE(picked.held);
+  const auto closed = *robot.log().at(estimation::Mark::closed);
+  const auto held = *robot.log().at(estimation::Mark::held);
+  const Eigen::Isometry3d lowered = robot.log().readings[closed].base.pose() *
+                                    robot.log().readings[held].base.pose().inverse() *
+                                    world.truth().T_world_object;
+  // Four poses that disagree on the yaw.
+  const localization::Mode mode = picked.estimate.posterior.modes.at(0);
+  picked.estimate.posterior.modes.clear();
+  for (const double yaw : {0.0, 0.4, 0.8, 1.2}) {
+    localization::Mode turned = mode;
+    turned.T_frame_object.linear() =
+        Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) * mode.T_frame_object.linear();
+    turned.weight = 0.25;
+    picked.estimate.posterior.modes.push_back(turned);
+  }
+  const auto target = place_target(box().object(), options.place, kSeed, 0);
+  const auto placed =
+      skills::place(robot, box(), picked, *target, {}, options.pick, options.place, kSeed);
+  EXPECT_EQ(placed.status, skills::PlaceStatus::ambiguous);
+  EXPECT_EQ(placed.failed_phase, "aim");
+  EXPECT_FALSE(placed.certain);
+  EXPECT_EQ(placed.phases.back().name, "withdraw");
+  EXPECT_EQ(placed.phases.back().status, skills::PhaseStatus::ok) << placed.phases.back().outcome;
+  // It stands again where it was lifted: nothing fell or was thrown.
+  const auto error =
+      localization::pose_error(world.truth().T_world_object, lowered, box().object().symmetries);
+  EXPECT_LT(error.translation, 0.02);
+  EXPECT_LT(error.rotation, 0.1);
+}
+
+std::size_t count(const std::vector<skills::PhaseReport>& phases, const std::string& name) {
+  return static_cast<std::size_t>(
+      std::count_if(phases.begin(), phases.end(), [&](const auto& p) { return p.name == name; }));
+}
+
+TEST(PlaceTrial, GraspsAnewWhatOneHoldCannotStandUp) {
+  const geometry::ObjectModel bottle(geometry::load_known_object("bottle"));
+  TrialOptions options = quick_place_options();
+  // Upright, which is none of the two stances that are likeliest.
+  options.place.target = "1 0 0 0.15  0 1 0 0.05  0 0 1 0.0772  0 0 0 1";
+  options.start.stance = 1;
+  // From this start the hand grasps it so that it would have to go into the table.
+  const auto trial = run_trial(bottle, options, 33);
+  ASSERT_TRUE(trial.result.held);
+  ASSERT_TRUE(trial.place);
+  EXPECT_EQ(trial.means.means, skills::PlaceMeans::regrasp);
+  EXPECT_NE(trial.means.reason.find("unreachable"), std::string::npos) << trial.means.reason;
+  ASSERT_FALSE(trial.means.rounds.empty());
+  EXPECT_FALSE(trial.means.rounds[0].plan.considered.empty());
+  // The phases of all rounds, but those of the last placing are its own.
+  const auto& before = trial.result.phases;
+  EXPECT_EQ(count(before, "lift"), 1 + trial.means.rounds.size());
+  EXPECT_EQ(count(before, "aim"), trial.means.rounds.size());
+  EXPECT_GE(count(before, "put-back"), 1u);
+  EXPECT_EQ(count(trial.place->phases, "aim"), 1u);
+  EXPECT_EQ(trial.place->status, skills::PlaceStatus::placed) << trial.place->phases.back().outcome;
+  EXPECT_EQ(trial.means.regrasp, skills::RegraspStatus::done);
+  // Judged against the target itself: the bottle stands, and stands there.
+  const Eigen::Matrix3d upright = trial.place_judgement.T_world_target.linear();
+  EXPECT_TRUE(upright.isIdentity());
+  EXPECT_LT(trial.place_judgement.error.translation, 0.03);
+  EXPECT_LT(trial.place_judgement.error.rotation, 0.5);
+}
+
+TEST(PlaceTrial, TheFingersTakeAPartOfTheTurn) {
+  TrialOptions options = quick_place_options();
+  options.place.means = "fingers";
+  options.place.fingers.reorient.sampling.samples = 8;
+  const auto trial = run_trial(box(), options, kSeed);
+  ASSERT_TRUE(trial.place);
+  EXPECT_EQ(trial.means.means, skills::PlaceMeans::fingers);
+  ASSERT_TRUE(trial.means.turn);
+  EXPECT_EQ(trial.means.reason, trial.means.turn->why);
+  EXPECT_NEAR(trial.means.turn->asked.norm(), options.place.fingers.most, 1e-9);
+  EXPECT_GT(trial.means.turn->base_turn, trial.means.turn->asked.norm());
+  EXPECT_GT(trial.means.turn->result.rehearsals, 0);
+  EXPECT_EQ(count(trial.place->phases, "turn"), 1u);
+  EXPECT_EQ(trial.place->status, skills::PlaceStatus::placed) << trial.place->phases.back().outcome;
+  EXPECT_FALSE(trial.place_judgement.dropped);
+  EXPECT_LT(trial.place_judgement.error.translation, 0.03);
+}
+
+TEST(PlaceTrial, WhatTheBaseTurnsByLittleIsNoWorkForTheFingers) {
+  TrialOptions options = quick_place_options();
+  options.place.means = "fingers";
+  options.place.fingers.least = 1.0;  // more than `most`: always too little
+  const auto trial = run_trial(box(), options, kSeed);
+  ASSERT_TRUE(trial.place);
+  EXPECT_EQ(trial.means.means, skills::PlaceMeans::wrist);
+  EXPECT_FALSE(trial.means.turn);
+  EXPECT_NE(trial.means.reason.find("nothing for the fingers"), std::string::npos)
+      << trial.means.reason;
+  EXPECT_EQ(count(trial.place->phases, "turn"), 0u);
+}
+
+TEST(PlaceTrial, MeansThatDoNotExistAreNamedBeforeAnythingMoves) {
+  TrialOptions options = quick_place_options();
+  options.place.means = "throw";
+  bool moved = false;
+  const skills::PhaseObserver observer = {[&](std::string_view, double) { moved = true; }, {}};
+  try {
+    run_trial(box(), options, kSeed, nullptr, observer);
+    FAIL() << "expected BadInput";
+  } catch (const BadInput& error) {
+    EXPECT_NE(std::string(error.what()).find("throw"), std::string::npos) << error.what();
+  }
+  EXPECT_FALSE(moved);
+}
+
+TEST(PlaceTrial, ATargetThatCannotBeIsNamedBeforeAnythingMoves) {
+  TrialOptions options = quick_place_options();
+  bool moved = false;
+  const skills::PhaseObserver observer = {[&](std::string_view, double) { moved = true; }, {}};
+  for (const char* target : {"0.9,0,0", "fixture", "1 2 3 4"}) {
+    options.place.target = target;
+    options.place.fixture.tolerance = -0.002;
+    EXPECT_THROW(run_trial(box(), options, kSeed, nullptr, observer), BadInput) << target;
+  }
+  options.place.target = "fixture";
+  options.place.fixture = {.x = 0.12, .y = 0.0};  // where the box may stand at first
+  try {
+    run_trial(box(), options, kSeed, nullptr, observer);
+    FAIL() << "expected BadInput";
+  } catch (const BadInput& error) {
+    EXPECT_NE(std::string(error.what()).find("may stand at first"), std::string::npos)
+        << error.what();
+  }
+  EXPECT_FALSE(moved);
+}
+
+}  // namespace
+}  // namespace palpate::evaluation

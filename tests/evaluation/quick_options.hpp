@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "palpate/evaluation/trial.hpp"
+
+namespace palpate::evaluation {
+
+/// Picking and placing that takes a few seconds of wall time.
+inline TrialOptions quick_place_options() {
+  TrialOptions options;
+  options.pick.calibrate.touches = 0;
+  options.pick.explore.touches = options.pick.explore.most_touches = 4;
+  options.pick.lift.hold = 0.5;
+  options.pick.locate.search.proposals = 20000;
+  options.pick.locate.search.particles = 400;
+  options.start.stance = 0;
+  options.place.target = "0.15,0.1,0.5";
+  // A quick search is sure of little.
+  options.place.certain = options.place.regrasp.certain_between = 0.3;
+  return options;
+}
+
+}  // namespace palpate::evaluation

@@ -1,0 +1,292 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/evaluation/trial.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "core/temporary_folder.hpp"
+#include "palpate/core/error.hpp"
+#include "palpate/core/options.hpp"
+#include "palpate/evaluation/evaluation.hpp"
+#include "palpate/evaluation/recorder.hpp"
+#include "palpate/recording/touch_log.hpp"
+#include "palpate/skills/explore/calibrate_phase.hpp"
+
+namespace palpate::evaluation {
+namespace {
+
+constexpr std::uint64_t kSeed = 7;
+
+geometry::ObjectModel model(const char* name) {
+  return geometry::ObjectModel(geometry::load_known_object(name));
+}
+
+/// A pick that takes a few seconds of wall time.
+TrialOptions quick_options() {
+  TrialOptions options;
+  options.pick.explore.touches = 4;
+  options.pick.lift.hold = 0.5;
+  options.pick.probe.most = 2;
+  options.pick.probe.rolls = options.pick.probe.regrasps = 0;
+  options.pick.probe.certain = 1;  // probe whatever is known
+  options.pick.probe.worth = 0;
+  options.pick.locate.search.proposals = 20000;
+  options.pick.locate.search.particles = 400;
+  return options;
+}
+
+void expect_equal(const localization::Mode& a, const localization::Mode& b) {
+  EXPECT_EQ(a.T_frame_object.matrix(), b.T_frame_object.matrix());
+  EXPECT_EQ(a.weight, b.weight);
+  EXPECT_EQ(a.covariance, b.covariance);
+  ASSERT_EQ(a.free_axis.has_value(), b.free_axis.has_value());
+  if (!a.free_axis) return;
+  EXPECT_EQ(a.free_axis->point, b.free_axis->point);
+  EXPECT_EQ(a.free_axis->direction, b.free_axis->direction);
+  EXPECT_EQ(a.free_axis->extent, b.free_axis->extent);
+}
+
+/// Every number of both estimates agrees to the last bit.
+void expect_equal(const estimation::PoseEstimate& a, const estimation::PoseEstimate& b) {
+  EXPECT_EQ(a.posterior.status, b.posterior.status);
+  ASSERT_EQ(a.posterior.modes.size(), b.posterior.modes.size());
+  for (std::size_t i = 0; i < a.posterior.modes.size(); ++i) {
+    expect_equal(a.posterior.modes[i], b.posterior.modes[i]);
+  }
+  ASSERT_EQ(a.contacts.size(), b.contacts.size());
+  for (std::size_t i = 0; i < a.contacts.size(); ++i) {
+    EXPECT_EQ(a.contacts[i].p, b.contacts[i].p);
+    EXPECT_EQ(a.contacts[i].n, b.contacts[i].n);
+    EXPECT_EQ(a.contacts[i].f, b.contacts[i].f);
+  }
+}
+
+void expect_equal(const skills::PhaseReport& a, const skills::PhaseReport& b) {
+  EXPECT_EQ(a.name, b.name);
+  EXPECT_EQ(a.status, b.status);
+  EXPECT_EQ(a.outcome, b.outcome);
+  EXPECT_EQ(a.sim_seconds, b.sim_seconds);
+  EXPECT_EQ(a.contacts, b.contacts);
+  EXPECT_EQ(a.peak_force, b.peak_force);
+}
+
+/// All but the wall time agrees to the last bit.
+void expect_equal(const Trial& a, const Trial& b) {
+  EXPECT_EQ(a.start.xy, b.start.xy);
+  EXPECT_EQ(a.start.yaw, b.start.yaw);
+  EXPECT_EQ(a.start.stance, b.start.stance);
+  EXPECT_EQ(a.result.held, b.result.held);
+  EXPECT_EQ(a.result.attempts, b.result.attempts);
+  EXPECT_EQ(a.result.failed_phase, b.result.failed_phase);
+  ASSERT_EQ(a.result.phases.size(), b.result.phases.size());
+  for (std::size_t i = 0; i < a.result.phases.size(); ++i) {
+    expect_equal(a.result.phases[i], b.result.phases[i]);
+  }
+  expect_equal(a.result.estimate, b.result.estimate);
+  EXPECT_EQ(a.judgement.lifted, b.judgement.lifted);
+  EXPECT_EQ(a.judgement.slip, b.judgement.slip);
+  EXPECT_EQ(a.judgement.T_world_object.matrix(), b.judgement.T_world_object.matrix());
+}
+
+void expect_equal(const ObjectSummary& a, const ObjectSummary& b) {
+  EXPECT_EQ(a.trials, b.trials);
+  EXPECT_EQ(a.lifted, b.lifted);
+  EXPECT_EQ(a.pose_ok, b.pose_ok);
+  EXPECT_EQ(a.truth_in_modes, b.truth_in_modes);
+  EXPECT_EQ(a.false_hold, b.false_hold);
+  EXPECT_EQ(a.modes_median, b.modes_median);
+  EXPECT_EQ(a.rotation_error_deg, b.rotation_error_deg);
+  EXPECT_EQ(a.translation_error_mm, b.translation_error_mm);
+  EXPECT_EQ(a.slip_mm, b.slip_mm);
+  EXPECT_EQ(a.failures, b.failures);
+  EXPECT_EQ(a.symmetry_order, b.symmetry_order);
+}
+
+/// A recorded pick of the bunny.
+struct RecordedPick {
+  explicit RecordedPick(const std::filesystem::path& path) {
+    const auto bunny = model("bunny");
+    const simulation::World world(bunny.object(), options.world, kSeed);
+    recording::Writer writer(path, {"1.2.3", kSeed, bunny.object(), world.hand_model(), ""});
+    trial = run_trial(bunny, options, kSeed, &writer);
+    writer.finish();
+  }
+  TrialOptions options = quick_options();
+  Trial trial;
+};
+
+/// The estimate from what the recording holds and from nothing else.
+estimation::PoseEstimate replayed(const recording::Recording& recording,
+                                  const estimation::LocateOptions& options) {
+  const geometry::ObjectModel object(recording.header.object);
+  const auto log = recording::touch_log(recording);
+  return estimation::locate(object, skills::calibrated_hand(recording.header.hand, log, {}), log,
+                            options, recording.header.seed);
+}
+
+void forget_truth(recording::Recording& recording) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  for (auto& frame : recording.frames) {
+    ASSERT_TRUE(frame.truth);
+    frame.truth->T_world_object.matrix().setConstant(kNan);
+    frame.truth->joints.setConstant(kNan);
+  }
+}
+
+TEST(Trial, RecordingAloneGivesThePicksPoseToTheLastBit) {
+  const TemporaryFolder folder;
+  const RecordedPick pick(folder.path() / "pick.h5");
+  ASSERT_TRUE(pick.trial.result.held);
+  ASSERT_FALSE(pick.trial.result.estimate.posterior.modes.empty());
+  ASSERT_FALSE(pick.trial.result.estimate.contacts.empty());
+  EXPECT_TRUE(pick.trial.judgement.lifted);
+  ASSERT_GT(pick.trial.judgement.probes, 0);
+
+  auto recording = recording::read_recording(folder.path() / "pick.h5");
+  expect_equal(pick.trial.result.estimate, replayed(recording, pick.options.pick.locate));
+
+  forget_truth(recording);
+  expect_equal(pick.trial.result.estimate, replayed(recording, pick.options.pick.locate));
+
+  recording::write_recording(folder.path() / "blind.h5", recording);
+  const auto blind = recording::read_recording(folder.path() / "blind.h5");
+  ASSERT_FALSE(blind.frames.empty());
+  EXPECT_EQ(blind.frames.size(), recording.frames.size());
+  expect_equal(pick.trial.result.estimate, replayed(blind, pick.options.pick.locate));
+}
+
+TEST(Trial, GraspsAnewFromAnotherSideAndKeepsWhatItKnew) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "pick.h5";
+  TrialOptions options = quick_options();
+  options.pick.probe.most = 0;
+  options.pick.probe.regrasps = 1;
+  const auto box = model("box");
+  const simulation::World world(box.object(), options.world, kSeed);
+  recording::Writer writer(path, {"1.2.3", kSeed, box.object(), world.hand_model(), ""});
+  const Trial trial = run_trial(box, options, kSeed, &writer);
+  writer.finish();
+  EXPECT_EQ(trial.result.regrasps, 1);
+  EXPECT_TRUE(trial.judgement.lifted);
+  EXPECT_TRUE(trial.judgement.pose_ok);
+  const auto recording = recording::read_recording(path);
+  const auto log = recording::touch_log(recording);
+  EXPECT_TRUE(log.before_opening());
+  expect_equal(trial.result.estimate, replayed(recording, options.pick.locate));
+}
+
+TEST(Trial, PutsDownWhatHangsToGraspItAnew) {
+  TrialOptions options = quick_options();
+  options.pick.estimate_before_lift = false;
+  options.pick.probe.most = 0;
+  options.pick.probe.regrasps = 1;
+  const Trial trial = run_trial(model("box"), options, kSeed);
+  EXPECT_EQ(trial.result.regrasps, 1);
+  EXPECT_TRUE(trial.judgement.lifted);
+  EXPECT_TRUE(trial.judgement.pose_ok);
+  std::vector<std::string> names;
+  for (const auto& phase : trial.result.phases) names.push_back(phase.name);
+  const auto lift = std::find(names.begin(), names.end(), "lift");
+  const auto down = std::find(lift, names.end(), "put-down");
+  EXPECT_NE(std::find(down, names.end(), "lift"), names.end());
+}
+
+TEST(Trial, RollsTheObjectAsideAndBack) {
+  TrialOptions options = quick_options();
+  options.pick.probe.most = 0;
+  options.pick.probe.rolls = 1;
+  const Trial trial = run_trial(model("bunny"), options, kSeed);
+  EXPECT_TRUE(trial.judgement.lifted);
+  const auto& phases = trial.result.phases;
+  EXPECT_TRUE(std::any_of(phases.begin(), phases.end(), [](const skills::PhaseReport& phase) {
+    return phase.name == "probe" && phase.outcome.find("1 roll,") != std::string::npos &&
+           phase.sim_seconds > 2;
+  }));
+}
+
+TEST(Trial, SameSeedGivesTheSameTrialRecordedOrNot) {
+  const TemporaryFolder folder;
+  const RecordedPick pick(folder.path() / "pick.h5");
+  expect_equal(pick.trial, run_trial(model("bunny"), pick.options, kSeed));
+}
+
+TEST(TouchLog, KnowsTheMomentsSinceTheHandLetGo) {
+  estimation::TouchLog log;
+  log.readings.resize(6);
+  log.moments = {{estimation::Mark::closed, 0},
+                 {estimation::Mark::released, 1},
+                 {estimation::Mark::closed, 2},
+                 {estimation::Mark::probed, 3},
+                 {estimation::Mark::closed, 4}};
+  EXPECT_EQ(log.all(estimation::Mark::closed), (std::vector<std::size_t>{2, 4}));
+  EXPECT_EQ(log.at(estimation::Mark::closed), 4U);
+  EXPECT_EQ(log.all(estimation::Mark::probed), (std::vector<std::size_t>{3}));
+  EXPECT_TRUE(log.all(estimation::Mark::held).empty());
+}
+
+TEST(Trial, NoProbesWhereTheyAreSwitchedOff) {
+  TrialOptions options = quick_options();
+  options.pick.probe.most = 0;
+  const Trial trial = run_trial(model("box"), options, kSeed);
+  EXPECT_EQ(trial.judgement.probes, 0);
+  for (const auto& phase : trial.result.phases) EXPECT_NE(phase.name, "probe");
+}
+
+TEST(Trial, StartIsDrawnWithinItsBoundsByTheSeed) {
+  const auto box = geometry::load_known_object("box");
+  StartOptions options;
+  options.stance = 1;
+  options.uncertainty = 0.01;
+  Eigen::Vector2d previous(1, 1);
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    const auto start = draw_start(box, options, seed);
+    EXPECT_EQ(start.stance, 1);
+    EXPECT_LE(start.xy.cwiseAbs().maxCoeff(), 0.01);
+    EXPECT_NE(start.xy, previous);
+    EXPECT_EQ(start.xy, draw_start(box, options, seed).xy);
+    previous = start.xy;
+  }
+  options.stance = static_cast<int>(box.stances.size());
+  EXPECT_THROW(draw_start(box, options, 0), BadInput);
+}
+
+TEST(Evaluation, NumberOfThreadsDoesNotChangeTheSummary) {
+  const auto box = model("box");
+  TrialOptions options = quick_options();
+  options.pick.attempts = 1;
+  options.pick.lift.hold = 0.2;
+  constexpr std::size_t kTrials = 3;
+  std::vector<std::size_t> order;
+  const auto one = evaluate(box, options, 20, kTrials, 1);
+  const auto two = evaluate(box, options, 20, kTrials, 2,
+                            [&](std::size_t done, const Trial&) { order.push_back(done); });
+  EXPECT_EQ(one.trials, kTrials);
+  expect_equal(one, two);
+  EXPECT_EQ(order, (std::vector<std::size_t>{1, 2, 3}));
+}
+
+TEST(TrialOptions, TheExampleOfAConfigurationNamesTheDefaults) {
+  const auto tests = std::filesystem::path(__FILE__).parent_path();
+  TrialOptions options;
+  load_toml(tests / "../../configs/pick.toml", options);
+  EXPECT_EQ(to_toml(options), to_toml(TrialOptions()));
+}
+
+TEST(TouchOptions, SayHowFarInferredContactsMayBeOff) {
+  TrialOptions options;
+  EXPECT_EQ(options.pick_options().locate.errors.point_floor,
+            estimation::LocateOptions().errors.point_floor);
+  options.touch = {
+      .source = "biotac", .biotac_point = 0.003, .biotac_normal = 0.4, .biotac_false = 0.07};
+  const estimation::LocateOptions locate = options.pick_options().locate;
+  EXPECT_EQ(locate.errors.point_floor, 0.003);
+  EXPECT_EQ(locate.errors.normal_floor, 0.4);
+  EXPECT_EQ(locate.false_contacts, 0.07);
+  options.touch.source = "nose";
+  EXPECT_THROW((void)options.pick_options(), BadInput);
+}
+
+}  // namespace
+}  // namespace palpate::evaluation

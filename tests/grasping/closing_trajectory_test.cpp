@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/grasping/closing_trajectory.hpp"
+
+#include <gtest/gtest.h>
+
+#include "palpate/core/assets.hpp"
+#include "palpate/hand/coupling.hpp"
+#include "palpate/simulation/world/world.hpp"
+#include "palpate/skills/grasp/grasp_phase.hpp"
+
+namespace palpate::grasping {
+namespace {
+
+constexpr std::size_t kMiddle = static_cast<std::size_t>(hand::Finger::middle);
+
+class ClosingPathTest : public ::testing::Test {
+ protected:
+  ClosingPathTest() {
+    base_.translation().z() = 0.3;
+    for (auto& actuator : actuators_) actuator = {1.0, {-1.5, 1.5}, 1.0};
+  }
+  ClosingPath path(const std::array<bool, hand::kFingers>& closing = kAllFingers) const {
+    return closing_path(model_, skills::open_posture(skills::top_recipe()),
+                        grasping::ClosingLaw(actuators_, 1.0, 0.718), closing);
+  }
+  /// The box, with its centre where the middle finger's tip is half-way through its closing, and
+  /// displaced from there.
+  PlacedObject box_on_the_way(const ClosingPath& path,
+                              const Eigen::Vector3d& displaced = {0, 0, 0}) {
+    const auto& shapes = path.fingers[kMiddle];
+    Eigen::Isometry3d T = base_;
+    T.translation() +=
+        base_.linear() * shapes[shapes.size() / 2].tip.back().cast<double>() + displaced;
+    return {box_, T, base_};
+  }
+
+  hand::HandModel model_ = simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
+  std::array<hand::Actuator, hand::kActuators> actuators_;
+  geometry::ObjectModel box_{geometry::load_known_object("box")};
+  Eigen::Isometry3d base_ = Eigen::Isometry3d::Identity();
+};
+
+TEST_F(ClosingPathTest, FingersCloseFromTheOpenPosture) {
+  for (const auto& shapes : path().fingers) {
+    ASSERT_GT(shapes.size(), 20u);
+    EXPECT_GT((shapes.front().tip.back() - shapes.back().tip.back()).norm(), 0.03f);
+  }
+}
+
+TEST_F(ClosingPathTest, OnlyTheFingersAskedForHaveShapes) {
+  const ClosingPath whole = path();
+  const ClosingPath one = path({false, false, true, false, false});
+  for (std::size_t finger = 0; finger < hand::kFingers; ++finger) {
+    EXPECT_EQ(one.fingers[finger].empty(), finger != kMiddle);
+  }
+  EXPECT_EQ(one.open_spheres.size(), whole.open_spheres.size());
+  const auto& shapes = one.fingers[kMiddle];  // others may take longer to close
+  ASSERT_LE(shapes.size(), whole.fingers[kMiddle].size());
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    EXPECT_EQ(shapes[i].tip.back(), whole.fingers[kMiddle][i].tip.back());
+  }
+}
+
+TEST_F(ClosingPathTest, APathEndsBeforeItMeetsAnotherFinger) {
+  const std::array<bool, hand::kFingers> alone = {false, false, true, false, false};
+  hand::ActuatorVector open = skills::open_posture(skills::top_recipe());
+  const hand::JointVector others = hand::joints_in_free_flexion(open);
+  open[hand::actuator_index("MFJ4")] = 0.35;  // over its neighbour
+  const grasping::ClosingLaw law(actuators_, 1.0, 0.718);
+  const auto free = closing_path(model_, skills::open_posture(skills::top_recipe()), law, alone);
+  const auto crossing = closing_path(model_, open, law, alone);
+  for (auto [path, blocked] : {std::pair(free, false), std::pair(crossing, true)}) {
+    const std::size_t whole = path.fingers[kMiddle].size();
+    end_at_other_fingers(model_, others, kMiddle, path);
+    EXPECT_EQ(path.fingers[kMiddle].size() < whole, blocked);
+  }
+}
+
+TEST_F(ClosingPathTest, AFingerStopsAtTheObjectWithItsTipOnTheSurface) {
+  const ClosingPath closing = path();
+  // The tip reaches it before the links behind it do.
+  for (const double ahead : {0.03, 0.04, 0.05}) {
+    const auto& shapes = closing.fingers[kMiddle];
+    const Eigen::Vector3d way =
+        (shapes.back().tip.back() - shapes.front().tip.back()).cast<double>().normalized();
+    const PlacedObject box = box_on_the_way(closing, ahead * way);
+    const auto [stop, contact] = meet(box, closing, kMiddle, 0);
+    if (!contact) continue;
+    EXPECT_GT(stop, 0u);
+    EXPECT_EQ(contact->finger, static_cast<int>(kMiddle));
+    EXPECT_LT(std::abs(box.distance(contact->p.cast<float>())), 0.002f);  // the field's spacing
+    EXPECT_NEAR(contact->n.norm(), 1, 1e-6);
+    return;
+  }
+  FAIL() << "the tip met the box at none of three places on its way";
+}
+
+TEST_F(ClosingPathTest, AFingerThatMeetsNothingClosesToTheEnd) {
+  const ClosingPath closing = path();
+  const PlacedObject box = box_on_the_way(closing, {0.5, 0, 0});
+  const auto [stop, contact] = meet(box, closing, kMiddle, 0);
+  EXPECT_FALSE(contact);
+  EXPECT_EQ(stop + 1, closing.fingers[kMiddle].size());
+}
+
+TEST_F(ClosingPathTest, ATipThatMeetsTheTableStops) {
+  base_.translation().z() = 0;
+  const ClosingPath closing = path();
+  const PlacedObject box = box_on_the_way(closing, {0.5, 0, 0});
+  const auto [stop, contact] = meet(box, closing, kMiddle, 0.0025);
+  EXPECT_FALSE(contact);
+  EXPECT_LT(stop + 1, closing.fingers[kMiddle].size());
+}
+
+}  // namespace
+}  // namespace palpate::grasping

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "palpate/hand/kinematics.hpp"
+#include "palpate/tactile/contacts/contact.hpp"
+
+namespace palpate::grasping {
+
+/// A contact of the first finger.
+inline tactile::Contact contact(const Eigen::Vector3d& p, const Eigen::Vector3d& n) {
+  tactile::Contact result;
+  result.finger = 0;
+  result.p = p;
+  result.n = n.normalized();
+  return result;
+}
+
+/// One finger with a coupled pair of hinges about z, 30 mm apart, whose tip is 20 mm further on.
+inline hand::HandModel coupled_finger() {
+  hand::HandModel hand;
+  hand.links.resize(3);
+  const char* const joints[] = {"", "FFJ2", "FFJ1"};
+  for (int i = 1; i < 3; ++i) {
+    auto& link = hand.links[static_cast<std::size_t>(i)];
+    link.parent = i - 1;
+    link.axis = Eigen::Vector3d::UnitZ();
+    link.joint = hand::joint_index(joints[i]);
+    if (i == 2) link.T_parent_link.translation().x() = 0.03;
+  }
+  hand.distal.fill(2);
+  return hand;
+}
+
+}  // namespace palpate::grasping

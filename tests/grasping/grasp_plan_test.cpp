@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/grasping/grasp_plan.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "palpate/evaluation/trial.hpp"
+
+namespace palpate::grasping {
+namespace {
+
+using std::numbers::pi;
+
+constexpr double kPitch = 0.475;
+constexpr double kRoll = -0.3;
+constexpr double kHalfOpen = 0.094;
+
+/// The Shadow hand, opened as for a grasp from above.
+ClosingPath shadow_path(const geometry::ObjectModel& object) {
+  simulation::World world(object.object(), {}, 1);
+  hand::ActuatorVector open = hand::ActuatorVector::Zero();
+  for (const std::string finger : {"FF", "MF", "RF", "LF"}) {
+    open[hand::actuator_index(finger + "J3")] = kHalfOpen;
+    open[hand::actuator_index(finger + "J0")] = 0.54;
+  }
+  open[hand::actuator_index("THJ5")] = -0.2;
+  open[hand::actuator_index("THJ4")] = 1.03;
+  open[hand::actuator_index("THJ2")] = -0.21;
+  return closing_path(world.hand_model(), open,
+                      grasping::ClosingLaw(world.hand().actuators(), 1.0, 0.718));
+}
+
+struct BoxScene {
+  geometry::ObjectModel object{geometry::load_known_object("box")};
+  ClosingPath path = shadow_path(object);
+  Eigen::Isometry3d resting(double yaw, const Eigen::Vector2d& xy) const {
+    const auto& stance = object.object().stances[0];
+    Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+    T.linear() = Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) * stance.R_table_object;
+    T.translation() << xy, stance.height;
+    return T;
+  }
+};
+
+TEST(PlanGrasp, HoldsALyingBoxWhereverItLies) {
+  const BoxScene scene;
+  PlanOptions options;
+  options.press = 3 * 9.81 * scene.object.object().mass;
+  for (const double yaw : {0.0, 1.1, 2.5}) {
+    const Eigen::Vector2d xy(0.03 * std::cos(3 * yaw), -0.02);
+    const auto plan =
+        plan_grasp(scene.object, scene.resting(yaw, xy), scene.path, {kPitch, kRoll}, options);
+    ASSERT_TRUE(plan);
+    EXPECT_LT(plan->cost, 0.3);
+    EXPECT_GE(plan->fingers, 3);
+    EXPECT_LT((plan->base.xyz.head<2>() - xy).norm(), 0.15);
+    EXPECT_EQ(plan->base.ypr.y(), kPitch);
+    EXPECT_EQ(plan->base.ypr.z(), kRoll);
+  }
+}
+
+TEST(PlanGrasp, AvoidsDirectionsThatFailed) {
+  const BoxScene scene;
+  const auto T = scene.resting(0.4, {0, 0});
+  const auto first = plan_grasp(scene.object, T, scene.path, {kPitch, kRoll}, {});
+  ASSERT_TRUE(first);
+  const double yaw = first->base.ypr.x();
+  const auto second = plan_grasp(scene.object, T, scene.path, {kPitch, kRoll}, {}, {yaw});
+  ASSERT_TRUE(second);
+  EXPECT_GT(std::abs(std::remainder(second->base.ypr.x() - yaw, 2 * pi)), 0.3);
+}
+
+TEST(PlanGrasp, FindsNothingWhereAllDirectionsHaveFailed) {
+  const BoxScene scene;
+  std::vector<double> all;
+  for (int i = 0; i < 12; ++i) all.push_back(i * pi / 6);
+  EXPECT_FALSE(
+      plan_grasp(scene.object, scene.resting(0, {0, 0}), scene.path, {kPitch, kRoll}, {}, all));
+}
+
+TEST(CloseAt, IsWhatThePlanForesawAndNothingWhereTheHandWouldLandOnTheObject) {
+  const BoxScene scene;
+  const auto T = scene.resting(0.4, {0, 0});
+  const auto grasps = find_grasps(scene.object, T, scene.path, {kPitch, kRoll}, {});
+  ASSERT_FALSE(grasps.empty());
+  const GraspPlan& grasp = grasps.front();
+  const auto again = close_at(scene.object, T, scene.path, grasp.base, {});
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->cost, grasp.cost);
+  EXPECT_EQ(again->stops, grasp.stops);
+  Eigen::Isometry3d below_palm = T;  // the object where the palm comes down
+  below_palm.translation().head<2>() = grasp.base.xyz.head<2>();
+  EXPECT_FALSE(close_at(scene.object, below_palm, scene.path, grasp.base, {}));
+}
+
+}  // namespace
+}  // namespace palpate::grasping

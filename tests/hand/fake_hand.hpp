@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <utility>
+
+#include "palpate/hand/hand.hpp"
+
+namespace palpate::hand {
+
+/// A hand that is at once where it is commanded; a script says what it feels.
+class FakeHand : public hand::Hand {
+ public:
+  using Script = std::function<void(hand::HandReading&)>;
+
+  explicit FakeHand(Script script = {}) : script_(std::move(script)) {
+    for (auto& actuator : actuators_) actuator = {1.0, {-1.5, 1.5}, 1.0};
+  }
+
+  const std::array<hand::Actuator, hand::kActuators>& actuators() const override {
+    return actuators_;
+  }
+
+  hand::HandReading step(const hand::HandCommand& command) override {
+    hand::HandReading reading;
+    reading.time = ++ticks_ * hand::kTick;
+    reading.base = command.base;
+    for (int i = 0; i < hand::kActuators; ++i) {
+      const auto name = hand::kActuatorNames[static_cast<std::size_t>(i)];
+      if (name.back() != '0') reading.joints[hand::joint_index(name)] = command.positions[i];
+    }
+    if (script_) script_(reading);
+    return reading;
+  }
+
+ private:
+  std::array<hand::Actuator, hand::kActuators> actuators_;
+  Script script_;
+  int ticks_ = 0;
+};
+
+}  // namespace palpate::hand

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/skills/explore/calibrate_phase.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "hand/fake_hand.hpp"
+#include "palpate/core/assets.hpp"
+#include "palpate/evaluation/trial.hpp"
+#include "palpate/hand/coupling.hpp"
+#include "palpate/skills/grasp/grasp_phase.hpp"
+#include "palpate/tactile/contacts/contact_window.hpp"
+
+namespace palpate::skills {
+namespace {
+
+hand::HandModel drawn_hand() {
+  return simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
+}
+
+/// Root mean square distance of the fingertips of an open hand from where they are, m.
+double tip_error(const hand::HandModel& believed, const hand::HandModel& real) {
+  const auto joints = hand::joints_in_free_flexion(open_posture(top_recipe()));
+  const auto there = hand::forward_kinematics(believed, joints);
+  const auto here = hand::forward_kinematics(real, joints);
+  double sum = 0;
+  for (const int link : real.distal) {
+    const auto i = static_cast<std::size_t>(link);
+    sum += (there[i].translation() - here[i].translation()).squaredNorm();
+  }
+  return std::sqrt(sum / hand::kFingers);
+}
+
+struct Calibrating {
+  explicit Calibrating(std::uint64_t seed)
+      : world(object, {}, seed),
+        robot(world.hand(), world.hand_model(), evaluation::waiting_command()) {
+    world.reset(evaluation::draw_start(object, {}, seed), evaluation::waiting_command());
+  }
+  PhaseReport calibrate() {
+    CalibratePhase phase(options);
+    PickState state;
+    return run_phase(phase, robot, state);
+  }
+
+  geometry::KnownObject object = geometry::load_known_object("bunny");
+  simulation::World world;
+  Robot robot;
+  CalibrateOptions options;
+};
+
+TEST(CalibratePhase, FindsTheFingertipsWithoutTouchingTheObject) {
+  Calibrating scene(3);
+  const auto real = drawn_hand();
+  const double before = tip_error(scene.robot.model(), real);
+  scene.robot.wait(0.5);  // until the object has come to rest
+  const auto T_world_object = scene.world.truth().T_world_object;
+  const auto report = scene.calibrate();
+  EXPECT_EQ(report.status, PhaseStatus::ok) << report.outcome;
+  EXPECT_LT(tip_error(scene.robot.model(), real), before / 3);
+  EXPECT_LT(
+      (scene.world.truth().T_world_object.translation() - T_world_object.translation()).norm(),
+      1e-4);
+  EXPECT_FALSE(scene.world.diverged());
+  EXPECT_GT(scene.robot.reading().base.xyz.z(), 0.3);  // clear of all that stands about
+  // Within three standard deviations of what it says of itself.
+  double stated = 0;
+  for (int finger = 0; finger < hand::kFingers; ++finger) {
+    stated += 3 * std::pow(tactile::link_offset_sigma(scene.robot.model(), finger), 2);
+  }
+  EXPECT_LT(tip_error(scene.robot.model(), real), 3 * std::sqrt(stated / hand::kFingers));
+}
+
+TEST(CalibratePhase, TheLogAloneTellsTheSameHand) {
+  Calibrating scene(4);
+  scene.options.touches = 6;
+  const auto drawn = scene.robot.model();
+  scene.calibrate();
+  const auto again = calibrated_hand(drawn, scene.robot.log(), scene.options);
+  EXPECT_EQ(again.link_error, scene.robot.model().link_error);
+  EXPECT_EQ(tip_error(again, scene.robot.model()), 0);
+  EXPECT_LT(again.link_error, drawn.link_error);
+}
+
+TEST(CalibratePhase, KnowsLessFromNoisierTouches) {
+  Calibrating scene(4);
+  scene.options.touches = 6;
+  const auto drawn = scene.robot.model();
+  scene.calibrate();
+  estimation::TouchLog noisy = scene.robot.log();
+  RandomStream random(1);
+  for (auto& reading : noisy.readings) {
+    for (auto& contacts : reading.contacts) {
+      for (auto& contact : contacts) contact.p += 0.01 * random.normal3();
+    }
+  }
+  const auto calibrated = calibrated_hand(drawn, noisy, scene.options);
+  EXPECT_GT(calibrated.link_error, scene.robot.model().link_error);
+  EXPECT_LT(calibrated.link_error, drawn.link_error);
+}
+
+TEST(CalibratePhase, LeavesTheHandThatFeelsNothing) {
+  hand::FakeHand hand;
+  hand::HandModel model = drawn_hand();
+  model.link_error = 0.002;
+  Robot robot(hand, model, evaluation::waiting_command());
+  CalibrateOptions options;
+  options.touches = 3;
+  CalibratePhase phase(options);
+  PickState state;
+  const auto report = run_phase(phase, robot, state);
+  EXPECT_EQ(report.status, PhaseStatus::failed);
+  EXPECT_EQ(robot.model().link_error, 0.002);
+  EXPECT_EQ(tip_error(robot.model(), model), 0);
+}
+
+TEST(CalibratePhase, LeavesTheHandWhoseTouchesContradictOneAnother) {
+  hand::HandModel model = drawn_hand();
+  model.link_error = 0.002;
+  int ticks = 0;
+  hand::FakeHand hand([&](hand::HandReading& reading) {  // feels things in the air, ever higher
+    if (reading.base.xyz.z() > 0.2) return;
+    for (auto& contacts : reading.contacts) {
+      contacts = {{{0, 0.03 * std::sin(0.01 * ++ticks), 0.02}, {0, 1, 0}, {0, -1, 0}}};
+    }
+  });
+  Robot robot(hand, model, evaluation::waiting_command());
+  CalibrateOptions options;
+  options.touches = 30;
+  CalibratePhase phase(options);
+  PickState state;
+  const auto report = run_phase(phase, robot, state);
+  EXPECT_EQ(report.status, PhaseStatus::failed) << report.outcome;
+  EXPECT_EQ(tip_error(robot.model(), model), 0);
+}
+
+}  // namespace
+}  // namespace palpate::skills

@@ -1,0 +1,298 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/skills/executor.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "hand/fake_hand.hpp"
+#include "palpate/core/random.hpp"
+#include "palpate/hand/tip_forces.hpp"
+#include "palpate/skills/phase.hpp"
+
+namespace palpate::skills {
+namespace {
+
+using hand::HandReading;
+using hand::kTick;
+
+const hand::HandModel kNoModel;
+
+/// A robot at the origin whose hand feels what the script says.
+struct Scene {
+  explicit Scene(hand::FakeHand::Script script = {}, Robot::Observer observer = {})
+      : hand(std::move(script)), robot(hand, kNoModel, {}, std::move(observer)) {}
+  hand::FakeHand hand;
+  Robot robot;
+};
+
+hand::BasePosition at(const Eigen::Vector3d& xyz) { return {xyz, Eigen::Vector3d::Zero()}; }
+
+TEST(Robot, BaseComesToTheTargetAtTheGivenSpeed) {
+  RandomStream random(1);
+  for (int i = 0; i < 20; ++i) {
+    Scene scene;
+    const Eigen::Vector3d target = random.uniform(0.05, 0.3) * random.unit_vector();
+    const double speed = random.uniform(0.02, 0.5);
+    const double start = scene.robot.time();
+    EXPECT_EQ(scene.robot.move_base(at(target), speed), MotionEnd::reached);
+    EXPECT_LT((scene.robot.reading().base.xyz - target).norm(), 1e-12);
+    EXPECT_NEAR(scene.robot.time() - start, target.norm() / speed, kTick);
+
+    const auto& readings = scene.robot.log().readings;
+    const double step = (readings[1].base.xyz - readings[0].base.xyz).norm();
+    for (std::size_t k = 1; k < readings.size(); ++k) {
+      const Eigen::Vector3d way = readings[k].base.xyz - readings[k - 1].base.xyz;
+      EXPECT_NEAR(way.norm(), step, 1e-12);
+      EXPECT_LT(way.cross(target).norm(), 1e-12);
+    }
+  }
+}
+
+TEST(Robot, TurningBaseEndsTurned) {
+  Scene scene;
+  const hand::BasePosition target{{0.01, 0, 0}, {1.0, -0.5, 0.2}};
+  scene.robot.move_base(target, 0.1);
+  EXPECT_LT((scene.robot.reading().base.ypr - target.ypr).norm(), 1e-12);
+  EXPECT_GT(scene.robot.time(), 1.0);  // the turn, not the 0.1 s of way, sets the pace
+}
+
+TEST(Robot, MotionStopsOnTheTickOfItsCondition) {
+  Scene scene;
+  const auto low = [](const HandReading& reading) { return reading.base.xyz.z() <= -0.05; };
+  EXPECT_EQ(scene.robot.move_base(at({0, 0, -0.2}), 0.1, low), MotionEnd::stopped);
+  EXPECT_LE(scene.robot.reading().base.xyz.z(), -0.05);
+  EXPECT_GT(scene.robot.reading().base.xyz.z(), -0.0511);
+  EXPECT_EQ(scene.robot.command().base.xyz, scene.robot.reading().base.xyz);
+}
+
+TEST(Robot, DeadlineEndsEveryMotion) {
+  Scene scene;
+  scene.robot.set_deadline(0.5);
+  EXPECT_EQ(scene.robot.move_base(at({1, 0, 0}), 0.1), MotionEnd::timed_out);
+  EXPECT_NEAR(scene.robot.time(), 0.5, kTick);
+  EXPECT_LT(scene.robot.reading().base.xyz.x(), 0.051);
+  EXPECT_EQ(scene.robot.wait(1.0), MotionEnd::timed_out);
+  EXPECT_EQ(scene.robot.move_fingers(hand::ActuatorVector::Ones(), 1.0), MotionEnd::timed_out);
+  EXPECT_NEAR(scene.robot.time(), 0.52, kTick);
+  scene.robot.set_deadline(std::numeric_limits<double>::infinity());
+  EXPECT_EQ(scene.robot.wait(0.1), MotionEnd::reached);
+}
+
+TEST(Robot, WaitsForItsTimeOrItsCondition) {
+  Scene scene;
+  const double start = scene.robot.time();
+  EXPECT_EQ(scene.robot.wait(0.37), MotionEnd::reached);
+  EXPECT_NEAR(scene.robot.time() - start, 0.37, 1e-9);
+  const auto late = [](const HandReading& reading) { return reading.time > 0.5; };
+  EXPECT_EQ(scene.robot.wait(10, late), MotionEnd::stopped);
+  EXPECT_NEAR(scene.robot.time(), 0.51, 1e-9);
+}
+
+TEST(Robot, FingersComeToThePostureInTheGivenTime) {
+  Scene scene;
+  const double start = scene.robot.time();
+  const hand::ActuatorVector posture = hand::ActuatorVector::Constant(0.7);
+  EXPECT_EQ(scene.robot.move_fingers(posture, 0.5), MotionEnd::reached);
+  EXPECT_NEAR(scene.robot.time() - start, 0.5, 1e-9);
+  EXPECT_EQ(scene.robot.command().positions, posture);
+  EXPECT_EQ(scene.robot.reading().joints[hand::joint_index("FFJ3")], 0.7);
+}
+
+TEST(Robot, TellsOfEveryTickAndMark) {
+  int ticks = 0;
+  std::vector<estimation::Mark> marks;
+  Scene scene({}, {[&](const HandReading&, const hand::HandCommand&) { ++ticks; },
+                   [&](estimation::Mark mark) { marks.push_back(mark); }});
+  scene.robot.mark(estimation::Mark::felt);
+  scene.robot.wait(0.2);
+  scene.robot.mark(estimation::Mark::closed);
+  EXPECT_EQ(ticks, 21);
+  EXPECT_EQ(marks,
+            (std::vector<estimation::Mark>{estimation::Mark::felt, estimation::Mark::closed}));
+  EXPECT_EQ(scene.robot.log().readings.size(), 21u);
+  EXPECT_EQ(scene.robot.log().at(estimation::Mark::felt), 0u);
+  EXPECT_EQ(scene.robot.log().at(estimation::Mark::closed), 20u);
+}
+
+TEST(Robot, GripClosesWhileTheBaseMovesAndWithinItsTorque) {
+  Scene scene;
+  Grip grip{grasping::ClosingLaw(scene.robot.actuators(), 1.0, 0.5), {}, {}};
+  grip.active[static_cast<std::size_t>(hand::Finger::first)] = true;
+  scene.robot.set_grip(grip);
+  scene.robot.move_base(at({0, 0, 0.05}), 0.1);
+  const auto& positions = scene.robot.command().positions;
+  EXPECT_GT(positions[hand::actuator_index("FFJ3")], 0.1);
+  EXPECT_EQ(positions[hand::actuator_index("MFJ3")], 0);
+  const double before = positions[hand::actuator_index("FFJ3")];
+  scene.robot.set_grip(std::nullopt);
+  scene.robot.wait(0.1);
+  EXPECT_EQ(positions[hand::actuator_index("FFJ3")], before);
+}
+
+/// A scene whose base is pushed upwards with 2 N in the times [from, to).
+Scene pushed(double from, double to) {
+  return Scene([from, to](HandReading& reading) {
+    if (reading.time >= from && reading.time < to) reading.base_force.z() = 2;
+  });
+}
+
+MotionEnd wait_for_load(Robot& robot, const Eigen::Vector3d& direction, double load) {
+  return robot.wait(1.5, lasting_load(robot, direction, load));
+}
+
+TEST(LastingLoad, NeedsSeveralTicksOnEnd) {
+  Scene knock = pushed(0.795, 0.815);
+  EXPECT_EQ(wait_for_load(knock.robot, Eigen::Vector3d::UnitZ(), 1), MotionEnd::reached);
+  Scene push = pushed(0.795, 10);
+  EXPECT_EQ(wait_for_load(push.robot, Eigen::Vector3d::UnitZ(), 1), MotionEnd::stopped);
+  EXPECT_NEAR(push.robot.time(), 0.82, 1e-9);  // on the third tick
+}
+
+TEST(LastingLoad, IgnoresTheLoadOfSettingOut) {
+  Scene jerk = pushed(0, 0.4);
+  EXPECT_EQ(wait_for_load(jerk.robot, Eigen::Vector3d::UnitZ(), 1), MotionEnd::reached);
+  Scene push = pushed(0, 10);
+  EXPECT_EQ(wait_for_load(push.robot, Eigen::Vector3d::UnitZ(), 1), MotionEnd::stopped);
+  EXPECT_NEAR(push.robot.time(), 0.44, 0.011);
+}
+
+TEST(LastingLoad, CountsOnlyWhatPushesAlongItsDirection) {
+  Scene scene = pushed(0, 10);
+  EXPECT_EQ(wait_for_load(scene.robot, -Eigen::Vector3d::UnitZ(), 1), MotionEnd::reached);
+  Scene weak = pushed(0, 10);
+  EXPECT_EQ(wait_for_load(weak.robot, Eigen::Vector3d::UnitZ(), 2.5), MotionEnd::reached);
+}
+
+/// A scene whose base is pushed downwards with 0.3 N by its motion, and by an obstacle that adds
+/// `load` upwards from a time on.
+Scene moving_against(double load, double from) {
+  return Scene([load, from](HandReading& reading) {
+    reading.base_force.z() = -0.3 + (reading.time >= from ? load : 0.0);
+  });
+}
+
+MotionEnd wait_for_rise(Robot& robot, double load) {
+  return robot.wait(1.5, rising_load(robot, Eigen::Vector3d::UnitZ(), load));
+}
+
+TEST(RisingLoad, IsMeasuredFromThatOfSteadyMotion) {
+  Scene obstacle = moving_against(0.2, 0.795);
+  EXPECT_EQ(wait_for_rise(obstacle.robot, 0.15), MotionEnd::stopped);
+  EXPECT_NEAR(obstacle.robot.time(), 0.82, 1e-9);  // on the third tick, although it is below zero
+  Scene weak = moving_against(0.1, 0.795);
+  EXPECT_EQ(wait_for_rise(weak.robot, 0.15), MotionEnd::reached);
+}
+
+TEST(RisingLoad, AnObstacleThatGivesWayDoesNotStop) {
+  Scene relief = moving_against(-5, 0.795);
+  EXPECT_EQ(wait_for_rise(relief.robot, 0.15), MotionEnd::reached);
+}
+
+TEST(RisingLoad, NothingStopsTheFirstHalfSecond) {
+  Scene always = moving_against(5, 0);
+  EXPECT_EQ(wait_for_rise(always.robot, 0.15), MotionEnd::reached);
+}
+
+TEST(TouchLog, ForgetsWhatWasBeforeTheLastRelease) {
+  estimation::TouchLog log;
+  EXPECT_TRUE(log.since_release().empty());
+  EXPECT_FALSE(log.at(estimation::Mark::felt));
+  log.moments = {
+      {estimation::Mark::felt, 1}, {estimation::Mark::closed, 2}, {estimation::Mark::felt, 3}};
+  EXPECT_EQ(log.at(estimation::Mark::felt), 3u);
+  EXPECT_EQ(log.since_release().size(), 3u);
+  log.moments.push_back({estimation::Mark::released, 4});
+  EXPECT_TRUE(log.since_release().empty());
+  EXPECT_FALSE(log.at(estimation::Mark::closed));
+  log.moments.push_back({estimation::Mark::closed, 5});
+  log.moments.push_back({estimation::Mark::released, 6});
+  log.moments.push_back({estimation::Mark::held, 7});
+  EXPECT_EQ(log.since_release().size(), 1u);
+  EXPECT_EQ(log.at(estimation::Mark::held), 7u);
+  EXPECT_FALSE(log.at(estimation::Mark::closed));
+}
+
+TEST(TouchLog, AnOpenedHandFeelsAnewButKnowsTheGraspBefore) {
+  estimation::TouchLog log;
+  log.readings.resize(12);
+  log.moments = {{estimation::Mark::felt, 1},
+                 {estimation::Mark::touched, 2},
+                 {estimation::Mark::closed, 3},
+                 {estimation::Mark::placed, 5}};
+  EXPECT_FALSE(log.before_opening());
+  log.moments.push_back({estimation::Mark::opened, 7});
+  EXPECT_FALSE(log.at(estimation::Mark::closed));
+  EXPECT_EQ(log.since_release().size(), 5u);
+  log.moments.push_back({estimation::Mark::closed, 9});
+  EXPECT_EQ(log.at(estimation::Mark::closed), 9u);
+  EXPECT_TRUE(log.all(estimation::Mark::touched).empty());
+  const auto before = log.before_opening();
+  ASSERT_TRUE(before);
+  EXPECT_EQ(before->readings.size(), 8u);
+  EXPECT_EQ(before->at(estimation::Mark::closed), 3u);
+  EXPECT_EQ(before->at(estimation::Mark::placed), 5u);
+  EXPECT_FALSE(before->before_opening());
+  log.moments.push_back({estimation::Mark::released, 11});
+  EXPECT_FALSE(log.before_opening());
+}
+
+/// A phase that waits, then says what it was told to say.
+class WaitingPhase : public Phase {
+ public:
+  WaitingPhase(double seconds, bool ok) : seconds_(seconds), ok_(ok) {}
+  std::string_view name() const override { return "waiting"; }
+  double time_limit() const override { return 1.0; }
+  PhaseEnd run(Robot& robot, PickState&) override {
+    end = robot.wait(seconds_);
+    return {ok_, "waited"};
+  }
+  MotionEnd end = MotionEnd::stopped;
+
+ private:
+  double seconds_;
+  bool ok_;
+};
+
+PhaseReport report_of(WaitingPhase phase, Robot& robot) {
+  PickState state;
+  return run_phase(phase, robot, state);
+}
+
+TEST(RunPhase, ReportsSuccessAndFailure) {
+  Scene scene;
+  const auto good = report_of({0.3, true}, scene.robot);
+  EXPECT_EQ(good.name, "waiting");
+  EXPECT_EQ(good.outcome, "waited");
+  EXPECT_EQ(good.status, PhaseStatus::ok);
+  EXPECT_NEAR(good.sim_seconds, 0.3, 1e-9);
+  EXPECT_EQ(report_of({0.3, false}, scene.robot).status, PhaseStatus::failed);
+}
+
+TEST(RunPhase, TimesOutAndTakesTheDeadlineAway) {
+  Scene scene;
+  const auto late = report_of({5.0, true}, scene.robot);
+  EXPECT_EQ(late.status, PhaseStatus::timed_out);
+  EXPECT_EQ(to_string(late.status), "timed out");
+  EXPECT_NEAR(late.sim_seconds, 1.0, kTick);
+  EXPECT_EQ(scene.robot.wait(2.0), MotionEnd::reached);
+}
+
+TEST(RunPhase, ReportsThePeakForceOfItsOwnTimeAndTheLastContacts) {
+  const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
+  Scene scene([&](HandReading& reading) {
+    const double force = reading.time < 0.1 ? 9 : reading.time < 0.3 ? 4 : 0.5;
+    reading.contacts[1] = {{Eigen::Vector3d::Zero(), up, -force * up}};
+    reading.contacts[3] = {{Eigen::Vector3d::Zero(), up, -0.05 * up}};
+  });
+  scene.robot.wait(0.15);
+  const auto report = report_of({0.5, true}, scene.robot);
+  EXPECT_DOUBLE_EQ(report.peak_force, 4);
+  EXPECT_EQ(report.contacts, 1);  // the other is too weak to count
+  EXPECT_EQ(hand::count_contacts(scene.robot.reading(), 0.01), 2);
+  EXPECT_DOUBLE_EQ(hand::tip_force(scene.robot.reading(), 1), 0.5);
+  EXPECT_EQ(hand::tip_force(scene.robot.reading(), 0), 0);
+}
+
+}  // namespace
+}  // namespace palpate::skills

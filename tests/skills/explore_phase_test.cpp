@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/skills/explore/explore_phase.hpp"
+
+#include <gtest/gtest.h>
+
+#include "hand/fake_hand.hpp"
+#include "palpate/core/assets.hpp"
+#include "palpate/simulation/world/world.hpp"
+
+namespace palpate::skills {
+namespace {
+
+constexpr double kMet = 0.1;       // m of a sweep after which the finger touches
+constexpr double kObstacle = 5.0;  // N
+
+/// A hand that sweeps about a box, and touches something on the sweeps that a rule names.
+struct Exploring {
+  using Rule = std::function<bool(std::size_t sweep)>;  // numbered from 0
+
+  explicit Exploring(Rule touches)
+      : hand([this, touches = std::move(touches)](hand::HandReading& reading) {
+          if (sweeping && touches(sweeps - 1) && (reading.base.xyz - start).norm() > kMet) {
+            touch(reading);
+          }
+          if (sweeping && blocks && blocks(sweeps - 1) &&
+              (reading.base.xyz - start).norm() > kMet) {
+            reading.base_force = kObstacle * (reading.base.xyz - start).normalized();
+          }
+          last = reading.base.xyz;
+        }),
+        robot(hand, model, {}, {{}, [this](estimation::Mark mark) {
+                                  sweeping = mark == estimation::Mark::sweep;
+                                  if (!sweeping) return;
+                                  start = last;
+                                  starts.push_back(robot.command().base);
+                                  ++sweeps;
+                                }}) {
+    locate.search.proposals = 2000;
+    locate.search.particles = 100;
+    options.refining = 0;
+    state.height = 0.05;
+  }
+
+  /// The fingertip meets a face that looks against the sweep.
+  void touch(hand::HandReading& reading) const {
+    const auto link = static_cast<std::size_t>(model.distal[1]);
+    const Eigen::Matrix3d R_link_world =
+        (reading.base.pose() * hand::forward_kinematics(model, reading.joints)[link])
+            .linear()
+            .transpose();
+    const Eigen::Vector3d n = R_link_world * (start - reading.base.xyz).normalized();
+    reading.contacts[1] = {{model.tips[1].b - model.tips[1].radius * n, n, -n}};
+  }
+
+  PhaseReport explore() {
+    ExplorePhase phase(object, options, locate, 1);
+    return run_phase(phase, robot, state);
+  }
+  std::size_t marked(estimation::Mark mark) const { return robot.log().all(mark).size(); }
+
+  /// Sweeps that set out from the same place with the hand turned alike.
+  std::size_t repeated() const {
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < starts.size(); ++i) {
+      for (std::size_t j = 0; j < i; ++j) {
+        count += (starts[i].xyz - starts[j].xyz).norm() < 1e-6 &&
+                 (starts[i].ypr - starts[j].ypr).norm() < 1e-6;
+      }
+    }
+    return count;
+  }
+
+  Rule blocks;                             // where another part of the hand meets something
+  std::vector<hand::BasePosition> starts;  // of the sweeps
+  std::size_t sweeps = 0;
+  bool sweeping = false;
+  Eigen::Vector3d start{0, 0, 0}, last{0, 0, 0};
+  hand::HandModel model = simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
+  geometry::ObjectModel object{geometry::load_known_object("box")};
+  ExploreOptions options;
+  estimation::LocateOptions locate;
+  PickState state;
+  hand::FakeHand hand;
+  Robot robot;
+};
+
+TEST(ExplorePhase, GoesOnTillAsManyHaveTouchedAsWereAskedFor) {
+  Exploring exploring([](std::size_t sweep) { return sweep % 2 == 0; });
+  exploring.options.touches = exploring.options.most_touches = 4;
+  exploring.explore();
+  EXPECT_EQ(exploring.marked(estimation::Mark::touched), 4u);
+  EXPECT_EQ(exploring.sweeps, 7u);
+  EXPECT_EQ(exploring.marked(estimation::Mark::missed), 3u);
+}
+
+TEST(ExplorePhase, MakesNoMoreSweepsThanItsTouchesNeed) {
+  Exploring exploring([](std::size_t) { return true; });
+  exploring.options.touches = exploring.options.most_touches = 4;
+  exploring.explore();
+  EXPECT_EQ(exploring.sweeps, 4u);
+}
+
+TEST(ExplorePhase, GivesUpWhereNothingIsFelt) {
+  Exploring exploring([](std::size_t) { return false; });
+  exploring.options.touches = exploring.options.most_touches = 4;
+  EXPECT_EQ(exploring.explore().status, PhaseStatus::failed);
+  EXPECT_EQ(exploring.sweeps, 8u);
+  EXPECT_EQ(exploring.marked(estimation::Mark::missed), 8u);
+}
+
+TEST(ExplorePhase, MakesUpForNoMissWhereMoreTouchesMayFollow) {
+  Exploring exploring([](std::size_t) { return false; });
+  exploring.options.touches = 4;
+  exploring.options.most_touches = 8;
+  exploring.explore();
+  EXPECT_EQ(exploring.sweeps, 4u);  // without a pose there is none to tell apart
+}
+
+TEST(ExplorePhase, TellsPosesApartBySweepsNotMadeYet) {
+  // The first touches leave the box's yaw open; then something else is always in the way.
+  Exploring exploring([](std::size_t sweep) { return sweep < 2; });
+  exploring.blocks = [](std::size_t sweep) { return sweep >= 2; };
+  exploring.options.touches = 2;
+  exploring.options.most_touches = 10;
+  exploring.explore();
+  EXPECT_GT(exploring.sweeps, 5u);
+  EXPECT_EQ(exploring.repeated(), 0u);
+}
+
+TEST(ExplorePhase, ASweepCutShortByTimeMissedNothing) {
+  Exploring exploring([](std::size_t) { return false; });
+  exploring.options.touches = exploring.options.most_touches = 2;
+  exploring.options.speed = 0.001;  // 185 s a sweep
+  EXPECT_EQ(exploring.explore().status, PhaseStatus::timed_out);
+  EXPECT_GE(exploring.sweeps, 1u);
+  EXPECT_EQ(exploring.marked(estimation::Mark::missed), 0u);
+}
+
+TEST(ExplorePhase, HasTimeForManySweeps) {
+  const geometry::ObjectModel object(geometry::load_known_object("box"));
+  ExploreOptions options;
+  EXPECT_EQ(ExplorePhase(object, options, {}, 1).time_limit(), 180);
+  const double full = options.radius / options.speed;  // s to where the object is
+  options.touches = options.most_touches = 64;
+  EXPECT_GE(ExplorePhase(object, options, {}, 1).time_limit(), 2 * 64 * full);
+}
+
+}  // namespace
+}  // namespace palpate::skills

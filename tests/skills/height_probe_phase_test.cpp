@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/skills/explore/height_probe_phase.hpp"
+
+#include <gtest/gtest.h>
+
+#include "hand/fake_hand.hpp"
+#include "palpate/core/assets.hpp"
+#include "palpate/evaluation/trial.hpp"
+#include "palpate/simulation/world/world.hpp"
+#include "palpate/skills/pick.hpp"
+#include "palpate/skills/reorient/regrasp.hpp"
+
+namespace palpate::skills {
+namespace {
+
+const hand::HandModel& shadow() {
+  static const auto model = simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
+  return model;
+}
+
+/// A hand over a table on which a block of some height stands around a place, or nothing.
+struct OverABlock {
+  OverABlock(double height, const Eigen::Vector2d& place, double half_width)
+      : hand([=](hand::HandReading& reading) {
+          const Eigen::Vector2d away = reading.base.xyz.head<2>() + kLevelCenter - place;
+          const bool over = away.cwiseAbs().maxCoeff() < half_width;
+          if (over && estimation::lowest_of_hand(shadow(), reading) < height)
+            reading.base_force.z() = -2;
+        }),
+        robot(hand, shadow(), evaluation::waiting_command()) {}
+  /// Of the flat hand at yaw 0, from its base.
+  inline static const Eigen::Vector2d kLevelCenter{0.072, -0.005};
+
+  hand::FakeHand hand;
+  Robot robot;
+  PickState state;
+};
+
+TEST(FeelPhase, FeelsHowTallTheObjectIs) {
+  for (const double height : {0.04, 0.08, 0.15}) {
+    OverABlock scene(height, {0, 0}, 0.03);
+    const auto end = FeelPhase({}).run(scene.robot, scene.state);
+    ASSERT_TRUE(end.ok) << end.outcome;
+    EXPECT_NEAR(scene.state.height, height, 0.003);  // some ticks of the way down
+    EXPECT_TRUE(scene.robot.log().at(estimation::Mark::felt));
+    EXPECT_GT(estimation::lowest_of_hand(shadow(), scene.robot.reading()), height + 0.05);
+  }
+}
+
+TEST(FeelPhase, LooksBesideWhereNothingStands) {
+  OverABlock scene(0.08, {0, 0.1}, 0.05);
+  const auto end = FeelPhase({}).run(scene.robot, scene.state);
+  ASSERT_TRUE(end.ok) << end.outcome;
+  EXPECT_LT((scene.state.place - Eigen::Vector2d(0, 0.1)).norm(), 1e-9);
+}
+
+TEST(FeelPhase, TheBareTableIsNotTouched) {
+  OverABlock scene(0, {0, 0}, 0.5);
+  const FeelOptions options;
+  EXPECT_FALSE(FeelPhase(options).run(scene.robot, scene.state).ok);
+  EXPECT_FALSE(scene.robot.log().at(estimation::Mark::felt));
+  for (const auto& reading : scene.robot.log().readings) {
+    EXPECT_GT(estimation::lowest_of_hand(shadow(), reading), options.clearance - 0.002);
+  }
+}
+
+const geometry::ObjectModel& box() {
+  static const geometry::ObjectModel model(geometry::load_known_object("box"));
+  return model;
+}
+
+TEST(Pick, OfNothingGivesUpAfterItsAttempts) {
+  OverABlock scene(0, {0, 0}, 0.5);
+  PickOptions options;
+  options.attempts = 2;
+  options.calibrate.touches = 0;
+  int told = 0;
+  PhaseObserver observer;
+  observer.on_picked = [&](const PickResult& result) { told += !result.held; };
+  const PickResult result = pick(scene.robot, box(), options, 1, observer);
+  EXPECT_FALSE(result.held);
+  EXPECT_EQ(result.attempts, 2);
+  EXPECT_EQ(result.failed_phase, "feel");
+  EXPECT_TRUE(result.estimate.posterior.modes.empty());
+  EXPECT_EQ(told, 1);
+  std::vector<std::string> names;
+  for (const auto& phase : result.phases) names.push_back(phase.name);
+  EXPECT_EQ(names, (std::vector<std::string>{"feel", "release", "feel"}));
+}
+
+TEST(Regrasp, OfNothingEndsAfterTheFirstRound) {
+  OverABlock scene(0, {0, 0}, 0.5);
+  PickOptions options;
+  options.attempts = 1;
+  options.calibrate.touches = 0;
+  const PlaceTarget target{.kind = PlaceTarget::Kind::spot, .xy = {0.1, 0.1}};
+  const RegraspResult result = regrasp(scene.robot, box(), target, {}, options, {}, 1);
+  EXPECT_EQ(result.status, RegraspStatus::not_held);
+  ASSERT_EQ(result.rounds.size(), 1u);
+  EXPECT_FALSE(result.rounds.front().place);
+  EXPECT_EQ(to_string(result.status), "not_held");
+}
+
+}  // namespace
+}  // namespace palpate::skills

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "palpate/skills/place/place_goal.hpp"
+
+namespace palpate::skills {
+namespace {
+
+Eigen::Isometry3d pose(double yaw, double x) {
+  return Eigen::Translation3d(x, 0, 0) * Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) *
+         Eigen::Isometry3d::Identity();
+}
+
+/// A log whose base stood at a place when the fingers closed, and 10 cm higher when it held.
+estimation::TouchLog lifted_log(const hand::BasePosition& closed) {
+  estimation::TouchLog log;
+  log.readings.resize(2);
+  log.readings[0].base = closed;
+  log.readings[1].base = closed;
+  log.readings[1].base.xyz.z() += 0.1;
+  log.moments = {{estimation::Mark::closed, 0}, {estimation::Mark::held, 1}};
+  return log;
+}
+
+TEST(HeldObject, TiltAndHeightAreTakenFromTheTable) {
+  const auto box = geometry::load_known_object("box");
+  const hand::BasePosition closed = {{0.02, 0.01, 0.2}, {0.7, 0.4, -0.3}};
+  const Eigen::Isometry3d standing = resting_pose(box, 0, {0.03, 0.02}, 0.5);
+  localization::Posterior posterior;
+  for (const double tilt : {-0.1, 0.1}) {  // too far apart to agree as they are
+    localization::Mode mode;
+    mode.T_frame_object = standing;
+    mode.T_frame_object.translation().z() += 0.1 + tilt / 10;
+    mode.T_frame_object.linear() =
+        Eigen::AngleAxisd(tilt, Eigen::Vector3d::UnitX()) * standing.linear();
+    mode.weight = 0.5;
+    posterior.modes.push_back(mode);
+  }
+  const auto held = held_object(box, posterior, lifted_log(closed), {});
+  ASSERT_TRUE(held);
+  EXPECT_NEAR(held->certainty, 1, 1e-9);
+  EXPECT_EQ(held->found_stance, 0u);
+  const Eigen::Isometry3d believed = closed.pose() * held->T_base_object_flat;
+  EXPECT_LT((believed.translation() - standing.translation()).norm(), 1e-6);
+  EXPECT_LT(rotation_distance(believed.linear(), standing.linear()), 1e-6);
+}
+
+TEST(HeldObject, WithoutAPoseOrAMarkThereIsNone) {
+  const auto box = geometry::load_known_object("box");
+  EXPECT_FALSE(held_object(box, {}, lifted_log({}), {}));
+  localization::Posterior posterior;
+  posterior.modes.emplace_back().weight = 1;
+  EXPECT_FALSE(held_object(box, posterior, {}, {}));
+}
+
+TEST(BaseNear, HasThePoseAndTurnsTheShortWay) {
+  for (double yaw = -6; yaw <= 6; yaw += 0.7) {
+    for (const double pitch : {-1.2, 0.3, 1.2}) {
+      const hand::BasePosition base = {{0.1, 0.2, 0.3}, {yaw, pitch, -0.8}};
+      hand::BasePosition start = base;
+      start.ypr += Eigen::Vector3d(0.4, -0.2, 0.3);
+      const auto found = base_near(base.pose(), start);
+      EXPECT_LT((found.pose().matrix() - base.pose().matrix()).norm(), 1e-9);
+      EXPECT_LT((found.ypr - start.ypr).norm(), 0.6);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace palpate::skills

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/skills/reorient/in_hand_phase.hpp"
+
+#include <gtest/gtest.h>
+
+#include "evaluation/quick_options.hpp"
+#include "palpate/core/random.hpp"
+#include "palpate/hand/tip_forces.hpp"
+#include "palpate/simulation/collision/forward_model.hpp"
+#include "palpate/skills/place/place.hpp"
+
+namespace palpate::skills {
+namespace {
+
+double angle_between(const hand::BasePosition& a, const hand::BasePosition& b) {
+  return rotation_distance(a.pose().linear(), b.pose().linear());
+}
+
+HeldObject some_hold(RandomStream& random) {
+  HeldObject held;
+  held.T_base_object.linear() = exp_so3(random.normal3());
+  held.T_base_object.translation() = 0.1 * random.normal3();
+  held.T_base_object_flat = held.T_base_object;
+  return held;
+}
+
+TEST(FingerTurn, TakesItsShareOffTheTurnOfTheBase) {
+  RandomStream random(1, "share");
+  for (int i = 0; i < 100; ++i) {
+    const hand::BasePosition now{random.normal3(), 0.5 * random.normal3()};
+    const HeldObject held = some_hold(random);
+    const hand::BasePosition seat{random.normal3(), 0.5 * random.normal3()};
+    const Eigen::Isometry3d target = seat.pose() * held.T_base_object;
+    const double most = random.uniform(0.05, 0.4);
+    const Eigen::Vector3d asked = share_of_fingers(now, seat, most);
+    EXPECT_NEAR(asked.norm(), std::min(most, angle_between(now, seat)), 1e-9);
+    // Held as it is then, the object comes to the target with that much less of a turn.
+    const HeldObject turned = turned_in_hand(held, now, asked);
+    const Eigen::Matrix3d R = (target * turned.T_base_object.inverse()).linear();
+    EXPECT_NEAR(rotation_distance(R, now.pose().linear()), angle_between(now, seat) - asked.norm(),
+                1e-6);
+    EXPECT_EQ(turned.T_base_object.translation(), held.T_base_object.translation());
+    // It has turned by that in the world.
+    const Eigen::Matrix3d before = now.pose().linear() * held.T_base_object.linear();
+    const Eigen::Matrix3d after = now.pose().linear() * turned.T_base_object.linear();
+    EXPECT_NEAR((log_so3(after * before.transpose()) - asked).norm(), 0, 1e-9);
+  }
+}
+
+TEST(FingerTurn, FindsTheShorterOfTheTurnsThatReach) {
+  RandomStream random(2, "reach");
+  const HeldObject held = some_hold(random);
+  const hand::BasePosition base{{0, 0, 0.3}, {0.3, -0.2, 0.1}};
+  const auto angle_of = [&](const HeldObject& other) {
+    return rotation_distance(other.T_base_object.linear(), held.T_base_object.linear());
+  };
+  const auto from = [&](double least) {
+    return turn_that_reaches(held, base, {0, 0, 0}, 0.3,
+                             [&](const HeldObject& other) { return angle_of(other) > least; });
+  };
+  EXPECT_NEAR(from(0.1)->norm(), 0.15, 1e-9);
+  EXPECT_NEAR(from(0.2)->norm(), 0.3, 1e-9);
+  EXPECT_FALSE(from(0.31));
+  // Towards the target before anything else.
+  const Eigen::Vector3d towards(0.2, 0.1, -0.1);
+  const auto any = turn_that_reaches(held, base, towards, 0.3, [](const auto&) { return true; });
+  EXPECT_NEAR((*any - 0.15 * towards.normalized()).norm(), 0, 1e-9);
+}
+
+/// A box that hangs in the hand after a quick pick, to be placed with the fingers' help.
+struct HeldBox {
+  static constexpr std::uint64_t kSeed = 7;
+
+  HeldBox() : object(geometry::load_known_object("box")), world(object.object(), {}, kSeed) {
+    options.pick.calibrate = {};
+    options.place.means = "fingers";
+    options.place.fingers.reorient.sampling.samples = 4;
+    world.reset(evaluation::draw_start(object.object(), options.start, kSeed),
+                evaluation::waiting_command());
+    robot.emplace(world.hand(), world.hand_model(), evaluation::waiting_command(),
+                  Robot::Observer{}, &models);
+    picked = pick(*robot, object, options.pick, kSeed);
+  }
+  PlaceResult place_it() {
+    const auto target = evaluation::place_target(object.object(), options.place, kSeed, 0);
+    return place(*robot, object, picked, *target, {}, options.pick, options.place, kSeed);
+  }
+
+  evaluation::TrialOptions options = evaluation::quick_place_options();
+  geometry::ObjectModel object;
+  simulation::World world;
+  simulation::SimulatedModels models;
+  std::optional<Robot> robot;
+  PickResult picked;
+};
+
+TEST(FingerTurn, APoseThatDriftsEndsWithTheObjectPutBack) {
+  HeldBox scene;
+  ASSERT_TRUE(scene.picked.held);
+  scene.options.place.fingers.reorient.drift_angle = 0.001;  // nothing is known so well
+  const auto placed = scene.place_it();
+  ASSERT_TRUE(placed.turn);
+  EXPECT_EQ(placed.turn->result.end, ReorientEnd::drift);
+  EXPECT_FALSE(placed.turn->known);
+  EXPECT_EQ(placed.status, PlaceStatus::slipped);
+  EXPECT_EQ(placed.failed_phase, "turn");
+  EXPECT_EQ(placed.phases.back().name, "withdraw");
+  // It stands: nothing fell or was thrown.
+  scene.robot->wait(0.5);
+  const Eigen::Isometry3d truth = scene.world.truth().T_world_object;
+  EXPECT_LT(nearest_stance(scene.object.object(), truth.linear()).tilt, 0.05);
+  EXPECT_LT(scene.world.truth().lowest_point, 0.002);
+}
+
+TEST(FingerTurn, WhereFingersLetGoTheBaseTakesWhatIsLeft) {
+  HeldBox scene;
+  ASSERT_TRUE(scene.picked.held);
+  scene.options.place.fingers.reorient.longest = 0.1;  // one step, and no more
+  const auto placed = scene.place_it();
+  ASSERT_TRUE(placed.turn);
+  EXPECT_EQ(placed.turn->result.end, ReorientEnd::out_of_time);
+  EXPECT_GT(placed.turn->result.left.rotation, 0.1);
+  EXPECT_EQ(placed.status, PlaceStatus::placed) << placed.phases.back().outcome;
+  EXPECT_LT(scene.world.truth().lowest_point, 0.002);
+}
+
+double pressing(const Robot& robot) {
+  double sum = 0;
+  for (int finger = 0; finger < hand::kFingers; ++finger)
+    sum += hand::tip_force(robot.reading(), finger);
+  return sum;
+}
+
+TEST(FingerTurn, FingersThatAreAboutToLetGoPressAnew) {
+  HeldBox scene;
+  ASSERT_TRUE(scene.picked.held);
+  FingerTurnOptions options = scene.options.place.fingers;
+  options.reorient.least_fingers = hand::kFingers + 1;  // more than there are
+  options.reorient.errors = scene.options.pick.locate.errors;
+  PickState state;
+  state.estimate = scene.picked.estimate;
+  FingerTurn turn;
+  turn.asked = {0, 0, 0.1};
+  const double before = pressing(*scene.robot);
+  const PhaseEnd end =
+      FingerTurnPhase(options, scene.object, HeldBox::kSeed, turn).run(*scene.robot, state);
+  EXPECT_EQ(turn.result.end, ReorientEnd::losing);
+  EXPECT_EQ(turn.result.steps, 0);
+  EXPECT_GT(pressing(*scene.robot), 1.2 * before);
+  EXPECT_FALSE(turn.lost);
+  EXPECT_FALSE(turn.known);  // nothing has followed what pressing did
+  EXPECT_FALSE(end.ok);
+  EXPECT_GT(scene.world.truth().lowest_point, 0.02);  // it hangs
+}
+
+}  // namespace
+}  // namespace palpate::skills

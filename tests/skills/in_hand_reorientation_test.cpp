@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/skills/reorient/in_hand_reorientation.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "palpate/core/error.hpp"
+#include "palpate/evaluation/trial.hpp"
+#include "palpate/simulation/collision/forward_model.hpp"
+
+namespace palpate::skills {
+namespace {
+
+constexpr std::uint64_t kSeed = 1;
+
+/// A bracket that hangs in the hand after a pick.
+struct HeldBracket {
+  explicit HeldBracket(const simulation::WorldOptions& world_options = {})
+      : world(object.object(), world_options, kSeed) {
+    evaluation::TrialOptions options;
+    world.reset(evaluation::draw_start(object.object(), options.start, kSeed),
+                evaluation::waiting_command());
+    robot.emplace(world.hand(), world.hand_model(), evaluation::waiting_command(),
+                  Robot::Observer{}, &models);
+    picked = pick(*robot, object, options.pick, kSeed);
+  }
+  Eigen::Isometry3d truth() const { return world.truth().T_world_object; }
+
+  geometry::ObjectModel object{geometry::load_known_object("bracket")};
+  simulation::World world;
+  simulation::SimulatedModels models;
+  std::optional<Robot> robot;
+  PickResult picked;
+};
+
+Eigen::Isometry3d turned(Eigen::Isometry3d T, const Eigen::Vector3d& rotation) {
+  T.linear() = exp_so3(rotation) * T.linear();
+  return T;
+}
+
+TEST(SimulatedForwardModel, HoldsWhatTheHandHoldsAndDropsWhatItLetsGo) {
+  simulation::WorldOptions
+      exact;  // else the believed hand would hold what the true one holds badly
+  exact.noise = {0, 0, 0, 0, 0};
+  HeldBracket scene(exact);
+  ASSERT_TRUE(scene.picked.held);
+  simulation::SimulatedForwardModel model(scene.object.object(), scene.world.hand_model(), {});
+  EXPECT_THROW((void)model.rollout({}), BadInput);
+  BelievedGrasp grasp{scene.robot->command(), scene.robot->reading().joints, scene.truth()};
+  const auto settled = model.settle(grasp, 0.1);
+  EXPECT_FALSE(settled.diverged);
+  EXPECT_GT(settled.tip_forces[0], 0.1);
+
+  const std::vector<hand::HandCommand> hold(30, grasp.command);
+  const auto held = model.rollout(hold);
+  EXPECT_LT((held.T_base_object.translation() - settled.T_base_object.translation()).norm(), 0.001);
+
+  std::vector<hand::HandCommand> open = hold;
+  for (auto& command : open) command.positions.tail<hand::kActuators - 2>().setZero();
+  const auto dropped = model.rollout(open);
+  EXPECT_GT((dropped.T_base_object.translation() - settled.T_base_object.translation()).norm(),
+            0.03);
+  const auto again = model.rollout(hold);
+  EXPECT_EQ(again.T_base_object.matrix(), held.T_base_object.matrix());
+
+  grasp.joints[3] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW((void)model.settle(grasp, 0.1), BadInput);
+}
+
+const Eigen::Vector3d kTurn(0, 0, 0.17);  // rad
+
+/// The estimated pose turned, and the true one.
+std::pair<Eigen::Isometry3d, Eigen::Isometry3d> goals(const HeldBracket& scene,
+                                                      const Eigen::Vector3d& turn) {
+  return {turned(scene.picked.estimate.posterior.modes.front().T_frame_object, turn),
+          turned(scene.truth(), turn)};
+}
+
+TEST(ReorientByFingers, TurnsABracketAndSaysHowFar) {
+  HeldBracket scene;
+  ASSERT_TRUE(scene.picked.held);
+  const auto& posterior = scene.picked.estimate.posterior;
+  const auto [goal, true_goal] = goals(scene, kTurn);
+  ReorientOptions options;
+  options.sampling.samples = 8;
+  const auto result =
+      reorient_by_fingers(*scene.robot, scene.object, posterior, goal, options, kSeed);
+  EXPECT_EQ(result.end, ReorientEnd::reached);
+  EXPECT_LT(result.left.rotation, options.done_angle);
+  const auto error =
+      localization::pose_error(scene.truth(), true_goal, {Eigen::Matrix3d::Identity()});
+  EXPECT_LT(error.rotation, 0.1);
+  EXPECT_LT(error.translation, 0.01);
+  EXPECT_GT(result.rehearsals, 0);
+}
+
+TEST(ReorientByFingers, ChoosesTheSameStepsWithTwoThreads) {
+  std::array<ReorientResult, 2> results;
+  for (int threads : {1, 2}) {
+    HeldBracket scene;
+    ASSERT_TRUE(scene.picked.held);
+    const auto& posterior = scene.picked.estimate.posterior;
+    ReorientOptions options;
+    options.longest = 1.5;
+    options.tightenings = 1;
+    options.sampling.samples = 4;
+    const Eigen::Isometry3d goal =
+        turned(posterior.modes.front().T_frame_object, Eigen::Vector3d(0, 0.1, 0));
+    results[static_cast<std::size_t>(threads - 1)] =
+        reorient_by_fingers(*scene.robot, scene.object, posterior, goal, options, kSeed, threads);
+  }
+  EXPECT_GT(results[0].rehearsals, 0);
+  EXPECT_EQ(results[0].steps, results[1].steps);
+  EXPECT_EQ(results[0].posterior.modes.front().T_frame_object.matrix(),
+            results[1].posterior.modes.front().T_frame_object.matrix());
+}
+
+TEST(ReorientByFingers, NeedsNoRehearsalsToGoOnHolding) {
+  HeldBracket scene;
+  ASSERT_TRUE(scene.picked.held);
+  const auto& posterior = scene.picked.estimate.posterior;
+  const auto [goal, true_goal] = goals(scene, kTurn);
+  ReorientOptions options;
+  options.sampling.samples = 0;
+  options.longest = 3;
+  const auto result =
+      reorient_by_fingers(*scene.robot, scene.object, posterior, goal, options, kSeed);
+  EXPECT_EQ(result.rehearsals, 0);
+  EXPECT_GT(result.steps, options.tightenings);
+  const auto error =
+      localization::pose_error(scene.truth(), true_goal, {Eigen::Matrix3d::Identity()});
+  // Carried along alone few objects come near (3 of 27); none may be turned away.
+  EXPECT_LT(error.rotation, kTurn.norm() + 0.02);
+  EXPECT_GT(scene.world.truth().lowest_point, 0.02);  // it hangs
+}
+
+TEST(ReorientByFingers, EndsWhereItComesNoNearer) {
+  HeldBracket scene;
+  ASSERT_TRUE(scene.picked.held);
+  const auto& posterior = scene.picked.estimate.posterior;
+  const Eigen::Isometry3d goal =
+      turned(posterior.modes.front().T_frame_object, Eigen::Vector3d(0, 0, 0.17));
+  ReorientOptions options;
+  options.sampling.samples = 0;
+  options.speed = 0.001;  // less than can be told
+  options.way_speed = 1e-4;
+  options.patience = 1;
+  const auto result =
+      reorient_by_fingers(*scene.robot, scene.object, posterior, goal, options, kSeed);
+  EXPECT_EQ(result.end, ReorientEnd::out_of_time);
+  EXPECT_LT(result.seconds, options.longest);
+}
+
+TEST(ReorientByFingers, RejectsAGoalThatIsNoneAndAMissingPose) {
+  HeldBracket scene;
+  Eigen::Isometry3d goal = Eigen::Isometry3d::Identity();
+  EXPECT_THROW((void)reorient_by_fingers(*scene.robot, scene.object, {}, goal, {}, kSeed),
+               BadInput);
+  goal.translation().x() = std::numeric_limits<double>::infinity();
+  EXPECT_THROW((void)reorient_by_fingers(*scene.robot, scene.object,
+                                         scene.picked.estimate.posterior, goal, {}, kSeed),
+               BadInput);
+}
+
+}  // namespace
+}  // namespace palpate::skills

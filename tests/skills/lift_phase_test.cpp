@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/skills/grasp/lift_phase.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+
+#include "hand/fake_hand.hpp"
+#include "palpate/core/assets.hpp"
+#include "palpate/core/random.hpp"
+#include "palpate/simulation/world/world.hpp"
+
+namespace palpate::skills {
+namespace {
+
+constexpr double kWeight = 3.0;  // N
+
+/// A hand that holds an object with all fingertips, but for what a script changes of it `since` the
+/// hold began (s; negative before).
+struct Lifting {
+  using Script = std::function<void(hand::HandReading&, double since)>;
+
+  explicit Lifting(Script script = {})
+      : hand([this, script = std::move(script)](hand::HandReading& reading) {
+          reading.base_force.z() = kWeight;
+          for (auto& tip : reading.contacts) tip.push_back({{0, 0, 0.02}, {0, 1, 0}, {0, -1, 0}});
+          if (script) script(reading, reading.time - begin_hold());
+        }),
+        robot(hand, model, {}) {}
+
+  double begin_hold() const { return options.way / options.speed + options.settle; }
+  PhaseReport lift() {
+    LiftPhase phase(options, kWeight);
+    return run_phase(phase, robot, state);
+  }
+
+  LiftOptions options;
+  hand::HandModel model = simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
+  PickState state;
+  hand::FakeHand hand;
+  Robot robot;
+};
+
+/// What is wrong with a hold that is not good, as the outcome names it.
+void expect_failed(Lifting& lifting, const std::string& why) {
+  const auto report = lifting.lift();
+  EXPECT_EQ(report.status, PhaseStatus::failed) << report.outcome;
+  EXPECT_EQ(report.outcome.substr(0, report.outcome.find(':')), why);
+}
+
+TEST(LiftPhase, HoldsWhatHangsInTheHand) {
+  Lifting lifting;
+  const auto report = lifting.lift();
+  EXPECT_EQ(report.status, PhaseStatus::ok) << report.outcome;
+  EXPECT_EQ(report.outcome.substr(0, 5), "held:");
+  EXPECT_NEAR(lifting.robot.command().base.xyz.z(), lifting.options.way, 1e-12);
+  EXPECT_NEAR(lifting.state.held_load, kWeight, 1e-12);
+  EXPECT_EQ(lifting.robot.log().at(estimation::Mark::held),
+            lifting.robot.log().readings.size() - 1);
+}
+
+TEST(LiftPhase, NoticesThatTooLittleHangs) {
+  Lifting light(
+      [](hand::HandReading& reading, double) { reading.base_force.z() = 0.49 * kWeight; });
+  expect_failed(light, "lost");
+  Lifting enough(
+      [](hand::HandReading& reading, double) { reading.base_force.z() = 0.51 * kWeight; });
+  EXPECT_EQ(enough.lift().status, PhaseStatus::ok);
+}
+
+/// Leaves the first fingers their contacts from late in the hold on, and takes the others'.
+Lifting::Script touching_at_the_end(std::size_t fingers) {
+  return [fingers](hand::HandReading& reading, double since) {
+    if (since < 0.5) return;
+    for (std::size_t i = fingers; i < reading.contacts.size(); ++i) reading.contacts[i].clear();
+  };
+}
+
+TEST(LiftPhase, NoticesContactsThatAreLostWhateverTheBaseWeighs) {
+  for (const std::size_t fingers : {0, 1}) {
+    Lifting lifting(touching_at_the_end(fingers));
+    expect_failed(lifting, "contacts lost");
+  }
+  Lifting two(touching_at_the_end(2));
+  EXPECT_EQ(two.lift().status, PhaseStatus::ok);
+}
+
+TEST(LiftPhase, TwoContactsOfOneFingerAreOneFinger) {
+  Lifting lifting([](hand::HandReading& reading, double) {
+    for (std::size_t i = 1; i < reading.contacts.size(); ++i) reading.contacts[i].clear();
+    reading.contacts[0].push_back({{0, 0.005, 0.015}, {0, 0, 1}, {0, 0, -1}});
+  });
+  expect_failed(lifting, "contacts lost");
+}
+
+TEST(LiftPhase, TipsThatBarelyTouchAreNoHold) {
+  Lifting lifting([](hand::HandReading& reading, double) {
+    for (auto& tip : reading.contacts) tip[0].f *= 0.09;
+  });
+  expect_failed(lifting, "contacts lost");
+}
+
+/// Contacts that wander along the fingertips by a way in the time of the hold.
+Lifting::Script wandering(double way) {
+  return [way](hand::HandReading& reading, double since) {
+    const double share = std::clamp(since / LiftOptions().hold, 0.0, 1.0);
+    for (auto& tip : reading.contacts) tip[0].p.z() -= share * way;
+  };
+}
+
+TEST(LiftPhase, NoticesSlipDuringTheHold) {
+  Lifting slipping(wandering(0.015));
+  expect_failed(slipping, "slipping");
+  Lifting steady(wandering(0.010));
+  EXPECT_EQ(steady.lift().status, PhaseStatus::ok);
+}
+
+TEST(LiftPhase, NoNoiseOfTheSensorsIsASlip) {
+  RandomStream random(3);
+  Lifting lifting([&random](hand::HandReading& reading, double) {
+    for (auto& tip : reading.contacts) {
+      tip[0].p += 0.001 * random.normal3();
+      tip[0].f += 0.05 * random.normal3();
+    }
+  });
+  const auto report = lifting.lift();
+  EXPECT_EQ(report.status, PhaseStatus::ok) << report.outcome;
+}
+
+}  // namespace
+}  // namespace palpate::skills

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/skills/place/pick_and_place.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "evaluation/mishap.hpp"
+#include "palpate/core/error.hpp"
+
+namespace palpate::skills {
+namespace {
+
+TEST(PlaceMeans, AreWhatTheirNamesSay) {
+  for (const PlaceMeans means :
+       {PlaceMeans::automatic, PlaceMeans::wrist, PlaceMeans::fingers, PlaceMeans::regrasp}) {
+    PlaceOptions options;
+    options.means = to_string(means);
+    EXPECT_EQ(place_means(options), means) << options.means;
+  }
+  EXPECT_EQ(place_means({}), PlaceMeans::automatic);
+}
+
+TEST(PlaceMeans, OtherWordsAreNamed) {
+  PlaceOptions options;
+  options.means = "teleport";
+  try {
+    place_means(options);
+    FAIL();
+  } catch (const BadInput& error) {
+    EXPECT_NE(std::string(error.what()).find("teleport"), std::string::npos) << error.what();
+  }
+}
+
+TEST(PickAndPlace, WhatFellOnTheWayIsFeltForAndPickedAnew) {
+  evaluation::Mishap mishap;
+  mishap.options.place.means = "wrist";
+  const auto course =
+      pick_and_place(mishap.robot, mishap.box, mishap.target(), {}, mishap.options.pick,
+                     mishap.options.place, evaluation::Mishap::kSeed, mishap.observer);
+  ASSERT_TRUE(course.picked.held);  // found where it fell, and held again
+  EXPECT_TRUE(course.picked.fallen);
+  const auto count = [&](std::string_view name) {
+    return std::count_if(course.picked.phases.begin(), course.picked.phases.end(),
+                         [&](const auto& phase) { return phase.name == name; });
+  };
+  EXPECT_EQ(count("clear"), 1);
+  EXPECT_GE(count("feel"), 2);
+  ASSERT_TRUE(course.place);
+  EXPECT_EQ(course.place->status, PlaceStatus::placed);
+  EXPECT_LT(mishap.off(*course.place), 0.03);
+  EXPECT_EQ(course.means.means, PlaceMeans::wrist);  // told of the last hold, too
+  EXPECT_EQ(course.means.reason, "asked for");
+}
+
+}  // namespace
+}  // namespace palpate::skills

@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/skills/place/place_phase.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "hand/fake_hand.hpp"
+#include "palpate/hand/tip_forces.hpp"
+
+namespace palpate::skills {
+namespace {
+
+constexpr double kWeight = 2.0;      // N
+constexpr double kStiffness = 2000;  // N/m, of what is stood on
+constexpr double kGround = 0.15;     // m of the base when the object touches
+
+/// What the base carries of a hanging object over ground that is `ground` high.
+void stand(hand::HandReading& reading, double ground) {
+  const double depth = std::max(0.0, ground - reading.base.xyz.z());
+  reading.base_force.z() = kWeight - kStiffness * depth;
+}
+
+PlaceGoal goal_at(double height) {
+  PlaceGoal goal;
+  goal.seat.xyz << 0.1, 0.05, height;
+  goal.above = goal.seat;
+  goal.above.xyz.z() += 0.1;
+  return goal;
+}
+
+/// A place phase on a fake hand that waits over the goal.
+struct Descent {
+  Descent(hand::FakeHand::Script script, double wall, double expected = kGround)
+      : hand(std::move(script)),
+        robot(hand, model, over(expected)),
+        phase({}, goal_at(expected), wall, open) {
+    open[hand::actuator_index("FFJ3")] = 0.2;
+  }
+  static hand::HandCommand over(double expected) {
+    hand::HandCommand command;
+    command.base = goal_at(expected).above;
+    return command;
+  }
+  PhaseReport run() {
+    PickState state;
+    phase = PlacePhase({}, goal_at(expected_), wall_, open);
+    return run_phase(phase, robot, state);
+  }
+  hand::HandModel model;
+  hand::ActuatorVector open = hand::ActuatorVector::Zero();
+  hand::FakeHand hand;
+  Robot robot;
+  PlacePhase phase;
+  double wall_ = 0, expected_ = kGround;
+};
+
+TEST(PlacePhase, StopsAtTheTableAndLetsGo) {
+  Descent descent([](auto& reading) { stand(reading, kGround); }, 0);
+  const auto report = descent.run();
+  EXPECT_EQ(report.status, PhaseStatus::ok) << report.outcome;
+  EXPECT_TRUE(descent.phase.let_go());
+  EXPECT_EQ(descent.phase.touchdown(), PlacePhase::Touchdown::flat);
+  EXPECT_TRUE(descent.robot.log().at(estimation::Mark::placed));
+  EXPECT_DOUBLE_EQ(descent.robot.command().positions[hand::actuator_index("FFJ3")], 0.2);
+  // No deeper than what the wanted press takes, and what three ticks of delay add.
+  EXPECT_GT(descent.robot.command().base.xyz.z(), kGround - (kWeight + 1) / kStiffness - 0.0005);
+  EXPECT_NEAR(descent.phase.T_world_object().translation().z(), kGround, 0.003);
+}
+
+TEST(OpenPhase, OpensWhereTheHandIsAndMarksWhenItStillHeld) {
+  Descent descent(
+      [](auto& reading) {
+        if (reading.joints[hand::joint_index("FFJ3")] > 0.3) {
+          reading.contacts[1] = {{{0, 0, 0.02}, {0, 1, 0}, {0, -1, 0}}};
+        }
+      },
+      0);
+  hand::ActuatorVector closed = descent.robot.command().positions;
+  closed[hand::actuator_index("FFJ3")] = 0.6;
+  descent.robot.move_fingers(closed, 0.1);
+  const auto base = descent.robot.command().base;
+  PickState state;
+  OpenPhase open({}, descent.open);
+  EXPECT_EQ(run_phase(open, descent.robot, state).status, PhaseStatus::ok);
+  const auto& log = descent.robot.log();
+  ASSERT_TRUE(log.at(estimation::Mark::placed));
+  EXPECT_GT(hand::tip_force(log.readings[*log.at(estimation::Mark::placed)], 1), 0.9);
+  EXPECT_EQ(descent.robot.command().base.xyz, base.xyz);
+  EXPECT_DOUBLE_EQ(descent.robot.command().positions[hand::actuator_index("FFJ3")], 0.2);
+}
+
+TEST(OpenPhase, FailsWhileTheObjectIsStillFelt) {
+  Descent descent(
+      [](auto& reading) {
+        reading.contacts[1] = {{{0, 0, 0.02}, {0, 1, 0}, {0, -1, 0}}};
+      },
+      0);
+  PickState state;
+  OpenPhase open({}, descent.open);
+  EXPECT_EQ(run_phase(open, descent.robot, state).status, PhaseStatus::failed);
+}
+
+TEST(PlacePhase, FollowsTheTableWhereItIsLowerThanExpected) {
+  Descent descent([](auto& reading) { stand(reading, kGround - 0.008); }, 0);
+  EXPECT_EQ(descent.run().status, PhaseStatus::ok);
+  EXPECT_LT(descent.robot.command().base.xyz.z(), kGround - 0.007);
+}
+
+TEST(PlacePhase, AnEarlyContactIsARefusal) {
+  LowerOptions options;
+  Descent descent([](auto& reading) { stand(reading, kGround + 0.02); }, 0);
+  options.near = 0.03;
+  PickState state;
+  PlacePhase phase(options, goal_at(kGround), 0, descent.open);
+  const auto report = run_phase(phase, descent.robot, state);
+  EXPECT_EQ(report.status, PhaseStatus::failed);
+  EXPECT_EQ(phase.touchdown(), PlacePhase::Touchdown::early);
+  EXPECT_FALSE(phase.let_go());
+  EXPECT_NE(report.outcome.find("refused"), std::string::npos);
+  EXPECT_FALSE(descent.robot.log().at(estimation::Mark::placed));
+}
+
+TEST(PlacePhase, NothingFeltIsNoReasonToLetGo) {
+  Descent descent([](auto& reading) { stand(reading, 0); }, 0);
+  const auto report = descent.run();
+  EXPECT_EQ(report.status, PhaseStatus::failed);
+  EXPECT_EQ(descent.phase.touchdown(), PlacePhase::Touchdown::nothing);
+  EXPECT_FALSE(descent.phase.let_go());
+}
+
+TEST(PlacePhase, AnEmptyHandIsNoticed) {
+  Descent descent([](auto& reading) { reading.base_force.setZero(); }, 0);
+  EXPECT_EQ(descent.run().status, PhaseStatus::failed);
+  EXPECT_EQ(descent.phase.touchdown(), PlacePhase::Touchdown::lost);
+}
+
+TEST(PlacePhase, LooksForASlotBesideAFirstMiss) {
+  constexpr double kWall = 0.006;
+  const Eigen::Vector2d slot = goal_at(kGround).seat.xyz.head<2>() + Eigen::Vector2d(0.002, 0);
+  const auto script = [&](hand::HandReading& reading) {
+    const bool in = (reading.base.xyz.head<2>() - slot).norm() < 0.001;
+    stand(reading, in ? kGround : kGround + kWall);
+  };
+  Descent descent(script, kWall);
+  descent.wall_ = kWall;
+  const auto report = descent.run();
+  EXPECT_EQ(report.status, PhaseStatus::ok) << report.outcome;
+  EXPECT_NE(report.outcome.find("try 2"), std::string::npos) << report.outcome;
+}
+
+/// An object that sank by `sag` in the hand: that early it touches, over ground that is `ground`
+/// high, and its weight pushes it back before all of it is borne.
+void stand_sunk(hand::HandReading& reading, double ground, double sag) {
+  const double depth = ground + sag - reading.base.xyz.z();
+  const double pushed_back = std::clamp(depth / sag, 0.0, 1.0);
+  const double beyond = std::max(0.0, depth - sag);
+  reading.base_force.z() = kWeight * (1 - pushed_back) - kStiffness * beyond;
+}
+
+TEST(PlacePhase, AnObjectThatSankInTheHandIsInTheSlotAllTheSame) {
+  constexpr double kWall = 0.006, kSag = 0.005;
+  Descent descent([](auto& reading) { stand_sunk(reading, kGround, kSag); }, kWall);
+  descent.wall_ = kWall;
+  const auto report = descent.run();
+  EXPECT_EQ(report.status, PhaseStatus::ok) << report.outcome;
+  EXPECT_EQ(report.outcome.find("try"), std::string::npos) << report.outcome;
+}
+
+TEST(PlacePhase, AnObjectThatSankStandsOnAWallAllTheSame) {
+  constexpr double kWall = 0.006, kSag = 0.004;
+  Descent descent([](auto& reading) { stand_sunk(reading, kGround + kWall, kSag); }, kWall);
+  descent.wall_ = kWall;
+  const auto report = descent.run();
+  EXPECT_EQ(report.status, PhaseStatus::failed) << report.outcome;
+  EXPECT_EQ(descent.phase.touchdown(), PlacePhase::Touchdown::early);
+  EXPECT_FALSE(descent.phase.let_go());
+}
+
+TEST(PlacePhase, GivesUpASlotThatIsNowhere) {
+  Descent descent([](auto& reading) { stand(reading, kGround + 0.006); }, 0.006);
+  descent.wall_ = 0.006;
+  const auto report = descent.run();
+  EXPECT_EQ(report.status, PhaseStatus::failed);
+  EXPECT_EQ(descent.phase.touchdown(), PlacePhase::Touchdown::early);
+}
+
+PhaseReport withdrawn(hand::FakeHand::Script script) {
+  hand::FakeHand hand(std::move(script));
+  hand::HandModel model;
+  hand::HandCommand command;
+  command.base.xyz.z() = 0.1;
+  command.positions.setConstant(0.5);
+  Robot robot(hand, model, command);
+  PickState state;
+  return run_phase(*std::make_unique<WithdrawPhase>(WithdrawOptions{}, kWeight), robot, state);
+}
+
+TEST(WithdrawPhase, RisesFree) { EXPECT_EQ(withdrawn({}).status, PhaseStatus::ok); }
+
+TEST(WithdrawPhase, OpensWiderWhereItIsCaught) {
+  const int finger = hand::joint_index("FFJ3");
+  const auto report = withdrawn([&](hand::HandReading& reading) {
+    const bool caught = reading.joints[finger] > 0.4 && reading.base.xyz.z() > 0.12;
+    reading.base_force.z() = caught ? 1.0 : 0.0;
+  });
+  EXPECT_EQ(report.status, PhaseStatus::ok) << report.outcome;
+  EXPECT_NE(report.outcome.find("2 tries"), std::string::npos) << report.outcome;
+}
+
+TEST(WithdrawPhase, AnObjectThatComesAlongIsAFailure) {
+  const auto report =
+      withdrawn([](hand::HandReading& reading) { reading.base_force.z() = kWeight; });
+  EXPECT_EQ(report.status, PhaseStatus::failed);
+  EXPECT_NE(report.outcome.find("hang"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace palpate::skills

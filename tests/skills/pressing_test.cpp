@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "skills/grasp/pressing.hpp"
+
+#include <gtest/gtest.h>
+
+#include "grasping/coupled_finger.hpp"
+#include "hand/fake_hand.hpp"
+
+namespace palpate::skills {
+namespace {
+
+using grasping::contact;
+using grasping::coupled_finger;
+
+TEST(PressingCommand, LeadsByTorqueOverStiffnessWithinTheRange) {
+  const auto model = coupled_finger();
+  hand::FakeHand hand([](hand::HandReading& reading) {
+    reading.torques[hand::actuator_index("FFJ0")] = 0.03;
+    reading.torques[hand::actuator_index("MFJ0")] = 0.2;
+  });
+  hand::HandCommand start;
+  start.positions.setConstant(0.4);
+  Robot robot(hand, model, start);
+  robot.wait(hand::kTick);
+  const std::vector contacts = {contact({0.05, 0, 0}, {0, -1, 0})};
+  for (const auto& [force, expected] : {std::pair(2.0, 0.4 + 0.07 - 0.03), std::pair(1e3, 1.5)}) {
+    const std::vector<Eigen::Vector3d> forces = {{0, force, 0}};
+    const auto command = pressing_command(robot, contacts, forces);
+    EXPECT_NEAR(command[hand::actuator_index("FFJ0")], expected, 1e-9);  // stiffness 1 N m/rad
+    EXPECT_EQ(command[hand::actuator_index("MFJ0")], 0.4);               // it presses on nothing
+  }
+}
+
+TEST(WeightAt, PullsDownAtTheCentreInTheTurnedBasesFrame) {
+  const auto model = coupled_finger();
+  hand::FakeHand hand;
+  hand::HandCommand start;
+  start.base.xyz = {0.1, 0.2, 0.3};
+  start.base.ypr = {0.4, 0.7, -0.3};
+  Robot robot(hand, model, start);
+  robot.wait(hand::kTick);
+  const Eigen::Isometry3d T_world_base = start.base.pose();
+  Eigen::Isometry3d T_world_object = Eigen::Isometry3d::Identity();
+  T_world_object.translation() << 0.05, -0.02, 0.04;
+  const grasping::Load load = weight_at(robot, T_world_object, 2.5);
+  EXPECT_LT((T_world_base * load.point - T_world_object.translation()).norm(), 1e-12);
+  EXPECT_LT((T_world_base.linear() * load.force - Eigen::Vector3d(0, 0, -2.5)).norm(), 1e-12);
+}
+
+}  // namespace
+}  // namespace palpate::skills

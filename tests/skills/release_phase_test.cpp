@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/skills/grasp/release_phase.hpp"
+
+#include <gtest/gtest.h>
+
+#include "hand/fake_hand.hpp"
+#include "palpate/core/assets.hpp"
+#include "palpate/simulation/world/world.hpp"
+
+namespace palpate::skills {
+namespace {
+
+const hand::HandModel& shadow() {
+  static const auto model = simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
+  return model;
+}
+
+/// A closed hand, up in the air, that has closed below.
+struct Holding {
+  explicit Holding(hand::FakeHand::Script script = {})
+      : hand(std::move(script)), robot(hand, shadow(), closed_command()) {
+    robot.mark(estimation::Mark::closed);
+    hand::BasePosition up = robot.command().base;
+    up.xyz.z() += 0.1;
+    robot.move_base(up, 0.5);
+  }
+  static hand::HandCommand closed_command() {
+    hand::HandCommand command;
+    command.base.xyz = {0.02, -0.01, kHeight};
+    command.positions.setConstant(0.8);
+    return command;
+  }
+  static constexpr double kHeight = 0.15;  // m
+
+  hand::FakeHand hand;
+  Robot robot;
+  PickState state;
+};
+
+TEST(ReleasePhase, LetsGoWhereTheHandHadClosedAndGoesAway) {
+  Holding holding;
+  ASSERT_TRUE(ReleasePhase().run(holding.robot, holding.state).ok);
+  // The fingers open no higher than they had closed: what hangs in them does not fall.
+  double opened_at = 1;
+  for (const auto& reading : holding.robot.log().readings) {
+    if (reading.joints[hand::joint_index("FFJ3")] > 0.79) opened_at = reading.base.xyz.z();
+  }
+  EXPECT_NEAR(opened_at, Holding::kHeight, 1e-9);
+  for (int i = 0; i < hand::kActuators; ++i) {
+    if (hand::finger_of_actuator(i) < 0) continue;
+    EXPECT_LE(holding.robot.command().positions[i], 0.1);
+  }
+  EXPECT_GT(holding.robot.command().base.xyz.z(), Holding::kHeight + 0.1);
+  // What was felt before no longer holds.
+  EXPECT_FALSE(holding.robot.log().at(estimation::Mark::closed));
+}
+
+TEST(ReleasePhase, TheNextTryIsWhereTheFingersLastTouched) {
+  bool touching = true;
+  Holding holding([&](hand::HandReading& reading) {
+    if (!touching) return;
+    for (auto& tip : reading.contacts) tip.push_back({{0, 0, 0.02}, {0, 1, 0}, {0, -1, 0}});
+  });
+  const auto T_base_link = hand::forward_kinematics(shadow(), holding.robot.reading().joints);
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const int link : shadow().distal) {
+    mean += T_base_link[static_cast<std::size_t>(link)] * Eigen::Vector3d(0, 0, 0.02) / 5;
+  }
+  const Eigen::Vector2d expected = (holding.robot.reading().base.pose() * mean).head<2>();
+  touching = false;
+  holding.robot.wait(0.1);
+  ASSERT_TRUE(ReleasePhase().run(holding.robot, holding.state).ok);
+  constexpr double kReach = 0.4;  // m: farther from the origin the object cannot be
+  EXPECT_LT((holding.state.place - expected.cwiseMax(-kReach).cwiseMin(kReach)).norm(), 1e-9);
+}
+
+TEST(ClearPhase, RisesBeforeItOpensAndTurnsLevel) {
+  Holding holding;
+  hand::BasePosition turned = holding.robot.command().base;
+  turned.ypr = {0.4, 1.2, -0.8};
+  holding.robot.move_base(turned, 0.5);
+  const std::size_t before = holding.robot.log().readings.size();
+  ASSERT_TRUE(ClearPhase().run(holding.robot, holding.state).ok);
+  for (std::size_t i = before; i < holding.robot.log().readings.size(); ++i) {
+    const auto& reading = holding.robot.log().readings[i];
+    if (reading.base.xyz.z() > 0.33) continue;
+    EXPECT_EQ(reading.base.ypr, turned.ypr);
+    EXPECT_GT(reading.joints[hand::joint_index("FFJ3")], 0.79);
+  }
+  EXPECT_EQ(holding.robot.command().base.ypr, Eigen::Vector3d::Zero());
+  EXPECT_FALSE(
+      holding.robot.log().at(estimation::Mark::closed));  // what was felt before no longer holds
+}
+
+}  // namespace
+}  // namespace palpate::skills

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/skills/place/transport_phase.hpp"
+
+#include <gtest/gtest.h>
+
+#include "hand/fake_hand.hpp"
+#include "palpate/core/assets.hpp"
+#include "palpate/simulation/collision/collision_scene.hpp"
+#include "palpate/simulation/world/world.hpp"
+
+namespace palpate::skills {
+namespace {
+
+constexpr double kWeight = 3.0;  // N
+
+/// A hand that holds a box 25 cm below its base, 30 cm over the table.
+struct Carrying {
+  explicit Carrying(hand::FakeHand::Script script)
+      : hand([script = std::move(script)](hand::HandReading& reading) {
+          reading.base_force.z() = kWeight;
+          for (auto& tip : reading.contacts) tip.push_back({{0, 0, 0.02}, {0, 1, 0}, {0, -1, 0}});
+          if (script) script(reading);
+        }),
+        robot(hand, model, waiting()) {
+    robot.wait(0.3);
+    goal.T_base_object.translation() << 0, 0, -0.25;
+    goal.seat.xyz << 0.2, 0.1, 0.42;
+    goal.seat.ypr << 0.8, 0, 0;
+    goal.above = goal.seat;
+    goal.above.xyz.z() += 0.1;
+  }
+  static hand::HandCommand waiting() {
+    hand::HandCommand command;
+    command.base.xyz.z() = 0.6;
+    return command;
+  }
+  PhaseReport run(const TransportOptions& options = {}) {
+    TransportPhase phase(options, scene, goal, 1);
+    PickState state;
+    const auto report = run_phase(phase, robot, state);
+    lost = phase.lost();
+    motion = phase.motion();
+    return report;
+  }
+
+  hand::HandModel model = simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
+  hand::FakeHand hand;
+  Robot robot;
+  simulation::CollisionScene scene{geometry::load_known_object("box")};
+  PlaceGoal goal;
+  planning::Plan motion;
+  bool lost = false;
+};
+
+TEST(TransportPhase, EndsOverTheGoalWithinItsLimits) {
+  Carrying carrying({});
+  const auto report = carrying.run();
+  EXPECT_EQ(report.status, PhaseStatus::ok) << report.outcome;
+  EXPECT_NE(report.outcome.find("at most 0.0 mm behind"), std::string::npos) << report.outcome;
+  EXPECT_LT((carrying.robot.command().base.xyz - carrying.goal.above.xyz).norm(), 1e-9);
+  EXPECT_LT((carrying.robot.command().base.ypr - carrying.goal.above.ypr).norm(), 1e-9);
+  const auto& readings = carrying.robot.log().readings;
+  const TransportOptions options;
+  for (std::size_t i = 1; i < readings.size(); ++i) {
+    const Eigen::Vector3d step = readings[i].base.xyz - readings[i - 1].base.xyz;
+    EXPECT_LE(step.cwiseAbs().maxCoeff(),
+              options.plan.limits.base_speed * ::palpate::hand::kTick + 1e-9);
+    EXPECT_EQ(readings[i].joints, readings[0].joints);  // the fingers keep still
+  }
+}
+
+TEST(TransportPhase, TheFingersBearTheWeightAsTheHandTurns) {
+  for (const bool bears : {true, false}) {
+    Carrying carrying({});
+    carrying.goal.seat.ypr.y() = carrying.goal.above.ypr.y() = 0.6;
+    const hand::ActuatorVector before = carrying.robot.command().positions;
+    TransportOptions options;
+    options.bear_weight = bears;
+    const auto report = carrying.run(options);
+    EXPECT_EQ(report.status, PhaseStatus::ok) << report.outcome;
+    const double change = (carrying.robot.command().positions - before).norm();
+    EXPECT_EQ(change > 1e-3, bears) << change;
+    EXPECT_EQ(change > 0, bears) << change;
+  }
+}
+
+TEST(TransportPhase, NoticesTheLossOfTouch) {
+  Carrying carrying([](hand::HandReading& reading) {
+    if (reading.base.xyz.x() < 0.1) return;
+    for (auto& tip : reading.contacts) tip.clear();
+  });
+  EXPECT_EQ(carrying.run().status, PhaseStatus::failed);
+  EXPECT_TRUE(carrying.lost);
+  EXPECT_LT(carrying.robot.command().base.xyz.x(), 0.19);  // it stopped on the way
+}
+
+TEST(TransportPhase, NoticesTheLossOfWeight) {
+  Carrying carrying([](hand::HandReading& reading) {
+    if (reading.base.xyz.x() > 0.1) reading.base_force.z() = 0.1;
+  });
+  const auto report = carrying.run();
+  EXPECT_EQ(report.status, PhaseStatus::failed);
+  EXPECT_TRUE(carrying.lost) << report.outcome;
+}
+
+TEST(TransportPhase, NoticesSlip) {
+  Carrying carrying([](hand::HandReading& reading) {
+    if (reading.base.xyz.x() < 0.1) return;
+    for (auto& tip : reading.contacts) tip[0].p.z() -= 0.02;
+  });
+  const auto report = carrying.run();
+  EXPECT_EQ(report.status, PhaseStatus::failed);
+  EXPECT_FALSE(carrying.lost);
+  EXPECT_NE(report.outcome.find("slipped"), std::string::npos) << report.outcome;
+}
+
+TEST(TransportPhase, AGoalInTheTableIsNoGoal) {
+  Carrying carrying({});
+  carrying.goal.above.xyz.z() = 0.3;  // the box would be 3 cm deep
+  const auto report = carrying.run();
+  EXPECT_EQ(report.status, PhaseStatus::failed);
+  EXPECT_NE(report.outcome.find("table"), std::string::npos) << report.outcome;
+  EXPECT_EQ(carrying.robot.command().base.xyz, Carrying::waiting().base.xyz);
+}
+
+TEST(FindGoal, BringsTheObjectToTheTarget) {
+  const auto box = geometry::load_known_object("box");
+  Carrying carrying({});
+  HeldObject held;
+  held.T_base_object.translation() << 0.01, 0.02, -0.3;
+  held.T_base_object_flat = held.T_base_object;
+  held.T_base_object_flat.linear() = box.stances[0].R_table_object;
+  held.found_stance = 0;
+  const auto target = resting_pose(box, 0, {0.2, 0.1}, 2.0);
+  const auto search = find_goal(box, held, target, carrying.robot.reading(), carrying.scene, {});
+  ASSERT_TRUE(search.goal) << search.obstacle;
+  EXPECT_TRUE(search.same_stance);
+  const Eigen::Isometry3d there = search.goal->seat.pose() * search.goal->T_base_object;
+  EXPECT_LT((there.matrix() - search.goal->T_world_object.matrix()).norm(), 1e-9);
+  const auto error = localization::pose_error(there, target, box.symmetries);
+  EXPECT_LT(error.rotation, 1e-6);
+  EXPECT_LT(error.translation, 1e-9);
+  EXPECT_LT(std::abs(search.goal->seat.ypr.x()), 1.6);  // the box is the same from behind
+}
+
+TEST(FindGoal, SaysWhatIsInTheWay) {
+  const auto box = geometry::load_known_object("box");
+  Carrying carrying({});
+  HeldObject held;
+  held.T_base_object_flat.translation() << 0, 0, 0.05;  // over the hand: it would be in the table
+  held.T_base_object_flat.linear() = box.stances[0].R_table_object;
+  const auto target = resting_pose(box, 0, {0.2, 0.1}, 0.0);
+  auto search = find_goal(box, held, target, carrying.robot.reading(), carrying.scene, {});
+  EXPECT_FALSE(search.goal);
+  EXPECT_NE(search.obstacle.find("table"), std::string::npos) << search.obstacle;
+
+  held.T_base_object_flat.translation() << 2, 0, -0.3;
+  search = find_goal(box, held, target, carrying.robot.reading(), carrying.scene, {});
+  EXPECT_FALSE(search.goal);
+  EXPECT_NE(search.obstacle.find("out of reach"), std::string::npos) << search.obstacle;
+}
+
+}  // namespace
+}  // namespace palpate::skills

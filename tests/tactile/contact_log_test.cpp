@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/tactile/contacts/contact_log.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+
+#include "core/temporary_folder.hpp"
+#include "palpate/core/error.hpp"
+#include "palpate/core/file.hpp"
+
+namespace palpate::tactile {
+namespace {
+
+class ContactLogTest : public testing::Test {
+ protected:
+  std::filesystem::path write(const std::string& text) {
+    const auto path = folder_.path() / "log.csv";
+    write_file_atomically(path, text);
+    return path;
+  }
+  std::string error(const std::string& text) {
+    try {
+      read_contact_log(write(text));
+    } catch (const BadInput& bad) {
+      return bad.what();
+    }
+    return "";
+  }
+  TemporaryFolder folder_;
+};
+
+TEST_F(ContactLogTest, GroupsRowsIntoFramesOfFingers) {
+  const auto logs =
+      read_contact_log(write("x,y,z,nx,ny,nz,finger,t,fx,fy,fz\n"
+                             "0,0,0,0,0,2,FF,0.00,0,0,-1\n"
+                             "0.002,0,0,0,0,1,FF,0.00,0,0,-3\n"
+                             "1,0,0,1,0,0,MF,0.00,-1,0,0\n"
+                             "0.004,0,0,0,0,1,FF,0.01,0,0,-3\n"));
+  ASSERT_EQ(logs.size(), 2u);
+  EXPECT_EQ(logs[0].finger, "FF");
+  ASSERT_EQ(logs[0].frames.size(), 2u);
+  EXPECT_EQ(logs[0].frames[0].contacts.size(), 2u);
+  EXPECT_TRUE(logs[0].normals[0]->isApprox(Eigen::Vector3d::UnitZ()));
+  EXPECT_NEAR(logs[0].period, 0.01, 1e-12);
+  EXPECT_EQ(logs[1].frames[0].contacts[0].f.x(), -1);
+}
+
+TEST_F(ContactLogTest, WholeTimesAreTicks) {
+  const std::string text =
+      ",finger,t,px,py,pz,fx,fy,fz\n0,FF,0,0,0,0,0,0,-1\n1,FF,1,0,0,0,0,0,-1\n";
+  EXPECT_NEAR(read_contact_log(write(text))[0].frames[1].time, 0.1, 1e-12);
+  EXPECT_NEAR(read_contact_log(write(text), 0.02)[0].period, 0.02, 1e-12);
+  EXPECT_FALSE(read_contact_log(write(text))[0].normals[0]);
+  EXPECT_THROW(read_contact_log(write(text), 0), BadInput);
+  const auto lost = read_contact_log(write(text + "2,FF,nan,0,0,0,0,0,-1\n"));
+  EXPECT_NEAR(lost[0].frames[1].time, 0.1, 1e-12);
+}
+
+TEST_F(ContactLogTest, NamesWhatIsWrongAndWhere) {
+  const std::string header = "finger,t,px,py,pz,fx,fy,fz\n";
+  EXPECT_NE(error("").find("is empty"), std::string::npos);
+  EXPECT_NE(error(header).find("no rows"), std::string::npos);
+  EXPECT_NE(error("finger,t,px,py,pz,fx,fy\n").find("no column fz"), std::string::npos);
+  EXPECT_NE(error(header + "FF,0,0,0,0,0,0\n").find(":2: 7 cells for 8 columns"),
+            std::string::npos);
+  EXPECT_NE(error(header + "\nFF,0,0,0,0,0,0,x1\n").find(":3: 'x1' in column fz"),
+            std::string::npos);
+  EXPECT_THROW(read_contact_log(folder_.path() / "none.csv"), BadInput);
+}
+
+TEST_F(ContactLogTest, NanIsReadAndFlaggedLater) {
+  const auto logs = read_contact_log(write("finger,t,px,py,pz,fx,fy,fz\nFF,0,0,0,0,nan,0,0\n"));
+  EXPECT_EQ(SampleMaker().next(logs[0].frames[0]).flags.names(), "not_finite");
+}
+
+TEST(ContactLog, TheThesisRecordingHasItsTraps) {
+  const char* data = std::getenv("PALPATE_DATA");
+  if (!data) GTEST_SKIP() << "PALPATE_DATA is not set";
+  const auto logs = read_contact_log(std::filesystem::path(data) / "rls_vel_data.csv");
+  ASSERT_EQ(logs.size(), 4u);
+  for (const FingerLog& log : logs) {
+    EXPECT_EQ(log.frames.size(), 157u);
+    EXPECT_NEAR(log.period, 0.1, 1e-9);
+    SampleMaker maker({.period = log.period});
+    int usable = 0, placeholders = 0;
+    for (const FingerFrame& frame : log.frames) {
+      const auto sample = maker.next(frame);
+      usable += sample.flags.usable();
+      placeholders += sample.flags.has(SampleFlag::placeholder);
+    }
+    EXPECT_GT(placeholders, 0) << log.finger;
+    if (log.finger == "FF") {
+      EXPECT_LE(usable, 10);  // it moves in 9 ticks only; all others repeat the last
+    } else {
+      EXPECT_GT(usable, 50) << log.finger;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace palpate::tactile

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/tasks/relocate/relocate_task.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "palpate/core/error.hpp"
+#include "palpate/geometry/objects/shapes.hpp"
+
+namespace palpate::relocate {
+namespace {
+
+/// From where on object and table push each other apart, m: the margins of both.
+constexpr double kMargin = 0.0035;
+
+RelocateAction rest() { return RelocateAction::Zero(); }
+
+TEST(RelocateTask, HasTheSizesOfThePublishedTask) {
+  const RelocateModel model(relocate_primitive_mug());
+  RelocateTask task(model);
+  EXPECT_EQ(task.positions().size(), 37);
+  EXPECT_NEAR(model.object_mass(), 0.301, 1e-12);
+  EXPECT_EQ(task.observation().size(), kRelocateObservations);
+  // Ranges of the base's actuators in the hand's file.
+  EXPECT_DOUBLE_EQ(model.action_half_range()[0], 0.25);
+  EXPECT_DOUBLE_EQ(model.action_center()[1], 0.1);
+}
+
+TEST(RelocateTask, StartsWhereItIsTold) {
+  const RelocateModel model(relocate_primitive_mug());
+  RelocateTask task(model);
+  task.reset({{-0.06, 0.02}, {0.05, -0.1, 0.2}});
+  const auto o = task.observation();
+  EXPECT_EQ(o.head<30>().norm(), 0);  // the hand is at rest at its zero
+  EXPECT_LT((o.segment<3>(36) - Eigen::Vector3d(-0.11, 0.12, 0.04065 - 0.2)).norm(), 1e-9);
+  EXPECT_LT((o.segment<3>(33) - o.segment<3>(30) - o.segment<3>(36)).norm(), 1e-12);
+  EXPECT_EQ(task.proprioception().velocity.norm(), 0);
+}
+
+TEST(RelocateTask, DrawsStartsWithinTheTasksRanges) {
+  for (const double scale : {0.25, 1.0}) {
+    RandomStream random(3);
+    for (int i = 0; i < 200; ++i) {
+      const auto start = sample_relocate_start(random, scale);
+      EXPECT_DOUBLE_EQ(start.object.x(), 0.15 * scale - 0.1);
+      EXPECT_LE(std::abs(start.object.y()), 0.15 * scale);
+      EXPECT_TRUE(start.target.x() >= -0.3 && start.target.x() <= 0.1);
+      EXPECT_LE(std::abs(start.target.y()), 0.15);
+      EXPECT_TRUE(start.target.z() >= 0.15 && start.target.z() <= 0.25);
+    }
+  }
+}
+
+TEST(RelocateTask, WithoutContactTheRewardIsTheDistanceOfThePalm) {
+  const RelocateModel model(relocate_primitive_mug());
+  RelocateTask task(model);
+  task.reset({{-0.06, 0}, {0, 0, 0.2}});
+  for (int i = 0; i < 5; ++i) {
+    const auto step = task.step(rest());
+    EXPECT_FALSE(step.contact);
+    const auto o = task.observation();
+    EXPECT_NEAR(step.reward, -0.1 * o.segment<3>(30).norm(), 1e-12);
+    EXPECT_NEAR(step.distance, o.segment<3>(36).norm(), 1e-12);
+  }
+}
+
+TEST(RelocateTask, TheMugComesToRestOnTheTable) {
+  for (const auto solver :
+       {RelocateSolver::faithful, RelocateSolver::newton, RelocateSolver::fast}) {
+    RelocatePhysics physics;
+    physics.solver = solver;
+    const RelocateModel model(relocate_primitive_mug(), physics);
+    RelocateTask task(model);
+    task.reset({{0.05, 0.1}, {0, 0, 0.2}});
+    for (int i = 0; i < 60; ++i) task.step(rest());
+    const auto q = task.positions();
+    // The mug's floor is 31.2 mm below its frame.
+    EXPECT_NEAR(q[32], 0.0312 + kMargin, 5e-4) << to_string(solver);
+    EXPECT_LT((q.segment<2>(30) - Eigen::Vector2d(0.05, 0.1)).norm(), 0.004) << to_string(solver);
+  }
+}
+
+TEST(RelocateTask, RepeatsAnEpisodeBitForBit) {
+  const RelocateModel model(relocate_primitive_mug());
+  RelocateTask first(model), second(model);
+  const RelocateStart start{{-0.06, 0.01}, {0, 0, 0.2}};
+  second.reset({{0.02, 0}, {0.1, 0, 0.2}});
+  for (int i = 0; i < 10; ++i) second.step(RelocateAction::Constant(0.3));
+  first.reset(start);
+  second.reset(start);
+  for (int i = 0; i < 20; ++i) {
+    const RelocateAction action = RelocateAction::Constant(0.05 * i);
+    EXPECT_EQ(first.step(action).reward, second.step(action).reward);
+  }
+  EXPECT_EQ(first.positions(), second.positions());
+}
+
+TEST(RelocateTask, ClipsActions) {
+  const RelocateModel model(relocate_primitive_mug());
+  RelocateTask first(model), second(model);
+  for (int i = 0; i < 5; ++i) {
+    first.step(RelocateAction::Constant(50));
+    second.step(RelocateAction::Constant(1));
+  }
+  EXPECT_EQ(first.positions(), second.positions());
+}
+
+TEST(RelocateTask, AnActionThatIsNotFiniteEndsTheEpisode) {
+  const RelocateModel model(relocate_primitive_mug());
+  RelocateTask task(model);
+  RelocateAction action = rest();
+  action[7] = std::numeric_limits<double>::quiet_NaN();
+  const auto step = task.step(action);
+  EXPECT_TRUE(step.diverged);
+  EXPECT_EQ(step.reward, 0);
+  task.reset({});
+  EXPECT_FALSE(task.step(rest()).diverged);
+}
+
+TEST(RelocateTask, TakesAnyMesh) {
+  const auto box = geometry::box_mesh({0.05, 0.04, 0.08});
+  const RelocateModel model(relocate_mesh_object("brick", box, 0.2));
+  RelocateTask task(model);
+  EXPECT_NEAR(model.object_mass(), 0.2, 1e-12);
+  task.reset({{-0.05, 0.1}, {0, 0, 0.2}});
+  for (int i = 0; i < 20; ++i) EXPECT_FALSE(task.step(rest()).diverged);
+  EXPECT_NEAR(task.positions()[32], 0.04 + kMargin, 5e-4);
+}
+
+TEST(RelocateTask, RejectsBadInput) {
+  EXPECT_THROW(relocate_solver("exact"), BadInput);
+  EXPECT_THROW(RelocateModel(relocate_primitive_mug(), {RelocateSolver::fast, 0, 1}), BadInput);
+  EXPECT_THROW(RelocateModel(relocate_primitive_mug(), {RelocateSolver::fast, 1, -1}), BadInput);
+  EXPECT_THROW(relocate_mesh_object("brick", geometry::box_mesh({0.05, 0.04, 0.08}), 0), BadInput);
+  const RelocateModel model(relocate_primitive_mug());
+  RelocateTask task(model);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(task.reset({{nan, 0}, {0, 0, 0}}), BadInput);
+}
+
+}  // namespace
+}  // namespace palpate::relocate

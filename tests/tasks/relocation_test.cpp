@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/tasks/relocate/relocation.hpp"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "core/temporary_folder.hpp"
+#include "palpate/core/assets.hpp"
+#include "palpate/core/error.hpp"
+#include "palpate/core/file.hpp"
+#include "palpate/geometry/objects/shapes.hpp"
+#include "palpate/geometry/query/mesh_query.hpp"
+#include "palpate/tasks/relocate/policies/policy_io.hpp"
+#include "palpate/tasks/relocate/relocated_object.hpp"
+
+namespace palpate::relocate {
+namespace {
+
+std::unique_ptr<Policy> box_policy() { return load_policy(asset("models/relocate-box.json")); }
+
+TaskOptions box_task() {
+  TaskOptions task;
+  task.object = "box";
+  return task;
+}
+
+TEST(Relocation, FingertipsFeelTheSurfaceOfWhatTheyHold) {
+  const auto model = make_model(box_task());
+  const auto object = known_object(make_object(box_task()), model.object_mass());
+  const geometry::MeshQuery surface(object.mesh);
+  const auto policy = box_policy();
+  const RelocateTouch touch(model, {0, 0, 0, 0, 0}, 1);
+  const hand::HandModel& hand = touch.hand_model();
+  RelocateTask task(model);
+  int contacts = 0;
+  const auto look = [&](int step) {
+    const Eigen::Isometry3d T_world_object = object_pose(task.positions()) * object.T_mesh_object;
+    const auto reading = touch.read(task, step);
+    const auto T_base_link = hand::forward_kinematics(hand, reading.joints);
+    for (std::size_t finger = 0; finger < reading.contacts.size(); ++finger) {
+      const Eigen::Isometry3d T_object_link =
+          T_world_object.inverse() * reading.base.pose() *
+          T_base_link[static_cast<std::size_t>(hand.distal[finger])];
+      for (const auto& contact : reading.contacts[finger]) {
+        ++contacts;
+        EXPECT_LT(std::abs(surface.signed_distance(T_object_link * contact.p)), 1e-3);
+        EXPECT_LT(contact.f.dot(contact.n), 0);
+      }
+    }
+  };
+  run_episode(task, episode_start({}, 1, 0), 99, [&](int step, const PolicyInput& input) {
+    if (step >= 60 && step % 10 == 0) look(step);  // it hangs at rest
+    return policy->act(input);
+  });
+  EXPECT_GT(contacts, 8);
+}
+
+TEST(Relocation, FeelingInTheGraspMakesUpForARoughPlace) {
+  RelocationOptions options;
+  options.explore = false;
+  const auto policy = box_policy();
+  const auto felt = Relocation(box_task(), options).run_all(*policy, {}, 71, 3, 2);
+  options.felt.estimate = false;
+  const auto carried = Relocation(box_task(), options).run_all(*policy, {}, 71, 3, 1);
+  double felt_error = 0, carried_error = 0;
+  for (std::size_t i = 0; i < felt.size(); ++i) {
+    EXPECT_GT(felt[i].estimates, 3);
+    EXPECT_EQ(carried[i].estimates, 0);
+    EXPECT_EQ(felt[i].resting_error, carried[i].resting_error);
+    EXPECT_LT(felt[i].resting_error, 0.03);
+    felt_error += felt[i].told_error / 3;
+    carried_error += carried[i].told_error / 3;
+  }
+  EXPECT_LT(felt_error, 0.7 * carried_error);
+}
+
+TEST(Relocation, ExploringTellsThePlace) {
+  RelocationOptions options;
+  options.exploring.touches = options.exploring.most_touches = 6;
+  EpisodeOptions episode;
+  episode.horizon = 2;
+  const auto felt = Relocation(box_task(), options).run(*box_policy(), episode, 72, 0);
+  EXPECT_TRUE(felt.explored);
+  EXPECT_LT(felt.resting_error, 0.005);
+}
+
+TEST(Relocation, ThreadsDoNotMatter) {
+  RelocationOptions options;
+  options.explore = false;
+  EpisodeOptions episode;
+  episode.horizon = 40;
+  const Relocation relocation(box_task(), options);
+  const auto one = relocation.run_all(*box_policy(), episode, 73, 3, 1);
+  const auto many = relocation.run_all(*box_policy(), episode, 73, 3, 3);
+  for (std::size_t i = 0; i < one.size(); ++i) {
+    EXPECT_GT(one[i].estimates, 0);
+    EXPECT_EQ(one[i].told_error, many[i].told_error);
+    EXPECT_EQ(one[i].episode.total, many[i].episode.total);
+  }
+}
+
+// The mug's parts overlap; outside of them and in its cavity that does not show.
+TEST(Relocation, TheMugOfPartsIsASolid) {
+  const auto model = make_model({});
+  const auto object = known_object(make_object({}), model.object_mass());
+  const geometry::MeshQuery surface(object.mesh);
+  const auto distance = [&](const Eigen::Vector3d& p) {
+    return surface.signed_distance(object.T_mesh_object.inverse() * p);
+  };
+  const Eigen::Vector3d axis(-0.0029, 0.0006, 0);
+  EXPECT_NEAR(distance(axis + Eigen::Vector3d(-0.0429, 0, 0)), 0.010, 1e-4);  // from the wall
+  EXPECT_NEAR(distance(axis + Eigen::Vector3d(-0.0197, 0, 0)), 0.010, 1e-4);  // in the cavity
+  EXPECT_NEAR(distance(axis + Eigen::Vector3d(-0.0313, 0, 0)), -0.0016, 1e-4);
+  EXPECT_NEAR(distance({0.0498, -0.0016, 0.003}), -0.0033, 1e-4);  // in the handle
+}
+
+TEST(Relocation, RefusesAnObjectThatDoesNotStand) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "leaning.obj";
+  const Eigen::Isometry3d lean(Eigen::AngleAxisd(0.4, Eigen::Vector3d::UnitX()));
+  const auto mesh = geometry::transformed(lean, geometry::box_mesh({0.05, 0.06, 0.07}));
+  std::string text;
+  for (const auto& v : mesh.vertices) text += fmt::format("v {} {} {}\n", v.x(), v.y(), v.z());
+  for (const auto& t : mesh.triangles) {
+    text += fmt::format("f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1);
+  }
+  write_file_atomically(path, text);
+  TaskOptions task;
+  task.object = path.string();
+  EXPECT_THROW(Relocation(task, {}), BadInput);
+}
+
+}  // namespace
+}  // namespace palpate::relocate

@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/tasks/relocate/training/trainer.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <functional>
+
+#include "core/error_message.hpp"
+#include "palpate/core/file.hpp"
+#include "palpate/learning/training/checkpoint.hpp"
+#include "tasks/policies.hpp"
+
+namespace palpate::relocate {
+namespace {
+
+TrainingContext context() {
+  TaskOptions options;
+  options.solver = "fast";
+  return {make_model(options), 5, 1};
+}
+
+std::filesystem::path checkpoint_path() {
+  return std::filesystem::path(testing::TempDir()) /
+         (std::string(testing::UnitTest::GetInstance()->current_test_info()->name()) +
+          ".checkpoint");
+}
+
+using MakeTrainer = std::function<std::unique_ptr<Trainer>()>;
+
+/// Trains in one go, and again with a new trainer from a checkpoint on disk before each iteration.
+void expect_resumable(const MakeTrainer& make, int iterations) {
+  const auto whole = make();
+  for (int i = 0; i < iterations; ++i) whole->iterate();
+  learning::Checkpoint kept;
+  for (int i = 0; i < iterations; ++i) {
+    const auto part = make();
+    if (i > 0) part->restore(learning::load_checkpoint(checkpoint_path()));
+    part->iterate();
+    learning::Checkpoint checkpoint;
+    checkpoint.iteration = part->iteration();
+    part->save(checkpoint);
+    learning::save_checkpoint(checkpoint_path(), checkpoint);
+  }
+  const auto last = make();
+  last->restore(learning::load_checkpoint(checkpoint_path()));
+  EXPECT_EQ(last->iteration(), iterations);
+  EXPECT_EQ(last->policy().arrays, whole->policy().arrays);
+}
+
+TEST(Trainer, CemGoesOnAfterAnInterruption) {
+  CemTrainingOptions options;
+  options.search.cem.population = 4;
+  options.search.cem.elite = 2;
+  options.search.screening = options.search.episodes = 1;
+  options.search.episode.horizon = 6;
+  options.memoryless = true;
+  options.settle = 1;
+  options.refit = 2;
+  options.observer.hidden = 4;
+  options.observer.rounds = 2;
+  options.observer.episodes = 3;
+  options.observer.samples = 200;
+  expect_resumable([&] { return make_cem_trainer(context(), options); }, 3);
+}
+
+TEST(Trainer, DaggerGoesOnAfterAnInterruption) {
+  DaggerOptions options;
+  options.hidden = 6;
+  options.episodes = 3;
+  options.samples = 100;
+  options.episode.horizon = 6;
+  const auto expert = structured(false);
+  expect_resumable([&] { return make_dagger_trainer(context(), options, expert); }, 3);
+}
+
+TEST(Trainer, NpgGoesOnAfterAnInterruption) {
+  NpgOptions options;
+  options.trajectories = 3;
+  options.evaluation = 2;
+  options.episode.horizon = 6;
+  expect_resumable([&] { return make_npg_trainer(context(), options, small_network(1), {}); }, 3);
+}
+
+TEST(Trainer, RefusesACheckpointOfImpossibleLayers) {
+  NpgOptions npg;
+  npg.trajectories = 2;
+  npg.evaluation = 1;
+  npg.episode.horizon = 3;
+  const auto trainer = make_npg_trainer(context(), npg, small_network(1), {});
+  trainer->iterate();
+  learning::Checkpoint whole;
+  trainer->save(whole);
+  const auto cem = make_cem_trainer(context(), {});
+  for (const double units : {39.5, 1e300, -1.0, std::nan("")}) {
+    for (const char* name : {"policy_sizes", "value_sizes"}) {
+      learning::Checkpoint checkpoint = whole;
+      checkpoint.arrays.at(name)(0, 0) = units;
+      EXPECT_NE(error_message([&] { trainer->restore(checkpoint); }).find("layer of"),
+                std::string::npos)
+          << name << units;
+    }
+    learning::Checkpoint checkpoint;
+    cem->save(checkpoint);
+    checkpoint.arrays["observer_sizes"] = Eigen::Vector3d(units, 4, 3);
+    checkpoint.arrays["observer_parameters"] = Eigen::VectorXd::Zero(9);
+    EXPECT_NE(error_message([&] { cem->restore(checkpoint); }).find("layer of"), std::string::npos)
+        << units;
+  }
+}
+
+TEST(Trainer, NpgTellsWhatTheMeanActionEarns) {
+  NpgOptions options;
+  options.trajectories = 2;
+  options.evaluation = 3;
+  options.episode.horizon = 6;
+  const auto trainer = make_npg_trainer(context(), options, small_network(1), {});
+  const auto metrics = trainer->iterate();
+  EXPECT_EQ(metrics[0].first, "evaluation");
+  const auto seed = RandomStream(context().seed, "evaluation").bits();
+  const auto episodes =
+      rollout(context().model, *policy_from(trainer->policy()), options.episode, seed, 3, 1);
+  EXPECT_DOUBLE_EQ(metrics[0].second, summarize(episodes).mean);
+}
+
+TEST(Trainer, DaggerLearnsWhatTheExpertDoes) {
+  DaggerOptions options;
+  options.episodes = 6;
+  options.samples = 20000;
+  options.episode.horizon = 20;
+  options.hidden = 16;
+  const auto expert = small_network(7);
+  const auto trainer = make_dagger_trainer(context(), options, expert);
+  double first = 0, last = 0;
+  for (int i = 0; i < 3; ++i) {
+    last = trainer->iterate()[1].second;
+    if (i == 0) first = last;
+  }
+  EXPECT_LT(last, 0.02);  // mean squared; the expert's actions are of size 1
+  EXPECT_GT(first, 0);
+}
+
+TEST(Checkpoint, ReadsBackExactly) {
+  learning::Checkpoint checkpoint;
+  checkpoint.method = "cem";
+  checkpoint.seed = 18446744073709551615ULL;
+  checkpoint.iteration = 7;
+  checkpoint.settings = "a = 1\n";
+  checkpoint.arrays["x"] = Eigen::MatrixXd::Random(3, 5);
+  checkpoint.arrays["empty"] = Eigen::MatrixXd(4, 0);
+  learning::save_checkpoint(checkpoint_path(), checkpoint);
+  const auto read = learning::load_checkpoint(checkpoint_path());
+  EXPECT_EQ(read.method, checkpoint.method);
+  EXPECT_EQ(read.seed, checkpoint.seed);
+  EXPECT_EQ(read.iteration, checkpoint.iteration);
+  EXPECT_EQ(read.settings, checkpoint.settings);
+  EXPECT_EQ(read.array("x"), checkpoint.arrays["x"]);
+  EXPECT_EQ(read.array("empty").cols(), 0);
+  EXPECT_THROW(read.array("y"), BadInput);
+}
+
+TEST(Checkpoint, AnyTruncationOrAdditionIsAnError) {
+  learning::Checkpoint checkpoint;
+  checkpoint.arrays["x"] = Eigen::MatrixXd::Random(3, 5);
+  learning::save_checkpoint(checkpoint_path(), checkpoint);
+  const std::string bytes = read_file(checkpoint_path());
+  const auto error_of = [](const std::string& text) {
+    write_file_atomically(checkpoint_path(), text);
+    return error_message([] { learning::load_checkpoint(checkpoint_path()); });
+  };
+  for (std::size_t length = 0; length < bytes.size(); length += 7) {
+    EXPECT_NE(error_of(bytes.substr(0, length)), "") << length;
+  }
+  EXPECT_NE(error_of(bytes + "x"), "");
+  EXPECT_NE(error_of("{}\n"), "");
+  EXPECT_EQ(error_of(bytes), "");
+}
+
+}  // namespace
+}  // namespace palpate::relocate
