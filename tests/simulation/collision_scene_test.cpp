@@ -3,8 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include "palpate/core/assets.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/hand/coupling.hpp"
+#include "palpate/simulation/world/world.hpp"
 #include "simulation/scenes.hpp"
 
 namespace palpate::simulation {
@@ -84,6 +86,40 @@ TEST(CollisionScene, NothingToPlace) {
   CollisionScene scene;
   EXPECT_THROW(scene.place(Eigen::Isometry3d::Identity()), BadInput);
   EXPECT_THROW(scene.hold(Eigen::Isometry3d::Identity()), BadInput);
+}
+
+/// Height of the base, m, at which the level hand meets the table, coming down.
+double touch_height(CollisionScene& scene) {
+  for (double height = 0.3; height > -0.3; height -= 0.0005) {
+    const auto pair = collision(scene, open_hand(height));
+    if (pair && names(*pair, "table")) return height;
+  }
+  return -1;
+}
+
+TEST(CollisionScene, IsBuiltFromTheBelievedHand) {
+  constexpr double kLower = 0.02;  // m
+  const auto drawn = load_shadow_hand(asset("shadow_hand/right_hand.xml"));
+  hand::HandModel lowered = drawn;
+  const auto command = open_hand(0);
+  const auto T_base_link =
+      hand::forward_kinematics(drawn, hand::joints_in_free_flexion(command.positions));
+  for (auto& link : lowered.links) {
+    if (link.parent != -1) continue;
+    for (auto& child : lowered.links) {
+      if (child.parent < 0 || &lowered.links[static_cast<std::size_t>(child.parent)] != &link)
+        continue;
+      const Eigen::Matrix3d R_world_parent =
+          (command.base.pose() * T_base_link[static_cast<std::size_t>(child.parent)]).linear();
+      child.T_parent_link.translation() -= kLower * R_world_parent.row(2).transpose();
+    }
+  }
+  CollisionScene nominal(block()), same(block(), drawn), believed(block(), lowered);
+  EXPECT_NEAR(touch_height(same), touch_height(nominal), 1e-9);
+  EXPECT_NEAR(touch_height(believed) - touch_height(nominal), kLower, 0.001);
+  hand::HandModel other = drawn;
+  other.links[1].name = "tentacle";
+  EXPECT_THROW((void)CollisionScene(block(), other), BadInput);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "palpate/core/error.hpp"
+#include "simulation/hand/believed_hand.hpp"
 #include "simulation/hand/hand_spec.hpp"
 #include "simulation/world/scene.hpp"
 
@@ -127,6 +128,13 @@ CollisionScene::CollisionScene(const geometry::KnownObject& object,
                                const planning::CollisionOptions& options,
                                const planning::Fixture& fixture)
     : impl_(std::make_unique<Impl>(object, options, fixture, true)) {}
+
+CollisionScene::CollisionScene(const geometry::KnownObject& object, const hand::HandModel& believed,
+                               const planning::CollisionOptions& options,
+                               const planning::Fixture& fixture)
+    : CollisionScene(object, options, fixture) {
+  place_links(believed, *impl_->scene.model);
+}
 
 CollisionScene::~CollisionScene() = default;
 CollisionScene::CollisionScene(CollisionScene&&) noexcept = default;

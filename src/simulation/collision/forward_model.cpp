@@ -7,7 +7,7 @@
 
 #include "palpate/core/error.hpp"
 #include "palpate/simulation/collision/collision_scene.hpp"
-#include "simulation/hand/hand_spec.hpp"
+#include "simulation/hand/believed_hand.hpp"
 #include "simulation/hand/simulated_hand.hpp"
 
 namespace palpate::simulation {
@@ -29,17 +29,6 @@ DataHandle make_data(const mjModel& model) {
   return data;
 }
 
-/// With the links where the believed model has them.
-Scene displaced(Scene scene, const hand::HandModel& believed) {
-  mjModel& m = *scene.model;
-  for (const hand::Link& link : believed.links) {
-    if (link.parent < 0) continue;
-    const int body = find_id(m, mjOBJ_BODY, std::string(kRight) + link.name);
-    Eigen::Vector3d::Map(m.body_pos + 3 * body) = link.T_parent_link.translation();
-  }
-  return scene;
-}
-
 }  // namespace
 
 struct SimulatedForwardModel::Impl {
@@ -48,9 +37,10 @@ struct SimulatedForwardModel::Impl {
       : options(without_noise(given)),
         mesh(known.mesh),
         surface(mesh),
-        scene(displaced(compose_scene(known, surface, options), believed)),
+        scene(compose_scene(known, surface, options)),
         data(make_data(*scene.model)),
         hand(scene, *data, options, RandomStream(0, "rehearsal")) {
+    place_links(believed, *scene.model);
     mj_setConst(scene.model.get(), data.get());
   }
 
@@ -120,9 +110,9 @@ skills::RolloutOutcome SimulatedForwardModel::rollout(std::span<const hand::Hand
 }
 
 std::unique_ptr<planning::CollisionChecker> SimulatedModels::collision_checker(
-    const geometry::KnownObject& object, const hand::HandModel& /*believed*/,
+    const geometry::KnownObject& object, const hand::HandModel& believed,
     const planning::CollisionOptions& options, const planning::Fixture& fixture) const {
-  return std::make_unique<CollisionScene>(object, options, fixture);
+  return std::make_unique<CollisionScene>(object, believed, options, fixture);
 }
 
 std::unique_ptr<skills::ForwardModel> SimulatedModels::forward_model(

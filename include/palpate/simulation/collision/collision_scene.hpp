@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "palpate/geometry/objects/known_object.hpp"
+#include "palpate/hand/kinematics.hpp"
 #include "palpate/planning/collision_checker.hpp"
 #include "palpate/planning/fixture.hpp"
 
@@ -19,6 +20,11 @@ class CollisionScene final : public planning::CollisionChecker {
   explicit CollisionScene(const geometry::KnownObject& object,
                           const planning::CollisionOptions& options = {},
                           const planning::Fixture& fixture = {});
+  /// The same with the links of the hand where they are believed to be instead of where its drawing
+  /// has them. @throws BadInput also for a link that the hand lacks
+  CollisionScene(const geometry::KnownObject& object, const hand::HandModel& believed,
+                 const planning::CollisionOptions& options = {},
+                 const planning::Fixture& fixture = {});
   ~CollisionScene() override;
   CollisionScene(CollisionScene&&) noexcept;
   CollisionScene& operator=(CollisionScene&&) noexcept;
