@@ -66,5 +66,13 @@ void add_compare(CLI::App& program, Command& chosen);
 void add_sense(CLI::App& program, Command& chosen);
 void add_train(CLI::App& program, Command& chosen);
 void add_view(CLI::App& program, Command& chosen);
+void add_options(CLI::App& program, Command& chosen);
+
+/// The options that a command's --config and --set can set, at their defaults.
+std::vector<OptionInfo> pick_option_list();
+std::vector<OptionInfo> localize_option_list();
+std::vector<OptionInfo> plan_option_list();
+std::vector<OptionInfo> register_option_list();
+std::vector<OptionInfo> rollout_option_list();
 
 }  // namespace palpate::app

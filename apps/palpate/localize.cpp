@@ -225,6 +225,8 @@ int localize(const LocalizeArguments& arguments) {
 
 }  // namespace
 
+std::vector<OptionInfo> localize_option_list() { return list_options(LocalizeOptions{}); }
+
 void add_localize(CLI::App& program, Command& chosen) {
   auto arguments = std::make_shared<LocalizeArguments>();
   auto& command = *program.add_subcommand(

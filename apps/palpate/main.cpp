@@ -44,6 +44,7 @@ int run(int argc, char** argv) {
   add_train(program, chosen);
   add_demos(program, chosen);
   add_view(program, chosen);
+  add_options(program, chosen);
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

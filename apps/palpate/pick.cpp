@@ -93,6 +93,8 @@ int pick(const PickArguments& arguments) {
 
 }  // namespace
 
+std::vector<OptionInfo> pick_option_list() { return list_options(evaluation::TrialOptions{}); }
+
 void add_pick(CLI::App& program, Command& chosen) {
   auto arguments = std::make_shared<PickArguments>();
   auto& command = *program.add_subcommand(

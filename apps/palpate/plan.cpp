@@ -172,6 +172,8 @@ int plan(const PlanArguments& arguments) {
 
 }  // namespace
 
+std::vector<OptionInfo> plan_option_list() { return list_options(PlanSettings{}); }
+
 void add_plan(CLI::App& program, Command& chosen) {
   auto arguments = std::make_shared<PlanArguments>();
   auto& command = *program.add_subcommand(

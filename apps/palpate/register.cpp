@@ -189,6 +189,8 @@ void add_method(CLI::App& command, RegisterArguments& arguments) {
 
 }  // namespace
 
+std::vector<OptionInfo> register_option_list() { return list_options(RegisterOptions{}); }
+
 void add_register(CLI::App& program, Command& chosen) {
   auto arguments = std::make_shared<RegisterArguments>();
   auto& command = *program.add_subcommand(

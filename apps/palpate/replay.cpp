@@ -23,7 +23,7 @@ struct ReplayArguments {
 evaluation::TrialOptions replay_options(const recording::Recording& recording,
                                         const CommonOptions& common, const std::string& name) {
   evaluation::TrialOptions options;
-  parse_toml(recording.header.config_toml, name, options);
+  parse_toml(recording.header.config_toml, name, options, Renamed::accepted);
   const std::string recorded = options.touch.source;
   if (!common.config.empty()) load_toml(common.config, options);
   for (const auto& assignment : common.set) apply_setting(assignment, options);

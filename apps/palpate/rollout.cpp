@@ -188,6 +188,8 @@ int rollout(const RolloutArguments& arguments) {
 
 }  // namespace
 
+std::vector<OptionInfo> rollout_option_list() { return list_options(RolloutOptions{}); }
+
 void add_rollout(CLI::App& program, Command& chosen) {
   auto arguments = std::make_shared<RolloutArguments>();
   auto& command = *program.add_subcommand("rollout", "Let a policy relocate an object, many times");

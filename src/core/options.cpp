@@ -9,6 +9,7 @@
 #include <limits>
 #include <optional>
 
+#include "core/renamed_options.hpp"
 #include "palpate/core/csv.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/spelling.hpp"
@@ -84,10 +85,16 @@ std::string suggestion(std::string_view key, const std::vector<OptionField>& fie
 }
 
 const OptionField& find_field(std::string_view key, const std::vector<OptionField>& fields,
-                              const std::string& where) {
+                              const std::string& where, Renamed accept) {
   const auto found = std::find_if(fields.begin(), fields.end(),
                                   [&](const OptionField& field) { return field.key == key; });
   if (found != fields.end()) return *found;
+  const std::string renamed = renamed_option(key);
+  const auto now = std::find_if(fields.begin(), fields.end(),
+                                [&](const OptionField& field) { return field.key == renamed; });
+  if (now != fields.end() && accept == Renamed::accepted) return *now;
+  if (now != fields.end())
+    throw BadInput(fmt::format("{}option {} is now {}", where, key, renamed));
   throw BadInput(fmt::format("{}unknown option {}{}", where, key, suggestion(key, fields)));
 }
 
@@ -137,20 +144,22 @@ std::string place(std::string_view source, const toml::source_region& region) {
   return fmt::format("{}:{}: ", source, region.begin.line);
 }
 
+/// Whether some option is in the section, by its present or an earlier name.
 bool is_section(const std::string& key, const std::vector<OptionField>& fields) {
+  const std::string prefix = renamed_option(key + ".");
   return std::any_of(fields.begin(), fields.end(),
-                     [&](const OptionField& field) { return field.key.starts_with(key + "."); });
+                     [&](const OptionField& field) { return field.key.starts_with(prefix); });
 }
 
 void assign_table(const toml::table& table, const std::string& prefix, std::string_view source,
-                  const std::vector<OptionField>& fields) {
+                  const std::vector<OptionField>& fields, Renamed accept) {
   for (const auto& [name, node] : table) {
     const std::string key = prefix + std::string(name.str());
     if (node.is_table() && is_section(key, fields)) {
-      assign_table(*node.as_table(), key + ".", source, fields);
+      assign_table(*node.as_table(), key + ".", source, fields, accept);
     } else {
       const std::string where = place(source, name.source());
-      assign(find_field(key, fields, where), written_in_toml(node), where);
+      assign(find_field(key, fields, where, accept), written_in_toml(node), where);
     }
   }
 }
@@ -185,9 +194,9 @@ void OptionCollector::operator()(std::string_view name, std::string& value, std:
 }
 
 void assign_toml(std::string_view text, std::string_view source,
-                 const std::vector<OptionField>& fields) {
+                 const std::vector<OptionField>& fields, Renamed accept) {
   try {
-    assign_table(toml::parse(text), "", source, fields);
+    assign_table(toml::parse(text), "", source, fields, accept);
   } catch (const toml::parse_error& error) {
     std::string reason(error.description());
     std::replace(reason.begin(), reason.end(), '\n', ' ');
@@ -200,7 +209,8 @@ void assign_setting(std::string_view assignment, const std::vector<OptionField>&
   if (equals == std::string_view::npos) {
     throw BadInput(fmt::format("\"{}\" is not of the form key=value", assignment));
   }
-  const auto& field = find_field(trimmed(assignment.substr(0, equals)), fields, "");
+  const auto& field =
+      find_field(trimmed(assignment.substr(0, equals)), fields, "", Renamed::refused);
   assign(field, written_in_setting(field, trimmed(assignment.substr(equals + 1))), "");
 }
 

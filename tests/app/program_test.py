@@ -41,6 +41,22 @@ class Usage(CliTest):
             self.assertIn(f"palpate {command}", examples)
 
 
+class Options(CliTest):
+    def test_every_option_is_listed_with_its_help(self):
+        for command in ("pick", "localize", "plan", "register", "rollout"):
+            options = self.run_json("options", command)["options"]
+            self.assertGreater(len(options), 3, command)
+            for option in options:
+                self.assertEqual(sorted(option), ["default", "help", "key", "range", "type"])
+                self.assertNotEqual(option["help"], "", option["key"])
+
+    def test_text_and_a_command_without_options(self):
+        done = self.run_program("options")
+        self.assertEqual(done.returncode, DONE)
+        self.assertIn("attempts = 3", done.stdout)
+        self.assert_refused(BAD_INPUT, ["options", "view"], "view")
+
+
 class Doctor(CliTest):
     def test_doctor(self):
         checks = self.run_json("doctor")["checks"]

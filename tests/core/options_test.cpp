@@ -47,6 +47,30 @@ struct Trial {
   }
 };
 
+/// Options that had other names: locate.window, explore.most_touches.
+struct Renewed {
+  struct Estimation {
+    double window = 0.5;
+    template <class Visitor>
+    void visit(Visitor&& v) {
+      v("window", window, 0.0, 10.0, "s of readings");
+    }
+  } estimation;
+  struct Explore {
+    int max_touches = 16;
+    template <class Visitor>
+    void visit(Visitor&& v) {
+      v("max_touches", max_touches, 0, 64, "touches");
+    }
+  } explore;
+
+  template <class Visitor>
+  void visit(Visitor&& v) {
+    v.section("estimation", estimation);
+    v.section("explore", explore);
+  }
+};
+
 std::string toml_error(std::string_view text, Pick options = {}) {
   return error_message([&] { parse_toml(text, "run.toml", options); });
 }
@@ -208,6 +232,25 @@ TEST(Options, ListsKeysWithDocs) {
   EXPECT_EQ(options[0].doc, "m, upwards");
   EXPECT_EQ(options[4].type, "bool");
   EXPECT_EQ(options[4].range, "");
+}
+
+TEST(Options, AnEarlierNameIsAnErrorThatSaysTheNewOne) {
+  Renewed options;
+  EXPECT_EQ(error_message([&] { apply_setting("locate.window=1", options); }),
+            "option locate.window is now estimation.window");
+  EXPECT_EQ(error_message([&] { parse_toml("[explore]\nmost_touches = 3", "run.toml", options); }),
+            "run.toml:2: option explore.most_touches is now explore.max_touches");
+  EXPECT_EQ(error_message([&] { parse_toml("[locate]\nwindow = 1", "run.toml", options); }),
+            "run.toml:2: option locate.window is now estimation.window");
+}
+
+TEST(Options, AnEarlierNameIsReadWhereItIsAccepted) {
+  Renewed options;
+  parse_toml("[locate]\nwindow = 1\n[explore]\nmost_touches = 3", "old.h5", options,
+             Renamed::accepted);
+  EXPECT_EQ(options.estimation.window, 1);
+  EXPECT_EQ(options.explore.max_touches, 3);
+  EXPECT_THROW(parse_toml("[locate]\nwidow = 1", "old.h5", options, Renamed::accepted), BadInput);
 }
 
 }  // namespace

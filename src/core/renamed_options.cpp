@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/renamed_options.hpp"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+namespace palpate {
+namespace {
+
+using Rename = std::pair<std::string_view, std::string_view>;
+
+constexpr Rename kMovedSection{"place.fingers.reorient.world.", "forward_model."};
+
+/// Parts of keys, between dots.
+constexpr std::array<Rename, 38> kRenamedParts{{
+    {"feel", "height_probe"},
+    {"locate", "estimation"},
+    {"probe", "palpation"},
+    {"worth", "min_gain_rate"},
+    {"means", "strategy"},
+    {"stance", "stable_pose"},
+    {"other_stance", "other_stable_pose"},
+    {"felt_sigma", "probed_height_sigma"},
+    {"swept_sigma", "free_space_sigma"},
+    {"false_truth", "corrupted_truth"},
+    {"twist", "torsional_friction_radius"},
+    {"most_touches", "max_touches"},
+    {"most", "max"},
+    {"least", "min"},
+    {"least_depth", "min_depth"},
+    {"least_press", "min_press"},
+    {"most_imbalance", "max_wrench_residual"},
+    {"least_contacts", "min_contacts"},
+    {"least_weight", "min_weight"},
+    {"least_fingers", "min_fingers"},
+    {"most_slip", "max_slip"},
+    {"most_press", "max_press"},
+    {"most_transfers", "max_transfers"},
+    {"slip_way", "slip_distance"},
+    {"way_speed", "linear_speed"},
+    {"done_way", "done_distance"},
+    {"drift_way", "drift_distance"},
+    {"way_sigma", "translation_sigma"},
+    {"turn_sigma", "rotation_sigma"},
+    {"way_scale", "distance_scale"},
+    {"least_force", "min_force"},
+    {"least_ratio_rate", "min_ratio_rate"},
+    {"least_speed", "min_speed"},
+    {"least_spread", "min_spread"},
+    {"least_share", "min_share"},
+    {"least_concentration", "min_concentration"},
+    {"noise_doubt", "noise_scale_prior"},
+    {"size_doubt", "size_prior"},
+}};
+
+std::string_view renamed_part(std::string_view part) {
+  const auto* const found = std::find_if(kRenamedParts.begin(), kRenamedParts.end(),
+                                         [&](const Rename& one) { return one.first == part; });
+  return found == kRenamedParts.end() ? part : found->second;
+}
+
+}  // namespace
+
+std::string renamed_option(std::string_view key) {
+  std::string moved(key);
+  if (key.starts_with(kMovedSection.first)) {
+    moved = std::string(kMovedSection.second).append(key.substr(kMovedSection.first.size()));
+  }
+  std::string result;
+  for (std::size_t start = 0; start <= moved.size();) {
+    const std::size_t end = std::min(moved.find('.', start), moved.size());
+    result.append(result.empty() ? "" : ".")
+        .append(renamed_part(std::string_view(moved).substr(start, end - start)));
+    start = end + 1;
+  }
+  return result;
+}
+
+}  // namespace palpate
