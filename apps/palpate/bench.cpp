@@ -135,7 +135,7 @@ int bench_contact(const BenchArguments& arguments) {
       {"grasp",
        {{"exact", measure_grasp(arguments, true)}, {"parts", measure_grasp(arguments, false)}}}};
   if (!arguments.common.out.empty()) {
-    make_writable_folder(arguments.common.out);
+    const auto output = claim_output(arguments.common, {"contact.json"});
     write_file_atomically(std::filesystem::path(arguments.common.out) / "contact.json",
                           report.dump(2) + "\n");
   }

@@ -64,6 +64,7 @@ int certify(const CertifyArguments& arguments) {
                                  {"seconds", elapsed.count()}};
   if (!arguments.common.out.empty()) {
     const std::filesystem::path folder = arguments.common.out;
+    const auto output = claim_output(arguments.common, {"report.json"});
     write_file_atomically(folder / "report.json", report.dump(2) + "\n");
   }
   if (arguments.common.json) {

@@ -30,8 +30,15 @@ void add_common_options(CLI::App& command, CommonOptions& options) {
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();
   command.add_option("--out", options.out, "folder for the results")->option_text("DIR");
+  command.add_flag("--force", options.force, "overwrite the results that are in DIR");
   command.add_flag("--json", options.json, "print one JSON object on stdout");
   command.add_flag("--quiet", options.quiet, "no progress on stderr");
+}
+
+std::unique_ptr<OutputFolder> claim_output(const CommonOptions& common,
+                                           const std::vector<std::string>& results) {
+  if (common.out.empty()) return nullptr;
+  return std::make_unique<OutputFolder>(common.out, results, common.force);
 }
 
 std::string config_header(const CommonOptions& common) {

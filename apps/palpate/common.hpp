@@ -6,11 +6,13 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "palpate/core/options.hpp"
+#include "palpate/core/output_folder.hpp"
 
 namespace palpate::app {
 
@@ -24,11 +26,17 @@ struct CommonOptions {
   std::uint64_t seed = 0;
   int threads = 1;
   std::string out;
+  bool force = false;
   bool json = false;
   bool quiet = false;
 };
 
 void add_common_options(CLI::App& command, CommonOptions& options);
+
+/// The folder for the results, if one was asked for: locked, and without these results.
+/// @throws BadInput as OutputFolder does
+std::unique_ptr<OutputFolder> claim_output(const CommonOptions& common,
+                                           const std::vector<std::string>& results);
 
 /// Options struct with the config file and then every --set applied.
 template <class Options>

@@ -130,7 +130,7 @@ void print_table(const numerics::Comparison& c, const TwoSamples& samples) {
 
 int compare(const CompareArguments& arguments) {
   const auto& common = arguments.common;
-  if (!common.out.empty()) make_writable_folder(common.out);
+  const auto output = claim_output(common, {"compare.json"});
   const TwoSamples samples = gather(arguments);
   const auto comparison =
       numerics::compare_samples(samples.a, samples.b, RandomStream(common.seed, "compare"));

@@ -38,7 +38,8 @@ int make(const MakeArguments& arguments) {
   const auto& common = arguments.common;
   if (common.out.empty()) throw BadInput("--out DIR is missing: where the data set is to be kept");
   const auto options = resolve<MakeOptions>(common);
-  make_writable_folder(common.out);
+  const auto output =
+      claim_output(common, {"data/metadata.json", "data/main_data.hdf5", "config.toml"});
   const auto model = relocate::make_model(options.task);
   const auto begin = std::chrono::steady_clock::now();
   const auto progress = [&](std::size_t done, std::size_t all) {
@@ -132,7 +133,7 @@ int retarget(const RetargetArguments& arguments) {
     table += "\n";
   }
   if (!common.out.empty()) {
-    make_writable_folder(common.out);
+    const auto output = claim_output(common, {"joints.csv"});
     write_file_atomically(std::filesystem::path(common.out) / "joints.csv", table);
   }
   if (common.json) {

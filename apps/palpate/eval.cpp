@@ -4,11 +4,14 @@
 #include <cstdio>
 
 #include "common.hpp"
+#include "palpate/core/cache.hpp"
+#include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
 #include "palpate/core/statistics.hpp"
 #include "palpate/evaluation/evaluation.hpp"
 #include "place_report.hpp"
 #include "progress_bar.hpp"
+#include "trial_records.hpp"
 #include "trials_file.hpp"
 
 namespace palpate::app {
@@ -19,6 +22,7 @@ using nlohmann::json;
 
 struct EvalArguments {
   CommonOptions common;
+  bool resume = false;
   std::vector<std::string> objects = {"mug", "bottle", "box", "bracket", "bunny"};
   std::size_t trials = 30;
   std::string place;
@@ -155,7 +159,69 @@ void print_places(const std::vector<std::string>& names,
   fmt::print("{}\n* of the certain\n\n{}", place_row("all", places, trials), phases_table(phases));
 }
 
+/// Fingerprint of all that decides how a trial goes, but for its number.
+std::string configuration_of(const EvalArguments& arguments,
+                             const evaluation::TrialOptions& options,
+                             const std::vector<geometry::KnownObject>& objects) {
+  std::string text = config_header(arguments.common) + to_toml(options);
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    const auto& vertices = objects[i].mesh.vertices;
+    text += fmt::format("{}:{}\n", arguments.objects[i].size(), arguments.objects[i]);
+    text.append(reinterpret_cast<const char*>(vertices.data()),
+                vertices.size() * sizeof vertices[0]);
+  }
+  return content_hash(text);
+}
+
+/// What an evaluation keeps in its folder, from which it goes on where it was interrupted.
+struct EvalOutput {
+  EvalOutput(const EvalArguments& arguments, const evaluation::TrialOptions& options,
+             const std::vector<geometry::KnownObject>& objects)
+      : folder(arguments.common.out, kept_by_force(arguments), arguments.common.force),
+        records(begin(), configuration_of(arguments, options, objects)),
+        table(folder.path() / "trials.csv", !options.place.target.empty()) {
+    write_file_atomically(folder.path() / "config.toml",
+                          config_header(arguments.common) + to_toml(options));
+    std::filesystem::remove(folder.path() / "eval.json");  // of fewer trials
+  }
+
+  void add(const std::string& object, std::uint64_t seed, const evaluation::Trial& trial) {
+    const bool known = records.find(object, seed).has_value();
+    records.add(object, seed, trial);
+    table.add(object, seed, trial);
+    if (!known) table.write();
+  }
+
+  OutputFolder folder;
+  TrialRecords records;
+  TrialsFile table;
+
+ private:
+  /// Without --force an evaluation goes on, so that nothing is in its way.
+  static std::vector<std::string> kept_by_force(const EvalArguments& arguments) {
+    if (!arguments.common.force) return {};
+    return {"trials.jsonl", "trials.csv", "eval.json", "config.toml"};
+  }
+
+  std::filesystem::path begin() const {
+    const auto path = folder.path() / "trials.jsonl", rows = folder.path() / "trials.csv";
+    if (std::filesystem::exists(path)) return path;
+    if (std::filesystem::exists(rows)) {
+      throw BadInput(fmt::format(
+          "{} is of another run: --force overwrites it, another --out keeps it", rows.string()));
+    }
+    return path;
+  }
+};
+
 int eval(const EvalArguments& arguments) {
+  if (arguments.resume && (arguments.common.out.empty() || arguments.common.force)) {
+    throw BadInput("--resume needs the --out of an evaluation, and no --force");
+  }
+  const auto records = std::filesystem::path(arguments.common.out) / "trials.jsonl";
+  if (arguments.resume && !std::filesystem::exists(records)) {
+    throw BadInput(fmt::format("{}: there is no evaluation to go on with", records.string()));
+  }
   auto options = resolve<evaluation::TrialOptions>(arguments.common);
   if (!arguments.place.empty()) options.place.target = place_text(arguments.place);
   std::vector<geometry::KnownObject> objects;
@@ -170,14 +236,8 @@ int eval(const EvalArguments& arguments) {
   // What the simulator refuses is said before anything is printed or written.
   const simulation::World probe(objects.front(), options.world, arguments.common.seed);
   const std::filesystem::path folder = arguments.common.out;
-  std::optional<TrialsFile> trials_file;
-  if (!folder.empty()) {
-    make_writable_folder(arguments.common.out);
-    write_file_atomically(folder / "config.toml",
-                          config_header(arguments.common) + to_toml(options));
-    std::filesystem::remove(folder / "eval.json");  // of an earlier run
-    trials_file.emplace(folder / "trials.csv", !options.place.target.empty());
-  }
+  std::optional<EvalOutput> output;
+  if (!folder.empty()) output.emplace(arguments, options, objects);
 
   const bool table = !arguments.common.json;
   if (table) {
@@ -194,9 +254,11 @@ int eval(const EvalArguments& arguments) {
         model, options, arguments.common.seed, arguments.trials, arguments.common.threads,
         [&](std::size_t done, const evaluation::Trial& trial) {
           bar.show(done);
-          if (trials_file) {
-            trials_file->add(arguments.objects[i], arguments.common.seed + done - 1, trial);
-          }
+          if (output) output->add(arguments.objects[i], arguments.common.seed + done - 1, trial);
+        },
+        [&](std::size_t trial) {
+          return output ? output->records.find(arguments.objects[i], arguments.common.seed + trial)
+                        : std::nullopt;
         }));
     report["objects"][arguments.objects[i]] = summary_json(summaries.back());
     if (table) print_row(arguments.objects[i], summaries.back());
@@ -208,7 +270,10 @@ int eval(const EvalArguments& arguments) {
   } else {
     fmt::print("{}\n", report.dump(2));
   }
-  if (!folder.empty()) write_file_atomically(folder / "eval.json", report.dump(2) + "\n");
+  if (output) {
+    output->table.write();
+    write_file_atomically(folder / "eval.json", report.dump(2) + "\n");
+  }
   return kDone;
 }
 
@@ -223,12 +288,18 @@ void add_eval(CLI::App& program, Command& chosen) {
   command.add_option("--trials", arguments->trials, "picks an object")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
+  command.add_flag("--resume", arguments->resume,
+                   "go on with the evaluation in DIR, and begin none");
   add_place_option(command, arguments->place);
   add_common_options(command, arguments->common);
   command.footer(
       "Trial i of every object has the seed SEED + i. With --out it writes eval.json, config.toml "
       "and,\n"
-      "as they finish, a row for each trial in trials.csv into DIR.\n\nExamples:\n"
+      "as they finish, a row for each trial in trials.csv and all of it in trials.jsonl into DIR. "
+      "The\n"
+      "same command goes on where it was interrupted, with the same result bit for bit; a command "
+      "with\n"
+      "other settings is refused, unless --force begins anew.\n\nExamples:\n"
       "  palpate eval --object mug,box --trials 30 --threads 2 --seed 9000\n"
       "  palpate eval --object bunny --trials 10 --set attempts=1 --json\n"
       "  palpate eval --place random --trials 20 --seed 9000\n"

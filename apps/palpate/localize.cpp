@@ -211,6 +211,7 @@ int localize(const LocalizeArguments& arguments) {
   const auto report = report_of(arguments, result);
   if (!arguments.common.out.empty()) {
     const std::filesystem::path folder = arguments.common.out;
+    const auto output = claim_output(arguments.common, {"report.json", "config.toml"});
     write_file_atomically(folder / "report.json", report.dump(2) + "\n");
     write_file_atomically(folder / "config.toml",
                           config_header(arguments.common) + to_toml(options));

@@ -127,6 +127,8 @@ std::vector<Told> ablation() {
 
 int demonstrate_localize(const CommonOptions& common) {
   const std::filesystem::path folder = common.out.empty() ? "out/localize-demo" : common.out;
+  const OutputFolder output(folder, {"success.svg", "ablation.svg", "calibration.svg"},
+                            common.force);
   const auto hand = simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
   plotting::Plot plot, ablated;
   plot.title = "Pose from contacts and what the hand does not touch";

@@ -65,7 +65,8 @@ int pick(const PickArguments& arguments) {
   const simulation::World world(object.object(), options.world, common.seed);
 
   const fs::path folder = output_folder(arguments);
-  make_writable_folder(folder);
+  const OutputFolder output(folder, {"recording.h5", "config.toml", "report.json", "replay.html"},
+                            common.force);
   recording::Writer writer(folder / "recording.h5",
                            {std::string(version()), common.seed, object.object(),
                             world.hand_model(), config, own_errors});

@@ -119,6 +119,7 @@ pl::TrackingError follow(const Setting& setting, const std::vector<hand::HandCom
 void write_results(const PlanArguments& arguments, const PlanSettings& settings,
                    const pl::Plan& plan, const std::optional<pl::TrackingError>& tracking) {
   const std::filesystem::path folder = arguments.common.out;
+  const auto output = claim_output(arguments.common, {"report.json", "path.csv", "path.svg"});
   write_file_atomically(folder / "report.json", plan_report(plan, tracking).dump(2) + "\n");
   write_file_atomically(folder / "config.toml",
                         config_header(arguments.common) + to_toml(settings));

@@ -107,6 +107,8 @@ void write_results(const CommonOptions& common, const RegisterOptions& options,
                    const Outcome& outcome) {
   if (common.out.empty()) return;
   const std::filesystem::path folder = common.out;
+  const auto output =
+      claim_output(common, {"report.json", "config.toml", "correspondences.csv", "weights.csv"});
   const auto& [result, correspondences, matches, voxel, bound, rounds, seconds] =
       outcome.registration;
   write_file_atomically(folder / "report.json", outcome_report(outcome).dump(2) + "\n");

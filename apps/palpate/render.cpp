@@ -66,7 +66,7 @@ fs::path record_pick(const RenderArguments& arguments, const fs::path& folder) {
   const bool own_errors = options.touch.from_biotacs();  // bad ones are named first
   const geometry::ObjectModel object(geometry::load_known_object(arguments.object));
   const simulation::World world(object.object(), options.world, common.seed);
-  make_writable_folder(folder);
+  const OutputFolder output(folder, {"recording.h5"}, common.force);
   const fs::path path = folder / "recording.h5";
   recording::Writer writer(
       path, {std::string(version()), common.seed, object.object(), world.hand_model(),

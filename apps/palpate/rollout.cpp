@@ -162,7 +162,7 @@ int rollout(const RolloutArguments& arguments) {
   const auto options = resolve<RolloutOptions>(common);
   const auto policy = find_policy(arguments.policy);
   const Runner runner(arguments, options);  // what cannot be run is said before a folder is made
-  if (!common.out.empty()) make_writable_folder(common.out);
+  const auto output = claim_output(common, {"rollout.json", "episodes.csv", "config.toml"});
 
   const auto start = std::chrono::steady_clock::now();
   const auto [episodes, felt] = runner.run(*policy);

@@ -118,6 +118,7 @@ void report_streams(const SenseArguments& arguments, const std::vector<SensedStr
   std::string wrote;
   if (!arguments.common.out.empty()) {
     const std::filesystem::path folder = arguments.common.out;
+    const auto output = claim_output(arguments.common, {"report.json"});
     for (const SensedStream& stream : streams) {
       for (const auto& file : write_stream(folder, stream)) wrote += " " + file;
     }

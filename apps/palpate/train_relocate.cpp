@@ -298,7 +298,11 @@ int train(const TrainArguments& arguments) {
   if (common.out.empty()) throw BadInput("--out DIR is missing: where the training is to be kept");
   check_use(arguments);
   const auto options = resolve<TrainOptions>(common);
-  make_writable_folder(common.out);
+  // Without --force a training goes on, if its settings are the same.
+  const auto output = claim_output(
+      common, common.force ? std::vector<std::string>{"checkpoint", "policy.json", "report.json",
+                                                      "curves.csv", "config.toml"}
+                           : std::vector<std::string>{});
   const std::filesystem::path folder = common.out;
   const relocate::TrainingContext context{relocate::make_model(options.task), common.seed,
                                           common.threads};

@@ -53,7 +53,6 @@ TrialsFile::TrialsFile(std::filesystem::path path, bool place)
   if (place_)
     text_ += ",place_status,certain,placed,tight,wrong,dropped,place_deg,place_mm,in_stance";
   text_ += '\n';
-  write_file_atomically(path_, text_);
 }
 
 void TrialsFile::add(const std::string& object, std::uint64_t seed,
@@ -61,7 +60,8 @@ void TrialsFile::add(const std::string& object, std::uint64_t seed,
   text_ += fmt::format("{},{},{}", object, seed, pick_cells(trial));
   if (place_) text_ += fmt::format(",{}", place_cells(trial));
   text_ += '\n';
-  write_file_atomically(path_, text_);
 }
+
+void TrialsFile::write() const { write_file_atomically(path_, text_); }
 
 }  // namespace palpate::app

@@ -12,10 +12,11 @@ namespace palpate::app {
 /// keeps what it has measured.
 class TrialsFile {
  public:
-  /// Begins the file with its header.
   /// @param place  whether the trials place the object
   TrialsFile(std::filesystem::path path, bool place);
   void add(const std::string& object, std::uint64_t seed, const evaluation::Trial& trial);
+  /// Puts all rows so far on the disk.
+  void write() const;
 
  private:
   std::filesystem::path path_;

@@ -1,16 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// cpp-httplib breaks Eigen's headers if they come after it, so it is the last include.
 #include <fmt/format.h>
 
-#include <csignal>
-#include <thread>
+#include <cstdio>
 
 #include "common.hpp"
-#include "palpate/core/error.hpp"
+#include "page_server.hpp"
 #include "palpate/core/file.hpp"
 #include "replay_file.hpp"
-//
-#include <httplib.h>
 
 namespace palpate::app {
 namespace {
@@ -34,35 +30,10 @@ void say_where(const ViewArguments& arguments, const std::string& key, const std
 
 /// Serves the page on this machine only, until the program is interrupted.
 void serve(const ViewArguments& arguments, const std::string& page) {
-  sigset_t interrupts;
-  sigemptyset(&interrupts);
-  sigaddset(&interrupts, SIGINT);
-  sigaddset(&interrupts, SIGTERM);
-  pthread_sigmask(SIG_BLOCK, &interrupts, nullptr);  // the server's threads inherit this
-
-  httplib::Server server;
-  // Its default, SO_REUSEPORT, would share a port that is already served.
-  server.set_socket_options([](socket_t socket) {
-    const int yes = 1;
-    setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
-  });
-  server.Get("/", [&page](const httplib::Request&, httplib::Response& response) {
-    response.set_content(page, "text/html; charset=utf-8");
-  });
-  const int port = arguments.port == 0 ? server.bind_to_any_port("127.0.0.1")
-                   : server.bind_to_port("127.0.0.1", arguments.port) ? arguments.port
-                                                                      : -1;
-  if (port < 0) {
-    throw BadInput(
-        fmt::format("cannot listen on port {}; --port 0 takes a free one", arguments.port));
-  }
-  say_where(arguments, "url", fmt::format("http://127.0.0.1:{}/", port));
+  PageServer server(page, arguments.port);
+  say_where(arguments, "url", fmt::format("http://127.0.0.1:{}/", server.port()));
   if (!arguments.common.quiet) fmt::print(stderr, "open it in a browser; Ctrl-C ends\n");
-  std::thread listener([&server] { server.listen_after_bind(); });
-  int interrupt = 0;
-  sigwait(&interrupts, &interrupt);
-  server.stop();
-  listener.join();
+  server.run_until_interrupted();
 }
 
 int view(const ViewArguments& arguments) {
@@ -71,7 +42,8 @@ int view(const ViewArguments& arguments) {
     serve(arguments, page);
     return kDone;
   }
-  const fs::path file = fs::path(arguments.common.out) / "replay.html";
+  const auto output = claim_output(arguments.common, {"replay.html"});
+  const fs::path file = output->path() / "replay.html";
   write_file_atomically(file, page);
   say_where(arguments, "page", file.string());
   return kDone;

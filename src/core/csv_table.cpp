@@ -49,6 +49,8 @@ bool CsvTable::next() {
   return true;
 }
 
+std::string CsvTable::where() const { return fmt::format("{}:{}", source_, line_); }
+
 double CsvTable::number(std::size_t column) const {
   const std::string_view text = cells_[column];
   double value = 0;

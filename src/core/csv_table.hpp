@@ -22,6 +22,8 @@ class CsvTable {
 
   /// Goes to the next row that is not blank. @throws BadInput for one with too few or many cells
   bool next();
+  /// "SOURCE:LINE" of the row.
+  [[nodiscard]] std::string where() const;
   [[nodiscard]] std::string_view cell(std::size_t column) const { return cells_[column]; }
   /// @throws BadInput unless the cell is a number; "nan" is one
   [[nodiscard]] double number(std::size_t column) const;

@@ -4,16 +4,18 @@
 #include <fmt/format.h>
 
 #include <fstream>
-#include <iterator>
 #include <system_error>
 #include <vector>
 
+#include "palpate/core/durable_file.hpp"
 #include "palpate/core/error.hpp"
 
 namespace palpate {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr std::size_t kMostBytes = std::size_t{1} << 30;
 
 fs::path partial(const fs::path& path) { return path.string() + ".partial"; }
 
@@ -31,21 +33,15 @@ void make_parents(const fs::path& path) {
 void write_file_atomically(const fs::path& path, std::string_view bytes) {
   make_parents(path);
   const fs::path temporary = partial(path);
-  std::error_code error;
-  {
-    std::ofstream out(temporary, std::ios::binary);
-    out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-    out.close();
-    if (!out) {
-      fs::remove(temporary, error);
-      throw BadInput(fmt::format("cannot write {}", path.string()));
-    }
-  }
-  fs::rename(temporary, path, error);
-  if (error) {
-    const std::string reason = error.message();
-    fs::remove(temporary, error);
-    throw BadInput(fmt::format("cannot write {}: {}", path.string(), reason));
+  try {
+    DurableFile file(temporary, DurableFile::Mode::replace);
+    file.write(bytes);
+    file.close();
+    publish_file(temporary, path);
+  } catch (const BadInput&) {
+    std::error_code ignored;
+    fs::remove(temporary, ignored);
+    throw;
   }
 }
 
@@ -58,6 +54,9 @@ std::string read_file(const fs::path& path) {
   std::vector<char> chunk(1 << 16);
   while (in.read(chunk.data(), std::ssize(chunk)) || in.gcount() > 0) {
     content.append(chunk.data(), static_cast<std::size_t>(in.gcount()));
+    if (content.size() > kMostBytes) {  // as a device never ends
+      throw BadInput(fmt::format("{} has more than {} bytes", path.string(), kMostBytes));
+    }
   }
   // Neither a file that does not open nor one that fails midway gets to its end.
   if (!in.eof() || in.bad()) throw BadInput(fmt::format("cannot read {}", path.string()));

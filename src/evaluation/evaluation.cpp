@@ -86,12 +86,16 @@ void count(const Trial& trial, ObjectSummary& summary, std::vector<double>& mode
 
 ObjectSummary evaluate(const geometry::ObjectModel& object, const TrialOptions& options,
                        std::uint64_t first_seed, std::size_t trials, int threads,
-                       const TrialObserver& observer) {
+                       const TrialObserver& observer, const TrialSource& finished) {
   ObjectSummary summary;
   summary.symmetry_order = object.object().symmetries.size();
   std::vector<double> modes;
   parallel_ordered(
-      trials, threads, [&](std::size_t i) { return run_trial(object, options, first_seed + i); },
+      trials, threads,
+      [&](std::size_t i) {
+        auto known = finished ? finished(i) : std::nullopt;
+        return known ? std::move(*known) : run_trial(object, options, first_seed + i);
+      },
       [&](std::size_t i, const Trial& trial) {
         count(trial, summary, modes);
         if (observer) observer(i + 1, trial);

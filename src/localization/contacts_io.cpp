@@ -13,6 +13,7 @@
 #include "palpate/core/csv.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
+#include "palpate/core/plausible.hpp"
 #include "palpate/hand/joints.hpp"
 
 namespace palpate::localization {
@@ -85,9 +86,11 @@ tactile::Contact contact_of(const Row& row, const ContactNoise& noise) {
     throw BadInput(fmt::format("{}: a normal of length {}", row.where(), n.norm()));
   }
   contact.n = n.normalized();
+  check_plausible(contact.p, kMostLength, fmt::format("{}: a coordinate", row.where()));
   contact.time = row.number("t").value_or(0);
   contact.finger = finger_of(row);
   contact.f = row.vector({"fx", "fy", "fz"}).value_or(Eigen::Vector3d::Zero());
+  check_plausible(contact.f, kMostForce, fmt::format("{}: a force", row.where()));
   contact.point_sigma = noise.point;
   contact.normal_sigma = noise.normal;
   return contact;

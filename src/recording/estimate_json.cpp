@@ -12,6 +12,8 @@ namespace {
 
 using nlohmann::json;
 
+constexpr double kRounding = 1e-9;
+
 constexpr std::array<EventKind, 3> kEventKinds = {EventKind::begin, EventKind::note,
                                                   EventKind::end};
 
@@ -29,13 +31,14 @@ json mode_to_json(const PoseModeRecord& mode) {
 }
 
 PoseModeRecord mode_from_json(const json& j) {
-  PoseModeRecord mode = {.T_world_object = pose_from_json(j.at("T_world_object")),
-                         .weight = finite_from_json(j.at("weight")),
-                         .covariance = matrix_from_json<Matrix6d>(j.at("covariance")),
-                         .free_axis = {}};
+  PoseModeRecord mode = {
+      .T_world_object = pose_from_json(j.at("T_world_object")),
+      .weight = plausible_from_json(j.at("weight"), 0, 1 + kRounding, "a weight"),
+      .covariance = matrix_from_json<Matrix6d>(j.at("covariance")),
+      .free_axis = {}};
   if (const json& axis = j.at("free_axis"); !axis.is_null()) {
     mode.free_axis = {vector_from_json(axis.at("point")), vector_from_json(axis.at("direction")),
-                      finite_from_json(axis.at("extent"))};
+                      plausible_from_json(axis.at("extent"), 0, kMostAngle, "an extent")};
   }
   return mode;
 }
@@ -52,13 +55,14 @@ json contact_to_json(const tactile::Contact& contact) {
 
 tactile::Contact contact_from_json(const json& j) {
   tactile::Contact contact;
-  contact.finger = j.at("finger").get<int>();
+  contact.finger = static_cast<int>(
+      plausible_from_json(j.at("finger"), -1, hand::kFingers - 1, "the index of a finger"));
   contact.time = finite_from_json(j.at("time"));
   contact.p = vector_from_json(j.at("p"));
   contact.n = vector_from_json(j.at("n"));
-  contact.f = vector_from_json(j.at("f"));
-  contact.point_sigma = finite_from_json(j.at("point_sigma"));
-  contact.normal_sigma = finite_from_json(j.at("normal_sigma"));
+  contact.f = vector_from_json(j.at("f"), kMostForce);
+  contact.point_sigma = plausible_from_json(j.at("point_sigma"), 0, kMostLength, "point_sigma");
+  contact.normal_sigma = plausible_from_json(j.at("normal_sigma"), 0, kMostAngle, "normal_sigma");
   return contact;
 }
 

@@ -15,27 +15,52 @@ H5::FileAccPropList file_access() {
   return access;
 }
 
-void create_growing(H5::Group& parent, const std::string& name, const H5::DataType& type,
-                    hsize_t width, hsize_t rows_per_chunk) {
-  const std::array<hsize_t, 2> size = {0, width}, most = {H5S_UNLIMITED, width};
-  const std::array<hsize_t, 2> chunk = {rows_per_chunk, width};
-  H5::DSetCreatPropList properties;
-  properties.setChunk(2, chunk.data());
-  properties.setFletcher32();
-  parent.createDataSet(name, type, H5::DataSpace(2, size.data(), most.data()), properties);
+Handle::Handle(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {
+  if (id < 0) throw H5::IdComponentException("Handle", "could not be opened or made");
 }
 
-void append_rows(H5::DataSet& dataset, const void* values, hsize_t rows, hsize_t width,
-                 const H5::DataType& memory_type) {
+void expect_done(herr_t status, const char* call) {
+  if (status < 0) throw H5::LibraryIException(call, "failed");
+}
+
+void create_group(hid_t parent, const std::string& name) {
+  const Handle properties(H5Pcreate(H5P_GROUP_CREATE), &H5Pclose);
+  H5Pset_obj_track_times(properties, false);
+  const Handle group(H5Gcreate2(parent, name.c_str(), H5P_DEFAULT, properties, H5P_DEFAULT),
+                     &H5Gclose);
+}
+
+void create_growing(hid_t parent, const std::string& name, const H5::DataType& type, hsize_t width,
+                    hsize_t rows_per_chunk) {
+  const std::array<hsize_t, 2> size = {0, width}, most = {H5S_UNLIMITED, width};
+  const std::array<hsize_t, 2> chunk = {rows_per_chunk, width};
+  const Handle properties(H5Pcreate(H5P_DATASET_CREATE), &H5Pclose);
+  H5Pset_chunk(properties, 2, chunk.data());
+  H5Pset_fletcher32(properties);
+  H5Pset_obj_track_times(properties, false);
+  const Handle space(H5Screate_simple(2, size.data(), most.data()), &H5Sclose);
+  const Handle dataset(
+      H5Dcreate2(parent, name.c_str(), type.getId(), space, H5P_DEFAULT, properties, H5P_DEFAULT),
+      &H5Dclose);
+}
+
+void append_rows(hid_t file, const std::string& name, const void* values, hsize_t rows,
+                 hsize_t width, const H5::DataType& memory_type) {
   if (rows == 0) return;
+  const Handle dataset(H5Dopen2(file, name.c_str(), H5P_DEFAULT), &H5Dclose);
   std::array<hsize_t, 2> size{};
-  dataset.getSpace().getSimpleExtentDims(size.data());
+  {
+    const Handle space(H5Dget_space(dataset), &H5Sclose);
+    H5Sget_simple_extent_dims(space, size.data(), nullptr);
+  }
   const std::array<hsize_t, 2> offset = {size[0], 0}, block = {rows, width};
   size[0] += rows;
-  dataset.extend(size.data());
-  H5::DataSpace file_space = dataset.getSpace();
-  file_space.selectHyperslab(H5S_SELECT_SET, block.data(), offset.data());
-  dataset.write(values, memory_type, H5::DataSpace(2, block.data()), file_space);
+  expect_done(H5Dset_extent(dataset, size.data()), "H5Dset_extent");
+  const Handle file_space(H5Dget_space(dataset), &H5Sclose);
+  H5Sselect_hyperslab(file_space, H5S_SELECT_SET, offset.data(), nullptr, block.data(), nullptr);
+  const Handle memory_space(H5Screate_simple(2, block.data(), nullptr), &H5Sclose);
+  expect_done(H5Dwrite(dataset, memory_type.getId(), memory_space, file_space, H5P_DEFAULT, values),
+              "H5Dwrite");
 }
 
 hsize_t checked_rows(const H5::DataSet& dataset, const std::string& name, hsize_t width,

@@ -5,29 +5,14 @@
 #include <fmt/format.h>
 
 #include <cstdint>
-#include <filesystem>
-#include <mutex>
 #include <string>
 #include <type_traits>
 #include <vector>
 
 #include "palpate/core/error.hpp"
-#include "palpate/recording/hdf5_lock.hpp"
+#include "palpate/recording/hdf5_guard.hpp"
 
 namespace palpate::recording {
-
-/// Runs body() alone in HDF5, whose errors become a BadInput: the path, and in words what they
-/// mean.
-template <class Body>
-auto with_hdf5(const std::filesystem::path& path, const char* meaning, Body&& body) {
-  const std::lock_guard lock(hdf5_mutex());
-  H5::Exception::dontPrint();
-  try {
-    return body();
-  } catch (const H5::Exception& error) {
-    throw BadInput(fmt::format("{}: {} (HDF5: {})", path.string(), meaning, error.getDetailMsg()));
-  }
-}
 
 template <class T>
 const H5::PredType& hdf5_type() {
@@ -45,17 +30,39 @@ const H5::PredType& native_type() {
   if constexpr (std::is_same_v<T, char>) return H5::PredType::NATIVE_UINT8;
 }
 
+/// An HDF5 identifier, closed at the end. Unlike the C++ classes of HDF5 it prints nothing where
+/// closing fails: Hdf5Errors notes that.
+class Handle {
+ public:
+  /// @throws H5::Exception if `id` is that of a call that failed
+  Handle(hid_t id, herr_t (*close)(hid_t));
+  ~Handle() { close_(id_); }
+  Handle(const Handle&) = delete;
+  Handle& operator=(const Handle&) = delete;
+  operator hid_t() const { return id_; }
+
+ private:
+  hid_t id_;
+  herr_t (*close_)(hid_t);
+};
+
+/// @throws H5::Exception if a call of HDF5 failed
+void expect_done(herr_t status, const char* call);
+
 /// Access to a file that one process may read while another appends; every block carries a
 /// checksum.
 H5::FileAccPropList file_access();
 
+/// A group. Like all that is made here it notes no time, so that equal contents are equal files.
+void create_group(hid_t parent, const std::string& name);
+
 /// A dataset of N rows and `width` columns that grows by rows, in chunks with checksums.
-void create_growing(H5::Group& parent, const std::string& name, const H5::DataType& type,
-                    hsize_t width, hsize_t rows_per_chunk);
+void create_growing(hid_t parent, const std::string& name, const H5::DataType& type, hsize_t width,
+                    hsize_t rows_per_chunk);
 
 /// Appends whole rows of `width` values.
-void append_rows(H5::DataSet& dataset, const void* values, hsize_t rows, hsize_t width,
-                 const H5::DataType& memory_type);
+void append_rows(hid_t file, const std::string& name, const void* values, hsize_t rows,
+                 hsize_t width, const H5::DataType& memory_type);
 
 /// Number of rows of a dataset.
 /// @throws BadInput unless it is N x width, of the type's class, and no larger than `file_size`

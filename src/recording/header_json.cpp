@@ -12,6 +12,12 @@ using nlohmann::json;
 
 constexpr double kUsualLinkError = 0.002;  // m, of recordings that do not say
 
+constexpr double kRounding = 1e-9;
+
+double radius_from_json(const json& part) {
+  return plausible_from_json(part.at("radius"), 0, kMostRadius, "a radius");
+}
+
 /// @throws BadInput unless low <= value < high
 int index_from_json(const json& value, int low, std::size_t high, const char* what) {
   const auto index = value.get<std::int64_t>();
@@ -45,17 +51,18 @@ geometry::KnownObject object_from_json(const json& j) {
   geometry::KnownObject object;
   object.name = j.at("name").get<std::string>();
   object.T_mesh_object = pose_from_json(j.at("T_mesh_object"));
-  object.mass = finite_from_json(j.at("mass"));
-  object.mass_properties.volume = finite_from_json(j.at("volume"));
+  object.mass = plausible_from_json(j.at("mass"), 0, kMostMass, "a mass");
+  object.mass_properties.volume = plausible_from_json(j.at("volume"), 0, kMostMass, "a volume");
   object.mass_properties.centroid = vector_from_json(j.at("centroid"));
   object.mass_properties.inertia = matrix_from_json<Eigen::Matrix3d>(j.at("inertia"));
   for (const auto& stance : j.at("stances")) {
-    object.stances.push_back({matrix_from_json<Eigen::Matrix3d>(stance.at("R_table_object")),
-                              finite_from_json(stance.at("height")),
-                              finite_from_json(stance.at("probability"))});
+    object.stances.push_back(
+        {rotation_from_json(stance.at("R_table_object")),
+         plausible_from_json(stance.at("height"), 0, kMostLength, "a height"),
+         plausible_from_json(stance.at("probability"), 0, 1 + kRounding, "a probability")});
   }
   for (const auto& R : j.at("symmetries")) {
-    object.symmetries.push_back(matrix_from_json<Eigen::Matrix3d>(R));
+    object.symmetries.push_back(rotation_from_json(R));
   }
   object.repairs = j.at("repairs").get<std::vector<std::string>>();
   return object;
@@ -102,18 +109,15 @@ hand::HandModel hand_from_json(const json& j) {
     const json& tip = j.at("tips").at(finger);
     hand.distal[finger] = index_from_json(j.at("distal").at(finger), 0, links, "distal link");
     hand.tips[finger] = {vector_from_json(tip.at("a")), vector_from_json(tip.at("b")),
-                         finite_from_json(tip.at("radius"))};
+                         radius_from_json(tip)};
   }
   for (const auto& sphere : j.at("spheres")) {
     hand.spheres.push_back({index_from_json(sphere.at("link"), 0, links, "link of a sphere"),
-                            vector_from_json(sphere.at("center")),
-                            finite_from_json(sphere.at("radius"))});
+                            vector_from_json(sphere.at("center")), radius_from_json(sphere)});
   }
-  hand.link_error =
-      j.contains("link_error") ? finite_from_json(j.at("link_error")) : kUsualLinkError;
-  if (hand.link_error < 0) {
-    throw BadInput(fmt::format("link_error of {} m", hand.link_error));
-  }
+  hand.link_error = j.contains("link_error")
+                        ? plausible_from_json(j.at("link_error"), 0, kMostRadius, "link_error")
+                        : kUsualLinkError;
   return hand;
 }
 

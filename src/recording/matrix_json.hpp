@@ -4,10 +4,14 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <string_view>
 
 #include "palpate/core/error.hpp"
+#include "palpate/core/plausible.hpp"
+#include "palpate/core/se3.hpp"
 
 namespace palpate::recording {
 
@@ -47,12 +51,31 @@ inline nlohmann::json pose_to_json(const Eigen::Isometry3d& T) {
   return matrix_to_json(T.matrix());
 }
 
+/// @throws BadInput unless it is a rigid motion, by a length that can be
 inline Eigen::Isometry3d pose_from_json(const nlohmann::json& json) {
-  return Eigen::Isometry3d(matrix_from_json<Eigen::Matrix4d>(json));
+  const auto matrix = matrix_from_json<Eigen::Matrix4d>(json);
+  check_plausible(matrix.col(3).head<3>(), kMostLength, "a translation");
+  std::array<double, 16> values;
+  Eigen::Map<Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(values.data()) = matrix;
+  return pose_from_row_major(values);
 }
 
-inline Eigen::Vector3d vector_from_json(const nlohmann::json& json) {
-  return matrix_from_json<Eigen::Vector3d>(json);
+/// @throws BadInput unless it is a rotation
+inline Eigen::Matrix3d rotation_from_json(const nlohmann::json& json) {
+  return rigid(matrix_from_json<Eigen::Matrix3d>(json), "a matrix");
+}
+
+/// @throws BadInput unless it is a number in low..high
+inline double plausible_from_json(const nlohmann::json& json, double low, double high,
+                                  std::string_view what) {
+  return plausible(json.get<double>(), low, high, what);
+}
+
+/// @throws BadInput unless it is a vector of components up to `most`
+inline Eigen::Vector3d vector_from_json(const nlohmann::json& json, double most = kMostLength) {
+  const auto v = matrix_from_json<Eigen::Vector3d>(json);
+  check_plausible(v, most, "a component");
+  return v;
 }
 
 }  // namespace palpate::recording

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "palpate/core/plausible.hpp"
+#include "palpate/recording/json_text.hpp"
 #include "palpate/tactile/contacts/reported_error.hpp"
 #include "recording/hdf5_file.hpp"
 #include "recording/record_json.hpp"
@@ -23,7 +25,7 @@ std::vector<Record> read_lines(const H5::H5File& file, const char* name,
   std::vector<Record> records;
   auto line = text.begin();
   for (auto end = line; (end = std::find(line, text.end(), '\n')) != text.end(); line = end + 1) {
-    records.push_back(from_json(nlohmann::json::parse(line, end)));
+    records.push_back(from_json(parse_json({line, end})));
   }
   return records;
 }
@@ -34,7 +36,7 @@ geometry::TriangleMesh read_mesh(const H5::H5File& file) {
   const auto triangles = read_rows<int>(file, kTriangles, 3);
   for (std::size_t i = 0; i < vertices.size(); i += 3) {
     mesh.vertices.emplace_back(vertices[i], vertices[i + 1], vertices[i + 2]);
-    if (!mesh.vertices.back().allFinite()) throw BadInput("the mesh has a vertex not finite");
+    check_plausible(mesh.vertices.back(), kMostLength, "a coordinate of the mesh");
   }
   const int count = static_cast<int>(mesh.vertices.size());
   for (std::size_t i = 0; i < triangles.size(); i += 3) {
@@ -49,7 +51,7 @@ geometry::TriangleMesh read_mesh(const H5::H5File& file) {
 
 Header read_header(const H5::H5File& file) {
   const std::vector<char> text = read_rows<char>(file, kHeaderText, 1);
-  Header header = header_from_json(nlohmann::json::parse(text.begin(), text.end()));
+  Header header = header_from_json(parse_json({text.begin(), text.end()}));
   header.object.mesh = read_mesh(file);
   return header;
 }
@@ -66,6 +68,17 @@ std::size_t complete_frames(const std::vector<int>& counts, std::size_t contacts
     if (used > contacts) break;
   }
   return frames;
+}
+
+/// @throws BadInput unless the contacts' rows can be what a fingertip met
+void check_contacts(const std::vector<double>& rows) {
+  for (std::size_t i = 0; i + kContactWidth <= rows.size(); i += kContactWidth) {
+    constexpr double kUnit = 1e-3;
+    const Eigen::Map<const Eigen::Vector3d> p(&rows[i]), n(&rows[i + 3]), f(&rows[i + 6]);
+    check_plausible(p, kMostLength, "a contact's coordinate");
+    plausible(n.norm(), 1 - kUnit, 1 + kUnit, "the length of a contact's normal");
+    check_plausible(f, kMostForce, "a contact's force");
+  }
 }
 
 void check_finite(const std::vector<double>& values, const char* name, int width) {
@@ -116,6 +129,7 @@ std::vector<Frame> read_frames(const H5::H5File& file, const Seal& seal) {
   const auto counts = read_rows<int>(file, kContactCounts, hand::kFingers);
   const auto contacts = read_rows<double>(file, kContacts, kContactWidth);
   check_finite(contacts, kContacts, kContactWidth);
+  check_contacts(contacts);
   const auto errors = read_contact_errors(file, seal);
   std::size_t whole = contacts.size() / kContactWidth;
   if (seal.version >= kFirstVersionWithErrors) {
@@ -143,7 +157,11 @@ std::vector<Frame> read_frames(const H5::H5File& file, const Seal& seal) {
   for (std::size_t f = 0; f < columns.size(); ++f) {
     const FrameField& field = frame_fields()[f];
     const auto width = static_cast<std::size_t>(field.width);
-    for (std::size_t i = 0; i < frames; ++i) field.set(&columns[f][i * width], result[i]);
+    for (std::size_t i = 0; i < frames; ++i) {
+      check_plausible(Eigen::Map<const Eigen::VectorXd>(&columns[f][i * width], field.width),
+                      field.most, field.name, field.may_be_absent);
+      field.set(&columns[f][i * width], result[i]);
+    }
   }
   set_contacts(counts, contacts, errors, result);
   for (std::size_t i = 0; i < frames && !biotacs.empty(); ++i) {

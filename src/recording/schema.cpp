@@ -5,6 +5,9 @@
 #include <array>
 #include <cmath>
 
+#include "palpate/core/plausible.hpp"
+#include "palpate/core/se3.hpp"
+
 namespace palpate::recording {
 namespace {
 
@@ -43,7 +46,9 @@ void store_object(const Frame& frame, double* values) {
 void load_object(const double* values, Frame& frame) {
   if (std::isnan(values[0])) return;
   if (!frame.truth) frame.truth.emplace();
-  frame.truth->T_world_object.matrix() = Eigen::Map<const RowMajor4d>(values);
+  std::array<double, 16> pose;
+  std::copy_n(values, pose.size(), pose.begin());
+  frame.truth->T_world_object = pose_from_row_major(pose);
 }
 
 void store_true_joints(const Frame& frame, double* values) {
@@ -62,28 +67,29 @@ using F = Frame;
 using D = double;
 
 constexpr std::array kFields = {
-    FrameField{"frames/time", 1, false, [](const F& f, D* v) { *v = f.reading.time; },
+    FrameField{"frames/time", 1, false, kMostTime, [](const F& f, D* v) { *v = f.reading.time; },
                [](const D* v, F& f) { f.reading.time = *v; }},
-    FrameField{"frames/joints", kJoints, false,
+    FrameField{"frames/joints", kJoints, false, kMostAngle,
                [](const F& f, D* v) { store(f.reading.joints, v); },
                [](const D* v, F& f) { load(v, f.reading.joints); }},
-    FrameField{"frames/torques", kActuators, false,
+    FrameField{"frames/torques", kActuators, false, kMostTorque,
                [](const F& f, D* v) { store(f.reading.torques, v); },
                [](const D* v, F& f) { load(v, f.reading.torques); }},
-    FrameField{"frames/base_xyz_ypr", 6, false,
+    FrameField{"frames/base_xyz_ypr", 6, false, kMostAngle,
                [](const F& f, D* v) { store_base(f.reading.base, v); },
                [](const D* v, F& f) { load_base(v, f.reading.base); }},
-    FrameField{"frames/base_force", 3, false,
+    FrameField{"frames/base_force", 3, false, kMostForce,
                [](const F& f, D* v) { store(f.reading.base_force, v); },
                [](const D* v, F& f) { load(v, f.reading.base_force); }},
-    FrameField{"frames/command_positions", kActuators, false,
+    FrameField{"frames/command_positions", kActuators, false, kMostAngle,
                [](const F& f, D* v) { store(f.command.positions, v); },
                [](const D* v, F& f) { load(v, f.command.positions); }},
-    FrameField{"frames/command_base_xyz_ypr", 6, false,
+    FrameField{"frames/command_base_xyz_ypr", 6, false, kMostAngle,
                [](const F& f, D* v) { store_base(f.command.base, v); },
                [](const D* v, F& f) { load_base(v, f.command.base); }},
-    FrameField{"frames/true_T_world_object", 16, true, store_object, load_object},
-    FrameField{"frames/true_joints", kJoints, true, store_true_joints, load_true_joints},
+    FrameField{"frames/true_T_world_object", 16, true, kMostLength, store_object, load_object},
+    FrameField{"frames/true_joints", kJoints, true, kMostAngle, store_true_joints,
+               load_true_joints},
 };
 
 }  // namespace

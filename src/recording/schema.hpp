@@ -33,6 +33,7 @@ struct FrameField {
   const char* name;
   int width;
   bool may_be_absent;  ///< NaN where absent
+  double most;         ///< that a magnitude may be, in the field's unit
   void (*get)(const Frame&, double* values);
   void (*set)(const double* values, Frame&);
 };

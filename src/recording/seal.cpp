@@ -10,6 +10,7 @@
 #include <string>
 #include <string_view>
 
+#include "palpate/core/durable_file.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/fnv1a.hpp"
 #include "palpate/recording/recording.hpp"
@@ -20,7 +21,7 @@ namespace {
 constexpr std::string_view kMagic = "PALPATE RECORDING ";
 constexpr std::string_view kOpen = "unfinished\n";
 
-/// FNV-1a, 64 bits, of all bytes after the seal.
+/// FNV-1a, 64 bits, of all bytes after the seal. @throws BadInput if they cannot all be read
 std::uint64_t checksum(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
   file.seekg(kSealSize);
@@ -30,6 +31,7 @@ std::uint64_t checksum(const std::filesystem::path& path) {
     file.read(buffer.data(), buffer.size());
     hash = fnv1a({buffer.data(), static_cast<std::size_t>(file.gcount())}, hash);
   }
+  if (file.bad()) throw BadInput(fmt::format("{}: cannot be read", path.string()));
   return hash;
 }
 
@@ -40,10 +42,10 @@ std::string closed_mark(const std::filesystem::path& path) {
 void write_seal(const std::filesystem::path& path, int version, std::string_view mark) {
   std::string seal = fmt::format("{}{}\n{}", kMagic, version, mark);
   seal.resize(kSealSize, '\0');
-  std::fstream file(path, std::ios::binary | std::ios::in | std::ios::out);
-  file.write(seal.data(), static_cast<std::streamsize>(seal.size()));
-  file.flush();
-  if (!file) throw BadInput(fmt::format("{}: cannot write", path.string()));
+  DurableFile file(path, DurableFile::Mode::modify);
+  file.sync();  // what is sealed, before the seal
+  file.write(seal);
+  file.close();
 }
 
 std::string read_seal(const std::filesystem::path& path) {

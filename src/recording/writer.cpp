@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 
+#include "palpate/core/durable_file.hpp"
 #include "palpate/tactile/contacts/reported_error.hpp"
 #include "recording/hdf5_file.hpp"
 #include "recording/record_json.hpp"
@@ -24,8 +25,8 @@ std::string dump(const nlohmann::json& json) {
   return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
-void append_text(H5::DataSet dataset, const std::string& text) {
-  append_rows(dataset, text.data(), text.size(), 1, native_type<char>());
+void append_text(hid_t file, const char* name, const std::string& text) {
+  append_rows(file, name, text.data(), text.size(), 1, native_type<char>());
 }
 
 /// @throws BadInput if what will be in the file could not be read back
@@ -45,21 +46,19 @@ void check_readable(const EstimateRecord& estimate) {
   }
 }
 
-void write_mesh(const H5::H5File& file, const geometry::TriangleMesh& mesh) {
+void write_mesh(hid_t file, const geometry::TriangleMesh& mesh) {
   std::vector<double> vertices;
   std::vector<int> triangles;
   for (const auto& vertex : mesh.vertices) {
     vertices.insert(vertices.end(), vertex.data(), vertex.data() + 3);
   }
   for (const auto& t : mesh.triangles) triangles.insert(triangles.end(), t.begin(), t.end());
-  H5::DataSet vertex_rows = file.openDataSet(kVertices);
-  append_rows(vertex_rows, vertices.data(), mesh.vertices.size(), 3, native_type<double>());
-  H5::DataSet triangle_rows = file.openDataSet(kTriangles);
-  append_rows(triangle_rows, triangles.data(), mesh.triangles.size(), 3, native_type<int>());
+  append_rows(file, kVertices, vertices.data(), mesh.vertices.size(), 3, native_type<double>());
+  append_rows(file, kTriangles, triangles.data(), mesh.triangles.size(), 3, native_type<int>());
 }
 
-void create_datasets(H5::H5File& file, bool own_errors) {
-  for (const char* group : {"header", "frames", "events", "estimates"}) file.createGroup(group);
+void create_datasets(hid_t file, bool own_errors) {
+  for (const char* group : {"header", "frames", "events", "estimates"}) create_group(file, group);
   for (const char* text : {kHeaderText, kEvents, kEstimates}) {
     create_growing(file, text, hdf5_type<char>(), 1, kTextChunk);
   }
@@ -82,9 +81,11 @@ void create_datasets(H5::H5File& file, bool own_errors) {
 void create_file(const std::filesystem::path& path, const Header& header) {
   H5::FileCreatPropList properties;
   properties.setUserblock(kSealSize);
-  H5::H5File file(path.string(), H5F_ACC_TRUNC, properties, file_access());
+  H5Pset_obj_track_times(properties.getId(), false);  // of the root group
+  const Handle file(
+      H5Fcreate(path.c_str(), H5F_ACC_TRUNC, properties.getId(), file_access().getId()), &H5Fclose);
   create_datasets(file, header.own_errors);
-  append_text(file.openDataSet(kHeaderText), dump(to_json(header)));
+  append_text(file, kHeaderText, dump(to_json(header)));
   write_mesh(file, header.object.mesh);
 }
 
@@ -130,16 +131,28 @@ struct Writer::Impl {
   std::filesystem::path path, partial;
   bool own_errors = false;
   int version = 0;
-  std::optional<H5::H5File> file;
+  std::optional<Handle> file;
   std::vector<Frame> pending;          // until a chunk is full: chunks are then written once
   std::vector<std::int16_t> channels;  // of the BioTacs in those
   std::optional<bool> has_channels;    // whether the frames hold any
+  bool broken = false;                 // something could not be written: never to be sealed
 
-  void flush() { file->flush(H5F_SCOPE_GLOBAL); }
+  /// Runs body() in HDF5. @throws BadInput if it fails, or anything failed before
+  template <class Body>
+  void write(Body&& body) {
+    if (broken) {
+      throw BadInput(
+          fmt::format("{}: not finished: a part of it could not be written", partial.string()));
+    }
+    broken = true;
+    with_hdf5(partial, kCannotWrite, body);
+    broken = false;
+  }
+
+  void flush() { expect_done(H5Fflush(*file, H5F_SCOPE_GLOBAL), "H5Fflush"); }
 
   void append(const char* name, const std::vector<double>& values, int width) {
-    H5::DataSet dataset = file->openDataSet(name);
-    append_rows(dataset, values.data(), values.size() / static_cast<std::size_t>(width),
+    append_rows(*file, name, values.data(), values.size() / static_cast<std::size_t>(width),
                 static_cast<hsize_t>(width), native_type<double>());
   }
 
@@ -157,13 +170,12 @@ struct Writer::Impl {
     }
     append(kContacts, rows, kContactWidth);
     if (own_errors) append(kContactErrors, errors, kContactErrorWidth);
-    H5::DataSet dataset = file->openDataSet(kContactCounts);
-    append_rows(dataset, counts.data(), pending.size(), hand::kFingers, native_type<int>());
+    append_rows(*file, kContactCounts, counts.data(), pending.size(), hand::kFingers,
+                native_type<int>());
   }
 
   void append_channels() {
-    H5::DataSet dataset = file->openDataSet(kBiotacs);
-    append_rows(dataset, channels.data(), channels.size() / kBiotacsWidth, kBiotacsWidth,
+    append_rows(*file, kBiotacs, channels.data(), channels.size() / kBiotacsWidth, kBiotacsWidth,
                 native_type<std::int16_t>());
     channels.clear();
   }
@@ -185,8 +197,8 @@ struct Writer::Impl {
   }
 
   void append_line(const char* dataset, const nlohmann::json& json) {
-    with_hdf5(partial, kCannotWrite, [&] {
-      append_text(file->openDataSet(dataset), dump(json) + "\n");
+    write([&] {
+      append_text(*file, dataset, dump(json) + "\n");
       flush();
     });
   }
@@ -205,21 +217,23 @@ Writer::Writer(std::filesystem::path path, const Header& header) : impl_(new Imp
   with_hdf5(impl_->partial, kCannotWrite, [&] { create_file(impl_->partial, header); });
   write_open_seal(impl_->partial, impl_->version);
   with_hdf5(impl_->partial, kCannotWrite, [&] {
-    impl_->file.emplace(impl_->partial.string(), H5F_ACC_RDWR | H5F_ACC_SWMR_WRITE,
-                        H5::FileCreatPropList::DEFAULT, file_access());
+    impl_->file.emplace(
+        H5Fopen(impl_->partial.c_str(), H5F_ACC_RDWR | H5F_ACC_SWMR_WRITE, file_access().getId()),
+        &H5Fclose);
   });
 }
 
 Writer::~Writer() {
   if (!impl_->file) return;
-  try {
-    with_hdf5(impl_->partial, kCannotWrite, [&] {
-      impl_->write_pending();
-      impl_->file.reset();
-    });
-  } catch (const BadInput&) {
-    // The disk is full or gone; what was flushed before remains.
-  }
+  const auto attempt = [&](auto&& body) {
+    try {
+      with_hdf5(impl_->partial, kCannotWrite, body);
+    } catch (const BadInput&) {
+      // The disk is full or gone; what was flushed before remains, and is not sealed.
+    }
+  };
+  if (!impl_->broken) attempt([&] { impl_->write_pending(); });
+  attempt([&] { impl_->file.reset(); });
 }
 
 void Writer::frame(const Frame& frame) {
@@ -237,7 +251,7 @@ void Writer::frame(const Frame& frame) {
   if (has_channels) append_biotacs(frame.reading, impl_->channels);
   impl_->pending.push_back(frame);
   if (impl_->pending.size() < kFramesPerChunk) return;
-  with_hdf5(impl_->partial, kCannotWrite, [&] { impl_->write_pending(); });
+  impl_->write([&] { impl_->write_pending(); });
 }
 
 void Writer::event(const Event& event) { impl_->append_line(kEvents, to_json(event)); }
@@ -248,14 +262,12 @@ void Writer::estimate(const EstimateRecord& estimate) {
 }
 
 void Writer::finish() {
-  with_hdf5(impl_->partial, kCannotWrite, [&] {
+  impl_->write([&] {
     impl_->write_pending();
     impl_->file.reset();
   });
   write_closed_seal(impl_->partial, impl_->version);
-  std::error_code error;
-  std::filesystem::rename(impl_->partial, impl_->path, error);
-  if (error) throw BadInput(fmt::format("{}: {}", impl_->path.string(), error.message()));
+  publish_file(impl_->partial, impl_->path);
 }
 
 void write_recording(const std::filesystem::path& path, const Recording& recording) {

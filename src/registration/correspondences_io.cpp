@@ -11,6 +11,7 @@
 #include "palpate/core/csv.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
+#include "palpate/core/plausible.hpp"
 
 namespace palpate::registration {
 namespace {
@@ -71,7 +72,8 @@ class Table {
       throw BadInput(fmt::format("{}:{}: '{}' in column {} is not a finite number", source_, number,
                                  cell, names_[column]));
     }
-    return parsed;
+    return plausible(parsed, -kMostCoordinate, kMostCoordinate,
+                     fmt::format("{}:{}: a value", source_, number));
   }
 
   std::vector<std::string_view> names_;

@@ -4,6 +4,7 @@
 import json
 import os
 import signal
+import socket
 import subprocess
 import struct
 import urllib.request
@@ -42,6 +43,74 @@ class View(RecordingTest):
 
         server.send_signal(signal.SIGINT)
         self.assertEqual(server.wait(timeout=60), DONE)
+
+    def ask(self, port, lines, body=b""):
+        """The answer to a request, whole."""
+        request = "\r\n".join(lines).format(port=port).encode() + b"\r\n\r\n" + body
+        with socket.create_connection(("127.0.0.1", port), timeout=30) as connection:
+            connection.sendall(request)
+            answer = b""
+            while block := connection.recv(1 << 16):
+                answer += block
+        return answer
+
+    def code_of(self, port, *lines):
+        return int(self.ask(port, lines).split(b" ", 2)[1])
+
+    def memory_of(self, process, key):
+        for line in open(f"/proc/{process.pid}/status"):
+            if line.startswith(key):
+                return int(line.split()[1])  # kB
+
+    def test_stands_hostile_requests(self):
+        server, url = self.serve(self.record(), "--port", "0")
+        port = int(url.rstrip("/").rpartition(":")[2])
+        here, get = "Host: 127.0.0.1:{port}", "GET / HTTP/1.1"
+        page = self.ask(port, [get, here]).partition(b"\r\n\r\n")[2]
+        self.assertGreater(len(page), 100000)
+        for lines, code in [
+            ([get, "Host: localhost:{port}"], 200),
+            ([get, here, "Origin: http://127.0.0.1:{port}"], 200),
+            ([get, "Host: evil.example"], 403),
+            ([get, "Host: evil.example:{port}"], 403),
+            ([get, here, "Origin: http://evil.example"], 403),
+            ([get, here, "Origin: null"], 403),
+            ([get], 400),
+            ([get, here, "Host: evil.example"], 400),
+            (["GET /etc/passwd HTTP/1.1", here], 404),
+            (["GET /../../etc/passwd HTTP/1.1", here], 404),
+            (["POST / HTTP/1.1", here, "Content-Length: 1000000000000000000"], 405),
+            (["nonsense"], 400),
+            ([get, here, "X: " + "a" * 100000], 431),
+        ]:  # fmt: skip
+            self.assertEqual(self.code_of(port, *lines), code, lines[:3])
+        self.assertEqual(self.ask(port, ["HEAD / HTTP/1.1", here]).partition(b"\r\n\r\n")[2], b"")
+
+        before = self.memory_of(server, "VmHWM")
+        many = "Range: bytes=" + ",".join(["0-"] * 300)
+        answers = [self.ask(port, [get, here, many]) for _ in range(3)]
+        self.assertEqual({len(answer) for answer in answers}, {len(answers[0])})
+        self.assertLess(len(answers[0]), len(page) + 1000)
+        self.assertLess(self.memory_of(server, "VmHWM") - before, 32 * 1024)
+
+    def test_slow_clients_delay_no_other(self):
+        server, url = self.serve(self.record(), "--port", "0")
+        port = int(url.rstrip("/").rpartition(":")[2])
+        slow = [socket.create_connection(("127.0.0.1", port), timeout=30) for _ in range(600)]
+        for connection in slow:
+            self.addCleanup(connection.close)
+            try:
+                connection.sendall(b"GET / HTTP/1.1\r\nX: ")
+            except OSError:
+                pass  # its place was needed
+        with urllib.request.urlopen(url, timeout=30) as answer:
+            self.assertIn(b"<html", answer.read()[:1000].lower())
+        for connection in slow[-20:]:  # each is closed by itself after a while
+            connection.settimeout(30)
+            try:
+                self.assertEqual(connection.recv(1), b"")
+            except ConnectionResetError:
+                pass
 
     def test_writes_the_page_that_pick_writes(self):
         page = self.run_json("view", self.record(), "--out", "pages")["page"]

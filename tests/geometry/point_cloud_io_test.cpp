@@ -86,6 +86,25 @@ TEST_F(CloudFiles, CompressedPcdOfAnotherProgram) {
   }
 }
 
+TEST_F(CloudFiles, PcdWhoseCountsAreNoneOrWrapIsRefused) {
+  const std::string three = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\n";
+  const std::vector<std::string> headers = {
+      three + "COUNT 0 0 0\nPOINTS 4611686018427387904\nDATA ascii\n",
+      three + "COUNT 0 0 0\nPOINTS 1\nDATA binary\nQ",
+      "FIELDS x y z a\nSIZE 4 4 4 0\nTYPE F F F U\nPOINTS 1\nDATA binary\n0123456789abcdef",
+      "FIELDS x y z a b\nSIZE 4 4 4 1 1\nTYPE F F F U U\nCOUNT 1 1 1 9223372036854775807 "
+      "9223372036854775798\nPOINTS 5\nDATA binary\nABCDE",
+      three + "POINTS 9223372036854775807\nDATA ascii\n1 2 3\n",
+      three + "POINTS 1537228672809129302\nDATA binary\n0123456789abcdef",
+      three + "POINTS 357913942\nDATA binary_compressed\n\x01\0\0\0\x08\0\0\0Q"};
+  for (const auto& header : headers) EXPECT_THROW(load("w.pcd", header), BadInput) << header;
+}
+
+TEST_F(CloudFiles, CoordinatesThatNothingCanBeComputedWithAreRefused) {
+  EXPECT_THROW(load("far.xyz", "1 2 1e200\n"), BadInput);
+  EXPECT_EQ(load("far.xyz", "1 2 1e9\n").size(), 1u);
+}
+
 TEST_F(CloudFiles, AsciiAndBinaryPcd) {
   const PointCloud ascii =
       load("a.pcd",

@@ -47,6 +47,10 @@ TEST(ParseContacts, NamesWhatIsWrong) {
   EXPECT_NE(refusal(header + "0,0,nan,0,0,1\n").find("'nan' in column z"), std::string::npos);
   EXPECT_NE(refusal(header + "0,0,1e999,0,0,1\n").find("1e999"), std::string::npos);
   EXPECT_NE(refusal(header + "0,0,0,0,0,0\n").find("length 0"), std::string::npos);
+  EXPECT_NE(refusal(header + "0,0,1e200,0,0,1\n").find("c.csv:2: a coordinate of 1e+200"),
+            std::string::npos);
+  EXPECT_NE(refusal("x,y,z,nx,ny,nz,fx,fy,fz\n0,0,0,0,0,1,0,0,-1e200\n").find("a force of -1e+200"),
+            std::string::npos);
 }
 
 }  // namespace

@@ -121,6 +121,17 @@ TEST(Minari, RefusesCorruptAndForeignFiles) {
   EXPECT_NE(message().find("metadata.json"), std::string::npos);
 }
 
+TEST(Minari, RefusesMetadataOfAnyDepth) {
+  const TemporaryFolder folder;
+  write_minari(folder.path(), random_dataset());
+  std::string deep = "{\"data_format\": \"hdf5\", \"total_episodes\": 1, \"dataset_id\": ";
+  deep += std::string(100000, '[') + std::string(100000, ']') + "}";
+  write_file_atomically(folder.path() / "data/metadata.json", deep);
+  const std::string message = error_message([&] { read_minari(folder.path()); });
+  EXPECT_NE(message.find("metadata.json"), std::string::npos);
+  EXPECT_LT(message.size(), 500u);
+}
+
 TEST(Minari, RefusesMetadataOfForeignTypes) {
   const TemporaryFolder folder;
   write_minari(folder.path(), random_dataset());

@@ -63,9 +63,20 @@ TEST_F(PolicyIo, ReadsAStructuredPolicyBackExactly) {
 
 TEST_F(PolicyIo, RejectsWhatIsNoPolicy) {
   EXPECT_NE(error_message([] { load_policy("/nowhere/policy.json"); }), "");
-  EXPECT_NE(error_of("").find("not a JSON object"), std::string::npos);
+  EXPECT_NE(error_of("").find("no JSON"), std::string::npos);
+  EXPECT_NE(error_of("[]").find("not a JSON object"), std::string::npos);
   EXPECT_NE(error_of("{\"format\":\"other\"}").find("other"), std::string::npos);
   EXPECT_NE(error_of("{\"W0\":[[1,2],[3]]}").find("rows of 2 and 1"), std::string::npos);
+}
+
+TEST_F(PolicyIo, RejectsJsonOfAnyDepthWithAShortMessage) {
+  const std::string deep(100000, '['), closed = deep + std::string(100000, ']');
+  for (const std::string& text : {deep, closed, "{\"sizes\": " + closed + "}"}) {
+    const std::string message = error_of(text);
+    EXPECT_NE(message.find("deeper"), std::string::npos);
+    EXPECT_LT(message.size(), 500u);
+  }
+  EXPECT_LT(error_with("\"mlp\"", "[\"" + std::string(100000, 'x') + "\"]").size(), 500u);
 }
 
 TEST_F(PolicyIo, RejectsADamagedOrForeignPolicy) {

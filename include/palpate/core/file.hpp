@@ -8,12 +8,14 @@
 namespace palpate {
 
 /// Writes a file under a temporary name (PATH.partial) and renames it, so that nobody ever sees
-/// half of it. Parent folders are made.
-/// @throws BadInput, naming the path, if it cannot be written; nothing is left behind
+/// half of it, and returns when it is on the disk. Parent folders are made.
+/// @throws BadInput, with the path and the reason, if it cannot be written; no half of it is left
+///         behind, and what bore the name before is whole
 void write_file_atomically(const std::filesystem::path& path, std::string_view bytes);
 
 /// Whole content of a file.
-/// @throws BadInput, naming the path, if it is missing, a folder, or cannot be read
+/// @throws BadInput, naming the path, if it is missing, a folder, cannot be read, or has more than
+///         1 GiB
 std::string read_file(const std::filesystem::path& path);
 
 /// Makes a folder (and its parents) and checks that files can be written into it.

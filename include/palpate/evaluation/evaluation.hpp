@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <map>
+#include <optional>
 
 #include "palpate/evaluation/trial.hpp"
 
@@ -59,11 +60,14 @@ struct ObjectSummary {
 /// Told of each finished trial, in the order of the seeds.
 using TrialObserver = std::function<void(std::size_t done, const Trial& trial)>;
 
+/// A trial that was finished before, by its number from 0; nothing if it is to be run.
+using TrialSource = std::function<std::optional<Trial>(std::size_t trial)>;
+
 /// Repeats the pick of one object with the seeds first_seed, first_seed + 1, ...
 ///
-/// The result is the same for any number of threads.
+/// The result is the same for any number of threads, and however many trials were finished before.
 ObjectSummary evaluate(const geometry::ObjectModel& object, const TrialOptions& options,
                        std::uint64_t first_seed, std::size_t trials, int threads,
-                       const TrialObserver& observer = {});
+                       const TrialObserver& observer = {}, const TrialSource& finished = {});
 
 }  // namespace palpate::evaluation

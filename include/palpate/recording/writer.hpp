@@ -21,12 +21,16 @@ class Writer {
   Writer(const Writer&) = delete;
   Writer& operator=(const Writer&) = delete;
 
+  /// Each throws BadInput, with the reason, if something cannot be written; such a recording can
+  /// no longer be finished.
   void frame(const Frame& frame);
   void event(const Event& event);
   /// @throws BadInput for an estimate with a value that is not finite
   void estimate(const EstimateRecord& estimate);
 
-  /// Seals and renames the file; nothing may be written afterwards.
+  /// Seals and renames the file once all of it is on the disk; nothing may be written afterwards.
+  /// @throws BadInput, with the reason, if that fails now or a write failed before; the file then
+  ///         keeps its temporary name
   void finish();
 
  private:

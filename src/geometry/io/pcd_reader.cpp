@@ -51,13 +51,37 @@ void for_fields(PcdHeader& header, const std::vector<std::string>& words, const 
   for (std::size_t i = 0; i < words.size(); ++i) set(header.fields[i], words[i]);
 }
 
+/// @throws BadInput unless so many values of that size are bytes that a row may have
+void add_to_row(PcdField& field, std::size_t& row, const MeshText& text) {
+  constexpr std::size_t kMostRow = 1 << 20;  // bytes of a point
+  if (field.count == 0 || field.count > kMostRow || row + field.size * field.count > kMostRow) {
+    text.fail(fmt::format("COUNT {} of the field {} is not in 1..{} bytes of a point", field.count,
+                          field.name, kMostRow));
+  }
+  field.offset = row;
+  row += field.size * field.count;
+}
+
+/// @throws BadInput unless what follows the header can hold the points, packed at most 300 to 1
+void check_points(const PcdHeader& header, const MeshText& text) {
+  constexpr std::size_t kMostPacking = 300, kMostPoints = std::size_t{1} << 31;
+  const std::size_t bytes = text.rest().size();
+  const std::size_t room = header.data == "binary"  ? bytes / header.row
+                           : header.data == "ascii" ? bytes / 2 + 1
+                                                    : bytes * kMostPacking / header.row;
+  if (header.points > std::min(room, kMostPoints)) {
+    text.fail(
+        fmt::format("{} points are more than the file can hold: it ends too early", header.points));
+  }
+}
+
 void check_header(PcdHeader& header, const MeshText& text) {
   for (auto& field : header.fields) {
     const bool real = field.type == 'F' && (field.size == 4 || field.size == 8);
-    const bool whole = (field.type == 'I' || field.type == 'U') && field.size <= 8;
+    const bool whole =
+        (field.type == 'I' || field.type == 'U') && field.size >= 1 && field.size <= 8;
     if (!real && !whole) text.fail_at("unknown PCD type of", field.name);
-    field.offset = header.row;
-    header.row += field.size * field.count;
+    add_to_row(field, header.row, text);
   }
   for (const char* axis : {"x", "y", "z"}) {
     const auto found = std::ranges::find(header.fields, axis, &PcdField::name);
@@ -65,9 +89,7 @@ void check_header(PcdHeader& header, const MeshText& text) {
       text.fail_at("the header gives no field of real numbers", axis);
     }
   }
-  if (header.data != "ascii" && header.points > text.rest().size() * 300) {
-    text.fail(fmt::format("{} points are more than the file can hold", header.points));
-  }
+  check_points(header, text);
 }
 
 PcdHeader read_header(MeshText& text) {
@@ -182,7 +204,6 @@ PointCloud read_pcd(std::string_view content, std::string_view file) {
   if (header.data == "ascii") {
     read_ascii(header, text, builder);
   } else if (header.data == "binary") {
-    if (text.rest().size() < header.points * header.row) bad_file(file, "the file ends too early");
     read_bytes(header, text.rest(), builder,
                [&](const PcdField& field, std::size_t i) { return i * header.row + field.offset; });
   } else if (header.data == "binary_compressed") {

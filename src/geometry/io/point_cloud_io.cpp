@@ -14,6 +14,7 @@
 #include "geometry/io/ply_header.hpp"
 #include "geometry/mesh/mesh_builder.hpp"
 #include "palpate/core/file.hpp"
+#include "palpate/core/plausible.hpp"
 #include "palpate/geometry/io/mesh_io.hpp"
 #include "palpate/geometry/mesh/sampling.hpp"
 
@@ -62,6 +63,10 @@ PointCloud sampled(const std::filesystem::path& path, std::size_t samples) {
 void CloudBuilder::add(const Vector6d& point) {
   if (!point.head<3>().allFinite()) {
     bad_file(file_, fmt::format("point {} is not finite", cloud_.size()));
+  }
+  if (point.head<3>().cwiseAbs().maxCoeff() > kMostCoordinate) {
+    bad_file(file_,
+             fmt::format("point {} is ({}, {}, {})", cloud_.size(), point[0], point[1], point[2]));
   }
   cloud_.points.push_back(point.head<3>());
   const Eigen::Vector3d normal = point.tail<3>();

@@ -5,6 +5,7 @@
 
 #include "geometry/mesh/polygon.hpp"
 #include "palpate/core/error.hpp"
+#include "palpate/core/plausible.hpp"
 
 namespace palpate::geometry {
 
@@ -13,7 +14,7 @@ void bad_file(std::string_view file, std::string_view what) {
 }
 
 void MeshBuilder::add_vertex(const Eigen::Vector3d& position) {
-  if (!position.allFinite()) {
+  if (!(position.cwiseAbs().maxCoeff() <= kMostCoordinate)) {
     bad_file(file_, fmt::format("vertex {} is ({}, {}, {})", vertices(), position.x(), position.y(),
                                 position.z()));
   }

@@ -9,6 +9,7 @@
 
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
+#include "palpate/recording/json_text.hpp"
 
 namespace palpate::learning {
 namespace {
@@ -53,7 +54,7 @@ Eigen::MatrixXd take(std::string_view& bytes, Eigen::Index rows, Eigen::Index co
 Checkpoint parse(std::string_view bytes) {
   const auto end = bytes.find('\n');
   if (end == std::string_view::npos) throw BadInput("no checkpoint: it has no first line");
-  const json head = json::parse(bytes.substr(0, end), nullptr, /*allow_exceptions=*/false);
+  const json head = recording::parse_json(bytes.substr(0, end));
   bytes.remove_prefix(end + 1);
   if (!head.is_object() || head.value("format", "") != kFormat) {
     throw BadInput(fmt::format("no checkpoint: not of format \"{}\"", kFormat));

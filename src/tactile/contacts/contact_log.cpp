@@ -10,6 +10,7 @@
 #include "core/csv_table.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
+#include "palpate/core/plausible.hpp"
 
 namespace palpate::tactile {
 namespace {
@@ -47,13 +48,16 @@ FingerLog& log_of(std::vector<FingerLog>& logs, std::string_view finger) {
 
 void add_row(const palpate::CsvTable& table, const Layout& layout, FingerLog& log) {
   const double time = table.number(layout.t);
+  const Eigen::Vector3d p = vector_of(table, layout.p), f = vector_of(table, layout.f);
+  // What is missing is for the estimators to flag; what cannot be is not believed.
+  check_plausible(p, kMostLength, table.where() + ": a coordinate", true);
+  check_plausible(f, kMostForce, table.where() + ": a force", true);
   const bool same_frame = !log.frames.empty() && log.frames.back().time == time;
   if (!same_frame) {
     log.frames.push_back({.time = time, .contacts = {}});
     log.normals.emplace_back();
   }
-  log.frames.back().contacts.push_back(
-      {.p = vector_of(table, layout.p), .f = vector_of(table, layout.f), .tip_normal = {}});
+  log.frames.back().contacts.push_back({.p = p, .f = f, .tip_normal = {}});
   if (!layout.n) return;
   const Eigen::Vector3d n = vector_of(table, *layout.n);
   auto& normal = log.normals.back();

@@ -9,9 +9,11 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "palpate/core/durable_file.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
-#include "palpate/recording/hdf5_lock.hpp"
+#include "palpate/recording/hdf5_guard.hpp"
+#include "palpate/recording/json_text.hpp"
 
 namespace palpate::relocate {
 namespace {
@@ -201,14 +203,22 @@ std::string text_of(const json& object, const char* name) {
 }
 
 json read_metadata(const std::filesystem::path& path) {
-  const json head = json::parse(read_file(path), nullptr, /*allow_exceptions=*/false);
+  const json head = [&] {
+    try {
+      return recording::parse_json(read_file(path));
+    } catch (const BadInput& error) {
+      throw BadInput(fmt::format("{}: not the metadata of a Minari dataset in HDF5 ({})",
+                                 path.string(), error.what()));
+    }
+  }();
   const auto count = head.find("total_episodes");
   if (!head.is_object() || count == head.end() || !count->is_number_unsigned() ||
       text_of(head, "data_format") != "hdf5") {
     throw BadInput(fmt::format("{}: not the metadata of a Minari dataset in HDF5", path.string()));
   }
   if (const auto id = head.find("dataset_id"); id != head.end() && !id->is_string()) {
-    throw BadInput(fmt::format("{}: 'dataset_id' is {}, no text", path.string(), id->dump()));
+    throw BadInput(
+        fmt::format("{}: 'dataset_id' is {}, no text", path.string(), recording::shown(*id)));
   }
   return head;
 }
@@ -220,20 +230,15 @@ void write_minari(const std::filesystem::path& folder, const MinariDataset& data
   const auto data = folder / "data";
   make_writable_folder(data);
   const auto path = data / "main_data.hdf5", partial = data / "main_data.hdf5.partial";
-  {
-    const std::lock_guard lock(recording::hdf5_mutex());
-    H5::Exception::dontPrint();
-    try {
-      H5::H5File file(partial.string(), H5F_ACC_TRUNC);
-      for (std::size_t i = 0; i < dataset.episodes.size(); ++i) {
-        write_episode(file, dataset.episodes[i], i);
-      }
-    } catch (const H5::Exception& error) {
-      throw BadInput(
-          fmt::format("{}: cannot be written (HDF5: {})", partial.string(), error.getDetailMsg()));
+  recording::with_hdf5(partial, "cannot be written", [&] {
+    H5::H5File file(partial.string(), H5F_ACC_TRUNC);
+    for (std::size_t i = 0; i < dataset.episodes.size(); ++i) {
+      write_episode(file, dataset.episodes[i], i);
     }
-  }
-  std::filesystem::rename(partial, path);
+  });
+  // Without metadata there is no data set, where this ends between the two files.
+  std::filesystem::remove(data / "metadata.json");
+  publish_file(partial, path);
   write_file_atomically(data / "metadata.json", metadata(dataset).dump(2) + "\n");
 }
 
@@ -245,20 +250,16 @@ MinariDataset read_minari(const std::filesystem::path& folder) {
   }
   MinariDataset dataset;
   dataset.id = text_of(head, "dataset_id");
-  const std::lock_guard lock(recording::hdf5_mutex());
-  H5::Exception::dontPrint();
-  try {
+  const auto count = head["total_episodes"].get<std::size_t>();
+  recording::with_hdf5(path, "no Minari dataset, or damaged", [&] {
     const H5::H5File file(path.string(), H5F_ACC_RDONLY);
-    for (std::size_t i = 0; i < head["total_episodes"].get<std::size_t>(); ++i) {
-      dataset.episodes.push_back(read_episode(file, i));
+    try {
+      for (std::size_t i = 0; i < count; ++i) dataset.episodes.push_back(read_episode(file, i));
+      check(dataset);
+    } catch (const BadInput& error) {
+      throw BadInput(fmt::format("{}: {}", path.string(), error.what()));
     }
-    check(dataset);
-  } catch (const H5::Exception& error) {
-    throw BadInput(fmt::format("{}: no Minari dataset, or damaged (HDF5: {})", path.string(),
-                               error.getDetailMsg()));
-  } catch (const BadInput& error) {
-    throw BadInput(fmt::format("{}: {}", path.string(), error.what()));
-  }
+  });
   return dataset;
 }
 

@@ -10,12 +10,14 @@
 
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
+#include "palpate/recording/json_text.hpp"
 #include "tasks/relocate/policies/policy_record.hpp"
 
 namespace palpate::relocate {
 namespace {
 
 using nlohmann::json;
+using recording::shown;
 
 constexpr const char* kFormat = "palpate-policy";
 constexpr int kVersion = 1;
@@ -26,7 +28,7 @@ std::vector<double> numbers(const json& value, const std::string& name) {
   std::vector<double> result;
   for (const auto& item : value) {
     if (!item.is_number() || !std::isfinite(item.get<double>())) {
-      throw BadInput(fmt::format("'{}' holds {}, which is no finite number", name, item.dump()));
+      throw BadInput(fmt::format("'{}' holds {}, which is no finite number", name, shown(item)));
     }
     result.push_back(item.get<double>());
   }
@@ -40,7 +42,7 @@ const json& member(const json& object, const char* name) {
 
 std::string text(const json& object, const char* name) {
   const json& value = member(object, name);
-  if (!value.is_string()) throw BadInput(fmt::format("'{}' is {}, no text", name, value.dump()));
+  if (!value.is_string()) throw BadInput(fmt::format("'{}' is {}, no text", name, shown(value)));
   return value.get<std::string>();
 }
 
@@ -63,14 +65,14 @@ std::map<std::string, std::string> notes_of(const json& file) {
 PolicyRecord read_own(const json& file) {
   check_keys(file, {"format", "version", "task", "kind", "sizes", "arrays", "notes"});
   if (text(file, "format") != kFormat) {
-    throw BadInput(fmt::format("of format {}, not \"{}\"", file["format"].dump(), kFormat));
+    throw BadInput(fmt::format("of format {}, not \"{}\"", shown(file["format"]), kFormat));
   }
   if (member(file, "version") != kVersion) {
-    throw BadInput(fmt::format("of version {}, not {}", file["version"].dump(), kVersion));
+    throw BadInput(fmt::format("of version {}, not {}", shown(file["version"]), kVersion));
   }
   if (text(file, "task") != kRelocateVersion) {
-    throw BadInput(
-        fmt::format("for the task {}, not \"{}\"", file["task"].dump(), kRelocateVersion));
+    throw BadInput(fmt::format("for the task {}, not \"{}\"", shown(file["task"]),
+                               kRelocateVersion));
   }
   PolicyRecord record;
   record.kind = text(file, "kind");
@@ -132,8 +134,9 @@ void save_policy(const std::filesystem::path& path, const PolicyRecord& record) 
 }
 
 PolicyRecord read_policy(const std::filesystem::path& path) {
-  const json file = json::parse(read_file(path), nullptr, /*allow_exceptions=*/false);
+  const std::string content = read_file(path);
   try {
+    const json file = recording::parse_json(content);
     if (!file.is_object()) throw BadInput("no policy file: not a JSON object");
     return file.contains("W0") ? read_dexmv(file) : read_own(file);
   } catch (const BadInput& error) {

@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/evaluation/trial_record.hpp"
+
+#include <fmt/format.h>
+
+#include <limits>
+
+#include "palpate/core/error.hpp"
+#include "palpate/skills/place/place.hpp"
+
+namespace palpate::evaluation {
+namespace {
+
+using nlohmann::json;
+
+/// Writes members under their names.
+class ToJson {
+ public:
+  explicit ToJson(json& target) : target_(target) {}
+
+  template <class T>
+  void operator()(const char* name, T& value) const {
+    if constexpr (std::is_enum_v<T>) {
+      target_[name] = static_cast<int>(value);
+    } else {
+      target_[name] = value;  // JSON has no nan: null
+    }
+  }
+
+  template <class T, class Visit>
+  void part(const char* name, T& value, const Visit& visit) const {
+    json part = json::object();
+    visit(value, ToJson(part));
+    target_[name] = std::move(part);
+  }
+
+ private:
+  json& target_;
+};
+
+/// Reads members by their names.
+class FromJson {
+ public:
+  explicit FromJson(const json& source) : source_(source) {}
+
+  template <class T>
+  void operator()(const char* name, T& value) const {
+    const json& found = source_.at(name);
+    if constexpr (std::is_enum_v<T>) {
+      value = static_cast<T>(found.get<int>());
+    } else if constexpr (std::is_same_v<T, double>) {
+      value = found.is_null() ? std::numeric_limits<double>::quiet_NaN() : found.get<double>();
+    } else {
+      found.get_to(value);
+    }
+  }
+
+  template <class T, class Visit>
+  void part(const char* name, T& value, const Visit& visit) const {
+    visit(value, FromJson(source_.at(name)));
+  }
+
+ private:
+  const json& source_;
+};
+
+constexpr auto kError = [](localization::PoseError& error, const auto& v) {
+  v("rotation", error.rotation);
+  v("translation", error.translation);
+};
+
+constexpr auto kPhase = [](skills::PhaseReport& phase, const auto& v) {
+  v("name", phase.name);
+  v("status", phase.status);
+  v("sim_seconds", phase.sim_seconds);
+  v("wall_seconds", phase.wall_seconds);
+};
+
+constexpr auto kPick = [](skills::PickResult& result, const auto& v) {
+  v("held", result.held);
+  v("attempts", result.attempts);
+  v("regrasps", result.regrasps);
+  v("failed_phase", result.failed_phase);
+};
+
+constexpr auto kJudgement = [](Judgement& judgement, const auto& v) {
+  v("lifted", judgement.lifted);
+  v("slip", judgement.slip);
+  v("has_pose", judgement.has_pose);
+  v("pose_ok", judgement.pose_ok);
+  v("pose_tight", judgement.pose_tight);
+  v("truth_in_modes", judgement.truth_in_modes);
+  v("pose_ok_before_lift", judgement.pose_ok_before_lift);
+  v("pose_ok_before_probe", judgement.pose_ok_before_probe);
+  v("pose_ok_tracked", judgement.pose_ok_tracked);
+  v("tracked_share", judgement.tracked_share);
+  v("probes", judgement.probes);
+  v("explored_motion", judgement.explored_motion);
+  v("tip_force", judgement.tip_force);
+  v.part("error", judgement.error, kError);
+};
+
+constexpr auto kPlaceJudgement = [](PlaceJudgement& judgement, const auto& v) {
+  v("placed", judgement.placed);
+  v("tight", judgement.tight);
+  v("wrong", judgement.wrong);
+  v("dropped", judgement.dropped);
+  v("in_stance", judgement.in_stance);
+  v.part("error", judgement.error, kError);
+  v.part("estimate", judgement.estimate, kError);
+  v.part("release", judgement.release, kError);
+};
+
+constexpr auto kPlace = [](skills::PlaceResult& place, const auto& v) {
+  v("status", place.status);
+  v("certain", place.certain);
+  v("on_the_way", place.on_the_way);
+};
+
+constexpr auto kTrial = [](Trial& trial, const auto& v) {
+  v("stance", trial.start.stance);
+  v.part("pick", trial.result, kPick);
+  v.part("judgement", trial.judgement, kJudgement);
+  v.part("place_judgement", trial.place_judgement, kPlaceJudgement);
+};
+
+json phases_to_json(const std::vector<skills::PhaseReport>& phases) {
+  json all = json::array();
+  for (skills::PhaseReport phase : phases) {
+    json one;
+    kPhase(phase, ToJson(one));
+    all.push_back(std::move(one));
+  }
+  return all;
+}
+
+std::vector<skills::PhaseReport> phases_from_json(const json& all) {
+  std::vector<skills::PhaseReport> phases;
+  for (const json& one : all) kPhase(phases.emplace_back(), FromJson(one));
+  return phases;
+}
+
+json weights_to_json(const std::vector<localization::Mode>& modes) {
+  json weights = json::array();
+  for (const auto& mode : modes) weights.push_back(mode.weight);
+  return weights;
+}
+
+json place_to_json(skills::PlaceResult place) {
+  json result;
+  kPlace(place, ToJson(result));
+  result["phases"] = phases_to_json(place.phases);
+  result["let_go"] = place.T_world_placed.has_value();
+  return result;
+}
+
+skills::PlaceResult place_from_json(const json& source) {
+  skills::PlaceResult place;
+  kPlace(place, FromJson(source));
+  place.phases = phases_from_json(source.at("phases"));
+  if (source.at("let_go").get<bool>()) place.T_world_placed = Eigen::Isometry3d::Identity();
+  return place;
+}
+
+}  // namespace
+
+json trial_to_json(const Trial& trial) {
+  json result;
+  Trial copy = trial;
+  kTrial(copy, ToJson(result));
+  result["phases"] = phases_to_json(trial.result.phases);
+  result["weights"] = weights_to_json(trial.result.estimate.posterior.modes);
+  result["place"] = trial.place ? place_to_json(*trial.place) : json();
+  return result;
+}
+
+Trial trial_from_json(const json& source) {
+  Trial trial;
+  kTrial(trial, FromJson(source));
+  trial.result.phases = phases_from_json(source.at("phases"));
+  for (const json& weight : source.at("weights")) {
+    trial.result.estimate.posterior.modes.emplace_back().weight = weight.get<double>();
+  }
+  if (!source.at("place").is_null()) trial.place = place_from_json(source.at("place"));
+  if (trial.judgement.has_pose && trial.result.estimate.posterior.modes.empty()) {
+    throw BadInput("a trial with a pose and without modes");
+  }
+  return trial;
+}
+
+}  // namespace palpate::evaluation

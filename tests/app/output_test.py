@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Folders of results: one run at a time, nothing overwritten, nothing lost by a kill."""
+
+import json
+import os
+import random
+import signal
+import subprocess
+import time
+
+import cli
+from cli import BAD_INPUT, DONE, QUICK, CliTest, main
+
+# A pick of a second, of which only the form matters.
+SHORT = [*QUICK, "--quiet", "--set", "calibrate.touches=0", "--set", "attempts=1",
+         "--set", "probe.most=0", "--set", "explore.touches=0", "--set", "explore.most_touches=0",
+         "--set", "estimate_before_lift=false"]  # fmt: skip
+PICK = ["pick", "--object", "box", "--out", "run", "--json", *SHORT]
+EVAL = ["eval", "--object", "box", "--trials", "3", "--seed", "40", "--json", *SHORT]
+
+
+class Output(CliTest):
+    def start(self, *arguments):
+        environment = dict(os.environ, PALPATE_CACHE=str(self.cache))
+        process = subprocess.Popen(
+            [cli.PROGRAM, *arguments], cwd=self.folder, env=environment,
+            stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
+        )  # fmt: skip
+        self.addCleanup(process.stderr.close)
+        self.addCleanup(process.kill)
+        return process
+
+    def read(self, name):
+        return (self.folder / name).read_bytes()
+
+    def test_two_picks_do_not_share_a_folder(self):
+        first, second = [self.start(*PICK, "--seed", seed) for seed in ("1", "2")]
+        errors = {seed: run.communicate(timeout=120)[1] for seed, run in
+                  (("1", first), ("2", second))}  # fmt: skip
+        codes = {"1": first.returncode, "2": second.returncode}
+        refused = [seed for seed, code in codes.items() if code == BAD_INPUT]
+        self.assertEqual(len(refused), 1, (codes, errors))
+        # In use, or there already where the other was quicker than this one's start.
+        self.assertRegex(errors[refused[0]], "run")
+        kept = ({"1", "2"} - set(refused)).pop()
+        self.assertEqual(json.loads(self.read("run/report.json"))["seed"], int(kept))
+        self.assertEqual(self.run_program("replay", "run/recording.h5").returncode, DONE)
+
+        whole = self.read("run/recording.h5")
+        self.assert_refused(BAD_INPUT, [*PICK, "--seed", refused[0]], "--force")
+        self.assertEqual(self.read("run/recording.h5"), whole)
+        self.run_program(*PICK, "--seed", refused[0], "--force")
+        self.assertNotEqual(self.read("run/recording.h5"), whole)
+        self.run_program(*PICK, "--seed", kept, "--force")
+        self.assertEqual(self.read("run/recording.h5"), whole)  # byte for byte
+
+    def test_an_evaluation_that_is_killed_goes_on_and_ends_alike(self):
+        self.assertEqual(self.run_program(*EVAL, "--out", "whole").returncode, DONE)
+        chance = random.Random(7)
+        for _ in range(6):
+            run = self.start(*EVAL, "--out", "part")
+            time.sleep(chance.uniform(0.1, 4))
+            run.send_signal(signal.SIGKILL)
+            run.wait(timeout=60)
+        self.assertEqual(self.run_program(*EVAL, "--out", "part").returncode, DONE)
+        for name in ["eval.json", "trials.csv", "config.toml"]:
+            self.assertEqual(self.read(f"part/{name}"), self.read(f"whole/{name}"), name)
+        self.assertEqual(sorted(path.name for path in (self.folder / "part").iterdir()),
+                         sorted(path.name for path in (self.folder / "whole").iterdir()))
+
+        rows = self.read("part/trials.csv")
+        other = [*EVAL, "--out", "part", "--set", "lift.way=0.11"]
+        self.assert_refused(BAD_INPUT, other, "trials.jsonl", "--force")
+        self.assertEqual(self.read("part/trials.csv"), rows)
+        self.assert_refused(BAD_INPUT, [*EVAL, "--out", "none", "--resume"], "none")
+
+    def test_half_a_line_of_a_killed_run_is_dropped(self):
+        self.run_program(*EVAL, "--out", "whole")
+        report, lines = self.read("whole/eval.json"), self.read("whole/trials.jsonl")
+        for cut in [len(lines) - 1, len(lines) // 2, 20, 0]:
+            (self.folder / "whole/trials.jsonl").write_bytes(lines[:cut])
+            self.assertEqual(self.run_program(*EVAL, "--out", "whole").returncode, DONE)
+            self.assertEqual(self.read("whole/eval.json"), report)
+            self.assertEqual(len(self.read("whole/trials.jsonl").splitlines()), 4)
+
+    def test_a_full_disk_is_named_and_seals_nothing(self):
+        if os.geteuid() != 0:
+            self.skipTest("only root can mount a small file system")
+        disk = self.folder / "disk"
+        disk.mkdir()
+        mount = ["mount", "-t", "tmpfs", "-o", "size=300k", "tmpfs", str(disk)]
+        if subprocess.run(mount, capture_output=True).returncode != 0:
+            self.skipTest("no small file system can be mounted here")
+        self.addCleanup(subprocess.run, ["umount", str(disk)], check=True)
+        done = self.run_program("pick", "--object", "box", "--seed", "1", "--out", "disk/p", *SHORT)
+        self.assertEqual(done.returncode, BAD_INPUT, done.stderr)
+        self.assertIn("No space left on device", done.stderr.splitlines()[0])
+        self.assertFalse((disk / "p/recording.h5").exists())
+        partial = (disk / "p/recording.h5.partial").read_bytes()
+        self.assertNotIn(b"finished ", partial[:60].replace(b"unfinished", b""))
+
+
+if __name__ == "__main__":
+    main()

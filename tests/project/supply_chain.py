@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Checks what Palpate is built on: every package pinned by hash, licensed, and watched.
+
+usage: supply_chain.py REPOSITORY
+"""
+
+import importlib.util
+import json
+import pathlib
+import re
+import sys
+import tempfile
+import unittest
+
+ROOT = pathlib.Path(sys.argv.pop(1)).resolve()
+
+
+def load_dependencies():
+    path = ROOT / "cmake" / "dependencies.py"
+    spec = importlib.util.spec_from_file_location("dependencies", path)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+dependencies = load_dependencies()
+
+
+class Pins(unittest.TestCase):
+    def test_every_wheel_has_a_version_and_a_hash(self):
+        components = list(dependencies.python_components())
+        self.assertGreaterEqual(len(components), 4)
+        for component in components:
+            self.assertTrue(component["hashes"], component["name"])
+        for path in (ROOT / "requirements").glob("*.txt"):
+            lines = path.read_text().replace("\\\n", " ").splitlines()
+            for line in filter(lambda line: line and not line.startswith("#"), lines):
+                self.assertRegex(line, r"^[\w.-]+==\S+\s+--hash=sha256:[0-9a-f]{64}", path.name)
+
+    def test_every_npm_package_has_a_hash_and_a_licence(self):
+        lock = json.loads((ROOT / "requirements" / "package-lock.json").read_text())
+        wanted = json.loads((ROOT / "requirements" / "package.json").read_text())
+        self.assertEqual(lock["packages"][""]["dependencies"], wanted["dependencies"])
+        for path, package in lock["packages"].items():
+            if path:
+                self.assertTrue(package["integrity"].startswith("sha512-"), path)
+                self.assertIn(package.get("license"), {"MIT", "Public Domain"}, path)
+
+    def test_scripts_of_packages_do_not_run(self):
+        text = (ROOT / "dev").read_text()
+        self.assertEqual(re.findall(r"npm (?:ci|install) (?!.*--ignore-scripts).*", text), [])
+        installs = re.findall(r'bin/pip" install(?:.*\\\n)*.*', text)
+        self.assertTrue(installs)
+        for line in installs:
+            self.assertIn("--require-hashes", line)
+            self.assertIn("--only-binary :all:", line)
+
+
+class Licences(unittest.TestCase):
+    def test_what_is_linked_or_shipped_is_listed_with_its_licence(self):
+        text = (ROOT / "docs" / "licences.md").read_text()
+        for line in (ROOT / "requirements" / "simulation.txt").read_text().splitlines():
+            if match := re.match(r"([\w-]+)==(\S+)", line):
+                name, version = match.groups()
+                self.assertRegex(text, rf"`{name}` {re.escape(version)} \| \S")
+        wanted = json.loads((ROOT / "requirements" / "package.json").read_text())["dependencies"]
+        for name, version in wanted.items():
+            self.assertRegex(text, rf"`{name}` {re.escape(version)} \| \S")
+
+    def test_every_debian_library_is_listed(self):
+        text = (ROOT / "docs" / "licences.md").read_text().lower().replace("-", "").replace("+", "")
+        words = {
+            "libeigen3dev": "eigen", "libfmtdev": "{fmt}", "libtomlplusplusdev": "toml",
+            "libcli11dev": "cli11", "nlohmannjson3dev": "nlohmann", "libhdf5dev": "hdf5",
+            "libnanoflanndev": "nanoflann", "libqhulldev": "qhull", "libgtestdev": "googletest",
+            "libbenchmarkdev": "google benchmark", "libboostdev": "boost", "libegl1": "mesa",
+            "libegldev": "mesa", "libgl1mesadri": "mesa", "libopengl0": "libglvnd",
+            "libpngdev": "libpng", "libompldev": "ompl", "libnloptdev": "nlopt",
+        }  # fmt: skip
+        tools = {"g++", "cmake", "ninja-build", "ccache", "python3-venv"}
+        for package in dependencies.debian_packages():
+            if package not in tools:
+                self.assertIn(words[package.replace("-", "").replace("+", "")], text, package)
+
+
+class Stamps(unittest.TestCase):
+    def setUp(self):
+        temporary = tempfile.TemporaryDirectory()
+        self.addCleanup(temporary.cleanup)
+        self.deps = pathlib.Path(temporary.name)
+        (self.deps / "lib" / "sub").mkdir(parents=True)
+        (self.deps / "lib" / "sub" / "a").write_text("a")
+
+    def check(self):
+        return dependencies.check("wheels", self.deps)
+
+    def test_an_altered_file_is_noticed(self):
+        self.assertFalse(self.check())
+        dependencies.note("wheels", self.deps, "requirements/simulation.txt", "lib")
+        self.assertTrue(self.check())
+        (self.deps / "lib" / "sub" / "a").touch()  # the same content at another time
+        self.assertTrue(self.check())
+        (self.deps / "lib" / "sub" / "a").write_text("b")
+        self.assertFalse(self.check())
+        (self.deps / "lib" / "sub" / "a").write_text("a")
+        self.assertTrue(self.check())
+        (self.deps / "lib" / "new").write_text("")
+        self.assertFalse(self.check())
+
+
+class Materials(unittest.TestCase):
+    def test_the_bill_names_every_kind(self):
+        kinds = {c["purl"].split("/")[0] for c in [
+            *dependencies.python_components(), *dependencies.npm_components(),
+            *dependencies.debian_components()]}  # fmt: skip
+        self.assertEqual(kinds, {"pkg:pypi", "pkg:npm", "pkg:deb"})
+
+
+if __name__ == "__main__":
+    unittest.main()
