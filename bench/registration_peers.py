@@ -88,7 +88,8 @@ def palpate(program, problem, *options):
         np.savetxt(file, rows, delimiter=",", fmt="%.17g")
         file.flush()
         run = subprocess.run([program, "register", "--correspondences", file.name, "--json",
-                              "--noise-bound", str(4 * SIGMA), "--repeats", "5", *options],
+                              "--noise-bound", str(4 * SIGMA), "--repeats", "5",
+                              "--set", "robust_bound.max_nodes=0", *options],
                              capture_output=True, text=True, check=False)
     report = json.loads(run.stdout)
     T = report["T_target_source"]

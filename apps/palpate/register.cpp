@@ -18,15 +18,18 @@ struct RegisterArguments {
   CommonOptions common;
   std::string source, target, features = "fpfh";
   std::string correspondences;
-  std::string method = "clique+gnc", primitive = "point", cost = "tls";
+  std::string method = "clique+gnc", cost = "tls", initial;
+  std::optional<std::string> primitive;
   std::optional<double> noise_bound, normal_noise_deg;
-  bool filter = false;
-  int repeats = 1;
+  bool filter = false, yaw_only = false, scale = false, best_effort = false;
+  int repeats = 1, instances = 1;
 };
 
 /// All options that a configuration may set; those of features only matter to clouds.
 struct RegisterOptions {
-  rg::RegistrationOptions registration;
+  /// A person waits longer for an answer than a program: its bound comes with it.
+  rg::RegistrationOptions registration = {
+      .robust_bound = {.max_nodes = 100000, .max_seconds = 0.2}};
   rg::FeatureOptions features;
   geometry::OutlierFilterOptions filter;
 
@@ -46,8 +49,14 @@ RegisterOptions options_of(const RegisterArguments& arguments) {
   registration.method = arguments.method == "gnc" ? rg::Method::kGnc : rg::Method::kCliqueGnc;
   registration.cost = arguments.cost == "gm" ? rg::RobustCost::kGemanMcClure
                                              : rg::RobustCost::kTruncatedLeastSquares;
-  registration.primitive =
-      arguments.primitive == "plane" ? rg::Primitive::kPlane : rg::Primitive::kPoint;
+  const std::string usual = arguments.correspondences.empty() ? "plane" : "point";
+  registration.primitive = arguments.primitive.value_or(usual) == "plane" ? rg::Primitive::kPlane
+                                                                          : rg::Primitive::kPoint;
+  if (!arguments.initial.empty()) registration.initial = parse_pose(arguments.initial);
+  if (arguments.yaw_only) registration.rotation_axis = Eigen::Vector3d::UnitZ();
+  registration.estimate_scale = arguments.scale;
+  registration.instances = arguments.instances;
+  registration.best_effort = registration.best_effort || arguments.best_effort;
   registration.seed = arguments.common.seed;
   registration.keep_history = !arguments.common.out.empty();
   if (arguments.noise_bound) registration.noise_bound = *arguments.noise_bound;
@@ -71,7 +80,8 @@ geometry::PointCloud load(const std::string& path, const RegisterArguments& argu
 
 Outcome find_pose(const RegisterArguments& arguments, const RegisterOptions& options) {
   Outcome outcome;
-  auto& [result, correspondences, matches, voxel, bound, rounds, seconds] = outcome.registration;
+  auto& result = outcome.registration.result;
+  auto& correspondences = outcome.registration.correspondences;
   if (!arguments.correspondences.empty()) {
     correspondences = rg::read_correspondences(arguments.correspondences);
     result = rg::register_correspondences(correspondences, options.registration);
@@ -87,7 +97,8 @@ Outcome find_pose(const RegisterArguments& arguments, const RegisterOptions& opt
       rg::register_clouds(outcome.source, load(arguments.target, arguments, options),
                           {.features = options.features,
                            .registration = options.registration,
-                           .noise_bound = arguments.noise_bound});
+                           .noise_bound = arguments.noise_bound,
+                           .threads = arguments.common.threads});
   return outcome;
 }
 
@@ -99,6 +110,8 @@ nlohmann::json outcome_report(const Outcome& outcome) {
   report["voxel"] = outcome.registration.voxel;
   report["noise_bound"] = outcome.registration.noise_bound;
   report["refinements"] = outcome.registration.refinements;
+  report["overlap"] = outcome.registration.overlap;
+  report["rms_error"] = outcome.registration.rms_error;
   report["feature_seconds"] = outcome.registration.feature_seconds;
   return report;
 }
@@ -109,12 +122,11 @@ void write_results(const CommonOptions& common, const RegisterOptions& options,
   const std::filesystem::path folder = common.out;
   const auto output =
       claim_output(common, {"report.json", "config.toml", "correspondences.csv", "weights.csv"});
-  const auto& [result, correspondences, matches, voxel, bound, rounds, seconds] =
-      outcome.registration;
+  const auto& result = outcome.registration.result;
   write_file_atomically(folder / "report.json", outcome_report(outcome).dump(2) + "\n");
   write_file_atomically(folder / "config.toml", config_header(common) + to_toml(options));
   write_file_atomically(folder / "correspondences.csv",
-                        correspondences_csv(correspondences, result));
+                        correspondences_csv(outcome.registration.correspondences, result));
   if (!result.history.empty()) {
     write_file_atomically(folder / "weights.csv", weight_history_csv(result.history));
   }
@@ -139,9 +151,7 @@ int register_command(const RegisterArguments& arguments) {
                  outcome.registration.refinements);
     }
   }
-  const bool pose_known =
-      result.status == rg::Status::kCertified || result.status == rg::Status::kUncertified;
-  return pose_known ? kDone : kNoSolution;
+  return result.status == rg::RegistrationStatus::kFound ? kDone : kNoSolution;
 }
 
 void add_inputs(CLI::App& command, RegisterArguments& arguments) {
@@ -151,7 +161,7 @@ void add_inputs(CLI::App& command, RegisterArguments& arguments) {
   auto* correspondences =
       command
           .add_option("--correspondences", arguments.correspondences,
-                      "CSV with sx,sy,sz,tx,ty,tz[,snx,sny,snz,tnx,tny,tnz] in metres")
+                      "CSV with sx,sy,sz,tx,ty,tz[,snx,sny,snz,tnx,tny,tnz,weight] in metres")
           ->option_text("FILE");
   source->needs(target);
   correspondences->excludes(source);
@@ -160,6 +170,25 @@ void add_inputs(CLI::App& command, RegisterArguments& arguments) {
       ->capture_default_str();
   command.add_flag("--filter", arguments.filter,
                    "drop points far from their neighbours first (1000 neighbours, ratio 0.5)");
+}
+
+void add_problem(CLI::App& command, RegisterArguments& arguments) {
+  command
+      .add_option("--initial", arguments.initial,
+                  "start from this T_target_source instead of a search: 16 numbers, row-major, or "
+                  "a file of them")
+      ->option_text("POSE");
+  command.add_flag("--yaw-only", arguments.yaw_only,
+                   "turn about z alone; both frames have z along gravity (correspondences)");
+  command.add_flag("--scale", arguments.scale,
+                   "estimate the scale of the source, too (correspondences)");
+  command
+      .add_option("--instances", arguments.instances,
+                  "poses looked for, each in the pairs left over (correspondences)")
+      ->option_text("N")
+      ->check(CLI::Range(1, 1000));
+  command.add_flag("--best-effort", arguments.best_effort,
+                   "give the best pose even where wrong pairs explain it; false_alarms says so");
 }
 
 void add_method(CLI::App& command, RegisterArguments& arguments) {
@@ -173,9 +202,10 @@ void add_method(CLI::App& command, RegisterArguments& arguments) {
       .add_option("--normal-noise-deg", arguments.normal_noise_deg,
                   "noise of normals per axis, deg; uses them to find inliers (0: not)")
       ->option_text("DEG");
-  command.add_option("--primitive", arguments.primitive, "what residuals are: point or plane")
-      ->check(CLI::IsMember({"point", "plane"}))
-      ->capture_default_str();
+  command
+      .add_option("--primitive", arguments.primitive,
+                  "what residuals of the last solve are: point or plane (point; clouds: plane)")
+      ->check(CLI::IsMember({"point", "plane"}));
   command.add_option("--method", arguments.method, "how inliers are found")
       ->check(CLI::IsMember({"clique+gnc", "gnc"}))
       ->capture_default_str();
@@ -198,15 +228,19 @@ void add_register(CLI::App& program, Command& chosen) {
   auto& command = *program.add_subcommand(
       "register", "Find the pose of one cloud in another, by features or given correspondences");
   add_inputs(command, *arguments);
+  add_problem(command, *arguments);
   add_method(command, *arguments);
   add_common_options(command, arguments->common);
   command.footer(
-      "Statuses: certified, uncertified (the bound says by how much the pose may miss the best),\n"
-      "degenerate (a motion is left free), no_consensus (chance explains the agreement).\n"
-      "The last two exit with 4. --out receives report.json, config.toml, correspondences.csv,\n"
+      "Statuses: found, degenerate (the motions in free_motions change nothing), no_consensus\n"
+      "(wrong pairs explain the agreement). The last two have no pose and exit with 4.\n"
+      "certificate.least_squares: no pose fits the chosen inliers better;\n"
+      "certificate.robust_bound: no pose has more inliers than that.\n"
+      " --out receives report.json, config.toml, correspondences.csv,\n"
       "weights.csv (the history of gnc's weights) and, for clouds, source_in_target.ply.\n\n"
       "Examples:\n"
-      "  palpate register scan.ply model.stl --primitive plane --out out/scan\n"
+      "  palpate register scan.ply model.stl --out out/scan\n"
+      "  palpate register scan.ply model.stl --initial pose.txt\n"
       "  palpate register --correspondences pairs.csv --noise-bound 0.004\n"
       "  palpate register --correspondences pairs.csv --method gnc --cost gm --json");
   command.callback([arguments, &chosen] {

@@ -31,22 +31,62 @@ std::string pose_text(const Eigen::Isometry3d& T) {
       w[2], t[0], t[1], t[2]);
 }
 
+nlohmann::json instance_json(const rg::RunnerUp& instance) {
+  return {{"inliers", instance.inliers},
+          {"T_target_source", to_json(instance.T_target_source)},
+          {"false_alarms", instance.false_alarms}};
+}
+
+nlohmann::json vector_json(const Eigen::Vector3d& v) { return {v[0], v[1], v[2]}; }
+
+nlohmann::json motion_json(const rg::FreeMotion& motion) {
+  return {{"kind", rg::to_string(motion.kind)},
+          {"direction", vector_json(motion.direction)},
+          {"point", vector_json(motion.point)},
+          {"pitch", motion.pitch}};
+}
+
+std::string motion_text(const rg::FreeMotion& motion) {
+  const Eigen::Vector3d &d = motion.direction, &p = motion.point;
+  return fmt::format("{} along ({:.3f}, {:.3f}, {:.3f}) through ({:.4g}, {:.4g}, {:.4g}) m",
+                     rg::to_string(motion.kind), d[0], d[1], d[2], p[0], p[1], p[2]);
+}
+
 }  // namespace
 
 nlohmann::json report_of(const rg::RegistrationResult& result) {
-  nlohmann::json pose;  // null
+  nlohmann::json pose, runner_up, robust, covariance;  // null
   if (result.T_target_source) pose = to_json(*result.T_target_source);
+  if (result.T_target_source) covariance = rows_json(result.covariance);
+  if (result.runner_up) runner_up = instance_json(*result.runner_up);
+  if (const auto& bound = result.certificate.robust) {
+    robust = {{"max_inliers", bound->max_inliers},
+              {"min_cost", bound->min_cost},
+              {"exhausted", bound->is_exhausted},
+              {"nodes", bound->nodes},
+              {"seconds", bound->seconds}};
+  }
+  auto instances = nlohmann::json::array(), motions = nlohmann::json::array();
+  for (const auto& instance : result.instances) instances.push_back(instance_json(instance));
+  for (const auto& motion : result.free_motions) motions.push_back(motion_json(motion));
   return {{"status", rg::to_string(result.status)},
           {"T_target_source", pose},
+          {"scale", result.scale},
+          {"inliers", result.inliers},
+          {"false_alarms", result.false_alarms},
+          {"certificate",
+           {{"least_squares", result.certificate.least_squares}, {"robust_bound", robust}}},
+          {"runner_up", runner_up},
+          {"instances", instances},
+          {"mirrored", result.mirrored},
+          {"covariance", covariance},
+          {"information_rank", result.rank},
+          {"free_motions", motions},
           {"cost", result.cost},
           {"bound", result.bound},
-          {"inliers", result.inliers},
           {"weights", result.weights},
           {"residuals", result.residuals},
           {"iterations", result.iterations},
-          {"expected_by_chance", result.expected_by_chance},
-          {"information_rank", result.rank},
-          {"information", rows_json(result.information)},
           {"search_seconds", result.search_seconds},
           {"solve_seconds", result.solve_seconds},
           {"seconds", result.seconds}};
@@ -55,12 +95,20 @@ nlohmann::json report_of(const rg::RegistrationResult& result) {
 void print_report(const rg::RegistrationResult& result) {
   fmt::print("{}: {} of {} correspondences are inliers, {:.2f} ms\n", rg::to_string(result.status),
              result.inliers.size(), result.weights.size(), 1e3 * result.seconds);
-  if (result.T_target_source) {
-    fmt::print("target from source: {}\n", pose_text(*result.T_target_source));
-    fmt::print(
-        "cost {:.3g} m^2, at most {:.1g} m^2 above the least; chance proposes {:.1g} such "
-        "poses\n",
-        result.cost, result.bound, result.expected_by_chance);
+  for (const auto& motion : result.free_motions) fmt::print("free {}\n", motion_text(motion));
+  if (result.mirrored) fmt::print("more correspondences agree with a mirror image\n");
+  if (!result.T_target_source) return;
+  fmt::print("target from source: {}\n", pose_text(*result.T_target_source));
+  if (result.scale != 1) fmt::print("scale of the source: {:.6g}\n", result.scale);
+  fmt::print("cost {:.3g} m^2, at most {:.1g} m^2 above the least for these inliers\n", result.cost,
+             result.bound);
+  fmt::print("{:.1g} such poses expected of wrong correspondences alone\n", result.false_alarms);
+  if (const auto& bound = result.certificate.robust) {
+    fmt::print("no pose has more than {} inliers\n", bound->max_inliers);
+  }
+  if (result.runner_up) {
+    fmt::print("runner-up: {} other inliers, {}\n", result.runner_up->inliers,
+               pose_text(result.runner_up->T_target_source));
   }
 }
 
@@ -69,7 +117,7 @@ std::string correspondences_csv(const rg::Correspondences& c,
   const bool normals = c.has_normals();
   std::string text = "sx,sy,sz,tx,ty,tz";
   if (normals) text += ",snx,sny,snz,tnx,tny,tnz";
-  text += ",weight,residual\n";
+  text += ",inlier_weight,residual\n";
   const auto append = [&](const Eigen::Vector3d& p) {
     text += fmt::format("{},{},{},", p[0], p[1], p[2]);
   };

@@ -1,26 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/registration/cloud_registration.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
+#include "palpate/core/error.hpp"
+#include "palpate/core/parallel.hpp"
 #include "palpate/geometry/cloud/kd_tree.hpp"
 #include "palpate/geometry/cloud/normals.hpp"
 #include "registration/clock.hpp"
-#include "registration/fill_in.hpp"
+#include "registration/cloud_refinement.hpp"
+#include "registration/surface_motions.hpp"
 
 namespace palpate::registration {
 namespace {
 
 using geometry::PointCloud;
-
-void append_pair(Correspondences& pairs, const PointCloud& source, std::size_t i,
-                 const PointCloud& target, std::size_t j) {
-  pairs.source.push_back(source.points[i]);
-  pairs.target.push_back(target.points[j]);
-  pairs.source_normals.push_back(source.normals[i]);
-  pairs.target_normals.push_back(target.normals[j]);
-}
 
 Correspondences matched(const FeatureCloud& source, const FeatureCloud& target) {
   Correspondences pairs;
@@ -31,67 +28,6 @@ Correspondences matched(const FeatureCloud& source, const FeatureCloud& target) 
   return pairs;
 }
 
-/// Every moved source point with its nearest target point, where that is within the bound and their
-/// normals do not part by more than 60 deg, of whichever sign.
-Correspondences nearest_pairs(const PointCloud& source, const PointCloud& target,
-                              const geometry::KdTree& tree, const Eigen::Isometry3d& T,
-                              double bound) {
-  constexpr double kLeastCosine = 0.5;
-  Correspondences pairs;
-  for (std::size_t i = 0; i < source.size(); ++i) {
-    const auto found = tree.nearest(T * source.points[i], 1).front();
-    const auto j = static_cast<std::size_t>(found.index);
-    const double cosine = std::abs((T.linear() * source.normals[i]).dot(target.normals[j]));
-    if (found.squared_distance < bound * bound && cosine > kLeastCosine) {
-      append_pair(pairs, source, i, target, j);
-    }
-  }
-  return pairs;
-}
-
-/// Nearest neighbours and pose in turn, until the pose stays; the result then speaks of them.
-void refine(const PointCloud& source, const PointCloud& target, const CloudOptions& options,
-            CloudRegistration& registration) {
-  constexpr double kSettledAngle = 1e-5, kSettledShare = 1e-4;  // rad, of the bound
-  RegistrationResult& result = registration.result;
-  const geometry::KdTree tree(target.points);
-  const double bound = registration.noise_bound, start = now();
-  PoseEstimate best;
-  Eigen::Isometry3d T = *result.T_target_source;
-  while (registration.refinements < options.features.refinements) {
-    Correspondences pairs = nearest_pairs(source, target, tree, T, bound);
-    if (pairs.size() < 6) break;
-    PoseEstimate estimate = solve_pose(pairs, {}, options.registration.primitive);
-    if (estimate.status == Status::kDegenerate) break;
-    ++registration.refinements;
-    registration.correspondences = std::move(pairs);
-    best = std::move(estimate);
-    const Eigen::Isometry3d step = T.inverse() * best.T_target_source;
-    T = best.T_target_source;
-    const double turn = rotation_distance(step.linear(), Eigen::Matrix3d::Identity());
-    const Eigen::Vector3d at = weighted_means(registration.correspondences, {}).source;
-    if (turn < kSettledAngle && (step * at - at).norm() < kSettledShare * bound) break;
-  }
-  if (registration.refinements == 0) return;
-  const std::size_t count = registration.correspondences.size();
-  fill_in(best, registration.correspondences, result);
-  result.weights.assign(count, 1);
-  result.inliers.clear();
-  for (std::size_t i = 0; i < count; ++i) result.inliers.push_back(static_cast<int>(i));
-  result.solve_seconds += now() - start;
-}
-
-/// The cloud itself, or so many of its points that nearest neighbours are found soon, with normals.
-PointCloud detailed(const PointCloud& cloud, const FeatureOptions& options) {
-  constexpr std::size_t kMost = 20000;
-  const double cell = voxel_cell_for(cloud, kMost);
-  PointCloud result = cell > 0 ? geometry::voxel_sampled(cloud, cell) : cloud;
-  if (!result.has_normals()) {
-    result = geometry::with_normals(std::move(result), options.normal_neighbours);
-  }
-  return result;
-}
-
 FeatureCloud turned_inside_out(FeatureCloud described, double voxel,
                                const FeatureOptions& options) {
   for (auto& n : described.cloud.normals) n = -n;
@@ -100,14 +36,18 @@ FeatureCloud turned_inside_out(FeatureCloud described, double voxel,
 }
 
 /// Pose from the matches of features. Estimated normals may all point inward, as those of a part of
-/// a surface can. As matches of normals of opposite signs have led to wrong poses with a chance of
-/// 5e-9, they are also tried the other way unless the first answer is far clearer: the better
+/// a surface can. As matches of normals of opposite signs have led to wrong poses with 5e-9 false
+/// alarms, they are also tried the other way unless the first answer is far clearer: the better
 /// stays.
 void match_features(FeatureCloud from, const FeatureCloud& to, const CloudOptions& options,
                     CloudRegistration& registration) {
-  constexpr double kClear = 1e-30;  // poses that chance may propose
+  constexpr double kClear = 1e-30;  // false alarms
   RegistrationOptions search = options.registration;
   search.noise_bound = registration.noise_bound;
+  search.primitive = Primitive::kPoint;
+  // Neighbours whose features were made of the same points match alike, wherever that is.
+  search.support_radius =
+      std::max(search.support_radius, options.features.feature_radius_voxels * registration.voxel);
   const int tries = from.estimated_normals || to.estimated_normals ? 2 : 1;
   for (int attempt = 0; attempt < tries; ++attempt) {
     if (attempt > 0) {
@@ -115,13 +55,54 @@ void match_features(FeatureCloud from, const FeatureCloud& to, const CloudOption
     }
     Correspondences matches = matched(from, to);
     RegistrationResult found = register_correspondences(matches, search);
-    if (attempt == 0 || found.expected_by_chance < registration.result.expected_by_chance) {
+    if (attempt == 0 || found.false_alarms < registration.result.false_alarms) {
       registration.feature_matches = matches.size();
       registration.correspondences = std::move(matches);
       registration.result = std::move(found);
     }
-    if (registration.result.expected_by_chance < kClear) break;
+    if (registration.result.false_alarms < kClear) break;
   }
+}
+
+/// @return whether either cloud can be slid along itself, which no pose can tell
+bool is_degenerate(const FeatureCloud& from, const FeatureCloud& to, RegistrationResult& result) {
+  result.status = RegistrationStatus::kDegenerate;
+  if (from.cloud.size() < 3 || to.cloud.size() < 3) return true;
+  result.free_motions = free_surface_motions(to.cloud);
+  if (result.free_motions.empty()) result.free_motions = free_surface_motions(from.cloud);
+  result.rank = 6 - static_cast<int>(result.free_motions.size());
+  return !result.free_motions.empty();
+}
+
+double noise_bound_of(const CloudOptions& options, double voxel) {
+  return options.noise_bound.value_or(1.5 * voxel);
+}
+
+void check_options(const CloudOptions& options) {
+  if (options.noise_bound &&
+      (!(*options.noise_bound > 0) || !std::isfinite(*options.noise_bound))) {
+    throw BadInput(fmt::format("noise bound {} m is not positive", *options.noise_bound));
+  }
+  const auto& registration = options.registration;
+  if (registration.estimate_scale || registration.rotation_axis || registration.instances > 1) {
+    throw BadInput("scale, rotation axis and instances go with correspondences, not with clouds");
+  }
+}
+
+/// Everything before the refinement, in points of the described clouds.
+CloudRegistration coarse(const FeatureCloud& from, const FeatureCloud& to, double voxel,
+                         const CloudOptions& options) {
+  CloudRegistration registration;
+  registration.voxel = voxel;
+  registration.noise_bound = noise_bound_of(options, voxel);
+  registration.result.false_alarms = 1;
+  if (is_degenerate(from, to, registration.result)) return registration;
+  if (options.registration.initial) {
+    registration.result.T_target_source = options.registration.initial;
+  } else {
+    match_features(from, to, options, registration);
+  }
+  return registration;
 }
 
 }  // namespace
@@ -153,30 +134,45 @@ FeatureCloud describe(const PointCloud& cloud, double voxel, const FeatureOption
   return result;
 }
 
+CloudRegistration register_described(const FeatureCloud& source, const FeatureCloud& target,
+                                     double voxel, const CloudOptions& options) {
+  check_options(options);
+  if (!(voxel > 0)) throw BadInput(fmt::format("voxel {} m is not positive", voxel));
+  const double start = now();
+  CloudRegistration registration = coarse(source, target, voxel, options);
+  if (registration.result.T_target_source) {
+    refine_clouds(source.cloud, target.cloud, options, registration);
+  }
+  registration.result.seconds = now() - start;
+  return registration;
+}
+
 CloudRegistration register_clouds(const PointCloud& source, const PointCloud& target,
                                   const CloudOptions& options) {
   const double start = now();
-  geometry::check_cloud(source);
-  geometry::check_cloud(target);
-  CloudRegistration registration;
-  RegistrationResult& result = registration.result;
-  registration.voxel = options.features.voxel > 0
+  check_options(options);
+  const PointCloud* clouds[] = {&source, &target};
+  for (const auto* cloud : clouds) geometry::check_cloud(*cloud);
+  const double voxel = options.features.voxel > 0
                            ? options.features.voxel
                            : suggested_voxel(source, target, options.features.most_points);
-  result.status = Status::kDegenerate;
-  if (!(registration.voxel > 0)) return registration;
-  const FeatureCloud from = describe(source, registration.voxel, options.features);
-  const FeatureCloud to = describe(target, registration.voxel, options.features);
-  if (from.cloud.size() < 3 || to.cloud.size() < 3) return registration;
-
-  registration.noise_bound = options.noise_bound.value_or(1.5 * registration.voxel);
-  match_features(from, to, options, registration);
-  registration.feature_seconds = now() - start - result.seconds;
-  if (result.T_target_source) {
-    refine(detailed(source, options.features), detailed(target, options.features), options,
-           registration);
+  if (!(voxel > 0)) {
+    CloudRegistration none;
+    none.result.status = RegistrationStatus::kDegenerate;
+    return none;
   }
-  result.seconds = now() - start;
+  FeatureCloud described[2];
+  PointCloud dense[2];
+  parallel_for(2, options.threads, [&](std::size_t k) {
+    described[k] = describe(*clouds[k], voxel, options.features);
+    if (described[k].cloud.size() >= 3) dense[k] = detailed(*clouds[k], options.features);
+  });
+  CloudRegistration registration = coarse(described[0], described[1], voxel, options);
+  registration.feature_seconds = now() - start - registration.result.seconds;
+  if (registration.result.T_target_source) {
+    refine_clouds(dense[0], dense[1], options, registration);
+  }
+  registration.result.seconds = now() - start;
   return registration;
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "palpate/core/error.hpp"
+#include "registration/check_weights.hpp"
 
 namespace palpate::registration {
 namespace {
@@ -35,8 +36,9 @@ void check_normals(const Points& normals, std::size_t points, const char* name) 
   }
 }
 
-Points chosen(const Points& points, const std::vector<int>& indices) {
-  Points result;
+template <class Value>
+std::vector<Value> chosen(const std::vector<Value>& points, const std::vector<int>& indices) {
+  std::vector<Value> result;
   if (points.empty()) return result;
   result.reserve(indices.size());
   for (const int index : indices) result.push_back(points[static_cast<std::size_t>(index)]);
@@ -45,8 +47,20 @@ Points chosen(const Points& points, const std::vector<int>& indices) {
 
 }  // namespace
 
+void check_weights(const std::vector<double>& weights, std::size_t pairs) {
+  if (weights.empty()) return;
+  if (weights.size() != pairs) {
+    throw BadInput(fmt::format("{} weights for {} correspondences", weights.size(), pairs));
+  }
+  for (std::size_t i = 0; i < pairs; ++i) {
+    if (!(weights[i] >= 0) || !std::isfinite(weights[i])) {
+      throw BadInput(fmt::format("weight {} is {}, not a number >= 0", i, weights[i]));
+    }
+  }
+}
+
 void check(const Correspondences& correspondences, Primitive primitive) {
-  const auto& [source, target, source_normals, target_normals] = correspondences;
+  const auto& [source, target, source_normals, target_normals, weights] = correspondences;
   if (source.size() != target.size()) {
     throw BadInput(
         fmt::format("{} source points but {} target points", source.size(), target.size()));
@@ -55,6 +69,7 @@ void check(const Correspondences& correspondences, Primitive primitive) {
   check_points(target, "target");
   check_normals(source_normals, source.size(), "source");
   check_normals(target_normals, target.size(), "target");
+  check_weights(weights, source.size());
   if (primitive == Primitive::kPlane && target_normals.empty() && !target.empty()) {
     throw BadInput("the plane primitive needs target normals, but there are none");
   }
@@ -81,7 +96,8 @@ std::vector<double> squared_residuals(const Correspondences& correspondences,
 Correspondences subset(const Correspondences& correspondences, const std::vector<int>& indices) {
   return {chosen(correspondences.source, indices), chosen(correspondences.target, indices),
           chosen(correspondences.source_normals, indices),
-          chosen(correspondences.target_normals, indices)};
+          chosen(correspondences.target_normals, indices),
+          chosen(correspondences.weights, indices)};
 }
 
 }  // namespace palpate::registration

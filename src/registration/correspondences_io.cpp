@@ -36,6 +36,14 @@ class Table {
     return columns;
   }
 
+  /// The column of that name.
+  std::optional<std::size_t> column(std::string_view name) const {
+    for (std::size_t k = 0; k < names_.size(); ++k) {
+      if (names_[k] == name) return k;
+    }
+    return std::nullopt;
+  }
+
   Triple require(const std::string& prefix) const {
     const auto columns = find(prefix);
     if (!columns) {
@@ -61,7 +69,6 @@ class Table {
             value(cells, columns[2], number)};
   }
 
- private:
   double value(const std::vector<std::string_view>& cells, std::size_t column,
                std::size_t number) const {
     const std::string_view cell = cells[column];
@@ -76,6 +83,7 @@ class Table {
                      fmt::format("{}:{}: a value", source_, number));
   }
 
+ private:
   std::vector<std::string_view> names_;
   std::string_view source_;
 };
@@ -85,6 +93,7 @@ class Table {
 Correspondences parse_correspondences(std::string_view text, std::string_view source) {
   std::optional<Table> table;
   std::optional<Triple> s, t, sn, tn;
+  std::optional<std::size_t> weight;
   Correspondences result;
   const auto add_normal = [&](const Eigen::Vector3d& n, std::size_t number, auto& normals) {
     if (!(n.norm() > 1e-6)) {
@@ -103,6 +112,7 @@ Correspondences parse_correspondences(std::string_view text, std::string_view so
       t = table->require("t");
       sn = table->find("sn");
       tn = table->find("tn");
+      weight = table->column("weight");
       continue;
     }
     const auto cells = table->row(line, number);
@@ -110,6 +120,11 @@ Correspondences parse_correspondences(std::string_view text, std::string_view so
     result.target.push_back(table->pick(cells, *t, number));
     if (sn) add_normal(table->pick(cells, *sn, number), number, result.source_normals);
     if (tn) add_normal(table->pick(cells, *tn, number), number, result.target_normals);
+    if (!weight) continue;
+    const double value = table->value(cells, *weight, number);
+    if (value < 0)
+      throw BadInput(fmt::format("{}:{}: weight {} is negative", source, number, value));
+    result.weights.push_back(value);
   }
   if (!table) throw BadInput(fmt::format("{} is empty: expected a CSV header", source));
   return result;

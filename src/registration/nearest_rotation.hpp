@@ -16,6 +16,15 @@ inline Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& M) {
   return U * Eigen::Vector3d(1, 1, sign).asDiagonal() * V.transpose();
 }
 
+/// Rotation about a unit axis that is nearest to M: maximises tr(R' M).
+inline Eigen::Matrix3d rotation_about(const Eigen::Vector3d& axis, const Eigen::Matrix3d& M) {
+  // R = I cos + [a] sin + a a' (1 - cos).
+  const double cosine = M.trace() - axis.dot(M * axis);
+  const double sine =
+      axis[0] * (M(2, 1) - M(1, 2)) + axis[1] * (M(0, 2) - M(2, 0)) + axis[2] * (M(1, 0) - M(0, 1));
+  return Eigen::AngleAxisd(std::atan2(sine, cosine), axis).toRotationMatrix();
+}
+
 /// Signed determinant of A without that row and column.
 inline double cofactor(const Eigen::Matrix4d& A, int row, int column) {
   Eigen::Matrix3d minor;

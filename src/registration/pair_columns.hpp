@@ -22,6 +22,17 @@ inline Eigen::Vector3f at(const Eigen::ArrayXf (&axes)[3], int i) {
   return {axes[0][i], axes[1][i], axes[2][i]};
 }
 
+/// Whether the points of pairs i and j are closer than a radius in both frames, those of j's target
+/// taken from pair `j_target`.
+inline bool are_near(const PairColumns& c, int i, int j, float squared_radius, int j_target) {
+  return (at(c.s, i) - at(c.s, j)).squaredNorm() < squared_radius &&
+         (at(c.t, i) - at(c.t, j_target)).squaredNorm() < squared_radius;
+}
+
+inline bool are_near(const PairColumns& c, int i, int j, float squared_radius) {
+  return are_near(c, i, j, squared_radius, j);
+}
+
 /// @param source_origin, target_origin  coordinates are taken relative to these, m
 /// @param unit  m
 PairColumns columns_of(const Correspondences& correspondences, const Eigen::Vector3d& source_origin,

@@ -3,40 +3,15 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 
 #include "palpate/core/error.hpp"
 #include "registration/certificate.hpp"
+#include "registration/check_weights.hpp"
 #include "registration/nearest_rotation.hpp"
 
 namespace palpate::registration {
 namespace {
-
-void check_weights(const std::vector<double>& weights, std::size_t pairs) {
-  if (weights.empty()) return;
-  if (weights.size() != pairs) {
-    throw BadInput(fmt::format("{} weights for {} correspondences", weights.size(), pairs));
-  }
-  for (std::size_t i = 0; i < pairs; ++i) {
-    if (!(weights[i] >= 0) || !std::isfinite(weights[i])) {
-      throw BadInput(fmt::format("weight {} is {}, not a number >= 0", i, weights[i]));
-    }
-  }
-}
-
-/// Rank of the information once lever arms are in units of their root mean square.
-int motion_rank(const Matrix6d& information, double weight_sum, double squared_arm,
-                double squared_size, double tolerance) {
-  // Arms that are only rounding errors of the coordinates are none.
-  const bool point = squared_arm <= 1e-24 * squared_size;
-  Vector6d scale = Vector6d::Ones();
-  scale.head<3>().setConstant(point ? 0 : 1 / std::sqrt(squared_arm));
-  const Matrix6d scaled = scale.asDiagonal() * information * scale.asDiagonal();
-  const Vector6d eigenvalues =
-      Eigen::SelfAdjointEigenSolver<Matrix6d>(scaled, Eigen::EigenvaluesOnly).eigenvalues();
-  return static_cast<int>((eigenvalues.array() > tolerance * weight_sum).count());
-}
 
 /// The problem on centred coordinates.
 struct Problem {
@@ -78,10 +53,14 @@ void assess(PoseEstimate& estimate, const Problem& problem, const Correspondence
     squared_size += w * correspondences.source[i].squaredNorm();
   }
   const Matrix6d about_center = information_matrix(correspondences, weights, primitive, T, center);
-  if (sum > 0) {
-    estimate.rank = motion_rank(about_center, sum, squared_arm / sum, squared_size / sum,
-                                options.rank_tolerance);
-  }
+  // Arms that are only rounding errors of the coordinates are none.
+  const bool point = squared_arm <= 1e-24 * squared_size;
+  estimate.free_motions = free_motions({.information = about_center,
+                                        .center = center,
+                                        .squared_arm = point || !(sum > 0) ? 0 : squared_arm / sum,
+                                        .weight_sum = sum},
+                                       options.rank_tolerance);
+  estimate.rank = 6 - static_cast<int>(estimate.free_motions.size());
   // A twist [w; v] about the origin is [w; v + w x center] about the center.
   Matrix6d shift = Matrix6d::Identity();
   shift.bottomLeftCorner<3, 3>() = -skew(center);
@@ -102,11 +81,9 @@ std::string_view to_string(Status status) {
     case Status::kUncertified:
       return "uncertified";
     case Status::kDegenerate:
-      return "degenerate";
-    case Status::kNoConsensus:
       break;
   }
-  return "no_consensus";
+  return "degenerate";
 }
 
 PoseEstimate solve_pose(const Correspondences& correspondences, const std::vector<double>& weights,
@@ -138,9 +115,11 @@ PoseEstimate certify(const Eigen::Isometry3d& T_target_source,
   return estimate;
 }
 
-Eigen::Isometry3d align_points(const Correspondences& correspondences,
-                               const std::vector<double>& weights) {
-  const Origins means = weighted_means(correspondences, weights);
+namespace {
+
+/// Sum of w (target - mean) (source - mean)'.
+Eigen::Matrix3d cross_covariance(const Correspondences& correspondences,
+                                 const std::vector<double>& weights, const Origins& means) {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   for (std::size_t i = 0; i < correspondences.size(); ++i) {
     const double w = weights.empty() ? 1 : weights[i];
@@ -148,10 +127,31 @@ Eigen::Isometry3d align_points(const Correspondences& correspondences,
     covariance.noalias() += w * (correspondences.target[i] - means.target) *
                             (correspondences.source[i] - means.source).transpose();
   }
+  return covariance;
+}
+
+Eigen::Isometry3d pose_about_means(const Eigen::Matrix3d& R, const Origins& means) {
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  T.linear() = nearest_rotation(covariance);
-  T.translation() = means.target - T.linear() * means.source;
+  T.linear() = R;
+  T.translation() = means.target - R * means.source;
   return T;
+}
+
+}  // namespace
+
+Eigen::Isometry3d align_points(const Correspondences& correspondences,
+                               const std::vector<double>& weights) {
+  const Origins means = weighted_means(correspondences, weights);
+  return pose_about_means(nearest_rotation(cross_covariance(correspondences, weights, means)),
+                          means);
+}
+
+Eigen::Isometry3d align_points_about(const Eigen::Vector3d& axis,
+                                     const Correspondences& correspondences,
+                                     const std::vector<double>& weights) {
+  const Origins means = weighted_means(correspondences, weights);
+  return pose_about_means(
+      rotation_about(axis.normalized(), cross_covariance(correspondences, weights, means)), means);
 }
 
 }  // namespace palpate::registration

@@ -5,15 +5,41 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <iterator>
+#include <limits>
 #include <numbers>
+#include <numeric>
 
 #include "palpate/core/error.hpp"
+#include "registration/certificate.hpp"
 #include "registration/clock.hpp"
 #include "registration/consensus.hpp"
-#include "registration/fill_in.hpp"
+#include "registration/final_solve.hpp"
+#include "registration/scale.hpp"
+#include "registration/settle.hpp"
+#include "registration/usable_pairs.hpp"
 
 namespace palpate::registration {
 namespace {
+
+void check_motion(const RegistrationOptions& options) {
+  if (options.instances < 1) {
+    throw BadInput(fmt::format("{} instances: at least one is looked for", options.instances));
+  }
+  if (options.initial) {
+    if (!options.initial->matrix().allFinite()) throw BadInput("the initial pose holds nan or inf");
+    check_rotation(options.initial->linear());
+  }
+  if (!options.rotation_axis) return;
+  const Eigen::Vector3d& axis = *options.rotation_axis;
+  if (!axis.allFinite() || !(axis.norm() > 0)) {
+    throw BadInput(fmt::format("no rotation axis: ({}, {}, {})", axis[0], axis[1], axis[2]));
+  }
+  if (options.method == Method::kGnc || options.primitive == Primitive::kPlane) {
+    throw BadInput("a rotation axis goes with cliques and points, not with gnc or planes");
+  }
+}
 
 void check_options(const RegistrationOptions& options) {
   if (!(options.noise_bound > 0) || !std::isfinite(options.noise_bound)) {
@@ -23,55 +49,11 @@ void check_options(const RegistrationOptions& options) {
     throw BadInput(
         fmt::format("normal noise {} deg is not within 0..90", options.normal_noise_deg));
   }
-  if (!(options.false_alarm > 0)) {
-    throw BadInput(fmt::format("false alarm rate {} is not positive", options.false_alarm));
+  if (!(options.max_false_alarms > 0)) {
+    throw BadInput(
+        fmt::format("{} tolerated false alarms: not positive", options.max_false_alarms));
   }
-}
-
-/// Correspondences that the search looks at; the final inliers come from all.
-Correspondences search_sample(const Correspondences& correspondences) {
-  constexpr std::size_t kMost = 4000;
-  const std::size_t n = correspondences.size();
-  if (n <= kMost) return correspondences;
-  std::vector<int> indices;
-  for (std::size_t i = 0; i < kMost; ++i) indices.push_back(static_cast<int>(i * n / kMost));
-  return subset(correspondences, indices);
-}
-
-/// Pairs within the bound, and with normals within the joint ball of position and chord.
-std::vector<int> inliers_of(const Correspondences& correspondences, const Eigen::Isometry3d& T,
-                            const ConsensusOptions& options) {
-  const double bound2 = options.noise_bound * options.noise_bound;
-  const double chord = chord_bound(correspondences, options.normal_noise_deg);
-  const auto squared = squared_residuals(correspondences, T, Primitive::kPoint);
-  std::vector<int> inliers;
-  for (std::size_t i = 0; i < squared.size(); ++i) {
-    double distance = squared[i] / bound2;
-    if (chord > 0 && distance < 1) {
-      const Eigen::Vector3d n = T.linear() * correspondences.source_normals[i];
-      distance += (n - correspondences.target_normals[i]).squaredNorm() / (chord * chord);
-    }
-    if (distance < 1) inliers.push_back(static_cast<int>(i));
-  }
-  return inliers;
-}
-
-/// Inliers and least squares in turn, until the inliers stay.
-std::vector<int> settle(const Correspondences& correspondences, Eigen::Isometry3d T,
-                        const ConsensusOptions& options) {
-  constexpr int kMaxRounds = 20;
-  std::vector<int> inliers = inliers_of(correspondences, T, options);
-  for (int round = 0; round < kMaxRounds && inliers.size() >= 3; ++round) {
-    std::vector<double> weights(correspondences.size(), 0);
-    for (const int i : inliers) weights[static_cast<std::size_t>(i)] = 1;
-    T = align_points(correspondences, weights);
-    auto next = inliers_of(correspondences, T, options);
-    const bool settled = next == inliers;
-    if (next.size() < 3) break;
-    inliers = std::move(next);
-    if (settled) break;
-  }
-  return inliers;
+  check_motion(options);
 }
 
 /// Share of the information below which a direction is free: what noise alone gives to lever arms
@@ -92,6 +74,22 @@ double rank_tolerance(const Correspondences& inliers, const RegistrationOptions&
   return tolerance;
 }
 
+/// The pose that turns about the axis alone, with the information that the axis itself is.
+PoseEstimate solve_about(const Eigen::Vector3d& axis, const Correspondences& inliers,
+                         const std::vector<double>& weights, const PoseOptions& options) {
+  const Eigen::Isometry3d T = align_points_about(axis, inliers, weights);
+  PoseEstimate estimate = certify(T, inliers, weights, Primitive::kPoint, options);
+  estimate.bound = 0;  // in closed form, among such poses
+  const auto about_axis = [&](const FreeMotion& motion) {
+    return motion.kind == FreeMotion::Kind::kTranslation ||
+           std::abs(motion.direction.dot(axis.normalized())) > 0.99;
+  };
+  std::erase_if(estimate.free_motions, std::not_fn(about_axis));
+  estimate.rank = 6 - static_cast<int>(estimate.free_motions.size());
+  estimate.status = estimate.rank < 6 ? Status::kDegenerate : Status::kCertified;
+  return estimate;
+}
+
 /// Fills in the final solve for the inliers.
 void solve(const Correspondences& correspondences, const RegistrationOptions& options,
            RegistrationResult& result) {
@@ -102,57 +100,165 @@ void solve(const Correspondences& correspondences, const RegistrationOptions& op
   for (const int i : result.inliers) {
     weights.push_back(result.weights[static_cast<std::size_t>(i)]);
   }
-  const PoseEstimate estimate = solve_pose(inliers, weights, options.primitive, pose_options);
-  fill_in(estimate, correspondences, result);
+  const PoseEstimate estimate =
+      options.rotation_axis ? solve_about(*options.rotation_axis, inliers, weights, pose_options)
+                            : solve_pose(inliers, weights, options.primitive, pose_options);
+  report_final_solve(estimate, correspondences, options.primitive, result);
 }
 
-/// Rejects outliers: fills in weights, inliers, iterations and the chance of the consensus.
-/// @return whether there is a consensus
-bool reject(const Correspondences& correspondences, const RegistrationOptions& options,
-            RegistrationResult& result) {
-  const RandomStream random(options.seed, "registration");
-  const bool normals = correspondences.has_normals();
-  const ConsensusOptions consensus_options{
-      options.noise_bound, normals ? options.normal_noise_deg : 0, options.false_alarm};
-  const Correspondences sample = search_sample(correspondences);
-  if (options.method == Method::kCliqueGnc) {
-    const Consensus consensus = find_consensus(sample, consensus_options, random);
-    result.iterations = consensus.hypotheses;
-    result.expected_by_chance = consensus.expected_by_chance;
-    if (!consensus.found) return false;
-    result.inliers = settle(correspondences, consensus.T_target_source, consensus_options);
-    for (const int i : result.inliers) result.weights[static_cast<std::size_t>(i)] = 1;
-    return true;
+ConsensusOptions consensus_options(const Correspondences& correspondences,
+                                   const RegistrationOptions& options) {
+  return {.noise_bound = options.noise_bound,
+          .normal_noise_deg = correspondences.has_normals() ? options.normal_noise_deg : 0,
+          .max_false_alarms = options.max_false_alarms,
+          .best_effort = options.best_effort,
+          .support_radius = options.support_radius,
+          .rotation_axis = options.rotation_axis};
+}
+
+/// Weights and inliers of a consensus among all pairs.
+void adopt(const Consensus& consensus, const Correspondences& correspondences,
+           const ConsensusOptions& options, RegistrationResult& result) {
+  result.iterations = consensus.hypotheses;
+  result.false_alarms = consensus.false_alarms;
+  result.mirrored = consensus.mirrored;
+  if (!consensus.found) return;
+  result.runner_up = consensus.runner_up;
+  result.inliers = settle(correspondences, consensus.T_target_source, options);
+  for (const int i : result.inliers) {
+    const auto index = static_cast<std::size_t>(i);
+    result.weights[index] = correspondences.weights.empty() ? 1 : correspondences.weights[index];
   }
+}
+
+/// Weights and inliers by graduated non-convexity alone.
+/// @return whether there is a consensus
+bool reject_by_gnc(const Correspondences& correspondences, const Correspondences& sample,
+                   const RegistrationOptions& options, const RandomStream& random,
+                   RegistrationResult& result) {
   const GncResult gnc =
       graduated_non_convexity(correspondences, {.cost = options.cost,
                                                 .noise_bound = options.noise_bound,
                                                 .keep_history = options.keep_history});
   result.iterations = gnc.iterations;
   result.history = gnc.history;
-  result.expected_by_chance = chance_of(gnc.T_target_source, sample, consensus_options, random);
-  if (!(result.expected_by_chance < options.false_alarm)) return false;
+  result.false_alarms = false_alarms_of(gnc.T_target_source, sample,
+                                        consensus_options(correspondences, options), random);
+  if (!options.best_effort && !(result.false_alarms < options.max_false_alarms)) return false;
   result.weights = gnc.weights;
   for (std::size_t i = 0; i < gnc.weights.size(); ++i) {
     if (gnc.weights[i] > 0.5) result.inliers.push_back(static_cast<int>(i));
   }
-  return true;
+  return result.inliers.size() >= 3;
+}
+
+/// Rejects outliers: fills in weights, inliers, iterations and the number of false alarms.
+/// @return whether there is a consensus
+bool reject(const Correspondences& correspondences, const RegistrationOptions& options,
+            RegistrationResult& result) {
+  const RandomStream random(options.seed, "registration");
+  const ConsensusOptions search = consensus_options(correspondences, options);
+  const Correspondences sample = search_sample(correspondences, options.noise_bound, random);
+  if (sample.size() < 3) return false;
+  if (options.method == Method::kGnc) {
+    return reject_by_gnc(correspondences, sample, options, random, result);
+  }
+  const Consensus consensus =
+      options.initial
+          ? refine_consensus(sample, *options.initial, options.initial_reach, search, random)
+          : find_consensus(sample, search, random);
+  adopt(consensus, correspondences, search, result);
+  return result.inliers.size() >= 3;
 }
 
 bool all_equal(const std::vector<Eigen::Vector3d>& points) {
   return std::ranges::all_of(points, [&](const auto& p) { return p == points.front(); });
 }
 
+RegistrationResult register_rigid(const Correspondences& correspondences,
+                                  const RegistrationOptions& options) {
+  const double start = now();
+  RegistrationResult result;
+  result.weights.assign(correspondences.size(), 0);
+  result.false_alarms = 1;
+  if (correspondences.size() < 3 || all_equal(correspondences.source) ||
+      all_equal(correspondences.target)) {
+    result.status = RegistrationStatus::kDegenerate;
+    return result;
+  }
+  const bool found = reject(correspondences, options, result);
+  const double rejected = now();
+  if (found) solve(correspondences, options, result);
+  const double end = now();
+  result.search_seconds = rejected - start;
+  result.solve_seconds = end - rejected;
+  return result;
+}
+
+/// Poses among what the ones before leave over, each a consensus of its own.
+void find_more(const Correspondences& correspondences, const RegistrationOptions& options,
+               RegistrationResult& result) {
+  std::vector<int> left(correspondences.size());
+  std::iota(left.begin(), left.end(), 0);
+  RegistrationResult last = result;
+  std::vector<int> taken = result.inliers;
+  for (int k = 1; k < options.instances && last.T_target_source; ++k) {
+    std::vector<int> rest;
+    std::ranges::set_difference(left, taken, std::back_inserter(rest));
+    left = std::move(rest);
+    last = register_rigid(subset(correspondences, left), options);
+    taken.clear();
+    for (const int i : last.inliers) taken.push_back(left[static_cast<std::size_t>(i)]);
+    if (!last.T_target_source) break;
+    result.instances.push_back(
+        {static_cast<int>(last.inliers.size()), *last.T_target_source, last.false_alarms});
+  }
+  std::ranges::stable_sort(result.instances, std::greater<>(), &RunnerUp::inliers);
+  if (!result.instances.empty()) result.runner_up = result.instances.front();
+}
+
+/// Residuals are taken to be normal with one variance, which the inliers tell.
+Matrix6d covariance_of(const RegistrationResult& result, Primitive primitive) {
+  const double residuals =
+      (primitive == Primitive::kPoint ? 3 : 1) * static_cast<double>(result.inliers.size());
+  const double freedom = residuals - 6;
+  // That of Student's distribution: with few residuals their variance is itself uncertain.
+  if (!(freedom > 2)) return Matrix6d::Constant(std::numeric_limits<double>::infinity());
+  return result.cost / (freedom - 2) * result.information.inverse();
+}
+
 }  // namespace
 
-void fill_in(const PoseEstimate& estimate, const Correspondences& correspondences,
-             RegistrationResult& result) {
-  result.status = estimate.status;
-  result.T_target_source = estimate.T_target_source;
+std::string_view to_string(RegistrationStatus status) {
+  switch (status) {
+    case RegistrationStatus::kFound:
+      return "found";
+    case RegistrationStatus::kNoConsensus:
+      return "no_consensus";
+    case RegistrationStatus::kDegenerate:
+      break;
+  }
+  return "degenerate";
+}
+
+void report_final_solve(const PoseEstimate& estimate, const Correspondences& correspondences,
+                        Primitive primitive, RegistrationResult& result) {
+  const bool free = estimate.status == Status::kDegenerate;
+  result.status = free ? RegistrationStatus::kDegenerate : RegistrationStatus::kFound;
+  result.certificate.least_squares = estimate.status == Status::kCertified;
   result.cost = estimate.cost;
   result.bound = estimate.bound;
   result.rank = estimate.rank;
+  result.free_motions = estimate.free_motions;
   result.information = estimate.information;
+  if (free) {
+    result.T_target_source.reset();
+    result.runner_up.reset();
+    result.residuals.clear();
+    return;
+  }
+  result.T_target_source = estimate.T_target_source;
+  result.covariance = covariance_of(result, primitive);
   result.residuals =
       squared_residuals(correspondences, estimate.T_target_source, Primitive::kPoint);
   for (double& r : result.residuals) r = std::sqrt(r);
@@ -162,22 +268,16 @@ RegistrationResult register_correspondences(const Correspondences& correspondenc
                                             const RegistrationOptions& options) {
   check_options(options);
   check(correspondences, options.primitive);
+  if (options.estimate_scale) return register_scaled(correspondences, options);
   const double start = now();
-  RegistrationResult result;
-  result.weights.assign(correspondences.size(), 0);
-  result.expected_by_chance = 1;
-  if (correspondences.size() < 3 || all_equal(correspondences.source) ||
-      all_equal(correspondences.target)) {
-    result.status = Status::kDegenerate;
-    return result;
+  RegistrationResult result = register_rigid(correspondences, options);
+  if (options.instances > 1) find_more(correspondences, options, result);
+  if (options.robust_bound.max_nodes > 0 && result.T_target_source) {
+    result.certificate.robust =
+        bound_inliers(correspondences, options.noise_bound, static_cast<int>(result.inliers.size()),
+                      options.robust_bound);
   }
-  const bool found = reject(correspondences, options, result);
-  const double rejected = now();
-  if (found) solve(correspondences, options, result);
-  const double end = now();
-  result.search_seconds = rejected - start;
-  result.solve_seconds = end - rejected;
-  result.seconds = end - start;
+  result.seconds = now() - start;
   return result;
 }
 

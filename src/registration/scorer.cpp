@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <numeric>
 
 #include "palpate/registration/quadratic_form.hpp"
 #include "registration/bitset_rows.hpp"
@@ -41,8 +42,10 @@ PALPATE_WIDE void add_squares(const Eigen::ArrayXf (&a)[3], const Eigen::ArrayXf
 
 }  // namespace
 
-Scorer::Scorer(const Correspondences& correspondences, double noise_bound, double chord_bound)
+Scorer::Scorer(const Correspondences& correspondences, double noise_bound, double chord_bound,
+               const std::optional<Eigen::Vector3d>& rotation_axis)
     : unit_(noise_bound), chord_bound_(static_cast<float>(chord_bound)) {
+  if (rotation_axis) rotation_axis_ = rotation_axis->normalized();
   const Origins means = weighted_means(correspondences, {});
   source_origin_ = means.source;
   target_origin_ = means.target;
@@ -102,6 +105,30 @@ Score Scorer::score_of_distinct(const Eigen::Isometry3d& T) const {
   return score;
 }
 
+Score Scorer::score_of_separate(const Eigen::Isometry3d& T, float radius) const {
+  constexpr std::size_t kEnough = 64;
+  const Eigen::ArrayXf all = gains(T);
+  std::vector<int> inliers, kept;
+  for (int i = 0; i < size(); ++i) {
+    if (all[i] > 0) inliers.push_back(i);
+  }
+  // Neighbours in the list are often neighbours in space: a stride reaches all parts soon.
+  const std::size_t count = inliers.size();
+  std::size_t stride = std::max<std::size_t>(1, count * 618 / 1000);
+  while (std::gcd(stride, count) > 1) ++stride;
+  Score score;
+  for (std::size_t k = 0, next = 0; k < count && kept.size() < kEnough; ++k) {
+    const int i = inliers[next];
+    next = (next + stride) % count;
+    const auto close = [&](int j) { return are_near(columns_, i, j, radius * radius); };
+    if (std::ranges::any_of(kept, close)) continue;
+    kept.push_back(i);
+    score.gain += static_cast<double>(all[i]);
+  }
+  score.count = static_cast<int>(kept.size());
+  return score;
+}
+
 std::vector<int> Scorer::near(const Eigen::Isometry3d& T, float reach) const {
   const Eigen::ArrayXf off = squares(T, 0, size(), 0);
   std::vector<int> indices;
@@ -136,7 +163,8 @@ double Scorer::descend(Eigen::Isometry3d& T, float reach) const {
   return best;
 }
 
-Eigen::Isometry3d Scorer::align(const std::vector<int>& indices) const {
+/// Least squares of the sources, the first axis times `sign`.
+Eigen::Isometry3d Scorer::align(const std::vector<int>& indices, double sign) const {
   const double count = static_cast<double>(indices.size());
   Eigen::Vector3d x = Eigen::Vector3d::Zero(), y = x;
   for (const int i : indices) {
@@ -155,10 +183,19 @@ Eigen::Isometry3d Scorer::align(const std::vector<int>& indices) const {
     covariance.noalias() += (q - y) * (p - x).transpose();
     squares += (q - y).squaredNorm() + (p - x).squaredNorm();
   }
+  covariance.col(0) *= sign;
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  T.linear() = rotation_between(covariance, 0.5 * squares);
+  T.linear() = rotation_axis_ ? rotation_about(*rotation_axis_, covariance)
+                              : rotation_between(covariance, 0.5 * squares);
+  T.linear().col(0) *= sign;
   T.translation() = y - T.linear() * x;
   return T;
+}
+
+Eigen::Isometry3d Scorer::align(const std::vector<int>& indices) const { return align(indices, 1); }
+
+Eigen::Isometry3d Scorer::align_mirrored(const std::vector<int>& indices) const {
+  return align(indices, -1);
 }
 
 int Scorer::count_shifted(const Eigen::Isometry3d& T, int shift) const {

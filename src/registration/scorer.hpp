@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <optional>
 #include <vector>
 
 #include "registration/pair_columns.hpp"
@@ -20,7 +21,9 @@ struct Score {
 class Scorer {
  public:
   /// @param chord_bound  largest chord between an inlier's normals; 0 for no normals
-  Scorer(const Correspondences& correspondences, double noise_bound, double chord_bound);
+  /// @param rotation_axis  about which alone align() turns, if given
+  Scorer(const Correspondences& correspondences, double noise_bound, double chord_bound,
+         const std::optional<Eigen::Vector3d>& rotation_axis = std::nullopt);
 
   int size() const { return columns_.size(); }
   int dimensions() const { return chord_bound_ > 0 ? 5 : 3; }
@@ -34,6 +37,10 @@ class Scorer {
   /// Counts correspondences of equal points once; of more than some hundred inliers all.
   Score score_of_distinct(const Eigen::Isometry3d& T) const;
 
+  /// Counts inliers that lie within `radius` bounds of one another in both frames once, up to so
+  /// many that chance is out of the question.
+  Score score_of_separate(const Eigen::Isometry3d& T, float radius) const;
+
   /// The correspondences whose residuals are at most `reach` times the bounds, ascending.
   std::vector<int> near(const Eigen::Isometry3d& T, float reach) const;
 
@@ -44,6 +51,9 @@ class Scorer {
 
   /// Least-squares pose of some correspondences.
   Eigen::Isometry3d align(const std::vector<int>& indices) const;
+
+  /// The same for a reflection: the source's mirror image, turned and shifted.
+  Eigen::Isometry3d align_mirrored(const std::vector<int>& indices) const;
 
   /// Pairs within the bounds if every source is paired with the target `shift` places on.
   int count_shifted(const Eigen::Isometry3d& T, int shift) const;
@@ -58,9 +68,11 @@ class Scorer {
   Eigen::ArrayXf squares(const Eigen::Isometry3d& T, int from, int to, int shift) const;
   Eigen::ArrayXf gains(const Eigen::Isometry3d& T, float reach = 1) const;
   Eigen::Isometry3d align_inliers(const Eigen::ArrayXf& gains) const;
+  Eigen::Isometry3d align(const std::vector<int>& indices, double sign) const;
 
   double unit_ = 1;
   float chord_bound_ = 0;
+  std::optional<Eigen::Vector3d> rotation_axis_;
   Eigen::Vector3d source_origin_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d target_origin_ = Eigen::Vector3d::Zero();
   PairColumns columns_;

@@ -65,10 +65,13 @@ class Register(CliTest):
         file = self.pairs()
         for method in (["--method", "gnc"], ["--method", "gnc", "--cost", "gm"], []):
             report = self.run_json("register", "--correspondences", file, *method)
-            self.assertEqual(report["status"], "certified")
+            self.assertEqual(report["status"], "found")
             self.assertEqual(report["inliers"], list(range(30, 60)))
-            self.assertEqual(len(report["information"]), 6)
-            self.assertLess(report["expected_by_chance"], 1e-6)
+            self.assertEqual(len(report["covariance"]), 6)
+            self.assertLess(report["false_alarms"], 1e-6)
+            self.assertTrue(report["certificate"]["least_squares"])
+            self.assertGreaterEqual(report["certificate"]["robust_bound"]["max_inliers"], 30)
+            self.assertIsNone(report["runner_up"])
             self.assert_quarter_turn(report["T_target_source"], 1e-4)
 
     def test_out_holds_what_was_done(self):
@@ -98,9 +101,57 @@ class Register(CliTest):
         target = self.write("target.xyz", xyz([moved(p) for p in lump(1)]))
         for name, text in (("s.xyz", xyz(lump(2))), ("s.pcd", pcd(lump(2))), ("s.ply", ply(lump(2)))):
             report = self.run_json("register", self.write(name, text), target)
-            self.assertEqual(report["status"], "certified")
+            self.assertEqual(report["status"], "found")
+            self.assertGreater(report["overlap"], 0.9)
             self.assertGreater(report["feature_matches"], 20)
             self.assert_quarter_turn(report["T_target_source"], 0.05)
+
+    def test_several_instances_and_the_runner_up(self):
+        source = random.Random(9)
+        rows = ["sx,sy,sz,tx,ty,tz"]
+        for k in range(100):
+            p = [source.uniform(-0.05, 0.05) for _ in range(3)]
+            q = moved(p) if k < 60 else (p[0] + 0.4, p[1], p[2])
+            rows.append(",".join(f"{v:.6f}" for v in (*p, *q)))
+        file = self.write("two.csv", "\n".join(rows) + "\n")
+        report = self.run_json("register", "--correspondences", file, "--instances", "3")
+        self.assertEqual(report["inliers"], list(range(60)))
+        self.assertEqual([one["inliers"] for one in report["instances"]], [40])
+        self.assertAlmostEqual(report["runner_up"]["T_target_source"][3], 0.4, delta=1e-4)
+
+    def test_scale_yaw_and_initial(self):
+        source = random.Random(8)
+        rows = ["sx,sy,sz,tx,ty,tz,weight"]
+        for k in range(60):
+            p = [source.uniform(-0.05, 0.05) for _ in range(3)]
+            rows.append(",".join(f"{v:.6f}" for v in (*p, *moved([2 * c for c in p]), 1 + k)))
+        file = self.write("scaled.csv", "\n".join(rows) + "\n")
+        report = self.run_json("register", "--correspondences", file, "--scale")
+        self.assertAlmostEqual(report["scale"], 2, delta=1e-3)
+        self.assert_quarter_turn(report["T_target_source"], 1e-3)
+        file = self.pairs()
+        report = self.run_json("register", "--correspondences", file, "--yaw-only")
+        self.assert_quarter_turn(report["T_target_source"], 1e-4)
+        near = list(QUARTER_TURN)
+        near[3] += 0.002
+        start = self.write("near.txt", " ".join(map(str, near)))
+        report = self.run_json("register", "--correspondences", file, "--initial", start)
+        self.assert_quarter_turn(report["T_target_source"], 1e-4)
+
+    def test_a_ball_is_degenerate(self):
+        source = random.Random(3)
+        points = []
+        for _ in range(3000):
+            z, a = source.uniform(-1, 1), source.uniform(0, 2 * math.pi)
+            s = math.sqrt(1 - z * z)
+            points.append((0.05 * s * math.cos(a), 0.05 * s * math.sin(a), 0.05 * z))
+        ball = self.write("ball.xyz", xyz(points))
+        done = self.run_program("register", ball, ball, "--json")
+        self.assertEqual(done.returncode, NO_SOLUTION)
+        report = json.loads(done.stdout)
+        self.assertEqual(report["status"], "degenerate")
+        self.assertIsNone(report["T_target_source"])
+        self.assertEqual([m["kind"] for m in report["free_motions"]], ["rotation"] * 3)
 
     def test_outliers_alone_are_no_consensus(self):
         file = self.pairs(wrong=60)
@@ -131,6 +182,10 @@ class Register(CliTest):
             (["register", "box.stl", "box.stl", "--noise-bound", "0"], BAD_INPUT),
             (["register", "--correspondences", file, "--noise-bound", "-1"], BAD_INPUT),
             (["register", "--correspondences", file, "--primitive", "plane"], BAD_INPUT),
+            (["register", "--correspondences", file, "--initial", MIRROR], BAD_INPUT),
+            (["register", "--correspondences", file, "--instances", "0"], USAGE),
+            (["register", "box.stl", "box.stl", "--scale"], BAD_INPUT),
+            (["register", "box.stl", "box.stl", "--yaw-only"], BAD_INPUT),
             (["certify", "1,2,3", "--correspondences", file], BAD_INPUT),
             (["certify", MIRROR, "--correspondences", file], BAD_INPUT),
             (["certify", IDENTITY, "--correspondences", file, "--noise-bound", "0"], BAD_INPUT),

@@ -38,7 +38,7 @@ TEST(RegisterClouds, FindsThePoseOfAScan) {
     PointCloud scan = geometry::transformed(pose_of(2).inverse(), bunny_cloud(8000, 2));
     if (!normals) scan.normals.clear();
     const auto found = register_clouds(scan, target, kCoarse);
-    ASSERT_EQ(found.result.status, Status::kCertified);
+    ASSERT_EQ(found.result.status, RegistrationStatus::kFound);
     EXPECT_LT(rotation_error_deg(*found.result.T_target_source, pose_of(2)), 2);
     EXPECT_LT(translation_error_mm(*found.result.T_target_source * pose_of(2).inverse(),
                                    Eigen::Isometry3d::Identity()),
@@ -58,7 +58,7 @@ TEST(RegisterClouds, FindsThePoseOfAPart) {
   CloudOptions options = kCoarse;
   options.registration.primitive = Primitive::kPlane;
   const auto found = register_clouds(part, bunny_cloud(8000, 1), options);
-  ASSERT_EQ(found.result.status, Status::kCertified);
+  ASSERT_EQ(found.result.status, RegistrationStatus::kFound);
   EXPECT_LT(rotation_error_deg(*found.result.T_target_source, pose_of(4)), 2);
 }
 
@@ -83,7 +83,7 @@ TEST(RegisterClouds, EmptyTinyAndDegenerateClouds) {
     for (const auto& result :
          {register_clouds(*bad, cloud).result, register_clouds(cloud, *bad).result,
           register_clouds(*bad, *bad).result}) {
-      EXPECT_EQ(result.status, Status::kDegenerate);
+      EXPECT_EQ(result.status, RegistrationStatus::kDegenerate);
       EXPECT_FALSE(result.T_target_source);
     }
   }
@@ -113,8 +113,8 @@ TEST(RegisterClouds, AnotherShapeGivesNoPose) {
   }
   const auto found = register_clouds(bunny_cloud(4000, 1), ball, kCoarse);
   // A ball fits at any angle, so that what little agrees may leave motions free.
-  EXPECT_TRUE(found.result.status == Status::kNoConsensus ||
-              found.result.status == Status::kDegenerate);
+  EXPECT_TRUE(found.result.status == RegistrationStatus::kNoConsensus ||
+              found.result.status == RegistrationStatus::kDegenerate);
 }
 
 TEST(RegisterClouds, ScaleDoesNotMatter) {

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numeric>
 
-#include "registration/chance_judge.hpp"
 #include "registration/consensus.hpp"
+#include "registration/false_alarm_test.hpp"
 #include "registration/problems.hpp"
 
 namespace palpate::registration {
@@ -143,14 +143,14 @@ TEST(PowerOfMean, IsTheMeanProductOfDifferentCounts) {
   EXPECT_NEAR(sum / kRuns, std::pow(0.6, 4), 0.03 * std::pow(0.6, 4));
 }
 
-TEST(ChanceJudge, CopiesAreNoEvidence) {
+TEST(FalseAlarmTest, CopiesAreNoEvidence) {
   auto problem =
       make_problem({.pairs = 200, .outliers = 0.97, .noise = 0.001}, RandomStream(7, "rates"));
   auto& c = problem.correspondences;
   const RandomStream random(8, "rates");
   const auto judged = [&] {
     const Scorer scorer(c, kBound, 0);
-    return ChanceJudge(scorer, 0.01, random).exact(scorer.centred(problem.truth));
+    return FalseAlarmTest(scorer, 0.01, 3, random).exact(scorer.centred(problem.truth));
   };
   const double once = judged();
   for (int copies = 0; copies < 2; ++copies) {

@@ -61,7 +61,7 @@ inline Problem make_problem(const ProblemOptions& options, RandomStream random) 
   Problem problem;
   problem.truth = random_pose(random);
   const Eigen::Matrix3d R = problem.truth.linear();
-  auto& [source, target, source_normals, target_normals] = problem.correspondences;
+  auto& [source, target, source_normals, target_normals, weights] = problem.correspondences;
   for (const auto& sample : samples) {
     source.push_back(sample.point);
     target.push_back(problem.truth * sample.point + options.noise * random.normal3());

@@ -42,9 +42,12 @@ FeatureCloud describe(const geometry::PointCloud& cloud, double voxel,
 
 struct CloudOptions {
   FeatureOptions features = {};
-  RegistrationOptions registration = {};  ///< its noise_bound gives way to this one
+  /// Its noise_bound gives way to this one; its primitive is that of the refinement, its `initial`
+  /// pose replaces the features, for small clouds and good guesses.
+  RegistrationOptions registration = {.primitive = Primitive::kPlane};
   /// m; if not given 1.5 cells, as the points that features match sit about a cell apart.
   std::optional<double> noise_bound = std::nullopt;
+  int threads = 1;  ///< the result does not depend on them
 };
 
 struct CloudRegistration {
@@ -52,17 +55,28 @@ struct CloudRegistration {
   Correspondences correspondences;  ///< nearest neighbours, or feature matches without refinement
   std::size_t feature_matches = 0;
   double voxel = 0, noise_bound = 0;  ///< m, that were used
-  int refinements = 0;                ///< rounds of nearest neighbours
-  double feature_seconds = 0;         ///< sampling, normals, features and their matching
+  double overlap = 0;    ///< share of the source's points that have a target point within the bound
+  double rms_error = 0;  ///< m, of the refined correspondences, of the primitive
+  int refinements = 0;   ///< rounds of nearest neighbours
+  double feature_seconds = 0;  ///< sampling, normals, features and their matching
 };
 
 /// Pose of one cloud in another without given correspondences: mutual matches of FPFH (thesis 6.1),
-/// outliers rejected as register_correspondences() does, then nearest neighbours and pose in turn.
+/// outliers rejected as register_correspondences() does, then nearest neighbours and pose in turn,
+/// the bound narrowing at the end.
 ///
-/// Clouds of fewer than three points after sampling are kDegenerate.
+/// Clouds of fewer than three points after sampling are kDegenerate; so are surfaces that can be
+/// slid along themselves (sphere, cylinder, cone, torus, plane), with their `free_motions`. An
+/// initial pose starts the refinement alone.
 /// @throws BadInput as check_cloud(), with_normals() and register_correspondences()
 CloudRegistration register_clouds(const geometry::PointCloud& source,
                                   const geometry::PointCloud& target,
                                   const CloudOptions& options = {});
+
+/// The same for clouds with features of any kind, one column a point, that are nearest for like
+/// places; both of the same voxel.
+/// @param voxel  m, distance between the points
+CloudRegistration register_described(const FeatureCloud& source, const FeatureCloud& target,
+                                     double voxel, const CloudOptions& options = {});
 
 }  // namespace palpate::registration

@@ -11,6 +11,10 @@ struct Correspondences {
   std::vector<Eigen::Vector3d> source, target;                  ///< m, equally many
   std::vector<Eigen::Vector3d> source_normals, target_normals;  ///< unit; empty, or one a point
 
+  /// How much each pair is to be trusted, >= 0: those of more are looked at first and count more in
+  /// the last solve, those of 0 not at all. Empty: all alike.
+  std::vector<double> weights = {};
+
   std::size_t size() const { return source.size(); }
   bool has_normals() const { return !source_normals.empty() && !target_normals.empty(); }
 };
@@ -22,7 +26,8 @@ enum class Primitive {
 };
 
 /// @throws BadInput, naming the pair, for lists of different lengths, a coordinate that is not
-///         finite, a normal that is not of unit length to 1e-3, or planes without target normals
+///         finite, a normal that is not of unit length to 1e-3, a weight below 0, or planes without
+///         target normals
 void check(const Correspondences& correspondences, Primitive primitive = Primitive::kPoint);
 
 /// Squared distance of every moved source point to its primitive, m^2 (thesis eqs 6.5 and 6.6).

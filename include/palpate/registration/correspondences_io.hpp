@@ -9,8 +9,8 @@
 namespace palpate::registration {
 
 /// Correspondences of a CSV text with the header sx,sy,sz,tx,ty,tz (m) and, optionally,
-/// snx,sny,snz,tnx,tny,tnz (normals, made unit vectors); columns in any order, others skipped
-/// whatever they hold.
+/// snx,sny,snz,tnx,tny,tnz (normals, made unit vectors) and weight (>= 0); columns in any order,
+/// others skipped whatever they hold.
 /// @param source  named in errors, as in "pairs.csv:3: ..."
 /// @throws BadInput for a missing column, a row of another length, a value that is no finite number
 ///         or a normal without direction

@@ -3,19 +3,19 @@
 
 #include <string_view>
 
+#include "palpate/registration/free_motions.hpp"
 #include "palpate/registration/rotation.hpp"
 
 namespace palpate::registration {
 
-/// How far a pose can be trusted.
+/// What is proven of a pose for given correspondences.
 enum class Status {
   kCertified,    ///< proven to minimise the sum of squared residuals globally
   kUncertified,  ///< not proven; the bound says how far it may be from the minimum
   kDegenerate,   ///< the correspondences leave a direction of motion free
-  kNoConsensus,  ///< so few agree with any pose that chance explains them
 };
 
-/// "certified", "uncertified", "degenerate" or "no_consensus".
+/// "certified", "uncertified" or "degenerate".
 std::string_view to_string(Status status);
 
 struct PoseOptions {
@@ -26,13 +26,14 @@ struct PoseOptions {
 };
 
 struct PoseEstimate {
-  Status status = Status::kDegenerate;  ///< never kNoConsensus
+  Status status = Status::kDegenerate;
   Eigen::Isometry3d T_target_source = Eigen::Isometry3d::Identity();
   double cost = 0;       ///< sum of weighted squared residuals, m^2
   double bound = 0;      ///< cost - least cost is at most this, m^2
   double reference = 0;  ///< max(cost, tr(Q~)/10), what the bound is small against, m^2
   int rank = 0;          ///< of the information matrix, 0..6
   Matrix6d information = Matrix6d::Zero();  ///< at the pose, of twists [w; v] in the target frame
+  std::vector<FreeMotion> free_motions;     ///< 6 - rank of them
 };
 
 /// Pose that minimises the sum of weighted squared residuals, with its certificate.
@@ -54,5 +55,11 @@ PoseEstimate certify(const Eigen::Isometry3d& T_target_source,
 /// 1978, Umeyama 1991); a rotation, never a reflection. The identity if all weights are 0.
 Eigen::Isometry3d align_points(const Correspondences& correspondences,
                                const std::vector<double>& weights);
+
+/// The same among the poses that turn about one direction alone, as gravity's; the shift is free.
+/// @param axis  of any length but 0
+Eigen::Isometry3d align_points_about(const Eigen::Vector3d& axis,
+                                     const Correspondences& correspondences,
+                                     const std::vector<double>& weights);
 
 }  // namespace palpate::registration

@@ -112,10 +112,14 @@ std::vector<Match> mutual_matches(const Features& source, const Features& target
     Eigen::MatrixXf distances = -2 * (source.middleCols(start, rows).transpose() * target);
     distances.rowwise() += target_norms;
     distances.colwise() += source_norms.segment(start, rows);
-    for (Eigen::Index i = 0; i < rows; ++i) {
-      distances.row(i).minCoeff(&best_target[static_cast<std::size_t>(start + i)]);
-    }
+    // Column by column, as the matrix lies in memory.
+    Eigen::ArrayXf nearest = Eigen::ArrayXf::Constant(rows, INFINITY);
     for (Eigen::Index j = 0; j < target.cols(); ++j) {
+      for (Eigen::Index i = 0; i < rows; ++i) {
+        if (!(distances(i, j) < nearest[i])) continue;
+        nearest[i] = distances(i, j);
+        best_target[static_cast<std::size_t>(start + i)] = j;
+      }
       Eigen::Index i = 0;
       const float distance = distances.col(j).minCoeff(&i);
       if (!(distance < least[j])) continue;
@@ -125,6 +129,7 @@ std::vector<Match> mutual_matches(const Features& source, const Features& target
   }
   std::vector<Match> matches;
   for (std::size_t i = 0; i < best_target.size(); ++i) {
+    if (best_target[i] < 0) continue;
     const auto j = static_cast<std::size_t>(best_target[i]);
     if (best_source[j] == static_cast<Eigen::Index>(i)) {
       matches.push_back({static_cast<int>(i), static_cast<int>(j)});

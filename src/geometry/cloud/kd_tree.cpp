@@ -64,6 +64,20 @@ std::vector<Neighbour> KdTree::nearest(const Eigen::Vector3d& query, int k) cons
   return result;
 }
 
+Neighbour KdTree::nearest_within(const Eigen::Vector3d& query, double radius) const {
+  Neighbour found;
+  if (points().empty()) return found;
+  // The list starts with the radius as its worst entry, so that the search prunes by it.
+  int index = -1;
+  double squared = radius * radius;
+  nanoflann::KNNResultSet<double, int> nearest(1);
+  nearest.init(&index, &squared);
+  squared = radius * radius;
+  index_->tree.findNeighbors(nearest, query.data(), nanoflann::SearchParams());
+  if (nearest.size() > 0 && squared < radius * radius) found = {index, squared};
+  return found;
+}
+
 std::vector<Neighbour> KdTree::within(const Eigen::Vector3d& query, double radius) const {
   if (points().empty() || !(radius > 0)) return {};
   std::vector<std::pair<int, double>> found;

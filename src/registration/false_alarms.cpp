@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/registration/chance.hpp"
+#include "palpate/registration/false_alarms.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
@@ -26,7 +26,7 @@ double log_residuals(int dimensions, double squares, double k) {
 /// log of sqrt(det H_k). Points spread by less than the bound still tell poses apart by the bound.
 /// What single precision leaves uncertain of a narrow cloud's inertia counts as information, which
 /// makes chance more likely rather than less.
-double log_information(const ChanceModel& model, double k) {
+double log_information(const BackgroundModel& model, double k) {
   const Eigen::Matrix3d rotation =
       (k - 1) * (model.inertia + Eigen::Matrix3d::Identity()) + k * model.normal_information;
   constexpr double kCertain = 1e-6;
@@ -45,7 +45,7 @@ double matching_radius(int dimensions, double squares, int count) {
   return std::clamp(std::sqrt(squares * (dimensions + 2) / freedom), kLeast, 1.0);
 }
 
-double expected_by_chance(const ChanceModel& model, double squares, int count) {
+double number_of_false_alarms(const BackgroundModel& model, double squares, int count) {
   if (count <= 3 || !model.inertia.allFinite()) return std::numeric_limits<double>::infinity();
   const double k = count, log_unit = log_ball(model.dimensions, model.radius);
   const double log_poses = std::log(model.pairs * model.orientations) + log_unit +

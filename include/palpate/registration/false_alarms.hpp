@@ -8,7 +8,7 @@ namespace palpate::registration {
 
 /// How closely wrong correspondences agree with the poses that there are: sources and targets
 /// paired at random. Lengths are in noise bounds.
-struct ChanceModel {
+struct BackgroundModel {
   int dimensions = 3;  ///< of one residual: 3 for positions, 5 with normals
   double pairs = 0;    ///< correspondences
   /// What one pair leaves free of the rotation: 8 pi^2, all of SO(3); with normals that agree to a
@@ -43,6 +43,6 @@ double matching_radius(int dimensions, double squares, int count);
 /// @param squares  S, sum of the squared residuals of the inliers, d-dimensional
 /// @param count  k, inliers; up to three are always expected (infinitely often), and any number of
 ///        an inertia that is not finite
-double expected_by_chance(const ChanceModel& model, double squares, int count);
+double number_of_false_alarms(const BackgroundModel& model, double squares, int count);
 
 }  // namespace palpate::registration

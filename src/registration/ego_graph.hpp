@@ -10,15 +10,15 @@ namespace palpate::registration {
 
 /// The neighbourhood of one correspondence in the consistency graph, found without the rest of it:
 /// those that are consistent with it, and which of these are with one another.
-class Star {
+class EgoGraph {
  public:
   /// @param columns  in units of the noise bound, to outlive this
-  Star(const PairColumns& columns, double length_tolerance, double normal_noise_deg)
+  EgoGraph(const PairColumns& columns, double length_tolerance, double normal_noise_deg)
       : all_(columns, length_tolerance, normal_noise_deg),
         near_(local_, length_tolerance, normal_noise_deg),
         columns_(columns) {}
-  Star(const Star&) = delete;
-  Star& operator=(const Star&) = delete;
+  EgoGraph(const EgoGraph&) = delete;
+  EgoGraph& operator=(const EgoGraph&) = delete;
 
   /// Moves to another centre.
   void look_around(int center);

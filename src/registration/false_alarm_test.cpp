@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "registration/chance_judge.hpp"
+#include "registration/false_alarm_test.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -26,9 +26,11 @@ Eigen::Matrix3d inertia(const Eigen::Matrix3d& moment) {
 
 }  // namespace
 
-ChanceJudge::ChanceJudge(const Scorer& scorer, double false_alarm, const RandomStream& random)
+FalseAlarmTest::FalseAlarmTest(const Scorer& scorer, double max_false_alarms, double support_radius,
+                               const RandomStream& random)
     : scorer_(scorer),
-      false_alarm_(false_alarm),
+      max_false_alarms_(max_false_alarms),
+      support_radius_(support_radius),
       random_(random),
       spread_(second_moment(scorer.columns().s)) {
   model_.dimensions = scorer.dimensions();
@@ -41,7 +43,52 @@ ChanceJudge::ChanceJudge(const Scorer& scorer, double false_alarm, const RandomS
   }
 }
 
-double ChanceJudge::quick(const Eigen::Isometry3d& T) const {
+/// Share of further pairs that lie near one of the pairs T does not explain, in both frames, beyond
+/// what pairing the same points at random would put there; plus the pair itself.
+double FalseAlarmTest::copies_among_others(const Eigen::Isometry3d& T) const {
+  constexpr int kPairs = 48, kOthers = 256, kLeast = 3;
+  constexpr double kRare = 0.1;
+  const int size = scorer_.size();
+  const PairColumns& columns = scorer_.columns();
+  // Copies with a spread of half a bound an axis are mostly within two bounds.
+  const auto radius = static_cast<float>(support_radius_ * 2 / 3), squared = radius * radius;
+  const std::vector<int> inliers = scorer_.near(T, 1);
+  RandomStream random = random_.fork("copies");
+  const int others = std::min(size, kOthers);
+  int found = 0, by_chance = 0, looked = 0;
+  for (int k = 0; k < 2 * kPairs && looked < kPairs; ++k) {
+    const auto i = static_cast<int>(random.index(static_cast<std::size_t>(size)));
+    if (std::ranges::binary_search(inliers, i)) continue;
+    ++looked;
+    const auto first = random.index(static_cast<std::size_t>(size));
+    for (int q = 0; q < others; ++q) {
+      int j = static_cast<int>(first) + q * size / others;
+      if (j >= size) j -= size;
+      if (j == i || std::abs(columns.s[0][i] - columns.s[0][j]) > radius) continue;
+      found += are_near(columns, i, j, squared);
+      by_chance += are_near(columns, i, j, squared, (j + 1 + size / 3) % size);
+    }
+  }
+  const double excess =
+      static_cast<double>(found - by_chance) * size / others / std::max(1, looked);
+  return found - by_chance >= kLeast && excess > kRare ? 1 + excess : 1;
+}
+
+FalseAlarmTest::Evidence FalseAlarmTest::evidence(const Eigen::Isometry3d& T) {
+  if (!copies_) copies_ = copies_among_others(T);
+  if (*copies_ == 1) return {scorer_.score_of_distinct(T)};
+  return {scorer_.score_of_separate(T, static_cast<float>(support_radius_)), *copies_};
+}
+
+/// Copies make neither more pairs nor more agreement.
+double FalseAlarmTest::expected(BackgroundModel background, const Score& score,
+                                double copies) const {
+  background.pairs /= copies;
+  background.rate /= copies;
+  return number_of_false_alarms(background, score.count - score.gain, score.count);
+}
+
+double FalseAlarmTest::quick(const Eigen::Isometry3d& T) {
   constexpr int kShifts = 4;
   const int others = scorer_.size() - 1, shifts = std::min(kShifts, others);
   RandomStream random = random_.fork("shift");
@@ -50,13 +97,19 @@ double ChanceJudge::quick(const Eigen::Isometry3d& T) const {
     const auto shift = 1 + static_cast<int>(random.index(static_cast<std::size_t>(others)));
     hits += scorer_.count_shifted(T, shift);
   }
-  ChanceModel all_alike = model_;
+  BackgroundModel all_alike = model_;
   all_alike.rate = hits / std::max(1, shifts);
-  const Score score = scorer_.score_of_distinct(T);
-  return expected_by_chance(all_alike, score.count - score.gain, score.count);
+  // Few that lie far apart are often enough, whatever the others do.
+  const Score separate = scorer_.score_of_separate(T, static_cast<float>(support_radius_));
+  const double clear = expected(all_alike, separate, 1);
+  if (clear < kClearAtOnce) return clear;
+  const double with_copies = expected(all_alike, scorer_.score_of_distinct(T), 1);
+  if (with_copies >= kClearAtOnce) return with_copies;
+  const Evidence all = evidence(T);
+  return expected(all_alike, all.score, all.copies);
 }
 
-double ChanceJudge::exact(const Eigen::Isometry3d& T) {
+double FalseAlarmTest::exact(const Eigen::Isometry3d& T) {
   const double bound = quick(T);
   if (bound < kClearAtOnce) return bound;
   // With normals fewer places gather anything.
@@ -66,15 +119,16 @@ double ChanceJudge::exact(const Eigen::Isometry3d& T) {
   constexpr double kFarAbove = 100;
   for (const auto& [effort, share] : kEnoughBelow) {
     const double expected = judge(T, effort);
-    if (expected < share * false_alarm_ || expected > kFarAbove * false_alarm_) return expected;
+    if (expected < share * max_false_alarms_ || expected > kFarAbove * max_false_alarms_)
+      return expected;
   }
   return judge(T, most);
 }
 
-double ChanceJudge::judge(const Eigen::Isometry3d& T, Effort effort) {
+double FalseAlarmTest::judge(const Eigen::Isometry3d& T, Effort effort) {
   constexpr int kMostPoses = 4096;
-  const Score score = scorer_.score_of_distinct(T);
-  if (score.count <= 3) return expected_by_chance(model_, 0, score.count);
+  const auto [score, copies] = evidence(T);
+  if (score.count <= 3) return number_of_false_alarms(model_, 0, score.count);
   // Of few pairs, all and at more poses.
   const int sources = std::min(effort.sources, scorer_.size() - 1);
   const int poses = std::min(kMostPoses, effort.poses * effort.sources / sources);
@@ -82,13 +136,13 @@ double ChanceJudge::judge(const Eigen::Isometry3d& T, Effort effort) {
   const double radius = matching_radius(model_.dimensions, squares, score.count);
   Rates& rates = rates_within(radius, sources);
   extend(rates, poses);
-  ChanceModel chance = model_;
-  chance.radius = rates.radius;
-  chance.rate = power_mean(rates, T, score.count - 1);
-  return expected_by_chance(chance, squares, score.count);
+  BackgroundModel background = model_;
+  background.radius = rates.radius;
+  background.rate = power_mean(rates, T, score.count - 1);
+  return expected(background, score, copies);
 }
 
-ChanceJudge::Rates& ChanceJudge::rates_within(double radius, int sources) {
+FalseAlarmTest::Rates& FalseAlarmTest::rates_within(double radius, int sources) {
   constexpr double kStep = 1.25;
   const int step = static_cast<int>(std::lround(std::log(radius) / std::log(kStep)));
   const std::pair key{step, sources};
@@ -101,7 +155,7 @@ ChanceJudge::Rates& ChanceJudge::rates_within(double radius, int sources) {
   return rates_.emplace(key, std::move(rates)).first->second;
 }
 
-void ChanceJudge::extend(Rates& rates, int poses) const {
+void FalseAlarmTest::extend(Rates& rates, int poses) const {
   const int step = scorer_.size() / rates.sources;
   while (static_cast<int>(rates.poses.size()) < poses) {
     Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
@@ -113,7 +167,7 @@ void ChanceJudge::extend(Rates& rates, int poses) const {
 
 /// The power mean of the rates at the poses that are not the same as T, and one standard error
 /// more; where too few sources agree for that, the mean.
-double ChanceJudge::power_mean(const Rates& rates, const Eigen::Isometry3d& T, int power) const {
+double FalseAlarmTest::power_mean(const Rates& rates, const Eigen::Isometry3d& T, int power) const {
   double sum = 1, powers = 0, squares = 0;
   for (std::size_t i = 0; i < rates.poses.size(); ++i) {
     if (same(T, rates.poses[i])) continue;
@@ -131,7 +185,7 @@ double ChanceJudge::power_mean(const Rates& rates, const Eigen::Isometry3d& T, i
 
 /// Whether two poses are the same answer: they move the sources alike to within three bounds, root
 /// mean square. What agrees at both speaks for the same pose, not for another one by chance.
-bool ChanceJudge::same(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) const {
+bool FalseAlarmTest::same(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) const {
   constexpr double kBounds = 3;
   const Eigen::Matrix3d turn = a.linear() - b.linear();
   // The sources' mean is the origin.

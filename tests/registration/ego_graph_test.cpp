@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "registration/star.hpp"
+#include "registration/ego_graph.hpp"
 
 #include <gtest/gtest.h>
 
@@ -16,7 +16,7 @@ using testing::make_problem;
 
 constexpr double kBound = 0.004;
 
-TEST(Star, IsTheGraphAboutOneVertex) {
+TEST(EgoGraph, IsTheGraphAboutOneVertex) {
   for (const bool normals : {false, true}) {
     const auto problem = make_problem(
         {.pairs = 150, .outliers = 0.7, .noise = 0.001, .normal_deg = 5, .normals = normals},
@@ -25,7 +25,7 @@ TEST(Star, IsTheGraphAboutOneVertex) {
     const auto& c = problem.correspondences;
     const ConsistencyGraph graph(c, {.noise_bound = kBound, .normal_noise_deg = noise_deg});
     const PairColumns columns = columns_of(c, c.source[0], c.target[0], kBound, normals);
-    Star star(columns, ConsistencyOptions{}.length_tolerance, noise_deg);
+    EgoGraph star(columns, ConsistencyOptions{}.length_tolerance, noise_deg);
     for (int center = 0; center < graph.size(); ++center) {
       star.look_around(center);
       EXPECT_EQ(static_cast<int>(star.neighbours().size()), graph.degree(center));

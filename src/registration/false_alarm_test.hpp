@@ -2,11 +2,12 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "palpate/core/random.hpp"
-#include "palpate/registration/chance.hpp"
+#include "palpate/registration/false_alarms.hpp"
 #include "registration/pairing_rates.hpp"
 #include "registration/scorer.hpp"
 
@@ -16,14 +17,17 @@ namespace palpate::registration {
 inline constexpr double kClearAtOnce = 1e-8;
 
 /// Expected number of poses as good as one by chance, as exactly as it matters.
-class ChanceJudge {
+class FalseAlarmTest {
  public:
-  /// @param false_alarm  what the number will be held against
-  ChanceJudge(const Scorer& scorer, double false_alarm, const RandomStream& random);
+  /// @param max_false_alarms  what the number will be held against
+  /// @param support_radius  in bounds; pairs closer than this in both frames may depend on one
+  ///        another
+  FalseAlarmTest(const Scorer& scorer, double max_false_alarms, double support_radius,
+                 const RandomStream& random);
 
   /// As if all poses gathered as much as this one, which few do: chance hardly explains a pose that
   /// this does not explain.
-  double quick(const Eigen::Isometry3d& T) const;
+  double quick(const Eigen::Isometry3d& T);
 
   /// Random poses whose rates are looked up, and sources at each.
   struct Effort {
@@ -49,15 +53,27 @@ class ChanceJudge {
     std::vector<std::vector<int>> counts = {};  // of each, as PairingRates::agreements()
   };
 
+  /// Inliers that speak for a pose each by itself, and how many pairs stand for one of them.
+  struct Evidence {
+    Score score;
+    double copies = 1;
+  };
+
+  /// What the inliers of T are worth: where the other pairs have copies nearby, as jittered ones or
+  /// matches of overlapping features do, inliers near one another count once.
+  Evidence evidence(const Eigen::Isometry3d& T);
+  double copies_among_others(const Eigen::Isometry3d& T) const;
+  double expected(BackgroundModel background, const Score& score, double copies) const;
   Rates& rates_within(double radius, int sources);
   void extend(Rates& rates, int poses) const;
   double power_mean(const Rates& rates, const Eigen::Isometry3d& T, int power) const;
   bool same(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) const;
 
   const Scorer& scorer_;
-  double false_alarm_;
+  double max_false_alarms_, support_radius_;
   const RandomStream& random_;
-  ChanceModel model_;                           // but for the rates
+  std::optional<double> copies_;                // of a pair, itself included, once it was asked for
+  BackgroundModel model_;                       // but for the rates
   Eigen::Matrix3d spread_;                      // second moment of the sources about their mean
   std::map<std::pair<int, int>, Rates> rates_;  // of steps of the radius and sources
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "registration/star.hpp"
+#include "registration/ego_graph.hpp"
 
 #include <algorithm>
 
@@ -7,7 +7,7 @@
 
 namespace palpate::registration {
 
-void Star::look_around(int center) {
+void EgoGraph::look_around(int center) {
   center_ = center;
   row_.resize(static_cast<std::size_t>(all_.words()));
   all_.row(center, 0, row_.data());
@@ -23,12 +23,12 @@ void Star::look_around(int center) {
   }
 }
 
-void Star::join(int i, int j) {
+void EgoGraph::join(int i, int j) {
   rows_[static_cast<std::size_t>(i * words_ + j / kWordBits)] |= std::uint64_t{1} << j % kWordBits;
   rows_[static_cast<std::size_t>(j * words_ + i / kWordBits)] |= std::uint64_t{1} << i % kWordBits;
 }
 
-std::vector<int> Star::clique(int max_size) {
+std::vector<int> EgoGraph::clique(int max_size) {
   const auto count = neighbours_.size();
   candidates_.assign(static_cast<std::size_t>(words_), ~std::uint64_t{0});
   if (count % kWordBits != 0) candidates_.back() = (std::uint64_t{1} << (count % kWordBits)) - 1;

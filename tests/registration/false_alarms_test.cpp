@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/registration/chance.hpp"
+#include "palpate/registration/false_alarms.hpp"
 
 #include <gtest/gtest.h>
 
@@ -12,50 +12,50 @@
 namespace palpate::registration {
 namespace {
 
-const ChanceModel kModel{
+const BackgroundModel kModel{
     .pairs = 1000, .inertia = 50 * Eigen::Matrix3d::Identity(), .radius = 1, .rate = 0.5};
 
-TEST(Chance, GrowsWithPairsRateAndResiduals) {
-  const double expected = expected_by_chance(kModel, 1.5, 8);
+TEST(FalseAlarms, GrowsWithPairsRateAndResiduals) {
+  const double expected = number_of_false_alarms(kModel, 1.5, 8);
   EXPECT_GT(expected, 0);
-  ChanceModel more = kModel;
+  BackgroundModel more = kModel;
   more.pairs *= 2;
-  EXPECT_NEAR(expected_by_chance(more, 1.5, 8), 2 * expected, 1e-9 * expected);
+  EXPECT_NEAR(number_of_false_alarms(more, 1.5, 8), 2 * expected, 1e-9 * expected);
   more = kModel;
   more.rate *= 2;
-  EXPECT_NEAR(expected_by_chance(more, 1.5, 8), std::pow(2, 7) * expected, 1e-6 * expected);
+  EXPECT_NEAR(number_of_false_alarms(more, 1.5, 8), std::pow(2, 7) * expected, 1e-6 * expected);
   // A ball in 3 * 8 - 6 dimensions.
-  EXPECT_NEAR(expected_by_chance(kModel, 3.0, 8), std::pow(2, 9) * expected, 1e-6 * expected);
-  EXPECT_LT(expected_by_chance(kModel, 2.0, 12), expected);
+  EXPECT_NEAR(number_of_false_alarms(kModel, 3.0, 8), std::pow(2, 9) * expected, 1e-6 * expected);
+  EXPECT_LT(number_of_false_alarms(kModel, 2.0, 12), expected);
 }
 
-TEST(Chance, TheRadiusOfTheRateDoesNotMatterWhereItIsUniform) {
-  ChanceModel narrow = kModel;
+TEST(FalseAlarms, TheRadiusOfTheRateDoesNotMatterWhereItIsUniform) {
+  BackgroundModel narrow = kModel;
   narrow.radius = 0.5;
   narrow.rate /= 8;  // a ball of an eighth of the volume gets an eighth
-  const double expected = expected_by_chance(kModel, 1.5, 8);
-  EXPECT_NEAR(expected_by_chance(narrow, 1.5, 8), expected, 1e-6 * expected);
+  const double expected = number_of_false_alarms(kModel, 1.5, 8);
+  EXPECT_NEAR(number_of_false_alarms(narrow, 1.5, 8), expected, 1e-6 * expected);
 }
 
-TEST(Chance, FewAreAlwaysExpected) {
-  EXPECT_TRUE(std::isinf(expected_by_chance(kModel, 0, 3)));
-  EXPECT_TRUE(std::isinf(expected_by_chance(kModel, 0, 2)));
-  ChanceModel crowded = kModel;
+TEST(FalseAlarms, FewAreAlwaysExpected) {
+  EXPECT_TRUE(std::isinf(number_of_false_alarms(kModel, 0, 3)));
+  EXPECT_TRUE(std::isinf(number_of_false_alarms(kModel, 0, 2)));
+  BackgroundModel crowded = kModel;
   crowded.rate = 1e4;
-  EXPECT_TRUE(std::isfinite(expected_by_chance(crowded, 1e5, 100000)));
-  EXPECT_LT(expected_by_chance(kModel, 190, 1000), 1e-300);
+  EXPECT_TRUE(std::isfinite(number_of_false_alarms(crowded, 1e5, 100000)));
+  EXPECT_LT(number_of_false_alarms(kModel, 190, 1000), 1e-300);
 }
 
 // Single precision leaves a line's least inertia to rounding, below zero too, and overflows: the
 // number is then too large rather than none.
-TEST(Chance, IsANumberWhereTheInertiaIsNot) {
-  ChanceModel line = kModel;
+TEST(FalseAlarms, IsANumberWhereTheInertiaIsNot) {
+  BackgroundModel line = kModel;
   line.inertia = Eigen::Vector3d(1e16, 1e16, 100).asDiagonal();
-  const double expected = expected_by_chance(line, 1.5, 8);
+  const double expected = number_of_false_alarms(line, 1.5, 8);
   line.inertia(2, 2) = -1e9;
-  EXPECT_GE(expected_by_chance(line, 1.5, 8), expected);
+  EXPECT_GE(number_of_false_alarms(line, 1.5, 8), expected);
   line.inertia(0, 0) = std::numeric_limits<double>::infinity();
-  EXPECT_TRUE(std::isinf(expected_by_chance(line, 1.5, 8)));
+  EXPECT_TRUE(std::isinf(number_of_false_alarms(line, 1.5, 8)));
 }
 
 TEST(MatchingRadius, IsThatOfABallOfTheSameMeanSquare) {
@@ -73,15 +73,15 @@ TEST(MatchingRadius, IsThatOfABallOfTheSameMeanSquare) {
 // What the number says must come true: of problems without inliers at most one in a hundred may
 // have a pose that is expected less than 0.01 times. That many should have one expected less than
 // once is no more than that it does not refuse everything.
-TEST(Chance, IsCalibrated) {
+TEST(FalseAlarms, IsCalibrated) {
   int below_one = 0, below_hundredth = 0;
   constexpr int kRuns = 200;
   for (std::uint64_t seed = 0; seed < kRuns; ++seed) {
     const auto problem = testing::make_problem({.pairs = 300, .outliers = 1, .noise = 0.001},
                                                RandomStream(seed, "calibration"));
     const auto result = register_correspondences(problem.correspondences);
-    below_one += result.expected_by_chance < 1;
-    below_hundredth += result.expected_by_chance < 0.01;
+    below_one += result.false_alarms < 1;
+    below_hundredth += result.false_alarms < 0.01;
   }
   EXPECT_GT(below_one, kRuns / 20);
   EXPECT_LT(below_one, kRuns * 63 / 100);  // 1 - 1/e

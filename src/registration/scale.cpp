@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "registration/scale.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <optional>
+
+#include "palpate/core/random.hpp"
+#include "registration/clock.hpp"
+
+namespace palpate::registration {
+namespace {
+
+constexpr double kBin = 0.02;   // of the logarithm of a ratio
+constexpr int kBins = 1200;     // ratios of e^-12 to e^12
+constexpr int kCandidates = 5;  // scales tried
+
+/// Votes of random pairs of pairs for the logarithm of target length over source length. Lengths
+/// below a few noise bounds tell nothing.
+std::vector<double> votes_of(const Correspondences& c, double noise_bound, RandomStream random) {
+  constexpr int kVotes = 200000;
+  constexpr double kLeastLength = 5;
+  std::vector<double> votes(kBins, 0);
+  for (int k = 0; k < kVotes; ++k) {
+    const std::size_t i = random.index(c.size()), j = random.index(c.size());
+    const double s = (c.source[i] - c.source[j]).norm(), t = (c.target[i] - c.target[j]).norm();
+    if (!(s > 0) || t < kLeastLength * noise_bound) continue;
+    const double bin = std::log(t / s) / kBin + kBins / 2.0;
+    if (bin >= 0 && bin < kBins) ++votes[static_cast<std::size_t>(bin)];
+  }
+  return votes;
+}
+
+/// The scales that stand out most from their surroundings.
+std::vector<double> candidates(const std::vector<double>& votes) {
+  constexpr int kAround = 10;
+  std::vector<std::pair<double, int>> peaks;
+  for (int bin = kAround; bin < kBins - kAround; ++bin) {
+    double around = 0;
+    for (int k = -kAround; k <= kAround; ++k) around += votes[static_cast<std::size_t>(bin + k)];
+    const double here = votes[static_cast<std::size_t>(bin)], mean = around / (2 * kAround + 1);
+    if (here > 0) peaks.emplace_back((here - mean) / std::sqrt(mean + 1), bin);
+  }
+  std::ranges::sort(peaks, std::greater<>());
+  std::vector<double> scales;
+  for (const auto& [height, bin] : peaks) {
+    if (static_cast<int>(scales.size()) == kCandidates) break;
+    scales.push_back(std::exp((bin + 0.5 - kBins / 2.0) * kBin));
+  }
+  return scales;
+}
+
+Correspondences scaled(Correspondences c, double scale) {
+  for (auto& p : c.source) p *= scale;
+  return c;
+}
+
+/// Scale that minimises the squared residuals of the inliers for their rotation.
+double fitted_scale(const Correspondences& c, const RegistrationResult& result) {
+  const Origins means = weighted_means(c, result.weights);
+  double product = 0, squares = 0;
+  for (const int i : result.inliers) {
+    const auto index = static_cast<std::size_t>(i);
+    const double w = result.weights[index];
+    const Eigen::Vector3d s = c.source[index] - means.source;
+    product += w * (c.target[index] - means.target).dot(result.T_target_source->linear() * s);
+    squares += w * s.squaredNorm();
+  }
+  return squares > 0 ? product / squares : 0;
+}
+
+/// The registration at a scale, scale and pose in turn.
+std::optional<RegistrationResult> registered_at(double scale, const Correspondences& c,
+                                                RegistrationOptions options) {
+  constexpr int kRounds = 4;
+  std::optional<RegistrationResult> result;
+  for (int round = 0; round < kRounds; ++round) {
+    RegistrationResult next = register_correspondences(scaled(c, scale), options);
+    if (result && next.inliers.size() < result->inliers.size()) break;
+    next.scale = scale;
+    result = std::move(next);
+    if (!result->T_target_source) break;
+    options.initial = result->T_target_source;
+    scale = fitted_scale(c, *result);
+    if (!(scale > 0)) break;
+  }
+  return result;
+}
+
+bool is_better(const RegistrationResult& a, const RegistrationResult& b) {
+  const bool has_a = a.T_target_source.has_value(), has_b = b.T_target_source.has_value();
+  return has_a != has_b ? has_a : a.inliers.size() > b.inliers.size();
+}
+
+}  // namespace
+
+RegistrationResult register_scaled(const Correspondences& correspondences,
+                                   const RegistrationOptions& options) {
+  const double start = now();
+  RegistrationOptions rigid = options;
+  rigid.estimate_scale = false;
+  RegistrationResult best;
+  best.weights.assign(correspondences.size(), 0);
+  best.status = RegistrationStatus::kDegenerate;
+  if (correspondences.size() < 4) return best;
+  best.status = RegistrationStatus::kNoConsensus;
+  const RandomStream random(options.seed, "scale");
+  for (const double scale : candidates(votes_of(correspondences, options.noise_bound, random))) {
+    // Each scale that is tried is another chance of a false alarm.
+    rigid.max_false_alarms = options.max_false_alarms / kCandidates;
+    auto result = registered_at(scale, correspondences, rigid);
+    if (result && is_better(*result, best)) best = std::move(*result);
+  }
+  best.false_alarms *= kCandidates;
+  best.seconds = now() - start;
+  return best;
+}
+
+}  // namespace palpate::registration
