@@ -9,6 +9,7 @@
 #include "palpate/core/file.hpp"
 #include "palpate/core/statistics.hpp"
 #include "palpate/evaluation/evaluation.hpp"
+#include "palpate/geometry/objects/generated_shape.hpp"
 #include "place_report.hpp"
 #include "progress_bar.hpp"
 #include "trial_records.hpp"
@@ -214,7 +215,7 @@ struct EvalOutput {
   }
 };
 
-int eval(const EvalArguments& arguments) {
+int eval(EvalArguments arguments) {
   if (arguments.resume && (arguments.common.out.empty() || arguments.common.force)) {
     throw BadInput("--resume needs the --out of an evaluation, and no --force");
   }
@@ -222,6 +223,7 @@ int eval(const EvalArguments& arguments) {
   if (arguments.resume && !std::filesystem::exists(records)) {
     throw BadInput(fmt::format("{}: there is no evaluation to go on with", records.string()));
   }
+  arguments.objects = geometry::expand_object_names(arguments.objects);
   auto options = resolve<evaluation::TrialOptions>(arguments.common);
   if (!arguments.place.empty()) options.place.target = place_text(arguments.place);
   std::vector<geometry::KnownObject> objects;
@@ -282,7 +284,9 @@ int eval(const EvalArguments& arguments) {
 void add_eval(CLI::App& program, Command& chosen) {
   auto arguments = std::make_shared<EvalArguments>();
   auto& command = *program.add_subcommand("eval", "Repeat the pick over seeds and report rates");
-  command.add_option("--object", arguments->objects, "built-in objects or mesh files")
+  command
+      .add_option("--object", arguments->objects,
+                  "built-in objects, mesh files, generated:SEED or generated:A-B")
       ->delimiter(',')
       ->capture_default_str();
   command.add_option("--trials", arguments->trials, "picks an object")
@@ -301,6 +305,7 @@ void add_eval(CLI::App& program, Command& chosen) {
       "with\n"
       "other settings is refused, unless --force begins anew.\n\nExamples:\n"
       "  palpate eval --object mug,box --trials 30 --threads 2 --seed 9000\n"
+      "  palpate eval --object generated:9000-9099 --trials 3 --seed 9000\n"
       "  palpate eval --object bunny --trials 10 --set attempts=1 --json\n"
       "  palpate eval --place random --trials 20 --seed 9000\n"
       "  palpate eval --object box --place stance --trials 10 --seed 9000");

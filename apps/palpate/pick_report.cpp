@@ -40,6 +40,7 @@ json estimate_json(const evaluation::Trial& trial) {
   return {{"status", localization::to_string(posterior.status)},
           {"T_world_object", to_json(posterior.modes[0].T_frame_object)},
           {"weight", posterior.modes[0].weight},
+          {"probability", localization::pose_probability(posterior.modes[0])},
           {"rotation_error_deg", kDegrees * judgement.error.rotation},
           {"translation_error_mm", 1e3 * judgement.error.translation},
           {"rotation_error_without_symmetry_deg", kDegrees * judgement.error_no_symmetry.rotation},

@@ -75,7 +75,7 @@ void count(const Trial& trial, ObjectSummary& summary, std::vector<double>& mode
   summary.pose_ok_before_probe += judgement.pose_ok_before_probe;
   summary.pose_ok_tracked += judgement.pose_ok_tracked;
   summary.probed += judgement.probes > 0;
-  summary.sure_but_wrong += !judgement.pose_ok && best.weight >= kSure;
+  summary.sure_but_wrong += !judgement.pose_ok && localization::pose_probability(best) > kSure;
   summary.truth_in_modes += judgement.truth_in_modes;
   summary.rotation_error_deg.push_back(kDegrees * judgement.error.rotation);
   summary.translation_error_mm.push_back(1e3 * judgement.error.translation);

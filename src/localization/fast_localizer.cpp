@@ -61,8 +61,9 @@ std::vector<Mode> settled_modes(const geometry::ObjectModel& model, const Eviden
   const EnergyMaker energy_at(model, evidence, search.contact_offset);
   const auto proposal = make_proposal(model, evidence, search);
   const auto symmetries = symmetry_quaternions(model.object().symmetries);
-  const auto basins = find_basins(*proposal, energy_at, symmetries,
-                                  {options.proposals, options.starts, search.first_scale}, random);
+  const auto basins = find_basins(
+      *proposal, energy_at, symmetries,
+      {options.proposals, options.starts, search.first_scale, half_turns(model.object())}, random);
   if (basins.empty()) return {};
   const auto modes = modes_of(basins, symmetries, static_cast<std::size_t>(search.modes));
   const Basin& best = basins.front();

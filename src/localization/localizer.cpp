@@ -59,6 +59,7 @@ class Sampler {
         proposal_(make_proposal(model, evidence, options)),
         moves_(model, evidence),
         symmetries_(symmetry_quaternions(model.object().symmetries)),
+        half_turns_(half_turns(model.object())),
         many_contacts_(many_contacts(evidence, options)) {}
 
   const PoseFamily::Symmetries& symmetries() const { return symmetries_; }
@@ -68,7 +69,8 @@ class Sampler {
     if (!many_contacts_) return {};
     auto found = find_basins(
         *proposal_, energy_at_, symmetries_,
-        {options_.proposals / kScreenedShare, options_.starts, options_.first_scale}, random);
+        {options_.proposals / kScreenedShare, options_.starts, options_.first_scale, half_turns_},
+        random);
     return closed(found) ? std::move(found) : std::vector<Basin>{};
   }
 
@@ -136,6 +138,7 @@ class Sampler {
   std::unique_ptr<Proposal> proposal_;
   Moves moves_;
   PoseFamily::Symmetries symmetries_;
+  std::vector<Eigen::Matrix3d> half_turns_;
   bool many_contacts_;
 };
 

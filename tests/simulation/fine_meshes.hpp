@@ -3,10 +3,25 @@
 
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "palpate/geometry/mesh/mesh.hpp"
 
 namespace palpate::simulation {
+
+/// Joins a pole, rings 1 to rings - 1 of `sectors` vertices, and the other pole.
+inline void add_ring_triangles(geometry::TriangleMesh& mesh, int rings, int sectors) {
+  const int last = static_cast<int>(mesh.vertices.size()) - 1;
+  const auto at = [&](int ring, int k) { return 1 + (ring - 1) * sectors + k % sectors; };
+  for (int k = 0; k < sectors; ++k) {
+    mesh.triangles.push_back({0, at(1, k), at(1, k + 1)});
+    for (int ring = 1; ring + 1 < rings; ++ring) {
+      mesh.triangles.push_back({at(ring, k), at(ring + 1, k), at(ring + 1, k + 1)});
+      mesh.triangles.push_back({at(ring, k), at(ring + 1, k + 1), at(ring, k + 1)});
+    }
+    mesh.triangles.push_back({at(rings - 1, k), last, at(rings - 1, k + 1)});
+  }
+}
 
 /// A ball of 40 mm with bumps of 2 mm, of about `triangles` triangles between its poles.
 inline geometry::TriangleMesh bumpy_ball(int triangles) {
@@ -24,16 +39,29 @@ inline geometry::TriangleMesh bumpy_ball(int triangles) {
     }
   }
   add(std::numbers::pi, 0);
-  const int last = static_cast<int>(mesh.vertices.size()) - 1;
-  const auto at = [&](int ring, int k) { return 1 + (ring - 1) * sectors + k % sectors; };
-  for (int k = 0; k < sectors; ++k) {
-    mesh.triangles.push_back({0, at(1, k), at(1, k + 1)});
-    for (int ring = 1; ring + 1 < rings; ++ring) {
-      mesh.triangles.push_back({at(ring, k), at(ring + 1, k), at(ring + 1, k + 1)});
-      mesh.triangles.push_back({at(ring, k), at(ring + 1, k + 1), at(ring, k + 1)});
+  add_ring_triangles(mesh, rings, sectors);
+  return mesh;
+}
+
+/// A banana: a tube of 17 mm radius that thins out to its ends, bent by `bend` rad over 170 mm.
+inline geometry::TriangleMesh bent_tube(double bend, int rings, int sectors) {
+  constexpr double kRadius = 0.017, kLength = 0.17;  // m
+  geometry::TriangleMesh mesh;
+  const auto add = [&](double along, double azimuth) {  // along: -1 to 1
+    const double radius = kRadius * std::sqrt(1 - std::pow(along, 4));
+    const double angle = bend * along / 2, arm = kLength / bend + radius * std::cos(azimuth);
+    mesh.vertices.emplace_back(arm * std::cos(angle), arm * std::sin(angle),
+                               radius * std::sin(azimuth));
+  };
+  add(-1, 0);
+  for (int ring = 1; ring < rings; ++ring) {
+    for (int k = 0; k < sectors; ++k) {
+      add(-std::cos(std::numbers::pi * ring / rings), 2 * std::numbers::pi * k / sectors);
     }
-    mesh.triangles.push_back({at(rings - 1, k), last, at(rings - 1, k + 1)});
   }
+  add(1, 0);
+  add_ring_triangles(mesh, rings, sectors);
+  for (auto& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
   return mesh;
 }
 

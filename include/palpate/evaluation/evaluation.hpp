@@ -45,7 +45,7 @@ struct ObjectSummary {
   std::size_t pose_ok_before_probe = 0;  ///< lifted, and so without what probing told
   std::size_t pose_ok_tracked = 0;       ///< lifted, and the pose followed from there right
   std::size_t probed = 0;                ///< lifted, and probed before
-  std::size_t sure_but_wrong = 0;        ///< lifted, the best pose wrong, its weight at least .9
+  std::size_t sure_but_wrong = 0;        ///< lifted, the best pose wrong, its probability above .9
   std::size_t truth_in_modes = 0;        ///< lifted, and the truth among the modes
   std::size_t false_hold = 0;            ///< reported as held, but not lifted
   double modes_median = 0;               ///< of the trials with a pose

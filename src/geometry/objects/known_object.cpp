@@ -11,6 +11,7 @@
 #include "palpate/core/error.hpp"
 #include "palpate/core/spelling.hpp"
 #include "palpate/geometry/io/mesh_io.hpp"
+#include "palpate/geometry/objects/generated_shape.hpp"
 #include "palpate/geometry/objects/shapes.hpp"
 #include "palpate/geometry/objects/stable_poses.hpp"
 #include "palpate/geometry/objects/symmetry.hpp"
@@ -41,9 +42,9 @@ BuiltIn built_in(const std::string& name) {
   const auto distance = [&](const std::string& other) { return spelling_distance(name, other); };
   const auto nearest = std::ranges::min_element(known, {}, distance);
   const bool similar = distance(*nearest) <= kLikelyMeant;
-  throw BadInput(fmt::format("'{}' is neither a mesh file nor a built-in object ({}){}", name,
-                             fmt::join(known, ", "),
-                             similar ? fmt::format("; did you mean '{}'?", *nearest) : ""));
+  throw BadInput(fmt::format(
+      "'{}' is neither a mesh file nor a built-in object ({}, generated:SEED){}", name,
+      fmt::join(known, ", "), similar ? fmt::format("; did you mean '{}'?", *nearest) : ""));
 }
 
 /// @throws BadInput, naming the object, if its mesh cannot be repaired
@@ -94,6 +95,9 @@ KnownObject make_known_object(const std::string& name, const TriangleMesh& mesh,
 }
 
 KnownObject load_known_object(const std::string& name_or_file) {
+  if (const auto seed = generated_seed(name_or_file)) {
+    return make_known_object(name_or_file, generated_shape(*seed), 0);
+  }
   const bool is_built_in = std::ranges::count(built_in_objects(), name_or_file) > 0;
   std::error_code unknown;  // of a name too long for a file, for one
   if (!is_built_in && !std::filesystem::exists(name_or_file, unknown)) refuse_name(name_or_file);

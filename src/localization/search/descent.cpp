@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "localization/search/descent.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -10,6 +11,7 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr PoseTolerance kSamePose{1.5 * kDegree, 0.002};  // two descents that ended together
+constexpr std::size_t kMostImaged = 4;                    // basins, the most probable
 
 /// The proposals of the least energy.
 std::vector<SearchPose> best_proposals(const Proposal& proposal, const Energy& energy,
@@ -58,7 +60,42 @@ std::vector<Basin> basins_of(std::vector<RefinedPose> refined,
   return basins;
 }
 
+const Basin* holding(const std::vector<Basin>& basins, const SearchPose& pose,
+                     const PoseFamily::Symmetries& symmetries) {
+  const auto found = std::find_if(basins.begin(), basins.end(), [&](const Basin& basin) {
+    return PoseFamily(basin.pose).contains(point_of(pose), symmetries, kSamePose);
+  });
+  return found == basins.end() ? nullptr : &*found;
+}
+
+/// Where the images of the most probable basins lead, as far as no other descent has ended there.
+std::vector<RefinedPose> image_ends(const std::vector<Basin>& basins, const EnergyLadder& ladder,
+                                    const PoseFamily::Symmetries& symmetries,
+                                    const std::vector<Eigen::Matrix3d>& near_symmetries) {
+  std::vector<RefinedPose> ends;
+  for (std::size_t i = 0; i < std::min(kMostImaged, basins.size()); ++i) {
+    for (const Eigen::Matrix3d& turn : near_symmetries) {
+      SearchPose image = basins[i].best.pose;
+      image.R = image.R * turn.cast<float>();
+      if (holding(basins, image, symmetries)) continue;
+      const RefinedPose end = refined(image, ladder);
+      if (!holding(basins, end.pose, symmetries)) ends.push_back(end);
+    }
+  }
+  return ends;
+}
+
 }  // namespace
+
+std::vector<Eigen::Matrix3d> half_turns(const geometry::KnownObject& object) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(object.mass_properties.inertia);
+  std::vector<Eigen::Matrix3d> turns;
+  for (int k = 0; k < 3; ++k) {
+    const Eigen::Vector3d axis = axes.eigenvectors().col(k);
+    turns.emplace_back(2 * axis * axis.transpose() - Eigen::Matrix3d::Identity());
+  }
+  return turns;
+}
 
 std::vector<Basin> find_basins(const Proposal& proposal,
                                const std::function<Energy(double)>& energy_at,
@@ -69,6 +106,9 @@ std::vector<Basin> find_basins(const Proposal& proposal,
   for (const SearchPose& start : best_proposals(proposal, ladder.front().second, options, random)) {
     ends.push_back(refined(start, ladder));
   }
+  const auto images =
+      image_ends(basins_of(ends, symmetries), ladder, symmetries, options.near_symmetries);
+  ends.insert(ends.end(), images.begin(), images.end());
   return basins_of(std::move(ends), symmetries);
 }
 

@@ -12,6 +12,7 @@
 #include "palpate/core/error.hpp"
 #include "palpate/simulation/world/convex_parts.hpp"
 #include "simulation/contact/exact_contact.hpp"
+#include "simulation/contact/table_contact.hpp"
 #include "simulation/hand/hand_joints.hpp"
 #include "simulation/hand/hand_spec.hpp"
 #include "simulation/world/mesh_geom.hpp"
@@ -23,20 +24,25 @@ constexpr int kContactDimensions = 4;  // normal, two of sliding, one of spinnin
 constexpr double kSpinFriction = 0.01;
 constexpr double kRollFriction = 0.0002;
 
+// Between table and object, m: spinning, and rolling. A round body comes to rest on a real table
+// because the table gives way a little in front of it.
+constexpr std::array<double, 2> kTableRest = {0.002, 0.0005};
+
 // Softer than the tightest spring the time step allows, so that a flat contact does not chatter.
 constexpr double kContactTime = 0.007;  // s
 constexpr std::array<double, 5> kObjectImpedance = {0.9, 0.95, 0.001, 0.5, 2};
 
 // Who meets whom: type of one and affinity of the other must share a bit. Fingertips meet the
-// object's true surface, the table its convex hull, all else its convex parts.
+// object's true surface, all else its convex parts. With the table it makes a pair of its own.
 struct ContactBits {
   int type, affinity;
 };
 constexpr ContactBits kSolidBits = {1, 7};
-constexpr ContactBits kTableBits = {1, 13};
+constexpr ContactBits kTableBits = {1, 5};  // of a table that meets the hull
 constexpr ContactBits kPartBits = {2, 2};
 constexpr ContactBits kTipBits = {4, 12};
 constexpr ContactBits kSurfaceBits = {8, 0};
+constexpr ContactBits kNoBits = {0, 0};
 
 void set_bits(mjsGeom& geom, ContactBits bits) {
   geom.contype = bits.type;
@@ -92,11 +98,11 @@ void set_solver(mjSpec& spec, const WorldOptions& options) {
   spec.option.cone = mjCONE_ELLIPTIC;  // with pyramids objects slip out of the hand
   spec.option.impratio = 10;
   spec.option.noslip_iterations = 5;
-  spec.nuser_geom = kExactContactUserData;
+  spec.nuser_geom = kHullContactUserData + 1;
   spec.option.disableflags |= mjDSBL_AUTORESET;  // a diverged world must stay visible
 }
 
-/// @param exact  it meets the hull of the object's true surface: a plane touches nothing else of it
+/// @param exact  it meets the hull of the object's mesh (add_resting_geom) instead of the parts
 void add_table(mjSpec& spec, double friction, bool exact) {
   mjsGeom* table = mjs_addGeom(mjs_findBody(&spec, "world"), nullptr);
   mjs_setName(table->element, "table");
@@ -202,6 +208,26 @@ mjsBody& add_object_body(mjSpec& spec, const geometry::KnownObject& object) {
   return *body;
 }
 
+std::string resting_geom(int share) { return fmt::format("rest_{}", share); }
+
+/// What the table touches: nothing but the hull of the object's mesh.
+void add_resting_geom(mjSpec& spec, mjsBody& body, int share, double friction) {
+  mjsGeom* geom = mjs_addGeom(&body, mjs_getSpecDefault(&spec));
+  mjs_setName(geom->element, resting_geom(share).c_str());
+  mjs_setString(geom->meshname, kSurface);
+  geom->type = mjGEOM_MESH;
+  set_bits(*geom, kNoBits);
+  mjsPair* pair = mjs_addPair(&spec, nullptr);
+  mjs_setString(pair->geomname1, "table");
+  mjs_setString(pair->geomname2, resting_geom(share).c_str());
+  pair->condim = 6;
+  pair->solref[0] = kContactTime;
+  std::copy(kObjectImpedance.begin(), kObjectImpedance.end(), pair->solimp);
+  const auto [spin, roll] = kTableRest;
+  const std::array<double, 5> frictions = {friction, friction, spin, roll, roll};
+  std::copy(frictions.begin(), frictions.end(), pair->friction);
+}
+
 void add_object(mjSpec& spec, const geometry::KnownObject& object, const WorldOptions& options) {
   mjsBody& body = add_object_body(spec, object);
   int number = 0;
@@ -214,6 +240,9 @@ void add_object(mjSpec& spec, const geometry::KnownObject& object, const WorldOp
   mjsGeom& surface = add_solid(spec, body, kSurface, object.mesh);
   set_friction(surface, options.hand_friction);
   set_bits(surface, kSurfaceBits);
+  for (int share = 0; share < kRestingGeoms; ++share) {
+    add_resting_geom(spec, body, share, options.table_friction);
+  }
 }
 
 void locate(Scene& scene) {
@@ -241,6 +270,14 @@ void locate(Scene& scene) {
   scene.object_position = m.jnt_qposadr[m.body_jntadr[scene.object]];
 }
 
+std::array<int, kRestingGeoms> resting_geoms(const mjModel& model) {
+  std::array<int, kRestingGeoms> geoms{};
+  for (int share = 0; share < kRestingGeoms; ++share) {
+    geoms[static_cast<std::size_t>(share)] = find_id(model, mjOBJ_GEOM, resting_geom(share));
+  }
+  return geoms;
+}
+
 }  // namespace
 
 bool Scene::stands_fast(int geom) const {
@@ -260,7 +297,9 @@ Scene compose_scene(const geometry::KnownObject& object, const geometry::Capsule
   Scene scene{.model = compile(*spec)};
   locate(scene);
   if (options.exact_tips) {
-    use_exact_surface(*scene.model, find_id(*scene.model, mjOBJ_GEOM, kSurface), surface);
+    const int geom = find_id(*scene.model, mjOBJ_GEOM, kSurface);
+    use_exact_surface(*scene.model, geom, surface);
+    use_hull_vertices(*scene.model, resting_geoms(*scene.model));
   }
   return scene;
 }

@@ -29,7 +29,8 @@ struct KnownObject {
   std::vector<std::string> repairs;         ///< what was done to the file's mesh, in words
 };
 
-/// A built-in object (mug, bottle, box, bracket, bunny) by name, or a mesh file in metres.
+/// A built-in object (mug, bottle, box, bracket, bunny), `generated:SEED`, or a mesh file in
+/// metres.
 ///
 /// @throws BadInput for an unknown name, or a mesh that cannot be read, repaired, or that is
 /// smaller
