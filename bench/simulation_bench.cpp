@@ -43,7 +43,7 @@ void step_in_grasp(benchmark::State& state) {
   simulation::World world(geometry::load_known_object("bunny"), options, 1);
   const grasping::ClosingLaw closing(world.hand().actuators(), 3.0, 0.718);
   hand::HandCommand command = above();
-  world.reset({.stance = 0, .yaw = 3.0}, command);
+  world.reset({.stable_pose = 0, .yaw = 3.0}, command);
   hand::HandReading reading;
   const auto tick = [&] {
     closing.advance(command, reading, {}, {true, true, true, true, true});

@@ -27,7 +27,7 @@ constexpr double kDegrees = 180 / std::numbers::pi;
 /// What became of the same pick, located twice.
 struct Outcome {
   bool lifted = false;
-  evaluation::Judgement solver, biotac;
+  evaluation::TrialMetrics solver, biotac;
 };
 
 /// Errors of lasting contacts against the object's true surface.
@@ -51,16 +51,16 @@ Inverse inverse_of(const Options& options) {
 }
 
 /// Whether the estimate may look at a reading: it lies within the longest window before a moment.
-bool is_used(const estimation::TouchLog& log, std::size_t reading) {
+bool is_used(const estimation::EventLog& log, std::size_t reading) {
   const auto window =
-      static_cast<std::size_t>(estimation::LocateOptions{}.window / hand::kTick) + 1;
+      static_cast<std::size_t>(estimation::EstimationOptions{}.window / hand::kTick) + 1;
   return std::any_of(log.moments.begin(), log.moments.end(), [&](const auto& moment) {
     return reading <= moment.reading && moment.reading < reading + window;
   });
 }
 
 /// The log with its contacts replaced by those that the channels tell of.
-estimation::TouchLog inferred(estimation::TouchLog log, const hand::HandModel& hand,
+estimation::EventLog inferred(estimation::EventLog log, const hand::HandModel& hand,
                               const Inverse& inverse) {
   tactile::BiotacFingers fingers(hand, inverse);
   for (std::size_t i = 0; i < log.readings.size(); ++i) {
@@ -75,7 +75,7 @@ estimation::TouchLog inferred(estimation::TouchLog log, const hand::HandModel& h
   return log;
 }
 
-void add_errors(const estimation::PoseEstimate& estimate, const geometry::MeshQuery& mesh,
+void add_errors(const estimation::HeldPoseEstimate& estimate, const geometry::MeshQuery& mesh,
                 const Eigen::Isometry3d& T_world_object, ContactErrors& errors) {
   for (const auto& contact : estimate.contacts) {
     const auto closest = mesh.closest_point(T_world_object.inverse() * contact.p);
@@ -95,14 +95,14 @@ Result pick_and_locate_twice(const geometry::ObjectModel& object, const Inverse&
   simulation::World world(object.object(), options.world, seed);
   world.reset(evaluation::draw_start(object.object(), options.start, seed),
               evaluation::waiting_command());
-  evaluation::Judge judge(world);
-  skills::Robot robot(
-      world.hand(), world.hand_model(), evaluation::waiting_command(),
-      {[&](const auto& reading, const auto&) { judge.observe(reading); }, [](estimation::Mark) {}});
+  evaluation::Evaluator evaluator(world);
+  skills::Executor robot(world.hand(), world.hand_model(), evaluation::waiting_command(),
+                         {[&](const auto& reading, const auto&) { evaluator.observe(reading); },
+                          [](estimation::TouchEvent) {}});
   const auto picked = skills::pick(robot, object, options.pick, seed);
   const auto& symmetries = object.object().symmetries;
   Result result;
-  result.outcome.solver = judge.verdict(picked, robot.log(), options.pick.lift, symmetries);
+  result.outcome.solver = evaluator.verdict(picked, robot.log(), options.pick.lift, symmetries);
   result.outcome.lifted = result.outcome.solver.lifted;
   if (!result.outcome.lifted) return result;
   options.touch.source = "biotac";
@@ -110,7 +110,7 @@ Result pick_and_locate_twice(const geometry::ObjectModel& object, const Inverse&
   again.estimate =
       estimation::locate(object, robot.model(), inferred(robot.log(), robot.model(), inverse),
                          options.pick_options().locate, seed);
-  result.outcome.biotac = judge.verdict(again, robot.log(), options.pick.lift, symmetries);
+  result.outcome.biotac = evaluator.verdict(again, robot.log(), options.pick.lift, symmetries);
   const geometry::MeshQuery mesh(object.object().mesh);
   const auto T_world_object = world.truth().T_world_object;
   add_errors(picked.estimate, mesh, T_world_object, result.solver);
@@ -122,10 +122,10 @@ Result pick_and_locate_twice(const geometry::ObjectModel& object, const Inverse&
 struct Tally {
   std::size_t lifted = 0, ok = 0, in_modes = 0;
 
-  void add(const evaluation::Judgement& judgement) {
+  void add(const evaluation::TrialMetrics& metrics) {
     ++lifted;
-    ok += judgement.pose_ok;
-    in_modes += judgement.truth_in_modes;
+    ok += metrics.pose_ok;
+    in_modes += metrics.truth_in_modes;
   }
   void add(const Tally& other) {
     lifted += other.lifted;

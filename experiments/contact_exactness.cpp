@@ -107,13 +107,13 @@ Tally grasp_object(const std::string& name, int grasps, std::uint64_t seed) {
       [&](const simulation::ObjectStep& step) { judge(mesh, step, options.time_step, tally); });
   for (int i = 0; i < grasps; ++i) {
     RandomStream random = RandomStream(seed, "grasp").fork(name, static_cast<std::uint64_t>(i));
-    simulation::BlindGrasp grasp;
+    simulation::OpenLoopGrasp grasp;
     grasp.start.yaw = random.uniform(-std::numbers::pi, std::numbers::pi);
     grasp.start.xy << random.uniform(-0.005, 0.005), random.uniform(-0.005, 0.005);
-    const double top = 2 * object.stances.front().height;
+    const double top = 2 * object.stable_poses.front().height;
     grasp.side = top > kTall || (top > kLow && i % 2 == 1);
     if (!grasp.side) grasp.height = 0.5 * top + 0.015;
-    tally.lifted += simulation::run_blind_grasp(world, grasp);
+    tally.lifted += simulation::run_open_loop_grasp(world, grasp);
     ++tally.grasps;
   }
   return tally;

@@ -32,7 +32,7 @@ constexpr double kGravity = 9.81;       // m/s^2
 constexpr double kDegrees = 180 / std::numbers::pi;
 
 /// The true resting pose with the error that feeling leaves: as if explored, in no time.
-localization::Posterior told_pose(const Eigen::Isometry3d& truth, std::uint64_t seed) {
+localization::Posterior reported_pose(const Eigen::Isometry3d& truth, std::uint64_t seed) {
   RandomStream random(seed, "told pose");
   const auto draw = [&](double sigma) {
     return Eigen::Vector3d(sigma * random.normal(), sigma * random.normal(),
@@ -69,11 +69,11 @@ Grasp grasp_and_lift(const geometry::ObjectModel& model, std::uint64_t seed) {
   HandScene scene(model.object(), seed);
   PickState state;
   scene.robot().wait(hand::kTick);
-  state.resting = told_pose(scene.in_world(scene.now()), seed);
+  state.resting = reported_pose(scene.in_world(scene.now()), seed);
   GraspPhase grasp(options.grasp, model);
   Grasp result;
   result.outcome = run_phase(grasp, scene.robot(), state).outcome;
-  const std::size_t closed = *scene.robot().log().at(Mark::closed), pressed = scene.now();
+  const std::size_t closed = *scene.robot().log().at(TouchEvent::closed), pressed = scene.now();
   result.closed = touching_fingers(scene.robot().log().readings[closed]);
   result.pressing = between(scene.in_hand(closed), scene.in_hand(pressed));
   LiftPhase lift(options.lift, model.object().mass * kGravity);

@@ -23,7 +23,7 @@ constexpr int kPostures = 200;
 
 /// Fingers closed each to its own share from the open hand of a grasp.
 hand::JointVector random_grasp(RandomStream& random) {
-  hand::ActuatorVector posture = skills::open_posture(skills::top_recipe());
+  hand::ActuatorVector posture = skills::open_posture(skills::top_preshape());
   for (int i = 0; i < hand::kActuators; ++i) {
     if (hand::finger_of_actuator(i) < 0) continue;
     const auto name = hand::kActuatorNames[static_cast<std::size_t>(i)];
@@ -69,7 +69,7 @@ struct Sums {
 void calibrate(const geometry::KnownObject& object, int touches, std::uint64_t seed, Sums& sums) {
   simulation::World world(object, {}, seed);
   world.reset(evaluation::draw_start(object, {}, seed), evaluation::waiting_command());
-  skills::Robot robot(world.hand(), world.hand_model(), evaluation::waiting_command());
+  skills::Executor robot(world.hand(), world.hand_model(), evaluation::waiting_command());
   const auto real = simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
   sums.before += std::pow(tip_error(robot.model(), real), 2);
   skills::CalibrateOptions options;

@@ -84,12 +84,12 @@ Tally grasp_object(const std::string& name, int grasps, std::uint64_t seed) {
   });
   for (int i = 0; i < grasps; ++i) {
     RandomStream random = RandomStream(seed, "grasp").fork(name, static_cast<std::uint64_t>(i));
-    simulation::BlindGrasp grasp;
+    simulation::OpenLoopGrasp grasp;
     grasp.start.yaw = random.uniform(-std::numbers::pi, std::numbers::pi);
-    const double middle = object.stances.front().height;
+    const double middle = object.stable_poses.front().height;
     grasp.side = 2 * middle > kTall;
     if (!grasp.side) grasp.height = middle + 0.015;
-    tally.lifted += simulation::run_blind_grasp(world, grasp);
+    tally.lifted += simulation::run_open_loop_grasp(world, grasp);
   }
   return tally;
 }

@@ -36,25 +36,25 @@ struct Subject {
 };
 
 /// From above or the side towards a place over the table.
-Probe probe_at(const Eigen::Vector3d& aim, RandomStream& random) {
+TouchAction probe_at(const Eigen::Vector3d& aim, RandomStream& random) {
   Eigen::Vector3d direction = random.unit_vector();
   direction.z() = -std::abs(direction.z());
-  Probe probe{aim - kWayIn * direction, direction, kReach, 1};
+  TouchAction probe{aim - kWayIn * direction, direction, kReach, 1};
   if (direction.z() < -1e-3) {
     probe.reach = std::min(kReach, (kTip - probe.start.z()) / direction.z());
   }
   return probe;
 }
 
-Probe random_probe(RandomStream& random) {
+TouchAction random_probe(RandomStream& random) {
   const double x = random.uniform(-0.05, 0.05), y = random.uniform(-0.05, 0.05);
   return probe_at({x, y, random.uniform(0.012, 0.13)}, random);
 }
 
 /// Half anywhere over the place, half at the surface of poses that are possible.
-std::vector<Probe> candidates(const Subject& subject, const Posterior& posterior,
-                              RandomStream& random) {
-  std::vector<Probe> probes;
+std::vector<TouchAction> candidates(const Subject& subject, const Posterior& posterior,
+                                    RandomStream& random) {
+  std::vector<TouchAction> probes;
   const auto poses = draw_poses(posterior, static_cast<int>(kCandidates / 2), random);
   const auto& surface = subject.model.surface();
   for (const auto& T : poses) {
@@ -65,7 +65,7 @@ std::vector<Probe> candidates(const Subject& subject, const Posterior& posterior
 }
 
 /// Adds what the true object gives: the free way, and the contact with a sensor's noise.
-void touch(const Subject& subject, const Eigen::Isometry3d& truth, const Probe& probe,
+void touch(const Subject& subject, const Eigen::Isometry3d& truth, const TouchAction& probe,
            Evidence& evidence, RandomStream& random) {
   const PredictedTouch end = predict_touch(subject.model, truth, probe, kTip);
   const double way = end.hit ? end.distance : probe.reach;
@@ -107,12 +107,12 @@ Trial run_trial(const Subject& subject, bool chosen, int most, RandomStream rand
   Trial trial;
   int certain_since = 0;
   for (int i = 1; i <= most; ++i) {
-    Probe probe = random_probe(random);
+    TouchAction probe = random_probe(random);
     if (chosen && !posterior.modes.empty()) {
       const auto probes = candidates(subject, posterior, random);
       const auto start = std::chrono::steady_clock::now();
       probe =
-          probes[choose_probe(subject.model, posterior, probes, random.fork("choice", i)).index];
+          probes[choose_touch(subject.model, posterior, probes, random.fork("choice", i)).index];
       const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
       trial.decision_seconds.push_back(elapsed.count());
     }

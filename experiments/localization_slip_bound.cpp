@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How often a pose can be known .2 s after a slip at all: by an observer that knows everything but
+// How often a pose can be known 0.2 s after a slip at all: by an observer that knows everything but
 // the slip and the noise.
 #include <fmt/format.h>
 

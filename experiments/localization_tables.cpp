@@ -119,7 +119,7 @@ struct Subject {
 
 geometry::KnownObject scaled(geometry::KnownObject object, double scale) {
   for (auto& vertex : object.mesh.vertices) vertex *= scale;
-  for (auto& stance : object.stances) stance.height *= scale;
+  for (auto& stable_pose : object.stable_poses) stable_pose.height *= scale;
   return object;
 }
 

@@ -101,21 +101,22 @@ Error Watch::error_at(std::size_t tick, const PlaceResult& place, bool at_target
 
 Outcome Watch::run(const geometry::ObjectModel& model) {
   world_.reset(draw_start(object_, options_.start, seed_), waiting_command());
-  std::map<Mark, std::size_t> marks;
+  std::map<TouchEvent, std::size_t> marks;
   std::map<std::string, std::size_t, std::less<>> begins, ends;
   const simulation::SimulatedModels models;
-  Robot robot(world_.hand(), world_.hand_model(), waiting_command(),
-              {[&](const hand::HandReading& reading, const auto&) {
-                 const auto truth = world_.truth();
-                 ticks_.push_back({reading.base.pose(), truth.T_world_object, truth.lowest_point});
-               },
-               [&](Mark mark) { marks[mark] = ticks_.size() - 1; }},
-              &models);
+  Executor robot(
+      world_.hand(), world_.hand_model(), waiting_command(),
+      {[&](const hand::HandReading& reading, const auto&) {
+         const auto truth = world_.truth();
+         ticks_.push_back({reading.base.pose(), truth.T_world_object, truth.lowest_point});
+       },
+       [&](TouchEvent mark) { marks[mark] = ticks_.size() - 1; }},
+      &models);
   PhaseObserver observer{
       [&](std::string_view phase, double) { begins[std::string(phase)] = ticks_.size() - 1; },
       [&](const PhaseReport& report, double) { ends[report.name] = ticks_.size() - 1; }};
   const auto target = *place_target(object_, options_.place, seed_, 0);
-  const PlaceCourse course =
+  const PickAndPlaceResult course =
       pick_and_place(robot, model, target, {}, options_.pick, options_.place, seed_, observer);
   Outcome outcome;
   outcome.end = course.place ? std::string(to_string(course.place->status)) : "not held";
@@ -124,13 +125,13 @@ Outcome Watch::run(const geometry::ObjectModel& model) {
   if (!place.goal || !place.T_world_placed) return outcome;
   std::size_t touch = begins["place"];
   while (touch < ends["place"] && ticks_[touch].lowest > kTouches) ++touch;
-  const std::size_t placed = marks[Mark::placed];
+  const std::size_t placed = marks[TouchEvent::placed];
   const auto later = [&](double seconds) {
     return placed + static_cast<std::size_t>(std::lround(seconds / hand::kTick));
   };
-  const std::array<std::size_t, kMoments> moments = {marks[Mark::closed],
+  const std::array<std::size_t, kMoments> moments = {marks[TouchEvent::closed],
                                                      begins["lift"],
-                                                     marks[Mark::held],
+                                                     marks[TouchEvent::held],
                                                      ends["transport"],
                                                      touch,
                                                      placed,

@@ -84,8 +84,8 @@ simulation::CollisionScene scene_with(const std::string& name, RandomStream rand
   simulation::CollisionScene scene(object);
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
   T.rotate(Eigen::AngleAxisd(random.uniform(-3.14, 3.14), Eigen::Vector3d::UnitZ()));
-  T.rotate(object.stances.front().R_table_object);
-  T.translation().z() = object.stances.front().height;
+  T.rotate(object.stable_poses.front().R_table_object);
+  T.translation().z() = object.stable_poses.front().height;
   scene.place(T);
   return scene;
 }

@@ -45,13 +45,13 @@ Exploring explore(Scene& scene, PickState& state, const geometry::ObjectModel& m
                   std::size_t touches, std::uint64_t seed) {
   const PickOptions defaults;
   ExploreOptions options = defaults.explore;
-  options.touches = options.most_touches = static_cast<int>(touches);  // as pick --explore does
+  options.touches = options.max_touches = static_cast<int>(touches);  // as pick --explore does
   const std::size_t first = scene.now();
   ExplorePhase phase(model, options, defaults.locate, seed);
   run_phase(phase, scene.robot(), state);
   Exploring result;
   result.motion = between(scene.in_world(first), scene.in_world(scene.now()));
-  for (const std::size_t touch : scene.robot().log().all(Mark::touched)) {
+  for (const std::size_t touch : scene.robot().log().all(TouchEvent::touched)) {
     result.contacts +=
         touch > first && static_cast<double>(touch - first) * hand::kTick < kExploreSeconds;
   }
@@ -65,14 +65,14 @@ struct Probing {
   bool kept = false;            // and lifted
 };
 
-std::vector<tactile::Contact> contacts_at(const Robot& robot, std::size_t reading) {
+std::vector<tactile::Contact> contacts_at(const Executor& robot, std::size_t reading) {
   const std::span<const hand::HandReading> readings(robot.log().readings);
   return tactile::lasting_contacts(readings.subspan(reading + 1 - kWindow, kWindow), robot.model(),
                                    {});
 }
 
 /// The finger whose tip is farthest from where it was.
-std::size_t moved_finger(const Robot& robot, std::size_t before, std::size_t after) {
+std::size_t moved_finger(const Executor& robot, std::size_t before, std::size_t after) {
   const auto& readings = robot.log().readings;
   const auto T_before = hand::forward_kinematics(robot.model(), readings[before].joints);
   const auto T_after = hand::forward_kinematics(robot.model(), readings[after].joints);
@@ -90,7 +90,7 @@ std::size_t moved_finger(const Robot& robot, std::size_t before, std::size_t aft
 }
 
 /// For each finger that probed, how many places it found that are away from all that it had before.
-std::vector<double> new_contacts(const Robot& robot, const std::vector<std::size_t>& closed,
+std::vector<double> new_contacts(const Executor& robot, const std::vector<std::size_t>& closed,
                                  const std::vector<std::size_t>& probes) {
   std::array<std::vector<Eigen::Vector3d>, hand::kFingers> known;
   for (const auto& contact : contacts_at(robot, closed.front())) {
@@ -130,17 +130,17 @@ std::optional<Probing> probe(Scene& scene, PickState& state, const geometry::Obj
   options.probe.most = most;
   options.probe.regrasps = 0;
   options.probe.certain = 1;
-  options.probe.worth = 0;
+  options.probe.min_gain_rate = 0;
   GraspPhase grasp(options.grasp, model);
-  LocatePhase locate_closed(model, options.locate, seed, Mark::closed);
+  PosePhase locate_closed(model, options.locate, seed, TouchEvent::closed);
   if (run_phase(grasp, scene.robot(), state).status != PhaseStatus::ok) return std::nullopt;
   if (run_phase(locate_closed, scene.robot(), state).status != PhaseStatus::ok) return std::nullopt;
   const double weight = model.object().mass * kGravity;
   const std::size_t first = scene.now();
-  ProbePhase phase(model, options.probe, options.locate, options.grasp, seed);
+  PalpationPhase phase(model, options.probe, options.locate, options.grasp, seed);
   run_phase(phase, scene.robot(), state);
-  const auto closed = scene.robot().log().all(Mark::closed);  // also after each touch
-  const auto probes = scene.robot().log().all(Mark::probed);
+  const auto closed = scene.robot().log().all(TouchEvent::closed);  // also after each touch
+  const auto probes = scene.robot().log().all(TouchEvent::probed);
   Probing result;
   result.motion = between(scene.in_hand(first), scene.in_hand(scene.now()));
   for (std::size_t i = 0; i < probes.size(); ++i) {
@@ -206,7 +206,7 @@ void run(const experiment::Options& options) {
       const std::uint64_t seed = options.seed + static_cast<std::uint64_t>(i);
       Scene scene(model.object(), seed);
       PickState state;
-      FeelPhase feel{FeelOptions{}};
+      HeightProbePhase feel{HeightProbeOptions{}};
       if (run_phase(feel, scene.robot(), state).status != PhaseStatus::ok) continue;
       tally.add(explore(scene, state, model, touches, seed));
       if (const auto run = probe(scene, state, model, probes, seed)) tally.add(*run);

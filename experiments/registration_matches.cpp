@@ -135,7 +135,7 @@ std::optional<Sweep> recorded_sweep(const experiment::Options& options,
   const auto file = options.out.parent_path() / "touch_bunny" / "contacts.csv";
   if (!std::filesystem::exists(file)) return std::nullopt;
   constexpr std::size_t kEvery = 10;  // neighbouring ticks touch the same place
-  const Eigen::Vector3d shift(0, 0, object.stances[0].height);
+  const Eigen::Vector3d shift(0, 0, object.stable_poses[0].height);
   PointCloud contacts;
   for (const auto& log : tactile::read_contact_log(file)) {
     for (std::size_t i = 0; i < log.frames.size(); i += kEvery) {

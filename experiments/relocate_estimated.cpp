@@ -49,7 +49,7 @@ std::vector<std::string> felt_row(const Subject& subject, const std::string& nam
   for (const auto& episode : felt) episodes.push_back(episode.episode);
   auto cells = row(subject, name, episodes);
   cells.push_back(fmt::format("{:.1f}", median_mm(felt, &FeltEpisode::resting_error)));
-  cells.push_back(fmt::format("{:.1f}", median_mm(felt, &FeltEpisode::told_error)));
+  cells.push_back(fmt::format("{:.1f}", median_mm(felt, &FeltEpisode::reported_error)));
   cells.push_back(fmt::format("{}", std::ranges::count_if(felt, &FeltEpisode::explored)));
   cells.push_back(felt.front().estimates == 0
                       ? ""
@@ -57,7 +57,7 @@ std::vector<std::string> felt_row(const Subject& subject, const std::string& nam
   return cells;
 }
 
-void relocate(const experiment::Options& options) {
+void relocate_estimated(const experiment::Options& options) {
   const std::vector<Subject> subjects = {{"mug", "relocate-near"}, {"box", "relocate-box"}};
   const std::vector<Case> cases = {{"explored, then felt in the grasp"},
                                    {"explored, then carried by the palm", true, false},
@@ -93,5 +93,6 @@ void relocate(const experiment::Options& options) {
 
 int main(int argc, char** argv) {
   return experiment::run(argc, argv, "relocate_estimated",
-                         "The relocation policy told the object's place as touch has it", relocate);
+                         "The relocation policy told the object's place as touch has it",
+                         relocate_estimated);
 }

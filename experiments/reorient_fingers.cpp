@@ -42,7 +42,7 @@ Outcome run_one(const geometry::ObjectModel& object, std::uint64_t seed) {
   simulation::World world(object.object(), trial.world, seed);
   world.reset(draw_start(object.object(), trial.start, seed), waiting_command());
   const simulation::SimulatedModels models;
-  Robot robot(world.hand(), world.hand_model(), waiting_command(), {}, &models);
+  Executor robot(world.hand(), world.hand_model(), waiting_command(), {}, &models);
   const PickResult picked = pick(robot, object, trial.pick, seed);
   const auto& modes = picked.estimate.posterior.modes;
   Outcome outcome;
@@ -53,7 +53,7 @@ Outcome run_one(const geometry::ObjectModel& object, std::uint64_t seed) {
   Eigen::Isometry3d goal = modes.front().T_frame_object;
   goal.linear() = turn * goal.linear();
   const Eigen::Isometry3d before = world.truth().T_world_object;
-  outcome.result = reorient_by_fingers(robot, object, picked.estimate.posterior, goal, {}, seed);
+  outcome.result = reorient_in_hand(robot, object, picked.estimate.posterior, goal, {}, seed);
   robot.wait(1.0);
   const Eigen::Isometry3d after = world.truth().T_world_object;
   Eigen::Isometry3d wanted = before;

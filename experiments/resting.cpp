@@ -22,7 +22,7 @@ constexpr double kSettling = 1;  // s
 constexpr double kResting = 59;  // s, after it
 constexpr double kStillDeg = 0.1, kStillMm = 0.1;
 constexpr std::uint64_t kGenerated = 100;
-constexpr std::size_t kMostPoses = 24;
+constexpr std::size_t kMaxPoses = 24;
 constexpr double kQuickTime = 1;  // s
 constexpr double kHighAbove = 1;  // m, of the hand, which does not take part
 constexpr double kDegrees = 180 / std::numbers::pi;
@@ -38,10 +38,10 @@ Rest rest(const geometry::KnownObject& object, int pose, double seconds) {
   simulation::World world(object, options, 1);
   hand::HandCommand away;
   away.base.xyz.z() = kHighAbove;
-  world.reset({.stance = pose, .yaw = 0.7}, away);
+  world.reset({.stable_pose = pose, .yaw = 0.7}, away);
   const auto now = [&] { return world.truth().T_world_object; };
   Eigen::Isometry3d start = now();
-  start.translation().z() = object.stances[static_cast<std::size_t>(pose)].height;
+  start.translation().z() = object.stable_poses[static_cast<std::size_t>(pose)].height;
   const auto distance_mm = [](const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
     return 1e3 * (a.translation() - b.translation()).norm();
   };
@@ -82,7 +82,7 @@ void rests(const Options& options) {
   std::size_t resting = 0, all = 0;
   for (const std::string& name : object_names(options)) {
     const auto object = geometry::load_known_object(name);
-    const std::size_t poses = std::min(object.stances.size(), options.quick ? 1 : kMostPoses);
+    const std::size_t poses = std::min(object.stable_poses.size(), options.quick ? 1 : kMaxPoses);
     std::vector<Rest> rests(poses);
     parallel_for(poses, options.threads, [&](std::size_t i) {
       rests[i] = rest(object, static_cast<int>(i), options.quick ? kQuickTime : kResting);

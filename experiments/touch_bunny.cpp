@@ -24,7 +24,7 @@ using namespace palpate::experiment;
 constexpr double kPi = std::numbers::pi;
 constexpr double kSeconds = 30;     // of each way
 constexpr double kSmoothing = 25;   // ticks, over which the way is smoothed
-constexpr double kSweep = 6;        // s, to and fro
+constexpr double kGuardedMove = 6;  // s, to and fro
 constexpr double kTouched = 0.006;  // m, from a touch: that much of the surface it has felt
 constexpr double kAbove = 0.0015;   // m, of a tip that is not meant to touch yet
 
@@ -58,7 +58,7 @@ TipPath way_over(const geometry::MeshQuery& mesh, const Eigen::Isometry3d& T_wor
     const double t = i * hand::kTick;
     const double polar = band.high + (band.low - band.high) * t / seconds;
     const double azimuth =
-        azimuth_of(finger) + 1.2 * kPi / hand::kFingers * std::sin(2 * kPi * t / kSweep);
+        azimuth_of(finger) + 1.2 * kPi / hand::kFingers * std::sin(2 * kPi * t / kGuardedMove);
     const Eigen::Vector3d out(std::sin(polar) * std::cos(azimuth),
                               std::sin(polar) * std::sin(azimuth), std::cos(polar));
     const auto hit = mesh.raycast(T_world_object.linear().transpose() * (reach * out),
@@ -198,7 +198,7 @@ void experiment_bunny(const Options& options) {
   const auto object = fixed_object("bunny", geometry::load_known_object("bunny").mesh);
   const geometry::MeshQuery mesh(object.mesh);
   Eigen::Isometry3d T_world_object = Eigen::Isometry3d::Identity();
-  T_world_object.translation().z() = object.stances[0].height;
+  T_world_object.translation().z() = object.stable_poses[0].height;
   const PointingFinger first = straight_finger(hand::Finger::first);
   Reach reach(object, T_world_object, first.hand());
   Table table(

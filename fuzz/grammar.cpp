@@ -12,8 +12,8 @@
 namespace palpate::fuzz {
 namespace {
 
-constexpr int kMostDepth = 60;
-constexpr std::size_t kMostSize = 1 << 17;
+constexpr int kMaxDepth = 60;
+constexpr std::size_t kMaxSize = 1 << 17;
 
 constexpr std::array<std::string_view, 22> kIntegers = {"-1",
                                                         "127",
@@ -116,7 +116,7 @@ bool Grammar::expand_built_in(std::string_view name, RandomStream& random, std::
 
 void Grammar::expand(std::string_view text, int depth, RandomStream& random,
                      std::string& out) const {
-  while (!text.empty() && out.size() < kMostSize) {
+  while (!text.empty() && out.size() < kMaxSize) {
     const char c = text.front();
     text.remove_prefix(1);
     if (c == '\\') {
@@ -131,7 +131,7 @@ void Grammar::expand(std::string_view text, int depth, RandomStream& random,
       const auto rule = rules_.find(name);
       if (rule == rules_.end()) throw BadInput(fmt::format("no rule <{}>", name));
       const auto& alternatives = rule->second;
-      const std::size_t choice = depth > kMostDepth ? 0 : random.index(alternatives.size());
+      const std::size_t choice = depth > kMaxDepth ? 0 : random.index(alternatives.size());
       expand(alternatives[choice], depth + 1, random, out);
     }
   }

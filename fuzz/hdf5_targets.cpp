@@ -9,12 +9,12 @@
 #include "mutate.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
-#include "palpate/learning/demonstrations/minari_io.hpp"
 #include "palpate/recording/hdf5_guard.hpp"
 #include "palpate/recording/recording.hpp"
 #include "palpate/recording/writer.hpp"
-#include "recording/toy_recording.hpp"
+#include "palpate/tasks/relocate/minari_io.hpp"
 #include "recording/seal.hpp"
+#include "recording/toy_recording.hpp"
 
 namespace palpate::fuzz {
 namespace {
@@ -79,12 +79,12 @@ void change_and_seal(const fs::path& path, RandomStream& random) {
 }
 
 std::string sample_dataset(const fs::path& folder) {
-  learning::MinariDataset dataset;
+  relocate::MinariDataset dataset;
   dataset.id = "toy/v0";
   dataset.episodes.assign(2,
                           {Eigen::MatrixXd::Constant(3, 5, 1), Eigen::MatrixXd::Constant(2, 4, 1),
                            Eigen::VectorXd::Ones(4), false, 1});
-  learning::write_minari(folder / "sample", dataset);
+  relocate::write_minari(folder / "sample", dataset);
   return read_file(folder / "sample/data/main_data.hdf5");
 }
 
@@ -96,7 +96,7 @@ void load_dataset(const fs::path& file) {
   if (!fs::exists(folder / "data/metadata.json")) {
     fs::copy_file(file.parent_path() / "sample/data/metadata.json", folder / "data/metadata.json");
   }
-  learning::read_minari(folder);
+  relocate::read_minari(folder);
 }
 
 void change_metadata(const fs::path& file, RandomStream& random) {

@@ -23,8 +23,8 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-constexpr unsigned kMostSeconds = 20;  // for one input
-constexpr rlim_t kMostMemory = rlim_t{4} << 30;
+constexpr unsigned kMaxSeconds = 20;  // for one input
+constexpr rlim_t kMaxMemory = rlim_t{4} << 30;
 
 struct Budget {
   double seconds = 1e9;
@@ -66,7 +66,7 @@ class Inputs {
 /// Loads one input. @return whether it was accepted
 /// @throws what the loader throws beside a BadInput of one line
 bool try_input(const Target& target, const fs::path& file) {
-  alarm(kMostSeconds);
+  alarm(kMaxSeconds);
   bool accepted = true;
   try {
     target.load(file);
@@ -135,7 +135,7 @@ int main(int argc, char** argv) {
 int main(int argc, char** argv) {
   // A sanitizer reserves more address space than any limit; it has limits of its own.
   if (std::getenv("ASAN_OPTIONS") == nullptr) {
-    const rlimit limit{palpate::fuzz::kMostMemory, palpate::fuzz::kMostMemory};
+    const rlimit limit{palpate::fuzz::kMaxMemory, palpate::fuzz::kMaxMemory};
     setrlimit(RLIMIT_AS, &limit);
   }
   return palpate::fuzz::main(argc, argv);

@@ -83,12 +83,12 @@ nlohmann::json measure_grasp(const BenchArguments& arguments, bool exact_tips) {
     steps += 1;
     contacts += static_cast<double>(step.contacts.size());
   });
-  simulation::BlindGrasp grasp;
+  simulation::OpenLoopGrasp grasp;
   grasp.side = false;
-  grasp.height = object.stances.front().height + kAboveMiddle;
+  grasp.height = object.stable_poses.front().height + kAboveMiddle;
   grasp.start.yaw = 3;
   grasp.hold_seconds = arguments.quick ? 0.2 : 4.0;
-  const bool lifted = simulation::run_blind_grasp(world, grasp);
+  const bool lifted = simulation::run_open_loop_grasp(world, grasp);
   if (!start) throw BadInput(fmt::format("no two fingers reach {}", arguments.object));
   const double seconds = static_cast<double>(std::clock() - *start) / CLOCKS_PER_SEC;
   return {{"steps_per_second", steps / seconds},

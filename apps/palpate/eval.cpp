@@ -134,7 +134,7 @@ void append(const evaluation::PlaceSummary& place, evaluation::PlaceSummary& all
   all.tight += place.tight;
   all.wrong += place.wrong;
   all.dropped += place.dropped;
-  all.in_stance += place.in_stance;
+  all.in_stable_pose += place.in_stable_pose;
   for (const auto& [status, count] : place.status) all.status[status] += count;
   append(place.final_error, all.final_error);
   append(place.estimate_error, all.estimate_error);
@@ -233,7 +233,7 @@ int eval(EvalArguments arguments) {
   for (const auto& object : objects) {
     const auto start = evaluation::draw_start(object, options.start, arguments.common.seed);
     evaluation::place_target(object, options.place, arguments.common.seed,
-                             static_cast<std::size_t>(start.stance));
+                             static_cast<std::size_t>(start.stable_pose));
   }
   // What the simulator refuses is said before anything is printed or written.
   const simulation::World probe(objects.front(), options.world, arguments.common.seed);
@@ -308,7 +308,7 @@ void add_eval(CLI::App& program, Command& chosen) {
       "  palpate eval --object generated:9000-9099 --trials 3 --seed 9000\n"
       "  palpate eval --object bunny --trials 10 --set attempts=1 --json\n"
       "  palpate eval --place random --trials 20 --seed 9000\n"
-      "  palpate eval --object box --place stance --trials 10 --seed 9000");
+      "  palpate eval --object box --place stable pose --trials 10 --seed 9000");
   command.callback([arguments, &chosen] { chosen = [arguments] { return eval(*arguments); }; });
 }
 

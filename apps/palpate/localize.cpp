@@ -20,21 +20,22 @@ namespace {
 namespace lo = localization;
 
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr std::size_t kMostShown = 10;  // modes
+constexpr std::size_t kMaxShown = 10;  // modes
 
 struct LocalizeOptions {
   lo::LocalizerOptions search;
   lo::FastOptions fast;
   double false_contacts = 0.02;
-  double noise_doubt = 0.4;
-  double size_doubt = 0.25;
+  double noise_scale_prior = 0.4;
+  double size_prior = 0.25;
   double hand_offset = 0;
 
   template <class Visitor>
   void visit(Visitor&& v) {
     v("false_contacts", false_contacts, 0.001, 0.9, "prior share of contacts with something else");
-    v("noise_doubt", noise_doubt, 0.0, 0.99, "chance of noise other than stated, half to twice");
-    v("size_doubt", size_doubt, 0.0, 0.99, "chance of an object up to 3 % off its mesh's size");
+    v("noise_scale_prior", noise_scale_prior, 0.0, 0.99,
+      "chance of noise other than stated, half to twice");
+    v("size_prior", size_prior, 0.0, 0.99, "chance of an object up to 3 % off its mesh's size");
     v("hand_offset", hand_offset, 0.0, 0.02, "m rms, by which contacts of one time are displaced");
     v.section("search", search);
     v.section("fast", fast);
@@ -76,13 +77,13 @@ std::string hint_for(const geometry::ObjectModel& model, lo::Evidence evidence, 
 }
 
 /// Contacts felt at the same time are of one grasp, whose place in the world is uncertain.
-std::vector<lo::SharedOffset> offsets_of_grasps(const std::vector<tactile::Contact>& contacts,
-                                                double rms) {
-  std::map<double, lo::SharedOffset> grasps;
+std::vector<lo::CommonModeBias> offsets_of_grasps(const std::vector<tactile::Contact>& contacts,
+                                                  double rms) {
+  std::map<double, lo::CommonModeBias> grasps;
   for (std::size_t k = 0; k < contacts.size(); ++k) {
     grasps[contacts[k].time].members.push_back({k});
   }
-  std::vector<lo::SharedOffset> offsets;
+  std::vector<lo::CommonModeBias> offsets;
   for (auto& [time, offset] : grasps) {
     offset.sigma = rms / std::sqrt(3.0);
     if (rms > 0) offsets.push_back(std::move(offset));
@@ -98,8 +99,8 @@ Result solve(const LocalizeArguments& arguments, const LocalizeOptions& options)
   evidence.contacts = lo::read_contacts(
       arguments.contacts, {arguments.point_noise, arguments.normal_noise_deg * kDegree});
   evidence.false_contact_share = options.false_contacts;
-  evidence.noise_doubt = options.noise_doubt;
-  evidence.size_doubt = options.size_doubt;
+  evidence.noise_scale_prior = options.noise_scale_prior;
+  evidence.size_prior = options.size_prior;
   evidence.offsets = offsets_of_grasps(evidence.contacts, options.hand_offset);
   Result result;
   result.prepare_seconds = prepared.count();
@@ -191,7 +192,7 @@ void print_result(const Result& result) {
   if (result.posterior.modes.empty()) return;
   fmt::print("weight  rotation vector                translation\n");
   const auto& modes = result.posterior.modes;
-  const std::size_t shown = std::min(kMostShown, modes.size());
+  const std::size_t shown = std::min(kMaxShown, modes.size());
   for (std::size_t i = 0; i < shown; ++i) print_mode(modes[i], result.T_object_mesh);
   if (shown < modes.size()) {
     double rest = 0;

@@ -94,8 +94,8 @@ void PageServer::run_until_interrupted() {
 }
 
 void PageServer::accept_all() {
-  for (std::size_t i = 0; i < kMostConnections; ++i) {
-    if (connections_.size() >= kMostConnections) make_room();
+  for (std::size_t i = 0; i < kMaxConnections; ++i) {
+    if (connections_.size() >= kMaxConnections) make_room();
     const int socket = accept4(listener_, nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC);
     if (socket < 0 && (errno == EMFILE || errno == ENFILE) && !connections_.empty()) make_room();
     if (socket < 0) return;
@@ -119,8 +119,8 @@ void PageServer::serve(Connection& connection) const {
 }
 
 void PageServer::read_request(Connection& connection) const {
-  std::array<char, kMostHead> buffer;
-  const std::size_t room = kMostHead - connection.head.size();
+  std::array<char, kMaxHead> buffer;
+  const std::size_t room = kMaxHead - connection.head.size();
   const auto size = recv(connection.socket, buffer.data(), room, 0);
   if (size < 0 && would_wait()) return;
   if (size <= 0) {
@@ -129,7 +129,7 @@ void PageServer::read_request(Connection& connection) const {
   }
   connection.head.append(buffer.data(), static_cast<std::size_t>(size));
   const bool whole = connection.head.find("\r\n\r\n") != std::string::npos;
-  if (!whole && connection.head.size() < kMostHead) return;
+  if (!whole && connection.head.size() < kMaxHead) return;
   connection.head = whole ? answer_to(connection.head, connection.body)
                           : answer_head({431, "Request Header Fields Too Large"}, 0);
   connection.stage = Stage::writing;

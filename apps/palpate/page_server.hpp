@@ -13,12 +13,12 @@ namespace palpate::app {
 /// A small part of HTTP/1.1 (RFC 9112): GET and HEAD of "/", each answered whole, whatever its
 /// Range, and then closed. A request must name this server as its Host and, if it names one, as its
 /// Origin, so that no page from elsewhere can read this one. All connections share the page's
-/// bytes; each holds at most kMostHead bytes beside. Who is slow is closed after a while, or when
+/// bytes; each holds at most kMaxHead bytes beside. Who is slow is closed after a while, or when
 /// its place is needed.
 class PageServer {
  public:
-  static constexpr std::size_t kMostHead = 8192;        ///< bytes of a request
-  static constexpr std::size_t kMostConnections = 400;  ///< at once
+  static constexpr std::size_t kMaxHead = 8192;        ///< bytes of a request
+  static constexpr std::size_t kMaxConnections = 400;  ///< at once
 
   /// Listens on 127.0.0.1. @param port  0 takes a free one
   /// @throws BadInput if the port is taken

@@ -50,14 +50,14 @@ int pick(const PickArguments& arguments) {
   auto options = resolve<evaluation::TrialOptions>(common);
   if (arguments.explore) {
     options.pick.explore.touches = *arguments.explore;
-    options.pick.explore.most_touches = *arguments.explore;
+    options.pick.explore.max_touches = *arguments.explore;
   }
   if (!arguments.place.empty()) options.place.target = place_text(arguments.place);
   const geometry::ObjectModel object(geometry::load_known_object(arguments.object));
   // Bad ones are named first.
   const auto start = evaluation::draw_start(object.object(), options.start, common.seed);
   evaluation::place_target(object.object(), options.place, common.seed,
-                           static_cast<std::size_t>(start.stance));
+                           static_cast<std::size_t>(start.stable_pose));
   const bool own_errors = options.touch.from_biotacs();
   const std::string config =
       config_header(common) + fmt::format("# object {}\n", arguments.object) + to_toml(options);
@@ -120,9 +120,9 @@ void add_pick(CLI::App& program, Command& chosen) {
       "  palpate pick --object mug --seed 7\n"
       "  palpate pick --object bunny --explore 16\n"
       "  palpate pick --object part.stl --set lift.way=0.15 --out run1 --json\n"
-      "  palpate pick --object box --set start.stance=0 --set world.noise.normal=0.05\n"
+      "  palpate pick --object box --set start.stable_pose=0 --set world.noise.normal=0.05\n"
       "  palpate pick --object box --place 0.2,0.1,1.57\n"
-      "  palpate pick --object bottle --set start.stance=0 --place fixture");
+      "  palpate pick --object bottle --set start.stable_pose=0 --place fixture");
   command.callback([arguments, &chosen] { chosen = [arguments] { return pick(*arguments); }; });
 }
 

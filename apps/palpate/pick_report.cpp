@@ -35,16 +35,16 @@ json modes_json(const localization::Posterior& posterior) {
 
 json estimate_json(const evaluation::Trial& trial) {
   const auto& posterior = trial.result.estimate.posterior;
-  const auto& judgement = trial.judgement;
+  const auto& metrics = trial.metrics;
   if (posterior.modes.empty()) return nullptr;
   return {{"status", localization::to_string(posterior.status)},
           {"T_world_object", to_json(posterior.modes[0].T_frame_object)},
           {"weight", posterior.modes[0].weight},
           {"probability", localization::pose_probability(posterior.modes[0])},
-          {"rotation_error_deg", kDegrees * judgement.error.rotation},
-          {"translation_error_mm", 1e3 * judgement.error.translation},
-          {"rotation_error_without_symmetry_deg", kDegrees * judgement.error_no_symmetry.rotation},
-          {"truth_in_modes", judgement.truth_in_modes},
+          {"rotation_error_deg", kDegrees * metrics.error.rotation},
+          {"translation_error_mm", 1e3 * metrics.error.translation},
+          {"rotation_error_without_symmetry_deg", kDegrees * metrics.error_no_symmetry.rotation},
+          {"truth_in_modes", metrics.truth_in_modes},
           {"modes", modes_json(posterior)},
           {"seconds", posterior.seconds}};
 }
@@ -105,20 +105,20 @@ std::string estimate_text(const evaluation::Trial& trial) {
       best.free_axis
           ? fmt::format(", free by +-{:.0f} deg about an axis", kDegrees * best.free_axis->extent)
           : "",
-      kDegrees * trial.judgement.error.rotation, 1e3 * trial.judgement.error.translation,
+      kDegrees * trial.metrics.error.rotation, 1e3 * trial.metrics.error.translation,
       posterior.seconds);
   text += fmt::format("\nobject in the world {}", pose_text(best.T_frame_object));
   if (posterior.modes.size() > 1) {
     text += fmt::format(
         "\n{} ({}); the truth is {} the modes", counted(posterior.modes.size() - 1, "other mode"),
-        weights_of_others(posterior.modes), trial.judgement.truth_in_modes ? "among" : "NOT among");
+        weights_of_others(posterior.modes), trial.metrics.truth_in_modes ? "among" : "NOT among");
   }
   return text;
 }
 
 nlohmann::json trial_json(const evaluation::Trial& trial) {
   const bool put = !trial.place || trial.place->status == skills::PlaceStatus::placed;
-  const bool ok = trial.result.held && trial.judgement.has_pose && put;
+  const bool ok = trial.result.held && trial.metrics.has_pose && put;
   json phases = json::array();
   for (const auto& report : trial.result.phases) phases.push_back(phase_json(report));
   if (trial.place) {
@@ -130,22 +130,22 @@ nlohmann::json trial_json(const evaluation::Trial& trial) {
   return {{"status", ok ? "ok" : "failed"},
           {"failed_phase", failed_phase},
           {"held", trial.result.held},
-          {"lifted", trial.judgement.lifted},
-          {"placed", trial.place_judgement.placed},
+          {"lifted", trial.metrics.lifted},
+          {"placed", trial.place_metrics.placed},
           {"place", place_json(trial)},
           {"attempts", trial.result.attempts},
-          {"slip_mm", 1e3 * trial.judgement.slip},
-          {"tip_force", trial.judgement.tip_force},
-          {"explored_motion_mm", 1e3 * trial.judgement.explored_motion},
-          {"pose_ok_before_lift", trial.judgement.pose_ok_before_lift},
-          {"pose_ok_before_probe", trial.judgement.pose_ok_before_probe},
-          {"pose_ok_tracked", trial.judgement.pose_ok_tracked},
-          {"tracked_share", trial.judgement.tracked_share},
-          {"probes", trial.judgement.probes},
+          {"slip_mm", 1e3 * trial.metrics.slip},
+          {"tip_force", trial.metrics.tip_force},
+          {"explored_motion_mm", 1e3 * trial.metrics.explored_motion},
+          {"pose_ok_before_lift", trial.metrics.pose_ok_before_lift},
+          {"pose_ok_before_probe", trial.metrics.pose_ok_before_probe},
+          {"pose_ok_tracked", trial.metrics.pose_ok_tracked},
+          {"tracked_share", trial.metrics.tracked_share},
+          {"probes", trial.metrics.probes},
           {"regrasps", trial.result.regrasps},
-          {"stance", trial.start.stance},
+          {"stable_pose", trial.start.stable_pose},
           {"estimate", estimate_json(trial)},
-          {"T_world_object_true", to_json(trial.judgement.T_world_object)},
+          {"T_world_object_true", to_json(trial.metrics.T_world_object)},
           {"phases", phases}};
 }
 

@@ -59,17 +59,17 @@ std::string median_text(const std::vector<double>& values) {
   return values.empty() ? "-" : fmt::format("{:.1f}", median(values));
 }
 
-json round_json(const skills::MeansTaken::Round& round) {
+json round_json(const skills::StrategyTaken::Round& round) {
   json considered = json::array();
   for (const auto& means : round.plan.considered) {
-    considered.push_back({{"means", skills::to_string(means.means)},
+    considered.push_back({{"strategy", skills::to_string(means.means)},
                           {"possible", means.possible},
                           {"reason", means.reason}});
   }
   json place = nullptr;
   if (round.place) place = skills::to_string(*round.place);
   return {{"found", round.plan.found},
-          {"means", skills::to_string(round.plan.means)},
+          {"strategy", skills::to_string(round.plan.means)},
           {"transfers", round.plan.transfers.size()},
           {"grasps", round.plan.grasps},
           {"seconds", round.plan.seconds},
@@ -77,7 +77,7 @@ json round_json(const skills::MeansTaken::Round& round) {
           {"place", place}};
 }
 
-json turn_json(const skills::FingerTurn& turn) {
+json turn_json(const skills::InHandReorientation& turn) {
   const auto& result = turn.result;
   return {{"asked_deg", kDegrees * turn.asked.norm()},
           {"base_turn_deg", kDegrees * turn.base_turn},
@@ -86,12 +86,12 @@ json turn_json(const skills::FingerTurn& turn) {
           {"known", turn.known},
           {"lost", turn.lost},
           {"steps", result.steps},
-          {"rehearsals", result.rehearsals},
+          {"rollouts", result.rollouts},
           {"sim_seconds", result.seconds},
           {"plan_seconds", result.plan_seconds}};
 }
 
-json means_json(const skills::MeansTaken& means) {
+json means_json(const skills::StrategyTaken& means) {
   json rounds = json::array();
   for (const auto& round : means.rounds) rounds.push_back(round_json(round));
   json regrasp = nullptr;
@@ -106,8 +106,8 @@ json means_json(const skills::MeansTaken& means) {
 }
 
 /// One line: the means, why, and what the first plan found.
-std::string means_text(const skills::MeansTaken& means) {
-  std::string text = fmt::format("means: {} ({})", skills::to_string(means.means), means.reason);
+std::string means_text(const skills::StrategyTaken& means) {
+  std::string text = fmt::format("strategy: {} ({})", skills::to_string(means.means), means.reason);
   if (!means.rounds.empty()) {
     for (const auto& way : means.rounds.front().plan.considered) {
       text += fmt::format("; {} {}: {}", skills::to_string(way.means),
@@ -143,7 +143,8 @@ void add_place_option(CLI::App& command, std::string& place) {
       .add_option(
           "--place", place,
           "put the object down there: 16 numbers of a pose of its centroid (or a file of them), "
-          "x,y,yaw (m, rad; standing as it is found), fixture (a slot), random, or stance (another "
+          "x,y,yaw (m, rad; standing as it is found), fixture (a slot), random, or stable pose "
+          "(another "
           "than it starts in)")
       ->option_text("POSE|fixture");
 }
@@ -155,37 +156,37 @@ std::string place_text(const std::string& argument) {
 
 std::string place_text(const evaluation::Trial& trial) {
   if (!trial.place) return "";
-  const auto& judgement = trial.place_judgement;
+  const auto& metrics = trial.place_metrics;
   const std::string end =
       trial.place->status == skills::PlaceStatus::placed
           ? "placed"
           : fmt::format("not placed: {}", skills::to_string(trial.place->status));
   return means_text(trial.means) + fmt::format("{}: {:.1f} deg, {:.1f} mm from the target\n", end,
-                                               kDegrees * judgement.error.rotation,
-                                               1e3 * judgement.error.translation);
+                                               kDegrees * metrics.error.rotation,
+                                               1e3 * metrics.error.translation);
 }
 
 json place_json(const evaluation::Trial& trial) {
   if (!trial.place) return nullptr;
   const auto& place = *trial.place;
-  const auto& judgement = trial.place_judgement;
+  const auto& metrics = trial.place_metrics;
   json placed = nullptr;
   if (place.T_world_placed) placed = to_json(*place.T_world_placed);
   return {{"status", skills::to_string(place.status)},
-          {"means", means_json(trial.means)},
+          {"strategy", means_json(trial.means)},
           {"certain", place.certain},
           {"certainty", place.held.certainty},
-          {"other_stance", place.other_stance},
+          {"other_stable_pose", place.other_stable_pose},
           {"T_world_target", to_json(place.T_world_target)},
           {"T_world_placed", placed},
           {"plan", motion_json(place.motion)},
-          {"tight", judgement.tight},
-          {"wrong", judgement.wrong},
-          {"dropped", judgement.dropped},
-          {"in_stance", judgement.in_stance},
-          {"final_error", error_json(judgement.error)},
-          {"estimate_error", error_json(judgement.estimate)},
-          {"release_motion", error_json(judgement.release)}};
+          {"tight", metrics.tight},
+          {"wrong", metrics.wrong},
+          {"dropped", metrics.dropped},
+          {"in_stable_pose", metrics.in_stable_pose},
+          {"final_error", error_json(metrics.error)},
+          {"estimate_error", error_json(metrics.estimate)},
+          {"release_motion", error_json(metrics.release)}};
 }
 
 json place_summary_json(const evaluation::PlaceSummary& summary, std::size_t trials) {
@@ -195,7 +196,7 @@ json place_summary_json(const evaluation::PlaceSummary& summary, std::size_t tri
           {"tight_of_certain", rate(summary.tight, summary.certain)},
           {"wrong_of_certain", rate(summary.wrong, summary.certain)},
           {"dropped", rate(summary.dropped, trials)},
-          {"in_stance", rate(summary.in_stance, trials)},
+          {"in_stable_pose", rate(summary.in_stable_pose, trials)},
           {"status", summary.status},
           {"final_error", errors_json(summary.final_error)},
           {"estimate_error", errors_json(summary.estimate_error)},
@@ -204,7 +205,7 @@ json place_summary_json(const evaluation::PlaceSummary& summary, std::size_t tri
 
 std::string place_heading() {
   return fmt::format("{:<10} {:<18} {:<18} {:<18} {:<18} {:>6} {:>7} {:>7} {:>7} {:>7}   {}",
-                     "object", "certain", "5 mm 3 deg*", "10 mm 5 deg", "wrong*", "stance",
+                     "object", "certain", "5 mm 3 deg*", "10 mm 5 deg", "wrong*", "stable_pose",
                      "dropped", "deg", "mm", "est. mm", "ends");
 }
 
@@ -214,7 +215,7 @@ std::string place_row(const std::string& name, const evaluation::PlaceSummary& s
       "{:<10} {:<18} {:<18} {:<18} {:<18} {:>6} {:>7} {:>7} {:>7} {:>7}   {}", name,
       rate_text(summary.certain, trials), rate_text(summary.tight, summary.certain),
       rate_text(summary.placed, trials), rate_text(summary.wrong, summary.certain),
-      summary.in_stance, summary.dropped, median_text(summary.final_error.rotation_deg),
+      summary.in_stable_pose, summary.dropped, median_text(summary.final_error.rotation_deg),
       median_text(summary.final_error.translation_mm),
       median_text(summary.estimate_error.translation_mm), counts_text(summary.status));
 }

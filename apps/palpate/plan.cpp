@@ -63,9 +63,9 @@ Setting read_setting(const PlanArguments& arguments) {
   if (!arguments.pose.empty()) {
     setting.T_world_object = parse_pose(arguments.pose) * setting.object->T_mesh_object;
   } else {
-    const geometry::Stance& stance = setting.object->stances.front();
-    setting.T_world_object.linear() = stance.R_table_object;
-    setting.T_world_object.translation().z() = stance.height;
+    const geometry::StablePose& stable_pose = setting.object->stable_poses.front();
+    setting.T_world_object.linear() = stable_pose.R_table_object;
+    setting.T_world_object.translation().z() = stable_pose.height;
   }
   return setting;
 }
@@ -84,20 +84,20 @@ si::CollisionScene make_scene(const Setting& setting, const pl::CollisionOptions
   return scene;
 }
 
-/// The stance and yaw on the table that come nearest to the pose.
+/// The stable pose and yaw on the table that come nearest to the pose.
 si::Start start_of(const geometry::KnownObject& object, const Eigen::Isometry3d& T_world_object) {
   si::Start start;
   double least = std::numbers::pi;
-  for (std::size_t i = 0; i < object.stances.size(); ++i) {
+  for (std::size_t i = 0; i < object.stable_poses.size(); ++i) {
     const Eigen::Matrix3d turn =
-        T_world_object.linear() * object.stances[i].R_table_object.transpose();
+        T_world_object.linear() * object.stable_poses[i].R_table_object.transpose();
     const double yaw = std::atan2(turn(1, 0) - turn(0, 1), turn(0, 0) + turn(1, 1));
     const Eigen::Matrix3d upright =
         Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix();
     const double tilt = rotation_distance(turn, upright);
     if (tilt >= least) continue;
     least = tilt;
-    start.stance = static_cast<int>(i), start.yaw = yaw;
+    start.stable_pose = static_cast<int>(i), start.yaw = yaw;
   }
   start.xy = T_world_object.translation().head<2>();
   return start;

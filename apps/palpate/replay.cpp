@@ -46,7 +46,7 @@ int replay(const ReplayArguments& arguments) {
   const auto recording = recording::read_recording(arguments.recording);
   const auto options = replay_options(recording, arguments.common, arguments.recording);
   const geometry::ObjectModel object(recording.header.object);
-  const auto log = recording::touch_log(recording).until(estimation::Mark::held);
+  const auto log = recording::event_log(recording).until(estimation::TouchEvent::held);
   const auto hand = skills::calibrated_hand(recording.header.hand, log, options.pick.calibrate);
   const auto estimate =
       estimation::locate(object, hand, log, options.pick_options().locate, recording.header.seed);
@@ -78,7 +78,7 @@ void add_replay(CLI::App& program, Command& chosen) {
       "gave, bit for bit; --set changes the estimator's options.\n\n"
       "Examples:\n"
       "  palpate replay out/pick-mug-7/recording.h5\n"
-      "  palpate replay out/pick-mug-7/recording.h5 --set locate.free_space=false --json");
+      "  palpate replay out/pick-mug-7/recording.h5 --set estimation.free_space=false --json");
   command.callback([arguments, &chosen] { chosen = [arguments] { return replay(*arguments); }; });
 }
 

@@ -89,9 +89,9 @@ double median_of(const std::vector<relocate::FeltEpisode>& felt,
 }
 
 std::string config_text(const RolloutArguments& arguments, const RolloutOptions& options) {
-  const RelocateOptions& told_the_truth = options;
+  const RelocateOptions& given_the_truth = options;
   return config_header(arguments.common) +
-         (arguments.touch ? to_toml(options) : to_toml(told_the_truth));
+         (arguments.touch ? to_toml(options) : to_toml(given_the_truth));
 }
 
 /// Runs the first episodes again and keeps what they look like.
@@ -136,7 +136,7 @@ json touch_json(const std::vector<relocate::FeltEpisode>& felt) {
   }
   return {{"explored", std::ranges::count_if(felt, &FeltEpisode::explored)},
           {"resting_error_mm", 1e3 * median_of(felt, &FeltEpisode::resting_error)},
-          {"told_error_mm", 1e3 * median_of(felt, &FeltEpisode::told_error)},
+          {"told_error_mm", 1e3 * median_of(felt, &FeltEpisode::reported_error)},
           {"estimates", estimates / static_cast<double>(felt.size())},
           {"estimate_seconds", estimates > 0 ? json(seconds / estimates) : json(nullptr)}};
 }

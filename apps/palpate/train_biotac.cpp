@@ -199,7 +199,7 @@ struct SimulatedArguments {
 constexpr std::uint64_t kJudgeSeed = 9000;  // beyond that of what is learned
 
 struct SimulatedTouches {
-  std::vector<tactile::BiotacFrame> learn, judge;
+  std::vector<tactile::BiotacFrame> learn, evaluator;
 };
 
 /// Touches to learn from and, of another seed and a fifth as many, to judge by.
@@ -213,7 +213,7 @@ SimulatedTouches simulate(const SimulatedArguments& arguments, const SimulatedOp
   }
   data.seed = arguments.common.seed + kJudgeSeed;
   data.trajectories = std::max(1, data.trajectories / 5);
-  touches.judge = tactile::simulate_biotac(data, options.skin, options.sensor);
+  touches.evaluator = tactile::simulate_biotac(data, options.skin, options.sensor);
   return touches;
 }
 
@@ -230,11 +230,12 @@ int train_biotac_network(const SimulatedArguments& arguments) {
   options.network.seed = arguments.common.seed;
   const auto touches = simulate(arguments, options);
   const Eigen::MatrixXd learn = tactile::biotac_dataset(touches.learn),
-                        judge = tactile::biotac_dataset(touches.judge);
+                        evaluator = tactile::biotac_dataset(touches.evaluator);
   tactile::BiotacNetwork network(arguments.common.seed);
   network.train(tactile::network_inputs(learn), tactile::network_outputs(learn), options.network,
                 bar(arguments.common));
-  const auto inputs = tactile::network_inputs(judge), outputs = tactile::network_outputs(judge);
+  const auto inputs = tactile::network_inputs(evaluator),
+             outputs = tactile::network_outputs(evaluator);
   const Eigen::VectorXd ratios = tactile::error_ratios(network(inputs), outputs);
   const auto as_vector = [](const Eigen::VectorXd& v) {
     return std::vector<double>(v.begin(), v.end());
@@ -242,7 +243,7 @@ int train_biotac_network(const SimulatedArguments& arguments) {
   write_file_atomically(arguments.common.out, network.bytes());
   report(arguments.common,
          {{"samples", learn.rows()},
-          {"test_samples", judge.rows()},
+          {"test_samples", evaluator.rows()},
           {"test_mae_over_sd", ratios.mean()},
           {"test_mae_over_sd_of_channels", as_vector(ratios)},
           {"sensitivity_of_inputs", as_vector(tactile::sensitivities(network, inputs, outputs))},
@@ -291,7 +292,7 @@ int train_biotac_inverse(const SimulatedArguments& arguments) {
   const auto model =
       tactile::BiotacInverse::train(touches.learn, options.inverse, options.skin, options.sensor);
   write_file_atomically(arguments.common.out, model.bytes());
-  nlohmann::json result = inverse_errors(model, touches.judge);
+  nlohmann::json result = inverse_errors(model, touches.evaluator);
   result["samples"] = touches.learn.size();
   report(arguments.common, result);
   return kDone;

@@ -21,25 +21,25 @@ std::string error_cells(bool known, const localization::PoseError& error) {
 }
 
 std::string pick_cells(const evaluation::Trial& trial) {
-  const evaluation::Judgement& judgement = trial.judgement;
+  const evaluation::TrialMetrics& metrics = trial.metrics;
   const auto& modes = trial.result.estimate.posterior.modes;
   return fmt::format(
       "{},{:d},{},{},{:d},{:d},{:d},{:d},{:d},{:.3f},{:d},{},{},{},{:.3f},{:.3f},{:.3f},{}",
-      trial.start.stance, judgement.lifted, trial.result.attempts, trial.result.regrasps,
-      judgement.pose_ok, judgement.pose_tight, judgement.pose_ok_before_lift,
-      judgement.pose_ok_before_probe, judgement.pose_ok_tracked, judgement.tracked_share,
-      judgement.truth_in_modes, modes.empty() ? "" : fmt::format("{:.4f}", modes[0].weight),
-      judgement.probes, error_cells(judgement.has_pose, judgement.error), 1e3 * judgement.slip,
-      1e3 * judgement.explored_motion, judgement.tip_force, trial.result.failed_phase);
+      trial.start.stable_pose, metrics.lifted, trial.result.attempts, trial.result.regrasps,
+      metrics.pose_ok, metrics.pose_tight, metrics.pose_ok_before_lift,
+      metrics.pose_ok_before_probe, metrics.pose_ok_tracked, metrics.tracked_share,
+      metrics.truth_in_modes, modes.empty() ? "" : fmt::format("{:.4f}", modes[0].weight),
+      metrics.probes, error_cells(metrics.has_pose, metrics.error), 1e3 * metrics.slip,
+      1e3 * metrics.explored_motion, metrics.tip_force, trial.result.failed_phase);
 }
 
 std::string place_cells(const evaluation::Trial& trial) {
   if (!trial.place) return ",,,,,,,,";
-  const evaluation::PlaceJudgement& judgement = trial.place_judgement;
+  const evaluation::PlaceMetrics& metrics = trial.place_metrics;
   return fmt::format(
       "{},{:d},{:d},{:d},{:d},{:d},{},{:d}", to_string(trial.place->status), trial.place->certain,
-      judgement.placed, judgement.tight, judgement.wrong, judgement.dropped,
-      error_cells(trial.place->T_world_placed.has_value(), judgement.error), judgement.in_stance);
+      metrics.placed, metrics.tight, metrics.wrong, metrics.dropped,
+      error_cells(trial.place->T_world_placed.has_value(), metrics.error), metrics.in_stable_pose);
 }
 
 }  // namespace

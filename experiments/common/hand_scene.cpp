@@ -16,7 +16,7 @@ Eigen::Isometry3d HandScene::in_hand(std::size_t tick) const {
   return robot_.log().readings[tick].base.pose().inverse() * truths_[tick];
 }
 
-skills::Robot HandScene::make_robot(const geometry::KnownObject& object, std::uint64_t seed) {
+skills::Executor HandScene::make_robot(const geometry::KnownObject& object, std::uint64_t seed) {
   world_.reset(evaluation::draw_start(object, {}, seed), evaluation::waiting_command());
   const auto note = [this](const auto&, const auto&) {
     truths_.push_back(world_.truth().T_world_object);

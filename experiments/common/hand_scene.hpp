@@ -20,18 +20,18 @@ class HandScene {
  public:
   HandScene(const geometry::KnownObject& object, std::uint64_t seed);
 
-  skills::Robot& robot() { return robot_; }
+  skills::Executor& robot() { return robot_; }
   [[nodiscard]] std::size_t now() const { return truths_.size() - 1; }
   [[nodiscard]] double lowest() const { return world_.truth().lowest_point; }
   [[nodiscard]] const Eigen::Isometry3d& in_world(std::size_t tick) const { return truths_[tick]; }
   [[nodiscard]] Eigen::Isometry3d in_hand(std::size_t tick) const;
 
  private:
-  skills::Robot make_robot(const geometry::KnownObject& object, std::uint64_t seed);
+  skills::Executor make_robot(const geometry::KnownObject& object, std::uint64_t seed);
 
   simulation::World world_;
   std::vector<Eigen::Isometry3d> truths_;  // T_world_object, one a reading
-  skills::Robot robot_;
+  skills::Executor robot_;
 };
 
 }  // namespace palpate::experiment

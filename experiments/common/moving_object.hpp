@@ -16,7 +16,7 @@ namespace palpate::experiment {
 struct TouchSetting {
   std::string name;
   double sliding;   ///< rms m/s of a fingertip on the surface
-  bool correlated;  ///< half of the noise's variance keeps for .5 s, else all is white
+  bool correlated;  ///< half of the noise's variance keeps for 0.5 s, else all is white
   bool slip;        ///< half way
 };
 

@@ -32,7 +32,7 @@ geometry::KnownObject fixed_object(const std::string& name, geometry::TriangleMe
   object.mass_properties = geometry::mass_properties(mesh, kImmovable);
   double low = 0;
   for (const Eigen::Vector3d& v : mesh.vertices) low = std::min(low, v.z());
-  object.stances = {{Eigen::Matrix3d::Identity(), -low, 1.0}};
+  object.stable_poses = {{Eigen::Matrix3d::Identity(), -low, 1.0}};
   object.symmetries = {Eigen::Matrix3d::Identity()};
   object.mesh = std::move(mesh);
   return object;

@@ -15,7 +15,7 @@
 namespace palpate {
 namespace {
 
-constexpr Eigen::Index kMostValues = 1 << 26;
+constexpr Eigen::Index kMaxValues = 1 << 26;
 
 static_assert(std::endian::native == std::endian::little, "values are written as they lie");
 
@@ -63,8 +63,7 @@ std::vector<std::string_view> words(std::string_view line) {
 Eigen::Index size_of(std::string_view word, std::string_view line, const Cursor& cursor) {
   Eigen::Index value = -1;
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (error != std::errc() || end != word.data() + word.size() || value < 1 ||
-      value > kMostValues) {
+  if (error != std::errc() || end != word.data() + word.size() || value < 1 || value > kMaxValues) {
     cursor.fail(fmt::format("'{}' names no matrix and its size", line));
   }
   return value;
@@ -121,7 +120,7 @@ ArrayFile ArrayFile::parse(std::string_view bytes, const std::string& source,
     if (parts.size() != 3) cursor.fail(fmt::format("'{}' names no matrix and its size", line));
     entries.push_back(
         {std::string(parts[0]), size_of(parts[1], line, cursor), size_of(parts[2], line, cursor)});
-    if (entries.back().rows > kMostValues / entries.back().columns) {
+    if (entries.back().rows > kMaxValues / entries.back().columns) {
       cursor.fail(fmt::format("matrix {} is too large", entries.back().name));
     }
     size += static_cast<std::size_t>(entries.back().rows * entries.back().columns) * sizeof(float);

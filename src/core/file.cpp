@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kMostBytes = std::size_t{1} << 30;
+constexpr std::size_t kMaxBytes = std::size_t{1} << 30;
 
 fs::path partial(const fs::path& path) { return path.string() + ".partial"; }
 
@@ -54,8 +54,8 @@ std::string read_file(const fs::path& path) {
   std::vector<char> chunk(1 << 16);
   while (in.read(chunk.data(), std::ssize(chunk)) || in.gcount() > 0) {
     content.append(chunk.data(), static_cast<std::size_t>(in.gcount()));
-    if (content.size() > kMostBytes) {  // as a device never ends
-      throw BadInput(fmt::format("{} has more than {} bytes", path.string(), kMostBytes));
+    if (content.size() > kMaxBytes) {  // as a device never ends
+      throw BadInput(fmt::format("{} has more than {} bytes", path.string(), kMaxBytes));
     }
   }
   // Neither a file that does not open nor one that fails midway gets to its end.

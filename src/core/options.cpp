@@ -167,12 +167,12 @@ void assign_table(const toml::table& table, const std::string& prefix, std::stri
 /// The TOML library bounds the nesting of arrays, but not that of dotted keys, and it calls itself
 /// once a level. @throws BadInput for a text that nests deeper than any options do
 void check_depth(std::string_view text, std::string_view source) {
-  constexpr int kMostOpen = 32, kMostDots = 200;  // in all; in a line
+  constexpr int kMaxOpen = 32, kMaxDots = 200;  // in all; in a line
   int open = 0, dots = 0;
   for (const char c : text) {
     open += c == '[' || c == '{' ? 1 : c == ']' || c == '}' ? -1 : 0;
     dots = c == '\n' ? 0 : dots + (c == '.' ? 1 : 0);
-    if (open > kMostOpen || dots > kMostDots) {
+    if (open > kMaxOpen || dots > kMaxDots) {
       throw BadInput(fmt::format("{}: nests deeper than options do", source));
     }
   }

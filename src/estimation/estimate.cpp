@@ -19,45 +19,46 @@ namespace {
 constexpr int kSlides = 2;        // how often a grasp may slide, each time
 constexpr double kFarther = 3.0;  // so many times as far
 constexpr double kStirred = 3.0;  // so many times as far, where it was rolled or grasped anew
-/// Shares of the sweeps that are forgotten, one after the other, while no pose explains the rest: a
-/// touch may have moved the object.
+/// Shares of the guarded moves that are forgotten, one after the other, while no pose explains the
+/// rest: a touch may have moved the object.
 constexpr std::array<double, 3> kForgotten = {0, 0.35, 0.55};
-constexpr std::size_t kLeastTouches = 4;  // that are then left
+constexpr std::size_t kMinTouches = 4;  // that are then left
 
 using geometry::KnownObject;
 using localization::Evidence;
 using localization::PosePrior;
 using localization::TableSupport;
 
-double top_of(const KnownObject& object, const geometry::Stance& stance) {
+double top_of(const KnownObject& object, const geometry::StablePose& stable_pose) {
   double top = -std::numeric_limits<double>::infinity();
   for (const auto& vertex : object.mesh.vertices) {
-    top = std::max(top, stance.R_table_object.row(2).dot(vertex));
+    top = std::max(top, stable_pose.R_table_object.row(2).dot(vertex));
   }
-  return top + stance.height;
+  return top + stable_pose.height;
 }
 
-/// Probability of each stance, given how tall the object felt.
-std::vector<double> stance_weights(const KnownObject& object, std::optional<double> felt_height,
-                                   const LocateOptions& options) {
+/// Probability of each stable pose, given how tall the object felt.
+std::vector<double> stable_pose_weights(const KnownObject& object,
+                                        std::optional<double> felt_height,
+                                        const EstimationOptions& options) {
   std::vector<double> weights;
   double sum = 0;
-  for (const auto& stance : object.stances) {
+  for (const auto& stable_pose : object.stable_poses) {
     const double miss =
-        felt_height ? (top_of(object, stance) - *felt_height) / options.felt_sigma : 0.0;
-    weights.push_back(stance.probability * std::exp(-0.5 * miss * miss));
+        felt_height ? (top_of(object, stable_pose) - *felt_height) / options.felt_sigma : 0.0;
+    weights.push_back(stable_pose.probability * std::exp(-0.5 * miss * miss));
     sum += weights.back();
   }
   for (std::size_t i = 0; i < weights.size(); ++i) {
-    const double felt = sum > 0 ? weights[i] / sum : object.stances[i].probability;
-    weights[i] =
-        (1 - options.other_stance) * felt + options.other_stance * object.stances[i].probability;
+    const double felt = sum > 0 ? weights[i] / sum : object.stable_poses[i].probability;
+    weights[i] = (1 - options.other_stable_pose) * felt +
+                 options.other_stable_pose * object.stable_poses[i].probability;
   }
   return weights;
 }
 
 /// Latest reading of a kind since the hand let go for good.
-const hand::HandReading* reading_at(const TouchLog& log, Mark mark) {
+const hand::HandReading* reading_at(const EventLog& log, TouchEvent mark) {
   const hand::HandReading* reading = nullptr;
   for (const auto& moment : log.since_release()) {
     if (moment.mark == mark) reading = &log.readings[moment.reading];
@@ -65,26 +66,26 @@ const hand::HandReading* reading_at(const TouchLog& log, Mark mark) {
   return reading;
 }
 
-std::optional<double> felt_height(const hand::HandModel& hand, const TouchLog& log) {
-  const auto* const felt = reading_at(log, Mark::felt);
+std::optional<double> felt_height(const hand::HandModel& hand, const EventLog& log) {
+  const auto* const felt = reading_at(log, TouchEvent::felt);
   if (!felt) return std::nullopt;
   return lowest_of_hand(hand, *felt);
 }
 
 /// Those for an object that may have fallen before it was felt.
-LocateOptions as_it_lay(const TouchLog& log, const LocateOptions& options) {
-  const auto* const felt = reading_at(log, Mark::felt);
-  if (!felt || !reading_at(log, Mark::fallen)) return options;
+EstimationOptions as_it_lay(const EventLog& log, const EstimationOptions& options) {
+  const auto* const felt = reading_at(log, TouchEvent::felt);
+  if (!felt || !reading_at(log, TouchEvent::fallen)) return options;
   return of_fallen(options, place_under_hand(*felt));
 }
 
 /// The table under the object that nobody has moved yet. Misplaced links of the hand shift all that
 /// it feels, so that height and place are uncertain by that much.
 TableSupport resting_table(const KnownObject& object, const hand::HandModel& hand,
-                           const TouchLog& log, const LocateOptions& options) {
+                           const EventLog& log, const EstimationOptions& options) {
   TableSupport table;
   table.T_frame_table = Eigen::Isometry3d::Identity();
-  table.stance_weights = stance_weights(object, felt_height(hand, log), options);
+  table.stable_pose_weights = stable_pose_weights(object, felt_height(hand, log), options);
   table.tilt_sigma = options.resting_tilt_sigma;
   table.height_sigma = options.resting_height_sigma;
   table.half_width = options.resting_half_width;
@@ -93,11 +94,11 @@ TableSupport resting_table(const KnownObject& object, const hand::HandModel& han
 }
 
 TableSupport table_at_closing(const KnownObject& object, const hand::HandModel& hand,
-                              const TouchLog& log, const LocateOptions& options) {
+                              const EventLog& log, const EstimationOptions& options) {
   TableSupport table;
-  const auto& closed = log.readings[*log.at(Mark::closed)];
+  const auto& closed = log.readings[*log.at(TouchEvent::closed)];
   table.T_frame_table = closed.base.pose().inverse();
-  table.stance_weights = stance_weights(object, felt_height(hand, log), options);
+  table.stable_pose_weights = stable_pose_weights(object, felt_height(hand, log), options);
   table.tilt_sigma = options.tilt_sigma;
   table.height_sigma = options.height_sigma;
   table.half_width = options.half_width;
@@ -112,7 +113,7 @@ double total_weight(const localization::Posterior& posterior) {
 }
 
 /// By how much closing, pressing and lifting move the object in the hand, times `scale`.
-Matrix6d motion_covariance(const LocateOptions& options, double scale) {
+Matrix6d motion_covariance(const EstimationOptions& options, double scale) {
   const double turn = scale * options.motion_angle_sigma;
   const double way = scale * options.motion_sigma;
   Vector6d variance;
@@ -134,8 +135,8 @@ double floor_density(const PosePrior& prior, double elsewhere) {
 
 /// The resting pose seen from the hand, after a grasp that mostly moved the object a little.
 /// @param scale  of that motion
-PosePrior prior_after_grasp(const localization::Posterior& resting, const LocateOptions& options,
-                            double scale) {
+PosePrior prior_after_grasp(const localization::Posterior& resting,
+                            const EstimationOptions& options, double scale) {
   PosePrior prior;
   double share = 1;
   for (int slides = 0; slides <= kSlides; ++slides) {
@@ -169,18 +170,20 @@ void move(const Eigen::Isometry3d& T_new_old, localization::Posterior& posterior
   for (auto& T_frame_object : posterior.further) T_frame_object = T_new_old * T_frame_object;
 }
 
-localization::Posterior locate_resting(const geometry::ObjectModel& object,
-                                       const hand::HandModel& hand, const TouchLog& log,
-                                       const LocateOptions& options, std::uint64_t seed) {
+localization::Posterior estimate_resting_pose(const geometry::ObjectModel& object,
+                                              const hand::HandModel& hand, const EventLog& log,
+                                              const EstimationOptions& options,
+                                              std::uint64_t seed) {
   if (const auto before = log.before_opening()) {
-    return locate(object, hand, *before, options, seed, Mark::placed).posterior;
+    return locate(object, hand, *before, options, seed, TouchEvent::placed).posterior;
   }
-  const std::size_t sweeps = log.all(Mark::touched).size() + log.all(Mark::missed).size();
+  const std::size_t guarded_moves =
+      log.all(TouchEvent::touched).size() + log.all(TouchEvent::missed).size();
   localization::Posterior posterior;
   for (const double forgotten : kForgotten) {
-    const auto skipped = static_cast<std::size_t>(forgotten * static_cast<double>(sweeps));
-    Evidence evidence = evidence_of_sweeps(hand, log, options, skipped);
-    if (evidence.contacts.size() < (skipped > 0 ? kLeastTouches : 1)) break;
+    const auto skipped = static_cast<std::size_t>(forgotten * static_cast<double>(guarded_moves));
+    Evidence evidence = evidence_of_guarded_moves(hand, log, options, skipped);
+    if (evidence.contacts.size() < (skipped > 0 ? kMinTouches : 1)) break;
     evidence.false_contact_share = options.false_contacts;
     evidence.penetration_sigma = options.swept_sigma;
     evidence.table = resting_table(object.object(), hand, log, as_it_lay(log, options));
@@ -191,21 +194,21 @@ localization::Posterior locate_resting(const geometry::ObjectModel& object,
   return posterior;
 }
 
-PoseEstimate locate(const geometry::ObjectModel& object, const hand::HandModel& hand,
-                    const TouchLog& log, const LocateOptions& options, std::uint64_t seed,
-                    Mark instant) {
-  PoseEstimate estimate;
+HeldPoseEstimate locate(const geometry::ObjectModel& object, const hand::HandModel& hand,
+                        const EventLog& log, const EstimationOptions& options, std::uint64_t seed,
+                        TouchEvent instant) {
+  HeldPoseEstimate estimate;
   const auto held = log.at(instant);
   if (!held) return estimate;
   Evidence evidence = evidence_in_hand(hand, log, instant, object.object().mass, options);
-  if (const auto closed = log.all(Mark::closed); !closed.empty()) {
-    auto resting = locate_resting(object, hand, log, options, seed);
+  if (const auto closed = log.all(TouchEvent::closed); !closed.empty()) {
+    auto resting = estimate_resting_pose(object, hand, log, options, seed);
     if (total_weight(resting) <= 0) {
       evidence.table = table_at_closing(object.object(), hand, log, options);
     } else {
-      const auto motion = carried_motion(hand, log, closed.front(), *held, options.errors);
+      const auto motion = in_hand_motion(hand, log, closed.front(), *held, options.errors);
       move(motion * log.readings[closed.front()].base.pose().inverse(), resting);
-      const bool stirred = log.has_opened() || log.at(Mark::rolled);
+      const bool stirred = log.has_opened() || log.at(TouchEvent::rolled);
       evidence.prior = prior_after_grasp(resting, options, stirred ? kStirred : 1.0);
     }
   }

@@ -5,30 +5,30 @@
 
 namespace palpate::estimation {
 
-std::vector<TouchLog::Moment> TouchLog::since_release() const {
+std::vector<EventLog::Moment> EventLog::since_release() const {
   const auto release = std::find_if(moments.rbegin(), moments.rend(), [](const Moment& moment) {
-    return moment.mark == Mark::released;
+    return moment.mark == TouchEvent::released;
   });
   return {release.base(), moments.end()};
 }
 
-std::vector<TouchLog::Moment> TouchLog::since_opening() const {
+std::vector<EventLog::Moment> EventLog::since_opening() const {
   const auto moments_held = since_release();
   const auto opening =
       std::find_if(moments_held.rbegin(), moments_held.rend(),
-                   [](const Moment& moment) { return moment.mark == Mark::opened; });
+                   [](const Moment& moment) { return moment.mark == TouchEvent::opened; });
   return {opening.base(), moments_held.end()};
 }
 
-std::optional<TouchLog> TouchLog::before_opening() const {
+std::optional<EventLog> EventLog::before_opening() const {
   const std::size_t since = since_opening().size();
   if (since == since_release().size()) return std::nullopt;
   const auto opening = moments.end() - static_cast<std::ptrdiff_t>(since) - 1;
   const auto count = static_cast<std::ptrdiff_t>(opening->reading) + 1;
-  return TouchLog{{readings.begin(), readings.begin() + count}, {moments.begin(), opening}};
+  return EventLog{{readings.begin(), readings.begin() + count}, {moments.begin(), opening}};
 }
 
-TouchLog TouchLog::until(Mark mark) const {
+EventLog EventLog::until(TouchEvent mark) const {
   const auto last = std::find_if(moments.rbegin(), moments.rend(),
                                  [&](const Moment& moment) { return moment.mark == mark; });
   if (last == moments.rend()) return *this;
@@ -36,7 +36,7 @@ TouchLog TouchLog::until(Mark mark) const {
   return {{readings.begin(), readings.begin() + count}, {moments.begin(), last.base()}};
 }
 
-std::optional<std::size_t> TouchLog::at(Mark mark) const {
+std::optional<std::size_t> EventLog::at(TouchEvent mark) const {
   std::optional<std::size_t> reading;
   for (const Moment& moment : since_opening()) {
     if (moment.mark == mark) reading = moment.reading;
@@ -44,7 +44,7 @@ std::optional<std::size_t> TouchLog::at(Mark mark) const {
   return reading;
 }
 
-std::vector<std::size_t> TouchLog::all(Mark mark) const {
+std::vector<std::size_t> EventLog::all(TouchEvent mark) const {
   std::vector<std::size_t> all;
   for (const Moment& moment : since_opening()) {
     if (moment.mark == mark) all.push_back(moment.reading);

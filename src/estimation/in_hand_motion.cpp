@@ -47,14 +47,14 @@ Eigen::Isometry3d carried_step(const hand::HandModel& hand,
 
 }  // namespace
 
-std::span<const hand::HandReading> window_before(const TouchLog& log, std::size_t index,
+std::span<const hand::HandReading> window_before(const EventLog& log, std::size_t index,
                                                  double seconds) {
   const auto count =
       std::min(index + 1, static_cast<std::size_t>(std::ceil(seconds / hand::kTick)));
   return std::span(log.readings).subspan(index + 1 - count, count);
 }
 
-Eigen::Isometry3d carried_motion(const hand::HandModel& hand, const TouchLog& log,
+Eigen::Isometry3d in_hand_motion(const hand::HandModel& hand, const EventLog& log,
                                  std::size_t first, std::size_t last,
                                  const tactile::ContactErrorModel& errors, const Fingers& ignored) {
   Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();

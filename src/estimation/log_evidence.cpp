@@ -39,7 +39,7 @@ bool carries(const hand::LinkSphere& sphere, const hand::HandModel& hand, hand::
 }
 
 /// Where the probing fingertip has been between two readings, without the last `margin` metres.
-void add_swept_tip(const hand::HandModel& hand, const TouchLog& log, std::size_t first,
+void add_swept_tip(const hand::HandModel& hand, const EventLog& log, std::size_t first,
                    std::size_t last, double margin, std::vector<localization::FreeSphere>& swept) {
   const auto T_base_link = hand::forward_kinematics(hand, log.readings[first].joints);
   const Eigen::Vector3d end = log.readings[last].base.xyz;
@@ -71,8 +71,8 @@ std::vector<tactile::Contact> felt_contacts(std::span<const hand::HandReading> w
 }
 
 /// The links' misplacement displaces all contacts of a finger alike, in the base's axes.
-localization::SharedOffset finger_offset(const hand::HandModel& hand, int finger) {
-  localization::SharedOffset offset;
+localization::CommonModeBias finger_offset(const hand::HandModel& hand, int finger) {
+  localization::CommonModeBias offset;
   offset.sigma = tactile::link_offset_sigma(hand, finger);
   return offset;
 }
@@ -105,7 +105,7 @@ Fingers moved_fingers(const hand::HandModel& hand, std::span<const hand::HandRea
 
 /// Adds contacts of some fingers that are carried along with the object to the present.
 void add_carried(std::vector<tactile::Contact> contacts, const Fingers& fingers,
-                 const Eigen::Isometry3d& motion, const LocateOptions& options,
+                 const Eigen::Isometry3d& motion, const EstimationOptions& options,
                  Evidence& evidence) {
   for (auto& contact : contacts) {
     if (!fingers[static_cast<std::size_t>(contact.finger)]) continue;
@@ -116,9 +116,9 @@ void add_carried(std::vector<tactile::Contact> contacts, const Fingers& fingers,
 }
 
 /// The last moment before a probe at which all fingers held the object.
-std::size_t holding_before(const TouchLog& log, std::size_t probe) {
-  std::size_t latest = log.all(Mark::closed).front();
-  for (const Mark mark : {Mark::closed, Mark::held}) {
+std::size_t holding_before(const EventLog& log, std::size_t probe) {
+  std::size_t latest = log.all(TouchEvent::closed).front();
+  for (const TouchEvent mark : {TouchEvent::closed, TouchEvent::held}) {
     for (const std::size_t reading : log.all(mark)) {
       if (reading < probe) latest = std::max(latest, reading);
     }
@@ -128,12 +128,12 @@ std::size_t holding_before(const TouchLog& log, std::size_t probe) {
 
 /// Adds what a finger found at another spot while the others held the object: its touch, if it
 /// made one, and the space that it takes.
-void add_probe(const hand::HandModel& hand, const TouchLog& log, std::size_t probe,
-               std::size_t present, const LocateOptions& options, Evidence& evidence) {
+void add_probe(const hand::HandModel& hand, const EventLog& log, std::size_t probe,
+               std::size_t present, const EstimationOptions& options, Evidence& evidence) {
   const auto probed = window_before(log, probe, kClosedWindow);
   const auto holding = window_before(log, holding_before(log, probe), kClosedWindow);
   const auto moved = moved_fingers(hand, holding, probed);
-  const auto motion = carried_motion(hand, log, probe, present, options.errors, moved);
+  const auto motion = in_hand_motion(hand, log, probe, present, options.errors, moved);
   add_carried(felt_contacts(probed, hand, options.errors), moved, motion, options, evidence);
   if (!options.free_space) return;
   const auto T_base_link = hand::forward_kinematics(hand, tactile::mean_joints(probed));
@@ -148,18 +148,18 @@ void add_probe(const hand::HandModel& hand, const TouchLog& log, std::size_t pro
 }
 
 /// Adds what the fingers touched when they had rolled the object aside.
-void add_rolled(const hand::HandModel& hand, const TouchLog& log, std::size_t rolled,
-                std::size_t present, const LocateOptions& options, Evidence& evidence) {
+void add_rolled(const hand::HandModel& hand, const EventLog& log, std::size_t rolled,
+                std::size_t present, const EstimationOptions& options, Evidence& evidence) {
   Fingers all;
   all.fill(true);
   add_carried(felt_contacts(window_before(log, rolled, kClosedWindow), hand, options.errors), all,
-              carried_motion(hand, log, rolled, present, options.errors), options, evidence);
+              in_hand_motion(hand, log, rolled, present, options.errors), options, evidence);
 }
 
 /// What the fingertips do to the object that hangs in them, in the hand's base.
 localization::ForceBalance balance_of(const std::vector<tactile::Contact>& contacts, double mass,
                                       const Eigen::Isometry3d& T_world_base,
-                                      const LocateOptions& options) {
+                                      const EstimationOptions& options) {
   localization::ForceBalance balance;
   for (const auto& contact : contacts) balance.pushes.push_back({contact.p, contact.n, contact.f});
   balance.weight = -kGravity * mass * T_world_base.linear().row(2).transpose();
@@ -176,17 +176,17 @@ void move(const Eigen::Isometry3d& T_new_old, tactile::Contact& contact) {
   contact.f = T_new_old.linear() * contact.f;
 }
 
-Evidence evidence_of_sweeps(const hand::HandModel& hand, const TouchLog& log,
-                            const LocateOptions& options, std::size_t skipped) {
+Evidence evidence_of_guarded_moves(const hand::HandModel& hand, const EventLog& log,
+                                   const EstimationOptions& options, std::size_t skipped) {
   Evidence evidence;
   auto offset = finger_offset(hand, static_cast<int>(hand::Finger::first));
-  std::size_t sweep = 0, count = 0;
+  std::size_t guarded_move = 0, count = 0;
   for (const auto& moment : log.since_release()) {
-    if (moment.mark == Mark::sweep) sweep = moment.reading;
-    if (moment.mark != Mark::touched && moment.mark != Mark::missed) continue;
+    if (moment.mark == TouchEvent::guarded_move) guarded_move = moment.reading;
+    if (moment.mark != TouchEvent::touched && moment.mark != TouchEvent::missed) continue;
     if (count++ < skipped) continue;
-    const bool touched = moment.mark == Mark::touched;
-    add_swept_tip(hand, log, sweep, moment.reading, touched ? kTouchMargin : 0.0,
+    const bool touched = moment.mark == TouchEvent::touched;
+    add_swept_tip(hand, log, guarded_move, moment.reading, touched ? kTouchMargin : 0.0,
                   evidence.free_space);
     if (!touched) continue;
     const Eigen::Isometry3d T_world_base = log.readings[moment.reading].base.pose();
@@ -201,25 +201,25 @@ Evidence evidence_of_sweeps(const hand::HandModel& hand, const TouchLog& log,
   return evidence;
 }
 
-Evidence evidence_in_hand(const hand::HandModel& hand, const TouchLog& log, Mark instant,
-                          double mass, const LocateOptions& options) {
+Evidence evidence_in_hand(const hand::HandModel& hand, const EventLog& log, TouchEvent instant,
+                          double mass, const EstimationOptions& options) {
   Evidence evidence;
   const auto present = log.at(instant);
   if (!present) return evidence;
-  const double window = instant == Mark::held ? options.window : kClosedWindow;
+  const double window = instant == TouchEvent::held ? options.window : kClosedWindow;
   evidence.contacts = felt_contacts(window_before(log, *present, window), hand, options.errors);
   evidence.false_contact_share = options.false_contacts;
   evidence.penetration_sigma = options.penetration_sigma;
   if (options.free_space) evidence.free_space = hand_spheres(hand, log.readings[*present]);
-  if (options.balance && instant == Mark::held && !evidence.contacts.empty()) {
+  if (options.balance && instant == TouchEvent::held && !evidence.contacts.empty()) {
     evidence.balance =
         balance_of(evidence.contacts, mass, log.readings[*present].base.pose(), options);
   }
-  if (log.at(Mark::closed)) {
-    for (const std::size_t probe : log.all(Mark::probed)) {
+  if (log.at(TouchEvent::closed)) {
+    for (const std::size_t probe : log.all(TouchEvent::probed)) {
       add_probe(hand, log, probe, *present, options, evidence);
     }
-    for (const std::size_t rolled : log.all(Mark::rolled)) {
+    for (const std::size_t rolled : log.all(TouchEvent::rolled)) {
       add_rolled(hand, log, rolled, *present, options, evidence);
     }
   }

@@ -5,17 +5,19 @@
 
 namespace palpate::estimation {
 
-/// Contacts and free space of the sweeps around the resting object, in the world.
-/// @param skipped  sweeps that are left out, the first ones
-localization::Evidence evidence_of_sweeps(const hand::HandModel& hand, const TouchLog& log,
-                                          const LocateOptions& options, std::size_t skipped);
+/// Contacts and free space of the guarded moves around the resting object, in the world.
+/// @param skipped  guarded moves that are left out, the first ones
+localization::Evidence evidence_of_guarded_moves(const hand::HandModel& hand, const EventLog& log,
+                                                 const EstimationOptions& options,
+                                                 std::size_t skipped);
 
 /// What the closed hand feels at a moment of the log, with what probing and rolling have told
 /// since it closed, in its base.
 /// @param mass  of the object, kg
 /// @return no contacts without the moment
-localization::Evidence evidence_in_hand(const hand::HandModel& hand, const TouchLog& log,
-                                        Mark instant, double mass, const LocateOptions& options);
+localization::Evidence evidence_in_hand(const hand::HandModel& hand, const EventLog& log,
+                                        TouchEvent instant, double mass,
+                                        const EstimationOptions& options);
 
 /// Expresses a contact in another frame.
 void move(const Eigen::Isometry3d& T_new_old, tactile::Contact& contact);

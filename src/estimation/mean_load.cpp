@@ -7,21 +7,21 @@
 namespace palpate::estimation {
 namespace {
 
-std::span<const hand::HandReading> last_of(const TouchLog& log, std::size_t readings) {
+std::span<const hand::HandReading> last_of(const EventLog& log, std::size_t readings) {
   const std::span<const hand::HandReading> all(log.readings);
   return all.last(std::min(all.size(), readings));
 }
 
 }  // namespace
 
-double mean_load(const TouchLog& log, std::size_t readings) {
+double mean_load(const EventLog& log, std::size_t readings) {
   double sum = 0;
   const auto window = last_of(log, readings);
   for (const auto& reading : window) sum += reading.base_force.z();
   return sum / static_cast<double>(window.size());
 }
 
-hand::BasePosition mean_base(const TouchLog& log, std::size_t readings) {
+hand::BasePosition mean_base(const EventLog& log, std::size_t readings) {
   hand::BasePosition mean;
   const auto window = last_of(log, readings);
   for (const auto& reading : window) {

@@ -6,9 +6,9 @@
 namespace palpate::estimation {
 
 /// Mean of what the base carries over the last readings (N, up positive).
-double mean_load(const TouchLog& log, std::size_t readings = 20);
+double mean_load(const EventLog& log, std::size_t readings = 20);
 
 /// Mean of where the base was over the last readings.
-hand::BasePosition mean_base(const TouchLog& log, std::size_t readings = 20);
+hand::BasePosition mean_base(const EventLog& log, std::size_t readings = 20);
 
 }  // namespace palpate::estimation

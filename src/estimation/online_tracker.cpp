@@ -28,15 +28,15 @@ std::size_t ticks(double seconds) {
 
 }  // namespace
 
-FeltPlace::FeltPlace(const geometry::ObjectModel& object, const hand::HandModel& hand,
-                     const localization::Posterior& resting, const FeltPlaceOptions& options,
-                     std::uint64_t seed)
+OnlineTracker::OnlineTracker(const geometry::ObjectModel& object, const hand::HandModel& hand,
+                             const localization::Posterior& resting,
+                             const OnlineTrackerOptions& options, std::uint64_t seed)
     : object_(object), hand_(hand), options_(options), random_(seed, "felt place") {
   if (resting.unlisted() >= 1) throw BadInput("no pose from which an object could be followed");
   known_.posterior = coming_.posterior = resting;
 }
 
-void FeltPlace::feel(const hand::HandReading& reading) {
+void OnlineTracker::feel(const hand::HandReading& reading) {
   log_.readings.push_back(reading);
   const auto T_base_link = hand::forward_kinematics(hand_, reading.joints);
   palm_.push_back(reading.base.pose() * T_base_link[static_cast<std::size_t>(hand_.palm)]);
@@ -47,7 +47,7 @@ void FeltPlace::feel(const hand::HandReading& reading) {
 }
 
 /// The object goes with the palm as long as the hand, having risen, touches it.
-void FeltPlace::follow() {
+void OnlineTracker::follow() {
   if (moved_.empty()) {
     moved_.emplace_back(Eigen::Isometry3d::Identity());
     lowest_palm_ = palm_.front().translation().z();
@@ -62,14 +62,14 @@ void FeltPlace::follow() {
   moved_.push_back(carries ? motion * moved_.back() : moved_.back());
 }
 
-Eigen::Isometry3d FeltPlace::T_world_object() const {
+Eigen::Isometry3d OnlineTracker::T_world_object() const {
   const Eigen::Isometry3d& T = known_.posterior.modes.front().T_frame_object;
   return moved_.empty() ? T : moved_.back() * moved_[known_.reading].inverse() * T;
 }
 
 /// Of the object at the last reading, in the hand's base: where the last estimate has it, or gone
 /// along with the palm that has touched it since.
-localization::PosePrior FeltPlace::expected() const {
+localization::PosePrior OnlineTracker::expected() const {
   const std::size_t since = std::max(coming_.reading, touched_.value_or(palm_.size() - 1));
   const double periods =
       static_cast<double>(palm_.size() - 1 - since) / static_cast<double>(ticks(options_.period));
@@ -93,13 +93,13 @@ localization::PosePrior FeltPlace::expected() const {
   return prior;
 }
 
-void FeltPlace::estimate() {
+void OnlineTracker::estimate() {
   const auto start = std::chrono::steady_clock::now();
   const std::size_t present = log_.readings.size() - 1;
   const Eigen::Isometry3d T_world_base = log_.readings[present].base.pose();
-  log_.moments = {{Mark::held, present}};
+  log_.moments = {{TouchEvent::held, present}};
   localization::Evidence evidence =
-      evidence_in_hand(hand_, log_, Mark::held, object_.object().mass, options_.locate);
+      evidence_in_hand(hand_, log_, TouchEvent::held, object_.object().mass, options_.locate);
   evidence.prior = expected();
   if (evidence.contacts.size() <= kFew) evidence.prior->floor = kFloorOfFew;
   auto posterior = localization::localize(

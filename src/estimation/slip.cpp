@@ -17,7 +17,7 @@ constexpr std::size_t kDriftReadings = 20;
 
 /// Mean place of each finger's lasting contacts in its distal link.
 std::array<std::optional<Eigen::Vector3d>, hand::kFingers> places_on_tips(
-    const TouchLog& log, const hand::HandModel& hand, std::size_t last) {
+    const EventLog& log, const hand::HandModel& hand, std::size_t last) {
   std::array<std::optional<Eigen::Vector3d>, hand::kFingers> places;
   std::array<int, hand::kFingers> counts{};
   const std::size_t count = std::min(last + 1, kDriftReadings);
@@ -35,8 +35,8 @@ std::array<std::optional<Eigen::Vector3d>, hand::kFingers> places_on_tips(
 
 }  // namespace
 
-double contact_drift(const TouchLog& log, const hand::HandModel& hand, std::size_t before,
-                     std::size_t after) {
+double contact_slip(const EventLog& log, const hand::HandModel& hand, std::size_t before,
+                    std::size_t after) {
   const auto from = places_on_tips(log, hand, before), to = places_on_tips(log, hand, after);
   std::vector<double> drifts;
   for (std::size_t finger = 0; finger < hand::kFingers; ++finger) {

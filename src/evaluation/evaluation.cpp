@@ -34,51 +34,51 @@ void count_phases(const std::vector<skills::PhaseReport>& reports,
 
 void count_place(const Trial& trial, PlaceSummary& summary) {
   if (!trial.place) return;
-  const PlaceJudgement& judgement = trial.place_judgement;
+  const PlaceMetrics& metrics = trial.place_metrics;
   summary.certain += trial.place->certain && !trial.place->on_the_way;
-  summary.placed += judgement.placed;
-  summary.tight += judgement.tight;
-  summary.wrong += judgement.wrong;
-  summary.dropped += judgement.dropped;
-  summary.in_stance += judgement.in_stance;
+  summary.placed += metrics.placed;
+  summary.tight += metrics.tight;
+  summary.wrong += metrics.wrong;
+  summary.dropped += metrics.dropped;
+  summary.in_stable_pose += metrics.in_stable_pose;
   ++summary.status[std::string(skills::to_string(trial.place->status))];
   if (!trial.place->T_world_placed || trial.place->on_the_way) return;
-  add(judgement.error, summary.final_error);
-  add(judgement.estimate, summary.estimate_error);
-  add(judgement.release, summary.release_motion);
+  add(metrics.error, summary.final_error);
+  add(metrics.estimate, summary.estimate_error);
+  add(metrics.release, summary.release_motion);
 }
 
 void count(const Trial& trial, ObjectSummary& summary, std::vector<double>& modes) {
-  const Judgement& judgement = trial.judgement;
+  const TrialMetrics& metrics = trial.metrics;
   ++summary.trials;
   count_phases(trial.result.phases, summary.phases);
   if (trial.place) count_phases(trial.place->phases, summary.phases);
   count_place(trial, summary.place);
-  if (!judgement.lifted) {
+  if (!metrics.lifted) {
     ++summary.failures[failed_phase(trial)];
     summary.false_hold += trial.result.held;
     return;
   }
   ++summary.lifted;
-  summary.slip_mm.push_back(1e3 * judgement.slip);
+  summary.slip_mm.push_back(1e3 * metrics.slip);
   summary.lifted_at_once += trial.result.attempts == 1;
-  summary.tip_force.push_back(judgement.tip_force);
-  summary.explored_motion_mm.push_back(1e3 * judgement.explored_motion);
-  if (!judgement.has_pose) {
+  summary.tip_force.push_back(metrics.tip_force);
+  summary.explored_motion_mm.push_back(1e3 * metrics.explored_motion);
+  if (!metrics.has_pose) {
     ++summary.failures["pose"];
     return;
   }
   const auto& best = trial.result.estimate.posterior.modes[0];
-  summary.pose_ok += judgement.pose_ok;
-  summary.pose_tight += judgement.pose_tight;
-  summary.pose_ok_before_lift += judgement.pose_ok_before_lift;
-  summary.pose_ok_before_probe += judgement.pose_ok_before_probe;
-  summary.pose_ok_tracked += judgement.pose_ok_tracked;
-  summary.probed += judgement.probes > 0;
-  summary.sure_but_wrong += !judgement.pose_ok && localization::pose_probability(best) > kSure;
-  summary.truth_in_modes += judgement.truth_in_modes;
-  summary.rotation_error_deg.push_back(kDegrees * judgement.error.rotation);
-  summary.translation_error_mm.push_back(1e3 * judgement.error.translation);
+  summary.pose_ok += metrics.pose_ok;
+  summary.pose_tight += metrics.pose_tight;
+  summary.pose_ok_before_lift += metrics.pose_ok_before_lift;
+  summary.pose_ok_before_probe += metrics.pose_ok_before_probe;
+  summary.pose_ok_tracked += metrics.pose_ok_tracked;
+  summary.probed += metrics.probes > 0;
+  summary.sure_but_wrong += !metrics.pose_ok && localization::pose_probability(best) > kSure;
+  summary.truth_in_modes += metrics.truth_in_modes;
+  summary.rotation_error_deg.push_back(kDegrees * metrics.error.rotation);
+  summary.translation_error_mm.push_back(1e3 * metrics.error.translation);
   modes.push_back(static_cast<double>(trial.result.estimate.posterior.modes.size()));
 }
 

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kTouching = 0.1;                          // N
 constexpr double kLifted = 0.05;                           // m above the table
-constexpr double kMostSlip = 0.010;                        // m
+constexpr double kMaxSlip = 0.010;                         // m
 constexpr double kPoseAngle = 5 * std::numbers::pi / 180;  // rad
 constexpr double kPoseDistance = 0.010;                    // m
 
@@ -40,7 +40,7 @@ double median_tip_force(const hand::HandReading& reading) {
 }
 
 /// Moments of a kind since the hand let go, of all grasps.
-int count(const estimation::TouchLog& log, estimation::Mark mark) {
+int count(const estimation::EventLog& log, estimation::TouchEvent mark) {
   const auto moments = log.since_release();
   return static_cast<int>(std::count_if(
       moments.begin(), moments.end(), [mark](const auto& moment) { return moment.mark == mark; }));
@@ -48,83 +48,82 @@ int count(const estimation::TouchLog& log, estimation::Mark mark) {
 
 }  // namespace
 
-void Judge::observe(const hand::HandReading& reading) {
+void Evaluator::observe(const hand::HandReading& reading) {
   const simulation::Truth truth = world_.truth();
   moments_.push_back({reading.base.pose().inverse() * truth.T_world_object, truth.lowest_point});
 }
 
-Judgement Judge::verdict(const skills::PickResult& result, const estimation::TouchLog& log,
-                         const skills::LiftOptions& lift,
-                         const std::vector<Eigen::Matrix3d>& symmetries) const {
-  Judgement judgement;
-  judgement.T_world_object = world_.truth().T_world_object;
-  if (const auto held = log.at(estimation::Mark::held); held && !world_.diverged()) {
+TrialMetrics Evaluator::verdict(const skills::PickResult& result, const estimation::EventLog& log,
+                                const skills::LiftOptions& lift,
+                                const std::vector<Eigen::Matrix3d>& symmetries) const {
+  TrialMetrics metrics;
+  metrics.T_world_object = world_.truth().T_world_object;
+  if (const auto held = log.at(estimation::TouchEvent::held); held && !world_.diverged()) {
     const auto hold = static_cast<std::size_t>(std::lround(lift.hold / hand::kTick));
     const std::size_t first = *held - std::min(*held, hold);
     const auto& before = moments_[first].T_base_object.translation();
     double lowest = moments_[first].lowest_point;
     for (std::size_t i = first; i <= *held; ++i) {
-      judgement.slip =
-          std::max(judgement.slip, (moments_[i].T_base_object.translation() - before).norm());
+      metrics.slip =
+          std::max(metrics.slip, (moments_[i].T_base_object.translation() - before).norm());
       lowest = std::min(lowest, moments_[i].lowest_point);
     }
-    judgement.tip_force = median_tip_force(log.readings[*held]);
-    judgement.lifted = lowest > kLifted && judgement.slip < kMostSlip;
+    metrics.tip_force = median_tip_force(log.readings[*held]);
+    metrics.lifted = lowest > kLifted && metrics.slip < kMaxSlip;
   }
-  const auto closed = log.all(estimation::Mark::closed);
+  const auto closed = log.all(estimation::TouchEvent::closed);
   if (!closed.empty()) {
-    judgement.pose_ok_before_lift =
-        right_in_hand(result.before_lift, closed.back(), log, symmetries);
-    judgement.pose_ok_before_probe =
+    metrics.pose_ok_before_lift = right_in_hand(result.before_lift, closed.back(), log, symmetries);
+    metrics.pose_ok_before_probe =
         right_in_hand(result.before_probe, closed.front(), log, symmetries);
   }
-  judge_tracked(result, symmetries, judgement);
-  judgement.probes = count(log, estimation::Mark::probed);
-  judgement.explored_motion = motion_while_explored(log);
+  evaluate_tracked(result, symmetries, metrics);
+  metrics.probes = count(log, estimation::TouchEvent::probed);
+  metrics.explored_motion = motion_while_explored(log);
   const auto& posterior = result.estimate.posterior;
-  judgement.has_pose = !posterior.modes.empty();
-  if (judgement.has_pose) {
-    const auto& truth = judgement.T_world_object;
+  metrics.has_pose = !posterior.modes.empty();
+  if (metrics.has_pose) {
+    const auto& truth = metrics.T_world_object;
     const auto& best = posterior.modes[0].T_frame_object;
-    judgement.error = localization::pose_error(best, truth, symmetries);
-    judgement.error_no_symmetry =
+    metrics.error = localization::pose_error(best, truth, symmetries);
+    metrics.error_no_symmetry =
         localization::pose_error(best, truth, {Eigen::Matrix3d::Identity()});
-    judgement.pose_ok = within(judgement.error, kPoseAngle, kPoseDistance);
-    judgement.pose_tight = within(judgement.error, kTightAngle, kTightDistance);
-    judgement.truth_in_modes = localization::truth_in_modes(posterior, truth, symmetries);
+    metrics.pose_ok = within(metrics.error, kPoseAngle, kPoseDistance);
+    metrics.pose_tight = within(metrics.error, kTightAngle, kTightDistance);
+    metrics.truth_in_modes = localization::truth_in_modes(posterior, truth, symmetries);
   }
-  return judgement;
+  return metrics;
 }
 
-void Judge::judge_tracked(const skills::PickResult& result,
-                          const std::vector<Eigen::Matrix3d>& symmetries,
-                          Judgement& judgement) const {
+void Evaluator::evaluate_tracked(const skills::PickResult& result,
+                                 const std::vector<Eigen::Matrix3d>& symmetries,
+                                 TrialMetrics& metrics) const {
   if (!result.tracked || result.tracked->looks.empty()) return;
   int right = 0;
   for (const auto& look : result.tracked->looks) {
     const auto error = localization::pose_error(look.T_base_object,
                                                 moments_[look.reading].T_base_object, symmetries);
-    judgement.pose_ok_tracked = within(error, kPoseAngle, kPoseDistance);
-    right += judgement.pose_ok_tracked;
+    metrics.pose_ok_tracked = within(error, kPoseAngle, kPoseDistance);
+    right += metrics.pose_ok_tracked;
   }
-  judgement.tracked_share = right / static_cast<double>(result.tracked->looks.size());
+  metrics.tracked_share = right / static_cast<double>(result.tracked->looks.size());
 }
 
-bool Judge::right_in_hand(const std::optional<estimation::PoseEstimate>& estimate,
-                          std::size_t closed, const estimation::TouchLog& log,
-                          const std::vector<Eigen::Matrix3d>& symmetries) const {
+bool Evaluator::right_in_hand(const std::optional<estimation::HeldPoseEstimate>& estimate,
+                              std::size_t closed, const estimation::EventLog& log,
+                              const std::vector<Eigen::Matrix3d>& symmetries) const {
   if (!estimate || estimate->posterior.modes.empty()) return false;
   const auto truth = log.readings[closed].base.pose() * moments_[closed].T_base_object;
   const auto& best = estimate->posterior.modes[0].T_frame_object;
   return within(localization::pose_error(best, truth, symmetries), kPoseAngle, kPoseDistance);
 }
 
-Eigen::Isometry3d Judge::object_at(const estimation::TouchLog& log, std::size_t reading) const {
+Eigen::Isometry3d Evaluator::object_at(const estimation::EventLog& log, std::size_t reading) const {
   return log.readings[reading].base.pose() * moments_[reading].T_base_object;
 }
 
-bool Judge::left_the_hand(const estimation::TouchLog& log, std::size_t first,
-                          std::size_t last) const {
+bool Evaluator::left_the_hand(const estimation::EventLog& log, std::size_t first,
+                              std::size_t last) const {
   const Eigen::Vector3d start = moments_[first].T_base_object.translation();
   for (std::size_t i = first; i <= std::min(last, log.readings.size() - 1); ++i) {
     if ((moments_[i].T_base_object.translation() - start).norm() > kLeftHand) return true;
@@ -132,48 +131,48 @@ bool Judge::left_the_hand(const estimation::TouchLog& log, std::size_t first,
   return false;
 }
 
-PlaceJudgement Judge::place_verdict(const skills::PlaceResult& result,
-                                    const skills::PlaceTarget& target,
-                                    const estimation::TouchLog& log,
-                                    const geometry::KnownObject& object) const {
-  PlaceJudgement judgement;
-  const estimation::TouchLog picked = log.until(estimation::Mark::held);
+PlaceMetrics Evaluator::place_metrics(const skills::PlaceResult& result,
+                                      const skills::PlaceTarget& target,
+                                      const estimation::EventLog& log,
+                                      const geometry::KnownObject& object) const {
+  PlaceMetrics metrics;
+  const estimation::EventLog picked = log.until(estimation::TouchEvent::held);
   const std::size_t held = picked.readings.size() - 1;
-  std::size_t let_go = log.until(estimation::Mark::placed).readings.size() - 1;
+  std::size_t let_go = log.until(estimation::TouchEvent::placed).readings.size() - 1;
   if (let_go < held) let_go = log.readings.size() - 1;  // it was not placed since it was picked
-  judgement.dropped = left_the_hand(log, held, let_go);
-  const auto closed = picked.at(estimation::Mark::closed);
+  metrics.dropped = left_the_hand(log, held, let_go);
+  const auto closed = picked.at(estimation::TouchEvent::closed);
   const Eigen::Isometry3d before = object_at(log, closed ? *closed : held);
-  judgement.T_world_target =
-      skills::target_pose(target, object, skills::nearest_stance(object, before.linear()).stance);
+  metrics.T_world_target = skills::target_pose(
+      target, object, skills::nearest_stable_pose(object, before.linear()).stable_pose);
   const Eigen::Isometry3d after = world_.truth().T_world_object;
   const auto apart = [&](const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
     return localization::pose_error(a, b, object.symmetries);
   };
-  judgement.error = apart(after, judgement.T_world_target);
-  judgement.in_stance =
-      skills::same_side_up(object, after.linear(), judgement.T_world_target.linear(), kSameSide);
-  if (!result.T_world_placed || world_.diverged()) return judgement;
+  metrics.error = apart(after, metrics.T_world_target);
+  metrics.in_stable_pose =
+      skills::same_side_up(object, after.linear(), metrics.T_world_target.linear(), kSameSide);
+  if (!result.T_world_placed || world_.diverged()) return metrics;
   const Eigen::Isometry3d at_release = object_at(log, let_go);
-  judgement.estimate = apart(*result.T_world_placed, at_release);
-  judgement.release = apart(after, at_release);
+  metrics.estimate = apart(*result.T_world_placed, at_release);
+  metrics.release = apart(after, at_release);
   const bool let_go_for_good =
       result.status == skills::PlaceStatus::placed || result.status == skills::PlaceStatus::missing;
-  judgement.placed = let_go_for_good && within(judgement.error, kPoseAngle, kPoseDistance);
-  judgement.tight =
-      judgement.placed && within(judgement.error, kPlaceTightAngle, kPlaceTightDistance);
-  judgement.wrong = result.certain && !result.on_the_way && !judgement.placed;
-  return judgement;
+  metrics.placed = let_go_for_good && within(metrics.error, kPoseAngle, kPoseDistance);
+  metrics.tight = metrics.placed && within(metrics.error, kPlaceTightAngle, kPlaceTightDistance);
+  metrics.wrong = result.certain && !result.on_the_way && !metrics.placed;
+  return metrics;
 }
 
-double Judge::motion_while_explored(const estimation::TouchLog& log) const {
+double Evaluator::motion_while_explored(const estimation::EventLog& log) const {
   const auto place = [&](std::size_t i) -> Eigen::Vector3d {
     return object_at(log, i).translation();
   };
   std::optional<std::size_t> first, last;
   for (const auto& moment : log.since_release()) {
-    if (moment.mark == estimation::Mark::sweep && !first) first = moment.reading;
-    if (moment.mark == estimation::Mark::touched || moment.mark == estimation::Mark::missed)
+    if (moment.mark == estimation::TouchEvent::guarded_move && !first) first = moment.reading;
+    if (moment.mark == estimation::TouchEvent::touched ||
+        moment.mark == estimation::TouchEvent::missed)
       last = moment.reading;
   }
   return first && last ? (place(*last) - place(*first)).norm() : 0;

@@ -47,14 +47,14 @@ void Recorder::frame(const hand::HandReading& reading, const hand::HandCommand& 
   writer_->frame({reading, command, recording::FrameTruth{truth.T_world_object, truth.joints}});
 }
 
-void Recorder::mark(estimation::Mark mark) {
+void Recorder::mark(estimation::TouchEvent mark) {
   if (!writer_) return;
-  writer_->event(
-      {time_, recording::EventKind::note, phase_,
-       std::string(kMarkPrefix).append(estimation::kMarkNames[static_cast<std::size_t>(mark)])});
+  writer_->event({time_, recording::EventKind::note, phase_,
+                  std::string(kMarkPrefix)
+                      .append(estimation::kTouchEventNames[static_cast<std::size_t>(mark)])});
 }
 
-void Recorder::estimate(double time, const estimation::PoseEstimate& estimate) {
+void Recorder::estimate(double time, const estimation::HeldPoseEstimate& estimate) {
   if (!writer_) return;
   recording::EstimateRecord record;
   record.time = time;

@@ -54,20 +54,20 @@ void check_clear(const planning::Fixture& fixture, const geometry::KnownObject& 
 
 simulation::Start draw_start(const geometry::KnownObject& object, const StartOptions& options,
                              std::uint64_t seed) {
-  const int count = static_cast<int>(object.stances.size());
-  if (options.stance >= count) {
-    throw BadInput(fmt::format("start.stance = {}: {} has the stances 0..{}", options.stance,
-                               object.name, count - 1));
+  const int count = static_cast<int>(object.stable_poses.size());
+  if (options.stable_pose >= count) {
+    throw BadInput(fmt::format("start.stable_pose = {}: {} has the stable poses 0..{}",
+                               options.stable_pose, object.name, count - 1));
   }
   RandomStream random(seed, "start");
   simulation::Start start;
   double share = random.uniform();
-  while (start.stance + 1 < count &&
-         share >= object.stances[static_cast<std::size_t>(start.stance)].probability) {
-    share -= object.stances[static_cast<std::size_t>(start.stance)].probability;
-    ++start.stance;
+  while (start.stable_pose + 1 < count &&
+         share >= object.stable_poses[static_cast<std::size_t>(start.stable_pose)].probability) {
+    share -= object.stable_poses[static_cast<std::size_t>(start.stable_pose)].probability;
+    ++start.stable_pose;
   }
-  if (options.stance >= 0) start.stance = options.stance;
+  if (options.stable_pose >= 0) start.stable_pose = options.stable_pose;
   start.yaw = random.uniform(-std::numbers::pi, std::numbers::pi);
   start.xy = {random.uniform(-options.uncertainty, options.uncertainty),
               random.uniform(-options.uncertainty, options.uncertainty)};
@@ -93,15 +93,18 @@ skills::PickOptions TrialOptions::pick_options() const {
 
 std::optional<skills::PlaceTarget> place_target(const geometry::KnownObject& object,
                                                 const skills::PlaceOptions& options,
-                                                std::uint64_t seed, std::size_t start_stance) {
-  skills::place_means(options);
-  if (options.stance >= 0 && options.target != "stance") {
-    throw BadInput(fmt::format("place.stance = {} is of the target \"stance\", not of {:?}",
-                               options.stance, options.target));
+                                                std::uint64_t seed, std::size_t start_stable_pose) {
+  skills::place_strategy(options);
+  if (options.stable_pose >= 0 && options.target != "stable_pose") {
+    throw BadInput(
+        fmt::format("place.stable_pose = {} is of the target \"stable_pose\", not of {:?}",
+                    options.stable_pose, options.target));
   }
   if (options.target.empty()) return std::nullopt;
-  if (options.target == "stance") {
-    return skills::stance_target(object, start_stance, options.stance, options.reach, seed);
+  if (options.target == "stance") throw BadInput("the target stance is now stable_pose");
+  if (options.target == "stable_pose") {
+    return skills::stable_pose_target(object, start_stable_pose, options.stable_pose, options.reach,
+                                      seed);
   }
   return skills::parse_target(options.target, object, options.fixture, options.reach, seed);
 }
@@ -125,7 +128,7 @@ Trial run_trial(const geometry::ObjectModel& object, const TrialOptions& options
   Trial trial;
   trial.start = draw_start(object.object(), options.start, seed);
   const auto target = place_target(object.object(), options.place, seed,
-                                   static_cast<std::size_t>(trial.start.stance));
+                                   static_cast<std::size_t>(trial.start.stable_pose));
   const planning::Fixture fixture = place_fixture(object.object(), options.place, target);
   check_clear(fixture, object.object(), options.start.uncertainty);
   const skills::PickOptions pick_options = options.pick_options();
@@ -134,37 +137,37 @@ Trial run_trial(const geometry::ObjectModel& object, const TrialOptions& options
   simulation::World world(object.object(), world_options, seed, fixture);
   world.reset(trial.start, waiting_command());
 
-  Judge judge(world);
+  Evaluator evaluator(world);
   Recorder recorder(writer, world);
   std::optional<tactile::BiotacHand> feeling;
   if (options.touch.from_biotacs()) {
     feeling.emplace(world.hand(), world.hand_model(), tactile::shipped_biotac_inverse());
   }
   const simulation::SimulatedModels models(options.forward_model);
-  skills::Robot robot(feeling ? *feeling : world.hand(), world.hand_model(), waiting_command(),
-                      {[&](const auto& reading, const auto& command) {
-                         judge.observe(reading);
-                         recorder.frame(reading, command);
-                       },
-                       [&](estimation::Mark mark) { recorder.mark(mark); }},
-                      &models);
+  skills::Executor robot(feeling ? *feeling : world.hand(), world.hand_model(), waiting_command(),
+                         {[&](const auto& reading, const auto& command) {
+                            evaluator.observe(reading);
+                            recorder.frame(reading, command);
+                          },
+                          [&](estimation::TouchEvent mark) { recorder.mark(mark); }},
+                         &models);
   skills::PhaseObserver told = recorder.phases_and(observer);
   told.on_picked = [&](const skills::PickResult& picked) {
     recorder.estimate(robot.time(), picked.estimate);
-    trial.judgement =
-        judge.verdict(picked, robot.log(), pick_options.lift, object.object().symmetries);
+    trial.metrics =
+        evaluator.verdict(picked, robot.log(), pick_options.lift, object.object().symmetries);
     if (observer.on_picked) observer.on_picked(picked);
   };
   told.on_placed = [&](const skills::PlaceResult& placed) {
-    const bool dropped = trial.place_judgement.dropped;  // before, on the way
-    trial.place_judgement = judge.place_verdict(placed, *target, robot.log(), object.object());
-    trial.place_judgement.dropped |= dropped;
+    const bool dropped = trial.place_metrics.dropped;  // before, on the way
+    trial.place_metrics = evaluator.place_metrics(placed, *target, robot.log(), object.object());
+    trial.place_metrics.dropped |= dropped;
     if (observer.on_placed) observer.on_placed(placed);
   };
   try {
     if (target) {
-      skills::PlaceCourse course = skills::pick_and_place(robot, object, *target, fixture,
-                                                          pick_options, options.place, seed, told);
+      skills::PickAndPlaceResult course = skills::pick_and_place(
+          robot, object, *target, fixture, pick_options, options.place, seed, told);
       trial.result = std::move(course.picked);
       trial.place = std::move(course.place);
       trial.means = std::move(course.means);

@@ -83,32 +83,32 @@ constexpr auto kPick = [](skills::PickResult& result, const auto& v) {
   v("failed_phase", result.failed_phase);
 };
 
-constexpr auto kJudgement = [](Judgement& judgement, const auto& v) {
-  v("lifted", judgement.lifted);
-  v("slip", judgement.slip);
-  v("has_pose", judgement.has_pose);
-  v("pose_ok", judgement.pose_ok);
-  v("pose_tight", judgement.pose_tight);
-  v("truth_in_modes", judgement.truth_in_modes);
-  v("pose_ok_before_lift", judgement.pose_ok_before_lift);
-  v("pose_ok_before_probe", judgement.pose_ok_before_probe);
-  v("pose_ok_tracked", judgement.pose_ok_tracked);
-  v("tracked_share", judgement.tracked_share);
-  v("probes", judgement.probes);
-  v("explored_motion", judgement.explored_motion);
-  v("tip_force", judgement.tip_force);
-  v.part("error", judgement.error, kError);
+constexpr auto kJudgement = [](TrialMetrics& metrics, const auto& v) {
+  v("lifted", metrics.lifted);
+  v("slip", metrics.slip);
+  v("has_pose", metrics.has_pose);
+  v("pose_ok", metrics.pose_ok);
+  v("pose_tight", metrics.pose_tight);
+  v("truth_in_modes", metrics.truth_in_modes);
+  v("pose_ok_before_lift", metrics.pose_ok_before_lift);
+  v("pose_ok_before_probe", metrics.pose_ok_before_probe);
+  v("pose_ok_tracked", metrics.pose_ok_tracked);
+  v("tracked_share", metrics.tracked_share);
+  v("probes", metrics.probes);
+  v("explored_motion", metrics.explored_motion);
+  v("tip_force", metrics.tip_force);
+  v.part("error", metrics.error, kError);
 };
 
-constexpr auto kPlaceJudgement = [](PlaceJudgement& judgement, const auto& v) {
-  v("placed", judgement.placed);
-  v("tight", judgement.tight);
-  v("wrong", judgement.wrong);
-  v("dropped", judgement.dropped);
-  v("in_stance", judgement.in_stance);
-  v.part("error", judgement.error, kError);
-  v.part("estimate", judgement.estimate, kError);
-  v.part("release", judgement.release, kError);
+constexpr auto kPlaceJudgement = [](PlaceMetrics& metrics, const auto& v) {
+  v("placed", metrics.placed);
+  v("tight", metrics.tight);
+  v("wrong", metrics.wrong);
+  v("dropped", metrics.dropped);
+  v("in_stable_pose", metrics.in_stable_pose);
+  v.part("error", metrics.error, kError);
+  v.part("estimate", metrics.estimate, kError);
+  v.part("release", metrics.release, kError);
 };
 
 constexpr auto kPlace = [](skills::PlaceResult& place, const auto& v) {
@@ -118,10 +118,10 @@ constexpr auto kPlace = [](skills::PlaceResult& place, const auto& v) {
 };
 
 constexpr auto kTrial = [](Trial& trial, const auto& v) {
-  v("stance", trial.start.stance);
+  v("stable_pose", trial.start.stable_pose);
   v.part("pick", trial.result, kPick);
-  v.part("judgement", trial.judgement, kJudgement);
-  v.part("place_judgement", trial.place_judgement, kPlaceJudgement);
+  v.part("judgement", trial.metrics, kJudgement);
+  v.part("place_judgement", trial.place_metrics, kPlaceJudgement);
 };
 
 json phases_to_json(const std::vector<skills::PhaseReport>& phases) {
@@ -182,7 +182,7 @@ Trial trial_from_json(const json& source) {
     trial.result.estimate.posterior.modes.emplace_back().weight = weight.get<double>();
   }
   if (!source.at("place").is_null()) trial.place = place_from_json(source.at("place"));
-  if (trial.judgement.has_pose && trial.result.estimate.posterior.modes.empty()) {
+  if (trial.metrics.has_pose && trial.result.estimate.posterior.modes.empty()) {
     throw BadInput("a trial with a pose and without modes");
   }
   return trial;

@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kTipPoints = 5;
 constexpr int kStepTicks = 2;  // of the closing law between two shapes
-constexpr int kMostSteps = 150;
+constexpr int kMaxSteps = 150;
 constexpr float kOverlap = 0.002f;  // m of a link that counts as stuck
 
 std::vector<Eigen::Vector3f> tip_points(const hand::HandModel::TipCapsule& tip,
@@ -46,16 +46,16 @@ std::vector<int> finger_of_links(const hand::HandModel& hand) {
 
 }  // namespace
 
-ClosingPath closing_path(const hand::HandModel& hand, const hand::ActuatorVector& open,
-                         const grasping::ClosingLaw& law,
-                         const std::array<bool, hand::kFingers>& closing) {
-  ClosingPath path;
+ClosingTrajectory closing_trajectory(const hand::HandModel& hand, const hand::ActuatorVector& open,
+                                     const grasping::ClosingLaw& law,
+                                     const std::array<bool, hand::kFingers>& closing) {
+  ClosingTrajectory path;
   const std::vector<int> owner = finger_of_links(hand);
   hand::HandCommand command;
   command.positions = open;
   const hand::HandReading empty;  // of a hand that follows its commands at once
   const grasping::ClosingTorque unlimited{1e6, 1e6, 1e6, 1e6};
-  for (int step = 0; step < kMostSteps; ++step) {
+  for (int step = 0; step < kMaxSteps; ++step) {
     const auto T = hand::forward_kinematics(hand, hand::joints_in_free_flexion(command.positions));
     for (std::size_t finger = 0; finger < hand::kFingers; ++finger) {
       path.tip_radius[finger] = static_cast<float>(hand.tips[finger].radius);
@@ -79,7 +79,7 @@ ClosingPath closing_path(const hand::HandModel& hand, const hand::ActuatorVector
 }
 
 void end_at_other_fingers(const hand::HandModel& hand, const hand::JointVector& joints,
-                          std::size_t finger, ClosingPath& path) {
+                          std::size_t finger, ClosingTrajectory& path) {
   const std::vector<int> owner = finger_of_links(hand);
   const auto T = hand::forward_kinematics(hand, joints);
   std::vector<Eigen::Vector4f> others;
@@ -124,8 +124,8 @@ Eigen::Vector3d PlacedObject::normal(const Eigen::Vector3f& p) const {
   return (T_object_base_.linear().transpose() * sample->gradient).cast<double>().normalized();
 }
 
-FingerMeeting meet(const PlacedObject& object, const ClosingPath& path, std::size_t finger,
-                   double least_height) {
+FingerMeeting meet(const PlacedObject& object, const ClosingTrajectory& path, std::size_t finger,
+                   double min_height) {
   const auto& shapes = path.fingers[finger];
   const float radius = path.tip_radius[finger];
   FingerMeeting meeting;
@@ -137,7 +137,7 @@ FingerMeeting meet(const PlacedObject& object, const ClosingPath& path, std::siz
     const Eigen::Vector3f* nearest = nullptr;
     float least = std::numeric_limits<float>::infinity();
     for (const auto& p : shape.tip) {
-      if (object.height(p) - radius < least_height) return meeting;
+      if (object.height(p) - radius < min_height) return meeting;
       const float distance = object.distance(p) - radius;
       if (distance >= least) continue;
       least = distance;

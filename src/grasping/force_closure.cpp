@@ -39,7 +39,7 @@ numerics::ConeProgram slack_program(const WrenchSpace& space, const AffineSpace&
 
 /// x = [0; s] with s below what the cones allow.
 Eigen::VectorXd below(const numerics::ConeProgram& program) {
-  const double slack = numerics::least_slack(program.g, program.sizes);
+  const double slack = numerics::min_slack(program.g, program.sizes);
   return (slack - 1) * Eigen::VectorXd::Unit(program.q.size(), program.q.size() - 1);
 }
 
@@ -83,8 +83,7 @@ numerics::ConeProgram feasibility(const WrenchSpace& space, const AffineSpace& a
 }
 
 /// Least |u|^2 / 2 in the same set, s being 0.
-numerics::ConeProgram least_forces(const numerics::ConeProgram& feasible,
-                                   const AffineSpace& affine) {
+numerics::ConeProgram min_forces(const numerics::ConeProgram& feasible, const AffineSpace& affine) {
   const Eigen::Index k = affine.directions.cols();
   numerics::ConeProgram program = feasible;
   program.F = feasible.F.leftCols(k);
@@ -138,7 +137,7 @@ Balance balance_wrench(const GraspContacts& contacts, const Eigen::Vector3d& p_b
   const Eigen::Index k = affine.directions.cols();
   result.slack = inside.x[k];
   if (!(result.slack > kPositive)) return result;
-  const numerics::ConeProgram least = least_forces(feasible, affine);
+  const numerics::ConeProgram least = min_forces(feasible, affine);
   const numerics::ConeSolution forces =
       numerics::solve(least, inside.x.head(k), kAccuracy * (1 + scaled.squaredNorm()));
   result.steps += forces.steps;

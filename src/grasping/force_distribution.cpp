@@ -67,11 +67,11 @@ Eigen::MatrixXd wrenches(std::span<const tactile::Contact> contacts, const Eigen
 
 }  // namespace
 
-BalancedForces balance_forces(std::span<const tactile::Contact> contacts, double friction,
-                              double total, const std::optional<Load>& load) {
-  BalancedForces result;
+ForceDistribution distribute_forces(std::span<const tactile::Contact> contacts, double friction,
+                                    double total, const std::optional<Load>& load) {
+  ForceDistribution result;
   if (contacts.empty()) {
-    result.imbalance = std::numeric_limits<double>::infinity();
+    result.wrench_residual = std::numeric_limits<double>::infinity();
     return result;
   }
   const Eigen::Matrix3Xd edges = cone_edges(contacts, friction);
@@ -89,7 +89,7 @@ BalancedForces balance_forces(std::span<const tactile::Contact> contacts, double
     ahead = next + i / (i + 3.0) * (next - share);
     share = next;
   }
-  result.imbalance = (W * share + borne).norm();
+  result.wrench_residual = (W * share + borne).norm();
   for (std::size_t k = 0; k < contacts.size(); ++k) {
     const auto first = static_cast<Eigen::Index>(k) * kEdges;
     result.forces.push_back(total * edges.middleCols<kEdges>(first) * share.segment<kEdges>(first));

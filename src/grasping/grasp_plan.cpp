@@ -21,7 +21,7 @@ constexpr double kTurnedAway = 0.35;  // rad between a yaw and those that have f
 const std::array<double, 7> kHeights = {0, 0.012, 0.024, 0.036, 0.05, 0.065, 0.08};  // m
 const std::array<float, 5> kDescent = {0, 0.01f, 0.03f, 0.06f, 0.1f};                // m
 
-bool comes_down_freely(const PlacedObject& target, const ClosingPath& path,
+bool comes_down_freely(const PlacedObject& target, const ClosingTrajectory& path,
                        const PlanOptions& options, const Eigen::Vector3f& up) {
   const auto clearance = static_cast<float>(options.clearance);
   for (const auto& sphere : path.open_spheres) {
@@ -44,12 +44,12 @@ class Candidate {
         T_world_base_(base.pose()),
         target_(object, T_world_object, T_world_base_) {}
 
-  bool free(const ClosingPath& path, const PlanOptions& options) const {
+  bool free(const ClosingTrajectory& path, const PlanOptions& options) const {
     const Eigen::Vector3d up = T_world_base_.linear().row(2).transpose();
     return comes_down_freely(target_, path, options, up.cast<float>());
   }
 
-  GraspPlan judge(const ClosingPath& path, const PlanOptions& options) const {
+  GraspPlan judge(const ClosingTrajectory& path, const PlanOptions& options) const {
     GraspPlan plan;
     plan.base = base_;
     plan.cost = std::numeric_limits<double>::infinity();
@@ -77,7 +77,7 @@ class Candidate {
 
 /// Where thumb and fingers meet, in the base's frame: between the tips when they have closed to
 /// the width of a common object.
-Eigen::Vector3d closing_center(const ClosingPath& path) {
+Eigen::Vector3d closing_center(const ClosingTrajectory& path) {
   const auto& thumb = path.fingers[static_cast<std::size_t>(hand::Finger::thumb)];
   const auto& middle = path.fingers[static_cast<std::size_t>(hand::Finger::middle)];
   std::size_t step = 0;
@@ -88,7 +88,7 @@ Eigen::Vector3d closing_center(const ClosingPath& path) {
   return (0.5f * (thumb[step].tip.back() + middle[step].tip.back())).cast<double>();
 }
 
-double lowest_below_base(const ClosingPath& path, const Eigen::Matrix3d& R_world_base) {
+double lowest_below_base(const ClosingTrajectory& path, const Eigen::Matrix3d& R_world_base) {
   double lowest = 0;
   for (const auto& sphere : path.open_spheres) {
     lowest = std::min(lowest, R_world_base.row(2).dot(sphere.head<3>().cast<double>()) -
@@ -103,7 +103,8 @@ bool was_tried(double yaw, const std::vector<double>& avoid) {
   });
 }
 
-std::vector<hand::BasePosition> places(const ClosingPath& path, const Eigen::Vector3d& centroid,
+std::vector<hand::BasePosition> places(const ClosingTrajectory& path,
+                                       const Eigen::Vector3d& centroid,
                                        const Eigen::Vector2d& attitude, const PlanOptions& options,
                                        const std::vector<double>& avoid) {
   std::vector<hand::BasePosition> result;
@@ -134,13 +135,13 @@ double grasp_cost(const geometry::ObjectModel& object, const GraspPlan& plan,
                   const PlanOptions& options, const Eigen::Vector3d& gravity,
                   const Eigen::Vector3d& p_base_object) {
   const double weight = object.object().mass * kGravity;
-  const auto balance = balance_forces(plan.contacts, options.friction, options.press,
-                                      Load{p_base_object, weight * gravity});
-  return balance.imbalance + options.missing_finger * (hand::kFingers - plan.fingers);
+  const auto balance = distribute_forces(plan.contacts, options.friction, options.press,
+                                         Load{p_base_object, weight * gravity});
+  return balance.wrench_residual + options.missing_finger * (hand::kFingers - plan.fingers);
 }
 
 double mean_cost(const geometry::ObjectModel& object, const Eigen::Isometry3d& T_world_object,
-                 const ClosingPath& path, const PlanOptions& options, const GraspPlan& plan) {
+                 const ClosingTrajectory& path, const PlanOptions& options, const GraspPlan& plan) {
   double sum = plan.cost;
   for (int side = 0; side < 4; ++side) {
     Eigen::Isometry3d moved = T_world_object;
@@ -151,21 +152,23 @@ double mean_cost(const geometry::ObjectModel& object, const Eigen::Isometry3d& T
   return sum / 5;
 }
 
-std::optional<GraspPlan> close_at(const geometry::ObjectModel& object,
-                                  const Eigen::Isometry3d& T_world_object, const ClosingPath& path,
-                                  const hand::BasePosition& base, const PlanOptions& options) {
+std::optional<GraspPlan> close_virtually(const geometry::ObjectModel& object,
+                                         const Eigen::Isometry3d& T_world_object,
+                                         const ClosingTrajectory& path,
+                                         const hand::BasePosition& base,
+                                         const PlanOptions& options) {
   const Candidate candidate(object, T_world_object, base);
   if (!candidate.free(path, options)) return std::nullopt;
   return candidate.judge(path, options);
 }
 
 std::vector<GraspPlan> find_grasps(const geometry::ObjectModel& object,
-                                   const Eigen::Isometry3d& T_world_object, const ClosingPath& path,
-                                   const Eigen::Vector2d& attitude, const PlanOptions& options,
-                                   const std::vector<double>& avoid) {
+                                   const Eigen::Isometry3d& T_world_object,
+                                   const ClosingTrajectory& path, const Eigen::Vector2d& attitude,
+                                   const PlanOptions& options, const std::vector<double>& avoid) {
   std::vector<GraspPlan> plans;
   for (const auto& base : places(path, T_world_object.translation(), attitude, options, avoid)) {
-    auto plan = close_at(object, T_world_object, path, base, options);
+    auto plan = close_virtually(object, T_world_object, path, base, options);
     if (plan && std::isfinite(plan->cost)) plans.push_back(*std::move(plan));
   }
   return plans;
@@ -173,7 +176,7 @@ std::vector<GraspPlan> find_grasps(const geometry::ObjectModel& object,
 
 std::optional<GraspPlan> plan_grasp(const geometry::ObjectModel& object,
                                     const Eigen::Isometry3d& T_world_object,
-                                    const ClosingPath& path, const Eigen::Vector2d& attitude,
+                                    const ClosingTrajectory& path, const Eigen::Vector2d& attitude,
                                     const PlanOptions& options, const std::vector<double>& avoid) {
   auto plans = find_grasps(object, T_world_object, path, attitude, options, avoid);
   if (plans.empty()) return std::nullopt;

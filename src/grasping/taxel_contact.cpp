@@ -7,7 +7,7 @@
 namespace palpate::grasping {
 namespace {
 
-constexpr double kLeastForce = 1e-6;  // N
+constexpr double kMinForce = 1e-6;  // N
 
 /// The larger root of |a + x d|^2 = r^2.
 std::optional<double> far_crossing(const Eigen::VectorXd& a, const Eigen::VectorXd& d, double r) {
@@ -58,7 +58,7 @@ std::optional<hand::TipContact> contact_of_taxels(const tactile::BiotacSkin& ski
   const Eigen::MatrixXd G = grasping::grasp_matrix(grasp.contacts, Eigen::Vector3d::Zero());
   const Vector6d wrench = grasping::object_wrench(G, grasp.wrenches);
   const Eigen::Vector3d m = wrench.head<3>(), f = wrench.tail<3>();
-  if (f.norm() < kLeastForce) return std::nullopt;
+  if (f.norm() < kMinForce) return std::nullopt;
   const Eigen::Vector3d on_axis = f.cross(m) / f.squaredNorm();
   const auto p = leaves_skin(on_axis, f.normalized(), skin.options());
   if (!p) return std::nullopt;

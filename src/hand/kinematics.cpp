@@ -73,7 +73,7 @@ HandModel with_perturbed_links(HandModel hand, double rms, RandomStream& random)
     Eigen::Vector3d offset = sigma * random.normal3();
     if (may_be_misplaced(link)) link.T_parent_link.translation() += offset;
   }
-  hand.link_error = rms;
+  hand.kinematic_error = rms;
   return hand;
 }
 

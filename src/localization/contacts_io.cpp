@@ -19,7 +19,7 @@
 namespace palpate::localization {
 namespace {
 
-constexpr double kLeastNormal = 1e-6;
+constexpr double kMinNormal = 1e-6;
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
 /// One row's cells by the names in the header.
@@ -82,15 +82,15 @@ tactile::Contact contact_of(const Row& row, const ContactNoise& noise) {
   tactile::Contact contact;
   contact.p = *row.vector({"x", "y", "z"});
   const Eigen::Vector3d n = *row.vector({"nx", "ny", "nz"});
-  if (!(n.norm() > kLeastNormal)) {
+  if (!(n.norm() > kMinNormal)) {
     throw BadInput(fmt::format("{}: a normal of length {}", row.where(), n.norm()));
   }
   contact.n = n.normalized();
-  check_plausible(contact.p, kMostLength, fmt::format("{}: a coordinate", row.where()));
+  check_plausible(contact.p, kMaxLength, fmt::format("{}: a coordinate", row.where()));
   contact.time = row.number("t").value_or(0);
   contact.finger = finger_of(row);
   contact.f = row.vector({"fx", "fy", "fz"}).value_or(Eigen::Vector3d::Zero());
-  check_plausible(contact.f, kMostForce, fmt::format("{}: a force", row.where()));
+  check_plausible(contact.f, kMaxForce, fmt::format("{}: a force", row.where()));
   contact.point_sigma = noise.point;
   contact.normal_sigma = noise.normal;
   return contact;

@@ -19,7 +19,7 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr PoseTolerance kLoose{1.7 * kDegree,
                                0.0033};  // a standard deviation: a third of the tolerance
-constexpr int kLeastStarts = 3;          // that must have led to the best pose
+constexpr int kMinStarts = 3;            // that must have led to the best pose
 constexpr double kNegligible = 1e-4;     // weight of a pose not worth reporting
 
 using Symmetries = PoseFamily::Symmetries;
@@ -67,7 +67,7 @@ std::vector<Mode> settled_modes(const geometry::ObjectModel& model, const Eviden
   if (basins.empty()) return {};
   const auto modes = modes_of(basins, symmetries, static_cast<std::size_t>(search.modes));
   const Basin& best = basins.front();
-  const bool trusted = best.starts >= kLeastStarts && tight(modes.front().covariance) &&
+  const bool trusted = best.starts >= kMinStarts && tight(modes.front().covariance) &&
                        modes.front().weight > options.certainty &&
                        !contradicted(model, evidence, best.best.pose, search.contact_offset);
   return trusted ? modes : std::vector<Mode>{};

@@ -23,9 +23,9 @@ constexpr int kScreenedShare = 6;  // refining needs so many times fewer proposa
 constexpr int kProposalsPerParticle = 4;
 constexpr std::size_t kConstraints = 3;  // of a contact, distance and normal; and of a table
 constexpr std::size_t kEnough = 12;      // twice a pose's freedoms
-constexpr int kMostOpen = 1;             // directions of a basin that a chain of basins can cover
+constexpr int kMaxOpen = 1;              // directions of a basin that a chain of basins can cover
 constexpr double kNegligible = 1e-5;     // share of a basin that is left out
-constexpr double kMostUnseen = 0.05;     // of fresh poses, outside the balls of those there are
+constexpr double kMaxUnseen = 0.05;      // of fresh poses, outside the balls of those there are
 constexpr int kMore = 3;                 // times the samples are drawn besides where it is more
 constexpr double kWiden = 2;             // of Laplace's covariances: the tails must be covered
 constexpr double kNuggetAngle = 0.005, kNuggetStep = 0.0003;  // rad, m
@@ -97,7 +97,7 @@ class Sampler {
  private:
   /// Contacts at one point or on a plane leave more open than basins cover.
   static bool closed(const std::vector<Basin>& basins) {
-    return !basins.empty() && open_directions(basins.front().best) <= kMostOpen;
+    return !basins.empty() && open_directions(basins.front().best) <= kMaxOpen;
   }
 
   /// Where a prior may be wrong, contacts must be heard all over.
@@ -157,7 +157,7 @@ Posterior search(const geometry::ObjectModel& model, const Evidence& evidence,
   Posterior posterior;
   posterior.modes =
       find_modes(choosing, weighing, sample.symmetries(), static_cast<std::size_t>(options.modes));
-  if (!basins.empty() && unseen_share(weighing, choosing, sample.symmetries()) > kMostUnseen) {
+  if (!basins.empty() && unseen_share(weighing, choosing, sample.symmetries()) > kMaxUnseen) {
     append(choosing, sample.more(basins, random.fork("more"), 1));
     append(weighing, sample.more(basins, random.fork("more weighing"), kWeighingShare));
   }

@@ -18,8 +18,8 @@ using std::numbers::pi;
 
 constexpr double kDegree = pi / 180;
 constexpr double kSpacing = 5 * kDegree;  // of components along a free axis, at most
-constexpr double kLeastRotation = 0.5 * kDegree;
-constexpr double kLeastTranslation = 0.0005;  // m
+constexpr double kMinRotation = 0.5 * kDegree;
+constexpr double kMinTranslation = 0.0005;  // m
 constexpr double kRounding = 1e-12;
 
 void check_motion(const Matrix6d& covariance) {
@@ -35,10 +35,10 @@ void check_motion(const Matrix6d& covariance) {
   }
 }
 
-Matrix6d least_covariance() {
+Matrix6d min_covariance() {
   Vector6d variances;
-  variances << Eigen::Vector3d::Constant(kLeastRotation * kLeastRotation),
-      Eigen::Vector3d::Constant(kLeastTranslation * kLeastTranslation);
+  variances << Eigen::Vector3d::Constant(kMinRotation * kMinRotation),
+      Eigen::Vector3d::Constant(kMinTranslation * kMinTranslation);
   return variances.asDiagonal();
 }
 
@@ -87,7 +87,7 @@ PosePrior prior_from(const Posterior& posterior, const Matrix6d& motion_covarian
   PosePrior prior;
   for (const Mode& mode : posterior.modes) {
     for (PosePrior::Component& component : components_of(mode)) {
-      component.covariance += motion_covariance + least_covariance();
+      component.covariance += motion_covariance + min_covariance();
       component.covariance =
           (0.5 * (component.covariance + component.covariance.transpose())).eval();
       prior.components.push_back(component);

@@ -11,7 +11,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kFirstDamping = 1e-3, kLeastDamping = 1e-9, kLargestDamping = 1e9;
+constexpr double kFirstDamping = 1e-3, kMinDamping = 1e-9, kLargestDamping = 1e9;
 constexpr double kRidge = 1e-12;  // so that a parameter without any effect stays put
 
 MatrixXd jacobian(const Residuals& residuals, const VectorXd& x, const VectorXd& r,
@@ -62,7 +62,7 @@ LeastSquaresResult bounded_least_squares(const Residuals& residuals, const Vecto
       result.x = x;
       r = there;
       result.cost = there.squaredNorm();
-      damping = std::max(damping / 10, kLeastDamping);
+      damping = std::max(damping / 10, kMinDamping);
       break;
     }
     if (before - result.cost <= options.tolerance * before) break;

@@ -79,7 +79,7 @@ int centre(const ConeProgram& p, double weight, Eigen::VectorXd& x) {
 
 }  // namespace
 
-double least_slack(const Eigen::VectorXd& u, const std::vector<int>& sizes) {
+double min_slack(const Eigen::VectorXd& u, const std::vector<int>& sizes) {
   double least = std::numeric_limits<double>::infinity();
   Eigen::Index at = 0;
   for (const int size : sizes) {

@@ -23,7 +23,7 @@ struct ConeSolution {
 };
 
 /// Least u_0 - |u_1..| over the cones: positive strictly inside.
-double least_slack(const Eigen::VectorXd& u, const std::vector<int>& sizes);
+double min_slack(const Eigen::VectorXd& u, const std::vector<int>& sizes);
 
 /// Interior-point method with the logarithmic barrier (Boyd & Vandenberghe, Convex Optimization,
 /// 2004, 11.3 and 11.6). For small dense problems whose feasible set is bounded where the objective

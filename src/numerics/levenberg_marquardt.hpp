@@ -9,9 +9,9 @@ namespace palpate::numerics {
 
 struct LeastSquaresOptions {
   int iterations = 12;
-  double damping = 1e-2;     ///< at the start
-  double least_gain = 1e-3;  ///< of the sum of squares, that is worth another iteration
-  double most_step = 30;     ///< of each unknown, in widths
+  double damping = 1e-2;   ///< at the start
+  double min_gain = 1e-3;  ///< of the sum of squares, that is worth another iteration
+  double max_step = 30;    ///< of each unknown, in widths
 };
 
 template <class State>
@@ -46,7 +46,7 @@ LeastSquaresFit<State> levenberg_marquardt(const State& start, const Eigen::Vect
       damped.diagonal() *= 1 + damping;
       damped.diagonal().array() += 1e-9;
       const Eigen::VectorXd step =
-          -damped.ldlt().solve(down).cwiseMax(-options.most_step).cwiseMin(options.most_step);
+          -damped.ldlt().solve(down).cwiseMax(-options.max_step).cwiseMin(options.max_step);
       const State next = moved(fit.state, width.cwiseProduct(step));
       const Eigen::VectorXd left = residuals(next);
       gain = fit.residuals.squaredNorm() - left.squaredNorm();
@@ -55,7 +55,7 @@ LeastSquaresFit<State> levenberg_marquardt(const State& start, const Eigen::Vect
       fit.state = next;
       fit.residuals = left;
     }
-    if (gain < options.least_gain) break;
+    if (gain < options.min_gain) break;
   }
   return fit;
 }

@@ -23,8 +23,8 @@ constexpr std::array<std::pair<std::string_view, PlannerKind>, 4> kPlanners = {
      {"prm", PlannerKind::prm},
      {"fmt", PlannerKind::fmt}}};
 
-constexpr int kRefinements = 3;     // of the step, where a sample between two checks collides
-constexpr double kLeastCut = 1e-3;  // m of path; a corner that cannot be cut by as much is kept
+constexpr int kRefinements = 3;   // of the step, where a sample between two checks collides
+constexpr double kMinCut = 1e-3;  // m of path; a corner that cannot be cut by as much is kept
 
 /// Range of a coordinate by the hand's joints and the base's options.
 hand::Range range_of(int coordinate, const BaseRange& base) {
@@ -127,7 +127,7 @@ std::vector<double> LegPlanner::cuts(const std::vector<Coordinates>& corners) {
   for (std::size_t i = 1; i + 1 < corners.size(); ++i) {
     const double most =
         0.5 * std::min(distance(corners[i - 1], corners[i]), distance(corners[i], corners[i + 1]));
-    for (double cut = std::min(options_.rounding, most); cut >= kLeastCut; cut *= 0.5) {
+    for (double cut = std::min(options_.rounding, most); cut >= kMinCut; cut *= 0.5) {
       const auto cut_corner = rounded({corners.begin() + static_cast<std::ptrdiff_t>(i) - 1,
                                        corners.begin() + static_cast<std::ptrdiff_t>(i) + 2},
                                       {0, cut, 0});

@@ -22,7 +22,7 @@ PathPiece arc(const Coordinates& corner, const Coordinates& in, const Coordinate
 
 std::vector<PathPiece> rounded(const std::vector<Coordinates>& corners,
                                const std::vector<double>& cuts) {
-  constexpr double kLeastLine = 1e-9;  // m, shorter lines between two arcs are left out
+  constexpr double kMinLine = 1e-9;  // m, shorter lines between two arcs are left out
   std::vector<PathPiece> path;
   double cut_before = 0;
   for (std::size_t i = 0; i + 1 < corners.size(); ++i) {
@@ -32,7 +32,7 @@ std::vector<PathPiece> rounded(const std::vector<Coordinates>& corners,
     const double next_side = last ? 0 : distance(corners[i + 1], corners[i + 2]);
     const double cut = last ? 0 : std::min({cuts[i + 1], 0.5 * side, 0.5 * next_side});
     const double straight = side - cut_before - cut;
-    if (straight > kLeastLine) {
+    if (straight > kMinLine) {
       path.push_back(
           {.start = corners[i] + cut_before * along, .direction = along, .length = straight});
     }

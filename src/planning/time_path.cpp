@@ -9,7 +9,7 @@ namespace palpate::planning {
 namespace {
 
 constexpr double kStage = 0.01;  // m of path
-constexpr int kLeastStages = 8;  // of a piece
+constexpr int kMinStages = 8;    // of a piece
 constexpr int kBisections = 40;
 
 /// A stretch of a piece that is passed with constant acceleration along the path.
@@ -32,7 +32,7 @@ struct Interval {
 std::vector<Stage> stages_of(const std::vector<PathPiece>& path) {
   std::vector<Stage> stages;
   for (const PathPiece& piece : path) {
-    const int count = std::max(kLeastStages, static_cast<int>(std::ceil(piece.length / kStage)));
+    const int count = std::max(kMinStages, static_cast<int>(std::ceil(piece.length / kStage)));
     const double length = piece.length / count;
     for (int i = 0; i < count; ++i) {
       stages.push_back(

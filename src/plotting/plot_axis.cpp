@@ -12,7 +12,7 @@ namespace palpate::plotting {
 namespace {
 
 constexpr double kAir = 0.04;             // of the data's span, at each end
-constexpr double kLeastSpan = 1e-9;       // of the larger limit: keeps ticks apart in a double
+constexpr double kMinSpan = 1e-9;         // of the larger limit: keeps ticks apart in a double
 constexpr double kSmallestSpan = 1e-290;  // keeps the step from vanishing
 
 /// The round number nearest to the span of one step (Heckbert, Graphics Gems, 1990).
@@ -83,8 +83,7 @@ std::vector<Tick> log_ticks(const Scale& scale, const std::vector<double>& facto
 
 void widen(double& low, double& high, bool logarithmic) {
   const double air = kAir * (high - low);
-  const double least =
-      std::max(kLeastSpan * std::max(std::abs(low), std::abs(high)), kSmallestSpan);
+  const double least = std::max(kMinSpan * std::max(std::abs(low), std::abs(high)), kSmallestSpan);
   if (logarithmic) {
     const double factor = high > low * 1.001 ? std::pow(high / low, kAir) : 2;
     low /= factor;
@@ -131,7 +130,7 @@ Scale make_scale(const PlotAxis& axis, Extent extent, std::string_view name) {
   low = axis.low.value_or(low);
   high = axis.high.value_or(high);
   const bool spans = std::isfinite(high - low) &&
-                     high - low > kLeastSpan / 10 * std::max(std::abs(low), std::abs(high)) &&
+                     high - low > kMinSpan / 10 * std::max(std::abs(low), std::abs(high)) &&
                      high - low >= kSmallestSpan / 10;
   if (!spans || (axis.logarithmic && !(low > 0))) {
     throw palpate::BadInput(fmt::format("the {} axis of a plot cannot run from {} to {}{}", name,

@@ -38,7 +38,7 @@ PoseModeRecord mode_from_json(const json& j) {
       .free_axis = {}};
   if (const json& axis = j.at("free_axis"); !axis.is_null()) {
     mode.free_axis = {vector_from_json(axis.at("point")), vector_from_json(axis.at("direction")),
-                      plausible_from_json(axis.at("extent"), 0, kMostAngle, "an extent")};
+                      plausible_from_json(axis.at("extent"), 0, kMaxAngle, "an extent")};
   }
   return mode;
 }
@@ -60,9 +60,9 @@ tactile::Contact contact_from_json(const json& j) {
   contact.time = finite_from_json(j.at("time"));
   contact.p = vector_from_json(j.at("p"));
   contact.n = vector_from_json(j.at("n"));
-  contact.f = vector_from_json(j.at("f"), kMostForce);
-  contact.point_sigma = plausible_from_json(j.at("point_sigma"), 0, kMostLength, "point_sigma");
-  contact.normal_sigma = plausible_from_json(j.at("normal_sigma"), 0, kMostAngle, "normal_sigma");
+  contact.f = vector_from_json(j.at("f"), kMaxForce);
+  contact.point_sigma = plausible_from_json(j.at("point_sigma"), 0, kMaxLength, "point_sigma");
+  contact.normal_sigma = plausible_from_json(j.at("normal_sigma"), 0, kMaxAngle, "normal_sigma");
   return contact;
 }
 

@@ -15,7 +15,7 @@ constexpr double kUsualLinkError = 0.002;  // m, of recordings that do not say
 constexpr double kRounding = 1e-9;
 
 double radius_from_json(const json& part) {
-  return plausible_from_json(part.at("radius"), 0, kMostRadius, "a radius");
+  return plausible_from_json(part.at("radius"), 0, kMaxRadius, "a radius");
 }
 
 /// @throws BadInput unless low <= value < high
@@ -29,11 +29,11 @@ int index_from_json(const json& value, int low, std::size_t high, const char* wh
 }
 
 json object_to_json(const geometry::KnownObject& object) {
-  json stances = json::array(), symmetries = json::array();
-  for (const auto& stance : object.stances) {
-    stances.push_back({{"R_table_object", matrix_to_json(stance.R_table_object)},
-                       {"height", stance.height},
-                       {"probability", stance.probability}});
+  json stable_poses = json::array(), symmetries = json::array();
+  for (const auto& stable_pose : object.stable_poses) {
+    stable_poses.push_back({{"R_table_object", matrix_to_json(stable_pose.R_table_object)},
+                            {"height", stable_pose.height},
+                            {"probability", stable_pose.probability}});
   }
   for (const auto& R : object.symmetries) symmetries.push_back(matrix_to_json(R));
   return {{"name", object.name},
@@ -42,7 +42,7 @@ json object_to_json(const geometry::KnownObject& object) {
           {"volume", object.mass_properties.volume},
           {"centroid", matrix_to_json(object.mass_properties.centroid)},
           {"inertia", matrix_to_json(object.mass_properties.inertia)},
-          {"stances", stances},
+          {"stances", stable_poses},
           {"symmetries", symmetries},
           {"repairs", object.repairs}};
 }
@@ -51,15 +51,15 @@ geometry::KnownObject object_from_json(const json& j) {
   geometry::KnownObject object;
   object.name = j.at("name").get<std::string>();
   object.T_mesh_object = pose_from_json(j.at("T_mesh_object"));
-  object.mass = plausible_from_json(j.at("mass"), 0, kMostMass, "a mass");
-  object.mass_properties.volume = plausible_from_json(j.at("volume"), 0, kMostMass, "a volume");
+  object.mass = plausible_from_json(j.at("mass"), 0, kMaxMass, "a mass");
+  object.mass_properties.volume = plausible_from_json(j.at("volume"), 0, kMaxMass, "a volume");
   object.mass_properties.centroid = vector_from_json(j.at("centroid"));
   object.mass_properties.inertia = matrix_from_json<Eigen::Matrix3d>(j.at("inertia"));
-  for (const auto& stance : j.at("stances")) {
-    object.stances.push_back(
-        {rotation_from_json(stance.at("R_table_object")),
-         plausible_from_json(stance.at("height"), 0, kMostLength, "a height"),
-         plausible_from_json(stance.at("probability"), 0, 1 + kRounding, "a probability")});
+  for (const auto& stable_pose : j.at("stances")) {
+    object.stable_poses.push_back(
+        {rotation_from_json(stable_pose.at("R_table_object")),
+         plausible_from_json(stable_pose.at("height"), 0, kMaxLength, "a height"),
+         plausible_from_json(stable_pose.at("probability"), 0, 1 + kRounding, "a probability")});
   }
   for (const auto& R : j.at("symmetries")) {
     object.symmetries.push_back(rotation_from_json(R));
@@ -87,7 +87,7 @@ json hand_to_json(const hand::HandModel& hand) {
                        {"radius", sphere.radius}});
   }
   return {{"links", links}, {"palm", hand.palm},  {"distal", hand.distal},
-          {"tips", tips},   {"spheres", spheres}, {"link_error", hand.link_error}};
+          {"tips", tips},   {"spheres", spheres}, {"link_error", hand.kinematic_error}};
 }
 
 hand::Link link_from_json(const json& j, std::size_t links_before) {
@@ -115,9 +115,9 @@ hand::HandModel hand_from_json(const json& j) {
     hand.spheres.push_back({index_from_json(sphere.at("link"), 0, links, "link of a sphere"),
                             vector_from_json(sphere.at("center")), radius_from_json(sphere)});
   }
-  hand.link_error = j.contains("link_error")
-                        ? plausible_from_json(j.at("link_error"), 0, kMostRadius, "link_error")
-                        : kUsualLinkError;
+  hand.kinematic_error = j.contains("link_error")
+                             ? plausible_from_json(j.at("link_error"), 0, kMaxRadius, "link_error")
+                             : kUsualLinkError;
   return hand;
 }
 

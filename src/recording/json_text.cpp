@@ -13,8 +13,8 @@ json parse_json(std::string_view text) {
   const auto check_depth = [](int depth, json::parse_event_t event, json&) {
     const bool opens =
         event == json::parse_event_t::array_start || event == json::parse_event_t::object_start;
-    if (opens && depth >= kMostJsonDepth) {  // of what it stands in
-      throw BadInput(fmt::format("JSON that nests deeper than {} levels", kMostJsonDepth));
+    if (opens && depth >= kMaxJsonDepth) {  // of what it stands in
+      throw BadInput(fmt::format("JSON that nests deeper than {} levels", kMaxJsonDepth));
     }
     return true;
   };

@@ -54,7 +54,7 @@ inline nlohmann::json pose_to_json(const Eigen::Isometry3d& T) {
 /// @throws BadInput unless it is a rigid motion, by a length that can be
 inline Eigen::Isometry3d pose_from_json(const nlohmann::json& json) {
   const auto matrix = matrix_from_json<Eigen::Matrix4d>(json);
-  check_plausible(matrix.col(3).head<3>(), kMostLength, "a translation");
+  check_plausible(matrix.col(3).head<3>(), kMaxLength, "a translation");
   std::array<double, 16> values;
   Eigen::Map<Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(values.data()) = matrix;
   return pose_from_row_major(values);
@@ -72,7 +72,7 @@ inline double plausible_from_json(const nlohmann::json& json, double low, double
 }
 
 /// @throws BadInput unless it is a vector of components up to `most`
-inline Eigen::Vector3d vector_from_json(const nlohmann::json& json, double most = kMostLength) {
+inline Eigen::Vector3d vector_from_json(const nlohmann::json& json, double most = kMaxLength) {
   const auto v = matrix_from_json<Eigen::Vector3d>(json);
   check_plausible(v, most, "a component");
   return v;

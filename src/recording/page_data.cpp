@@ -12,12 +12,12 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::size_t kMostFrames = 1500, kLeastStride = 2;  // of recorded frames, 100 a second
+constexpr std::size_t kMaxFrames = 1500, kMinStride = 2;  // of recorded frames, 100 a second
 
 /// Recorded frames that the page holds: every so-manieth and the last.
 std::vector<std::size_t> chosen_frames(std::size_t count) {
   std::vector<std::size_t> chosen;
-  const std::size_t stride = std::max(kLeastStride, (count + kMostFrames - 1) / kMostFrames);
+  const std::size_t stride = std::max(kMinStride, (count + kMaxFrames - 1) / kMaxFrames);
   for (std::size_t i = 0; i + 1 < count; i += stride) chosen.push_back(i);
   if (count > 0) chosen.push_back(count - 1);
   return chosen;

@@ -36,7 +36,7 @@ geometry::TriangleMesh read_mesh(const H5::H5File& file) {
   const auto triangles = read_rows<int>(file, kTriangles, 3);
   for (std::size_t i = 0; i < vertices.size(); i += 3) {
     mesh.vertices.emplace_back(vertices[i], vertices[i + 1], vertices[i + 2]);
-    check_plausible(mesh.vertices.back(), kMostLength, "a coordinate of the mesh");
+    check_plausible(mesh.vertices.back(), kMaxLength, "a coordinate of the mesh");
   }
   const int count = static_cast<int>(mesh.vertices.size());
   for (std::size_t i = 0; i < triangles.size(); i += 3) {
@@ -75,9 +75,9 @@ void check_contacts(const std::vector<double>& rows) {
   for (std::size_t i = 0; i + kContactWidth <= rows.size(); i += kContactWidth) {
     constexpr double kUnit = 1e-3;
     const Eigen::Map<const Eigen::Vector3d> p(&rows[i]), n(&rows[i + 3]), f(&rows[i + 6]);
-    check_plausible(p, kMostLength, "a contact's coordinate");
+    check_plausible(p, kMaxLength, "a contact's coordinate");
     plausible(n.norm(), 1 - kUnit, 1 + kUnit, "the length of a contact's normal");
-    check_plausible(f, kMostForce, "a contact's force");
+    check_plausible(f, kMaxForce, "a contact's force");
   }
 }
 

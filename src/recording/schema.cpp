@@ -67,29 +67,28 @@ using F = Frame;
 using D = double;
 
 constexpr std::array kFields = {
-    FrameField{"frames/time", 1, false, kMostTime, [](const F& f, D* v) { *v = f.reading.time; },
+    FrameField{"frames/time", 1, false, kMaxTime, [](const F& f, D* v) { *v = f.reading.time; },
                [](const D* v, F& f) { f.reading.time = *v; }},
-    FrameField{"frames/joints", kJoints, false, kMostAngle,
+    FrameField{"frames/joints", kJoints, false, kMaxAngle,
                [](const F& f, D* v) { store(f.reading.joints, v); },
                [](const D* v, F& f) { load(v, f.reading.joints); }},
-    FrameField{"frames/torques", kActuators, false, kMostTorque,
+    FrameField{"frames/torques", kActuators, false, kMaxTorque,
                [](const F& f, D* v) { store(f.reading.torques, v); },
                [](const D* v, F& f) { load(v, f.reading.torques); }},
-    FrameField{"frames/base_xyz_ypr", 6, false, kMostAngle,
+    FrameField{"frames/base_xyz_ypr", 6, false, kMaxAngle,
                [](const F& f, D* v) { store_base(f.reading.base, v); },
                [](const D* v, F& f) { load_base(v, f.reading.base); }},
-    FrameField{"frames/base_force", 3, false, kMostForce,
+    FrameField{"frames/base_force", 3, false, kMaxForce,
                [](const F& f, D* v) { store(f.reading.base_force, v); },
                [](const D* v, F& f) { load(v, f.reading.base_force); }},
-    FrameField{"frames/command_positions", kActuators, false, kMostAngle,
+    FrameField{"frames/command_positions", kActuators, false, kMaxAngle,
                [](const F& f, D* v) { store(f.command.positions, v); },
                [](const D* v, F& f) { load(v, f.command.positions); }},
-    FrameField{"frames/command_base_xyz_ypr", 6, false, kMostAngle,
+    FrameField{"frames/command_base_xyz_ypr", 6, false, kMaxAngle,
                [](const F& f, D* v) { store_base(f.command.base, v); },
                [](const D* v, F& f) { load_base(v, f.command.base); }},
-    FrameField{"frames/true_T_world_object", 16, true, kMostLength, store_object, load_object},
-    FrameField{"frames/true_joints", kJoints, true, kMostAngle, store_true_joints,
-               load_true_joints},
+    FrameField{"frames/true_T_world_object", 16, true, kMaxLength, store_object, load_object},
+    FrameField{"frames/true_joints", kJoints, true, kMaxAngle, store_true_joints, load_true_joints},
 };
 
 }  // namespace

@@ -13,21 +13,22 @@ namespace {
 
 constexpr std::string_view kMarkPrefix = "mark ";
 
-std::optional<estimation::Mark> mark_of(const Event& event) {
+std::optional<estimation::TouchEvent> mark_of(const Event& event) {
   if (!event.text.starts_with(kMarkPrefix)) return std::nullopt;
   const std::string name = event.text.substr(kMarkPrefix.size());
-  const auto found = std::find(estimation::kMarkNames.begin(), estimation::kMarkNames.end(), name);
-  if (found == estimation::kMarkNames.end()) {
+  const auto found =
+      std::find(estimation::kTouchEventNames.begin(), estimation::kTouchEventNames.end(), name);
+  if (found == estimation::kTouchEventNames.end()) {
     throw BadInput(fmt::format("the recording has a mark {:?} at {} s, which means nothing here",
                                name, event.time));
   }
-  return static_cast<estimation::Mark>(found - estimation::kMarkNames.begin());
+  return static_cast<estimation::TouchEvent>(found - estimation::kTouchEventNames.begin());
 }
 
 }  // namespace
 
-estimation::TouchLog touch_log(const Recording& recording) {
-  estimation::TouchLog log;
+estimation::EventLog event_log(const Recording& recording) {
+  estimation::EventLog log;
   for (const auto& frame : recording.frames) log.readings.push_back(frame.reading);
   for (const auto& event : recording.events) {
     const auto mark = mark_of(event);

@@ -79,7 +79,7 @@ class Table {
       throw BadInput(fmt::format("{}:{}: '{}' in column {} is not a finite number", source_, number,
                                  cell, names_[column]));
     }
-    return plausible(parsed, -kMostCoordinate, kMostCoordinate,
+    return plausible(parsed, -kMaxCoordinate, kMaxCoordinate,
                      fmt::format("{}:{}: a value", source_, number));
   }
 

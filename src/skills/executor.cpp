@@ -26,8 +26,8 @@ hand::BasePosition between(const hand::BasePosition& a, const hand::BasePosition
 
 }  // namespace
 
-Robot::Robot(hand::Hand& hand, const hand::HandModel& model, const hand::HandCommand& start,
-             Observer observer, const ModelFactory* models)
+Executor::Executor(hand::Hand& hand, const hand::HandModel& model, const hand::HandCommand& start,
+                   Observer observer, const ModelFactory* models)
     : hand_(hand),
       model_(model),
       command_(start),
@@ -37,38 +37,38 @@ Robot::Robot(hand::Hand& hand, const hand::HandModel& model, const hand::HandCom
   tick();
 }
 
-const ModelFactory& Robot::models() const {
+const ModelFactory& Executor::models() const {
   if (!models_)
     throw BadInput("this skill plans ahead, and the robot was given no models to plan with");
   return *models_;
 }
 
-void Robot::mark(estimation::Mark mark) {
+void Executor::mark(estimation::TouchEvent mark) {
   log_.moments.push_back({mark, log_.readings.size() - 1});
-  if (observer_.on_mark) observer_.on_mark(mark);
+  if (observer_.on_event) observer_.on_event(mark);
 }
 
-void Robot::tick() {
+void Executor::tick() {
   if (grip_) grip_->law.advance(command_, reading(), grip_->torque, grip_->active);
   log_.readings.push_back(hand_.step(command_));
   if (observer_.on_tick) observer_.on_tick(log_.readings.back(), command_);
 }
 
-MotionEnd Robot::tick_until(const StopCondition& stop) {
+MotionEnd Executor::tick_until(const StopCondition& stop) {
   tick();
   if (time() >= deadline_) return MotionEnd::timed_out;
   return stop && stop(reading()) ? MotionEnd::stopped : MotionEnd::reached;
 }
 
-MotionEnd Robot::wait(double seconds, const StopCondition& stop) {
+MotionEnd Executor::wait(double seconds, const StopCondition& stop) {
   for (int i = ticks(seconds); i > 0; --i) {
     if (const auto end = tick_until(stop); end != MotionEnd::reached) return end;
   }
   return MotionEnd::reached;
 }
 
-MotionEnd Robot::move_base(const hand::BasePosition& target, double speed,
-                           const StopCondition& stop) {
+MotionEnd Executor::move_base(const hand::BasePosition& target, double speed,
+                              const StopCondition& stop) {
   const hand::BasePosition from = command_.base;
   const double way = std::max((target.xyz - from.xyz).norm(),
                               kLeverArm * (target.ypr - from.ypr).cwiseAbs().maxCoeff());
@@ -80,7 +80,7 @@ MotionEnd Robot::move_base(const hand::BasePosition& target, double speed,
   return MotionEnd::reached;
 }
 
-MotionEnd Robot::follow(std::span<const hand::HandCommand> way, const StopCondition& stop) {
+MotionEnd Executor::follow(std::span<const hand::HandCommand> way, const StopCondition& stop) {
   for (const auto& command : way) {
     command_ = command;
     if (const auto end = tick_until(stop); end != MotionEnd::reached) return end;
@@ -88,7 +88,7 @@ MotionEnd Robot::follow(std::span<const hand::HandCommand> way, const StopCondit
   return MotionEnd::reached;
 }
 
-MotionEnd Robot::move_fingers(const hand::ActuatorVector& posture, double seconds) {
+MotionEnd Executor::move_fingers(const hand::ActuatorVector& posture, double seconds) {
   const hand::ActuatorVector from = command_.positions;
   const int count = ticks(seconds);
   for (int i = 1; i <= count; ++i) {
@@ -98,8 +98,8 @@ MotionEnd Robot::move_fingers(const hand::ActuatorVector& posture, double second
   return MotionEnd::reached;
 }
 
-Robot::StopCondition lasting_load(const Robot& robot, const Eigen::Vector3d& direction,
-                                  double load) {
+Executor::StopCondition lasting_load(const Executor& robot, const Eigen::Vector3d& direction,
+                                     double load) {
   return [direction, load, start = robot.time(),
           loaded = 0](const hand::HandReading& reading) mutable {
     const bool now = reading.time > start + kSettingOut && direction.dot(reading.base_force) > load;
@@ -108,8 +108,8 @@ Robot::StopCondition lasting_load(const Robot& robot, const Eigen::Vector3d& dir
   };
 }
 
-Robot::StopCondition rising_load(const Robot& robot, const Eigen::Vector3d& direction,
-                                 double load) {
+Executor::StopCondition rising_load(const Executor& robot, const Eigen::Vector3d& direction,
+                                    double load) {
   return [direction, load, start = robot.time(), steady = 0.0, averaged = 0,
           loaded = 0](const hand::HandReading& reading) mutable {
     const double now = direction.dot(reading.base_force);

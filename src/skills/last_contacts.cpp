@@ -11,7 +11,7 @@ constexpr double kReach = 0.4;  // m from the origin: where the object can be at
 
 }  // namespace
 
-std::optional<Eigen::Vector2d> place_of_last_contacts(const Robot& robot) {
+std::optional<Eigen::Vector2d> place_of_last_contacts(const Executor& robot) {
   const auto& readings = robot.log().readings;
   for (auto reading = readings.rbegin(); reading != readings.rend(); ++reading) {
     if (hand::count_contacts(*reading) < 2) continue;

@@ -10,7 +10,7 @@
 namespace palpate::skills {
 namespace {
 
-double peak_force_since(const estimation::TouchLog& log, std::size_t first) {
+double peak_force_since(const estimation::EventLog& log, std::size_t first) {
   double peak = 0;
   for (std::size_t i = first; i < log.readings.size(); ++i) {
     for (int finger = 0; finger < hand::kFingers; ++finger) {
@@ -34,7 +34,7 @@ std::string_view to_string(PhaseStatus status) {
   return "";
 }
 
-PhaseReport run_phase(Phase& phase, Robot& robot, PickState& state) {
+PhaseReport run_phase(Phase& phase, Executor& robot, PickState& state) {
   const auto wall_start = std::chrono::steady_clock::now();
   const double start = robot.time();
   const std::size_t first = robot.log().readings.size();

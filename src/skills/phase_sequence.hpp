@@ -10,10 +10,10 @@
 namespace palpate::skills {
 
 /// Runs phases one after the other, keeps their reports, and remembers which failed last.
-class Course {
+class PhaseSequence {
  public:
-  Course(Robot& robot, PickState& state, std::vector<PhaseReport>& reports,
-         std::string& failed_phase, const PhaseObserver& observer)
+  PhaseSequence(Executor& robot, PickState& state, std::vector<PhaseReport>& reports,
+                std::string& failed_phase, const PhaseObserver& observer)
       : robot_(robot),
         state_(state),
         reports_(reports),
@@ -32,7 +32,7 @@ class Course {
   bool run(Phase&& phase) { return run(phase); }
 
  private:
-  Robot& robot_;
+  Executor& robot_;
   PickState& state_;
   std::vector<PhaseReport>& reports_;
   std::string& failed_phase_;

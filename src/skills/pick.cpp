@@ -21,7 +21,7 @@ namespace {
 constexpr double kLeft = 0.25;  // of the object's weight, in the hand: it has not been let go
 constexpr double kNextSide = 2 * std::numbers::pi / 3;  // rad between attempts
 
-bool has(const estimation::TouchLog& log, estimation::Mark mark) {
+bool has(const estimation::EventLog& log, estimation::TouchEvent mark) {
   return std::any_of(log.moments.begin(), log.moments.end(),
                      [mark](const auto& moment) { return moment.mark == mark; });
 }
@@ -36,23 +36,23 @@ GraspChooser once(const grasping::GraspPlan& grasp) {
 /// Picks one object: the phases, and when which of them comes.
 class Picking {
  public:
-  Picking(Robot& robot, const geometry::ObjectModel& object, const PickOptions& options,
+  Picking(Executor& robot, const geometry::ObjectModel& object, const PickOptions& options,
           std::uint64_t seed, const PhaseObserver& observer, const GraspChooser& choose)
       : robot_(robot),
         object_(object),
         options_(options),
         seed_(seed),
         choose_(choose),
-        course_(robot, state_, result_.phases, result_.failed_phase, observer) {
+        sequence_(robot, state_, result_.phases, result_.failed_phase, observer) {
     if (!options.fallen_at) return;
     state_.place = *options.fallen_at;
     result_.fallen = true;
   }
 
   PickResult run() {
-    if (options_.calibrate.touches > 0 && robot_.model().link_error > 0 &&
-        !has(robot_.log(), estimation::Mark::on_table)) {
-      course_.run(CalibratePhase(options_.calibrate));
+    if (options_.calibrate.touches > 0 && robot_.model().kinematic_error > 0 &&
+        !has(robot_.log(), estimation::TouchEvent::on_table)) {
+      sequence_.run(CalibratePhase(options_.calibrate));
     }
     while (!result_.held && result_.attempts < options_.attempts) {
       if (result_.attempts++ > 0) {
@@ -77,22 +77,22 @@ class Picking {
 
   /// What was known of the object's pose no longer holds.
   void release() {
-    course_.run(ReleasePhase());
+    sequence_.run(ReleasePhase());
     state_.resting.reset();
     state_.next_grasp.reset();
   }
 
   /// Holds and lifts the object, from other sides too while that tells more of its pose.
   bool attempt() {
-    if (!course_.run(FeelPhase(options_.feel))) return false;
-    if (result_.fallen) robot_.mark(estimation::Mark::fallen);
+    if (!sequence_.run(HeightProbePhase(options_.feel))) return false;
+    if (result_.fallen) robot_.mark(estimation::TouchEvent::fallen);
     explore();
     GraspChooser choose = choose_;
     while (true) {
-      if (!course_.run(GraspPhase(options_.grasp, object_, choose))) return false;
+      if (!sequence_.run(GraspPhase(options_.grasp, object_, choose))) return false;
       estimate_closed();
       if (!state_.next_grasp) {
-        if (!course_.run(LiftPhase(options_.lift, weight())) || !estimate_held()) return false;
+        if (!sequence_.run(LiftPhase(options_.lift, weight())) || !estimate_held()) return false;
       }
       if (!state_.next_grasp) return true;
       choose = once(*state_.next_grasp);
@@ -103,7 +103,7 @@ class Picking {
   /// Without a pose to aim by, the grasp goes for the rough place.
   void explore() {
     if (options_.explore.touches == 0) return;
-    course_.run(ExplorePhase(object_, options_.explore, options_.locate, seed_));
+    sequence_.run(ExplorePhase(object_, options_.explore, options_.locate, seed_));
   }
 
   void estimate_closed() {
@@ -111,11 +111,12 @@ class Picking {
     result_.before_probe.reset();
     result_.before_lift.reset();
     if (!options_.estimate_before_lift ||
-        !course_.run(LocatePhase(object_, options_.locate, seed_, estimation::Mark::closed))) {
+        !sequence_.run(
+            PosePhase(object_, options_.locate, seed_, estimation::TouchEvent::closed))) {
       return;
     }
     result_.before_probe = state_.estimate;
-    probe(estimation::Mark::closed);
+    probe(estimation::TouchEvent::closed);
     result_.before_lift = state_.estimate;
   }
 
@@ -123,19 +124,19 @@ class Picking {
   bool estimate_held() {
     result_.tracked.reset();
     if (result_.before_lift &&
-        course_.run(TrackPhase(object_, options_.track, options_.locate.errors, seed_))) {
+        sequence_.run(TrackPhase(object_, options_.track, options_.locate.errors, seed_))) {
       result_.tracked = state_.tracked;
     }
-    if (!course_.run(LocatePhase(object_, options_.locate, seed_))) return true;
+    if (!sequence_.run(PosePhase(object_, options_.locate, seed_))) return true;
     const bool in_doubt = state_.estimate.posterior.modes[0].weight <= options_.probe.certain;
-    return !in_doubt || probe(estimation::Mark::held);
+    return !in_doubt || probe(estimation::TouchEvent::held);
   }
 
   /// @return whether the object is still held, as far as was felt
-  bool probe(estimation::Mark instant) {
+  bool probe(estimation::TouchEvent instant) {
     if (options_.probe.none()) return true;
-    return course_.run(
-        ProbePhase(object_, options_.probe, options_.locate, options_.grasp, seed_, instant));
+    return sequence_.run(
+        PalpationPhase(object_, options_.probe, options_.locate, options_.grasp, seed_, instant));
   }
 
   /// Lets go of the object where it was grasped.
@@ -144,35 +145,36 @@ class Picking {
     const LowerOptions lower = never_refused(options_.lower);
     const auto open = open_posture(options_.grasp.top);
     bool ok = false;
-    if (log.at(estimation::Mark::held)) {
+    if (log.at(estimation::TouchEvent::held)) {
       PlaceGoal goal;
-      goal.seat = log.readings[*log.at(estimation::Mark::closed)].base;
-      ok = course_.run(PlacePhase(lower, goal, 0, open, "put-down"));
+      goal.seat = log.readings[*log.at(estimation::TouchEvent::closed)].base;
+      ok = sequence_.run(PlacePhase(lower, goal, 0, open, "put-down"));
     } else {
-      ok = course_.run(OpenPhase(lower, open));
+      ok = sequence_.run(OpenPhase(lower, open));
     }
-    if (!ok || !course_.run(WithdrawPhase(options_.withdraw, weight(), estimation::Mark::opened)))
+    if (!ok ||
+        !sequence_.run(WithdrawPhase(options_.withdraw, weight(), estimation::TouchEvent::opened)))
       return false;
-    state_.resting =
-        estimation::locate_resting(object_, robot_.model(), robot_.log(), options_.locate, seed_);
+    state_.resting = estimation::estimate_resting_pose(object_, robot_.model(), robot_.log(),
+                                                       options_.locate, seed_);
     if (state_.resting->modes.empty()) state_.resting.reset();
     ++result_.regrasps;
     return true;
   }
 
-  Robot& robot_;
+  Executor& robot_;
   const geometry::ObjectModel& object_;
   PickOptions options_;
   std::uint64_t seed_;
   const GraspChooser& choose_;
   PickState state_;
   PickResult result_;
-  Course course_;
+  PhaseSequence sequence_;
 };
 
 }  // namespace
 
-PickResult pick(Robot& robot, const geometry::ObjectModel& object, const PickOptions& options,
+PickResult pick(Executor& robot, const geometry::ObjectModel& object, const PickOptions& options,
                 std::uint64_t seed, const PhaseObserver& observer, const GraspChooser& choose) {
   PickResult result = Picking(robot, object, options, seed, observer, choose).run();
   if (observer.on_picked) observer.on_picked(result);

@@ -18,7 +18,7 @@ DONE, USAGE, BAD_INPUT, NO_SOLUTION = 0, 2, 3, 4
 # A pick of little searching, for tests that only look at its form.
 QUICK = [
     "--set", "explore.touches=2", "--set", "lift.hold=0.2",
-    "--set", "locate.search.proposals=20000", "--set", "locate.search.particles=400",
+    "--set", "estimation.search.proposals=20000", "--set", "estimation.search.particles=400",
 ]  # fmt: skip
 
 

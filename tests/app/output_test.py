@@ -13,7 +13,7 @@ from cli import BAD_INPUT, DONE, QUICK, CliTest, main
 
 # A pick of a second, of which only the form matters.
 SHORT = [*QUICK, "--quiet", "--set", "calibrate.touches=0", "--set", "attempts=1",
-         "--set", "probe.most=0", "--set", "explore.touches=0", "--set", "explore.most_touches=0",
+         "--set", "palpation.max=0", "--set", "explore.touches=0", "--set", "explore.max_touches=0",
          "--set", "estimate_before_lift=false"]  # fmt: skip
 PICK = ["pick", "--object", "box", "--out", "run", "--json", *SHORT]
 EVAL = ["eval", "--object", "box", "--trials", "3", "--seed", "40", "--json", *SHORT]

@@ -6,9 +6,9 @@ import json
 from cli import BAD_INPUT, CliTest, main
 
 QUICK = [
-    "--set", "explore.touches=4", "--set", "explore.most_touches=4", "--set", "lift.hold=0.2",
-    "--set", "locate.search.proposals=20000", "--set", "locate.search.particles=400",
-    "--set", "place.certain=0.3", "--set", "start.stance=0",
+    "--set", "explore.touches=4", "--set", "explore.max_touches=4", "--set", "lift.hold=0.2",
+    "--set", "estimation.search.proposals=20000", "--set", "estimation.search.particles=400",
+    "--set", "place.certain=0.3", "--set", "start.stable_pose=0",
 ]  # fmt: skip
 SUNK = "1 0 0 0.1 0 1 0 0.1 0 0 1 0.01 0 0 0 1"
 AFLOAT = "1 0 0 0.1 0 1 0 0.1 0 0 1 0.5 0 0 0 1"
@@ -38,16 +38,19 @@ class BadTargets(CliTest):
             "fixture", "too small", options=["--set", "place.fixture.tolerance=-0.001"])
 
 
-    def test_a_stance_that_it_does_not_have(self):
-        self.assert_bad_place("stance", "place.stance", "99", options=["--set", "place.stance=99"])
+    def test_a_stable_pose_that_it_does_not_have(self):
+        self.assert_bad_place("stable_pose", "place.stable_pose", "99", options=["--set", "place.stable_pose=99"])
 
-    def test_a_stance_of_another_target(self):
-        self.assert_bad_place("random", "place.stance = 1", "random", options=["--set", "place.stance=1"])
+    def test_a_stable_pose_of_another_target(self):
+        self.assert_bad_place("random", "place.stable_pose = 1", "random", options=["--set", "place.stable_pose=1"])
 
-    def test_means_and_turns_that_cannot_be(self):
-        self.assert_bad_place("0.1,0,0", "place.means", "throw", options=["--set", "place.means=throw"])
-        self.assert_bad_place("0.1,0,0", "place.fingers.most", "9",
-                              options=["--set", "place.fingers.most=9"])  # fmt: skip
+    def test_the_earlier_name_of_a_target(self):
+        self.assert_bad_place("stance", "stable_pose")
+
+    def test_strategies_and_turns_that_cannot_be(self):
+        self.assert_bad_place("0.1,0,0", "place.strategy", "throw", options=["--set", "place.strategy=throw"])
+        self.assert_bad_place("0.1,0,0", "place.fingers.max", "9",
+                              options=["--set", "place.fingers.max=9"])  # fmt: skip
 
 
 class Results(CliTest):
@@ -76,21 +79,21 @@ class Results(CliTest):
     def test_the_fingers_are_reported(self):
         report = self.run_json(
             "pick", "--object", "box", "--place", "0.15,0.1,0.5", "--seed", "7", "--out", "run",
-            "--set", "place.means=fingers", "--set", "place.fingers.reorient.sampling.samples=4",
+            "--set", "place.strategy=fingers", "--set", "place.fingers.reorient.sampling.samples=4",
             *QUICK)  # fmt: skip
         names = [phase["name"] for phase in report["phases"]]
         self.assertIn("turn", names)
         for name in names:
             self.assertNotIn(" ", name)  # pictures of phases are named after them
-        means = report["place"]["means"]
-        self.assertEqual(means["chosen"], "fingers")
-        self.assertIn("asked for", means["reason"])
-        fingers = means["fingers"]
+        strategy = report["place"]["strategy"]
+        self.assertEqual(strategy["chosen"], "fingers")
+        self.assertIn("asked for", strategy["reason"])
+        fingers = strategy["fingers"]
         self.assertAlmostEqual(fingers["asked_deg"], 15, places=3)
         self.assertGreater(fingers["base_turn_deg"], fingers["asked_deg"])
         self.assertIn(fingers["end"], ["reached", "out_of_time", "drift", "losing"])
         self.assertLessEqual(
-            {"left", "known", "lost", "steps", "rehearsals", "sim_seconds", "plan_seconds"},
+            {"left", "known", "lost", "steps", "rollouts", "sim_seconds", "plan_seconds"},
             fingers.keys())
 
     def test_eval_counts_places_alike_for_any_number_of_threads(self):
@@ -100,7 +103,7 @@ class Results(CliTest):
         two = self.run_json(*command, "--threads", "2")["objects"]["box"]
         self.assertEqual(one, two)
         self.assertLessEqual(
-            {"certain", "placed", "tight", "dropped", "in_stance", "status"}, one["place"].keys())
+            {"certain", "placed", "tight", "dropped", "in_stable_pose", "status"}, one["place"].keys())
         self.assertIn("transport", one["phases"])
         json.dumps(one)
 

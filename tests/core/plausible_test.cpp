@@ -21,9 +21,9 @@ TEST(Plausible, NamesWhatCannotBe) {
 
 TEST(Plausible, ChecksEveryComponent) {
   const Eigen::Vector3d nan(0, std::nan(""), 0), huge(0, 0, 1e200);
-  EXPECT_NE(error_message([&] { check_plausible(nan, kMostForce, "a force"); }), "");
-  EXPECT_EQ(error_message([&] { check_plausible(nan, kMostForce, "a force", true); }), "");
-  EXPECT_NE(error_message([&] { check_plausible(huge, kMostForce, "a force", true); }), "");
+  EXPECT_NE(error_message([&] { check_plausible(nan, kMaxForce, "a force"); }), "");
+  EXPECT_EQ(error_message([&] { check_plausible(nan, kMaxForce, "a force", true); }), "");
+  EXPECT_NE(error_message([&] { check_plausible(huge, kMaxForce, "a force", true); }), "");
 }
 
 TEST(Plausible, ARotationIsOneForAllRotations) {

@@ -17,24 +17,24 @@ struct PickedBox {
   static constexpr std::uint64_t kSeed = 7;
   PickedBox() : object(geometry::load_known_object("box")) {
     evaluation::TrialOptions options;
-    options.pick.explore.touches = options.pick.explore.most_touches = 4;
+    options.pick.explore.touches = options.pick.explore.max_touches = 4;
     options.pick.lift.hold = 0.3;
     options.pick.locate.search.proposals = 20000;
     options.pick.locate.search.particles = 400;
-    options.start.stance = 0;
+    options.start.stable_pose = 0;
     locate_options = options.pick.locate;
     simulation::World world(object.object(), options.world, kSeed);
     world.reset(evaluation::draw_start(object.object(), options.start, kSeed),
                 evaluation::waiting_command());
-    skills::Robot robot(world.hand(), world.hand_model(), evaluation::waiting_command());
+    skills::Executor robot(world.hand(), world.hand_model(), evaluation::waiting_command());
     picked = skills::pick(robot, object, options.pick, kSeed);
     log = robot.log();
     model = robot.model();
   }
   geometry::ObjectModel object;
-  LocateOptions locate_options;
+  EstimationOptions locate_options;
   skills::PickResult picked;
-  TouchLog log;
+  EventLog log;
   hand::HandModel model;
 };
 
@@ -73,13 +73,13 @@ TEST(Locate, TheLogTellsAllThatTheEstimateDependsOn) {
 
 TEST(Locate, WithoutTheMomentOrATouchThereIsNoPose) {
   ASSERT_TRUE(scene().picked.held);
-  TouchLog bare = scene().log;
+  EventLog bare = scene().log;
   bare.moments.clear();
   const auto& s = scene();
   const auto held = locate(s.object, s.model, bare, s.locate_options, 1);
   EXPECT_EQ(held.posterior.status, localization::PoseStatus::no_pose);
   EXPECT_TRUE(held.posterior.modes.empty());
-  const auto resting = locate_resting(s.object, s.model, bare, s.locate_options, 1);
+  const auto resting = estimate_resting_pose(s.object, s.model, bare, s.locate_options, 1);
   EXPECT_EQ(resting.status, localization::PoseStatus::no_pose);
 }
 
@@ -87,9 +87,9 @@ TEST(Locate, WhatMayRestTiltedIsKnownLessUpright) {
   const auto& s = scene();
   ASSERT_TRUE(s.picked.held);
   const auto tilt = [&](double sigma) {
-    LocateOptions options = s.locate_options;
+    EstimationOptions options = s.locate_options;
     options.resting_tilt_sigma = sigma;
-    const auto resting = locate_resting(s.object, s.model, s.log, options, PickedBox::kSeed);
+    const auto resting = estimate_resting_pose(s.object, s.model, s.log, options, PickedBox::kSeed);
     return resting.modes.empty() ? 0.0 : resting.modes[0].covariance.topLeftCorner<2, 2>().trace();
   };
   EXPECT_GT(tilt(0.02), 0);
@@ -99,45 +99,48 @@ TEST(Locate, WhatMayRestTiltedIsKnownLessUpright) {
 TEST(Locate, WhatMayHaveFallenRestsAsTheLogTells) {
   const auto& s = scene();
   ASSERT_TRUE(s.picked.held);
-  TouchLog log = s.log;
-  const auto felt = std::find_if(log.moments.begin(), log.moments.end(),
-                                 [](const auto& moment) { return moment.mark == Mark::felt; });
+  EventLog log = s.log;
+  const auto felt = std::find_if(log.moments.begin(), log.moments.end(), [](const auto& moment) {
+    return moment.mark == TouchEvent::felt;
+  });
   ASSERT_NE(felt, log.moments.end());
   const Eigen::Vector2d place = estimation::place_under_hand(log.readings[felt->reading]);
   EXPECT_LT(place.norm(), 0.005);  // the hand came down over the rough place
-  log.moments.insert(felt + 1, {Mark::fallen, felt->reading});
-  const auto fallen = locate_resting(s.object, s.model, log, s.locate_options, PickedBox::kSeed);
-  const auto wider = locate_resting(s.object, s.model, s.log, of_fallen(s.locate_options, place),
-                                    PickedBox::kSeed);
-  const auto upright = locate_resting(s.object, s.model, s.log, s.locate_options, PickedBox::kSeed);
+  log.moments.insert(felt + 1, {TouchEvent::fallen, felt->reading});
+  const auto fallen =
+      estimate_resting_pose(s.object, s.model, log, s.locate_options, PickedBox::kSeed);
+  const auto wider = estimate_resting_pose(s.object, s.model, s.log,
+                                           of_fallen(s.locate_options, place), PickedBox::kSeed);
+  const auto upright =
+      estimate_resting_pose(s.object, s.model, s.log, s.locate_options, PickedBox::kSeed);
   ASSERT_FALSE(fallen.modes.empty());
   EXPECT_EQ(fallen.modes[0].covariance, wider.modes[0].covariance);
   EXPECT_NE(fallen.modes[0].covariance, upright.modes[0].covariance);
 }
 
 /// The log of the box, with moments added at its last reading.
-TouchLog with_moments(std::initializer_list<Mark> marks) {
-  TouchLog log = scene().log;
-  for (const Mark mark : marks) log.moments.push_back({mark, log.readings.size() - 1});
+EventLog with_moments(std::initializer_list<TouchEvent> marks) {
+  EventLog log = scene().log;
+  for (const TouchEvent mark : marks) log.moments.push_back({mark, log.readings.size() - 1});
   return log;
 }
 
 TEST(Locate, AHandThatHasOpenedKnowsWhatItHeldBefore) {
   const auto& s = scene();
   ASSERT_TRUE(s.picked.held);
-  const TouchLog put_back = with_moments({Mark::placed});
+  const EventLog put_back = with_moments({TouchEvent::placed});
   const auto before =
-      locate(s.object, s.model, put_back, s.locate_options, PickedBox::kSeed, Mark::placed);
-  const TouchLog opened = with_moments({Mark::placed, Mark::opened});
+      locate(s.object, s.model, put_back, s.locate_options, PickedBox::kSeed, TouchEvent::placed);
+  const EventLog opened = with_moments({TouchEvent::placed, TouchEvent::opened});
   const auto resting =
-      locate_resting(s.object, s.model, opened, s.locate_options, PickedBox::kSeed);
+      estimate_resting_pose(s.object, s.model, opened, s.locate_options, PickedBox::kSeed);
   ASSERT_FALSE(resting.modes.empty());
   EXPECT_EQ(resting.modes[0].T_frame_object.matrix(),
             before.posterior.modes[0].T_frame_object.matrix());
   // Closed anew on what it has not left, it finds the same pose, by the new touch and that prior.
-  const TouchLog again = with_moments({Mark::placed, Mark::opened, Mark::closed});
+  const EventLog again = with_moments({TouchEvent::placed, TouchEvent::opened, TouchEvent::closed});
   const auto after =
-      locate(s.object, s.model, again, s.locate_options, PickedBox::kSeed, Mark::closed);
+      locate(s.object, s.model, again, s.locate_options, PickedBox::kSeed, TouchEvent::closed);
   ASSERT_FALSE(after.posterior.modes.empty());
   const auto error = localization::pose_error(after.posterior.modes[0].T_frame_object,
                                               before.posterior.modes[0].T_frame_object,
@@ -150,12 +153,13 @@ TEST(Locate, CountsWhatTheFingersTouchedWithTheObjectRolledAside) {
   const auto& s = scene();
   ASSERT_TRUE(s.picked.held);
   const auto once = locate(s.object, s.model, s.log, s.locate_options, PickedBox::kSeed);
-  TouchLog rolled = s.log;
-  rolled.moments.push_back({Mark::rolled, *s.log.at(Mark::held)});
+  EventLog rolled = s.log;
+  rolled.moments.push_back({TouchEvent::rolled, *s.log.at(TouchEvent::held)});
   const auto twice = locate(s.object, s.model, rolled, s.locate_options, PickedBox::kSeed);
   EXPECT_GT(twice.contacts.size(), once.contacts.size());
-  rolled.moments.push_back({Mark::opened, *s.log.at(Mark::held)});  // of the grasp before
-  rolled.moments.push_back({Mark::held, *s.log.at(Mark::held)});
+  rolled.moments.push_back(
+      {TouchEvent::opened, *s.log.at(TouchEvent::held)});  // of the grasp before
+  rolled.moments.push_back({TouchEvent::held, *s.log.at(TouchEvent::held)});
   const auto anew = locate(s.object, s.model, rolled, s.locate_options, PickedBox::kSeed);
   EXPECT_EQ(anew.contacts.size(), once.contacts.size());
 }
@@ -163,7 +167,7 @@ TEST(Locate, CountsWhatTheFingersTouchedWithTheObjectRolledAside) {
 TEST(Locate, BalancedForcesChangeTheEstimateALittle) {
   const auto& s = scene();
   ASSERT_TRUE(s.picked.held);
-  LocateOptions options = s.locate_options;
+  EstimationOptions options = s.locate_options;
   options.balance = true;
   const auto with = locate(s.object, s.model, s.log, options, PickedBox::kSeed);
   ASSERT_FALSE(with.posterior.modes.empty());
@@ -174,8 +178,8 @@ TEST(Locate, BalancedForcesChangeTheEstimateALittle) {
   EXPECT_LT(error.rotation, 0.05);
   EXPECT_LT(error.translation, 0.003);
   // Before the lift the table bears a part that nobody feels.
-  const auto closed = locate(s.object, s.model, s.log, s.locate_options, 1, Mark::closed);
-  const auto same = locate(s.object, s.model, s.log, options, 1, Mark::closed);
+  const auto closed = locate(s.object, s.model, s.log, s.locate_options, 1, TouchEvent::closed);
+  const auto same = locate(s.object, s.model, s.log, options, 1, TouchEvent::closed);
   EXPECT_EQ(same.posterior.modes[0].T_frame_object.matrix(),
             closed.posterior.modes[0].T_frame_object.matrix());
 }

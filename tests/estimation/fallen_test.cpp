@@ -6,8 +6,8 @@
 namespace palpate::estimation {
 namespace {
 
-TEST(OfFallen, LooksWiderAndWithATiltThatNoStanceHas) {
-  LocateOptions options;
+TEST(OfFallen, LooksWiderAndWithATiltThatNoStablePoseHas) {
+  EstimationOptions options;
   options.resting_tilt_sigma = 0.02;
   options.resting_half_width = 0.03;
   const auto near = of_fallen(options, {0, 0});
@@ -18,7 +18,7 @@ TEST(OfFallen, LooksWiderAndWithATiltThatNoStanceHas) {
 }
 
 TEST(OfFallen, NeverLooksCloserThanAsked) {
-  LocateOptions options;
+  EstimationOptions options;
   options.resting_tilt_sigma = 0.5;
   options.resting_half_width = 1.0;
   const auto fallen = of_fallen(options, {0, 0});

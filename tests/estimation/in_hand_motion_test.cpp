@@ -34,10 +34,10 @@ struct BendingWrist {
   }
   Eigen::Isometry3d carried(std::size_t first, std::size_t last,
                             const Fingers& ignored = {}) const {
-    return carried_motion(hand, log, first, last, {}, ignored);
+    return in_hand_motion(hand, log, first, last, {}, ignored);
   }
   hand::HandModel hand;
-  TouchLog log;
+  EventLog log;
 };
 
 TEST(CarriedMotion, IsThatOfTheHandThatHoldsWhereverItsContactsWander) {

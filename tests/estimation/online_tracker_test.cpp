@@ -18,9 +18,9 @@ localization::Posterior at(const Eigen::Vector3d& place) {
   return {localization::PoseStatus::certain, {mode}, {}, 0};
 }
 
-class FeltPlaceTest : public testing::Test {
+class OnlineTrackerTest : public testing::Test {
  protected:
-  FeltPlaceTest()
+  OnlineTrackerTest()
       : object(geometry::load_known_object("box")),
         hand(simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"))) {
     options.estimate = false;
@@ -40,12 +40,12 @@ class FeltPlaceTest : public testing::Test {
 
   geometry::ObjectModel object;
   hand::HandModel hand;
-  FeltPlaceOptions options;
+  OnlineTrackerOptions options;
   int tick = 0;
 };
 
-TEST_F(FeltPlaceTest, StaysUntilTheHandLiftsWhatItTouches) {
-  FeltPlace felt(object, hand, at({0.1, 0, 0.05}), options, 1);
+TEST_F(OnlineTrackerTest, StaysUntilTheHandLiftsWhatItTouches) {
+  OnlineTracker felt(object, hand, at({0.1, 0, 0.05}), options, 1);
   felt.feel(reading({0, 0, 0.3}, false));
   felt.feel(reading({0.02, 0, 0.2}, false));
   felt.feel(reading({0.04, 0, 0.2}, true));  // pushes perhaps, but has not risen
@@ -62,14 +62,14 @@ TEST_F(FeltPlaceTest, StaysUntilTheHandLiftsWhatItTouches) {
   EXPECT_EQ(felt.estimates(), 0);
 }
 
-TEST_F(FeltPlaceTest, AnEstimateIsThereOnePeriodLater) {
+TEST_F(OnlineTrackerTest, AnEstimateIsThereOnePeriodLater) {
   options.estimate = true;
   options.fingers = 1;
   options.period = 0.05;
   options.locate.free_space = false;
   options.turn_sigma = 0.02;
   options.way_sigma = 0.004;
-  FeltPlace felt(object, hand, at({0, 0, 0.05}), options, 1);
+  OnlineTracker felt(object, hand, at({0, 0, 0.05}), options, 1);
   // The fingertip touches 4 mm beside where the box is believed to be: it must have been moved.
   hand::HandReading beside = reading({0, 0, 0}, true);
   const Eigen::Isometry3d T_base_tip =
@@ -87,8 +87,8 @@ TEST_F(FeltPlaceTest, AnEstimateIsThereOnePeriodLater) {
   EXPECT_EQ(felt.estimates(), 2);
 }
 
-TEST_F(FeltPlaceTest, NeedsAPose) {
-  EXPECT_THROW(FeltPlace(object, hand, {}, options, 1), BadInput);
+TEST_F(OnlineTrackerTest, NeedsAPose) {
+  EXPECT_THROW(OnlineTracker(object, hand, {}, options, 1), BadInput);
 }
 
 }  // namespace

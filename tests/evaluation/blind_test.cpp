@@ -14,19 +14,19 @@ namespace {
 
 constexpr std::uint64_t kSeed = 7;
 
-struct Course {
+struct PhaseSequence {
   Trial trial;
   std::vector<recording::Frame> frames;
 };
 
-Course course_of(const char* name, TrialOptions options, bool false_truth) {
-  options.world.false_truth = false_truth;
+PhaseSequence course_of(const char* name, TrialOptions options, bool corrupted_truth) {
+  options.world.corrupted_truth = corrupted_truth;
   const geometry::ObjectModel object(geometry::load_known_object(name));
   const simulation::World world(object.object(), options.world, kSeed);
   const TemporaryFolder folder;
   const auto path = folder.path() / "recording.h5";
   recording::Writer writer(path, {"1.2.3", kSeed, object.object(), world.hand_model(), ""});
-  Course course;
+  PhaseSequence course;
   course.trial = run_trial(object, options, kSeed, &writer);
   writer.finish();
   course.frames = recording::read_recording(path).frames;
@@ -34,9 +34,9 @@ Course course_of(const char* name, TrialOptions options, bool false_truth) {
 }
 
 /// @return the course with the right truth
-Course expect_blind(const char* name, const TrialOptions& options) {
-  Course right = course_of(name, options, false);
-  const Course wrong = course_of(name, options, true);
+PhaseSequence expect_blind(const char* name, const TrialOptions& options) {
+  PhaseSequence right = course_of(name, options, false);
+  const PhaseSequence wrong = course_of(name, options, true);
   EXPECT_GT(right.frames.size(), 1000u);
   EXPECT_EQ(right.frames.size(), wrong.frames.size());
   for (std::size_t i = 0; i < std::min(right.frames.size(), wrong.frames.size()); ++i) {
@@ -48,14 +48,14 @@ Course expect_blind(const char* name, const TrialOptions& options) {
     EXPECT_TRUE(same) << "in frame " << i;
     if (!same) break;
   }
-  EXPECT_FALSE(wrong.trial.judgement.pose_ok);  // who judges by the truth is misled
+  EXPECT_FALSE(wrong.trial.metrics.pose_ok);  // who judges by the truth is misled
   return right;
 }
 
 TEST(Blind, PlacingOnASpotDoesNotSeeTheTruth) {
   const auto course = expect_blind("box", quick_place_options());
-  EXPECT_EQ(course.trial.means.means, skills::PlaceMeans::wrist);
-  EXPECT_TRUE(course.trial.place_judgement.placed);
+  EXPECT_EQ(course.trial.means.means, skills::PlaceStrategy::wrist);
+  EXPECT_TRUE(course.trial.place_metrics.placed);
 }
 
 TEST(Blind, TurningByTheFingersDoesNotSeeTheTruth) {
@@ -63,17 +63,17 @@ TEST(Blind, TurningByTheFingersDoesNotSeeTheTruth) {
   options.place.means = "fingers";
   options.place.fingers.reorient.sampling.samples = 4;
   const auto course = expect_blind("box", options);
-  EXPECT_EQ(course.trial.means.means, skills::PlaceMeans::fingers);
+  EXPECT_EQ(course.trial.means.means, skills::PlaceStrategy::fingers);
 }
 
 TEST(Blind, RegraspingDoesNotSeeTheTruth) {
   TrialOptions options = quick_place_options();
-  options.start.stance = 1;
-  options.place.target = "stance";
-  options.place.stance = 4;
+  options.start.stable_pose = 1;
+  options.place.target = "stable_pose";
+  options.place.stable_pose = 4;
   options.place.means = "regrasp";
   const auto course = expect_blind("box", options);
-  EXPECT_EQ(course.trial.means.means, skills::PlaceMeans::regrasp);
+  EXPECT_EQ(course.trial.means.means, skills::PlaceStrategy::regrasp);
 }
 
 }  // namespace

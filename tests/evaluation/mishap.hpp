@@ -16,7 +16,7 @@ class SlipperyHand : public hand::Hand {
   }
   hand::HandReading step(const hand::HandCommand& command) override {
     hand::HandCommand told = command;
-    if (lets_go) told.positions = skills::open_posture(skills::top_recipe());
+    if (lets_go) told.positions = skills::open_posture(skills::top_preshape());
     return hand_.step(told);
   }
 
@@ -26,7 +26,8 @@ class SlipperyHand : public hand::Hand {
   hand::Hand& hand_;
 };
 
-/// A box (resting in its first stance) before a hand that lets go of it in the first transport.
+/// A box (resting in its first stable pose) before a hand that lets go of it in the first
+/// transport.
 struct Mishap {
   static constexpr std::uint64_t kSeed = 7;
 
@@ -44,7 +45,7 @@ struct Mishap {
   simulation::World world{box.object(), {}, kSeed};
   SlipperyHand hand{world.hand()};
   simulation::SimulatedModels models;
-  skills::Robot robot{hand, world.hand_model(), waiting_command(), {}, &models};
+  skills::Executor robot{hand, world.hand_model(), waiting_command(), {}, &models};
   int transports = 0;
   skills::PhaseObserver observer{
       [this](std::string_view phase, double) {

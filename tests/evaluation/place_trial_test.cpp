@@ -22,14 +22,13 @@ TEST(PlaceTrial, PutsTheBoxDownAtItsTarget) {
   ASSERT_TRUE(trial.result.held);
   ASSERT_TRUE(trial.place);
   EXPECT_EQ(trial.place->status, skills::PlaceStatus::placed) << trial.place->phases.back().outcome;
-  EXPECT_FALSE(trial.place_judgement.dropped);
-  EXPECT_EQ(trial.means.means, skills::PlaceMeans::wrist);
+  EXPECT_FALSE(trial.place_metrics.dropped);
+  EXPECT_EQ(trial.means.means, skills::PlaceStrategy::wrist);
   EXPECT_EQ(trial.means.reason.rfind("one hold: ", 0), 0u) << trial.means.reason;
   EXPECT_TRUE(trial.place->T_world_placed);
-  EXPECT_LT(trial.place_judgement.error.translation, 0.03);
-  const auto target =
-      localization::pose_error(*trial.place->T_world_placed, trial.place_judgement.T_world_target,
-                               box().object().symmetries);
+  EXPECT_LT(trial.place_metrics.error.translation, 0.03);
+  const auto target = localization::pose_error(
+      *trial.place->T_world_placed, trial.place_metrics.T_world_target, box().object().symmetries);
   EXPECT_LT(target.translation, 0.01);  // as far as the robot knows
 }
 
@@ -41,7 +40,7 @@ double error_after_a_shift(const Eigen::Vector3d& shift, bool again) {
   simulation::World world(box().object(), options.world, kSeed);
   world.reset(draw_start(box().object(), options.start, kSeed), waiting_command());
   const simulation::SimulatedModels models;
-  skills::Robot robot(world.hand(), world.hand_model(), waiting_command(), {}, &models);
+  skills::Executor robot(world.hand(), world.hand_model(), waiting_command(), {}, &models);
   auto picked = skills::pick(robot, box(), options.pick, kSeed);
   EXPECT_TRUE(picked.held);
   for (auto& mode : picked.estimate.posterior.modes) mode.T_frame_object.pretranslate(shift);
@@ -80,10 +79,10 @@ TEST(PlaceTrial, WhatIsShakenOutOfTheHandIsDropped) {
   auto& limits = options.place.transport.plan.limits;
   limits.base_speed = limits.turn_speed = 10;
   limits.base_acceleration = limits.turn_acceleration = 100;
-  options.place.transport.most_slip = 0.1;
+  options.place.transport.max_slip = 0.1;
   const auto trial = run_trial(box(), options, kSeed);
   ASSERT_TRUE(trial.place);
-  EXPECT_TRUE(trial.place_judgement.dropped);
+  EXPECT_TRUE(trial.place_metrics.dropped);
 }
 
 TEST(PlaceTrial, WhatIsAmbiguousIsPutBackWhereItCameFrom) {
@@ -91,11 +90,11 @@ TEST(PlaceTrial, WhatIsAmbiguousIsPutBackWhereItCameFrom) {
   simulation::World world(box().object(), options.world, kSeed);
   world.reset(draw_start(box().object(), options.start, kSeed), waiting_command());
   const simulation::SimulatedModels models;
-  skills::Robot robot(world.hand(), world.hand_model(), waiting_command(), {}, &models);
+  skills::Executor robot(world.hand(), world.hand_model(), waiting_command(), {}, &models);
   auto picked = skills::pick(robot, box(), options.pick, kSeed);
   ASSERT_TRUE(picked.held);
-  const auto closed = *robot.log().at(estimation::Mark::closed);
-  const auto held = *robot.log().at(estimation::Mark::held);
+  const auto closed = *robot.log().at(estimation::TouchEvent::closed);
+  const auto held = *robot.log().at(estimation::TouchEvent::held);
   const Eigen::Isometry3d lowered = robot.log().readings[closed].base.pose() *
                                     robot.log().readings[held].base.pose().inverse() *
                                     world.truth().T_world_object;
@@ -132,14 +131,14 @@ std::size_t count(const std::vector<skills::PhaseReport>& phases, const std::str
 TEST(PlaceTrial, GraspsAnewWhatOneHoldCannotStandUp) {
   const geometry::ObjectModel bottle(geometry::load_known_object("bottle"));
   TrialOptions options = quick_place_options();
-  // Upright, which is none of the two stances that are likeliest.
+  // Upright, which is none of the two stable poses that are likeliest.
   options.place.target = "1 0 0 0.15  0 1 0 0.05  0 0 1 0.0772  0 0 0 1";
-  options.start.stance = 1;
+  options.start.stable_pose = 1;
   // From this start the hand grasps it so that it would have to go into the table.
   const auto trial = run_trial(bottle, options, 33);
   ASSERT_TRUE(trial.result.held);
   ASSERT_TRUE(trial.place);
-  EXPECT_EQ(trial.means.means, skills::PlaceMeans::regrasp);
+  EXPECT_EQ(trial.means.means, skills::PlaceStrategy::regrasp);
   EXPECT_NE(trial.means.reason.find("unreachable"), std::string::npos) << trial.means.reason;
   ASSERT_FALSE(trial.means.rounds.empty());
   EXPECT_FALSE(trial.means.rounds[0].plan.considered.empty());
@@ -152,10 +151,10 @@ TEST(PlaceTrial, GraspsAnewWhatOneHoldCannotStandUp) {
   EXPECT_EQ(trial.place->status, skills::PlaceStatus::placed) << trial.place->phases.back().outcome;
   EXPECT_EQ(trial.means.regrasp, skills::RegraspStatus::done);
   // Judged against the target itself: the bottle stands, and stands there.
-  const Eigen::Matrix3d upright = trial.place_judgement.T_world_target.linear();
+  const Eigen::Matrix3d upright = trial.place_metrics.T_world_target.linear();
   EXPECT_TRUE(upright.isIdentity());
-  EXPECT_LT(trial.place_judgement.error.translation, 0.03);
-  EXPECT_LT(trial.place_judgement.error.rotation, 0.5);
+  EXPECT_LT(trial.place_metrics.error.translation, 0.03);
+  EXPECT_LT(trial.place_metrics.error.rotation, 0.5);
 }
 
 TEST(PlaceTrial, TheFingersTakeAPartOfTheTurn) {
@@ -164,16 +163,16 @@ TEST(PlaceTrial, TheFingersTakeAPartOfTheTurn) {
   options.place.fingers.reorient.sampling.samples = 8;
   const auto trial = run_trial(box(), options, kSeed);
   ASSERT_TRUE(trial.place);
-  EXPECT_EQ(trial.means.means, skills::PlaceMeans::fingers);
+  EXPECT_EQ(trial.means.means, skills::PlaceStrategy::fingers);
   ASSERT_TRUE(trial.means.turn);
   EXPECT_EQ(trial.means.reason, trial.means.turn->why);
   EXPECT_NEAR(trial.means.turn->asked.norm(), options.place.fingers.most, 1e-9);
   EXPECT_GT(trial.means.turn->base_turn, trial.means.turn->asked.norm());
-  EXPECT_GT(trial.means.turn->result.rehearsals, 0);
+  EXPECT_GT(trial.means.turn->result.rollouts, 0);
   EXPECT_EQ(count(trial.place->phases, "turn"), 1u);
   EXPECT_EQ(trial.place->status, skills::PlaceStatus::placed) << trial.place->phases.back().outcome;
-  EXPECT_FALSE(trial.place_judgement.dropped);
-  EXPECT_LT(trial.place_judgement.error.translation, 0.03);
+  EXPECT_FALSE(trial.place_metrics.dropped);
+  EXPECT_LT(trial.place_metrics.error.translation, 0.03);
 }
 
 TEST(PlaceTrial, WhatTheBaseTurnsByLittleIsNoWorkForTheFingers) {
@@ -182,7 +181,7 @@ TEST(PlaceTrial, WhatTheBaseTurnsByLittleIsNoWorkForTheFingers) {
   options.place.fingers.least = 1.0;  // more than `most`: always too little
   const auto trial = run_trial(box(), options, kSeed);
   ASSERT_TRUE(trial.place);
-  EXPECT_EQ(trial.means.means, skills::PlaceMeans::wrist);
+  EXPECT_EQ(trial.means.means, skills::PlaceStrategy::wrist);
   EXPECT_FALSE(trial.means.turn);
   EXPECT_NE(trial.means.reason.find("nothing for the fingers"), std::string::npos)
       << trial.means.reason;

@@ -9,11 +9,11 @@ namespace palpate::evaluation {
 inline TrialOptions quick_place_options() {
   TrialOptions options;
   options.pick.calibrate.touches = 0;
-  options.pick.explore.touches = options.pick.explore.most_touches = 4;
+  options.pick.explore.touches = options.pick.explore.max_touches = 4;
   options.pick.lift.hold = 0.5;
   options.pick.locate.search.proposals = 20000;
   options.pick.locate.search.particles = 400;
-  options.start.stance = 0;
+  options.start.stable_pose = 0;
   options.place.target = "0.15,0.1,0.5";
   // A quick search is sure of little.
   options.place.certain = options.place.regrasp.certain_between = 0.3;

@@ -31,7 +31,7 @@ TrialOptions quick_options() {
   options.pick.probe.most = 2;
   options.pick.probe.rolls = options.pick.probe.regrasps = 0;
   options.pick.probe.certain = 1;  // probe whatever is known
-  options.pick.probe.worth = 0;
+  options.pick.probe.min_gain_rate = 0;
   options.pick.locate.search.proposals = 20000;
   options.pick.locate.search.particles = 400;
   return options;
@@ -49,7 +49,7 @@ void expect_equal(const localization::Mode& a, const localization::Mode& b) {
 }
 
 /// Every number of both estimates agrees to the last bit.
-void expect_equal(const estimation::PoseEstimate& a, const estimation::PoseEstimate& b) {
+void expect_equal(const estimation::HeldPoseEstimate& a, const estimation::HeldPoseEstimate& b) {
   EXPECT_EQ(a.posterior.status, b.posterior.status);
   ASSERT_EQ(a.posterior.modes.size(), b.posterior.modes.size());
   for (std::size_t i = 0; i < a.posterior.modes.size(); ++i) {
@@ -76,7 +76,7 @@ void expect_equal(const skills::PhaseReport& a, const skills::PhaseReport& b) {
 void expect_equal(const Trial& a, const Trial& b) {
   EXPECT_EQ(a.start.xy, b.start.xy);
   EXPECT_EQ(a.start.yaw, b.start.yaw);
-  EXPECT_EQ(a.start.stance, b.start.stance);
+  EXPECT_EQ(a.start.stable_pose, b.start.stable_pose);
   EXPECT_EQ(a.result.held, b.result.held);
   EXPECT_EQ(a.result.attempts, b.result.attempts);
   EXPECT_EQ(a.result.failed_phase, b.result.failed_phase);
@@ -85,9 +85,9 @@ void expect_equal(const Trial& a, const Trial& b) {
     expect_equal(a.result.phases[i], b.result.phases[i]);
   }
   expect_equal(a.result.estimate, b.result.estimate);
-  EXPECT_EQ(a.judgement.lifted, b.judgement.lifted);
-  EXPECT_EQ(a.judgement.slip, b.judgement.slip);
-  EXPECT_EQ(a.judgement.T_world_object.matrix(), b.judgement.T_world_object.matrix());
+  EXPECT_EQ(a.metrics.lifted, b.metrics.lifted);
+  EXPECT_EQ(a.metrics.slip, b.metrics.slip);
+  EXPECT_EQ(a.metrics.T_world_object.matrix(), b.metrics.T_world_object.matrix());
 }
 
 void expect_equal(const ObjectSummary& a, const ObjectSummary& b) {
@@ -118,10 +118,10 @@ struct RecordedPick {
 };
 
 /// The estimate from what the recording holds and from nothing else.
-estimation::PoseEstimate replayed(const recording::Recording& recording,
-                                  const estimation::LocateOptions& options) {
+estimation::HeldPoseEstimate replayed(const recording::Recording& recording,
+                                      const estimation::EstimationOptions& options) {
   const geometry::ObjectModel object(recording.header.object);
-  const auto log = recording::touch_log(recording);
+  const auto log = recording::event_log(recording);
   return estimation::locate(object, skills::calibrated_hand(recording.header.hand, log, {}), log,
                             options, recording.header.seed);
 }
@@ -141,8 +141,8 @@ TEST(Trial, RecordingAloneGivesThePicksPoseToTheLastBit) {
   ASSERT_TRUE(pick.trial.result.held);
   ASSERT_FALSE(pick.trial.result.estimate.posterior.modes.empty());
   ASSERT_FALSE(pick.trial.result.estimate.contacts.empty());
-  EXPECT_TRUE(pick.trial.judgement.lifted);
-  ASSERT_GT(pick.trial.judgement.probes, 0);
+  EXPECT_TRUE(pick.trial.metrics.lifted);
+  ASSERT_GT(pick.trial.metrics.probes, 0);
 
   auto recording = recording::read_recording(folder.path() / "pick.h5");
   expect_equal(pick.trial.result.estimate, replayed(recording, pick.options.pick.locate));
@@ -169,10 +169,10 @@ TEST(Trial, GraspsAnewFromAnotherSideAndKeepsWhatItKnew) {
   const Trial trial = run_trial(box, options, kSeed, &writer);
   writer.finish();
   EXPECT_EQ(trial.result.regrasps, 1);
-  EXPECT_TRUE(trial.judgement.lifted);
-  EXPECT_TRUE(trial.judgement.pose_ok);
+  EXPECT_TRUE(trial.metrics.lifted);
+  EXPECT_TRUE(trial.metrics.pose_ok);
   const auto recording = recording::read_recording(path);
-  const auto log = recording::touch_log(recording);
+  const auto log = recording::event_log(recording);
   EXPECT_TRUE(log.before_opening());
   expect_equal(trial.result.estimate, replayed(recording, options.pick.locate));
 }
@@ -184,8 +184,8 @@ TEST(Trial, PutsDownWhatHangsToGraspItAnew) {
   options.pick.probe.regrasps = 1;
   const Trial trial = run_trial(model("box"), options, kSeed);
   EXPECT_EQ(trial.result.regrasps, 1);
-  EXPECT_TRUE(trial.judgement.lifted);
-  EXPECT_TRUE(trial.judgement.pose_ok);
+  EXPECT_TRUE(trial.metrics.lifted);
+  EXPECT_TRUE(trial.metrics.pose_ok);
   std::vector<std::string> names;
   for (const auto& phase : trial.result.phases) names.push_back(phase.name);
   const auto lift = std::find(names.begin(), names.end(), "lift");
@@ -198,7 +198,7 @@ TEST(Trial, RollsTheObjectAsideAndBack) {
   options.pick.probe.most = 0;
   options.pick.probe.rolls = 1;
   const Trial trial = run_trial(model("bunny"), options, kSeed);
-  EXPECT_TRUE(trial.judgement.lifted);
+  EXPECT_TRUE(trial.metrics.lifted);
   const auto& phases = trial.result.phases;
   EXPECT_TRUE(std::any_of(phases.begin(), phases.end(), [](const skills::PhaseReport& phase) {
     return phase.name == "probe" && phase.outcome.find("1 roll,") != std::string::npos &&
@@ -212,43 +212,43 @@ TEST(Trial, SameSeedGivesTheSameTrialRecordedOrNot) {
   expect_equal(pick.trial, run_trial(model("bunny"), pick.options, kSeed));
 }
 
-TEST(TouchLog, KnowsTheMomentsSinceTheHandLetGo) {
-  estimation::TouchLog log;
+TEST(EventLog, KnowsTheMomentsSinceTheHandLetGo) {
+  estimation::EventLog log;
   log.readings.resize(6);
-  log.moments = {{estimation::Mark::closed, 0},
-                 {estimation::Mark::released, 1},
-                 {estimation::Mark::closed, 2},
-                 {estimation::Mark::probed, 3},
-                 {estimation::Mark::closed, 4}};
-  EXPECT_EQ(log.all(estimation::Mark::closed), (std::vector<std::size_t>{2, 4}));
-  EXPECT_EQ(log.at(estimation::Mark::closed), 4U);
-  EXPECT_EQ(log.all(estimation::Mark::probed), (std::vector<std::size_t>{3}));
-  EXPECT_TRUE(log.all(estimation::Mark::held).empty());
+  log.moments = {{estimation::TouchEvent::closed, 0},
+                 {estimation::TouchEvent::released, 1},
+                 {estimation::TouchEvent::closed, 2},
+                 {estimation::TouchEvent::probed, 3},
+                 {estimation::TouchEvent::closed, 4}};
+  EXPECT_EQ(log.all(estimation::TouchEvent::closed), (std::vector<std::size_t>{2, 4}));
+  EXPECT_EQ(log.at(estimation::TouchEvent::closed), 4U);
+  EXPECT_EQ(log.all(estimation::TouchEvent::probed), (std::vector<std::size_t>{3}));
+  EXPECT_TRUE(log.all(estimation::TouchEvent::held).empty());
 }
 
 TEST(Trial, NoProbesWhereTheyAreSwitchedOff) {
   TrialOptions options = quick_options();
   options.pick.probe.most = 0;
   const Trial trial = run_trial(model("box"), options, kSeed);
-  EXPECT_EQ(trial.judgement.probes, 0);
+  EXPECT_EQ(trial.metrics.probes, 0);
   for (const auto& phase : trial.result.phases) EXPECT_NE(phase.name, "probe");
 }
 
 TEST(Trial, StartIsDrawnWithinItsBoundsByTheSeed) {
   const auto box = geometry::load_known_object("box");
   StartOptions options;
-  options.stance = 1;
+  options.stable_pose = 1;
   options.uncertainty = 0.01;
   Eigen::Vector2d previous(1, 1);
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     const auto start = draw_start(box, options, seed);
-    EXPECT_EQ(start.stance, 1);
+    EXPECT_EQ(start.stable_pose, 1);
     EXPECT_LE(start.xy.cwiseAbs().maxCoeff(), 0.01);
     EXPECT_NE(start.xy, previous);
     EXPECT_EQ(start.xy, draw_start(box, options, seed).xy);
     previous = start.xy;
   }
-  options.stance = static_cast<int>(box.stances.size());
+  options.stable_pose = static_cast<int>(box.stable_poses.size());
   EXPECT_THROW(draw_start(box, options, 0), BadInput);
 }
 
@@ -277,10 +277,10 @@ TEST(TrialOptions, TheExampleOfAConfigurationNamesTheDefaults) {
 TEST(TouchOptions, SayHowFarInferredContactsMayBeOff) {
   TrialOptions options;
   EXPECT_EQ(options.pick_options().locate.errors.point_floor,
-            estimation::LocateOptions().errors.point_floor);
+            estimation::EstimationOptions().errors.point_floor);
   options.touch = {
       .source = "biotac", .biotac_point = 0.003, .biotac_normal = 0.4, .biotac_false = 0.07};
-  const estimation::LocateOptions locate = options.pick_options().locate;
+  const estimation::EstimationOptions locate = options.pick_options().locate;
   EXPECT_EQ(locate.errors.point_floor, 0.003);
   EXPECT_EQ(locate.errors.normal_floor, 0.4);
   EXPECT_EQ(locate.false_contacts, 0.07);

@@ -37,7 +37,7 @@ TEST(GeneratedShape, IsAnObjectByItsName) {
   const KnownObject object = load_known_object("generated:3");
   EXPECT_EQ(object.name, "generated:3");
   EXPECT_GE(object.mass, 0.05);
-  EXPECT_FALSE(object.stances.empty());
+  EXPECT_FALSE(object.stable_poses.empty());
   EXPECT_EQ(generated_seed("generated:3"), 3u);
   EXPECT_FALSE(generated_seed("mug"));
 }

@@ -62,9 +62,9 @@ TEST(KnownObject, BuiltInsAreWatertightCentredAndComplete) {
     EXPECT_EQ(object.mass, masses.at(name));
     EXPECT_LT(object.mass_properties.centroid.norm(), 1e-12);
     EXPECT_EQ(object.symmetries.size(), orders.at(name)) << name;
-    ASSERT_FALSE(object.stances.empty());
+    ASSERT_FALSE(object.stable_poses.empty());
     double total = 0;
-    for (const Stance& stance : object.stances) total += stance.probability;
+    for (const StablePose& stable_pose : object.stable_poses) total += stable_pose.probability;
     EXPECT_NEAR(total, 1, 1e-12);
   }
 }
@@ -132,12 +132,12 @@ TEST(KnownObject, ScannedMugAndMustardBottle) {
   if (!data) GTEST_SKIP() << "PALPATE_DATA is not set";
   const KnownObject mug = load_known_object((fs::path(data) / "ycb/025_mug.ply").string());
   EXPECT_EQ(mug.symmetries.size(), 1u);
-  EXPECT_EQ(mug.stances.size(), 4u);
+  EXPECT_EQ(mug.stable_poses.size(), 4u);
   EXPECT_NEAR(mug.mass, 300 * mug.mass_properties.volume, 0.02);
   const KnownObject mustard =
       load_known_object((fs::path(data) / "ycb/006_mustard_bottle.ply").string());
   EXPECT_EQ(mustard.symmetries.size(), 2u);
-  EXPECT_GE(mustard.stances.size(), 4u);
+  EXPECT_GE(mustard.stable_poses.size(), 4u);
 }
 
 }  // namespace

@@ -13,19 +13,19 @@ namespace {
 
 constexpr std::size_t kMiddle = static_cast<std::size_t>(hand::Finger::middle);
 
-class ClosingPathTest : public ::testing::Test {
+class ClosingTrajectoryTest : public ::testing::Test {
  protected:
-  ClosingPathTest() {
+  ClosingTrajectoryTest() {
     base_.translation().z() = 0.3;
     for (auto& actuator : actuators_) actuator = {1.0, {-1.5, 1.5}, 1.0};
   }
-  ClosingPath path(const std::array<bool, hand::kFingers>& closing = kAllFingers) const {
-    return closing_path(model_, skills::open_posture(skills::top_recipe()),
-                        grasping::ClosingLaw(actuators_, 1.0, 0.718), closing);
+  ClosingTrajectory path(const std::array<bool, hand::kFingers>& closing = kAllFingers) const {
+    return closing_trajectory(model_, skills::open_posture(skills::top_preshape()),
+                              grasping::ClosingLaw(actuators_, 1.0, 0.718), closing);
   }
   /// The box, with its centre where the middle finger's tip is half-way through its closing, and
   /// displaced from there.
-  PlacedObject box_on_the_way(const ClosingPath& path,
+  PlacedObject box_on_the_way(const ClosingTrajectory& path,
                               const Eigen::Vector3d& displaced = {0, 0, 0}) {
     const auto& shapes = path.fingers[kMiddle];
     Eigen::Isometry3d T = base_;
@@ -40,16 +40,16 @@ class ClosingPathTest : public ::testing::Test {
   Eigen::Isometry3d base_ = Eigen::Isometry3d::Identity();
 };
 
-TEST_F(ClosingPathTest, FingersCloseFromTheOpenPosture) {
+TEST_F(ClosingTrajectoryTest, FingersCloseFromTheOpenPosture) {
   for (const auto& shapes : path().fingers) {
     ASSERT_GT(shapes.size(), 20u);
     EXPECT_GT((shapes.front().tip.back() - shapes.back().tip.back()).norm(), 0.03f);
   }
 }
 
-TEST_F(ClosingPathTest, OnlyTheFingersAskedForHaveShapes) {
-  const ClosingPath whole = path();
-  const ClosingPath one = path({false, false, true, false, false});
+TEST_F(ClosingTrajectoryTest, OnlyTheFingersAskedForHaveShapes) {
+  const ClosingTrajectory whole = path();
+  const ClosingTrajectory one = path({false, false, true, false, false});
   for (std::size_t finger = 0; finger < hand::kFingers; ++finger) {
     EXPECT_EQ(one.fingers[finger].empty(), finger != kMiddle);
   }
@@ -61,14 +61,15 @@ TEST_F(ClosingPathTest, OnlyTheFingersAskedForHaveShapes) {
   }
 }
 
-TEST_F(ClosingPathTest, APathEndsBeforeItMeetsAnotherFinger) {
+TEST_F(ClosingTrajectoryTest, APathEndsBeforeItMeetsAnotherFinger) {
   const std::array<bool, hand::kFingers> alone = {false, false, true, false, false};
-  hand::ActuatorVector open = skills::open_posture(skills::top_recipe());
+  hand::ActuatorVector open = skills::open_posture(skills::top_preshape());
   const hand::JointVector others = hand::joints_in_free_flexion(open);
   open[hand::actuator_index("MFJ4")] = 0.35;  // over its neighbour
   const grasping::ClosingLaw law(actuators_, 1.0, 0.718);
-  const auto free = closing_path(model_, skills::open_posture(skills::top_recipe()), law, alone);
-  const auto crossing = closing_path(model_, open, law, alone);
+  const auto free =
+      closing_trajectory(model_, skills::open_posture(skills::top_preshape()), law, alone);
+  const auto crossing = closing_trajectory(model_, open, law, alone);
   for (auto [path, blocked] : {std::pair(free, false), std::pair(crossing, true)}) {
     const std::size_t whole = path.fingers[kMiddle].size();
     end_at_other_fingers(model_, others, kMiddle, path);
@@ -76,8 +77,8 @@ TEST_F(ClosingPathTest, APathEndsBeforeItMeetsAnotherFinger) {
   }
 }
 
-TEST_F(ClosingPathTest, AFingerStopsAtTheObjectWithItsTipOnTheSurface) {
-  const ClosingPath closing = path();
+TEST_F(ClosingTrajectoryTest, AFingerStopsAtTheObjectWithItsTipOnTheSurface) {
+  const ClosingTrajectory closing = path();
   // The tip reaches it before the links behind it do.
   for (const double ahead : {0.03, 0.04, 0.05}) {
     const auto& shapes = closing.fingers[kMiddle];
@@ -95,17 +96,17 @@ TEST_F(ClosingPathTest, AFingerStopsAtTheObjectWithItsTipOnTheSurface) {
   FAIL() << "the tip met the box at none of three places on its way";
 }
 
-TEST_F(ClosingPathTest, AFingerThatMeetsNothingClosesToTheEnd) {
-  const ClosingPath closing = path();
+TEST_F(ClosingTrajectoryTest, AFingerThatMeetsNothingClosesToTheEnd) {
+  const ClosingTrajectory closing = path();
   const PlacedObject box = box_on_the_way(closing, {0.5, 0, 0});
   const auto [stop, contact] = meet(box, closing, kMiddle, 0);
   EXPECT_FALSE(contact);
   EXPECT_EQ(stop + 1, closing.fingers[kMiddle].size());
 }
 
-TEST_F(ClosingPathTest, ATipThatMeetsTheTableStops) {
+TEST_F(ClosingTrajectoryTest, ATipThatMeetsTheTableStops) {
   base_.translation().z() = 0;
-  const ClosingPath closing = path();
+  const ClosingTrajectory closing = path();
   const PlacedObject box = box_on_the_way(closing, {0.5, 0, 0});
   const auto [stop, contact] = meet(box, closing, kMiddle, 0.0025);
   EXPECT_FALSE(contact);

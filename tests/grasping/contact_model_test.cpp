@@ -38,7 +38,7 @@ TEST(ContactModel, FrictionEllipsoidOfASoftFinger) {
   };
   EXPECT_TRUE(inside(10, 0, 0, 0.0499));
   EXPECT_FALSE(inside(10, 0, 0, 0.0501));
-  EXPECT_TRUE(inside(10, 3.99, 0, 0.03));  // 4^2 + (.03 / .01)^2 = (mu 10)^2
+  EXPECT_TRUE(inside(10, 3.99, 0, 0.03));  // 4^2 + (0.03 / 0.01)^2 = (mu 10)^2
   EXPECT_FALSE(inside(10, 4.01, 0, 0.03));
   EXPECT_FALSE(inside(0, 0, 0, 0.01));
 }

@@ -19,7 +19,7 @@ TEST(ForceClosure, TwoOpposedSoftFingersClose) {
   const auto result = force_closure(around_disc(2, 0.03, ContactModel::soft_finger, kFriction));
   EXPECT_TRUE(result.closed);
   EXPECT_EQ(result.rank, 6);
-  EXPECT_NEAR(result.margin, 0.5 * 0.5, 1e-6);  // half a newton each, mu .5, straight through
+  EXPECT_NEAR(result.margin, 0.5 * 0.5, 1e-6);  // half a newton each, mu 0.5, straight through
 }
 
 TEST(ForceClosure, TwoHardFingersLeaveTheTwistAboutTheirLine) {

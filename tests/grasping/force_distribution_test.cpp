@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kFriction = 0.5;
 
-double pressing(const BalancedForces& balanced, const std::vector<tactile::Contact>& contacts) {
+double pressing(const ForceDistribution& balanced, const std::vector<tactile::Contact>& contacts) {
   double sum = 0;
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     sum -= balanced.forces[i].dot(contacts[i].n);
@@ -23,26 +23,26 @@ double pressing(const BalancedForces& balanced, const std::vector<tactile::Conta
   return sum;
 }
 
-TEST(BalanceForces, OppositeContactsShareThePressEqually) {
+TEST(DistributeForces, OppositeContactsShareThePressEqually) {
   const std::vector contacts = {contact({0.02, 0, 0}, {1, 0, 0}),
                                 contact({-0.02, 0, 0}, {-1, 0, 0})};
-  const auto balanced = balance_forces(contacts, kFriction, 6);
-  EXPECT_LT(balanced.imbalance, 1e-3);
+  const auto balanced = distribute_forces(contacts, kFriction, 6);
+  EXPECT_LT(balanced.wrench_residual, 1e-3);
   EXPECT_NEAR(-balanced.forces[0].dot(contacts[0].n), 3, 0.01);
   EXPECT_LT((balanced.forces[0] + balanced.forces[1]).norm(), 0.01);
 }
 
-TEST(BalanceForces, ThumbBearsWhatFourFingersPress) {
+TEST(DistributeForces, ThumbBearsWhatFourFingersPress) {
   std::vector contacts = {contact({0, -0.02, 0}, {0, -1, 0})};
   for (const double x : {-0.03, -0.01, 0.01, 0.03}) {
     contacts.push_back(contact({x, 0.02, 0}, {0, 1, 0}));
   }
-  const auto balanced = balance_forces(contacts, kFriction, 10);
-  EXPECT_LT(balanced.imbalance, 0.02);
+  const auto balanced = distribute_forces(contacts, kFriction, 10);
+  EXPECT_LT(balanced.wrench_residual, 0.02);
   EXPECT_NEAR(-balanced.forces[0].dot(contacts[0].n), 5, 0.1);
 }
 
-TEST(BalanceForces, ForcesLieInTheirConesAndPressWithTheTotal) {
+TEST(DistributeForces, ForcesLieInTheirConesAndPressWithTheTotal) {
   RandomStream random(5);
   for (int trial = 0; trial < 50; ++trial) {
     std::vector<tactile::Contact> contacts;
@@ -51,7 +51,7 @@ TEST(BalanceForces, ForcesLieInTheirConesAndPressWithTheTotal) {
       const Eigen::Vector3d n = random.unit_vector();
       contacts.push_back(contact(0.03 * n + 0.01 * random.unit_vector(), n));
     }
-    const auto balanced = balance_forces(contacts, kFriction, 7);
+    const auto balanced = distribute_forces(contacts, kFriction, 7);
     EXPECT_NEAR(pressing(balanced, contacts), 7, 1e-6);
     for (int i = 0; i < count; ++i) {
       const auto k = static_cast<std::size_t>(i);
@@ -63,25 +63,25 @@ TEST(BalanceForces, ForcesLieInTheirConesAndPressWithTheTotal) {
   }
 }
 
-TEST(BalanceForces, ContactsOnOneSideCannotBeBalanced) {
+TEST(DistributeForces, ContactsOnOneSideCannotBeBalanced) {
   const std::vector contacts = {contact({0, 0, 0.02}, {0, 0, 1}),
                                 contact({0.02, 0, 0.02}, {0, 0, 1})};
-  EXPECT_NEAR(balance_forces(contacts, kFriction, 5).imbalance, 1, 0.05);
+  EXPECT_NEAR(distribute_forces(contacts, kFriction, 5).wrench_residual, 1, 0.05);
 }
 
-TEST(BalanceForces, BearsTheWeightByFriction) {
+TEST(DistributeForces, BearsTheWeightByFriction) {
   const std::vector contacts = {contact({0.02, 0, 0}, {1, 0, 0}),
                                 contact({-0.02, 0, 0}, {-1, 0, 0})};
-  const auto light = balance_forces(contacts, kFriction, 6, Load{{0, 0, 0}, {0, 0, -1}});
-  const auto heavy = balance_forces(contacts, kFriction, 6, Load{{0, 0, 0}, {0, 0, -12}});
-  EXPECT_LT(light.imbalance, 0.02);
-  EXPECT_GT(heavy.imbalance, 1);  // 6 N at .5 hold 3 N
+  const auto light = distribute_forces(contacts, kFriction, 6, Load{{0, 0, 0}, {0, 0, -1}});
+  const auto heavy = distribute_forces(contacts, kFriction, 6, Load{{0, 0, 0}, {0, 0, -12}});
+  EXPECT_LT(light.wrench_residual, 0.02);
+  EXPECT_GT(heavy.wrench_residual, 1);  // 6 N at 0.5 hold 3 N
 }
 
-TEST(BalanceForces, NoContactGivesNoForce) {
-  const auto balanced = balance_forces({}, kFriction, 5);
+TEST(DistributeForces, NoContactGivesNoForce) {
+  const auto balanced = distribute_forces({}, kFriction, 5);
   EXPECT_TRUE(balanced.forces.empty());
-  EXPECT_EQ(balanced.imbalance, std::numeric_limits<double>::infinity());
+  EXPECT_EQ(balanced.wrench_residual, std::numeric_limits<double>::infinity());
 }
 
 TEST(PressingTorques, AreForceTimesLeverAndTheirMeanForACoupledPair) {

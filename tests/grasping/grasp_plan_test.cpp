@@ -18,7 +18,7 @@ constexpr double kRoll = -0.3;
 constexpr double kHalfOpen = 0.094;
 
 /// The Shadow hand, opened as for a grasp from above.
-ClosingPath shadow_path(const geometry::ObjectModel& object) {
+ClosingTrajectory shadow_path(const geometry::ObjectModel& object) {
   simulation::World world(object.object(), {}, 1);
   hand::ActuatorVector open = hand::ActuatorVector::Zero();
   for (const std::string finger : {"FF", "MF", "RF", "LF"}) {
@@ -28,18 +28,18 @@ ClosingPath shadow_path(const geometry::ObjectModel& object) {
   open[hand::actuator_index("THJ5")] = -0.2;
   open[hand::actuator_index("THJ4")] = 1.03;
   open[hand::actuator_index("THJ2")] = -0.21;
-  return closing_path(world.hand_model(), open,
-                      grasping::ClosingLaw(world.hand().actuators(), 1.0, 0.718));
+  return closing_trajectory(world.hand_model(), open,
+                            grasping::ClosingLaw(world.hand().actuators(), 1.0, 0.718));
 }
 
 struct BoxScene {
   geometry::ObjectModel object{geometry::load_known_object("box")};
-  ClosingPath path = shadow_path(object);
+  ClosingTrajectory path = shadow_path(object);
   Eigen::Isometry3d resting(double yaw, const Eigen::Vector2d& xy) const {
-    const auto& stance = object.object().stances[0];
+    const auto& stable_pose = object.object().stable_poses[0];
     Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-    T.linear() = Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) * stance.R_table_object;
-    T.translation() << xy, stance.height;
+    T.linear() = Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) * stable_pose.R_table_object;
+    T.translation() << xy, stable_pose.height;
     return T;
   }
 };
@@ -86,13 +86,13 @@ TEST(CloseAt, IsWhatThePlanForesawAndNothingWhereTheHandWouldLandOnTheObject) {
   const auto grasps = find_grasps(scene.object, T, scene.path, {kPitch, kRoll}, {});
   ASSERT_FALSE(grasps.empty());
   const GraspPlan& grasp = grasps.front();
-  const auto again = close_at(scene.object, T, scene.path, grasp.base, {});
+  const auto again = close_virtually(scene.object, T, scene.path, grasp.base, {});
   ASSERT_TRUE(again);
   EXPECT_EQ(again->cost, grasp.cost);
   EXPECT_EQ(again->stops, grasp.stops);
   Eigen::Isometry3d below_palm = T;  // the object where the palm comes down
   below_palm.translation().head<2>() = grasp.base.xyz.head<2>();
-  EXPECT_FALSE(close_at(scene.object, below_palm, scene.path, grasp.base, {}));
+  EXPECT_FALSE(close_virtually(scene.object, below_palm, scene.path, grasp.base, {}));
 }
 
 }  // namespace

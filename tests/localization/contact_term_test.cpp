@@ -16,7 +16,7 @@ Evidence on_a_face(int count) {
   const auto bounds = model_of("box").bounds();
   Evidence evidence;
   evidence.false_contact_share = 1e-9;
-  evidence.noise_doubt = evidence.size_doubt = 0;
+  evidence.noise_scale_prior = evidence.size_prior = 0;
   for (int k = 0; k < count; ++k) {
     tactile::Contact contact;
     contact.p = {static_cast<double>(bounds.max().x()), 0.004 * k - 0.008, 0.006 * (k % 3)};
@@ -27,8 +27,8 @@ Evidence on_a_face(int count) {
   return evidence;
 }
 
-SharedOffset offset_of_all(const Evidence& evidence, double sigma) {
-  SharedOffset offset;
+CommonModeBias offset_of_all(const Evidence& evidence, double sigma) {
+  CommonModeBias offset;
   offset.sigma = sigma;
   for (std::size_t k = 0; k < evidence.contacts.size(); ++k) offset.members.push_back({k});
   return offset;
@@ -64,7 +64,7 @@ TEST(ContactTerm, IntegratesASharedOffsetOutAsACovariance) {
 
 TEST(ContactTerm, OppositeOffsetsOfATurnedHandDoNotHideThePlace) {
   Evidence evidence = on_a_face(4);
-  SharedOffset offset = offset_of_all(evidence, 0.003);
+  CommonModeBias offset = offset_of_all(evidence, 0.003);
   evidence.offsets = {offset};
   const double alike = energy_at(evidence, 0.001) - energy_at(evidence, 0);
   const Eigen::Matrix3d turn = exp_so3({0, 0, M_PI});
@@ -94,7 +94,7 @@ double likelihood_at(Evidence evidence, const Assumption& as, double x) {
     contact.point_sigma *= as.point_noise;
     contact.normal_sigma *= as.normal_noise;
   }
-  evidence.noise_doubt = evidence.size_doubt = 0;
+  evidence.noise_scale_prior = evidence.size_prior = 0;
   const double half_width = static_cast<double>(model_of("box").bounds().max().x());
   const double e = energy_at(evidence, x + as.growth * half_width);
   // Its peak is lower for wider noise, by 2 for the point and about 4 for the normal if doubled.
@@ -105,8 +105,8 @@ double likelihood_at(Evidence evidence, const Assumption& as, double x) {
 
 TEST(ContactTerm, DoubtsAreMixtures) {
   Evidence evidence = on_a_face(4);
-  evidence.noise_doubt = 0.3;
-  evidence.size_doubt = 0.2;
+  evidence.noise_scale_prior = 0.3;
+  evidence.size_prior = 0.2;
   const auto mixed = [&](double x) {
     double sum = 0;
     for (const Assumption& as : assumptions(evidence)) {
@@ -120,9 +120,9 @@ TEST(ContactTerm, DoubtsAreMixtures) {
 }
 
 /// Energy of one normal, of eight, that is 60 deg off.
-double cost_of_a_stray(double noise_doubt) {
+double cost_of_a_stray(double noise_scale_prior) {
   Evidence evidence = on_a_face(8);
-  evidence.noise_doubt = noise_doubt;
+  evidence.noise_scale_prior = noise_scale_prior;
   const double fitting = energy_at(evidence, 0);
   auto& stray = evidence.contacts[3];
   stray.n = exp_so3({0, 0, M_PI / 3}) * stray.n;
@@ -140,8 +140,8 @@ TEST(ContactTerm, BearsASingleNormalThatStrays) {
 TEST(Assumptions, BeginWithWhatIsStatedAndSumToOne) {
   for (const bool offsets : {false, true}) {
     Evidence evidence = on_a_face(3);
-    evidence.noise_doubt = 0.3;
-    evidence.size_doubt = 0.2;
+    evidence.noise_scale_prior = 0.3;
+    evidence.size_prior = 0.2;
     if (offsets) evidence.offsets = {offset_of_all(evidence, 0.001)};
     double sum = 0;
     for (const Assumption& as : assumptions(evidence)) sum += as.share;
@@ -149,14 +149,14 @@ TEST(Assumptions, BeginWithWhatIsStatedAndSumToOne) {
     const Assumption stated = assumptions(evidence).front();
     EXPECT_EQ(stated.point_noise, 1);
     EXPECT_EQ(stated.growth, 0);
-    evidence.noise_doubt = evidence.size_doubt = 0;
+    evidence.noise_scale_prior = evidence.size_prior = 0;
     EXPECT_EQ(assumptions(evidence).size(), 1u);
   }
 }
 
 TEST(ContactTerm, MisfitIsNoneWhereAllFitsAndOneWhereNothingDoes) {
   Evidence evidence = on_a_face(4);
-  evidence.noise_doubt = 0.4;
+  evidence.noise_scale_prior = 0.4;
   const ContactTerm term(model_of("box"), evidence, kOffset, 1.0);
   SearchPose pose;
   EXPECT_LT(term.misfit(pose), 0.05F);

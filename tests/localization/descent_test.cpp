@@ -45,7 +45,7 @@ TEST(Descent, HalfTurnsAreRotationsByPi) {
 }
 
 TEST(Descent, FindsTheTwinThatNoProposalLeadsTo) {
-  const ObjectModel model(wedge());
+  const geometry::ObjectModel model(wedge());
   RandomStream random(3);
   Evidence evidence;
   const Eigen::Isometry3d truth = random_pose(random);

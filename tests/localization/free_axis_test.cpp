@@ -12,14 +12,14 @@ constexpr double kDegree = M_PI / 180;
 /// A mug that stands upright, touched round its side but for the half with the handle.
 Scene mug_without_handle() {
   const geometry::ObjectModel& model = model_of("mug");
-  const auto& stances = model.object().stances;
-  const auto upright = std::find_if(stances.begin(), stances.end(), [](const auto& stance) {
-    return stance.R_table_object(2, 2) > 0.99;
-  });
+  const auto& stable_poses = model.object().stable_poses;
+  const auto upright =
+      std::find_if(stable_poses.begin(), stable_poses.end(),
+                   [](const auto& stable_pose) { return stable_pose.R_table_object(2, 2) > 0.99; });
   TableSupport table;
   table.T_frame_table = Eigen::Isometry3d::Identity();
-  table.stance_weights.assign(stances.size(), 0);
-  table.stance_weights[static_cast<std::size_t>(upright - stances.begin())] = 1;
+  table.stable_pose_weights.assign(stable_poses.size(), 0);
+  table.stable_pose_weights[static_cast<std::size_t>(upright - stable_poses.begin())] = 1;
   Scene scene;
   scene.truth.linear() = upright->R_table_object;
   scene.truth.translation().z() = upright->height;

@@ -28,7 +28,7 @@ TEST(Localize, ExactContactsGiveTheExactPose) {
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
     const geometry::ObjectModel& model = model_of("bunny");
     Scene scene = scene_of("bunny", options, seed);
-    scene.evidence.noise_doubt = 0;
+    scene.evidence.noise_scale_prior = 0;
     const Posterior posterior = localize(model, scene.evidence, RandomStream(seed));
     ASSERT_FALSE(posterior.modes.empty());
     EXPECT_EQ(posterior.status, PoseStatus::certain);
@@ -143,7 +143,7 @@ TEST(Localize, ATableAloneGivesThePrior) {
   ASSERT_FALSE(posterior.modes.empty());
   ASSERT_TRUE(posterior.modes[0].free_axis);
   EXPECT_NEAR(posterior.modes[0].free_axis->extent, M_PI, 1e-9);
-  EXPECT_NEAR(posterior.modes[0].weight, model.object().stances[0].probability, 0.1);
+  EXPECT_NEAR(posterior.modes[0].weight, model.object().stable_poses[0].probability, 0.1);
 }
 
 TEST(Localize, IsTheSameForTheSameSeed) {

@@ -12,7 +12,7 @@
 namespace palpate::localization {
 namespace {
 
-Probe along_x(double y, double z) { return {{-0.2, y, z}, {1, 0, 0}, 0.4, 1}; }
+TouchAction along_x(double y, double z) { return {{-0.2, y, z}, {1, 0, 0}, 0.4, 1}; }
 
 PredictedTouch hit_at(double distance, const Eigen::Vector3d& normal = {-1, 0, 0}) {
   return {true, distance, normal};
@@ -34,7 +34,7 @@ TEST(PredictTouch, AgreesWithTheMeshFromAnySide) {
     const Eigen::Isometry3d T = random_pose(random);
     const Eigen::Vector3d direction = random.unit_vector();
     const Eigen::Vector3d aim = T.translation() + 0.02 * random.normal3();
-    const Probe probe{aim - 0.2 * direction, direction, 0.4, 1};
+    const TouchAction probe{aim - 0.2 * direction, direction, 0.4, 1};
     const auto touch = predict_touch(model, T, probe, 0.0075);
     if (!touch.hit) continue;
     ++hits;
@@ -47,7 +47,7 @@ TEST(PredictTouch, AgreesWithTheMeshFromAnySide) {
 TEST(PredictTouch, MissesWhatIsBesideOrBeyondReach) {
   const Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
   EXPECT_FALSE(predict_touch(model_of("box"), T, along_x(0.1, 0), 0.0075).hit);
-  Probe shorter = along_x(0, 0);
+  TouchAction shorter = along_x(0, 0);
   shorter.reach = 0.1;
   EXPECT_FALSE(predict_touch(model_of("box"), T, shorter, 0.0075).hit);
 }
@@ -63,7 +63,7 @@ TEST(InformationBound, CountsNormals) {
 }
 
 TEST(InformationBound, OfWeightedPosesIsAtMostTheirEntropy) {
-  const std::vector<PredictedFeel> apart{{hit_at(0.1)}, {hit_at(0.2)}, {PredictedTouch{}}};
+  const std::vector<PredictedTouches> apart{{hit_at(0.1)}, {hit_at(0.2)}, {PredictedTouch{}}};
   const double entropy = -(0.7 * std::log(0.7) + 0.2 * std::log(0.2) + 0.1 * std::log(0.1));
   EXPECT_NEAR(information_bound(apart, {0.7, 0.2, 0.1}), entropy, 1e-9);
   EXPECT_NEAR(information_bound(apart, {7, 2, 1}), entropy, 1e-9);
@@ -72,16 +72,16 @@ TEST(InformationBound, OfWeightedPosesIsAtMostTheirEntropy) {
 
 TEST(InformationBound, AddsUpWhatSeveralFingersFeel) {
   const double step = 0.004;  // twice the error of a touch: not told apart for sure
-  const std::vector<PredictedFeel> one{{hit_at(0)}, {hit_at(step)}};
-  const std::vector<PredictedFeel> two{{hit_at(0), hit_at(0)}, {hit_at(step), hit_at(step)}};
-  const std::vector<PredictedFeel> alike{{hit_at(0), hit_at(0)}, {hit_at(0), hit_at(step)}};
+  const std::vector<PredictedTouches> one{{hit_at(0)}, {hit_at(step)}};
+  const std::vector<PredictedTouches> two{{hit_at(0), hit_at(0)}, {hit_at(step), hit_at(step)}};
+  const std::vector<PredictedTouches> alike{{hit_at(0), hit_at(0)}, {hit_at(0), hit_at(step)}};
   const std::vector<double> even{1, 1};
   EXPECT_GT(information_bound(two, even), 1.2 * information_bound(one, even));
   EXPECT_NEAR(information_bound(alike, even), information_bound(one, even), 1e-12);
 }
 
 TEST(InformationBound, RefusesOutcomesThatDoNotMatch) {
-  const auto bound = [](const std::vector<PredictedFeel>& outcomes,
+  const auto bound = [](const std::vector<PredictedTouches>& outcomes,
                         const std::vector<double>& weights) {
     return information_bound(outcomes, weights);
   };
@@ -89,7 +89,7 @@ TEST(InformationBound, RefusesOutcomesThatDoNotMatch) {
   EXPECT_THROW(bound({{hit_at(0)}, {hit_at(1), hit_at(1)}}, {1, 1}), BadInput);
   EXPECT_THROW(bound({{hit_at(0)}, {hit_at(1)}}, {0, 0}), BadInput);
   EXPECT_THROW(bound({{hit_at(0)}, {hit_at(1)}}, {1, -1}), BadInput);
-  EXPECT_EQ(information_bound(std::vector<PredictedFeel>{}, std::vector<double>{}), 0);
+  EXPECT_EQ(information_bound(std::vector<PredictedTouches>{}, std::vector<double>{}), 0);
 }
 
 Posterior two_boxes() {
@@ -107,25 +107,25 @@ Posterior two_boxes() {
 
 TEST(ChooseProbe, TakesTheOneThatTellsTheModesApart) {
   // Along x both boxes are alike in the middle; 6 cm to the side only one is hit.
-  const std::vector<Probe> probes{along_x(0.0, 0), along_x(0.015, 0.02), along_x(0.06, 0)};
-  const auto choice = choose_probe(model_of("box"), two_boxes(), probes, RandomStream(1));
+  const std::vector<TouchAction> probes{along_x(0.0, 0), along_x(0.015, 0.02), along_x(0.06, 0)};
+  const auto choice = choose_touch(model_of("box"), two_boxes(), probes, RandomStream(1));
   EXPECT_EQ(choice.index, 2U);
   EXPECT_NEAR(choice.information, std::log(2.0), 0.05);
 }
 
 TEST(ChooseProbe, PrefersTheCheaperOfTwoEqualOnes) {
-  std::vector<Probe> probes{along_x(0.06, 0), along_x(0.06, 0)};
+  std::vector<TouchAction> probes{along_x(0.06, 0), along_x(0.06, 0)};
   probes[0].seconds = 3;
-  EXPECT_EQ(choose_probe(model_of("box"), two_boxes(), probes, RandomStream(1)).index, 1U);
+  EXPECT_EQ(choose_touch(model_of("box"), two_boxes(), probes, RandomStream(1)).index, 1U);
 }
 
 TEST(ChooseProbe, RefusesBadInput) {
-  const auto choose = [](const Posterior& posterior, const std::vector<Probe>& probes) {
-    return choose_probe(model_of("box"), posterior, probes, RandomStream(1));
+  const auto choose = [](const Posterior& posterior, const std::vector<TouchAction>& probes) {
+    return choose_touch(model_of("box"), posterior, probes, RandomStream(1));
   };
   EXPECT_THROW(choose(two_boxes(), {}), BadInput);
   EXPECT_THROW(choose({}, {along_x(0, 0)}), BadInput);
-  Probe bad = along_x(0, 0);
+  TouchAction bad = along_x(0, 0);
   bad.start.x() = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(choose(two_boxes(), {bad}), BadInput);
   bad = along_x(0, 0);

@@ -16,8 +16,8 @@ TEST(TableTerm, DrawsFromTheDensityItEvaluates) {
   options.table = true;
   const Scene scene = make_scene(model, options, RandomStream(1));
   TableSupport table = *scene.evidence.table;
-  table.stance_weights.assign(model.object().stances.size(), 0);
-  table.stance_weights[1] = 2;
+  table.stable_pose_weights.assign(model.object().stable_poses.size(), 0);
+  table.stable_pose_weights[1] = 2;
   const TableTerm term(model, table);
   RandomStream random(2);
   constexpr int kDraws = 20000;
@@ -32,7 +32,7 @@ TEST(TableTerm, DrawsFromTheDensityItEvaluates) {
   // Half a unit each: two tilts, the height, and the edges where they are (5 % of x and y each).
   const double edge = table.edge_sigma * std::sqrt(2 * M_PI);
   EXPECT_NEAR(energy, 1.5 + edge / (2 * table.half_width + edge), 0.03);
-  EXPECT_NEAR(height, model.object().stances[1].height, 0.0001);
+  EXPECT_NEAR(height, model.object().stable_poses[1].height, 0.0001);
   EXPECT_NEAR(std::sqrt(spread_x), table.half_width / std::sqrt(3), 0.1 * table.half_width);
 }
 

@@ -53,18 +53,19 @@ inline Eigen::Isometry3d random_pose(RandomStream& random) {
   return T;
 }
 
-/// A stance drawn by its probability, any yaw, the place uniform in the support's square.
+/// A stable pose drawn by its probability, any yaw, the place uniform in the support's square.
 inline Eigen::Isometry3d random_rest(const geometry::ObjectModel& model, const TableSupport& table,
                                      RandomStream& random) {
-  const auto& stances = model.object().stances;
+  const auto& stable_poses = model.object().stable_poses;
   double left = random.uniform();
   std::size_t s = 0;
-  while (s + 1 < stances.size() && left >= stances[s].probability) left -= stances[s++].probability;
+  while (s + 1 < stable_poses.size() && left >= stable_poses[s].probability)
+    left -= stable_poses[s++].probability;
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
   const Eigen::Vector3d yaw(0, 0, random.uniform(-M_PI, M_PI));
-  T.linear() = exp_so3(yaw) * stances[s].R_table_object;
+  T.linear() = exp_so3(yaw) * stable_poses[s].R_table_object;
   T.translation() << random.uniform(-table.half_width, table.half_width),
-      random.uniform(-table.half_width, table.half_width), stances[s].height;
+      random.uniform(-table.half_width, table.half_width), stable_poses[s].height;
   return T;
 }
 

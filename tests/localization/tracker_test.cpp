@@ -107,7 +107,7 @@ TEST(Tracker, FindsTheObjectAgainAfterASlip) {
     back += within_tolerance(
         pose_error(best.T_frame_object, object.truth, object.model().object().symmetries));
   }
-  // Where .9 of the slips are to be found again, fewer than 15 of 20 are in 1 % of such tests.
+  // Where 0.9 of the slips are to be found again, fewer than 15 of 20 are in 1 % of such tests.
   EXPECT_GE(noticed, 15);
   EXPECT_GE(back, 15);
 }

@@ -48,10 +48,10 @@ TEST(PlausibleRecordingTest, WhatCannotBeIsRefusedThoughItIsFinite) {
       [](Recording& r) { r.header.hand.tips[1].radius = -1; },
       [](Recording& r) { r.header.hand.spheres[1].radius = -1; },
       [](Recording& r) { r.header.hand.links[1].T_parent_link.linear() *= -1; },
-      [](Recording& r) { r.header.hand.link_error = 1e200; },
+      [](Recording& r) { r.header.hand.kinematic_error = 1e200; },
       [](Recording& r) { r.header.object.mass = -0.1; },
       [](Recording& r) { r.header.object.mass_properties.volume = 1e200; },
-      [](Recording& r) { r.header.object.stances[0].probability = 7; },
+      [](Recording& r) { r.header.object.stable_poses[0].probability = 7; },
       [](Recording& r) { r.header.object.symmetries[1] *= 2; },
       [](Recording& r) { r.header.object.mesh.vertices[3].x() = 1e200; },
       [](Recording& r) { r.estimates[0].modes[0].weight = 1e6; },
@@ -68,8 +68,8 @@ TEST(JsonText, OfAnyDepthIsRefusedAndNotFollowed) {
     const auto size = static_cast<std::size_t>(depth);
     return std::string(size, open) + std::string(open == '[' ? size : 0, close);
   };
-  EXPECT_EQ(parse_json(nested(kMostJsonDepth, '[', ']')).size(), 1u);
-  EXPECT_THROW(parse_json(nested(kMostJsonDepth + 1, '[', ']')), BadInput);
+  EXPECT_EQ(parse_json(nested(kMaxJsonDepth, '[', ']')).size(), 1u);
+  EXPECT_THROW(parse_json(nested(kMaxJsonDepth + 1, '[', ']')), BadInput);
   EXPECT_THROW(parse_json(nested(1000000, '[', ']')), BadInput);
   std::string objects;
   for (int i = 0; i < 100000; ++i) objects += "{\"a\":";

@@ -36,11 +36,11 @@ void expect_same_object(const geometry::KnownObject& a, const geometry::KnownObj
   EXPECT_EQ(a.mass_properties.inertia, b.mass_properties.inertia);
   EXPECT_EQ(a.symmetries, b.symmetries);
   EXPECT_EQ(a.repairs, b.repairs);
-  ASSERT_EQ(a.stances.size(), b.stances.size());
-  for (std::size_t i = 0; i < a.stances.size(); ++i) {
-    EXPECT_EQ(a.stances[i].R_table_object, b.stances[i].R_table_object);
-    EXPECT_EQ(a.stances[i].height, b.stances[i].height);
-    EXPECT_EQ(a.stances[i].probability, b.stances[i].probability);
+  ASSERT_EQ(a.stable_poses.size(), b.stable_poses.size());
+  for (std::size_t i = 0; i < a.stable_poses.size(); ++i) {
+    EXPECT_EQ(a.stable_poses[i].R_table_object, b.stable_poses[i].R_table_object);
+    EXPECT_EQ(a.stable_poses[i].height, b.stable_poses[i].height);
+    EXPECT_EQ(a.stable_poses[i].probability, b.stable_poses[i].probability);
   }
 }
 
@@ -54,7 +54,7 @@ void expect_same_hand(const hand::HandModel& a, const hand::HandModel& b) {
     EXPECT_EQ(a.links[i].joint, b.links[i].joint);
   }
   EXPECT_EQ(a.palm, b.palm);
-  EXPECT_EQ(a.link_error, b.link_error);
+  EXPECT_EQ(a.kinematic_error, b.kinematic_error);
   EXPECT_EQ(a.distal, b.distal);
   for (std::size_t i = 0; i < hand::kFingers; ++i) {
     EXPECT_EQ(a.tips[i].a, b.tips[i].a);
@@ -388,7 +388,7 @@ TEST(RecordingTest, RefusesValuesThatAreNotFinite) {
   recording.estimates[0].modes[0].weight = std::nan("");
   EXPECT_THROW(write_recording(folder / "nan.h5", recording), BadInput);
   recording = toy_recording(9);
-  recording.header.object.stances[0].height = std::numeric_limits<double>::infinity();
+  recording.header.object.stable_poses[0].height = std::numeric_limits<double>::infinity();
   EXPECT_THROW(write_recording(folder / "nan.h5", recording), BadInput);
 }
 

@@ -65,7 +65,7 @@ inline Header toy_header(RandomStream& random) {
                                 Eigen::Isometry3d(Eigen::Quaterniond(random.rotation()));
   header.object.mass = 0.4;
   header.object.mass_properties = {0.00082, random.normal3(), random.rotation()};
-  header.object.stances = {{random.rotation(), 0.0875, 0.7}, {random.rotation(), 0.025, 0.3}};
+  header.object.stable_poses = {{random.rotation(), 0.0875, 0.7}, {random.rotation(), 0.025, 0.3}};
   header.object.symmetries = {Eigen::Matrix3d::Identity(),
                               Eigen::Vector3d(-1, -1, 1).asDiagonal().toDenseMatrix()};
   header.object.repairs = {"merged 3 vertices"};

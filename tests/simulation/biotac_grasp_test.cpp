@@ -62,11 +62,11 @@ TEST(BiotacGrasp, TaxelsCarryTheSolversForces) {
       carried += (state.force - force).norm() < std::max(0.05, 0.02 * force.norm());
     }
   });
-  BlindGrasp grasp;
+  OpenLoopGrasp grasp;
   grasp.side = false;
   grasp.height = 0.04;
   grasp.start.yaw = 0.5 * std::numbers::pi;
-  EXPECT_TRUE(run_blind_grasp(world, grasp));
+  EXPECT_TRUE(run_open_loop_grasp(world, grasp));
   EXPECT_GT(checked, 50);
   EXPECT_EQ(carried, checked);
 }

@@ -153,7 +153,7 @@ TEST(FineMesh, RollingAboutAnEdgeTurnsTheNormalSteadily) {
   const CapsuleCollider collider(mesh);
   constexpr int kSteps = 1000;
   const Jumps jumps = follow(collider, kSteps, [](double s) {
-    const double angle = 0.5 * std::numbers::pi * s;  // about the edge x = .05, z = 0
+    const double angle = 0.5 * std::numbers::pi * s;  // about the edge x = 0.05, z = 0
     const Eigen::Vector3d center =
         Eigen::Vector3d(0.05, 0, 0) +
         (kRadius - 0.0003) * Eigen::Vector3d(std::sin(angle), 0, std::cos(angle));

@@ -30,11 +30,11 @@ struct RecordedGrasp {
 
   RecordedGrasp() {
     world.observe([this](const ObjectStep& step) { steps.push_back(step); });
-    BlindGrasp grasp;
+    OpenLoopGrasp grasp;
     grasp.side = false;
     grasp.height = 0.04;
     grasp.start.yaw = 0.5 * M_PI;
-    lifted = run_blind_grasp(world, grasp);
+    lifted = run_open_loop_grasp(world, grasp);
   }
 };
 

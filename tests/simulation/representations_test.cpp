@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kRadius = 0.007, kDepth = 0.0002;  // m
 
-std::vector<Probe> probes_on(const geometry::MeshQuery& mesh) {
+std::vector<TouchAction> probes_on(const geometry::MeshQuery& mesh) {
   return place_probes(mesh, 60, kRadius, kDepth, RandomStream(1, "probes"));
 }
 
@@ -22,7 +22,7 @@ TEST(Representations, ProbesTouchTheTrueSurface) {
   const geometry::MeshQuery mesh(trough().mesh);
   const auto probes = probes_on(mesh);
   ASSERT_EQ(probes.size(), 60u);
-  for (const Probe& probe : probes) {
+  for (const TouchAction& probe : probes) {
     EXPECT_NEAR((probe.center - probe.touch.point).norm(), kRadius - kDepth, 2.1e-6);
     EXPECT_FALSE(mesh.inside(probe.center));
   }

@@ -18,7 +18,7 @@ constexpr double kWay = 1e-4;               // m
 void expect_rest(const geometry::KnownObject& object, int pose, int ticks, double tilt) {
   World world(object, without_noise(), 1);
   const hand::HandCommand away = open_hand(0.6);
-  world.reset({.stance = pose, .yaw = 0.7}, away);
+  world.reset({.stable_pose = pose, .yaw = 0.7}, away);
   const Eigen::Isometry3d start = world.truth().T_world_object;
   for (int tick = 0; tick < 50; ++tick) world.hand().step(away);
   const Eigen::Isometry3d settled = world.truth().T_world_object;
@@ -38,7 +38,7 @@ void expect_rest(const geometry::KnownObject& object, int pose, int ticks, doubl
 // It rests on points at its two ends, each among many vertices a fraction of a millimetre apart.
 TEST(Resting, AFinelyTessellatedBananaStaysInEachOfItsStablePoses) {
   const auto banana = geometry::make_known_object("banana", bent_tube(1.2, 80, 48), 0.07);
-  ASSERT_GE(banana.stances.size(), 2u);
+  ASSERT_GE(banana.stable_poses.size(), 2u);
   for (const int pose : {0, 1}) expect_rest(banana, pose, 400, 0.01);
 }
 
@@ -61,8 +61,8 @@ TEST(Resting, ARoundFootStandsUpright) {
     circle.emplace_back(0.03 * std::cos(angle), 0.03 * std::sin(angle));
   }
   const auto can = geometry::make_known_object("can", prism(circle, 0.05), 0.2);
-  ASSERT_GE(can.stances.size(), 3u);
-  for (int pose = 0; pose < static_cast<int>(can.stances.size()); ++pose) {
+  ASSERT_GE(can.stable_poses.size(), 3u);
+  for (int pose = 0; pose < static_cast<int>(can.stable_poses.size()); ++pose) {
     expect_rest(can, pose, 100, 0.01);
   }
 }

@@ -15,7 +15,7 @@ namespace palpate::simulation {
 namespace {
 
 /// Least inertia (kg, kg m^2) of any motion of the base, with the hand that it carries.
-double least_inertia(double pitch) {
+double min_inertia(double pitch) {
   const geometry::KnownObject object = block();
   const geometry::MeshQuery mesh(object.mesh);
   const geometry::CapsuleCollider surface(mesh);
@@ -36,7 +36,7 @@ double least_inertia(double pitch) {
 // Where yaw and roll turn about one axis, a base without inertia of its own has none left.
 TEST(Scene, TheBaseHasInertiaAtEveryPitch) {
   for (const double share : {0.0, 0.3, 0.5, 0.7}) {
-    EXPECT_GT(least_inertia(share * std::numbers::pi), 1e-3) << share;
+    EXPECT_GT(min_inertia(share * std::numbers::pi), 1e-3) << share;
   }
 }
 

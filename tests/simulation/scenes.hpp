@@ -51,7 +51,7 @@ inline geometry::KnownObject cuboid(const Eigen::Vector3d& size, double mass) {
   const Eigen::Vector3d moments(s[1] + s[2], s[0] + s[2], s[0] + s[1]);
   object.mass_properties.volume = size.prod();
   object.mass_properties.inertia = (mass / 12 * moments).asDiagonal();
-  object.stances = {{Eigen::Matrix3d::Identity(), 0.5 * size.z(), 1.0}};
+  object.stable_poses = {{Eigen::Matrix3d::Identity(), 0.5 * size.z(), 1.0}};
   return object;
 }
 

@@ -43,7 +43,7 @@ void expect_same(const hand::HandReading& a, const hand::HandReading& b) {
 TEST(World, AnObjectAtRestStaysAtRest) {
   World world(cuboid({0.05, 0.094, 0.175}, 0.4), without_noise(), 1);
   const hand::HandCommand away = open_hand(0.5);
-  world.reset({.stance = 0, .yaw = 0.7, .xy = {0.01, -0.02}}, away);
+  world.reset({.stable_pose = 0, .yaw = 0.7, .xy = {0.01, -0.02}}, away);
   for (int tick = 0; tick < 50; ++tick) world.hand().step(away);
   const Truth before = world.truth();
   for (int tick = 0; tick < 200; ++tick) world.hand().step(away);
@@ -56,27 +56,27 @@ TEST(World, AnObjectAtRestStaysAtRest) {
 }
 
 // The parts that collide with the hand are not quite the mesh: on them a lying bottle rests 3 deg
-// and 1.2 mm beside its stance.
-TEST(World, AnObjectRestsInTheStanceOfItsMesh) {
+// and 1.2 mm beside its stable pose.
+TEST(World, AnObjectRestsInTheStablePoseOfItsMesh) {
   const hand::HandCommand away = open_hand(0.5);
   for (const std::string& name : geometry::built_in_objects()) {
     const auto object = geometry::load_known_object(name);
     World world(object, without_noise(), 1);
-    for (const int stance : {0, 1}) {
-      world.reset({.stance = stance, .yaw = 0.7, .xy = {0.01, -0.02}}, away);
+    for (const int stable_pose : {0, 1}) {
+      world.reset({.stable_pose = stable_pose, .yaw = 0.7, .xy = {0.01, -0.02}}, away);
       const Eigen::Matrix3d R_before = world.truth().T_world_object.linear();
       for (int tick = 0; tick < 150; ++tick) world.hand().step(away);
       const Eigen::Isometry3d T = world.truth().T_world_object;
-      const double height = object.stances[static_cast<std::size_t>(stance)].height;
-      EXPECT_LT(rotation_distance(T.linear(), R_before), 0.02) << name << stance;
-      EXPECT_NEAR(T.translation().z(), height, 2e-4) << name << stance;
+      const double height = object.stable_poses[static_cast<std::size_t>(stable_pose)].height;
+      EXPECT_LT(rotation_distance(T.linear(), R_before), 0.02) << name << stable_pose;
+      EXPECT_NEAR(T.translation().z(), height, 2e-4) << name << stable_pose;
     }
   }
 }
 
-TEST(World, StartsWhereToldTo) {
+TEST(World, StartsWhereReportedTo) {
   World world(block(), without_noise(), 1);
-  world.reset({.stance = 0, .yaw = 0.4, .xy = {0.01, -0.02}}, fingers_down(0.3));
+  world.reset({.stable_pose = 0, .yaw = 0.4, .xy = {0.01, -0.02}}, fingers_down(0.3));
   const Truth truth = world.truth();
   EXPECT_NEAR(truth.lowest_point, 0.0005, 1e-12);
   EXPECT_NEAR(truth.T_world_object.translation().x(), 0.01, 1e-12);
@@ -338,7 +338,7 @@ TEST(World, RejectsWhatItCannotSimulate) {
   options.hand_friction = -0.1;
   EXPECT_THROW(World(block(), options, 1), BadInput);
   World world(block(), {}, 1);
-  EXPECT_THROW(world.reset({.stance = 1}, open_hand(0.3)), BadInput);
+  EXPECT_THROW(world.reset({.stable_pose = 1}, open_hand(0.3)), BadInput);
 }
 
 }  // namespace

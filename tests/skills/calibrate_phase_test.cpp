@@ -21,7 +21,7 @@ hand::HandModel drawn_hand() {
 
 /// Root mean square distance of the fingertips of an open hand from where they are, m.
 double tip_error(const hand::HandModel& believed, const hand::HandModel& real) {
-  const auto joints = hand::joints_in_free_flexion(open_posture(top_recipe()));
+  const auto joints = hand::joints_in_free_flexion(open_posture(top_preshape()));
   const auto there = hand::forward_kinematics(believed, joints);
   const auto here = hand::forward_kinematics(real, joints);
   double sum = 0;
@@ -46,7 +46,7 @@ struct Calibrating {
 
   geometry::KnownObject object = geometry::load_known_object("bunny");
   simulation::World world;
-  Robot robot;
+  Executor robot;
   CalibrateOptions options;
 };
 
@@ -78,9 +78,9 @@ TEST(CalibratePhase, TheLogAloneTellsTheSameHand) {
   const auto drawn = scene.robot.model();
   scene.calibrate();
   const auto again = calibrated_hand(drawn, scene.robot.log(), scene.options);
-  EXPECT_EQ(again.link_error, scene.robot.model().link_error);
+  EXPECT_EQ(again.kinematic_error, scene.robot.model().kinematic_error);
   EXPECT_EQ(tip_error(again, scene.robot.model()), 0);
-  EXPECT_LT(again.link_error, drawn.link_error);
+  EXPECT_LT(again.kinematic_error, drawn.kinematic_error);
 }
 
 TEST(CalibratePhase, KnowsLessFromNoisierTouches) {
@@ -88,7 +88,7 @@ TEST(CalibratePhase, KnowsLessFromNoisierTouches) {
   scene.options.touches = 6;
   const auto drawn = scene.robot.model();
   scene.calibrate();
-  estimation::TouchLog noisy = scene.robot.log();
+  estimation::EventLog noisy = scene.robot.log();
   RandomStream random(1);
   for (auto& reading : noisy.readings) {
     for (auto& contacts : reading.contacts) {
@@ -96,28 +96,28 @@ TEST(CalibratePhase, KnowsLessFromNoisierTouches) {
     }
   }
   const auto calibrated = calibrated_hand(drawn, noisy, scene.options);
-  EXPECT_GT(calibrated.link_error, scene.robot.model().link_error);
-  EXPECT_LT(calibrated.link_error, drawn.link_error);
+  EXPECT_GT(calibrated.kinematic_error, scene.robot.model().kinematic_error);
+  EXPECT_LT(calibrated.kinematic_error, drawn.kinematic_error);
 }
 
 TEST(CalibratePhase, LeavesTheHandThatFeelsNothing) {
   hand::FakeHand hand;
   hand::HandModel model = drawn_hand();
-  model.link_error = 0.002;
-  Robot robot(hand, model, evaluation::waiting_command());
+  model.kinematic_error = 0.002;
+  Executor robot(hand, model, evaluation::waiting_command());
   CalibrateOptions options;
   options.touches = 3;
   CalibratePhase phase(options);
   PickState state;
   const auto report = run_phase(phase, robot, state);
   EXPECT_EQ(report.status, PhaseStatus::failed);
-  EXPECT_EQ(robot.model().link_error, 0.002);
+  EXPECT_EQ(robot.model().kinematic_error, 0.002);
   EXPECT_EQ(tip_error(robot.model(), model), 0);
 }
 
 TEST(CalibratePhase, LeavesTheHandWhoseTouchesContradictOneAnother) {
   hand::HandModel model = drawn_hand();
-  model.link_error = 0.002;
+  model.kinematic_error = 0.002;
   int ticks = 0;
   hand::FakeHand hand([&](hand::HandReading& reading) {  // feels things in the air, ever higher
     if (reading.base.xyz.z() > 0.2) return;
@@ -125,7 +125,7 @@ TEST(CalibratePhase, LeavesTheHandWhoseTouchesContradictOneAnother) {
       contacts = {{{0, 0.03 * std::sin(0.01 * ++ticks), 0.02}, {0, 1, 0}, {0, -1, 0}}};
     }
   });
-  Robot robot(hand, model, evaluation::waiting_command());
+  Executor robot(hand, model, evaluation::waiting_command());
   CalibrateOptions options;
   options.touches = 30;
   CalibratePhase phase(options);

@@ -20,15 +20,15 @@ const hand::HandModel kNoModel;
 
 /// A robot at the origin whose hand feels what the script says.
 struct Scene {
-  explicit Scene(hand::FakeHand::Script script = {}, Robot::Observer observer = {})
+  explicit Scene(hand::FakeHand::Script script = {}, Executor::Observer observer = {})
       : hand(std::move(script)), robot(hand, kNoModel, {}, std::move(observer)) {}
   hand::FakeHand hand;
-  Robot robot;
+  Executor robot;
 };
 
 hand::BasePosition at(const Eigen::Vector3d& xyz) { return {xyz, Eigen::Vector3d::Zero()}; }
 
-TEST(Robot, BaseComesToTheTargetAtTheGivenSpeed) {
+TEST(Executor, BaseComesToTheTargetAtTheGivenSpeed) {
   RandomStream random(1);
   for (int i = 0; i < 20; ++i) {
     Scene scene;
@@ -49,7 +49,7 @@ TEST(Robot, BaseComesToTheTargetAtTheGivenSpeed) {
   }
 }
 
-TEST(Robot, TurningBaseEndsTurned) {
+TEST(Executor, TurningBaseEndsTurned) {
   Scene scene;
   const hand::BasePosition target{{0.01, 0, 0}, {1.0, -0.5, 0.2}};
   scene.robot.move_base(target, 0.1);
@@ -57,7 +57,7 @@ TEST(Robot, TurningBaseEndsTurned) {
   EXPECT_GT(scene.robot.time(), 1.0);  // the turn, not the 0.1 s of way, sets the pace
 }
 
-TEST(Robot, MotionStopsOnTheTickOfItsCondition) {
+TEST(Executor, MotionStopsOnTheTickOfItsCondition) {
   Scene scene;
   const auto low = [](const HandReading& reading) { return reading.base.xyz.z() <= -0.05; };
   EXPECT_EQ(scene.robot.move_base(at({0, 0, -0.2}), 0.1, low), MotionEnd::stopped);
@@ -66,7 +66,7 @@ TEST(Robot, MotionStopsOnTheTickOfItsCondition) {
   EXPECT_EQ(scene.robot.command().base.xyz, scene.robot.reading().base.xyz);
 }
 
-TEST(Robot, DeadlineEndsEveryMotion) {
+TEST(Executor, DeadlineEndsEveryMotion) {
   Scene scene;
   scene.robot.set_deadline(0.5);
   EXPECT_EQ(scene.robot.move_base(at({1, 0, 0}), 0.1), MotionEnd::timed_out);
@@ -79,7 +79,7 @@ TEST(Robot, DeadlineEndsEveryMotion) {
   EXPECT_EQ(scene.robot.wait(0.1), MotionEnd::reached);
 }
 
-TEST(Robot, WaitsForItsTimeOrItsCondition) {
+TEST(Executor, WaitsForItsTimeOrItsCondition) {
   Scene scene;
   const double start = scene.robot.time();
   EXPECT_EQ(scene.robot.wait(0.37), MotionEnd::reached);
@@ -89,7 +89,7 @@ TEST(Robot, WaitsForItsTimeOrItsCondition) {
   EXPECT_NEAR(scene.robot.time(), 0.51, 1e-9);
 }
 
-TEST(Robot, FingersComeToThePostureInTheGivenTime) {
+TEST(Executor, FingersComeToThePostureInTheGivenTime) {
   Scene scene;
   const double start = scene.robot.time();
   const hand::ActuatorVector posture = hand::ActuatorVector::Constant(0.7);
@@ -99,23 +99,23 @@ TEST(Robot, FingersComeToThePostureInTheGivenTime) {
   EXPECT_EQ(scene.robot.reading().joints[hand::joint_index("FFJ3")], 0.7);
 }
 
-TEST(Robot, TellsOfEveryTickAndMark) {
+TEST(Executor, TellsOfEveryTickAndMark) {
   int ticks = 0;
-  std::vector<estimation::Mark> marks;
+  std::vector<estimation::TouchEvent> marks;
   Scene scene({}, {[&](const HandReading&, const hand::HandCommand&) { ++ticks; },
-                   [&](estimation::Mark mark) { marks.push_back(mark); }});
-  scene.robot.mark(estimation::Mark::felt);
+                   [&](estimation::TouchEvent mark) { marks.push_back(mark); }});
+  scene.robot.mark(estimation::TouchEvent::felt);
   scene.robot.wait(0.2);
-  scene.robot.mark(estimation::Mark::closed);
+  scene.robot.mark(estimation::TouchEvent::closed);
   EXPECT_EQ(ticks, 21);
-  EXPECT_EQ(marks,
-            (std::vector<estimation::Mark>{estimation::Mark::felt, estimation::Mark::closed}));
+  EXPECT_EQ(marks, (std::vector<estimation::TouchEvent>{estimation::TouchEvent::felt,
+                                                        estimation::TouchEvent::closed}));
   EXPECT_EQ(scene.robot.log().readings.size(), 21u);
-  EXPECT_EQ(scene.robot.log().at(estimation::Mark::felt), 0u);
-  EXPECT_EQ(scene.robot.log().at(estimation::Mark::closed), 20u);
+  EXPECT_EQ(scene.robot.log().at(estimation::TouchEvent::felt), 0u);
+  EXPECT_EQ(scene.robot.log().at(estimation::TouchEvent::closed), 20u);
 }
 
-TEST(Robot, GripClosesWhileTheBaseMovesAndWithinItsTorque) {
+TEST(Executor, GripClosesWhileTheBaseMovesAndWithinItsTorque) {
   Scene scene;
   Grip grip{grasping::ClosingLaw(scene.robot.actuators(), 1.0, 0.5), {}, {}};
   grip.active[static_cast<std::size_t>(hand::Finger::first)] = true;
@@ -137,7 +137,7 @@ Scene pushed(double from, double to) {
   });
 }
 
-MotionEnd wait_for_load(Robot& robot, const Eigen::Vector3d& direction, double load) {
+MotionEnd wait_for_load(Executor& robot, const Eigen::Vector3d& direction, double load) {
   return robot.wait(1.5, lasting_load(robot, direction, load));
 }
 
@@ -172,7 +172,7 @@ Scene moving_against(double load, double from) {
   });
 }
 
-MotionEnd wait_for_rise(Robot& robot, double load) {
+MotionEnd wait_for_rise(Executor& robot, double load) {
   return robot.wait(1.5, rising_load(robot, Eigen::Vector3d::UnitZ(), load));
 }
 
@@ -194,46 +194,47 @@ TEST(RisingLoad, NothingStopsTheFirstHalfSecond) {
   EXPECT_EQ(wait_for_rise(always.robot, 0.15), MotionEnd::reached);
 }
 
-TEST(TouchLog, ForgetsWhatWasBeforeTheLastRelease) {
-  estimation::TouchLog log;
+TEST(EventLog, ForgetsWhatWasBeforeTheLastRelease) {
+  estimation::EventLog log;
   EXPECT_TRUE(log.since_release().empty());
-  EXPECT_FALSE(log.at(estimation::Mark::felt));
-  log.moments = {
-      {estimation::Mark::felt, 1}, {estimation::Mark::closed, 2}, {estimation::Mark::felt, 3}};
-  EXPECT_EQ(log.at(estimation::Mark::felt), 3u);
+  EXPECT_FALSE(log.at(estimation::TouchEvent::felt));
+  log.moments = {{estimation::TouchEvent::felt, 1},
+                 {estimation::TouchEvent::closed, 2},
+                 {estimation::TouchEvent::felt, 3}};
+  EXPECT_EQ(log.at(estimation::TouchEvent::felt), 3u);
   EXPECT_EQ(log.since_release().size(), 3u);
-  log.moments.push_back({estimation::Mark::released, 4});
+  log.moments.push_back({estimation::TouchEvent::released, 4});
   EXPECT_TRUE(log.since_release().empty());
-  EXPECT_FALSE(log.at(estimation::Mark::closed));
-  log.moments.push_back({estimation::Mark::closed, 5});
-  log.moments.push_back({estimation::Mark::released, 6});
-  log.moments.push_back({estimation::Mark::held, 7});
+  EXPECT_FALSE(log.at(estimation::TouchEvent::closed));
+  log.moments.push_back({estimation::TouchEvent::closed, 5});
+  log.moments.push_back({estimation::TouchEvent::released, 6});
+  log.moments.push_back({estimation::TouchEvent::held, 7});
   EXPECT_EQ(log.since_release().size(), 1u);
-  EXPECT_EQ(log.at(estimation::Mark::held), 7u);
-  EXPECT_FALSE(log.at(estimation::Mark::closed));
+  EXPECT_EQ(log.at(estimation::TouchEvent::held), 7u);
+  EXPECT_FALSE(log.at(estimation::TouchEvent::closed));
 }
 
-TEST(TouchLog, AnOpenedHandFeelsAnewButKnowsTheGraspBefore) {
-  estimation::TouchLog log;
+TEST(EventLog, AnOpenedHandFeelsAnewButKnowsTheGraspBefore) {
+  estimation::EventLog log;
   log.readings.resize(12);
-  log.moments = {{estimation::Mark::felt, 1},
-                 {estimation::Mark::touched, 2},
-                 {estimation::Mark::closed, 3},
-                 {estimation::Mark::placed, 5}};
+  log.moments = {{estimation::TouchEvent::felt, 1},
+                 {estimation::TouchEvent::touched, 2},
+                 {estimation::TouchEvent::closed, 3},
+                 {estimation::TouchEvent::placed, 5}};
   EXPECT_FALSE(log.before_opening());
-  log.moments.push_back({estimation::Mark::opened, 7});
-  EXPECT_FALSE(log.at(estimation::Mark::closed));
+  log.moments.push_back({estimation::TouchEvent::opened, 7});
+  EXPECT_FALSE(log.at(estimation::TouchEvent::closed));
   EXPECT_EQ(log.since_release().size(), 5u);
-  log.moments.push_back({estimation::Mark::closed, 9});
-  EXPECT_EQ(log.at(estimation::Mark::closed), 9u);
-  EXPECT_TRUE(log.all(estimation::Mark::touched).empty());
+  log.moments.push_back({estimation::TouchEvent::closed, 9});
+  EXPECT_EQ(log.at(estimation::TouchEvent::closed), 9u);
+  EXPECT_TRUE(log.all(estimation::TouchEvent::touched).empty());
   const auto before = log.before_opening();
   ASSERT_TRUE(before);
   EXPECT_EQ(before->readings.size(), 8u);
-  EXPECT_EQ(before->at(estimation::Mark::closed), 3u);
-  EXPECT_EQ(before->at(estimation::Mark::placed), 5u);
+  EXPECT_EQ(before->at(estimation::TouchEvent::closed), 3u);
+  EXPECT_EQ(before->at(estimation::TouchEvent::placed), 5u);
   EXPECT_FALSE(before->before_opening());
-  log.moments.push_back({estimation::Mark::released, 11});
+  log.moments.push_back({estimation::TouchEvent::released, 11});
   EXPECT_FALSE(log.before_opening());
 }
 
@@ -243,7 +244,7 @@ class WaitingPhase : public Phase {
   WaitingPhase(double seconds, bool ok) : seconds_(seconds), ok_(ok) {}
   std::string_view name() const override { return "waiting"; }
   double time_limit() const override { return 1.0; }
-  PhaseEnd run(Robot& robot, PickState&) override {
+  PhaseEnd run(Executor& robot, PickState&) override {
     end = robot.wait(seconds_);
     return {ok_, "waited"};
   }
@@ -254,7 +255,7 @@ class WaitingPhase : public Phase {
   bool ok_;
 };
 
-PhaseReport report_of(WaitingPhase phase, Robot& robot) {
+PhaseReport report_of(WaitingPhase phase, Executor& robot) {
   PickState state;
   return run_phase(phase, robot, state);
 }

@@ -10,30 +10,30 @@
 namespace palpate::skills {
 namespace {
 
-constexpr double kMet = 0.1;       // m of a sweep after which the finger touches
+constexpr double kMet = 0.1;       // m of a guarded move after which the finger touches
 constexpr double kObstacle = 5.0;  // N
 
-/// A hand that sweeps about a box, and touches something on the sweeps that a rule names.
+/// A hand that sweeps about a box, and touches something on the guarded moves that a rule names.
 struct Exploring {
-  using Rule = std::function<bool(std::size_t sweep)>;  // numbered from 0
+  using Rule = std::function<bool(std::size_t guarded_move)>;  // numbered from 0
 
   explicit Exploring(Rule touches)
       : hand([this, touches = std::move(touches)](hand::HandReading& reading) {
-          if (sweeping && touches(sweeps - 1) && (reading.base.xyz - start).norm() > kMet) {
+          if (sweeping && touches(guarded_moves - 1) && (reading.base.xyz - start).norm() > kMet) {
             touch(reading);
           }
-          if (sweeping && blocks && blocks(sweeps - 1) &&
+          if (sweeping && blocks && blocks(guarded_moves - 1) &&
               (reading.base.xyz - start).norm() > kMet) {
             reading.base_force = kObstacle * (reading.base.xyz - start).normalized();
           }
           last = reading.base.xyz;
         }),
-        robot(hand, model, {}, {{}, [this](estimation::Mark mark) {
-                                  sweeping = mark == estimation::Mark::sweep;
+        robot(hand, model, {}, {{}, [this](estimation::TouchEvent mark) {
+                                  sweeping = mark == estimation::TouchEvent::guarded_move;
                                   if (!sweeping) return;
                                   start = last;
                                   starts.push_back(robot.command().base);
-                                  ++sweeps;
+                                  ++guarded_moves;
                                 }}) {
     locate.search.proposals = 2000;
     locate.search.particles = 100;
@@ -41,7 +41,7 @@ struct Exploring {
     state.height = 0.05;
   }
 
-  /// The fingertip meets a face that looks against the sweep.
+  /// The fingertip meets a face that looks against the guarded move.
   void touch(hand::HandReading& reading) const {
     const auto link = static_cast<std::size_t>(model.distal[1]);
     const Eigen::Matrix3d R_link_world =
@@ -56,7 +56,7 @@ struct Exploring {
     ExplorePhase phase(object, options, locate, 1);
     return run_phase(phase, robot, state);
   }
-  std::size_t marked(estimation::Mark mark) const { return robot.log().all(mark).size(); }
+  std::size_t marked(estimation::TouchEvent mark) const { return robot.log().all(mark).size(); }
 
   /// Sweeps that set out from the same place with the hand turned alike.
   std::size_t repeated() const {
@@ -72,76 +72,76 @@ struct Exploring {
 
   Rule blocks;                             // where another part of the hand meets something
   std::vector<hand::BasePosition> starts;  // of the sweeps
-  std::size_t sweeps = 0;
+  std::size_t guarded_moves = 0;
   bool sweeping = false;
   Eigen::Vector3d start{0, 0, 0}, last{0, 0, 0};
   hand::HandModel model = simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
   geometry::ObjectModel object{geometry::load_known_object("box")};
   ExploreOptions options;
-  estimation::LocateOptions locate;
+  estimation::EstimationOptions locate;
   PickState state;
   hand::FakeHand hand;
-  Robot robot;
+  Executor robot;
 };
 
 TEST(ExplorePhase, GoesOnTillAsManyHaveTouchedAsWereAskedFor) {
-  Exploring exploring([](std::size_t sweep) { return sweep % 2 == 0; });
-  exploring.options.touches = exploring.options.most_touches = 4;
+  Exploring exploring([](std::size_t guarded_move) { return guarded_move % 2 == 0; });
+  exploring.options.touches = exploring.options.max_touches = 4;
   exploring.explore();
-  EXPECT_EQ(exploring.marked(estimation::Mark::touched), 4u);
-  EXPECT_EQ(exploring.sweeps, 7u);
-  EXPECT_EQ(exploring.marked(estimation::Mark::missed), 3u);
+  EXPECT_EQ(exploring.marked(estimation::TouchEvent::touched), 4u);
+  EXPECT_EQ(exploring.guarded_moves, 7u);
+  EXPECT_EQ(exploring.marked(estimation::TouchEvent::missed), 3u);
 }
 
-TEST(ExplorePhase, MakesNoMoreSweepsThanItsTouchesNeed) {
+TEST(ExplorePhase, MakesNoMoreGuardedMovesThanItsTouchesNeed) {
   Exploring exploring([](std::size_t) { return true; });
-  exploring.options.touches = exploring.options.most_touches = 4;
+  exploring.options.touches = exploring.options.max_touches = 4;
   exploring.explore();
-  EXPECT_EQ(exploring.sweeps, 4u);
+  EXPECT_EQ(exploring.guarded_moves, 4u);
 }
 
 TEST(ExplorePhase, GivesUpWhereNothingIsFelt) {
   Exploring exploring([](std::size_t) { return false; });
-  exploring.options.touches = exploring.options.most_touches = 4;
+  exploring.options.touches = exploring.options.max_touches = 4;
   EXPECT_EQ(exploring.explore().status, PhaseStatus::failed);
-  EXPECT_EQ(exploring.sweeps, 8u);
-  EXPECT_EQ(exploring.marked(estimation::Mark::missed), 8u);
+  EXPECT_EQ(exploring.guarded_moves, 8u);
+  EXPECT_EQ(exploring.marked(estimation::TouchEvent::missed), 8u);
 }
 
 TEST(ExplorePhase, MakesUpForNoMissWhereMoreTouchesMayFollow) {
   Exploring exploring([](std::size_t) { return false; });
   exploring.options.touches = 4;
-  exploring.options.most_touches = 8;
+  exploring.options.max_touches = 8;
   exploring.explore();
-  EXPECT_EQ(exploring.sweeps, 4u);  // without a pose there is none to tell apart
+  EXPECT_EQ(exploring.guarded_moves, 4u);  // without a pose there is none to tell apart
 }
 
-TEST(ExplorePhase, TellsPosesApartBySweepsNotMadeYet) {
+TEST(ExplorePhase, TellsPosesApartByGuardedMovesNotMadeYet) {
   // The first touches leave the box's yaw open; then something else is always in the way.
-  Exploring exploring([](std::size_t sweep) { return sweep < 2; });
-  exploring.blocks = [](std::size_t sweep) { return sweep >= 2; };
+  Exploring exploring([](std::size_t guarded_move) { return guarded_move < 2; });
+  exploring.blocks = [](std::size_t guarded_move) { return guarded_move >= 2; };
   exploring.options.touches = 2;
-  exploring.options.most_touches = 10;
+  exploring.options.max_touches = 10;
   exploring.explore();
-  EXPECT_GT(exploring.sweeps, 5u);
+  EXPECT_GT(exploring.guarded_moves, 5u);
   EXPECT_EQ(exploring.repeated(), 0u);
 }
 
-TEST(ExplorePhase, ASweepCutShortByTimeMissedNothing) {
+TEST(ExplorePhase, AGuardedMoveCutShortByTimeMissedNothing) {
   Exploring exploring([](std::size_t) { return false; });
-  exploring.options.touches = exploring.options.most_touches = 2;
-  exploring.options.speed = 0.001;  // 185 s a sweep
+  exploring.options.touches = exploring.options.max_touches = 2;
+  exploring.options.speed = 0.001;  // 185 s a guarded move
   EXPECT_EQ(exploring.explore().status, PhaseStatus::timed_out);
-  EXPECT_GE(exploring.sweeps, 1u);
-  EXPECT_EQ(exploring.marked(estimation::Mark::missed), 0u);
+  EXPECT_GE(exploring.guarded_moves, 1u);
+  EXPECT_EQ(exploring.marked(estimation::TouchEvent::missed), 0u);
 }
 
-TEST(ExplorePhase, HasTimeForManySweeps) {
+TEST(ExplorePhase, HasTimeForManyGuardedMoves) {
   const geometry::ObjectModel object(geometry::load_known_object("box"));
   ExploreOptions options;
   EXPECT_EQ(ExplorePhase(object, options, {}, 1).time_limit(), 180);
   const double full = options.radius / options.speed;  // s to where the object is
-  options.touches = options.most_touches = 64;
+  options.touches = options.max_touches = 64;
   EXPECT_GE(ExplorePhase(object, options, {}, 1).time_limit(), 2 * 64 * full);
 }
 

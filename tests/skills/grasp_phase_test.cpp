@@ -22,8 +22,8 @@ struct ClosingHand {
       : bad(bad_closings), hand([this](hand::HandReading& reading) { feel(reading); }) {
     auto& box = object.object();
     Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-    T.linear() = box.stances[0].R_table_object;
-    T.translation().z() = box.stances[0].height;
+    T.linear() = box.stable_poses[0].R_table_object;
+    T.translation().z() = box.stable_poses[0].height;
     localization::Mode mode;
     mode.T_frame_object = T;
     mode.weight = 1;
@@ -61,7 +61,7 @@ struct ClosingHand {
   GraspOptions options;
   PickState state;
   hand::FakeHand hand;
-  Robot robot{hand, model, evaluation::waiting_command()};
+  Executor robot{hand, model, evaluation::waiting_command()};
 };
 
 TEST(GraspPhase, PressesWhereTheForcesBalance) {
@@ -70,7 +70,7 @@ TEST(GraspPhase, PressesWhereTheForcesBalance) {
   EXPECT_EQ(report.status, PhaseStatus::ok) << report.outcome;
   EXPECT_EQ(scene.closings, 1);
   EXPECT_EQ(scene.state.tried_yaws, std::vector{scene.state.yaw});
-  EXPECT_EQ(scene.robot.log().all(estimation::Mark::closed).size(), 1u);
+  EXPECT_EQ(scene.robot.log().all(estimation::TouchEvent::closed).size(), 1u);
 }
 
 TEST(GraspPhase, ClosesAgainFromAnotherSideWhereTheyDoNot) {
@@ -82,7 +82,7 @@ TEST(GraspPhase, ClosesAgainFromAnotherSideWhereTheyDoNot) {
   balanced.grasp();
   EXPECT_NE(scene.state.yaw, balanced.state.yaw);
   EXPECT_EQ(scene.state.tried_yaws, std::vector{scene.state.yaw});
-  EXPECT_EQ(scene.robot.log().all(estimation::Mark::closed).size(),
+  EXPECT_EQ(scene.robot.log().all(estimation::TouchEvent::closed).size(),
             1u);  // only the hold that stays
   EXPECT_NE(report.outcome.find("closing 2"), std::string::npos) << report.outcome;
 }

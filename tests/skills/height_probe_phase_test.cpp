@@ -32,33 +32,33 @@ struct OverABlock {
   inline static const Eigen::Vector2d kLevelCenter{0.072, -0.005};
 
   hand::FakeHand hand;
-  Robot robot;
+  Executor robot;
   PickState state;
 };
 
-TEST(FeelPhase, FeelsHowTallTheObjectIs) {
+TEST(HeightProbePhase, FeelsHowTallTheObjectIs) {
   for (const double height : {0.04, 0.08, 0.15}) {
     OverABlock scene(height, {0, 0}, 0.03);
-    const auto end = FeelPhase({}).run(scene.robot, scene.state);
+    const auto end = HeightProbePhase({}).run(scene.robot, scene.state);
     ASSERT_TRUE(end.ok) << end.outcome;
     EXPECT_NEAR(scene.state.height, height, 0.003);  // some ticks of the way down
-    EXPECT_TRUE(scene.robot.log().at(estimation::Mark::felt));
+    EXPECT_TRUE(scene.robot.log().at(estimation::TouchEvent::felt));
     EXPECT_GT(estimation::lowest_of_hand(shadow(), scene.robot.reading()), height + 0.05);
   }
 }
 
-TEST(FeelPhase, LooksBesideWhereNothingStands) {
+TEST(HeightProbePhase, LooksBesideWhereNothingStands) {
   OverABlock scene(0.08, {0, 0.1}, 0.05);
-  const auto end = FeelPhase({}).run(scene.robot, scene.state);
+  const auto end = HeightProbePhase({}).run(scene.robot, scene.state);
   ASSERT_TRUE(end.ok) << end.outcome;
   EXPECT_LT((scene.state.place - Eigen::Vector2d(0, 0.1)).norm(), 1e-9);
 }
 
-TEST(FeelPhase, TheBareTableIsNotTouched) {
+TEST(HeightProbePhase, TheBareTableIsNotTouched) {
   OverABlock scene(0, {0, 0}, 0.5);
-  const FeelOptions options;
-  EXPECT_FALSE(FeelPhase(options).run(scene.robot, scene.state).ok);
-  EXPECT_FALSE(scene.robot.log().at(estimation::Mark::felt));
+  const HeightProbeOptions options;
+  EXPECT_FALSE(HeightProbePhase(options).run(scene.robot, scene.state).ok);
+  EXPECT_FALSE(scene.robot.log().at(estimation::TouchEvent::felt));
   for (const auto& reading : scene.robot.log().readings) {
     EXPECT_GT(estimation::lowest_of_hand(shadow(), reading), options.clearance - 0.002);
   }

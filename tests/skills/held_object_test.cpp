@@ -8,19 +8,14 @@
 namespace palpate::skills {
 namespace {
 
-Eigen::Isometry3d pose(double yaw, double x) {
-  return Eigen::Translation3d(x, 0, 0) * Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) *
-         Eigen::Isometry3d::Identity();
-}
-
 /// A log whose base stood at a place when the fingers closed, and 10 cm higher when it held.
-estimation::TouchLog lifted_log(const hand::BasePosition& closed) {
-  estimation::TouchLog log;
+estimation::EventLog lifted_log(const hand::BasePosition& closed) {
+  estimation::EventLog log;
   log.readings.resize(2);
   log.readings[0].base = closed;
   log.readings[1].base = closed;
   log.readings[1].base.xyz.z() += 0.1;
-  log.moments = {{estimation::Mark::closed, 0}, {estimation::Mark::held, 1}};
+  log.moments = {{estimation::TouchEvent::closed, 0}, {estimation::TouchEvent::held, 1}};
   return log;
 }
 
@@ -41,7 +36,7 @@ TEST(HeldObject, TiltAndHeightAreTakenFromTheTable) {
   const auto held = held_object(box, posterior, lifted_log(closed), {});
   ASSERT_TRUE(held);
   EXPECT_NEAR(held->certainty, 1, 1e-9);
-  EXPECT_EQ(held->found_stance, 0u);
+  EXPECT_EQ(held->found_stable_pose, 0u);
   const Eigen::Isometry3d believed = closed.pose() * held->T_base_object_flat;
   EXPECT_LT((believed.translation() - standing.translation()).norm(), 1e-6);
   EXPECT_LT(rotation_distance(believed.linear(), standing.linear()), 1e-6);

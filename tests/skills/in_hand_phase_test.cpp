@@ -24,7 +24,7 @@ HeldObject some_hold(RandomStream& random) {
   return held;
 }
 
-TEST(FingerTurn, TakesItsShareOffTheTurnOfTheBase) {
+TEST(InHandReorientation, TakesItsShareOffTheTurnOfTheBase) {
   RandomStream random(1, "share");
   for (int i = 0; i < 100; ++i) {
     const hand::BasePosition now{random.normal3(), 0.5 * random.normal3()};
@@ -47,7 +47,7 @@ TEST(FingerTurn, TakesItsShareOffTheTurnOfTheBase) {
   }
 }
 
-TEST(FingerTurn, FindsTheShorterOfTheTurnsThatReach) {
+TEST(InHandReorientation, FindsTheShorterOfTheTurnsThatReach) {
   RandomStream random(2, "reach");
   const HeldObject held = some_hold(random);
   const hand::BasePosition base{{0, 0, 0.3}, {0.3, -0.2, 0.1}};
@@ -78,7 +78,7 @@ struct HeldBox {
     world.reset(evaluation::draw_start(object.object(), options.start, kSeed),
                 evaluation::waiting_command());
     robot.emplace(world.hand(), world.hand_model(), evaluation::waiting_command(),
-                  Robot::Observer{}, &models);
+                  Executor::Observer{}, &models);
     picked = pick(*robot, object, options.pick, kSeed);
   }
   PlaceResult place_it() {
@@ -90,11 +90,11 @@ struct HeldBox {
   geometry::ObjectModel object;
   simulation::World world;
   simulation::SimulatedModels models;
-  std::optional<Robot> robot;
+  std::optional<Executor> robot;
   PickResult picked;
 };
 
-TEST(FingerTurn, APoseThatDriftsEndsWithTheObjectPutBack) {
+TEST(InHandReorientation, APoseThatDriftsEndsWithTheObjectPutBack) {
   HeldBox scene;
   ASSERT_TRUE(scene.picked.held);
   scene.options.place.fingers.reorient.drift_angle = 0.001;  // nothing is known so well
@@ -108,11 +108,11 @@ TEST(FingerTurn, APoseThatDriftsEndsWithTheObjectPutBack) {
   // It stands: nothing fell or was thrown.
   scene.robot->wait(0.5);
   const Eigen::Isometry3d truth = scene.world.truth().T_world_object;
-  EXPECT_LT(nearest_stance(scene.object.object(), truth.linear()).tilt, 0.05);
+  EXPECT_LT(nearest_stable_pose(scene.object.object(), truth.linear()).tilt, 0.05);
   EXPECT_LT(scene.world.truth().lowest_point, 0.002);
 }
 
-TEST(FingerTurn, WhereFingersLetGoTheBaseTakesWhatIsLeft) {
+TEST(InHandReorientation, WhereFingersLetGoTheBaseTakesWhatIsLeft) {
   HeldBox scene;
   ASSERT_TRUE(scene.picked.held);
   scene.options.place.fingers.reorient.longest = 0.1;  // one step, and no more
@@ -124,26 +124,26 @@ TEST(FingerTurn, WhereFingersLetGoTheBaseTakesWhatIsLeft) {
   EXPECT_LT(scene.world.truth().lowest_point, 0.002);
 }
 
-double pressing(const Robot& robot) {
+double pressing(const Executor& robot) {
   double sum = 0;
   for (int finger = 0; finger < hand::kFingers; ++finger)
     sum += hand::tip_force(robot.reading(), finger);
   return sum;
 }
 
-TEST(FingerTurn, FingersThatAreAboutToLetGoPressAnew) {
+TEST(InHandReorientation, FingersThatAreAboutToLetGoPressAnew) {
   HeldBox scene;
   ASSERT_TRUE(scene.picked.held);
-  FingerTurnOptions options = scene.options.place.fingers;
-  options.reorient.least_fingers = hand::kFingers + 1;  // more than there are
+  InHandReorientationOptions options = scene.options.place.fingers;
+  options.reorient.min_fingers = hand::kFingers + 1;  // more than there are
   options.reorient.errors = scene.options.pick.locate.errors;
   PickState state;
   state.estimate = scene.picked.estimate;
-  FingerTurn turn;
+  InHandReorientation turn;
   turn.asked = {0, 0, 0.1};
   const double before = pressing(*scene.robot);
-  const PhaseEnd end =
-      FingerTurnPhase(options, scene.object, HeldBox::kSeed, turn).run(*scene.robot, state);
+  const PhaseEnd end = InHandReorientationPhase(options, scene.object, HeldBox::kSeed, turn)
+                           .run(*scene.robot, state);
   EXPECT_EQ(turn.result.end, ReorientEnd::losing);
   EXPECT_EQ(turn.result.steps, 0);
   EXPECT_GT(pressing(*scene.robot), 1.2 * before);

@@ -22,7 +22,7 @@ struct HeldBracket {
     world.reset(evaluation::draw_start(object.object(), options.start, kSeed),
                 evaluation::waiting_command());
     robot.emplace(world.hand(), world.hand_model(), evaluation::waiting_command(),
-                  Robot::Observer{}, &models);
+                  Executor::Observer{}, &models);
     picked = pick(*robot, object, options.pick, kSeed);
   }
   Eigen::Isometry3d truth() const { return world.truth().T_world_object; }
@@ -30,7 +30,7 @@ struct HeldBracket {
   geometry::ObjectModel object{geometry::load_known_object("bracket")};
   simulation::World world;
   simulation::SimulatedModels models;
-  std::optional<Robot> robot;
+  std::optional<Executor> robot;
   PickResult picked;
 };
 
@@ -77,25 +77,24 @@ std::pair<Eigen::Isometry3d, Eigen::Isometry3d> goals(const HeldBracket& scene,
           turned(scene.truth(), turn)};
 }
 
-TEST(ReorientByFingers, TurnsABracketAndSaysHowFar) {
+TEST(ReorientInHand, TurnsABracketAndSaysHowFar) {
   HeldBracket scene;
   ASSERT_TRUE(scene.picked.held);
   const auto& posterior = scene.picked.estimate.posterior;
   const auto [goal, true_goal] = goals(scene, kTurn);
   ReorientOptions options;
   options.sampling.samples = 8;
-  const auto result =
-      reorient_by_fingers(*scene.robot, scene.object, posterior, goal, options, kSeed);
+  const auto result = reorient_in_hand(*scene.robot, scene.object, posterior, goal, options, kSeed);
   EXPECT_EQ(result.end, ReorientEnd::reached);
   EXPECT_LT(result.left.rotation, options.done_angle);
   const auto error =
       localization::pose_error(scene.truth(), true_goal, {Eigen::Matrix3d::Identity()});
   EXPECT_LT(error.rotation, 0.1);
   EXPECT_LT(error.translation, 0.01);
-  EXPECT_GT(result.rehearsals, 0);
+  EXPECT_GT(result.rollouts, 0);
 }
 
-TEST(ReorientByFingers, ChoosesTheSameStepsWithTwoThreads) {
+TEST(ReorientInHand, ChoosesTheSameStepsWithTwoThreads) {
   std::array<ReorientResult, 2> results;
   for (int threads : {1, 2}) {
     HeldBracket scene;
@@ -108,15 +107,15 @@ TEST(ReorientByFingers, ChoosesTheSameStepsWithTwoThreads) {
     const Eigen::Isometry3d goal =
         turned(posterior.modes.front().T_frame_object, Eigen::Vector3d(0, 0.1, 0));
     results[static_cast<std::size_t>(threads - 1)] =
-        reorient_by_fingers(*scene.robot, scene.object, posterior, goal, options, kSeed, threads);
+        reorient_in_hand(*scene.robot, scene.object, posterior, goal, options, kSeed, threads);
   }
-  EXPECT_GT(results[0].rehearsals, 0);
+  EXPECT_GT(results[0].rollouts, 0);
   EXPECT_EQ(results[0].steps, results[1].steps);
   EXPECT_EQ(results[0].posterior.modes.front().T_frame_object.matrix(),
             results[1].posterior.modes.front().T_frame_object.matrix());
 }
 
-TEST(ReorientByFingers, NeedsNoRehearsalsToGoOnHolding) {
+TEST(ReorientInHand, NeedsNoRolloutsToGoOnHolding) {
   HeldBracket scene;
   ASSERT_TRUE(scene.picked.held);
   const auto& posterior = scene.picked.estimate.posterior;
@@ -124,9 +123,8 @@ TEST(ReorientByFingers, NeedsNoRehearsalsToGoOnHolding) {
   ReorientOptions options;
   options.sampling.samples = 0;
   options.longest = 3;
-  const auto result =
-      reorient_by_fingers(*scene.robot, scene.object, posterior, goal, options, kSeed);
-  EXPECT_EQ(result.rehearsals, 0);
+  const auto result = reorient_in_hand(*scene.robot, scene.object, posterior, goal, options, kSeed);
+  EXPECT_EQ(result.rollouts, 0);
   EXPECT_GT(result.steps, options.tightenings);
   const auto error =
       localization::pose_error(scene.truth(), true_goal, {Eigen::Matrix3d::Identity()});
@@ -135,7 +133,7 @@ TEST(ReorientByFingers, NeedsNoRehearsalsToGoOnHolding) {
   EXPECT_GT(scene.world.truth().lowest_point, 0.02);  // it hangs
 }
 
-TEST(ReorientByFingers, EndsWhereItComesNoNearer) {
+TEST(ReorientInHand, EndsWhereItComesNoNearer) {
   HeldBracket scene;
   ASSERT_TRUE(scene.picked.held);
   const auto& posterior = scene.picked.estimate.posterior;
@@ -146,20 +144,18 @@ TEST(ReorientByFingers, EndsWhereItComesNoNearer) {
   options.speed = 0.001;  // less than can be told
   options.way_speed = 1e-4;
   options.patience = 1;
-  const auto result =
-      reorient_by_fingers(*scene.robot, scene.object, posterior, goal, options, kSeed);
+  const auto result = reorient_in_hand(*scene.robot, scene.object, posterior, goal, options, kSeed);
   EXPECT_EQ(result.end, ReorientEnd::out_of_time);
   EXPECT_LT(result.seconds, options.longest);
 }
 
-TEST(ReorientByFingers, RejectsAGoalThatIsNoneAndAMissingPose) {
+TEST(ReorientInHand, RejectsAGoalThatIsNoneAndAMissingPose) {
   HeldBracket scene;
   Eigen::Isometry3d goal = Eigen::Isometry3d::Identity();
-  EXPECT_THROW((void)reorient_by_fingers(*scene.robot, scene.object, {}, goal, {}, kSeed),
-               BadInput);
+  EXPECT_THROW((void)reorient_in_hand(*scene.robot, scene.object, {}, goal, {}, kSeed), BadInput);
   goal.translation().x() = std::numeric_limits<double>::infinity();
-  EXPECT_THROW((void)reorient_by_fingers(*scene.robot, scene.object,
-                                         scene.picked.estimate.posterior, goal, {}, kSeed),
+  EXPECT_THROW((void)reorient_in_hand(*scene.robot, scene.object, scene.picked.estimate.posterior,
+                                      goal, {}, kSeed),
                BadInput);
 }
 

@@ -39,7 +39,7 @@ struct Lifting {
   hand::HandModel model = simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
   PickState state;
   hand::FakeHand hand;
-  Robot robot;
+  Executor robot;
 };
 
 /// What is wrong with a hold that is not good, as the outcome names it.
@@ -56,7 +56,7 @@ TEST(LiftPhase, HoldsWhatHangsInTheHand) {
   EXPECT_EQ(report.outcome.substr(0, 5), "held:");
   EXPECT_NEAR(lifting.robot.command().base.xyz.z(), lifting.options.way, 1e-12);
   EXPECT_NEAR(lifting.state.held_load, kWeight, 1e-12);
-  EXPECT_EQ(lifting.robot.log().at(estimation::Mark::held),
+  EXPECT_EQ(lifting.robot.log().at(estimation::TouchEvent::held),
             lifting.robot.log().readings.size() - 1);
 }
 

@@ -11,21 +11,21 @@
 namespace palpate::skills {
 namespace {
 
-TEST(PlaceMeans, AreWhatTheirNamesSay) {
-  for (const PlaceMeans means :
-       {PlaceMeans::automatic, PlaceMeans::wrist, PlaceMeans::fingers, PlaceMeans::regrasp}) {
+TEST(PlaceStrategy, AreWhatTheirNamesSay) {
+  for (const PlaceStrategy means : {PlaceStrategy::automatic, PlaceStrategy::wrist,
+                                    PlaceStrategy::fingers, PlaceStrategy::regrasp}) {
     PlaceOptions options;
     options.means = to_string(means);
-    EXPECT_EQ(place_means(options), means) << options.means;
+    EXPECT_EQ(place_strategy(options), means) << options.means;
   }
-  EXPECT_EQ(place_means({}), PlaceMeans::automatic);
+  EXPECT_EQ(place_strategy({}), PlaceStrategy::automatic);
 }
 
-TEST(PlaceMeans, OtherWordsAreNamed) {
+TEST(PlaceStrategy, OtherWordsAreNamed) {
   PlaceOptions options;
   options.means = "teleport";
   try {
-    place_means(options);
+    place_strategy(options);
     FAIL();
   } catch (const BadInput& error) {
     EXPECT_NE(std::string(error.what()).find("teleport"), std::string::npos) << error.what();
@@ -49,7 +49,7 @@ TEST(PickAndPlace, WhatFellOnTheWayIsFeltForAndPickedAnew) {
   ASSERT_TRUE(course.place);
   EXPECT_EQ(course.place->status, PlaceStatus::placed);
   EXPECT_LT(mishap.off(*course.place), 0.03);
-  EXPECT_EQ(course.means.means, PlaceMeans::wrist);  // told of the last hold, too
+  EXPECT_EQ(course.means.means, PlaceStrategy::wrist);  // told of the last hold, too
   EXPECT_EQ(course.means.reason, "asked for");
 }
 

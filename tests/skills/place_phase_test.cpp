@@ -50,7 +50,7 @@ struct Descent {
   hand::HandModel model;
   hand::ActuatorVector open = hand::ActuatorVector::Zero();
   hand::FakeHand hand;
-  Robot robot;
+  Executor robot;
   PlacePhase phase;
   double wall_ = 0, expected_ = kGround;
 };
@@ -61,7 +61,7 @@ TEST(PlacePhase, StopsAtTheTableAndLetsGo) {
   EXPECT_EQ(report.status, PhaseStatus::ok) << report.outcome;
   EXPECT_TRUE(descent.phase.let_go());
   EXPECT_EQ(descent.phase.touchdown(), PlacePhase::Touchdown::flat);
-  EXPECT_TRUE(descent.robot.log().at(estimation::Mark::placed));
+  EXPECT_TRUE(descent.robot.log().at(estimation::TouchEvent::placed));
   EXPECT_DOUBLE_EQ(descent.robot.command().positions[hand::actuator_index("FFJ3")], 0.2);
   // No deeper than what the wanted press takes, and what three ticks of delay add.
   EXPECT_GT(descent.robot.command().base.xyz.z(), kGround - (kWeight + 1) / kStiffness - 0.0005);
@@ -84,8 +84,8 @@ TEST(OpenPhase, OpensWhereTheHandIsAndMarksWhenItStillHeld) {
   OpenPhase open({}, descent.open);
   EXPECT_EQ(run_phase(open, descent.robot, state).status, PhaseStatus::ok);
   const auto& log = descent.robot.log();
-  ASSERT_TRUE(log.at(estimation::Mark::placed));
-  EXPECT_GT(hand::tip_force(log.readings[*log.at(estimation::Mark::placed)], 1), 0.9);
+  ASSERT_TRUE(log.at(estimation::TouchEvent::placed));
+  EXPECT_GT(hand::tip_force(log.readings[*log.at(estimation::TouchEvent::placed)], 1), 0.9);
   EXPECT_EQ(descent.robot.command().base.xyz, base.xyz);
   EXPECT_DOUBLE_EQ(descent.robot.command().positions[hand::actuator_index("FFJ3")], 0.2);
 }
@@ -118,7 +118,7 @@ TEST(PlacePhase, AnEarlyContactIsARefusal) {
   EXPECT_EQ(phase.touchdown(), PlacePhase::Touchdown::early);
   EXPECT_FALSE(phase.let_go());
   EXPECT_NE(report.outcome.find("refused"), std::string::npos);
-  EXPECT_FALSE(descent.robot.log().at(estimation::Mark::placed));
+  EXPECT_FALSE(descent.robot.log().at(estimation::TouchEvent::placed));
 }
 
 TEST(PlacePhase, NothingFeltIsNoReasonToLetGo) {
@@ -191,7 +191,7 @@ PhaseReport withdrawn(hand::FakeHand::Script script) {
   hand::HandCommand command;
   command.base.xyz.z() = 0.1;
   command.positions.setConstant(0.5);
-  Robot robot(hand, model, command);
+  Executor robot(hand, model, command);
   PickState state;
   return run_phase(*std::make_unique<WithdrawPhase>(WithdrawOptions{}, kWeight), robot, state);
 }

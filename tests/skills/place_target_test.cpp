@@ -54,65 +54,65 @@ Eigen::Isometry3d on_table(const Eigen::Vector2d& xy) {
   return resting_pose(known("box"), 0, xy, 0.3);
 }
 
-TEST(PlaceTarget, AnotherStanceIsNeverTheOneItStartsIn) {
+TEST(PlaceTarget, AnotherStablePoseIsNeverTheOneItStartsIn) {
   for (const char* name : {"box", "mug", "bottle", "bunny", "bracket"}) {
     const auto& object = known(name);
     std::set<std::size_t> drawn;
     for (std::uint64_t seed = 0; seed < 40; ++seed) {
-      const std::size_t start = seed % object.stances.size();
-      const PlaceTarget target = stance_target(object, start, -1, kReach, seed);
+      const std::size_t start = seed % object.stable_poses.size();
+      const PlaceTarget target = stable_pose_target(object, start, -1, kReach, seed);
       EXPECT_EQ(target.kind, PlaceTarget::Kind::pose);
-      const Eigen::Matrix3d& from = object.stances[start].R_table_object;
+      const Eigen::Matrix3d& from = object.stable_poses[start].R_table_object;
       EXPECT_FALSE(same_side_up(object, target.T_world_object.linear(), from, 0.05)) << name;
-      const NearestStance rest = nearest_stance(object, target.T_world_object.linear());
+      const NearestStablePose rest = nearest_stable_pose(object, target.T_world_object.linear());
       EXPECT_LT(rest.tilt, 1e-6);
-      drawn.insert(rest.stance);
+      drawn.insert(rest.stable_pose);
       const double radius = target.T_world_object.translation().head<2>().norm();
       EXPECT_GE(radius, 0.1 - 1e-9);
       EXPECT_LE(radius, 0.25 + 1e-9);
-      EXPECT_TRUE(stance_target(object, start, -1, kReach, seed)
+      EXPECT_TRUE(stable_pose_target(object, start, -1, kReach, seed)
                       .T_world_object.isApprox(target.T_world_object));
     }
     EXPECT_GT(drawn.size(), 1u) << name;
   }
-  const PlaceTarget wanted = stance_target(known("mug"), 0, 1, kReach, 5);
-  EXPECT_EQ(nearest_stance(known("mug"), wanted.T_world_object.linear()).stance, 1u);
-  EXPECT_THROW((void)stance_target(known("mug"), 0, 999, kReach, 5), BadInput);
-  EXPECT_THROW((void)stance_target(known("mug"), 0, -2, kReach, 5), BadInput);
-  EXPECT_THROW((void)stance_target(known("mug"), 999, -1, kReach, 5), BadInput);
+  const PlaceTarget wanted = stable_pose_target(known("mug"), 0, 1, kReach, 5);
+  EXPECT_EQ(nearest_stable_pose(known("mug"), wanted.T_world_object.linear()).stable_pose, 1u);
+  EXPECT_THROW((void)stable_pose_target(known("mug"), 0, 999, kReach, 5), BadInput);
+  EXPECT_THROW((void)stable_pose_target(known("mug"), 0, -2, kReach, 5), BadInput);
+  EXPECT_THROW((void)stable_pose_target(known("mug"), 999, -1, kReach, 5), BadInput);
 }
 
 TEST(PlaceTarget, WhatIsDrawnIsWithinReach) {
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     const auto spot = parse_target("random", known("box"), {}, 0.15, seed);
     EXPECT_LE(spot.xy.norm(), 0.15);
-    const auto pose = stance_target(known("box"), 0, -1, 0.15, seed);
+    const auto pose = stable_pose_target(known("box"), 0, -1, 0.15, seed);
     EXPECT_LE(pose.T_world_object.translation().head<2>().norm(), 0.15);
   }
   EXPECT_THROW((void)parse_target("random", known("box"), {}, 0.05, 1), BadInput);
-  EXPECT_THROW((void)stance_target(known("box"), 0, -1, 0.05, 1), BadInput);
+  EXPECT_THROW((void)stable_pose_target(known("box"), 0, -1, 0.05, 1), BadInput);
 }
 
-TEST(PlaceTarget, AStanceIsOfTheTargetStanceAlone) {
+TEST(PlaceTarget, AStanceIsOfTheTargetStablePoseAlone) {
   PlaceOptions options;
-  options.stance = 1;
+  options.stable_pose = 1;
   for (const char* target : {"", "random", "fixture", "0.1,0,0"}) {
     options.target = target;
     try {
       (void)evaluation::place_target(known("box"), options, 3, 0);
       FAIL() << target;
     } catch (const BadInput& error) {
-      EXPECT_NE(std::string(error.what()).find("place.stance = 1"), std::string::npos);
+      EXPECT_NE(std::string(error.what()).find("place.stable_pose = 1"), std::string::npos);
     }
   }
-  options.target = "stance";
+  options.target = "stable_pose";
   EXPECT_TRUE(evaluation::place_target(known("box"), options, 3, 4));
 }
 
-TEST(PlaceTarget, WhereAllSidesAreAlikeThereIsNoOtherStance) {
+TEST(PlaceTarget, WhereAllSidesAreAlikeThereIsNoOtherStablePose) {
   geometry::KnownObject die = known("box");
-  die.stances.resize(1);
-  EXPECT_THROW((void)stance_target(die, 0, -1, kReach, 5), BadInput);
+  die.stable_poses.resize(1);
+  EXPECT_THROW((void)stable_pose_target(die, 0, -1, kReach, 5), BadInput);
 }
 
 TEST(PlaceTarget, IsASpotAPoseOrTheFixture) {
@@ -126,10 +126,10 @@ TEST(PlaceTarget, IsASpotAPoseOrTheFixture) {
   EXPECT_LT((pose.T_world_object.matrix() - on_table({0.1, 0.2}).matrix()).norm(), 1e-5);
 
   FixtureOptions fixture;
-  fixture.stance = 1;
+  fixture.stable_pose = 1;
   const PlaceTarget slot = parsed("fixture", fixture);
   EXPECT_EQ(slot.kind, PlaceTarget::Kind::fixture);
-  EXPECT_NEAR(slot.T_world_object.translation().z(), known("box").stances[1].height, 1e-12);
+  EXPECT_NEAR(slot.T_world_object.translation().z(), known("box").stable_poses[1].height, 1e-12);
 }
 
 TEST(PlaceTarget, RandomSpotsAreInReachAndFollowTheSeed) {
@@ -161,8 +161,8 @@ TEST(PlaceTarget, WhatCannotBeIsNamed) {
   tight.tolerance = -0.001;
   EXPECT_NE(complaint("fixture", tight).find("too small"), std::string::npos);
   FixtureOptions unknown;
-  unknown.stance = 99;
-  EXPECT_NE(complaint("fixture", unknown).find("stances 0.."), std::string::npos);
+  unknown.stable_pose = 99;
+  EXPECT_NE(complaint("fixture", unknown).find("stable poses 0.."), std::string::npos);
 }
 
 TEST(PlaceTarget, APoseThatDoesNotRestIsNamed) {
@@ -185,16 +185,17 @@ geometry::KnownObject wedge() {
   }
   const Eigen::Vector3d centroid = geometry::mass_properties(object.mesh, 1).centroid;
   for (auto& v : object.mesh.vertices) v -= centroid;
-  object.stances = geometry::stable_poses(object.mesh, Eigen::Vector3d::Zero());
+  object.stable_poses = geometry::stable_poses(object.mesh, Eigen::Vector3d::Zero());
   object.symmetries = geometry::rotational_symmetries(object.mesh, Eigen::Vector3d::Zero());
   return object;
 }
 
-/// The stances that an estimate may report of an object in one, right but for a symmetry.
-std::set<std::size_t> taken_for(const geometry::KnownObject& object, std::size_t stance) {
+/// The stable poses that an estimate may report of an object in one, right but for a symmetry.
+std::set<std::size_t> taken_for(const geometry::KnownObject& object, std::size_t stable_pose) {
   std::set<std::size_t> images;
   for (const auto& S : object.symmetries) {
-    images.insert(nearest_stance(object, object.stances[stance].R_table_object * S).stance);
+    images.insert(nearest_stable_pose(object, object.stable_poses[stable_pose].R_table_object * S)
+                      .stable_pose);
   }
   return images;
 }
@@ -206,29 +207,31 @@ TEST(PlaceTarget, OfASpotIsTheSameWhicheverOfTheEqualPosesIsFound) {
   std::vector<geometry::KnownObject> objects = {wedge()};
   for (const auto& name : geometry::built_in_objects()) objects.push_back(known(name));
   for (const auto& object : objects) {
-    for (std::size_t stance = 0; stance < object.stances.size(); ++stance) {
-      const Eigen::Isometry3d T = target_pose(spot, object, stance);
+    for (std::size_t stable_pose = 0; stable_pose < object.stable_poses.size(); ++stable_pose) {
+      const Eigen::Isometry3d T = target_pose(spot, object, stable_pose);
       EXPECT_EQ(T.translation().head<2>(), spot.xy);
-      EXPECT_NEAR(T.translation().z(), object.stances[stance].height, 1e-12);
-      EXPECT_TRUE(T.linear().row(2).isApprox(object.stances[stance].R_table_object.row(2), 1e-9));
-      for (const std::size_t image : taken_for(object, stance)) {
-        // As far apart as the symmetry maps the stances, and not by half a turn.
+      EXPECT_NEAR(T.translation().z(), object.stable_poses[stable_pose].height, 1e-12);
+      EXPECT_TRUE(
+          T.linear().row(2).isApprox(object.stable_poses[stable_pose].R_table_object.row(2), 1e-9));
+      for (const std::size_t image : taken_for(object, stable_pose)) {
+        // As far apart as the symmetry maps the stable poses, and not by half a turn.
         EXPECT_LT(localization::pose_error(target_pose(spot, object, image), T, object.symmetries)
                       .rotation,
                   5 * std::numbers::pi / 180)
-            << object.name << " " << stance << " taken for " << image;
+            << object.name << " " << stable_pose << " taken for " << image;
       }
     }
   }
 }
 
-TEST(PlaceTarget, ABlockWithASlopingTopIsMappedBesideItsOtherStances) {
+TEST(PlaceTarget, ABlockWithASlopingTopIsMappedBesideItsOtherStablePoses) {
   const auto block = wedge();
   ASSERT_EQ(block.symmetries.size(), 2u);
   double farthest = 0;
-  for (const auto& stance : block.stances) {
+  for (const auto& stable_pose : block.stable_poses) {
     for (const auto& S : block.symmetries) {
-      farthest = std::max(farthest, nearest_stance(block, stance.R_table_object * S).tilt);
+      farthest =
+          std::max(farthest, nearest_stable_pose(block, stable_pose.R_table_object * S).tilt);
     }
   }
   EXPECT_GT(farthest, 3 * std::numbers::pi / 180);
@@ -254,21 +257,21 @@ double room(const geometry::KnownObject& object, const Eigen::Isometry3d& T,
 TEST(Fixture, LeavesItsToleranceAndNoMore) {
   for (const char* name : {"mug", "box", "bracket"}) {
     const auto& object = known(name);
-    for (const int stance : {0, 1}) {
+    for (const int stable_pose : {0, 1}) {
       FixtureOptions options;
-      options.stance = stance;
+      options.stable_pose = stable_pose;
       options.yaw = 0.4;
       options.height = 0.03;  // high, so that walls meet vertices of a coarse mesh
       const auto fixture = make_fixture(object, options);
-      const Eigen::Isometry3d seated = resting_pose(object, static_cast<std::size_t>(stance),
+      const Eigen::Isometry3d seated = resting_pose(object, static_cast<std::size_t>(stable_pose),
                                                     {options.x, options.y}, options.yaw);
-      EXPECT_GT(room(object, seated, fixture), options.tolerance - 1e-9) << name << stance;
+      EXPECT_GT(room(object, seated, fixture), options.tolerance - 1e-9) << name << stable_pose;
       for (int k = 0; k < 8; ++k) {  // it cannot be shifted out of the slot
         const double angle = 2 * std::numbers::pi * k / 8;
         Eigen::Isometry3d shifted = seated;
         shifted.translation() +=
             2.2 * options.tolerance * Eigen::Vector3d(std::cos(angle), std::sin(angle), 0);
-        EXPECT_LT(room(object, shifted, fixture), options.tolerance) << name << stance;
+        EXPECT_LT(room(object, shifted, fixture), options.tolerance) << name << stable_pose;
       }
     }
   }
@@ -279,14 +282,14 @@ TEST(LaidFlat, KeepsPlaceAndRests) {
   for (const auto& name : geometry::built_in_objects()) {
     const auto& object = known(name);
     for (int k = 0; k < 20; ++k) {
-      const std::size_t stance = static_cast<std::size_t>(k) % object.stances.size();
-      const Eigen::Isometry3d rest = resting_pose(object, stance, {0.1, -0.05}, 0.3 * k);
+      const std::size_t stable_pose = static_cast<std::size_t>(k) % object.stable_poses.size();
+      const Eigen::Isometry3d rest = resting_pose(object, stable_pose, {0.1, -0.05}, 0.3 * k);
       Eigen::Isometry3d tilted = rest;
       const Eigen::Vector3d axis(random.normal(), random.normal(), 0);
       tilted.linear() = exp_so3(0.02 * axis.normalized()) * rest.linear();
       tilted.translation().z() += 0.01 * random.normal();
       const Eigen::Isometry3d flat = laid_flat(object, tilted);
-      EXPECT_LT(nearest_stance(object, flat.linear()).tilt, 1e-6);
+      EXPECT_LT(nearest_stable_pose(object, flat.linear()).tilt, 1e-6);
       EXPECT_LT((flat.translation() - rest.translation()).norm(), 0.02);
       EXPECT_EQ(flat.translation().head<2>(), tilted.translation().head<2>());
       EXPECT_LT(rotation_distance(flat.linear(), tilted.linear()), 0.06);

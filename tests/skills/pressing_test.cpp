@@ -20,7 +20,7 @@ TEST(PressingCommand, LeadsByTorqueOverStiffnessWithinTheRange) {
   });
   hand::HandCommand start;
   start.positions.setConstant(0.4);
-  Robot robot(hand, model, start);
+  Executor robot(hand, model, start);
   robot.wait(hand::kTick);
   const std::vector contacts = {contact({0.05, 0, 0}, {0, -1, 0})};
   for (const auto& [force, expected] : {std::pair(2.0, 0.4 + 0.07 - 0.03), std::pair(1e3, 1.5)}) {
@@ -37,7 +37,7 @@ TEST(WeightAt, PullsDownAtTheCentreInTheTurnedBasesFrame) {
   hand::HandCommand start;
   start.base.xyz = {0.1, 0.2, 0.3};
   start.base.ypr = {0.4, 0.7, -0.3};
-  Robot robot(hand, model, start);
+  Executor robot(hand, model, start);
   robot.wait(hand::kTick);
   const Eigen::Isometry3d T_world_base = start.base.pose();
   Eigen::Isometry3d T_world_object = Eigen::Isometry3d::Identity();

@@ -56,10 +56,10 @@ struct Hold {
           }
         }),
         robot(hand, model, holding()) {
-    grasp.least_press = kTotal;
+    grasp.min_press = kTotal;
     options.certain = 1;
     options.regrasps = 0;
-    options.worth = 0;
+    options.min_gain_rate = 0;
     options.balance = 2;  // all contacts are on top
     options.spread = 0.3;
     options.bend = 0;    // J4 alone tells where a finger is
@@ -75,7 +75,7 @@ struct Hold {
       state.estimate.posterior.modes.push_back(mode);
     }
     robot.wait(0.2);
-    robot.mark(estimation::Mark::closed);
+    robot.mark(estimation::TouchEvent::closed);
   }
 
   static hand::HandCommand holding() {
@@ -87,24 +87,24 @@ struct Hold {
   }
 
   PhaseReport probe() {
-    ProbePhase phase(object, options, locate, grasp, 1);
+    PalpationPhase phase(object, options, locate, grasp, 1);
     return run_phase(phase, robot, state);
   }
 
-  std::size_t probes() const { return robot.log().all(estimation::Mark::probed).size(); }
+  std::size_t probes() const { return robot.log().all(estimation::TouchEvent::probed).size(); }
 
   bool thumb_touches = true;
   hand::HandModel model = simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
   geometry::ObjectModel object{geometry::load_known_object("box")};
-  ProbeOptions options;
+  PalpationOptions options;
   GraspOptions grasp;
-  estimation::LocateOptions locate;
+  estimation::EstimationOptions locate;
   PickState state;
   hand::FakeHand hand;
-  Robot robot;
+  Executor robot;
 };
 
-TEST(ProbePhase, TouchesAnotherSpotAndReturns) {
+TEST(PalpationPhase, TouchesAnotherSpotAndReturns) {
   Hold hold;
   hold.options.most = 1;
   const auto before = hold.robot.command().positions;
@@ -112,7 +112,7 @@ TEST(ProbePhase, TouchesAnotherSpotAndReturns) {
   ASSERT_EQ(hold.probes(), 1u);
   EXPECT_LT((hold.robot.command().positions - before).norm(), 1e-12);
   const auto& reading =
-      hold.robot.log().readings[hold.robot.log().at(estimation::Mark::probed).value()];
+      hold.robot.log().readings[hold.robot.log().at(estimation::TouchEvent::probed).value()];
   int moved = 0;
   for (int finger = 1; finger < hand::kFingers; ++finger) {
     if (std::abs(commanded(reading, finger, "J4")) <= kAway) continue;
@@ -121,25 +121,25 @@ TEST(ProbePhase, TouchesAnotherSpotAndReturns) {
     EXPECT_LT(commanded(reading, finger, "J3"), kHold);  // it stopped at the touch
   }
   EXPECT_EQ(moved, 1);
-  EXPECT_GT(hold.robot.log().at(estimation::Mark::closed),
-            hold.robot.log().at(estimation::Mark::probed));
+  EXPECT_GT(hold.robot.log().at(estimation::TouchEvent::closed),
+            hold.robot.log().at(estimation::TouchEvent::probed));
 }
 
-TEST(ProbePhase, LeavesAPoseAloneThatIsCertain) {
+TEST(PalpationPhase, LeavesAPoseAloneThatIsCertain) {
   Hold hold;
   hold.options.certain = 0.4;
   EXPECT_EQ(hold.probe().status, PhaseStatus::ok);
   EXPECT_EQ(hold.probes(), 0u);
 }
 
-TEST(ProbePhase, MakesNoMoveThatShouldNotMeetTheObject) {
+TEST(PalpationPhase, MakesNoMoveThatShouldNotMeetTheObject) {
   Hold hold;
   hold.options.likely = 0.6;
   EXPECT_EQ(hold.probe().status, PhaseStatus::ok);
   EXPECT_EQ(hold.probes(), 0u);
 }
 
-TEST(ProbePhase, MovesNothingWithoutAThumbThatHolds) {
+TEST(PalpationPhase, MovesNothingWithoutAThumbThatHolds) {
   Hold hold;
   hold.thumb_touches = false;
   hold.robot.wait(0.2);
@@ -149,7 +149,7 @@ TEST(ProbePhase, MovesNothingWithoutAThumbThatHolds) {
   EXPECT_EQ(hold.robot.time(), before);
 }
 
-TEST(ProbePhase, FailsWhenTheOthersLoseTouch) {
+TEST(PalpationPhase, FailsWhenTheOthersLoseTouch) {
   bool lost = false;
   Hold hold([&lost](const hand::HandReading& reading, int finger) {
     for (int other = 1; other < hand::kFingers; ++other) {
@@ -162,7 +162,7 @@ TEST(ProbePhase, FailsWhenTheOthersLoseTouch) {
   EXPECT_EQ(hold.probes(), 1u);  // and does not go on
 }
 
-TEST(ProbePhase, AFingerThatFindsNothingReturns) {
+TEST(PalpationPhase, AFingerThatFindsNothingReturns) {
   Hold hold([](const hand::HandReading& reading, int finger) {
     return commanded(reading, finger, "J3") > kHold - 1e-9 &&
            std::abs(commanded(reading, finger, "J4")) <= kAway;
@@ -175,7 +175,7 @@ TEST(ProbePhase, AFingerThatFindsNothingReturns) {
 }
 
 /// As in the test above, a touch in vain takes longest.
-TEST(ProbePhase, BeginsNoTouchThatItsTimeMayCutShort) {
+TEST(PalpationPhase, BeginsNoTouchThatItsTimeMayCutShort) {
   Hold hold([](const hand::HandReading& reading, int finger) {
     return commanded(reading, finger, "J3") > kHold - 1e-9 &&
            std::abs(commanded(reading, finger, "J4")) <= kAway;

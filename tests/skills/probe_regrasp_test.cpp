@@ -31,21 +31,21 @@ struct TwoMugs {
     }
   }
   Eigen::Isometry3d standing(double yaw) const {
-    const auto& stances = object.object().stances;
+    const auto& stable_poses = object.object().stable_poses;
     const auto upright =
-        std::max_element(stances.begin(), stances.end(),
+        std::max_element(stable_poses.begin(), stable_poses.end(),
                          [](const auto& a, const auto& b) { return a.height < b.height; });
     Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
     T.linear() = Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) * upright->R_table_object;
     T.translation().z() = upright->height;
     return T;
   }
-  std::optional<TellingGrasp> choose() const {
-    return most_telling_grasp(object, posterior, tool, options);
+  std::optional<InformativeGrasp> choose() const {
+    return most_informative_grasp(object, posterior, tool, options);
   }
   geometry::ObjectModel object;
   GraspTool tool;
-  TellingGraspOptions options;
+  InformativeGraspOptions options;
   localization::Posterior posterior;
 };
 
@@ -53,11 +53,11 @@ TEST(MostTellingGrasp, HoldsEitherWayAndFeelsTheHandle) {
   const TwoMugs mugs;
   const auto grasp = mugs.choose();
   ASSERT_TRUE(grasp);
-  EXPECT_GT(grasp->promise.information, 0.5);  // of ln 2
-  EXPECT_LE(grasp->promise.information, std::log(2.0) + 1e-9);
+  EXPECT_GT(grasp->expected_gain.information, 0.5);  // of ln 2
+  EXPECT_LE(grasp->expected_gain.information, std::log(2.0) + 1e-9);
   for (const auto& mode : mugs.posterior.modes) {
-    const auto closed = grasping::close_at(mugs.object, mode.T_frame_object, mugs.tool.path,
-                                           grasp->plan.base, mugs.options.plan);
+    const auto closed = grasping::close_virtually(mugs.object, mode.T_frame_object, mugs.tool.path,
+                                                  grasp->plan.base, mugs.options.plan);
     ASSERT_TRUE(closed);
     EXPECT_LT(closed->cost, mugs.options.worst_cost);
   }
@@ -68,7 +68,7 @@ TEST(MostTellingGrasp, TellsNothingOfPosesThatAreOne) {
   mugs.posterior.modes[1].T_frame_object = mugs.posterior.modes[0].T_frame_object;
   const auto grasp = mugs.choose();
   ASSERT_TRUE(grasp);
-  EXPECT_NEAR(grasp->promise.information, 0, 1e-9);
+  EXPECT_NEAR(grasp->expected_gain.information, 0, 1e-9);
 }
 
 TEST(MostTellingGrasp, KeepsAwayFromTriedSidesAndFromNoPoseAtAll) {

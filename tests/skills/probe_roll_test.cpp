@@ -37,36 +37,36 @@ struct HeldBox {
   hand::HandModel model = simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
   geometry::ObjectModel object;
   hand::FakeHand hand;
-  Robot robot;
+  Executor robot;
   localization::Posterior posterior;
   std::vector<tactile::Contact> contacts;
 };
 
 TEST(MostTellingRoll, RollsAFingertipOverTheEdgeThatIsInQuestion) {
   const HeldBox held;
-  const auto roll = most_telling_roll(held.robot, held.object, held.posterior, held.contacts);
+  const auto roll = most_informative_roll(held.robot, held.object, held.posterior, held.contacts);
   ASSERT_TRUE(roll);
   // Seen from the box the tip goes along +x: the box turns about -y, for the tip above it.
   EXPECT_NEAR(roll->turn.normalized().y(), -1, 1e-12);
-  EXPECT_GT(roll->promise.information, 2 * kNothing);
-  EXPECT_LT(roll->promise.information, std::log(2.0));
+  EXPECT_GT(roll->expected_gain.information, 2 * kNothing);
+  EXPECT_LT(roll->expected_gain.information, std::log(2.0));
 }
 
 TEST(MostTellingRoll, TellsNothingAmidFaces) {
   HeldBox held;
   held.contacts[1].p.x() = 0;
   held.posterior.modes[1].T_frame_object.translation().x() = 0.005;
-  const auto roll = most_telling_roll(held.robot, held.object, held.posterior, held.contacts);
+  const auto roll = most_informative_roll(held.robot, held.object, held.posterior, held.contacts);
   ASSERT_TRUE(roll);
-  EXPECT_LT(roll->promise.information, kNothing);
+  EXPECT_LT(roll->expected_gain.information, kNothing);
 }
 
 TEST(MostTellingRoll, RollsNothingThatIsNotHeldFirmly) {
   HeldBox held;
   held.contacts.resize(3);  // the thumb and two fingers
-  EXPECT_FALSE(most_telling_roll(held.robot, held.object, held.posterior, held.contacts));
+  EXPECT_FALSE(most_informative_roll(held.robot, held.object, held.posterior, held.contacts));
   held.contacts.clear();
-  EXPECT_FALSE(most_telling_roll(held.robot, held.object, held.posterior, held.contacts));
+  EXPECT_FALSE(most_informative_roll(held.robot, held.object, held.posterior, held.contacts));
 }
 
 }  // namespace

@@ -26,16 +26,16 @@ struct Table {
     options.grasp.press = std::max(5.0, 3 * object.object().mass * kGravity);
   }
 
-  /// The stance in which this direction of the object points most nearly up.
+  /// The stable pose in which this direction of the object points most nearly up.
   Eigen::Isometry3d resting(const Eigen::Vector3d& up, double yaw,
                             const Eigen::Vector2d& xy) const {
-    const geometry::Stance* best = nullptr;
+    const geometry::StablePose* best = nullptr;
     double most = -std::numeric_limits<double>::infinity();
-    for (const auto& stance : object.object().stances) {
-      const double share = stance.R_table_object.row(2).dot(up);
+    for (const auto& stable_pose : object.object().stable_poses) {
+      const double share = stable_pose.R_table_object.row(2).dot(up);
       if (share <= most) continue;
       most = share;
-      best = &stance;
+      best = &stable_pose;
     }
     Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
     T.linear() = Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) * best->R_table_object;
@@ -59,7 +59,7 @@ struct Table {
 void expect_sound(const Table& table, const RegraspPlan& plan, const Eigen::Isometry3d& from,
                   const Eigen::Isometry3d& to) {
   simulation::CollisionScene scene(table.object.object());
-  const auto open = hand::joints_in_free_flexion(open_posture(top_recipe()));
+  const auto open = hand::joints_in_free_flexion(open_posture(top_preshape()));
   Eigen::Isometry3d at = from;
   for (const Transfer& transfer : plan.transfers) {
     EXPECT_TRUE(transfer.T_world_from.isApprox(at, 1e-6));
@@ -78,7 +78,7 @@ void expect_sound(const Table& table, const RegraspPlan& plan, const Eigen::Isom
   EXPECT_LT(error.translation, 1e-6);
 }
 
-const MeansReport* report_of(const RegraspPlan& plan, Means means) {
+const StrategyReport* report_of(const RegraspPlan& plan, Strategy means) {
   for (const auto& report : plan.considered) {
     if (report.means == means) return &report;
   }
@@ -91,7 +91,7 @@ TEST(PlanRegrasp, StandsALyingBoxUpInOneGo) {
   const auto to = table.resting({0, 0, 1}, 1.0, {0.1, 0.05});
   const auto plan = table.plan(from, to);
   ASSERT_TRUE(plan.found);
-  EXPECT_EQ(plan.means, Means::carry);
+  EXPECT_EQ(plan.means, Strategy::carry);
   EXPECT_EQ(plan.transfers.size(), 1u);
   expect_sound(table, plan, from, to);
   const auto again = table.plan(from, to);
@@ -103,7 +103,8 @@ TEST(PlanRegrasp, LaysAStandingBoxAndBracketDown) {
   for (const char* name : {"box", "bracket"}) {
     const Table table(name);
     const auto& object = table.object.object();
-    const std::size_t standing = object.stances.size() - 1;  // both stand in their rarest stance
+    const std::size_t standing =
+        object.stable_poses.size() - 1;  // both stand in their rarest stable pose
     const auto from = resting_pose(object, standing, {0.01, 0}, 0.3);
     const auto to = resting_pose(object, 0, {0.25, 0.15}, 0);
     const auto plan = table.plan(from, to);
@@ -118,7 +119,7 @@ TEST(PlanRegrasp, StandsALyingBottleUp) {
   const auto to = table.resting({0, 0, 1}, 0, {0.1, 0});
   const auto plan = table.plan(from, to);
   ASSERT_TRUE(plan.found);
-  EXPECT_EQ(plan.means, Means::carry);
+  EXPECT_EQ(plan.means, Strategy::carry);
   expect_sound(table, plan, from, to);
 }
 
@@ -128,19 +129,20 @@ TEST(PlanRegrasp, TurnsAMugOverBySettingItDownOnItsSide) {
   const auto to = table.resting({0, 0, 1}, 2.0, {0.05, 0.05});
   const auto plan = table.plan(from, to);
   ASSERT_TRUE(plan.found);
-  EXPECT_EQ(plan.means, Means::regrasp);
+  EXPECT_EQ(plan.means, Strategy::regrasp);
   ASSERT_EQ(plan.transfers.size(), 2u);
   EXPECT_GE(plan.transfers[0].to, 0);
   expect_sound(table, plan, from, to);
-  ASSERT_TRUE(report_of(plan, Means::carry));
-  EXPECT_FALSE(report_of(plan, Means::carry)->possible);
-  EXPECT_TRUE(report_of(plan, Means::regrasp)->possible);
+  ASSERT_TRUE(report_of(plan, Strategy::carry));
+  EXPECT_FALSE(report_of(plan, Strategy::carry)->possible);
+  EXPECT_TRUE(report_of(plan, Strategy::regrasp)->possible);
 
-  table.options.most_transfers = 1;
+  table.options.max_transfers = 1;
   const auto refused = table.plan(from, to);
   EXPECT_FALSE(refused.found);
   EXPECT_TRUE(refused.transfers.empty());
-  EXPECT_NE(report_of(refused, Means::carry)->reason.find("mm above the table"), std::string::npos);
+  EXPECT_NE(report_of(refused, Strategy::carry)->reason.find("mm above the table"),
+            std::string::npos);
 }
 
 TEST(PlanRegrasp, TurnsAMugOverWithOtherErrorsOfTheHandToo) {
@@ -163,10 +165,10 @@ TEST(PlanRegrasp, StartsFromTheHandThatHoldsTheObject) {
   const grasping::GraspPlan& grasp = *free.transfers.front().grasp;
   Holding holding;
   holding.base = grasp.base;
-  holding.joints = hand::joints_in_free_flexion(open_posture(top_recipe()));
+  holding.joints = hand::joints_in_free_flexion(open_posture(top_preshape()));
   const auto plan = table.plan(from, to, holding);
   ASSERT_TRUE(plan.found);
-  EXPECT_EQ(plan.means, Means::carry);
+  EXPECT_EQ(plan.means, Strategy::carry);
   EXPECT_FALSE(plan.transfers.front().grasp);
   EXPECT_EQ(plan.grasps, 0);
   EXPECT_TRUE(
@@ -180,7 +182,7 @@ TEST(PlanRegrasp, HasNothingToDoAtTheTarget) {
   turned.linear() = at.linear() * table.object.object().symmetries[1];
   const auto plan = table.plan(at, turned);
   EXPECT_TRUE(plan.found);
-  EXPECT_EQ(plan.means, Means::none);
+  EXPECT_EQ(plan.means, Strategy::none);
   EXPECT_TRUE(plan.transfers.empty());
 }
 

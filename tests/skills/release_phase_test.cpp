@@ -19,7 +19,7 @@ const hand::HandModel& shadow() {
 struct Holding {
   explicit Holding(hand::FakeHand::Script script = {})
       : hand(std::move(script)), robot(hand, shadow(), closed_command()) {
-    robot.mark(estimation::Mark::closed);
+    robot.mark(estimation::TouchEvent::closed);
     hand::BasePosition up = robot.command().base;
     up.xyz.z() += 0.1;
     robot.move_base(up, 0.5);
@@ -33,7 +33,7 @@ struct Holding {
   static constexpr double kHeight = 0.15;  // m
 
   hand::FakeHand hand;
-  Robot robot;
+  Executor robot;
   PickState state;
 };
 
@@ -52,7 +52,7 @@ TEST(ReleasePhase, LetsGoWhereTheHandHadClosedAndGoesAway) {
   }
   EXPECT_GT(holding.robot.command().base.xyz.z(), Holding::kHeight + 0.1);
   // What was felt before no longer holds.
-  EXPECT_FALSE(holding.robot.log().at(estimation::Mark::closed));
+  EXPECT_FALSE(holding.robot.log().at(estimation::TouchEvent::closed));
 }
 
 TEST(ReleasePhase, TheNextTryIsWhereTheFingersLastTouched) {
@@ -88,8 +88,8 @@ TEST(ClearPhase, RisesBeforeItOpensAndTurnsLevel) {
     EXPECT_GT(reading.joints[hand::joint_index("FFJ3")], 0.79);
   }
   EXPECT_EQ(holding.robot.command().base.ypr, Eigen::Vector3d::Zero());
-  EXPECT_FALSE(
-      holding.robot.log().at(estimation::Mark::closed));  // what was felt before no longer holds
+  EXPECT_FALSE(holding.robot.log().at(
+      estimation::TouchEvent::closed));  // what was felt before no longer holds
 }
 
 }  // namespace

@@ -17,9 +17,9 @@ const geometry::ObjectModel& box() {
   return model;
 }
 
-evaluation::TrialOptions evaluation::quick_options() {
+evaluation::TrialOptions quick_options() {
   evaluation::TrialOptions options;
-  options.pick.explore.touches = options.pick.explore.most_touches = 6;
+  options.pick.explore.touches = options.pick.explore.max_touches = 6;
   options.pick.probe.most = options.pick.probe.rolls = options.pick.probe.regrasps = 0;
   options.pick.lift.hold = 0.5;
   options.pick.locate.search.proposals = 20000;
@@ -28,24 +28,24 @@ evaluation::TrialOptions evaluation::quick_options() {
 }
 
 TEST(TrackPhase, FollowsTheObjectThroughTheLift) {
-  const auto trial = evaluation::run_trial(box(), evaluation::quick_options(), kSeed);
-  ASSERT_TRUE(trial.judgement.lifted);
-  ASSERT_TRUE(trial.judgement.pose_ok_before_lift);
+  const auto trial = evaluation::run_trial(box(), quick_options(), kSeed);
+  ASSERT_TRUE(trial.metrics.lifted);
+  ASSERT_TRUE(trial.metrics.pose_ok_before_lift);
   ASSERT_TRUE(trial.result.tracked);
   EXPECT_GT(trial.result.tracked->looks.size(), 10u);
-  EXPECT_TRUE(trial.judgement.pose_ok_tracked);
-  EXPECT_GE(trial.judgement.tracked_share, 0.95);
+  EXPECT_TRUE(trial.metrics.pose_ok_tracked);
+  EXPECT_GE(trial.metrics.tracked_share, 0.95);
   const auto& phases = trial.result.phases;
   ASSERT_GE(phases.size(), 2u);
   EXPECT_EQ(phases[phases.size() - 2].name, "track");
 }
 
 TEST(TrackPhase, HasNothingToFollowWithoutAnEstimateBefore) {
-  evaluation::TrialOptions options = evaluation::quick_options();
+  evaluation::TrialOptions options = quick_options();
   options.pick.estimate_before_lift = false;
   const auto trial = evaluation::run_trial(box(), options, kSeed);
   EXPECT_FALSE(trial.result.tracked);
-  EXPECT_FALSE(trial.judgement.pose_ok_tracked);
+  EXPECT_FALSE(trial.metrics.pose_ok_tracked);
 }
 
 /// A log of a hand that rises with what it holds, and feels nothing.
@@ -65,7 +65,7 @@ struct Standing {
     start.modes = {mode};
   }
   hand::HandModel hand;
-  estimation::TouchLog log;
+  estimation::EventLog log;
   localization::Posterior start;
 };
 

@@ -45,7 +45,7 @@ struct Carrying {
 
   hand::HandModel model = simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
   hand::FakeHand hand;
-  Robot robot;
+  Executor robot;
   simulation::CollisionScene scene{geometry::load_known_object("box")};
   PlaceGoal goal;
   planning::Plan motion;
@@ -129,12 +129,12 @@ TEST(FindGoal, BringsTheObjectToTheTarget) {
   HeldObject held;
   held.T_base_object.translation() << 0.01, 0.02, -0.3;
   held.T_base_object_flat = held.T_base_object;
-  held.T_base_object_flat.linear() = box.stances[0].R_table_object;
-  held.found_stance = 0;
+  held.T_base_object_flat.linear() = box.stable_poses[0].R_table_object;
+  held.found_stable_pose = 0;
   const auto target = resting_pose(box, 0, {0.2, 0.1}, 2.0);
   const auto search = find_goal(box, held, target, carrying.robot.reading(), carrying.scene, {});
   ASSERT_TRUE(search.goal) << search.obstacle;
-  EXPECT_TRUE(search.same_stance);
+  EXPECT_TRUE(search.same_stable_pose);
   const Eigen::Isometry3d there = search.goal->seat.pose() * search.goal->T_base_object;
   EXPECT_LT((there.matrix() - search.goal->T_world_object.matrix()).norm(), 1e-9);
   const auto error = localization::pose_error(there, target, box.symmetries);
@@ -148,7 +148,7 @@ TEST(FindGoal, SaysWhatIsInTheWay) {
   Carrying carrying({});
   HeldObject held;
   held.T_base_object_flat.translation() << 0, 0, 0.05;  // over the hand: it would be in the table
-  held.T_base_object_flat.linear() = box.stances[0].R_table_object;
+  held.T_base_object_flat.linear() = box.stable_poses[0].R_table_object;
   const auto target = resting_pose(box, 0, {0.2, 0.1}, 0.0);
   auto search = find_goal(box, held, target, carrying.robot.reading(), carrying.scene, {});
   EXPECT_FALSE(search.goal);

@@ -34,7 +34,7 @@ struct Pinching {
 
   hand::HandModel model = simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
   hand::FakeHand hand;
-  Robot robot;
+  Executor robot;
   Eigen::Vector3d p_base_object{0.3, 0, -0.05};
 };
 
@@ -60,7 +60,7 @@ TEST(WeightBearing, FollowsTheWeightByWhatTheStaticsAsk) {
   const auto torques = [&](const hand::BasePosition& base) {
     const grasping::Load load{pinching.p_base_object,
                               -kWeight * base.pose().linear().row(2).transpose()};
-    const auto balanced = grasping::balance_forces(contacts, kFriction, 5 * kPress, load);
+    const auto balanced = grasping::distribute_forces(contacts, kFriction, 5 * kPress, load);
     return grasping::pressing_torques(pinching.model, joints, contacts, balanced.forces);
   };
   const auto base = turned(0.3, std::numbers::pi / 2, 0.4);
@@ -76,7 +76,7 @@ TEST(WeightBearing, FollowsTheWeightByWhatTheStaticsAsk) {
 TEST(WeightBearing, WithoutTouchTheFingersStay) {
   hand::HandModel model = simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
   hand::FakeHand hand;
-  Robot robot(hand, model, {});
+  Executor robot(hand, model, {});
   const WeightBearing bearing(robot, {0.3, 0, 0}, kWeight, kFriction);
   EXPECT_EQ(bearing.command(turned(0, 1, 1)), robot.command().positions);
 }

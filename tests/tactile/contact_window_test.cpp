@@ -54,7 +54,7 @@ TEST(LastingContacts, AverageInTheBaseFrame) {
 TEST(LastingContacts, UncertaintyIsThatOfTheErrorModel) {
   const ContactErrorModel errors{.joint = 0, .point_floor = 1e-5, .normal_floor = 1e-4};
   hand::HandModel hand = toy_hand();
-  hand.link_error = 0.003;
+  hand.kinematic_error = 0.003;
   const auto contacts = lasting_contacts(held(25, 0, 1), hand, errors);
   ASSERT_EQ(contacts.size(), 1u);
   EXPECT_NEAR(contacts[0].point_sigma, std::sqrt(1e-6 / 25 + 1e-10 + 9e-6 / 3), 1e-9);

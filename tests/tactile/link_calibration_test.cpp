@@ -37,7 +37,7 @@ hand::HandModel three_link_hand() {
     }
     hand.distal[static_cast<std::size_t>(finger)] = parent;
   }
-  hand.link_error = kLinkError;
+  hand.kinematic_error = kLinkError;
   return hand;
 }
 
@@ -96,7 +96,7 @@ TEST(CalibrateLinks, FindsTheHandFromManyExactTouches) {
   const auto calibrated = calibrate_links(drawn, random_touches(real, 400, 1e-6, 3), uses);
   EXPECT_GT(std::sqrt(mean_square_error(drawn, real, uses)), 0.001);
   EXPECT_LT(std::sqrt(mean_square_error(calibrated, real, uses)), 1e-5);
-  EXPECT_LT(calibrated.link_error, 1e-5);
+  EXPECT_LT(calibrated.kinematic_error, 1e-5);
 }
 
 TEST(CalibrateLinks, StatesWhatIsLeftOfTheError) {
@@ -110,7 +110,7 @@ TEST(CalibrateLinks, StatesWhatIsLeftOfTheError) {
     stated += 3 * std::pow(link_offset_sigma(calibrated, 0), 2);
     found += mean_square_error(calibrated, real, uses);
   }
-  // 50 hands of some 20 effective unknowns each: the ratio's standard error is about .05.
+  // 50 hands of some 20 effective unknowns each: the ratio's standard error is about 0.05.
   EXPECT_NEAR(found / stated, 1.0, 0.2);
 }
 
@@ -119,10 +119,10 @@ TEST(CalibrateLinks, LeavesTheHandWithoutTouchesUsesOrDoubt) {
   const auto touches = random_touches(hand, 5, 0.0003, 1);
   const auto uses = random_postures(5, 1);
   hand::HandModel certain = hand;
-  certain.link_error = 0;
-  EXPECT_EQ(calibrate_links(hand, {}, uses).link_error, kLinkError);
-  EXPECT_EQ(calibrate_links(hand, touches, {}).link_error, kLinkError);
-  EXPECT_EQ(calibrate_links(certain, touches, uses).link_error, 0);
+  certain.kinematic_error = 0;
+  EXPECT_EQ(calibrate_links(hand, {}, uses).kinematic_error, kLinkError);
+  EXPECT_EQ(calibrate_links(hand, touches, {}).kinematic_error, kLinkError);
+  EXPECT_EQ(calibrate_links(certain, touches, uses).kinematic_error, 0);
 }
 
 TEST(CalibrateLinks, RefusesTouchesThatCannotBe) {
@@ -144,7 +144,7 @@ TEST(CalibrateLinks, RefusesTouchesThatCannotBe) {
   refuses([&](TipOnPlane& touch) { touch.tip.joints[3] = nan; });
   refuses([](TipOnPlane& touch) { touch.plane.coeffs() *= 2; });
   hand::HandModel worse = hand;
-  worse.link_error = -0.002;
+  worse.kinematic_error = -0.002;
   EXPECT_THROW(calibrate_links(worse, std::vector{good}, uses), BadInput);
   std::vector<TipPosture> elsewhere = uses;
   elsewhere[0].finger = 7;
@@ -170,8 +170,8 @@ TEST(ChooseTouches, TakesEachOnceAndThoseThatTellMore) {
   std::vector<TipOnPlane> best;
   for (const std::size_t i : chosen) best.push_back(candidates[i]);
   const std::vector<TipOnPlane> first(candidates.begin(), candidates.begin() + 25);
-  EXPECT_LT(calibrate_links(hand, best, uses).link_error,
-            0.9 * calibrate_links(hand, first, uses).link_error);
+  EXPECT_LT(calibrate_links(hand, best, uses).kinematic_error,
+            0.9 * calibrate_links(hand, first, uses).kinematic_error);
   EXPECT_EQ(choose_touches(hand, first, 100, uses).size(), first.size());
 }
 

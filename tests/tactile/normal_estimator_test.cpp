@@ -176,7 +176,7 @@ INSTANTIATE_TEST_SUITE_P(Surfaces, S2Targets,
                                          Target{Surface::smooth, 1.5},
                                          Target{Surface::corner, 3.0}));
 
-TEST_P(S2Targets, AreMetWithoutBeingToldTheNoise) {
+TEST_P(S2Targets, AreMetWithoutBeingReportedTheNoise) {
   for (const std::string name : {"s2", "s2-lag"}) {
     const auto score = score_of(name, GetParam().surface, {});
     EXPECT_LE(median(score.error_deg), GetParam().median) << name;

@@ -60,7 +60,7 @@ TEST(Npg, AStepThatNoHalvingBringsWithinTheBoundIsNotTaken) {
   options.trajectories = 4;
   options.episode.horizon = 8;
   options.divergence = 10;
-  options.least_log_std = -20;
+  options.min_log_std = -20;
   NpgState state;
   state.policy = small_network(1).record();
   const auto before = state.policy.arrays;

@@ -68,15 +68,15 @@ TEST(Relocation, FeelingInTheGraspMakesUpForARoughPlace) {
     EXPECT_EQ(carried[i].estimates, 0);
     EXPECT_EQ(felt[i].resting_error, carried[i].resting_error);
     EXPECT_LT(felt[i].resting_error, 0.03);
-    felt_error += felt[i].told_error / 3;
-    carried_error += carried[i].told_error / 3;
+    felt_error += felt[i].reported_error / 3;
+    carried_error += carried[i].reported_error / 3;
   }
   EXPECT_LT(felt_error, 0.7 * carried_error);
 }
 
 TEST(Relocation, ExploringTellsThePlace) {
   RelocationOptions options;
-  options.exploring.touches = options.exploring.most_touches = 6;
+  options.exploring.touches = options.exploring.max_touches = 6;
   EpisodeOptions episode;
   episode.horizon = 2;
   const auto felt = Relocation(box_task(), options).run(*box_policy(), episode, 72, 0);
@@ -94,7 +94,7 @@ TEST(Relocation, ThreadsDoNotMatter) {
   const auto many = relocation.run_all(*box_policy(), episode, 73, 3, 3);
   for (std::size_t i = 0; i < one.size(); ++i) {
     EXPECT_GT(one[i].estimates, 0);
-    EXPECT_EQ(one[i].told_error, many[i].told_error);
+    EXPECT_EQ(one[i].reported_error, many[i].reported_error);
     EXPECT_EQ(one[i].episode.total, many[i].episode.total);
   }
 }

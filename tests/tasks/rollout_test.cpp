@@ -124,7 +124,7 @@ TEST(Rollout, ThePublishedPolicyEarnsWhatItEarnedOnThePrimitiveMug) {
   // The specification has 3353 and 98 % on a mug of as many primitives. A return of 500 less is
   // more than three standard errors of 30 episodes away.
   EXPECT_NEAR(summary.mean, 3353, 500);
-  EXPECT_GE(summary.success_5cm, 0.86);  // of .98: below it with a probability under 1 %
+  EXPECT_GE(summary.success_5cm, 0.86);  // of 0.98: below it with a probability under 1 %
 }
 
 TEST(Rollout, DrawsTheShareOfStartsAtTheEndsThatIsAskedFor) {

@@ -8,38 +8,40 @@
 
 namespace palpate::estimation {
 
-struct LocateOptions {
+struct EstimationOptions {
   tactile::ContactErrorModel errors;
   double window = 0.5;                  ///< s of readings, before the mark, that are averaged
   double felt_sigma = 0.005;            ///< of the felt height, m
   double resting_height_sigma = 0.001;  ///< of the resting object, m
-  double resting_tilt_sigma = 0.02;     ///< of the resting object from its stance, rad
-  double swept_sigma = 0.003;           ///< of the place of the space that a sweep found free, m
+  double resting_tilt_sigma = 0.02;     ///< of the resting object from its stable pose, rad
+  double swept_sigma = 0.003;  ///< of the place of the space that a guarded move found free, m
   double resting_half_width =
       0.025;  ///< object within +- of its rough place before it is touched, m
   double motion_angle_sigma = 0.009;  ///< by which the grasp turns the object in the hand, rad
   double slide_share = 0.2;  ///< chance that it slid three times as far, and that much of it again
-  double probe_motion = 0.001;       ///< of the object while a finger probes it, m
-  double elsewhere = 0.02;           ///< chance that the resting pose was wrong
-  double motion_sigma = 0.0005;      ///< by which it moves it, m
-  double other_stance = 0.03;        ///< chance that the grasp put the object into another stance
-  double tilt_sigma = 0.30;          ///< by which the closing hand tilts the object, rad
-  double height_sigma = 0.015;       ///< by which it raises it, m
-  double half_width = 0.08;          ///< object within +- of its rough place after the grasp, m
-  double false_contacts = 0.02;      ///< prior share of contacts with something else
-  bool balance = false;              ///< use that pushes and weight balance, once the object hangs
-  double twist = 0.003;              ///< m, unsensed moment about a contact's normal by its force
-  bool free_space = true;            ///< use that the hand's links do not penetrate the object
+  double probe_motion = 0.001;   ///< of the object while a finger probes it, m
+  double elsewhere = 0.02;       ///< chance that the resting pose was wrong
+  double motion_sigma = 0.0005;  ///< by which it moves it, m
+  double other_stable_pose =
+      0.03;                      ///< chance that the grasp put the object into another stable pose
+  double tilt_sigma = 0.30;      ///< by which the closing hand tilts the object, rad
+  double height_sigma = 0.015;   ///< by which it raises it, m
+  double half_width = 0.08;      ///< object within +- of its rough place after the grasp, m
+  double false_contacts = 0.02;  ///< prior share of contacts with something else
+  bool balance = false;          ///< use that pushes and weight balance, once the object hangs
+  double twist = 0.003;          ///< m, unsensed moment about a contact's normal by its force
+  bool free_space = true;        ///< use that the hand's links do not penetrate the object
   double penetration_sigma = 0.004;  ///< m
   localization::LocalizerOptions search;
 
   template <class Visitor>
   void visit(Visitor&& v) {
     v("window", window, 0.01, 10.0, "s of readings that are averaged");
-    v("felt_sigma", felt_sigma, 1e-4, 0.1, "m, error of the felt height");
+    v("probed_height_sigma", felt_sigma, 1e-4, 0.1, "m, error of the felt height");
     v("resting_height_sigma", resting_height_sigma, 1e-4, 0.1, "m, of the resting object");
-    v("resting_tilt_sigma", resting_tilt_sigma, 1e-4, 1.0, "rad, of the object from its stance");
-    v("swept_sigma", swept_sigma, 1e-4, 0.1, "m, of the space that a sweep found free");
+    v("resting_tilt_sigma", resting_tilt_sigma, 1e-4, 1.0,
+      "rad, of the object from its stable pose");
+    v("free_space_sigma", swept_sigma, 1e-4, 0.1, "m, of the space that a sweep found free");
     v("resting_half_width", resting_half_width, 0.0, 0.3,
       "m, resting object within +- of its place");
     v("slide_share", slide_share, 0.0, 0.9, "chance that the object slid three times as far");
@@ -47,13 +49,15 @@ struct LocateOptions {
     v("elsewhere", elsewhere, 1e-6, 0.9, "chance that the resting pose was wrong");
     v("motion_angle_sigma", motion_angle_sigma, 1e-4, 3.0, "rad, turn of the object in the grasp");
     v("motion_sigma", motion_sigma, 1e-5, 0.2, "m, motion of the object in the grasp");
-    v("other_stance", other_stance, 0.0, 1.0, "chance that the grasp changed the stance");
+    v("other_stable_pose", other_stable_pose, 0.0, 1.0,
+      "chance that the grasp changed the stable pose");
     v("tilt_sigma", tilt_sigma, 1e-3, 1.0, "rad, by which the closing hand tilts the object");
     v("height_sigma", height_sigma, 1e-4, 0.1, "m, by which the closing hand raises the object");
     v("half_width", half_width, 0.0, 0.3, "m, object within +- of its rough place");
     v("false_contacts", false_contacts, 1e-6, 0.9, "prior share of contacts with something else");
     v("balance", balance, "use that the fingers' forces balance the weight of the held object");
-    v("twist", twist, 0.0, 0.1, "m, unsensed moment about a contact's normal, by its force");
+    v("torsional_friction_radius", twist, 0.0, 0.1,
+      "m, unsensed moment about a contact's normal, by its force");
     v("free_space", free_space, "use that the hand's links do not penetrate the object");
     v("penetration_sigma", penetration_sigma, 1e-4, 0.05, "m, error of the hand's surface");
     v.section("errors", errors);
@@ -64,15 +68,15 @@ struct LocateOptions {
 /// Estimates how the object lies on the table: from the felt height and the touches of a fingertip,
 /// or, where the hand has opened around it since, from the grasp before.
 /// @return in the world; status no_pose if the log has no touch
-localization::Posterior locate_resting(const geometry::ObjectModel& object,
-                                       const hand::HandModel& hand, const TouchLog& log,
-                                       const LocateOptions& options, std::uint64_t seed);
+localization::Posterior estimate_resting_pose(const geometry::ObjectModel& object,
+                                              const hand::HandModel& hand, const EventLog& log,
+                                              const EstimationOptions& options, std::uint64_t seed);
 
 /// Expresses a posterior in another frame.
 void move(const Eigen::Isometry3d& T_new_old, localization::Posterior& posterior);
 
 /// What is known of the object's pose when it hangs in the hand.
-struct PoseEstimate {
+struct HeldPoseEstimate {
   localization::Posterior posterior;       ///< in the world, at the instant
   std::vector<tactile::Contact> contacts;  ///< it was made from, in the world
 };
@@ -81,11 +85,11 @@ struct PoseEstimate {
 ///
 /// Contacts are those of the held object, with those that probes have found and those that it had
 /// rolled aside; the table supported it when the fingers had closed; the felt height weighs its
-/// stances. All is expressed in the hand's base, in which the object rests.
+/// stable poses. All is expressed in the hand's base, in which the object rests.
 /// @param instant  `held`, `closed` for the pose before the lift, or `placed`
 /// @return status no_pose if the log has no such mark
-PoseEstimate locate(const geometry::ObjectModel& object, const hand::HandModel& hand,
-                    const TouchLog& log, const LocateOptions& options, std::uint64_t seed,
-                    Mark instant = Mark::held);
+HeldPoseEstimate locate(const geometry::ObjectModel& object, const hand::HandModel& hand,
+                        const EventLog& log, const EstimationOptions& options, std::uint64_t seed,
+                        TouchEvent instant = TouchEvent::held);
 
 }  // namespace palpate::estimation

@@ -11,29 +11,29 @@
 namespace palpate::estimation {
 
 /// Moments of a pick that matter to the estimator.
-enum class Mark {
-  felt,      ///< the flat hand rests on the object's top
-  sweep,     ///< a fingertip sets out to touch the resting object
-  touched,   ///< it touches it
-  missed,    ///< it came to the end of its way and felt nothing
-  closed,    ///< the fingers have met the object
-  held,      ///< the object hangs in the hand, settled
-  released,  ///< the hand has let go: what was felt before no longer holds
-  placed,    ///< the object stands where it was put; the hand is about to let go
-  probed,    ///< a finger has closed on another spot of the object that the others hold
-  on_table,  ///< fingertips rest on the bare table
-  rolled,    ///< the fingers have rolled the object aside, and are about to roll it back
-  opened,    ///< the hand has opened around the object, which has stayed where it was
-  fallen,    ///< what has been felt fell before, or was moved: it may rest in no stance
+enum class TouchEvent {
+  felt,          ///< the flat hand rests on the object's top
+  guarded_move,  ///< a fingertip sets out to touch the resting object
+  touched,       ///< it touches it
+  missed,        ///< it came to the end of its way and felt nothing
+  closed,        ///< the fingers have met the object
+  held,          ///< the object hangs in the hand, settled
+  released,      ///< the hand has let go: what was felt before no longer holds
+  placed,        ///< the object stands where it was put; the hand is about to let go
+  probed,        ///< a finger has closed on another spot of the object that the others hold
+  on_table,      ///< fingertips rest on the bare table
+  rolled,        ///< the fingers have rolled the object aside, and are about to roll it back
+  opened,        ///< the hand has opened around the object, which has stayed where it was
+  fallen,        ///< what has been felt fell before, or was moved: it may rest in no stable pose
 };
-inline constexpr std::array<std::string_view, 13> kMarkNames = {
+inline constexpr std::array<std::string_view, 13> kTouchEventNames = {
     "felt",   "sweep",  "touched",  "missed", "closed", "held",  "released",
     "placed", "probed", "on_table", "rolled", "opened", "fallen"};
 
 /// All that was felt, and when what was reached: everything that the pose estimate depends on.
-struct TouchLog {
+struct EventLog {
   struct Moment {
-    Mark mark;
+    TouchEvent mark;
     std::size_t reading;  ///< index into readings
   };
   std::vector<hand::HandReading> readings;  ///< one a tick
@@ -43,20 +43,20 @@ struct TouchLog {
   std::vector<Moment> since_release() const;
 
   /// The log up to the latest moment of a kind, with it; all of it where there was none.
-  TouchLog until(Mark mark) const;
+  EventLog until(TouchEvent mark) const;
 
   /// Whether the hand has opened and stayed at the object since it let go.
   bool has_opened() const { return since_opening().size() < since_release().size(); }
 
   /// The log of the grasp before, where since it let go the hand has opened and stayed at the
   /// object.
-  std::optional<TouchLog> before_opening() const;
+  std::optional<EventLog> before_opening() const;
 
   /// Reading of the latest moment of a kind since the hand last let go or opened.
-  std::optional<std::size_t> at(Mark mark) const;
+  std::optional<std::size_t> at(TouchEvent mark) const;
 
   /// Readings of all moments of a kind since then.
-  std::vector<std::size_t> all(Mark mark) const;
+  std::vector<std::size_t> all(TouchEvent mark) const;
 
  private:
   std::vector<Moment> since_opening() const;

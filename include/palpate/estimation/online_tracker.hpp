@@ -10,8 +10,8 @@
 namespace palpate::estimation {
 
 /// A search that is over in a fraction of a second: what is looked for is mostly known.
-inline LocateOptions locate_in_motion() {
-  LocateOptions options;
+inline EstimationOptions estimation_in_motion() {
+  EstimationOptions options;
   options.search.proposals = 10000;
   options.search.particles = 200;
   options.search.moves = 4;
@@ -21,14 +21,14 @@ inline LocateOptions locate_in_motion() {
 }
 
 /// How an object is followed by touch from the table into a moving grasp.
-struct FeltPlaceOptions {
+struct OnlineTrackerOptions {
   bool estimate = true;      ///< in the grasp, else the object is taken to go with the palm
   double period = 0.1;       ///< s from one estimate to the next, and until it is there
   int fingers = 2;           ///< that must touch for an estimate
   double lifts = 0.005;      ///< m that the palm has risen: what the hand touches goes along
   double turn_sigma = 0.2;   ///< rad, by which the object turns unforeseen in a period, per axis
   double way_sigma = 0.008;  ///< m, by which it moves so
-  LocateOptions locate = locate_in_motion();
+  EstimationOptions locate = estimation_in_motion();
 
   template <class Visitor>
   void visit(Visitor&& v) {
@@ -36,9 +36,9 @@ struct FeltPlaceOptions {
     v("period", period, 0.01, 10.0, "s from one estimate to the next, and until it is there");
     v("fingers", fingers, 1, 5, "that must touch for an estimate");
     v("lifts", lifts, 0.0, 0.1, "m the palm has risen when what it touches goes along");
-    v("turn_sigma", turn_sigma, 1e-4, 3.0, "rad, unforeseen turn of the object in a period");
-    v("way_sigma", way_sigma, 1e-5, 0.2, "m, unforeseen way of the object in a period");
-    v.section("locate", locate);
+    v("rotation_sigma", turn_sigma, 1e-4, 3.0, "rad, unforeseen turn of the object in a period");
+    v("translation_sigma", way_sigma, 1e-5, 0.2, "m, unforeseen way of the object in a period");
+    v.section("estimation", locate);
   }
 };
 
@@ -49,14 +49,14 @@ struct FeltPlaceOptions {
 /// takes; before them the object has either stayed where it was or gone with the palm since the
 /// hand touched it. As it takes its time, an estimate is there one period later. Meanwhile the
 /// object is taken to go with the palm if the hand has risen and touches it.
-class FeltPlace {
+class OnlineTracker {
  public:
   /// Keeps references to object and hand.
   /// @param resting  pose on the table, in the world
   /// @throws BadInput for a pose without modes
-  FeltPlace(const geometry::ObjectModel& object, const hand::HandModel& hand,
-            const localization::Posterior& resting, const FeltPlaceOptions& options,
-            std::uint64_t seed);
+  OnlineTracker(const geometry::ObjectModel& object, const hand::HandModel& hand,
+                const localization::Posterior& resting, const OnlineTrackerOptions& options,
+                std::uint64_t seed);
 
   /// To be told of every reading, one a tick.
   void feel(const hand::HandReading& reading);
@@ -76,9 +76,9 @@ class FeltPlace {
 
   const geometry::ObjectModel& object_;
   const hand::HandModel& hand_;
-  FeltPlaceOptions options_;
+  OnlineTrackerOptions options_;
   RandomStream random_;
-  TouchLog log_;
+  EventLog log_;
   std::vector<Eigen::Isometry3d> palm_;   ///< in the world, at each reading
   std::vector<Eigen::Isometry3d> moved_;  ///< by which the object has moved in the world since 0
   double lowest_palm_ = 0;                ///< m, so far

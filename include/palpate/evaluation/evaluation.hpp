@@ -21,7 +21,7 @@ struct PlaceSummary {
   std::size_t tight = 0;    ///< within 3 deg and 5 mm
   std::size_t wrong = 0;    ///< certain, let go at the target, and not `placed`
   std::size_t dropped = 0;
-  std::size_t in_stance = 0;  ///< the target's side is up at the end, wherever it stands
+  std::size_t in_stable_pose = 0;  ///< the target's side is up at the end, wherever it stands
   std::map<std::string, std::size_t> status;  ///< how it ended, of the trials with a held object
   ErrorSummary final_error;     ///< of the trials in which it was let go at the target
   ErrorSummary estimate_error;  ///< of these: where it stood before, from where believed
@@ -45,7 +45,7 @@ struct ObjectSummary {
   std::size_t pose_ok_before_probe = 0;  ///< lifted, and so without what probing told
   std::size_t pose_ok_tracked = 0;       ///< lifted, and the pose followed from there right
   std::size_t probed = 0;                ///< lifted, and probed before
-  std::size_t sure_but_wrong = 0;        ///< lifted, the best pose wrong, its probability above .9
+  std::size_t sure_but_wrong = 0;        ///< lifted, the best pose wrong, its probability above 0.9
   std::size_t truth_in_modes = 0;        ///< lifted, and the truth among the modes
   std::size_t false_hold = 0;            ///< reported as held, but not lifted
   double modes_median = 0;               ///< of the trials with a pose

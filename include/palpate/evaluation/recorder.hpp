@@ -14,8 +14,8 @@ class Recorder {
       : writer_(writer), world_(world) {}
 
   void frame(const hand::HandReading& reading, const hand::HandCommand& command);
-  void mark(estimation::Mark mark);
-  void estimate(double time, const estimation::PoseEstimate& estimate);
+  void mark(estimation::TouchEvent mark);
+  void estimate(double time, const estimation::HeldPoseEstimate& estimate);
 
   /// Notes where the object was to come, the way planned there, and the fixture, for the page.
   void placement(const skills::PlaceResult& placed, const planning::Fixture& fixture);

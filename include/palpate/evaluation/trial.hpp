@@ -12,12 +12,12 @@ namespace palpate::evaluation {
 
 /// How the object starts; drawn at random where nothing is fixed.
 struct StartOptions {
-  int stance = -1;            ///< index into KnownObject::stances; -1: drawn by probability
+  int stable_pose = -1;       ///< index into KnownObject::stable poses; -1: drawn by probability
   double uncertainty = 0.02;  ///< m: its place is within +- of the origin
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("stance", stance, -1, 1000, "resting pose; -1: drawn by its probability");
+    v("stable_pose", stable_pose, -1, 1000, "resting pose; -1: drawn by its probability");
     v("uncertainty", uncertainty, 0.0, 0.1, "m, the object's place is within +- of the origin");
   }
 };
@@ -66,7 +66,7 @@ struct TrialOptions {
 };
 
 /// What the simulator's truth says of a pick. Made after it, for judging alone.
-struct Judgement {
+struct TrialMetrics {
   bool lifted = false;  ///< 5 cm above the table for the whole hold, slipped less than 10 mm
   double slip = 0;      ///< m, of the object in the hand during the hold
   bool has_pose = false;
@@ -86,29 +86,29 @@ struct Judgement {
 };
 
 /// What the simulator's truth says of placing. All errors are modulo symmetry.
-struct PlaceJudgement {
-  bool placed = false;     ///< let go for good, and within 5 deg and 10 mm of the target at the end
-  bool tight = false;      ///< within 3 deg and 5 mm
-  bool wrong = false;      ///< let go at the target after a certain estimate, and not `placed`
-  bool dropped = false;    ///< it left the hand before the hand let go
-  bool in_stance = false;  ///< at the end the target's side is up, wherever it stands
+struct PlaceMetrics {
+  bool placed = false;   ///< let go for good, and within 5 deg and 10 mm of the target at the end
+  bool tight = false;    ///< within 3 deg and 5 mm
+  bool wrong = false;    ///< let go at the target after a certain estimate, and not `placed`
+  bool dropped = false;  ///< it left the hand before the hand let go
+  bool in_stable_pose = false;       ///< at the end the target's side is up, wherever it stands
   localization::PoseError error;     ///< of the object at the end from the target
   localization::PoseError estimate;  ///< where it stood before the hand let go, from where believed
   localization::PoseError release;   ///< by which letting go and withdrawing moved it
-  Eigen::Isometry3d T_world_target = Eigen::Isometry3d::Identity();  ///< for its true stance
+  Eigen::Isometry3d T_world_target = Eigen::Isometry3d::Identity();  ///< for its true stable pose
 };
 
 struct Trial {
   simulation::Start start;
   skills::PickResult result;
-  Judgement judgement;
+  TrialMetrics metrics;
   std::optional<skills::PlaceResult> place;  ///< where the object was held and was to be placed
-  PlaceJudgement place_judgement;
-  skills::MeansTaken means;  ///< by which it was to be placed
+  PlaceMetrics place_metrics;
+  skills::StrategyTaken means;  ///< by which it was to be placed
 };
 
 /// Draws where the object of a trial starts.
-/// @throws BadInput for a stance that the object does not have
+/// @throws BadInput for a stable pose that the object does not have
 simulation::Start draw_start(const geometry::KnownObject& object, const StartOptions& options,
                              std::uint64_t seed);
 
@@ -121,12 +121,12 @@ Trial run_trial(const geometry::ObjectModel& object, const TrialOptions& options
                 const skills::PhaseObserver& observer = {});
 
 /// The target and the fixture that options ask for; none, an empty one.
-/// @param start_stance  in which the object starts, for the target "stance"
+/// @param start_stable_pose  in which the object starts, for the target "stable pose"
 /// @throws BadInput for a target that cannot be, for means of placing that do not exist, or for a
-///         place.stance of another target than "stance"
+///         place.stable pose of another target than "stable pose"
 std::optional<skills::PlaceTarget> place_target(const geometry::KnownObject& object,
                                                 const skills::PlaceOptions& options,
-                                                std::uint64_t seed, std::size_t start_stance);
+                                                std::uint64_t seed, std::size_t start_stable_pose);
 planning::Fixture place_fixture(const geometry::KnownObject& object,
                                 const skills::PlaceOptions& options,
                                 const std::optional<skills::PlaceTarget>& target);

@@ -19,7 +19,7 @@ struct FingerShape {
 };
 
 /// How an empty hand closes: the shapes that its fingers pass through.
-struct ClosingPath {
+struct ClosingTrajectory {
   std::vector<Eigen::Vector4f> open_spheres;  ///< of the whole hand before closing
   std::array<std::vector<FingerShape>, hand::kFingers> fingers;
   std::array<float, hand::kFingers> tip_radius{};
@@ -29,13 +29,13 @@ inline constexpr std::array<bool, hand::kFingers> kAllFingers = {true, true, tru
 
 /// @param law  of the closing; its rates say how the joints move in proportion
 /// @param closing  the fingers that close; the others have no shapes
-ClosingPath closing_path(const hand::HandModel& hand, const hand::ActuatorVector& open,
-                         const grasping::ClosingLaw& law,
-                         const std::array<bool, hand::kFingers>& closing = kAllFingers);
+ClosingTrajectory closing_trajectory(const hand::HandModel& hand, const hand::ActuatorVector& open,
+                                     const grasping::ClosingLaw& law,
+                                     const std::array<bool, hand::kFingers>& closing = kAllFingers);
 
 /// Ends the path of a finger before it meets the other fingers, which stand still at these joints.
 void end_at_other_fingers(const hand::HandModel& hand, const hand::JointVector& joints,
-                          std::size_t finger, ClosingPath& path);
+                          std::size_t finger, ClosingTrajectory& path);
 
 /// An object at a pose above the table, asked from the hand's base.
 class PlacedObject {
@@ -62,8 +62,8 @@ struct FingerMeeting {
 
 /// Closes a finger along its path, which must have a shape, until its tip or another of its links
 /// meets the object, or its tip the table.
-/// @param least_height  of the tip above the table, m; lower counts as meeting it
-FingerMeeting meet(const PlacedObject& object, const ClosingPath& path, std::size_t finger,
-                   double least_height);
+/// @param min_height  of the tip above the table, m; lower counts as meeting it
+FingerMeeting meet(const PlacedObject& object, const ClosingTrajectory& path, std::size_t finger,
+                   double min_height);
 
 }  // namespace palpate::grasping

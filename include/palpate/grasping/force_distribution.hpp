@@ -16,9 +16,9 @@ struct Load {
 };
 
 /// Forces of fingertips on an object that cancel as well as friction allows.
-struct BalancedForces {
+struct ForceDistribution {
   std::vector<Eigen::Vector3d> forces;  ///< one a contact, N; their pressing parts sum to `total`
-  double imbalance = 0;  ///< length of the net wrench over `total`; moments count per 30 mm
+  double wrench_residual = 0;  ///< length of the net wrench over `total`; moments count per 30 mm
 };
 
 /// Least net wrench over the friction cones (four edges each) of contacts that press with `total`
@@ -26,8 +26,8 @@ struct BalancedForces {
 /// Without contacts the imbalance is infinite.
 ///
 /// @param contacts  in any one frame; the forces and the load are in the same
-BalancedForces balance_forces(std::span<const tactile::Contact> contacts, double friction,
-                              double total, const std::optional<Load>& load = {});
+ForceDistribution distribute_forces(std::span<const tactile::Contact> contacts, double friction,
+                                    double total, const std::optional<Load>& load = {});
 
 /// Torques of the actuators that make the fingertips press on the object with the given forces:
 /// tau = sum J' f (grasp statics); a coupled pair gets the mean of its two joints' torques.

@@ -45,20 +45,23 @@ struct GraspPlan {
 /// How the hand closes at a place; of infinite cost if its thumb and another finger do not both
 /// meet the object.
 /// @return nothing where the opened hand cannot come down freely
-std::optional<GraspPlan> close_at(const geometry::ObjectModel& object,
-                                  const Eigen::Isometry3d& T_world_object, const ClosingPath& path,
-                                  const hand::BasePosition& base, const PlanOptions& options);
+std::optional<GraspPlan> close_virtually(const geometry::ObjectModel& object,
+                                         const Eigen::Isometry3d& T_world_object,
+                                         const ClosingTrajectory& path,
+                                         const hand::BasePosition& base,
+                                         const PlanOptions& options);
 
 /// All places where the opened hand can come down freely and its thumb and another finger then meet
 /// the object, in a fixed order. Their costs are for the object just where it is.
 std::vector<GraspPlan> find_grasps(const geometry::ObjectModel& object,
-                                   const Eigen::Isometry3d& T_world_object, const ClosingPath& path,
-                                   const Eigen::Vector2d& attitude, const PlanOptions& options,
+                                   const Eigen::Isometry3d& T_world_object,
+                                   const ClosingTrajectory& path, const Eigen::Vector2d& attitude,
+                                   const PlanOptions& options,
                                    const std::vector<double>& avoid = {});
 
 /// Mean cost of a grasp over the displacements that PlanOptions::pose_error tells.
 double mean_cost(const geometry::ObjectModel& object, const Eigen::Isometry3d& T_world_object,
-                 const ClosingPath& path, const PlanOptions& options, const GraspPlan& plan);
+                 const ClosingTrajectory& path, const PlanOptions& options, const GraspPlan& plan);
 
 /// Cost of a grasp of these contacts: how badly its forces balance when gravity pulls that way.
 /// @param gravity  unit, in the base's frame
@@ -67,7 +70,7 @@ double grasp_cost(const geometry::ObjectModel& object, const GraspPlan& plan,
                   const PlanOptions& options, const Eigen::Vector3d& gravity,
                   const Eigen::Vector3d& p_base_object);
 
-/// Closes the hand in thought, at many places around the object's pose, and takes the one where the
+/// Closes the hand virtually, at many places around the object's pose, and takes the one where the
 /// fingertips' forces balance best, together with the weight. The opened hand must come down there
 /// without touching the object.
 ///
@@ -76,7 +79,7 @@ double grasp_cost(const geometry::ObjectModel& object, const GraspPlan& plan,
 /// @return nothing if no place will do
 std::optional<GraspPlan> plan_grasp(const geometry::ObjectModel& object,
                                     const Eigen::Isometry3d& T_world_object,
-                                    const ClosingPath& path, const Eigen::Vector2d& attitude,
+                                    const ClosingTrajectory& path, const Eigen::Vector2d& attitude,
                                     const PlanOptions& options,
                                     const std::vector<double>& avoid = {});
 

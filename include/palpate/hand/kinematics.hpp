@@ -40,7 +40,7 @@ struct HandModel {
   std::array<TipCapsule, kFingers> tips;
   std::vector<LinkSphere> spheres;
   /// By how much each link that may_be_misplaced() is believed to be, root mean square, m.
-  double link_error = 0;
+  double kinematic_error = 0;
 };
 
 /// T_base_link of every link at the given joint angles.
@@ -59,8 +59,8 @@ bool may_be_misplaced(const Link& link);
 std::vector<int> misplaced_links(const HandModel& hand, int link);
 
 /// The same hand with every such link displaced from where the model says, by a normal vector of
-/// root mean square length `rms` (m), which becomes its link_error: how far a real hand is from its
-/// drawing.
+/// root mean square length `rms` (m), which becomes its kinematic_error: how far a real hand is
+/// from its drawing.
 HandModel with_perturbed_links(HandModel hand, double rms, RandomStream& random);
 
 }  // namespace palpate::hand

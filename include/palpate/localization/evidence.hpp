@@ -18,14 +18,15 @@ struct FreeSphere {
   double radius = 0;       ///< m
 };
 
-/// The object rests (nearly) on a table in one of its stances, its position roughly known.
+/// The object rests (nearly) on a table in one of its stable poses, its position roughly known.
 struct TableSupport {
   Eigen::Isometry3d T_frame_table;  ///< table frame: z up, z = 0 the surface; x, y the rough place
-  std::vector<double> stance_weights;  ///< one per KnownObject::stances; empty: their probabilities
-  double tilt_sigma = 0.02;            ///< rad
-  double height_sigma = 0.001;         ///< m
-  double half_width = 0.02;            ///< object's centroid within +- of the origin in x and y, m
-  double edge_sigma = 0.002;           ///< softness of that bound, m
+  std::vector<double>
+      stable_pose_weights;      ///< one per KnownObject::stable poses; empty: their probabilities
+  double tilt_sigma = 0.02;     ///< rad
+  double height_sigma = 0.001;  ///< m
+  double half_width = 0.02;     ///< object's centroid within +- of the origin in x and y, m
+  double edge_sigma = 0.002;    ///< softness of that bound, m
 };
 
 /// What was known of the pose before, as a mixture of normal distributions, heaviest first.
@@ -48,7 +49,7 @@ struct PosePrior {
 
 /// Contacts displaced alike by an error of the hand's geometry: normal, the same along the axes of
 /// the offset's own frame. It is integrated out instead of being taken for noise of each contact.
-struct SharedOffset {
+struct CommonModeBias {
   struct Member {
     std::size_t contact;  ///< index into Evidence::contacts
     Eigen::Matrix3d R_frame_offset = Eigen::Matrix3d::Identity();
@@ -77,14 +78,14 @@ struct ForceBalance {
 /// All that touch knows of the object at one instant, in one frame.
 struct Evidence {
   std::vector<tactile::Contact> contacts;
-  std::vector<SharedOffset> offsets;  ///< a contact is in one of them at most
-  double false_contact_share = 0.02;  ///< prior share of contacts with something else
+  std::vector<CommonModeBias> offsets;  ///< a contact is in one of them at most
+  double false_contact_share = 0.02;    ///< prior share of contacts with something else
   /// Prior chance that the noise of all contacts is not as stated, but half to twice as much. Of
   /// each contact an eighth of that is the chance that its normal alone is three times as noisy.
-  double noise_doubt = 0.4;
+  double noise_scale_prior = 0.4;
   /// Prior chance that the object is up to 3 % larger or smaller than its mesh. Not looked at where
   /// contacts share offsets.
-  double size_doubt = 0.25;
+  double size_prior = 0.25;
   std::vector<FreeSphere> free_space;
   double penetration_sigma = 0.0015;  ///< m
   std::optional<ForceBalance> balance;

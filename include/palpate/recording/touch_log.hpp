@@ -7,6 +7,6 @@
 namespace palpate::recording {
 
 /// The touch log of a recording: what the estimator needs of it, and nothing of the truth.
-estimation::TouchLog touch_log(const Recording& recording);
+estimation::EventLog event_log(const Recording& recording);
 
 }  // namespace palpate::recording

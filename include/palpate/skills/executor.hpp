@@ -24,20 +24,20 @@ struct Grip {
 };
 
 /// Moves a hand tick by tick and keeps all that it felt. It knows nothing but the hand's readings.
-class Robot {
+class Executor {
  public:
   using StopCondition = std::function<bool(const hand::HandReading&)>;
 
   /// Who wants to know what the robot does; each may be empty.
   struct Observer {
     std::function<void(const hand::HandReading&, const hand::HandCommand&)> on_tick;
-    std::function<void(estimation::Mark)> on_mark;
+    std::function<void(estimation::TouchEvent)> on_event;
   };
 
   /// @param start  where the hand is commanded now
   /// @param models  of the world, for the skills that plan; must outlive the robot
-  Robot(hand::Hand& hand, const hand::HandModel& model, const hand::HandCommand& start,
-        Observer observer = {}, const ModelFactory* models = nullptr);
+  Executor(hand::Hand& hand, const hand::HandModel& model, const hand::HandCommand& start,
+           Observer observer = {}, const ModelFactory* models = nullptr);
 
   const hand::HandModel& model() const { return model_; }
   /// The hand is known better now.
@@ -46,7 +46,7 @@ class Robot {
   const ModelFactory& models() const;
   const hand::HandCommand& command() const { return command_; }
   const hand::HandReading& reading() const { return log_.readings.back(); }
-  const estimation::TouchLog& log() const { return log_; }
+  const estimation::EventLog& log() const { return log_; }
   const std::array<hand::Actuator, hand::kActuators>& actuators() const {
     return hand_.actuators();
   }
@@ -56,7 +56,7 @@ class Robot {
   void set_deadline(double time) { deadline_ = time; }
 
   /// Remembers the present reading under a name that the estimator looks for.
-  void mark(estimation::Mark mark);
+  void mark(estimation::TouchEvent mark);
 
   /// From now on every tick advances this grip; nothing releases it.
   void set_grip(std::optional<Grip> grip) { grip_ = std::move(grip); }
@@ -83,7 +83,7 @@ class Robot {
   hand::HandCommand command_;
   Observer observer_;
   const ModelFactory* models_;
-  estimation::TouchLog log_;
+  estimation::EventLog log_;
   std::optional<Grip> grip_;
   double deadline_;
 };
@@ -91,12 +91,13 @@ class Robot {
 /// Stop condition: the base has pushed along `direction` (unit, world) with more than `load` (N)
 /// for some ticks on end. The load of setting out, in the first moments of a motion, does not
 /// count.
-Robot::StopCondition lasting_load(const Robot& robot, const Eigen::Vector3d& direction,
-                                  double load);
+Executor::StopCondition lasting_load(const Executor& robot, const Eigen::Vector3d& direction,
+                                     double load);
 
 /// Stop condition: for some ticks on end the base has pushed along `direction` (unit, world) with
 /// `load` (N) more than its steady motion takes. That is measured in the motion's first half
 /// second, in which nothing stops it.
-Robot::StopCondition rising_load(const Robot& robot, const Eigen::Vector3d& direction, double load);
+Executor::StopCondition rising_load(const Executor& robot, const Eigen::Vector3d& direction,
+                                    double load);
 
 }  // namespace palpate::skills

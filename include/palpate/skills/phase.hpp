@@ -51,7 +51,7 @@ struct PickState {
   double yaw = 0;                                  ///< direction from which to grasp, rad
   std::vector<double> tried_yaws;                  ///< of grasps that have been tried, rad
   double held_load = 0;                            ///< weight felt after the lift, N
-  estimation::PoseEstimate estimate;               ///< of the held object, in the world
+  estimation::HeldPoseEstimate estimate;           ///< of the held object, in the world
   std::optional<Tracked> tracked;                  ///< how it went from the closed hand on
   std::optional<grasping::GraspPlan> next_grasp;   ///< that is to tell what this one has left open
 };
@@ -62,10 +62,10 @@ class Phase {
   virtual ~Phase() = default;
   virtual std::string_view name() const = 0;
   virtual double time_limit() const = 0;  ///< s of the robot's time
-  virtual PhaseEnd run(Robot& robot, PickState& state) = 0;
+  virtual PhaseEnd run(Executor& robot, PickState& state) = 0;
 };
 
 /// Runs a phase under its time limit and reports on it.
-PhaseReport run_phase(Phase& phase, Robot& robot, PickState& state);
+PhaseReport run_phase(Phase& phase, Executor& robot, PickState& state);
 
 }  // namespace palpate::skills

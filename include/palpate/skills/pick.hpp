@@ -18,35 +18,35 @@ namespace palpate::skills {
 
 struct PickOptions {
   int attempts = 3;  ///< at most
-  /// Rough place on the table, m, of an object that has fallen there: it may rest in no stance. Not
-  /// an option of the program.
+  /// Rough place on the table, m, of an object that has fallen there: it may rest in no stable
+  /// pose. Not an option of the program.
   std::optional<Eigen::Vector2d> fallen_at;
   bool estimate_before_lift = true;  ///< the pose in the closed hand, too
   CalibrateOptions calibrate;
-  FeelOptions feel;
+  HeightProbeOptions feel;
   ExploreOptions explore;
   GraspOptions grasp;
-  ProbeOptions probe;
+  PalpationOptions probe;
   LiftOptions lift;
   LowerOptions lower;        ///< putting it down to grasp it from another side
   WithdrawOptions withdraw;  ///< then
   TrackOptions track;
-  estimation::LocateOptions locate;
+  estimation::EstimationOptions locate;
 
   template <class Visitor>
   void visit(Visitor&& v) {
     v("attempts", attempts, 1, 20, "grasps tried at most");
     v("estimate_before_lift", estimate_before_lift, "estimate the pose in the closed hand, too");
     v.section("calibrate", calibrate);
-    v.section("feel", feel);
+    v.section("height_probe", feel);
     v.section("explore", explore);
     v.section("grasp", grasp);
-    v.section("probe", probe);
+    v.section("palpation", probe);
     v.section("lift", lift);
     v.section("lower", lower);
     v.section("withdraw", withdraw);
     v.section("track", track);
-    v.section("locate", locate);
+    v.section("estimation", locate);
   }
 };
 
@@ -54,15 +54,16 @@ struct PickOptions {
 struct PickResult {
   bool held = false;  ///< the object hangs in the hand
   int attempts = 0;
-  int regrasps = 0;          ///< from other sides, to tell poses apart
-  bool fallen = false;       ///< before this grasp, or an attempt failed: it may rest in no stance
+  int regrasps = 0;     ///< from other sides, to tell poses apart
+  bool fallen = false;  ///< before this grasp, or an attempt failed: it may rest in no stable pose
   std::string failed_phase;  ///< of the last attempt; empty if all went well
   std::vector<PhaseReport> phases;
   std::optional<localization::Posterior> resting;  ///< pose before the last grasp, in the world
-  std::optional<estimation::PoseEstimate> before_probe;  ///< in the closed hand, still on the table
-  std::optional<estimation::PoseEstimate> before_lift;   ///< there, with what probing told
-  std::optional<Tracked> tracked;                        ///< from there through the lift
-  estimation::PoseEstimate estimate;
+  std::optional<estimation::HeldPoseEstimate>
+      before_probe;  ///< in the closed hand, still on the table
+  std::optional<estimation::HeldPoseEstimate> before_lift;  ///< there, with what probing told
+  std::optional<Tracked> tracked;                           ///< from there through the lift
+  estimation::HeldPoseEstimate estimate;
 };
 
 struct PlaceResult;
@@ -82,7 +83,7 @@ struct PhaseObserver {
 /// @param robot  stands free above the table; the object is near the world's origin, or
 /// PickOptions::fallen_at
 /// @param choose  chooses the grasp, if given
-PickResult pick(Robot& robot, const geometry::ObjectModel& object, const PickOptions& options,
+PickResult pick(Executor& robot, const geometry::ObjectModel& object, const PickOptions& options,
                 std::uint64_t seed, const PhaseObserver& observer = {},
                 const GraspChooser& choose = {});
 

@@ -72,13 +72,13 @@ Eigen::Matrix<float, kFpfhBins, 1> simple_histogram(const PointCloud& cloud, std
 
 }  // namespace
 
-Features fpfh(const PointCloud& cloud, double radius, int most_neighbours) {
+Features fpfh(const PointCloud& cloud, double radius, int max_neighbours) {
   check_cloud(cloud);
   if (!(radius > 0)) throw BadInput(fmt::format("feature radius {} m is not positive", radius));
   if (cloud.size() > 0 && !cloud.has_normals()) {
     throw BadInput(fmt::format("no features of {} points without normals", cloud.size()));
   }
-  const auto neighbours = neighbourhoods(cloud, radius, most_neighbours);
+  const auto neighbours = neighbourhoods(cloud, radius, max_neighbours);
   Features simple(kFpfhBins, static_cast<Eigen::Index>(cloud.size())), result = simple;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     simple.col(static_cast<Eigen::Index>(i)) = simple_histogram(cloud, i, neighbours[i]);

@@ -11,7 +11,7 @@
 namespace palpate::geometry {
 namespace {
 
-constexpr std::size_t kMostBytes = std::size_t{1} << 30;  // so that an int counts all vertices
+constexpr std::size_t kMaxBytes = std::size_t{1} << 30;  // so that an int counts all vertices
 
 }  // namespace
 
@@ -24,8 +24,8 @@ std::string lower_case_extension(const std::filesystem::path& path) {
 TriangleMesh load_mesh(const std::filesystem::path& path) {
   const std::string content = read_file(path), file = path.string();
   if (content.empty()) bad_file(file, "empty file");
-  if (content.size() > kMostBytes) {
-    bad_file(file, fmt::format("{} bytes, more than {}", content.size(), kMostBytes));
+  if (content.size() > kMaxBytes) {
+    bad_file(file, fmt::format("{} bytes, more than {}", content.size(), kMaxBytes));
   }
   const std::string extension = lower_case_extension(path);
   if (content.starts_with("ply\n") || content.starts_with("ply\r")) return read_ply(content, file);

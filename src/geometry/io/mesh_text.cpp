@@ -23,8 +23,8 @@ std::optional<Number> parse_all(std::string_view word) {
 }
 
 std::string printable(std::string_view word) {
-  constexpr std::size_t kMostShown = 40;
-  std::string shown(word.substr(0, kMostShown));
+  constexpr std::size_t kMaxShown = 40;
+  std::string shown(word.substr(0, kMaxShown));
   for (char& c : shown) {
     if (c < ' ' || c > '~') c = '?';
   }

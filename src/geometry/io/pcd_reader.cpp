@@ -53,10 +53,10 @@ void for_fields(PcdHeader& header, const std::vector<std::string>& words, const 
 
 /// @throws BadInput unless so many values of that size are bytes that a row may have
 void add_to_row(PcdField& field, std::size_t& row, const MeshText& text) {
-  constexpr std::size_t kMostRow = 1 << 20;  // bytes of a point
-  if (field.count == 0 || field.count > kMostRow || row + field.size * field.count > kMostRow) {
+  constexpr std::size_t kMaxRow = 1 << 20;  // bytes of a point
+  if (field.count == 0 || field.count > kMaxRow || row + field.size * field.count > kMaxRow) {
     text.fail(fmt::format("COUNT {} of the field {} is not in 1..{} bytes of a point", field.count,
-                          field.name, kMostRow));
+                          field.name, kMaxRow));
   }
   field.offset = row;
   row += field.size * field.count;
@@ -64,12 +64,12 @@ void add_to_row(PcdField& field, std::size_t& row, const MeshText& text) {
 
 /// @throws BadInput unless what follows the header can hold the points, packed at most 300 to 1
 void check_points(const PcdHeader& header, const MeshText& text) {
-  constexpr std::size_t kMostPacking = 300, kMostPoints = std::size_t{1} << 31;
+  constexpr std::size_t kMaxPacking = 300, kMaxPoints = std::size_t{1} << 31;
   const std::size_t bytes = text.rest().size();
   const std::size_t room = header.data == "binary"  ? bytes / header.row
                            : header.data == "ascii" ? bytes / 2 + 1
-                                                    : bytes * kMostPacking / header.row;
-  if (header.points > std::min(room, kMostPoints)) {
+                                                    : bytes * kMaxPacking / header.row;
+  if (header.points > std::min(room, kMaxPoints)) {
     text.fail(
         fmt::format("{} points are more than the file can hold: it ends too early", header.points));
   }

@@ -62,7 +62,7 @@ class PlyValues {
   std::size_t next_length(const PlyProperty& list) {
     const double length = next(*list.count_type);
     if (!(length >= 0 && length == std::floor(length) &&
-          length <= most_values(smallest_size(list.type)))) {
+          length <= max_values(smallest_size(list.type)))) {
       fail(fmt::format("a list of {} values does not fit the file", length));
     }
     return static_cast<std::size_t>(length);
@@ -75,7 +75,7 @@ class PlyValues {
       size += smallest_size(property.count_type.value_or(property.type));
     }
     enter(element, 0);
-    if (size > 0 && static_cast<double>(element.count) > most_values(size)) {
+    if (size > 0 && static_cast<double>(element.count) > max_values(size)) {
       fail(fmt::format("the header states {}, more than the file can hold", element.count));
     }
   }
@@ -92,7 +92,7 @@ class PlyValues {
     return format_ == PlyFormat::kAscii ? kDigitAndBlank : size_of(type);
   }
 
-  double most_values(std::size_t size) const {
+  double max_values(std::size_t size) const {
     const std::size_t left = format_ == PlyFormat::kAscii ? text_.left() + 1 : bytes_.size();
     return static_cast<double>(left / size);
   }

@@ -64,7 +64,7 @@ void CloudBuilder::add(const Vector6d& point) {
   if (!point.head<3>().allFinite()) {
     bad_file(file_, fmt::format("point {} is not finite", cloud_.size()));
   }
-  if (point.head<3>().cwiseAbs().maxCoeff() > kMostCoordinate) {
+  if (point.head<3>().cwiseAbs().maxCoeff() > kMaxCoordinate) {
     bad_file(file_,
              fmt::format("point {} is ({}, {}, {})", cloud_.size(), point[0], point[1], point[2]));
   }

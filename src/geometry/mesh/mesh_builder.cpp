@@ -14,7 +14,7 @@ void bad_file(std::string_view file, std::string_view what) {
 }
 
 void MeshBuilder::add_vertex(const Eigen::Vector3d& position) {
-  if (!(position.cwiseAbs().maxCoeff() <= kMostCoordinate)) {
+  if (!(position.cwiseAbs().maxCoeff() <= kMaxCoordinate)) {
     bad_file(file_, fmt::format("vertex {} is ({}, {}, {})", vertices(), position.x(), position.y(),
                                 position.z()));
   }
@@ -22,9 +22,9 @@ void MeshBuilder::add_vertex(const Eigen::Vector3d& position) {
 }
 
 void MeshBuilder::add_face(std::span<const std::int64_t> corners) {
-  if (corners.size() < 3 || corners.size() > kMostCorners) {
+  if (corners.size() < 3 || corners.size() > kMaxCorners) {
     bad_file(file_, fmt::format("face {} has {} corners, not 3..{}", faces(), corners.size(),
-                                kMostCorners));
+                                kMaxCorners));
   }
   corners_.insert(corners_.end(), corners.begin(), corners.end());
   face_ends_.push_back(corners_.size());

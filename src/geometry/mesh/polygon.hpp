@@ -11,7 +11,7 @@
 namespace palpate::geometry {
 
 /// Largest polygon that is taken: triangulation takes quadratic time.
-inline constexpr std::size_t kMostCorners = 1000;
+inline constexpr std::size_t kMaxCorners = 1000;
 
 /// Triangles over a nearly flat polygon, of its own winding, by clipping ears in the plane of its
 /// area vector (Meisters 1975), the one with the shortest cut first.

@@ -16,7 +16,7 @@ namespace palpate::geometry {
 namespace {
 
 constexpr std::string_view kPrefix = "generated:";
-constexpr std::uint64_t kMostNames = 10000;
+constexpr std::uint64_t kMaxNames = 10000;
 constexpr double kScanError = 0.0003;  // m, rms
 constexpr double kBroken = 0.006;      // m, most by which a symmetry is broken
 constexpr double kFewest = 1000, kMost = 50000;
@@ -164,8 +164,8 @@ bool append_range(const std::string& name, std::vector<std::string>& all) {
   const std::string_view text = name;
   const auto first = whole_number(text.substr(kPrefix.size(), dash - kPrefix.size()), name);
   const auto last = whole_number(text.substr(dash + 1), name);
-  if (last < first || last - first >= kMostNames) {
-    throw BadInput(fmt::format("'{}' is no range of 1 to {} objects", name, kMostNames));
+  if (last < first || last - first >= kMaxNames) {
+    throw BadInput(fmt::format("'{}' is no range of 1 to {} objects", name, kMaxNames));
   }
   for (std::uint64_t seed = first; seed <= last; ++seed) {
     all.push_back(fmt::format("{}{}", kPrefix, seed));

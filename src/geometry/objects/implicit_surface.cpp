@@ -18,7 +18,7 @@ namespace {
 using Index = std::int64_t;
 
 /// A vertex keeps this share of its edge away from the edge's ends, so that no triangle is flat.
-constexpr double kLeastShare = 0.02;
+constexpr double kMinShare = 0.02;
 
 /// The six tetrahedra of a cube about its diagonal from corner 0 to corner 7 (bits: x, y, z), of
 /// positive volume. Neighbouring cubes split their common face alike.
@@ -121,8 +121,7 @@ class Marcher {
     const Index key = a * static_cast<Index>(values_.size()) + b;
     const auto [found, is_new] = vertices_.emplace(key, static_cast<int>(mesh_.vertices.size()));
     if (is_new) {
-      const double share =
-          std::clamp(value(a) / (value(a) - value(b)), kLeastShare, 1 - kLeastShare);
+      const double share = std::clamp(value(a) / (value(a) - value(b)), kMinShare, 1 - kMinShare);
       mesh_.vertices.emplace_back((1 - share) * position(a) + share * position(b));
     }
     return found->second;

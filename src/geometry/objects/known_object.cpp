@@ -89,7 +89,7 @@ KnownObject make_known_object(const std::string& name, const TriangleMesh& mesh,
   object.T_mesh_object.translation() = in_file.centroid;
   object.mesh = transformed(object.T_mesh_object.inverse(), std::move(repaired.mesh));
   object.mass_properties = mass_properties(object.mesh, object.mass);
-  object.stances = stable_poses(object.mesh, Eigen::Vector3d::Zero());
+  object.stable_poses = stable_poses(object.mesh, Eigen::Vector3d::Zero());
   object.symmetries = rotational_symmetries(object.mesh, Eigen::Vector3d::Zero());
   return object;
 }

@@ -16,23 +16,24 @@ namespace {
 
 using Facets = std::vector<RestingFacet>;
 
-void check(const StanceOptions& options) {
-  if (options.barrier < 0 || options.merge_angle_deg < 0 || options.max_stances < 1 ||
+void check(const StablePoseOptions& options) {
+  if (options.barrier < 0 || options.merge_angle_deg < 0 || options.max_stable_poses < 1 ||
       options.min_probability < 0 || options.min_probability >= 1) {
-    throw BadInput(fmt::format(
-        "stance options out of range: barrier {} m, merge angle {} deg, least "
-        "probability {}, at most {} stances",
-        options.barrier, options.merge_angle_deg, options.min_probability, options.max_stances));
+    throw BadInput(
+        fmt::format("stable pose options out of range: barrier {} m, merge angle {} deg, least "
+                    "probability {}, at most {} stable poses",
+                    options.barrier, options.merge_angle_deg, options.min_probability,
+                    options.max_stable_poses));
   }
 }
 
-void most_probable_first(Facets& facets) {
+void max_probable_first(Facets& facets) {
   std::ranges::stable_sort(facets, std::greater{}, &RestingFacet::probability);
 }
 
 /// Joins facets with up vectors within an angle into the most probable of them.
 Facets merge_close(Facets facets, double angle) {
-  most_probable_first(facets);
+  max_probable_first(facets);
   Facets merged;
   for (const RestingFacet& facet : facets) {
     const auto close = std::ranges::find_if(merged, [&](const RestingFacet& other) {
@@ -73,7 +74,7 @@ Facets spread(const Facets& family, int count) {
 }
 
 /// Families worth keeping, most probable first, each with its members most probable first.
-std::vector<Facets> families_of(const Facets& facets, const StanceOptions& options) {
+std::vector<Facets> families_of(const Facets& facets, const StablePoseOptions& options) {
   std::map<int, Facets> by_family;
   for (const RestingFacet& facet : facets) by_family[facet.family].push_back(facet);
   std::vector<Facets> families;
@@ -81,15 +82,15 @@ std::vector<Facets> families_of(const Facets& facets, const StanceOptions& optio
     if (probability(members) >= options.min_probability) families.push_back(std::move(members));
   }
   std::ranges::stable_sort(families, std::greater{}, probability);
-  families.resize(std::min(families.size(), static_cast<std::size_t>(options.max_stances)));
+  families.resize(std::min(families.size(), static_cast<std::size_t>(options.max_stable_poses)));
   return families;
 }
 
-Facets choose(const Facets& facets, const StanceOptions& options) {
+Facets choose(const Facets& facets, const StablePoseOptions& options) {
   const std::vector<Facets> families = families_of(facets, options);
   double total = 0;
   for (const Facets& family : families) total += probability(family);
-  const int spare = options.max_stances - static_cast<int>(families.size());
+  const int spare = options.max_stable_poses - static_cast<int>(families.size());
   Facets chosen;
   for (const Facets& family : families) {
     const int count = 1 + static_cast<int>(spare * probability(family) / total);
@@ -97,7 +98,7 @@ Facets choose(const Facets& facets, const StanceOptions& options) {
     chosen.insert(chosen.end(), members.begin(), members.end());
   }
   for (RestingFacet& facet : chosen) facet.probability /= total;
-  most_probable_first(chosen);
+  max_probable_first(chosen);
   return chosen;
 }
 
@@ -116,16 +117,16 @@ Eigen::Matrix3d lay_down(const Eigen::Vector3d& normal) {
 
 }  // namespace
 
-std::vector<Stance> stable_poses(const TriangleMesh& mesh, const Eigen::Vector3d& centroid,
-                                 const StanceOptions& options) {
+std::vector<StablePose> stable_poses(const TriangleMesh& mesh, const Eigen::Vector3d& centroid,
+                                     const StablePoseOptions& options) {
   check(options);
   const Facets resting = resting_facets(convex_hull(mesh.vertices), centroid, options.barrier);
   const double angle = options.merge_angle_deg * std::numbers::pi / 180;
-  std::vector<Stance> stances;
+  std::vector<StablePose> stable_poses;
   for (const RestingFacet& facet : choose(merge_close(resting, angle), options)) {
-    stances.push_back({lay_down(facet.normal), facet.height, facet.probability});
+    stable_poses.push_back({lay_down(facet.normal), facet.height, facet.probability});
   }
-  return stances;
+  return stable_poses;
 }
 
 }  // namespace palpate::geometry

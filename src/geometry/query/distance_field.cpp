@@ -13,7 +13,7 @@
 namespace palpate::geometry {
 namespace {
 
-constexpr double kMostNodes = 1e8;       // 1.6 GB
+constexpr double kMaxNodes = 1e8;        // 1.6 GB
 constexpr double kNearSurface = 0.0002;  // m; nearer, the direction to the surface is ill-defined
 
 /// Distances of a sequence of points, each found the faster the nearer it is to the one before.
@@ -47,9 +47,9 @@ class Walker {
 
 Eigen::Array3i grid_size(const Eigen::Vector3d& extent, double cell) {
   const Eigen::Array3d size = (extent.array() / cell).ceil() + 1;
-  if (!(size.prod() <= kMostNodes)) {
+  if (!(size.prod() <= kMaxNodes)) {
     throw BadInput(fmt::format("distance field of {:.3g} x {:.3g} x {:.3g} nodes exceeds {:.3g}",
-                               size[0], size[1], size[2], kMostNodes));
+                               size[0], size[1], size[2], kMaxNodes));
   }
   return size.max(2).cast<int>();
 }

@@ -76,7 +76,7 @@ FilledHoles fill_holes(TriangleMesh& mesh) {
   Edges edges;
   if (!loops.empty()) add_edges(edges, mesh.triangles);
   for (const Loop& loop : loops) {
-    if (loop.size() < 3 || loop.size() > kMostCorners || visits_a_vertex_twice(loop)) continue;
+    if (loop.size() < 3 || loop.size() > kMaxCorners || visits_a_vertex_twice(loop)) continue;
     filled.largest = std::max(filled.largest, diagonal(mesh, loop));
     auto patch = clip_ears(mesh.vertices, loop,
                            [&edges](int a, int b) { return !edges.contains(std::minmax(a, b)); });
@@ -85,7 +85,7 @@ FilledHoles fill_holes(TriangleMesh& mesh) {
     add_edges(edges, *patch);
     ++filled.count;
     filled.triangles += static_cast<int>(patch->size());
-    filled.most_edges = std::max(filled.most_edges, static_cast<int>(loop.size()));
+    filled.max_edges = std::max(filled.max_edges, static_cast<int>(loop.size()));
   }
   return filled;
 }

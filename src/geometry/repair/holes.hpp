@@ -8,7 +8,7 @@ namespace palpate::geometry {
 struct FilledHoles {
   int count = 0;
   int triangles = 0;   ///< added
-  int most_edges = 0;  ///< of one hole
+  int max_edges = 0;   ///< of one hole
   double largest = 0;  ///< diagonal of the bounds of a hole's rim, m
 };
 

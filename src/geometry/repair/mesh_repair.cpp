@@ -96,7 +96,7 @@ void fix_topology(TriangleMesh& mesh, Actions& actions) {
     actions.push_back(fmt::format("filled {} with {} (the largest {:.3g} wide, at most {} edges)",
                                   counted(filled.count, "hole", "holes"),
                                   counted(filled.triangles, "triangle", "triangles"),
-                                  filled.largest, filled.most_edges));
+                                  filled.largest, filled.max_edges));
   }
 }
 

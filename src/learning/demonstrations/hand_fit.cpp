@@ -26,7 +26,7 @@ constexpr int kParameters = kSize + 1 + hand::kFingers;
 constexpr double kSmallest = 0.6, kLargest = 1.6;  // of the hand's size
 constexpr double kFar = 10;                        // m, of the wrist
 constexpr double kPerMetre = 1000;                 // depth is compared in mm
-constexpr int kLeastKeypoints = 6;
+constexpr int kMinKeypoints = 6;
 
 /// Parameters of a state: joints, turn and place of the wrist against the start, size.
 VectorXd parameters_of(const HandState& state) {
@@ -248,7 +248,7 @@ HandFit fit_hand(const Camera& camera, const HandImage& image, const HandState& 
   HandFit fit{.state = start};
   int seen = 0;
   for (int i = 0; i < learning::kHandKeypoints; ++i) seen += image.pixels.col(i).allFinite();
-  if (seen < kLeastKeypoints) {
+  if (seen < kMinKeypoints) {
     fit.status = HandFitStatus::too_few_keypoints;
     return fit;
   }

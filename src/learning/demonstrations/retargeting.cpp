@@ -20,7 +20,7 @@ using hand::Finger;
 using learning::HandKeypoints;
 using simulation::HandPoint;
 
-constexpr double kLeastTip = 0.7;      // of its link; a link's center is at about one half
+constexpr double kMinTip = 0.7;        // of its link; a link's center is at about one half
 constexpr double kLargestTurn = 0.15;  // rad, of the root against the human's palm
 constexpr int kFirstSolves = 30;       // in the first frame, each from where the last one ended
 constexpr double kFirstStep = 1.5;     // rad, of a joint in each of them
@@ -105,7 +105,7 @@ Retargeter::Retargeter(simulation::MjcfHand hand, const RetargetPoints& points,
   for (const auto& tip : points.tips) {
     points_.push_back(hand_.point(tip));
     const double share = hand_.share_of_link(points_.back());
-    if (share < kLeastTip) {
+    if (share < kMinTip) {
       throw BadInput(fmt::format(
           "the fingertip '{}' lies at {:.0f} % of its link, not at the end: name a site there", tip,
           100 * share));

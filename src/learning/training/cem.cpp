@@ -14,7 +14,7 @@
 namespace palpate::learning {
 namespace {
 
-constexpr double kLeastSpread = 1e-5;  // so that no parameter ever freezes
+constexpr double kMinSpread = 1e-5;  // so that no parameter ever freezes
 
 std::vector<Eigen::VectorXd> draw(const CemState& state, int population, RandomStream random) {
   std::vector<Eigen::VectorXd> candidates(static_cast<std::size_t>(population), state.mean);
@@ -74,8 +74,8 @@ CemGeneration cem_generation(CemState& state, const CemScores& scores, const Cem
   const Eigen::VectorXd center = elite.rowwise().mean();
   const Eigen::VectorXd width = (elite.colwise() - center).array().square().rowwise().mean().sqrt();
   state.mean += options.step * (center - state.mean);
-  state.spread = (options.keep_spread * state.spread + (1 - options.keep_spread) * width).array() +
-                 kLeastSpread;
+  state.spread =
+      (options.keep_spread * state.spread + (1 - options.keep_spread) * width).array() + kMinSpread;
   ++state.generation;
   return result;
 }

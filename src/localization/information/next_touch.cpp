@@ -16,7 +16,7 @@ namespace palpate::localization {
 namespace {
 
 constexpr double kTouching = 0.0002;  // m at which the ball counts as touching
-constexpr int kMostSteps = 80;
+constexpr int kMaxSteps = 80;
 constexpr double kForgotten = 12;  // exponent beyond which two outcomes are nothing alike
 constexpr double kUnitTolerance = 1e-3;
 
@@ -41,7 +41,8 @@ Eigen::Isometry3d drawn_from(const Mode& mode, const Matrix6d& root, RandomStrea
 
 std::vector<PredictedTouch> outcomes_of(const geometry::ObjectModel& model,
                                         const std::vector<Eigen::Isometry3d>& poses,
-                                        std::size_t count, const Probe& probe, double tip_radius) {
+                                        std::size_t count, const TouchAction& probe,
+                                        double tip_radius) {
   std::vector<PredictedTouch> outcomes;
   for (std::size_t i = 0; i < std::min(count, poses.size()); ++i) {
     outcomes.push_back(predict_touch(model, poses[i], probe, tip_radius));
@@ -82,11 +83,11 @@ double bound_of(const std::vector<double>& weights, const Exponent& exponent) {
   return sum;
 }
 
-void check(const Posterior& posterior, const std::vector<Probe>& probes) {
+void check(const Posterior& posterior, const std::vector<TouchAction>& probes) {
   if (probes.empty()) throw BadInput("next touch: 0 probes to choose from");
   if (posterior.modes.empty()) throw BadInput("next touch: a posterior of 0 modes");
   for (std::size_t i = 0; i < probes.size(); ++i) {
-    const Probe& probe = probes[i];
+    const TouchAction& probe = probes[i];
     const bool fine = probe.start.allFinite() && std::isfinite(probe.reach) &&
                       std::abs(probe.direction.norm() - 1) < kUnitTolerance && probe.seconds > 0;
     if (fine) continue;
@@ -95,7 +96,7 @@ void check(const Posterior& posterior, const std::vector<Probe>& probes) {
   }
 }
 
-void check(const std::vector<PredictedFeel>& outcomes, const std::vector<double>& weights) {
+void check(const std::vector<PredictedTouches>& outcomes, const std::vector<double>& weights) {
   if (outcomes.size() != weights.size()) {
     throw BadInput(
         fmt::format("next touch: {} weights of {} outcomes", weights.size(), outcomes.size()));
@@ -117,14 +118,14 @@ void check(const std::vector<PredictedFeel>& outcomes, const std::vector<double>
 }  // namespace
 
 PredictedTouch predict_touch(const geometry::ObjectModel& model,
-                             const Eigen::Isometry3d& T_frame_object, const Probe& probe,
+                             const Eigen::Isometry3d& T_frame_object, const TouchAction& probe,
                              double tip_radius) {
   const Eigen::Isometry3d T_object_frame = T_frame_object.inverse();
   const Eigen::Vector3f start = (T_object_frame * probe.start).cast<float>();
   const Eigen::Vector3f direction = (T_object_frame.linear() * probe.direction).cast<float>();
   const Eigen::AlignedBox3f box = model.bounds();
   PredictedTouch touch;
-  for (int step = 0; step < kMostSteps && touch.distance <= probe.reach; ++step) {
+  for (int step = 0; step < kMaxSteps && touch.distance <= probe.reach; ++step) {
     const Eigen::Vector3f at = start + static_cast<float>(touch.distance) * direction;
     const float beside = box.exteriorDistance(at);
     const double distance =
@@ -150,7 +151,7 @@ double information_bound(const std::vector<PredictedTouch>& outcomes,
   });
 }
 
-double information_bound(const std::vector<PredictedFeel>& outcomes,
+double information_bound(const std::vector<PredictedTouches>& outcomes,
                          const std::vector<double>& weights, const NextTouchOptions& options) {
   check(outcomes, weights);
   return bound_of(weights, [&](std::size_t i, std::size_t j) {
@@ -183,8 +184,8 @@ std::vector<Eigen::Isometry3d> draw_poses(const Posterior& posterior, int count,
   return poses;
 }
 
-ProbeChoice choose_probe(const geometry::ObjectModel& model, const Posterior& posterior,
-                         const std::vector<Probe>& probes, RandomStream random,
+TouchChoice choose_touch(const geometry::ObjectModel& model, const Posterior& posterior,
+                         const std::vector<TouchAction>& probes, RandomStream random,
                          const NextTouchOptions& options) {
   check(posterior, probes);
   const auto poses = draw_poses(posterior, options.poses, random);
@@ -201,7 +202,7 @@ ProbeChoice choose_probe(const geometry::ObjectModel& model, const Posterior& po
   std::stable_sort(scored.begin(), scored.end(),
                    [](const Scored& a, const Scored& b) { return a.first > b.first; });
   scored.resize(std::min(scored.size(), static_cast<std::size_t>(options.finalists)));
-  ProbeChoice best;
+  TouchChoice best;
   double best_rate = -1;
   for (const auto& [rough, i] : scored) {
     const double information = bound(i, options.poses);

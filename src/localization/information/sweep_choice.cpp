@@ -9,9 +9,9 @@
 namespace palpate::localization {
 namespace {
 
-constexpr double kStep = 0.003;       // m of a way between places that are looked at
-constexpr double kToldApart = 0.010;  // m between ends that are surely told apart
-constexpr double kGuard = 0.002;      // m that the rest of the finger is to stay away
+constexpr double kStep = 0.003;           // m of a way between places that are looked at
+constexpr double kReportedApart = 0.010;  // m between ends that are surely told apart
+constexpr double kGuard = 0.002;          // m that the rest of the finger is to stay away
 
 // Of the errors that a refining sweep is chosen by; angles in rad, lengths in m.
 constexpr double kPointSigma = 0.0008, kNormalSigma = 0.13, kOffsetSigma = 0.0025;
@@ -20,7 +20,7 @@ constexpr double kTightAngle = 0.0436, kTightDistance = 0.0035;
 
 using localization::FreeSphere;
 
-/// Where a sweep ends for the object at one pose.
+/// Where a guarded move ends for the object at one pose.
 enum class Ending { touch, nothing, blocked };
 struct Outcome {
   Ending ending = Ending::nothing;
@@ -37,10 +37,11 @@ bool meets(const geometry::ObjectModel& object, const Eigen::Isometry3d& T_objec
 }
 
 Outcome outcome(const geometry::ObjectModel& object, const Eigen::Isometry3d& T_object_world,
-                const SweepingFinger& finger, const Sweep& sweep) {
-  const double length = (sweep.to - sweep.from).norm();
+                const ProbingFinger& finger, const GuardedMove& guarded_move) {
+  const double length = (guarded_move.to - guarded_move.from).norm();
   for (double way = 0; way <= length; way += kStep) {
-    const Eigen::Vector3d at = sweep.from + way / length * (sweep.to - sweep.from);
+    const Eigen::Vector3d at =
+        guarded_move.from + way / length * (guarded_move.to - guarded_move.from);
     if (meets(object, T_object_world, finger.rest, at, kGuard)) return {Ending::blocked, way};
     if (meets(object, T_object_world, finger.tip, at, 0)) return {Ending::touch, way};
   }
@@ -48,22 +49,22 @@ Outcome outcome(const geometry::ObjectModel& object, const Eigen::Isometry3d& T_
 }
 
 /// A way that ends without a touch of the tip tells only how far the tip came.
-double told_apart(const Outcome& a, const Outcome& b) {
+double reported_apart(const Outcome& a, const Outcome& b) {
   if (a.ending != Ending::touch && b.ending != Ending::touch) return 0;
-  return std::min(1.0, std::abs(a.way - b.way) / kToldApart);
+  return std::min(1.0, std::abs(a.way - b.way) / kReportedApart);
 }
 
 /// Chance that two draws from the poses are told apart.
 double information(const geometry::ObjectModel& object, const std::vector<WeightedPose>& poses,
-                   const SweepingFinger& finger, const Sweep& sweep) {
+                   const ProbingFinger& finger, const GuardedMove& guarded_move) {
   std::vector<Outcome> outcomes;
   for (const auto& pose : poses) {
-    outcomes.push_back(outcome(object, pose.T.inverse(), finger, sweep));
+    outcomes.push_back(outcome(object, pose.T.inverse(), finger, guarded_move));
   }
   double sum = 0;
   for (std::size_t i = 0; i < outcomes.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
-      sum += 2 * poses[i].weight * poses[j].weight * told_apart(outcomes[i], outcomes[j]);
+      sum += 2 * poses[i].weight * poses[j].weight * reported_apart(outcomes[i], outcomes[j]);
     }
   }
   return sum;
@@ -79,14 +80,16 @@ Matrix9d information_before() {
   return sigmas.cwiseAbs2().cwiseInverse().asDiagonal();
 }
 
-/// What a sweep's touch would add; nothing where it ends without one.
+/// What a guarded move's touch would add; nothing where it ends without one.
 std::optional<Matrix9d> information_of(const geometry::ObjectModel& object,
                                        const Eigen::Isometry3d& T_world_object,
-                                       const SweepingFinger& finger, const Sweep& sweep) {
+                                       const ProbingFinger& finger,
+                                       const GuardedMove& guarded_move) {
   const Eigen::Isometry3d T_object_world = T_world_object.inverse();
-  const Outcome end = outcome(object, T_object_world, finger, sweep);
+  const Outcome end = outcome(object, T_object_world, finger, guarded_move);
   if (end.ending != Ending::touch) return std::nullopt;
-  const Eigen::Vector3d at = sweep.from + end.way * (sweep.to - sweep.from).normalized();
+  const Eigen::Vector3d at =
+      guarded_move.from + end.way * (guarded_move.to - guarded_move.from).normalized();
   std::optional<geometry::DistanceField::Sample> nearest;
   Eigen::Vector3d p = at;
   for (const FreeSphere& sphere : finger.tip) {
@@ -114,37 +117,37 @@ double spread_of(const Matrix9d& information) {
 
 }  // namespace
 
-std::optional<TellingSweep> most_telling_sweep(const geometry::ObjectModel& object,
-                                               const localization::Posterior& posterior,
-                                               const SweepingFinger& finger,
-                                               const std::vector<Sweep>& sweeps) {
-  std::optional<TellingSweep> best;
+std::optional<InformativeMove> most_informative_move(
+    const geometry::ObjectModel& object, const localization::Posterior& posterior,
+    const ProbingFinger& finger, const std::vector<GuardedMove>& guarded_moves) {
+  std::optional<InformativeMove> best;
   const auto poses = poses_of(posterior);
-  for (std::size_t i = 0; i < sweeps.size(); ++i) {
-    const double told = information(object, poses, finger, sweeps[i]);
-    if (told > (best ? best->information : 0.0)) best = {sweeps[i], i, told};
+  for (std::size_t i = 0; i < guarded_moves.size(); ++i) {
+    const double told = information(object, poses, finger, guarded_moves[i]);
+    if (told > (best ? best->information : 0.0)) best = {guarded_moves[i], i, told};
   }
   return best;
 }
 
-std::optional<RefiningSweep> most_refining_sweep(const geometry::ObjectModel& object,
-                                                 const Eigen::Isometry3d& T_world_object,
-                                                 const std::vector<SweepingFinger>& fingers,
-                                                 const std::vector<Sweep>& sweeps,
-                                                 const std::vector<TurnedSweep>& done) {
+std::optional<RefiningMove> most_refining_move(const geometry::ObjectModel& object,
+                                               const Eigen::Isometry3d& T_world_object,
+                                               const std::vector<ProbingFinger>& fingers,
+                                               const std::vector<GuardedMove>& guarded_moves,
+                                               const std::vector<TurnedMove>& done) {
   Matrix9d known = information_before();
-  for (const TurnedSweep& sweep : done) {
-    const auto told = information_of(object, T_world_object, fingers[sweep.turn], sweep.sweep);
+  for (const TurnedMove& guarded_move : done) {
+    const auto told = information_of(object, T_world_object, fingers[guarded_move.turn],
+                                     guarded_move.guarded_move);
     if (told) known += *told;
   }
   const double before = spread_of(known);
-  std::optional<RefiningSweep> best;
+  std::optional<RefiningMove> best;
   for (std::size_t turn = 0; turn < fingers.size(); ++turn) {
-    for (const Sweep& sweep : sweeps) {
-      const auto told = information_of(object, T_world_object, fingers[turn], sweep);
+    for (const GuardedMove& guarded_move : guarded_moves) {
+      const auto told = information_of(object, T_world_object, fingers[turn], guarded_move);
       if (!told) continue;
       const double after = spread_of(known + *told);
-      if (!best || after < best->after) best = {{sweep, turn}, before, after};
+      if (!best || after < best->after) best = {{guarded_move, turn}, before, after};
     }
   }
   return best;

@@ -18,7 +18,7 @@ constexpr std::array<Assumption, 6> kSizes{{{1, 1, -0.01, 0.2},
                                             {1, 1, 0.02, 0.17},
                                             {1, 1, -0.03, 0.13},
                                             {1, 1, 0.03, 0.13}}};
-static_assert(1 + kNoises.size() + kSizes.size() <= kMostAssumptions);
+static_assert(1 + kNoises.size() + kSizes.size() <= kMaxAssumptions);
 
 template <class Alternatives>
 void add(const Alternatives& alternatives, double share, std::vector<Assumption>& all) {
@@ -33,15 +33,15 @@ void add(const Alternatives& alternatives, double share, std::vector<Assumption>
 
 std::vector<Assumption> assumptions(const Evidence& evidence) {
   if (!evidence.offsets.empty()) {
-    const double doubt = kNoisierShare * evidence.noise_doubt;
+    const double doubt = kNoisierShare * evidence.noise_scale_prior;
     std::vector<Assumption> all{{1, 1, 0, 1 - doubt}};
     add(std::array{Assumption{2, 2, 0, 1}}, doubt, all);
     return all;
   }
-  const double as_large = 1 - evidence.size_doubt;
-  std::vector<Assumption> all{{1, 1, 0, as_large * (1 - evidence.noise_doubt)}};
-  add(kNoises, as_large * evidence.noise_doubt, all);
-  add(kSizes, evidence.size_doubt, all);
+  const double as_large = 1 - evidence.size_prior;
+  std::vector<Assumption> all{{1, 1, 0, as_large * (1 - evidence.noise_scale_prior)}};
+  add(kNoises, as_large * evidence.noise_scale_prior, all);
+  add(kSizes, evidence.size_prior, all);
   return all;
 }
 

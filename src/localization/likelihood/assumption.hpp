@@ -14,7 +14,7 @@ struct Assumption {
   double share = 1;                          ///< prior probability
 };
 
-inline constexpr int kMostAssumptions = 12;
+inline constexpr int kMaxAssumptions = 12;
 
 /// As stated first, then other noise and other sizes; the shares sum to 1. Where contacts share
 /// offsets, which each assumption has to fit anew, only the noise stated and twice as much.

@@ -12,7 +12,7 @@ namespace {
 
 constexpr float kDoubted = 100;                         // D: variance where it is doubted
 const float kDoubtedPeak = -1.5F * std::log(kDoubted);  // ln of D^(-3/2)
-constexpr double kLeastMoment = 1e-5;                   // N m, sigma that is always there
+constexpr double kMinMoment = 1e-5;                     // N m, sigma that is always there
 
 Eigen::Vector3d middle_of(const std::vector<ForceBalance::Push>& pushes) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -26,7 +26,7 @@ Eigen::Matrix3d cross_covariance(const Eigen::Vector3d& a, double sigma) {
 }
 
 Eigen::Matrix3d moment_covariance(const ForceBalance& balance, const Eigen::Vector3d& middle) {
-  Eigen::Matrix3d sum = kLeastMoment * kLeastMoment * Eigen::Matrix3d::Identity();
+  Eigen::Matrix3d sum = kMinMoment * kMinMoment * Eigen::Matrix3d::Identity();
   for (const auto& push : balance.pushes) {
     const double twist = balance.twist * push.f.norm();
     sum += cross_covariance(push.f, balance.point_sigma) +

@@ -13,7 +13,7 @@
 namespace palpate::localization {
 namespace {
 
-constexpr std::size_t kMostContacts = 64;
+constexpr std::size_t kMaxContacts = 64;
 constexpr double kUnitTolerance = 1e-3;
 constexpr double kLargestExtent = 20;  // of the contacts, in the object's sizes
 constexpr double kWeightTolerance = 1e-6;
@@ -48,22 +48,23 @@ void check_contact(const tactile::Contact& contact, std::size_t index) {
   check_positive(name + "normal_sigma", contact.normal_sigma);
 }
 
-void check_stance_weights(const std::vector<double>& weights, std::size_t stances) {
-  if (stances == 0) throw BadInput("table: the object has 0 stances");
+void check_stable_pose_weights(const std::vector<double>& weights, std::size_t stable_poses) {
+  if (stable_poses == 0) throw BadInput("table: the object has 0 stable poses");
   if (weights.empty()) return;
-  if (weights.size() != stances) {
-    throw BadInput(fmt::format("table: {} stance weights for {} stances", weights.size(), stances));
+  if (weights.size() != stable_poses) {
+    throw BadInput(fmt::format("table: {} stable pose weights for {} stable poses", weights.size(),
+                               stable_poses));
   }
-  for (const double weight : weights) check_not_negative("table: a stance weight", weight);
-  check_positive("table: the sum of the stance weights",
+  for (const double weight : weights) check_not_negative("table: a stable pose weight", weight);
+  check_positive("table: the sum of the stable pose weights",
                  std::accumulate(weights.begin(), weights.end(), 0.0));
 }
 
-void check_table(const TableSupport& table, std::size_t stances) {
+void check_table(const TableSupport& table, std::size_t stable_poses) {
   if (!table.T_frame_table.matrix().allFinite()) {
     throw BadInput("table: T_frame_table holds a value that is not finite");
   }
-  check_stance_weights(table.stance_weights, stances);
+  check_stable_pose_weights(table.stable_pose_weights, stable_poses);
   check_positive("table: tilt_sigma", table.tilt_sigma);
   check_positive("table: height_sigma", table.height_sigma);
   check_positive("table: edge_sigma", table.edge_sigma);
@@ -177,8 +178,8 @@ void check_evidence(const geometry::ObjectModel& model, const Evidence& evidence
   for (std::size_t k = 0; k < evidence.contacts.size(); ++k) check_contact(evidence.contacts[k], k);
   check_extent(evidence.contacts, model.object().mesh);
   check_offsets(evidence);
-  check_doubt("noise_doubt", evidence.noise_doubt);
-  check_doubt("size_doubt", evidence.size_doubt);
+  check_doubt("noise_scale_prior", evidence.noise_scale_prior);
+  check_doubt("size_prior", evidence.size_prior);
   for (std::size_t j = 0; j < evidence.free_space.size(); ++j) {
     const std::string name = fmt::format("free sphere {}: ", j);
     check_finite(name + "center", evidence.free_space[j].center);
@@ -190,23 +191,23 @@ void check_evidence(const geometry::ObjectModel& model, const Evidence& evidence
     throw BadInput(fmt::format("false_contact_share is {}, not between 0 and 1", share));
   }
   if (evidence.balance) check_balance(*evidence.balance);
-  if (evidence.table) check_table(*evidence.table, model.object().stances.size());
+  if (evidence.table) check_table(*evidence.table, model.object().stable_poses.size());
   if (evidence.prior) check_prior(*evidence.prior);
 }
 
 Evidence thinned(Evidence evidence) {
   const std::size_t count = evidence.contacts.size();
-  if (count <= kMostContacts) return evidence;
+  if (count <= kMaxContacts) return evidence;
   std::vector<tactile::Contact> kept;
-  std::vector<std::size_t> place(count, kMostContacts);  // of a contact among those kept
-  for (std::size_t i = 0; i < kMostContacts; ++i) {
-    place[i * count / kMostContacts] = i;
-    kept.push_back(evidence.contacts[i * count / kMostContacts]);
+  std::vector<std::size_t> place(count, kMaxContacts);  // of a contact among those kept
+  for (std::size_t i = 0; i < kMaxContacts; ++i) {
+    place[i * count / kMaxContacts] = i;
+    kept.push_back(evidence.contacts[i * count / kMaxContacts]);
   }
   evidence.contacts = std::move(kept);
-  for (SharedOffset& offset : evidence.offsets) {
+  for (CommonModeBias& offset : evidence.offsets) {
     for (auto& member : offset.members) member.contact = place[member.contact];
-    std::erase_if(offset.members, [](const auto& m) { return m.contact == kMostContacts; });
+    std::erase_if(offset.members, [](const auto& m) { return m.contact == kMaxContacts; });
   }
   return evidence;
 }

@@ -16,9 +16,9 @@ constexpr double kFalseVolume = 1e-3;      // m^3 in which a false contact may l
 constexpr double kWidestNormal = 0.6;      // rad; a wider normal says nothing
 constexpr float kShortestGradient = 0.3F;  // interpolated across a medial sheet: no direction
 constexpr float kCurvatureStep = 0.001F;   // m, over which the gradient's change is measured
-constexpr double kLeastTrust = 0.02;       // of a contact off the surface: it still draws the pose
+constexpr double kMinTrust = 0.02;         // of a contact off the surface: it still draws the pose
 constexpr float kHopeless = 30;            // misfit whose likelihood rounds to that of a false one
-constexpr float kLeastProduct = 1e-18F;    // times the least factor still is a float
+constexpr float kMinProduct = 1e-18F;      // times the least factor still is a float
 constexpr float kOffsetReach = 3;          // standard deviations that an offset is within
 constexpr int kFitSteps = 2;               // of reweighting contacts for the offset
 
@@ -46,12 +46,12 @@ ContactTerm::ContactTerm(const geometry::ObjectModel& model, const Evidence& evi
                          double offset, double scale)
     : field_(model.field()),
       offset_(static_cast<float>(offset)),
-      stray_(static_cast<float>(kStrayShare * evidence.noise_doubt)) {
+      stray_(static_cast<float>(kStrayShare * evidence.noise_scale_prior)) {
   for (const tactile::Contact& contact : evidence.contacts) {
     const Eigen::Vector3d n = contact.n.normalized();
     contacts_.push_back({(contact.p + offset * n).cast<float>(), n.cast<float>()});
   }
-  for (const SharedOffset& shared : evidence.offsets) {
+  for (const CommonModeBias& shared : evidence.offsets) {
     Group group{static_cast<float>(1 / (shared.sigma * shared.sigma)), {}};
     for (const auto& member : shared.members) {
       contacts_[member.contact].R_offset_frame = member.R_frame_offset.transpose().cast<float>();
@@ -66,7 +66,7 @@ ContactTerm::ContactTerm(const geometry::ObjectModel& model, const Evidence& evi
   for (std::size_t j = 0; j < levels.size(); ++j) {
     priors_[static_cast<Eigen::Index>(j)] = static_cast<float>(levels[j].share);
     growth_[static_cast<Eigen::Index>(j)] = static_cast<float>(levels[j].growth);
-    most_growth_ = std::max(most_growth_, std::abs(static_cast<float>(levels[j].growth)));
+    max_growth_ = std::max(max_growth_, std::abs(static_cast<float>(levels[j].growth)));
   }
   for (const tactile::Contact& contact : evidence.contacts) {
     noise_.push_back(make_noise(model, evidence, contact, levels, scale));
@@ -79,7 +79,7 @@ ContactTerm::Noise ContactTerm::make_noise(const geometry::ObjectModel& model,
                                            const std::vector<Assumption>& levels, double scale) {
   const auto count = static_cast<Eigen::Index>(levels.size());
   Noise noise{Levels::Zero(count), Levels::Zero(count), Levels::Zero(count)};
-  double greatest = 0, least_half_point = kNoBound, least_normal = kNoBound;
+  double greatest = 0, min_half_point = kNoBound, min_normal = kNoBound;
   for (Eigen::Index j = 0; j < count; ++j) {
     const Assumption& level = levels[static_cast<std::size_t>(j)];
     const double sp = scale * level.point_noise * contact.point_sigma;
@@ -89,11 +89,11 @@ ContactTerm::Noise ContactTerm::make_noise(const geometry::ObjectModel& model,
     noise.normal_precision[j] = static_cast<float>(1 / (sn * sn));
     noise.odds[j] = static_cast<float>(odds);
     greatest = std::max(greatest, odds);
-    least_half_point = std::min(least_half_point, 0.5 / (sp * sp));
-    least_normal = std::min(least_normal, 1 / (sn * sn));
+    min_half_point = std::min(min_half_point, 0.5 / (sp * sp));
+    min_normal = std::min(min_normal, 1 / (sn * sn));
   }
-  noise.least_half_point_precision = static_cast<float>(least_half_point);
-  noise.least_normal_precision = static_cast<float>(least_normal);
+  noise.min_half_point_precision = static_cast<float>(min_half_point);
+  noise.min_normal_precision = static_cast<float>(min_normal);
   noise.cap = static_cast<float>(std::log1p(greatest));
   noise.inverse_peak = std::exp(-noise.cap);
   noise.stated_cap = std::log1p(noise.odds[0]);
@@ -103,7 +103,7 @@ ContactTerm::Noise ContactTerm::make_noise(const geometry::ObjectModel& model,
 void ContactTerm::Product::multiply(const Levels& factor) {
   likelihood *= factor;
   const float most = likelihood.maxCoeff();
-  if (most > kLeastProduct) return;
+  if (most > kMinProduct) return;
   likelihood /= most;
   log_scale += std::log(most);
 }
@@ -142,11 +142,11 @@ std::vector<ContactTerm::Felt> ContactTerm::feel_all(const SearchPose& pose) con
 
 ContactTerm::Levels ContactTerm::likelihood(std::size_t k, const Felt& felt, float slack) const {
   const Noise& noise = noise_[k];
-  const float least_away =
-      std::max(0.0F, std::abs(felt.away) - most_growth_ * std::abs(felt.swell) - slack);
-  const float least_q = least_away * least_away * noise.least_half_point_precision +
-                        felt.tilt * noise.least_normal_precision / kStray;
-  if (!felt.near || least_q > kHopeless) {
+  const float min_away =
+      std::max(0.0F, std::abs(felt.away) - max_growth_ * std::abs(felt.swell) - slack);
+  const float min_q = min_away * min_away * noise.min_half_point_precision +
+                      felt.tilt * noise.min_normal_precision / kStray;
+  if (!felt.near || min_q > kHopeless) {
     return Levels::Constant(growth_.size(), noise.inverse_peak);
   }
   Levels away = felt.away + growth_ * felt.swell;
@@ -325,7 +325,7 @@ std::optional<ContactTerm::Linearized> ContactTerm::linearized(std::size_t k,
   r << point_scale * away, normal_scale * (m - n);
   const double q = static_cast<double>(0.5F * r[0] * r[0] - std::log(normal.density));
   const double odds = static_cast<double>(noise.odds) * std::exp(-q);
-  const double weight = std::max(odds / (1 + odds), kLeastTrust / (1 + q));
+  const double weight = std::max(odds / (1 + odds), kMinTrust / (1 + q));
   return Linearized{J.cast<double>(), r.cast<double>(), weight};
 }
 

@@ -60,12 +60,12 @@ class ContactTerm : public EvidenceTerm {
     float reach = 0;  // of the offset it shares; 0: it shares none
   };
   /// One value for each assumption, the first being that all is as stated.
-  using Levels = Eigen::Array<float, Eigen::Dynamic, 1, 0, kMostAssumptions, 1>;
+  using Levels = Eigen::Array<float, Eigen::Dynamic, 1, 0, kMaxAssumptions, 1>;
   /// The noise of a contact at each level.
   struct Noise {
     Levels half_point_precision, normal_precision;
     Levels odds;  // A
-    float least_half_point_precision = 0, least_normal_precision = 0;
+    float min_half_point_precision = 0, min_normal_precision = 0;
     float cap = 0, inverse_peak = 0;  // the greatest ln(1 + A), 1 / (1 + A)
     float stated_cap = 0;             // ln(1 + A) of the first
   };
@@ -142,7 +142,7 @@ class ContactTerm : public EvidenceTerm {
   float stray_;  // prior share of contacts whose normal strays
   std::vector<Datum> contacts_;
   std::vector<Group> groups_;
-  float most_growth_ = 0;
+  float max_growth_ = 0;
   Levels priors_, growth_;  // probability, relative growth of the object
   std::vector<Noise> noise_;
 };

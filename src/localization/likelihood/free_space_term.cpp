@@ -47,7 +47,7 @@ std::vector<FreeSphere> without_covered(std::vector<FreeSphere> spheres) {
 /// Contacts that share an offset come from a hand that is off by it, and so are its balls.
 double depth_variance(const Evidence& evidence, double scale) {
   double offset = 0;
-  for (const SharedOffset& shared : evidence.offsets) offset = std::max(offset, shared.sigma);
+  for (const CommonModeBias& shared : evidence.offsets) offset = std::max(offset, shared.sigma);
   return std::pow(scale * evidence.penetration_sigma, 2) + offset * offset;
 }
 

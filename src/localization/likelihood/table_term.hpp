@@ -11,8 +11,8 @@ namespace palpate::localization {
 
 /// The object rests on the table: a prior that can be both evaluated and drawn from.
 ///
-/// E = min over stances s of (1 - u.u_s) / tilt^2 + (z - z_s)^2 / 2 height^2 - ln w_s, u being the
-/// table's up in the object's frame, plus a box with Gaussian edges in x and y.
+/// E = min over stable poses s of (1 - u.u_s) / tilt^2 + (z - z_s)^2 / 2 height^2 - ln w_s, u being
+/// the table's up in the object's frame, plus a box with Gaussian edges in x and y.
 class TableTerm : public EvidenceTerm {
  public:
   TableTerm(const geometry::ObjectModel& model, const TableSupport& table);
@@ -26,24 +26,24 @@ class TableTerm : public EvidenceTerm {
   double log_peak() const;
 
  private:
-  struct Stance {
+  struct StablePose {
     Eigen::Matrix3d R_table_object;
     Eigen::Vector3f up;  // of the table, in the object's frame
     double height, weight;
     float minus_log_weight;
   };
-  /// The stance that explains the pose best, with its part of the energy.
+  /// The stable pose that explains the pose best, with its part of the energy.
   struct Nearest {
-    const Stance* stance;
+    const StablePose* stable_pose;
     float energy;
   };
-  Nearest nearest_stance(const Eigen::Vector3f& up, float height) const;
+  Nearest nearest_stable_pose(const Eigen::Vector3f& up, float height) const;
   double draw_offset(RandomStream& random) const;
 
   TableSupport table_;
   Eigen::Vector3f origin_;
   Eigen::Matrix3f axes_;  // columns: x, y, z of the table in the evidence's frame
-  std::vector<Stance> stances_;
+  std::vector<StablePose> stable_poses_;
 };
 
 }  // namespace palpate::localization

@@ -8,9 +8,9 @@ namespace {
 
 constexpr double kCertain = 0.95;
 /// Share of the energy that all contacts would have if they were false. At the pose of the right
-/// object it is about .15 and with twice the noise stated .2 to .4; of wrong ones .5 and more. The
-/// false contacts that are expected take theirs besides.
-constexpr float kMostUnexplained = 0.45F;
+/// object it is about 0.15 and with twice the noise stated 0.2 to 0.4; of wrong ones 0.5 and more.
+/// The false contacts that are expected take theirs besides.
+constexpr float kMaxUnexplained = 0.45F;
 
 }  // namespace
 
@@ -19,7 +19,7 @@ bool contradicted(const geometry::ObjectModel& model, const Evidence& evidence,
   const ContactTerm contacts(model, evidence, contact_offset, 1.0);
   const auto expected = static_cast<float>(evidence.false_contact_share);
   return 2 * contacts.unexplained(best) > static_cast<int>(contacts.size()) ||
-         contacts.misfit(best) > kMostUnexplained + expected;
+         contacts.misfit(best) > kMaxUnexplained + expected;
 }
 
 PoseStatus status_of(const std::vector<Mode>& modes) {

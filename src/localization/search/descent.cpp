@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr PoseTolerance kSamePose{1.5 * kDegree, 0.002};  // two descents that ended together
-constexpr std::size_t kMostImaged = 4;                    // basins, the most probable
+constexpr std::size_t kMaxImaged = 4;                     // basins, the most probable
 
 /// The proposals of the least energy.
 std::vector<SearchPose> best_proposals(const Proposal& proposal, const Energy& energy,
@@ -73,7 +73,7 @@ std::vector<RefinedPose> image_ends(const std::vector<Basin>& basins, const Ener
                                     const PoseFamily::Symmetries& symmetries,
                                     const std::vector<Eigen::Matrix3d>& near_symmetries) {
   std::vector<RefinedPose> ends;
-  for (std::size_t i = 0; i < std::min(kMostImaged, basins.size()); ++i) {
+  for (std::size_t i = 0; i < std::min(kMaxImaged, basins.size()); ++i) {
     for (const Eigen::Matrix3d& turn : near_symmetries) {
       SearchPose image = basins[i].best.pose;
       image.R = image.R * turn.cast<float>();

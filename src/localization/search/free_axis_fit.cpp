@@ -14,17 +14,17 @@ namespace {
 using std::numbers::pi;
 
 constexpr double kDegree = pi / 180;
-constexpr double kLeastTurn = 10 * kDegree;  // between two poses that shall tell an axis
-constexpr double kMostTurn = 120 * kDegree;
-constexpr double kWidestGap = 12 * kDegree;    // between neighbours of one arc
-constexpr double kLeastExtent = 15 * kDegree;  // shorter arcs are left to a few balls
+constexpr double kMinTurn = 10 * kDegree;  // between two poses that shall tell an axis
+constexpr double kMaxTurn = 120 * kDegree;
+constexpr double kWidestGap = 12 * kDegree;  // between neighbours of one arc
+constexpr double kMinExtent = 15 * kDegree;  // shorter arcs are left to a few balls
 constexpr std::size_t kHypotheses = 60, kScored = 300;
 constexpr int kRefits = 2;
 
 /// The line about which a pure rotation takes `a` nearest to `b`.
 std::optional<FreeAxis> line_between(const PosePoint& a, const PosePoint& b) {
   const Eigen::AngleAxisd turn(b.q * a.q.conjugate());
-  if (turn.angle() < kLeastTurn || turn.angle() > kMostTurn) return std::nullopt;
+  if (turn.angle() < kMinTurn || turn.angle() > kMaxTurn) return std::nullopt;
   const Eigen::Vector3d axis = turn.axis();
   const Eigen::Vector3d step = b.t - a.t;
   if (std::abs(step.dot(axis)) > PoseTolerance().translation) return std::nullopt;
@@ -162,7 +162,7 @@ std::optional<PoseFamily> fit_free_axis(const std::vector<PosePoint>& poses, con
     angles.push_back(member.along);
   }
   const Arc arc = fullest_arc(std::move(angles));
-  if (arc.extent < kLeastExtent) return std::nullopt;
+  if (arc.extent < kMinExtent) return std::nullopt;
   FreeAxis axis = *family->axis();
   axis.extent = arc.extent;
   return PoseFamily(family->at(arc.middle), axis);

@@ -46,8 +46,8 @@ PosePoint centered(const PosePoint& center, const Poses& members,
 }
 
 /// The pose, of some candidates, in whose ball the most poses are.
-const PosePoint& most_central(const Poses& poses, const PoseFamily::Symmetries& symmetries,
-                              const PoseTolerance& tolerance) {
+const PosePoint& max_central(const Poses& poses, const PoseFamily::Symmetries& symmetries,
+                             const PoseTolerance& tolerance) {
   const std::size_t stride = std::max<std::size_t>(1, poses.size() / kCandidates);
   std::size_t best = 0;
   std::ptrdiff_t most = 0;
@@ -66,7 +66,7 @@ const PosePoint& most_central(const Poses& poses, const PoseFamily::Symmetries& 
 /// The mean where the members are densest: next to a few that lie aside, the pose that most likely
 /// is very near to the truth.
 PosePoint core_of(const Poses& members, const PoseFamily::Symmetries& symmetries) {
-  PosePoint center = most_central(members, symmetries, kCore);
+  PosePoint center = max_central(members, symmetries, kCore);
   for (int step = 0; step < kCoreSteps; ++step) {
     center =
         centered(center, members_of(PoseFamily(center), members, symmetries, kCore), symmetries);
@@ -75,7 +75,7 @@ PosePoint core_of(const Poses& members, const PoseFamily::Symmetries& symmetries
 }
 
 Cluster fullest_ball(const Poses& poses, const PoseFamily::Symmetries& symmetries) {
-  const PosePoint& best = most_central(poses, symmetries, {});
+  const PosePoint& best = max_central(poses, symmetries, {});
   const PoseFamily rough(best);
   const Poses near = members_of(rough, poses, symmetries);
   const PoseFamily core(core_of(near, symmetries));

@@ -11,7 +11,7 @@ namespace {
 constexpr double kNoiseWithoutContacts = 0.001;  // m
 constexpr double kLongestStep = 1.2;             // times the noise
 constexpr double kStepDecades = 1.3;             // steps spread over so many decades below that
-constexpr double kTurnDecades = 1.7, kTurnScale = 3.2;  // turns about an axis: .06 .. 3.2 rad
+constexpr double kTurnDecades = 1.7, kTurnScale = 3.2;  // turns about an axis: 0.06 .. 3.2 rad
 constexpr double kFlipShare = 0.25, kFlipWidth = 0.05;  // half turns, and their spread in rad
 
 Eigen::Vector3f normal3(RandomStream& random) { return random.normal3().cast<float>(); }

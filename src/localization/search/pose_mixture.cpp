@@ -46,8 +46,8 @@ PoseMixture::PoseMixture(const PosePrior& prior) {
     Component component;
     component.q = Eigen::Quaterniond(given.T_frame_object.linear()).normalized().cast<float>();
     component.t = given.T_frame_object.translation().cast<float>();
-    component.least_cosine = static_cast<float>(std::cos(std::min(angle, pi) / 2) - 1e-6);
-    component.most_distance = static_cast<float>(distance * distance);
+    component.min_cosine = static_cast<float>(std::cos(std::min(angle, pi) / 2) - 1e-6);
+    component.max_distance = static_cast<float>(distance * distance);
     component.whitening = L.inverse().cast<float>();
     component.share = given.weight / total;
     component.factor = L;
@@ -66,9 +66,9 @@ std::optional<Vector6f> PoseMixture::whitened(const Component& component,
                                               const Eigen::Quaternionf& q,
                                               const Eigen::Vector3f& t) {
   const float cosine = q.dot(component.q);
-  if (std::abs(cosine) < component.least_cosine) return std::nullopt;
+  if (std::abs(cosine) < component.min_cosine) return std::nullopt;
   const Eigen::Vector3f away = t - component.t;
-  if (away.squaredNorm() > component.most_distance) return std::nullopt;
+  if (away.squaredNorm() > component.max_distance) return std::nullopt;
   Eigen::Quaternionf turn = q * component.q.conjugate();
   if (cosine < 0) turn.coeffs() *= -1;
   Vector6f x;

@@ -41,12 +41,12 @@ class PoseMixture {
   struct Component {
     Eigen::Quaternionf q;
     Eigen::Vector3f t;
-    float least_cosine = 0;   // of half the angle to a pose that matters
-    float most_distance = 0;  // to such a pose, squared, m^2
-    Matrix6f whitening;       // L^-1
-    float peak = 0;           // relative to the greatest
-    double share = 0;         // of the draws
-    Matrix6d factor;          // L
+    float min_cosine = 0;    // of half the angle to a pose that matters
+    float max_distance = 0;  // to such a pose, squared, m^2
+    Matrix6f whitening;      // L^-1
+    float peak = 0;          // relative to the greatest
+    double share = 0;        // of the draws
+    Matrix6d factor;         // L
   };
 
   /// L^-1 x of a component, nothing beyond its reach.

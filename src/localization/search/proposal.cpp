@@ -14,15 +14,15 @@
 namespace palpate::localization {
 namespace {
 
-constexpr std::size_t kMostAnchors = 5;
-constexpr double kLeastElsewhere = 0.2;  // of the draws, however sure the prior is
+constexpr std::size_t kMaxAnchors = 5;
+constexpr double kMinElsewhere = 0.2;  // of the draws, however sure the prior is
 
 /// Contacts far from each other: each the farthest from those before it.
 std::vector<tactile::Contact> spread_contacts(const std::vector<tactile::Contact>& contacts) {
   std::vector<tactile::Contact> chosen;
   std::vector<double> gap(contacts.size(), std::numeric_limits<double>::infinity());
   std::size_t next = 0;
-  while (chosen.size() < std::min(kMostAnchors, contacts.size())) {
+  while (chosen.size() < std::min(kMaxAnchors, contacts.size())) {
     chosen.push_back(contacts[next]);
     for (std::size_t k = 0; k < contacts.size(); ++k) {
       gap[k] = std::min(gap[k], (contacts[k].p - chosen.back().p).squaredNorm());
@@ -35,7 +35,7 @@ std::vector<tactile::Contact> spread_contacts(const std::vector<tactile::Contact
 /// Contacts that bear their shared offset as noise of their own.
 std::vector<tactile::Contact> displaced_contacts(const Evidence& evidence) {
   std::vector<tactile::Contact> contacts = evidence.contacts;
-  for (const SharedOffset& offset : evidence.offsets) {
+  for (const CommonModeBias& offset : evidence.offsets) {
     for (const auto& member : offset.members) {
       double& sigma = contacts[member.contact].point_sigma;
       sigma = std::hypot(sigma, offset.sigma);
@@ -87,7 +87,7 @@ class AnchorProposal : public Proposal {
   static Evidence with_contacts(Evidence evidence, const std::vector<tactile::Contact>& contacts) {
     evidence.contacts = contacts;
     evidence.offsets.clear();
-    evidence.noise_doubt = evidence.size_doubt = 0;
+    evidence.noise_scale_prior = evidence.size_prior = 0;
     return evidence;
   }
 
@@ -117,7 +117,7 @@ class PriorProposal : public Proposal {
   PriorProposal(const PosePrior& prior, std::unique_ptr<Proposal> elsewhere)
       : mixture_(prior),
         elsewhere_(std::move(elsewhere)),
-        share_(elsewhere_ ? std::max(kLeastElsewhere, 1 - total_weight(prior)) : 0),
+        share_(elsewhere_ ? std::max(kMinElsewhere, 1 - total_weight(prior)) : 0),
         peak_((1 - share_) * std::exp(mixture_.log_peak())) {}
 
   SearchPose draw(RandomStream& random) const override {

@@ -12,7 +12,7 @@ namespace {
 constexpr double kScaleStep = 0.6;
 constexpr int kStepsPerScale = 2, kLastSteps = 4;
 constexpr int kTries = 3;  // of shorter steps
-constexpr double kFirstDamping = 1e-3, kLeastDamping = 1e-4, kMoreDamping = 20, kLessDamping = 0.3;
+constexpr double kFirstDamping = 1e-3, kMinDamping = 1e-4, kMoreDamping = 20, kLessDamping = 0.3;
 constexpr double kLongestTurn = 0.3, kLongestStep = 0.02;  // rad, m
 constexpr double kConverged = 0.01;  // fall of the energy below which a scale is done with
 /// Weak prior that keeps the information regular: 1 rad and 50 mm.
@@ -45,7 +45,7 @@ float descend(SearchPose& pose, float& now, double& damping, const Energy& energ
       const float fall = now - there;
       pose = to;
       now = there;
-      damping = std::max(kLeastDamping, kLessDamping * damping);
+      damping = std::max(kMinDamping, kLessDamping * damping);
       return fall;
     }
     damping *= kMoreDamping;

@@ -10,7 +10,7 @@ namespace {
 constexpr float kScreenMargin = 60;  // energy above the best proposal at which one is dropped
 constexpr double kFirstShare = 0.8;  // effective sample size after the screening, of the particles
 constexpr double kStepShare = 0.5;   // and after each step of the bridge
-constexpr double kLeastStep = 0.005;
+constexpr double kMinStep = 0.005;
 constexpr double kScaleStep = 0.75;
 constexpr double kLastScale = 1.1;  // below this the scale is 1
 constexpr double kWidestMove = 12;  // in units of the contacts' noise
@@ -147,7 +147,7 @@ std::vector<Particle> bridged(const Target& target, const LocalizerOptions& opti
   double size = kFirstShare * options.particles;
   while (exponent < 1 && !particles.empty()) {
     const double step = bridge_step(particles, 1 - exponent, size);
-    const double taken = std::min(1 - exponent, std::max(step, kLeastStep));
+    const double taken = std::min(1 - exponent, std::max(step, kMinStep));
     particles = resampled(particles, bridge_weights(particles, taken), options.particles, random);
     exponent = taken < 1 - exponent ? exponent + taken : 1;
     move(particles, target, energy, exponent, options.first_scale, options.moves, random);

@@ -14,8 +14,8 @@ namespace {
 using std::numbers::pi;
 
 constexpr double kFreeSpread = 0.015, kAimSpread = 0.02;  // m
-constexpr int kMostTries = 60;                            // grasps, many of which miss
-constexpr std::size_t kLeastContacts = 2;                 // of a grasp worth having
+constexpr int kMaxTries = 60;                             // grasps, many of which miss
+constexpr std::size_t kMinContacts = 2;                   // of a grasp worth having
 
 Approach free_approach(RandomStream& random) {
   return {random.unit_vector(), kAimSpread * random.normal3(), random.uniform(0, 2 * pi)};
@@ -44,7 +44,7 @@ Eigen::Isometry3d random_pose(RandomStream& random) {
 bool worth_having(const SceneGrasp& grasp) {
   const bool all_false =
       std::find(grasp.is_false.begin(), grasp.is_false.end(), false) == grasp.is_false.end();
-  return grasp.contacts.size() >= kLeastContacts && !all_false;
+  return grasp.contacts.size() >= kMinContacts && !all_false;
 }
 
 void shift(const Eigen::Vector3d& by, Evidence& evidence, std::size_t first_contact,
@@ -68,7 +68,7 @@ void add_grasp(const SceneGrasp& grasp, const SceneEvidenceOptions& options, Ran
     felt.normal_sigma *= options.assumed_noise;
     evidence.contacts.push_back(felt);
   }
-  SharedOffset offset;
+  CommonModeBias offset;
   offset.sigma = options.assumed_offset / std::sqrt(3.0);
   for (std::size_t k = first_contact; k < evidence.contacts.size(); ++k) {
     offset.members.push_back({k});
@@ -91,14 +91,15 @@ int GraspScene::contacts() const {
 
 Eigen::Isometry3d random_rest(const geometry::ObjectModel& model, double half_width,
                               RandomStream& random) {
-  const auto& stances = model.object().stances;
+  const auto& stable_poses = model.object().stable_poses;
   double left = random.uniform();
   std::size_t s = 0;
-  while (s + 1 < stances.size() && left >= stances[s].probability) left -= stances[s++].probability;
+  while (s + 1 < stable_poses.size() && left >= stable_poses[s].probability)
+    left -= stable_poses[s++].probability;
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  T.linear() = exp_so3({0, 0, random.uniform(-pi, pi)}) * stances[s].R_table_object;
+  T.linear() = exp_so3({0, 0, random.uniform(-pi, pi)}) * stable_poses[s].R_table_object;
   const double x = random.uniform(-half_width, half_width);
-  T.translation() << x, random.uniform(-half_width, half_width), stances[s].height;
+  T.translation() << x, random.uniform(-half_width, half_width), stable_poses[s].height;
   return T;
 }
 
@@ -110,8 +111,8 @@ GraspScene make_grasp_scene(const geometry::ObjectModel& model, const geometry::
   scene.truth =
       options.table ? random_rest(model, options.half_width, random) : random_pose(random);
   const KinematicGrasp close(model, mesh, hand, scene.truth, options.table);
-  for (int i = 0; i < kMostTries && scene.contacts() < options.contacts &&
-                  static_cast<int>(scene.grasps.size()) < options.most_grasps;
+  for (int i = 0; i < kMaxTries && scene.contacts() < options.contacts &&
+                  static_cast<int>(scene.grasps.size()) < options.max_grasps;
        ++i) {
     const Approach approach = options.table ? approach_above_table(random) : free_approach(random);
     SceneGrasp grasp = close(approach, options.false_share, random);
@@ -135,9 +136,9 @@ tactile::Contact disturbed(tactile::Contact contact, double point_noise, double 
 
 Evidence scene_evidence(const GraspScene& scene, const SceneEvidenceOptions& options,
                         RandomStream random) {
-  constexpr double kLeastFalse = 0.01;
+  constexpr double kMinFalse = 0.01;
   Evidence evidence;
-  evidence.false_contact_share = std::max(kLeastFalse, options.false_share);
+  evidence.false_contact_share = std::max(kMinFalse, options.false_share);
   if (scene.on_table) {
     TableSupport table;
     table.T_frame_table = Eigen::Isometry3d::Identity();

@@ -12,13 +12,13 @@ namespace palpate::localization {
 namespace {
 
 constexpr double kStartDistance = 0.16, kPastAim = 0.03;  // m, of the palm's way in
-constexpr double kLeastStep = 0.0008, kMostStep = 0.02;   // m, of it
+constexpr double kMinStep = 0.0008, kMaxStep = 0.02;      // m, of it
 constexpr double kTouching = 0.001;                       // m between palm and object
-constexpr double kLeastBackOff = 0.002, kMostBackOff = 0.015;
-constexpr double kGraspCentre = 0.075;          // m along the palm's z axis: where fingers meet
-constexpr int kTicks = 75, kTicksPerSweep = 6;  // of the closing
+constexpr double kMinBackOff = 0.002, kMaxBackOff = 0.015;
+constexpr double kGraspCentre = 0.075;  // m along the palm's z axis: where fingers meet
+constexpr int kTicks = 75, kTicksPerGuardedMove = 6;   // of the closing
 constexpr double kBaseStep = 0.03, kCurlStep = 0.033;  // rad a tick
-constexpr double kMostBase = 1.5, kMostCurl = 1.6;
+constexpr double kMaxBase = 1.5, kMaxCurl = 1.6;
 constexpr int kBisections = 6;
 constexpr double kContactGap = 0.0012;  // m between a stopped fingertip and what it touches
 constexpr double kOtherShare = 60;      // ticks over which a finger may meet something else
@@ -112,10 +112,10 @@ bool KinematicGrasp::approached(const Approach& approach, Posture& posture,
       least = std::min(least, gap({ball.center + along * approach.direction, ball.radius}));
     }
     if (least < kTouching) break;
-    along += std::max(kLeastStep, 0.7 * std::min(least, kMostStep));
+    along += std::max(kMinStep, 0.7 * std::min(least, kMaxStep));
   }
   if (along <= -kStartDistance) return false;
-  along -= random.uniform(kLeastBackOff, kMostBackOff);
+  along -= random.uniform(kMinBackOff, kMaxBackOff);
   posture.T_world_palm.translation() += along * approach.direction;
   return true;
 }
@@ -169,8 +169,8 @@ void KinematicGrasp::step(Posture& posture, int tick) const {
       const bool ends = is_tip(deepest, f) || finger.stage == Stage::curling;
       finger.stage = ends ? Stage::stopped : Stage::curling;
     }
-    if (finger.base > kMostBase && finger.stage == Stage::closing) finger.stage = Stage::curling;
-    if (finger.curl > kMostCurl) finger.stage = Stage::stopped;
+    if (finger.base > kMaxBase && finger.stage == Stage::closing) finger.stage = Stage::curling;
+    if (finger.curl > kMaxCurl) finger.stage = Stage::stopped;
   }
 }
 
@@ -218,7 +218,7 @@ SceneGrasp KinematicGrasp::operator()(const Approach& approach, double false_sha
   const auto moving = [](const Finger& finger) { return finger.stage != Stage::stopped; };
   for (int tick = 1; tick <= kTicks && std::ranges::any_of(posture.fingers, moving); ++tick) {
     step(posture, tick);
-    if (tick % kTicksPerSweep != 0) continue;
+    if (tick % kTicksPerGuardedMove != 0) continue;
     const auto now = balls(posture);
     for (std::size_t b = 0; b < now.size(); ++b) {
       const auto finger = static_cast<std::size_t>(std::max(0, finger_of_[b]));

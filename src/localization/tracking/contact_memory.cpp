@@ -7,7 +7,7 @@
 namespace palpate::localization {
 namespace {
 
-constexpr double kLeastVariance = 1e-4;  // of a mean, those of a frame being 1
+constexpr double kMinVariance = 1e-4;  // of a mean, those of a frame being 1
 
 /// The contact of a frame that is the same fingertip's as the i-th of another.
 const tactile::Contact* same_tip(const std::vector<tactile::Contact>& frame, std::size_t i,
@@ -97,7 +97,7 @@ std::vector<tactile::Contact> mean_contacts(const ContactFrames& frames,
       const double share = covariance / variance_of_mean(felt, errors);
       mean.p -= share * known->p;
       mean.n = (mean.n - share * known->n).normalized();
-      variance = std::max(kLeastVariance, variance - share * covariance);
+      variance = std::max(kMinVariance, variance - share * covariance);
     }
     const double scale = std::sqrt(variance);
     mean.point_sigma *= scale;

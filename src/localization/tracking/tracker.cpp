@@ -24,13 +24,13 @@ constexpr double kShortened[] = {1.0, 0.4, 0.15};  // of a step that does not lo
 constexpr double kLongestGap = 0.5;                // s without a frame that are trusted
 constexpr double kLearningTime = 0.5;              // s over which sliding is averaged
 constexpr double kDrift = 1e-4;                    // variance a second, rad^2 and (dm)^2
-constexpr double kLeastSliding = 0.05;             // share of the velocities' variance
+constexpr double kMinSliding = 0.05;               // share of the velocities' variance
 constexpr std::size_t kRecent = 3, kBefore = 25, kSettling = 12;  // frames compared for a slip
-constexpr std::size_t kSlipped = 2;      // of the recent ones were surely felt after it
-constexpr std::ptrdiff_t kLearnt = 20;   // frames before it, whose errors are learnt
-constexpr std::size_t kMostFrames = 50;  // that are remembered
-constexpr double kLoss = 12;             // of ln weight at which a hypothesis is dropped
-constexpr std::size_t kMostHypotheses = 16;
+constexpr std::size_t kSlipped = 2;     // of the recent ones were surely felt after it
+constexpr std::ptrdiff_t kLearnt = 20;  // frames before it, whose errors are learnt
+constexpr std::size_t kMaxFrames = 50;  // that are remembered
+constexpr double kLoss = 12;            // of ln weight at which a hypothesis is dropped
+constexpr std::size_t kMaxHypotheses = 16;
 constexpr PoseTolerance kSamePose{0.026, 0.002};
 
 SearchPose search_pose(const Eigen::Isometry3d& T) {
@@ -81,7 +81,7 @@ Tracker::Tracker(const geometry::ObjectModel& model, const Posterior& start,
       velocity_variance_(std::pow(options.sliding, 2) / 2 + std::pow(options.velocity_noise, 2)) {
   if (start.modes.empty()) throw BadInput("tracker: a posterior of 0 modes to start from");
   for (const Mode& mode : start.modes) {
-    if (mode.weight <= 0 || hypotheses_.size() == kMostHypotheses) continue;
+    if (mode.weight <= 0 || hypotheses_.size() == kMaxHypotheses) continue;
     Matrix6d covariance = mode.covariance;
     covariance.diagonal().array() += 1e-8;
     hypotheses_.push_back({mode.T_frame_object, covariance, std::log(mode.weight)});
@@ -108,7 +108,7 @@ Tracker::TwistFit Tracker::fit_twist(const TrackFrame& frame, const Eigen::Vecto
 /// velocities is another one in every frame.
 double Tracker::twist_error_growth(double dt) const {
   const double noise = std::pow(options_.velocity_noise, 2) / velocity_variance_;
-  const double sliding = std::max(kLeastSliding, 1 - noise);
+  const double sliding = std::max(kMinSliding, 1 - noise);
   return 2 * options_.correlation_time * dt * sliding + dt * dt * noise;
 }
 
@@ -216,7 +216,7 @@ void Tracker::remember(const TrackFrame& frame, const Eigen::Isometry3d& motion)
   if (frame.contacts.empty()) return;
   recent_.push_back(frame.contacts);
   for (auto& contact : recent_.back()) contact.time = frame.time;
-  if (recent_.size() > kMostFrames) recent_.erase(recent_.begin());
+  if (recent_.size() > kMaxFrames) recent_.erase(recent_.begin());
 }
 
 /// All hypotheses anew: those before the slip, corrected by the mean of what was felt since, from
@@ -257,7 +257,7 @@ void Tracker::prune() {
   std::vector<Hypothesis> kept;
   for (Hypothesis& hypothesis : hypotheses_) {
     hypothesis.log_weight -= most;
-    if (hypothesis.log_weight < -kLoss || kept.size() == kMostHypotheses) break;
+    if (hypothesis.log_weight < -kLoss || kept.size() == kMaxHypotheses) break;
     const PoseFamily ball{PosePoint(hypothesis.T)};
     const bool known = std::any_of(kept.begin(), kept.end(), [&](const Hypothesis& other) {
       return ball.contains(PosePoint(other.T), symmetries, kSamePose);
@@ -283,7 +283,7 @@ const Posterior& Tracker::update(const TrackFrame& frame) {
   Evidence evidence;
   evidence.contacts = frame.contacts;
   evidence.false_contact_share = options_.false_contacts;
-  evidence.noise_doubt = evidence.size_doubt = 0;  // a slip would pass for noise
+  evidence.noise_scale_prior = evidence.size_prior = 0;  // a slip would pass for noise
   check_evidence(model_, evidence);
   if (started_ && frame.time <= time_) return posterior_;
   const double dt = started_ ? std::min(frame.time - time_, kLongestGap) : 0.0;

@@ -12,7 +12,7 @@ namespace palpate::simulation {
 namespace {
 
 constexpr int kContactsOfAGeom = 4;  // the simulator has room for no more between plane and mesh
-constexpr int kMostContacts = kRestingGeoms * kContactsOfAGeom;
+constexpr int kMaxContacts = kRestingGeoms * kContactsOfAGeom;
 constexpr double kTilt = 1e-3;  // rad, by which the body may turn before other vertices bear it
 
 mjfCollision meet_few_vertices = nullptr;  // the simulator's own function
@@ -55,8 +55,8 @@ std::vector<Eigen::Vector3d> bearing_vertices(const std::vector<Eigen::Vector3d>
                                               const Eigen::Matrix3d& R_plane_mesh) {
   const double heading = std::atan2(R_plane_mesh(1, 0), R_plane_mesh(0, 0));
   std::vector<std::size_t> chosen;
-  for (int side = 0; side < kMostContacts; ++side) {
-    const double angle = heading + 2 * std::numbers::pi * side / kMostContacts;
+  for (int side = 0; side < kMaxContacts; ++side) {
+    const double angle = heading + 2 * std::numbers::pi * side / kMaxContacts;
     const Eigen::Vector3d down(kTilt * std::cos(angle), kTilt * std::sin(angle), -1);
     const auto lowest =
         std::ranges::max_element(low, {}, [&](const Eigen::Vector3d& p) { return down.dot(p); });
@@ -88,7 +88,7 @@ int meet_hull(const mjModel* model, mjData* data, mjPreContact* contacts, int pl
   const Eigen::Isometry3d T_world_plane = geom_pose(*data, plane);
   const Eigen::Isometry3d T_plane_mesh = T_world_plane.inverse() * geom_pose(*data, mesh);
   std::vector<Eigen::Vector3d> low = low_vertices(*model, mesh, T_plane_mesh, margin);
-  if (low.size() > kMostContacts) low = bearing_vertices(low, T_plane_mesh.linear());
+  if (low.size() > kMaxContacts) low = bearing_vertices(low, T_plane_mesh.linear());
   const auto first = static_cast<std::size_t>(share * kContactsOfAGeom);
   int count = 0;
   for (std::size_t i = first; i < low.size() && count < kContactsOfAGeom; ++i) {

@@ -28,7 +28,7 @@ constexpr std::array<bool, hand::kFingers> kAll = {true, true, true, true, true}
 
 int ticks(double seconds) { return static_cast<int>(std::lround(seconds / hand::kTick)); }
 
-hand::HandCommand opened(const BlindGrasp& grasp) {
+hand::HandCommand opened(const OpenLoopGrasp& grasp) {
   hand::HandCommand command;
   const auto set = [&](const std::string& name, double value) {
     command.positions[hand::actuator_index(name)] = value;
@@ -70,7 +70,7 @@ hand::HandReading approach(World& world, hand::HandCommand& command, bool side) 
 
 }  // namespace
 
-bool run_blind_grasp(World& world, const BlindGrasp& grasp) {
+bool run_open_loop_grasp(World& world, const OpenLoopGrasp& grasp) {
   hand::HandCommand command = opened(grasp);
   world.reset(grasp.start, command);
   hand::HandReading reading = approach(world, command, grasp.side);

@@ -20,7 +20,7 @@ namespace {
 constexpr double kConcavity = 0.05;
 constexpr int kHullVertices = 256;
 constexpr unsigned kSeed = 0;
-constexpr std::size_t kMostBodies = 200;  // more make contacts slow, and are no object to hold
+constexpr std::size_t kMaxBodies = 200;  // more make contacts slow, and are no object to hold
 
 std::vector<double> flat_vertices(const geometry::TriangleMesh& mesh) {
   std::vector<double> result;
@@ -95,9 +95,9 @@ std::vector<geometry::TriangleMesh> bodies_of(const geometry::TriangleMesh& mesh
   auto bodies = geometry::components(mesh);
   if (bodies.size() == 1) return {mesh};  // its vertices in their own order
   std::erase_if(bodies, [](const auto& body) { return geometry::inspect(body).volume < 0; });
-  if (bodies.size() > kMostBodies) {
+  if (bodies.size() > kMaxBodies) {
     throw BadInput(fmt::format("an object of {} separate bodies cannot be simulated: at most {}",
-                               bodies.size(), kMostBodies));
+                               bodies.size(), kMaxBodies));
   }
   return bodies;
 }

@@ -56,7 +56,7 @@ struct World::Impl {
         data(make_data(*scene.model)),
         believed(believed_hand(options.noise, random)),
         hand(scene, *data, options, random.fork("readers")),
-        false_truth(options.false_truth) {
+        corrupted_truth(options.corrupted_truth) {
     if (options.biotacs) hand.wear(SimulatedBiotacs(mesh, believed, random.fork("biotacs")));
   }
 
@@ -69,17 +69,17 @@ struct World::Impl {
   DataHandle data;
   hand::HandModel believed;
   SimulatedHand hand;
-  bool false_truth;
+  bool corrupted_truth;
 };
 
 void World::Impl::place_object(const Start& start) {
-  if (start.stance < 0 || start.stance >= static_cast<int>(object.stances.size())) {
-    throw BadInput(fmt::format("object {} has {} stances, not number {}", object.name,
-                               object.stances.size(), start.stance));
+  if (start.stable_pose < 0 || start.stable_pose >= static_cast<int>(object.stable_poses.size())) {
+    throw BadInput(fmt::format("object {} has {} stable poses, not number {}", object.name,
+                               object.stable_poses.size(), start.stable_pose));
   }
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
   T.linear() = Eigen::AngleAxisd(start.yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix() *
-               object.stances[static_cast<std::size_t>(start.stance)].R_table_object;
+               object.stable_poses[static_cast<std::size_t>(start.stable_pose)].R_table_object;
   T.translation() << start.xy, kDropHeight - lowest_point(object.mesh, T);
   mjtNum* const position = data->qpos + scene.object_position;
   write_pose(T, position, position + 3);
@@ -113,7 +113,7 @@ Truth World::truth() const {
   for (std::size_t i = 0; i < scene.joint_positions.size(); ++i) {
     truth.joints[static_cast<int>(i)] = data.qpos[scene.joint_positions[i]];
   }
-  if (impl_->false_truth) {
+  if (impl_->corrupted_truth) {
     truth.T_world_object.prerotate(Eigen::AngleAxisd(1, Eigen::Vector3d(1, 2, 2) / 3));
     truth.T_world_object.pretranslate(Eigen::Vector3d(0.1, -0.2, 0.3));
     truth.joints.array() += 0.3;

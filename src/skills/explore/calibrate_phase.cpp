@@ -120,7 +120,7 @@ std::vector<tactile::TipPosture> fingertips_in_grasps() {
   RandomStream random(kDesign, "grasps");
   std::vector<tactile::TipPosture> tips;
   for (int i = 0; i < kUses; ++i) {
-    hand::ActuatorVector posture = open_posture(top_recipe());
+    hand::ActuatorVector posture = open_posture(top_preshape());
     for (int finger = 0; finger < hand::kFingers; ++finger) bend_finger(finger, random, posture);
     const auto joints = hand::joints_in_free_flexion(posture);
     for (int finger = 0; finger < hand::kFingers; ++finger) tips.push_back({finger, joints});
@@ -146,22 +146,22 @@ std::vector<Attitude> telling_attitudes(const hand::HandModel& hand,
   return chosen;
 }
 
-void rise(Robot& robot, double way, double speed) {
+void rise(Executor& robot, double way, double speed) {
   hand::BasePosition up = robot.command().base;
   up.xyz.z() += way;
   robot.move_base(up, speed);
 }
 
 /// Lets the fingertip rest where it touches, no longer pushed on.
-void rest(Robot& robot, const CalibrateOptions& options) {
+void rest(Executor& robot, const CalibrateOptions& options) {
   hand::BasePosition here = robot.command().base;
   here.xyz += kTakenBack * (robot.reading().base.xyz - here.xyz);  // it would push on
   robot.move_base(here, options.speed);
   robot.wait(kSettling + options.rest);
-  robot.mark(estimation::Mark::on_table);
+  robot.mark(estimation::TouchEvent::on_table);
 }
 
-void touch_table(Robot& robot, const Attitude& attitude, const CalibrateOptions& options) {
+void touch_table(Executor& robot, const Attitude& attitude, const CalibrateOptions& options) {
   const double low =
       std::min(lowest(robot.model(), attitude, true), lowest(robot.model(), attitude, false));
   const double high = std::max(robot.command().base.xyz.z(), kTravelHeight - low);
@@ -181,7 +181,7 @@ void touch_table(Robot& robot, const Attitude& attitude, const CalibrateOptions&
 struct Felt {
   int readings = 0, contacts = 0;
   Eigen::Vector3d p = Eigen::Vector3d::Zero();  ///< mean of the contacts
-  double told_variance = 0;                     ///< of them, as the sensor tells
+  double reported_variance = 0;                 ///< of them, as the sensor tells
   double mean_variance = 0;                     ///< of p, an axis, by how much they scatter
 };
 
@@ -192,11 +192,11 @@ Felt feel(std::span<const hand::HandReading> window, std::size_t finger) {
     for (const auto& contact : reading.contacts[finger]) {
       ++felt.contacts;
       felt.p += contact.p;
-      felt.told_variance += contact.point_sigma * contact.point_sigma;
+      felt.reported_variance += contact.point_sigma * contact.point_sigma;
     }
   }
   felt.p /= std::max(1, felt.contacts);
-  felt.told_variance /= std::max(1, felt.contacts);
+  felt.reported_variance /= std::max(1, felt.contacts);
   for (const auto& reading : window) {
     for (const auto& contact : reading.contacts[finger]) {
       felt.mean_variance += (contact.p - felt.p).squaredNorm() / 3;
@@ -217,16 +217,16 @@ void add_resting_tips(std::span<const hand::HandReading> window, double sigma,
         {{static_cast<int>(finger), joints},
          felt.p,
          table_from(window.back().base),
-         std::sqrt(std::max(sigma * sigma, felt.mean_variance) + felt.told_variance)});
+         std::sqrt(std::max(sigma * sigma, felt.mean_variance) + felt.reported_variance)});
   }
 }
 
-std::vector<tactile::TipOnPlane> table_touches(const estimation::TouchLog& log,
+std::vector<tactile::TipOnPlane> table_touches(const estimation::EventLog& log,
                                                const CalibrateOptions& options) {
   const auto readings = static_cast<std::size_t>(std::lround(options.rest / hand::kTick));
   std::vector<tactile::TipOnPlane> touches;
   for (const auto& moment : log.moments) {
-    if (moment.mark != estimation::Mark::on_table) continue;
+    if (moment.mark != estimation::TouchEvent::on_table) continue;
     const std::size_t count = std::min(readings, moment.reading + 1);
     add_resting_tips(std::span(log.readings).subspan(moment.reading + 1 - count, count),
                      options.sigma, touches);
@@ -245,7 +245,7 @@ double unexplained(const hand::HandModel& hand, const std::vector<tactile::TipOn
 
 }  // namespace
 
-hand::HandModel calibrated_hand(const hand::HandModel& hand, const estimation::TouchLog& log,
+hand::HandModel calibrated_hand(const hand::HandModel& hand, const estimation::EventLog& log,
                                 const CalibrateOptions& options) {
   const auto touches = table_touches(log, options);
   hand::HandModel calibrated = tactile::calibrate_links(hand, touches, fingertips_in_grasps());
@@ -254,7 +254,7 @@ hand::HandModel calibrated_hand(const hand::HandModel& hand, const estimation::T
 
 double CalibratePhase::time_limit() const { return 20 + kSecondsATouch * options_.touches; }
 
-PhaseEnd CalibratePhase::run(Robot& robot, PickState&) {
+PhaseEnd CalibratePhase::run(Executor& robot, PickState&) {
   const hand::HandModel before = robot.model();
   for (const auto& attitude : telling_attitudes(before, options_)) {
     touch_table(robot, attitude, options_);
@@ -263,9 +263,9 @@ PhaseEnd CalibratePhase::run(Robot& robot, PickState&) {
        options_.travel_speed);
   const auto touches = table_touches(robot.log(), options_);
   robot.set_model(calibrated_hand(before, robot.log(), options_));
-  const bool better = robot.model().link_error < before.link_error;
+  const bool better = robot.model().kinematic_error < before.kinematic_error;
   return {better, fmt::format("{} touches of the table, links known to {:.2f} mm", touches.size(),
-                              1e3 * robot.model().link_error)};
+                              1e3 * robot.model().kinematic_error)};
 }
 
 }  // namespace palpate::skills

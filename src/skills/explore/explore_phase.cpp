@@ -15,22 +15,22 @@ namespace {
 
 constexpr double kPitch = 1.35;        // rad of the base: the first finger points down
 constexpr double kAbove = 0.03;        // m over the object's top while travelling
-constexpr double kLeastDepth = 0.014;  // m of the fingertip's centre over the table
+constexpr double kMinDepth = 0.014;    // m of the fingertip's centre over the table
 constexpr double kRest = 0.12;         // s of contact that are averaged
 constexpr double kBlockedLoad = 0.15;  // N more on the base: something but the fingertip touches
 constexpr int kDirections = 16;        // of further sweeps
 constexpr int kOffsets = 3;            // to either side of the object's place
 constexpr double kSpacing = 0.015;     // m between them
 constexpr double kDepthStep = 0.02;    // m between heights of further sweeps
-constexpr double kLeastInformation = 0.03;
+constexpr double kMinInformation = 0.03;
 constexpr double kTakenBack = 0.7;    // of the lead of the base's command, at a touch
 constexpr double kHigher = 0.006;     // m, of another try where the hand was blocked
 constexpr double kHighest = 0.018;    // m, of all of these together
-constexpr double kGoodSpread = 0.35;  // of the resting pose, where no more sweeps are needed
-constexpr double kWorthwhile = 0.93;  // of the spread that a sweep may leave
+constexpr double kGoodSpread = 0.35;  // of the resting pose, where no more guarded moves are needed
+constexpr double kWorthwhile = 0.93;  // of the spread that a guarded move may leave
 constexpr double kBackOff = 0.03;     // m
-constexpr double kSweepTime = 9;      // s that a sweep takes with its travel, amply
-constexpr double kLeastTime = 180;    // s, of the whole phase
+constexpr double kGuardedMoveTime = 9;  // s that a guarded move takes with its travel, amply
+constexpr double kMinTime = 180;        // s, of the whole phase
 constexpr auto kProbe = static_cast<std::size_t>(hand::Finger::first);
 
 /// The first finger straight, the others curled away.
@@ -46,7 +46,7 @@ hand::ActuatorVector pointing_hand() {
 }
 
 /// Centre of the probing fingertip in the base's frame, by the commanded posture.
-Eigen::Vector3d probe_in_base(const Robot& robot) {
+Eigen::Vector3d probe_in_base(const Executor& robot) {
   hand::JointVector joints = robot.reading().joints;
   const auto T_base_link = hand::forward_kinematics(robot.model(), joints);
   const auto link = static_cast<std::size_t>(robot.model().distal[kProbe]);
@@ -54,65 +54,67 @@ Eigen::Vector3d probe_in_base(const Robot& robot) {
 }
 
 /// Base position, turned by a yaw, that brings the probing fingertip to p (world).
-hand::BasePosition base_for_probe(const Robot& robot, double yaw, const Eigen::Vector3d& p) {
+hand::BasePosition base_for_probe(const Executor& robot, double yaw, const Eigen::Vector3d& p) {
   hand::BasePosition base;
   base.ypr = {yaw, kPitch, 0};
   base.xyz = p - base.pose().linear() * probe_in_base(robot);
   return base;
 }
 
-Robot::StopCondition tip_touches(double force) {
+Executor::StopCondition tip_touches(double force) {
   return [force](const hand::HandReading& reading) {
     return hand::tip_force(reading, static_cast<int>(kProbe)) > force;
   };
 }
 
 /// Takes back most of the lead that the base's command has on the base, which would go on pushing.
-void stop_here(Robot& robot, double speed) {
+void stop_here(Executor& robot, double speed) {
   hand::BasePosition here = robot.command().base;
   here.xyz += kTakenBack * (robot.reading().base.xyz - here.xyz);
   robot.move_base(here, speed);
 }
 
 double first_depth(const PickState& state, const ExploreOptions& options) {
-  return std::max(kLeastDepth, state.height - options.reach);
+  return std::max(kMinDepth, state.height - options.reach);
 }
 
 /// Level towards the object's place from an angle, passing it to the left by an offset.
-localization::Sweep level_sweep(const PickState& state, const ExploreOptions& options, double angle,
-                                double offset, double depth) {
+localization::GuardedMove level_guarded_move(const PickState& state, const ExploreOptions& options,
+                                             double angle, double offset, double depth) {
   const Eigen::Vector3d out(std::cos(angle), std::sin(angle), 0);
   const Eigen::Vector3d middle = Eigen::Vector3d(state.place.x(), state.place.y(), depth) +
                                  offset * Eigen::Vector3d::UnitZ().cross(out);
   return {middle + options.radius * out, middle - options.past * out};
 }
 
-/// Level sweeps from all sides, and past the object's place on both of them.
-void add_level_sweeps(const PickState& state, const ExploreOptions& options, double depth,
-                      std::vector<localization::Sweep>& sweeps) {
+/// Level guarded moves from all sides, and past the object's place on both of them.
+void add_level_guarded_moves(const PickState& state, const ExploreOptions& options, double depth,
+                             std::vector<localization::GuardedMove>& guarded_moves) {
   for (int i = 0; i < kDirections; ++i) {
     for (int side = -kOffsets; side <= kOffsets; ++side) {
-      sweeps.push_back(level_sweep(state, options, 2 * std::numbers::pi * i / kDirections,
-                                   kSpacing * side, std::max(kLeastDepth, depth)));
+      guarded_moves.push_back(level_guarded_move(state, options,
+                                                 2 * std::numbers::pi * i / kDirections,
+                                                 kSpacing * side, std::max(kMinDepth, depth)));
     }
   }
 }
 
 /// Level ones from the least height of the fingertip up to the object's top, and downward ones.
-std::vector<localization::Sweep> telling_sweeps(const PickState& state,
-                                                const ExploreOptions& options) {
-  std::vector<localization::Sweep> sweeps;
-  for (double depth = first_depth(state, options); depth > kLeastDepth - 0.5 * kDepthStep;
+std::vector<localization::GuardedMove> telling_guarded_moves(const PickState& state,
+                                                             const ExploreOptions& options) {
+  std::vector<localization::GuardedMove> guarded_moves;
+  for (double depth = first_depth(state, options); depth > kMinDepth - 0.5 * kDepthStep;
        depth -= kDepthStep) {
-    add_level_sweeps(state, options, depth, sweeps);
+    add_level_guarded_moves(state, options, depth, guarded_moves);
   }
   for (int x = -kOffsets; x <= kOffsets; ++x) {
     for (int y = -kOffsets; y <= kOffsets; ++y) {
       const Eigen::Vector2d xy = state.place + kSpacing * Eigen::Vector2d(x, y);
-      sweeps.push_back({{xy.x(), xy.y(), state.height + kAbove}, {xy.x(), xy.y(), kLeastDepth}});
+      guarded_moves.push_back(
+          {{xy.x(), xy.y(), state.height + kAbove}, {xy.x(), xy.y(), kMinDepth}});
     }
   }
-  return sweeps;
+  return guarded_moves;
 }
 
 /// The even numbers below a count, then the odd ones.
@@ -130,13 +132,13 @@ bool settled(const localization::Posterior& posterior, double certain) {
 }
 
 /// The first finger's balls around the centre of its tip.
-localization::SweepingFinger sweeping_finger(const Robot& robot, double yaw) {
+localization::ProbingFinger sweeping_finger(const Executor& robot, double yaw) {
   const auto& hand = robot.model();
   const auto T_base_link = hand::forward_kinematics(hand, robot.reading().joints);
   const Eigen::Matrix3d R_world_base =
       base_for_probe(robot, yaw, Eigen::Vector3d::Zero()).pose().linear();
   const Eigen::Vector3d probe = probe_in_base(robot);
-  localization::SweepingFinger finger;
+  localization::ProbingFinger finger;
   finger.R_world_base = R_world_base;
   for (const auto& sphere : hand.spheres) {
     const Eigen::Vector3d p = T_base_link[static_cast<std::size_t>(sphere.link)] * sphere.center;
@@ -149,11 +151,12 @@ localization::SweepingFinger sweeping_finger(const Robot& robot, double yaw) {
 }  // namespace
 
 double ExplorePhase::time_limit() const {
-  const int sweeps = std::max(options_.most_touches, 2 * options_.touches) + options_.refining;
-  return std::max(kLeastTime, kSweepTime * sweeps);
+  const int guarded_moves =
+      std::max(options_.max_touches, 2 * options_.touches) + options_.refining;
+  return std::max(kMinTime, kGuardedMoveTime * guarded_moves);
 }
 
-PhaseEnd ExplorePhase::run(Robot& robot, PickState& state) {
+PhaseEnd ExplorePhase::run(Executor& robot, PickState& state) {
   done_.clear();
   raised_ = 0;
   hand::BasePosition up = robot.command().base;
@@ -162,8 +165,9 @@ PhaseEnd ExplorePhase::run(Robot& robot, PickState& state) {
   robot.move_fingers(pointing_hand(), 0.5);
   robot.wait(0.1);
   int touches = touch_around(robot, state);
-  if (options_.most_touches <= options_.touches) touches += make_up(robot, state, touches);
-  state.resting = estimation::locate_resting(object_, robot.model(), robot.log(), locate_, seed_);
+  if (options_.max_touches <= options_.touches) touches += make_up(robot, state, touches);
+  state.resting =
+      estimation::estimate_resting_pose(object_, robot.model(), robot.log(), locate_, seed_);
   touches += tell_apart(robot, state);
   touches += refine(robot, state);
   if (state.resting->modes.empty()) {
@@ -175,39 +179,40 @@ PhaseEnd ExplorePhase::run(Robot& robot, PickState& state) {
                             state.resting->modes[0].weight)};
 }
 
-/// Level sweeps from all sides, half of them with the hand turned round.
-int ExplorePhase::touch_around(Robot& robot, const PickState& state) {
+/// Level guarded moves from all sides, half of them with the hand turned round.
+int ExplorePhase::touch_around(Executor& robot, const PickState& state) {
   int touches = 0;
   for (const int i : every_other_first(options_.touches)) {
     const double angle = 2 * std::numbers::pi * i / options_.touches;
-    touches += touch_from(robot, state, angle, i % 2 == 0 ? 0 : 1) == SweepEnd::touched;
+    touches += touch_from(robot, state, angle, i % 2 == 0 ? 0 : 1) == GuardedMoveEnd::touched;
   }
   return touches;
 }
 
-/// Level sweeps from in between the first ones, till as many have touched as were asked for.
-int ExplorePhase::make_up(Robot& robot, const PickState& state, int touches) {
+/// Level guarded moves from in between the first ones, till as many have touched as were asked for.
+int ExplorePhase::make_up(Executor& robot, const PickState& state, int touches) {
   int made_up = 0;
   for (const int i : every_other_first(options_.touches)) {
     if (touches + made_up >= options_.touches) break;
     const double angle = 2 * std::numbers::pi * (i + 0.5) / options_.touches;
     const auto end = touch_from(robot, state, angle, i % 2 == 0 ? 0 : 1);
-    if (end == SweepEnd::timed_out) break;
-    made_up += end == SweepEnd::touched;
+    if (end == GuardedMoveEnd::timed_out) break;
+    made_up += end == GuardedMoveEnd::touched;
   }
   return made_up;
 }
 
 /// A level sweep. Where another part of the hand meets the object first, the finger was too low:
 /// once more a little higher, and so are the sweeps after it. One that misses goes back.
-ExplorePhase::SweepEnd ExplorePhase::touch_from(Robot& robot, const PickState& state, double angle,
-                                                std::size_t turn) {
+ExplorePhase::GuardedMoveEnd ExplorePhase::touch_from(Executor& robot, const PickState& state,
+                                                      double angle, std::size_t turn) {
   const double before = raised_;
   while (true) {
     const double depth = first_depth(state, options_) + raised_;
-    const auto end = sweep(robot, state, {level_sweep(state, options_, angle, 0, depth), turn});
-    if (end == SweepEnd::missed) raised_ = std::max(0.0, before - kHigher);
-    if (end != SweepEnd::blocked) return end;
+    const auto end =
+        guarded_move(robot, state, {level_guarded_move(state, options_, angle, 0, depth), turn});
+    if (end == GuardedMoveEnd::missed) raised_ = std::max(0.0, before - kHigher);
+    if (end != GuardedMoveEnd::blocked) return end;
     if (raised_ + kHigher > kHighest + 1e-9) {
       raised_ = before;
       return end;
@@ -217,66 +222,68 @@ ExplorePhase::SweepEnd ExplorePhase::touch_from(Robot& robot, const PickState& s
 }
 
 /// Touches where the modes differ most, one after the other, till one of them is left.
-int ExplorePhase::tell_apart(Robot& robot, PickState& state) {
+int ExplorePhase::tell_apart(Executor& robot, PickState& state) {
   int touches = 0;
-  std::array<std::vector<localization::Sweep>, 2>
+  std::array<std::vector<localization::GuardedMove>, 2>
       left;  // for each turn of the hand: what was not tried yet
-  left.fill(telling_sweeps(state, options_));
+  left.fill(telling_guarded_moves(state, options_));
   if (options_.touches <= 1) left[1].clear();
-  for (int i = options_.touches; i < options_.most_touches; ++i) {
+  for (int i = options_.touches; i < options_.max_touches; ++i) {
     if (state.resting->modes.empty() || settled(*state.resting, options_.certain)) break;
-    std::optional<localization::TellingSweep> choice;
+    std::optional<localization::InformativeMove> choice;
     std::size_t turn = 0;
     for (const std::size_t other : {1, 0}) {
-      const auto best = localization::most_telling_sweep(
+      const auto best = localization::most_informative_move(
           object_, *state.resting, sweeping_finger(robot, yaw(other)), left[other]);
       if (!best || (choice && best->information <= choice->information)) continue;
       choice = best;
       turn = other;
     }
-    if (!choice || choice->information < kLeastInformation) break;
-    touches += sweep(robot, state, {choice->sweep, turn}) == SweepEnd::touched;
+    if (!choice || choice->information < kMinInformation) break;
+    touches += guarded_move(robot, state, {choice->guarded_move, turn}) == GuardedMoveEnd::touched;
     left[turn].erase(left[turn].begin() + static_cast<std::ptrdiff_t>(choice->index));
-    state.resting = estimation::locate_resting(object_, robot.model(), robot.log(), locate_, seed_);
+    state.resting =
+        estimation::estimate_resting_pose(object_, robot.model(), robot.log(), locate_, seed_);
   }
   return touches;
 }
 
 /// Touches that lessen the error of the best pose most.
-int ExplorePhase::refine(Robot& robot, PickState& state) {
+int ExplorePhase::refine(Executor& robot, PickState& state) {
   int touches = 0;
-  std::vector<localization::Sweep>
-      sweeps;  // near the top, where nothing but the fingertip meets the object
-  add_level_sweeps(state, options_, first_depth(state, options_) + raised_, sweeps);
-  const std::vector<localization::SweepingFinger> fingers = {sweeping_finger(robot, yaw(0)),
-                                                             sweeping_finger(robot, yaw(1))};
+  std::vector<localization::GuardedMove>
+      guarded_moves;  // near the top, where nothing but the fingertip meets the object
+  add_level_guarded_moves(state, options_, first_depth(state, options_) + raised_, guarded_moves);
+  const std::vector<localization::ProbingFinger> fingers = {sweeping_finger(robot, yaw(0)),
+                                                            sweeping_finger(robot, yaw(1))};
   for (int i = 0; i < options_.refining; ++i) {
     if (state.resting->modes.empty()) break;
-    const auto choice = localization::most_refining_sweep(
-        object_, state.resting->modes[0].T_frame_object, fingers, sweeps, done_);
+    const auto choice = localization::most_refining_move(
+        object_, state.resting->modes[0].T_frame_object, fingers, guarded_moves, done_);
     if (!choice || choice->before < kGoodSpread || choice->after > kWorthwhile * choice->before) {
       break;
     }
-    touches += sweep(robot, state, choice->sweep) == SweepEnd::touched;
+    touches += guarded_move(robot, state, choice->guarded_move) == GuardedMoveEnd::touched;
   }
   if (touches > 0) {
-    state.resting = estimation::locate_resting(object_, robot.model(), robot.log(), locate_, seed_);
+    state.resting =
+        estimation::estimate_resting_pose(object_, robot.model(), robot.log(), locate_, seed_);
   }
   return touches;
 }
 
-ExplorePhase::SweepEnd ExplorePhase::sweep(Robot& robot, const PickState& state,
-                                           const localization::TurnedSweep& turned) {
-  const localization::Sweep& sweep = turned.sweep;
-  const Eigen::Vector3d forward = (sweep.to - sweep.from).normalized();
-  const hand::BasePosition start = base_for_probe(robot, yaw(turned.turn), sweep.from);
-  const hand::BasePosition end = base_for_probe(robot, yaw(turned.turn), sweep.to);
+ExplorePhase::GuardedMoveEnd ExplorePhase::guarded_move(Executor& robot, const PickState& state,
+                                                        const localization::TurnedMove& turned) {
+  const localization::GuardedMove& guarded_move = turned.guarded_move;
+  const Eigen::Vector3d forward = (guarded_move.to - guarded_move.from).normalized();
+  const hand::BasePosition start = base_for_probe(robot, yaw(turned.turn), guarded_move.from);
+  const hand::BasePosition end = base_for_probe(robot, yaw(turned.turn), guarded_move.to);
   hand::BasePosition above = start;
-  above.xyz.z() += std::max(0.0, state.height + kAbove - sweep.from.z());
+  above.xyz.z() += std::max(0.0, state.height + kAbove - guarded_move.from.z());
   robot.move_base(above, options_.travel_speed);
   robot.move_base(start, options_.travel_speed / 2);
   robot.wait(0.15);
-  robot.mark(estimation::Mark::sweep);
+  robot.mark(estimation::TouchEvent::guarded_move);
   const auto tip = tip_touches(options_.touch_force);
   const auto blocked = rising_load(robot, forward, kBlockedLoad);
   bool touched = false;
@@ -285,20 +292,20 @@ ExplorePhase::SweepEnd ExplorePhase::sweep(Robot& robot, const PickState& state,
     return touched || blocked(reading);
   };
   const MotionEnd motion = robot.move_base(end, options_.speed, stop);
-  if (motion == MotionEnd::timed_out) return SweepEnd::timed_out;  // it missed nothing
+  if (motion == MotionEnd::timed_out) return GuardedMoveEnd::timed_out;  // it missed nothing
   if (touched) {
     stop_here(robot, options_.travel_speed);
     robot.wait(kRest);
     done_.push_back(turned);
   }
-  robot.mark(touched ? estimation::Mark::touched : estimation::Mark::missed);
+  robot.mark(touched ? estimation::TouchEvent::touched : estimation::TouchEvent::missed);
   hand::BasePosition back = robot.command().base;
   back.xyz -= kBackOff * forward;
   robot.move_base(back, options_.travel_speed / 4);
   back.xyz.z() = std::max(back.xyz.z(), above.xyz.z());
   robot.move_base(back, options_.travel_speed);
-  if (touched) return SweepEnd::touched;
-  return motion == MotionEnd::stopped ? SweepEnd::blocked : SweepEnd::missed;
+  if (touched) return GuardedMoveEnd::touched;
+  return motion == MotionEnd::stopped ? GuardedMoveEnd::blocked : GuardedMoveEnd::missed;
 }
 
 }  // namespace palpate::skills

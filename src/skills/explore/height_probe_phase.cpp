@@ -35,7 +35,7 @@ hand::ActuatorVector flat_hand() {
 
 }  // namespace
 
-PhaseEnd FeelPhase::run(Robot& robot, PickState& state) {
+PhaseEnd HeightProbePhase::run(Executor& robot, PickState& state) {
   const Eigen::Vector2d rough = state.place;
   robot.move_fingers(flat_hand(), 0.4);
   for (const auto& side : kSearch) {
@@ -48,7 +48,8 @@ PhaseEnd FeelPhase::run(Robot& robot, PickState& state) {
 }
 
 /// Comes down flat over a place. @return whether there was something above the table
-bool FeelPhase::lower(Robot& robot, PickState& state, const Eigen::Vector2d& place) const {
+bool HeightProbePhase::lower(Executor& robot, PickState& state,
+                             const Eigen::Vector2d& place) const {
   const Eigen::Vector2d xy = place - Eigen::Rotation2Dd(state.yaw) * estimation::kLevelCenter;
   hand::BasePosition above;
   above.xyz = {xy.x(), xy.y(), options_.start_height};
@@ -65,7 +66,7 @@ bool FeelPhase::lower(Robot& robot, PickState& state, const Eigen::Vector2d& pla
     return found || estimation::lowest_of_hand(robot.model(), reading) < options_.clearance;
   });
   if (found) {
-    robot.mark(estimation::Mark::felt);
+    robot.mark(estimation::TouchEvent::felt);
     state.height = estimation::lowest_of_hand(robot.model(), robot.reading());
   }
   hand::BasePosition up = robot.command().base;

@@ -34,16 +34,17 @@ constexpr int kStillTicks = 12;
 constexpr double kStillStep = 0.0003;  // rad a tick
 
 /// Position of the base that puts it at `ahead`, `left` of a place, seen along the yaw.
-hand::BasePosition base_at(const PickState& state, const GraspRecipe& recipe, double ahead,
+hand::BasePosition base_at(const PickState& state, const Preshape& preshape, double ahead,
                            double left, double height) {
   const Eigen::Rotation2Dd turn(state.yaw);
   const Eigen::Vector2d xy = state.place + turn * Eigen::Vector2d(ahead, left);
-  return {{xy.x(), xy.y(), height}, {state.yaw, recipe.pitch, recipe.roll}};
+  return {{xy.x(), xy.y(), height}, {state.yaw, preshape.pitch, preshape.roll}};
 }
 
 /// The fingers' command when some of them give back most of the torque that they close with, which
 /// would push the object on.
-hand::ActuatorVector relaxed(const Robot& robot, const std::array<bool, hand::kFingers>& fingers) {
+hand::ActuatorVector relaxed(const Executor& robot,
+                             const std::array<bool, hand::kFingers>& fingers) {
   hand::ActuatorVector positions = robot.command().positions;
   for (int i = 0; i < hand::kActuators; ++i) {
     const int finger = hand::finger_of_actuator(i);
@@ -103,38 +104,38 @@ class FingersDone {
 }  // namespace
 
 double pressure(const GraspOptions& options, const geometry::KnownObject& object) {
-  return std::max(options.least_press, options.press_per_weight * object.mass * kGravity);
+  return std::max(options.min_press, options.press_per_weight * object.mass * kGravity);
 }
 
-hand::ActuatorVector open_posture(const GraspRecipe& recipe) {
+hand::ActuatorVector open_posture(const Preshape& preshape) {
   hand::ActuatorVector posture = hand::ActuatorVector::Zero();
   const auto set = [&](std::string_view name, double value) {
     posture[hand::actuator_index(name)] = value;
   };
   for (const std::string finger : {"FF", "MF", "RF", "LF"}) {
-    set(finger + "J3", recipe.proximal);
-    set(finger + "J0", recipe.distal);
+    set(finger + "J3", preshape.proximal);
+    set(finger + "J0", preshape.distal);
   }
-  set("FFJ4", -recipe.spread);
-  set("LFJ4", -recipe.spread);
-  set("LFJ5", recipe.little_base);
-  set("THJ5", recipe.thumb_base);
-  set("THJ4", recipe.thumb_opposition);
-  set("THJ2", recipe.thumb_middle);
+  set("FFJ4", -preshape.spread);
+  set("LFJ4", -preshape.spread);
+  set("LFJ5", preshape.little_base);
+  set("THJ5", preshape.thumb_base);
+  set("THJ4", preshape.thumb_opposition);
+  set("THJ2", preshape.thumb_middle);
   return posture;
 }
 
-PhaseEnd GraspPhase::run(Robot& robot, PickState& state) {
+PhaseEnd GraspPhase::run(Executor& robot, PickState& state) {
   std::vector<double> tried_yaws = state.tried_yaws;
   auto planned = plan(robot, state, tried_yaws);
   if (!planned) return grasp_unplanned(robot, state);
   Hold hold = close_as_planned(robot, state, *planned);
   int closings = 1;
-  for (; hold.forces.imbalance > options_.most_imbalance && closings < options_.closings;
+  for (; hold.forces.wrench_residual > options_.max_wrench_residual && closings < options_.closings;
        ++closings) {
     tried_yaws.push_back(planned->base.ypr.x());
     planned = plan(robot, state, tried_yaws);
-    if (!planned || planned->cost > hold.forces.imbalance) break;
+    if (!planned || planned->cost > hold.forces.wrench_residual) break;
     if (std::count(tried_yaws.begin(), tried_yaws.end(), planned->base.ypr.x()) > 0) break;
     let_go(robot);
     hold = close_as_planned(robot, state, *planned);
@@ -145,7 +146,7 @@ PhaseEnd GraspPhase::run(Robot& robot, PickState& state) {
              closings == 1 ? "planned grasp" : fmt::format("planned grasp, closing {}", closings));
 }
 
-GraspPhase::Hold GraspPhase::close_as_planned(Robot& robot, PickState& state,
+GraspPhase::Hold GraspPhase::close_as_planned(Executor& robot, PickState& state,
                                               const grasping::GraspPlan& plan) const {
   state.yaw = plan.base.ypr.x();
   approach(robot, plan);
@@ -153,7 +154,7 @@ GraspPhase::Hold GraspPhase::close_as_planned(Robot& robot, PickState& state,
   return balance(robot, state);
 }
 
-PhaseEnd GraspPhase::grasp_unplanned(Robot& robot, PickState& state) {
+PhaseEnd GraspPhase::grasp_unplanned(Executor& robot, PickState& state) {
   const bool from_side = state.height >= options_.side_from;
   if (from_side) {
     approach_from_side(robot, state);
@@ -167,34 +168,35 @@ PhaseEnd GraspPhase::grasp_unplanned(Robot& robot, PickState& state) {
   return end(robot, hold, from_side ? "side grasp" : "top grasp");
 }
 
-PhaseEnd GraspPhase::end(const Robot& robot, const Hold& hold, std::string_view grasp) const {
+PhaseEnd GraspPhase::end(const Executor& robot, const Hold& hold, std::string_view grasp) const {
   const int contacts = hand::count_contacts(robot.reading());
-  return {contacts >= options_.least_contacts,
-          fmt::format("{}, {} contacts, imbalance {:.2f}", grasp, contacts, hold.forces.imbalance)};
+  return {contacts >= options_.min_contacts,
+          fmt::format("{}, {} contacts, wrench residual {:.2f}", grasp, contacts,
+                      hold.forces.wrench_residual)};
 }
 
-std::optional<grasping::GraspPlan> GraspPhase::plan(const Robot& robot, const PickState& state,
+std::optional<grasping::GraspPlan> GraspPhase::plan(const Executor& robot, const PickState& state,
                                                     const std::vector<double>& tried_yaws) const {
   if (!state.resting) return std::nullopt;
   if (choose_) {
     if (auto chosen = choose_(*state.resting)) return chosen;
   }
-  const GraspRecipe& recipe = options_.top;
-  const grasping::ClosingLaw law(robot.actuators(), kPlannedRate, recipe.thumb_limit);
-  const auto path = grasping::closing_path(robot.model(), open_posture(recipe), law);
+  const Preshape& preshape = options_.top;
+  const grasping::ClosingLaw law(robot.actuators(), kPlannedRate, preshape.thumb_limit);
+  const auto path = grasping::closing_trajectory(robot.model(), open_posture(preshape), law);
   grasping::PlanOptions options = options_.plan;
   options.press = pressure(options_, object_.object());
   std::optional<grasping::GraspPlan> best;
-  for (const double pitch : {recipe.pitch, options_.steep_pitch}) {
+  for (const double pitch : {preshape.pitch, options_.steep_pitch}) {
     const auto plan = grasping::plan_grasp(object_, state.resting->modes.front().T_frame_object,
-                                           path, {pitch, recipe.roll}, options, tried_yaws);
+                                           path, {pitch, preshape.roll}, options, tried_yaws);
     if (plan && (!best || plan->cost < best->cost)) best = plan;
     if (best && best->cost < options_.good_cost) break;
   }
   return best;
 }
 
-void GraspPhase::approach(Robot& robot, const grasping::GraspPlan& plan) const {
+void GraspPhase::approach(Executor& robot, const grasping::GraspPlan& plan) const {
   hand::BasePosition above = plan.base;
   above.xyz.z() += kTopDistance;
   travel_to(robot, above, options_.top);
@@ -205,12 +207,12 @@ void GraspPhase::approach(Robot& robot, const grasping::GraspPlan& plan) const {
   robot.wait(0.15);
 }
 
-void GraspPhase::travel_to(Robot& robot, const hand::BasePosition& start,
-                           const GraspRecipe& recipe) const {
+void GraspPhase::travel_to(Executor& robot, const hand::BasePosition& start,
+                           const Preshape& preshape) const {
   hand::BasePosition up = robot.command().base;
   up.xyz.z() = std::max(up.xyz.z(), kSafeHeight);
   robot.move_base(up, options_.travel_speed);
-  robot.move_fingers(open_posture(recipe), 0.4);
+  robot.move_fingers(open_posture(preshape), 0.4);
   hand::BasePosition above = start;
   above.xyz.z() = std::max(start.xyz.z(), kSafeHeight);
   robot.move_base(above, options_.travel_speed);
@@ -218,55 +220,58 @@ void GraspPhase::travel_to(Robot& robot, const hand::BasePosition& start,
   robot.wait(0.2);
 }
 
-void GraspPhase::approach_from_side(Robot& robot, const PickState& state) const {
-  const GraspRecipe& recipe = options_.side;
-  travel_to(robot, base_at(state, recipe, recipe.offset_x, -kSideDistance, recipe.height), recipe);
+void GraspPhase::approach_from_side(Executor& robot, const PickState& state) const {
+  const Preshape& preshape = options_.side;
+  travel_to(robot, base_at(state, preshape, preshape.offset_x, -kSideDistance, preshape.height),
+            preshape);
   const Eigen::Vector3d forward(-std::sin(state.yaw), std::cos(state.yaw), 0);
-  robot.move_base(base_at(state, recipe, recipe.offset_x, kSideOvershoot, recipe.height),
-                  recipe.approach_speed, lasting_load(robot, forward, recipe.contact_load));
+  robot.move_base(base_at(state, preshape, preshape.offset_x, kSideOvershoot, preshape.height),
+                  preshape.approach_speed, lasting_load(robot, forward, preshape.contact_load));
   hand::BasePosition further = robot.command().base;
-  further.xyz += recipe.push * forward;
-  robot.move_base(further, 0.5 * recipe.approach_speed);
+  further.xyz += preshape.push * forward;
+  robot.move_base(further, 0.5 * preshape.approach_speed);
   robot.wait(0.1);
 }
 
-void GraspPhase::approach_from_above(Robot& robot, PickState& state) const {
-  const GraspRecipe& recipe = options_.top;
-  travel_to(robot,
-            base_at(state, recipe, recipe.offset_x, recipe.offset_y, state.height + kTopDistance),
-            recipe);
+void GraspPhase::approach_from_above(Executor& robot, PickState& state) const {
+  const Preshape& preshape = options_.top;
+  travel_to(
+      robot,
+      base_at(state, preshape, preshape.offset_x, preshape.offset_y, state.height + kTopDistance),
+      preshape);
   for (int turn = 0; turn < options_.turns; ++turn) {
     descend(robot, state);
     const bool beside = estimation::lowest_of_hand(robot.model(), robot.reading()) <
-                        state.height - options_.least_depth;
+                        state.height - options_.min_depth;
     if (beside || turn + 1 == options_.turns) break;
     state.yaw += std::numbers::pi / options_.turns;
     hand::BasePosition raised = robot.command().base;
     raised.xyz.z() += kClear;
     robot.move_base(raised, options_.travel_speed);
-    robot.move_base(base_at(state, recipe, recipe.offset_x, recipe.offset_y, raised.xyz.z()),
+    robot.move_base(base_at(state, preshape, preshape.offset_x, preshape.offset_y, raised.xyz.z()),
                     options_.travel_speed);
     robot.wait(0.2);
   }
 }
 
-void GraspPhase::descend(Robot& robot, const PickState& state) const {
-  const GraspRecipe& recipe = options_.top;
-  const hand::BasePosition low = base_at(state, recipe, recipe.offset_x, recipe.offset_y, 0.02);
-  const auto loaded = lasting_load(robot, -Eigen::Vector3d::UnitZ(), recipe.contact_load);
-  robot.move_base(low, recipe.approach_speed, [&](const hand::HandReading& reading) {
+void GraspPhase::descend(Executor& robot, const PickState& state) const {
+  const Preshape& preshape = options_.top;
+  const hand::BasePosition low =
+      base_at(state, preshape, preshape.offset_x, preshape.offset_y, 0.02);
+  const auto loaded = lasting_load(robot, -Eigen::Vector3d::UnitZ(), preshape.contact_load);
+  robot.move_base(low, preshape.approach_speed, [&](const hand::HandReading& reading) {
     return loaded(reading) || estimation::lowest_of_hand(robot.model(), reading) < kTopClearance;
   });
   robot.wait(0.15);
 }
 
-void GraspPhase::close(Robot& robot, const GraspRecipe& recipe) const {
-  const grasping::ClosingLaw law(robot.actuators(), recipe.closing_rate, recipe.thumb_limit);
+void GraspPhase::close(Executor& robot, const Preshape& preshape) const {
+  const grasping::ClosingLaw law(robot.actuators(), preshape.closing_rate, preshape.thumb_limit);
   FingersDone done;
   std::array<bool, hand::kFingers> met{};  // in the tick before
   const double end = robot.time() + options_.longest_close;
   while (robot.time() < end && !done.all()) {
-    robot.set_grip(Grip{law, recipe.contact_torque, done.still_closing()});
+    robot.set_grip(Grip{law, preshape.contact_torque, done.still_closing()});
     if (robot.move_fingers(relaxed(robot, met), hand::kTick) == MotionEnd::timed_out) break;
     const auto touched = done.touches();
     done.update(robot.reading(), robot.command());
@@ -279,7 +284,7 @@ void GraspPhase::close(Robot& robot, const GraspRecipe& recipe) const {
 
 /// The forces that cancel best, together with the weight: the fingers bear it from the first, so
 /// that they do not give way when the table no longer does.
-GraspPhase::Hold GraspPhase::balance(const Robot& robot, const PickState& state) const {
+GraspPhase::Hold GraspPhase::balance(const Executor& robot, const PickState& state) const {
   const std::span<const hand::HandReading> readings(robot.log().readings);
   const auto window = readings.last(std::min(readings.size(), kTouchReadings));
   Hold hold;
@@ -289,19 +294,19 @@ GraspPhase::Hold GraspPhase::balance(const Robot& robot, const PickState& state)
     load = weight_at(robot, state.resting->modes.front().T_frame_object,
                      object_.object().mass * kGravity);
   }
-  hold.forces = grasping::balance_forces(hold.contacts, options_.friction,
-                                         pressure(options_, object_.object()), load);
+  hold.forces = grasping::distribute_forces(hold.contacts, options_.friction,
+                                            pressure(options_, object_.object()), load);
   return hold;
 }
 
-void GraspPhase::press(Robot& robot, const Hold& hold) const {
-  robot.mark(estimation::Mark::closed);
+void GraspPhase::press(Executor& robot, const Hold& hold) const {
+  robot.mark(estimation::TouchEvent::closed);
   robot.move_fingers(pressing_command(robot, hold.contacts, hold.forces.forces),
                      options_.ramp_seconds);
   robot.wait(0.2);
 }
 
-void GraspPhase::let_go(Robot& robot) const {
+void GraspPhase::let_go(Executor& robot) const {
   robot.move_fingers(open_posture(options_.top), kOpenSeconds);
   hand::BasePosition up = robot.command().base;
   up.xyz.z() += kTopDistance;

@@ -16,7 +16,7 @@ namespace {
 constexpr std::size_t kJudged = 50;  // readings at the end of the hold, averaged against noise
 
 /// How many fingers touch with at least a force, in the mean over the last readings.
-int touching_fingers(const estimation::TouchLog& log, double force) {
+int touching_fingers(const estimation::EventLog& log, double force) {
   const auto window = std::span(log.readings).last(std::min(log.readings.size(), kJudged));
   int count = 0;
   for (int finger = 0; finger < hand::kFingers; ++finger) {
@@ -29,22 +29,22 @@ int touching_fingers(const estimation::TouchLog& log, double force) {
 
 }  // namespace
 
-PhaseEnd LiftPhase::run(Robot& robot, PickState& state) {
+PhaseEnd LiftPhase::run(Executor& robot, PickState& state) {
   hand::BasePosition up = robot.command().base;
   up.xyz.z() += options_.way;
   robot.move_base(up, options_.speed);
   robot.wait(options_.settle);
   const std::size_t settled = robot.log().readings.size() - 1;
   robot.wait(options_.hold);
-  robot.mark(estimation::Mark::held);
+  robot.mark(estimation::TouchEvent::held);
   state.held_load = estimation::mean_load(robot.log(), kJudged);
   const int fingers = touching_fingers(robot.log(), options_.touch_force);
-  const double slip = estimation::contact_drift(robot.log(), robot.model(), settled,
-                                                robot.log().readings.size() - 1);
+  const double slip = estimation::contact_slip(robot.log(), robot.model(), settled,
+                                               robot.log().readings.size() - 1);
 
-  const bool light = state.held_load <= options_.least_weight * weight_;
-  const bool untouched = fingers < options_.least_fingers;
-  const bool slipping = slip > options_.most_slip;
+  const bool light = state.held_load <= options_.min_weight * weight_;
+  const bool untouched = fingers < options_.min_fingers;
+  const bool slipping = slip > options_.max_slip;
   const char* const verdict = light       ? "lost"
                               : untouched ? "contacts lost"
                               : slipping  ? "slipping"

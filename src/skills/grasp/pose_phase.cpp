@@ -5,7 +5,7 @@
 
 namespace palpate::skills {
 
-PhaseEnd LocatePhase::run(Robot& robot, PickState& state) {
+PhaseEnd PosePhase::run(Executor& robot, PickState& state) {
   state.estimate =
       estimation::locate(object_, robot.model(), robot.log(), options_, seed_, instant_);
   const auto& posterior = state.estimate.posterior;

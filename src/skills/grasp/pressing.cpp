@@ -5,13 +5,13 @@
 
 namespace palpate::skills {
 
-grasping::Load weight_at(const Robot& robot, const Eigen::Isometry3d& T_world_object,
+grasping::Load weight_at(const Executor& robot, const Eigen::Isometry3d& T_world_object,
                          double weight) {
   const Eigen::Isometry3d T_base_world = robot.reading().base.pose().inverse();
   return {T_base_world * T_world_object.translation(), -weight * T_base_world.linear().col(2)};
 }
 
-hand::ActuatorVector pressing_command(const Robot& robot,
+hand::ActuatorVector pressing_command(const Executor& robot,
                                       std::span<const tactile::Contact> contacts,
                                       std::span<const Eigen::Vector3d> forces) {
   const hand::HandReading& reading = robot.reading();

@@ -9,7 +9,7 @@
 namespace palpate::skills {
 
 /// The object's weight (N) at its centre, in the base's frame.
-grasping::Load weight_at(const Robot& robot, const Eigen::Isometry3d& T_world_object,
+grasping::Load weight_at(const Executor& robot, const Eigen::Isometry3d& T_world_object,
                          double weight);
 
 /// Commands with which the fingertips press so. They are meant to stay as they are: against stiff
@@ -18,7 +18,7 @@ grasping::Load weight_at(const Robot& robot, const Eigen::Isometry3d& T_world_ob
 ///
 /// @param contacts  as the hand is now, base's frame
 /// @param forces  one a contact, N, of the finger on the object, base's axes
-hand::ActuatorVector pressing_command(const Robot& robot,
+hand::ActuatorVector pressing_command(const Executor& robot,
                                       std::span<const tactile::Contact> contacts,
                                       std::span<const Eigen::Vector3d> forces);
 

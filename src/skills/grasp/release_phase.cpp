@@ -22,7 +22,7 @@ hand::BasePosition at_height(hand::BasePosition base, double height) {
 }
 
 /// The fingers' command with all of them straight.
-hand::ActuatorVector opened(const Robot& robot) {
+hand::ActuatorVector opened(const Executor& robot) {
   hand::ActuatorVector open = robot.command().positions;
   for (int i = 0; i < hand::kActuators; ++i) {
     if (hand::finger_of_actuator(i) >= 0) open[i] = std::min(open[i], 0.1);
@@ -32,9 +32,9 @@ hand::ActuatorVector opened(const Robot& robot) {
 
 }  // namespace
 
-PhaseEnd ReleasePhase::run(Robot& robot, PickState& state) {
+PhaseEnd ReleasePhase::run(Executor& robot, PickState& state) {
   state.place = place_of_last_contacts(robot).value_or(state.place);
-  if (const auto closed = robot.log().at(estimation::Mark::closed)) {
+  if (const auto closed = robot.log().at(estimation::TouchEvent::closed)) {
     const double height = robot.log().readings[*closed].base.xyz.z();
     const auto& base = robot.command().base;
     if (base.xyz.z() > height) robot.move_base(at_height(base, height), kDownSpeed);
@@ -42,12 +42,12 @@ PhaseEnd ReleasePhase::run(Robot& robot, PickState& state) {
   robot.set_grip(std::nullopt);
   robot.move_fingers(opened(robot), kOpenSeconds);
   robot.move_base(at_height(robot.command().base, kFreeHeight), kUpSpeed);
-  robot.mark(estimation::Mark::released);
+  robot.mark(estimation::TouchEvent::released);
   return {true, fmt::format("next try at ({:.0f}, {:.0f}) mm", 1e3 * state.place.x(),
                             1e3 * state.place.y())};
 }
 
-PhaseEnd ClearPhase::run(Robot& robot, PickState&) {
+PhaseEnd ClearPhase::run(Executor& robot, PickState&) {
   robot.set_grip(std::nullopt);
   hand::BasePosition high = robot.command().base;
   high.xyz.z() = std::max(high.xyz.z(), kFreeHeight);
@@ -56,7 +56,7 @@ PhaseEnd ClearPhase::run(Robot& robot, PickState&) {
   high.ypr.setZero();
   robot.move_base(high, kUpSpeed);
   robot.wait(kRest);
-  robot.mark(estimation::Mark::released);
+  robot.mark(estimation::TouchEvent::released);
   return {true, "the hand is free"};
 }
 

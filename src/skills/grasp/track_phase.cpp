@@ -38,7 +38,7 @@ localization::TrackFrame look_at(const hand::HandModel& hand, Window before, Win
 }  // namespace
 
 Tracked track(const geometry::ObjectModel& object, const hand::HandModel& hand,
-              const estimation::TouchLog& log, const tactile::ContactErrorModel& errors,
+              const estimation::EventLog& log, const tactile::ContactErrorModel& errors,
               const localization::Posterior& start, std::size_t first, std::size_t last,
               const TrackOptions& options, std::uint64_t seed) {
   if (first > last || last >= log.readings.size()) {
@@ -61,10 +61,10 @@ Tracked track(const geometry::ObjectModel& object, const hand::HandModel& hand,
   return tracked;
 }
 
-PhaseEnd TrackPhase::run(Robot& robot, PickState& state) {
+PhaseEnd TrackPhase::run(Executor& robot, PickState& state) {
   state.tracked.reset();
-  const auto closed = robot.log().at(estimation::Mark::closed),
-             held = robot.log().at(estimation::Mark::held);
+  const auto closed = robot.log().at(estimation::TouchEvent::closed),
+             held = robot.log().at(estimation::TouchEvent::held);
   const auto& start = state.estimate.posterior;
   if (!closed || !held || start.modes.empty()) return {false, "no pose to follow"};
   state.tracked =

@@ -11,7 +11,7 @@ namespace palpate::skills {
 namespace {
 
 /// Keeps the phases in order: a pick's come after all that went before.
-void add(PlaceCourse& course, PickResult picked) {
+void add(PickAndPlaceResult& course, PickResult picked) {
   std::vector<PhaseReport> phases = std::move(course.picked.phases);
   const auto append = [&](std::vector<PhaseReport>& more) {
     phases.insert(phases.end(), std::make_move_iterator(more.begin()),
@@ -39,13 +39,14 @@ bool may_be_picked(const PlaceResult& place) {
 
 /// Whether another grasp of the same kind would not help.
 bool needs_new_grasps(const PlaceResult& place) {
-  return may_be_picked(place) && (place.status == PlaceStatus::unreachable || place.other_stance);
+  return may_be_picked(place) &&
+         (place.status == PlaceStatus::unreachable || place.other_stable_pose);
 }
 
 /// One course, step by step.
 class PlaceAttempts {
  public:
-  PlaceAttempts(Robot& robot, const geometry::ObjectModel& object, const PlaceTarget& target,
+  PlaceAttempts(Executor& robot, const geometry::ObjectModel& object, const PlaceTarget& target,
                 const planning::Fixture& fixture, const PickOptions& pick_options,
                 const PlaceOptions& options, std::uint64_t seed, const PhaseObserver& observer)
       : robot_(robot),
@@ -57,21 +58,21 @@ class PlaceAttempts {
         seed_(seed),
         observer_(observer) {}
 
-  PlaceCourse run(PlaceMeans means) {
-    if (means != PlaceMeans::regrasp) {
-      in_one_hold(means == PlaceMeans::automatic);
-      if (means == PlaceMeans::wrist) course_.means.reason = "asked for";
-      if (means == PlaceMeans::fingers && !course_.means.turn) {
-        course_.means.reason = "nothing for the fingers to turn: " + course_.means.reason;
+  PickAndPlaceResult run(PlaceStrategy means) {
+    if (means != PlaceStrategy::regrasp) {
+      in_one_hold(means == PlaceStrategy::automatic);
+      if (means == PlaceStrategy::wrist) sequence_.means.reason = "asked for";
+      if (means == PlaceStrategy::fingers && !sequence_.means.turn) {
+        sequence_.means.reason = "nothing for the fingers to turn: " + sequence_.means.reason;
       }
     }
-    const bool held = course_.picked.held && course_.place;
-    if (means == PlaceMeans::regrasp) {
+    const bool held = sequence_.picked.held && sequence_.place;
+    if (means == PlaceStrategy::regrasp) {
       by_regrasping("asked for");
-    } else if (means == PlaceMeans::automatic && held && needs_new_grasps(*course_.place)) {
-      by_regrasping("not in one hold: " + outcome_of(*course_.place));
+    } else if (means == PlaceStrategy::automatic && held && needs_new_grasps(*sequence_.place)) {
+      by_regrasping("not in one hold: " + outcome_of(*sequence_.place));
     }
-    return std::move(course_);
+    return std::move(sequence_);
   }
 
  private:
@@ -80,52 +81,52 @@ class PlaceAttempts {
     PlaceOptions options = options_;
     for (int attempt = 0; attempt < options_.picks; ++attempt) {
       const std::uint64_t seed = seed_ + 1000003 * static_cast<std::uint64_t>(attempt);
-      add(course_, pick(robot_, object_, pick_options_, seed, observer_));
-      course_.means.means = PlaceMeans::wrist;
-      course_.means.reason = "the object was not held";
-      if (!course_.picked.held) return;
-      course_.place = place(robot_, object_, course_.picked, target_, fixture_, pick_options_,
-                            options, seed, observer_);
-      course_.means.reason = "one hold: " + outcome_of(*course_.place);
-      if (course_.place->turn) {
-        course_.means.means = PlaceMeans::fingers;
-        course_.means.reason = course_.place->turn->why;
-        course_.means.turn = course_.place->turn;
-        options.means = to_string(PlaceMeans::wrist);
+      add(sequence_, pick(robot_, object_, pick_options_, seed, observer_));
+      sequence_.means.means = PlaceStrategy::wrist;
+      sequence_.means.reason = "the object was not held";
+      if (!sequence_.picked.held) return;
+      sequence_.place = place(robot_, object_, sequence_.picked, target_, fixture_, pick_options_,
+                              options, seed, observer_);
+      sequence_.means.reason = "one hold: " + outcome_of(*sequence_.place);
+      if (sequence_.place->turn) {
+        sequence_.means.means = PlaceStrategy::fingers;
+        sequence_.means.reason = sequence_.place->turn->why;
+        sequence_.means.turn = sequence_.place->turn;
+        options.means = to_string(PlaceStrategy::wrist);
       }
-      if (!may_be_picked(*course_.place)) return;
-      if (course_.place->put_aside) pick_options_.fallen_at = course_.place->put_aside;
-      if (course_.place->status == PlaceStatus::lost) {
-        pick_options_.fallen_at = course_.place->lost_at;
+      if (!may_be_picked(*sequence_.place)) return;
+      if (sequence_.place->put_aside) pick_options_.fallen_at = sequence_.place->put_aside;
+      if (sequence_.place->status == PlaceStatus::lost) {
+        pick_options_.fallen_at = sequence_.place->lost_at;
       }
-      if (may_regrasp && needs_new_grasps(*course_.place)) return;
+      if (may_regrasp && needs_new_grasps(*sequence_.place)) return;
     }
   }
 
   void by_regrasping(std::string reason) {
     PlaceOptions options = options_;
-    options.means = to_string(PlaceMeans::regrasp);
+    options.means = to_string(PlaceStrategy::regrasp);
     RegraspResult result =
         regrasp(robot_, object_, target_, fixture_, pick_options_, options, seed_, observer_);
-    course_.means.means = PlaceMeans::regrasp;
-    course_.means.reason = std::move(reason);
-    course_.means.regrasp = result.status;
+    sequence_.means.means = PlaceStrategy::regrasp;
+    sequence_.means.reason = std::move(reason);
+    sequence_.means.regrasp = result.status;
     for (RegraspRound& round : result.rounds) {
-      add(course_, std::move(round.pick));
-      course_.means.rounds.push_back({std::move(round.plan), std::nullopt});
+      add(sequence_, std::move(round.pick));
+      sequence_.means.rounds.push_back({std::move(round.plan), std::nullopt});
       if (!round.place) continue;
-      course_.means.rounds.back().place = round.place->status;
-      course_.place = std::move(round.place);
+      sequence_.means.rounds.back().place = round.place->status;
+      sequence_.place = std::move(round.place);
     }
-    if (!course_.place || target_.kind == PlaceTarget::Kind::spot) return;
-    // Between the stances a transfer had a target of its own.
-    course_.place->T_world_target = target_.T_world_object;
-    if (result.status != RegraspStatus::done && course_.place->status == PlaceStatus::placed) {
-      course_.place->status = PlaceStatus::under_way;
+    if (!sequence_.place || target_.kind == PlaceTarget::Kind::spot) return;
+    // Between the stable poses a transfer had a target of its own.
+    sequence_.place->T_world_target = target_.T_world_object;
+    if (result.status != RegraspStatus::done && sequence_.place->status == PlaceStatus::placed) {
+      sequence_.place->status = PlaceStatus::under_way;
     }
   }
 
-  Robot& robot_;
+  Executor& robot_;
   const geometry::ObjectModel& object_;
   const PlaceTarget& target_;
   const planning::Fixture& fixture_;
@@ -133,17 +134,17 @@ class PlaceAttempts {
   const PlaceOptions& options_;
   std::uint64_t seed_;
   const PhaseObserver& observer_;
-  PlaceCourse course_;
+  PickAndPlaceResult sequence_;
 };
 
 }  // namespace
 
-PlaceCourse pick_and_place(Robot& robot, const geometry::ObjectModel& object,
-                           const PlaceTarget& target, const planning::Fixture& fixture,
-                           const PickOptions& pick_options, const PlaceOptions& options,
-                           std::uint64_t seed, const PhaseObserver& observer) {
+PickAndPlaceResult pick_and_place(Executor& robot, const geometry::ObjectModel& object,
+                                  const PlaceTarget& target, const planning::Fixture& fixture,
+                                  const PickOptions& pick_options, const PlaceOptions& options,
+                                  std::uint64_t seed, const PhaseObserver& observer) {
   return PlaceAttempts(robot, object, target, fixture, pick_options, options, seed, observer)
-      .run(place_means(options));
+      .run(place_strategy(options));
 }
 
 }  // namespace palpate::skills

@@ -44,7 +44,7 @@ class ThinkPhase : public Phase {
       : name_(name), think_(std::move(think)) {}
   std::string_view name() const override { return name_; }
   double time_limit() const override { return 1.0; }
-  PhaseEnd run(Robot&, PickState&) override { return think_(); }
+  PhaseEnd run(Executor&, PickState&) override { return think_(); }
 
  private:
   std::string_view name_;
@@ -54,12 +54,12 @@ class ThinkPhase : public Phase {
 /// Feels from above whether the object stands where it was put.
 class VerifyPhase : public Phase {
  public:
-  VerifyPhase(const FeelOptions& options, double expected_top)
+  VerifyPhase(const HeightProbeOptions& options, double expected_top)
       : options_(options), expected_top_(expected_top) {}
   std::string_view name() const override { return "verify"; }
   double time_limit() const override { return 30.0; }
-  PhaseEnd run(Robot& robot, PickState& state) override {
-    const PhaseEnd felt = FeelPhase(options_).run(robot, state);
+  PhaseEnd run(Executor& robot, PickState& state) override {
+    const PhaseEnd felt = HeightProbePhase(options_).run(robot, state);
     if (!felt.ok) return {false, "felt nothing where the object was put"};
     const double off = state.height - expected_top_;
     return {std::abs(off) < kWrongHeight,
@@ -67,14 +67,14 @@ class VerifyPhase : public Phase {
   }
 
  private:
-  FeelOptions options_;
+  HeightProbeOptions options_;
   double expected_top_;
 };
 
 /// One placing, step by step.
 class Placement {
  public:
-  Placement(Robot& robot, const geometry::ObjectModel& object, const PickResult& picked,
+  Placement(Executor& robot, const geometry::ObjectModel& object, const PickResult& picked,
             const planning::Fixture& fixture, const PickOptions& pick_options,
             const PlaceOptions& options, std::uint64_t seed, const PhaseObserver& observer)
       : robot_(robot),
@@ -86,14 +86,14 @@ class Placement {
         seed_(seed),
         scene_(
             robot.models().collision_checker(object_, robot.model(), held_collisions(), fixture)),
-        course_(robot, state_, result_.phases, last_failed_, observer) {
+        sequence_(robot, state_, result_.phases, last_failed_, observer) {
     state_.estimate = picked.estimate;
   }
 
   PlaceResult run(const PlaceTarget& target) {
     result_.on_the_way = target.on_the_way;
     bring(target);
-    if (result_.status == PlaceStatus::lost) course_.run(ClearPhase());
+    if (result_.status == PlaceStatus::lost) sequence_.run(ClearPhase());
     return std::move(result_);
   }
 
@@ -111,7 +111,7 @@ class Placement {
   bool fail(PlaceStatus status);
   double weight() const { return object_.mass * kGravity; }
 
-  Robot& robot_;
+  Executor& robot_;
   const geometry::ObjectModel& model_;
   const geometry::KnownObject& object_;
   const PickResult& picked_;
@@ -122,7 +122,7 @@ class Placement {
   PickState state_;
   PlaceResult result_;
   std::string last_failed_;
-  Course course_;
+  PhaseSequence sequence_;
 };
 
 /// Remembers the first failure.
@@ -140,10 +140,10 @@ bool Placement::aim(const PlaceTarget& target) {
   const auto held =
       held_object(object_, picked_.estimate.posterior, robot_.log(), options_.same, picked_.fallen);
   PlaceStatus status = PlaceStatus::ambiguous;
-  const bool ok = course_.run(ThinkPhase("aim", [&]() -> PhaseEnd {
+  const bool ok = sequence_.run(ThinkPhase("aim", [&]() -> PhaseEnd {
     if (!held) return {false, "no pose of the held object"};
     result_.held = *held;
-    result_.T_world_target = target_pose(target, object_, held->found_stance);
+    result_.T_world_target = target_pose(target, object_, held->found_stable_pose);
     result_.certain = held->certainty >= options_.certain;
     if (!result_.certain) {
       return {false, fmt::format("ambiguous: {:.2f} agree on where it would stand, {:.2f} asked",
@@ -151,15 +151,15 @@ bool Placement::aim(const PlaceTarget& target) {
     }
     status = PlaceStatus::unreachable;
     const GoalSearch search = search_goal(*held);
-    result_.other_stance = !search.same_stance;
+    result_.other_stable_pose = !search.same_stable_pose;
     result_.goal = search.goal;
-    result_.turn = plan_finger_turn(
-        place_means(options_), {robot_.reading().base, result_.T_world_target, *held, search},
+    result_.turn = plan_in_hand_reorientation(
+        place_strategy(options_), {robot_.reading().base, result_.T_world_target, *held, search},
         options_.fingers,
         [&](const HeldObject& turned) { return search_goal(turned).goal.has_value(); });
     if (!search.goal && !result_.turn) return {false, "unreachable: " + search.obstacle};
-    return {true, fmt::format("{:.2f} agree; {} stance{}", held->certainty,
-                              search.same_stance ? "the same" : "another",
+    return {true, fmt::format("{:.2f} agree; {} stable pose{}", held->certainty,
+                              search.same_stable_pose ? "the same" : "another",
                               result_.turn ? "; fingers " + result_.turn->why : "")};
   }));
   return ok || fail(status);
@@ -172,9 +172,9 @@ GoalSearch Placement::search_goal(const HeldObject& held) {
 /// Turns the object by the fingers, and aims anew at what the tracker says of it then.
 bool Placement::turn() {
   if (!result_.turn) return true;
-  FingerTurnOptions options = options_.fingers;
+  InHandReorientationOptions options = options_.fingers;
   options.reorient.errors = pick_options_.locate.errors;
-  const bool ok = course_.run(FingerTurnPhase(options, model_, seed_, *result_.turn));
+  const bool ok = sequence_.run(InHandReorientationPhase(options, model_, seed_, *result_.turn));
   if (result_.turn->lost) return fail(PlaceStatus::lost);
   if (!ok) fail(PlaceStatus::slipped);
   if (ok && aim_turned()) return true;
@@ -183,9 +183,9 @@ bool Placement::turn() {
 }
 
 bool Placement::aim_turned() {
-  const bool ok = course_.run(ThinkPhase("aim-turned", [&]() -> PhaseEnd {
-    estimation::TouchLog log = robot_.log();
-    log.moments.push_back({estimation::Mark::held, log.readings.size() - 1});
+  const bool ok = sequence_.run(ThinkPhase("aim-turned", [&]() -> PhaseEnd {
+    estimation::EventLog log = robot_.log();
+    log.moments.push_back({estimation::TouchEvent::held, log.readings.size() - 1});
     const double certainty = result_.held.certainty;
     const auto held = held_object(object_, state_.estimate.posterior, log, options_.same, true);
     if (!held) return {false, "no pose of the held object"};
@@ -205,7 +205,7 @@ bool Placement::aim_turned() {
 /// Over the goal.
 bool Placement::carry(std::string name) {
   TransportPhase transport(options_.transport, *scene_, *result_.goal, seed_, std::move(name));
-  const bool there = course_.run(transport);
+  const bool there = sequence_.run(transport);
   if (result_.motion.samples.empty()) result_.motion = transport.motion();
   if (there) return true;
   const bool moved = transport.motion().status == planning::PlanStatus::ok;
@@ -222,16 +222,16 @@ bool Placement::carry(std::string name) {
 /// known from tracking them: the estimate counts on an object that has hardly moved in the hand.
 bool Placement::aim_again() {
   if (!options_.again || result_.turn) return true;
-  estimation::TouchLog log = robot_.log();
-  log.moments.push_back({estimation::Mark::held, log.readings.size() - 1});
+  estimation::EventLog log = robot_.log();
+  log.moments.push_back({estimation::TouchEvent::held, log.readings.size() - 1});
   const double least = std::min(options_.certain, result_.held.certainty);
-  estimation::LocateOptions options = pick_options_.locate;
-  if (result_.other_stance) {
+  estimation::EstimationOptions options = pick_options_.locate;
+  if (result_.other_stable_pose) {
     options.motion_sigma *= options_.turned_motion;
     options.motion_angle_sigma *= options_.turned_motion;
   }
   std::optional<PlaceGoal> goal;
-  const bool ok = course_.run(ThinkPhase("aim-again", [&]() -> PhaseEnd {
+  const bool ok = sequence_.run(ThinkPhase("aim-again", [&]() -> PhaseEnd {
     state_.estimate = estimation::locate(model_, robot_.model(), log, options, seed_);
     const auto held =
         held_object(object_, state_.estimate.posterior, log, options_.same, picked_.fallen);
@@ -259,7 +259,7 @@ bool Placement::set_down(const PlaceGoal& goal, double wall, const LowerOptions&
                          std::string name) {
   const bool for_good = name == kPlace;
   PlacePhase lower(options, goal, wall, open_posture(pick_options_.grasp.top), std::move(name));
-  const bool ok = course_.run(lower);
+  const bool ok = sequence_.run(lower);
   if (for_good && lower.let_go()) {
     result_.T_world_placed = laid_flat(object_, lower.T_world_object());
   }
@@ -269,7 +269,7 @@ bool Placement::set_down(const PlaceGoal& goal, double wall, const LowerOptions&
 }
 
 bool Placement::withdraw() {
-  return course_.run(WithdrawPhase(options_.withdraw, weight())) || fail(PlaceStatus::stuck);
+  return sequence_.run(WithdrawPhase(options_.withdraw, weight())) || fail(PlaceStatus::stuck);
 }
 
 /// Slowly all the way, for it is not known how far down the table is.
@@ -282,7 +282,7 @@ LowerOptions felt_for(LowerOptions options, double above) {
 /// Back to where the object was lifted from: the one place that is known to be free and level.
 void Placement::put_back() {
   const PlaceStatus reason = result_.status;
-  const auto closed = robot_.log().at(estimation::Mark::closed);
+  const auto closed = robot_.log().at(estimation::TouchEvent::closed);
   PlaceGoal goal;
   goal.T_base_object = result_.held.T_base_object_flat;
   goal.seat = robot_.log().readings[*closed].base;
@@ -295,7 +295,7 @@ void Placement::put_back() {
   goal.above.xyz.z() += options_.goal.rise;
   goal.T_world_object = goal.seat.pose() * goal.T_base_object;
   TransportPhase carry(options_.transport, *scene_, goal, seed_, "carry-back");
-  const bool there = course_.run(carry);
+  const bool there = sequence_.run(carry);
   if (carry.lost()) {
     fail(PlaceStatus::lost);
     return;
@@ -329,16 +329,16 @@ void Placement::bring(const PlaceTarget& target) {
   result_.status = PlaceStatus::placed;
   if (!options_.verify) return;
   state_.place = result_.T_world_placed->translation().head<2>();
-  FeelOptions feel = pick_options_.feel;
+  HeightProbeOptions feel = pick_options_.feel;
   feel.search = 0;
-  if (!course_.run(VerifyPhase(feel, top_of(object_.mesh, *result_.T_world_placed)))) {
+  if (!sequence_.run(VerifyPhase(feel, top_of(object_.mesh, *result_.T_world_placed)))) {
     fail(PlaceStatus::missing);
   }
 }
 
 }  // namespace
 
-PlaceResult place(Robot& robot, const geometry::ObjectModel& object, const PickResult& picked,
+PlaceResult place(Executor& robot, const geometry::ObjectModel& object, const PickResult& picked,
                   const PlaceTarget& target, const planning::Fixture& fixture,
                   const PickOptions& pick_options, const PlaceOptions& options, std::uint64_t seed,
                   const PhaseObserver& observer) {

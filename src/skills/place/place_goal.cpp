@@ -14,8 +14,8 @@
 namespace palpate::skills {
 namespace {
 
-constexpr double kSettles = 30 * std::numbers::pi / 180;    // rad: more than a grasp tilts
-constexpr double kSameStance = 3 * std::numbers::pi / 180;  // rad
+constexpr double kSettles = 30 * std::numbers::pi / 180;        // rad: more than a grasp tilts
+constexpr double kSameStablePose = 3 * std::numbers::pi / 180;  // rad
 
 /// Angles of Rz Ry Rx. There are two triples; the second one turns pitch past the vertical.
 std::array<Eigen::Vector3d, 2> angles_of(const Eigen::Matrix3d& R) {
@@ -50,19 +50,20 @@ double turn_between(const hand::BasePosition& a, const hand::BasePosition& b) {
 
 std::optional<HeldObject> held_object(const geometry::KnownObject& object,
                                       const localization::Posterior& posterior,
-                                      const estimation::TouchLog& log,
+                                      const estimation::EventLog& log,
                                       const localization::SamePose& same, bool turned) {
-  const auto closed = log.at(estimation::Mark::closed), lifted = log.at(estimation::Mark::held);
+  const auto closed = log.at(estimation::TouchEvent::closed),
+             lifted = log.at(estimation::TouchEvent::held);
   if (posterior.modes.empty() || !closed || !lifted) return std::nullopt;
   const Eigen::Isometry3d T_world_closed = log.readings[*closed].base.pose();
   const Eigen::Isometry3d T_base_world = log.readings[*lifted].base.pose().inverse();
 
-  std::map<std::size_t, double> stances;
+  std::map<std::size_t, double> stable_poses;
   std::vector<localization::WeightedPose> in_air, flat;
   for (const localization::WeightedPose& pose : localization::poses_of(posterior)) {
     const Eigen::Isometry3d T_base_object = T_base_world * pose.T;
     const Eigen::Isometry3d standing = T_world_closed * T_base_object;
-    const bool settles = !turned && nearest_stance(object, standing.linear()).tilt < kSettles;
+    const bool settles = !turned && nearest_stable_pose(object, standing.linear()).tilt < kSettles;
     in_air.push_back({T_base_object, pose.weight});
     flat.push_back({T_world_closed.inverse() * (settles ? laid_flat(object, standing) : standing),
                     pose.weight});
@@ -71,7 +72,8 @@ std::optional<HeldObject> held_object(const geometry::KnownObject& object,
   HeldObject held;
   held.T_base_object_flat = best.T;
   held.T_base_object = localization::consensus(in_air, object.symmetries, same).T;
-  held.found_stance = nearest_stance(object, (T_world_closed * best.T).linear()).stance;
+  held.found_stable_pose =
+      nearest_stable_pose(object, (T_world_closed * best.T).linear()).stable_pose;
   held.certainty = best.share;
   return held;
 }
@@ -96,10 +98,11 @@ GoalSearch find_goal(const geometry::KnownObject& object, const HeldObject& held
                      const Eigen::Isometry3d& T_world_target, const hand::HandReading& now,
                      planning::CollisionChecker& scene, const GoalOptions& options) {
   GoalSearch search;
-  search.same_stance = same_side_up(object, T_world_target.linear(),
-                                    object.stances[held.found_stance].R_table_object, kSameStance);
+  search.same_stable_pose =
+      same_side_up(object, T_world_target.linear(),
+                   object.stable_poses[held.found_stable_pose].R_table_object, kSameStablePose);
   const Eigen::Isometry3d& T_base_object =
-      search.same_stance ? held.T_base_object_flat : held.T_base_object;
+      search.same_stable_pose ? held.T_base_object_flat : held.T_base_object;
   std::vector<PlaceGoal> goals;
   for (const auto& S : object.symmetries) {
     PlaceGoal goal;

@@ -37,7 +37,7 @@ hand::BasePosition moved(hand::BasePosition base, const Eigen::Vector3d& way) {
 
 /// Stop condition: what the base carries has fallen below a load for some ticks on end, not before
 /// a time (s), for setting out takes load off, too.
-Robot::StopCondition load_below(double load, double since = 0) {
+Executor::StopCondition load_below(double load, double since = 0) {
   return [load, since, ticks = 0](const hand::HandReading& reading) mutable {
     ticks = reading.time > since && reading.base_force.z() < load ? ticks + 1 : 0;
     return ticks >= kLoadedTicks;
@@ -45,7 +45,7 @@ Robot::StopCondition load_below(double load, double since = 0) {
 }
 
 /// The posture at which the actuators that press would press no more.
-hand::ActuatorVector unloaded(const Robot& robot) {
+hand::ActuatorVector unloaded(const Executor& robot) {
   hand::ActuatorVector posture = robot.command().positions;
   for (int i = 0; i < hand::kActuators; ++i) {
     if (hand::finger_of_actuator(i) < 0) continue;
@@ -55,7 +55,7 @@ hand::ActuatorVector unloaded(const Robot& robot) {
   return posture;
 }
 
-hand::ActuatorVector wider(const Robot& robot) {
+hand::ActuatorVector wider(const Executor& robot) {
   hand::ActuatorVector posture = robot.command().positions;
   for (const char* name :
        {"FFJ3", "FFJ0", "MFJ3", "MFJ0", "RFJ3", "RFJ0", "LFJ3", "LFJ0", "THJ5", "THJ2"}) {
@@ -73,7 +73,7 @@ LowerOptions never_refused(LowerOptions options) {
   return options;
 }
 
-PhaseEnd PlacePhase::run(Robot& robot, PickState&) {
+PhaseEnd PlacePhase::run(Executor& robot, PickState&) {
   const int tries = wall_ > 0 ? options_.tries : 1;
   int attempt = 0;
   for (; attempt < tries; ++attempt) {
@@ -101,7 +101,7 @@ PhaseEnd PlacePhase::run(Robot& robot, PickState&) {
 }
 
 /// Goes down from over the goal until the table bears the object and a little more.
-PlacePhase::Touchdown PlacePhase::lower(Robot& robot, const Eigen::Vector3d& aside) {
+PlacePhase::Touchdown PlacePhase::lower(Executor& robot, const Eigen::Vector3d& aside) {
   const hand::BasePosition measured = estimation::mean_base(robot.log());
   const hand::BasePosition& command = robot.command().base;
   hand::BasePosition seat = moved(goal_.seat, aside + command.xyz - measured.xyz);
@@ -123,7 +123,7 @@ PlacePhase::Touchdown PlacePhase::lower(Robot& robot, const Eigen::Vector3d& asi
   contact_ = robot.command().base;
   height_error_ = robot.reading().base.xyz.z() - goal_.seat.xyz.z();
   if (height_error_ > options_.early) return Touchdown::early;
-  robot.move_base(moved(contact_, {0, 0, -options_.most_press}), options_.slow_speed,
+  robot.move_base(moved(contact_, {0, 0, -options_.max_press}), options_.slow_speed,
                   load_below(-options_.press));
   // The object sank in the hand when it was lifted, so that any contact comes early, by more than a
   // low wall is high. Where all of the load is borne, it has been pushed back to where it was in
@@ -135,8 +135,8 @@ PlacePhase::Touchdown PlacePhase::lower(Robot& robot, const Eigen::Vector3d& asi
   return Touchdown::early;
 }
 
-void let_go(Robot& robot, const LowerOptions& options, const hand::ActuatorVector& open) {
-  robot.mark(estimation::Mark::placed);
+void let_go(Executor& robot, const LowerOptions& options, const hand::ActuatorVector& open) {
+  robot.mark(estimation::TouchEvent::placed);
   robot.set_grip(std::nullopt);
   robot.move_fingers(unloaded(robot), options.unload_seconds);
   hand::ActuatorVector opened = robot.command().positions;
@@ -147,14 +147,14 @@ void let_go(Robot& robot, const LowerOptions& options, const hand::ActuatorVecto
   robot.wait(kRest);
 }
 
-PhaseEnd OpenPhase::run(Robot& robot, PickState&) {
+PhaseEnd OpenPhase::run(Executor& robot, PickState&) {
   robot.wait(kRest);
   let_go(robot, options_, open_);
   const int contacts = hand::count_contacts(robot.reading());
   return {contacts == 0, fmt::format("{} contacts left", contacts)};
 }
 
-PhaseEnd WithdrawPhase::run(Robot& robot, PickState&) {
+PhaseEnd WithdrawPhase::run(Executor& robot, PickState&) {
   const hand::BasePosition low = robot.command().base;
   const hand::BasePosition high = moved(low, {0, 0, options_.way});
   int attempt = 0;

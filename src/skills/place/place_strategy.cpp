@@ -10,31 +10,32 @@
 namespace palpate::skills {
 namespace {
 
-constexpr std::array<PlaceMeans, 4> kMeans = {PlaceMeans::automatic, PlaceMeans::wrist,
-                                              PlaceMeans::fingers, PlaceMeans::regrasp};
+constexpr std::array<PlaceStrategy, 4> kMeans = {PlaceStrategy::automatic, PlaceStrategy::wrist,
+                                                 PlaceStrategy::fingers, PlaceStrategy::regrasp};
 
 }  // namespace
 
-std::string_view to_string(PlaceMeans means) {
+std::string_view to_string(PlaceStrategy means) {
   switch (means) {
-    case PlaceMeans::automatic:
+    case PlaceStrategy::automatic:
       return "auto";
-    case PlaceMeans::wrist:
+    case PlaceStrategy::wrist:
       return "wrist";
-    case PlaceMeans::fingers:
+    case PlaceStrategy::fingers:
       return "fingers";
-    case PlaceMeans::regrasp:
+    case PlaceStrategy::regrasp:
       return "regrasp";
   }
   return "";
 }
 
-PlaceMeans place_means(const PlaceOptions& options) {
-  for (const PlaceMeans means : kMeans) {
+PlaceStrategy place_strategy(const PlaceOptions& options) {
+  for (const PlaceStrategy means : kMeans) {
     if (options.means == to_string(means)) return means;
   }
-  throw BadInput(fmt::format(
-      "place.means = {:?}: it is \"auto\", \"wrist\", \"fingers\" or \"regrasp\"", options.means));
+  throw BadInput(
+      fmt::format("place.strategy = {:?}: it is \"auto\", \"wrist\", \"fingers\" or \"regrasp\"",
+                  options.means));
 }
 
 bool was_put_back(PlaceStatus status) {

@@ -25,7 +25,7 @@ void add_finger(const grasping::FingerShape& shape, float radius,
 }
 
 /// The hand opened and closed around the object.
-std::vector<Eigen::Vector4f> room_of(const grasping::ClosingPath& path,
+std::vector<Eigen::Vector4f> room_of(const grasping::ClosingTrajectory& path,
                                      const grasping::GraspPlan& grasp) {
   auto spheres = path.open_spheres;
   for (std::size_t finger = 0; finger < hand::kFingers; ++finger) {

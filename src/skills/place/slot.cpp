@@ -12,9 +12,9 @@
 namespace palpate::skills {
 namespace {
 
-constexpr double kLeastRoom = 0.0005;                        // m to every side
-constexpr double kLeastSide = 0.001;                         // m of a wall worth building
-constexpr double kLeastTurn = 12 * std::numbers::pi / 180;   // rad between two walls
+constexpr double kMinRoom = 0.0005;                          // m to every side
+constexpr double kMinSide = 0.001;                           // m of a wall worth building
+constexpr double kMinTurn = 12 * std::numbers::pi / 180;     // rad between two walls
 constexpr double kWidestTurn = std::numbers::pi / 2 + 1e-6;  // rad
 
 double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
@@ -80,7 +80,7 @@ std::vector<double> wall_directions(const std::vector<Eigen::Vector2d>& hull) {
                        [&](double other) { return angle_between(direction, other) > least; });
   };
   for (const auto& [length, direction] : sides) {
-    if (clear(direction, kLeastTurn)) chosen.push_back(direction);
+    if (clear(direction, kMinTurn)) chosen.push_back(direction);
   }
   for (int quarter = 0; quarter < 4; ++quarter) {
     const double direction = quarter * std::numbers::pi / 2;
@@ -115,18 +115,18 @@ std::vector<Side> sides_of(const std::vector<Eigen::Vector2d>& hull, double tole
 }  // namespace
 
 planning::Fixture make_fixture(const geometry::KnownObject& object, const FixtureOptions& options) {
-  if (options.stance >= static_cast<int>(object.stances.size())) {
-    throw BadInput(fmt::format("fixture.stance = {}: {} has the stances 0..{}", options.stance,
-                               object.name, object.stances.size() - 1));
+  if (options.stable_pose >= static_cast<int>(object.stable_poses.size())) {
+    throw BadInput(fmt::format("fixture.stable_pose = {}: {} has the stable poses 0..{}",
+                               options.stable_pose, object.name, object.stable_poses.size() - 1));
   }
-  if (options.tolerance < kLeastRoom) {
+  if (options.tolerance < kMinRoom) {
     throw BadInput(
         fmt::format("the fixture is too small: {:.2f} mm of room to a side of {}, less "
                     "than {:.2f}",
-                    1e3 * options.tolerance, object.name, 1e3 * kLeastRoom));
+                    1e3 * options.tolerance, object.name, 1e3 * kMinRoom));
   }
-  const auto stance = static_cast<std::size_t>(options.stance);
-  const Eigen::Isometry3d seated = resting_pose(object, stance, {0, 0}, options.yaw);
+  const auto stable_pose = static_cast<std::size_t>(options.stable_pose);
+  const Eigen::Isometry3d seated = resting_pose(object, stable_pose, {0, 0}, options.yaw);
   const auto sides =
       sides_of(outline(low_points(object.mesh, seated, options.height)), options.tolerance);
   planning::Fixture fixture;
@@ -134,7 +134,7 @@ planning::Fixture make_fixture(const geometry::KnownObject& object, const Fixtur
     const Side& side = sides[i];
     const Eigen::Vector2d from = meeting(sides[(i + sides.size() - 1) % sides.size()], side);
     const Eigen::Vector2d to = meeting(side, sides[(i + 1) % sides.size()]);
-    if ((to - from).norm() < kLeastSide) continue;
+    if ((to - from).norm() < kMinSide) continue;
     const Eigen::Vector2d middle = 0.5 * (from + to) + 0.5 * options.wall * side.normal;
     planning::FixtureBox box;
     box.T_world_box.translation() << options.x + middle.x(), options.y + middle.y(),

@@ -39,7 +39,7 @@ std::string why_no_path(const planning::Plan& motion) {
 }  // namespace
 
 /// Of base and fingers, one a tick.
-std::vector<hand::HandCommand> TransportPhase::commands(const Robot& robot,
+std::vector<hand::HandCommand> TransportPhase::commands(const Executor& robot,
                                                         const hand::BasePosition& yielded) const {
   std::vector<hand::HandCommand> way(motion_.samples.size(), robot.command());
   for (std::size_t i = 0; i < way.size(); ++i) {
@@ -54,7 +54,7 @@ std::vector<hand::HandCommand> TransportPhase::commands(const Robot& robot,
   return way;
 }
 
-PhaseEnd TransportPhase::run(Robot& robot, PickState& state) {
+PhaseEnd TransportPhase::run(Executor& robot, PickState& state) {
   const double load = estimation::mean_load(robot.log());
   const hand::BasePosition measured = estimation::mean_base(robot.log());
   const hand::BasePosition yielded = {robot.command().base.xyz - measured.xyz,
@@ -75,12 +75,12 @@ PhaseEnd TransportPhase::run(Robot& robot, PickState& state) {
   lost_ = robot.follow(way, dropped) == MotionEnd::stopped ||
           robot.wait(options_.settle, dropped) == MotionEnd::stopped;
   const double now = estimation::mean_load(robot.log());
-  lost_ = lost_ || now < options_.least_weight * load;
+  lost_ = lost_ || now < options_.min_weight * load;
   state.held_load = now;
   if (lost_) return {false, fmt::format("lost: {:.2f} N of {:.2f} N still hang", now, load)};
   const double drift =
-      estimation::contact_drift(robot.log(), robot.model(), start, robot.log().readings.size() - 1);
-  if (drift > options_.most_slip) {
+      estimation::contact_slip(robot.log(), robot.model(), start, robot.log().readings.size() - 1);
+  if (drift > options_.max_slip) {
     return {false, fmt::format("slipped by {:.1f} mm", 1e3 * drift)};
   }
   return {

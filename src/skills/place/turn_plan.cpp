@@ -18,14 +18,14 @@ hand::BasePosition wanted_base(const TurnQuestion& question) {
 
 }  // namespace
 
-std::optional<FingerTurn> plan_finger_turn(PlaceMeans means, const TurnQuestion& question,
-                                           const FingerTurnOptions& options,
-                                           const std::function<bool(const HeldObject&)>& reaches) {
+std::optional<InHandReorientation> plan_in_hand_reorientation(
+    PlaceStrategy means, const TurnQuestion& question, const InHandReorientationOptions& options,
+    const std::function<bool(const HeldObject&)>& reaches) {
   const GoalSearch& search = question.search;
-  const bool asked_for = means == PlaceMeans::fingers;
-  if (!asked_for && (means != PlaceMeans::automatic || search.goal)) return std::nullopt;
+  const bool asked_for = means == PlaceStrategy::fingers;
+  if (!asked_for && (means != PlaceStrategy::automatic || search.goal)) return std::nullopt;
   const hand::BasePosition seat = wanted_base(question);
-  FingerTurn turn;
+  InHandReorientation turn;
   turn.base_turn = share_of_fingers(question.base, seat, std::numbers::pi).norm();
   turn.asked = share_of_fingers(question.base, seat, options.most);
   if (search.goal) {

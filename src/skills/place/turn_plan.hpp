@@ -19,8 +19,8 @@ struct TurnQuestion {
 /// Decides whether the fingers turn the object first: where that was asked for, as much of the
 /// base's turn as they can; else only where it makes a target reachable that is not.
 /// @param reaches  whether the object, held so, can be brought to the target
-std::optional<FingerTurn> plan_finger_turn(PlaceMeans means, const TurnQuestion& question,
-                                           const FingerTurnOptions& options,
-                                           const std::function<bool(const HeldObject&)>& reaches);
+std::optional<InHandReorientation> plan_in_hand_reorientation(
+    PlaceStrategy means, const TurnQuestion& question, const InHandReorientationOptions& options,
+    const std::function<bool(const HeldObject&)>& reaches);
 
 }  // namespace palpate::skills

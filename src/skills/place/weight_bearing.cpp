@@ -20,7 +20,7 @@ double press_of(const std::vector<tactile::Contact>& contacts) {
 
 }  // namespace
 
-WeightBearing::WeightBearing(const Robot& robot, const Eigen::Vector3d& p_base_object,
+WeightBearing::WeightBearing(const Executor& robot, const Eigen::Vector3d& p_base_object,
                              double weight, double friction)
     : robot_(robot),
       positions_(robot.command().positions),
@@ -38,7 +38,7 @@ WeightBearing::WeightBearing(const Robot& robot, const Eigen::Vector3d& p_base_o
 hand::ActuatorVector WeightBearing::torques(const hand::BasePosition& base) const {
   if (press_ <= 0) return hand::ActuatorVector::Zero();
   const grasping::Load load{p_base_object_, -weight_ * base.pose().linear().row(2).transpose()};
-  const auto balanced = grasping::balance_forces(contacts_, friction_, press_, load);
+  const auto balanced = grasping::distribute_forces(contacts_, friction_, press_, load);
   return grasping::pressing_torques(robot_.model(), joints_, contacts_, balanced.forces);
 }
 

@@ -20,7 +20,7 @@ class WeightBearing {
   /// @param p_base_object  the object's centroid in the base's frame, m
   /// @param weight  N
   /// @param friction  that the forces count on
-  WeightBearing(const Robot& robot, const Eigen::Vector3d& p_base_object, double weight,
+  WeightBearing(const Executor& robot, const Eigen::Vector3d& p_base_object, double weight,
                 double friction);
 
   /// The fingers' commands for another attitude of the base.
@@ -29,7 +29,7 @@ class WeightBearing {
  private:
   [[nodiscard]] hand::ActuatorVector torques(const hand::BasePosition& base) const;
 
-  const Robot& robot_;
+  const Executor& robot_;
   std::vector<tactile::Contact> contacts_;
   hand::JointVector joints_;
   hand::ActuatorVector positions_, torques_;

@@ -6,7 +6,7 @@
 namespace palpate::skills {
 
 /// What a way to feel more of the object should tell about its pose, and how long it takes.
-struct Promise {
+struct ExpectedGain {
   double information = 0;  ///< lower bound, nats
   double seconds = 1;      ///< of the robot's time
   [[nodiscard]] double rate() const { return information / seconds; }

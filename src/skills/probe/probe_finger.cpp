@@ -28,7 +28,7 @@ constexpr double kLongestClose = 1.5;     // s
 constexpr double kThumbLimit = 1.0;       // rad; the thumb does not move here
 constexpr double kTouchSeconds = 4;       // s that a touch takes, and back
 constexpr double kLost = 0.03;            // N at which a holding finger has lost touch
-constexpr int kLeastHolding = 2;          // fingers that hold meanwhile, the thumb among them
+constexpr int kMinHolding = 2;            // fingers that hold meanwhile, the thumb among them
 constexpr int kSteps = 2;                 // of J4 and of J0 to either side
 constexpr std::size_t kPoses = 6;         // by which a move is judged, the heaviest
 constexpr double kPlannedRate = 1.0;      // rad/s, of the closing planned; the path is that of any
@@ -42,9 +42,10 @@ int actuator(int finger, std::string_view joint) {
 /// Places (base's frame) where each finger has touched the object since the hand closed.
 using KnownSpots = std::array<std::vector<Eigen::Vector3d>, hand::kFingers>;
 
-KnownSpots known_spots(const Robot& robot) {
+KnownSpots known_spots(const Executor& robot) {
   KnownSpots known;
-  for (const estimation::Mark mark : {estimation::Mark::closed, estimation::Mark::probed}) {
+  for (const estimation::TouchEvent mark :
+       {estimation::TouchEvent::closed, estimation::TouchEvent::probed}) {
     for (const std::size_t reading : robot.log().all(mark)) {
       for (const auto& contact : contacts_at(robot, reading)) {
         known[static_cast<std::size_t>(contact.finger)].push_back(contact.p);
@@ -64,17 +65,17 @@ hand::ActuatorVector with_finger(hand::ActuatorVector posture, int finger,
 }
 
 /// Whether the thumb and a finger, other than `but_for`, touch what they held.
-bool still_holds(const Robot& robot, int but_for) {
+bool still_holds(const Executor& robot, int but_for) {
   int fingers = 0;
   for (int finger = 1; finger < hand::kFingers; ++finger) {
     fingers += finger != but_for && hand::tip_force(robot.reading(), finger) > kLost;
   }
-  return fingers + 1 >= kLeastHolding && hand::tip_force(robot.reading(), 0) > kLost;
+  return fingers + 1 >= kMinHolding && hand::tip_force(robot.reading(), 0) > kLost;
 }
 
 }  // namespace
 
-std::vector<tactile::Contact> contacts_at(const Robot& robot, std::size_t reading) {
+std::vector<tactile::Contact> contacts_at(const Executor& robot, std::size_t reading) {
   const std::span<const hand::HandReading> readings(robot.log().readings);
   const std::size_t count = std::min(reading + 1, kWindow);
   return tactile::lasting_contacts(readings.subspan(reading + 1 - count, count), robot.model(), {});
@@ -88,7 +89,7 @@ bool FingerProbes::was_made(const Move& move) const {
 }
 
 /// Fingers whose place can be given up: the others' forces balance and bear the weight.
-std::vector<FingerProbes::FreeFinger> FingerProbes::free_fingers(const Robot& robot,
+std::vector<FingerProbes::FreeFinger> FingerProbes::free_fingers(const Executor& robot,
                                                                  const Posterior& held) const {
   const auto contacts = contacts_at(robot, robot.log().readings.size() - 1);
   const grasping::Load load =
@@ -102,15 +103,15 @@ std::vector<FingerProbes::FreeFinger> FingerProbes::free_fingers(const Robot& ro
       others.push_back(contact);
       holds[static_cast<std::size_t>(contact.finger)] = true;
     }
-    if (!holds[0] || std::count(holds.begin(), holds.end(), true) < kLeastHolding) continue;
-    const auto balanced = grasping::balance_forces(others, options_.friction, press_, load);
-    if (balanced.imbalance > options_.balance) continue;
+    if (!holds[0] || std::count(holds.begin(), holds.end(), true) < kMinHolding) continue;
+    const auto balanced = grasping::distribute_forces(others, options_.friction, press_, load);
+    if (balanced.wrench_residual > options_.balance) continue;
     free.push_back({finger, pressing_command(robot, others, balanced.forces)});
   }
   return free;
 }
 
-std::vector<FingerProbes::Move> FingerProbes::moves(const Robot& robot,
+std::vector<FingerProbes::Move> FingerProbes::moves(const Executor& robot,
                                                     const FreeFinger& free) const {
   std::vector<Move> result;
   for (int side = -kSteps; side <= kSteps; ++side) {
@@ -131,8 +132,8 @@ std::vector<FingerProbes::Move> FingerProbes::moves(const Robot& robot,
   return result;
 }
 
-/// Closes the moved finger in thought, for the heaviest of the poses in question.
-FingerProbes::Foresight FingerProbes::foresee(const Robot& robot, const Posterior& held,
+/// Closes the moved finger virtually, for the heaviest of the poses in question.
+FingerProbes::Foresight FingerProbes::foresee(const Executor& robot, const Posterior& held,
                                               const Move& move,
                                               const std::vector<Eigen::Vector3d>& known) const {
   const auto finger = static_cast<std::size_t>(move.finger);
@@ -140,7 +141,8 @@ FingerProbes::Foresight FingerProbes::foresee(const Robot& robot, const Posterio
   std::array<bool, hand::kFingers> closing{};
   closing[finger] = true;
   const grasping::ClosingLaw law(robot.actuators(), kPlannedRate, kThumbLimit);
-  grasping::ClosingPath path = grasping::closing_path(robot.model(), move.opened, law, closing);
+  grasping::ClosingTrajectory path =
+      grasping::closing_trajectory(robot.model(), move.opened, law, closing);
   grasping::end_at_other_fingers(robot.model(), robot.reading().joints, finger, path);
   const auto& shapes = path.fingers[finger];
   Foresight foresight;
@@ -169,11 +171,11 @@ FingerProbes::Foresight FingerProbes::foresee(const Robot& robot, const Posterio
   return foresight;
 }
 
-std::optional<FingerProbes::Move> FingerProbes::choose(const Robot& robot, const Posterior& held,
+std::optional<FingerProbes::Move> FingerProbes::choose(const Executor& robot, const Posterior& held,
                                                        RandomStream random) const {
   const KnownSpots known = known_spots(robot);
   std::vector<Move> promising;
-  std::vector<localization::Probe> probes;
+  std::vector<localization::TouchAction> probes;
   for (const FreeFinger& free : free_fingers(robot, held)) {
     for (const Move& move : moves(robot, free)) {
       if (was_made(move)) continue;
@@ -186,13 +188,13 @@ std::optional<FingerProbes::Move> FingerProbes::choose(const Robot& robot, const
     }
   }
   if (probes.empty()) return std::nullopt;
-  const auto choice = localization::choose_probe(object_, held, probes, random);
+  const auto choice = localization::choose_touch(object_, held, probes, random);
   Move best = promising[choice.index];
-  best.promise = {choice.information, probes[choice.index].seconds};
+  best.expected_gain = {choice.information, probes[choice.index].seconds};
   return best;
 }
 
-bool FingerProbes::make(Robot& robot, const Move& move) {
+bool FingerProbes::make(Executor& robot, const Move& move) {
   made_.push_back(move);
   const hand::ActuatorVector held = robot.command().positions;
   const hand::ActuatorVector without = with_finger(move.opened, move.finger, held);
@@ -211,7 +213,7 @@ bool FingerProbes::make(Robot& robot, const Move& move) {
   });
   robot.set_grip(std::nullopt);
   robot.wait(kWindow * hand::kTick);
-  robot.mark(estimation::Mark::probed);
+  robot.mark(estimation::TouchEvent::probed);
   hand::ActuatorVector away = robot.command().positions;
   away[knuckle] = std::min(away[knuckle], move.opened[knuckle]);
   robot.move_fingers(away, kOpenSeconds);

@@ -11,7 +11,7 @@
 namespace palpate::skills {
 
 /// Contacts that have lasted up to a reading, base's frame.
-std::vector<tactile::Contact> contacts_at(const Robot& robot, std::size_t reading);
+std::vector<tactile::Contact> contacts_at(const Executor& robot, std::size_t reading);
 
 /// Touches of other spots of a held object by one finger at a time: one that the others can do
 /// without, who take over what it held.
@@ -21,22 +21,22 @@ class FingerProbes {
   struct Move {
     int finger = 0;
     hand::ActuatorVector opened;  ///< of the whole hand
-    Promise promise;
+    ExpectedGain expected_gain;
   };
 
   /// @param press  of all fingers together, N, as the grasp's
-  FingerProbes(const geometry::ObjectModel& object, const ProbeOptions& options, double press)
+  FingerProbes(const geometry::ObjectModel& object, const PalpationOptions& options, double press)
       : object_(object), options_(options), press_(press) {}
 
   /// Of the moves not made yet that should make a finger meet the object where it has not been, by
   /// the poses in question, the one of which most is to be learnt.
-  std::optional<Move> choose(const Robot& robot, const localization::Posterior& held,
+  std::optional<Move> choose(const Executor& robot, const localization::Posterior& held,
                              RandomStream random) const;
 
   /// Lets the others take over, opens the finger, moves it, closes it until it touches or has
   /// closed in vain, marks `probed`, and brings it back.
   /// @return whether the thumb and another finger than the moved one still touch the object
-  bool make(Robot& robot, const Move& move);
+  bool make(Executor& robot, const Move& move);
 
  private:
   /// A finger that the others can do without, and what they do meanwhile.
@@ -47,18 +47,19 @@ class FingerProbes {
   /// How a move should end, by the poses in question.
   struct Foresight {
     double chance = 0;  ///< that the tip meets the object where it has not touched it
-    localization::Probe probe{{0, 0, 0}, {0, 0, 0}};  ///< the tip's way, as if it were straight
+    localization::TouchAction probe{{0, 0, 0},
+                                    {0, 0, 0}};  ///< the tip's way, as if it were straight
   };
 
   bool was_made(const Move& move) const;
-  std::vector<FreeFinger> free_fingers(const Robot& robot,
+  std::vector<FreeFinger> free_fingers(const Executor& robot,
                                        const localization::Posterior& held) const;
-  std::vector<Move> moves(const Robot& robot, const FreeFinger& free) const;
-  Foresight foresee(const Robot& robot, const localization::Posterior& held, const Move& move,
+  std::vector<Move> moves(const Executor& robot, const FreeFinger& free) const;
+  Foresight foresee(const Executor& robot, const localization::Posterior& held, const Move& move,
                     const std::vector<Eigen::Vector3d>& known) const;
 
   const geometry::ObjectModel& object_;
-  const ProbeOptions& options_;
+  const PalpationOptions& options_;
   double press_;
   std::vector<Move> made_;
 };

@@ -19,21 +19,21 @@ namespace {
 constexpr double kStepSeconds = 10;     // s that a touch or a roll takes at most, and back
 constexpr double kRegraspSeconds = 14;  // s, of an object on the table
 constexpr double kLiftSeconds = 6;      // s more, where it is to be put down and lifted again
-constexpr double kLeastWeight = 0.5;    // of the object's weight, that must still hang
+constexpr double kMinWeight = 0.5;      // of the object's weight, that must still hang
 constexpr double kPlannedRate = 1.0;    // rad/s, of the closing planned; the path is that of any
 
-int regrasps_made(const estimation::TouchLog& log) {
+int regrasps_made(const estimation::EventLog& log) {
   const auto moments = log.since_release();
   return static_cast<int>(std::count_if(moments.begin(), moments.end(), [](const auto& moment) {
-    return moment.mark == estimation::Mark::opened;
+    return moment.mark == estimation::TouchEvent::opened;
   }));
 }
 
-GraspTool tool_of(const Robot& robot, const GraspOptions& options) {
-  const GraspRecipe& recipe = options.top;
-  const grasping::ClosingLaw law(robot.actuators(), kPlannedRate, recipe.thumb_limit);
-  return {grasping::closing_path(robot.model(), open_posture(recipe), law),
-          {{recipe.pitch, recipe.roll}, {options.steep_pitch, recipe.roll}}};
+GraspTool tool_of(const Executor& robot, const GraspOptions& options) {
+  const Preshape& preshape = options.top;
+  const grasping::ClosingLaw law(robot.actuators(), kPlannedRate, preshape.thumb_limit);
+  return {grasping::closing_trajectory(robot.model(), open_posture(preshape), law),
+          {{preshape.pitch, preshape.roll}, {options.steep_pitch, preshape.roll}}};
 }
 
 /// What there is to be learnt about which of the poses in question is true, nats.
@@ -52,12 +52,13 @@ double entropy(const localization::Posterior& posterior) {
 struct Choices {
   std::optional<FingerProbes::Move> touch;
   std::optional<Roll> roll;
-  std::optional<TellingGrasp> grasp;
+  std::optional<InformativeGrasp> grasp;
 
   /// Leaves the one that tells most a second.
-  void keep_best(double worth) {
+  void keep_best(double min_gain_rate) {
     const auto rate = [&](const auto& choice) {
-      return choice && choice->promise.rate() >= worth ? choice->promise.rate() : -1.0;
+      return choice && choice->expected_gain.rate() >= min_gain_rate ? choice->expected_gain.rate()
+                                                                     : -1.0;
     };
     const double best = std::max({rate(touch), rate(roll), rate(grasp)});
     if (rate(touch) < std::max(best, 0.0)) touch.reset();
@@ -69,9 +70,9 @@ struct Choices {
 /// One run of the phase.
 class Probing {
  public:
-  Probing(Robot& robot, PickState& state, const geometry::ObjectModel& object,
-          const ProbeOptions& options, const estimation::LocateOptions& locate,
-          const GraspOptions& grasp, std::uint64_t seed, estimation::Mark instant)
+  Probing(Executor& robot, PickState& state, const geometry::ObjectModel& object,
+          const PalpationOptions& options, const estimation::EstimationOptions& locate,
+          const GraspOptions& grasp, std::uint64_t seed, estimation::TouchEvent instant)
       : robot_(robot),
         state_(state),
         object_(object),
@@ -99,7 +100,7 @@ class Probing {
   }
 
  private:
-  [[nodiscard]] bool hangs() const { return instant_ == estimation::Mark::held; }
+  [[nodiscard]] bool hangs() const { return instant_ == estimation::TouchEvent::held; }
   [[nodiscard]] const localization::Posterior& posterior() const {
     return state_.estimate.posterior;
   }
@@ -108,7 +109,7 @@ class Probing {
   }
   [[nodiscard]] bool lost() const {
     if (!hangs()) return !holds_;
-    return estimation::mean_load(robot_.log()) < kLeastWeight * object_.object().mass * kGravity;
+    return estimation::mean_load(robot_.log()) < kMinWeight * object_.object().mass * kGravity;
   }
 
   /// What is worth most of what has not been done too often yet.
@@ -118,24 +119,24 @@ class Probing {
       next.touch = fingers_.choose(robot_, posterior(), RandomStream(seed_, "probe"));
     }
     if (next.touch) {  // of draws, which also differ by each pose's own error
-      auto& information = next.touch->promise.information;
+      auto& information = next.touch->expected_gain.information;
       information = std::min(information, entropy(posterior()));
     }
     if (hangs() && rolls_ < options_.rolls) {
       const auto contacts = contacts_at(robot_, robot_.log().readings.size() - 1);
-      next.roll = most_telling_roll(robot_, object_, posterior(), contacts);
+      next.roll = most_informative_roll(robot_, object_, posterior(), contacts);
     }
     if (regrasps_made(robot_.log()) < options_.regrasps) next.grasp = other_grasp();
-    next.keep_best(options_.worth);
+    next.keep_best(options_.min_gain_rate);
     return next;
   }
 
-  [[nodiscard]] std::optional<TellingGrasp> other_grasp() const {
-    const auto closed = robot_.log().at(estimation::Mark::closed);
+  [[nodiscard]] std::optional<InformativeGrasp> other_grasp() const {
+    const auto closed = robot_.log().at(estimation::TouchEvent::closed);
     if (!closed) return std::nullopt;
-    TellingGraspOptions options;
+    InformativeGraspOptions options;
     options.plan.press = pressure(grasp_, object_.object());
-    options.worst_cost = grasp_.most_imbalance;
+    options.worst_cost = grasp_.max_wrench_residual;
     options.avoid = state_.tried_yaws;
     options.seconds = kRegraspSeconds + (hangs() ? kLiftSeconds : 0);
     localization::Posterior standing = posterior();
@@ -144,7 +145,7 @@ class Probing {
           robot_.log().readings[*closed].base.pose() * robot_.reading().base.pose().inverse(),
           standing);
     }
-    return most_telling_grasp(object_, standing, tool_of(robot_, grasp_), options);
+    return most_informative_grasp(object_, standing, tool_of(robot_, grasp_), options);
   }
 
   /// Touches or rolls, and estimates the pose anew.
@@ -162,14 +163,14 @@ class Probing {
         estimation::locate(object_, robot_.model(), robot_.log(), locate_, seed_, instant_);
   }
 
-  Robot& robot_;
+  Executor& robot_;
   PickState& state_;
   const geometry::ObjectModel& object_;
-  const ProbeOptions& options_;
-  const estimation::LocateOptions& locate_;
+  const PalpationOptions& options_;
+  const estimation::EstimationOptions& locate_;
   const GraspOptions& grasp_;
   std::uint64_t seed_;
-  estimation::Mark instant_;
+  estimation::TouchEvent instant_;
   FingerProbes fingers_;
   int touches_ = 0, rolls_ = 0;
   bool holds_ = true, slipped_ = false;
@@ -177,7 +178,7 @@ class Probing {
 
 }  // namespace
 
-PhaseEnd ProbePhase::run(Robot& robot, PickState& state) {
+PhaseEnd PalpationPhase::run(Executor& robot, PickState& state) {
   Probing probing(robot, state, object_, options_, locate_, grasp_, seed_, instant_);
   return probing.run(robot.time() + time_limit() - kStepSeconds);
 }

@@ -12,13 +12,13 @@ namespace {
 constexpr std::size_t kFinalists = 12;  // grasps that are compared
 constexpr double kSameAttitude = 1e-6;  // rad
 
-using localization::PredictedFeel;
+using localization::PredictedTouches;
 
 /// The cheapest grasp from each side that holds the object at a pose, the cheapest of all first.
 std::vector<grasping::GraspPlan> grasps_from_all_sides(const geometry::ObjectModel& object,
                                                        const Eigen::Isometry3d& T_world_object,
                                                        const GraspTool& tool,
-                                                       const TellingGraspOptions& options) {
+                                                       const InformativeGraspOptions& options) {
   std::vector<grasping::GraspPlan> found;
   for (const auto& attitude : tool.attitudes) {
     for (auto& grasp : grasping::find_grasps(object, T_world_object, tool.path, attitude,
@@ -44,7 +44,7 @@ std::vector<grasping::GraspPlan> grasps_from_all_sides(const geometry::ObjectMod
 /// Way of each fingertip along its closing up to each shape, m.
 using TipWays = std::array<std::vector<double>, hand::kFingers>;
 
-TipWays tip_ways(const grasping::ClosingPath& path) {
+TipWays tip_ways(const grasping::ClosingTrajectory& path) {
   TipWays ways;
   for (std::size_t finger = 0; finger < hand::kFingers; ++finger) {
     double way = 0;
@@ -59,8 +59,8 @@ TipWays tip_ways(const grasping::ClosingPath& path) {
 }
 
 /// What the fingers feel when they have closed.
-PredictedFeel feel_of(const grasping::GraspPlan& closed, const TipWays& ways) {
-  PredictedFeel feel(hand::kFingers);
+PredictedTouches feel_of(const grasping::GraspPlan& closed, const TipWays& ways) {
+  PredictedTouches feel(hand::kFingers);
   for (const auto& contact : closed.contacts) {
     const auto finger = static_cast<std::size_t>(contact.finger);
     feel[finger] = {true, ways[finger][closed.stops[finger]], contact.n};
@@ -70,30 +70,31 @@ PredictedFeel feel_of(const grasping::GraspPlan& closed, const TipWays& ways) {
 
 }  // namespace
 
-std::optional<TellingGrasp> most_telling_grasp(const geometry::ObjectModel& object,
-                                               const localization::Posterior& resting,
-                                               const GraspTool& tool,
-                                               const TellingGraspOptions& options) {
+std::optional<InformativeGrasp> most_informative_grasp(const geometry::ObjectModel& object,
+                                                       const localization::Posterior& resting,
+                                                       const GraspTool& tool,
+                                                       const InformativeGraspOptions& options) {
   if (resting.modes.empty()) return std::nullopt;
   const auto poses = localization::poses_of(resting);
   std::vector<double> weights;
   for (const localization::WeightedPose& pose : poses) weights.push_back(pose.weight);
   const double total = std::accumulate(weights.begin(), weights.end(), 0.0);
   const TipWays ways = tip_ways(tool.path);
-  std::optional<TellingGrasp> best;
+  std::optional<InformativeGrasp> best;
   for (const grasping::GraspPlan& grasp :
        grasps_from_all_sides(object, resting.modes.front().T_frame_object, tool, options)) {
-    std::vector<PredictedFeel> feels;
+    std::vector<PredictedTouches> feels;
     double holds = 0;
     for (const localization::WeightedPose& pose : poses) {
-      const auto closed = grasping::close_at(object, pose.T, tool.path, grasp.base, options.plan);
+      const auto closed =
+          grasping::close_virtually(object, pose.T, tool.path, grasp.base, options.plan);
       if (closed && closed->cost < options.worst_cost) holds += pose.weight;
-      feels.push_back(closed ? feel_of(*closed, ways) : PredictedFeel(hand::kFingers));
+      feels.push_back(closed ? feel_of(*closed, ways) : PredictedTouches(hand::kFingers));
     }
     if (holds < options.likely * total) continue;
     const double information = localization::information_bound(feels, weights, touches_of_modes());
-    if (best && information <= best->promise.information) continue;
-    best = TellingGrasp{grasp, {information, options.seconds}};
+    if (best && information <= best->expected_gain.information) continue;
+    best = InformativeGrasp{grasp, {information, options.seconds}};
   }
   return best;
 }

@@ -10,13 +10,13 @@
 namespace palpate::skills {
 
 /// A grasp from another side and what the fingers should feel there.
-struct TellingGrasp {
+struct InformativeGrasp {
   grasping::GraspPlan plan;
-  Promise promise;
+  ExpectedGain expected_gain;
 };
 
 /// How safe and how different a grasp must be that is made for what it tells.
-struct TellingGraspOptions {
+struct InformativeGraspOptions {
   grasping::PlanOptions plan = many_grasps();
   double worst_cost = 0.3;    ///< of a grasp that holds
   double likely = 0.6;        ///< share of the poses in question for which it must hold
@@ -28,9 +28,9 @@ struct TellingGraspOptions {
 /// poses in question is true, by where each finger should meet the object.
 /// @param resting  the object's pose on the table, world
 /// @return nothing if no grasp will do
-std::optional<TellingGrasp> most_telling_grasp(const geometry::ObjectModel& object,
-                                               const localization::Posterior& resting,
-                                               const GraspTool& tool,
-                                               const TellingGraspOptions& options);
+std::optional<InformativeGrasp> most_informative_grasp(const geometry::ObjectModel& object,
+                                                       const localization::Posterior& resting,
+                                                       const GraspTool& tool,
+                                                       const InformativeGraspOptions& options);
 
 }  // namespace palpate::skills

@@ -11,22 +11,22 @@
 namespace palpate::skills {
 namespace {
 
-constexpr double kTurn = 0.17;               // rad: as far as fingers turn an object surely
-constexpr double kSeconds = 8;               // of the robot's time, there and back
-constexpr double kLongest = 4;               // s of either way
-constexpr double kSameSpot = 0.006;          // m
-constexpr double kRelaxing = 0.8;            // s, back to the grip before
-constexpr double kRest = 0.2;                // s, of contacts that are averaged, amply
-constexpr std::ptrdiff_t kLeastFingers = 4;  // that touch, the thumb among them
+constexpr double kTurn = 0.17;             // rad: as far as fingers turn an object surely
+constexpr double kSeconds = 8;             // of the robot's time, there and back
+constexpr double kLongest = 4;             // s of either way
+constexpr double kSameSpot = 0.006;        // m
+constexpr double kRelaxing = 0.8;          // s, back to the grip before
+constexpr double kRest = 0.2;              // s, of contacts that are averaged, amply
+constexpr std::ptrdiff_t kMinFingers = 4;  // that touch, the thumb among them
 
-using localization::PredictedFeel;
+using localization::PredictedTouches;
 
 /// How far from the object's surface each fingertip is that has rolled, and the normal there.
-PredictedFeel feel_after(const geometry::ObjectModel& object,
-                         const Eigen::Isometry3d& T_base_object,
-                         const std::vector<tactile::Contact>& contacts, const Robot& robot,
-                         const Eigen::Vector3d& turn) {
-  PredictedFeel feel;
+PredictedTouches feel_after(const geometry::ObjectModel& object,
+                            const Eigen::Isometry3d& T_base_object,
+                            const std::vector<tactile::Contact>& contacts, const Executor& robot,
+                            const Eigen::Vector3d& turn) {
+  PredictedTouches feel;
   for (const auto& contact : contacts) {
     const double radius = robot.model().tips[static_cast<std::size_t>(contact.finger)].radius;
     // Seen from the object, the tip's centre goes round the contact the other way.
@@ -46,7 +46,7 @@ PredictedFeel feel_after(const geometry::ObjectModel& object,
 bool firmly_held(const std::vector<tactile::Contact>& contacts) {
   std::array<bool, hand::kFingers> touches{};
   for (const auto& contact : contacts) touches[static_cast<std::size_t>(contact.finger)] = true;
-  return touches[0] && std::count(touches.begin(), touches.end(), true) >= kLeastFingers;
+  return touches[0] && std::count(touches.begin(), touches.end(), true) >= kMinFingers;
 }
 
 /// Whether all of the contacts but one at most are still there.
@@ -61,7 +61,7 @@ bool touch_alike(const std::vector<tactile::Contact>& before,
 }
 
 /// The pose turned about its own origin, the centroid.
-Eigen::Isometry3d turned(const Robot& robot, Eigen::Isometry3d T_world_object,
+Eigen::Isometry3d turned(const Executor& robot, Eigen::Isometry3d T_world_object,
                          const Eigen::Vector3d& turn) {
   const Eigen::Matrix3d R_world_base = robot.reading().base.pose().linear();
   T_world_object.linear() = R_world_base * Eigen::AngleAxisd(turn.norm(), turn.normalized()) *
@@ -71,16 +71,17 @@ Eigen::Isometry3d turned(const Robot& robot, Eigen::Isometry3d T_world_object,
 
 }  // namespace
 
-std::optional<Roll> most_telling_roll(const Robot& robot, const geometry::ObjectModel& object,
-                                      const localization::Posterior& held,
-                                      const std::vector<tactile::Contact>& contacts) {
+std::optional<Roll> most_informative_roll(const Executor& robot,
+                                          const geometry::ObjectModel& object,
+                                          const localization::Posterior& held,
+                                          const std::vector<tactile::Contact>& contacts) {
   if (held.modes.empty() || !firmly_held(contacts)) return std::nullopt;
   const Eigen::Isometry3d T_base_world = robot.reading().base.pose().inverse();
   const auto poses = localization::poses_of(held);
   std::vector<double> weights;
   for (const localization::WeightedPose& pose : poses) weights.push_back(pose.weight);
   const auto told = [&](const Eigen::Vector3d& turn) {
-    std::vector<PredictedFeel> feels;
+    std::vector<PredictedTouches> feels;
     for (const localization::WeightedPose& pose : poses) {
       feels.push_back(feel_after(object, T_base_world * pose.T, contacts, robot, turn));
     }
@@ -91,28 +92,29 @@ std::optional<Roll> most_telling_roll(const Robot& robot, const geometry::Object
   for (int axis = 0; axis < 3; ++axis) {
     for (const double sign : {1.0, -1.0}) {
       const Eigen::Vector3d turn = sign * kTurn * Eigen::Vector3d::Unit(axis);
-      const Promise promise{std::max(0.0, told(turn) - already), kSeconds};
-      if (!best || promise.information > best->promise.information) best = Roll{turn, promise};
+      const ExpectedGain expected_gain{std::max(0.0, told(turn) - already), kSeconds};
+      if (!best || expected_gain.information > best->expected_gain.information)
+        best = Roll{turn, expected_gain};
     }
   }
   return best;
 }
 
-bool roll(Robot& robot, const geometry::ObjectModel& object, const localization::Posterior& held,
+bool roll(Executor& robot, const geometry::ObjectModel& object, const localization::Posterior& held,
           const Roll& roll, const tactile::ContactErrorModel& errors, std::uint64_t seed) {
   ReorientOptions options;
-  options.sampling.samples = 0;  // the poses in question disagree on what a rehearsal would show
+  options.sampling.samples = 0;  // the poses in question disagree on what a rollout would show
   options.errors = errors;
   options.longest = kLongest;
   const hand::ActuatorVector before = robot.command().positions;
   const auto contacts = contacts_at(robot, robot.log().readings.size() - 1);
   const Eigen::Isometry3d& start = held.modes.front().T_frame_object;
   const auto aside =
-      reorient_by_fingers(robot, object, held, turned(robot, start, roll.turn), options, seed);
+      reorient_in_hand(robot, object, held, turned(robot, start, roll.turn), options, seed);
   if (aside.end == ReorientEnd::losing) return false;
   robot.wait(kRest);
-  robot.mark(estimation::Mark::rolled);
-  const auto back = reorient_by_fingers(robot, object, aside.posterior, start, options, seed);
+  robot.mark(estimation::TouchEvent::rolled);
+  const auto back = reorient_in_hand(robot, object, aside.posterior, start, options, seed);
   robot.move_fingers(before, kRelaxing);
   robot.wait(kRest);
   return back.end != ReorientEnd::losing &&

@@ -13,7 +13,7 @@ namespace palpate::skills {
 /// A turn of the object between the fingers, on which the fingertips roll to other spots of it.
 struct Roll {
   Eigen::Vector3d turn = Eigen::Vector3d::Zero();  ///< rotation vector, base's axes, rad
-  Promise promise;
+  ExpectedGain expected_gain;
 };
 
 /// The turn about one of the base's axes from which most is to be learnt about which of the poses
@@ -24,13 +24,14 @@ struct Roll {
 /// @param held      the object's pose in the world
 /// @param contacts  of the fingertips, base's frame
 /// @return nothing where fewer than the thumb and three fingers touch: rolled, it might fall
-std::optional<Roll> most_telling_roll(const Robot& robot, const geometry::ObjectModel& object,
-                                      const localization::Posterior& held,
-                                      const std::vector<tactile::Contact>& contacts);
+std::optional<Roll> most_informative_roll(const Executor& robot,
+                                          const geometry::ObjectModel& object,
+                                          const localization::Posterior& held,
+                                          const std::vector<tactile::Contact>& contacts);
 
 /// Rolls the object there, marks `rolled`, and rolls it back.
 /// @return whether the fingers touch it where they did; else it has slipped, who knows how far
-bool roll(Robot& robot, const geometry::ObjectModel& object, const localization::Posterior& held,
+bool roll(Executor& robot, const geometry::ObjectModel& object, const localization::Posterior& held,
           const Roll& roll, const tactile::ContactErrorModel& errors, std::uint64_t seed);
 
 }  // namespace palpate::skills

@@ -26,16 +26,16 @@ Eigen::Vector3d limited(const Eigen::Vector3d& rotation, double most) {
 }
 
 /// Presses anew with what still touches.
-void regrip(Robot& robot, const Eigen::Isometry3d& T_world_object, const ReorientOptions& options,
-            double weight) {
+void regrip(Executor& robot, const Eigen::Isometry3d& T_world_object,
+            const ReorientOptions& options, double weight) {
   const auto& readings = robot.log().readings;
   const auto count = std::min<std::size_t>(readings.size(), 10);
   const auto contacts =
       tactile::lasting_contacts(std::span(readings).last(count), robot.model(), options.errors);
   if (contacts.empty()) return;
   const auto balanced =
-      grasping::balance_forces(contacts, options.friction, options.grip * 3 * weight,
-                               weight_at(robot, T_world_object, weight));
+      grasping::distribute_forces(contacts, options.friction, options.grip * 3 * weight,
+                                  weight_at(robot, T_world_object, weight));
   robot.move_fingers(pressing_command(robot, contacts, balanced.forces), kRegripSeconds);
 }
 
@@ -73,19 +73,19 @@ std::optional<Eigen::Vector3d> turn_that_reaches(
   return std::nullopt;
 }
 
-PhaseEnd FingerTurnPhase::run(Robot& robot, PickState& state) {
+PhaseEnd InHandReorientationPhase::run(Executor& robot, PickState& state) {
   const double load = estimation::mean_load(robot.log());
   Eigen::Isometry3d goal = state.estimate.posterior.modes.front().T_frame_object;
   goal.linear() = exp_so3(turn_.asked) * goal.linear();
   turn_.result =
-      reorient_by_fingers(robot, object_, state.estimate.posterior, goal, options_.reorient, seed_);
+      reorient_in_hand(robot, object_, state.estimate.posterior, goal, options_.reorient, seed_);
   const auto& tracked = turn_.result.posterior.modes.front();
   if (turn_.result.end == ReorientEnd::losing) {
     regrip(robot, tracked.T_frame_object, options_.reorient, object_.object().mass * kGravity);
   }
   robot.wait(options_.settle);
   state.held_load = estimation::mean_load(robot.log());
-  turn_.lost = state.held_load < options_.least_weight * load;
+  turn_.lost = state.held_load < options_.min_weight * load;
   if (turn_.lost) {
     return {false, fmt::format("lost: {:.2f} N of {:.2f} N still hang", state.held_load, load)};
   }

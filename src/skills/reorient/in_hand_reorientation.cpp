@@ -49,7 +49,7 @@ localization::Posterior heaviest(localization::Posterior posterior) {
 /// Steps, looks and keeps track for one reorientation.
 class Turning {
  public:
-  Turning(Robot& robot, const geometry::ObjectModel& object, const localization::Posterior& held,
+  Turning(Executor& robot, const geometry::ObjectModel& object, const localization::Posterior& held,
           const Eigen::Isometry3d& T_world_goal, const ReorientOptions& options,
           RandomStream random)
       : robot_(robot),
@@ -142,8 +142,8 @@ class Turning {
   hand::ActuatorVector mending_lead(double gain) const {
     hand::ActuatorVector lead = hand::ActuatorVector::Zero();
     const auto balanced =
-        grasping::balance_forces(view_.contacts, options_.friction, options_.grip * first_force_,
-                                 weight_at(robot_, tracked(), weight_));
+        grasping::distribute_forces(view_.contacts, options_.friction, options_.grip * first_force_,
+                                    weight_at(robot_, tracked(), weight_));
     const auto torques =
         grasping::pressing_torques(robot_.model(), view_.joints, view_.contacts, balanced.forces);
     for (int i = 0; i < hand::kActuators; ++i) {
@@ -173,11 +173,11 @@ class Turning {
         mending_lead(looks_++ < options_.tightenings ? options_.tighten_gain : options_.force_gain);
     tracker_.update(frame());
     view_.T_base_object = robot_.reading().base.pose().inverse() * tracked();
-    return judge();
+    return evaluator();
   }
 
   /// Contacts in the world, and how fast the object has moved there since the last look: as it did
-  /// in the rehearsal, or else with fingertips that stick.
+  /// in the rollout, or else with fingertips that stick.
   localization::TrackFrame frame() {
     const auto T_base_link = hand::forward_kinematics(robot_.model(), view_.joints);
     const Eigen::Isometry3d T_world_base = robot_.reading().base.pose();
@@ -205,12 +205,12 @@ class Turning {
     return frame;
   }
 
-  std::optional<ReorientEnd> judge() {
+  std::optional<ReorientEnd> evaluator() {
     std::array<bool, hand::kFingers> touches{};
     for (const auto& contact : view_.contacts) {
       touches[static_cast<std::size_t>(contact.finger)] = true;
     }
-    if (std::count(touches.begin(), touches.end(), true) < options_.least_fingers) {
+    if (std::count(touches.begin(), touches.end(), true) < options_.min_fingers) {
       return ReorientEnd::losing;
     }
     if (!well_known(tracker_.posterior().modes.front(), options_)) return ReorientEnd::drift;
@@ -224,7 +224,7 @@ class Turning {
     return std::nullopt;
   }
 
-  Robot& robot_;
+  Executor& robot_;
   const ReorientOptions& options_;
   Eigen::Isometry3d goal_;
   double weight_;  // of the object, N
@@ -237,7 +237,7 @@ class Turning {
   std::array<std::optional<tactile::Contact>, hand::kFingers> lasts_;  // link's frame
   std::array<int, hand::kFingers> missed_{};                           // looks without touch
   double first_force_ = 0;                                             // N, of all fingertips
-  std::optional<Eigen::Isometry3d> displacement_;  // that the last step was rehearsed to make
+  std::optional<Eigen::Isometry3d> displacement_;  // that the last step was rolled out to make
   std::vector<Eigen::Isometry3d> last_links_;
   double last_time_ = 0;
 };
@@ -251,18 +251,17 @@ bool well_known(const localization::Mode& mode, const ReorientOptions& options) 
 
 std::string_view to_string(ReorientEnd end) { return kEndNames[static_cast<std::size_t>(end)]; }
 
-ReorientResult reorient_by_fingers(Robot& robot, const geometry::ObjectModel& object,
-                                   const localization::Posterior& held,
-                                   const Eigen::Isometry3d& T_world_goal,
-                                   const ReorientOptions& options, std::uint64_t seed,
-                                   int threads) {
+ReorientResult reorient_in_hand(Executor& robot, const geometry::ObjectModel& object,
+                                const localization::Posterior& held,
+                                const Eigen::Isometry3d& T_world_goal,
+                                const ReorientOptions& options, std::uint64_t seed, int threads) {
   if (!T_world_goal.matrix().allFinite()) {
     throw BadInput("the goal of a reorientation has a value that is not finite");
   }
   Turning course(robot, object, held, T_world_goal, options, RandomStream(seed, "reorient"));
   StepSampler sampler(object.object(), robot, options, threads);
   ReorientResult result = course.run(sampler);
-  result.rehearsals = sampler.rehearsals();
+  result.rollouts = sampler.rollouts();
   return result;
 }
 

@@ -21,14 +21,14 @@ PlaceTarget turned_over(PlaceTarget target) {
 /// Where no way is found: more directions of the hand, and a longer way.
 RegraspOptions closer(RegraspOptions options) {
   options.grasp.yaws *= 2;
-  ++options.most_transfers;
+  ++options.max_transfers;
   return options;
 }
 
 /// A course over several transfers.
 class Transfers {
  public:
-  Transfers(Robot& robot, const geometry::ObjectModel& object, const PlaceTarget& target,
+  Transfers(Executor& robot, const geometry::ObjectModel& object, const PlaceTarget& target,
             const planning::Fixture& fixture, const PickOptions& pick_options,
             const PlaceOptions& options, const PhaseObserver& observer)
       : robot_(robot),
@@ -113,7 +113,7 @@ class Transfers {
     }
     if (!round.plan.found || round.plan.transfers.empty()) return std::nullopt;
     if (target_.kind == PlaceTarget::Kind::spot && round.plan.transfers.size() > 1) {
-      return std::nullopt;  // the first transfer would end in a stance that was not asked for
+      return std::nullopt;  // the first transfer would end in a stable pose that was not asked for
     }
     return round.plan.transfers.front().grasp;
   }
@@ -132,16 +132,16 @@ class Transfers {
 
   Eigen::Isometry3d goal(const Eigen::Isometry3d& T_world_object) const {
     return target_pose(target_, object_.object(),
-                       nearest_stance(object_.object(), T_world_object.linear()).stance);
+                       nearest_stable_pose(object_.object(), T_world_object.linear()).stable_pose);
   }
 
-  Robot& robot_;
+  Executor& robot_;
   const geometry::ObjectModel& object_;
   const PlaceTarget& target_;
   const planning::Fixture& fixture_;
   PickOptions pick_options_;
   const PlaceOptions& place_options_;
-  RegraspCourseOptions options_;
+  RegraspSequenceOptions options_;
   const PhaseObserver& observer_;
   GraspTool tool_;
 };
@@ -152,10 +152,10 @@ std::string_view to_string(RegraspStatus status) {
   return kStatusNames[static_cast<std::size_t>(status)];
 }
 
-RegraspResult regrasp(Robot& robot, const geometry::ObjectModel& object, const PlaceTarget& target,
-                      const planning::Fixture& fixture, const PickOptions& pick_options,
-                      const PlaceOptions& options, std::uint64_t seed,
-                      const PhaseObserver& observer) {
+RegraspResult regrasp(Executor& robot, const geometry::ObjectModel& object,
+                      const PlaceTarget& target, const planning::Fixture& fixture,
+                      const PickOptions& pick_options, const PlaceOptions& options,
+                      std::uint64_t seed, const PhaseObserver& observer) {
   Transfers transfers(robot, object, target, fixture, pick_options, options, observer);
   RegraspResult result;
   int without_way = 0;  // rounds on end

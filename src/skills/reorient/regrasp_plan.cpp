@@ -17,11 +17,11 @@
 namespace palpate::skills {
 namespace {
 
-constexpr double kSameStance = 0.06;    // rad between stances that are one
-constexpr double kInsideTable = 0.003;  // m by which a target may be below the table
-constexpr double kFarRoll = -0.8;       // rad
-constexpr double kFarthestRoll = -1.2;  // rad
-constexpr int kStart = 0;               // nodes: the start, the stances, the target
+constexpr double kSameStablePose = 0.06;  // rad between stable poses that are one
+constexpr double kInsideTable = 0.003;    // m by which a target may be below the table
+constexpr double kFarRoll = -0.8;         // rad
+constexpr double kFarthestRoll = -1.2;    // rad
+constexpr int kStart = 0;                 // nodes: the start, the stable poses, the target
 
 /// Direction in the object's frame that points up.
 Eigen::Vector3d up_of(const Eigen::Matrix3d& R_world_object) {
@@ -30,10 +30,10 @@ Eigen::Vector3d up_of(const Eigen::Matrix3d& R_world_object) {
 
 /// A pose the object rests in, up to yaw and place but for the start and the target.
 struct Node {
-  int stance = -1;
+  int stable_pose = -1;
   bool free_yaw = false;
   Eigen::Isometry3d T_world_object = Eigen::Isometry3d::Identity();
-  double rare = 0;  ///< improbability of the stance
+  double rare = 0;  ///< improbability of the stable pose
 };
 
 /// How a node has been reached.
@@ -66,7 +66,7 @@ class Search {
       expand(*next, plan);
     }
     if (plan.found) trace(plan);
-    plan.means = plan.transfers.size() > 1 ? Means::regrasp : Means::carry;
+    plan.means = plan.transfers.size() > 1 ? Strategy::regrasp : Strategy::carry;
     explain(plan);
     return plan;
   }
@@ -75,30 +75,32 @@ class Search {
   void make_nodes(const Eigen::Isometry3d& start, const Eigen::Isometry3d& target) {
     nodes_ = {{-1, false, start, 0}};
     std::vector<Eigen::Vector3d> ups;
-    if (rests_in_a_stance(start)) ups.push_back(up_of(start.linear()));
-    const auto& stances = object_.object().stances;
-    for (std::size_t i = 0; i < stances.size(); ++i) {
-      const Eigen::Vector3d up = up_of(stances[i].R_table_object);
+    if (rests_in_a_stable_pose(start)) ups.push_back(up_of(start.linear()));
+    const auto& stable_poses = object_.object().stable_poses;
+    for (std::size_t i = 0; i < stable_poses.size(); ++i) {
+      const Eigen::Vector3d up = up_of(stable_poses[i].R_table_object);
       if (std::any_of(ups.begin(), ups.end(), [&](const auto& u) { return same(u, up); })) continue;
       ups.push_back(up);
       nodes_.push_back({static_cast<int>(i), true,
                         resting_pose(object_.object(), i, Eigen::Vector2d::Zero(), 0),
-                        1 - stances[i].probability});
+                        1 - stable_poses[i].probability});
     }
     nodes_.push_back({-1, false, target, 0});
   }
 
   bool same(const Eigen::Vector3d& a, const Eigen::Vector3d& b) const {
     const auto& symmetries = object_.object().symmetries;
-    return std::any_of(symmetries.begin(), symmetries.end(),
-                       [&](const Eigen::Matrix3d& S) { return (S * a - b).norm() < kSameStance; });
+    return std::any_of(symmetries.begin(), symmetries.end(), [&](const Eigen::Matrix3d& S) {
+      return (S * a - b).norm() < kSameStablePose;
+    });
   }
 
-  bool rests_in_a_stance(const Eigen::Isometry3d& T) const {
-    const auto& stances = object_.object().stances;
-    return std::any_of(stances.begin(), stances.end(), [&](const geometry::Stance& stance) {
-      return same(up_of(T.linear()), up_of(stance.R_table_object));
-    });
+  bool rests_in_a_stable_pose(const Eigen::Isometry3d& T) const {
+    const auto& stable_poses = object_.object().stable_poses;
+    return std::any_of(stable_poses.begin(), stable_poses.end(),
+                       [&](const geometry::StablePose& stable_pose) {
+                         return same(up_of(T.linear()), up_of(stable_pose.R_table_object));
+                       });
   }
 
   /// Node that promises the cheapest way, not yet expanded; every node but the target is at least
@@ -118,7 +120,7 @@ class Search {
 
   void expand(std::size_t index, RegraspPlan& plan) {
     visits_[index].expanded = true;
-    if (visits_[index].transfers >= options_.most_transfers) return;
+    if (visits_[index].transfers >= options_.max_transfers) return;
     const bool held = index == kStart && holding_;
     const auto holds =
         held ? std::vector<Hold>{hold_of(hand_, *holding_, nodes_[index].T_world_object)}
@@ -137,8 +139,8 @@ class Search {
     auto transfer = put_down.cheapest(holds);
     if (from == kStart && to + 1 == nodes_.size()) nearest_ = put_down.largest_clearance();
     if (!transfer) return;
-    transfer->from = nodes_[from].stance;
-    transfer->to = nodes_[to].stance;
+    transfer->from = nodes_[from].stable_pose;
+    transfer->to = nodes_[to].stable_pose;
     transfer->cost += options_.rare_cost * nodes_[to].rare;
     const double cost = visits_[from].cost + transfer->cost;
     if (cost >= visits_[to].cost) return;
@@ -169,17 +171,18 @@ class Search {
   }
 
   void explain(RegraspPlan& plan) const {
-    const bool carried = plan.found && plan.means == Means::carry;
-    plan.considered.push_back({Means::carry, carried, why_carry(plan, carried)});
+    const bool carried = plan.found && plan.means == Strategy::carry;
+    plan.considered.push_back({Strategy::carry, carried, why_carry(plan, carried)});
     if (carried) return;
     std::string way;
-    for (const auto& t : plan.transfers) way += t.to >= 0 ? fmt::format(" stance {},", t.to) : "";
+    for (const auto& t : plan.transfers)
+      way += t.to >= 0 ? fmt::format(" stable pose {},", t.to) : "";
     plan.considered.push_back(
-        {Means::regrasp, plan.found,
+        {Strategy::regrasp, plan.found,
          plan.found ? fmt::format("over{} {} transfers, cost {:.2f}", way, plan.transfers.size(),
                                   plan.cost)
                     : fmt::format("no chain of at most {} transfers leads to the target",
-                                  options_.most_transfers)});
+                                  options_.max_transfers)});
   }
 
   std::string why_carry(const RegraspPlan& plan, bool carried) const {
@@ -193,7 +196,7 @@ class Search {
       return fmt::format("of {} grasps the best would put the hand {:.0f} mm above the table",
                          from_start_, 1e3 * nearest_);
     }
-    return "a way over other stances costs less";
+    return "a way over other stable poses costs less";
   }
 
   const geometry::ObjectModel& object_;
@@ -221,13 +224,13 @@ void check(const geometry::ObjectModel& object, const Eigen::Isometry3d& start,
 
 }  // namespace
 
-std::string_view to_string(Means means) {
+std::string_view to_string(Strategy means) {
   switch (means) {
-    case Means::none:
+    case Strategy::none:
       return "none";
-    case Means::carry:
+    case Strategy::carry:
       return "carry";
-    case Means::regrasp:
+    case Strategy::regrasp:
       return "regrasp";
   }
   return "";
@@ -235,14 +238,14 @@ std::string_view to_string(Means means) {
 
 GraspTool regrasp_tool(const hand::HandModel& hand,
                        const std::array<hand::Actuator, hand::kActuators>& actuators) {
-  const GraspRecipe recipe = top_recipe();
-  const grasping::ClosingLaw law(actuators, recipe.closing_rate, recipe.thumb_limit);
+  const Preshape preshape = top_preshape();
+  const grasping::ClosingLaw law(actuators, preshape.closing_rate, preshape.thumb_limit);
   GraspTool tool;
-  tool.path = grasping::closing_path(hand, open_posture(recipe), law);
+  tool.path = grasping::closing_trajectory(hand, open_posture(preshape), law);
   // Rolled far, the hand still clears the table when it stands up what lay on its side; farther
   // still, when it lays down what stood.
   tool.attitudes = {
-      {recipe.pitch, recipe.roll}, {0.9, recipe.roll}, {0.9, kFarRoll}, {0.9, kFarthestRoll}};
+      {preshape.pitch, preshape.roll}, {0.9, preshape.roll}, {0.9, kFarRoll}, {0.9, kFarthestRoll}};
   return tool;
 }
 
@@ -258,7 +261,7 @@ RegraspPlan plan_regrasp(const geometry::ObjectModel& object, const hand::HandMo
   if (!holding && error.rotation < options.done_angle &&
       error.translation < options.done_distance) {
     plan.found = true;
-    plan.considered.push_back({Means::none, true, "the object is there"});
+    plan.considered.push_back({Strategy::none, true, "the object is there"});
   } else {
     plan = Search(object, hand, tool, options).run(T_world_object, T_world_target, holding);
   }

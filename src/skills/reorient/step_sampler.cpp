@@ -22,7 +22,7 @@ bool fallen(const RolloutOutcome& settled, const RolloutOutcome& end,
 
 }  // namespace
 
-hand::ActuatorVector targets_of(const Robot& robot, const GraspView& view,
+hand::ActuatorVector targets_of(const Executor& robot, const GraspView& view,
                                 const grasping::GraspMotion& motion) {
   std::vector<tactile::Contact> carrying = view.contacts;
   grasping::GraspMotion regaining = motion;
@@ -47,7 +47,7 @@ Vector6d way_between(const Eigen::Isometry3d& from, const Eigen::Isometry3d& to)
   return way;
 }
 
-StepSampler::StepSampler(const geometry::KnownObject& object, const Robot& robot,
+StepSampler::StepSampler(const geometry::KnownObject& object, const Executor& robot,
                          const ReorientOptions& options, int threads)
     : robot_(robot), options_(options) {
   const int count = options.sampling.samples > 0 ? threads : 0;
@@ -118,7 +118,7 @@ grasping::GraspMotion StepSampler::mix(const std::vector<grasping::GraspMotion>&
   return mean;
 }
 
-/// Each thread rehearses every so-many-th motion, all from the same start: what comes of a motion
+/// Each thread rolls out every so-many-th motion, all from the same start: what comes of a motion
 /// does not depend on the number of threads.
 ChosenStep StepSampler::choose(const GraspView& view, const Vector6d& step, RandomStream random) {
   if (options_.sampling.samples == 0) return {{step, {}}, std::nullopt, false};
@@ -134,7 +134,7 @@ ChosenStep StepSampler::choose(const GraspView& view, const Vector6d& step, Rand
       costs[i] = cost(settled, model.rollout(commands_of(view, motions[i])), step);
     }
   });
-  rehearsals_ += static_cast<int>(motions.size()) + 1;
+  rollouts_ += static_cast<int>(motions.size()) + 1;
   ChosenStep chosen{mix(motions, costs), std::nullopt, false};
   ForwardModel& model = *models_.front();
   const auto settled = model.settle(grasp, options_.sampling.settle);

@@ -24,29 +24,29 @@ struct GraspView {
 };
 
 /// Position targets that the motion asks of the fingers, within what the actuators can.
-hand::ActuatorVector targets_of(const Robot& robot, const GraspView& view,
+hand::ActuatorVector targets_of(const Executor& robot, const GraspView& view,
                                 const grasping::GraspMotion& motion);
 
 /// [w; v] that takes one pose to another: R' = exp(w) R, t' = t + v.
 Vector6d way_between(const Eigen::Isometry3d& from, const Eigen::Isometry3d& to);
 
-/// A motion, and what a rehearsal of it says that the object does.
+/// A motion, and what a rollout of it says that the object does.
 struct ChosenStep {
   grasping::GraspMotion motion;
   std::optional<Eigen::Isometry3d> displacement;  ///< T_after_before, base's frame
-  bool falls = false;                             ///< in the rehearsal the object is lost
+  bool falls = false;                             ///< in the rollout the object is lost
 };
 
-/// Tries motions in rehearsals and mixes those that end well.
+/// Tries motions in rollouts and mixes those that end well.
 class StepSampler {
  public:
-  StepSampler(const geometry::KnownObject& object, const Robot& robot,
+  StepSampler(const geometry::KnownObject& object, const Executor& robot,
               const ReorientOptions& options, int threads);
 
   /// The motion of the next `period` that should bring the object along `step`.
   ChosenStep choose(const GraspView& view, const Vector6d& step, RandomStream random);
 
-  [[nodiscard]] int rehearsals() const { return rehearsals_; }
+  [[nodiscard]] int rollouts() const { return rollouts_; }
 
  private:
   std::vector<grasping::GraspMotion> variants(const Vector6d& step, RandomStream& random) const;
@@ -56,10 +56,10 @@ class StepSampler {
   grasping::GraspMotion mix(const std::vector<grasping::GraspMotion>& motions,
                             const std::vector<double>& costs) const;
 
-  const Robot& robot_;
+  const Executor& robot_;
   const ReorientOptions& options_;
   std::vector<std::unique_ptr<ForwardModel>> models_;  // one a thread
-  int rehearsals_ = 0;
+  int rollouts_ = 0;
 };
 
 }  // namespace palpate::skills

@@ -41,7 +41,7 @@ class Trajectory {
         waves_{Wave(random), Wave(random), Wave(random), Wave(random), Wave(random)} {
     along_ = random.uniform(-0.011, 0.006);
     turn_ = random.uniform(-1.1, 1.1);
-    most_ = options.most_force * random.uniform(0.05, 1);
+    most_ = options.max_force * random.uniform(0.05, 1);
     slip_ = 0.7 * std::sqrt(random.uniform());
     temperature_ = random.uniform(24, 33);
     const std::size_t shape = options.only_planes ? 0 : random.index(3);

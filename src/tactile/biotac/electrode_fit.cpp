@@ -16,7 +16,7 @@ namespace {
 constexpr double kTop = 4095;
 constexpr int kUnknowns = 7;  // stiffness, crown, spread, bulge (as logarithms), a turn
 constexpr std::size_t kLeast = 20;
-constexpr double kMostExponent = 3;  // by which a parameter may leave its default
+constexpr double kMaxExponent = 3;  // by which a parameter may leave its default
 
 using Unknowns = Eigen::Matrix<double, kUnknowns, 1>;
 
@@ -65,7 +65,7 @@ class FlatContact {
 
 ElectrodeFit fit_of(const Unknowns& unknowns, bool mirrored) {
   const auto factor = [&](int k) {
-    return std::exp(std::clamp(unknowns[k], -kMostExponent, kMostExponent));
+    return std::exp(std::clamp(unknowns[k], -kMaxExponent, kMaxExponent));
   };
   ElectrodeFit fit;
   fit.mirrored = mirrored;
@@ -128,7 +128,7 @@ ElectrodeFit fit_electrodes(const std::vector<BiotacSample>& samples,
   const auto learned = chosen_samples(samples, options.samples, options.seed);
   Unknowns width = Unknowns::Constant(0.02);
   width.tail<3>().setConstant(0.01);
-  const numerics::LeastSquaresOptions search{.iterations = 25, .most_step = 50};
+  const numerics::LeastSquaresOptions search{.iterations = 25, .max_step = 50};
   std::optional<ElectrodeFit> best;
   double least = 0;
   for (const bool mirrored : {false, true}) {

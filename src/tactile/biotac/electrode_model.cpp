@@ -24,8 +24,8 @@ constexpr int kVersion = 1;
 constexpr int kFeatures = 4;
 constexpr double kFlatPressure = 20;   // counts, that keep ratios small at light touch
 constexpr double kSameSample = 1e-6;   // squared distance of standardised features
-constexpr int kSweeps = 8;             // of reweighting
-constexpr double kLeastScale = 1e-3;   // of a residual of changes over the pressure
+constexpr int kGuardedMoves = 8;       // of reweighting
+constexpr double kMinScale = 1e-3;     // of a residual of changes over the pressure
 constexpr double kLightPressure = 60;  // counts, at which a change over the pressure is half noise
 
 Eigen::Matrix<double, kFeatures, 1> features(const Eigen::Vector3d& n, double pressure) {
@@ -89,9 +89,9 @@ Eigen::VectorXd robust_weights(const Eigen::MatrixXd& K, const Eigen::VectorXd& 
     const Eigen::VectorXd sizes = x.cwiseAbs();
     return median({sizes.begin(), sizes.end()});
   };
-  const double scale = median_size(values) + kLeastScale;
+  const double scale = median_size(values) + kMinScale;
   Eigen::VectorXd doubt = Eigen::VectorXd::Ones(values.size()), weights;
-  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+  for (int guarded_move = 0; guarded_move < kGuardedMoves; ++guarded_move) {
     Eigen::MatrixXd noisy = K;
     noisy.diagonal() += noise.cwiseProduct(doubt);
     weights = noisy.llt().solve(values);

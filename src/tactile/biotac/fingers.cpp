@@ -18,9 +18,9 @@ constexpr double kRestTime = 2;      // s in which rest follows the readings
 constexpr double kRestPressure = 4;  // counts from rest, within which nothing touches
 /// Standard deviations of misfit beyond which no contact explains the channels: without force, and
 /// more with each newton of it, for the skin's model is the further off the more the skin yields.
-constexpr double kMostMisfit = 1.2, kMostMisfitPerNewton = 1.0;
+constexpr double kMaxMisfit = 1.2, kMaxMisfitPerNewton = 1.0;
 constexpr std::size_t kMeetingReadings = 30;  // before a touch, over which its way is taken
-constexpr double kLeastWay = 0.002;           // m, that a tip must have gone to tell of a way
+constexpr double kMinWay = 0.002;             // m, that a tip must have gone to tell of a way
 constexpr int kScalars = 3;                   // pdc, tdc, tac
 using Channels = Eigen::Matrix<double, kScalars + kElectrodes, 1>;
 
@@ -130,7 +130,7 @@ BiotacFeeling BiotacFinger::step(const BiotacReading& reading, bool infer) {
   const double newtons = decoded->pressure / inverse_->sensor().pressure_gain;
   if (!feeling.contact) {
     feeling.flags |= bit(BiotacFlag::no_contact);
-  } else if (feeling.contact->misfit > kMostMisfit + kMostMisfitPerNewton * newtons) {
+  } else if (feeling.contact->misfit > kMaxMisfit + kMaxMisfitPerNewton * newtons) {
     feeling.flags |= bit(BiotacFlag::unexplained);
     feeling.contact.reset();
   }
@@ -142,7 +142,7 @@ void MeetingWay::follow(const Eigen::Vector3d& p_tip, bool touching) {
     way_.reset();
   } else if (!touching_ && !places_.empty()) {
     const Eigen::Vector3d gone = p_tip - places_.front();
-    if (gone.norm() > kLeastWay) way_ = gone.normalized();
+    if (gone.norm() > kMinWay) way_ = gone.normalized();
   }
   touching_ = touching;
   places_.push_back(p_tip);

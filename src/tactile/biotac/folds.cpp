@@ -6,7 +6,7 @@
 namespace palpate::tactile {
 namespace {
 
-constexpr std::size_t kLeastSamples = 10;
+constexpr std::size_t kMinSamples = 10;
 
 std::vector<std::vector<BiotacSample>> touches_of(const std::vector<BiotacLog>& logs) {
   std::vector<std::vector<BiotacSample>> touches;
@@ -41,7 +41,7 @@ std::vector<BiotacFold> folds_of_touches(const std::vector<BiotacLog>& logs, int
       side.insert(side.end(), touch.begin(), touch.end());
       before += touch.size();
     }
-    if (parts.learn.size() >= kLeastSamples) result.push_back(std::move(parts));
+    if (parts.learn.size() >= kMinSamples) result.push_back(std::move(parts));
   }
   return result;
 }

@@ -24,7 +24,7 @@ constexpr double kFlatPressure = 10;      // counts, that keep shares small at l
 constexpr int kUnknowns = 8;              // u, v, fu, fv, fn, and the curvatures uu, uv, vv
 constexpr double kCurvature = 30;         // 1/m, of objects, before anything is felt ...
 constexpr double kCurvatureSpread = 250;  // ... and its standard deviation
-constexpr double kMostCurvature = 500;    // 1/m
+constexpr double kMaxCurvature = 500;     // 1/m
 constexpr double kModelError = 0.0002;    // of relative resistances, standard deviation
 constexpr double kDoubtfulMisfit = 0.75;  // standard deviations, from which on a fit is doubted
 constexpr double kElsewhere = 0.0025;     // m, from the guess, to where else the contact may be
@@ -80,7 +80,7 @@ std::vector<int> sizes_of(int hidden) { return {kFeatures, hidden, hidden, kGues
 bool held_out(const BiotacFrame& frame) { return frame.trajectory % 5 == 4; }
 
 bool touching(const BiotacFrame& frame) {
-  return frame.decoded.pressure > BiotacInverse::kLeastPressure;
+  return frame.decoded.pressure > BiotacInverse::kMinPressure;
 }
 
 /// All options of a struct as one column, in the order of its visit().
@@ -129,7 +129,7 @@ struct BiotacInverse::Unknowns {
     result.force += step.segment<3>(2);
     result.force.z() = std::max(result.force.z(), 0.01);
     result.curvature =
-        (curvature + step.tail<3>()).cwiseMax(-kMostCurvature).cwiseMin(kMostCurvature);
+        (curvature + step.tail<3>()).cwiseMax(-kMaxCurvature).cwiseMin(kMaxCurvature);
     return result;
   }
 };
@@ -233,7 +233,7 @@ InferredContact BiotacInverse::fit(const DecodedReading& reading) const {
 }
 
 std::optional<InferredContact> BiotacInverse::estimate(const DecodedReading& reading) const {
-  if (!reading.resistances.allFinite() || !(reading.pressure > kLeastPressure)) {
+  if (!reading.resistances.allFinite() || !(reading.pressure > kMinPressure)) {
     return std::nullopt;
   }
   return fit(reading);

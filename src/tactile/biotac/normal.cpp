@@ -23,9 +23,9 @@ namespace {
 constexpr const char* kKind = "biotac-normal";
 constexpr int kVersion = 1;
 constexpr int kFeatures = 1 + kElectrodes + kBiotacChannels;
-constexpr double kLeastPressure = 5;  // counts, below which the logarithm is cut
-constexpr double kFlatShare = 20;     // counts, that keep shares small where nothing changes
-constexpr double kLeastSigma = 0.02;  // rad
+constexpr double kMinPressure = 5;  // counts, below which the logarithm is cut
+constexpr double kFlatShare = 20;   // counts, that keep shares small where nothing changes
+constexpr double kMinSigma = 0.02;  // rad
 
 /// Index of the electrode opposite to each at the finger's middle plane (y = 0).
 constexpr std::array<int, kElectrodes> kMirrored = {10, 11, 12, 13, 14, 15, 6,  8,  7, 9,
@@ -34,7 +34,7 @@ constexpr std::array<int, kElectrodes> kMirrored = {10, 11, 12, 13, 14, 15, 6,  
 Eigen::VectorXd features(const BiotacChannels& change) {
   const auto electrodes = change.tail<kElectrodes>();
   Eigen::VectorXd result(kFeatures);
-  result[0] = std::log(std::max(change[0], kLeastPressure));
+  result[0] = std::log(std::max(change[0], kMinPressure));
   result.segment<kElectrodes>(1) =
       kElectrodes * electrodes / (electrodes.cwiseAbs().sum() + kFlatShare);
   result.tail<kBiotacChannels>() = change / 100;
@@ -149,7 +149,7 @@ std::optional<BiotacNormal> BiotacNormalModel::estimate(const BiotacChannels& ch
   const double left = std::max(0.0, prior - explained.squaredNorm());
   return BiotacNormal{
       .n = n.normalized(),
-      .sigma = std::max(kLeastSigma, std::hypot(residual_, spread_ * std::sqrt(left))),
+      .sigma = std::max(kMinSigma, std::hypot(residual_, spread_ * std::sqrt(left))),
       .novelty = std::min(1.0, left)};
 }
 

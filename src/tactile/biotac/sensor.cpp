@@ -44,7 +44,7 @@ BiotacChannels channels_of(const BiotacReading& reading) {
 BiotacElectrodes::BiotacElectrodes(const BiotacSkin& skin, const BiotacSensorOptions& options)
     : skin_(&skin),
       gap_(options.gap),
-      least_gap_(options.least_gap),
+      min_gap_(options.min_gap),
       bulge_area_(options.bulge_area),
       drag_(options.drag / skin.options().shear_stiffness),
       view_(kElectrodes, kTaxels) {
@@ -65,7 +65,7 @@ BiotacElectrodes::BiotacElectrodes(const BiotacSkin& skin, const BiotacSensorOpt
 
 Eigen::VectorXd BiotacElectrodes::resistances(const SkinState& state) const {
   const double bulge = state.depth.dot(skin_->areas()) / bulge_area_;
-  const Eigen::ArrayXd gaps = (gap_ + bulge - state.depth.array()).max(least_gap_);
+  const Eigen::ArrayXd gaps = (gap_ + bulge - state.depth.array()).max(min_gap_);
   const Eigen::VectorXd thinned = view_ * (gap_ / gaps).matrix();
   // The mean of -g0 div u in an electrode's view is g0 sum u . grad w.
   Eigen::VectorXd dragged = Eigen::VectorXd::Zero(kElectrodes);

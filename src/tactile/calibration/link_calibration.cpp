@@ -57,8 +57,8 @@ class LinkBelief {
  public:
   explicit LinkBelief(const hand::HandModel& hand)
       : mean_(Eigen::VectorXd::Zero(3 * static_cast<Eigen::Index>(hand.links.size()))),
-        covariance_(Eigen::MatrixXd::Identity(mean_.size(), mean_.size()) * hand.link_error *
-                    hand.link_error / 3) {}
+        covariance_(Eigen::MatrixXd::Identity(mean_.size(), mean_.size()) * hand.kinematic_error *
+                    hand.kinematic_error / 3) {}
 
   const Eigen::VectorXd& mean() const { return mean_; }
   const Eigen::MatrixXd& covariance() const { return covariance_; }
@@ -116,10 +116,11 @@ hand::HandModel calibrate_links(const hand::HandModel& hand, std::span<const Tip
                                 std::span<const TipPosture> uses) {
   for (const TipOnPlane& touch : touches) check(touch);
   for (const TipPosture& tip : uses) check(tip);
-  if (!(hand.link_error >= 0) || !std::isfinite(hand.link_error)) {
-    throw BadInput(fmt::format("calibrating a hand whose link_error is {} m", hand.link_error));
+  if (!(hand.kinematic_error >= 0) || !std::isfinite(hand.kinematic_error)) {
+    throw BadInput(
+        fmt::format("calibrating a hand whose kinematic_error is {} m", hand.kinematic_error));
   }
-  if (touches.empty() || uses.empty() || hand.link_error == 0) return hand;
+  if (touches.empty() || uses.empty() || hand.kinematic_error == 0) return hand;
   LinkBelief belief(hand);
   for (const TipOnPlane& touch : touches) {
     belief.update(distance_row(hand, touch), -distance_from_plane(hand, touch), touch.sigma);
@@ -129,7 +130,7 @@ hand::HandModel calibrate_links(const hand::HandModel& hand, std::span<const Tip
     calibrated.links[link].T_parent_link.translation() +=
         belief.mean().segment<3>(3 * static_cast<Eigen::Index>(link));
   }
-  calibrated.link_error = remaining_error(hand, uses, belief.covariance());
+  calibrated.kinematic_error = remaining_error(hand, uses, belief.covariance());
   return calibrated;
 }
 

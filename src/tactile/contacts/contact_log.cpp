@@ -50,8 +50,8 @@ void add_row(const palpate::CsvTable& table, const Layout& layout, FingerLog& lo
   const double time = table.number(layout.t);
   const Eigen::Vector3d p = vector_of(table, layout.p), f = vector_of(table, layout.f);
   // What is missing is for the estimators to flag; what cannot be is not believed.
-  check_plausible(p, kMostLength, table.where() + ": a coordinate", true);
-  check_plausible(f, kMostForce, table.where() + ": a force", true);
+  check_plausible(p, kMaxLength, table.where() + ": a coordinate", true);
+  check_plausible(f, kMaxForce, table.where() + ": a force", true);
   const bool same_frame = !log.frames.empty() && log.frames.back().time == time;
   if (!same_frame) {
     log.frames.push_back({.time = time, .contacts = {}});

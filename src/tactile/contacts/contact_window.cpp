@@ -77,7 +77,7 @@ double kinematic_variance(const hand::HandModel& hand, const hand::JointVector& 
   const double joint_variance = errors.joint * errors.joint / static_cast<double>(readings);
   const double misplaced = static_cast<double>(hand::misplaced_links(hand, link).size());
   return (J.bottomRows<3>().squaredNorm() * joint_variance +
-          misplaced * hand.link_error * hand.link_error) /
+          misplaced * hand.kinematic_error * hand.kinematic_error) /
          3.0;
 }
 
@@ -92,7 +92,7 @@ hand::JointVector mean_joints(std::span<const hand::HandReading> window) {
 double link_offset_sigma(const hand::HandModel& hand, int finger) {
   const int tip = hand.distal.at(static_cast<std::size_t>(finger));
   const double misplaced = static_cast<double>(hand::misplaced_links(hand, tip).size());
-  return hand.link_error * std::sqrt(misplaced / 3.0);
+  return hand.kinematic_error * std::sqrt(misplaced / 3.0);
 }
 
 std::vector<Contact> lasting_contacts(std::span<const hand::HandReading> window,

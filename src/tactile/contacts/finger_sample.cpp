@@ -36,7 +36,7 @@ bool same_contacts(const FingerFrame& a, const FingerFrame& b) {
 }
 
 /// The contacts that tell something; flags those that do not.
-std::vector<FingerContact> sound_contacts(const FingerFrame& frame, double least_force,
+std::vector<FingerContact> sound_contacts(const FingerFrame& frame, double min_force,
                                           SampleFlags& flags) {
   if (frame.contacts.empty()) flags.set(SampleFlag::no_contact);
   SampleFlags faults;
@@ -46,7 +46,7 @@ std::vector<FingerContact> sound_contacts(const FingerFrame& frame, double least
       faults.set(SampleFlag::not_finite);
     } else if (contact.f == kPlaceholder) {
       faults.set(SampleFlag::placeholder);
-    } else if (contact.f.norm() < least_force) {
+    } else if (contact.f.norm() < min_force) {
       faults.set(SampleFlag::no_force);
     } else {
       sound.push_back(contact);
@@ -113,11 +113,11 @@ SampleMaker::SampleMaker(const SampleOptions& options) : options_(options) {
   if (!(std::isfinite(options.period) && options.period > 0)) {
     throw BadInput(fmt::format("the period must be positive, not {} s", options.period));
   }
-  if (!(options.least_force >= 0 && options.one_contact >= 0 && options.one_direction >= 0)) {
+  if (!(options.min_force >= 0 && options.one_contact >= 0 && options.one_direction >= 0)) {
     throw BadInput(
         fmt::format("least_force {} N, one_contact {} m and one_direction {} rad must not be "
                     "negative",
-                    options.least_force, options.one_contact, options.one_direction));
+                    options.min_force, options.one_contact, options.one_direction));
   }
 }
 
@@ -144,10 +144,10 @@ FingerSample SampleMaker::next(const FingerFrame& frame) {
   check_time(frame, sample.flags);
   if (sample.flags.usable() || sample.flags.has(SampleFlag::repeated)) last_ = frame;
   if (!sample.flags.usable()) return sample;
-  const auto contacts = sound_contacts(frame, options_.least_force, sample.flags);
+  const auto contacts = sound_contacts(frame, options_.min_force, sample.flags);
   if (!are_one(contacts, options_)) sample.flags.set(SampleFlag::far_apart);
   if (sample.flags.usable()) merge(contacts, sample);
-  if (sample.flags.usable() && sample.f.norm() < options_.least_force) {
+  if (sample.flags.usable() && sample.f.norm() < options_.min_force) {
     sample.flags.set(SampleFlag::no_force);  // contacts that push against each other
   }
   return sample;

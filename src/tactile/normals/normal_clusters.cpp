@@ -40,13 +40,13 @@ void require_sound(std::span<const NormalAt> contacts) {
 /// All contacts that chains of neighbours join to `seed`, which they leave in `rest`.
 std::vector<std::size_t> chain_from(std::size_t seed, std::span<const NormalAt> contacts,
                                     const ClusterOptions& options, std::vector<std::size_t>& rest) {
-  const double least_cosine = std::cos(options.angle);
+  const double min_cosine = std::cos(options.angle);
   std::vector<std::size_t> chain = {seed};
   for (std::size_t next = 0; next < chain.size(); ++next) {
     const NormalAt& from = contacts[chain[next]];
     const auto joins = [&](std::size_t i) {
       return (contacts[i].p - from.p).norm() <= options.distance &&
-             contacts[i].n.dot(from.n) >= least_cosine;
+             contacts[i].n.dot(from.n) >= min_cosine;
     };
     const auto joined =
         std::stable_partition(rest.begin(), rest.end(), [&](std::size_t i) { return !joins(i); });
@@ -87,14 +87,14 @@ double spread_across(const Eigen::Vector3d& n, const Eigen::Matrix3d& scatter,
 
 Around around(const Eigen::Vector3d& n, std::span<const NormalAt> contacts, double radius,
               const Eigen::Matrix3d& noise) {
-  const double least_cosine = std::cos(radius), wide_cosine = std::cos(2 * radius);
+  const double min_cosine = std::cos(radius), wide_cosine = std::cos(2 * radius);
   Eigen::Vector3d normals = Eigen::Vector3d::Zero(), points = Eigen::Vector3d::Zero();
   Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
   double count = 0, wide = 0;
   for (const NormalAt& contact : contacts) {
     const double cosine = contact.n.dot(n);
     wide += cosine >= wide_cosine;
-    if (cosine < least_cosine) continue;
+    if (cosine < min_cosine) continue;
     const Eigen::Vector3d p = contact.p - contacts.front().p;
     normals += contact.n;
     points += p;
@@ -154,8 +154,8 @@ std::vector<Face> face_candidates(std::span<const NormalAt> contacts, const Face
   std::vector<Face> candidates;
   for (std::size_t i = 0; i < contacts.size(); i += stride) {
     const Around mode = densest_near(contacts[i].n, contacts, options.radius, noise);
-    if (mode.share < options.least_share || mode.spread < options.least_spread ||
-        mode.concentration < options.least_concentration) {
+    if (mode.share < options.min_share || mode.spread < options.min_spread ||
+        mode.concentration < options.min_concentration) {
       continue;
     }
     candidates.push_back({mode.n, mode.share});

@@ -10,7 +10,7 @@
 namespace palpate::tactile {
 namespace {
 
-constexpr std::size_t kLeastPoints = 4;
+constexpr std::size_t kMinPoints = 4;
 constexpr double kFlat = 1e-12;  // of the largest eigenvalue; two as small leave a line
 
 Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen_of(const Eigen::Matrix3d& A) {
@@ -57,7 +57,7 @@ NormalEstimate PlaneFitEstimator::update(const FingerSample& sample) {
   }
   window_.push_back(sample);
   while (sample.time - window_.front().time > options_.window) window_.pop_front();
-  if (window_.size() >= kLeastPoints) fit(sample.f);
+  if (window_.size() >= kMinPoints) fit(sample.f);
   return tracked(sample.time, n_, covariance_);
 }
 

@@ -49,7 +49,7 @@ NormalEstimate RlsEstimator::update(const FingerSample& sample) {
     const double dt = sample.time - last_->time;
     const Eigen::Vector3d v = low_pass_.add((sample.p - last_->p) / dt);
     const Eigen::Vector3d f = options_.literal ? sample.f : sample.f.normalized();
-    const bool slides = v.norm() >= options_.least_speed;
+    const bool slides = v.norm() >= options_.min_speed;
     if (slides && !n_) start(sample, v);
     if (slides && n_) {
       learn(f, v, dt);

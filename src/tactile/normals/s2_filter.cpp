@@ -14,21 +14,21 @@ namespace {
 constexpr double kMemory = 100;  // samples that noise is averaged over
 
 // Before anything was measured, per axis.
-constexpr double kForceNoise = 0.05, kLeastForceNoise = 1e-3;  // N
-constexpr double kPointNoise = 3e-4, kLeastPointNoise = 1e-6;  // m
-constexpr double kTipNoise = 0.1, kLeastTipNoise = 0.01;       // rad
-constexpr double kStartTilt = 0.5;                             // rad
+constexpr double kForceNoise = 0.05, kMinForceNoise = 1e-3;  // N
+constexpr double kPointNoise = 3e-4, kMinPointNoise = 1e-6;  // m
+constexpr double kTipNoise = 0.1, kMinTipNoise = 0.01;       // rad
+constexpr double kStartTilt = 0.5;                           // rad
 constexpr double kStartRatio = 0.5;
 constexpr double kStartSpeed = 0.03;    // m/s
 constexpr double kStartPlace = 1e-3;    // m
 constexpr double kStartCurvature = 20;  // 1/m
 constexpr double kStartShare = 0.05;    // of each hypothesis but the first
 
-constexpr double kLeastPress = 0.2;   // of a force along the normal; less means to be lost
-constexpr double kGate = 6;           // squared innovation over its variance of a usual outlier
-constexpr double kJump = 9;           // squared innovation over its variance of no usual tick
-constexpr double kSlides = 2;         // speed over its uncertainty
-constexpr double kLeastSpeed = 1e-4;  // m/s
+constexpr double kMinPress = 0.2;   // of a force along the normal; less means to be lost
+constexpr double kGate = 6;         // squared innovation over its variance of a usual outlier
+constexpr double kJump = 9;         // squared innovation over its variance of no usual tick
+constexpr double kSlides = 2;       // speed over its uncertainty
+constexpr double kMinSpeed = 1e-4;  // m/s
 
 // Tip normals are too noisy for one of them to show that the normal turned unnoticed, but their
 // mean over some ticks is not. 1 % of the time it is as far off as kDoubt by chance (chi2, 2 dof).
@@ -37,9 +37,9 @@ constexpr double kDoubt = 9.21;   // squared length over its variance of the mea
 
 // How fast the acceleration is learnt from correlated innovations, per sample, and its bounds.
 constexpr double kAccelerationRate = 0.02;
-constexpr double kLeastAcceleration = 0.01, kMostAcceleration = 0.5;  // m/s^2
-constexpr double kSlipMemory = 200;                                   // samples
-constexpr double kMostCorrelation = 3;                                // of one pair of innovations
+constexpr double kMinAcceleration = 0.01, kMaxAcceleration = 0.5;  // m/s^2
+constexpr double kSlipMemory = 200;                                // samples
+constexpr double kMaxCorrelation = 3;                              // of one pair of innovations
 
 // Indices of the state.
 constexpr int kTilt = 0, kRatio = 2, kVelocity = 4, kPlace = 6, kCurvature = 9;
@@ -53,9 +53,9 @@ double squared(double x) { return x * x; }
 
 S2Filter::S2Filter(const S2Options& options)
     : options_(checked(options)),
-      force_noise_(3, kForceNoise, kLeastForceNoise, kMemory),
-      point_noise_(3, kPointNoise, kLeastPointNoise, kMemory),
-      tip_noise_(2, kTipNoise, kLeastTipNoise, kMemory),
+      force_noise_(3, kForceNoise, kMinForceNoise, kMemory),
+      point_noise_(3, kPointNoise, kMinPointNoise, kMemory),
+      tip_noise_(2, kTipNoise, kMinTipNoise, kMemory),
       acceleration_(options.acceleration),
       slip_variance_(2 * squared(kPointNoise)) {}
 
@@ -79,7 +79,7 @@ void S2Filter::start(const FingerSample& sample) {
 
 /// Whether the force pulls at the surface as believed: then it is another one.
 bool S2Filter::lost(const FingerSample& sample) const {
-  return R_.col(2).dot(sample.f) > -kLeastPress * sample.f.norm();
+  return R_.col(2).dot(sample.f) > -kMinPress * sample.f.norm();
 }
 
 void S2Filter::predict(double dt) {
@@ -121,7 +121,7 @@ void S2Filter::measure_tip(const Eigen::Vector3d& tip_normal) {
   for (int i = 0; i < 2; ++i) {
     Row row{.h = Vector::Zero(), .may_be_outlier = true};
     row.h[kTilt + i] = 1;
-    row.residual = t[i] / std::max(t.z(), kLeastPress);
+    row.residual = t[i] / std::max(t.z(), kMinPress);
     row.variance = squared(tip_noise_.sigma());
     rows_.push_back(row);
   }
@@ -168,7 +168,7 @@ void S2Filter::learn_ratio_rate(double dt) {
   }
   const double share = weight_[0] / kMemory;
   ratio_variance_ += share * (excess - ratio_variance_);
-  ratio_variance_ = std::clamp(ratio_variance_, squared(options_.least_ratio_rate) * dt,
+  ratio_variance_ = std::clamp(ratio_variance_, squared(options_.min_ratio_rate) * dt,
                                squared(options_.turn_ratio_rate) * dt);
 }
 
@@ -179,9 +179,9 @@ void S2Filter::learn_acceleration(const Eigen::Vector3d& p) {
   const Eigen::Vector2d slip = R_.leftCols<2>().transpose() * (p - p_);
   slip_variance_ += (slip.squaredNorm() - slip_variance_) / kSlipMemory;
   const double correlation =
-      std::clamp(slip.dot(slip_) / slip_variance_, -kMostCorrelation, kMostCorrelation);
+      std::clamp(slip.dot(slip_) / slip_variance_, -kMaxCorrelation, kMaxCorrelation);
   acceleration_ = std::clamp(acceleration_ * std::exp(kAccelerationRate * correlation),
-                             kLeastAcceleration, kMostAcceleration);
+                             kMinAcceleration, kMaxAcceleration);
   slip_ = slip;
 }
 
@@ -190,7 +190,7 @@ std::array<S2Filter::Vector, S2Filter::kHypotheses> S2Filter::process_variances(
   // The velocity is modelled as a random walk, but changes steadily over the time T that the filter
   // needs to see it change: q = a sqrt(T), T^4 = point variance dt / q^2.
   const double q = std::pow(acceleration_, 0.8) * std::pow(squared(point_noise_.sigma()) * dt, 0.1);
-  const double turning = ratio_.norm() * q / std::max(velocity_.norm(), kLeastSpeed);
+  const double turning = ratio_.norm() * q / std::max(velocity_.norm(), kMinSpeed);
   const double ratio =
       std::min(std::sqrt(ratio_variance_ / dt + squared(turning)), options_.turn_ratio_rate);
   const auto variances = [&](double tilt_rate, double ratio_rate, double velocity_rate) {
@@ -273,7 +273,7 @@ double S2Filter::tip_lag_variance() const {
 /// apart.
 void S2Filter::doubt(const Eigen::Vector3d& tip_normal) {
   const Eigen::Vector3d t = R_.transpose() * tip_normal;
-  tip_lag_ += (t.head<2>() / std::max(t.z(), kLeastPress) - tip_lag_) / kTipMemory;
+  tip_lag_ += (t.head<2>() / std::max(t.z(), kMinPress) - tip_lag_) / kTipMemory;
   if (tip_lag_.squaredNorm() < kDoubt * tip_lag_variance()) return;
   Vector lag = Vector::Zero();
   lag.segment<2>(kTilt) = tip_lag_;

@@ -23,8 +23,8 @@ using Eigen::MatrixXd;
 using nlohmann::json;
 
 constexpr const char* kVersion = "0.5.1";
-constexpr hsize_t kChunk = 64;               // rows
-constexpr hsize_t kMostValues = 1ULL << 31;  // of one table
+constexpr hsize_t kChunk = 64;              // rows
+constexpr hsize_t kMaxValues = 1ULL << 31;  // of one table
 
 std::string name_of(std::size_t episode) { return fmt::format("episode_{}", episode); }
 
@@ -155,7 +155,7 @@ MatrixXd read_table(const H5::Group& group, const char* name, int rank, std::uin
   if (kind != H5T_FLOAT && kind != H5T_INTEGER && kind != H5T_ENUM) {
     throw BadInput(fmt::format("'{}' holds no numbers", name));
   }
-  const hsize_t most = std::min<hsize_t>(kMostValues, bytes);
+  const hsize_t most = std::min<hsize_t>(kMaxValues, bytes);
   if (size[1] > 0 && size[0] > most / size[1]) {
     throw BadInput(fmt::format("'{}' claims {} x {} values, more than the file holds", name,
                                size[0], size[1]));

@@ -20,26 +20,26 @@ namespace {
 constexpr int kYaws = 24;  // of an object of which only the rough place is known
 // Variances of an object of which only the rough place is known: rad^2, m^2, least of a place m^2.
 constexpr double kTilt = 1e-4, kHeight = 1e-6, kLeast = 1e-8;
-constexpr double kSameTilt = 0.1;  // rad, of a stance from how the object starts
+constexpr double kSameTilt = 0.1;  // rad, of a stable pose from how the object starts
 
-/// How an object of that orientation stands: in which stance, by which yaw.
+/// How an object of that orientation stands: in which stable pose, by which yaw.
 simulation::Start standing(const geometry::KnownObject& object,
                            const Eigen::Matrix3d& R_world_object) {
   simulation::Start start{-1, 0, Eigen::Vector2d::Zero()};
   double least = kSameTilt;
-  for (std::size_t i = 0; i < object.stances.size(); ++i) {
+  for (std::size_t i = 0; i < object.stable_poses.size(); ++i) {
     const Eigen::Matrix3d R_world_table =
-        R_world_object * object.stances[i].R_table_object.transpose();
+        R_world_object * object.stable_poses[i].R_table_object.transpose();
     const double tilt = std::acos(std::clamp(R_world_table(2, 2), -1.0, 1.0));
     if (tilt >= least) continue;
     least = tilt;
-    start.stance = static_cast<int>(i);
+    start.stable_pose = static_cast<int>(i);
     start.yaw = std::atan2(R_world_table(1, 0), R_world_table(0, 0));
   }
-  if (start.stance < 0) {
+  if (start.stable_pose < 0) {
     throw BadInput(
         fmt::format("{} does not stand on its own as the task has it stand: it has no "
-                    "stance within {} rad of that",
+                    "stable pose within {} rad of that",
                     object.name, kSameTilt));
   }
   return start;
@@ -69,11 +69,11 @@ localization::Posterior Relocation::explored(const Eigen::Vector2d& place,
   simulation::WorldOptions world_options;
   world_options.noise = options_.noise;
   simulation::World world(object_.object(), world_options, seed);
-  world.reset({standing_.stance, standing_.yaw, place}, evaluation::waiting_command());
-  skills::Robot robot(world.hand(), world.hand_model(), evaluation::waiting_command());
+  world.reset({standing_.stable_pose, standing_.yaw, place}, evaluation::waiting_command());
+  skills::Executor robot(world.hand(), world.hand_model(), evaluation::waiting_command());
   skills::PickState state;
   try {
-    skills::FeelPhase feel(options_.feel);
+    skills::HeightProbePhase feel(options_.feel);
     skills::ExplorePhase explore(object_, options_.exploring, options_.resting, seed);
     if (skills::run_phase(feel, robot, state).status == skills::PhaseStatus::ok)
       skills::run_phase(explore, robot, state);
@@ -87,7 +87,8 @@ localization::Posterior Relocation::explored(const Eigen::Vector2d& place,
 /// What is known at the origin of an object of which only the rough place, and on which side it
 /// stands, are known.
 localization::Posterior Relocation::rough(RandomStream random) const {
-  const auto& stance = object_.object().stances[static_cast<std::size_t>(standing_.stance)];
+  const auto& stable_pose =
+      object_.object().stable_poses[static_cast<std::size_t>(standing_.stable_pose)];
   const double first_yaw = random.uniform(-std::numbers::pi, std::numbers::pi);
   const double place = options_.uncertainty * options_.uncertainty / 3;
   const double yaw = std::numbers::pi / kYaws;
@@ -97,10 +98,10 @@ localization::Posterior Relocation::rough(RandomStream random) const {
   posterior.status = localization::PoseStatus::ambiguous;
   for (int i = 0; i < kYaws; ++i) {
     localization::Mode mode;
-    mode.T_frame_object.translation().z() = stance.height;
+    mode.T_frame_object.translation().z() = stable_pose.height;
     mode.T_frame_object.linear() =
         Eigen::AngleAxisd(first_yaw + 2 * yaw * i, Eigen::Vector3d::UnitZ()) *
-        stance.R_table_object;
+        stable_pose.R_table_object;
     mode.weight = 1.0 / kYaws;
     mode.covariance = variance.asDiagonal();
     posterior.modes.push_back(mode);
@@ -130,20 +131,20 @@ FeltEpisode Relocation::run(const Policy& policy, const EpisodeOptions& episode,
   RelocateTask task(model_);
   task.reset(start);
   RelocateTouch touch(model_, options_.noise, random.fork("touch").bits());
-  estimation::FeltPlace felt(object_, touch.hand_model(), resting, options_.felt,
-                             random.fork("felt").bits());
-  const auto told_place = [&]() -> Eigen::Vector3d {
+  estimation::OnlineTracker felt(object_, touch.hand_model(), resting, options_.felt,
+                                 random.fork("felt").bits());
+  const auto reported_place = [&]() -> Eigen::Vector3d {
     return felt.T_world_object() * T_task_object.inverse().translation();
   };
   const auto error = [&]() -> Eigen::Vector3d {
-    return told_place() - object_pose(task.positions()).translation();
+    return reported_place() - object_pose(task.positions()).translation();
   };
   result.resting_error = error().head<2>().norm();
   result.episode =
       run_episode(task, start, episode.horizon, [&](int step, const PolicyInput& input) {
         felt.feel(touch.read(task, step));
-        result.told_error = error().norm();
-        return policy.act(told(input, told_place(), start));
+        result.reported_error = error().norm();
+        return policy.act(told(input, reported_place(), start));
       });
   result.estimates = felt.estimates();
   if (felt.estimates() > 0) result.estimate_seconds = felt.seconds() / felt.estimates();

@@ -20,9 +20,9 @@ using Features = Eigen::Matrix<float, kFpfhBins, Eigen::Dynamic>;
 /// each histogram of single pairs sums to 100, the mean too, so that a column sums to 600, or to 0
 /// without neighbours.
 /// @param radius  neighbourhood, m: about five times the distance between points
-/// @param most_neighbours  nearest ones taken within it, the point itself not counted
+/// @param max_neighbours  nearest ones taken within it, the point itself not counted
 /// @throws BadInput for a cloud without normals, a radius that is not positive, as check_cloud()
-Features fpfh(const PointCloud& cloud, double radius, int most_neighbours = 100);
+Features fpfh(const PointCloud& cloud, double radius, int max_neighbours = 100);
 
 struct Match {
   int source = -1, target = -1;

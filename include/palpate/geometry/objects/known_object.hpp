@@ -10,10 +10,10 @@
 namespace palpate::geometry {
 
 /// A way the object rests on a plane: R_table_object up to yaw, and its share of random drops.
-struct Stance {
+struct StablePose {
   Eigen::Matrix3d R_table_object;
   double height = 0;       ///< z of the volume centroid above the table, m
-  double probability = 0;  ///< all stances of an object sum to 1
+  double probability = 0;  ///< all stable poses of an object sum to 1
 };
 
 /// An object of known shape. The object's frame is that of its mesh, moved so that the volume
@@ -24,7 +24,7 @@ struct KnownObject {
   Eigen::Isometry3d T_mesh_object = Eigen::Isometry3d::Identity();
   double mass = 0;                          ///< kg
   MassProperties mass_properties;           ///< at `mass`, of uniform density
-  std::vector<Stance> stances;              ///< most probable first
+  std::vector<StablePose> stable_poses;     ///< most probable first
   std::vector<Eigen::Matrix3d> symmetries;  ///< rotations that keep the shape, identity first
   std::vector<std::string> repairs;         ///< what was done to the file's mesh, in words
 };

@@ -8,13 +8,13 @@
 
 namespace palpate::geometry {
 
-struct StanceOptions {
-  /// A stance left by raising the centroid by less than this (m) is none: the object rolls on. It
-  /// also joins the facets of a finely tessellated curved side into one family of stances.
+struct StablePoseOptions {
+  /// A stable pose left by raising the centroid by less than this (m) is none: the object rolls on.
+  /// It also joins the facets of a finely tessellated curved side into one family of stable poses.
   double barrier = 1e-4;
-  double merge_angle_deg = 4;     ///< stances whose up vectors are closer than this are one
-  double min_probability = 0.01;  ///< rarer families of stances are left out
-  int max_stances = 24;           ///< a family of many keeps members spread evenly
+  double merge_angle_deg = 4;     ///< stable poses whose up vectors are closer than this are one
+  double min_probability = 0.01;  ///< rarer families of stable poses are left out
+  int max_stable_poses = 24;      ///< a family of many keeps members spread evenly
 };
 
 /// The ways a rigid body rests on a plane, with their probability when dropped at random without
@@ -27,7 +27,7 @@ struct StanceOptions {
 /// onto +x.
 /// @param centroid  of the volume, in the mesh's frame, m
 /// @throws BadInput for a mesh that spans no volume or an option out of range
-std::vector<Stance> stable_poses(const TriangleMesh& mesh, const Eigen::Vector3d& centroid,
-                                 const StanceOptions& options = {});
+std::vector<StablePose> stable_poses(const TriangleMesh& mesh, const Eigen::Vector3d& centroid,
+                                     const StablePoseOptions& options = {});
 
 }  // namespace palpate::geometry

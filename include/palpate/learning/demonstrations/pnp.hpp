@@ -19,7 +19,7 @@ struct PnpOptions {
   void visit(Visitor&& v) {
     v("threshold", threshold, 0.01, 1000.0, "pixels, of a match that counts");
     v("draws", draws, 1, 1000000, "of six matches each");
-    v("least", least, 6, 1000000, "matches that must agree");
+    v("min", least, 6, 1000000, "matches that must agree");
     v("iterations", iterations, 0, 1000, "of the refinement");
   }
 };

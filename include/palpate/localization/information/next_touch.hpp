@@ -10,7 +10,7 @@ namespace palpate::localization {
 
 /// A touch that could be made: a fingertip, as a ball, comes straight from `start` until it meets
 /// the object or has gone `reach`.
-struct Probe {
+struct TouchAction {
   Eigen::Vector3d start;      ///< of the ball's centre, in the posterior's frame, m
   Eigen::Vector3d direction;  ///< unit
   double reach = 0.3;         ///< m
@@ -27,7 +27,7 @@ struct PredictedTouch {
 
 /// Where the ball meets the object at a pose.
 PredictedTouch predict_touch(const geometry::ObjectModel& model,
-                             const Eigen::Isometry3d& T_frame_object, const Probe& probe,
+                             const Eigen::Isometry3d& T_frame_object, const TouchAction& probe,
                              double tip_radius);
 
 struct NextTouchOptions {
@@ -57,28 +57,28 @@ double information_bound(const std::vector<PredictedTouch>& outcomes,
                          const NextTouchOptions& options = {});
 
 /// What several fingertips should feel at once: one touch each, always of the same fingertips.
-using PredictedFeel = std::vector<PredictedTouch>;
+using PredictedTouches = std::vector<PredictedTouch>;
 
 /// The same bound where an outcome is several touches, whose errors are independent, and the poses
 /// have weights: -sum_i w_i ln sum_j w_j exp(-..), at most the weights' entropy.
 /// @param weights  of the poses, as many as outcomes; their sum is taken for 1
 /// @throws BadInput for other sizes, negative weights or none above 0
-double information_bound(const std::vector<PredictedFeel>& outcomes,
+double information_bound(const std::vector<PredictedTouches>& outcomes,
                          const std::vector<double>& weights, const NextTouchOptions& options = {});
 
 /// Equally weighted draws from the modes: normal about each, even along a free axis.
 std::vector<Eigen::Isometry3d> draw_poses(const Posterior& posterior, int count,
                                           RandomStream& random);
 
-struct ProbeChoice {
+struct TouchChoice {
   std::size_t index = 0;   ///< of the probe
   double information = 0;  ///< bound, nats
 };
 
 /// The probe of the greatest bound of information a second.
 /// @throws BadInput for no probes, a posterior without modes, or a probe that is not finite
-ProbeChoice choose_probe(const geometry::ObjectModel& model, const Posterior& posterior,
-                         const std::vector<Probe>& probes, RandomStream random,
+TouchChoice choose_touch(const geometry::ObjectModel& model, const Posterior& posterior,
+                         const std::vector<TouchAction>& probes, RandomStream random,
                          const NextTouchOptions& options = {});
 
 }  // namespace palpate::localization

@@ -9,42 +9,42 @@
 namespace palpate::localization {
 
 /// A straight way of the probing fingertip's centre, world, m.
-struct Sweep {
+struct GuardedMove {
   Eigen::Vector3d from, to;
 };
 
 /// The probing finger while it sweeps: balls around its fingertip's centre, in the world's axes.
-struct SweepingFinger {
+struct ProbingFinger {
   std::vector<localization::FreeSphere> tip, rest;  ///< rest: of the hand
   Eigen::Matrix3d R_world_base = Eigen::Matrix3d::Identity();
 };
 
 /// A sweep and how well its end tells poses apart.
-struct TellingSweep {
-  Sweep sweep;
+struct InformativeMove {
+  GuardedMove guarded_move;
   std::size_t index = 0;   ///< of it among the sweeps
   double information = 0;  ///< chance, 0..1, that two draws from the poses are told apart
 };
 
 /// The one of some sweeps whose end differs most between the poses that a posterior holds for
 /// credible (poses_of: a mode with a free axis is several along it). Where another part of the hand
-/// touches first, the sweep ends, too.
+/// touches first, the guarded move ends, too.
 /// @return nothing if there is no sweep that tells anything
-std::optional<TellingSweep> most_telling_sweep(const geometry::ObjectModel& object,
-                                               const localization::Posterior& posterior,
-                                               const SweepingFinger& finger,
-                                               const std::vector<Sweep>& sweeps);
+std::optional<InformativeMove> most_informative_move(const geometry::ObjectModel& object,
+                                                     const localization::Posterior& posterior,
+                                                     const ProbingFinger& finger,
+                                                     const std::vector<GuardedMove>& guarded_moves);
 
 /// A sweep with the hand turned in one of several ways.
-struct TurnedSweep {
-  Sweep sweep;
+struct TurnedMove {
+  GuardedMove guarded_move;
   std::size_t turn = 0;  ///< index of the finger
 };
 
 /// A sweep and the errors of the pose without and with it: expected squares over those of 2.5 deg
 /// and 3.5 mm, summed.
-struct RefiningSweep {
-  TurnedSweep sweep;
+struct RefiningMove {
+  TurnedMove guarded_move;
   double before = 0, after = 0;
 };
 
@@ -52,12 +52,12 @@ struct RefiningSweep {
 /// an offset of the fingertip that all touches share in the base's frame.
 ///
 /// @param fingers  the probing finger for each turn of the hand
-/// @param done     the sweeps made so far
+/// @param done     the guarded moves made so far
 /// @return nothing if no sweep touches the object
-std::optional<RefiningSweep> most_refining_sweep(const geometry::ObjectModel& object,
-                                                 const Eigen::Isometry3d& T_world_object,
-                                                 const std::vector<SweepingFinger>& fingers,
-                                                 const std::vector<Sweep>& sweeps,
-                                                 const std::vector<TurnedSweep>& done);
+std::optional<RefiningMove> most_refining_move(const geometry::ObjectModel& object,
+                                               const Eigen::Isometry3d& T_world_object,
+                                               const std::vector<ProbingFinger>& fingers,
+                                               const std::vector<GuardedMove>& guarded_moves,
+                                               const std::vector<TurnedMove>& done);
 
 }  // namespace palpate::localization

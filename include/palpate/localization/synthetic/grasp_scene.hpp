@@ -32,12 +32,12 @@ struct GraspSceneOptions {
   double false_share = 0;    ///< of the fingers that something else stops on their way
   double half_width = 0.02;  ///< of the place on the table, m
   int contacts = 20;         ///< grasps end when there are so many
-  int most_grasps = 9;
+  int max_grasps = 9;
 };
 
 /// The object at a random pose (free: any rotation, centroid within 15 mm of the origin; table: a
-/// stance by its probability, any yaw) and grasps of it: the open hand comes from a random side
-/// until it touches, backs off, and each finger closes until its tip or the way is stopped.
+/// stable pose by its probability, any yaw) and grasps of it: the open hand comes from a random
+/// side until it touches, backs off, and each finger closes until its tip or the way is stopped.
 GraspScene make_grasp_scene(const geometry::ObjectModel& model, const geometry::MeshQuery& mesh,
                             const hand::HandModel& hand, const GraspSceneOptions& options,
                             RandomStream random);
@@ -63,8 +63,8 @@ Evidence scene_evidence(const GraspScene& scene, const SceneEvidenceOptions& opt
 tactile::Contact disturbed(tactile::Contact contact, double point_noise, double normal_noise,
                            RandomStream& random);
 
-/// The object at rest on the table: a stance by its probability, any yaw, the place uniform in a
-/// square.
+/// The object at rest on the table: a stable pose by its probability, any yaw, the place uniform in
+/// a square.
 Eigen::Isometry3d random_rest(const geometry::ObjectModel& model, double half_width,
                               RandomStream& random);
 

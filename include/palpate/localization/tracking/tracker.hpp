@@ -41,7 +41,7 @@ struct TrackerOptions {
     v("false_contacts", false_contacts, 1e-3, 0.9, "prior share of contacts with something else");
     v("slip_jump", slip_jump, 0.1, 100.0, "rise of a contact's mean energy that tells a slip");
     v("slip_angle", slip_angle, 0.0, 3.2, "spread of the poses searched after a slip, rad");
-    v("slip_way", slip_way, 0.0, 0.1, "spread of the poses searched after a slip, m");
+    v("slip_distance", slip_way, 0.0, 0.1, "spread of the poses searched after a slip, m");
     v("slip_poses", slip_poses, 1, 1000, "poses started a frame while a slip is searched");
     v("slip_search", slip_search, 0.0, 0.5, "s after a slip in which it is searched");
   }

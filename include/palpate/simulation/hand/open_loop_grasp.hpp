@@ -8,7 +8,7 @@ namespace palpate::simulation {
 
 /// A grasp by set moves, without a look at what is felt but the load on the base: to study contacts
 /// in, where the pick of the pipeline would take long and be beside the point.
-struct BlindGrasp {
+struct OpenLoopGrasp {
   Start start;            ///< of the object
   bool side = true;       ///< from the side, else from above
   double height = 0.073;  ///< m, of the base when it closes
@@ -20,6 +20,6 @@ struct BlindGrasp {
 
 /// Approaches, closes with limited torque, lifts by 10 cm and holds.
 /// @return whether the object hangs in the hand at the end
-bool run_blind_grasp(World& world, const BlindGrasp& grasp);
+bool run_open_loop_grasp(World& world, const OpenLoopGrasp& grasp);
 
 }  // namespace palpate::simulation

@@ -20,7 +20,7 @@ struct SensorNoise {
   double point = 0.001;                 ///< m, per axis
   double normal = 0.17453292519943295;  ///< rad, per tangent axis (10 deg)
   double force = 0.05;                  ///< N, per axis
-  double joint = 0.008726646259971648;  ///< rad (.5 deg)
+  double joint = 0.008726646259971648;  ///< rad (0.5 deg)
   double link = 0.002;                  ///< m, how far each link is from the model (rms)
 
   template <class Visitor>
@@ -40,7 +40,7 @@ struct WorldOptions {
   double stiffness_scale = 4.0;  ///< of the fingers' position controllers
   bool exact_tips = true;        ///< tips meet the true surface, the table its hull; else the parts
   bool biotacs = false;          ///< readings hold the channels of BioTacs on the fingertips
-  bool false_truth = false;      ///< World::truth() is wrong: whoever acts on it shows
+  bool corrupted_truth = false;  ///< World::truth() is wrong: whoever acts on it shows
   simulation::IntegralOptions integral;
   SensorNoise noise;
 
@@ -53,7 +53,8 @@ struct WorldOptions {
     v("exact_tips", exact_tips,
       "fingertips meet the true surface, the table its hull; else convex parts");
     v("biotacs", biotacs, "simulate the channels of BioTacs on the fingertips");
-    v("false_truth", false_truth, "the truth that is told is wrong: whoever acts on it shows");
+    v("corrupted_truth", corrupted_truth,
+      "the truth that is told is wrong: whoever acts on it shows");
     v.section("integral", integral);
     v.section("noise", noise);
   }
@@ -61,7 +62,7 @@ struct WorldOptions {
 
 /// Where the object starts.
 struct Start {
-  int stance = 0;                                ///< index into KnownObject::stances
+  int stable_pose = 0;                           ///< index into KnownObject::stable poses
   double yaw = 0;                                ///< rad
   Eigen::Vector2d xy = Eigen::Vector2d::Zero();  ///< of the centroid, m
 };

@@ -30,7 +30,7 @@ struct CalibrateOptions {
 /// The hand as the touches of the bare table in a log tell that it is (tactile::calibrate_links),
 /// the table being z = 0. As it was given where there are none, or where they contradict one
 /// another.
-hand::HandModel calibrated_hand(const hand::HandModel& hand, const estimation::TouchLog& log,
+hand::HandModel calibrated_hand(const hand::HandModel& hand, const estimation::EventLog& log,
                                 const CalibrateOptions& options);
 
 /// Finds out where the hand's links really are: touches the bare table, a plane that is known, with
@@ -41,7 +41,7 @@ class CalibratePhase : public Phase {
   explicit CalibratePhase(const CalibrateOptions& options) : options_(options) {}
   std::string_view name() const override { return "calibrate"; }
   double time_limit() const override;
-  PhaseEnd run(Robot& robot, PickState& state) override;
+  PhaseEnd run(Executor& robot, PickState& state) override;
 
  private:
   CalibrateOptions options_;

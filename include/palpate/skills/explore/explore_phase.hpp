@@ -7,14 +7,14 @@
 namespace palpate::skills {
 
 struct ExploreOptions {
-  int touches = 8;            ///< sweeps around the object; 0: none
-  int most_touches = 16;      ///< with those that tell apart what the first ones left open
+  int touches = 8;            ///< guarded moves around the object; 0: none
+  int max_touches = 16;       ///< with those that tell apart what the first ones left open
   int refining = 4;           ///< at most, that make the best pose exact
   double certain = 0.97;      ///< weight of a pose that needs no more touches
   double turn = 3.14159265;   ///< of the hand for every other one of them, rad
   double radius = 0.135;      ///< of the circle from which they start, m
   double past = 0.05;         ///< how far they go past the object's place, m
-  double speed = 0.02;        ///< of a sweep, m/s
+  double speed = 0.02;        ///< of a guarded move, m/s
   double touch_force = 0.1;   ///< N at the fingertip
   double travel_speed = 0.4;  ///< m/s
   double reach = 0.013;       ///< below the object's top, where only the fingertip touches, m
@@ -22,7 +22,7 @@ struct ExploreOptions {
   template <class Visitor>
   void visit(Visitor&& v) {
     v("touches", touches, 0, 64, "sweeps around the object; 0: none");
-    v("most_touches", most_touches, 0, 64, "with those that tell apart what the first left open");
+    v("max_touches", max_touches, 0, 64, "with those that tell apart what the first left open");
     v("refining", refining, 0, 64, "at most, that make the best pose exact");
     v("certain", certain, 0.0, 1.0, "weight of a pose that needs no more touches");
     v("turn", turn, -3.2, 3.2, "rad, of the hand for every other one of these");
@@ -41,33 +41,35 @@ struct ExploreOptions {
 /// touch it is turned round, which turns that shift round, too, and so tells it from the object's
 /// place.
 ///
-/// Where no touches are left to tell poses apart (most_touches <= touches), the number of touches
-/// is asked for: for sweeps that felt nothing it sweeps from in between, at most once as often
-/// again.
+/// Where no touches are left to tell poses apart (max_touches <= touches), the number of touches
+/// is asked for: for guarded moves that felt nothing it guarded moves from in between, at most once
+/// as often again.
 class ExplorePhase : public Phase {
  public:
   ExplorePhase(const geometry::ObjectModel& object, const ExploreOptions& options,
-               const estimation::LocateOptions& locate, std::uint64_t seed)
+               const estimation::EstimationOptions& locate, std::uint64_t seed)
       : object_(object), options_(options), locate_(locate), seed_(seed) {}
   std::string_view name() const override { return "explore"; }
   double time_limit() const override;
-  PhaseEnd run(Robot& robot, PickState& state) override;
+  PhaseEnd run(Executor& robot, PickState& state) override;
 
  private:
-  enum class SweepEnd { touched, missed, blocked, timed_out };
-  SweepEnd sweep(Robot& robot, const PickState& state, const localization::TurnedSweep& turned);
+  enum class GuardedMoveEnd { touched, missed, blocked, timed_out };
+  GuardedMoveEnd guarded_move(Executor& robot, const PickState& state,
+                              const localization::TurnedMove& turned);
   double yaw(std::size_t turn) const { return turn == 0 ? 0 : options_.turn; }
-  int touch_around(Robot& robot, const PickState& state);
-  int make_up(Robot& robot, const PickState& state, int touches);
-  SweepEnd touch_from(Robot& robot, const PickState& state, double angle, std::size_t turn);
-  int tell_apart(Robot& robot, PickState& state);
-  int refine(Robot& robot, PickState& state);
+  int touch_around(Executor& robot, const PickState& state);
+  int make_up(Executor& robot, const PickState& state, int touches);
+  GuardedMoveEnd touch_from(Executor& robot, const PickState& state, double angle,
+                            std::size_t turn);
+  int tell_apart(Executor& robot, PickState& state);
+  int refine(Executor& robot, PickState& state);
 
   const geometry::ObjectModel& object_;
   ExploreOptions options_;
-  estimation::LocateOptions locate_;
+  estimation::EstimationOptions locate_;
   std::uint64_t seed_;
-  std::vector<localization::TurnedSweep> done_;  // that touched
+  std::vector<localization::TurnedMove> done_;  // that touched
   double raised_ = 0;  // m, of the level sweeps, where a lower hand was blocked
 };
 

@@ -6,7 +6,7 @@
 
 namespace palpate::skills {
 
-struct FeelOptions {
+struct HeightProbeOptions {
   double start_height = 0.26;  ///< of the hand's base, m
   double speed = 0.05;         ///< downwards, m/s
   double touch_force = 0.7;    ///< N of load on the base
@@ -26,17 +26,17 @@ struct FeelOptions {
 };
 
 /// Lowers the flat hand onto the object to feel how tall it is.
-class FeelPhase : public Phase {
+class HeightProbePhase : public Phase {
  public:
-  explicit FeelPhase(const FeelOptions& options) : options_(options) {}
+  explicit HeightProbePhase(const HeightProbeOptions& options) : options_(options) {}
   std::string_view name() const override { return "feel"; }
   double time_limit() const override { return 60.0; }
-  PhaseEnd run(Robot& robot, PickState& state) override;
+  PhaseEnd run(Executor& robot, PickState& state) override;
 
  private:
-  bool lower(Robot& robot, PickState& state, const Eigen::Vector2d& place) const;
+  bool lower(Executor& robot, PickState& state, const Eigen::Vector2d& place) const;
 
-  FeelOptions options_;
+  HeightProbeOptions options_;
 };
 
 }  // namespace palpate::skills

@@ -12,7 +12,7 @@
 namespace palpate::skills {
 
 /// How the hand comes to the object and closes: one set for grasps from the side, one from above.
-struct GraspRecipe {
+struct Preshape {
   double pitch, roll;            ///< of the base, rad
   double offset_x, offset_y;     ///< of the base from the object's place, hand's axes, m
   double height;                 ///< of the base above the table (side grasp), m
@@ -48,48 +48,48 @@ struct GraspRecipe {
   }
 };
 
-GraspRecipe side_recipe();
-GraspRecipe top_recipe();
+Preshape side_preshape();
+Preshape top_preshape();
 
 /// The fingers as they are before they close.
-hand::ActuatorVector open_posture(const GraspRecipe& recipe);
+hand::ActuatorVector open_posture(const Preshape& preshape);
 
 struct GraspOptions {
   double side_from = 0.3;  ///< objects at least this tall are grasped from the side, m
-  GraspRecipe side = side_recipe();
-  GraspRecipe top = top_recipe();
+  Preshape side = side_preshape();
+  Preshape top = top_preshape();
   int turns = 4;                  ///< directions tried from above when fingers land on the object
-  double least_depth = 0.02;      ///< m below the object's top that the fingers must reach
+  double min_depth = 0.02;        ///< m below the object's top that the fingers must reach
   double travel_speed = 0.5;      ///< m/s
   double longest_close = 8.0;     ///< s until all fingers have met the object
   double ramp_seconds = 0.8;      ///< from touching to pressing
   double press_per_weight = 3.0;  ///< of all fingertips together, by the object's weight
-  double least_press = 5.0;       ///< N
+  double min_press = 5.0;         ///< N
   double steep_pitch = 0.9;       ///< rad, of the base where the usual one does not do
   double good_cost = 0.1;         ///< of a plan with which the search ends
   grasping::PlanOptions plan;
-  double friction = 0.5;        ///< that the balance of forces counts on
-  int closings = 3;             ///< from other sides, at most, until the forces balance
-  double most_imbalance = 0.3;  ///< of the forces with which the fingers would press
-  int least_contacts = 2;       ///< fingertip contacts that count as a grasp
+  double friction = 0.5;             ///< that the balance of forces counts on
+  int closings = 3;                  ///< from other sides, at most, until the forces balance
+  double max_wrench_residual = 0.3;  ///< of the forces with which the fingers would press
+  int min_contacts = 2;              ///< fingertip contacts that count as a grasp
 
   template <class Visitor>
   void visit(Visitor&& v) {
     v("side_from", side_from, 0.0, 0.5, "m, objects at least this tall are grasped from the side");
     v("turns", turns, 1, 36, "directions tried from above when fingers land on the object");
-    v("least_depth", least_depth, 0.0, 0.2, "m below the object's top that the fingers must reach");
+    v("min_depth", min_depth, 0.0, 0.2, "m below the object's top that the fingers must reach");
     v("travel_speed", travel_speed, 0.01, 2.0, "m/s, through the air");
     v("longest_close", longest_close, 0.1, 30.0, "s until all fingers have met the object");
     v("ramp_seconds", ramp_seconds, 0.01, 10.0, "s, from touching to pressing");
     v("press_per_weight", press_per_weight, 0.0, 100.0, "of all fingertips, by the weight");
     v("steep_pitch", steep_pitch, -1.6, 1.6, "rad, of the base where the usual one does not do");
     v("good_cost", good_cost, 0.0, 2.0, "of a plan with which the search ends");
-    v("least_press", least_press, 0.1, 100.0, "N, of all fingertips together");
+    v("min_press", min_press, 0.1, 100.0, "N, of all fingertips together");
     v("friction", friction, 0.0, 2.0, "that the balance of forces counts on");
     v("closings", closings, 1, 20, "from other sides, until the forces balance");
-    v("most_imbalance", most_imbalance, 0.0, 10.0,
+    v("max_wrench_residual", max_wrench_residual, 0.0, 10.0,
       "of the forces with which the fingers would press");
-    v("least_contacts", least_contacts, 0, 20, "fingertip contacts that count as a grasp");
+    v("min_contacts", min_contacts, 0, 20, "fingertip contacts that count as a grasp");
     v.section("plan", plan);
     v.section("side", side);
     v.section("top", top);
@@ -115,28 +115,28 @@ class GraspPhase : public Phase {
       : options_(options), object_(object), choose_(std::move(choose)) {}
   std::string_view name() const override { return "grasp"; }
   double time_limit() const override { return 60.0; }
-  PhaseEnd run(Robot& robot, PickState& state) override;
+  PhaseEnd run(Executor& robot, PickState& state) override;
 
  private:
   /// What the closed fingers feel, and the forces with which they are to press.
   struct Hold {
     std::vector<tactile::Contact> contacts;
-    grasping::BalancedForces forces;
+    grasping::ForceDistribution forces;
   };
-  std::optional<grasping::GraspPlan> plan(const Robot& robot, const PickState& state,
+  std::optional<grasping::GraspPlan> plan(const Executor& robot, const PickState& state,
                                           const std::vector<double>& tried_yaws) const;
-  Hold close_as_planned(Robot& robot, PickState& state, const grasping::GraspPlan& plan) const;
-  PhaseEnd grasp_unplanned(Robot& robot, PickState& state);
-  PhaseEnd end(const Robot& robot, const Hold& hold, std::string_view grasp) const;
-  void approach(Robot& robot, const grasping::GraspPlan& plan) const;
-  void approach_from_side(Robot& robot, const PickState& state) const;
-  void approach_from_above(Robot& robot, PickState& state) const;
-  void descend(Robot& robot, const PickState& state) const;
-  void travel_to(Robot& robot, const hand::BasePosition& start, const GraspRecipe& recipe) const;
-  void close(Robot& robot, const GraspRecipe& recipe) const;
-  Hold balance(const Robot& robot, const PickState& state) const;
-  void press(Robot& robot, const Hold& hold) const;
-  void let_go(Robot& robot) const;
+  Hold close_as_planned(Executor& robot, PickState& state, const grasping::GraspPlan& plan) const;
+  PhaseEnd grasp_unplanned(Executor& robot, PickState& state);
+  PhaseEnd end(const Executor& robot, const Hold& hold, std::string_view grasp) const;
+  void approach(Executor& robot, const grasping::GraspPlan& plan) const;
+  void approach_from_side(Executor& robot, const PickState& state) const;
+  void approach_from_above(Executor& robot, PickState& state) const;
+  void descend(Executor& robot, const PickState& state) const;
+  void travel_to(Executor& robot, const hand::BasePosition& start, const Preshape& preshape) const;
+  void close(Executor& robot, const Preshape& preshape) const;
+  Hold balance(const Executor& robot, const PickState& state) const;
+  void press(Executor& robot, const Hold& hold) const;
+  void let_go(Executor& robot) const;
 
   GraspOptions options_;
   const geometry::ObjectModel& object_;

@@ -6,14 +6,14 @@
 namespace palpate::skills {
 
 struct LiftOptions {
-  double way = 0.10;          ///< m
-  double speed = 0.10;        ///< m/s
-  double settle = 0.5;        ///< s of rest before the hold is judged
-  double hold = 2.0;          ///< s
-  double least_weight = 0.5;  ///< share of the object's weight that must hang in the hand
-  int least_fingers = 2;      ///< that touch at the end: one alone cannot squeeze
-  double touch_force = 0.1;   ///< N in the mean that is a touch, as where contacts are counted
-  double most_slip = 0.012;   ///< m, of a fingertip's contact along it in the hold: as in transport
+  double way = 0.10;         ///< m
+  double speed = 0.10;       ///< m/s
+  double settle = 0.5;       ///< s of rest before the hold is judged
+  double hold = 2.0;         ///< s
+  double min_weight = 0.5;   ///< share of the object's weight that must hang in the hand
+  int min_fingers = 2;       ///< that touch at the end: one alone cannot squeeze
+  double touch_force = 0.1;  ///< N in the mean that is a touch, as where contacts are counted
+  double max_slip = 0.012;   ///< m, of a fingertip's contact along it in the hold: as in transport
 
   template <class Visitor>
   void visit(Visitor&& v) {
@@ -21,10 +21,10 @@ struct LiftOptions {
     v("speed", speed, 0.001, 0.5, "m/s");
     v("settle", settle, 0.0, 10.0, "s of rest before the hold is judged");
     v("hold", hold, 0.1, 60.0, "s");
-    v("least_weight", least_weight, 0.0, 1.0, "share of the object's weight that must hang");
-    v("least_fingers", least_fingers, 0, 5, "that touch at the end of the hold");
+    v("min_weight", min_weight, 0.0, 1.0, "share of the object's weight that must hang");
+    v("min_fingers", min_fingers, 0, 5, "that touch at the end of the hold");
     v("touch_force", touch_force, 0.0, 5.0, "N, of a fingertip that touches, in the mean");
-    v("most_slip", most_slip, 1e-3, 0.1, "m, of a fingertip's contact along it during the hold");
+    v("max_slip", max_slip, 1e-3, 0.1, "m, of a fingertip's contact along it during the hold");
   }
 };
 
@@ -36,7 +36,7 @@ class LiftPhase : public Phase {
   LiftPhase(const LiftOptions& options, double weight) : options_(options), weight_(weight) {}
   std::string_view name() const override { return "lift"; }
   double time_limit() const override { return 20.0; }
-  PhaseEnd run(Robot& robot, PickState& state) override;
+  PhaseEnd run(Executor& robot, PickState& state) override;
 
  private:
   LiftOptions options_;

@@ -8,22 +8,22 @@ namespace palpate::skills {
 
 /// Estimates the object's pose in the hand from the robot's log: where the fingers have met it, or
 /// where it hangs.
-class LocatePhase : public Phase {
+class PosePhase : public Phase {
  public:
-  LocatePhase(const geometry::ObjectModel& object, const estimation::LocateOptions& options,
-              std::uint64_t seed, estimation::Mark instant = estimation::Mark::held)
+  PosePhase(const geometry::ObjectModel& object, const estimation::EstimationOptions& options,
+            std::uint64_t seed, estimation::TouchEvent instant = estimation::TouchEvent::held)
       : object_(object), options_(options), seed_(seed), instant_(instant) {}
   std::string_view name() const override {
-    return instant_ == estimation::Mark::held ? "pose" : "estimate";
+    return instant_ == estimation::TouchEvent::held ? "pose" : "estimate";
   }
   double time_limit() const override { return 1.0; }
-  PhaseEnd run(Robot& robot, PickState& state) override;
+  PhaseEnd run(Executor& robot, PickState& state) override;
 
  private:
   const geometry::ObjectModel& object_;
-  estimation::LocateOptions options_;
+  estimation::EstimationOptions options_;
   std::uint64_t seed_;
-  estimation::Mark instant_;
+  estimation::TouchEvent instant_;
 };
 
 }  // namespace palpate::skills

@@ -11,7 +11,7 @@ class ReleasePhase : public Phase {
  public:
   std::string_view name() const override { return "release"; }
   double time_limit() const override { return 20.0; }
-  PhaseEnd run(Robot& robot, PickState& state) override;
+  PhaseEnd run(Executor& robot, PickState& state) override;
 };
 
 /// After the object has fallen out of the hand: rises as it is, then opens and turns level.
@@ -19,7 +19,7 @@ class ClearPhase : public Phase {
  public:
   std::string_view name() const override { return "clear"; }
   double time_limit() const override { return 30.0; }
-  PhaseEnd run(Robot& robot, PickState& state) override;
+  PhaseEnd run(Executor& robot, PickState& state) override;
 };
 
 }  // namespace palpate::skills

@@ -30,7 +30,7 @@ struct TrackOptions {
 /// @param start   pose at the first reading, in the world, with modes
 /// @throws BadInput unless first <= last, and the log has both
 Tracked track(const geometry::ObjectModel& object, const hand::HandModel& hand,
-              const estimation::TouchLog& log, const tactile::ContactErrorModel& errors,
+              const estimation::EventLog& log, const tactile::ContactErrorModel& errors,
               const localization::Posterior& start, std::size_t first, std::size_t last,
               const TrackOptions& options, std::uint64_t seed);
 
@@ -42,7 +42,7 @@ class TrackPhase : public Phase {
       : object_(object), options_(options), errors_(errors), seed_(seed) {}
   std::string_view name() const override { return "track"; }
   double time_limit() const override { return 1.0; }
-  PhaseEnd run(Robot& robot, PickState& state) override;
+  PhaseEnd run(Executor& robot, PickState& state) override;
 
  private:
   const geometry::ObjectModel& object_;

@@ -11,36 +11,36 @@
 namespace palpate::skills {
 
 /// Which way was gone, and why.
-struct MeansTaken {
+struct StrategyTaken {
   /// What became of a planned transfer.
   struct Round {
     RegraspPlan plan;
     std::optional<PlaceStatus> place;  ///< none if the object was not held
   };
-  PlaceMeans means = PlaceMeans::wrist;  ///< wrist, fingers or regrasp
+  PlaceStrategy means = PlaceStrategy::wrist;  ///< wrist, fingers or regrasp
   std::string reason;
-  std::optional<FingerTurn> turn;        ///< the last one by the fingers
-  std::optional<RegraspStatus> regrasp;  ///< how that ended
-  std::vector<Round> rounds;             ///< of regrasping
+  std::optional<InHandReorientation> turn;  ///< the last one by the fingers
+  std::optional<RegraspStatus> regrasp;     ///< how that ended
+  std::vector<Round> rounds;                ///< of regrasping
 };
 
 /// All picks and placings on the way of an object to its target.
-struct PlaceCourse {
+struct PickAndPlaceResult {
   PickResult picked;                 ///< the last one, with the phases of all before
   std::optional<PlaceResult> place;  ///< the last one; its phases are empty if a pick came after
-  MeansTaken means;
+  StrategyTaken means;
 };
 
 /// Picks the object and brings it to its target: `picks` times in one hold; by regrasp() where that
 /// was asked for, or where one hold could not bring it there: it was put back as unreachable, or
-/// for another reason on its way into another stance. The fingers turn it in the first hold alone:
-/// what they did not bring there is then left to the base.
+/// for another reason on its way into another stable pose. The fingers turn it in the first hold
+/// alone: what they did not bring there is then left to the base.
 ///
 /// @param robot  stands free above the table; the object is near the world's origin
 /// @throws BadInput for `means` that do not exist, before anything moves
-PlaceCourse pick_and_place(Robot& robot, const geometry::ObjectModel& object,
-                           const PlaceTarget& target, const planning::Fixture& fixture,
-                           const PickOptions& pick_options, const PlaceOptions& options,
-                           std::uint64_t seed, const PhaseObserver& observer = {});
+PickAndPlaceResult pick_and_place(Executor& robot, const geometry::ObjectModel& object,
+                                  const PlaceTarget& target, const planning::Fixture& fixture,
+                                  const PickOptions& pick_options, const PlaceOptions& options,
+                                  std::uint64_t seed, const PhaseObserver& observer = {});
 
 }  // namespace palpate::skills

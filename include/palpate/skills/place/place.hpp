@@ -15,9 +15,9 @@ namespace palpate::skills {
 
 /// All that can be configured of placing.
 struct PlaceOptions {
-  std::string target;          ///< as parse_target() takes it, or "stance"; empty: none
-  int stance = -1;             ///< of the target "stance"; -1: another than the first, drawn
-  std::string means = "auto";  ///< wrist, fingers, regrasp, or what is needed (PlaceMeans)
+  std::string target;          ///< as parse_target() takes it, or "stable pose"; empty: none
+  int stable_pose = -1;        ///< of the target "stable pose"; -1: another than the first, drawn
+  std::string means = "auto";  ///< wrist, fingers, regrasp, or what is needed (PlaceStrategy)
   int picks = 2;               ///< at most, where the object had to be put back
   double reach = 0.5;          ///< m, how far from the origin a target may be
   double turn_press = 6.0;  ///< as GraspOptions::press_per_weight, if the object may be turned over
@@ -31,21 +31,22 @@ struct PlaceOptions {
   TransportOptions transport;
   LowerOptions lower;
   WithdrawOptions withdraw;
-  FingerTurnOptions fingers;
-  RegraspCourseOptions regrasp;
+  InHandReorientationOptions fingers;
+  RegraspSequenceOptions regrasp;
 
   template <class Visitor>
   void visit(Visitor&& v) {
     v("target", target,
-      "fixture, random, stance, x,y,yaw or the 16 numbers of a pose; empty: none");
-    v("stance", stance, -1, 1000, "of the target 'stance'; -1: another than it starts in, drawn");
-    v("means", means,
+      "fixture, random, stable pose, x,y,yaw or the 16 numbers of a pose; empty: none");
+    v("stable_pose", stable_pose, -1, 1000,
+      "of the target 'stable_pose'; -1: another than it starts in, drawn");
+    v("strategy", means,
       "wrist (one hold), fingers (turn in the hand first), regrasp (planned grasps), auto (the "
       "first that does)");
     v("picks", picks, 1, 10, "at most, where the object had to be put back");
     v("reach", reach, 0.05, 1.0, "m, how far from the origin a target may be");
     v("turn_press", turn_press, 0.0, 100.0,
-      "grasp.press_per_weight at least, for targets that may be in another stance");
+      "grasp.press_per_weight at least, for targets that may be in another stable pose");
     v("certain", certain, 0.0, 1.0, "share of the estimate that must agree on the place");
     v("again", again, "estimate the pose once more over the target");
     v("turned_motion", turned_motion, 1.0, 100.0,
@@ -63,17 +64,17 @@ struct PlaceOptions {
 };
 
 /// Which way an object is brought to its target.
-enum class PlaceMeans {
+enum class PlaceStrategy {
   automatic,  ///< in one hold, turned in the hand or grasped anew where that cannot be
   wrist,      ///< in one hold, turned by the hand's base
   fingers,    ///< in one hold, turned first by the fingers as far as they can, then by the base
-  regrasp     ///< with planned grasps, over other stances if need be
+  regrasp     ///< with planned grasps, over other stable poses if need be
 };
-std::string_view to_string(PlaceMeans means);
+std::string_view to_string(PlaceStrategy means);
 
 /// What PlaceOptions::means asks for.
 /// @throws BadInput for another word
-PlaceMeans place_means(const PlaceOptions& options);
+PlaceStrategy place_strategy(const PlaceOptions& options);
 
 /// How placing ended.
 enum class PlaceStatus {
@@ -85,7 +86,7 @@ enum class PlaceStatus {
   lost,         ///< it fell out of the hand
   stuck,        ///< it would not leave the hand, or could not be put back
   missing,      ///< it does not stand where it was put
-  under_way,    ///< regrasping ended while it stood in another stance on the way to the target
+  under_way,    ///< regrasping ended while it stood in another stable pose on the way to the target
 };
 std::string_view to_string(PlaceStatus status);
 
@@ -98,12 +99,13 @@ struct PlaceResult {
   std::string failed_phase;  ///< empty if all went well
   std::vector<PhaseReport> phases;
   HeldObject held;
-  bool certain = false;       ///< the pose was known well enough
-  bool other_stance = false;  ///< the target asks for a stance other than that it was found in
-  bool on_the_way = false;    ///< the target was one on the way to the target proper
+  bool certain = false;  ///< the pose was known well enough
+  bool other_stable_pose =
+      false;                ///< the target asks for a stable pose other than that it was found in
+  bool on_the_way = false;  ///< the target was one on the way to the target proper
   Eigen::Isometry3d T_world_target = Eigen::Isometry3d::Identity();
   std::optional<PlaceGoal> goal;
-  std::optional<FingerTurn> turn;                   ///< in the hand, where the fingers were used
+  std::optional<InHandReorientation> turn;          ///< in the hand, where the fingers were used
   planning::Plan motion;                            ///< of the transport
   std::optional<Eigen::Isometry3d> T_world_placed;  ///< as it was let go, estimated
   Eigen::Vector2d lost_at{0, 0};  ///< m, where contacts were felt last, of a lost object
@@ -111,8 +113,8 @@ struct PlaceResult {
   std::optional<Eigen::Vector2d> put_aside;
 };
 
-/// With a firmer grasp for a target that may be in another stance (a pose): turned about the axis
-/// through its contacts, the object hangs on their friction.
+/// With a firmer grasp for a target that may be in another stable pose (a pose): turned about the
+/// axis through its contacts, the object hangs on their friction.
 PickOptions firm_enough(const PickOptions& pick_options, const PlaceTarget& target,
                         const PlaceOptions& options);
 
@@ -123,7 +125,7 @@ PickOptions firm_enough(const PickOptions& pick_options, const PlaceTarget& targ
 ///
 /// It is given what the robot felt and the ESTIMATED pose; fixture and target are known.
 /// @param picked  held, with an estimate
-PlaceResult place(Robot& robot, const geometry::ObjectModel& object, const PickResult& picked,
+PlaceResult place(Executor& robot, const geometry::ObjectModel& object, const PickResult& picked,
                   const PlaceTarget& target, const planning::Fixture& fixture,
                   const PickOptions& pick_options, const PlaceOptions& options, std::uint64_t seed,
                   const PhaseObserver& observer = {});

@@ -17,8 +17,8 @@ struct HeldObject {
   /// As it stood on the table in the closed hand, laid flat: lifting it let the fingers give way,
   /// setting it down takes that back.
   Eigen::Isometry3d T_base_object_flat = Eigen::Isometry3d::Identity();
-  std::size_t found_stance = 0;  ///< in which it stood there
-  double certainty = 0;          ///< share of the estimate that would be placed like this one
+  std::size_t found_stable_pose = 0;  ///< in which it stood there
+  double certainty = 0;               ///< share of the estimate that would be placed like this one
 };
 
 /// Makes one of the estimate's modes: those that come to the same when laid flat count together.
@@ -26,11 +26,11 @@ struct HeldObject {
 /// Height and tilt need no estimate, for the table fixed them when the fingers closed.
 /// @param posterior  of the held object, in the world, at the reading `held`
 /// @param turned  by the fingers, since they closed, or fallen before: then what the table told of
-///        a stance counts no more
+///        a stable pose counts no more
 /// @return nothing without modes or without the marks closed and held
 std::optional<HeldObject> held_object(const geometry::KnownObject& object,
                                       const localization::Posterior& posterior,
-                                      const estimation::TouchLog& log,
+                                      const estimation::EventLog& log,
                                       const localization::SamePose& same, bool turned = false);
 
 /// Where the base has to go, as measured, and the pose of the object that this is for.
@@ -43,8 +43,9 @@ struct PlaceGoal {
 
 struct GoalSearch {
   std::optional<PlaceGoal> goal;
-  std::string obstacle;      ///< why there is none: what would collide, or be out of reach
-  bool same_stance = false;  ///< the target asks for the stance in which the object was found
+  std::string obstacle;  ///< why there is none: what would collide, or be out of reach
+  bool same_stable_pose =
+      false;  ///< the target asks for the stable pose in which the object was found
 };
 
 struct GoalOptions {

@@ -16,7 +16,7 @@ struct LowerOptions {
   double press = 1.0;           ///< N beyond the weight that lay the object flat
   double beyond = 0.015;        ///< m below the target at which it gives up
   double early = 0.008;         ///< m over the target where a contact means refusal
-  double most_press = 0.006;    ///< m of way from the contact to lying flat
+  double max_press = 0.006;     ///< m of way from the contact to lying flat
   double back_off = 0.004;      ///< m up between two tries
   double spiral = 0.002;        ///< m by which the tries move apart
   int tries = 7;                ///< at shifted places, after a refusal by a fixture
@@ -32,7 +32,7 @@ struct LowerOptions {
     v("press", press, 0.0, 20.0, "N beyond the weight that lay the object flat");
     v("beyond", beyond, 0.0, 0.05, "m below the target at which it gives up");
     v("early", early, 0.0, 0.1, "m over the target where a contact means refusal");
-    v("most_press", most_press, 0.0, 0.05, "m of way from the contact to lying flat");
+    v("max_press", max_press, 0.0, 0.05, "m of way from the contact to lying flat");
     v("back_off", back_off, 0.0, 0.05, "m up between two tries");
     v("spiral", spiral, 0.0, 0.02, "m by which the tries move apart");
     v("tries", tries, 1, 100, "at shifted places, after a refusal by a fixture");
@@ -48,7 +48,7 @@ LowerOptions never_refused(LowerOptions options);
 /// Lets go of an object that stands on the table: marks `placed`, takes the squeeze back as it
 /// came, then opens slowly.
 /// @param open  posture of the open hand, rad
-void let_go(Robot& robot, const LowerOptions& options, const hand::ActuatorVector& open);
+void let_go(Executor& robot, const LowerOptions& options, const hand::ActuatorVector& open);
 
 /// Opens around an object that the hand has grasped and not lifted.
 class OpenPhase : public Phase {
@@ -58,7 +58,7 @@ class OpenPhase : public Phase {
       : options_(options), open_(open) {}
   std::string_view name() const override { return "open"; }
   double time_limit() const override { return 30.0; }
-  PhaseEnd run(Robot& robot, PickState& state) override;
+  PhaseEnd run(Executor& robot, PickState& state) override;
 
  private:
   LowerOptions options_;
@@ -77,7 +77,7 @@ class PlacePhase : public Phase {
       : options_(options), goal_(goal), wall_(wall), open_(open), name_(std::move(name)) {}
   std::string_view name() const override { return name_; }
   double time_limit() const override { return 90.0; }
-  PhaseEnd run(Robot& robot, PickState& state) override;
+  PhaseEnd run(Executor& robot, PickState& state) override;
 
   enum class Touchdown { flat, early, nothing, lost };
   /// Pose of the object in the closed hand when the table bore it, in the world, estimated.
@@ -87,7 +87,7 @@ class PlacePhase : public Phase {
   Touchdown touchdown() const { return touchdown_; }
 
  private:
-  Touchdown lower(Robot& robot, const Eigen::Vector3d& aside);
+  Touchdown lower(Executor& robot, const Eigen::Vector3d& aside);
 
   LowerOptions options_;
   PlaceGoal goal_;
@@ -128,16 +128,16 @@ class WithdrawPhase : public Phase {
   /// @param mark  at the end: `opened` where the object is grasped anew and what is known of its
   ///   pose still holds
   WithdrawPhase(const WithdrawOptions& options, double weight,
-                estimation::Mark mark = estimation::Mark::released)
+                estimation::TouchEvent mark = estimation::TouchEvent::released)
       : options_(options), weight_(weight), mark_(mark) {}
   std::string_view name() const override { return "withdraw"; }
   double time_limit() const override { return 30.0; }
-  PhaseEnd run(Robot& robot, PickState& state) override;
+  PhaseEnd run(Executor& robot, PickState& state) override;
 
  private:
   WithdrawOptions options_;
   double weight_;
-  estimation::Mark mark_;
+  estimation::TouchEvent mark_;
 };
 
 }  // namespace palpate::skills

@@ -9,12 +9,12 @@
 
 namespace palpate::skills {
 
-/// A slot on the table: walls around the footprint of a stance, with room to all sides. Its shape
-/// and place are known to all.
+/// A slot on the table: walls around the footprint of a stable pose, with room to all sides. Its
+/// shape and place are known to all.
 struct FixtureOptions {
   double x = 0.25, y = 0.15;  ///< m, where the object's centroid is to come
   double yaw = 0;             ///< rad, of the object seated in it
-  int stance = 0;             ///< of the object seated in it
+  int stable_pose = 0;        ///< of the object seated in it
   double tolerance = 0.005;   ///< m of room to every side; negative: too small
   double height = 0.006;      ///< m, of the walls
   double wall = 0.004;        ///< m, their thickness
@@ -24,7 +24,7 @@ struct FixtureOptions {
     v("x", x, -1.0, 1.0, "m, where the object's centroid is to come");
     v("y", y, -1.0, 1.0, "m, where the object's centroid is to come");
     v("yaw", yaw, -6.3, 6.3, "rad, of the object seated in it");
-    v("stance", stance, 0, 1000, "of the object seated in it");
+    v("stable_pose", stable_pose, 0, 1000, "of the object seated in it");
     v("tolerance", tolerance, -0.1, 0.1, "m of room to every side");
     v("height", height, 0.002, 0.1, "m, of the walls");
     v("wall", wall, 0.001, 0.05, "m, thickness of the walls");
@@ -53,46 +53,47 @@ struct PlaceTarget {
 PlaceTarget parse_target(std::string_view text, const geometry::KnownObject& object,
                          const FixtureOptions& fixture, double reach, std::uint64_t seed);
 
-/// A pose in another stance than the object starts in, drawn by the seed: a stance by its
+/// A pose in another stable pose than the object starts in, drawn by the seed: a stable pose by its
 /// probability, at a random spot as above. Who sets the task knows how the object starts; the robot
 /// is told the pose alone.
-/// @param wanted  the stance of the target; -1: drawn
+/// @param wanted  the stable pose of the target; -1: drawn
 /// @param reach  m, how far from the origin the spot may be
-/// @throws BadInput for a stance that the object does not have, where all are equal by symmetry, or
+/// @throws BadInput for a stable pose that the object does not have, where all are equal by
+/// symmetry, or
 ///         for a reach that is too small
-PlaceTarget stance_target(const geometry::KnownObject& object, std::size_t start_stance, int wanted,
-                          double reach, std::uint64_t seed);
+PlaceTarget stable_pose_target(const geometry::KnownObject& object, std::size_t start_stable_pose,
+                               int wanted, double reach, std::uint64_t seed);
 
-/// Whether two stances, or a pose and a stance, are the same by the object's symmetry: the same
-/// side is up, to `most` rad.
+/// Whether two stable poses, or a pose and a stable pose, are the same by the object's symmetry:
+/// the same side is up, to `most` rad.
 bool same_side_up(const geometry::KnownObject& object, const Eigen::Matrix3d& R_a,
                   const Eigen::Matrix3d& R_b, double most);
 
 /// The walls of the slot: boxes along the sides of the footprint, which is the convex outline of
 /// all of the object that is below the walls' top when it is seated.
-/// @throws BadInput for a stance that the object does not have, or too little room
+/// @throws BadInput for a stable pose that the object does not have, or too little room
 planning::Fixture make_fixture(const geometry::KnownObject& object, const FixtureOptions& options);
 
 /// Pose of the object at rest: its centroid over x, y; yaw as stable_poses() counts it.
-Eigen::Isometry3d resting_pose(const geometry::KnownObject& object, std::size_t stance,
+Eigen::Isometry3d resting_pose(const geometry::KnownObject& object, std::size_t stable_pose,
                                const Eigen::Vector2d& xy, double yaw);
 
-/// The stance whose up direction is nearest to that of a pose, and the angle between them.
-struct NearestStance {
-  std::size_t stance = 0;
+/// The stable pose whose up direction is nearest to that of a pose, and the angle between them.
+struct NearestStablePose {
+  std::size_t stable_pose = 0;
   double tilt = 0;  ///< rad
 };
-NearestStance nearest_stance(const geometry::KnownObject& object,
-                             const Eigen::Matrix3d& R_world_object);
+NearestStablePose nearest_stable_pose(const geometry::KnownObject& object,
+                                      const Eigen::Matrix3d& R_world_object);
 
-/// A pose laid flat: tilted the shortest way into the nearest stance, at the stance's height over
-/// the table, centroid over the same place.
+/// A pose laid flat: tilted the shortest way into the nearest stable pose, at the stable pose's
+/// height over the table, centroid over the same place.
 Eigen::Isometry3d laid_flat(const geometry::KnownObject& object,
                             const Eigen::Isometry3d& T_world_object);
 
-/// Where a target is, for an object that was found in a stance; the same for stances that are equal
-/// by symmetry.
+/// Where a target is, for an object that was found in a stable pose; the same for stable poses that
+/// are equal by symmetry.
 Eigen::Isometry3d target_pose(const PlaceTarget& target, const geometry::KnownObject& object,
-                              std::size_t found_stance);
+                              std::size_t found_stable_pose);
 
 }  // namespace palpate::skills

@@ -23,19 +23,19 @@ inline planning::PlanOptions transport_plan_options() {
 
 struct TransportOptions {
   planning::PlanOptions plan = transport_plan_options();
-  double settle = 0.4;        ///< s of rest at the end
-  double least_weight = 0.5;  ///< share of the load before that must still hang
-  double most_slip = 0.012;   ///< m, of a fingertip's contact along the fingertip
-  int lost_ticks = 10;        ///< without any touch: the object is lost
-  bool bear_weight = true;    ///< the fingers' commands follow the weight as the hand turns
-  double friction = 0.4;      ///< that the forces which bear it count on
+  double settle = 0.4;      ///< s of rest at the end
+  double min_weight = 0.5;  ///< share of the load before that must still hang
+  double max_slip = 0.012;  ///< m, of a fingertip's contact along the fingertip
+  int lost_ticks = 10;      ///< without any touch: the object is lost
+  bool bear_weight = true;  ///< the fingers' commands follow the weight as the hand turns
+  double friction = 0.4;    ///< that the forces which bear it count on
 
   template <class Visitor>
   void visit(Visitor&& v) {
     v.section("plan", plan);
     v("settle", settle, 0.0, 10.0, "s of rest at the end");
-    v("least_weight", least_weight, 0.0, 1.0, "share of the load that must still hang");
-    v("most_slip", most_slip, 1e-3, 0.1, "m, of a fingertip's contact along the fingertip");
+    v("min_weight", min_weight, 0.0, 1.0, "share of the load that must still hang");
+    v("max_slip", max_slip, 1e-3, 0.1, "m, of a fingertip's contact along the fingertip");
     v("lost_ticks", lost_ticks, 1, 1000, "without any touch: the object is lost");
     v("bear_weight", bear_weight, "the fingers' commands follow the weight as the hand turns");
     v("friction", friction, 0.0, 2.0, "that the forces which bear it count on");
@@ -54,14 +54,14 @@ class TransportPhase : public Phase {
       : options_(options), scene_(scene), goal_(goal), seed_(seed), name_(std::move(name)) {}
   std::string_view name() const override { return name_; }
   double time_limit() const override { return 60.0; }
-  PhaseEnd run(Robot& robot, PickState& state) override;
+  PhaseEnd run(Executor& robot, PickState& state) override;
 
   bool lost() const { return lost_; }
   /// The motion that was planned; empty samples if there was none.
   const planning::Plan& motion() const { return motion_; }
 
  private:
-  std::vector<hand::HandCommand> commands(const Robot& robot,
+  std::vector<hand::HandCommand> commands(const Executor& robot,
                                           const hand::BasePosition& yielded) const;
 
   TransportOptions options_;

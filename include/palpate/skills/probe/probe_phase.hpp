@@ -7,32 +7,32 @@
 
 namespace palpate::skills {
 
-struct ProbeOptions {
-  int most = 3;               ///< touches of single fingers at most; 0: none
-  int rolls = 2;              ///< at most, of the object that hangs in the hand
-  int regrasps = 2;           ///< at most, in all
-  double certain = 0.97;      ///< weight of a pose that needs none
-  double worth = 0.025;       ///< nats/s that are expected to be told, at least
-  double opening = 0.5;       ///< of J3 before a finger moves to another spot, rad
-  double spread = 0.25;       ///< of J4 to either side, at most, rad
-  double bend = 0.6;          ///< of J0, to reach lower or higher, at most, rad
-  double elsewhere = 0.006;   ///< m between spots of a finger that are not the same
-  double likely = 0.6;        ///< chance of a touch at another spot that a move must have
-  double closing_rate = 0.8;  ///< of J3, rad/s
-  double torque = 0.06;       ///< N m at J3 while closing
-  double touch_force = 0.1;   ///< N at the fingertip
-  double balance = 0.15;      ///< imbalance that the other fingers' forces may have
-  double friction = 0.5;      ///< that their balance counts on
+struct PalpationOptions {
+  int most = 3;                  ///< touches of single fingers at most; 0: none
+  int rolls = 2;                 ///< at most, of the object that hangs in the hand
+  int regrasps = 2;              ///< at most, in all
+  double certain = 0.97;         ///< weight of a pose that needs none
+  double min_gain_rate = 0.025;  ///< nats/s that are expected to be told, at least
+  double opening = 0.5;          ///< of J3 before a finger moves to another spot, rad
+  double spread = 0.25;          ///< of J4 to either side, at most, rad
+  double bend = 0.6;             ///< of J0, to reach lower or higher, at most, rad
+  double elsewhere = 0.006;      ///< m between spots of a finger that are not the same
+  double likely = 0.6;           ///< chance of a touch at another spot that a move must have
+  double closing_rate = 0.8;     ///< of J3, rad/s
+  double torque = 0.06;          ///< N m at J3 while closing
+  double touch_force = 0.1;      ///< N at the fingertip
+  double balance = 0.15;         ///< imbalance that the other fingers' forces may have
+  double friction = 0.5;         ///< that their balance counts on
 
   [[nodiscard]] bool none() const { return most == 0 && rolls == 0 && regrasps == 0; }
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("most", most, 0, 64, "touches of single fingers at most; 0: none");
+    v("max", most, 0, 64, "touches of single fingers at most; 0: none");
     v("rolls", rolls, 0, 64, "of the object between the fingers at most, once it hangs");
     v("regrasps", regrasps, 0, 16, "from other sides at most, to tell poses apart");
     v("certain", certain, 0.0, 1.0, "weight of a pose that needs none");
-    v("worth", worth, 0.0, 10.0, "nats/s that are expected to be told, at least");
+    v("min_gain_rate", min_gain_rate, 0.0, 10.0, "nats/s that are expected to be told, at least");
     v("opening", opening, 0.1, 1.5, "rad, of J3 before a finger moves to another spot");
     v("spread", spread, 0.0, 0.35, "rad, of J4 to either side, at most");
     v("bend", bend, 0.0, 1.5, "rad, of J0, at most");
@@ -41,7 +41,7 @@ struct ProbeOptions {
     v("closing_rate", closing_rate, 0.05, 5.0, "rad/s, of J3");
     v("torque", torque, 0.01, 1.0, "N m at J3 while closing");
     v("touch_force", touch_force, 0.02, 5.0, "N at the fingertip");
-    v("balance", balance, 0.0, 2.0, "imbalance that the other fingers' forces may have");
+    v("balance", balance, 0.0, 2.0, "wrench residual that the other fingers' forces may have");
     v("friction", friction, 0.0, 2.0, "that their balance counts on");
   }
 };
@@ -53,12 +53,13 @@ struct ProbeOptions {
 /// - where the object hangs in the hand, the fingers roll it aside, and back;
 /// - the object is let go and grasped from another side. Then the phase ends; the grasp is left to
 ///   who runs it (PickState::next_grasp).
-class ProbePhase : public Phase {
+class PalpationPhase : public Phase {
  public:
   /// @param instant  `closed`, the object still standing on the table, or `held`
-  ProbePhase(const geometry::ObjectModel& object, const ProbeOptions& options,
-             const estimation::LocateOptions& locate, const GraspOptions& grasp, std::uint64_t seed,
-             estimation::Mark instant = estimation::Mark::closed)
+  PalpationPhase(const geometry::ObjectModel& object, const PalpationOptions& options,
+                 const estimation::EstimationOptions& locate, const GraspOptions& grasp,
+                 std::uint64_t seed,
+                 estimation::TouchEvent instant = estimation::TouchEvent::closed)
       : object_(object),
         options_(options),
         locate_(locate),
@@ -67,15 +68,15 @@ class ProbePhase : public Phase {
         instant_(instant) {}
   std::string_view name() const override { return "probe"; }
   double time_limit() const override { return 60.0; }
-  PhaseEnd run(Robot& robot, PickState& state) override;
+  PhaseEnd run(Executor& robot, PickState& state) override;
 
  private:
   const geometry::ObjectModel& object_;
-  ProbeOptions options_;
-  estimation::LocateOptions locate_;
+  PalpationOptions options_;
+  estimation::EstimationOptions locate_;
   GraspOptions grasp_;
   std::uint64_t seed_;
-  estimation::Mark instant_;
+  estimation::TouchEvent instant_;
 };
 
 }  // namespace palpate::skills

@@ -12,25 +12,25 @@
 namespace palpate::skills {
 
 /// Which part of the way to a target the fingers take, and how they go about it.
-struct FingerTurnOptions {
-  double least = 0.0524;      ///< rad (3 deg): for less the fingers are not troubled
-  double most = 0.2618;       ///< rad (15 deg) that they turn the object at most
-  double least_weight = 0.5;  ///< share of the load before that must still hang afterwards
-  double settle = 0.5;        ///< s of rest afterwards
+struct InHandReorientationOptions {
+  double least = 0.0524;    ///< rad (3 deg): for less the fingers are not troubled
+  double most = 0.2618;     ///< rad (15 deg) that they turn the object at most
+  double min_weight = 0.5;  ///< share of the load before that must still hang afterwards
+  double settle = 0.5;      ///< s of rest afterwards
   ReorientOptions reorient;
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("least", least, 0.0, 1.0, "rad, for less than this the fingers are not troubled");
-    v("most", most, 0.01, 0.6, "rad that the fingers turn the object at most");
-    v("least_weight", least_weight, 0.0, 1.0, "share of the load that must still hang afterwards");
+    v("min", least, 0.0, 1.0, "rad, for less than this the fingers are not troubled");
+    v("max", most, 0.01, 0.6, "rad that the fingers turn the object at most");
+    v("min_weight", min_weight, 0.0, 1.0, "share of the load that must still hang afterwards");
     v("settle", settle, 0.0, 10.0, "s of rest afterwards");
     v.section("reorient", reorient);
   }
 };
 
 /// What the fingers were asked and what became of it, as the robot itself knows it.
-struct FingerTurn {
+struct InHandReorientation {
   Eigen::Vector3d asked = Eigen::Vector3d::Zero();  ///< rotation vector, world's axes, rad
   double base_turn = 0;   ///< rad that the base would have had to turn without it
   std::string why;        ///< the fingers were used
@@ -57,24 +57,25 @@ std::optional<Eigen::Vector3d> turn_that_reaches(
     const HeldObject& held, const hand::BasePosition& base, const Eigen::Vector3d& towards,
     double most, const std::function<bool(const HeldObject&)>& reaches);
 
-/// Turns the held object in the hand, the base at rest, by reorient_by_fingers. However that ends,
+/// Turns the held object in the hand, the base at rest, by reorient_in_hand. However that ends,
 /// the phase goes well as long as the object hangs in the hand and the tracked pose is within the
 /// drift limit: it is then the estimate. Where fingers were about to lose it, they press anew.
-class FingerTurnPhase : public Phase {
+class InHandReorientationPhase : public Phase {
  public:
   /// @param turn  with what is asked; gets the result
-  FingerTurnPhase(const FingerTurnOptions& options, const geometry::ObjectModel& object,
-                  std::uint64_t seed, FingerTurn& turn)
+  InHandReorientationPhase(const InHandReorientationOptions& options,
+                           const geometry::ObjectModel& object, std::uint64_t seed,
+                           InHandReorientation& turn)
       : options_(options), object_(object), seed_(seed), turn_(turn) {}
   std::string_view name() const override { return "turn"; }
   double time_limit() const override { return 60.0; }
-  PhaseEnd run(Robot& robot, PickState& state) override;
+  PhaseEnd run(Executor& robot, PickState& state) override;
 
  private:
-  FingerTurnOptions options_;
+  InHandReorientationOptions options_;
   const geometry::ObjectModel& object_;
   std::uint64_t seed_;
-  FingerTurn& turn_;
+  InHandReorientation& turn_;
 };
 
 }  // namespace palpate::skills

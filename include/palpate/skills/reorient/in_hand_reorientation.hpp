@@ -13,12 +13,12 @@ namespace palpate::skills {
 
 /// How finely a step is searched by rehearsing it.
 struct SamplingOptions {
-  int samples = 16;             ///< motions rehearsed a step; 0: the fingertips just carry along
+  int samples = 16;             ///< motions rolled out a step; 0: the fingertips just carry along
   double turn_sigma = 0.02;     ///< rad, spread of the motions' turns
   double way_sigma = 0.001;     ///< m, of their ways
   double scale_sigma = 0.4;     ///< of their lengths, relative
   double press_sigma = 0.0008;  ///< m, by which fingertips press more or less
-  double settle = 0.1;          ///< s, in which the rehearsed grasp finds its balance
+  double settle = 0.1;          ///< s, in which the rolled out grasp finds its balance
   double angle_scale = 0.02;    ///< rad of error that count as one
   double way_scale = 0.002;     ///< m of error that count as one
   double finger_cost = 2.0;     ///< of a finger that loses touch
@@ -26,14 +26,14 @@ struct SamplingOptions {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("samples", samples, 0, 10000, "motions rehearsed a step; 0: fingertips just carry along");
-    v("turn_sigma", turn_sigma, 0.0, 1.0, "rad, spread of the motions' turns");
-    v("way_sigma", way_sigma, 0.0, 0.05, "m, spread of the motions' ways");
+    v("samples", samples, 0, 10000, "motions rolled out a step; 0: fingertips just carry along");
+    v("rotation_sigma", turn_sigma, 0.0, 1.0, "rad, spread of the motions' turns");
+    v("translation_sigma", way_sigma, 0.0, 0.05, "m, spread of the motions' ways");
     v("scale_sigma", scale_sigma, 0.0, 2.0, "spread of the motions' lengths, relative");
     v("press_sigma", press_sigma, 0.0, 0.01, "m, by which fingertips press more or less");
-    v("settle", settle, 0.01, 2.0, "s, in which the rehearsed grasp finds its balance");
+    v("settle", settle, 0.01, 2.0, "s, in which the rolled out grasp finds its balance");
     v("angle_scale", angle_scale, 1e-4, 1.0, "rad of error that count as one");
-    v("way_scale", way_scale, 1e-5, 0.1, "m of error that count as one");
+    v("distance_scale", way_scale, 1e-5, 0.1, "m of error that count as one");
     v("finger_cost", finger_cost, 0.0, 100.0, "of a finger that loses touch");
     v("temperature", temperature, 1e-3, 100.0, "of the weights exp(-cost / temperature)");
   }
@@ -58,7 +58,7 @@ struct ReorientOptions {
   double done_way = 0.005;    ///< m
   double drift_angle = 0.15;  ///< rad, standard deviation of the tracked pose that ends it
   double drift_way = 0.010;   ///< m
-  int least_fingers = 3;      ///< that must touch
+  int min_fingers = 3;        ///< that must touch
   double regain = 0.001;      ///< m a step by which a fingertip that has lost touch is pressed on
   int regains = 4;            ///< steps in which that is tried
   double grip = 2.5;          ///< force of all fingertips while they turn, times that of the hold
@@ -73,16 +73,16 @@ struct ReorientOptions {
   template <class Visitor>
   void visit(Visitor&& v) {
     v("speed", speed, 0.001, 5.0, "rad/s, of the object");
-    v("way_speed", way_speed, 1e-4, 0.5, "m/s, of the object");
+    v("linear_speed", way_speed, 1e-4, 0.5, "m/s, of the object");
     v("period", period, 0.05, 5.0, "s of motion between two looks");
     v("pause", pause, 0.01, 1.0, "s of rest before a look");
     v("longest", longest, 0.1, 600.0, "s in all");
     v("patience", patience, 1, 1000, "looks in which it may come no nearer to the goal");
     v("done_angle", done_angle, 1e-3, 1.0, "rad from the goal that are near enough");
-    v("done_way", done_way, 1e-4, 0.1, "m from the goal that are near enough");
+    v("done_distance", done_way, 1e-4, 0.1, "m from the goal that are near enough");
     v("drift_angle", drift_angle, 1e-3, 3.2, "rad, standard deviation of the pose that ends it");
-    v("drift_way", drift_way, 1e-4, 0.1, "m, standard deviation of the pose that ends it");
-    v("least_fingers", least_fingers, 1, 5, "that must touch");
+    v("drift_distance", drift_way, 1e-4, 0.1, "m, standard deviation of the pose that ends it");
+    v("min_fingers", min_fingers, 1, 5, "that must touch");
     v("regain", regain, 0.0, 0.01, "m a step by which a fingertip that lost touch is pressed on");
     v("regains", regains, 0, 100, "steps in which that is tried");
     v("grip", grip, 0.1, 10.0, "force of all tips while they turn, times that of the hold");
@@ -99,7 +99,7 @@ enum class ReorientEnd {
   reached,      ///< as near to the goal as asked, by the tracked pose
   out_of_time,  ///< it comes no nearer: the joints do not reach, or it goes on slipping
   drift,        ///< the tracked pose has become too uncertain to go on
-  losing,       ///< too few fingers touch, or the next step would lose it, as rehearsed
+  losing,       ///< too few fingers touch, or the next step would lose it, as rolled out
 };
 std::string_view to_string(ReorientEnd end);
 
@@ -110,8 +110,8 @@ struct ReorientResult {
   ReorientEnd end = ReorientEnd::out_of_time;
   localization::Posterior posterior;  ///< of the tracked pose at the end, in the world
   localization::PoseError left;  ///< from the tracked pose to the goal; no symmetry divided out
-  int steps = 0, rehearsals = 0, slips = 0;
-  double plan_seconds = 0;  ///< wall time of the rehearsals
+  int steps = 0, rollouts = 0, slips = 0;
+  double plan_seconds = 0;  ///< wall time of the rollouts
   double seconds = 0;       ///< of the robot's time
 };
 
@@ -119,15 +119,15 @@ struct ReorientResult {
 ///
 /// Model predictive path integral control (Williams et al., ICRA 2016) on grasp coordinates: a step
 /// is a twist of the object and a press of each fingertip; its joint targets are those with which
-/// sticking contacts carry the object along (finger_motion). Variants are rehearsed in a second
+/// sticking contacts carry the object along (finger_motion). Variants are rolled out in a second
 /// world, made of the mesh, the believed hand and the TRACKED pose, and weighed by where they
 /// bring the object; after every step the tracker looks what has come of it.
 /// @param held  of the object in the hand, in the world; its best mode counts
 /// @throws BadInput for a posterior without modes or a goal that is not finite
-ReorientResult reorient_by_fingers(Robot& robot, const geometry::ObjectModel& object,
-                                   const localization::Posterior& held,
-                                   const Eigen::Isometry3d& T_world_goal,
-                                   const ReorientOptions& options, std::uint64_t seed,
-                                   int threads = 1);
+ReorientResult reorient_in_hand(Executor& robot, const geometry::ObjectModel& object,
+                                const localization::Posterior& held,
+                                const Eigen::Isometry3d& T_world_goal,
+                                const ReorientOptions& options, std::uint64_t seed,
+                                int threads = 1);
 
 }  // namespace palpate::skills

@@ -31,15 +31,15 @@ struct RegraspResult {
   std::vector<RegraspRound> rounds;
 };
 
-/// Brings an object on the table to a target, over other stances where that is needed. Before every
-/// transfer its pose is estimated by touch anew, and the rest of the way planned anew. A spot is
-/// reached in the stance that the object has; for it only the grasp is chosen.
+/// Brings an object on the table to a target, over other stable poses where that is needed. Before
+/// every transfer its pose is estimated by touch anew, and the rest of the way planned anew. A spot
+/// is reached in the stable pose that the object has; for it only the grasp is chosen.
 ///
 /// @param robot  stands free above the table; the object is near the world's origin
 /// @param options  with `regrasp`, the course's own
-RegraspResult regrasp(Robot& robot, const geometry::ObjectModel& object, const PlaceTarget& target,
-                      const planning::Fixture& fixture, const PickOptions& pick_options,
-                      const PlaceOptions& options, std::uint64_t seed,
-                      const PhaseObserver& observer = {});
+RegraspResult regrasp(Executor& robot, const geometry::ObjectModel& object,
+                      const PlaceTarget& target, const planning::Fixture& fixture,
+                      const PickOptions& pick_options, const PlaceOptions& options,
+                      std::uint64_t seed, const PhaseObserver& observer = {});
 
 }  // namespace palpate::skills

@@ -11,16 +11,16 @@
 namespace palpate::skills {
 
 /// How an object gets into another pose.
-enum class Means {
+enum class Strategy {
   none,     ///< it has that pose
   carry,    ///< held once, turned by the hand's base
-  regrasp,  ///< put down in other stances on the way, and grasped anew
+  regrasp,  ///< put down in other stable poses on the way, and grasped anew
 };
-std::string_view to_string(Means means);
+std::string_view to_string(Strategy means);
 
 /// The hand as the search sees it: how it closes, and at which attitudes it comes down.
 struct GraspTool {
-  grasping::ClosingPath path;
+  grasping::ClosingTrajectory path;
   std::vector<Eigen::Vector2d> attitudes;  ///< pitch and roll of the base, rad
 };
 
@@ -52,8 +52,8 @@ struct RegraspOptions {
   double worst_grasp = 0.6;      ///< largest cost of a grasp that is used
   double transfer_cost = 1.0;    ///< of picking up and putting down
   double turn_cost = 0.1;        ///< of a radian by which the hand turns while it holds
-  double rare_cost = 0.3;        ///< of a stance in between, times its improbability
-  int most_transfers = 3;        ///< on one way
+  double rare_cost = 0.3;        ///< of a stable pose in between, times its improbability
+  int max_transfers = 3;         ///< on one way
   double done_angle = 0.02;      ///< rad from the target that need no motion
   double done_distance = 0.002;  ///< m
   grasping::PlanOptions grasp = many_grasps();
@@ -65,17 +65,17 @@ struct RegraspOptions {
     v("worst_grasp", worst_grasp, 0.0, 2.0, "largest cost of a grasp that is used");
     v("transfer_cost", transfer_cost, 0.01, 100.0, "of picking up and putting down");
     v("turn_cost", turn_cost, 0.0, 10.0, "of a radian by which the hand turns while it holds");
-    v("rare_cost", rare_cost, 0.0, 10.0, "of a stance in between, times its improbability");
-    v("most_transfers", most_transfers, 1, 10, "on one way");
+    v("rare_cost", rare_cost, 0.0, 10.0, "of a stable pose in between, times its improbability");
+    v("max_transfers", max_transfers, 1, 10, "on one way");
     v("done_angle", done_angle, 0.0, 0.5, "rad from the target that need no motion");
     v("done_distance", done_distance, 0.0, 0.1, "m from the target that need no motion");
     v.section("grasp", grasp);
   }
 };
 
-/// A lighter hold on certainty than where the object is to stay: between two stances a wrong guess
-/// is felt after the next transfer.
-struct RegraspCourseOptions {
+/// A lighter hold on certainty than where the object is to stay: between two stable poses a wrong
+/// guess is felt after the next transfer.
+struct RegraspSequenceOptions {
   int rounds = 8;                ///< transfers tried at most, repeated ones included
   double certain_between = 0.5;  ///< PlaceOptions::certain of all transfers but the last
   RegraspOptions plan;
@@ -91,7 +91,7 @@ struct RegraspCourseOptions {
 
 /// The object is picked up once and put down once.
 struct Transfer {
-  int from = -1, to = -1;  ///< stances (KnownObject::stances); -1: the start, the target
+  int from = -1, to = -1;  ///< stable poses (KnownObject::stable poses); -1: the start, the target
   std::optional<grasping::GraspPlan> grasp;  ///< none: the hand holds the object already
   Eigen::Isometry3d T_world_from = Eigen::Isometry3d::Identity();  ///< the object's poses
   Eigen::Isometry3d T_world_to = Eigen::Isometry3d::Identity();
@@ -102,30 +102,32 @@ struct Transfer {
 };
 
 /// Why a means was chosen or not.
-struct MeansReport {
-  Means means = Means::none;
+struct StrategyReport {
+  Strategy means = Strategy::none;
   bool possible = false;
   std::string reason;
 };
 
 struct RegraspPlan {
   bool found = false;
-  Means means = Means::none;
-  std::vector<Transfer> transfers;      ///< in order; empty for Means::none or without a way
-  double cost = 0;                      ///< of all transfers
-  std::vector<MeansReport> considered;  ///< cheapest means first; those not looked at are missing
-  int grasps = 0;                       ///< that were examined
-  double seconds = 0;                   ///< wall time
+  Strategy means = Strategy::none;
+  std::vector<Transfer> transfers;  ///< in order; empty for Means::none or without a way
+  double cost = 0;                  ///< of all transfers
+  std::vector<StrategyReport>
+      considered;      ///< cheapest means first; those not looked at are missing
+  int grasps = 0;      ///< that were examined
+  double seconds = 0;  ///< wall time
 };
 
 /// How to get a resting or held object into another pose on the table: the cheapest chain of
-/// transfers between its stances.
+/// transfers between its stable poses.
 ///
 /// A graph (as Lozano-Perez' and Tournassoud's regrasping): its nodes are the start, the object's
-/// stances up to symmetry, and the target; an edge is a grasp in one pose by which the object can
-/// be put down in the other so that neither the closed hand nor the opened one, withdrawing the way
-/// it came, meets the table. The hand's base turns freely. Searched best first (A*, whose bound is
-/// one transfer), so that grasps are only sought in stances that are worth it. Deterministic.
+/// stable poses up to symmetry, and the target; an edge is a grasp in one pose by which the object
+/// can be put down in the other so that neither the closed hand nor the opened one, withdrawing the
+/// way it came, meets the table. The hand's base turns freely. Searched best first (A*, whose bound
+/// is one transfer), so that grasps are only sought in stable poses that are worth it.
+/// Deterministic.
 /// @param holding  of a hand that holds the object at T_world_object
 /// @throws BadInput for poses that are not finite, or a target inside the table
 RegraspPlan plan_regrasp(const geometry::ObjectModel& object, const hand::HandModel& hand,

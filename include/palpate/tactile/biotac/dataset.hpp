@@ -21,7 +21,7 @@ struct BiotacDatasetOptions {
   int trajectories = 400;
   double seconds = 3;        ///< of each
   int stride = 5;            ///< frames from one row to the next
-  double most_force = 5;     ///< N, normal
+  double max_force = 5;      ///< N, normal
   bool only_planes = false;  ///< else also balls of 8..60 mm radius and rounded edges
   std::uint64_t seed = 0;
 
@@ -30,7 +30,7 @@ struct BiotacDatasetOptions {
     v("trajectories", trajectories, 1, 1000000, "simulated touches");
     v("seconds", seconds, 0.3, 1000.0, "s, of each trajectory");
     v("stride", stride, 1, 1000, "frames from one row to the next");
-    v("most_force", most_force, 0.01, 100.0, "N, normal force");
+    v("most_force", max_force, 0.01, 100.0, "N, normal force");
     v("only_planes", only_planes, "touch planes alone, no balls and rounded edges");
   }
 };

@@ -19,8 +19,8 @@ struct InferredContact {
   Eigen::Vector3d f;  ///< force on the object, N
   /// Of the point in the skin's tangent plane and the force: [u v fu fv fn], m and N, along the
   /// columns of `tangents` and the skin's outward normal. Diagonal: of how the errors go together
-  /// it tells nothing. On simulated touches .90 of the errors lie within two standard deviations,
-  /// where Gaussian ones would be .95.
+  /// it tells nothing. On simulated touches 0.90 of the errors lie within two standard deviations,
+  /// where Gaussian ones would be 0.95.
   Eigen::Matrix<double, 5, 5> covariance;
   Eigen::Matrix3d tangents;  ///< columns u, v and the skin's outward normal at p
   double misfit = 0;         ///< root mean square residual of the channels, standard deviations
@@ -53,7 +53,7 @@ struct BiotacInverseOptions {
 class BiotacInverse {
  public:
   /// Pressure change, counts, up to which nothing is inferred.
-  static constexpr double kLeastPressure = 8;
+  static constexpr double kMinPressure = 8;
 
   /// @throws BadInput for too few trajectories, or frames without contact only
   static BiotacInverse train(const std::vector<BiotacFrame>& frames,

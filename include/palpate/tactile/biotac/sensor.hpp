@@ -22,7 +22,7 @@ Eigen::Matrix<double, kElectrodes, 1> electrode_rest();
 
 struct BiotacSensorOptions {
   double gap = 0.0019;           ///< m, between core and skin at rest
-  double least_gap = 0.0002;     ///< m
+  double min_gap = 0.0002;       ///< m
   double spread = 0.0039;        ///< m, standard deviation of an electrode's view of the skin
   double bulge_area = 2.6e-4;    ///< m^2, of the skin that displaced fluid lifts
   double drag = 1.0;             ///< share of the skin's shear that drags fluid along
@@ -39,7 +39,7 @@ struct BiotacSensorOptions {
   template <class Visitor>
   void visit(Visitor&& v) {
     v("gap", gap, 1e-4, 0.01, "m, between core and skin at rest");
-    v("least_gap", least_gap, 1e-5, 0.01, "m");
+    v("least_gap", min_gap, 1e-5, 0.01, "m");
     v("spread", spread, 1e-4, 0.02, "m, standard deviation of an electrode's view of the skin");
     v("bulge_area", bulge_area, 1e-5, 1.0, "m^2, of the skin that displaced fluid lifts");
     v("drag", drag, 0.0, 10.0, "share of the skin's shear that drags fluid along");
@@ -70,7 +70,7 @@ class BiotacElectrodes {
 
  private:
   const BiotacSkin* skin_;
-  double gap_, least_gap_, bulge_area_, drag_;
+  double gap_, min_gap_, bulge_area_, drag_;
   Eigen::MatrixXd view_;                  // kElectrodes x kTaxels, rows sum to 1
   std::array<Eigen::MatrixXd, 3> slope_;  // of view_ along x, y, z; 1/m
 };

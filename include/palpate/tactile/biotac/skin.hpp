@@ -17,7 +17,7 @@ struct SkinOptions {
   double radius = 0.007;           ///< m, of the half ball and the cylinder behind it
   double length = 0.014;           ///< m, of the cylinder
   double stiffness = 9.4e7;        ///< Pa/m, E'/h of the fluid-filled skin
-  double shear_stiffness = 2.5e7;  ///< Pa/m, G/h: (1 - 2 nu) / (2 - 2 nu) of it, nu = .316
+  double shear_stiffness = 2.5e7;  ///< Pa/m, G/h: (1 - 2 nu) / (2 - 2 nu) of it, nu = 0.316
   double friction = 0.8;           ///< of skin on object
   double crown = 0.057;            ///< m, radius by which pressure falls off around a contact
 

@@ -26,12 +26,12 @@ struct TipOnPlane {
 /// The hand whose links are where touches of planes tell that they are.
 ///
 /// Every link that may_be_misplaced() has an unknown displacement, normal with the hand's
-/// link_error; a point's distance from its plane is linear in those of its finger. The result has
-/// their posterior means, and as link_error what is left of it: that which makes link_offset_sigma
-/// right, in the mean square, for the tips in `uses`.
+/// kinematic_error; a point's distance from its plane is linear in those of its finger. The result
+/// has their posterior means, and as kinematic_error what is left of it: that which makes
+/// link_offset_sigma right, in the mean square, for the tips in `uses`.
 /// @return the hand as it was, if there is no touch or no use, or it is known without error
 /// @throws BadInput for a finger that does not exist, values that are not finite, a sigma that is
-///         not positive, and a negative link_error
+///         not positive, and a negative kinematic_error
 hand::HandModel calibrate_links(const hand::HandModel& hand, std::span<const TipOnPlane> touches,
                                 std::span<const TipPosture> uses);
 

@@ -11,7 +11,7 @@
 namespace palpate::tactile {
 
 /// How far contacts and joints are off, as the estimator believes. All standard deviations; how far
-/// the links are is the hand's own link_error.
+/// the links are is the hand's own kinematic_error.
 struct ContactErrorModel {
   double point = 0.001;         ///< m, per axis and reading
   double normal = 0.1745;       ///< rad, per tangent axis and reading
@@ -33,7 +33,7 @@ struct ContactErrorModel {
 hand::JointVector mean_joints(std::span<const hand::HandReading> window);
 
 /// Standard deviation per axis, m, of the place of a fingertip whose links each are off by the
-/// hand's link_error: what all contacts of that finger are displaced by alike.
+/// hand's kinematic_error: what all contacts of that finger are displaced by alike.
 double link_offset_sigma(const hand::HandModel& hand, int finger);
 
 /// The lasting contacts of a hand that holds still: those of each fingertip clustered by place and

@@ -75,14 +75,14 @@ struct FingerSample {
 
 struct SampleOptions {
   double period = hand::kTick;  ///< s between frames
-  double least_force = 1e-3;    ///< N; less tells no direction
+  double min_force = 1e-3;      ///< N; less tells no direction
   double one_contact = 0.008;   ///< m; contacts further apart are not one
   double one_direction = 1.0;   ///< rad; nor are those whose tip normals differ by more
 
   template <class Visitor>
   void visit(Visitor&& v) {
     v("period", period, 1e-5, 10.0, "s, between frames");
-    v("least_force", least_force, 0.0, 10.0, "N, less tells no direction");
+    v("min_force", min_force, 0.0, 10.0, "N, less tells no direction");
     v("one_contact", one_contact, 0.0, 0.1, "m, contacts further apart are not one");
     v("one_direction", one_direction, 0.0, 3.2, "rad, nor are those whose tip normals differ more");
   }

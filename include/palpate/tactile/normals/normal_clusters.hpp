@@ -29,7 +29,7 @@ struct ClusterOptions {
   void visit(Visitor&& v) {
     v("distance", distance, 0.0, 1.0, "m, between neighbours of one cluster");
     v("angle", angle, 0.0, std::numbers::pi, "rad, between normals of neighbours");
-    v("least", least, 1, 1000000, "contacts that make a cluster");
+    v("min", least, 1, 1000000, "contacts that make a cluster");
   }
 };
 
@@ -42,19 +42,19 @@ std::vector<NormalCluster> cluster_normals(std::span<const NormalAt> contacts,
                                            const ClusterOptions& options = {});
 
 struct FaceOptions {
-  double radius = 0.1;               ///< rad, around a face's normal
-  double apart = 0.6;                ///< rad, between faces
-  double least_share = 0.05;         ///< of all normals, within `radius` of the face's
-  double least_spread = 1.3;         ///< times their noise that the points spread over the face
-  double least_concentration = 0.6;  ///< of the normals within twice `radius`, those within it
+  double radius = 0.1;             ///< rad, around a face's normal
+  double apart = 0.6;              ///< rad, between faces
+  double min_share = 0.05;         ///< of all normals, within `radius` of the face's
+  double min_spread = 1.3;         ///< times their noise that the points spread over the face
+  double min_concentration = 0.6;  ///< of the normals within twice `radius`, those within it
 
   template <class Visitor>
   void visit(Visitor&& v) {
     v("radius", radius, 0.0, 1.5, "rad, around a face's normal");
     v("apart", apart, 0.0, 3.1, "rad, between faces");
-    v("least_share", least_share, 0.0, 1.0, "of all normals that makes a face");
-    v("least_spread", least_spread, 0.0, 1e3, "times their noise that a face's points spread");
-    v("least_concentration", least_concentration, 0.0, 1.0,
+    v("min_share", min_share, 0.0, 1.0, "of all normals that makes a face");
+    v("min_spread", min_spread, 0.0, 1e3, "times their noise that a face's points spread");
+    v("min_concentration", min_concentration, 0.0, 1.0,
       "of the normals within twice the radius, those within it");
   }
 };

@@ -16,7 +16,7 @@ struct RlsOptions {
   double gamma1 = 1.0;        ///< weight of sliding
   double gamma2 = 1.0;        ///< weight of force x sliding
   int low_pass = 15;          ///< samples whose mean velocity is used
-  double least_speed = 1e-4;  ///< m/s; slower samples are passed over
+  double min_speed = 1e-4;    ///< m/s; slower samples are passed over
   double forget_after = 0.5;  ///< s without contact
 
   template <class Visitor>
@@ -27,7 +27,7 @@ struct RlsOptions {
     v("gamma1", gamma1, 0.0, 1e3, "weight of sliding");
     v("gamma2", gamma2, 0.0, 1e3, "weight of force x sliding");
     v("low_pass", low_pass, 1, 10000, "samples whose mean velocity is used");
-    v("least_speed", least_speed, 0.0, 1.0, "m/s, slower samples are passed over");
+    v("min_speed", min_speed, 0.0, 1.0, "m/s, slower samples are passed over");
     v("forget_after", forget_after, 0.0, 1e6, "s without contact after which to start anew");
   }
 };

@@ -11,21 +11,21 @@ namespace palpate::tactile {
 
 /// What the filter believes of surfaces and motions. The sensors' noise it measures itself.
 struct S2Options {
-  double tilt_rate = 0.02;        ///< rad/sqrt(s), of the normal on a face
-  double roll_tilt_rate = 0.6;    ///< rad/sqrt(s), where the tip rolls around something
-  double edge_tilt_rate = 1.5;    ///< rad/sqrt(s), across an edge
-  double curvature_rate = 5;      ///< 1/m/sqrt(s), of the surface along the way
-  double acceleration = 0.05;     ///< m/s^2, of the sliding point at first; then it is learnt
-  double least_ratio_rate = 0.1;  ///< 1/sqrt(s), of tangential to normal force; more is learnt
-  double turn_ratio_rate = 3;     ///< 1/sqrt(s), of the same where sliding changes direction
-  double turn_acceleration = 3;   ///< times as much acceleration there
-  double coupling = 0.4;          ///< by how much friction need not oppose sliding, of normal force
-  double roll_share = 0.012;      ///< probability that a tick begins to roll,
-  double edge_share = 0.005;      ///< crosses an edge,
-  double turn_share = 0.005;      ///< turns
-  double stay = 0.9;              ///< probability that the next tick goes on with it
-  double forget_after = 0.5;      ///< s without contact after which to start anew
-  double lag = 0.2;               ///< s, that S2Smoother's estimates wait for later samples
+  double tilt_rate = 0.02;       ///< rad/sqrt(s), of the normal on a face
+  double roll_tilt_rate = 0.6;   ///< rad/sqrt(s), where the tip rolls around something
+  double edge_tilt_rate = 1.5;   ///< rad/sqrt(s), across an edge
+  double curvature_rate = 5;     ///< 1/m/sqrt(s), of the surface along the way
+  double acceleration = 0.05;    ///< m/s^2, of the sliding point at first; then it is learnt
+  double min_ratio_rate = 0.1;   ///< 1/sqrt(s), of tangential to normal force; more is learnt
+  double turn_ratio_rate = 3;    ///< 1/sqrt(s), of the same where sliding changes direction
+  double turn_acceleration = 3;  ///< times as much acceleration there
+  double coupling = 0.4;         ///< by how much friction need not oppose sliding, of normal force
+  double roll_share = 0.012;     ///< probability that a tick begins to roll,
+  double edge_share = 0.005;     ///< crosses an edge,
+  double turn_share = 0.005;     ///< turns
+  double stay = 0.9;             ///< probability that the next tick goes on with it
+  double forget_after = 0.5;     ///< s without contact after which to start anew
+  double lag = 0.2;              ///< s, that S2Smoother's estimates wait for later samples
 
   template <class Visitor>
   void visit(Visitor&& v) {
@@ -34,7 +34,7 @@ struct S2Options {
     v("edge_tilt_rate", edge_tilt_rate, 0.0, 100.0, "rad/sqrt(s), across an edge");
     v("curvature_rate", curvature_rate, 0.0, 1e3, "1/m/sqrt(s), of the surface along the way");
     v("acceleration", acceleration, 1e-6, 1e3, "m/s^2, of the sliding point at first");
-    v("least_ratio_rate", least_ratio_rate, 0.0, 1e3, "1/sqrt(s), of tangential to normal force");
+    v("min_ratio_rate", min_ratio_rate, 0.0, 1e3, "1/sqrt(s), of tangential to normal force");
     v("turn_ratio_rate", turn_ratio_rate, 0.0, 1e3, "1/sqrt(s), of the same in a turn");
     v("turn_acceleration", turn_acceleration, 1.0, 1e3, "times as much acceleration in a turn");
     v("coupling", coupling, 1e-6, 1e3, "how far friction may be off sliding, of normal force");

@@ -46,9 +46,9 @@ struct RelocateStart {
   Eigen::Vector3d target = Eigen::Vector3d::Zero();  ///< m
 };
 
-/// Draws a start. The object's x is .15 s - .1, its y is within .15 s; the target does not depend
-/// on the scale s.
-/// @param scale  s, 0..1; the published task has .25
+/// Draws a start. The object's x is 0.15 s - 0.1, its y is within 0.15 s; the target does not
+/// depend on the scale s.
+/// @param scale  s, 0..1; the published task has 0.25
 RelocateStart sample_relocate_start(RandomStream& random, double scale);
 
 /// What a robot's own sensors tell beyond the observation.

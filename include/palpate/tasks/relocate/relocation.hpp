@@ -14,10 +14,10 @@ namespace palpate::relocate {
 struct RelocationOptions {
   bool explore = true;  ///< the resting object is touched first, else only `uncertainty` known
   double uncertainty = 0.02;  ///< m, within which the object's place is known at first, in x and y
-  estimation::FeltPlaceOptions felt;
-  skills::FeelOptions feel;
+  estimation::OnlineTrackerOptions felt;
+  skills::HeightProbeOptions feel;
   skills::ExploreOptions exploring;
-  estimation::LocateOptions resting;  ///< how the pose on the table is estimated
+  estimation::EstimationOptions resting;  ///< how the pose on the table is estimated
   simulation::SensorNoise noise;
 
   template <class Visitor>
@@ -25,7 +25,7 @@ struct RelocationOptions {
     v("explore", explore, "touch the resting object first, else only its rough place is known");
     v("uncertainty", uncertainty, 0.0, 0.2, "m, the object within +- of its rough place");
     v.section("felt", felt);
-    v.section("feel", feel);
+    v.section("height_probe", feel);
     v.section("exploring", exploring);
     v.section("resting", resting);
     v.section("noise", noise);
@@ -36,7 +36,7 @@ struct RelocationOptions {
 struct FeltEpisode {
   Episode episode;
   double resting_error = 0;     ///< m, of the place it was told at first, in x and y
-  double told_error = 0;        ///< m, in the last step
+  double reported_error = 0;    ///< m, in the last step
   bool explored = false;        ///< a finger has told the pose of the resting object
   int estimates = 0;            ///< of the pose in the grasp
   double estimate_seconds = 0;  ///< wall time of one, mean; 0 without any
@@ -46,7 +46,7 @@ struct FeltEpisode {
 /// one: the transport phase of thesis chapter 7 behind the estimation of chapter 6.
 ///
 /// Before it reaches out, a finger explores the resting object as a pick does; while it closes and
-/// carries, the pose is estimated from the fingertips of the Adroit hand (FeltPlace).
+/// carries, the pose is estimated from the fingertips of the Adroit hand (OnlineTracker).
 class Relocation {
  public:
   /// @throws BadInput for an object that cannot be used, or does not stand on its own at the start

@@ -20,9 +20,9 @@ VectorXd GaussianPolicy::parameters() const {
   return all;
 }
 
-void GaussianPolicy::set_parameters(const VectorXd& parameters, double least_log_std) {
+void GaussianPolicy::set_parameters(const VectorXd& parameters, double min_log_std) {
   policy_.network().set_parameters(parameters.head(parameters.size() - kActions));
-  policy_.set_log_std(parameters.tail(kActions).cwiseMax(least_log_std));
+  policy_.set_log_std(parameters.tail(kActions).cwiseMax(min_log_std));
 }
 
 VectorXd GaussianPolicy::log_likelihood(const MatrixXd& observations,

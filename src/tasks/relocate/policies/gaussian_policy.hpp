@@ -15,8 +15,8 @@ class GaussianPolicy {
 
   const MlpPolicy& policy() const { return policy_; }
   Eigen::VectorXd parameters() const;
-  /// @param least_log_std  to which smaller ones are raised
-  void set_parameters(const Eigen::VectorXd& parameters, double least_log_std);
+  /// @param min_log_std  to which smaller ones are raised
+  void set_parameters(const Eigen::VectorXd& parameters, double min_log_std);
 
   /// Log-likelihood of each action, without its constant part.
   Eigen::VectorXd log_likelihood(const Eigen::MatrixXd& observations,

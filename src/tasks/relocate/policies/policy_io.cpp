@@ -71,8 +71,8 @@ PolicyRecord read_own(const json& file) {
     throw BadInput(fmt::format("of version {}, not {}", shown(file["version"]), kVersion));
   }
   if (text(file, "task") != kRelocateVersion) {
-    throw BadInput(fmt::format("for the task {}, not \"{}\"", shown(file["task"]),
-                               kRelocateVersion));
+    throw BadInput(
+        fmt::format("for the task {}, not \"{}\"", shown(file["task"]), kRelocateVersion));
   }
   PolicyRecord record;
   record.kind = text(file, "kind");

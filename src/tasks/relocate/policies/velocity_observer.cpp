@@ -15,9 +15,9 @@
 namespace palpate::relocate {
 namespace {
 
-constexpr double kLeastScale = 3e-3;  // so that inputs that never change do not matter
-constexpr double kLargestInput = 6;   // standard deviations, as the observer clips them
-constexpr int kLeastEpochs = 4;
+constexpr double kMinScale = 3e-3;   // so that inputs that never change do not matter
+constexpr double kLargestInput = 6;  // standard deviations, as the observer clips them
+constexpr int kMinEpochs = 4;
 
 StructuredPolicy with(const StructuredPolicy& policy, const Eigen::VectorXd& parameters,
                       const std::optional<StructuredPolicy::Observer>& observer) {
@@ -69,7 +69,7 @@ learning::RegressionData meet_all(const RelocateModel& model, const StructuredPo
 
 StructuredPolicy::Observer new_observer(const learning::RegressionData& data, int hidden,
                                         RandomStream& random) {
-  auto [shift, scale] = learning::standardization(data.inputs, kLeastScale);
+  auto [shift, scale] = learning::standardization(data.inputs, kMinScale);
   numerics::Mlp network({StructuredPolicy::kFeatures, hidden, hidden, 3},
                         numerics::Activation::tanh, random);
   return {std::move(network), std::move(shift), std::move(scale)};
@@ -82,7 +82,7 @@ void teach(StructuredPolicy::Observer& observer, const learning::RegressionData&
           .cwiseMax(-kLargestInput)
           .cwiseMin(kLargestInput);
   numerics::RegressionOptions options{0, 128, 2e-3, 0.05, 0};
-  options.epochs = std::max(kLeastEpochs, samples / static_cast<int>(inputs.cols()));
+  options.epochs = std::max(kMinEpochs, samples / static_cast<int>(inputs.cols()));
   numerics::fit_regression(observer.network, inputs, data.targets, options, random);
 }
 

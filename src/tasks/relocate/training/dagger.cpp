@@ -11,9 +11,9 @@
 namespace palpate::relocate {
 namespace {
 
-constexpr double kLeastScale = 0.01;
+constexpr double kMinScale = 0.01;
 constexpr double kLogStd = -2.3;  // of a student that goes on to explore
-constexpr int kLeastEpochs = 4;
+constexpr int kMinEpochs = 4;
 
 struct Lesson {
   learning::RegressionData data;
@@ -52,7 +52,7 @@ std::unique_ptr<MlpPolicy> new_student(const Eigen::MatrixXd& observations, int 
                                        RandomStream& random) {
   auto normalization = no_normalization();
   std::tie(normalization.input_shift, normalization.input_scale) =
-      learning::standardization(observations, kLeastScale);
+      learning::standardization(observations, kMinScale);
   numerics::Mlp network({kRelocateObservations, hidden, hidden, kRelocateJoints},
                         numerics::Activation::tanh, random);
   return std::make_unique<MlpPolicy>(std::move(network), normalization,
@@ -106,7 +106,7 @@ DaggerRound dagger_round(DaggerState& state, const RelocateModel& model, const P
   const bool last = state.round + 1 == options.rounds;
   const double effort = last ? options.last_effort : 1;
   regression.epochs = std::max(
-      kLeastEpochs,
+      kMinEpochs,
       static_cast<int>(effort * options.samples / static_cast<double>(data.inputs.cols())));
   regression.batch = 128;
   regression.rate = options.rate;

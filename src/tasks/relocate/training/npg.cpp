@@ -163,7 +163,7 @@ void take_step(GaussianPolicy& policy, const Batch& batch, const VectorXd& gradi
   if (!(slope > 0)) return;
   double length = std::sqrt(2 * options.divergence / slope);
   for (int i = 0; i <= options.halvings; ++i, length /= 2) {
-    policy.set_parameters(before.parameters() + length * direction, options.least_log_std);
+    policy.set_parameters(before.parameters() + length * direction, options.min_log_std);
     result.divergence = before.divergence(policy, batch.observations);
     if (result.divergence <= options.divergence) break;
   }
@@ -258,14 +258,14 @@ void check(const Demonstrations& demonstrations) {
 
 MlpPolicy clone_behavior(const Demonstrations& demonstrations, const CloningOptions& options,
                          std::uint64_t seed) {
-  constexpr double kLeastScale = 0.01;
+  constexpr double kMinScale = 0.01;
   check(demonstrations);
   RandomStream random(seed, "cloning");
   auto normalization = no_normalization();
   const bool shown = demonstrations.observations.cols() > 0;
   if (shown) {
     std::tie(normalization.input_shift, normalization.input_scale) =
-        learning::standardization(demonstrations.observations, kLeastScale);
+        learning::standardization(demonstrations.observations, kMinScale);
   }
   MlpPolicy policy(
       numerics::Mlp({kRelocateObservations, options.hidden, options.hidden, kRelocateJoints},

@@ -16,16 +16,16 @@ struct Demonstrations {
 
 struct NpgOptions {
   EpisodeOptions episode;
-  int trajectories = 200;     ///< episodes an iteration
-  double discount = 0.995;    ///< gamma
-  double trace = 0.97;        ///< lambda of generalised advantages
-  double divergence = 0.01;   ///< Kullback-Leibler divergence of a step
-  int halvings = 10;          ///< of a step that goes further, at most
-  int conjugate_steps = 10;   ///< of conjugate gradients
-  double damping = 1e-4;      ///< added to the Fisher information
-  double least_log_std = -3;  ///< of the actions
-  double demo_weight = 0.1;   ///< lambda 0 of the demonstrations
-  double demo_decay = 0.99;   ///< lambda 1, a factor an iteration
+  int trajectories = 200;    ///< episodes an iteration
+  double discount = 0.995;   ///< gamma
+  double trace = 0.97;       ///< lambda of generalised advantages
+  double divergence = 0.01;  ///< Kullback-Leibler divergence of a step
+  int halvings = 10;         ///< of a step that goes further, at most
+  int conjugate_steps = 10;  ///< of conjugate gradients
+  double damping = 1e-4;     ///< added to the Fisher information
+  double min_log_std = -3;   ///< of the actions
+  double demo_weight = 0.1;  ///< lambda 0 of the demonstrations
+  double demo_decay = 0.99;  ///< lambda 1, a factor an iteration
   /// "published": the demonstrations' weight is lambda0 lambda1^k; "thesis": that times the largest
   /// advantage (eq. 7.5).
   std::string demo_form = "published";
@@ -41,7 +41,7 @@ struct NpgOptions {
     v("halvings", halvings, 0, 100, "of a step that goes further, at most");
     v("conjugate_steps", conjugate_steps, 1, 1000, "of conjugate gradients");
     v("damping", damping, 0.0, 10.0, "added to the Fisher information");
-    v("least_log_std", least_log_std, -20.0, 2.0, "of the actions");
+    v("least_log_std", min_log_std, -20.0, 2.0, "of the actions");
     v("demo_weight", demo_weight, 0.0, 100.0, "lambda 0 of the demonstrations");
     v("demo_decay", demo_decay, 0.0, 1.0, "lambda 1, a factor an iteration");
     v("demo_form", demo_form, "published, or thesis (times the largest advantage, eq. 7.5)");

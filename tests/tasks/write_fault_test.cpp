@@ -4,10 +4,10 @@
 #include "core/temporary_folder.hpp"
 #include "core/write_faults.hpp"
 #include "palpate/core/file.hpp"
-#include "palpate/learning/demonstrations/minari_io.hpp"
 #include "palpate/learning/training/checkpoint.hpp"
+#include "palpate/tasks/relocate/minari_io.hpp"
 
-namespace palpate::learning {
+namespace palpate::relocate {
 namespace {
 
 namespace fs = std::filesystem;
@@ -62,20 +62,21 @@ TEST(LearningFaultTest, NoFaultOfAnyCallLeavesHalfOfACheckpoint) {
   const TemporaryFolder folder;
   const fs::path path = folder.path() / "checkpoint";
   const auto at = [](int iteration) {
-    Checkpoint checkpoint;
+    learning::Checkpoint checkpoint;
     checkpoint.method = "cem";
     checkpoint.iteration = iteration;
     checkpoint.arrays["mean"] = Eigen::MatrixXd::Constant(40, 50, iteration);
     return checkpoint;
   };
   faults::try_all(
-      folder.path(), [&] { save_checkpoint(path, at(1)); }, [&] { save_checkpoint(path, at(2)); },
+      folder.path(), [&] { learning::save_checkpoint(path, at(1)); },
+      [&] { learning::save_checkpoint(path, at(2)); },
       [&](const faults::Fault&, const faults::Outcome& outcome) {
-        const Checkpoint found = load_checkpoint(path);
+        const learning::Checkpoint found = learning::load_checkpoint(path);
         EXPECT_TRUE(found.iteration == 2 || (outcome.failed && found.iteration == 1));
         EXPECT_EQ(found.array("mean")(39, 49), found.iteration);
       });
 }
 
 }  // namespace
-}  // namespace palpate::learning
+}  // namespace palpate::relocate

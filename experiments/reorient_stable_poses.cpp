@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Objects put into another stance by touch alone: over which stances, and how often it succeeds.
+// Objects put into another stable pose by touch alone: over which stable poses, and how often it
+// succeeds.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -22,10 +23,10 @@ using namespace palpate::grasping;
 using namespace palpate::skills;
 
 constexpr double kDegree = M_PI / 180;
-constexpr double kSameStance = 5 * kDegree;
+constexpr double kSameStablePose = 5 * kDegree;
 constexpr std::size_t kTrials = 20;
 
-/// From the stance in which `from` of the object points up into that in which `to` does.
+/// From the stable pose in which `from` of the object points up into that in which `to` does.
 struct Change {
   std::string object, name;
   Eigen::Vector3d from, to;
@@ -34,53 +35,54 @@ struct Change {
 struct Outcome {
   RegraspResult result;
   localization::PoseError error;  // from the target, modulo symmetry
-  bool in_stance = false;
+  bool in_stable_pose = false;
   double sim_seconds = 0;
 };
 
-int stance_with_up(const geometry::KnownObject& object, const Eigen::Vector3d& up) {
-  const auto& stances = object.stances;
-  const auto along = [&](const geometry::Stance& s) { return s.R_table_object.row(2).dot(up); };
+int stable_pose_with_up(const geometry::KnownObject& object, const Eigen::Vector3d& up) {
+  const auto& stable_poses = object.stable_poses;
+  const auto along = [&](const geometry::StablePose& s) { return s.R_table_object.row(2).dot(up); };
   const auto best =
-      std::max_element(stances.begin(), stances.end(),
+      std::max_element(stable_poses.begin(), stable_poses.end(),
                        [&](const auto& a, const auto& b) { return along(a) < along(b); });
-  return static_cast<int>(best - stances.begin());
+  return static_cast<int>(best - stable_poses.begin());
 }
 
-bool same_stance(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b,
-                 const std::vector<Eigen::Matrix3d>& symmetries) {
+bool same_stable_pose(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b,
+                      const std::vector<Eigen::Matrix3d>& symmetries) {
   return std::any_of(symmetries.begin(), symmetries.end(), [&](const Eigen::Matrix3d& S) {
-    return std::acos(std::clamp((a * S).row(2).dot(b.row(2)), -1.0, 1.0)) < kSameStance;
+    return std::acos(std::clamp((a * S).row(2).dot(b.row(2)), -1.0, 1.0)) < kSameStablePose;
   });
 }
 
 Outcome run_one(const geometry::ObjectModel& object, const Change& change, std::uint64_t seed) {
   const auto& known = object.object();
   TrialOptions options;
-  options.start.stance = stance_with_up(known, change.from);
+  options.start.stable_pose = stable_pose_with_up(known, change.from);
   simulation::World world(known, options.world, seed);
   world.reset(draw_start(known, options.start, seed), waiting_command());
   const simulation::SimulatedModels models;
-  Robot robot(world.hand(), world.hand_model(), waiting_command(), {}, &models);
+  Executor robot(world.hand(), world.hand_model(), waiting_command(), {}, &models);
   RandomStream random(seed, "target");
   PlaceTarget target{.kind = PlaceTarget::Kind::pose};
   target.T_world_object = resting_pose(
-      known, static_cast<std::size_t>(stance_with_up(known, change.to)),
+      known, static_cast<std::size_t>(stable_pose_with_up(known, change.to)),
       {random.uniform(0.1, 0.2), random.uniform(-0.1, 0.1)}, random.uniform(-M_PI, M_PI));
   Outcome outcome;
   outcome.result = regrasp(robot, object, target, {}, options.pick, options.place, seed);
   robot.wait(0.5);
   const Eigen::Isometry3d truth = world.truth().T_world_object;
   outcome.error = localization::pose_error(truth, target.T_world_object, known.symmetries);
-  outcome.in_stance = same_stance(truth.linear(), target.T_world_object.linear(), known.symmetries);
+  outcome.in_stable_pose =
+      same_stable_pose(truth.linear(), target.T_world_object.linear(), known.symmetries);
   outcome.sim_seconds = robot.time();
   return outcome;
 }
 
 void report(const Change& change, std::uint64_t seed, const Outcome& outcome) {
-  fmt::print(stderr, "{} {}: {}, {} rounds, stance {}, {:.1f} deg, {:.1f} mm;", change.name, seed,
-             to_string(outcome.result.status), outcome.result.rounds.size(),
-             outcome.in_stance ? "right" : "wrong", outcome.error.rotation / kDegree,
+  fmt::print(stderr, "{} {}: {}, {} rounds, stable pose {}, {:.1f} deg, {:.1f} mm;", change.name,
+             seed, to_string(outcome.result.status), outcome.result.rounds.size(),
+             outcome.in_stable_pose ? "right" : "wrong", outcome.error.rotation / kDegree,
              1e3 * outcome.error.translation);
   for (const auto& round : outcome.result.rounds) {
     fmt::print(stderr, " [{} {}]", to_string(round.plan.means),
@@ -101,7 +103,7 @@ std::vector<std::string> row_of(const Change& change, const std::vector<Outcome>
   std::vector<double> rounds, plan_seconds, sim_seconds;
   std::map<std::string, int> ends;
   for (const Outcome& outcome : outcomes) {
-    changed += outcome.in_stance;
+    changed += outcome.in_stable_pose;
     placed += outcome.error.rotation < 5 * kDegree && outcome.error.translation < 0.01;
     done += outcome.result.status == RegraspStatus::done;
     rounds.push_back(static_cast<double>(outcome.result.rounds.size()));
@@ -124,13 +126,13 @@ std::vector<std::string> row_of(const Change& change, const std::vector<Outcome>
           all};
 }
 
-void stances(const experiment::Options& options) {
+void stable_poses(const experiment::Options& options) {
   const std::vector<Change> changes = {
       {"bottle", "lying bottle to standing", {0, 1, 0}, {0, 0, 1}},
       {"box", "lying box to standing", {1, 0, 0}, {0, 0, 1}},
       {"mug", "mug upside down to upright", {0, 0, -1}, {0, 0, 1}}};
   const std::size_t count = options.quick ? 1 : kTrials;
-  experiment::Table table({"change of stance", "trials", "in the new stance",
+  experiment::Table table({"change of stable pose", "trials", "in the new stable pose",
                            "within 5 deg, 10 mm of the target", "thought done", "rounds",
                            "plan s (median)", "robot s (median)", "ends of rounds"});
   for (const Change& change : changes) {
@@ -146,13 +148,13 @@ void stances(const experiment::Options& options) {
         });
     table.add_row(row_of(change, outcomes));
   }
-  table.publish(options, "stances", "Change of stance, the pose estimated by touch");
+  table.publish(options, "stances", "Change of stable pose, the pose estimated by touch");
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  return experiment::run(argc, argv, "reorient_stances",
-                         "Objects put into another stance by touch alone, over others if need be",
-                         stances);
+  return experiment::run(
+      argc, argv, "reorient_stable_poses",
+      "Objects put into another stable pose by touch alone, over others if need be", stable_poses);
 }
