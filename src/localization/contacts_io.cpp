@@ -86,7 +86,8 @@ tactile::Contact contact_of(const Row& row, const ContactNoise& noise) {
     throw BadInput(fmt::format("{}: a normal of length {}", row.where(), n.norm()));
   }
   contact.n = n.normalized();
-  check_plausible(contact.p, kMaxLength, fmt::format("{}: a coordinate", row.where()));
+  check_plausible(contact.p, kMaxLength,
+                  fmt::format("{}: a coordinate in m (is the file in millimetres?)", row.where()));
   contact.time = row.number("t").value_or(0);
   contact.finger = finger_of(row);
   contact.f = row.vector({"fx", "fy", "fz"}).value_or(Eigen::Vector3d::Zero());

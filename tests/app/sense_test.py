@@ -34,7 +34,8 @@ class Sense(CliTest):
         rows[70][2] = "nan"
         self.write("slide.csv", csv(rows))
         for estimator in ("s2", "s2-lag", "rls"):
-            report = self.run_json("sense", "slide.csv", "--estimator", estimator, "--out", "out")
+            report = self.run_json(
+                "sense", "slide.csv", "--estimator", estimator, "--out", "out", "--force")
             stream = report["streams"]["FF"]
             self.assertEqual(stream["samples"], 300)
             self.assertEqual(stream["flagged"], 3)

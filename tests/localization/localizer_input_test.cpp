@@ -125,8 +125,8 @@ TEST(Localize, RefusesWhatCannotBeUsed) {
   expect_bad("point_sigma is 0", [](Evidence& e) { e.contacts[0].point_sigma = 0; });
   expect_bad("normal_sigma is -1", [](Evidence& e) { e.contacts[0].normal_sigma = -1; });
   expect_bad("false_contact_share is 1", [](Evidence& e) { e.false_contact_share = 1; });
-  expect_bad("noise_doubt is 1", [](Evidence& e) { e.noise_scale_prior = 1; });
-  expect_bad("size_doubt is -0.1", [](Evidence& e) { e.size_prior = -0.1; });
+  expect_bad("noise_scale_prior is 1", [](Evidence& e) { e.noise_scale_prior = 1; });
+  expect_bad("size_prior is -0.1", [](Evidence& e) { e.size_prior = -0.1; });
   expect_bad("offset 0: sigma is 0", [](Evidence& e) { e.offsets = {{0.0, {}}}; });
   expect_bad("contact 1000 of", [](Evidence& e) { e.offsets = {{0.001, {{1000}}}}; });
   expect_bad("contact 0 is in another one", [](Evidence& e) {

@@ -88,10 +88,17 @@ TEST(CollisionScene, NothingToPlace) {
   EXPECT_THROW(scene.hold(Eigen::Isometry3d::Identity()), BadInput);
 }
 
-/// Height of the base, m, at which the level hand meets the table, coming down.
+/// The open hand above the table, its fingers lowest.
+hand::HandCommand pointing_down(double height) {
+  hand::HandCommand command = open_hand(height);
+  command.base.ypr[1] = 1.2;
+  return command;
+}
+
+/// Height of the base, m, at which the hand meets the table, coming down.
 double touch_height(CollisionScene& scene) {
-  for (double height = 0.3; height > -0.3; height -= 0.0005) {
-    const auto pair = collision(scene, open_hand(height));
+  for (double height = 0.5; height > -0.3; height -= 0.0005) {
+    const auto pair = collision(scene, pointing_down(height));
     if (pair && names(*pair, "table")) return height;
   }
   return -1;
@@ -101,7 +108,7 @@ TEST(CollisionScene, IsBuiltFromTheBelievedHand) {
   constexpr double kLower = 0.02;  // m
   const auto drawn = load_shadow_hand(asset("shadow_hand/right_hand.xml"));
   hand::HandModel lowered = drawn;
-  const auto command = open_hand(0);
+  const auto command = pointing_down(0);
   const auto T_base_link =
       hand::forward_kinematics(drawn, hand::joints_in_free_flexion(command.positions));
   for (auto& link : lowered.links) {

@@ -8,6 +8,7 @@
 #include "palpate/core/assets.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
+#include "palpate/core/statistics.hpp"
 #include "palpate/geometry/objects/shapes.hpp"
 #include "palpate/geometry/query/mesh_query.hpp"
 #include "palpate/tasks/relocate/policies/policy_io.hpp"
@@ -79,9 +80,13 @@ TEST(Relocation, ExploringTellsThePlace) {
   options.exploring.touches = options.exploring.max_touches = 6;
   EpisodeOptions episode;
   episode.horizon = 2;
-  const auto felt = Relocation(box_task(), options).run(*box_policy(), episode, 72, 0);
-  EXPECT_TRUE(felt.explored);
-  EXPECT_LT(felt.resting_error, 0.005);
+  const auto felt = Relocation(box_task(), options).run_all(*box_policy(), episode, 72, 5, 2);
+  std::vector<double> errors;
+  for (const auto& one : felt) {
+    EXPECT_TRUE(one.explored);
+    errors.push_back(one.resting_error);
+  }
+  EXPECT_LT(median(errors), 0.005);
 }
 
 TEST(Relocation, ThreadsDoNotMatter) {

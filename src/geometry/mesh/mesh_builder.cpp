@@ -14,7 +14,7 @@ void bad_file(std::string_view file, std::string_view what) {
 }
 
 void MeshBuilder::add_vertex(const Eigen::Vector3d& position) {
-  if (!(position.cwiseAbs().maxCoeff() <= kMaxCoordinate)) {
+  if (!position.allFinite() || position.cwiseAbs().maxCoeff() > kMaxCoordinate) {
     bad_file(file_, fmt::format("vertex {} is ({}, {}, {})", vertices(), position.x(), position.y(),
                                 position.z()));
   }
