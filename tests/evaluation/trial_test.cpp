@@ -268,9 +268,8 @@ TEST(Evaluation, NumberOfThreadsDoesNotChangeTheSummary) {
 }
 
 TEST(TrialOptions, TheExampleOfAConfigurationNamesTheDefaults) {
-  const auto tests = std::filesystem::path(__FILE__).parent_path();
   TrialOptions options;
-  load_toml(tests / "../../configs/pick.toml", options);
+  load_toml(PALPATE_CONFIGS "/pick.toml", options);
   EXPECT_EQ(to_toml(options), to_toml(TrialOptions()));
 }
 
