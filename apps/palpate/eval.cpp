@@ -303,7 +303,7 @@ void add_eval(CLI::App& program, Command& chosen) {
       "The\n"
       "same command goes on where it was interrupted, with the same result bit for bit; a command "
       "with\n"
-      "other settings is refused, unless --force begins anew.\n\nExamples:\n"
+      "other settings is refused, unless --force starts over.\n\nExamples:\n"
       "  palpate eval --object mug,box --trials 30 --threads 2 --seed 9000\n"
       "  palpate eval --object generated:9000-9099 --trials 3 --seed 9000\n"
       "  palpate eval --object bunny --trials 10 --set attempts=1 --json\n"

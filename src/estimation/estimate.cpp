@@ -18,7 +18,7 @@ namespace {
 
 constexpr int kSlides = 2;        // how often a grasp may slide, each time
 constexpr double kFarther = 3.0;  // so many times as far
-constexpr double kStirred = 3.0;  // so many times as far, where it was rolled or grasped anew
+constexpr double kStirred = 3.0;  // so many times as far, where it was rolled or grasped again
 /// Shares of the guarded moves that are forgotten, one after the other, while no pose explains the
 /// rest: a touch may have moved the object.
 constexpr std::array<double, 3> kForgotten = {0, 0.35, 0.55};

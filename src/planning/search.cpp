@@ -134,7 +134,7 @@ std::vector<Coordinates> search(const Coordinates& start, const Coordinates& goa
                                 const SearchSpace& space, const SearchOptions& options,
                                 std::uint64_t seed) {
   // All of OMPL's generators take their seeds from one, so only one search may run at a time; and
-  // reseeding that one is reported as an error, although each search makes its generators anew.
+  // reseeding that one is reported as an error, although each search makes its generators again.
   static std::mutex one_at_a_time;
   const std::scoped_lock lock(one_at_a_time);
   ompl::msg::noOutputHandler();

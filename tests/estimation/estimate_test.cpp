@@ -137,7 +137,7 @@ TEST(Locate, AHandThatHasOpenedKnowsWhatItHeldBefore) {
   ASSERT_FALSE(resting.modes.empty());
   EXPECT_EQ(resting.modes[0].T_frame_object.matrix(),
             before.posterior.modes[0].T_frame_object.matrix());
-  // Closed anew on what it has not left, it finds the same pose, by the new touch and that prior.
+  // Closed again on what it has not left, it finds the same pose, by the new touch and that prior.
   const EventLog again = with_moments({TouchEvent::placed, TouchEvent::opened, TouchEvent::closed});
   const auto after =
       locate(s.object, s.model, again, s.locate_options, PickedBox::kSeed, TouchEvent::closed);

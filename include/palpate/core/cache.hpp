@@ -14,7 +14,7 @@ std::string content_hash(std::string_view bytes);
 /// What write_cache() kept under the key, or nothing if that is missing or damaged.
 ///
 /// The cache is the folder $PALPATE_CACHE, else $XDG_CACHE_HOME/palpate, else ~/.cache/palpate. It
-/// holds only what can be computed anew and may be deleted at any time.
+/// holds only what can be computed again and may be deleted at any time.
 /// @param key  any bytes; should name what was computed, how, and a version of its format
 std::optional<std::string> read_cache(std::string_view key);
 

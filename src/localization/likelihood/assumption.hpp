@@ -17,7 +17,7 @@ struct Assumption {
 inline constexpr int kMaxAssumptions = 12;
 
 /// As stated first, then other noise and other sizes; the shares sum to 1. Where contacts share
-/// offsets, which each assumption has to fit anew, only the noise stated and twice as much.
+/// offsets, which each assumption has to fit again, only the noise stated and twice as much.
 std::vector<Assumption> assumptions(const Evidence& evidence);
 
 }  // namespace palpate::localization

@@ -219,7 +219,7 @@ void Tracker::remember(const TrackFrame& frame, const Eigen::Isometry3d& motion)
   if (recent_.size() > kMaxFrames) recent_.erase(recent_.begin());
 }
 
-/// All hypotheses anew: those before the slip, corrected by the mean of what was felt since, from
+/// All hypotheses again: those before the slip, corrected by the mean of what was felt since, from
 /// where they are, from poses about them, and from what the last frame has found.
 void Tracker::search_slip(const Evidence& evidence, double dt) {
   const double watched = recent_.back().front().time - recent_.front().front().time;

@@ -27,7 +27,7 @@ class SimulatedBiotacs {
   SimulatedBiotacs(const geometry::MeshQuery& object, const hand::HandModel& hand,
                    const RandomStream& random);
 
-  /// Back to rest at time 0, the noise anew.
+  /// Back to rest at time 0, the noise again.
   void reset();
 
   /// The channels at the end of a tick; the skin meets the object's true surface, and a plane

@@ -23,7 +23,7 @@ class SimulatedHand : public hand::Hand {
   }
   hand::HandReading step(const hand::HandCommand& command) override;
 
-  /// Puts the hand, at rest, where the command wants it, and starts the noise anew. The coupled
+  /// Puts the hand, at rest, where the command wants it, and starts the noise again. The coupled
   /// joints J1 and J2 share J0 as in free flexion.
   void reset(const hand::HandCommand& command);
 

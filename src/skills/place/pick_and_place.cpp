@@ -32,7 +32,7 @@ std::string outcome_of(const PlaceResult& place) {
   return phase == place.phases.end() ? std::string(to_string(place.status)) : phase->outcome;
 }
 
-/// Whether the object lies where it can be picked anew.
+/// Whether the object lies where it can be picked again.
 bool may_be_picked(const PlaceResult& place) {
   return was_put_back(place.status) || place.status == PlaceStatus::lost;
 }

@@ -169,7 +169,7 @@ GoalSearch Placement::search_goal(const HeldObject& held) {
   return find_goal(object_, held, result_.T_world_target, robot_.reading(), *scene_, options_.goal);
 }
 
-/// Turns the object by the fingers, and aims anew at what the tracker says of it then.
+/// Turns the object by the fingers, and aims again at what the tracker says of it then.
 bool Placement::turn() {
   if (!result_.turn) return true;
   InHandReorientationOptions options = options_.fingers;

@@ -35,8 +35,8 @@ hand::BasePosition moved(hand::BasePosition base, const Eigen::Vector3d& way) {
   return base;
 }
 
-/// Stop condition: what the base carries has fallen below a load for some ticks on end, not before
-/// a time (s), for setting out takes load off, too.
+/// Stop condition: what the base carries has fallen below a load for some ticks in a row, not
+/// before a time (s), for setting out takes load off, too.
 Executor::StopCondition load_below(double load, double since = 0) {
   return [load, since, ticks = 0](const hand::HandReading& reading) mutable {
     ticks = reading.time > since && reading.base_force.z() < load ? ticks + 1 : 0;

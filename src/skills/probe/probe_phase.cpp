@@ -148,7 +148,7 @@ class Probing {
     return most_informative_grasp(object_, standing, tool_of(robot_, grasp_), options);
   }
 
-  /// Touches or rolls, and estimates the pose anew.
+  /// Touches or rolls, and estimates the pose again.
   void carry_out(const Choices& next) {
     if (next.touch) {
       holds_ = fingers_.make(robot_, *next.touch);

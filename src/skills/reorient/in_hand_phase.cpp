@@ -25,7 +25,7 @@ Eigen::Vector3d limited(const Eigen::Vector3d& rotation, double most) {
   return angle > most ? Eigen::Vector3d(most / angle * rotation) : rotation;
 }
 
-/// Presses anew with what still touches.
+/// Presses again with what still touches.
 void regrip(Executor& robot, const Eigen::Isometry3d& T_world_object,
             const ReorientOptions& options, double weight) {
   const auto& readings = robot.log().readings;
@@ -89,7 +89,7 @@ PhaseEnd InHandReorientationPhase::run(Executor& robot, PickState& state) {
   if (turn_.lost) {
     return {false, fmt::format("lost: {:.2f} N of {:.2f} N still hang", state.held_load, load)};
   }
-  // Pressing anew moves the object by what no look has followed.
+  // Pressing again moves the object by what no look has followed.
   turn_.known = turn_.result.end != ReorientEnd::losing && well_known(tracked, options_.reorient);
   state.estimate.posterior = turn_.result.posterior;
   return {

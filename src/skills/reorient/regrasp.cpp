@@ -158,7 +158,7 @@ RegraspResult regrasp(Executor& robot, const geometry::ObjectModel& object,
                       std::uint64_t seed, const PhaseObserver& observer) {
   Transfers transfers(robot, object, target, fixture, pick_options, options, observer);
   RegraspResult result;
-  int without_way = 0;  // rounds on end
+  int without_way = 0;  // rounds in a row
   for (int i = 0; i < options.regrasp.rounds && without_way < kWithoutWay; ++i) {
     result.rounds.push_back(transfers.round(seed + 1000003 * static_cast<std::uint64_t>(i)));
     const RegraspRound& round = result.rounds.back();

@@ -21,7 +21,7 @@ Eigen::Vector3d RollingMean::add(const Eigen::Vector3d& value) {
     values_.push_back(value);
   }
   next_ = (next_ + 1) % window_;
-  // Summed anew each time: a running sum would keep the rounding of values long gone.
+  // Summed again each time: a running sum would keep the rounding of values long gone.
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (const Eigen::Vector3d& v : values_) sum += v;
   return sum / static_cast<double>(values_.size());

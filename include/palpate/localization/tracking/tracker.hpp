@@ -53,7 +53,7 @@ struct TrackerOptions {
 /// The twist comes from the fingertips' velocities, which stick up to `sliding`; errors of contacts
 /// keep for `correlation_time`, so that a frame's likelihood counts to the power dt / 2 tau. A slip
 /// shows as a jump of the contacts' energy. Then poses about those before it are corrected by the
-/// mean of all contacts felt since, in every frame anew, until there are enough of them to go on.
+/// mean of all contacts felt since, in every frame again, until there are enough of them to go on.
 class Tracker {
  public:
   /// @throws BadInput for a posterior without modes

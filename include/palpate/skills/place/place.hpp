@@ -65,7 +65,7 @@ struct PlaceOptions {
 
 /// Which way an object is brought to its target.
 enum class PlaceStrategy {
-  automatic,  ///< in one hold, turned in the hand or grasped anew where that cannot be
+  automatic,  ///< in one hold, turned in the hand or grasped again where that cannot be
   wrist,      ///< in one hold, turned by the hand's base
   fingers,    ///< in one hold, turned first by the fingers as far as they can, then by the base
   regrasp     ///< with planned grasps, over other stable poses if need be

@@ -125,7 +125,7 @@ struct WithdrawOptions {
 class WithdrawPhase : public Phase {
  public:
   /// @param weight  of the object, N
-  /// @param mark  at the end: `opened` where the object is grasped anew and what is known of its
+  /// @param mark  at the end: `opened` where the object is grasped again and what is known of its
   ///   pose still holds
   WithdrawPhase(const WithdrawOptions& options, double weight,
                 estimation::TouchEvent mark = estimation::TouchEvent::released)

@@ -59,7 +59,7 @@ std::optional<Eigen::Vector3d> turn_that_reaches(
 
 /// Turns the held object in the hand, the base at rest, by reorient_in_hand. However that ends,
 /// the phase goes well as long as the object hangs in the hand and the tracked pose is within the
-/// drift limit: it is then the estimate. Where fingers were about to lose it, they press anew.
+/// drift limit: it is then the estimate. Where fingers were about to lose it, they press again.
 class InHandReorientationPhase : public Phase {
  public:
   /// @param turn  with what is asked; gets the result

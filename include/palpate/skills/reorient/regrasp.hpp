@@ -32,8 +32,8 @@ struct RegraspResult {
 };
 
 /// Brings an object on the table to a target, over other stable poses where that is needed. Before
-/// every transfer its pose is estimated by touch anew, and the rest of the way planned anew. A spot
-/// is reached in the stable pose that the object has; for it only the grasp is chosen.
+/// every transfer its pose is estimated by touch again, and the rest of the way planned again. A
+/// spot is reached in the stable pose that the object has; for it only the grasp is chosen.
 ///
 /// @param robot  stands free above the table; the object is near the world's origin
 /// @param options  with `regrasp`, the course's own

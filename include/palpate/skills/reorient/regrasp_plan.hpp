@@ -14,7 +14,7 @@ namespace palpate::skills {
 enum class Strategy {
   none,     ///< it has that pose
   carry,    ///< held once, turned by the hand's base
-  regrasp,  ///< put down in other stable poses on the way, and grasped anew
+  regrasp,  ///< put down in other stable poses on the way, and grasped again
 };
 std::string_view to_string(Strategy means);
 

@@ -31,7 +31,7 @@ class BiotacDecoder {
   /// Another reading at rest, for what has drifted.
   void set_rest(const BiotacReading& rest) { rest_ = rest; }
 
-  /// Lets the line start anew, after frames that were lost.
+  /// Lets the line start again, after frames that were lost.
   void forget_window();
 
   /// The next frame, 10 ms after the last; nothing where a channel is not finite, outside 0..4095

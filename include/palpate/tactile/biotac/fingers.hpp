@@ -30,7 +30,7 @@ struct BiotacFeeling {
 /// The first kRestFrames sound frames are taken for rest. Rest then follows the readings slowly
 /// while nothing touches. Nothing is inferred from a frame that is not usable (biotac_usable),
 /// older than the one before it, or without a finite time (`missing`). After frames that were lost
-/// or not usable for longer than a late frame takes, smoothing starts anew.
+/// or not usable for longer than a late frame takes, smoothing starts again.
 class BiotacFinger {
  public:
   static constexpr int kRestFrames = 20;

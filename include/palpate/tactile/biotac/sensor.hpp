@@ -89,7 +89,7 @@ class BiotacSensor {
   /// What it shows at rest and 30 deg C, without noise.
   [[nodiscard]] BiotacReading rest() const;
 
-  /// Back to rest at time 0, the noise anew.
+  /// Back to rest at time 0, the noise again.
   void reset();
   /// As reset, with other noise.
   void reseed(const RandomStream& random);

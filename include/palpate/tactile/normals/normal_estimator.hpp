@@ -36,7 +36,7 @@ class NormalEstimator {
   virtual ~NormalEstimator() = default;
 
   /// Takes the next sample. One that is not usable leaves the estimate as it is (held); after a
-  /// while without a usable one (the options' forget_after) the estimator starts anew. Only the
+  /// while without a usable one (the options' forget_after) the estimator starts again. Only the
   /// filters on the sphere grow less certain of an estimate that they hold.
   virtual NormalEstimate update(const FingerSample& sample) = 0;
 };

@@ -24,7 +24,7 @@ struct S2Options {
   double edge_share = 0.005;     ///< crosses an edge,
   double turn_share = 0.005;     ///< turns
   double stay = 0.9;             ///< probability that the next tick goes on with it
-  double forget_after = 0.5;     ///< s without contact after which to start anew
+  double forget_after = 0.5;     ///< s without contact after which to start again
   double lag = 0.2;              ///< s, that S2Smoother's estimates wait for later samples
 
   template <class Visitor>

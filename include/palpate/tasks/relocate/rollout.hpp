@@ -39,7 +39,7 @@ RelocateModel make_model(const TaskOptions& options);
 /// Which episodes are run. Episode i starts the same for every policy.
 struct EpisodeOptions {
   int horizon = 99;         ///< steps of 10 ms
-  double scale_low = 0.25;  ///< the randomness scale is drawn anew for each episode
+  double scale_low = 0.25;  ///< the randomness scale is drawn again for each episode
   double scale_high = 0.25;
   double at_ends = 0;  ///< share of the episodes whose scale is one of the two, evenly
 

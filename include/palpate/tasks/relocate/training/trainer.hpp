@@ -41,7 +41,7 @@ struct CemTrainingOptions {
   SearchOptions search;
   bool memoryless = false;  ///< end in a policy on the observations alone
   int settle = 10;          ///< generations that still read the velocity, if memoryless
-  int refit = 4;            ///< generations after which the observer is fitted anew
+  int refit = 4;            ///< generations after which the observer is fitted again
   double spread = 1;        ///< of the first generation, times the usual
   ObserverOptions observer;
 
