@@ -18,6 +18,7 @@ function(palpate_module name)
     PRIVATE "${PROJECT_SOURCE_DIR}/src")
   target_link_libraries(palpate_${name} PUBLIC ${module_UNPARSED_ARGUMENTS}
                         PRIVATE $<BUILD_INTERFACE:palpate_warnings>)
+  palpate_precompile(palpate_${name})
   install(TARGETS palpate_${name} EXPORT palpate)
   install(DIRECTORY "${PROJECT_SOURCE_DIR}/include/palpate/${module_FOLDER}"
           DESTINATION include/palpate)

@@ -1,0 +1,16 @@
+# SPDX-License-Identifier: Apache-2.0
+# Parsing the standard library, Eigen and fmt is most of what compiling a source costs, so they are
+# parsed once. Sources still include what they use: -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON builds too.
+add_library(palpate_precompiled OBJECT "${PROJECT_SOURCE_DIR}/cmake/precompiled.cpp")
+target_link_libraries(palpate_precompiled PRIVATE Eigen3::Eigen fmt::fmt palpate_warnings)
+target_precompile_headers(palpate_precompiled PRIVATE
+  <algorithm> <array> <cmath> <functional> <map> <memory> <numeric> <optional> <random> <span>
+  <string> <string_view> <vector> <fmt/format.h>
+  <Eigen/Cholesky> <Eigen/Core> <Eigen/Eigenvalues> <Eigen/Geometry> <Eigen/LU> <Eigen/QR> <Eigen/SVD>)
+
+# palpate_precompile(TARGET...)
+function(palpate_precompile)
+  foreach(target ${ARGN})
+    target_precompile_headers(${target} REUSE_FROM palpate_precompiled)
+  endforeach()
+endfunction()
