@@ -8,9 +8,13 @@ target_precompile_headers(palpate_precompiled PRIVATE
   <string> <string_view> <vector> <fmt/format.h>
   <Eigen/Cholesky> <Eigen/Core> <Eigen/Eigenvalues> <Eigen/Geometry> <Eigen/LU> <Eigen/QR> <Eigen/SVD>)
 
-# palpate_precompile(TARGET...)
-function(palpate_precompile)
-  foreach(target ${ARGN})
-    target_precompile_headers(${target} REUSE_FROM palpate_precompiled)
-  endforeach()
+# palpate_precompile(TARGET): programs are compiled with -fPIC as the libraries are, not with -fPIE,
+# for precompiled headers hold for one of them.
+function(palpate_precompile target)
+  target_precompile_headers(${target} REUSE_FROM palpate_precompiled)
+  get_target_property(type ${target} TYPE)
+  if(type STREQUAL "EXECUTABLE")
+    set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE OFF)
+    target_compile_options(${target} PRIVATE -fPIC)
+  endif()
 endfunction()
