@@ -2,7 +2,7 @@
 # MuJoCo::MuJoCo from the Python wheel that ./dev installs, or from MUJOCO_ROOT.
 file(GLOB _wheels "${PALPATE_DEPS}/venv/lib/python3*/site-packages/mujoco")
 find_path(MuJoCo_INCLUDE_DIR mujoco/mujoco.h HINTS ${MUJOCO_ROOT} ${_wheels} PATH_SUFFIXES include)
-file(GLOB _libraries ${_wheels}/libmujoco.so.*)
+file(GLOB _libraries ${MUJOCO_ROOT}/libmujoco.so.* ${_wheels}/libmujoco.so.*)
 find_library(MuJoCo_LIBRARY NAMES mujoco HINTS ${MUJOCO_ROOT} PATH_SUFFIXES lib)
 if(NOT MuJoCo_LIBRARY AND _libraries)
   list(GET _libraries 0 MuJoCo_LIBRARY)

@@ -6,10 +6,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "evaluation/evaluator.hpp"
 #include "experiment.hpp"
 #include "palpate/core/parallel.hpp"
 #include "palpate/core/statistics.hpp"
-#include "palpate/evaluation/evaluator.hpp"
 #include "palpate/evaluation/trial.hpp"
 #include "palpate/geometry/objects/known_object.hpp"
 #include "palpate/geometry/query/mesh_query.hpp"
@@ -109,7 +109,7 @@ Result pick_and_locate_twice(const geometry::ObjectModel& object, const Inverse&
   auto again = picked;
   again.estimate =
       estimation::locate(object, robot.model(), inferred(robot.log(), robot.model(), inverse),
-                         options.pick_options().locate, seed);
+                         options.pick_options().estimation, seed);
   result.outcome.biotac = evaluator.verdict(again, robot.log(), options.pick.lift, symmetries);
   const geometry::MeshQuery mesh(object.object().mesh);
   const auto T_world_object = world.truth().T_world_object;

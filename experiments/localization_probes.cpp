@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "experiment.hpp"
+#include "palpate/core/angle.hpp"
 #include "palpate/core/parallel.hpp"
 #include "palpate/core/statistics.hpp"
 #include "palpate/geometry/query/mesh_query.hpp"
@@ -20,7 +21,6 @@ namespace {
 using namespace palpate;
 using namespace palpate::localization;
 
-constexpr double kDegree = M_PI / 180;
 constexpr double kTip = 0.0075;  // m
 constexpr double kWayIn = 0.15;  // m before the aim at which a probe starts
 constexpr double kReach = 0.30;  // m

@@ -10,6 +10,7 @@
 
 #include "experiment.hpp"
 #include "moving_object.hpp"
+#include "palpate/core/angle.hpp"
 #include "palpate/core/parallel.hpp"
 #include "palpate/core/se3.hpp"
 #include "palpate/core/statistics.hpp"
@@ -21,7 +22,6 @@ using experiment::MovingObject;
 using experiment::Subject;
 
 constexpr int kBefore = 100, kAfter = 20;  // frames about the slip that count
-constexpr double kDegree = M_PI / 180;
 constexpr int kTemperatures = 30, kMoves = 2;
 
 /// What the frames after the slip tell of a value that stays, once the errors that keep have been

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "experiment.hpp"
+#include "palpate/core/angle.hpp"
 #include "palpate/core/assets.hpp"
 #include "palpate/core/parallel.hpp"
 #include "palpate/core/statistics.hpp"
@@ -20,7 +21,6 @@ namespace {
 using namespace palpate;
 using namespace palpate::localization;
 
-constexpr double kDegree = M_PI / 180;
 constexpr int kBins = 10;
 constexpr std::size_t kScenes = 100;  // a cell
 

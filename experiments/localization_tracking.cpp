@@ -7,6 +7,7 @@
 
 #include "experiment.hpp"
 #include "moving_object.hpp"
+#include "palpate/core/angle.hpp"
 #include "palpate/core/parallel.hpp"
 #include "palpate/core/statistics.hpp"
 #include "palpate/localization/tracking/tracker.hpp"
@@ -21,7 +22,6 @@ using experiment::MovingObject;
 using experiment::Subject;
 using experiment::TouchSetting;
 
-constexpr double kDegree = M_PI / 180;
 constexpr double kStartAngle = 3 * kDegree, kStartWay = 0.003;
 
 struct Run {

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "experiment.hpp"
+#include "palpate/core/angle.hpp"
 #include "palpate/core/parallel.hpp"
 #include "palpate/core/statistics.hpp"
 #include "palpate/evaluation/trial.hpp"
@@ -20,7 +21,6 @@ using namespace palpate::evaluation;
 using namespace palpate::grasping;
 using namespace palpate::skills;
 
-constexpr double kDegree = M_PI / 180;
 constexpr double kTouches = 0.0005;  // m over the table
 constexpr std::size_t kTrials = 6;
 const std::vector<std::string> kObjects = {"mug", "bottle", "box", "bracket", "bunny"};

@@ -12,8 +12,8 @@
 #include "hand_scene.hpp"
 #include "palpate/core/statistics.hpp"
 #include "palpate/evaluation/trial.hpp"
-#include "palpate/skills/grasp/pose_phase.hpp"
 #include "palpate/tactile/contacts/contact_window.hpp"
+#include "skills/grasp/pose_phase.hpp"
 
 namespace {
 
@@ -47,7 +47,7 @@ Exploring explore(Scene& scene, PickState& state, const geometry::ObjectModel& m
   ExploreOptions options = defaults.explore;
   options.touches = options.max_touches = static_cast<int>(touches);  // as pick --explore does
   const std::size_t first = scene.now();
-  ExplorePhase phase(model, options, defaults.locate, seed);
+  ExplorePhase phase(model, options, defaults.estimation, seed);
   run_phase(phase, scene.robot(), state);
   Exploring result;
   result.motion = between(scene.in_world(first), scene.in_world(scene.now()));
@@ -127,17 +127,17 @@ bool lift(Scene& scene, PickState& state, double weight) {
 std::optional<Probing> probe(Scene& scene, PickState& state, const geometry::ObjectModel& model,
                              int most, std::uint64_t seed) {
   PickOptions options;
-  options.probe.most = most;
-  options.probe.regrasps = 0;
-  options.probe.certain = 1;
-  options.probe.min_gain_rate = 0;
+  options.palpation.max = most;
+  options.palpation.regrasps = 0;
+  options.palpation.certain = 1;
+  options.palpation.min_gain_rate = 0;
   GraspPhase grasp(options.grasp, model);
-  PosePhase locate_closed(model, options.locate, seed, TouchEvent::closed);
+  PosePhase locate_closed(model, options.estimation, seed, TouchEvent::closed);
   if (run_phase(grasp, scene.robot(), state).status != PhaseStatus::ok) return std::nullopt;
   if (run_phase(locate_closed, scene.robot(), state).status != PhaseStatus::ok) return std::nullopt;
   const double weight = model.object().mass * kGravity;
   const std::size_t first = scene.now();
-  PalpationPhase phase(model, options.probe, options.locate, options.grasp, seed);
+  PalpationPhase phase(model, options.palpation, options.estimation, options.grasp, seed);
   run_phase(phase, scene.robot(), state);
   const auto closed = scene.robot().log().all(TouchEvent::closed);  // also after each touch
   const auto probes = scene.robot().log().all(TouchEvent::probed);

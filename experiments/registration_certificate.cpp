@@ -7,9 +7,9 @@
 
 #include "experiment.hpp"
 #include "palpate/core/statistics.hpp"
-#include "palpate/registration/dual_sdp.hpp"
 #include "palpate/registration/pose.hpp"
 #include "processor_time.hpp"
+#include "registration/dual_sdp.hpp"
 #include "registration/problems.hpp"
 
 namespace {

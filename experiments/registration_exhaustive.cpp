@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "experiment.hpp"
-#include "palpate/registration/consistency_graph.hpp"
 #include "palpate/registration/pose.hpp"
 #include "palpate/registration/registration.hpp"
+#include "registration/consistency_graph.hpp"
 #include "registration/problems.hpp"
 
 namespace {

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "experiment.hpp"
+#include "palpate/core/angle.hpp"
 #include "palpate/core/parallel.hpp"
 #include "palpate/core/statistics.hpp"
 #include "palpate/evaluation/trial.hpp"
@@ -21,7 +22,6 @@ using namespace palpate::evaluation;
 using namespace palpate::grasping;
 using namespace palpate::skills;
 
-constexpr double kDegree = M_PI / 180;
 constexpr double kAsked = 15 * kDegree;
 constexpr double kNearAngle = 0.1, kNearWay = 0.01;  // rad, m: HandManipulateBlock's
 constexpr double kDropped = 0.02;                    // m over the table

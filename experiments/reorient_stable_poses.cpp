@@ -8,6 +8,7 @@
 #include <map>
 
 #include "experiment.hpp"
+#include "palpate/core/angle.hpp"
 #include "palpate/core/parallel.hpp"
 #include "palpate/core/statistics.hpp"
 #include "palpate/evaluation/trial.hpp"
@@ -22,7 +23,6 @@ using namespace palpate::evaluation;
 using namespace palpate::grasping;
 using namespace palpate::skills;
 
-constexpr double kDegree = M_PI / 180;
 constexpr double kSameStablePose = 5 * kDegree;
 constexpr std::size_t kTrials = 20;
 
@@ -85,7 +85,7 @@ void report(const Change& change, std::uint64_t seed, const Outcome& outcome) {
              outcome.in_stable_pose ? "right" : "wrong", outcome.error.rotation / kDegree,
              1e3 * outcome.error.translation);
   for (const auto& round : outcome.result.rounds) {
-    fmt::print(stderr, " [{} {}]", to_string(round.plan.means),
+    fmt::print(stderr, " [{} {}]", to_string(round.plan.strategy),
                round.place ? to_string(round.place->status) : "not held");
   }
   fmt::print(stderr, "\n");

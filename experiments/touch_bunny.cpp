@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "experiment.hpp"
+#include "palpate/core/angle.hpp"
 #include "palpate/core/file.hpp"
 #include "palpate/core/statistics.hpp"
 #include "palpate/core/version.hpp"
@@ -21,7 +21,6 @@ namespace {
 using namespace palpate;
 using namespace palpate::experiment;
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kSeconds = 30;     // of each way
 constexpr double kSmoothing = 25;   // ticks, over which the way is smoothed
 constexpr double kGuardedMove = 6;  // s, to and fro

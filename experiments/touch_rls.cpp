@@ -8,7 +8,7 @@
 #include "palpate/core/statistics.hpp"
 #include "palpate/plotting/plot.hpp"
 #include "palpate/tactile/normals/normal_estimator.hpp"
-#include "palpate/tactile/normals/rls.hpp"
+#include "tactile/normals/rls.hpp"
 #include "touch_surfaces.hpp"
 
 namespace {

@@ -10,8 +10,8 @@
 #include "experiment.hpp"
 #include "palpate/core/statistics.hpp"
 #include "palpate/plotting/plot.hpp"
-#include "palpate/tactile/normals/normal_clusters.hpp"
-#include "palpate/tactile/normals/s2_smoother.hpp"
+#include "tactile/normals/normal_clusters.hpp"
+#include "tactile/normals/s2_smoother.hpp"
 #include "tactile/sliding_score.hpp"
 
 namespace {

@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <ctime>
 #include <memory>
-#include <numbers>
 #include <optional>
 #include <set>
 
 #include "common.hpp"
+#include "palpate/core/angle.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
 #include "palpate/core/statistics.hpp"
@@ -22,7 +22,6 @@ namespace {
 constexpr double kRadius = 0.007;       // m, of a fingertip
 constexpr double kDepth = 0.0002;       // m, of the probes
 constexpr double kAboveMiddle = 0.015;  // m, of the hand when it closes
-constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr double kMillimetres = 1000;
 
 struct BenchArguments {
@@ -43,8 +42,8 @@ nlohmann::json spread(std::vector<double> values, double unit) {
       {"median", median(values)}, {"p95", quantile(values, 0.95)}, {"max", quantile(values, 1)}};
 }
 
-nlohmann::json to_json(const simulation::RepresentationResult& result) {
-  return {{"angle_deg", spread(result.angles, kDegrees)},
+nlohmann::json representation_json(const simulation::RepresentationResult& result) {
+  return {{"angle_deg", spread(result.angles, kDegreesPerRadian)},
           {"position_mm", spread(result.offsets, kMillimetres)},
           {"depth_mm", spread(result.depths, kMillimetres)},
           {"missed", result.missed},
@@ -60,8 +59,8 @@ nlohmann::json measure_representations(const BenchArguments& arguments) {
   nlohmann::json results;
   for (const simulation::Representation representation : simulation::kRepresentations) {
     if (!arguments.common.quiet) fmt::print(stderr, "{}\n", to_string(representation));
-    results[std::string(to_string(representation))] =
-        to_json(simulation::measure_representation(representation, mesh, probes, kRadius));
+    results[std::string(to_string(representation))] = representation_json(
+        simulation::measure_representation(representation, mesh, probes, kRadius));
   }
   return results;
 }

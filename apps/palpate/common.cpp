@@ -18,7 +18,7 @@ namespace palpate::app {
 
 void add_common_options(CLI::App& command, CommonOptions& options) {
   command.add_option("--config", options.config, "TOML file with options")->option_text("FILE");
-  command.add_option("--set", options.set, "set one option, e.g. --set lift.way=0.15")
+  command.add_option("--set", options.set, "set one option, e.g. --set lift.height=0.15")
       ->option_text("KEY=VALUE")
       ->allow_extra_args(false);  // else it would take the positional arguments that follow
   command.add_option("--seed", options.seed, "seed of all randomness")

@@ -14,7 +14,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::size_t kBins = 20;
+constexpr std::size_t kHistogramBins = 20;
 
 struct CompareArguments {
   CommonOptions common;
@@ -80,11 +80,11 @@ plotting::Plot histogram_plot(const TwoSamples& samples) {
   plot.x.label = "return";
   plot.y.label = "share of episodes";
   const auto outline = [&](const char* name, const std::vector<double>& values) {
-    const auto counts = histogram(values, low, high, kBins);
+    const auto counts = histogram(values, low, high, kHistogramBins);
     plotting::LineSeries line{name, {}, {}};
-    for (std::size_t i = 0; i < kBins; ++i) {
+    for (std::size_t i = 0; i < kHistogramBins; ++i) {
       for (const std::size_t edge : {i, i + 1}) {
-        line.x.push_back(low + (high - low) * static_cast<double>(edge) / kBins);
+        line.x.push_back(low + (high - low) * static_cast<double>(edge) / kHistogramBins);
         line.y.push_back(static_cast<double>(counts[i]) / static_cast<double>(values.size()));
       }
     }

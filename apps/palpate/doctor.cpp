@@ -117,11 +117,11 @@ void print_json(const std::vector<Check>& checks) {
   fmt::print("{}\n", nlohmann::json{{"checks", list}}.dump(2));
 }
 
-int doctor(bool json) {
+int doctor(bool as_json) {
   const auto checks = all_checks();
   const bool ready = std::all_of(checks.begin(), checks.end(),
                                  [](const Check& check) { return check.ok || !check.required; });
-  if (json) {
+  if (as_json) {
     print_json(checks);
   } else {
     for (const Check& check : checks) {

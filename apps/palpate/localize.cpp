@@ -4,10 +4,10 @@
 #include <chrono>
 #include <cmath>
 #include <map>
-#include <numbers>
 
 #include "common.hpp"
 #include "localize_demo.hpp"
+#include "palpate/core/angle.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
 #include "palpate/core/se3.hpp"
@@ -19,7 +19,6 @@ namespace {
 
 namespace lo = localization;
 
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr std::size_t kMaxShown = 10;  // modes
 
 struct LocalizeOptions {

@@ -97,13 +97,13 @@ std::string contacts_csv(const lo::GraspScene& scene, std::uint64_t seed) {
 
 /// Share right against stated probability, in bins of equal numbers of searches.
 plotting::Plot calibration_plot(std::vector<Share> searches) {
-  constexpr std::size_t kBins = 5;
+  constexpr std::size_t kMarginalBins = 5;
   std::stable_sort(searches.begin(), searches.end(),
                    [](const Share& a, const Share& b) { return a.stated < b.stated; });
   plotting::LineSeries measured{"measured", {}, {}};
-  for (std::size_t bin = 0; bin < kBins; ++bin) {
+  for (std::size_t bin = 0; bin < kMarginalBins; ++bin) {
     const auto at = [&](std::size_t i) {
-      return searches.begin() + static_cast<std::ptrdiff_t>(searches.size() * i / kBins);
+      return searches.begin() + static_cast<std::ptrdiff_t>(searches.size() * i / kMarginalBins);
     };
     const Share mean = mean_of({at(bin), at(bin + 1)});
     measured.x.push_back(mean.stated);

@@ -56,20 +56,28 @@ void add_options(CLI::App& program, Command& chosen) {
   struct Arguments {
     CommonOptions common;
     std::string command = "pick";
+    bool expert = false;
   };
   auto arguments = std::make_shared<Arguments>();
   auto& command = *program.add_subcommand("options", "List what --config and --set can set");
   command.add_option("command", arguments->command, "whose options: pick, eval, localize, ...")
       ->capture_default_str();
+  command.add_flag("--expert", arguments->expert, "list the expert section, too");
   add_common_options(command, arguments->common);
   command.footer(
-      "Each line is KEY = DEFAULT, what it is, and its range.\n\n"
+      "Each line is KEY = DEFAULT, what it is, and its range. Few users need the options of the\n"
+      "expert section, and these may change from version to version.\n\n"
       "Examples:\n"
       "  palpate options pick\n"
+      "  palpate options pick --expert\n"
       "  palpate options localize --json");
   command.callback([arguments, &chosen] {
     chosen = [arguments] {
-      const auto options = listed(arguments->command).options();
+      auto options = listed(arguments->command).options();
+      if (!arguments->expert) {
+        std::erase_if(options,
+                      [](const OptionInfo& o) { return o.key.starts_with(kExpertSection); });
+      }
       arguments->common.json ? print_json(options) : print_text(options);
       return kDone;
     };

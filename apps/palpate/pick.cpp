@@ -119,7 +119,7 @@ void add_pick(CLI::App& program, Command& chosen) {
       "Examples:\n"
       "  palpate pick --object mug --seed 7\n"
       "  palpate pick --object bunny --explore 16\n"
-      "  palpate pick --object part.stl --set lift.way=0.15 --out run1 --json\n"
+      "  palpate pick --object part.stl --set lift.height=0.15 --out run1 --json\n"
       "  palpate pick --object box --set start.stable_pose=0 --set world.noise.normal=0.05\n"
       "  palpate pick --object box --place 0.2,0.1,1.57\n"
       "  palpate pick --object bottle --set start.stable_pose=0 --place fixture");

@@ -3,18 +3,16 @@
 
 #include <fmt/format.h>
 
-#include <numbers>
 #include <string_view>
 
 #include "common.hpp"
+#include "palpate/core/angle.hpp"
 #include "place_report.hpp"
 
 namespace palpate::app {
 namespace {
 
 using nlohmann::json;
-
-constexpr double kDegrees = 180 / std::numbers::pi;
 
 json free_axis_json(const std::optional<localization::FreeAxis>& axis) {
   if (!axis) return nullptr;
@@ -41,9 +39,10 @@ json estimate_json(const evaluation::Trial& trial) {
           {"T_world_object", to_json(posterior.modes[0].T_frame_object)},
           {"weight", posterior.modes[0].weight},
           {"probability", localization::pose_probability(posterior.modes[0])},
-          {"rotation_error_deg", kDegrees * metrics.error.rotation},
+          {"rotation_error_deg", kDegreesPerRadian * metrics.error.rotation},
           {"translation_error_mm", 1e3 * metrics.error.translation},
-          {"rotation_error_without_symmetry_deg", kDegrees * metrics.error_no_symmetry.rotation},
+          {"rotation_error_without_symmetry_deg",
+           kDegreesPerRadian * metrics.error_no_symmetry.rotation},
           {"truth_in_modes", metrics.truth_in_modes},
           {"modes", modes_json(posterior)},
           {"seconds", posterior.seconds}};
@@ -99,14 +98,14 @@ std::string estimate_text(const evaluation::Trial& trial) {
   const auto& posterior = trial.result.estimate.posterior;
   if (posterior.modes.empty()) return "no pose explains what was felt";
   const auto& best = posterior.modes[0];
-  std::string text = fmt::format(
-      "pose: {} ({:.2f}){}: {:.1f} deg, {:.1f} mm from the truth; searched {:.2f} s",
-      localization::to_string(posterior.status), best.weight,
-      best.free_axis
-          ? fmt::format(", free by +-{:.0f} deg about an axis", kDegrees * best.free_axis->extent)
-          : "",
-      kDegrees * trial.metrics.error.rotation, 1e3 * trial.metrics.error.translation,
-      posterior.seconds);
+  std::string text =
+      fmt::format("pose: {} ({:.2f}){}: {:.1f} deg, {:.1f} mm from the truth; searched {:.2f} s",
+                  localization::to_string(posterior.status), best.weight,
+                  best.free_axis ? fmt::format(", free by +-{:.0f} deg about an axis",
+                                               kDegreesPerRadian * best.free_axis->extent)
+                                 : "",
+                  kDegreesPerRadian * trial.metrics.error.rotation,
+                  1e3 * trial.metrics.error.translation, posterior.seconds);
   text += fmt::format("\nobject in the world {}", pose_text(best.T_frame_object));
   if (posterior.modes.size() > 1) {
     text += fmt::format(

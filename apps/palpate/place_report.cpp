@@ -4,9 +4,9 @@
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <numbers>
 
 #include "common.hpp"
+#include "palpate/core/angle.hpp"
 #include "palpate/core/file.hpp"
 #include "palpate/core/statistics.hpp"
 
@@ -15,10 +15,9 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double kDegrees = 180 / std::numbers::pi;
-
 json error_json(const localization::PoseError& error) {
-  return {{"rotation_deg", kDegrees * error.rotation}, {"translation_mm", 1e3 * error.translation}};
+  return {{"rotation_deg", kDegreesPerRadian * error.rotation},
+          {"translation_mm", 1e3 * error.translation}};
 }
 
 json motion_json(const planning::Plan& motion) {
@@ -61,15 +60,15 @@ std::string median_text(const std::vector<double>& values) {
 
 json round_json(const skills::StrategyTaken::Round& round) {
   json considered = json::array();
-  for (const auto& means : round.plan.considered) {
-    considered.push_back({{"strategy", skills::to_string(means.means)},
-                          {"possible", means.possible},
-                          {"reason", means.reason}});
+  for (const auto& strategy : round.plan.considered) {
+    considered.push_back({{"strategy", skills::to_string(strategy.strategy)},
+                          {"possible", strategy.possible},
+                          {"reason", strategy.reason}});
   }
   json place = nullptr;
   if (round.place) place = skills::to_string(*round.place);
   return {{"found", round.plan.found},
-          {"strategy", skills::to_string(round.plan.means)},
+          {"strategy", skills::to_string(round.plan.strategy)},
           {"transfers", round.plan.transfers.size()},
           {"grasps", round.plan.grasps},
           {"seconds", round.plan.seconds},
@@ -79,8 +78,8 @@ json round_json(const skills::StrategyTaken::Round& round) {
 
 json turn_json(const skills::InHandReorientation& turn) {
   const auto& result = turn.result;
-  return {{"asked_deg", kDegrees * turn.asked.norm()},
-          {"base_turn_deg", kDegrees * turn.base_turn},
+  return {{"asked_deg", kDegreesPerRadian * turn.asked.norm()},
+          {"base_turn_deg", kDegreesPerRadian * turn.base_turn},
           {"end", skills::to_string(result.end)},
           {"left", error_json(result.left)},
           {"known", turn.known},
@@ -91,38 +90,41 @@ json turn_json(const skills::InHandReorientation& turn) {
           {"plan_seconds", result.plan_seconds}};
 }
 
-json means_json(const skills::StrategyTaken& means) {
+json means_json(const skills::StrategyTaken& strategy) {
   json rounds = json::array();
-  for (const auto& round : means.rounds) rounds.push_back(round_json(round));
+  for (const auto& round : strategy.rounds) rounds.push_back(round_json(round));
   json regrasp = nullptr;
-  if (means.regrasp) regrasp = skills::to_string(*means.regrasp);
+  if (strategy.regrasp) regrasp = skills::to_string(*strategy.regrasp);
   json fingers = nullptr;
-  if (means.turn) fingers = turn_json(*means.turn);
-  return {{"chosen", skills::to_string(means.means)},
-          {"reason", means.reason},
+  if (strategy.turn) fingers = turn_json(*strategy.turn);
+  return {{"chosen", skills::to_string(strategy.strategy)},
+          {"reason", strategy.reason},
           {"fingers", fingers},
           {"regrasp", regrasp},
           {"rounds", rounds}};
 }
 
 /// One line: the means, why, and what the first plan found.
-std::string means_text(const skills::StrategyTaken& means) {
-  std::string text = fmt::format("strategy: {} ({})", skills::to_string(means.means), means.reason);
-  if (!means.rounds.empty()) {
-    for (const auto& way : means.rounds.front().plan.considered) {
-      text += fmt::format("; {} {}: {}", skills::to_string(way.means),
+std::string means_text(const skills::StrategyTaken& strategy) {
+  std::string text =
+      fmt::format("strategy: {} ({})", skills::to_string(strategy.strategy), strategy.reason);
+  if (!strategy.rounds.empty()) {
+    for (const auto& way : strategy.rounds.front().plan.considered) {
+      text += fmt::format("; {} {}: {}", skills::to_string(way.strategy),
                           way.possible ? "possible" : "impossible", way.reason);
     }
   }
-  if (means.turn) {
+  if (strategy.turn) {
     text += fmt::format("; fingers {}: {:.1f} of {:.1f} deg left, planned in {:.1f} s",
-                        skills::to_string(means.turn->result.end),
-                        kDegrees * means.turn->result.left.rotation,
-                        kDegrees * means.turn->asked.norm(), means.turn->result.plan_seconds);
+                        skills::to_string(strategy.turn->result.end),
+                        kDegreesPerRadian * strategy.turn->result.left.rotation,
+                        kDegreesPerRadian * strategy.turn->asked.norm(),
+                        strategy.turn->result.plan_seconds);
   }
-  if (means.regrasp) {
-    text += fmt::format("; {} round{}, {}", means.rounds.size(),
-                        means.rounds.size() == 1 ? "" : "s", skills::to_string(*means.regrasp));
+  if (strategy.regrasp) {
+    text +=
+        fmt::format("; {} round{}, {}", strategy.rounds.size(),
+                    strategy.rounds.size() == 1 ? "" : "s", skills::to_string(*strategy.regrasp));
   }
   return text + "\n";
 }
@@ -161,9 +163,9 @@ std::string place_text(const evaluation::Trial& trial) {
       trial.place->status == skills::PlaceStatus::placed
           ? "placed"
           : fmt::format("not placed: {}", skills::to_string(trial.place->status));
-  return means_text(trial.means) + fmt::format("{}: {:.1f} deg, {:.1f} mm from the target\n", end,
-                                               kDegrees * metrics.error.rotation,
-                                               1e3 * metrics.error.translation);
+  return means_text(trial.strategy) + fmt::format("{}: {:.1f} deg, {:.1f} mm from the target\n",
+                                                  end, kDegreesPerRadian * metrics.error.rotation,
+                                                  1e3 * metrics.error.translation);
 }
 
 json place_json(const evaluation::Trial& trial) {
@@ -173,7 +175,7 @@ json place_json(const evaluation::Trial& trial) {
   json placed = nullptr;
   if (place.T_world_placed) placed = to_json(*place.T_world_placed);
   return {{"status", skills::to_string(place.status)},
-          {"strategy", means_json(trial.means)},
+          {"strategy", means_json(trial.strategy)},
           {"certain", place.certain},
           {"certainty", place.held.certainty},
           {"other_stable_pose", place.other_stable_pose},

@@ -24,7 +24,7 @@ nlohmann::json rows_json(const Matrix6d& matrix) {
   return rows;
 }
 
-std::string pose_text(const Eigen::Isometry3d& T) {
+std::string motion_text(const Eigen::Isometry3d& T) {
   const Eigen::Vector3d w = log_so3(T.linear()) * 180 / std::numbers::pi, t = T.translation();
   return fmt::format(
       "rotation ({:.3f}, {:.3f}, {:.3f}) deg, translation ({:.6g}, {:.6g}, {:.6g}) m", w[0], w[1],
@@ -98,7 +98,7 @@ void print_report(const rg::RegistrationResult& result) {
   for (const auto& motion : result.free_motions) fmt::print("free {}\n", motion_text(motion));
   if (result.mirrored) fmt::print("more correspondences agree with a mirror image\n");
   if (!result.T_target_source) return;
-  fmt::print("target from source: {}\n", pose_text(*result.T_target_source));
+  fmt::print("target from source: {}\n", motion_text(*result.T_target_source));
   if (result.scale != 1) fmt::print("scale of the source: {:.6g}\n", result.scale);
   fmt::print("cost {:.3g} m^2, at most {:.1g} m^2 above the least for these inliers\n", result.cost,
              result.bound);
@@ -108,7 +108,7 @@ void print_report(const rg::RegistrationResult& result) {
   }
   if (result.runner_up) {
     fmt::print("runner-up: {} other inliers, {}\n", result.runner_up->inliers,
-               pose_text(result.runner_up->T_target_source));
+               motion_text(result.runner_up->T_target_source));
   }
 }
 

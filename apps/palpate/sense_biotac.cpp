@@ -17,17 +17,17 @@
 namespace palpate::app {
 namespace {
 
-constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
 
 /// A frame in which nothing is known but its flags.
 SensedSample unfelt(double time, unsigned flags) {
-  const Eigen::Vector3d unknown = Eigen::Vector3d::Constant(kUnknown);
+  const Eigen::Vector3d unknown = Eigen::Vector3d::Constant(kNotMeasured);
   return {.time = time,
           .point = unknown,
           .force = unknown,
           .normal = unknown,
-          .sigma_deg = kUnknown,
-          .error_deg = kUnknown,
+          .sigma_deg = kNotMeasured,
+          .error_deg = kNotMeasured,
           .flags = tactile::biotac_flag_names(flags)};
 }
 

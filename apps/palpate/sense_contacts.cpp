@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
+#include "palpate/core/angle.hpp"
 #include "palpate/evaluation/recorder.hpp"
 #include "palpate/recording/touch_log.hpp"
 #include "palpate/skills/explore/calibrate_phase.hpp"
@@ -17,10 +17,9 @@
 namespace palpate::app {
 namespace {
 
-constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr double kReach = 0.02;  // m from a tip's centre to the object; what it touches farther
                                  // away is something else, such as the table
-constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNoTruth = std::numeric_limits<double>::quiet_NaN();
 
 /// Sends the frames of one finger through checks and estimator.
 class FingerSensor {
@@ -35,9 +34,9 @@ class FingerSensor {
     stream_.samples.push_back({.time = sample.time,
                                .point = sample.p,
                                .force = sample.f,
-                               .normal = Eigen::Vector3d::Constant(kUnknown),
-                               .sigma_deg = kUnknown,
-                               .error_deg = kUnknown,
+                               .normal = Eigen::Vector3d::Constant(kNoTruth),
+                               .sigma_deg = kNoTruth,
+                               .error_deg = kNoTruth,
                                .flags = sample.flags.names()});
     truths_.push_back(truth);
     touched_ = touched_ || !frame.contacts.empty();
@@ -56,7 +55,7 @@ class FingerSensor {
       if (sample.time != estimate.time || !sample.point.allFinite()) continue;
       sample.normal = estimate.n;
       if (estimate.covariance) {
-        sample.sigma_deg = kDegrees * std::sqrt(estimate.covariance->trace() / 2);
+        sample.sigma_deg = kDegreesPerRadian * std::sqrt(estimate.covariance->trace() / 2);
       }
       if (truths_[i]) sample.error_deg = tactile::angle_between_deg(estimate.n, *truths_[i]);
       return;

@@ -11,14 +11,14 @@
 namespace palpate::app {
 namespace {
 
-struct Summary {
+struct StreamSummary {
   std::size_t samples = 0, flagged = 0;
   std::map<std::string, std::size_t> flags;
   std::vector<double> errors, forces;
 };
 
-Summary summarize(const SensedStream& stream) {
-  Summary summary{.samples = stream.samples.size(), .flags = {}, .errors = {}, .forces = {}};
+StreamSummary summarize(const SensedStream& stream) {
+  StreamSummary summary{.samples = stream.samples.size(), .flags = {}, .errors = {}, .forces = {}};
   for (const SensedSample& sample : stream.samples) {
     if (!sample.flags.empty()) {
       ++summary.flagged;
@@ -30,7 +30,7 @@ Summary summarize(const SensedStream& stream) {
   return summary;
 }
 
-nlohmann::json to_json(const Summary& summary) {
+nlohmann::json stream_json(const StreamSummary& summary) {
   nlohmann::json stream = {{"samples", summary.samples}, {"flagged", summary.flagged}};
   stream["flags"] = summary.flags;
   if (!summary.forces.empty()) stream["force_n"] = {{"median", median(summary.forces)}};
@@ -42,7 +42,7 @@ nlohmann::json to_json(const Summary& summary) {
   return stream;
 }
 
-std::string row(const std::string& name, const Summary& summary) {
+std::string row(const std::string& name, const StreamSummary& summary) {
   const std::string force =
       summary.forces.empty() ? "-" : fmt::format("{:.2f}", median(summary.forces));
   std::string error = fmt::format("{:>10}{:>8}{:>8}", "-", "-", "-");
@@ -111,8 +111,8 @@ void report_streams(const SenseArguments& arguments, const std::vector<SensedStr
       fmt::format("{:<10}{:>9}{:>9}{:>10}{:>10}{:>8}{:>8}  {}\n", "stream", "samples", "flagged",
                   "force N", "error deg", "p90", "p95", "what is wrong with the flagged");
   for (const SensedStream& stream : streams) {
-    const Summary summary = summarize(stream);
-    report["streams"][stream.name] = to_json(summary);
+    const StreamSummary summary = summarize(stream);
+    report["streams"][stream.name] = stream_json(summary);
     table += row(stream.name, summary) + "\n";
   }
   std::string wrote;

@@ -3,21 +3,19 @@
 
 #include <fmt/format.h>
 
-#include <numbers>
 #include <utility>
 
+#include "palpate/core/angle.hpp"
 #include "palpate/core/file.hpp"
 #include "palpate/skills/place/place.hpp"
 
 namespace palpate::app {
 namespace {
 
-constexpr double kDegrees = 180 / std::numbers::pi;
-
 /// Empty where there is no error to tell.
 std::string error_cells(bool known, const localization::PoseError& error) {
   if (!known) return ",";
-  return fmt::format("{:.3f},{:.3f}", kDegrees * error.rotation, 1e3 * error.translation);
+  return fmt::format("{:.3f},{:.3f}", kDegreesPerRadian * error.rotation, 1e3 * error.translation);
 }
 
 std::string pick_cells(const evaluation::Trial& trial) {

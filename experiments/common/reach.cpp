@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reach.hpp"
 
-#include <numbers>
 #include <utility>
+
+#include "palpate/core/angle.hpp"
 
 namespace palpate::experiment {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kPitches[] = {1.35, 1.0, 0.7, 0.4, 0.1};  // rad, of the finger below the horizon
 constexpr double kAside[] = {0.0, -0.5, 0.5};              // rad, that it points past the object
 constexpr int kRolls = 8;

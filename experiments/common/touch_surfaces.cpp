@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <numbers>
 
+#include "palpate/core/angle.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/geometry/objects/shapes.hpp"
 #include "tactile/sliding.hpp"
@@ -13,7 +13,6 @@
 namespace palpate::experiment {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kWide = 0.08, kHigh = 0.12;  // m, of the box
 constexpr double kBall = 0.05, kBase = 0.04;  // m, radius of the dome, height of its foot
 constexpr int kColumns = 120, kRings = 40;

@@ -8,11 +8,27 @@
 #include "palpate/core/error.hpp"
 
 namespace palpate {
+namespace {
+
+/// The folder beside an installed program, of the build, or of an installation where it was meant
+/// to be; the first that exists.
+std::filesystem::path assets_folder() {
+  std::error_code error;
+  const auto program = std::filesystem::read_symlink("/proc/self/exe", error);
+  const auto beside = program.parent_path().parent_path() / "share/palpate/assets";
+  for (const std::filesystem::path& folder :
+       {beside, std::filesystem::path(PALPATE_BUILT_ASSETS)}) {
+    if (std::filesystem::is_directory(folder, error)) return folder;
+  }
+  return PALPATE_INSTALLED_ASSETS;
+}
+
+}  // namespace
 
 std::filesystem::path asset(std::string_view relative_path) {
   const char* chosen = std::getenv("PALPATE_ASSETS");
   const bool named = chosen && *chosen != '\0';
-  const auto path = std::filesystem::path(named ? chosen : PALPATE_ASSETS_DIR) / relative_path;
+  const auto path = (named ? std::filesystem::path(chosen) : assets_folder()) / relative_path;
   std::error_code error;
   if (!std::filesystem::exists(path, error)) {
     throw BadInput(

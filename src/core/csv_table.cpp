@@ -5,13 +5,21 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 
 #include "palpate/core/csv.hpp"
 #include "palpate/core/error.hpp"
 
 namespace palpate {
+namespace {
+
+constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+
+}  // namespace
+
 CsvTable::CsvTable(std::string_view text, std::string source)
     : text_(text), source_(std::move(source)) {
+  if (text_.starts_with(kByteOrderMark)) text_.remove_prefix(kByteOrderMark.size());
   if (!take_line()) throw BadInput(fmt::format("{} is empty: expected a CSV header", source_));
   names_ = cells_;
 }
@@ -40,11 +48,26 @@ std::size_t CsvTable::require(std::string_view name) const {
   throw BadInput(fmt::format("{}:1: no column {} in the header", source_, name));
 }
 
+std::optional<CsvTable::Columns> CsvTable::find_xyz(std::string_view prefix) const {
+  Columns columns;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto column = find(std::string(prefix) + "xyz"[axis]);
+    if (!column) return std::nullopt;
+    columns[axis] = *column;
+  }
+  return columns;
+}
+
+CsvTable::Columns CsvTable::require_xyz(std::string_view prefix) const {
+  if (const auto columns = find_xyz(prefix)) return *columns;
+  throw BadInput(fmt::format("{0}:1: no columns {1}x, {1}y, {1}z in the header", source_, prefix));
+}
+
 bool CsvTable::next() {
   if (!take_line()) return false;
   if (cells_.size() != names_.size()) {
-    throw BadInput(fmt::format("{}:{}: {} cells for {} columns", source_, line_, cells_.size(),
-                               names_.size()));
+    throw BadInput(
+        fmt::format("{}: {} values for {} columns", where(), cells_.size(), names_.size()));
   }
   return true;
 }
@@ -55,11 +78,23 @@ double CsvTable::number(std::size_t column) const {
   const std::string_view text = cells_[column];
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) {
-    throw BadInput(fmt::format("{}:{}: '{}' in column {} is not a number", source_, line_, text,
-                               names_[column]));
-  }
-  return value;
+  if (error == std::errc() && end == text.data() + text.size()) return value;
+  throw BadInput(
+      fmt::format("{}: '{}' in column {} is not a number", where(), text, names_[column]));
+}
+
+double CsvTable::finite(std::size_t column) const {
+  const std::string_view text = cells_[column];
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  const bool complete = error == std::errc() && end == text.data() + text.size();
+  if (complete && std::isfinite(value)) return value;
+  throw BadInput(
+      fmt::format("{}: '{}' in column {} is not a finite number", where(), text, names_[column]));
+}
+
+Eigen::Vector3d CsvTable::finite(const Columns& columns) const {
+  return {finite(columns[0]), finite(columns[1]), finite(columns[2])};
 }
 
 }  // namespace palpate

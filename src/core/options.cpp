@@ -84,17 +84,24 @@ std::string suggestion(std::string_view key, const std::vector<OptionField>& fie
   return fmt::format("; did you mean {}?", nearest->key);
 }
 
+/// What a key of an earlier version may be called now: renamed, in the expert section, or both.
+const OptionField* renamed_field(std::string_view key, const std::vector<OptionField>& fields) {
+  const std::string renamed = renamed_option(key), expert(kExpertSection);
+  for (const std::string& name : {renamed, expert + std::string(key), expert + renamed}) {
+    const auto found = std::ranges::find(fields, name, &OptionField::key);
+    if (found != fields.end()) return &*found;
+  }
+  return nullptr;
+}
+
 const OptionField& find_field(std::string_view key, const std::vector<OptionField>& fields,
                               const std::string& where, Renamed accept) {
   const auto found = std::find_if(fields.begin(), fields.end(),
                                   [&](const OptionField& field) { return field.key == key; });
   if (found != fields.end()) return *found;
-  const std::string renamed = renamed_option(key);
-  const auto now = std::find_if(fields.begin(), fields.end(),
-                                [&](const OptionField& field) { return field.key == renamed; });
-  if (now != fields.end() && accept == Renamed::accepted) return *now;
-  if (now != fields.end())
-    throw BadInput(fmt::format("{}option {} is now {}", where, key, renamed));
+  const OptionField* now = renamed_field(key, fields);
+  if (now && accept == Renamed::accepted) return *now;
+  if (now) throw BadInput(fmt::format("{}option {} is now {}", where, key, now->key));
   throw BadInput(fmt::format("{}unknown option {}{}", where, key, suggestion(key, fields)));
 }
 
@@ -147,8 +154,12 @@ std::string place(std::string_view source, const toml::source_region& region) {
 /// Whether some option is in the section, by its present or an earlier name.
 bool is_section(const std::string& key, const std::vector<OptionField>& fields) {
   const std::string prefix = renamed_option(key + ".");
-  return std::any_of(fields.begin(), fields.end(),
-                     [&](const OptionField& field) { return field.key.starts_with(prefix); });
+  return std::any_of(fields.begin(), fields.end(), [&](const OptionField& field) {
+    const bool expert = field.key.starts_with(kExpertSection);
+    return field.key.starts_with(prefix) ||
+           (expert &&
+            std::string_view(field.key).substr(kExpertSection.size()).starts_with(prefix));
+  });
 }
 
 void assign_table(const toml::table& table, const std::string& prefix, std::string_view source,
@@ -205,6 +216,12 @@ void OptionCollector::operator()(std::string_view name, bool& value, std::string
 
 void OptionCollector::operator()(std::string_view name, std::string& value, std::string_view doc) {
   fields_.push_back({prefix_ + std::string(name), std::string(doc), &value});
+}
+
+std::vector<OptionField> OptionCollector::take() {
+  std::ranges::stable_partition(
+      fields_, [](const OptionField& field) { return !field.key.starts_with(kExpertSection); });
+  return std::move(fields_);
 }
 
 void assign_toml(std::string_view text, std::string_view source,

@@ -12,6 +12,19 @@ using Rename = std::pair<std::string_view, std::string_view>;
 
 constexpr Rename kMovedSection{"place.fingers.reorient.world.", "forward_model."};
 
+constexpr std::string_view kFriction = "friction";
+constexpr std::array<Rename, 9> kRenamedKeys{{
+    {"lift.way", "lift.height"},
+    {"withdraw.way", "withdraw.distance"},
+    {"place.withdraw.way", "place.withdraw.distance"},
+    {"grasp.friction", kFriction},
+    {"grasp.plan.friction", kFriction},
+    {"palpation.friction", kFriction},
+    {"place.transport.friction", kFriction},
+    {"place.fingers.reorient.friction", kFriction},
+    {"place.regrasp.plan.grasp.friction", kFriction},
+}};
+
 /// Parts of keys, between dots.
 constexpr std::array<Rename, 38> kRenamedParts{{
     {"feel", "height_probe"},
@@ -74,7 +87,8 @@ std::string renamed_option(std::string_view key) {
         .append(renamed_part(std::string_view(moved).substr(start, end - start)));
     start = end + 1;
   }
-  return result;
+  const auto* const whole = std::ranges::find(kRenamedKeys, result, &Rename::first);
+  return whole == kRenamedKeys.end() ? result : std::string(whole->second);
 }
 
 }  // namespace palpate

@@ -99,12 +99,12 @@ void OnlineTracker::estimate() {
   const Eigen::Isometry3d T_world_base = log_.readings[present].base.pose();
   log_.moments = {{TouchEvent::held, present}};
   localization::Evidence evidence =
-      evidence_in_hand(hand_, log_, TouchEvent::held, object_.object().mass, options_.locate);
+      evidence_in_hand(hand_, log_, TouchEvent::held, object_.object().mass, options_.estimation);
   evidence.prior = expected();
   if (evidence.contacts.size() <= kFew) evidence.prior->floor = kFloorOfFew;
   auto posterior = localization::localize(
       object_, evidence, random_.fork("estimate", static_cast<std::uint64_t>(present)),
-      options_.locate.search);
+      options_.estimation.search);
   if (posterior.unlisted() < 1) {  // else the contacts leave the pose open
     move(T_world_base, posterior);
     coming_ = {std::move(posterior), present};

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/evaluation/evaluation.hpp"
 
-#include <numbers>
-
+#include "palpate/core/angle.hpp"
 #include "palpate/core/parallel.hpp"
 #include "palpate/core/statistics.hpp"
 
@@ -10,14 +9,13 @@ namespace palpate::evaluation {
 namespace {
 
 constexpr double kSure = 0.9;
-constexpr double kDegrees = 180 / std::numbers::pi;
 
 std::string failed_phase(const Trial& trial) {
   return trial.result.held ? "slip" : trial.result.failed_phase;
 }
 
 void add(const localization::PoseError& error, ErrorSummary& errors) {
-  errors.rotation_deg.push_back(kDegrees * error.rotation);
+  errors.rotation_deg.push_back(kDegreesPerRadian * error.rotation);
   errors.translation_mm.push_back(1e3 * error.translation);
 }
 
@@ -77,7 +75,7 @@ void count(const Trial& trial, ObjectSummary& summary, std::vector<double>& mode
   summary.probed += metrics.probes > 0;
   summary.sure_but_wrong += !metrics.pose_ok && localization::pose_probability(best) > kSure;
   summary.truth_in_modes += metrics.truth_in_modes;
-  summary.rotation_error_deg.push_back(kDegrees * metrics.error.rotation);
+  summary.rotation_error_deg.push_back(kDegreesPerRadian * metrics.error.rotation);
   summary.translation_error_mm.push_back(1e3 * metrics.error.translation);
   modes.push_back(static_cast<double>(trial.result.estimate.posterior.modes.size()));
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/evaluation/evaluator.hpp"
+#include "evaluation/evaluator.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -10,14 +10,17 @@
 #include <optional>
 #include <utility>
 
+#include "evaluation/evaluator.hpp"
 #include "palpate/core/error.hpp"
-#include "palpate/evaluation/evaluator.hpp"
 #include "palpate/evaluation/recorder.hpp"
 #include "palpate/simulation/collision/forward_model.hpp"
 #include "palpate/tactile/biotac/contact_hand.hpp"
 
 namespace palpate::evaluation {
 namespace {
+
+/// Of the believed friction, that forces count on where the object may still move in the hand.
+constexpr double kPlannedShare = 0.8;
 
 /// Farthest that any of an object is from its centroid, m.
 double radius_of(const geometry::KnownObject& object) {
@@ -83,11 +86,25 @@ bool TouchOptions::from_biotacs() const {
 
 skills::PickOptions TrialOptions::pick_options() const {
   skills::PickOptions options = pick;
+  options.grasp.friction = options.palpation.friction = friction;
+  options.grasp.plan.friction = kPlannedShare * friction;
   if (touch.from_biotacs()) {
-    options.locate.errors.point_floor = touch.biotac_point;
-    options.locate.errors.normal_floor = touch.biotac_normal;
-    options.locate.false_contacts = touch.biotac_false;
+    options.estimation.errors.point_floor = touch.biotac_point;
+    options.estimation.errors.normal_floor = touch.biotac_normal;
+    options.estimation.false_contacts = touch.biotac_false;
   }
+  return options;
+}
+
+skills::PlaceOptions TrialOptions::place_options() const {
+  skills::PlaceOptions options = place;
+  options.fingers.reorient.friction = friction;
+  options.transport.friction = options.regrasp.plan.grasp.friction = kPlannedShare * friction;
+  return options;
+}
+
+simulation::WorldOptions TrialOptions::believed_world() const {
+  simulation::WorldOptions options = forward_model;
   return options;
 }
 
@@ -143,7 +160,7 @@ Trial run_trial(const geometry::ObjectModel& object, const TrialOptions& options
   if (options.touch.from_biotacs()) {
     feeling.emplace(world.hand(), world.hand_model(), tactile::shipped_biotac_inverse());
   }
-  const simulation::SimulatedModels models(options.forward_model);
+  const simulation::SimulatedModels models(options.believed_world());
   skills::Executor robot(feeling ? *feeling : world.hand(), world.hand_model(), waiting_command(),
                          {[&](const auto& reading, const auto& command) {
                             evaluator.observe(reading);
@@ -167,10 +184,10 @@ Trial run_trial(const geometry::ObjectModel& object, const TrialOptions& options
   try {
     if (target) {
       skills::PickAndPlaceResult course = skills::pick_and_place(
-          robot, object, *target, fixture, pick_options, options.place, seed, told);
+          robot, object, *target, fixture, pick_options, options.place_options(), seed, told);
       trial.result = std::move(course.picked);
       trial.place = std::move(course.place);
-      trial.means = std::move(course.means);
+      trial.strategy = std::move(course.strategy);
     } else {
       trial.result = skills::pick(robot, object, pick_options, seed, told);
     }

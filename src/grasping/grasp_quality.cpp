@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
+#include "grasping/force_closure.hpp"
 #include "grasping/wrench_space.hpp"
 #include "palpate/core/error.hpp"
-#include "palpate/grasping/force_closure.hpp"
 
 namespace palpate::grasping {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/hand/finger_reading.hpp"
+#include "hand/finger_reading.hpp"
 
 namespace palpate::hand {
 namespace {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <numbers>
 
 #include "localization/likelihood/check_evidence.hpp"
 #include "localization/likelihood/energy_maker.hpp"
@@ -11,12 +10,12 @@
 #include "localization/search/descent.hpp"
 #include "localization/search/pose_family.hpp"
 #include "localization/search/proposal.hpp"
+#include "palpate/core/angle.hpp"
 #include "palpate/localization/localizer.hpp"
 
 namespace palpate::localization {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr PoseTolerance kLoose{1.7 * kDegree,
                                0.0033};  // a standard deviation: a third of the tolerance
 constexpr int kMinStarts = 3;            // that must have led to the best pose

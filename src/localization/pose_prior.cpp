@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "localization/search/pose_family.hpp"
+#include "palpate/core/angle.hpp"
 #include "palpate/core/error.hpp"
 
 namespace palpate::localization {
@@ -16,7 +17,6 @@ namespace {
 
 using std::numbers::pi;
 
-constexpr double kDegree = pi / 180;
 constexpr double kSpacing = 5 * kDegree;  // of components along a free axis, at most
 constexpr double kMinRotation = 0.5 * kDegree;
 constexpr double kMinTranslation = 0.0005;  // m

@@ -122,8 +122,8 @@ std::vector<Coordinates> vertices(const Chart& chart, og::PathGeometric& path) {
   std::vector<Coordinates> result;
   for (const ob::State* state : path.getStates()) {
     const Coordinates vertex = chart.configuration(state);
-    constexpr double kSame = 1e-9;  // m of path
-    if (result.empty() || distance(result.back(), vertex) > kSame) result.push_back(vertex);
+    constexpr double kSamePath = 1e-9;  // m of path
+    if (result.empty() || distance(result.back(), vertex) > kSamePath) result.push_back(vertex);
   }
   return result;
 }

@@ -12,7 +12,7 @@ using nlohmann::json;
 
 constexpr double kUsualLinkError = 0.002;  // m, of recordings that do not say
 
-constexpr double kRounding = 1e-9;
+constexpr double kHeaderRounding = 1e-9;
 
 double radius_from_json(const json& part) {
   return plausible_from_json(part.at("radius"), 0, kMaxRadius, "a radius");
@@ -59,7 +59,8 @@ geometry::KnownObject object_from_json(const json& j) {
     object.stable_poses.push_back(
         {rotation_from_json(stable_pose.at("R_table_object")),
          plausible_from_json(stable_pose.at("height"), 0, kMaxLength, "a height"),
-         plausible_from_json(stable_pose.at("probability"), 0, 1 + kRounding, "a probability")});
+         plausible_from_json(stable_pose.at("probability"), 0, 1 + kHeaderRounding,
+                             "a probability")});
   }
   for (const auto& R : j.at("symmetries")) {
     object.symmetries.push_back(rotation_from_json(R));

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "palpate/core/angle.hpp"
 #include "recording/matrix_json.hpp"
 #include "recording/page_data.hpp"
 
@@ -14,8 +15,6 @@ namespace palpate::recording {
 namespace {
 
 using nlohmann::json;
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 /// Phases in order; one that never ended lasts to the last frame.
 json phases_to_json(const Recording& recording) {
@@ -131,7 +130,7 @@ void add_errors(const PoseModeRecord& mode, const Eigen::Isometry3d& truth,
   }
 }
 
-json mode_to_json(const PoseModeRecord& mode) {
+json mode_with_sigmas(const PoseModeRecord& mode) {
   const auto sigma = [&](int block) {
     return std::sqrt(std::max(0.0, mode.covariance.diagonal().segment<3>(block).mean()));
   };
@@ -151,7 +150,7 @@ json estimate_to_json(const EstimateRecord& estimate, const Recording& recording
   json modes = json::array(), contacts = json::array();
   const FrameTruth* truth = truth_at(recording.frames, estimate.time);
   for (const auto& mode : estimate.modes) {
-    modes.push_back(mode_to_json(mode));
+    modes.push_back(mode_with_sigmas(mode));
     if (!truth) continue;
     add_errors(mode, truth->T_world_object, recording.header.object.symmetries, modes.back());
   }

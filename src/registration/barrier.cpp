@@ -7,15 +7,15 @@
 namespace palpate::registration {
 namespace {
 
-constexpr int kVariables = kFreeMultipliers + 1;  // the last is sigma
-using Variables = Eigen::Matrix<double, kVariables, 1>;
+constexpr int kBarrierVariables = kFreeMultipliers + 1;  // the last is sigma
+using BarrierVariables = Eigen::Matrix<double, kBarrierVariables, 1>;
 
 bool positive_definite(const Matrix9d& S) {
   return Eigen::LLT<Matrix9d>(S).info() == Eigen::Success;
 }
 
 /// Z9 + sum x_j B_j + x_sigma I
-Matrix9d combined(const Matrix9d& Z9, const Variables& x) {
+Matrix9d combined(const Matrix9d& Z9, const BarrierVariables& x) {
   const auto& basis = constraint_basis();
   Matrix9d S = Z9 + smat<9>(basis.free_compressed * x.head<kFreeMultipliers>());
   S.diagonal().array() += x[kFreeMultipliers];
@@ -23,7 +23,7 @@ Matrix9d combined(const Matrix9d& Z9, const Variables& x) {
 }
 
 struct NewtonStep {
-  Variables direction;
+  BarrierVariables direction;
   double decrement = 0;
 };
 
@@ -32,9 +32,9 @@ NewtonStep newton_step(const Matrix9d& F, double t) {
   const auto& basis = constraint_basis();
   const Eigen::LLT<Matrix9d> cholesky(F);
   const Matrix9d inverse = cholesky.matrixL().solve(Matrix9d::Identity());
-  Eigen::Matrix<double, 45, kVariables> W;
-  Variables gradient;
-  for (int j = 0; j < kVariables; ++j) {
+  Eigen::Matrix<double, 45, kBarrierVariables> W;
+  BarrierVariables gradient;
+  for (int j = 0; j < kBarrierVariables; ++j) {
     Matrix9d w = inverse;
     if (j < kFreeMultipliers) {
       w.noalias() =
@@ -45,7 +45,7 @@ NewtonStep newton_step(const Matrix9d& F, double t) {
     gradient[j] = -whitened.trace();
   }
   gradient[kFreeMultipliers] += t;
-  const Eigen::Matrix<double, kVariables, kVariables> hessian = W.transpose() * W;
+  const Eigen::Matrix<double, kBarrierVariables, kBarrierVariables> hessian = W.transpose() * W;
   NewtonStep step;
   step.direction = -hessian.ldlt().solve(gradient);
   step.decrement = std::sqrt(std::max(0.0, -gradient.dot(step.direction)));
@@ -58,7 +58,7 @@ BarrierResult find_multipliers(const Matrix9d& Z9, double tolerance, int max_ste
   constexpr double kGrowth = 6, kCentred = 0.5;
   const double least =
       Eigen::SelfAdjointEigenSolver<Matrix9d>(Z9, Eigen::EigenvaluesOnly).eigenvalues()[0];
-  Variables x = Variables::Zero();
+  BarrierVariables x = BarrierVariables::Zero();
   double& sigma = x[kFreeMultipliers];
   sigma = 1.5 * std::abs(least) + 1e-3 * Z9.norm() + tolerance;
   double t = 1 / sigma;
@@ -75,7 +75,7 @@ BarrierResult find_multipliers(const Matrix9d& Z9, double tolerance, int max_ste
       length *= 0.5;
     }
     x += length * step.direction;
-    Variables shifted = x;
+    BarrierVariables shifted = x;
     shifted[kFreeMultipliers] = tolerance;
     result.feasible = positive_definite(combined(Z9, shifted));
     if (result.feasible) break;

@@ -41,7 +41,7 @@ FeatureCloud turned_inside_out(FeatureCloud described, double voxel,
 /// stays.
 void match_features(FeatureCloud from, const FeatureCloud& to, const CloudOptions& options,
                     CloudRegistration& registration) {
-  constexpr double kClear = 1e-30;  // false alarms
+  constexpr double kClearFalseAlarms = 1e-30;  // false alarms
   RegistrationOptions search = options.registration;
   search.noise_bound = registration.noise_bound;
   search.primitive = Primitive::kPoint;
@@ -60,7 +60,7 @@ void match_features(FeatureCloud from, const FeatureCloud& to, const CloudOption
       registration.correspondences = std::move(matches);
       registration.result = std::move(found);
     }
-    if (registration.result.false_alarms < kClear) break;
+    if (registration.result.false_alarms < kClearFalseAlarms) break;
   }
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/registration/dual_sdp.hpp"
+#include "registration/dual_sdp.hpp"
 
 #include <fmt/format.h>
 
@@ -16,19 +16,19 @@
 namespace palpate::registration {
 namespace {
 
-constexpr int kHomogeneous = 20;              // independent constraints r~' A r~ = 0
-constexpr int kVariables = kHomogeneous + 1;  // the last is gamma
-using Variables = Eigen::Matrix<double, kVariables, 1>;
+constexpr int kHomogeneous = 20;                  // independent constraints r~' A r~ = 0
+constexpr int kDualVariables = kHomogeneous + 1;  // the last is gamma
+using DualVariables = Eigen::Matrix<double, kDualVariables, 1>;
 
 /// What each variable multiplies in Z, as svec columns: an orthonormal basis, then -e e'.
-const Eigen::Matrix<double, 55, kVariables>& directions() {
-  static const Eigen::Matrix<double, 55, kVariables> result = [] {
+const Eigen::Matrix<double, 55, kDualVariables>& directions() {
+  static const Eigen::Matrix<double, 55, kDualVariables> result = [] {
     const auto constraints = rotation_constraints();
     Eigen::MatrixXd homogeneous(55, static_cast<Eigen::Index>(constraints.size()) - 1);
     for (Eigen::Index k = 0; k < homogeneous.cols(); ++k) {
       homogeneous.col(k) = svec<10>(constraints[static_cast<std::size_t>(k)]);
     }
-    Eigen::Matrix<double, 55, kVariables> columns;
+    Eigen::Matrix<double, 55, kDualVariables> columns;
     columns.leftCols<kHomogeneous>() =
         Eigen::JacobiSVD<Eigen::MatrixXd>(homogeneous, Eigen::ComputeThinU)
             .matrixU()
@@ -43,25 +43,25 @@ const Eigen::Matrix<double, 55, kVariables>& directions() {
 class Barrier {
  public:
   explicit Barrier(const Matrix10d& Q) : Q_(Q) {
-    for (int k = 0; k < kVariables; ++k) {
+    for (int k = 0; k < kDualVariables; ++k) {
       matrices_[static_cast<std::size_t>(k)] = smat<10>(directions().col(k));
     }
   }
 
-  Matrix10d Z(const Variables& x) const { return Q_ + smat<10>(directions() * x); }
+  Matrix10d Z(const DualVariables& x) const { return Q_ + smat<10>(directions() * x); }
 
   /// Strictly feasible: the norms of the columns, less 3 y^2, lift the rotation's block, and a low
   /// gamma lifts what is left.
-  Variables start() const {
+  DualVariables start() const {
     const double lift = 1 + Q_.norm();
     Matrix10d norms = Matrix10d::Zero();
     norms.diagonal() << Eigen::Matrix<double, 9, 1>::Ones(), -3;
-    Variables x = lift * directions().transpose() * svec<10>(norms);
+    DualVariables x = lift * directions().transpose() * svec<10>(norms);
     x[kHomogeneous] = -3 * lift - 2 * Q_.norm() - 1;
     return x;
   }
 
-  double value(const Variables& x, double t) const {
+  double value(const DualVariables& x, double t) const {
     const Eigen::LLT<Matrix10d> cholesky(Z(x));
     if (cholesky.info() != Eigen::Success) return std::numeric_limits<double>::infinity();
     const Matrix10d L = cholesky.matrixL();
@@ -69,34 +69,34 @@ class Barrier {
   }
 
   struct Newton {
-    Variables direction;
+    DualVariables direction;
     double squared_decrement;
   };
 
-  Newton newton(const Variables& x, double t) const {
+  Newton newton(const DualVariables& x, double t) const {
     const Eigen::LLT<Matrix10d> cholesky(Z(x));
     const Matrix10d inverse = cholesky.matrixL().solve(Matrix10d::Identity());
-    Eigen::Matrix<double, 55, kVariables> W;
-    Variables gradient;
-    for (int k = 0; k < kVariables; ++k) {
+    Eigen::Matrix<double, 55, kDualVariables> W;
+    DualVariables gradient;
+    for (int k = 0; k < kDualVariables; ++k) {
       const Matrix10d whitened =
           inverse * matrices_[static_cast<std::size_t>(k)] * inverse.transpose();
       W.col(k) = svec<10>(whitened);
       gradient[k] = -whitened.trace();
     }
     gradient[kHomogeneous] -= t;
-    const Eigen::Matrix<double, kVariables, kVariables> hessian = W.transpose() * W;
-    const Variables direction = -hessian.ldlt().solve(gradient);
+    const Eigen::Matrix<double, kDualVariables, kDualVariables> hessian = W.transpose() * W;
+    const DualVariables direction = -hessian.ldlt().solve(gradient);
     return {direction, -gradient.dot(direction)};
   }
 
  private:
   const Matrix10d& Q_;
-  std::array<Matrix10d, kVariables> matrices_;
+  std::array<Matrix10d, kDualVariables> matrices_;
 };
 
 /// Newton steps to the central path at t. @return whether it was reached
-bool center(const Barrier& barrier, double t, Variables& x, int& steps) {
+bool center(const Barrier& barrier, double t, DualVariables& x, int& steps) {
   constexpr int kMaxSteps = 60;
   constexpr double kCentred = 1e-5, kSlope = 0.1;
   for (int k = 0; k < kMaxSteps; ++k) {
@@ -139,11 +139,11 @@ DualSolution solve_dual(const Matrix10d& objective, double relative_gap) {
   }
   const Matrix10d Q = objective / scale;
   const Barrier barrier(Q);
-  Variables x = barrier.start();
+  DualVariables x = barrier.start();
   double t = 0.1;
   bool centred = center(barrier, t, x, solution.steps);
   while (centred && kDimension / t > relative_gap) {
-    Variables next = x;
+    DualVariables next = x;
     const double larger = kGrowth * t;
     centred = center(barrier, larger, next, solution.steps);
     if (!centred) break;

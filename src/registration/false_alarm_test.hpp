@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "palpate/core/random.hpp"
-#include "palpate/registration/false_alarms.hpp"
+#include "registration/false_alarms.hpp"
 #include "registration/pairing_rates.hpp"
 #include "registration/scorer.hpp"
 

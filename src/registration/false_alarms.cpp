@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/registration/false_alarms.hpp"
+#include "registration/false_alarms.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "palpate/core/error.hpp"
-#include "palpate/registration/dual_sdp.hpp"
 #include "registration/certificate.hpp"
+#include "registration/dual_sdp.hpp"
 #include "registration/nearest_rotation.hpp"
 
 namespace palpate::registration {

@@ -8,11 +8,11 @@
 #include "estimation/mean_load.hpp"
 #include "palpate/core/gravity.hpp"
 #include "palpate/skills/explore/explore_phase.hpp"
-#include "palpate/skills/grasp/pose_phase.hpp"
-#include "palpate/skills/grasp/release_phase.hpp"
 #include "palpate/skills/grasp/track_phase.hpp"
 #include "palpate/skills/place/place_phase.hpp"
 #include "palpate/skills/probe/probe_phase.hpp"
+#include "skills/grasp/pose_phase.hpp"
+#include "skills/grasp/release_phase.hpp"
 #include "skills/phase_sequence.hpp"
 
 namespace palpate::skills {
@@ -84,7 +84,7 @@ class Picking {
 
   /// Holds and lifts the object, from other sides too while that tells more of its pose.
   bool attempt() {
-    if (!sequence_.run(HeightProbePhase(options_.feel))) return false;
+    if (!sequence_.run(HeightProbePhase(options_.height_probe))) return false;
     if (result_.fallen) robot_.mark(estimation::TouchEvent::fallen);
     explore();
     GraspChooser choose = choose_;
@@ -103,7 +103,7 @@ class Picking {
   /// Without a pose to aim by, the grasp goes for the rough place.
   void explore() {
     if (options_.explore.touches == 0) return;
-    sequence_.run(ExplorePhase(object_, options_.explore, options_.locate, seed_));
+    sequence_.run(ExplorePhase(object_, options_.explore, options_.estimation, seed_));
   }
 
   void estimate_closed() {
@@ -112,7 +112,7 @@ class Picking {
     result_.before_lift.reset();
     if (!options_.estimate_before_lift ||
         !sequence_.run(
-            PosePhase(object_, options_.locate, seed_, estimation::TouchEvent::closed))) {
+            PosePhase(object_, options_.estimation, seed_, estimation::TouchEvent::closed))) {
       return;
     }
     result_.before_probe = state_.estimate;
@@ -124,19 +124,19 @@ class Picking {
   bool estimate_held() {
     result_.tracked.reset();
     if (result_.before_lift &&
-        sequence_.run(TrackPhase(object_, options_.track, options_.locate.errors, seed_))) {
+        sequence_.run(TrackPhase(object_, options_.track, options_.estimation.errors, seed_))) {
       result_.tracked = state_.tracked;
     }
-    if (!sequence_.run(PosePhase(object_, options_.locate, seed_))) return true;
-    const bool in_doubt = state_.estimate.posterior.modes[0].weight <= options_.probe.certain;
+    if (!sequence_.run(PosePhase(object_, options_.estimation, seed_))) return true;
+    const bool in_doubt = state_.estimate.posterior.modes[0].weight <= options_.palpation.certain;
     return !in_doubt || probe(estimation::TouchEvent::held);
   }
 
   /// @return whether the object is still held, as far as was felt
   bool probe(estimation::TouchEvent instant) {
-    if (options_.probe.none()) return true;
-    return sequence_.run(
-        PalpationPhase(object_, options_.probe, options_.locate, options_.grasp, seed_, instant));
+    if (options_.palpation.none()) return true;
+    return sequence_.run(PalpationPhase(object_, options_.palpation, options_.estimation,
+                                        options_.grasp, seed_, instant));
   }
 
   /// Lets go of the object where it was grasped.
@@ -156,7 +156,7 @@ class Picking {
         !sequence_.run(WithdrawPhase(options_.withdraw, weight(), estimation::TouchEvent::opened)))
       return false;
     state_.resting = estimation::estimate_resting_pose(object_, robot_.model(), robot_.log(),
-                                                       options_.locate, seed_);
+                                                       options_.estimation, seed_);
     if (state_.resting->modes.empty()) state_.resting.reset();
     ++result_.regrasps;
     return true;

@@ -70,7 +70,7 @@ class Output(CliTest):
                          sorted(path.name for path in (self.folder / "whole").iterdir()))
 
         rows = self.read("part/trials.csv")
-        other = [*EVAL, "--out", "part", "--set", "lift.way=0.11"]
+        other = [*EVAL, "--out", "part", "--set", "lift.height=0.11"]
         self.assert_refused(BAD_INPUT, other, "trials.jsonl", "--force")
         self.assertEqual(self.read("part/trials.csv"), rows)
         self.assert_refused(BAD_INPUT, [*EVAL, "--out", "none", "--resume"], "none")

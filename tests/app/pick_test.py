@@ -59,26 +59,26 @@ class BadInput(CliTest):
         self.assert_bad_object(name, "80 x 60 x 50 m", "millimetres")
 
     def test_unknown_key_is_suggested(self):
-        self.assert_bad_option(["--set", "lift.wey=0.1"], "lift.wey", "lift.way")
+        self.assert_bad_option(["--set", "lift.heigth=0.1"], "lift.heigth", "lift.height")
 
     def test_value_out_of_range(self):
-        self.assert_bad_option(["--set", "lift.way=7"], "lift.way", "7")
+        self.assert_bad_option(["--set", "lift.height=7"], "lift.height", "7")
 
     def test_unknown_source_of_contacts(self):
         self.assert_bad_option(["--set", "touch.source=skin"], "touch.source", "skin")
 
     def test_value_that_is_no_number(self):
-        self.assert_bad_option(["--set", "lift.way=high"], "lift.way", "high")
-        self.assert_bad_option(["--set", "lift.way=nan"], "lift.way", "nan")
+        self.assert_bad_option(["--set", "lift.height=high"], "lift.height", "high")
+        self.assert_bad_option(["--set", "lift.height=nan"], "lift.height", "nan")
 
     def test_assignment_without_value(self):
-        self.assert_bad_option(["--set", "lift.way"], "lift.way")
+        self.assert_bad_option(["--set", "lift.height"], "lift.height")
 
     def test_bad_toml_has_its_line(self):
         name = self.write("bad.toml", "attempts = 2\n[lift\nway = 0.1\n")
         self.assert_bad_option(["--config", name], "bad.toml", "2")
         name = self.write("key.toml", "attempts = 2\n\n[lift]\nwey = 0.1\n")
-        self.assert_bad_option(["--config", name], "key.toml", "lift.wey")
+        self.assert_bad_option(["--config", name], "key.toml", "lift.heigth")
         self.assert_bad_option(["--config", "missing.toml"], "missing.toml")
 
     def test_folder_that_cannot_be_made(self):
@@ -102,7 +102,7 @@ class Results(CliTest):
         self.assertEqual(json.loads((self.folder / "run/report.json").read_text()), report)
         self.assertIn("<html", (self.folder / "run/replay.html").read_text()[:1000].lower())
 
-        replay = self.run_json("replay", "--set", "lift.way=0.1", "run/recording.h5")
+        replay = self.run_json("replay", "--set", "lift.height=0.1", "run/recording.h5")
         poses = [(mode["T_world_object"], mode["weight"]) for mode in replay["modes"]]
         picked = report["estimate"]["modes"]
         self.assertEqual(poses, [(mode["T_world_object"], mode["weight"]) for mode in picked])

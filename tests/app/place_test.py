@@ -79,7 +79,7 @@ class Results(CliTest):
     def test_the_fingers_are_reported(self):
         report = self.run_json(
             "pick", "--object", "box", "--place", "0.15,0.1,0.5", "--seed", "7", "--out", "run",
-            "--set", "place.strategy=fingers", "--set", "place.fingers.reorient.sampling.samples=4",
+            "--set", "place.strategy=fingers", "--set", "expert.place.fingers.reorient.sampling.samples=4",
             *QUICK)  # fmt: skip
         names = [phase["name"] for phase in report["phases"]]
         self.assertIn("turn", names)

@@ -50,6 +50,14 @@ class Options(CliTest):
                 self.assertEqual(sorted(option), ["default", "help", "key", "range", "type"])
                 self.assertNotEqual(option["help"], "", option["key"])
 
+    def test_experts_are_listed_on_demand_and_those_of_a_pick_are_few_enough_to_read(self):
+        keys = [option["key"] for option in self.run_json("options", "pick")["options"]]
+        self.assertLessEqual(len(keys), 100)
+        self.assertFalse([key for key in keys if key.startswith("expert.")])
+        every = [o["key"] for o in self.run_json("options", "pick", "--expert")["options"]]
+        self.assertEqual(every[: len(keys)], keys)
+        self.assertTrue(all(key.startswith("expert.") for key in every[len(keys) :]))
+
     def test_text_and_a_command_without_options(self):
         done = self.run_program("options")
         self.assertEqual(done.returncode, DONE)

@@ -71,6 +71,18 @@ struct Renewed {
   }
 };
 
+struct WithExperts {
+  double speed = 0.1, settle = 0.5;
+  Lift inner;
+
+  template <class Visitor>
+  void visit(Visitor&& v) {
+    v.expert("settle", settle, 0.0, 10.0, "s of rest");
+    v("speed", speed, 0.0, 1.0, "m/s");
+    v.expert_section("inner", inner);
+  }
+};
+
 std::string toml_error(std::string_view text, Pick options = {}) {
   return error_message([&] { parse_toml(text, "run.toml", options); });
 }
@@ -251,6 +263,35 @@ TEST(Options, AnEarlierNameIsReadWhereItIsAccepted) {
   EXPECT_EQ(options.estimation.window, 1);
   EXPECT_EQ(options.explore.max_touches, 3);
   EXPECT_THROW(parse_toml("[locate]\nwidow = 1", "old.h5", options, Renamed::accepted), BadInput);
+}
+
+TEST(Options, ExpertsHaveASectionOfTheirOwnBehindTheOthers) {
+  const auto options = list_options(WithExperts{});
+  ASSERT_EQ(options.size(), 4u);
+  EXPECT_EQ(options[0].key, "speed");
+  EXPECT_EQ(options[1].key, "expert.settle");
+  EXPECT_EQ(options[2].key, "expert.inner.way");
+}
+
+TEST(Options, ExpertsAreSetInTheirSection) {
+  WithExperts options;
+  apply_setting("expert.settle=2", options);
+  parse_toml("[expert.inner]\nspeed = 0.2", "run.toml", options);
+  EXPECT_EQ(options.settle, 2);
+  EXPECT_EQ(options.inner.speed, 0.2);
+  WithExperts again;
+  parse_toml(to_toml(options), "run.toml", again);
+  EXPECT_EQ(to_toml(again), to_toml(options));
+}
+
+TEST(Options, AnExpertsEarlierNameIsAnErrorThatSaysTheNewOne) {
+  WithExperts options;
+  EXPECT_EQ(error_message([&] { apply_setting("settle=2", options); }),
+            "option settle is now expert.settle");
+  EXPECT_EQ(error_message([&] { parse_toml("[inner]\nway = 0.2", "run.toml", options); }),
+            "run.toml:2: option inner.way is now expert.inner.way");
+  parse_toml("[inner]\nway = 0.2", "old.h5", options, Renamed::accepted);
+  EXPECT_EQ(options.inner.way, 0.2);
 }
 
 }  // namespace

@@ -4,11 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <limits>
-#include <numbers>
 #include <unsupported/Eigen/MatrixFunctions>
 #include <vector>
 
 #include "core/error_message.hpp"
+#include "palpate/core/angle.hpp"
 #include "palpate/core/random.hpp"
 
 namespace palpate {
@@ -16,7 +16,6 @@ namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-constexpr double kPi = std::numbers::pi;
 
 /// Angles (rad) from nothing to pi, dense where formulas lose digits.
 std::vector<double> angles() {

@@ -19,10 +19,10 @@ struct PickedBox {
     evaluation::TrialOptions options;
     options.pick.explore.touches = options.pick.explore.max_touches = 4;
     options.pick.lift.hold = 0.3;
-    options.pick.locate.search.proposals = 20000;
-    options.pick.locate.search.particles = 400;
+    options.pick.estimation.search.proposals = 20000;
+    options.pick.estimation.search.particles = 400;
     options.start.stable_pose = 0;
-    locate_options = options.pick.locate;
+    locate_options = options.pick.estimation;
     simulation::World world(object.object(), options.world, kSeed);
     world.reset(evaluation::draw_start(object.object(), options.start, kSeed),
                 evaluation::waiting_command());

@@ -66,7 +66,7 @@ TEST_F(OnlineTrackerTest, AnEstimateIsThereOnePeriodLater) {
   options.estimate = true;
   options.fingers = 1;
   options.period = 0.05;
-  options.locate.free_space = false;
+  options.estimation.free_space = false;
   options.turn_sigma = 0.02;
   options.way_sigma = 0.004;
   OnlineTracker felt(object, hand, at({0, 0, 0.05}), options, 1);

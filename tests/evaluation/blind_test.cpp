@@ -54,16 +54,16 @@ PhaseSequence expect_blind(const char* name, const TrialOptions& options) {
 
 TEST(Blind, PlacingOnASpotDoesNotSeeTheTruth) {
   const auto course = expect_blind("box", quick_place_options());
-  EXPECT_EQ(course.trial.means.means, skills::PlaceStrategy::wrist);
+  EXPECT_EQ(course.trial.strategy.strategy, skills::PlaceStrategy::wrist);
   EXPECT_TRUE(course.trial.place_metrics.placed);
 }
 
 TEST(Blind, TurningByTheFingersDoesNotSeeTheTruth) {
   TrialOptions options = quick_place_options();
-  options.place.means = "fingers";
+  options.place.strategy = "fingers";
   options.place.fingers.reorient.sampling.samples = 4;
   const auto course = expect_blind("box", options);
-  EXPECT_EQ(course.trial.means.means, skills::PlaceStrategy::fingers);
+  EXPECT_EQ(course.trial.strategy.strategy, skills::PlaceStrategy::fingers);
 }
 
 TEST(Blind, RegraspingDoesNotSeeTheTruth) {
@@ -71,9 +71,9 @@ TEST(Blind, RegraspingDoesNotSeeTheTruth) {
   options.start.stable_pose = 1;
   options.place.target = "stable_pose";
   options.place.stable_pose = 4;
-  options.place.means = "regrasp";
+  options.place.strategy = "regrasp";
   const auto course = expect_blind("box", options);
-  EXPECT_EQ(course.trial.means.means, skills::PlaceStrategy::regrasp);
+  EXPECT_EQ(course.trial.strategy.strategy, skills::PlaceStrategy::regrasp);
 }
 
 }  // namespace

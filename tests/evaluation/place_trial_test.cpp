@@ -23,8 +23,8 @@ TEST(PlaceTrial, PutsTheBoxDownAtItsTarget) {
   ASSERT_TRUE(trial.place);
   EXPECT_EQ(trial.place->status, skills::PlaceStatus::placed) << trial.place->phases.back().outcome;
   EXPECT_FALSE(trial.place_metrics.dropped);
-  EXPECT_EQ(trial.means.means, skills::PlaceStrategy::wrist);
-  EXPECT_EQ(trial.means.reason.rfind("one hold: ", 0), 0u) << trial.means.reason;
+  EXPECT_EQ(trial.strategy.strategy, skills::PlaceStrategy::wrist);
+  EXPECT_EQ(trial.strategy.reason.rfind("one hold: ", 0), 0u) << trial.strategy.reason;
   EXPECT_TRUE(trial.place->T_world_placed);
   EXPECT_LT(trial.place_metrics.error.translation, 0.03);
   const auto target = localization::pose_error(
@@ -75,7 +75,7 @@ TEST(PlaceTrial, WhatMayBeTurnedOverIsHeldFirmer) {
 
 TEST(PlaceTrial, WhatIsShakenOutOfTheHandIsDropped) {
   TrialOptions options = quick_place_options();
-  options.place.means = "wrist";
+  options.place.strategy = "wrist";
   auto& limits = options.place.transport.plan.limits;
   limits.base_speed = limits.turn_speed = 10;
   limits.base_acceleration = limits.turn_acceleration = 100;
@@ -138,18 +138,18 @@ TEST(PlaceTrial, GraspsAnewWhatOneHoldCannotStandUp) {
   const auto trial = run_trial(bottle, options, 34);
   ASSERT_TRUE(trial.result.held);
   ASSERT_TRUE(trial.place);
-  EXPECT_EQ(trial.means.means, skills::PlaceStrategy::regrasp);
-  EXPECT_NE(trial.means.reason.find("unreachable"), std::string::npos) << trial.means.reason;
-  ASSERT_FALSE(trial.means.rounds.empty());
-  EXPECT_FALSE(trial.means.rounds[0].plan.considered.empty());
+  EXPECT_EQ(trial.strategy.strategy, skills::PlaceStrategy::regrasp);
+  EXPECT_NE(trial.strategy.reason.find("unreachable"), std::string::npos) << trial.strategy.reason;
+  ASSERT_FALSE(trial.strategy.rounds.empty());
+  EXPECT_FALSE(trial.strategy.rounds[0].plan.considered.empty());
   // The phases of all rounds, but those of the last placing are its own.
   const auto& before = trial.result.phases;
-  EXPECT_EQ(count(before, "lift"), 1 + trial.means.rounds.size());
-  EXPECT_EQ(count(before, "aim"), trial.means.rounds.size());
+  EXPECT_EQ(count(before, "lift"), 1 + trial.strategy.rounds.size());
+  EXPECT_EQ(count(before, "aim"), trial.strategy.rounds.size());
   EXPECT_GE(count(before, "put-back"), 1u);
   EXPECT_EQ(count(trial.place->phases, "aim"), 1u);
   EXPECT_EQ(trial.place->status, skills::PlaceStatus::placed) << trial.place->phases.back().outcome;
-  EXPECT_EQ(trial.means.regrasp, skills::RegraspStatus::done);
+  EXPECT_EQ(trial.strategy.regrasp, skills::RegraspStatus::done);
   // Judged against the target itself: the bottle stands, and stands there.
   const Eigen::Matrix3d upright = trial.place_metrics.T_world_target.linear();
   EXPECT_TRUE(upright.isIdentity());
@@ -159,16 +159,16 @@ TEST(PlaceTrial, GraspsAnewWhatOneHoldCannotStandUp) {
 
 TEST(PlaceTrial, TheFingersTakeAPartOfTheTurn) {
   TrialOptions options = quick_place_options();
-  options.place.means = "fingers";
+  options.place.strategy = "fingers";
   options.place.fingers.reorient.sampling.samples = 8;
   const auto trial = run_trial(box(), options, kSeed);
   ASSERT_TRUE(trial.place);
-  EXPECT_EQ(trial.means.means, skills::PlaceStrategy::fingers);
-  ASSERT_TRUE(trial.means.turn);
-  EXPECT_EQ(trial.means.reason, trial.means.turn->why);
-  EXPECT_NEAR(trial.means.turn->asked.norm(), options.place.fingers.most, 1e-9);
-  EXPECT_GT(trial.means.turn->base_turn, trial.means.turn->asked.norm());
-  EXPECT_GT(trial.means.turn->result.rollouts, 0);
+  EXPECT_EQ(trial.strategy.strategy, skills::PlaceStrategy::fingers);
+  ASSERT_TRUE(trial.strategy.turn);
+  EXPECT_EQ(trial.strategy.reason, trial.strategy.turn->why);
+  EXPECT_NEAR(trial.strategy.turn->asked.norm(), options.place.fingers.max, 1e-9);
+  EXPECT_GT(trial.strategy.turn->base_turn, trial.strategy.turn->asked.norm());
+  EXPECT_GT(trial.strategy.turn->result.rollouts, 0);
   EXPECT_EQ(count(trial.place->phases, "turn"), 1u);
   EXPECT_EQ(trial.place->status, skills::PlaceStatus::placed) << trial.place->phases.back().outcome;
   EXPECT_FALSE(trial.place_metrics.dropped);
@@ -177,20 +177,20 @@ TEST(PlaceTrial, TheFingersTakeAPartOfTheTurn) {
 
 TEST(PlaceTrial, WhatTheBaseTurnsByLittleIsNoWorkForTheFingers) {
   TrialOptions options = quick_place_options();
-  options.place.means = "fingers";
-  options.place.fingers.least = 1.0;  // more than `most`: always too little
+  options.place.strategy = "fingers";
+  options.place.fingers.min = 1.0;  // more than `max`: always too little
   const auto trial = run_trial(box(), options, kSeed);
   ASSERT_TRUE(trial.place);
-  EXPECT_EQ(trial.means.means, skills::PlaceStrategy::wrist);
-  EXPECT_FALSE(trial.means.turn);
-  EXPECT_NE(trial.means.reason.find("nothing for the fingers"), std::string::npos)
-      << trial.means.reason;
+  EXPECT_EQ(trial.strategy.strategy, skills::PlaceStrategy::wrist);
+  EXPECT_FALSE(trial.strategy.turn);
+  EXPECT_NE(trial.strategy.reason.find("nothing for the fingers"), std::string::npos)
+      << trial.strategy.reason;
   EXPECT_EQ(count(trial.place->phases, "turn"), 0u);
 }
 
 TEST(PlaceTrial, MeansThatDoNotExistAreNamedBeforeAnythingMoves) {
   TrialOptions options = quick_place_options();
-  options.place.means = "throw";
+  options.place.strategy = "throw";
   bool moved = false;
   const skills::PhaseObserver observer = {[&](std::string_view, double) { moved = true; }, {}};
   try {

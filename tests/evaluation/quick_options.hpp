@@ -11,8 +11,8 @@ inline TrialOptions quick_place_options() {
   options.pick.calibrate.touches = 0;
   options.pick.explore.touches = options.pick.explore.max_touches = 4;
   options.pick.lift.hold = 0.5;
-  options.pick.locate.search.proposals = 20000;
-  options.pick.locate.search.particles = 400;
+  options.pick.estimation.search.proposals = 20000;
+  options.pick.estimation.search.particles = 400;
   options.start.stable_pose = 0;
   options.place.target = "0.15,0.1,0.5";
   // A quick search is sure of little.

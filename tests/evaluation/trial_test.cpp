@@ -28,12 +28,12 @@ TrialOptions quick_options() {
   TrialOptions options;
   options.pick.explore.touches = 4;
   options.pick.lift.hold = 0.5;
-  options.pick.probe.most = 2;
-  options.pick.probe.rolls = options.pick.probe.regrasps = 0;
-  options.pick.probe.certain = 1;  // probe whatever is known
-  options.pick.probe.min_gain_rate = 0;
-  options.pick.locate.search.proposals = 20000;
-  options.pick.locate.search.particles = 400;
+  options.pick.palpation.max = 2;
+  options.pick.palpation.rolls = options.pick.palpation.regrasps = 0;
+  options.pick.palpation.certain = 1;  // probe whatever is known
+  options.pick.palpation.min_gain_rate = 0;
+  options.pick.estimation.search.proposals = 20000;
+  options.pick.estimation.search.particles = 400;
   return options;
 }
 
@@ -145,24 +145,24 @@ TEST(Trial, RecordingAloneGivesThePicksPoseToTheLastBit) {
   ASSERT_GT(pick.trial.metrics.probes, 0);
 
   auto recording = recording::read_recording(folder.path() / "pick.h5");
-  expect_equal(pick.trial.result.estimate, replayed(recording, pick.options.pick.locate));
+  expect_equal(pick.trial.result.estimate, replayed(recording, pick.options.pick.estimation));
 
   forget_truth(recording);
-  expect_equal(pick.trial.result.estimate, replayed(recording, pick.options.pick.locate));
+  expect_equal(pick.trial.result.estimate, replayed(recording, pick.options.pick.estimation));
 
   recording::write_recording(folder.path() / "blind.h5", recording);
   const auto blind = recording::read_recording(folder.path() / "blind.h5");
   ASSERT_FALSE(blind.frames.empty());
   EXPECT_EQ(blind.frames.size(), recording.frames.size());
-  expect_equal(pick.trial.result.estimate, replayed(blind, pick.options.pick.locate));
+  expect_equal(pick.trial.result.estimate, replayed(blind, pick.options.pick.estimation));
 }
 
 TEST(Trial, GraspsAnewFromAnotherSideAndKeepsWhatItKnew) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "pick.h5";
   TrialOptions options = quick_options();
-  options.pick.probe.most = 0;
-  options.pick.probe.regrasps = 1;
+  options.pick.palpation.max = 0;
+  options.pick.palpation.regrasps = 1;
   const auto box = model("box");
   const simulation::World world(box.object(), options.world, kSeed);
   recording::Writer writer(path, {"1.2.3", kSeed, box.object(), world.hand_model(), ""});
@@ -174,14 +174,14 @@ TEST(Trial, GraspsAnewFromAnotherSideAndKeepsWhatItKnew) {
   const auto recording = recording::read_recording(path);
   const auto log = recording::event_log(recording);
   EXPECT_TRUE(log.before_opening());
-  expect_equal(trial.result.estimate, replayed(recording, options.pick.locate));
+  expect_equal(trial.result.estimate, replayed(recording, options.pick.estimation));
 }
 
 TEST(Trial, PutsDownWhatHangsToGraspItAnew) {
   TrialOptions options = quick_options();
   options.pick.estimate_before_lift = false;
-  options.pick.probe.most = 0;
-  options.pick.probe.regrasps = 1;
+  options.pick.palpation.max = 0;
+  options.pick.palpation.regrasps = 1;
   const Trial trial = run_trial(model("box"), options, kSeed);
   EXPECT_EQ(trial.result.regrasps, 1);
   EXPECT_TRUE(trial.metrics.lifted);
@@ -195,8 +195,8 @@ TEST(Trial, PutsDownWhatHangsToGraspItAnew) {
 
 TEST(Trial, RollsTheObjectAsideAndBack) {
   TrialOptions options = quick_options();
-  options.pick.probe.most = 0;
-  options.pick.probe.rolls = 1;
+  options.pick.palpation.max = 0;
+  options.pick.palpation.rolls = 1;
   const Trial trial = run_trial(model("bunny"), options, kSeed + 1);
   EXPECT_TRUE(trial.metrics.lifted);
   const auto& phases = trial.result.phases;
@@ -228,7 +228,7 @@ TEST(EventLog, KnowsTheMomentsSinceTheHandLetGo) {
 
 TEST(Trial, NoProbesWhereTheyAreSwitchedOff) {
   TrialOptions options = quick_options();
-  options.pick.probe.most = 0;
+  options.pick.palpation.max = 0;
   const Trial trial = run_trial(model("box"), options, kSeed);
   EXPECT_EQ(trial.metrics.probes, 0);
   for (const auto& phase : trial.result.phases) EXPECT_NE(phase.name, "probe");
@@ -275,11 +275,11 @@ TEST(TrialOptions, TheExampleOfAConfigurationNamesTheDefaults) {
 
 TEST(TouchOptions, SayHowFarInferredContactsMayBeOff) {
   TrialOptions options;
-  EXPECT_EQ(options.pick_options().locate.errors.point_floor,
+  EXPECT_EQ(options.pick_options().estimation.errors.point_floor,
             estimation::EstimationOptions().errors.point_floor);
   options.touch = {
       .source = "biotac", .biotac_point = 0.003, .biotac_normal = 0.4, .biotac_false = 0.07};
-  const estimation::EstimationOptions locate = options.pick_options().locate;
+  const estimation::EstimationOptions locate = options.pick_options().estimation;
   EXPECT_EQ(locate.errors.point_floor, 0.003);
   EXPECT_EQ(locate.errors.normal_floor, 0.4);
   EXPECT_EQ(locate.false_contacts, 0.07);

@@ -4,16 +4,14 @@
 #include <gtest/gtest.h>
 
 #include <map>
-#include <numbers>
 #include <utility>
 
+#include "palpate/core/angle.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/geometry/mesh/mass_properties.hpp"
 
 namespace palpate::geometry {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 /// Every edge belongs to two triangles that run along it in opposite directions.
 bool closed_and_consistent(const TriangleMesh& mesh) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/learning/demonstrations/pnp.hpp"
+#include "learning/demonstrations/pnp.hpp"
 
 #include <gtest/gtest.h>
 

@@ -2,12 +2,11 @@
 #include <gtest/gtest.h>
 
 #include "localization/searches.hpp"
+#include "palpate/core/angle.hpp"
 #include "palpate/localization/localizer.hpp"
 
 namespace palpate::localization {
 namespace {
-
-constexpr double kDegree = M_PI / 180;
 
 /// A mug that stands upright, touched round its side but for the half with the handle.
 Scene mug_without_handle() {

@@ -4,11 +4,10 @@
 #include <gtest/gtest.h>
 
 #include "localization/searches.hpp"
+#include "palpate/core/angle.hpp"
 
 namespace palpate::localization {
 namespace {
-
-constexpr double kDegree = M_PI / 180;
 
 double success_rate(const std::string& name, const SceneOptions& options, int scenes) {
   const geometry::ObjectModel& model = model_of(name);

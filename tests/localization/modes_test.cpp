@@ -3,13 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include "palpate/core/angle.hpp"
 #include "palpate/core/random.hpp"
 #include "palpate/core/se3.hpp"
 
 namespace palpate::localization {
 namespace {
 
-constexpr double kDegree = M_PI / 180;
 constexpr std::size_t kMost = 16;
 const PoseFamily::Symmetries kNone = {Eigen::Quaterniond::Identity()};
 

@@ -9,12 +9,11 @@
 #include "localization/likelihood/prior_term.hpp"
 #include "localization/scenes.hpp"
 #include "localization/search/proposal.hpp"
+#include "palpate/core/angle.hpp"
 #include "palpate/core/error.hpp"
 
 namespace palpate::localization {
 namespace {
-
-constexpr double kDegree = M_PI / 180;
 
 Matrix6d covariance_of(double rotation, double translation) {
   Vector6d variances;

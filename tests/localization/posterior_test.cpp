@@ -3,12 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include "palpate/core/angle.hpp"
 #include "palpate/core/random.hpp"
 
 namespace palpate::localization {
 namespace {
 
-constexpr double kDegree = M_PI / 180;
 const std::vector<Eigen::Matrix3d> kNone = {Eigen::Matrix3d::Identity()};
 
 Eigen::Isometry3d pose(const Eigen::Matrix3d& R, const Eigen::Vector3d& t) {

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# Installs the libraries, builds the example against what was installed, and runs it.
+# Installs, builds the example against what was installed, without what its component must not ask
+# for, and runs both, the program from where it does not find the checkout.
 set(work "${BUILD}/installed")
 file(REMOVE_RECURSE "${work}")
 
@@ -8,8 +9,22 @@ function(run)
 endfunction()
 
 run("${CMAKE_COMMAND}" --install "${BUILD}" --prefix "${work}/prefix")
+foreach(package MuJoCo CoACD OMPL NLopt HDF5 PNG nlohmann_json Boost)
+  list(APPEND without -DCMAKE_DISABLE_FIND_PACKAGE_${package}=ON)
+endforeach()
 run("${CMAKE_COMMAND}" -S "${SOURCE}/examples/library" -B "${work}/example" -G "${GENERATOR}"
-    "-DCMAKE_PREFIX_PATH=${work}/prefix" -DCMAKE_BUILD_TYPE=Release)
+    "-DCMAKE_PREFIX_PATH=${work}/prefix" -DCMAKE_BUILD_TYPE=Release ${without})
 run("${CMAKE_COMMAND}" --build "${work}/example")
 run("${work}/example/locate_by_touch")
-run("${work}/prefix/bin/palpate" --version)
+
+set(program "${work}/prefix/bin/palpate")
+execute_process(COMMAND ldd "${program}" OUTPUT_VARIABLE libraries COMMAND_ERROR_IS_FATAL ANY)
+string(REPLACE "${work}" "" libraries "${libraries}")
+if(libraries MATCHES "not found" OR libraries MATCHES "${SOURCE}")
+  message(FATAL_ERROR "the installed program needs libraries of the checkout:\n${libraries}")
+endif()
+execute_process(COMMAND "${program}" doctor --json OUTPUT_VARIABLE doctor COMMAND_ERROR_IS_FATAL ANY)
+string(FIND "${doctor}" "${work}/prefix/share/palpate/assets" found)
+if(found EQUAL -1)
+  message(FATAL_ERROR "the installed program does not read its own assets:\n${doctor}")
+endif()

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/registration/consistency_graph.hpp"
+#include "registration/consistency_graph.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/registration/dual_sdp.hpp"
+#include "registration/dual_sdp.hpp"
 
 #include <gtest/gtest.h>
 

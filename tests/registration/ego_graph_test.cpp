@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "palpate/registration/consistency_graph.hpp"
+#include "registration/consistency_graph.hpp"
 #include "registration/nearest_rotation.hpp"
 #include "registration/problems.hpp"
 

@@ -73,7 +73,7 @@ struct HeldBox {
 
   HeldBox() : object(geometry::load_known_object("box")), world(object.object(), {}, kSeed) {
     options.pick.calibrate = {};
-    options.place.means = "fingers";
+    options.place.strategy = "fingers";
     options.place.fingers.reorient.sampling.samples = 4;
     world.reset(evaluation::draw_start(object.object(), options.start, kSeed),
                 evaluation::waiting_command());
@@ -136,7 +136,7 @@ TEST(InHandReorientation, FingersThatAreAboutToLetGoPressAnew) {
   ASSERT_TRUE(scene.picked.held);
   InHandReorientationOptions options = scene.options.place.fingers;
   options.reorient.min_fingers = hand::kFingers + 1;  // more than there are
-  options.reorient.errors = scene.options.pick.locate.errors;
+  options.reorient.errors = scene.options.pick.estimation.errors;
   PickState state;
   state.estimate = scene.picked.estimate;
   InHandReorientation turn;

@@ -29,7 +29,7 @@ struct Lifting {
         }),
         robot(hand, model, {}) {}
 
-  double begin_hold() const { return options.way / options.speed + options.settle; }
+  double begin_hold() const { return options.height / options.speed + options.settle; }
   PhaseReport lift() {
     LiftPhase phase(options, kWeight);
     return run_phase(phase, robot, state);
@@ -54,7 +54,7 @@ TEST(LiftPhase, HoldsWhatHangsInTheHand) {
   const auto report = lifting.lift();
   EXPECT_EQ(report.status, PhaseStatus::ok) << report.outcome;
   EXPECT_EQ(report.outcome.substr(0, 5), "held:");
-  EXPECT_NEAR(lifting.robot.command().base.xyz.z(), lifting.options.way, 1e-12);
+  EXPECT_NEAR(lifting.robot.command().base.xyz.z(), lifting.options.height, 1e-12);
   EXPECT_NEAR(lifting.state.held_load, kWeight, 1e-12);
   EXPECT_EQ(lifting.robot.log().at(estimation::TouchEvent::held),
             lifting.robot.log().readings.size() - 1);

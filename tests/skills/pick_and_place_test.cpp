@@ -12,18 +12,18 @@ namespace palpate::skills {
 namespace {
 
 TEST(PlaceStrategy, AreWhatTheirNamesSay) {
-  for (const PlaceStrategy means : {PlaceStrategy::automatic, PlaceStrategy::wrist,
-                                    PlaceStrategy::fingers, PlaceStrategy::regrasp}) {
+  for (const PlaceStrategy strategy : {PlaceStrategy::automatic, PlaceStrategy::wrist,
+                                       PlaceStrategy::fingers, PlaceStrategy::regrasp}) {
     PlaceOptions options;
-    options.means = to_string(means);
-    EXPECT_EQ(place_strategy(options), means) << options.means;
+    options.strategy = to_string(strategy);
+    EXPECT_EQ(place_strategy(options), strategy) << options.strategy;
   }
   EXPECT_EQ(place_strategy({}), PlaceStrategy::automatic);
 }
 
 TEST(PlaceStrategy, OtherWordsAreNamed) {
   PlaceOptions options;
-  options.means = "teleport";
+  options.strategy = "teleport";
   try {
     place_strategy(options);
     FAIL();
@@ -34,7 +34,7 @@ TEST(PlaceStrategy, OtherWordsAreNamed) {
 
 TEST(PickAndPlace, WhatFellOnTheWayIsFeltForAndPickedAnew) {
   evaluation::Mishap mishap;
-  mishap.options.place.means = "wrist";
+  mishap.options.place.strategy = "wrist";
   const auto course =
       pick_and_place(mishap.robot, mishap.box, mishap.target(), {}, mishap.options.pick,
                      mishap.options.place, evaluation::Mishap::kSeed, mishap.observer);
@@ -49,8 +49,8 @@ TEST(PickAndPlace, WhatFellOnTheWayIsFeltForAndPickedAnew) {
   ASSERT_TRUE(course.place);
   EXPECT_EQ(course.place->status, PlaceStatus::placed);
   EXPECT_LT(mishap.off(*course.place), 0.03);
-  EXPECT_EQ(course.means.means, PlaceStrategy::wrist);  // told of the last hold, too
-  EXPECT_EQ(course.means.reason, "asked for");
+  EXPECT_EQ(course.strategy.strategy, PlaceStrategy::wrist);  // told of the last hold, too
+  EXPECT_EQ(course.strategy.reason, "asked for");
 }
 
 }  // namespace

@@ -106,7 +106,7 @@ struct Hold {
 
 TEST(PalpationPhase, TouchesAnotherSpotAndReturns) {
   Hold hold;
-  hold.options.most = 1;
+  hold.options.max = 1;
   const auto before = hold.robot.command().positions;
   EXPECT_EQ(hold.probe().status, PhaseStatus::ok);
   ASSERT_EQ(hold.probes(), 1u);
@@ -157,7 +157,7 @@ TEST(PalpationPhase, FailsWhenTheOthersLoseTouch) {
     }
     return !lost && touches(reading, finger);
   });
-  hold.options.most = 5;
+  hold.options.max = 5;
   EXPECT_EQ(hold.probe().status, PhaseStatus::failed);
   EXPECT_EQ(hold.probes(), 1u);  // and does not go on
 }
@@ -167,7 +167,7 @@ TEST(PalpationPhase, AFingerThatFindsNothingReturns) {
     return commanded(reading, finger, "J3") > kHold - 1e-9 &&
            std::abs(commanded(reading, finger, "J4")) <= kAway;
   });
-  hold.options.most = 1;
+  hold.options.max = 1;
   const auto before = hold.robot.command().positions;
   EXPECT_EQ(hold.probe().status, PhaseStatus::ok);
   EXPECT_EQ(hold.probes(), 1u);
@@ -180,7 +180,7 @@ TEST(PalpationPhase, BeginsNoTouchThatItsTimeMayCutShort) {
     return commanded(reading, finger, "J3") > kHold - 1e-9 &&
            std::abs(commanded(reading, finger, "J4")) <= kAway;
   });
-  hold.options.most = 64;
+  hold.options.max = 64;
   hold.options.bend = 0.5;  // eight spots for each of four fingers
   const auto before = hold.robot.command().positions;
   const auto report = hold.probe();

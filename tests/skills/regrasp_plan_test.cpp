@@ -78,9 +78,9 @@ void expect_sound(const Table& table, const RegraspPlan& plan, const Eigen::Isom
   EXPECT_LT(error.translation, 1e-6);
 }
 
-const StrategyReport* report_of(const RegraspPlan& plan, Strategy means) {
+const StrategyReport* report_of(const RegraspPlan& plan, Strategy strategy) {
   for (const auto& report : plan.considered) {
-    if (report.means == means) return &report;
+    if (report.strategy == strategy) return &report;
   }
   return nullptr;
 }
@@ -91,7 +91,7 @@ TEST(PlanRegrasp, StandsALyingBoxUpInOneGo) {
   const auto to = table.resting({0, 0, 1}, 1.0, {0.1, 0.05});
   const auto plan = table.plan(from, to);
   ASSERT_TRUE(plan.found);
-  EXPECT_EQ(plan.means, Strategy::carry);
+  EXPECT_EQ(plan.strategy, Strategy::carry);
   EXPECT_EQ(plan.transfers.size(), 1u);
   expect_sound(table, plan, from, to);
   const auto again = table.plan(from, to);
@@ -119,7 +119,7 @@ TEST(PlanRegrasp, StandsALyingBottleUp) {
   const auto to = table.resting({0, 0, 1}, 0, {0.1, 0});
   const auto plan = table.plan(from, to);
   ASSERT_TRUE(plan.found);
-  EXPECT_EQ(plan.means, Strategy::carry);
+  EXPECT_EQ(plan.strategy, Strategy::carry);
   expect_sound(table, plan, from, to);
 }
 
@@ -129,7 +129,7 @@ TEST(PlanRegrasp, TurnsAMugOverBySettingItDownOnItsSide) {
   const auto to = table.resting({0, 0, 1}, 2.0, {0.05, 0.05});
   const auto plan = table.plan(from, to);
   ASSERT_TRUE(plan.found);
-  EXPECT_EQ(plan.means, Strategy::regrasp);
+  EXPECT_EQ(plan.strategy, Strategy::regrasp);
   ASSERT_EQ(plan.transfers.size(), 2u);
   EXPECT_GE(plan.transfers[0].to, 0);
   expect_sound(table, plan, from, to);
@@ -168,7 +168,7 @@ TEST(PlanRegrasp, StartsFromTheHandThatHoldsTheObject) {
   holding.joints = hand::joints_in_free_flexion(open_posture(top_preshape()));
   const auto plan = table.plan(from, to, holding);
   ASSERT_TRUE(plan.found);
-  EXPECT_EQ(plan.means, Strategy::carry);
+  EXPECT_EQ(plan.strategy, Strategy::carry);
   EXPECT_FALSE(plan.transfers.front().grasp);
   EXPECT_EQ(plan.grasps, 0);
   EXPECT_TRUE(
@@ -182,7 +182,7 @@ TEST(PlanRegrasp, HasNothingToDoAtTheTarget) {
   turned.linear() = at.linear() * table.object.object().symmetries[1];
   const auto plan = table.plan(at, turned);
   EXPECT_TRUE(plan.found);
-  EXPECT_EQ(plan.means, Strategy::none);
+  EXPECT_EQ(plan.strategy, Strategy::none);
   EXPECT_TRUE(plan.transfers.empty());
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/skills/grasp/release_phase.hpp"
+#include "skills/grasp/release_phase.hpp"
 
 #include <gtest/gtest.h>
 

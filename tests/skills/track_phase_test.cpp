@@ -20,10 +20,10 @@ const geometry::ObjectModel& box() {
 evaluation::TrialOptions quick_options() {
   evaluation::TrialOptions options;
   options.pick.explore.touches = options.pick.explore.max_touches = 6;
-  options.pick.probe.most = options.pick.probe.rolls = options.pick.probe.regrasps = 0;
+  options.pick.palpation.max = options.pick.palpation.rolls = options.pick.palpation.regrasps = 0;
   options.pick.lift.hold = 0.5;
-  options.pick.locate.search.proposals = 20000;
-  options.pick.locate.search.particles = 400;
+  options.pick.estimation.search.proposals = 20000;
+  options.pick.estimation.search.particles = 400;
   return options;
 }
 

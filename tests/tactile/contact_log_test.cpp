@@ -62,8 +62,8 @@ TEST_F(ContactLogTest, NamesWhatIsWrongAndWhere) {
   const std::string header = "finger,t,px,py,pz,fx,fy,fz\n";
   EXPECT_NE(error("").find("is empty"), std::string::npos);
   EXPECT_NE(error(header).find("no rows"), std::string::npos);
-  EXPECT_NE(error("finger,t,px,py,pz,fx,fy\n").find("no column fz"), std::string::npos);
-  EXPECT_NE(error(header + "FF,0,0,0,0,0,0\n").find(":2: 7 cells for 8 columns"),
+  EXPECT_NE(error("finger,t,px,py,pz,fx,fy\n").find("no columns fx, fy, fz"), std::string::npos);
+  EXPECT_NE(error(header + "FF,0,0,0,0,0,0\n").find(":2: 7 values for 8 columns"),
             std::string::npos);
   EXPECT_NE(error(header + "\nFF,0,0,0,0,0,0,x1\n").find(":3: 'x1' in column fz"),
             std::string::npos);

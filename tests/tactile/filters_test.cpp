@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/tactile/normals/filters.hpp"
+#include "tactile/normals/filters.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 
 #include "palpate/core/error.hpp"
 #include "palpate/core/random.hpp"
-#include "palpate/tactile/normals/noise_meter.hpp"
+#include "tactile/normals/noise_meter.hpp"
 
 namespace palpate::tactile {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/tactile/normals/normal_clusters.hpp"
+#include "tactile/normals/normal_clusters.hpp"
 
 #include <gtest/gtest.h>
 

@@ -8,11 +8,11 @@
 
 #include "palpate/core/error.hpp"
 #include "palpate/core/statistics.hpp"
-#include "palpate/tactile/normals/normal_clusters.hpp"
-#include "palpate/tactile/normals/plane_fit.hpp"
-#include "palpate/tactile/normals/rls.hpp"
-#include "palpate/tactile/normals/s2_filter.hpp"
-#include "palpate/tactile/normals/s2_smoother.hpp"
+#include "tactile/normals/normal_clusters.hpp"
+#include "tactile/normals/plane_fit.hpp"
+#include "tactile/normals/rls.hpp"
+#include "tactile/normals/s2_filter.hpp"
+#include "tactile/normals/s2_smoother.hpp"
 #include "tactile/sliding_score.hpp"
 
 namespace palpate::tactile {

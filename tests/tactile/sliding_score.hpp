@@ -6,8 +6,8 @@
 #include <numbers>
 
 #include "palpate/tactile/biotac/normal.hpp"
-#include "palpate/tactile/normals/normal_clusters.hpp"
 #include "palpate/tactile/normals/normal_estimator.hpp"
+#include "tactile/normals/normal_clusters.hpp"
 #include "tactile/sliding.hpp"
 
 namespace palpate::tactile {

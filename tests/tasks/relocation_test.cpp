@@ -12,7 +12,7 @@
 #include "palpate/geometry/objects/shapes.hpp"
 #include "palpate/geometry/query/mesh_query.hpp"
 #include "palpate/tasks/relocate/policies/policy_io.hpp"
-#include "palpate/tasks/relocate/relocated_object.hpp"
+#include "tasks/relocate/relocated_object.hpp"
 
 namespace palpate::relocate {
 namespace {

@@ -22,8 +22,16 @@ struct OptionCheck {
   template <class Word>  // bool, string
   void operator()(std::string_view /*name*/, const Word& /*value*/,
                   std::string_view /*doc*/) const {}
+  template <class... Option>
+  void expert(std::string_view name, Option&&... option) const {
+    (*this)(name, option...);
+  }
   template <class Options>
   void section(std::string_view /*name*/, Options& nested) const {
+    nested.visit(*this);
+  }
+  template <class Options>
+  void expert_section(std::string_view /*name*/, Options& nested) const {
     nested.visit(*this);
   }
 };

@@ -22,7 +22,7 @@ struct RangedOption {
 
 /// One member of an options struct, nested ones included.
 struct OptionField {
-  std::string key;  ///< with its sections, as in "lift.way"
+  std::string key;  ///< with its sections, as in "lift.speed", or "expert.lift.settle"
   std::string doc;
   std::variant<bool*, std::string*, RangedOption<int>, RangedOption<std::uint64_t>,
                RangedOption<double>>
@@ -33,6 +33,8 @@ struct OptionField {
 struct OptionInfo {
   std::string key, type, value, range, doc;  ///< type: "bool", "string", "integer" or "number"
 };
+
+inline constexpr std::string_view kExpertSection = "expert.";
 
 /// The visitor that lists an options struct's members; they stay owned by the struct.
 class OptionCollector {
@@ -53,16 +55,36 @@ class OptionCollector {
     prefix_ = outer;
   }
 
-  std::vector<OptionField> take() { return std::move(fields_); }
+  /// As operator(), of an option in the expert section: few users need it, and it may change.
+  template <class... Option>
+  void expert(std::string_view name, Option&&... option) {
+    in_expert_section([&] { (*this)(name, option...); });
+  }
+  template <class Options>
+  void expert_section(std::string_view name, Options& nested) {
+    in_expert_section([&] { section(name, nested); });
+  }
+
+  /// In the order of their visit, but the expert section last.
+  std::vector<OptionField> take();
 
  private:
+  template <class Add>
+  void in_expert_section(const Add& add) {
+    const std::string outer = prefix_;
+    if (!outer.starts_with(kExpertSection)) prefix_.insert(0, kExpertSection);
+    add();
+    prefix_ = outer;
+  }
+
   std::string prefix_;
   std::vector<OptionField> fields_;
 };
 
 /// All members of an options struct, in the order of its visit(), which calls
 /// v("name", member, low, high, "doc with unit") for numbers, v("name", member, "doc") for bool and
-/// std::string, and v.section("name", nested) for nested structs.
+/// std::string, and v.section("name", nested) for nested structs; v.expert and v.expert_section do
+/// the same below "expert.".
 template <class Options>
 std::vector<OptionField> option_fields(Options& options) {
   OptionCollector collector;

@@ -37,29 +37,34 @@ struct EstimationOptions {
   template <class Visitor>
   void visit(Visitor&& v) {
     v("window", window, 0.01, 10.0, "s of readings that are averaged");
-    v("probed_height_sigma", felt_sigma, 1e-4, 0.1, "m, error of the felt height");
-    v("resting_height_sigma", resting_height_sigma, 1e-4, 0.1, "m, of the resting object");
-    v("resting_tilt_sigma", resting_tilt_sigma, 1e-4, 1.0,
-      "rad, of the object from its stable pose");
-    v("free_space_sigma", swept_sigma, 1e-4, 0.1, "m, of the space that a sweep found free");
-    v("resting_half_width", resting_half_width, 0.0, 0.3,
-      "m, resting object within +- of its place");
-    v("slide_share", slide_share, 0.0, 0.9, "chance that the object slid three times as far");
-    v("probe_motion", probe_motion, 0.0, 0.05, "m, motion of the object while a finger probes it");
-    v("elsewhere", elsewhere, 1e-6, 0.9, "chance that the resting pose was wrong");
-    v("motion_angle_sigma", motion_angle_sigma, 1e-4, 3.0, "rad, turn of the object in the grasp");
-    v("motion_sigma", motion_sigma, 1e-5, 0.2, "m, motion of the object in the grasp");
-    v("other_stable_pose", other_stable_pose, 0.0, 1.0,
-      "chance that the grasp changed the stable pose");
-    v("tilt_sigma", tilt_sigma, 1e-3, 1.0, "rad, by which the closing hand tilts the object");
-    v("height_sigma", height_sigma, 1e-4, 0.1, "m, by which the closing hand raises the object");
+    v.expert("probed_height_sigma", felt_sigma, 1e-4, 0.1, "m, error of the felt height");
+    v.expert("resting_height_sigma", resting_height_sigma, 1e-4, 0.1, "m, of the resting object");
+    v.expert("resting_tilt_sigma", resting_tilt_sigma, 1e-4, 1.0,
+             "rad, of the object from its stable pose");
+    v.expert("free_space_sigma", swept_sigma, 1e-4, 0.1, "m, of the space that a sweep found free");
+    v.expert("resting_half_width", resting_half_width, 0.0, 0.3,
+             "m, resting object within +- of its place");
+    v.expert("slide_share", slide_share, 0.0, 0.9,
+             "chance that the object slid three times as far");
+    v.expert("probe_motion", probe_motion, 0.0, 0.05,
+             "m, motion of the object while a finger probes it");
+    v.expert("elsewhere", elsewhere, 1e-6, 0.9, "chance that the resting pose was wrong");
+    v.expert("motion_angle_sigma", motion_angle_sigma, 1e-4, 3.0,
+             "rad, turn of the object in the grasp");
+    v.expert("motion_sigma", motion_sigma, 1e-5, 0.2, "m, motion of the object in the grasp");
+    v.expert("other_stable_pose", other_stable_pose, 0.0, 1.0,
+             "chance that the grasp changed the stable pose");
+    v.expert("tilt_sigma", tilt_sigma, 1e-3, 1.0,
+             "rad, by which the closing hand tilts the object");
+    v.expert("height_sigma", height_sigma, 1e-4, 0.1,
+             "m, by which the closing hand raises the object");
     v("half_width", half_width, 0.0, 0.3, "m, object within +- of its rough place");
     v("false_contacts", false_contacts, 1e-6, 0.9, "prior share of contacts with something else");
     v("balance", balance, "use that the fingers' forces balance the weight of the held object");
-    v("torsional_friction_radius", twist, 0.0, 0.1,
-      "m, unsensed moment about a contact's normal, by its force");
+    v.expert("torsional_friction_radius", twist, 0.0, 0.1,
+             "m, unsensed moment about a contact's normal, by its force");
     v("free_space", free_space, "use that the hand's links do not penetrate the object");
-    v("penetration_sigma", penetration_sigma, 1e-4, 0.05, "m, error of the hand's surface");
+    v.expert("penetration_sigma", penetration_sigma, 1e-4, 0.05, "m, error of the hand's surface");
     v.section("errors", errors);
     v.section("search", search);
   }

@@ -28,7 +28,7 @@ struct OnlineTrackerOptions {
   double lifts = 0.005;      ///< m that the palm has risen: what the hand touches goes along
   double turn_sigma = 0.2;   ///< rad, by which the object turns unforeseen in a period, per axis
   double way_sigma = 0.008;  ///< m, by which it moves so
-  EstimationOptions locate = estimation_in_motion();
+  EstimationOptions estimation = estimation_in_motion();
 
   template <class Visitor>
   void visit(Visitor&& v) {
@@ -38,7 +38,7 @@ struct OnlineTrackerOptions {
     v("lifts", lifts, 0.0, 0.1, "m the palm has risen when what it touches goes along");
     v("rotation_sigma", turn_sigma, 1e-4, 3.0, "rad, unforeseen turn of the object in a period");
     v("translation_sigma", way_sigma, 1e-5, 0.2, "m, unforeseen way of the object in a period");
-    v.section("estimation", locate);
+    v.section("estimation", estimation);
   }
 };
 

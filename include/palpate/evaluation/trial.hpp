@@ -44,6 +44,7 @@ struct TouchOptions {
 
 /// All that can be configured of a simulated pick.
 struct TrialOptions {
+  double friction = 0.5;  ///< of the fingertips on the object, as the robot believes it
   skills::PickOptions pick;
   skills::PlaceOptions place;
   StartOptions start;
@@ -53,16 +54,22 @@ struct TrialOptions {
 
   template <class Visitor>
   void visit(Visitor&& v) {
+    v("friction", friction, 0.05, 2.0, "of the fingertips on the object, as the robot believes it");
     pick.visit(v);
     v.section("place", place);
     v.section("start", start);
     v.section("touch", touch);
     v.section("world", world);
-    v.section("forward_model", forward_model);
+    v.expert_section("forward_model", forward_model);
   }
 
-  /// The pick's options, with the errors of the contacts that it will be given.
+  /// The pick's options, with the believed friction and the errors of the contacts that it will be
+  /// given.
   [[nodiscard]] skills::PickOptions pick_options() const;
+  /// With the believed friction.
+  [[nodiscard]] skills::PlaceOptions place_options() const;
+  /// The world in which motions are rolled out, with the believed friction.
+  [[nodiscard]] simulation::WorldOptions believed_world() const;
 };
 
 /// What the simulator's truth says of a pick. Made after it, for judging alone.
@@ -104,7 +111,7 @@ struct Trial {
   TrialMetrics metrics;
   std::optional<skills::PlaceResult> place;  ///< where the object was held and was to be placed
   PlaceMetrics place_metrics;
-  skills::StrategyTaken means;  ///< by which it was to be placed
+  skills::StrategyTaken strategy;  ///< by which it was to be placed
 };
 
 /// Draws where the object of a trial starts.

@@ -24,7 +24,6 @@ struct PlanOptions {
   void visit(Visitor&& v) {
     v("clearance", clearance, 0.0, 0.02, "m, of the opened hand from the object");
     v("table_clearance", table_clearance, 0.0, 0.05, "m, of the hand from the table");
-    v("friction", friction, 0.0, 2.0, "that the balance of forces counts on");
     v("missing_finger", missing_finger, 0.0, 1.0, "cost of a finger that does not meet the object");
     v("pose_error", pose_error, 0.0, 0.05, "m by which the object may lie elsewhere");
     v("yaws", yaws, 1, 360, "of the hand that are tried");

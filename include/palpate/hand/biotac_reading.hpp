@@ -6,8 +6,9 @@
 
 namespace palpate::hand {
 
-inline constexpr int kElectrodes = 19;  ///< of a BioTac, e1..e19
-inline constexpr int kPacSamples = 22;  ///< of each frame of 10 ms: 2.2 kHz
+inline constexpr int kElectrodes = 19;            ///< of a BioTac, e1..e19
+inline constexpr double kBiotacFullScale = 4095;  ///< counts, of every channel
+inline constexpr int kPacSamples = 22;            ///< of each frame of 10 ms: 2.2 kHz
 
 /// One frame of a BioTac: 12-bit counts; nan where a channel is missing.
 struct BiotacReading {

@@ -22,11 +22,12 @@ struct LocalizerOptions {
   void visit(Visitor&& v) {
     v("proposals", proposals, 1000, 10000000, "poses screened");
     v("particles", particles, 50, 1000000, "poses carried through the tempering");
-    v("moves", moves, 1, 1000, "Metropolis moves a particle and level");
-    v("starts", starts, 0, 100000, "best proposals that are refined before the sampling");
+    v.expert("moves", moves, 1, 1000, "Metropolis moves a particle and level");
+    v.expert("starts", starts, 0, 100000, "best proposals that are refined before the sampling");
     v("modes", modes, 1, 1000, "modes reported at most");
-    v("first_scale", first_scale, 1.0, 20.0, "noise scale at which the search starts");
-    v("contact_offset", contact_offset, 0.0, 0.02, "m outside the surface where contacts compare");
+    v.expert("first_scale", first_scale, 1.0, 20.0, "noise scale at which the search starts");
+    v.expert("contact_offset", contact_offset, 0.0, 0.02,
+             "m outside the surface where contacts compare");
   }
 };
 
@@ -38,7 +39,7 @@ struct FastOptions {
   template <class Visitor>
   void visit(Visitor&& v) {
     v("proposals", proposals, 100, 10000000, "poses screened");
-    v("starts", starts, 4, 100000, "best of these, which are refined");
+    v.expert("starts", starts, 4, 100000, "best of these, which are refined");
     v("certainty", certainty, 0.5, 1.0, "weight of the best below which the full search decides");
   }
 };

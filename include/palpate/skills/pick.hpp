@@ -23,30 +23,30 @@ struct PickOptions {
   std::optional<Eigen::Vector2d> fallen_at;
   bool estimate_before_lift = true;  ///< the pose in the closed hand, too
   CalibrateOptions calibrate;
-  HeightProbeOptions feel;
+  HeightProbeOptions height_probe;
   ExploreOptions explore;
   GraspOptions grasp;
-  PalpationOptions probe;
+  PalpationOptions palpation;
   LiftOptions lift;
   LowerOptions lower;        ///< putting it down to grasp it from another side
   WithdrawOptions withdraw;  ///< then
   TrackOptions track;
-  estimation::EstimationOptions locate;
+  palpate::estimation::EstimationOptions estimation;
 
   template <class Visitor>
   void visit(Visitor&& v) {
     v("attempts", attempts, 1, 20, "grasps tried at most");
     v("estimate_before_lift", estimate_before_lift, "estimate the pose in the closed hand, too");
     v.section("calibrate", calibrate);
-    v.section("height_probe", feel);
+    v.section("height_probe", height_probe);
     v.section("explore", explore);
     v.section("grasp", grasp);
-    v.section("palpation", probe);
+    v.section("palpation", palpation);
     v.section("lift", lift);
     v.section("lower", lower);
     v.section("withdraw", withdraw);
     v.section("track", track);
-    v.section("estimation", locate);
+    v.section("estimation", estimation);
   }
 };
 

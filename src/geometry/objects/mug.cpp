@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <set>
 
 #include "geometry/mesh/loft.hpp"
+#include "palpate/core/angle.hpp"
 #include "palpate/geometry/objects/shapes.hpp"
 
 // The mug is a lathed cup whose outer wall has two oval holes; a tube, the handle, is stitched to
@@ -18,7 +18,6 @@ constexpr double kTubeHalfWidth = 0.0065, kTubeHalfThickness = 0.004;
 constexpr int kColumns = 72;
 constexpr int kHalfHole = 2;            // grid cells from a hole's centre to its edge
 constexpr int kAround = 8 * kHalfHole;  // vertices around a hole and around the tube
-constexpr double kPi = std::numbers::pi;
 
 constexpr double kRow = kTubeHalfThickness / kHalfHole;  // spacing of the grid's rows at a hole
 constexpr double kPathHalfHeight = kHandleHeight / 2 - kTubeHalfThickness;

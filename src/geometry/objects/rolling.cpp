@@ -9,9 +9,9 @@
 namespace palpate::geometry {
 namespace {
 
-using Index = std::size_t;
+using VertexIndex = std::size_t;
 
-Index index(int i) { return static_cast<Index>(i); }
+VertexIndex index(int i) { return static_cast<VertexIndex>(i); }
 
 /// Solid angle of a triangle seen from the origin (Van Oosterom & Strackee 1983), sr.
 double solid_angle(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c) {

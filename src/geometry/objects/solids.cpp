@@ -4,13 +4,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <utility>
+
+#include "palpate/core/angle.hpp"
 
 namespace palpate::geometry {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 /// |p| less the radius of |x/a|^(2/e) + |y/b|^(2/e) = 1 along p.
 double superellipse(const Eigen::Vector2d& p, double a, double b, double e) {

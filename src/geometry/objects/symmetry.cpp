@@ -5,12 +5,12 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <numbers>
 #include <optional>
 #include <utility>
 
 #include "geometry/objects/rotation_group.hpp"
 #include "geometry/objects/shape_match.hpp"
+#include "palpate/core/angle.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/se3.hpp"
 #include "palpate/geometry/mesh/mass_properties.hpp"
@@ -20,10 +20,8 @@ namespace {
 
 using Rotations = std::vector<Eigen::Matrix3d>;
 
-constexpr double kPi = std::numbers::pi;
-constexpr double kDegree = kPi / 180;
 // Rotations closer than this are one: tolerances of 2 mm make a polygon of 12 sides a circle.
-constexpr double kSame = 15 * kDegree;
+constexpr double kSameRotation = 15 * kDegree;
 
 Eigen::Matrix3d about(const Eigen::Vector3d& axis, double angle) {
   return Eigen::AngleAxisd(angle, axis).toRotationMatrix();
@@ -104,14 +102,14 @@ Rotations candidates(const ShapeMatch& match, const std::vector<Eigen::Vector3d>
 Rotations accepted(const ShapeMatch& match, const Rotations& candidates) {
   Rotations refined;
   for (const Eigen::Matrix3d& R : candidates) {
-    add_unless_near(refined, match.refine_coarsely(R), kSame / 5);
+    add_unless_near(refined, match.refine_coarsely(R), kSameRotation / 5);
   }
   std::ranges::stable_sort(refined, {}, [&](const auto& R) { return match.screen(R); });
   Rotations accepted = {Eigen::Matrix3d::Identity()};
   for (const Eigen::Matrix3d& R : refined) {
-    if (rotation_distance(accepted[nearest_rotation(accepted, R)], R) < kSame) continue;
+    if (rotation_distance(accepted[nearest_rotation(accepted, R)], R) < kSameRotation) continue;
     const Eigen::Matrix3d exact = match.refine(R);
-    if (match.accepts(exact)) add_unless_near(accepted, exact, kSame);
+    if (match.accepts(exact)) add_unless_near(accepted, exact, kSameRotation);
   }
   return accepted;
 }
@@ -122,10 +120,10 @@ std::vector<Eigen::Vector3d> shared_axes(const Rotations& rotations) {
   std::vector<std::pair<int, Eigen::Vector3d>> axes;
   for (const Eigen::Matrix3d& R : rotations) {
     const Eigen::Vector3d w = log_so3(R);
-    if (w.norm() < kSame) continue;
+    if (w.norm() < kSameRotation) continue;
     const Eigen::Vector3d axis = w.normalized();
     const auto known = std::ranges::find_if(axes, [&](const auto& other) {
-      return std::abs(other.second.dot(axis)) > std::cos(kSame / 3);
+      return std::abs(other.second.dot(axis)) > std::cos(kSameRotation / 3);
     });
     if (known == axes.end()) {
       axes.emplace_back(1, axis);
@@ -160,7 +158,7 @@ std::vector<Eigen::Matrix3d> rotational_symmetries(const TriangleMesh& mesh,
   const Rotations found = accepted(match, candidates(match, axes));
   // Where the principal moments are equal, the axes say nothing: a can as high as it is wide.
   if (auto group = of_revolution(match, shared_axes(found))) return *group;
-  return nearest_group(found, kSame);
+  return nearest_group(found, kSameRotation);
 }
 
 }  // namespace palpate::geometry

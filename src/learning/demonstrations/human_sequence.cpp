@@ -2,13 +2,12 @@
 #include "palpate/learning/demonstrations/human_sequence.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
-#include <charconv>
 #include <cmath>
 #include <limits>
-#include <sstream>
 
-#include "palpate/core/csv.hpp"
+#include "core/csv_table.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
 #include "palpate/core/statistics.hpp"
@@ -38,41 +37,24 @@ std::string pose_header() {
   return header;
 }
 
-/// @param may_miss  whether an empty cell or "nan" is allowed, and becomes NaN
-double number(std::string_view cell, bool may_miss) {
-  if (may_miss && (cell.empty() || cell == "nan")) return kNan;
-  double value = 0;
-  const auto [rest, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
-  if (error != std::errc() || rest != cell.data() + cell.size() || !std::isfinite(value)) {
-    throw BadInput(fmt::format("'{}' is no number", cell));
-  }
-  return value;
-}
-
 /// Rows of numbers below a known header, without the frame's number.
+/// @param may_miss  whether an empty cell or "nan" is allowed, and becomes NaN
 std::vector<std::vector<double>> read_table(const std::filesystem::path& path,
                                             const std::string& header, bool may_miss) {
-  std::istringstream lines(read_file(path));
-  std::string line;
-  std::getline(lines, line);
-  if (trimmed(line) != header) {
+  const std::string text = read_file(path);
+  CsvTable table(text, path.string());
+  if (fmt::format("{}", fmt::join(table.names(), ",")) != header) {
     throw BadInput(
         fmt::format("{}:1: the header is not '{}...'", path.string(), header.substr(0, 24)));
   }
-  const std::size_t width = csv_cells(header).size();
+  const auto number = [&](std::size_t i) {
+    const bool missing = may_miss && (table.cell(i).empty() || table.cell(i) == "nan");
+    return missing ? kNan : table.finite(i);
+  };
   std::vector<std::vector<double>> rows;
-  for (int row = 2; std::getline(lines, line); ++row) {
-    if (trimmed(line).empty()) continue;
-    try {
-      const auto cells = csv_cells(trimmed(line));
-      if (cells.size() != width) {
-        throw BadInput(fmt::format("{} cells, not {}", cells.size(), width));
-      }
-      rows.emplace_back();
-      for (std::size_t i = 1; i < width; ++i) rows.back().push_back(number(cells[i], may_miss));
-    } catch (const BadInput& error) {
-      throw BadInput(fmt::format("{}:{}: {}", path.string(), row, error.what()));
-    }
+  while (table.next()) {
+    rows.emplace_back();
+    for (std::size_t i = 1; i < table.names().size(); ++i) rows.back().push_back(number(i));
   }
   if (rows.empty()) throw BadInput(fmt::format("{}: no frame", path.string()));
   return rows;

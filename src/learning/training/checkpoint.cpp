@@ -18,8 +18,8 @@ using nlohmann::json;
 static_assert(std::endian::native == std::endian::little);
 
 constexpr const char* kFormat = "palpate-checkpoint";
-constexpr int kVersion = 1;
-constexpr Eigen::Index kLargest = 100'000'000;  // rows or columns
+constexpr int kCheckpointVersion = 1;
+constexpr Eigen::Index kMaxSide = 100'000'000;  // rows or columns
 
 json header(const Checkpoint& checkpoint) {
   json arrays = json::array();
@@ -27,7 +27,7 @@ json header(const Checkpoint& checkpoint) {
     arrays.push_back({{"name", name}, {"rows", values.rows()}, {"cols", values.cols()}});
   }
   return {{"format", kFormat},
-          {"version", kVersion},
+          {"version", kCheckpointVersion},
           {"method", checkpoint.method},
           {"seed", checkpoint.seed},
           {"iteration", checkpoint.iteration},
@@ -37,7 +37,7 @@ json header(const Checkpoint& checkpoint) {
 
 /// Takes an array's numbers off the front of the bytes.
 Eigen::MatrixXd take(std::string_view& bytes, Eigen::Index rows, Eigen::Index cols) {
-  if (rows < 0 || cols < 0 || rows > kLargest || cols > kLargest) {
+  if (rows < 0 || cols < 0 || rows > kMaxSide || cols > kMaxSide) {
     throw BadInput(fmt::format("an array of {} x {}", rows, cols));
   }
   const auto size =
@@ -59,8 +59,9 @@ Checkpoint parse(std::string_view bytes) {
   if (!head.is_object() || head.value("format", "") != kFormat) {
     throw BadInput(fmt::format("no checkpoint: not of format \"{}\"", kFormat));
   }
-  if (head.value("version", 0) != kVersion) {
-    throw BadInput(fmt::format("of version {}, not {}", head.value("version", 0), kVersion));
+  if (head.value("version", 0) != kCheckpointVersion) {
+    throw BadInput(
+        fmt::format("of version {}, not {}", head.value("version", 0), kCheckpointVersion));
   }
   Checkpoint checkpoint;
   checkpoint.method = head.at("method").get<std::string>();

@@ -14,7 +14,7 @@ namespace palpate::localization {
 namespace {
 
 constexpr std::size_t kMaxContacts = 64;
-constexpr double kUnitTolerance = 1e-3;
+constexpr double kNormalTolerance = 1e-3;
 constexpr double kLargestExtent = 20;  // of the contacts, in the object's sizes
 constexpr double kWeightTolerance = 1e-6;
 constexpr double kAsymmetry = 1e-9;  // of a covariance, relative to its largest entry
@@ -41,7 +41,7 @@ void check_contact(const tactile::Contact& contact, std::size_t index) {
   const std::string name = fmt::format("contact {}: ", index);
   check_finite(name + "point", contact.p);
   check_finite(name + "normal", contact.n);
-  if (!(std::abs(contact.n.norm() - 1) < kUnitTolerance)) {
+  if (!(std::abs(contact.n.norm() - 1) < kNormalTolerance)) {
     throw BadInput(fmt::format("{}normal has length {}, not 1", name, contact.n.norm()));
   }
   check_positive(name + "point_sigma", contact.point_sigma);
@@ -88,7 +88,7 @@ void check_component(const PosePrior::Component& component, std::size_t index) {
   const std::string name = fmt::format("prior: component {}: ", index);
   const Eigen::Matrix3d R = component.T_frame_object.linear();
   const double distortion = (R * R.transpose() - Eigen::Matrix3d::Identity()).norm();
-  if (!(distortion < kUnitTolerance && R.determinant() > 0)) {
+  if (!(distortion < kNormalTolerance && R.determinant() > 0)) {
     throw BadInput(fmt::format("{}its rotation is off a rotation by {}", name, distortion));
   }
   check_finite(name + "translation", component.T_frame_object.translation());
@@ -124,7 +124,7 @@ void check_offsets(const Evidence& evidence) {
       taken[member.contact] = true;
       const Eigen::Matrix3d& R = member.R_frame_offset;
       const double distortion = (R * R.transpose() - Eigen::Matrix3d::Identity()).norm();
-      if (!(distortion < kUnitTolerance)) {
+      if (!(distortion < kNormalTolerance)) {
         throw BadInput(fmt::format("{}its rotation is off a rotation by {}", name, distortion));
       }
     }
@@ -138,7 +138,7 @@ void check_balance(const ForceBalance& balance) {
     check_finite(name + "point", balance.pushes[k].p);
     check_finite(name + "normal", balance.pushes[k].n);
     check_finite(name + "force", balance.pushes[k].f);
-    if (std::abs(balance.pushes[k].n.norm() - 1) > kUnitTolerance) {
+    if (std::abs(balance.pushes[k].n.norm() - 1) > kNormalTolerance) {
       throw BadInput(
           fmt::format("{}normal has length {}, not 1", name, balance.pushes[k].n.norm()));
     }

@@ -4,12 +4,12 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "palpate/core/angle.hpp"
 
 namespace palpate::localization {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr PoseTolerance kSamePose{1.5 * kDegree, 0.002};  // two descents that ended together
 constexpr std::size_t kMaxImaged = 4;                     // basins, the most probable
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "palpate/core/angle.hpp"
 #include "palpate/core/se3.hpp"
 
 namespace palpate::localization {
@@ -13,7 +14,6 @@ namespace {
 
 using std::numbers::pi;
 
-constexpr double kDegree = pi / 180;
 constexpr double kMinTurn = 10 * kDegree;  // between two poses that shall tell an axis
 constexpr double kMaxTurn = 120 * kDegree;
 constexpr double kWidestGap = 12 * kDegree;  // between neighbours of one arc

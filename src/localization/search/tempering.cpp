@@ -10,11 +10,11 @@ namespace {
 constexpr float kScreenMargin = 60;  // energy above the best proposal at which one is dropped
 constexpr double kFirstShare = 0.8;  // effective sample size after the screening, of the particles
 constexpr double kStepShare = 0.5;   // and after each step of the bridge
-constexpr double kMinStep = 0.005;
-constexpr double kScaleStep = 0.75;
+constexpr double kMinLadderStep = 0.005;
+constexpr double kLadderScaleStep = 0.75;
 constexpr double kLastScale = 1.1;  // below this the scale is 1
 constexpr double kWidestMove = 12;  // in units of the contacts' noise
-constexpr int kBisections = 25;
+constexpr int kLadderBisections = 25;
 constexpr double kDifferenceShare = 0.5;  // of the moves that go by the difference of two particles
 constexpr double kDifference = 0.75;      // of it at most: 2.38 / sqrt(2 * 6) is best for a normal
 
@@ -53,7 +53,7 @@ double bridge_step(const std::vector<Particle>& particles, double longest, doubl
   };
   if (left_after(longest) >= size) return longest;
   double low = 0, high = longest;
-  for (int i = 0; i < kBisections; ++i) {
+  for (int i = 0; i < kLadderBisections; ++i) {
     const double middle = 0.5 * (low + high);
     (left_after(middle) > size ? low : high) = middle;
   }
@@ -147,7 +147,7 @@ std::vector<Particle> bridged(const Target& target, const LocalizerOptions& opti
   double size = kFirstShare * options.particles;
   while (exponent < 1 && !particles.empty()) {
     const double step = bridge_step(particles, 1 - exponent, size);
-    const double taken = std::min(1 - exponent, std::max(step, kMinStep));
+    const double taken = std::min(1 - exponent, std::max(step, kMinLadderStep));
     particles = resampled(particles, bridge_weights(particles, taken), options.particles, random);
     exponent = taken < 1 - exponent ? exponent + taken : 1;
     move(particles, target, energy, exponent, options.first_scale, options.moves, random);
@@ -173,7 +173,7 @@ std::vector<Particle> sample_posterior(const Target& target, const LocalizerOpti
   std::vector<Particle> particles = bridged(target, options, random);
   double scale = options.first_scale;
   while (scale > 1 && !particles.empty()) {
-    scale *= kScaleStep;
+    scale *= kLadderScaleStep;
     if (scale < kLastScale) scale = 1;
     const Energy energy = target.energy_at(scale);
     cool(particles, energy, random);

@@ -19,7 +19,7 @@ constexpr double kGraspCentre = 0.075;  // m along the palm's z axis: where fing
 constexpr int kTicks = 75, kTicksPerGuardedMove = 6;   // of the closing
 constexpr double kBaseStep = 0.03, kCurlStep = 0.033;  // rad a tick
 constexpr double kMaxBase = 1.5, kMaxCurl = 1.6;
-constexpr int kBisections = 6;
+constexpr int kClosingBisections = 6;
 constexpr double kContactGap = 0.0012;  // m between a stopped fingertip and what it touches
 constexpr double kOtherShare = 60;      // ticks over which a finger may meet something else
 constexpr std::size_t kThumb = 0;
@@ -129,7 +129,7 @@ void KinematicGrasp::stop_at_contact(Posture& posture, const Posture& before,
     posture.fingers[finger].base = from.base + share * (to.base - from.base);
     posture.fingers[finger].curl = from.curl + share * (to.curl - from.curl);
   };
-  for (int i = 0; i < kBisections; ++i) {
+  for (int i = 0; i < kClosingBisections; ++i) {
     const double middle = 0.5 * (low + high);
     part_way(middle);
     const auto now = balls(posture);

@@ -33,12 +33,6 @@ geometry::KnownObject stand_in() {
   return cube;
 }
 
-DataHandle make_data(const mjModel& model) {
-  DataHandle data(mj_makeData(&model));
-  if (!data) throw std::bad_alloc();
-  return data;
-}
-
 }  // namespace
 
 struct CollisionScene::Impl {

@@ -23,12 +23,6 @@ WorldOptions without_noise(WorldOptions options) {
   return options;
 }
 
-DataHandle make_data(const mjModel& model) {
-  DataHandle data(mj_makeData(&model));
-  if (!data) throw std::bad_alloc();
-  return data;
-}
-
 }  // namespace
 
 struct SimulatedForwardModel::Impl {

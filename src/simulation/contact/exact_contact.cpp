@@ -8,7 +8,7 @@
 namespace palpate::simulation {
 namespace {
 
-mjfCollision meet_hull = nullptr;  // the simulator's own function
+mjfCollision builtin_collision = nullptr;  // the simulator's own function
 
 // User data are numbers. An address fits into a double exactly: it has fewer than 53 bits.
 mjtNum to_user_data(const geometry::CapsuleCollider* collider) {
@@ -46,7 +46,7 @@ mjPreContact to_solver(const geometry::CapsuleContact& contact,
 int meet_surface(const mjModel* model, mjData* data, mjPreContact* contacts, int capsule, int mesh,
                  mjtNum margin) noexcept {
   const geometry::CapsuleCollider* collider = collider_of(*model, mesh);
-  if (!collider) return meet_hull(model, data, contacts, capsule, mesh, margin);
+  if (!collider) return builtin_collision(model, data, contacts, capsule, mesh, margin);
   const int body = model->geom_bodyid[mesh];
   Eigen::Isometry3d T_world_mesh = Eigen::Isometry3d::Identity();
   T_world_mesh.linear() = rotation3(data->xmat + 9 * body);
@@ -65,7 +65,7 @@ int meet_surface(const mjModel* model, mjData* data, mjPreContact* contacts, int
 void use_exact_surface(mjModel& model, int geom, const geometry::CapsuleCollider& collider) {
   static std::once_flag installed;
   std::call_once(installed, [] {
-    meet_hull = mjCOLLISIONFUNC[mjGEOM_CAPSULE][mjGEOM_MESH];
+    builtin_collision = mjCOLLISIONFUNC[mjGEOM_CAPSULE][mjGEOM_MESH];
     mjCOLLISIONFUNC[mjGEOM_CAPSULE][mjGEOM_MESH] = meet_surface;
   });
   model.geom_user[geom * model.nuser_geom] = to_user_data(&collider);

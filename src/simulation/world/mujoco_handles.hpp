@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 #include <memory>
+#include <new>
 
 namespace palpate::simulation {
 
@@ -17,6 +18,13 @@ struct MuJoCoDeleter {
 using SpecHandle = std::unique_ptr<mjSpec, MuJoCoDeleter>;
 using ModelHandle = std::unique_ptr<mjModel, MuJoCoDeleter>;
 using DataHandle = std::unique_ptr<mjData, MuJoCoDeleter>;
+
+/// @throws std::bad_alloc
+inline DataHandle make_data(const mjModel& model) {
+  DataHandle data(mj_makeData(&model));
+  if (!data) throw std::bad_alloc();
+  return data;
+}
 
 inline Eigen::Vector3d vector3(const mjtNum* values) { return Eigen::Vector3d(values); }
 

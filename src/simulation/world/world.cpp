@@ -32,12 +32,6 @@ void silence_warnings() {
   });
 }
 
-DataHandle make_data(const mjModel& model) {
-  DataHandle data(mj_makeData(&model));
-  if (!data) throw std::bad_alloc();
-  return data;
-}
-
 double lowest_point(const geometry::TriangleMesh& mesh, const Eigen::Isometry3d& T_world_mesh) {
   double low = std::numeric_limits<double>::infinity();
   for (const Eigen::Vector3d& v : mesh.vertices) low = std::min(low, (T_world_mesh * v).z());

@@ -13,25 +13,24 @@
 #include "palpate/skills/grasp/grasp_phase.hpp"
 #include "palpate/tactile/calibration/link_calibration.hpp"
 #include "palpate/tactile/contacts/contact_window.hpp"
+#include "skills/motion_constants.hpp"
 
 namespace palpate::skills {
 namespace {
 
-constexpr int kAttitudes = 3000;         // drawn, of which those count that can touch the table
-constexpr int kUses = 24;                // grasps for which the hand is to be known
-constexpr std::uint64_t kDesign = 1;     // seed of what is drawn: the same for every hand
-constexpr double kSteepest = 1.4;        // rad of pitch; at pi/2 yaw and roll are one
-constexpr double kAlone = 0.008;         // m by which all else is higher than the fingertip
-constexpr double kAbove = 0.012;         // m over the table from which it goes down, by the model
-constexpr double kBelow = 0.015;         // m under the table at which it has missed it
-constexpr double kTravelHeight = 0.05;   // m of the hand's lowest part while it changes posture
-constexpr double kFreeHeight = 0.34;     // m of the base, from where it may go anywhere
-constexpr double kPostureSeconds = 0.3;  // s
-constexpr double kTakenBack = 0.7;       // of the lead of the base's command, at a touch
-constexpr double kSettling = 0.1;        // s
-constexpr double kLastingShare = 0.8;    // of the readings in which a resting fingertip touches
-constexpr double kSecondsATouch = 8;     // amply
-constexpr double kContradiction = 3.0;   // sigmas, rms, that touches leave unexplained
+constexpr int kAttitudes = 3000;           // drawn, of which those count that can touch the table
+constexpr int kUses = 24;                  // grasps for which the hand is to be known
+constexpr std::uint64_t kDesign = 1;       // seed of what is drawn: the same for every hand
+constexpr double kSteepest = 1.4;          // rad of pitch; at pi/2 yaw and roll are one
+constexpr double kAlone = 0.008;           // m by which all else is higher than the fingertip
+constexpr double kApproachHeight = 0.012;  // m over the table from which it goes down, by the model
+constexpr double kBelow = 0.015;           // m under the table at which it has missed it
+constexpr double kTravelHeight = 0.05;     // m of the hand's lowest part while it changes posture
+constexpr double kPostureSeconds = 0.3;    // s
+constexpr double kSettling = 0.1;          // s
+constexpr double kLastingShare = 0.8;      // of the readings in which a resting fingertip touches
+constexpr double kSecondsATouch = 8;       // amply
+constexpr double kContradiction = 3.0;     // sigmas, rms, that touches leave unexplained
 
 /// One fingertip is the lowest part of the hand.
 struct Attitude {
@@ -155,7 +154,7 @@ void rise(Executor& robot, double way, double speed) {
 /// Lets the fingertip rest where it touches, no longer pushed on.
 void rest(Executor& robot, const CalibrateOptions& options) {
   hand::BasePosition here = robot.command().base;
-  here.xyz += kTakenBack * (robot.reading().base.xyz - here.xyz);  // it would push on
+  here.xyz += kLeadTakenBack * (robot.reading().base.xyz - here.xyz);  // it would push on
   robot.move_base(here, options.speed);
   robot.wait(kSettling + options.rest);
   robot.mark(estimation::TouchEvent::on_table);
@@ -167,7 +166,7 @@ void touch_table(Executor& robot, const Attitude& attitude, const CalibrateOptio
   const double high = std::max(robot.command().base.xyz.z(), kTravelHeight - low);
   robot.move_base(attitude.base(options, high), options.travel_speed);
   robot.move_fingers(attitude.posture, kPostureSeconds);
-  robot.move_base(attitude.base(options, kAbove - low), options.travel_speed);
+  robot.move_base(attitude.base(options, kApproachHeight - low), options.travel_speed);
   robot.wait(kSettling);
   const auto touches = [&](const hand::HandReading& reading) {
     return hand::tip_force(reading, attitude.finger) > options.touch_force;

@@ -9,21 +9,21 @@
 #include <numbers>
 
 #include "palpate/hand/tip_forces.hpp"
+#include "skills/motion_constants.hpp"
 
 namespace palpate::skills {
 namespace {
 
-constexpr double kPitch = 1.35;        // rad of the base: the first finger points down
-constexpr double kAbove = 0.03;        // m over the object's top while travelling
-constexpr double kMinDepth = 0.014;    // m of the fingertip's centre over the table
-constexpr double kRest = 0.12;         // s of contact that are averaged
-constexpr double kBlockedLoad = 0.15;  // N more on the base: something but the fingertip touches
-constexpr int kDirections = 16;        // of further sweeps
-constexpr int kOffsets = 3;            // to either side of the object's place
-constexpr double kSpacing = 0.015;     // m between them
-constexpr double kDepthStep = 0.02;    // m between heights of further sweeps
+constexpr double kPitch = 1.35;           // rad of the base: the first finger points down
+constexpr double kClearanceAbove = 0.03;  // m over the object's top while travelling
+constexpr double kMinDepth = 0.014;       // m of the fingertip's centre over the table
+constexpr double kContactSeconds = 0.12;  // s of contact that are averaged
+constexpr double kBlockedLoad = 0.15;     // N more on the base: something but the fingertip touches
+constexpr int kDirections = 16;           // of further sweeps
+constexpr int kOffsets = 3;               // to either side of the object's place
+constexpr double kSpacing = 0.015;        // m between them
+constexpr double kDepthStep = 0.02;       // m between heights of further sweeps
 constexpr double kMinInformation = 0.03;
-constexpr double kTakenBack = 0.7;    // of the lead of the base's command, at a touch
 constexpr double kHigher = 0.006;     // m, of another try where the hand was blocked
 constexpr double kHighest = 0.018;    // m, of all of these together
 constexpr double kGoodSpread = 0.35;  // of the resting pose, where no more guarded moves are needed
@@ -70,7 +70,7 @@ Executor::StopCondition tip_touches(double force) {
 /// Takes back most of the lead that the base's command has on the base, which would go on pushing.
 void stop_here(Executor& robot, double speed) {
   hand::BasePosition here = robot.command().base;
-  here.xyz += kTakenBack * (robot.reading().base.xyz - here.xyz);
+  here.xyz += kLeadTakenBack * (robot.reading().base.xyz - here.xyz);
   robot.move_base(here, speed);
 }
 
@@ -111,7 +111,7 @@ std::vector<localization::GuardedMove> telling_guarded_moves(const PickState& st
     for (int y = -kOffsets; y <= kOffsets; ++y) {
       const Eigen::Vector2d xy = state.place + kSpacing * Eigen::Vector2d(x, y);
       guarded_moves.push_back(
-          {{xy.x(), xy.y(), state.height + kAbove}, {xy.x(), xy.y(), kMinDepth}});
+          {{xy.x(), xy.y(), state.height + kClearanceAbove}, {xy.x(), xy.y(), kMinDepth}});
     }
   }
   return guarded_moves;
@@ -279,7 +279,7 @@ ExplorePhase::GuardedMoveEnd ExplorePhase::guarded_move(Executor& robot, const P
   const hand::BasePosition start = base_for_probe(robot, yaw(turned.turn), guarded_move.from);
   const hand::BasePosition end = base_for_probe(robot, yaw(turned.turn), guarded_move.to);
   hand::BasePosition above = start;
-  above.xyz.z() += std::max(0.0, state.height + kAbove - guarded_move.from.z());
+  above.xyz.z() += std::max(0.0, state.height + kClearanceAbove - guarded_move.from.z());
   robot.move_base(above, options_.travel_speed);
   robot.move_base(start, options_.travel_speed / 2);
   robot.wait(0.15);
@@ -295,7 +295,7 @@ ExplorePhase::GuardedMoveEnd ExplorePhase::guarded_move(Executor& robot, const P
   if (motion == MotionEnd::timed_out) return GuardedMoveEnd::timed_out;  // it missed nothing
   if (touched) {
     stop_here(robot, options_.travel_speed);
-    robot.wait(kRest);
+    robot.wait(kContactSeconds);
     done_.push_back(turned);
   }
   robot.mark(touched ? estimation::TouchEvent::touched : estimation::TouchEvent::missed);

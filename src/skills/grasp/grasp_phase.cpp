@@ -13,6 +13,7 @@
 #include "palpate/skills/explore/height_probe_phase.hpp"
 #include "palpate/tactile/contacts/contact_window.hpp"
 #include "skills/grasp/pressing.hpp"
+#include "skills/motion_constants.hpp"
 
 namespace palpate::skills {
 namespace {
@@ -24,9 +25,7 @@ constexpr double kTopClearance = 0.003;  // m above the table where it ends at t
 constexpr double kClear = 0.06;          // m up from where the fingers landed on top
 constexpr double kSafeHeight = 0.34;     // m of the base while it travels
 constexpr double kTipContact = 0.10;     // N at which a finger counts as touching
-constexpr double kPlannedRate = 1.0;     // rad/s, of the closing planned; the path is that of any
 constexpr double kTakenBack = 0.7;       // of a finger's torque, at its touch
-constexpr double kOpenSeconds = 0.4;     // s
 constexpr int kLostTicks = 10;
 constexpr std::size_t kTouchReadings = 15;
 constexpr double kTouchSeconds = kTouchReadings * hand::kTick;

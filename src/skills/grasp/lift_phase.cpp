@@ -31,7 +31,7 @@ int touching_fingers(const estimation::EventLog& log, double force) {
 
 PhaseEnd LiftPhase::run(Executor& robot, PickState& state) {
   hand::BasePosition up = robot.command().base;
-  up.xyz.z() += options_.way;
+  up.xyz.z() += options_.height;
   robot.move_base(up, options_.speed);
   robot.wait(options_.settle);
   const std::size_t settled = robot.log().readings.size() - 1;

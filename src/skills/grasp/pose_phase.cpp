@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/skills/grasp/pose_phase.hpp"
+#include "skills/grasp/pose_phase.hpp"
 
 #include <fmt/format.h>
 

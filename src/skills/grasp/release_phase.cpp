@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/skills/grasp/release_phase.hpp"
+#include "skills/grasp/release_phase.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 
 #include "skills/last_contacts.hpp"
+#include "skills/motion_constants.hpp"
 
 namespace palpate::skills {
 namespace {
 
-constexpr double kDownSpeed = 0.10;   // m/s
-constexpr double kUpSpeed = 0.30;     // m/s
-constexpr double kFreeHeight = 0.34;  // m of the base
-constexpr double kOpenSeconds = 0.6;  // s
-constexpr double kRest = 0.3;         // s
+constexpr double kDownSpeed = 0.10;          // m/s
+constexpr double kUpSpeed = 0.30;            // m/s
+constexpr double kReleaseSeconds = 0.6;      // s
+constexpr double kReleaseRestSeconds = 0.3;  // s
 
 hand::BasePosition at_height(hand::BasePosition base, double height) {
   base.xyz.z() = height;
@@ -40,7 +40,7 @@ PhaseEnd ReleasePhase::run(Executor& robot, PickState& state) {
     if (base.xyz.z() > height) robot.move_base(at_height(base, height), kDownSpeed);
   }
   robot.set_grip(std::nullopt);
-  robot.move_fingers(opened(robot), kOpenSeconds);
+  robot.move_fingers(opened(robot), kReleaseSeconds);
   robot.move_base(at_height(robot.command().base, kFreeHeight), kUpSpeed);
   robot.mark(estimation::TouchEvent::released);
   return {true, fmt::format("next try at ({:.0f}, {:.0f}) mm", 1e3 * state.place.x(),
@@ -52,10 +52,10 @@ PhaseEnd ClearPhase::run(Executor& robot, PickState&) {
   hand::BasePosition high = robot.command().base;
   high.xyz.z() = std::max(high.xyz.z(), kFreeHeight);
   robot.move_base(high, kUpSpeed);
-  robot.move_fingers(opened(robot), kOpenSeconds);
+  robot.move_fingers(opened(robot), kReleaseSeconds);
   high.ypr.setZero();
   robot.move_base(high, kUpSpeed);
-  robot.wait(kRest);
+  robot.wait(kReleaseRestSeconds);
   robot.mark(estimation::TouchEvent::released);
   return {true, "the hand is free"};
 }

@@ -58,18 +58,18 @@ class PlaceAttempts {
         seed_(seed),
         observer_(observer) {}
 
-  PickAndPlaceResult run(PlaceStrategy means) {
-    if (means != PlaceStrategy::regrasp) {
-      in_one_hold(means == PlaceStrategy::automatic);
-      if (means == PlaceStrategy::wrist) sequence_.means.reason = "asked for";
-      if (means == PlaceStrategy::fingers && !sequence_.means.turn) {
-        sequence_.means.reason = "nothing for the fingers to turn: " + sequence_.means.reason;
+  PickAndPlaceResult run(PlaceStrategy strategy) {
+    if (strategy != PlaceStrategy::regrasp) {
+      in_one_hold(strategy == PlaceStrategy::automatic);
+      if (strategy == PlaceStrategy::wrist) sequence_.strategy.reason = "asked for";
+      if (strategy == PlaceStrategy::fingers && !sequence_.strategy.turn) {
+        sequence_.strategy.reason = "nothing for the fingers to turn: " + sequence_.strategy.reason;
       }
     }
     const bool held = sequence_.picked.held && sequence_.place;
-    if (means == PlaceStrategy::regrasp) {
+    if (strategy == PlaceStrategy::regrasp) {
       by_regrasping("asked for");
-    } else if (means == PlaceStrategy::automatic && held && needs_new_grasps(*sequence_.place)) {
+    } else if (strategy == PlaceStrategy::automatic && held && needs_new_grasps(*sequence_.place)) {
       by_regrasping("not in one hold: " + outcome_of(*sequence_.place));
     }
     return std::move(sequence_);
@@ -82,17 +82,17 @@ class PlaceAttempts {
     for (int attempt = 0; attempt < options_.picks; ++attempt) {
       const std::uint64_t seed = seed_ + 1000003 * static_cast<std::uint64_t>(attempt);
       add(sequence_, pick(robot_, object_, pick_options_, seed, observer_));
-      sequence_.means.means = PlaceStrategy::wrist;
-      sequence_.means.reason = "the object was not held";
+      sequence_.strategy.strategy = PlaceStrategy::wrist;
+      sequence_.strategy.reason = "the object was not held";
       if (!sequence_.picked.held) return;
       sequence_.place = place(robot_, object_, sequence_.picked, target_, fixture_, pick_options_,
                               options, seed, observer_);
-      sequence_.means.reason = "one hold: " + outcome_of(*sequence_.place);
+      sequence_.strategy.reason = "one hold: " + outcome_of(*sequence_.place);
       if (sequence_.place->turn) {
-        sequence_.means.means = PlaceStrategy::fingers;
-        sequence_.means.reason = sequence_.place->turn->why;
-        sequence_.means.turn = sequence_.place->turn;
-        options.means = to_string(PlaceStrategy::wrist);
+        sequence_.strategy.strategy = PlaceStrategy::fingers;
+        sequence_.strategy.reason = sequence_.place->turn->why;
+        sequence_.strategy.turn = sequence_.place->turn;
+        options.strategy = to_string(PlaceStrategy::wrist);
       }
       if (!may_be_picked(*sequence_.place)) return;
       if (sequence_.place->put_aside) pick_options_.fallen_at = sequence_.place->put_aside;
@@ -105,17 +105,17 @@ class PlaceAttempts {
 
   void by_regrasping(std::string reason) {
     PlaceOptions options = options_;
-    options.means = to_string(PlaceStrategy::regrasp);
+    options.strategy = to_string(PlaceStrategy::regrasp);
     RegraspResult result =
         regrasp(robot_, object_, target_, fixture_, pick_options_, options, seed_, observer_);
-    sequence_.means.means = PlaceStrategy::regrasp;
-    sequence_.means.reason = std::move(reason);
-    sequence_.means.regrasp = result.status;
+    sequence_.strategy.strategy = PlaceStrategy::regrasp;
+    sequence_.strategy.reason = std::move(reason);
+    sequence_.strategy.regrasp = result.status;
     for (RegraspRound& round : result.rounds) {
       add(sequence_, std::move(round.pick));
-      sequence_.means.rounds.push_back({std::move(round.plan), std::nullopt});
+      sequence_.strategy.rounds.push_back({std::move(round.plan), std::nullopt});
       if (!round.place) continue;
-      sequence_.means.rounds.back().place = round.place->status;
+      sequence_.strategy.rounds.back().place = round.place->status;
       sequence_.place = std::move(round.place);
     }
     if (!sequence_.place || target_.kind == PlaceTarget::Kind::spot) return;

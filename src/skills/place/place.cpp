@@ -11,8 +11,9 @@
 #include <utility>
 
 #include "estimation/mean_load.hpp"
+#include "palpate/core/angle.hpp"
 #include "palpate/core/gravity.hpp"
-#include "palpate/skills/grasp/release_phase.hpp"
+#include "skills/grasp/release_phase.hpp"
 #include "skills/last_contacts.hpp"
 #include "skills/phase_sequence.hpp"
 #include "skills/place/turn_plan.hpp"
@@ -21,9 +22,8 @@ namespace palpate::skills {
 namespace {
 
 constexpr const char* kPlace = "place";  // the phase that puts it at the target
-constexpr double kDegrees = 180 / std::numbers::pi;
-constexpr double kWrongHeight = 0.015;  // m: felt that far from what was expected, it fell over
-constexpr double kUnknownHeight = 0.1;  // m, by which a turned hand may have to go lower
+constexpr double kWrongHeight = 0.015;   // m: felt that far from what was expected, it fell over
+constexpr double kUnknownHeight = 0.1;   // m, by which a turned hand may have to go lower
 
 planning::CollisionOptions held_collisions() {
   planning::CollisionOptions options;
@@ -173,7 +173,7 @@ GoalSearch Placement::search_goal(const HeldObject& held) {
 bool Placement::turn() {
   if (!result_.turn) return true;
   InHandReorientationOptions options = options_.fingers;
-  options.reorient.errors = pick_options_.locate.errors;
+  options.reorient.errors = pick_options_.estimation.errors;
   const bool ok = sequence_.run(InHandReorientationPhase(options, model_, seed_, *result_.turn));
   if (result_.turn->lost) return fail(PlaceStatus::lost);
   if (!ok) fail(PlaceStatus::slipped);
@@ -194,10 +194,11 @@ bool Placement::aim_turned() {
     const GoalSearch search = search_goal(result_.held);
     result_.goal = search.goal;
     if (!search.goal) return {false, "unreachable: " + search.obstacle};
-    return {true, fmt::format("{:.1f} deg are left to the base",
-                              kDegrees * share_of_fingers(robot_.reading().base, search.goal->seat,
-                                                          std::numbers::pi)
-                                             .norm())};
+    return {true,
+            fmt::format("{:.1f} deg are left to the base",
+                        kDegreesPerRadian * share_of_fingers(robot_.reading().base,
+                                                             search.goal->seat, std::numbers::pi)
+                                                .norm())};
   }));
   return ok || fail(PlaceStatus::unreachable);
 }
@@ -225,7 +226,7 @@ bool Placement::aim_again() {
   estimation::EventLog log = robot_.log();
   log.moments.push_back({estimation::TouchEvent::held, log.readings.size() - 1});
   const double least = std::min(options_.certain, result_.held.certainty);
-  estimation::EstimationOptions options = pick_options_.locate;
+  estimation::EstimationOptions options = pick_options_.estimation;
   if (result_.other_stable_pose) {
     options.motion_sigma *= options_.turned_motion;
     options.motion_angle_sigma *= options_.turned_motion;
@@ -243,7 +244,7 @@ bool Placement::aim_again() {
     const Eigen::Isometry3d by = goal->seat.pose() * result_.goal->seat.pose().inverse();
     return {true, fmt::format("the hand goes {:.1f} mm and {:.1f} deg from where it was to go",
                               1e3 * (goal->seat.xyz - result_.goal->seat.xyz).norm(),
-                              kDegrees * Eigen::AngleAxisd(by.linear()).angle())};
+                              kDegreesPerRadian * Eigen::AngleAxisd(by.linear()).angle())};
   }));
   if (!ok) {
     fail(PlaceStatus::slipped);
@@ -329,7 +330,7 @@ void Placement::bring(const PlaceTarget& target) {
   result_.status = PlaceStatus::placed;
   if (!options_.verify) return;
   state_.place = result_.T_world_placed->translation().head<2>();
-  HeightProbeOptions feel = pick_options_.feel;
+  HeightProbeOptions feel = pick_options_.height_probe;
   feel.search = 0;
   if (!sequence_.run(VerifyPhase(feel, top_of(object_.mesh, *result_.T_world_placed)))) {
     fail(PlaceStatus::missing);

@@ -8,6 +8,7 @@
 #include <map>
 #include <numbers>
 
+#include "palpate/core/angle.hpp"
 #include "palpate/hand/coupling.hpp"
 #include "palpate/hand/hand.hpp"
 
@@ -22,7 +23,6 @@ std::array<Eigen::Vector3d, 2> angles_of(const Eigen::Matrix3d& R) {
   const double pitch = std::asin(std::clamp(-R(2, 0), -1.0, 1.0));
   const double yaw = std::atan2(R(1, 0), R(0, 0));
   const double roll = std::atan2(R(2, 1), R(2, 2));
-  constexpr double kPi = std::numbers::pi;
   return {Eigen::Vector3d(yaw, pitch, roll), {yaw + kPi, kPi - pitch, roll + kPi}};
 }
 

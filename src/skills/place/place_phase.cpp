@@ -12,7 +12,7 @@
 namespace palpate::skills {
 namespace {
 
-constexpr double kRest = 0.25;       // s
+constexpr double kSettleSeconds = 0.25;  // s
 constexpr double kSettle = 0.75;     // s, for the load's mean to hold nothing of the motion before
 constexpr double kSettingOut = 0.3;  // s
 constexpr int kLoadedTicks = 3;
@@ -144,11 +144,11 @@ void let_go(Executor& robot, const LowerOptions& options, const hand::ActuatorVe
     if (hand::finger_of_actuator(i) >= 0) opened[i] = open[i];
   }
   robot.move_fingers(opened, options.open_seconds);
-  robot.wait(kRest);
+  robot.wait(kSettleSeconds);
 }
 
 PhaseEnd OpenPhase::run(Executor& robot, PickState&) {
-  robot.wait(kRest);
+  robot.wait(kSettleSeconds);
   let_go(robot, options_, open_);
   const int contacts = hand::count_contacts(robot.reading());
   return {contacts == 0, fmt::format("{} contacts left", contacts)};
@@ -156,7 +156,7 @@ PhaseEnd OpenPhase::run(Executor& robot, PickState&) {
 
 PhaseEnd WithdrawPhase::run(Executor& robot, PickState&) {
   const hand::BasePosition low = robot.command().base;
-  const hand::BasePosition high = moved(low, {0, 0, options_.way});
+  const hand::BasePosition high = moved(low, {0, 0, options_.distance});
   int attempt = 0;
   bool caught = true;
   for (; caught && attempt < kWithdrawals; ++attempt) {
@@ -170,7 +170,7 @@ PhaseEnd WithdrawPhase::run(Executor& robot, PickState&) {
   hand::BasePosition far = robot.command().base;
   far.xyz.z() = std::max(far.xyz.z(), options_.height);
   robot.move_base(far, options_.far_speed);
-  robot.wait(2 * kRest);
+  robot.wait(2 * kSettleSeconds);
   robot.mark(mark_);
   const double load = estimation::mean_load(robot.log());
   if (load > options_.empty * weight_) {

@@ -10,13 +10,13 @@
 namespace palpate::skills {
 namespace {
 
-constexpr std::array<PlaceStrategy, 4> kMeans = {PlaceStrategy::automatic, PlaceStrategy::wrist,
-                                                 PlaceStrategy::fingers, PlaceStrategy::regrasp};
+constexpr std::array<PlaceStrategy, 4> kStrategies = {
+    PlaceStrategy::automatic, PlaceStrategy::wrist, PlaceStrategy::fingers, PlaceStrategy::regrasp};
 
 }  // namespace
 
-std::string_view to_string(PlaceStrategy means) {
-  switch (means) {
+std::string_view to_string(PlaceStrategy strategy) {
+  switch (strategy) {
     case PlaceStrategy::automatic:
       return "auto";
     case PlaceStrategy::wrist:
@@ -30,12 +30,12 @@ std::string_view to_string(PlaceStrategy means) {
 }
 
 PlaceStrategy place_strategy(const PlaceOptions& options) {
-  for (const PlaceStrategy means : kMeans) {
-    if (options.means == to_string(means)) return means;
+  for (const PlaceStrategy strategy : kStrategies) {
+    if (options.strategy == to_string(strategy)) return strategy;
   }
   throw BadInput(
       fmt::format("place.strategy = {:?}: it is \"auto\", \"wrist\", \"fingers\" or \"regrasp\"",
-                  options.means));
+                  options.strategy));
 }
 
 bool was_put_back(PlaceStatus status) {

@@ -5,10 +5,10 @@
 
 #include <numbers>
 
+#include "palpate/core/angle.hpp"
+
 namespace palpate::skills {
 namespace {
-
-constexpr double kDegrees = 180 / std::numbers::pi;
 
 hand::BasePosition wanted_base(const TurnQuestion& question) {
   if (question.search.goal) return base_near(question.search.goal->seat.pose(), question.base);
@@ -19,28 +19,29 @@ hand::BasePosition wanted_base(const TurnQuestion& question) {
 }  // namespace
 
 std::optional<InHandReorientation> plan_in_hand_reorientation(
-    PlaceStrategy means, const TurnQuestion& question, const InHandReorientationOptions& options,
+    PlaceStrategy strategy, const TurnQuestion& question, const InHandReorientationOptions& options,
     const std::function<bool(const HeldObject&)>& reaches) {
   const GoalSearch& search = question.search;
-  const bool asked_for = means == PlaceStrategy::fingers;
-  if (!asked_for && (means != PlaceStrategy::automatic || search.goal)) return std::nullopt;
+  const bool asked_for = strategy == PlaceStrategy::fingers;
+  if (!asked_for && (strategy != PlaceStrategy::automatic || search.goal)) return std::nullopt;
   const hand::BasePosition seat = wanted_base(question);
   InHandReorientation turn;
   turn.base_turn = share_of_fingers(question.base, seat, std::numbers::pi).norm();
-  turn.asked = share_of_fingers(question.base, seat, options.most);
+  turn.asked = share_of_fingers(question.base, seat, options.max);
   if (search.goal) {
-    if (turn.asked.norm() < options.least) return std::nullopt;
-    turn.why = fmt::format("asked for: {:.1f} of the {:.1f} deg that the base would turn",
-                           kDegrees * turn.asked.norm(), kDegrees * turn.base_turn);
+    if (turn.asked.norm() < options.min) return std::nullopt;
+    turn.why =
+        fmt::format("asked for: {:.1f} of the {:.1f} deg that the base would turn",
+                    kDegreesPerRadian * turn.asked.norm(), kDegreesPerRadian * turn.base_turn);
     return turn;
   }
   const auto reaching =
-      turn_that_reaches(question.held, question.base, turn.asked, options.most, reaches);
+      turn_that_reaches(question.held, question.base, turn.asked, options.max, reaches);
   if (!reaching) return std::nullopt;
   turn.asked = *reaching;
   turn.why =
       fmt::format("unreachable as it is held ({}), reachable turned by {:.1f} deg in the hand",
-                  search.obstacle, kDegrees * turn.asked.norm());
+                  search.obstacle, kDegreesPerRadian * turn.asked.norm());
   return turn;
 }
 

@@ -20,7 +20,7 @@ struct TurnQuestion {
 /// base's turn as they can; else only where it makes a target reachable that is not.
 /// @param reaches  whether the object, held so, can be brought to the target
 std::optional<InHandReorientation> plan_in_hand_reorientation(
-    PlaceStrategy means, const TurnQuestion& question, const InHandReorientationOptions& options,
+    PlaceStrategy strategy, const TurnQuestion& question, const InHandReorientationOptions& options,
     const std::function<bool(const HeldObject&)>& reaches);
 
 }  // namespace palpate::skills

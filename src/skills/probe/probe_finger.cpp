@@ -12,6 +12,7 @@
 #include "palpate/hand/tip_forces.hpp"
 #include "palpate/tactile/contacts/contact_window.hpp"
 #include "skills/grasp/pressing.hpp"
+#include "skills/motion_constants.hpp"
 
 namespace palpate::skills {
 
@@ -21,7 +22,6 @@ namespace {
 
 constexpr std::size_t kWindow = 15;       // readings of a touch that are averaged
 constexpr double kTransferSeconds = 0.4;  // s, of a finger's force to the others, and back
-constexpr double kOpenSeconds = 0.4;      // s
 constexpr double kMoveSeconds = 0.3;      // s
 constexpr double kReturnSeconds = 0.6;    // s, back to where the finger pressed
 constexpr double kLongestClose = 1.5;     // s
@@ -31,7 +31,6 @@ constexpr double kLost = 0.03;            // N at which a holding finger has los
 constexpr int kMinHolding = 2;            // fingers that hold meanwhile, the thumb among them
 constexpr int kSteps = 2;                 // of J4 and of J0 to either side
 constexpr std::size_t kPoses = 6;         // by which a move is judged, the heaviest
-constexpr double kPlannedRate = 1.0;      // rad/s, of the closing planned; the path is that of any
 constexpr double kSame = 0.05;            // rad, of actuators of two moves that are the same
 
 int actuator(int finger, std::string_view joint) {

@@ -9,6 +9,7 @@
 #include "estimation/mean_load.hpp"
 #include "palpate/core/gravity.hpp"
 #include "palpate/localization/consensus.hpp"
+#include "skills/motion_constants.hpp"
 #include "skills/probe/probe_finger.hpp"
 #include "skills/probe/probe_regrasp.hpp"
 #include "skills/probe/probe_roll.hpp"
@@ -20,7 +21,6 @@ constexpr double kStepSeconds = 10;     // s that a touch or a roll takes at mos
 constexpr double kRegraspSeconds = 14;  // s, of an object on the table
 constexpr double kLiftSeconds = 6;      // s more, where it is to be put down and lifted again
 constexpr double kMinWeight = 0.5;      // of the object's weight, that must still hang
-constexpr double kPlannedRate = 1.0;    // rad/s, of the closing planned; the path is that of any
 
 int regrasps_made(const estimation::EventLog& log) {
   const auto moments = log.since_release();
@@ -115,7 +115,7 @@ class Probing {
   /// What is worth most of what has not been done too often yet.
   [[nodiscard]] Choices choices() const {
     Choices next;
-    if (touches_ < options_.most) {
+    if (touches_ < options_.max) {
       next.touch = fingers_.choose(robot_, posterior(), RandomStream(seed_, "probe"));
     }
     if (next.touch) {  // of draws, which also differ by each pose's own error

@@ -16,7 +16,7 @@ constexpr double kSeconds = 8;             // of the robot's time, there and bac
 constexpr double kLongest = 4;             // s of either way
 constexpr double kSameSpot = 0.006;        // m
 constexpr double kRelaxing = 0.8;          // s, back to the grip before
-constexpr double kRest = 0.2;              // s, of contacts that are averaged, amply
+constexpr double kContactSeconds = 0.2;    // s, of contacts that are averaged, amply
 constexpr std::ptrdiff_t kMinFingers = 4;  // that touch, the thumb among them
 
 using localization::PredictedTouches;
@@ -112,11 +112,11 @@ bool roll(Executor& robot, const geometry::ObjectModel& object, const localizati
   const auto aside =
       reorient_in_hand(robot, object, held, turned(robot, start, roll.turn), options, seed);
   if (aside.end == ReorientEnd::losing) return false;
-  robot.wait(kRest);
+  robot.wait(kContactSeconds);
   robot.mark(estimation::TouchEvent::rolled);
   const auto back = reorient_in_hand(robot, object, aside.posterior, start, options, seed);
   robot.move_fingers(before, kRelaxing);
-  robot.wait(kRest);
+  robot.wait(kContactSeconds);
   return back.end != ReorientEnd::losing &&
          touch_alike(contacts, contacts_at(robot, robot.log().readings.size() - 1));
 }

@@ -5,10 +5,10 @@
 
 #include <algorithm>
 #include <array>
-#include <numbers>
 #include <vector>
 
 #include "estimation/mean_load.hpp"
+#include "palpate/core/angle.hpp"
 #include "palpate/core/gravity.hpp"
 #include "palpate/grasping/force_distribution.hpp"
 #include "skills/grasp/pressing.hpp"
@@ -16,7 +16,6 @@
 namespace palpate::skills {
 namespace {
 
-constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr double kRegripSeconds = 0.3;
 constexpr std::array<double, 2> kShares = {0.5, 1.0};  // of the longest turn that are tried
 
@@ -92,11 +91,11 @@ PhaseEnd InHandReorientationPhase::run(Executor& robot, PickState& state) {
   // Pressing again moves the object by what no look has followed.
   turn_.known = turn_.result.end != ReorientEnd::losing && well_known(tracked, options_.reorient);
   state.estimate.posterior = turn_.result.posterior;
-  return {
-      turn_.known,
-      fmt::format("{}: {:.1f} deg left of {:.1f}, {} steps, planned in {:.1f} s",
-                  to_string(turn_.result.end), kDegrees * turn_.result.left.rotation,
-                  kDegrees * turn_.asked.norm(), turn_.result.steps, turn_.result.plan_seconds)};
+  return {turn_.known,
+          fmt::format("{}: {:.1f} deg left of {:.1f}, {} steps, planned in {:.1f} s",
+                      to_string(turn_.result.end), kDegreesPerRadian * turn_.result.left.rotation,
+                      kDegreesPerRadian * turn_.asked.norm(), turn_.result.steps,
+                      turn_.result.plan_seconds)};
 }
 
 }  // namespace palpate::skills

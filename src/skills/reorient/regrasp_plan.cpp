@@ -66,7 +66,7 @@ class Search {
       expand(*next, plan);
     }
     if (plan.found) trace(plan);
-    plan.means = plan.transfers.size() > 1 ? Strategy::regrasp : Strategy::carry;
+    plan.strategy = plan.transfers.size() > 1 ? Strategy::regrasp : Strategy::carry;
     explain(plan);
     return plan;
   }
@@ -171,7 +171,7 @@ class Search {
   }
 
   void explain(RegraspPlan& plan) const {
-    const bool carried = plan.found && plan.means == Strategy::carry;
+    const bool carried = plan.found && plan.strategy == Strategy::carry;
     plan.considered.push_back({Strategy::carry, carried, why_carry(plan, carried)});
     if (carried) return;
     std::string way;
@@ -224,8 +224,8 @@ void check(const geometry::ObjectModel& object, const Eigen::Isometry3d& start,
 
 }  // namespace
 
-std::string_view to_string(Strategy means) {
-  switch (means) {
+std::string_view to_string(Strategy strategy) {
+  switch (strategy) {
     case Strategy::none:
       return "none";
     case Strategy::carry:

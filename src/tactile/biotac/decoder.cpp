@@ -5,17 +5,13 @@
 #include <cmath>
 
 namespace palpate::tactile {
-namespace {
-
-constexpr double kTop = 4095;
-
-}  // namespace
+namespace {}  // namespace
 
 BiotacDecoder::BiotacDecoder(const BiotacReading& rest, const BiotacSensorOptions& sensor)
     : rest_(rest), sensor_(sensor), late_(Eigen::VectorXd::Zero(kElectrodes)) {}
 
 std::optional<DecodedReading> BiotacDecoder::step(const BiotacReading& reading) {
-  const auto sound = [](double count) { return count > 0 && count < kTop; };
+  const auto sound = [](double count) { return count > 0 && count < hand::kBiotacFullScale; };
   bool usable = sound(reading.pdc) && sound(reading.tdc);
   for (const double count : reading.electrodes) usable = usable && sound(count);
   if (!usable) return std::nullopt;
@@ -23,8 +19,9 @@ std::optional<DecodedReading> BiotacDecoder::step(const BiotacReading& reading) 
   const double conductivity = std::max(0.1, 1 + sensor_.conductivity * warmth);
   Eigen::VectorXd change(kElectrodes);
   for (int j = 0; j < kElectrodes; ++j) {
-    change[j] =
-        conductivity * (kTop / reading.electrodes[j] - 1) / (kTop / rest_.electrodes[j] - 1) - 1;
+    change[j] = conductivity * (hand::kBiotacFullScale / reading.electrodes[j] - 1) /
+                    (hand::kBiotacFullScale / rest_.electrodes[j] - 1) -
+                1;
   }
   // Measured: (1 - c) x + c late, where late follows x with share a of the difference a frame.
   const double a = 1 - std::exp(-kBiotacPeriod / sensor_.creep_time), c = sensor_.creep_share;

@@ -13,12 +13,11 @@
 namespace palpate::tactile {
 namespace {
 
-constexpr double kTop = 4095;
-constexpr int kUnknowns = 7;  // stiffness, crown, spread, bulge (as logarithms), a turn
+constexpr int kSkinUnknowns = 7;  // stiffness, crown, spread, bulge (as logarithms), a turn
 constexpr std::size_t kLeast = 20;
 constexpr double kMaxExponent = 3;  // by which a parameter may leave its default
 
-using Unknowns = Eigen::Matrix<double, kUnknowns, 1>;
+using Unknowns = Eigen::Matrix<double, kSkinUnknowns, 1>;
 
 /// Where a plane with this inward normal of the skin touches: on the half ball, or back along the
 /// cylinder as far as the tip's crown says.
@@ -46,9 +45,9 @@ class FlatContact {
     // Pressure acts along the taxels' own normals: more of it than the force it sums up to.
     const double reached = state.pressure.dot(skin_.areas());
     if (reached > 0) state = press(p, outward, wanted * wanted / reached);
-    const Eigen::ArrayXd at_rest = kTop / electrode_rest().array() - 1;
+    const Eigen::ArrayXd at_rest = hand::kBiotacFullScale / electrode_rest().array() - 1;
     const Eigen::ArrayXd ratio = 1 + electrodes_.resistances(state).array();
-    return kTop / (1 + at_rest * ratio) - electrode_rest().array();
+    return hand::kBiotacFullScale / (1 + at_rest * ratio) - electrode_rest().array();
   }
 
  private:

@@ -19,17 +19,17 @@
 namespace palpate::tactile {
 namespace {
 
-constexpr const char* kKind = "biotac-electrodes";
-constexpr int kVersion = 1;
-constexpr int kFeatures = 4;
-constexpr double kFlatPressure = 20;   // counts, that keep ratios small at light touch
-constexpr double kSameSample = 1e-6;   // squared distance of standardised features
-constexpr int kGuardedMoves = 8;       // of reweighting
-constexpr double kMinScale = 1e-3;     // of a residual of changes over the pressure
+constexpr const char* kElectrodeKind = "biotac-electrodes";
+constexpr int kElectrodeVersion = 1;
+constexpr int kElectrodeFeatures = 4;
+constexpr double kElectrodeFlatPressure = 20;  // counts, that keep ratios small at light touch
+constexpr double kSameSample = 1e-6;           // squared distance of standardised features
+constexpr int kGuardedMoves = 8;               // of reweighting
+constexpr double kMinScale = 1e-3;             // of a residual of changes over the pressure
 constexpr double kLightPressure = 60;  // counts, at which a change over the pressure is half noise
 
-Eigen::Matrix<double, kFeatures, 1> features(const Eigen::Vector3d& n, double pressure) {
-  Eigen::Matrix<double, kFeatures, 1> result;
+Eigen::Matrix<double, kElectrodeFeatures, 1> features(const Eigen::Vector3d& n, double pressure) {
+  Eigen::Matrix<double, kElectrodeFeatures, 1> result;
   result << n, std::sqrt(pressure);
   return result;
 }
@@ -62,7 +62,7 @@ std::pair<Eigen::VectorXd, Eigen::VectorXd> standardise(Eigen::MatrixXd& feature
 }
 
 Eigen::MatrixXd features_of(const std::vector<BiotacSample>& samples) {
-  Eigen::MatrixXd result(kFeatures, static_cast<Eigen::Index>(samples.size()));
+  Eigen::MatrixXd result(kElectrodeFeatures, static_cast<Eigen::Index>(samples.size()));
   for (Eigen::Index i = 0; i < result.cols(); ++i) {
     const BiotacSample& sample = samples[static_cast<std::size_t>(i)];
     result.col(i) = features(sample.n, std::max(sample.change[0], 1.0));
@@ -133,8 +133,8 @@ ElectrodeModel ElectrodeModel::train(const std::vector<BiotacSample>& samples,
   for (Eigen::Index i = 0; i < count; ++i) {
     const BiotacSample& sample = learned[static_cast<std::size_t>(i)];
     const double pressure = std::max(sample.change[0], 1.0);
-    changes.col(i) = sample.change.tail<kElectrodes>() / (pressure + kFlatPressure);
-    const double light = kLightPressure / std::max(pressure, kFlatPressure);
+    changes.col(i) = sample.change.tail<kElectrodes>() / (pressure + kElectrodeFlatPressure);
+    const double light = kLightPressure / std::max(pressure, kElectrodeFlatPressure);
     noise[i] = options.noise * (1 + light * light);
   }
   const Eigen::MatrixXd K =
@@ -156,11 +156,11 @@ ElectrodeChanges ElectrodeModel::operator()(const Eigen::Vector3d& n, double pre
   }
   const Eigen::MatrixXd x = ((features(n, pressure) - mean_).array() / scale_.array()).matrix();
   const Eigen::MatrixXd k = numerics::kernel(centres_, x, length_, linear_);
-  return (mean_change_ + weights_ * k.col(0)) * (pressure + kFlatPressure);
+  return (mean_change_ + weights_ * k.col(0)) * (pressure + kElectrodeFlatPressure);
 }
 
 std::string ElectrodeModel::bytes() const {
-  ArrayFile file(kKind, kVersion);
+  ArrayFile file(kElectrodeKind, kElectrodeVersion);
   file.add("settings", Eigen::Vector2d(length_, linear_).cast<float>());
   file.add("mean", mean_.cast<float>());
   file.add("scale", scale_.cast<float>());
@@ -171,15 +171,15 @@ std::string ElectrodeModel::bytes() const {
 }
 
 ElectrodeModel ElectrodeModel::parse(std::string_view bytes, const std::string& source) {
-  const auto file = ArrayFile::parse(bytes, source, kKind, kVersion);
+  const auto file = ArrayFile::parse(bytes, source, kElectrodeKind, kElectrodeVersion);
   ElectrodeModel model;
   const Eigen::VectorXd settings = file.get("settings", 2, 1).cast<double>();
   model.length_ = settings[0];
   model.linear_ = settings[1];
-  model.mean_ = file.get("mean", kFeatures, 1).cast<double>();
-  model.scale_ = file.get("scale", kFeatures, 1).cast<double>();
+  model.mean_ = file.get("mean", kElectrodeFeatures, 1).cast<double>();
+  model.scale_ = file.get("scale", kElectrodeFeatures, 1).cast<double>();
   model.mean_change_ = file.get("mean_change", kElectrodes, 1).cast<double>();
-  model.centres_ = file.get("centres", kFeatures).cast<double>();
+  model.centres_ = file.get("centres", kElectrodeFeatures).cast<double>();
   model.weights_ = file.get("weights", kElectrodes, model.centres_.cols()).cast<double>();
   if (model.length_ <= 0 || model.linear_ < 0 || model.scale_.minCoeff() <= 0) {
     throw BadInput(fmt::format("{}: a scale of the model is not positive", source));

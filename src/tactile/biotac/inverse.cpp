@@ -16,28 +16,27 @@
 namespace palpate::tactile {
 namespace {
 
-constexpr const char* kKind = "biotac-inverse";
-constexpr int kVersion = 2;
-constexpr int kFeatures = 1 + 2 * kElectrodes;
+constexpr const char* kInverseKind = "biotac-inverse";
+constexpr int kInverseVersion = 2;
+constexpr int kInverseFeatures = 1 + 2 * kElectrodes;
 constexpr int kGuessed = 6;
-constexpr double kFlatPressure = 10;      // counts, that keep shares small at light touch
-constexpr int kUnknowns = 8;              // u, v, fu, fv, fn, and the curvatures uu, uv, vv
-constexpr double kCurvature = 30;         // 1/m, of objects, before anything is felt ...
-constexpr double kCurvatureSpread = 250;  // ... and its standard deviation
-constexpr double kMaxCurvature = 500;     // 1/m
-constexpr double kModelError = 0.0002;    // of relative resistances, standard deviation
-constexpr double kDoubtfulMisfit = 0.75;  // standard deviations, from which on a fit is doubted
-constexpr double kElsewhere = 0.0025;     // m, from the guess, to where else the contact may be
-constexpr double kTop = 4095;
+constexpr double kInverseFlatPressure = 10;  // counts, that keep shares small at light touch
+constexpr int kInverseUnknowns = 8;          // u, v, fu, fv, fn, and the curvatures uu, uv, vv
+constexpr double kCurvature = 30;            // 1/m, of objects, before anything is felt ...
+constexpr double kCurvatureSpread = 250;     // ... and its standard deviation
+constexpr double kMaxCurvature = 500;        // 1/m
+constexpr double kModelError = 0.0002;       // of relative resistances, standard deviation
+constexpr double kDoubtfulMisfit = 0.75;     // standard deviations, from which on a fit is doubted
+constexpr double kElsewhere = 0.0025;        // m, from the guess, to where else the contact may be
 
 double rms(const Eigen::VectorXd& values) {
   return std::sqrt(values.squaredNorm() / static_cast<double>(values.size()));
 }
 
 Eigen::VectorXd features(const DecodedReading& reading) {
-  Eigen::VectorXd result(kFeatures);
+  Eigen::VectorXd result(kInverseFeatures);
   result << std::log(std::max(reading.pressure, 1.0)), reading.resistances,
-      100 * reading.resistances / (reading.pressure + kFlatPressure);
+      100 * reading.resistances / (reading.pressure + kInverseFlatPressure);
   return result;
 }
 
@@ -75,7 +74,7 @@ Eigen::Vector4d log_variance_fit(const Eigen::Matrix4Xd& signs, const Eigen::Vec
   return c;
 }
 
-std::vector<int> sizes_of(int hidden) { return {kFeatures, hidden, hidden, kGuessed}; }
+std::vector<int> sizes_of(int hidden) { return {kInverseFeatures, hidden, hidden, kGuessed}; }
 
 bool held_out(const BiotacFrame& frame) { return frame.trajectory % 5 == 4; }
 
@@ -117,8 +116,8 @@ struct BiotacInverse::Unknowns {
   Eigen::Vector3d force;                                 // along tangents' columns
   Eigen::Vector3d curvature{kCurvature, 0, kCurvature};  // uu, uv, vv; 1/m
 
-  /// Moved by a step in the order of kUnknowns.
-  [[nodiscard]] Unknowns moved(const Eigen::Matrix<double, kUnknowns, 1>& step,
+  /// Moved by a step in the order of kInverseUnknowns.
+  [[nodiscard]] Unknowns moved(const Eigen::Matrix<double, kInverseUnknowns, 1>& step,
                                const BiotacSkin& skin) const {
     Unknowns result = *this;
     result.p = skin.on_skin(p + tangents.leftCols<2>() * step.head<2>());
@@ -185,15 +184,16 @@ BiotacInverse::Unknowns BiotacInverse::guess(const DecodedReading& reading) cons
 }
 
 InferredContact BiotacInverse::fit(const DecodedReading& reading) const {
-  using Step = Eigen::Matrix<double, kUnknowns, 1>;
+  using Step = Eigen::Matrix<double, kInverseUnknowns, 1>;
   const Eigen::VectorXd rest = electrode_rest();
   const double noise =  // and rounding, counts
       BiotacDecoder::noise_left() * std::hypot(sensor_options_.noise, 0.3);
   Eigen::VectorXd sigma(kElectrodes + 4);
   for (int j = 0; j < kElectrodes; ++j) {
-    const double at_rest = kTop / rest[j] - 1;
-    const double counts = kTop / (1 + at_rest * (1 + std::max(-0.9, reading.resistances[j])));
-    const double from_counts = noise * kTop / (counts * counts * at_rest);
+    const double at_rest = hand::kBiotacFullScale / rest[j] - 1;
+    const double counts =
+        hand::kBiotacFullScale / (1 + at_rest * (1 + std::max(-0.9, reading.resistances[j])));
+    const double from_counts = noise * hand::kBiotacFullScale / (counts * counts * at_rest);
     sigma[j] = std::hypot(from_counts / (1 - sensor_options_.creep_share),
                           kModelError + 0.001 * std::abs(reading.resistances[j]));
   }
@@ -257,7 +257,7 @@ BiotacInverse BiotacInverse::train(const std::vector<BiotacFrame>& frames,
         fmt::format("{} frames of contact are too few to learn from", learn.size() + judge.size()));
   }
   const auto count = static_cast<Eigen::Index>(learn.size());
-  Eigen::MatrixXd inputs(kFeatures, count), outputs(kGuessed, count);
+  Eigen::MatrixXd inputs(kInverseFeatures, count), outputs(kGuessed, count);
   for (Eigen::Index i = 0; i < count; ++i) {
     const BiotacFrame& frame = *learn[static_cast<std::size_t>(i)];
     inputs.col(i) = features(frame.decoded);
@@ -313,7 +313,7 @@ void BiotacInverse::calibrate(const std::vector<BiotacFrame>& held_out) {
 }
 
 std::string BiotacInverse::bytes() const {
-  ArrayFile file(kKind, kVersion);
+  ArrayFile file(kInverseKind, kInverseVersion);
   file.add("skin", numbers_of(skin_options_));
   file.add("sensor", numbers_of(sensor_options_));
   file.add("hidden", Eigen::MatrixXf::Constant(1, 1, static_cast<float>(guess_.sizes()[1])));
@@ -327,7 +327,7 @@ std::string BiotacInverse::bytes() const {
 }
 
 BiotacInverse BiotacInverse::parse(std::string_view bytes, const std::string& source) {
-  const auto file = ArrayFile::parse(bytes, source, kKind, kVersion);
+  const auto file = ArrayFile::parse(bytes, source, kInverseKind, kInverseVersion);
   const float hidden = file.get("hidden", 1, 1)(0, 0);
   if (!(hidden >= 1 && hidden <= 4096) || hidden != std::floor(hidden)) {
     throw BadInput(fmt::format("{}: {} hidden units", source, hidden));
@@ -339,8 +339,8 @@ BiotacInverse BiotacInverse::parse(std::string_view bytes, const std::string& so
                       options_from<BiotacSensorOptions>(file, "sensor", source),
                       numerics::Mlp(std::move(sizes), numerics::Activation::tanh,
                                     file.get("guess", count, 1).cast<double>()));
-  model.input_mean_ = file.get("input_mean", kFeatures, 1).cast<double>();
-  model.input_sd_ = file.get("input_sd", kFeatures, 1).cast<double>();
+  model.input_mean_ = file.get("input_mean", kInverseFeatures, 1).cast<double>();
+  model.input_sd_ = file.get("input_sd", kInverseFeatures, 1).cast<double>();
   model.output_mean_ = file.get("output_mean", kGuessed, 1).cast<double>();
   model.output_sd_ = file.get("output_sd", kGuessed, 1).cast<double>();
   model.calibration_ = file.get("calibration", 4, 5).cast<double>();

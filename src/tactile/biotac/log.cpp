@@ -28,12 +28,12 @@ struct Columns {
     for (std::size_t e = 1; e < channels.size(); ++e) {
       channels[e] = table.require(fmt::format("e{}", e));
     }
-    normals = {table.find("nx"), table.find("ny"), table.find("nz")};
+    normals = table.find_xyz("n");
   }
 
   std::size_t time;
   std::array<std::size_t, kBiotacChannels> channels{};
-  std::array<std::optional<std::size_t>, 3> normals;
+  std::optional<palpate::CsvTable::Columns> normals;
 };
 
 double number_or_nan(const palpate::CsvTable& table, std::size_t column) {
@@ -43,10 +43,10 @@ double number_or_nan(const palpate::CsvTable& table, std::size_t column) {
 
 std::optional<Eigen::Vector3d> normal_of(const palpate::CsvTable& table, const Columns& columns,
                                          std::size_t row, const std::string& source) {
-  if (!columns.normals[0] || !columns.normals[1] || !columns.normals[2]) return std::nullopt;
-  const Eigen::Vector3d n(number_or_nan(table, *columns.normals[0]),
-                          number_or_nan(table, *columns.normals[1]),
-                          number_or_nan(table, *columns.normals[2]));
+  if (!columns.normals) return std::nullopt;
+  const auto& [x, y, z] = *columns.normals;
+  const Eigen::Vector3d n(number_or_nan(table, x), number_or_nan(table, y),
+                          number_or_nan(table, z));
   if (!n.allFinite()) return std::nullopt;
   if (n.norm() < 1e-6) {
     throw BadInput(fmt::format("{}: the normal of row {} has no direction", source, row));

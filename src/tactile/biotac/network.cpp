@@ -15,8 +15,8 @@
 namespace palpate::tactile {
 namespace {
 
-constexpr const char* kKind = "biotac-network";
-constexpr int kVersion = 1;
+constexpr const char* kNetworkKind = "biotac-network";
+constexpr int kNetworkVersion = 1;
 
 const std::array<std::vector<int>, 4> kShapes = {std::vector<int>{3, 512, 512, 512, 64},
                                                  {9, 256, 256, 256, 64},
@@ -84,7 +84,7 @@ BiotacNetwork::BiotacNetwork(std::uint64_t seed)
 }
 
 std::string BiotacNetwork::bytes() const {
-  ArrayFile file(kKind, kVersion);
+  ArrayFile file(kNetworkKind, kNetworkVersion);
   file.add("input_mean", input_mean_);
   file.add("input_sd", input_sd_);
   file.add("output_mean", output_mean_);
@@ -99,7 +99,7 @@ std::string BiotacNetwork::bytes() const {
 }
 
 BiotacNetwork BiotacNetwork::parse(std::string_view bytes, const std::string& source) {
-  const auto file = ArrayFile::parse(bytes, source, kKind, kVersion);
+  const auto file = ArrayFile::parse(bytes, source, kNetworkKind, kNetworkVersion);
   BiotacNetwork network;
   network.input_mean_ = file.get("input_mean", kNetworkInputs, 1);
   network.input_sd_ = file.get("input_sd", kNetworkInputs, 1);

@@ -20,9 +20,9 @@
 namespace palpate::tactile {
 namespace {
 
-constexpr const char* kKind = "biotac-normal";
-constexpr int kVersion = 1;
-constexpr int kFeatures = 1 + kElectrodes + kBiotacChannels;
+constexpr const char* kNormalKind = "biotac-normal";
+constexpr int kNormalVersion = 1;
+constexpr int kNormalFeatures = 1 + kElectrodes + kBiotacChannels;
 constexpr double kMinPressure = 5;  // counts, below which the logarithm is cut
 constexpr double kFlatShare = 20;   // counts, that keep shares small where nothing changes
 constexpr double kMinSigma = 0.02;  // rad
@@ -33,7 +33,7 @@ constexpr std::array<int, kElectrodes> kMirrored = {10, 11, 12, 13, 14, 15, 6,  
 
 Eigen::VectorXd features(const BiotacChannels& change) {
   const auto electrodes = change.tail<kElectrodes>();
-  Eigen::VectorXd result(kFeatures);
+  Eigen::VectorXd result(kNormalFeatures);
   result[0] = std::log(std::max(change[0], kMinPressure));
   result.segment<kElectrodes>(1) =
       kElectrodes * electrodes / (electrodes.cwiseAbs().sum() + kFlatShare);
@@ -103,7 +103,7 @@ BiotacNormalModel BiotacNormalModel::train(const std::vector<BiotacSample>& samp
   const auto learned = chosen(samples, options);
   const auto count = static_cast<Eigen::Index>(learned.size());
   BiotacNormalModel model;
-  model.centres_.resize(kFeatures, count);
+  model.centres_.resize(kNormalFeatures, count);
   Eigen::MatrixXd normals(count, 3);
   for (Eigen::Index i = 0; i < count; ++i) {
     model.centres_.col(i) = features(learned[static_cast<std::size_t>(i)].change);
@@ -154,7 +154,7 @@ std::optional<BiotacNormal> BiotacNormalModel::estimate(const BiotacChannels& ch
 }
 
 std::string BiotacNormalModel::bytes() const {
-  ArrayFile file(kKind, kVersion);
+  ArrayFile file(kNormalKind, kNormalVersion);
   Eigen::VectorXd settings(8);
   settings << mean_normal_, length_, linear_, noise_, spread_, residual_;
   file.add("settings", settings.cast<float>());
@@ -166,7 +166,7 @@ std::string BiotacNormalModel::bytes() const {
 }
 
 BiotacNormalModel BiotacNormalModel::parse(std::string_view bytes, const std::string& source) {
-  const auto file = ArrayFile::parse(bytes, source, kKind, kVersion);
+  const auto file = ArrayFile::parse(bytes, source, kNormalKind, kNormalVersion);
   BiotacNormalModel model;
   const Eigen::VectorXd settings = file.get("settings", 8, 1).cast<double>();
   model.mean_normal_ = settings.head<3>();
@@ -175,9 +175,9 @@ BiotacNormalModel BiotacNormalModel::parse(std::string_view bytes, const std::st
   model.noise_ = settings[5];
   model.spread_ = settings[6];
   model.residual_ = settings[7];
-  model.mean_ = file.get("mean", kFeatures, 1).cast<double>();
-  model.scale_ = file.get("scale", kFeatures, 1).cast<double>();
-  model.centres_ = file.get("centres", kFeatures).cast<double>();
+  model.mean_ = file.get("mean", kNormalFeatures, 1).cast<double>();
+  model.scale_ = file.get("scale", kNormalFeatures, 1).cast<double>();
+  model.centres_ = file.get("centres", kNormalFeatures).cast<double>();
   model.weights_ = file.get("weights", model.centres_.cols(), 3).cast<double>();
   if (settings.segment<3>(3).minCoeff() < 0 || model.length_ <= 0 || model.noise_ <= 0 ||
       model.scale_.minCoeff() <= 0 || settings.tail<2>().minCoeff() < 0) {

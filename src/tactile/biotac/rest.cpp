@@ -11,7 +11,6 @@ namespace {
 constexpr std::size_t kBlock = 5;  // frames whose median stands for them
 constexpr double kDriftRate = 2;   // counts/s, of the envelope
 constexpr double kQuiet = 12;      // counts above the envelope that still are rest
-constexpr double kTop = 4095;
 
 void flag_times(const BiotacLog& log, std::vector<unsigned>& flags) {
   const std::size_t n = log.time.size();
@@ -125,9 +124,9 @@ unsigned count_flags(const BiotacChannels& channels) {
   for (const double count : channels) {
     if (std::isnan(count)) {
       flags |= bit(BiotacFlag::missing);
-    } else if (count < 0 || count > kTop) {
+    } else if (count < 0 || count > hand::kBiotacFullScale) {
       flags |= bit(BiotacFlag::out_of_range);
-    } else if (count == 0 || count == kTop) {
+    } else if (count == 0 || count == hand::kBiotacFullScale) {
       flags |= bit(BiotacFlag::saturated);
     }
   }

@@ -8,7 +8,6 @@
 namespace palpate::tactile {
 namespace {
 
-constexpr double kTop = 4095;
 constexpr double kReferenceTemperature = 30;  // deg C, at which the rest values hold
 constexpr double kRoom = 23;                  // deg C, of what is touched
 constexpr double kTemperatureRest = 2000, kAlternatingRest = 2000;  // counts
@@ -108,7 +107,8 @@ void BiotacSensor::reseed(const RandomStream& random) {
 }
 
 double BiotacSensor::counts(double value) {
-  return std::clamp(std::round(value + options_.noise * random_.normal()), 0.0, kTop);
+  return std::clamp(std::round(value + options_.noise * random_.normal()), 0.0,
+                    hand::kBiotacFullScale);
 }
 
 void BiotacSensor::fill_pressure(double force, BiotacReading& reading) {
@@ -141,9 +141,9 @@ BiotacReading BiotacSensor::step(const SkinState& state, double temperature) {
   const auto rest = electrode_rest();
   for (int j = 0; j < kElectrodes; ++j) {
     // At rest R_j0 / R_ref = 4095 / counts - 1.
-    const double relative =
-        (kTop / rest[j] - 1) * ratio[j] / std::max(0.1, 1 + options_.conductivity * warmth);
-    reading.electrodes[j] = counts(kTop / (1 + relative));
+    const double relative = (hand::kBiotacFullScale / rest[j] - 1) * ratio[j] /
+                            std::max(0.1, 1 + options_.conductivity * warmth);
+    reading.electrodes[j] = counts(hand::kBiotacFullScale / (1 + relative));
   }
   const double touched =
       (state.pressure.array() > 0).select(skin_->areas().array(), 0.0).sum() * 1e4;  // cm^2

@@ -15,11 +15,7 @@
 namespace palpate::tactile {
 namespace {
 
-using Columns = std::array<std::size_t, 3>;
-
-Columns require_vector(const palpate::CsvTable& table, const std::string& prefix) {
-  return {table.require(prefix + "x"), table.require(prefix + "y"), table.require(prefix + "z")};
-}
+using Columns = palpate::CsvTable::Columns;
 
 Eigen::Vector3d vector_of(const palpate::CsvTable& table, const Columns& columns) {
   return {table.number(columns[0]), table.number(columns[1]), table.number(columns[2])};
@@ -30,9 +26,9 @@ struct Layout {
   explicit Layout(const palpate::CsvTable& table)
       : finger(table.require("finger")),
         t(table.require("t")),
-        p(require_vector(table, table.find("px") ? "p" : "")),
-        f(require_vector(table, "f")) {
-    if (table.find("nx")) n = require_vector(table, "n");
+        p(table.require_xyz(table.find("px") ? "p" : "")),
+        f(table.require_xyz("f")) {
+    if (table.find("nx")) n = table.require_xyz("n");
   }
   std::size_t finger, t;
   Columns p, f;

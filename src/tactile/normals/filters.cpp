@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/tactile/normals/filters.hpp"
+#include "tactile/normals/filters.hpp"
 
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/tactile/normals/noise_meter.hpp"
+#include "tactile/normals/noise_meter.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/tactile/normals/normal_clusters.hpp"
+#include "tactile/normals/normal_clusters.hpp"
 
 #include <fmt/format.h>
 
@@ -11,7 +11,7 @@
 #include "palpate/core/error.hpp"
 #include "palpate/core/option_check.hpp"
 #include "palpate/core/se3.hpp"
-#include "palpate/tactile/normals/noise_meter.hpp"
+#include "tactile/normals/noise_meter.hpp"
 
 namespace palpate::tactile {
 namespace {

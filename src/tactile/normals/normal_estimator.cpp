@@ -5,10 +5,10 @@
 #include <fmt/ranges.h>
 
 #include "palpate/core/error.hpp"
-#include "palpate/tactile/normals/plane_fit.hpp"
-#include "palpate/tactile/normals/rls.hpp"
-#include "palpate/tactile/normals/s2_filter.hpp"
-#include "palpate/tactile/normals/s2_smoother.hpp"
+#include "tactile/normals/plane_fit.hpp"
+#include "tactile/normals/rls.hpp"
+#include "tactile/normals/s2_filter.hpp"
+#include "tactile/normals/s2_smoother.hpp"
 
 namespace palpate::tactile {
 

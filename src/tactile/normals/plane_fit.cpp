@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/tactile/normals/plane_fit.hpp"
+#include "tactile/normals/plane_fit.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <cmath>

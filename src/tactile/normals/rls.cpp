@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/tactile/normals/rls.hpp"
+#include "tactile/normals/rls.hpp"
 
 #include "palpate/core/option_check.hpp"
 #include "palpate/core/se3.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/tactile/normals/s2_smoother.hpp"
+#include "tactile/normals/s2_smoother.hpp"
 
 #include <cmath>
 

@@ -14,7 +14,7 @@
 #include "palpate/tasks/relocate/relocate_dynamics.hpp"
 #include "palpate/tasks/relocate/relocate_task.hpp"
 #include "palpate/tasks/relocate/relocate_touch.hpp"
-#include "palpate/tasks/relocate/relocated_object.hpp"
+#include "tasks/relocate/relocated_object.hpp"
 
 namespace palpate::relocate {
 namespace {

@@ -22,7 +22,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using nlohmann::json;
 
-constexpr const char* kVersion = "0.5.1";
+constexpr const char* kMinariVersion = "0.5.1";
 constexpr hsize_t kChunk = 64;              // rows
 constexpr hsize_t kMaxValues = 1ULL << 31;  // of one table
 
@@ -136,7 +136,7 @@ json metadata(const MinariDataset& dataset) {
           {"total_steps", steps},
           {"data_format", "hdf5"},
           {"dataset_id", dataset.id},
-          {"minari_version", kVersion},
+          {"minari_version", kMinariVersion},
           {"observation_space", endless_box(first.observations.rows())},
           {"action_space", box(first.actions.rows(), -1.0, 1.0).dump()}};
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/tasks/relocate/relocated_object.hpp"
+#include "tasks/relocate/relocated_object.hpp"
 
 #include <cmath>
 #include <numbers>

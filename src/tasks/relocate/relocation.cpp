@@ -12,7 +12,7 @@
 #include "palpate/core/parallel.hpp"
 #include "palpate/core/se3.hpp"
 #include "palpate/evaluation/trial.hpp"
-#include "palpate/tasks/relocate/relocated_object.hpp"
+#include "tasks/relocate/relocated_object.hpp"
 
 namespace palpate::relocate {
 namespace {
@@ -73,7 +73,7 @@ localization::Posterior Relocation::explored(const Eigen::Vector2d& place,
   skills::Executor robot(world.hand(), world.hand_model(), evaluation::waiting_command());
   skills::PickState state;
   try {
-    skills::HeightProbePhase feel(options_.feel);
+    skills::HeightProbePhase feel(options_.height_probe);
     skills::ExplorePhase explore(object_, options_.exploring, options_.resting, seed);
     if (skills::run_phase(feel, robot, state).status == skills::PhaseStatus::ok)
       skills::run_phase(explore, robot, state);

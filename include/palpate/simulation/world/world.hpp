@@ -46,16 +46,16 @@ struct WorldOptions {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("time_step", time_step, 1e-4, 0.01, "s, of the physics");
+    v.expert("time_step", time_step, 1e-4, 0.01, "s, of the physics");
     v("hand_friction", hand_friction, 0.0, 5.0, "sliding, hand against object");
     v("table_friction", table_friction, 0.0, 5.0, "sliding, object against table");
-    v("stiffness_scale", stiffness_scale, 0.1, 20.0, "of the fingers' position controllers");
-    v("exact_tips", exact_tips,
-      "fingertips meet the true surface, the table its hull; else convex parts");
+    v.expert("stiffness_scale", stiffness_scale, 0.1, 20.0, "of the fingers' position controllers");
+    v.expert("exact_tips", exact_tips,
+             "fingertips meet the true surface, the table its hull; else convex parts");
     v("biotacs", biotacs, "simulate the channels of BioTacs on the fingertips");
-    v("corrupted_truth", corrupted_truth,
-      "the truth that is told is wrong: whoever acts on it shows");
-    v.section("integral", integral);
+    v.expert("corrupted_truth", corrupted_truth,
+             "the truth that is told is wrong: whoever acts on it shows");
+    v.expert_section("integral", integral);
     v.section("noise", noise);
   }
 };

@@ -20,10 +20,11 @@ struct CalibrateOptions {
     v("x", x, -0.8, 0.8, "m, where the table is bare");
     v("y", y, -0.8, 0.8, "m, where the table is bare");
     v("speed", speed, 0.001, 0.5, "m/s, downwards");
-    v("travel_speed", travel_speed, 0.01, 2.0, "m/s, through the air");
+    v.expert("travel_speed", travel_speed, 0.01, 2.0, "m/s, through the air");
     v("touch_force", touch_force, 0.02, 5.0, "N at the fingertip");
-    v("rest", rest, 0.02, 5.0, "s that the fingertip rests and is averaged");
-    v("sigma", sigma, 1e-5, 0.02, "m, error of a resting tip's height but for the links, at least");
+    v.expert("rest", rest, 0.02, 5.0, "s that the fingertip rests and is averaged");
+    v.expert("sigma", sigma, 1e-5, 0.02,
+             "m, error of a resting tip's height but for the links, at least");
   }
 };
 

@@ -25,12 +25,12 @@ struct ExploreOptions {
     v("max_touches", max_touches, 0, 64, "with those that tell apart what the first left open");
     v("refining", refining, 0, 64, "at most, that make the best pose exact");
     v("certain", certain, 0.0, 1.0, "weight of a pose that needs no more touches");
-    v("turn", turn, -3.2, 3.2, "rad, of the hand for every other one of these");
+    v.expert("turn", turn, -3.2, 3.2, "rad, of the hand for every other one of these");
     v("radius", radius, 0.02, 0.3, "m, of the circle from which they start");
-    v("past", past, 0.0, 0.2, "m, how far they go past the object's place");
+    v.expert("past", past, 0.0, 0.2, "m, how far they go past the object's place");
     v("speed", speed, 0.001, 0.2, "m/s, of a sweep");
     v("touch_force", touch_force, 0.02, 5.0, "N at the fingertip");
-    v("travel_speed", travel_speed, 0.01, 2.0, "m/s, between sweeps");
+    v.expert("travel_speed", travel_speed, 0.01, 2.0, "m/s, between sweeps");
     v("reach", reach, 0.005, 0.07, "m, below the object's top");
   }
 };

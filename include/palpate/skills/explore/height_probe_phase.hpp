@@ -19,9 +19,9 @@ struct HeightProbeOptions {
     v("start_height", start_height, 0.1, 0.5, "m, of the hand's base above the table");
     v("speed", speed, 0.001, 0.5, "m/s, downwards");
     v("touch_force", touch_force, 0.05, 20.0, "N, load on the base that counts as touch");
-    v("clearance", clearance, 0.0, 0.1, "m, nearest approach to the table");
-    v("search", search, 0.0, 0.3, "m, to the sides of a place where nothing is felt");
-    v("travel_speed", travel_speed, 0.01, 2.0, "m/s, through the air");
+    v.expert("clearance", clearance, 0.0, 0.1, "m, nearest approach to the table");
+    v.expert("search", search, 0.0, 0.3, "m, to the sides of a place where nothing is felt");
+    v.expert("travel_speed", travel_speed, 0.01, 2.0, "m/s, through the air");
   }
 };
 

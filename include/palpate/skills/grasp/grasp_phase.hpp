@@ -76,23 +76,24 @@ struct GraspOptions {
   template <class Visitor>
   void visit(Visitor&& v) {
     v("side_from", side_from, 0.0, 0.5, "m, objects at least this tall are grasped from the side");
-    v("turns", turns, 1, 36, "directions tried from above when fingers land on the object");
-    v("min_depth", min_depth, 0.0, 0.2, "m below the object's top that the fingers must reach");
-    v("travel_speed", travel_speed, 0.01, 2.0, "m/s, through the air");
-    v("longest_close", longest_close, 0.1, 30.0, "s until all fingers have met the object");
-    v("ramp_seconds", ramp_seconds, 0.01, 10.0, "s, from touching to pressing");
+    v.expert("turns", turns, 1, 36, "directions tried from above when fingers land on the object");
+    v.expert("min_depth", min_depth, 0.0, 0.2,
+             "m below the object's top that the fingers must reach");
+    v.expert("travel_speed", travel_speed, 0.01, 2.0, "m/s, through the air");
+    v.expert("longest_close", longest_close, 0.1, 30.0, "s until all fingers have met the object");
+    v.expert("ramp_seconds", ramp_seconds, 0.01, 10.0, "s, from touching to pressing");
     v("press_per_weight", press_per_weight, 0.0, 100.0, "of all fingertips, by the weight");
-    v("steep_pitch", steep_pitch, -1.6, 1.6, "rad, of the base where the usual one does not do");
-    v("good_cost", good_cost, 0.0, 2.0, "of a plan with which the search ends");
+    v.expert("steep_pitch", steep_pitch, -1.6, 1.6,
+             "rad, of the base where the usual one does not do");
+    v.expert("good_cost", good_cost, 0.0, 2.0, "of a plan with which the search ends");
     v("min_press", min_press, 0.1, 100.0, "N, of all fingertips together");
-    v("friction", friction, 0.0, 2.0, "that the balance of forces counts on");
     v("closings", closings, 1, 20, "from other sides, until the forces balance");
     v("max_wrench_residual", max_wrench_residual, 0.0, 10.0,
       "of the forces with which the fingers would press");
     v("min_contacts", min_contacts, 0, 20, "fingertip contacts that count as a grasp");
-    v.section("plan", plan);
-    v.section("side", side);
-    v.section("top", top);
+    v.expert_section("plan", plan);
+    v.expert_section("side", side);
+    v.expert_section("top", top);
   }
 };
 

@@ -6,7 +6,7 @@
 namespace palpate::skills {
 
 struct LiftOptions {
-  double way = 0.10;         ///< m
+  double height = 0.10;      ///< m
   double speed = 0.10;       ///< m/s
   double settle = 0.5;       ///< s of rest before the hold is judged
   double hold = 2.0;         ///< s
@@ -17,13 +17,13 @@ struct LiftOptions {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("way", way, 0.01, 0.3, "m, upwards");
+    v("height", height, 0.01, 0.3, "m, upwards");
     v("speed", speed, 0.001, 0.5, "m/s");
-    v("settle", settle, 0.0, 10.0, "s of rest before the hold is judged");
+    v.expert("settle", settle, 0.0, 10.0, "s of rest before the hold is judged");
     v("hold", hold, 0.1, 60.0, "s");
     v("min_weight", min_weight, 0.0, 1.0, "share of the object's weight that must hang");
     v("min_fingers", min_fingers, 0, 5, "that touch at the end of the hold");
-    v("touch_force", touch_force, 0.0, 5.0, "N, of a fingertip that touches, in the mean");
+    v.expert("touch_force", touch_force, 0.0, 5.0, "N, of a fingertip that touches, in the mean");
     v("max_slip", max_slip, 1e-3, 0.1, "m, of a fingertip's contact along it during the hold");
   }
 };

@@ -20,7 +20,7 @@ struct TrackOptions {
   template <class Visitor>
   void visit(Visitor&& v) {
     v("look", look, 0.01, 5.0, "s between two looks at the contacts");
-    v.section("tracker", tracker);
+    v.expert_section("tracker", tracker);
   }
 };
 

@@ -17,7 +17,7 @@ struct StrategyTaken {
     RegraspPlan plan;
     std::optional<PlaceStatus> place;  ///< none if the object was not held
   };
-  PlaceStrategy means = PlaceStrategy::wrist;  ///< wrist, fingers or regrasp
+  PlaceStrategy strategy = PlaceStrategy::wrist;  ///< wrist, fingers or regrasp
   std::string reason;
   std::optional<InHandReorientation> turn;  ///< the last one by the fingers
   std::optional<RegraspStatus> regrasp;     ///< how that ended
@@ -28,7 +28,7 @@ struct StrategyTaken {
 struct PickAndPlaceResult {
   PickResult picked;                 ///< the last one, with the phases of all before
   std::optional<PlaceResult> place;  ///< the last one; its phases are empty if a pick came after
-  StrategyTaken means;
+  StrategyTaken strategy;
 };
 
 /// Picks the object and brings it to its target: `picks` times in one hold; by regrasp() where that

@@ -15,11 +15,11 @@ namespace palpate::skills {
 
 /// All that can be configured of placing.
 struct PlaceOptions {
-  std::string target;          ///< as parse_target() takes it, or "stable pose"; empty: none
-  int stable_pose = -1;        ///< of the target "stable pose"; -1: another than the first, drawn
-  std::string means = "auto";  ///< wrist, fingers, regrasp, or what is needed (PlaceStrategy)
-  int picks = 2;               ///< at most, where the object had to be put back
-  double reach = 0.5;          ///< m, how far from the origin a target may be
+  std::string target;    ///< as parse_target() takes it, or "stable pose"; empty: none
+  int stable_pose = -1;  ///< of the target "stable pose"; -1: another than the first, drawn
+  std::string strategy = "auto";  ///< wrist, fingers, regrasp, or what is needed (PlaceStrategy)
+  int picks = 2;                  ///< at most, where the object had to be put back
+  double reach = 0.5;             ///< m, how far from the origin a target may be
   double turn_press = 6.0;  ///< as GraspOptions::press_per_weight, if the object may be turned over
   double certain = 0.85;  ///< share of the estimate that must agree on where the object would stand
   bool again = true;      ///< estimate the pose once more over the target
@@ -40,24 +40,25 @@ struct PlaceOptions {
       "fixture, random, stable pose, x,y,yaw or the 16 numbers of a pose; empty: none");
     v("stable_pose", stable_pose, -1, 1000,
       "of the target 'stable_pose'; -1: another than it starts in, drawn");
-    v("strategy", means,
+    v("strategy", strategy,
       "wrist (one hold), fingers (turn in the hand first), regrasp (planned grasps), auto (the "
       "first that does)");
     v("picks", picks, 1, 10, "at most, where the object had to be put back");
-    v("reach", reach, 0.05, 1.0, "m, how far from the origin a target may be");
+    v.expert("reach", reach, 0.05, 1.0, "m, how far from the origin a target may be");
     v("turn_press", turn_press, 0.0, 100.0,
       "grasp.press_per_weight at least, for targets that may be in another stable pose");
     v("certain", certain, 0.0, 1.0, "share of the estimate that must agree on the place");
     v("again", again, "estimate the pose once more over the target");
-    v("turned_motion", turned_motion, 1.0, 100.0,
-      "motion in the hand that is expected of a turned-over object, times that of the grasp");
+    v.expert(
+        "turned_motion", turned_motion, 1.0, 100.0,
+        "motion in the hand that is expected of a turned-over object, times that of the grasp");
     v("verify", verify, "feel afterwards whether the object stands there");
     v.section("same", same);
     v.section("fixture", fixture);
     v.section("goal", goal);
     v.section("transport", transport);
-    v.section("lower", lower);
-    v.section("withdraw", withdraw);
+    v.expert_section("lower", lower);
+    v.expert_section("withdraw", withdraw);
     v.section("fingers", fingers);
     v.section("regrasp", regrasp);
   }
@@ -70,7 +71,7 @@ enum class PlaceStrategy {
   fingers,    ///< in one hold, turned first by the fingers as far as they can, then by the base
   regrasp     ///< with planned grasps, over other stable poses if need be
 };
-std::string_view to_string(PlaceStrategy means);
+std::string_view to_string(PlaceStrategy strategy);
 
 /// What PlaceOptions::means asks for.
 /// @throws BadInput for another word

@@ -57,9 +57,9 @@ struct GoalOptions {
   template <class Visitor>
   void visit(Visitor&& v) {
     v("rise", rise, 0.02, 0.4, "m over the target from which the object is let down");
-    v("room", room, 0.0, 0.05, "m over the target where nothing may collide yet");
-    v("reach", reach, 0.1, 2.0, "m, of |x| and |y| of the base");
-    v("highest", highest, 0.1, 2.0, "m, of the base");
+    v.expert("room", room, 0.0, 0.05, "m over the target where nothing may collide yet");
+    v.expert("reach", reach, 0.1, 2.0, "m, of |x| and |y| of the base");
+    v.expert("highest", highest, 0.1, 2.0, "m, of the base");
   }
 };
 

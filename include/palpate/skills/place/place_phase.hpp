@@ -26,18 +26,18 @@ struct LowerOptions {
   template <class Visitor>
   void visit(Visitor&& v) {
     v("speed", speed, 0.001, 0.5, "m/s, down to near the target");
-    v("near", near, 0.0, 0.1, "m over the target from where it goes slowly");
-    v("slow_speed", slow_speed, 0.0005, 0.1, "m/s, from there");
+    v.expert("near", near, 0.0, 0.1, "m over the target from where it goes slowly");
+    v.expert("slow_speed", slow_speed, 0.0005, 0.1, "m/s, from there");
     v("contact_load", contact_load, 0.05, 20.0, "N that the table must bear");
     v("press", press, 0.0, 20.0, "N beyond the weight that lay the object flat");
-    v("beyond", beyond, 0.0, 0.05, "m below the target at which it gives up");
-    v("early", early, 0.0, 0.1, "m over the target where a contact means refusal");
-    v("max_press", max_press, 0.0, 0.05, "m of way from the contact to lying flat");
-    v("back_off", back_off, 0.0, 0.05, "m up between two tries");
-    v("spiral", spiral, 0.0, 0.02, "m by which the tries move apart");
-    v("tries", tries, 1, 100, "at shifted places, after a refusal by a fixture");
-    v("unload_seconds", unload_seconds, 0.0, 10.0, "s, from pressing to touching");
-    v("open_seconds", open_seconds, 0.1, 10.0, "s, from touching to open");
+    v.expert("beyond", beyond, 0.0, 0.05, "m below the target at which it gives up");
+    v.expert("early", early, 0.0, 0.1, "m over the target where a contact means refusal");
+    v.expert("max_press", max_press, 0.0, 0.05, "m of way from the contact to lying flat");
+    v.expert("back_off", back_off, 0.0, 0.05, "m up between two tries");
+    v.expert("spiral", spiral, 0.0, 0.02, "m by which the tries move apart");
+    v.expert("tries", tries, 1, 100, "at shifted places, after a refusal by a fixture");
+    v.expert("unload_seconds", unload_seconds, 0.0, 10.0, "s, from pressing to touching");
+    v.expert("open_seconds", open_seconds, 0.1, 10.0, "s, from touching to open");
   }
 };
 
@@ -103,7 +103,7 @@ class PlacePhase : public Phase {
 
 struct WithdrawOptions {
   double speed = 0.05;     ///< m/s, out of the object's reach
-  double way = 0.12;       ///< m
+  double distance = 0.12;  ///< m
   double caught = 0.3;     ///< N on the base that mean the object comes along
   double height = 0.34;    ///< m, where the base then waits
   double far_speed = 0.3;  ///< m/s, up there
@@ -112,11 +112,12 @@ struct WithdrawOptions {
   template <class Visitor>
   void visit(Visitor&& v) {
     v("speed", speed, 0.001, 0.5, "m/s, out of the object's reach");
-    v("way", way, 0.01, 0.5, "m, out of the object's reach");
-    v("caught", caught, 0.05, 10.0, "N on the base that mean the object comes along");
+    v.expert("distance", distance, 0.01, 0.5, "m, out of the object's reach");
+    v.expert("caught", caught, 0.05, 10.0, "N on the base that mean the object comes along");
     v("height", height, 0.1, 1.0, "m, where the base then waits");
-    v("far_speed", far_speed, 0.01, 1.0, "m/s, up there");
-    v("empty", empty, 0.0, 1.0, "share of the object's weight that must not hang in the hand");
+    v.expert("far_speed", far_speed, 0.01, 1.0, "m/s, up there");
+    v.expert("empty", empty, 0.0, 1.0,
+             "share of the object's weight that must not hang in the hand");
   }
 };
 

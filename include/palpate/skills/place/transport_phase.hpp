@@ -32,13 +32,12 @@ struct TransportOptions {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v.section("plan", plan);
-    v("settle", settle, 0.0, 10.0, "s of rest at the end");
-    v("min_weight", min_weight, 0.0, 1.0, "share of the load that must still hang");
-    v("max_slip", max_slip, 1e-3, 0.1, "m, of a fingertip's contact along the fingertip");
-    v("lost_ticks", lost_ticks, 1, 1000, "without any touch: the object is lost");
+    v.expert_section("plan", plan);
+    v.expert("settle", settle, 0.0, 10.0, "s of rest at the end");
+    v.expert("min_weight", min_weight, 0.0, 1.0, "share of the load that must still hang");
+    v.expert("max_slip", max_slip, 1e-3, 0.1, "m, of a fingertip's contact along the fingertip");
+    v.expert("lost_ticks", lost_ticks, 1, 1000, "without any touch: the object is lost");
     v("bear_weight", bear_weight, "the fingers' commands follow the weight as the hand turns");
-    v("friction", friction, 0.0, 2.0, "that the forces which bear it count on");
   }
 };
 

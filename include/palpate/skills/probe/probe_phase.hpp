@@ -8,7 +8,7 @@
 namespace palpate::skills {
 
 struct PalpationOptions {
-  int most = 3;                  ///< touches of single fingers at most; 0: none
+  int max = 3;                   ///< touches of single fingers at most; 0: none
   int rolls = 2;                 ///< at most, of the object that hangs in the hand
   int regrasps = 2;              ///< at most, in all
   double certain = 0.97;         ///< weight of a pose that needs none
@@ -24,25 +24,25 @@ struct PalpationOptions {
   double balance = 0.15;         ///< imbalance that the other fingers' forces may have
   double friction = 0.5;         ///< that their balance counts on
 
-  [[nodiscard]] bool none() const { return most == 0 && rolls == 0 && regrasps == 0; }
+  [[nodiscard]] bool none() const { return max == 0 && rolls == 0 && regrasps == 0; }
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("max", most, 0, 64, "touches of single fingers at most; 0: none");
+    v("max", max, 0, 64, "touches of single fingers at most; 0: none");
     v("rolls", rolls, 0, 64, "of the object between the fingers at most, once it hangs");
     v("regrasps", regrasps, 0, 16, "from other sides at most, to tell poses apart");
     v("certain", certain, 0.0, 1.0, "weight of a pose that needs none");
     v("min_gain_rate", min_gain_rate, 0.0, 10.0, "nats/s that are expected to be told, at least");
-    v("opening", opening, 0.1, 1.5, "rad, of J3 before a finger moves to another spot");
-    v("spread", spread, 0.0, 0.35, "rad, of J4 to either side, at most");
-    v("bend", bend, 0.0, 1.5, "rad, of J0, at most");
-    v("elsewhere", elsewhere, 0.0, 0.05, "m between spots that are not the same");
-    v("likely", likely, 0.0, 1.0, "chance that a move must have of a touch at another spot");
-    v("closing_rate", closing_rate, 0.05, 5.0, "rad/s, of J3");
-    v("torque", torque, 0.01, 1.0, "N m at J3 while closing");
+    v.expert("opening", opening, 0.1, 1.5, "rad, of J3 before a finger moves to another spot");
+    v.expert("spread", spread, 0.0, 0.35, "rad, of J4 to either side, at most");
+    v.expert("bend", bend, 0.0, 1.5, "rad, of J0, at most");
+    v.expert("elsewhere", elsewhere, 0.0, 0.05, "m between spots that are not the same");
+    v.expert("likely", likely, 0.0, 1.0, "chance that a move must have of a touch at another spot");
+    v.expert("closing_rate", closing_rate, 0.05, 5.0, "rad/s, of J3");
+    v.expert("torque", torque, 0.01, 1.0, "N m at J3 while closing");
     v("touch_force", touch_force, 0.02, 5.0, "N at the fingertip");
-    v("balance", balance, 0.0, 2.0, "wrench residual that the other fingers' forces may have");
-    v("friction", friction, 0.0, 2.0, "that their balance counts on");
+    v.expert("balance", balance, 0.0, 2.0,
+             "wrench residual that the other fingers' forces may have");
   }
 };
 

@@ -13,19 +13,20 @@ namespace palpate::skills {
 
 /// Which part of the way to a target the fingers take, and how they go about it.
 struct InHandReorientationOptions {
-  double least = 0.0524;    ///< rad (3 deg): for less the fingers are not troubled
-  double most = 0.2618;     ///< rad (15 deg) that they turn the object at most
+  double min = 0.0524;      ///< rad (3 deg): for less the fingers are not troubled
+  double max = 0.2618;      ///< rad (15 deg) that they turn the object at most
   double min_weight = 0.5;  ///< share of the load before that must still hang afterwards
   double settle = 0.5;      ///< s of rest afterwards
   ReorientOptions reorient;
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("min", least, 0.0, 1.0, "rad, for less than this the fingers are not troubled");
-    v("max", most, 0.01, 0.6, "rad that the fingers turn the object at most");
-    v("min_weight", min_weight, 0.0, 1.0, "share of the load that must still hang afterwards");
-    v("settle", settle, 0.0, 10.0, "s of rest afterwards");
-    v.section("reorient", reorient);
+    v("min", min, 0.0, 1.0, "rad, for less than this the fingers are not troubled");
+    v("max", max, 0.01, 0.6, "rad that the fingers turn the object at most");
+    v.expert("min_weight", min_weight, 0.0, 1.0,
+             "share of the load that must still hang afterwards");
+    v.expert("settle", settle, 0.0, 10.0, "s of rest afterwards");
+    v.expert_section("reorient", reorient);
   }
 };
 

@@ -89,7 +89,6 @@ struct ReorientOptions {
     v("tightenings", tightenings, 0, 100, "steps at first in which they only press");
     v("tighten_gain", tighten_gain, 0.0, 1.0, "share of the forces' error made up for by each");
     v("force_gain", force_gain, 0.0, 1.0, "the same of a step while it turns");
-    v("friction", friction, 0.0, 2.0, "that the balance of forces counts on");
     v.section("sampling", sampling);
     v.section("tracker", tracker);
   }

@@ -16,7 +16,7 @@ enum class Strategy {
   carry,    ///< held once, turned by the hand's base
   regrasp,  ///< put down in other stable poses on the way, and grasped again
 };
-std::string_view to_string(Strategy means);
+std::string_view to_string(Strategy strategy);
 
 /// The hand as the search sees it: how it closes, and at which attitudes it comes down.
 struct GraspTool {
@@ -60,16 +60,18 @@ struct RegraspOptions {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("clearance", clearance, 0.0, 0.1, "m, of the hand from the table where it lets go");
-    v("retreat", retreat, 0.0, 0.5, "m, by which the opened hand then rises");
-    v("worst_grasp", worst_grasp, 0.0, 2.0, "largest cost of a grasp that is used");
-    v("transfer_cost", transfer_cost, 0.01, 100.0, "of picking up and putting down");
-    v("turn_cost", turn_cost, 0.0, 10.0, "of a radian by which the hand turns while it holds");
-    v("rare_cost", rare_cost, 0.0, 10.0, "of a stable pose in between, times its improbability");
+    v.expert("clearance", clearance, 0.0, 0.1, "m, of the hand from the table where it lets go");
+    v.expert("retreat", retreat, 0.0, 0.5, "m, by which the opened hand then rises");
+    v.expert("worst_grasp", worst_grasp, 0.0, 2.0, "largest cost of a grasp that is used");
+    v.expert("transfer_cost", transfer_cost, 0.01, 100.0, "of picking up and putting down");
+    v.expert("turn_cost", turn_cost, 0.0, 10.0,
+             "of a radian by which the hand turns while it holds");
+    v.expert("rare_cost", rare_cost, 0.0, 10.0,
+             "of a stable pose in between, times its improbability");
     v("max_transfers", max_transfers, 1, 10, "on one way");
-    v("done_angle", done_angle, 0.0, 0.5, "rad from the target that need no motion");
-    v("done_distance", done_distance, 0.0, 0.1, "m from the target that need no motion");
-    v.section("grasp", grasp);
+    v.expert("done_angle", done_angle, 0.0, 0.5, "rad from the target that need no motion");
+    v.expert("done_distance", done_distance, 0.0, 0.1, "m from the target that need no motion");
+    v.expert_section("grasp", grasp);
   }
 };
 
@@ -103,14 +105,14 @@ struct Transfer {
 
 /// Why a means was chosen or not.
 struct StrategyReport {
-  Strategy means = Strategy::none;
+  Strategy strategy = Strategy::none;
   bool possible = false;
   std::string reason;
 };
 
 struct RegraspPlan {
   bool found = false;
-  Strategy means = Strategy::none;
+  Strategy strategy = Strategy::none;
   std::vector<Transfer> transfers;  ///< in order; empty for Means::none or without a way
   double cost = 0;                  ///< of all transfers
   std::vector<StrategyReport>

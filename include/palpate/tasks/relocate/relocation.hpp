@@ -15,7 +15,7 @@ struct RelocationOptions {
   bool explore = true;  ///< the resting object is touched first, else only `uncertainty` known
   double uncertainty = 0.02;  ///< m, within which the object's place is known at first, in x and y
   estimation::OnlineTrackerOptions felt;
-  skills::HeightProbeOptions feel;
+  skills::HeightProbeOptions height_probe;
   skills::ExploreOptions exploring;
   estimation::EstimationOptions resting;  ///< how the pose on the table is estimated
   simulation::SensorNoise noise;
@@ -25,7 +25,7 @@ struct RelocationOptions {
     v("explore", explore, "touch the resting object first, else only its rough place is known");
     v("uncertainty", uncertainty, 0.0, 0.2, "m, the object within +- of its rough place");
     v.section("felt", felt);
-    v.section("height_probe", feel);
+    v.section("height_probe", height_probe);
     v.section("exploring", exploring);
     v.section("resting", resting);
     v.section("noise", noise);

@@ -20,7 +20,7 @@ using nlohmann::json;
 using recording::shown;
 
 constexpr const char* kFormat = "palpate-policy";
-constexpr int kVersion = 1;
+constexpr int kPolicyVersion = 1;
 constexpr double kDexMvScaleFloor = 1e-8;  // that DexMV adds to the scale of the inputs
 
 std::vector<double> numbers(const json& value, const std::string& name) {
@@ -67,8 +67,8 @@ PolicyRecord read_own(const json& file) {
   if (text(file, "format") != kFormat) {
     throw BadInput(fmt::format("of format {}, not \"{}\"", shown(file["format"]), kFormat));
   }
-  if (member(file, "version") != kVersion) {
-    throw BadInput(fmt::format("of version {}, not {}", shown(file["version"]), kVersion));
+  if (member(file, "version") != kPolicyVersion) {
+    throw BadInput(fmt::format("of version {}, not {}", shown(file["version"]), kPolicyVersion));
   }
   if (text(file, "task") != kRelocateVersion) {
     throw BadInput(
@@ -127,8 +127,9 @@ PolicyRecord read_dexmv(const json& file) {
 }  // namespace
 
 void save_policy(const std::filesystem::path& path, const PolicyRecord& record) {
-  const json file = {{"format", kFormat},    {"version", kVersion},   {"task", kRelocateVersion},
-                     {"kind", record.kind},  {"sizes", record.sizes}, {"arrays", record.arrays},
+  const json file = {{"format", kFormat},        {"version", kPolicyVersion},
+                     {"task", kRelocateVersion}, {"kind", record.kind},
+                     {"sizes", record.sizes},    {"arrays", record.arrays},
                      {"notes", record.notes}};
   write_file_atomically(path, file.dump() + "\n");
 }

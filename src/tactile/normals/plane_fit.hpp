@@ -3,8 +3,8 @@
 
 #include <deque>
 
-#include "palpate/tactile/normals/filters.hpp"
 #include "palpate/tactile/normals/normal_estimator.hpp"
+#include "tactile/normals/filters.hpp"
 
 namespace palpate::tactile {
 

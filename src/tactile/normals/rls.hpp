@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "palpate/tactile/normals/filters.hpp"
 #include "palpate/tactile/normals/normal_estimator.hpp"
+#include "tactile/normals/filters.hpp"
 
 namespace palpate::tactile {
 

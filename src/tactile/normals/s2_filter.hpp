@@ -4,8 +4,8 @@
 #include <array>
 #include <vector>
 
-#include "palpate/tactile/normals/noise_meter.hpp"
 #include "palpate/tactile/normals/normal_estimator.hpp"
+#include "tactile/normals/noise_meter.hpp"
 
 namespace palpate::tactile {
 

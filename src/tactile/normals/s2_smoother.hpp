@@ -4,7 +4,7 @@
 #include <deque>
 #include <limits>
 
-#include "palpate/tactile/normals/s2_filter.hpp"
+#include "tactile/normals/s2_filter.hpp"
 
 namespace palpate::tactile {
 

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+// Whether every option of `palpate pick` that is no expert's changes what the program does: each is
+// set by itself, first lower, then higher, in the first job where that makes a difference.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <ranges>
+
+#include "experiment.hpp"
+#include "palpate/core/error.hpp"
+#include "palpate/core/options.hpp"
+#include "palpate/core/parallel.hpp"
+#include "palpate/evaluation/trial.hpp"
+#include "palpate/evaluation/trial_record.hpp"
+
+namespace {
+
+using namespace palpate;
+using evaluation::TrialOptions;
+
+/// A pick, with or without placing, whose options leave few of the skills unused.
+struct Job {
+  std::string name, object;
+  std::vector<std::string> settings;
+};
+
+const std::vector<Job> kJobs = {
+    {"spot", "mug", {"place.target=0.15,0.1,0.5"}},
+    {"fixture", "box", {"place.target=fixture"}},
+    {"regrasp", "box", {"place.target=stable_pose", "place.strategy=regrasp"}},
+    {"fingers", "box", {"place.target=0.15,0.1,0.5", "place.strategy=fingers"}},
+    {"biotac", "box", {"touch.source=biotac"}},
+    {"slippery", "bottle", {"world.hand_friction=0.3"}},
+};
+
+TrialOptions options_of(const Job& job) {
+  TrialOptions options;
+  for (const std::string& setting : job.settings) apply_setting(setting, options);
+  return options;
+}
+
+/// Other values that the field may have.
+struct OtherValues {
+  std::vector<std::string> operator()(const bool* value) const {
+    return {*value ? "false" : "true"};
+  }
+  std::vector<std::string> operator()(const std::string* value) const {
+    std::vector<std::string> words = {"random", "wrist", "regrasp", "biotac"};
+    std::erase(words, *value);
+    return words;
+  }
+  template <class Number>
+  std::vector<std::string> operator()(const RangedOption<Number>& option) const {
+    const auto value = static_cast<double>(*option.value), low = static_cast<double>(option.low),
+               high = std::min(static_cast<double>(option.high), low + 1e4);
+    std::vector<std::string> others;
+    for (const double other :
+         {value / 2, 2 * value, low, (low + 3 * value) / 4, (low + high) / 2}) {
+      const double rounded = std::is_integral_v<Number> ? std::round(other) : other;
+      if (rounded != value && rounded >= low && rounded <= high) {
+        others.push_back(fmt::format("{}", rounded));
+      }
+    }
+    return others;
+  }
+};
+
+void drop_wall_times(nlohmann::json& j) {
+  if (j.is_object()) j.erase("wall_seconds");
+  if (j.is_structured()) std::ranges::for_each(j, drop_wall_times);
+}
+
+/// All that a trial came to; the error's message if it was refused.
+std::string outcome(const geometry::ObjectModel& object, const TrialOptions& options,
+                    std::uint64_t seed) {
+  try {
+    auto record = evaluation::trial_to_json(evaluation::run_trial(object, options, seed));
+    drop_wall_times(record);
+    return record.dump();
+  } catch (const BadInput& error) {
+    return error.what();
+  }
+}
+
+struct Effect {
+  std::string job, value;  ///< empty: none was seen
+};
+
+class Effects {
+ public:
+  explicit Effects(const experiment::Options& options) : seed_(options.seed) {
+    const std::size_t jobs = options.quick ? 1 : kJobs.size();
+    for (const Job& job : kJobs | std::views::take(jobs)) {
+      models_.emplace_back(geometry::load_known_object(job.object));
+      usual_.push_back(outcome(models_.back(), options_of(job), seed_));
+    }
+  }
+
+  [[nodiscard]] Effect of(const std::string& key) const {
+    for (std::size_t j = 0; j < models_.size(); ++j) {
+      for (const std::string& value : others(key, kJobs[j])) {
+        TrialOptions options = options_of(kJobs[j]);
+        try {
+          apply_setting(key + "=" + value, options);
+        } catch (const BadInput&) {
+          continue;
+        }
+        if (outcome(models_[j], options, seed_) != usual_[j]) return {kJobs[j].name, value};
+      }
+    }
+    return {};
+  }
+
+ private:
+  static std::vector<std::string> others(const std::string& key, const Job& job) {
+    TrialOptions options = options_of(job);
+    for (const OptionField& field : option_fields(options)) {
+      if (field.key == key) return std::visit(OtherValues{}, field.value);
+    }
+    return {};
+  }
+
+  std::uint64_t seed_;
+  std::vector<geometry::ObjectModel> models_;
+  std::vector<std::string> usual_;
+};
+
+std::vector<std::string> public_keys(bool quick) {
+  std::vector<std::string> keys;
+  for (const OptionInfo& option : list_options(TrialOptions{})) {
+    if (!option.key.starts_with(kExpertSection)) keys.push_back(option.key);
+  }
+  if (quick) keys = {"friction", "attempts"};
+  return keys;
+}
+
+void effects(const experiment::Options& options) {
+  const Effects all(options);
+  const std::vector<std::string> keys = public_keys(options.quick);
+  experiment::Table table({"option", "value", "job in which it makes a difference"});
+  std::vector<std::string> without;
+  parallel_ordered(
+      keys.size(), options.threads, [&](std::size_t i) { return all.of(keys[i]); },
+      [&](std::size_t i, const Effect& effect) {
+        fmt::print(stderr, "{} {} {}\n", keys[i], effect.value, effect.job);
+        table.add_row({keys[i], effect.value, effect.job.empty() ? "none" : effect.job});
+        if (effect.job.empty()) without.push_back(keys[i]);
+      });
+  table.publish(
+      options, "option_effects",
+      fmt::format("{} of {} options make a difference", keys.size() - without.size(), keys.size()));
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return experiment::run(argc, argv, "option_effects",
+                         "Whether every option of a pick changes what the program does", effects);
+}
