@@ -107,9 +107,9 @@ Result pick_and_locate_twice(const geometry::ObjectModel& object, const Inverse&
   if (!result.outcome.lifted) return result;
   options.touch.source = "biotac";
   auto again = picked;
-  again.estimate =
-      estimation::locate(object, robot.model(), inferred(robot.log(), robot.model(), inverse),
-                         options.pick_options().estimation, seed);
+  again.estimate = estimation::PoseEstimator(object, options.pick_options().estimation, seed)
+                       .held(robot.model(), inferred(robot.log(), robot.model(), inverse),
+                             robot.log().at(estimation::TouchEvent::held));
   result.outcome.biotac = evaluator.verdict(again, robot.log(), options.pick.lift, symmetries);
   const geometry::MeshQuery mesh(object.object().mesh);
   const auto T_world_object = world.truth().T_world_object;

@@ -47,7 +47,8 @@ Exploring explore(Scene& scene, PickState& state, const geometry::ObjectModel& m
   ExploreOptions options = defaults.explore;
   options.touches = options.max_touches = static_cast<int>(touches);  // as pick --explore does
   const std::size_t first = scene.now();
-  ExplorePhase phase(model, options, defaults.estimation, seed);
+  estimation::PoseEstimator estimator(model, defaults.estimation, seed);
+  ExplorePhase phase(estimator, options);
   run_phase(phase, scene.robot(), state);
   Exploring result;
   result.motion = between(scene.in_world(first), scene.in_world(scene.now()));
@@ -132,12 +133,15 @@ std::optional<Probing> probe(Scene& scene, PickState& state, const geometry::Obj
   options.palpation.certain = 1;
   options.palpation.min_gain_rate = 0;
   GraspPhase grasp(options.grasp, model);
-  PosePhase locate_closed(model, options.estimation, seed, TouchEvent::closed);
+  estimation::PoseEstimator estimator(model, options.estimation, seed);
+  PosePhase estimate_closed(estimator, TouchEvent::closed);
   if (run_phase(grasp, scene.robot(), state).status != PhaseStatus::ok) return std::nullopt;
-  if (run_phase(locate_closed, scene.robot(), state).status != PhaseStatus::ok) return std::nullopt;
+  if (run_phase(estimate_closed, scene.robot(), state).status != PhaseStatus::ok) {
+    return std::nullopt;
+  }
   const double weight = model.object().mass * kGravity;
   const std::size_t first = scene.now();
-  PalpationPhase phase(model, options.palpation, options.estimation, options.grasp, seed);
+  PalpationPhase phase(estimator, options.palpation, options.grasp);
   run_phase(phase, scene.robot(), state);
   const auto closed = scene.robot().log().all(TouchEvent::closed);  // also after each touch
   const auto probes = scene.robot().log().all(TouchEvent::probed);

@@ -48,8 +48,9 @@ int replay(const ReplayArguments& arguments) {
   const geometry::ObjectModel object(recording.header.object);
   const auto log = recording::event_log(recording).until(estimation::TouchEvent::held);
   const auto hand = skills::calibrated_hand(recording.header.hand, log, options.pick.calibrate);
-  const auto estimate = estimation::locate(object, hand, log, options.pick_options().estimation,
-                                           recording.header.seed);
+  const auto estimate =
+      estimation::PoseEstimator(object, options.pick_options().estimation, recording.header.seed)
+          .held(hand, log, log.at(estimation::TouchEvent::held));
   const auto& posterior = estimate.posterior;
   if (arguments.common.json) {
     fmt::print("{}\n", posterior_json(posterior).dump(2));

@@ -153,6 +153,17 @@ PosePrior prior_after_grasp(const localization::Posterior& resting,
   return prior;
 }
 
+/// All moments up to the last one that tells how the object rests.
+std::vector<EventLog::Moment> moments_of_resting(const EventLog& log) {
+  const auto tells = [](const EventLog::Moment& moment) {
+    return moment.mark == TouchEvent::felt || moment.mark == TouchEvent::touched ||
+           moment.mark == TouchEvent::missed || moment.mark == TouchEvent::fallen ||
+           moment.mark == TouchEvent::opened || moment.mark == TouchEvent::released;
+  };
+  const auto last = std::find_if(log.moments.rbegin(), log.moments.rend(), tells);
+  return {log.moments.begin(), last.base()};
+}
+
 }  // namespace
 
 void move(const Eigen::Isometry3d& T_new_old, localization::Posterior& posterior) {
@@ -170,52 +181,58 @@ void move(const Eigen::Isometry3d& T_new_old, localization::Posterior& posterior
   for (auto& T_frame_object : posterior.further) T_frame_object = T_new_old * T_frame_object;
 }
 
-localization::Posterior estimate_resting_pose(const geometry::ObjectModel& object,
-                                              const hand::HandModel& hand, const EventLog& log,
-                                              const EstimationOptions& options,
-                                              std::uint64_t seed) {
+localization::Posterior PoseEstimator::resting(const hand::HandModel& hand, const EventLog& log) {
+  auto moments = moments_of_resting(log);
+  if (moments != moments_ || moments.empty()) {
+    resting_ = search_resting(hand, log);
+    moments_ = std::move(moments);
+  }
+  return resting_;
+}
+
+localization::Posterior PoseEstimator::search_resting(const hand::HandModel& hand,
+                                                      const EventLog& log) {
   if (const auto before = log.before_opening()) {
-    return locate(object, hand, *before, options, seed, TouchEvent::placed).posterior;
+    return PoseEstimator(*this).held(hand, *before, before->at(TouchEvent::placed)).posterior;
   }
   const std::size_t guarded_moves =
       log.all(TouchEvent::touched).size() + log.all(TouchEvent::missed).size();
   localization::Posterior posterior;
   for (const double forgotten : kForgotten) {
     const auto skipped = static_cast<std::size_t>(forgotten * static_cast<double>(guarded_moves));
-    Evidence evidence = evidence_of_guarded_moves(hand, log, options, skipped);
+    Evidence evidence = evidence_of_guarded_moves(hand, log, options_, skipped);
     if (evidence.contacts.size() < (skipped > 0 ? kMinTouches : 1)) break;
-    evidence.false_contact_share = options.false_contacts;
-    evidence.penetration_sigma = options.swept_sigma;
-    evidence.table = resting_table(object.object(), hand, log, as_it_lay(log, options));
-    posterior = localization::localize(object, evidence, RandomStream(seed, "locate resting"),
-                                       options.search);
+    evidence.false_contact_share = options_.false_contacts;
+    evidence.penetration_sigma = options_.swept_sigma;
+    evidence.table = resting_table(object_.object(), hand, log, as_it_lay(log, options_));
+    posterior = localization::localize(object_, evidence, RandomStream(seed_, "locate resting"),
+                                       options_.search);
     if (total_weight(posterior) > 0) break;
   }
   return posterior;
 }
 
-HeldPoseEstimate locate(const geometry::ObjectModel& object, const hand::HandModel& hand,
-                        const EventLog& log, const EstimationOptions& options, std::uint64_t seed,
-                        TouchEvent instant) {
+HeldPoseEstimate PoseEstimator::held(const hand::HandModel& hand, const EventLog& log,
+                                     std::optional<std::size_t> at) {
   HeldPoseEstimate estimate;
-  const auto held = log.at(instant);
-  if (!held) return estimate;
-  Evidence evidence = evidence_in_hand(hand, log, instant, object.object().mass, options);
+  if (!at) return estimate;
+  Evidence evidence =
+      evidence_in_hand(hand, log, {*at, log.hangs_at(*at)}, object_.object().mass, options_);
   if (const auto closed = log.all(TouchEvent::closed); !closed.empty()) {
-    auto resting = estimate_resting_pose(object, hand, log, options, seed);
+    auto resting = this->resting(hand, log);
     if (total_weight(resting) <= 0) {
-      evidence.table = table_at_closing(object.object(), hand, log, options);
+      evidence.table = table_at_closing(object_.object(), hand, log, options_);
     } else {
-      const auto motion = in_hand_motion(hand, log, closed.front(), *held, options.errors);
+      const auto motion = in_hand_motion(hand, log, closed.front(), *at, options_.errors);
       move(motion * log.readings[closed.front()].base.pose().inverse(), resting);
       const bool stirred = log.has_opened() || log.at(TouchEvent::rolled);
-      evidence.prior = prior_after_grasp(resting, options, stirred ? kStirred : 1.0);
+      evidence.prior = prior_after_grasp(resting, options_, stirred ? kStirred : 1.0);
     }
   }
   estimate.posterior =
-      localization::localize(object, evidence, RandomStream(seed, "locate"), options.search);
+      localization::localize(object_, evidence, RandomStream(seed_, "locate"), options_.search);
   estimate.contacts = evidence.contacts;
-  const Eigen::Isometry3d T_world_base = log.readings[*held].base.pose();
+  const Eigen::Isometry3d T_world_base = log.readings[*at].base.pose();
   move(T_world_base, estimate.posterior);
   for (auto& contact : estimate.contacts) move(T_world_base, contact);
   return estimate;

@@ -44,6 +44,16 @@ std::optional<std::size_t> EventLog::at(TouchEvent mark) const {
   return reading;
 }
 
+bool EventLog::hangs_at(std::size_t reading) const {
+  bool hangs = false;
+  for (const Moment& moment : since_opening()) {
+    if (moment.reading > reading) break;
+    if (moment.mark == TouchEvent::held) hangs = true;
+    if (moment.mark == TouchEvent::closed || moment.mark == TouchEvent::placed) hangs = false;
+  }
+  return hangs;
+}
+
 std::vector<std::size_t> EventLog::all(TouchEvent mark) const {
   std::vector<std::size_t> all;
   for (const Moment& moment : since_opening()) {

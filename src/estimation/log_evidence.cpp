@@ -201,26 +201,25 @@ Evidence evidence_of_guarded_moves(const hand::HandModel& hand, const EventLog& 
   return evidence;
 }
 
-Evidence evidence_in_hand(const hand::HandModel& hand, const EventLog& log, TouchEvent instant,
+Evidence evidence_in_hand(const hand::HandModel& hand, const EventLog& log, const Instant& instant,
                           double mass, const EstimationOptions& options) {
   Evidence evidence;
-  const auto present = log.at(instant);
-  if (!present) return evidence;
-  const double window = instant == TouchEvent::held ? options.window : kClosedWindow;
-  evidence.contacts = felt_contacts(window_before(log, *present, window), hand, options.errors);
+  const std::size_t present = instant.reading;
+  const double window = instant.hangs ? options.window : kClosedWindow;
+  evidence.contacts = felt_contacts(window_before(log, present, window), hand, options.errors);
   evidence.false_contact_share = options.false_contacts;
   evidence.penetration_sigma = options.penetration_sigma;
-  if (options.free_space) evidence.free_space = hand_spheres(hand, log.readings[*present]);
-  if (options.balance && instant == TouchEvent::held && !evidence.contacts.empty()) {
+  if (options.free_space) evidence.free_space = hand_spheres(hand, log.readings[present]);
+  if (options.balance && instant.hangs && !evidence.contacts.empty()) {
     evidence.balance =
-        balance_of(evidence.contacts, mass, log.readings[*present].base.pose(), options);
+        balance_of(evidence.contacts, mass, log.readings[present].base.pose(), options);
   }
   if (log.at(TouchEvent::closed)) {
     for (const std::size_t probe : log.all(TouchEvent::probed)) {
-      add_probe(hand, log, probe, *present, options, evidence);
+      add_probe(hand, log, probe, present, options, evidence);
     }
     for (const std::size_t rolled : log.all(TouchEvent::rolled)) {
-      add_rolled(hand, log, rolled, *present, options, evidence);
+      add_rolled(hand, log, rolled, present, options, evidence);
     }
   }
   share_offsets(hand, evidence);

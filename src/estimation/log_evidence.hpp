@@ -11,12 +11,17 @@ localization::Evidence evidence_of_guarded_moves(const hand::HandModel& hand, co
                                                  const EstimationOptions& options,
                                                  std::size_t skipped);
 
-/// What the closed hand feels at a moment of the log, with what probing and rolling have told
-/// since it closed, in its base.
+/// A reading of a log, and whether the object hangs in the hand then or stands on the table.
+struct Instant {
+  std::size_t reading = 0;
+  bool hangs = false;
+};
+
+/// What the closed hand feels at an instant, with what probing and rolling have told since it
+/// closed, in its base.
 /// @param mass  of the object, kg
-/// @return no contacts without the moment
 localization::Evidence evidence_in_hand(const hand::HandModel& hand, const EventLog& log,
-                                        TouchEvent instant, double mass,
+                                        const Instant& instant, double mass,
                                         const EstimationOptions& options);
 
 /// Expresses a contact in another frame.

@@ -97,9 +97,8 @@ void OnlineTracker::estimate() {
   const auto start = std::chrono::steady_clock::now();
   const std::size_t present = log_.readings.size() - 1;
   const Eigen::Isometry3d T_world_base = log_.readings[present].base.pose();
-  log_.moments = {{TouchEvent::held, present}};
   localization::Evidence evidence =
-      evidence_in_hand(hand_, log_, TouchEvent::held, object_.object().mass, options_.estimation);
+      evidence_in_hand(hand_, log_, {present, true}, object_.object().mass, options_.estimation);
   evidence.prior = expected();
   if (evidence.contacts.size() <= kFew) evidence.prior->floor = kFloorOfFew;
   auto posterior = localization::localize(

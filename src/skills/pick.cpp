@@ -42,6 +42,7 @@ class Picking {
         object_(object),
         options_(options),
         seed_(seed),
+        estimator_(object, options.estimation, seed),
         choose_(choose),
         sequence_(robot, state_, result_.phases, result_.failed_phase, observer) {
     if (!options.fallen_at) return;
@@ -103,7 +104,7 @@ class Picking {
   /// Without a pose to aim by, the grasp goes for the rough place.
   void explore() {
     if (options_.explore.touches == 0) return;
-    sequence_.run(ExplorePhase(object_, options_.explore, options_.estimation, seed_));
+    sequence_.run(ExplorePhase(estimator_, options_.explore));
   }
 
   void estimate_closed() {
@@ -111,8 +112,7 @@ class Picking {
     result_.before_probe.reset();
     result_.before_lift.reset();
     if (!options_.estimate_before_lift ||
-        !sequence_.run(
-            PosePhase(object_, options_.estimation, seed_, estimation::TouchEvent::closed))) {
+        !sequence_.run(PosePhase(estimator_, estimation::TouchEvent::closed))) {
       return;
     }
     result_.before_probe = state_.estimate;
@@ -127,7 +127,7 @@ class Picking {
         sequence_.run(TrackPhase(object_, options_.track, options_.estimation.errors, seed_))) {
       result_.tracked = state_.tracked;
     }
-    if (!sequence_.run(PosePhase(object_, options_.estimation, seed_))) return true;
+    if (!sequence_.run(PosePhase(estimator_))) return true;
     const bool in_doubt = state_.estimate.posterior.modes[0].weight <= options_.palpation.certain;
     return !in_doubt || probe(estimation::TouchEvent::held);
   }
@@ -135,8 +135,7 @@ class Picking {
   /// @return whether the object is still held, as far as was felt
   bool probe(estimation::TouchEvent instant) {
     if (options_.palpation.none()) return true;
-    return sequence_.run(PalpationPhase(object_, options_.palpation, options_.estimation,
-                                        options_.grasp, seed_, instant));
+    return sequence_.run(PalpationPhase(estimator_, options_.palpation, options_.grasp, instant));
   }
 
   /// Lets go of the object where it was grasped.
@@ -155,8 +154,7 @@ class Picking {
     if (!ok ||
         !sequence_.run(WithdrawPhase(options_.withdraw, weight(), estimation::TouchEvent::opened)))
       return false;
-    state_.resting = estimation::estimate_resting_pose(object_, robot_.model(), robot_.log(),
-                                                       options_.estimation, seed_);
+    state_.resting = estimator_.resting(robot_.model(), robot_.log());
     if (state_.resting->modes.empty()) state_.resting.reset();
     ++result_.regrasps;
     return true;
@@ -166,6 +164,7 @@ class Picking {
   const geometry::ObjectModel& object_;
   PickOptions options_;
   std::uint64_t seed_;
+  estimation::PoseEstimator estimator_;
   const GraspChooser& choose_;
   PickState state_;
   PickResult result_;

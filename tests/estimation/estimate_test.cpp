@@ -43,7 +43,7 @@ const PickedBox& scene() {
   return box;
 }
 
-TEST(Locate, MovesAllOfAPosterior) {
+TEST(EstimateHeldPose, MovesAllOfAPosterior) {
   const auto pose = [](double x, double turn) {
     Eigen::Isometry3d T(Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()));
     T.translation().x() = x;
@@ -60,10 +60,14 @@ TEST(Locate, MovesAllOfAPosterior) {
   EXPECT_TRUE(posterior.further[1].isApprox(by * second));
 }
 
-TEST(Locate, TheLogTellsAllThatTheEstimateDependsOn) {
+HeldPoseEstimate held_pose(const EventLog& log, const EstimationOptions& options,
+                           std::uint64_t seed, TouchEvent instant = TouchEvent::held) {
+  return PoseEstimator(scene().object, options, seed).held(scene().model, log, log.at(instant));
+}
+
+TEST(EstimateHeldPose, TheLogTellsAllThatTheEstimateDependsOn) {
   ASSERT_TRUE(scene().picked.held);
-  const auto again =
-      locate(scene().object, scene().model, scene().log, scene().locate_options, PickedBox::kSeed);
+  const auto again = held_pose(scene().log, scene().locate_options, PickedBox::kSeed);
   const auto& modes = scene().picked.estimate.posterior.modes;
   ASSERT_EQ(again.posterior.modes.size(), modes.size());
   ASSERT_FALSE(modes.empty());
@@ -71,32 +75,32 @@ TEST(Locate, TheLogTellsAllThatTheEstimateDependsOn) {
   EXPECT_FALSE(again.contacts.empty());
 }
 
-TEST(Locate, WithoutTheMomentOrATouchThereIsNoPose) {
+TEST(EstimateHeldPose, WithoutTheMomentOrATouchThereIsNoPose) {
   ASSERT_TRUE(scene().picked.held);
   EventLog bare = scene().log;
   bare.moments.clear();
   const auto& s = scene();
-  const auto held = locate(s.object, s.model, bare, s.locate_options, 1);
+  const auto held = held_pose(bare, s.locate_options, 1);
   EXPECT_EQ(held.posterior.status, localization::PoseStatus::no_pose);
   EXPECT_TRUE(held.posterior.modes.empty());
-  const auto resting = estimate_resting_pose(s.object, s.model, bare, s.locate_options, 1);
+  const auto resting = PoseEstimator(s.object, s.locate_options, 1).resting(s.model, bare);
   EXPECT_EQ(resting.status, localization::PoseStatus::no_pose);
 }
 
-TEST(Locate, WhatMayRestTiltedIsKnownLessUpright) {
+TEST(EstimateHeldPose, WhatMayRestTiltedIsKnownLessUpright) {
   const auto& s = scene();
   ASSERT_TRUE(s.picked.held);
   const auto tilt = [&](double sigma) {
     EstimationOptions options = s.locate_options;
     options.resting_tilt_sigma = sigma;
-    const auto resting = estimate_resting_pose(s.object, s.model, s.log, options, PickedBox::kSeed);
+    const auto resting = PoseEstimator(s.object, options, PickedBox::kSeed).resting(s.model, s.log);
     return resting.modes.empty() ? 0.0 : resting.modes[0].covariance.topLeftCorner<2, 2>().trace();
   };
   EXPECT_GT(tilt(0.02), 0);
   EXPECT_GT(tilt(0.12), 2 * tilt(0.02));
 }
 
-TEST(Locate, WhatMayHaveFallenRestsAsTheLogTells) {
+TEST(EstimateHeldPose, WhatMayHaveFallenRestsAsTheLogTells) {
   const auto& s = scene();
   ASSERT_TRUE(s.picked.held);
   EventLog log = s.log;
@@ -108,11 +112,11 @@ TEST(Locate, WhatMayHaveFallenRestsAsTheLogTells) {
   EXPECT_LT(place.norm(), 0.005);  // the hand came down over the rough place
   log.moments.insert(felt + 1, {TouchEvent::fallen, felt->reading});
   const auto fallen =
-      estimate_resting_pose(s.object, s.model, log, s.locate_options, PickedBox::kSeed);
-  const auto wider = estimate_resting_pose(s.object, s.model, s.log,
-                                           of_fallen(s.locate_options, place), PickedBox::kSeed);
+      PoseEstimator(s.object, s.locate_options, PickedBox::kSeed).resting(s.model, log);
+  const auto wider = PoseEstimator(s.object, of_fallen(s.locate_options, place), PickedBox::kSeed)
+                         .resting(s.model, s.log);
   const auto upright =
-      estimate_resting_pose(s.object, s.model, s.log, s.locate_options, PickedBox::kSeed);
+      PoseEstimator(s.object, s.locate_options, PickedBox::kSeed).resting(s.model, s.log);
   ASSERT_FALSE(fallen.modes.empty());
   EXPECT_EQ(fallen.modes[0].covariance, wider.modes[0].covariance);
   EXPECT_NE(fallen.modes[0].covariance, upright.modes[0].covariance);
@@ -125,22 +129,20 @@ EventLog with_moments(std::initializer_list<TouchEvent> marks) {
   return log;
 }
 
-TEST(Locate, AHandThatHasOpenedKnowsWhatItHeldBefore) {
+TEST(EstimateHeldPose, AHandThatHasOpenedKnowsWhatItHeldBefore) {
   const auto& s = scene();
   ASSERT_TRUE(s.picked.held);
   const EventLog put_back = with_moments({TouchEvent::placed});
-  const auto before =
-      locate(s.object, s.model, put_back, s.locate_options, PickedBox::kSeed, TouchEvent::placed);
+  const auto before = held_pose(put_back, s.locate_options, PickedBox::kSeed, TouchEvent::placed);
   const EventLog opened = with_moments({TouchEvent::placed, TouchEvent::opened});
   const auto resting =
-      estimate_resting_pose(s.object, s.model, opened, s.locate_options, PickedBox::kSeed);
+      PoseEstimator(s.object, s.locate_options, PickedBox::kSeed).resting(s.model, opened);
   ASSERT_FALSE(resting.modes.empty());
   EXPECT_EQ(resting.modes[0].T_frame_object.matrix(),
             before.posterior.modes[0].T_frame_object.matrix());
   // Closed again on what it has not left, it finds the same pose, by the new touch and that prior.
   const EventLog again = with_moments({TouchEvent::placed, TouchEvent::opened, TouchEvent::closed});
-  const auto after =
-      locate(s.object, s.model, again, s.locate_options, PickedBox::kSeed, TouchEvent::closed);
+  const auto after = held_pose(again, s.locate_options, PickedBox::kSeed, TouchEvent::closed);
   ASSERT_FALSE(after.posterior.modes.empty());
   const auto error = localization::pose_error(after.posterior.modes[0].T_frame_object,
                                               before.posterior.modes[0].T_frame_object,
@@ -149,27 +151,63 @@ TEST(Locate, AHandThatHasOpenedKnowsWhatItHeldBefore) {
   EXPECT_LT(error.translation, 0.003);
 }
 
-TEST(Locate, CountsWhatTheFingersTouchedWithTheObjectRolledAside) {
+TEST(EstimateHeldPose, CountsWhatTheFingersTouchedWithTheObjectRolledAside) {
   const auto& s = scene();
   ASSERT_TRUE(s.picked.held);
-  const auto once = locate(s.object, s.model, s.log, s.locate_options, PickedBox::kSeed);
+  const auto once = held_pose(s.log, s.locate_options, PickedBox::kSeed);
   EventLog rolled = s.log;
   rolled.moments.push_back({TouchEvent::rolled, *s.log.at(TouchEvent::held)});
-  const auto twice = locate(s.object, s.model, rolled, s.locate_options, PickedBox::kSeed);
+  const auto twice = held_pose(rolled, s.locate_options, PickedBox::kSeed);
   EXPECT_GT(twice.contacts.size(), once.contacts.size());
   rolled.moments.push_back(
       {TouchEvent::opened, *s.log.at(TouchEvent::held)});  // of the grasp before
   rolled.moments.push_back({TouchEvent::held, *s.log.at(TouchEvent::held)});
-  const auto anew = locate(s.object, s.model, rolled, s.locate_options, PickedBox::kSeed);
+  const auto anew = held_pose(rolled, s.locate_options, PickedBox::kSeed);
   EXPECT_EQ(anew.contacts.size(), once.contacts.size());
 }
 
-TEST(Locate, BalancedForcesChangeTheEstimateALittle) {
+TEST(EstimateHeldPose, HasAPoseAtAnyInstant) {
+  const auto& s = scene();
+  ASSERT_TRUE(s.picked.held);
+  // Between closing and hanging the hand lifts; the pose rises with it.
+  const std::size_t closed = *s.log.at(TouchEvent::closed), held = *s.log.at(TouchEvent::held);
+  const std::size_t between = (closed + held) / 2;
+  const auto height = [&](std::size_t at) {
+    const auto estimate =
+        PoseEstimator(s.object, s.locate_options, PickedBox::kSeed).held(s.model, s.log, at);
+    return estimate.posterior.modes.at(0).T_frame_object.translation().z() -
+           s.log.readings[at].base.xyz.z();
+  };
+  EXPECT_GT(s.log.readings[between].base.xyz.z(), s.log.readings[closed].base.xyz.z());
+  EXPECT_NEAR(height(between), height(held), 0.004);
+}
+
+TEST(PoseEstimator, SearchesForTheRestingPoseAgainOnlyWhereTheLogTellsMoreOfIt) {
+  const auto& s = scene();
+  ASSERT_TRUE(s.picked.held);
+  PoseEstimator estimator(s.object, s.locate_options, PickedBox::kSeed);
+  const auto first = estimator.resting(s.model, s.log);
+  const auto same = estimator.resting(s.model, with_moments({TouchEvent::probed}));
+  EXPECT_EQ(same.seconds, first.seconds);  // to the last bit: of one and the same search
+  EventLog fewer = s.log;
+  std::erase_if(fewer.moments, [](const auto& m) { return m.mark == TouchEvent::missed; });
+  const auto last = std::find_if(fewer.moments.rbegin(), fewer.moments.rend(),
+                                 [](const auto& m) { return m.mark == TouchEvent::touched; });
+  ASSERT_NE(last, fewer.moments.rend());
+  fewer.moments.erase(std::next(last).base());
+  const auto without = estimator.resting(s.model, fewer);
+  const auto alone = PoseEstimator(s.object, s.locate_options, PickedBox::kSeed);
+  EXPECT_NE(without.modes[0].T_frame_object.matrix(), first.modes[0].T_frame_object.matrix());
+  EXPECT_EQ(without.modes[0].T_frame_object.matrix(),
+            PoseEstimator(alone).resting(s.model, fewer).modes[0].T_frame_object.matrix());
+}
+
+TEST(EstimateHeldPose, BalancedForcesChangeTheEstimateALittle) {
   const auto& s = scene();
   ASSERT_TRUE(s.picked.held);
   EstimationOptions options = s.locate_options;
   options.balance = true;
-  const auto with = locate(s.object, s.model, s.log, options, PickedBox::kSeed);
+  const auto with = held_pose(s.log, options, PickedBox::kSeed);
   ASSERT_FALSE(with.posterior.modes.empty());
   const auto& mode = s.picked.estimate.posterior.modes[0];
   EXPECT_NE(with.posterior.modes[0].T_frame_object.matrix(), mode.T_frame_object.matrix());
@@ -178,8 +216,8 @@ TEST(Locate, BalancedForcesChangeTheEstimateALittle) {
   EXPECT_LT(error.rotation, 0.05);
   EXPECT_LT(error.translation, 0.003);
   // Before the lift the table bears a part that nobody feels.
-  const auto closed = locate(s.object, s.model, s.log, s.locate_options, 1, TouchEvent::closed);
-  const auto same = locate(s.object, s.model, s.log, options, 1, TouchEvent::closed);
+  const auto closed = held_pose(s.log, s.locate_options, 1, TouchEvent::closed);
+  const auto same = held_pose(s.log, options, 1, TouchEvent::closed);
   EXPECT_EQ(same.posterior.modes[0].T_frame_object.matrix(),
             closed.posterior.modes[0].T_frame_object.matrix());
 }

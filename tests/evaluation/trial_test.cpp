@@ -122,8 +122,9 @@ estimation::HeldPoseEstimate replayed(const recording::Recording& recording,
                                       const estimation::EstimationOptions& options) {
   const geometry::ObjectModel object(recording.header.object);
   const auto log = recording::event_log(recording);
-  return estimation::locate(object, skills::calibrated_hand(recording.header.hand, log, {}), log,
-                            options, recording.header.seed);
+  return estimation::PoseEstimator(object, options, recording.header.seed)
+      .held(skills::calibrated_hand(recording.header.hand, log, {}), log,
+            log.at(estimation::TouchEvent::held));
 }
 
 void forget_truth(recording::Recording& recording) {

@@ -53,7 +53,8 @@ struct Exploring {
   }
 
   PhaseReport explore() {
-    ExplorePhase phase(object, options, locate, 1);
+    estimation::PoseEstimator estimator(object, locate, 1);
+    ExplorePhase phase(estimator, options);
     return run_phase(phase, robot, state);
   }
   std::size_t marked(estimation::TouchEvent mark) const { return robot.log().all(mark).size(); }
@@ -138,11 +139,12 @@ TEST(ExplorePhase, AGuardedMoveCutShortByTimeMissedNothing) {
 
 TEST(ExplorePhase, HasTimeForManyGuardedMoves) {
   const geometry::ObjectModel object(geometry::load_known_object("box"));
+  estimation::PoseEstimator estimator(object, {}, 1);
   ExploreOptions options;
-  EXPECT_EQ(ExplorePhase(object, options, {}, 1).time_limit(), 180);
+  EXPECT_EQ(ExplorePhase(estimator, options).time_limit(), 180);
   const double full = options.radius / options.speed;  // s to where the object is
   options.touches = options.max_touches = 64;
-  EXPECT_GE(ExplorePhase(object, options, {}, 1).time_limit(), 2 * 64 * full);
+  EXPECT_GE(ExplorePhase(estimator, options).time_limit(), 2 * 64 * full);
 }
 
 }  // namespace

@@ -8,6 +8,8 @@
 namespace palpate::skills {
 namespace {
 
+constexpr std::size_t kLifted = 1;  // reading of the log
+
 /// A log whose base stood at a place when the fingers closed, and 10 cm higher when it held.
 estimation::EventLog lifted_log(const hand::BasePosition& closed) {
   estimation::EventLog log;
@@ -33,7 +35,7 @@ TEST(HeldObject, TiltAndHeightAreTakenFromTheTable) {
     mode.weight = 0.5;
     posterior.modes.push_back(mode);
   }
-  const auto held = held_object(box, posterior, lifted_log(closed), {});
+  const auto held = held_object(box, posterior, lifted_log(closed), kLifted, {});
   ASSERT_TRUE(held);
   EXPECT_NEAR(held->certainty, 1, 1e-9);
   EXPECT_EQ(held->found_stable_pose, 0u);
@@ -44,10 +46,11 @@ TEST(HeldObject, TiltAndHeightAreTakenFromTheTable) {
 
 TEST(HeldObject, WithoutAPoseOrAMarkThereIsNone) {
   const auto box = geometry::load_known_object("box");
-  EXPECT_FALSE(held_object(box, {}, lifted_log({}), {}));
+  EXPECT_FALSE(held_object(box, {}, lifted_log({}), kLifted, {}));
   localization::Posterior posterior;
   posterior.modes.emplace_back().weight = 1;
-  EXPECT_FALSE(held_object(box, posterior, {}, {}));
+  EXPECT_FALSE(held_object(box, posterior, lifted_log({}), std::nullopt, {}));
+  EXPECT_FALSE(held_object(box, posterior, {}, kLifted, {}));
 }
 
 TEST(BaseNear, HasThePoseAndTurnsTheShortWay) {

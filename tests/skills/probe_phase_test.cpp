@@ -87,7 +87,8 @@ struct Hold {
   }
 
   PhaseReport probe() {
-    PalpationPhase phase(object, options, locate, grasp, 1);
+    estimation::PoseEstimator estimator(object, locate, 1);
+    PalpationPhase phase(estimator, options, grasp);
     return run_phase(phase, robot, state);
   }
 

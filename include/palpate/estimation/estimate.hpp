@@ -70,13 +70,6 @@ struct EstimationOptions {
   }
 };
 
-/// Estimates how the object lies on the table: from the felt height and the touches of a fingertip,
-/// or, where the hand has opened around it since, from the grasp before.
-/// @return in the world; status no_pose if the log has no touch
-localization::Posterior estimate_resting_pose(const geometry::ObjectModel& object,
-                                              const hand::HandModel& hand, const EventLog& log,
-                                              const EstimationOptions& options, std::uint64_t seed);
-
 /// Expresses a posterior in another frame.
 void move(const Eigen::Isometry3d& T_new_old, localization::Posterior& posterior);
 
@@ -86,15 +79,41 @@ struct HeldPoseEstimate {
   std::vector<tactile::Contact> contacts;  ///< it was made from, in the world
 };
 
-/// Estimates the pose of the held object from what the hand felt, and from nothing else.
-///
-/// Contacts are those of the held object, with those that probes have found and those that it had
-/// rolled aside; the table supported it when the fingers had closed; the felt height weighs its
-/// stable poses. All is expressed in the hand's base, in which the object rests.
-/// @param instant  `held`, `closed` for the pose before the lift, or `placed`
-/// @return status no_pose if the log has no such mark
-HeldPoseEstimate locate(const geometry::ObjectModel& object, const hand::HandModel& hand,
-                        const EventLog& log, const EstimationOptions& options, std::uint64_t seed,
-                        TouchEvent instant = TouchEvent::held);
+/// Estimates an object's pose from what a hand has felt, and from nothing else.
+class PoseEstimator {
+ public:
+  /// @param object  kept by reference
+  PoseEstimator(const geometry::ObjectModel& object, const EstimationOptions& options,
+                std::uint64_t seed)
+      : object_(object), options_(options), seed_(seed) {}
+
+  /// How the object lies on the table: from the felt height and the touches of a fingertip, or,
+  /// where the hand has opened around it since, from the grasp before. Searched for once as long as
+  /// the log tells nothing new of it.
+  /// @return in the world; status no_pose if the log has no touch
+  localization::Posterior resting(const hand::HandModel& hand, const EventLog& log);
+
+  /// The pose in the hand at an instant. Contacts are those of the held object, with those that
+  /// probes have found and those that it had rolled aside; the table supported it when the fingers
+  /// had closed; the felt height weighs its stable poses. All is expressed in the hand's base, in
+  /// which the object rests.
+  /// @param at  reading of the log; all of the log counts, before and after it
+  /// @return status no_pose for no instant, as EventLog::at() gives for what has not happened
+  HeldPoseEstimate held(const hand::HandModel& hand, const EventLog& log,
+                        std::optional<std::size_t> at);
+
+  [[nodiscard]] const geometry::ObjectModel& object() const { return object_; }
+  [[nodiscard]] const EstimationOptions& options() const { return options_; }
+  [[nodiscard]] std::uint64_t seed() const { return seed_; }
+
+ private:
+  localization::Posterior search_resting(const hand::HandModel& hand, const EventLog& log);
+
+  const geometry::ObjectModel& object_;
+  EstimationOptions options_;
+  std::uint64_t seed_;
+  std::vector<EventLog::Moment> moments_;  // that the last resting pose is from
+  localization::Posterior resting_;
+};
 
 }  // namespace palpate::estimation

@@ -35,6 +35,7 @@ struct EventLog {
   struct Moment {
     TouchEvent mark;
     std::size_t reading;  ///< index into readings
+    bool operator==(const Moment&) const = default;
   };
   std::vector<hand::HandReading> readings;  ///< one a tick
   std::vector<Moment> moments;              ///< in the order of time
@@ -54,6 +55,10 @@ struct EventLog {
 
   /// Reading of the latest moment of a kind since the hand last let go or opened.
   std::optional<std::size_t> at(TouchEvent mark) const;
+
+  /// Whether the object hangs in the hand at a reading, and does not stand on the table: since then
+  /// the hand has lifted it, and not put it down.
+  bool hangs_at(std::size_t reading) const;
 
   /// Readings of all moments of a kind since then.
   std::vector<std::size_t> all(TouchEvent mark) const;

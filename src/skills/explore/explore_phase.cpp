@@ -166,8 +166,7 @@ PhaseEnd ExplorePhase::run(Executor& robot, PickState& state) {
   robot.wait(0.1);
   int touches = touch_around(robot, state);
   if (options_.max_touches <= options_.touches) touches += make_up(robot, state, touches);
-  state.resting =
-      estimation::estimate_resting_pose(object_, robot.model(), robot.log(), locate_, seed_);
+  state.resting = estimator_.resting(robot.model(), robot.log());
   touches += tell_apart(robot, state);
   touches += refine(robot, state);
   if (state.resting->modes.empty()) {
@@ -234,7 +233,7 @@ int ExplorePhase::tell_apart(Executor& robot, PickState& state) {
     std::size_t turn = 0;
     for (const std::size_t other : {1, 0}) {
       const auto best = localization::most_informative_move(
-          object_, *state.resting, sweeping_finger(robot, yaw(other)), left[other]);
+          estimator_.object(), *state.resting, sweeping_finger(robot, yaw(other)), left[other]);
       if (!best || (choice && best->information <= choice->information)) continue;
       choice = best;
       turn = other;
@@ -242,8 +241,7 @@ int ExplorePhase::tell_apart(Executor& robot, PickState& state) {
     if (!choice || choice->information < kMinInformation) break;
     touches += guarded_move(robot, state, {choice->guarded_move, turn}) == GuardedMoveEnd::touched;
     left[turn].erase(left[turn].begin() + static_cast<std::ptrdiff_t>(choice->index));
-    state.resting =
-        estimation::estimate_resting_pose(object_, robot.model(), robot.log(), locate_, seed_);
+    state.resting = estimator_.resting(robot.model(), robot.log());
   }
   return touches;
 }
@@ -259,15 +257,14 @@ int ExplorePhase::refine(Executor& robot, PickState& state) {
   for (int i = 0; i < options_.refining; ++i) {
     if (state.resting->modes.empty()) break;
     const auto choice = localization::most_refining_move(
-        object_, state.resting->modes[0].T_frame_object, fingers, guarded_moves, done_);
+        estimator_.object(), state.resting->modes[0].T_frame_object, fingers, guarded_moves, done_);
     if (!choice || choice->before < kGoodSpread || choice->after > kWorthwhile * choice->before) {
       break;
     }
     touches += guarded_move(robot, state, choice->guarded_move) == GuardedMoveEnd::touched;
   }
   if (touches > 0) {
-    state.resting =
-        estimation::estimate_resting_pose(object_, robot.model(), robot.log(), locate_, seed_);
+    state.resting = estimator_.resting(robot.model(), robot.log());
   }
   return touches;
 }

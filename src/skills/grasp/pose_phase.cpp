@@ -6,8 +6,7 @@
 namespace palpate::skills {
 
 PhaseEnd PosePhase::run(Executor& robot, PickState& state) {
-  state.estimate =
-      estimation::locate(object_, robot.model(), robot.log(), options_, seed_, instant_);
+  state.estimate = estimator_.held(robot.model(), robot.log(), robot.log().at(instant_));
   const auto& posterior = state.estimate.posterior;
   if (posterior.modes.empty()) return {false, "no pose explains what was felt"};
   return {true, fmt::format("{} ({:.2f}), {} mode{}, {} contacts",

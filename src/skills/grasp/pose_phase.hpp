@@ -10,9 +10,9 @@ namespace palpate::skills {
 /// where it hangs.
 class PosePhase : public Phase {
  public:
-  PosePhase(const geometry::ObjectModel& object, const estimation::EstimationOptions& options,
-            std::uint64_t seed, estimation::TouchEvent instant = estimation::TouchEvent::held)
-      : object_(object), options_(options), seed_(seed), instant_(instant) {}
+  explicit PosePhase(estimation::PoseEstimator& estimator,
+                     estimation::TouchEvent instant = estimation::TouchEvent::held)
+      : estimator_(estimator), instant_(instant) {}
   std::string_view name() const override {
     return instant_ == estimation::TouchEvent::held ? "pose" : "estimate";
   }
@@ -20,9 +20,7 @@ class PosePhase : public Phase {
   PhaseEnd run(Executor& robot, PickState& state) override;
 
  private:
-  const geometry::ObjectModel& object_;
-  estimation::EstimationOptions options_;
-  std::uint64_t seed_;
+  estimation::PoseEstimator& estimator_;
   estimation::TouchEvent instant_;
 };
 

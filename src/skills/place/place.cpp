@@ -138,7 +138,8 @@ bool Placement::fail(PlaceStatus status) {
 /// Decides whether the pose is known well enough, and where the base has to go.
 bool Placement::aim(const PlaceTarget& target) {
   const auto held =
-      held_object(object_, picked_.estimate.posterior, robot_.log(), options_.same, picked_.fallen);
+      held_object(object_, picked_.estimate.posterior, robot_.log(),
+                  robot_.log().at(estimation::TouchEvent::held), options_.same, picked_.fallen);
   PlaceStatus status = PlaceStatus::ambiguous;
   const bool ok = sequence_.run(ThinkPhase("aim", [&]() -> PhaseEnd {
     if (!held) return {false, "no pose of the held object"};
@@ -184,10 +185,10 @@ bool Placement::turn() {
 
 bool Placement::aim_turned() {
   const bool ok = sequence_.run(ThinkPhase("aim-turned", [&]() -> PhaseEnd {
-    estimation::EventLog log = robot_.log();
-    log.moments.push_back({estimation::TouchEvent::held, log.readings.size() - 1});
+    const estimation::EventLog& log = robot_.log();
     const double certainty = result_.held.certainty;
-    const auto held = held_object(object_, state_.estimate.posterior, log, options_.same, true);
+    const auto held = held_object(object_, state_.estimate.posterior, log, log.readings.size() - 1,
+                                  options_.same, true);
     if (!held) return {false, "no pose of the held object"};
     result_.held = *held;
     result_.held.certainty = certainty;
@@ -223,8 +224,8 @@ bool Placement::carry(std::string name) {
 /// known from tracking them: the estimate counts on an object that has hardly moved in the hand.
 bool Placement::aim_again() {
   if (!options_.again || result_.turn) return true;
-  estimation::EventLog log = robot_.log();
-  log.moments.push_back({estimation::TouchEvent::held, log.readings.size() - 1});
+  const estimation::EventLog& log = robot_.log();
+  const std::size_t now = log.readings.size() - 1;
   const double least = std::min(options_.certain, result_.held.certainty);
   estimation::EstimationOptions options = pick_options_.estimation;
   if (result_.other_stable_pose) {
@@ -233,9 +234,10 @@ bool Placement::aim_again() {
   }
   std::optional<PlaceGoal> goal;
   const bool ok = sequence_.run(ThinkPhase("aim-again", [&]() -> PhaseEnd {
-    state_.estimate = estimation::locate(model_, robot_.model(), log, options, seed_);
+    state_.estimate =
+        estimation::PoseEstimator(model_, options, seed_).held(robot_.model(), log, now);
     const auto held =
-        held_object(object_, state_.estimate.posterior, log, options_.same, picked_.fallen);
+        held_object(object_, state_.estimate.posterior, log, now, options_.same, picked_.fallen);
     if (!held || held->certainty < least) return {true, "nothing new"};
     const GoalSearch search = search_goal(*held);
     result_.held = *held;

@@ -51,12 +51,12 @@ double turn_between(const hand::BasePosition& a, const hand::BasePosition& b) {
 std::optional<HeldObject> held_object(const geometry::KnownObject& object,
                                       const localization::Posterior& posterior,
                                       const estimation::EventLog& log,
+                                      std::optional<std::size_t> at,
                                       const localization::SamePose& same, bool turned) {
-  const auto closed = log.at(estimation::TouchEvent::closed),
-             lifted = log.at(estimation::TouchEvent::held);
-  if (posterior.modes.empty() || !closed || !lifted) return std::nullopt;
+  const auto closed = log.at(estimation::TouchEvent::closed);
+  if (posterior.modes.empty() || !closed || !at) return std::nullopt;
   const Eigen::Isometry3d T_world_closed = log.readings[*closed].base.pose();
-  const Eigen::Isometry3d T_base_world = log.readings[*lifted].base.pose().inverse();
+  const Eigen::Isometry3d T_base_world = log.readings[*at].base.pose().inverse();
 
   std::map<std::size_t, double> stable_poses;
   std::vector<localization::WeightedPose> in_air, flat;

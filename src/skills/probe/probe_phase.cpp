@@ -70,18 +70,17 @@ struct Choices {
 /// One run of the phase.
 class Probing {
  public:
-  Probing(Executor& robot, PickState& state, const geometry::ObjectModel& object,
-          const PalpationOptions& options, const estimation::EstimationOptions& locate,
-          const GraspOptions& grasp, std::uint64_t seed, estimation::TouchEvent instant)
+  Probing(Executor& robot, PickState& state, estimation::PoseEstimator& estimator,
+          const PalpationOptions& options, const GraspOptions& grasp,
+          estimation::TouchEvent instant)
       : robot_(robot),
         state_(state),
-        object_(object),
+        estimator_(estimator),
+        object_(estimator.object()),
         options_(options),
-        locate_(locate),
         grasp_(grasp),
-        seed_(seed),
         instant_(instant),
-        fingers_(object, options, pressure(grasp, object.object())) {}
+        fingers_(object_, options, pressure(grasp, object_.object())) {}
 
   PhaseEnd run(double last_start) {
     state_.next_grasp.reset();
@@ -116,7 +115,7 @@ class Probing {
   [[nodiscard]] Choices choices() const {
     Choices next;
     if (touches_ < options_.max) {
-      next.touch = fingers_.choose(robot_, posterior(), RandomStream(seed_, "probe"));
+      next.touch = fingers_.choose(robot_, posterior(), RandomStream(estimator_.seed(), "probe"));
     }
     if (next.touch) {  // of draws, which also differ by each pose's own error
       auto& information = next.touch->expected_gain.information;
@@ -154,22 +153,21 @@ class Probing {
       holds_ = fingers_.make(robot_, *next.touch);
       ++touches_;
     } else {
-      slipped_ = !roll(robot_, object_, posterior(), *next.roll, locate_.errors, seed_);
+      slipped_ = !roll(robot_, object_, posterior(), *next.roll, estimator_.options().errors,
+                       estimator_.seed());
       ++rolls_;
     }
-    if (hangs()) robot_.wait(locate_.window);  // which the estimate averages
+    if (hangs()) robot_.wait(estimator_.options().window);  // which the estimate averages
     robot_.mark(instant_);
-    state_.estimate =
-        estimation::locate(object_, robot_.model(), robot_.log(), locate_, seed_, instant_);
+    state_.estimate = estimator_.held(robot_.model(), robot_.log(), robot_.log().at(instant_));
   }
 
   Executor& robot_;
   PickState& state_;
+  estimation::PoseEstimator& estimator_;
   const geometry::ObjectModel& object_;
   const PalpationOptions& options_;
-  const estimation::EstimationOptions& locate_;
   const GraspOptions& grasp_;
-  std::uint64_t seed_;
   estimation::TouchEvent instant_;
   FingerProbes fingers_;
   int touches_ = 0, rolls_ = 0;
@@ -179,7 +177,7 @@ class Probing {
 }  // namespace
 
 PhaseEnd PalpationPhase::run(Executor& robot, PickState& state) {
-  Probing probing(robot, state, object_, options_, locate_, grasp_, seed_, instant_);
+  Probing probing(robot, state, estimator_, options_, grasp_, instant_);
   return probing.run(robot.time() + time_limit() - kStepSeconds);
 }
 

@@ -73,9 +73,10 @@ localization::Posterior Relocation::explored(const Eigen::Vector2d& place,
   skills::Executor robot(world.hand(), world.hand_model(), evaluation::waiting_command());
   skills::PickState state;
   try {
-    skills::HeightProbePhase feel(options_.height_probe);
-    skills::ExplorePhase explore(object_, options_.exploring, options_.resting, seed);
-    if (skills::run_phase(feel, robot, state).status == skills::PhaseStatus::ok)
+    skills::HeightProbePhase height_probe(options_.height_probe);
+    estimation::PoseEstimator estimator(object_, options_.resting, seed);
+    skills::ExplorePhase explore(estimator, options_.exploring);
+    if (skills::run_phase(height_probe, robot, state).status == skills::PhaseStatus::ok)
       skills::run_phase(explore, robot, state);
   } catch (const std::exception&) {
     if (!world.diverged()) throw;

@@ -46,9 +46,8 @@ struct ExploreOptions {
 /// as often again.
 class ExplorePhase : public Phase {
  public:
-  ExplorePhase(const geometry::ObjectModel& object, const ExploreOptions& options,
-               const estimation::EstimationOptions& locate, std::uint64_t seed)
-      : object_(object), options_(options), locate_(locate), seed_(seed) {}
+  ExplorePhase(estimation::PoseEstimator& estimator, const ExploreOptions& options)
+      : estimator_(estimator), options_(options) {}
   std::string_view name() const override { return "explore"; }
   double time_limit() const override;
   PhaseEnd run(Executor& robot, PickState& state) override;
@@ -65,10 +64,8 @@ class ExplorePhase : public Phase {
   int tell_apart(Executor& robot, PickState& state);
   int refine(Executor& robot, PickState& state);
 
-  const geometry::ObjectModel& object_;
+  estimation::PoseEstimator& estimator_;
   ExploreOptions options_;
-  estimation::EstimationOptions locate_;
-  std::uint64_t seed_;
   std::vector<localization::TurnedMove> done_;  // that touched
   double raised_ = 0;  // m, of the level sweeps, where a lower hand was blocked
 };

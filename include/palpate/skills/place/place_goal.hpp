@@ -24,13 +24,15 @@ struct HeldObject {
 /// Makes one of the estimate's modes: those that come to the same when laid flat count together.
 ///
 /// Height and tilt need no estimate, for the table fixed them when the fingers closed.
-/// @param posterior  of the held object, in the world, at the reading `held`
+/// @param posterior  of the held object, in the world, at that reading
+/// @param at  reading of the log where the object hangs in the hand
 /// @param turned  by the fingers, since they closed, or fallen before: then what the table told of
 ///        a stable pose counts no more
-/// @return nothing without modes or without the marks closed and held
+/// @return nothing without modes, without an instant, or where the hand has not closed
 std::optional<HeldObject> held_object(const geometry::KnownObject& object,
                                       const localization::Posterior& posterior,
                                       const estimation::EventLog& log,
+                                      std::optional<std::size_t> at,
                                       const localization::SamePose& same, bool turned = false);
 
 /// Where the base has to go, as measured, and the pose of the object that this is for.

@@ -56,26 +56,18 @@ struct PalpationOptions {
 class PalpationPhase : public Phase {
  public:
   /// @param instant  `closed`, the object still standing on the table, or `held`
-  PalpationPhase(const geometry::ObjectModel& object, const PalpationOptions& options,
-                 const estimation::EstimationOptions& locate, const GraspOptions& grasp,
-                 std::uint64_t seed,
+  PalpationPhase(estimation::PoseEstimator& estimator, const PalpationOptions& options,
+                 const GraspOptions& grasp,
                  estimation::TouchEvent instant = estimation::TouchEvent::closed)
-      : object_(object),
-        options_(options),
-        locate_(locate),
-        grasp_(grasp),
-        seed_(seed),
-        instant_(instant) {}
+      : estimator_(estimator), options_(options), grasp_(grasp), instant_(instant) {}
   std::string_view name() const override { return "probe"; }
   double time_limit() const override { return 60.0; }
   PhaseEnd run(Executor& robot, PickState& state) override;
 
  private:
-  const geometry::ObjectModel& object_;
+  estimation::PoseEstimator& estimator_;
   PalpationOptions options_;
-  estimation::EstimationOptions locate_;
   GraspOptions grasp_;
-  std::uint64_t seed_;
   estimation::TouchEvent instant_;
 };
 
