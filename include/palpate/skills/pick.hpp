@@ -57,6 +57,7 @@ struct PickResult {
   int regrasps = 0;     ///< from other sides, to tell poses apart
   bool fallen = false;  ///< before this grasp, or an attempt failed: it may rest in no stable pose
   std::string failed_phase;  ///< of the last attempt; empty if all went well
+  FaultReport fault;         ///< that stopped the robot for good; then nothing is held or estimated
   std::vector<PhaseReport> phases;
   std::optional<localization::Posterior> resting;  ///< pose before the last grasp, in the world
   std::optional<estimation::HeldPoseEstimate>
