@@ -48,7 +48,11 @@ Executor::Executor(hand::Hand& hand, const hand::HandModel& model, const hand::H
       commands_(std::make_unique<CommandGate>(hand.actuators(), start, safety_.options)) {
   const double limit = safety_.options.watchdog;
   if (limit > 0) watchdog_ = std::make_unique<Watchdog>(safety_.stop_drives, limit);
-  tick();
+  try {
+    tick();
+  } catch (const SafetyStop&) {  // every motion will say so
+    if (log_.readings.empty()) log_.readings.push_back({.base = start.base});
+  }
 }
 
 Executor::~Executor() {
@@ -115,12 +119,12 @@ void Executor::require_running() const {
 
 void Executor::stop_for(Fault fault, std::string detail) {
   make_safe(fault, std::move(detail));
-  require_running();
+  throw SafetyStop(fault_);
 }
 
 void Executor::make_safe(Fault fault, std::string detail) noexcept {
   if (fault_) return;
-  fault_ = {fault, std::move(detail), time()};
+  fault_ = {fault, std::move(detail), log_.readings.empty() ? 0 : time()};
   grip_.reset();
   try {
     if (!log_.readings.empty()) ease();

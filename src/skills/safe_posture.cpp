@@ -7,7 +7,7 @@
 namespace palpate::skills {
 namespace {
 
-constexpr double kLeverArm = 0.2;  // m: the base's turns give way at the speed over this
+constexpr double kTurnLever = 0.2;  // m: the base's turns give way at the speed over this
 
 Eigen::Vector3d towards(const Eigen::Vector3d& from, const Eigen::Vector3d& to, double step) {
   const double way = (to - from).norm();
@@ -22,7 +22,7 @@ hand::HandCommand eased(const hand::HandCommand& command, const hand::HandReadin
   hand::HandCommand next = command;
   const double step = options.release_speed * hand::kTick;
   next.base.xyz = towards(command.base.xyz, reading.base.xyz, step);
-  next.base.ypr = towards(command.base.ypr, reading.base.ypr, step / kLeverArm);
+  next.base.ypr = towards(command.base.ypr, reading.base.ypr, step / kTurnLever);
   const hand::ActuatorVector positions = hand::actuator_positions(reading.joints);
   for (int i = 0; i < hand::kActuators; ++i) {
     const auto& actuator = actuators[static_cast<std::size_t>(i)];

@@ -48,7 +48,8 @@ class Executor {
 
   /// @param start  where the hand is commanded now
   /// @param models  of the world, for the skills that plan; must outlive the robot
-  /// @throws SafetyStop if the hand's first reading is a fault
+  ///
+  /// A fault of the hand's first reading is thrown by the first motion.
   Executor(hand::Hand& hand, const hand::HandModel& model, const hand::HandCommand& start,
            Observer observer = {}, const ModelFactory* models = nullptr,
            Safety safety = {});
@@ -67,12 +68,14 @@ class Executor {
   const std::array<hand::Actuator, hand::kActuators>& actuators() const {
     return hand_.actuators();
   }
-  double time() const { return log_.readings.empty() ? 0 : log_.readings.back().time; }
+  double time() const { return log_.readings.back().time; }
 
   /// What has stopped the robot, if anything has.
   const FaultReport& fault() const { return fault_; }
   /// Stops the robot for good, unless it has stopped before: base and fingers ease, see above.
   void make_safe(Fault fault, std::string detail) noexcept;
+  /// make_safe(), and then @throws SafetyStop.
+  [[noreturn]] void stop_for(Fault fault, std::string detail);
   /// @throws SafetyStop if the robot has stopped
   void require_running() const;
 
@@ -108,7 +111,6 @@ class Executor {
  private:
   void tick();
   MotionEnd tick_until(const StopCondition& stop);
-  void stop_for(Fault fault, std::string detail);
   bool read_once();
   void keep(hand::HandReading reading);
   void ease();
