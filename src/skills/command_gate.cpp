@@ -80,9 +80,9 @@ hand::HandCommand CommandGate::limited(const hand::HandCommand& wanted) {
 void CommandGate::limit_base(hand::BasePosition& base) {
   const double reach = base.xyz.norm();
   if (reach > options_.workspace) base.xyz *= options_.workspace / reach;
-  base.xyz = skills::limited(
-      last_.base.xyz, base.xyz,
-      largest_step(slide_speed_, options_.base_speed, options_.base_acceleration));
+  base.xyz =
+      skills::limited(last_.base.xyz, base.xyz,
+                      largest_step(slide_speed_, options_.base_speed, options_.base_acceleration));
   base.ypr =
       skills::limited(last_.base.ypr, base.ypr,
                       largest_step(turn_speed_, options_.turn_speed, options_.turn_acceleration));
@@ -96,8 +96,8 @@ void CommandGate::limit_fingers(hand::ActuatorVector& positions) {
     const double before = last_.positions[i];
     const double step =
         largest_step(finger_speeds_[i], options_.finger_speed, options_.finger_acceleration);
-    positions[i] = std::clamp(std::clamp(positions[i], range.low, range.high), before - step,
-                              before + step);
+    positions[i] =
+        std::clamp(std::clamp(positions[i], range.low, range.high), before - step, before + step);
     finger_speeds_[i] = std::abs(positions[i] - before) / hand::kTick;
   }
 }

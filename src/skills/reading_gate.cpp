@@ -11,9 +11,9 @@
 namespace palpate::skills {
 namespace {
 
-constexpr double kClockDrift = 1e-3;   // of the hand's clock against the ticks, that is allowed
-constexpr double kStandsStill = 0.1;   // rad within which a joint counts as standing still
-constexpr double kTouching = 0.1;      // N at which a fingertip feels something
+constexpr double kClockDrift = 1e-3;  // of the hand's clock against the ticks, that is allowed
+constexpr double kStandsStill = 0.1;  // rad within which a joint counts as standing still
+constexpr double kTouching = 0.1;     // N at which a fingertip feels something
 
 bool finite(const hand::HandReading& reading) {
   return reading.joints.allFinite() && reading.torques.allFinite() &&
@@ -133,14 +133,13 @@ std::string ReadingGate::impossible_value(const hand::HandReading& reading, Faul
 
 std::string ReadingGate::jump(const hand::HandReading& reading) const {
   if (!last_) return {};
-  const auto ticks = static_cast<double>(tick_ - last_tick_);
   Eigen::Index joint = 0;
   const double turned = (reading.joints - last_->joints).cwiseAbs().maxCoeff(&joint);
   const double moved = (reading.base.xyz - last_->base.xyz).norm();
-  if (turned > options_.joint_jump * ticks) {
+  if (turned > options_.joint_jump) {
     return fmt::format("joint {} jumped by {:.3f} rad", joint_name(joint), turned);
   }
-  if (moved > options_.base_jump * ticks) return fmt::format("the base jumped by {:.3f} m", moved);
+  if (moved > options_.base_jump) return fmt::format("the base jumped by {:.3f} m", moved);
   return {};
 }
 

@@ -38,12 +38,29 @@ enum class InjectedFault {
   delay,        ///< readings are 0.2 s late
   throws,       ///< step() throws
 };
-inline constexpr std::array<std::string_view, 23> kInjectedFaultNames = {
-    "none",           "load_nan",      "load_zero",       "load_frozen",      "joint_nan",
-    "joint_stuck",    "torques_zero",  "contacts_nan",    "contacts_none",    "finger_silent",
-    "finger_stuck",   "finger_nan",    "finger_saturated", "fingers_swapped", "taxel_dead",
-    "false_contacts", "readings_stuck", "link_dead",      "link_gap",         "time_nan",
-    "time_jitter",    "delay",         "throws"};
+inline constexpr std::array<std::string_view, 23> kInjectedFaultNames = {"none",
+                                                                         "load_nan",
+                                                                         "load_zero",
+                                                                         "load_frozen",
+                                                                         "joint_nan",
+                                                                         "joint_stuck",
+                                                                         "torques_zero",
+                                                                         "contacts_nan",
+                                                                         "contacts_none",
+                                                                         "finger_silent",
+                                                                         "finger_stuck",
+                                                                         "finger_nan",
+                                                                         "finger_saturated",
+                                                                         "fingers_swapped",
+                                                                         "taxel_dead",
+                                                                         "false_contacts",
+                                                                         "readings_stuck",
+                                                                         "link_dead",
+                                                                         "link_gap",
+                                                                         "time_nan",
+                                                                         "time_jitter",
+                                                                         "delay",
+                                                                         "throws"};
 
 std::string_view to_string(InjectedFault fault);
 /// @throws BadInput for a name that is none of kInjectedFaultNames

@@ -33,9 +33,9 @@ struct Grip {
 ///
 /// Every reading and every command passes a gate (SafetyOptions). While readings are missing or
 /// impossible the hand stands still and nothing is kept of them; a fault stops the robot for good:
-/// the base gives way to what it pushes, the fingers ease to a light hold, and SafetyStop is thrown,
-/// now and at every later tick. The same happens where an exception passes through a phase or ends
-/// the robot's life.
+/// the base gives way to what it pushes, the fingers ease to a light hold, and SafetyStop is
+/// thrown, now and at every later tick. The same happens where an exception passes through a phase
+/// or ends the robot's life.
 class Executor {
  public:
   using StopCondition = std::function<bool(const hand::HandReading&)>;
@@ -51,8 +51,7 @@ class Executor {
   ///
   /// A fault of the hand's first reading is thrown by the first motion.
   Executor(hand::Hand& hand, const hand::HandModel& model, const hand::HandCommand& start,
-           Observer observer = {}, const ModelFactory* models = nullptr,
-           Safety safety = {});
+           Observer observer = {}, const ModelFactory* models = nullptr, Safety safety = {});
   ~Executor();
   Executor(const Executor&) = delete;
   Executor& operator=(const Executor&) = delete;

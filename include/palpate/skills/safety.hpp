@@ -29,9 +29,9 @@ enum class Fault {
   exception,           ///< the hand, a skill or the user's code threw
 };
 inline constexpr std::array<std::string_view, 15> kFaultNames = {
-    "none",         "stop_requested", "not_finite",  "out_of_range", "implausible_change",
-    "frozen",       "late",           "silent",      "excess_force", "unfelt_load",
-    "joint_stuck",  "touch_lost",     "invalid_command", "log_full", "exception"};
+    "none",        "stop_requested", "not_finite",      "out_of_range", "implausible_change",
+    "frozen",      "late",           "silent",          "excess_force", "unfelt_load",
+    "joint_stuck", "touch_lost",     "invalid_command", "log_full",     "exception"};
 
 inline std::string_view to_string(Fault fault) {
   return kFaultNames[static_cast<std::size_t>(fault)];
@@ -60,29 +60,29 @@ class SafetyStop : public std::runtime_error {
 
 /// What an Executor accepts as a reading, and what it lets a command be.
 struct SafetyOptions {
-  double max_age = 0.05;       ///< s that a reading may be late, by the executor's own ticks
-  double max_gap = 0.25;       ///< s without a fresh reading, in which the hand stands still
-  int max_bad = 4;             ///< readings in a row that are not finite, or out of range
-  int max_repeats = 4;         ///< readings in a row that repeat joints, torques or load
-  double max_load = 40;        ///< N, of the mount
-  double load_range = 250;     ///< N that the mount's sensor can read
-  double tip_force_range = 50; ///< N that a fingertip's sensor can read
-  double workspace = 1.5;      ///< m of the base from the origin
-  double joint_margin = 0.4;   ///< rad that a joint may read beyond its range
-  double joint_jump = 0.5;     ///< rad between two readings
-  double base_jump = 0.05;     ///< m between two readings
-  double tracking_error = 0.6; ///< rad by which a joint that stands still may miss its command
-  double tracking_time = 0.5;  ///< s that it may
-  double base_speed = 0.6;     ///< m/s
+  double max_age = 0.05;          ///< s that a reading may be late, by the executor's own ticks
+  double max_gap = 0.25;          ///< s without a fresh reading, in which the hand stands still
+  int max_bad = 4;                ///< readings in a row that are not finite, or out of range
+  int max_repeats = 4;            ///< readings in a row that repeat joints, torques or load
+  double max_load = 40;           ///< N, of the mount
+  double load_range = 250;        ///< N that the mount's sensor can read
+  double tip_force_range = 50;    ///< N that a fingertip's sensor can read
+  double workspace = 1.5;         ///< m of the base from the origin
+  double joint_margin = 0.4;      ///< rad that a joint may read beyond its range
+  double joint_jump = 0.5;        ///< rad between two readings
+  double base_jump = 0.05;        ///< m between two readings
+  double tracking_error = 0.6;    ///< rad by which a joint that stands still may miss its command
+  double tracking_time = 0.5;     ///< s that it may
+  double base_speed = 0.6;        ///< m/s
   double base_acceleration = 10;  ///< m/s^2
   double turn_speed = 3.0;        ///< rad/s, of the base
   double turn_acceleration = 50;  ///< rad/s^2, of the base
   double finger_speed = 4.0;      ///< rad/s
   double finger_acceleration = 200;  ///< rad/s^2
-  double release_speed = 0.25;  ///< m/s at which a stopped base gives way to what it pushes
-  double rest_torque = 0.1;     ///< N m with which a stopped finger holds on at most
-  double watchdog = 0;          ///< s of wall time that a step may take; 0: simulated, no limit
-  double max_log = 3600;        ///< s of readings that are kept
+  double release_speed = 0.25;       ///< m/s at which a stopped base gives way to what it pushes
+  double rest_torque = 0.1;          ///< N m with which a stopped finger holds on at most
+  double watchdog = 0;    ///< s of wall time that a step may take; 0: simulated, no limit
+  double max_log = 3600;  ///< s of readings that are kept
 
   template <class Visitor>
   void visit(Visitor&& v) {
