@@ -51,7 +51,7 @@ Executor::Executor(hand::Hand& hand, const hand::HandModel& model, const hand::H
   try {
     tick();
   } catch (const SafetyStop&) {  // every motion will say so
-    if (log_.readings.empty()) log_.readings.push_back({.base = start.base});
+    if (log_.readings.empty()) log_.readings.emplace_back().base = start.base;
   }
 }
 

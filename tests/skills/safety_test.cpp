@@ -108,8 +108,8 @@ INSTANTIATE_TEST_SUITE_P(Safety, EveryFault,
                                          Case{InjectedFault::time_nan, Fault::not_finite},
                                          Case{InjectedFault::delay, Fault::late},
                                          Case{InjectedFault::throws, Fault::exception}),
-                         [](const auto& info) {
-                           return std::string(hand::to_string(info.param.injected));
+                         [](const auto& tested) {
+                           return std::string(hand::to_string(tested.param.injected));
                          });
 
 class SurvivedFault : public testing::TestWithParam<InjectedFault> {};
@@ -127,7 +127,9 @@ INSTANTIATE_TEST_SUITE_P(Safety, SurvivedFault,
                                          InjectedFault::fingers_swapped, InjectedFault::taxel_dead,
                                          InjectedFault::false_contacts, InjectedFault::link_gap,
                                          InjectedFault::time_jitter),
-                         [](const auto& info) { return std::string(hand::to_string(info.param)); });
+                         [](const auto& tested) {
+                           return std::string(hand::to_string(tested.param));
+                         });
 
 TEST(Safety, StandsStillInAGapAndKeepsNothingOfIt) {
   Scene scene({.fault = InjectedFault::link_gap, .from = kFrom});
