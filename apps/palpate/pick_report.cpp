@@ -154,6 +154,7 @@ nlohmann::json trial_json(const evaluation::Trial& trial) {
           {"attempts", trial.result.attempts},
           {"slip_mm", 1e3 * trial.metrics.slip},
           {"tip_force", trial.metrics.tip_force},
+          {"limited_commands", trial.result.limited_commands},
           {"peak_load", trial.metrics.peak_load},
           {"peak_tip_force", trial.metrics.peak_tip_force},
           {"explored_motion_mm", 1e3 * trial.metrics.explored_motion},

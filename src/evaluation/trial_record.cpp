@@ -87,6 +87,7 @@ constexpr auto kPick = [](skills::PickResult& result, const auto& v) {
   v("attempts", result.attempts);
   v("regrasps", result.regrasps);
   v("failed_phase", result.failed_phase);
+  v("limited_commands", result.limited_commands);
   v.part("fault", result.fault, kFault);
 };
 

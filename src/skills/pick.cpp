@@ -57,6 +57,7 @@ class Picking {
       result_.held = false;
       result_.estimate = {};
     }
+    result_.limited_commands = robot_.limited_commands();
     return std::move(result_);
   }
 

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kClockDrift = 1e-3;  // of the hand's clock against the ticks, that is allowed
 constexpr double kStandsStill = 0.1;  // rad within which a joint counts as standing still
-constexpr double kTouching = 0.1;     // N at which a fingertip feels something
+constexpr double kFeltForce = 0.1;    // N at which a fingertip feels something
 
 bool finite(const hand::HandReading& reading) {
   return reading.joints.allFinite() && reading.torques.allFinite() &&
@@ -184,7 +184,7 @@ Judgement ReadingGate::judge_touch(hand::HandReading& reading) {
 Judgement ReadingGate::judge_load(const hand::HandReading& reading) {
   const double load = reading.base_force.norm();
   if (load <= options_.max_load) return {};
-  const bool felt = hand::count_contacts(reading, kTouching) > 0;
+  const bool felt = hand::count_contacts(reading, kFeltForce) > 0;
   return {true, felt ? Fault::excess_force : Fault::unfelt_load,
           fmt::format("the mount bears {:.1f} N of at most {:.1f}{}", load, options_.max_load,
                       felt ? "" : ", and no fingertip feels anything")};

@@ -76,6 +76,7 @@ TEST(Faults, NominalPickNeedsNoLimit) {
   const Trial trial = run_trial(box(), options, kSeed);
   EXPECT_FALSE(trial.result.fault) << trial.result.fault.detail;
   EXPECT_LT(trial.metrics.peak_load, skills::SafetyOptions{}.max_load);
+  EXPECT_EQ(trial.result.limited_commands, 0u);
 }
 
 TEST(Faults, ARequestStopsThePick) {
