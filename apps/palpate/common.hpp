@@ -17,7 +17,7 @@
 namespace palpate::app {
 
 /// Exit codes of the program.
-enum ExitCode { kDone = 0, kUsage = 2, kBadInput = 3, kNoSolution = 4 };
+enum ExitCode { kDone = 0, kUsage = 2, kBadInput = 3, kNoSolution = 4, kStopped = 5 };
 
 /// Options that all commands share.
 struct CommonOptions {

@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "common.hpp"
+#include "eval_faults.hpp"
 #include "palpate/core/cache.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
@@ -27,6 +28,8 @@ struct EvalArguments {
   std::vector<std::string> objects = {"mug", "bottle", "box", "bracket", "bunny"};
   std::size_t trials = 30;
   std::string place;
+  std::vector<std::string> faults;
+  bool campaign = false;
 };
 
 json quantiles_json(const std::vector<double>& values) {
@@ -216,6 +219,12 @@ struct EvalOutput {
 };
 
 int eval(EvalArguments arguments) {
+  if (arguments.campaign) {
+    if (arguments.resume || !arguments.place.empty()) {
+      throw BadInput("--faults goes neither with --resume nor with --place");
+    }
+    return eval_faults(arguments.common, arguments.objects, arguments.trials, arguments.faults);
+  }
   if (arguments.resume && (arguments.common.out.empty() || arguments.common.force)) {
     throw BadInput("--resume needs the --out of an evaluation, and no --force");
   }
@@ -294,6 +303,13 @@ void add_eval(CLI::App& program, Command& chosen) {
       ->capture_default_str();
   command.add_flag("--resume", arguments->resume,
                    "go on with the evaluation in DIR, and begin none");
+  auto* const faults =
+      command
+          .add_option("--faults", arguments->faults,
+                      "repeat the picks with each of these faults of the hand, set in at a random "
+                      "time, and with none; without a list, with all there are (docs/safety.md)")
+          ->delimiter(',')
+          ->expected(0, 100);
   add_place_option(command, arguments->place);
   add_common_options(command, arguments->common);
   command.footer(
@@ -307,9 +323,13 @@ void add_eval(CLI::App& program, Command& chosen) {
       "  palpate eval --object mug,box --trials 30 --threads 2 --seed 9000\n"
       "  palpate eval --object generated:9000-9099 --trials 3 --seed 9000\n"
       "  palpate eval --object bunny --trials 10 --set attempts=1 --json\n"
+      "  palpate eval --object box,mug --trials 5 --faults load_nan,finger_silent --json\n"
       "  palpate eval --place random --trials 20 --seed 9000\n"
       "  palpate eval --object box --place stable pose --trials 10 --seed 9000");
-  command.callback([arguments, &chosen] { chosen = [arguments] { return eval(*arguments); }; });
+  command.callback([arguments, faults, &chosen] {
+    arguments->campaign = faults->count() > 0;
+    chosen = [arguments] { return eval(*arguments); };
+  });
 }
 
 }  // namespace palpate::app

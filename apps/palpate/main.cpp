@@ -26,7 +26,8 @@ int run(int argc, char** argv) {
   program.failure_message(usage_error);
   program.footer(
       "palpate COMMAND --help shows a command's options and examples.\n"
-      "Exit codes: 0 done, 2 usage, 3 bad input, 4 no solution.");
+      "Exit codes: 0 done, 2 usage, 3 bad input, 4 no solution, 5 the robot was stopped by a "
+      "fault.");
   Command chosen;
   add_pick(program, chosen);
   add_eval(program, chosen);

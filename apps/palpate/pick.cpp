@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "common.hpp"
+#include "interrupt.hpp"
 #include "palpate/core/file.hpp"
 #include "palpate/core/version.hpp"
 #include "palpate/evaluation/trial.hpp"
@@ -61,6 +62,7 @@ int pick(const PickArguments& arguments) {
   const bool own_errors = options.touch.from_biotacs();
   const std::string config =
       config_header(common) + fmt::format("# object {}\n", arguments.object) + to_toml(options);
+  const Interrupt interrupt;
   // First, so that nothing is left behind where the simulator refuses something.
   const simulation::World world(object.object(), options.world, common.seed);
 
@@ -70,8 +72,8 @@ int pick(const PickArguments& arguments) {
   recording::Writer writer(folder / "recording.h5",
                            {std::string(version()), common.seed, object.object(),
                             world.hand_model(), config, own_errors});
-  const auto trial =
-      evaluation::run_trial(object, options, common.seed, &writer, phase_printer(common));
+  const auto trial = evaluation::run_trial(object, options, common.seed, &writer,
+                                           phase_printer(common), interrupt.token());
   writer.finish();
   write_file_atomically(folder / "config.toml", config);
   auto report = trial_json(trial);
@@ -85,10 +87,9 @@ int pick(const PickArguments& arguments) {
     fmt::print("{}\n", report.dump(2));
   } else {
     fmt::print("{}\n{}wrote {}: recording.h5, config.toml, report.json, replay.html\n",
-               trial.result.held ? estimate_text(trial)
-                                 : "gave up: " + trial.result.failed_phase + " failed",
-               place_text(trial), folder.string());
+               outcome_text(trial), place_text(trial), folder.string());
   }
+  if (trial.result.fault) return kStopped;
   return report["status"] == "ok" ? kDone : kNoSolution;
 }
 
@@ -115,7 +116,9 @@ void add_pick(CLI::App& program, Command& chosen) {
   command.footer(
       "Writes recording.h5, config.toml, report.json and replay.html (open it in a browser) into\n"
       "DIR, by default out/pick-OBJECT-SEED. A grasp or a placement that fails ends with exit\n"
-      "code 4, a target that cannot be with 3, before anything moves.\n\n"
+      "code 4, a target that cannot be with 3, before anything moves. A fault of the hand, or\n"
+      "Ctrl-C, stops the robot in a safe state: exit code 5, and the report names the fault\n"
+      "(docs/safety.md).\n\n"
       "Examples:\n"
       "  palpate pick --object mug --seed 7\n"
       "  palpate pick --object bunny --explore 16\n"

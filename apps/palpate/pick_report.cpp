@@ -58,6 +58,11 @@ json phase_json(const skills::PhaseReport& report) {
           {"peak_force", report.peak_force}};
 }
 
+json fault_json(const skills::FaultReport& report) {
+  if (!report) return nullptr;
+  return {{"name", to_string(report.fault)}, {"detail", report.detail}, {"time", report.time}};
+}
+
 std::string pose_text(const Eigen::Isometry3d& T) {
   const Eigen::Vector3d p = 1e3 * T.translation();
   const Eigen::Quaterniond q(T.linear());
@@ -115,9 +120,20 @@ std::string estimate_text(const evaluation::Trial& trial) {
   return text;
 }
 
+std::string outcome_text(const evaluation::Trial& trial) {
+  const skills::FaultReport& fault = trial.result.fault;
+  if (fault) {
+    return fmt::format("stopped after {:.2f} s: {}: {}", fault.time, to_string(fault.fault),
+                       fault.detail);
+  }
+  if (!trial.result.held) return "gave up: " + trial.result.failed_phase + " failed";
+  return estimate_text(trial);
+}
+
 nlohmann::json trial_json(const evaluation::Trial& trial) {
   const bool put = !trial.place || trial.place->status == skills::PlaceStatus::placed;
-  const bool ok = trial.result.held && trial.metrics.has_pose && put;
+  const skills::FaultReport& fault = trial.result.fault;
+  const bool ok = trial.result.held && trial.metrics.has_pose && put && !fault;
   json phases = json::array();
   for (const auto& report : trial.result.phases) phases.push_back(phase_json(report));
   if (trial.place) {
@@ -126,7 +142,10 @@ nlohmann::json trial_json(const evaluation::Trial& trial) {
   json failed_phase = nullptr;
   if (!trial.result.failed_phase.empty()) failed_phase = trial.result.failed_phase;
   if (trial.place && !trial.place->failed_phase.empty()) failed_phase = trial.place->failed_phase;
-  return {{"status", ok ? "ok" : "failed"},
+  return {{"status", fault ? "fault"
+                     : ok  ? "ok"
+                           : "failed"},
+          {"fault", fault_json(fault)},
           {"failed_phase", failed_phase},
           {"held", trial.result.held},
           {"lifted", trial.metrics.lifted},
@@ -135,6 +154,9 @@ nlohmann::json trial_json(const evaluation::Trial& trial) {
           {"attempts", trial.result.attempts},
           {"slip_mm", 1e3 * trial.metrics.slip},
           {"tip_force", trial.metrics.tip_force},
+          {"limited_commands", trial.result.limited_commands},
+          {"peak_load", trial.metrics.peak_load},
+          {"peak_tip_force", trial.metrics.peak_tip_force},
           {"explored_motion_mm", 1e3 * trial.metrics.explored_motion},
           {"pose_ok_before_lift", trial.metrics.pose_ok_before_lift},
           {"pose_ok_before_probe", trial.metrics.pose_ok_before_probe},

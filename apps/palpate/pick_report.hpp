@@ -12,6 +12,9 @@ namespace palpate::app {
 std::string phase_heading();
 std::string phase_row(const skills::PhaseReport& report);
 
+/// What became of the pick: the estimate, or why there is none.
+std::string outcome_text(const evaluation::Trial& trial);
+
 /// The estimate in words: the best pose with its error, and the other modes.
 std::string estimate_text(const evaluation::Trial& trial);
 

@@ -34,14 +34,29 @@ std::vector<localization::FreeSphere> hand_spheres(const hand::HandModel& hand,
   return spheres;
 }
 
-bool carries(const hand::LinkSphere& sphere, const hand::HandModel& hand, hand::Finger finger) {
-  return sphere.link == hand.distal[static_cast<std::size_t>(finger)];
+/// The finger that a guarded move is made with: its fingertip is the hand's lowest.
+int probing_finger(const hand::HandModel& hand, const hand::HandReading& reading) {
+  const auto T_base_link = hand::forward_kinematics(hand, reading.joints);
+  const Eigen::Matrix3d R_world_base = reading.base.pose().linear();
+  int lowest = static_cast<int>(hand::Finger::first);
+  double low = std::numeric_limits<double>::infinity();
+  for (int finger = lowest; finger < hand::kFingers; ++finger) {
+    const auto i = static_cast<std::size_t>(finger);
+    const auto& T = T_base_link[static_cast<std::size_t>(hand.distal[i])];
+    const double height = (R_world_base * (T * hand.tips[i].b)).z();
+    if (height >= low) continue;
+    low = height;
+    lowest = finger;
+  }
+  return lowest;
 }
 
 /// Where the probing fingertip has been between two readings, without the last `margin` metres.
 void add_swept_tip(const hand::HandModel& hand, const EventLog& log, std::size_t first,
                    std::size_t last, double margin, std::vector<localization::FreeSphere>& swept) {
   const auto T_base_link = hand::forward_kinematics(hand, log.readings[first].joints);
+  const int finger = probing_finger(hand, log.readings[first]);
+  const int tip = hand.distal[static_cast<std::size_t>(finger)];
   const Eigen::Vector3d end = log.readings[last].base.xyz;
   Eigen::Vector3d previous = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
   for (std::size_t i = first; i <= last; ++i) {
@@ -50,7 +65,7 @@ void add_swept_tip(const hand::HandModel& hand, const EventLog& log, std::size_t
     if ((base.xyz - previous).norm() < kSweptSpacing) continue;
     previous = base.xyz;
     for (const auto& sphere : hand.spheres) {
-      if (!carries(sphere, hand, hand::Finger::first)) continue;
+      if (sphere.link != tip) continue;
       swept.push_back(
           {base.pose() * T_base_link[static_cast<std::size_t>(sphere.link)] * sphere.center,
            sphere.radius});
@@ -189,6 +204,8 @@ Evidence evidence_of_guarded_moves(const hand::HandModel& hand, const EventLog& 
     add_swept_tip(hand, log, guarded_move, moment.reading, touched ? kTouchMargin : 0.0,
                   evidence.free_space);
     if (!touched) continue;
+    const int finger = probing_finger(hand, log.readings[moment.reading]);
+    if (offset.members.empty()) offset = finger_offset(hand, finger);
     const Eigen::Isometry3d T_world_base = log.readings[moment.reading].base.pose();
     const auto window = window_before(log, moment.reading, kTouchWindow);
     for (auto contact : felt_contacts(window, hand, options.errors)) {

@@ -141,7 +141,7 @@ hand::HandCommand waiting_command() {
 
 Trial run_trial(const geometry::ObjectModel& object, const TrialOptions& options,
                 std::uint64_t seed, recording::Writer* writer,
-                const skills::PhaseObserver& observer) {
+                const skills::PhaseObserver& observer, std::stop_token stop) {
   Trial trial;
   trial.start = draw_start(object.object(), options.start, seed);
   const auto target = place_target(object.object(), options.place, seed,
@@ -156,18 +156,20 @@ Trial run_trial(const geometry::ObjectModel& object, const TrialOptions& options
 
   Evaluator evaluator(world);
   Recorder recorder(writer, world);
+  hand::FaultyHand faulty(world.hand(), options.fault.schedule(seed));
   std::optional<tactile::BiotacHand> feeling;
   if (options.touch.from_biotacs()) {
-    feeling.emplace(world.hand(), world.hand_model(), tactile::shipped_biotac_inverse());
+    feeling.emplace(faulty, world.hand_model(), tactile::shipped_biotac_inverse());
   }
   const simulation::SimulatedModels models(options.believed_world());
-  skills::Executor robot(feeling ? *feeling : world.hand(), world.hand_model(), waiting_command(),
+  hand::Hand& sensed = feeling ? static_cast<hand::Hand&>(*feeling) : faulty;
+  skills::Executor robot(sensed, world.hand_model(), waiting_command(),
                          {[&](const auto& reading, const auto& command) {
                             evaluator.observe(reading);
                             recorder.frame(reading, command);
                           },
                           [&](estimation::TouchEvent mark) { recorder.mark(mark); }},
-                         &models);
+                         &models, {options.safety, std::move(stop)});
   skills::PhaseObserver told = recorder.phases_and(observer);
   told.on_picked = [&](const skills::PickResult& picked) {
     recorder.estimate(robot.time(), picked.estimate);
@@ -195,6 +197,9 @@ Trial run_trial(const geometry::ObjectModel& object, const TrialOptions& options
     if (!world.diverged()) throw;
   }
   if (world.diverged()) return unstable(trial.start);
+  trial.metrics.peak_load = faulty.peak_load();
+  trial.metrics.peak_tip_force = faulty.peak_tip_force();
+  if (trial.result.fault) trial.metrics.lifted = trial.metrics.has_pose = false;
   if (trial.place) recorder.placement(*trial.place, fixture);
   return trial;
 }

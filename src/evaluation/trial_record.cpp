@@ -76,11 +76,19 @@ constexpr auto kPhase = [](skills::PhaseReport& phase, const auto& v) {
   v("wall_seconds", phase.wall_seconds);
 };
 
+constexpr auto kFault = [](skills::FaultReport& report, const auto& v) {
+  v("fault", report.fault);
+  v("detail", report.detail);
+  v("time", report.time);
+};
+
 constexpr auto kPick = [](skills::PickResult& result, const auto& v) {
   v("held", result.held);
   v("attempts", result.attempts);
   v("regrasps", result.regrasps);
   v("failed_phase", result.failed_phase);
+  v("limited_commands", result.limited_commands);
+  v.part("fault", result.fault, kFault);
 };
 
 constexpr auto kJudgement = [](TrialMetrics& metrics, const auto& v) {
@@ -97,6 +105,8 @@ constexpr auto kJudgement = [](TrialMetrics& metrics, const auto& v) {
   v("probes", metrics.probes);
   v("explored_motion", metrics.explored_motion);
   v("tip_force", metrics.tip_force);
+  v("peak_load", metrics.peak_load);
+  v("peak_tip_force", metrics.peak_tip_force);
   v.part("error", metrics.error, kError);
 };
 

@@ -1,12 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/skills/executor.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <limits>
 #include <utility>
 
 #include "palpate/core/error.hpp"
+#include "skills/command_gate.hpp"
+#include "skills/reading_gate.hpp"
+#include "skills/safe_posture.hpp"
+#include "skills/watchdog.hpp"
 
 namespace palpate::skills {
 namespace {
@@ -15,6 +22,7 @@ constexpr double kSettingOut = 0.4;  // s of a motion in which the load is that 
 constexpr double kSteady = 0.1;      // s after it over which the load of steady motion is averaged
 constexpr int kLoadedTicks = 3;
 constexpr double kLeverArm = 0.2;  // m: what a turn of 1 rad counts as a way of the hand
+constexpr int kEasingTicks = 30;   // in which a stopped hand gives way
 
 int ticks(double seconds) {
   return std::max(1, static_cast<int>(std::lround(seconds / hand::kTick)));
@@ -27,14 +35,30 @@ hand::BasePosition between(const hand::BasePosition& a, const hand::BasePosition
 }  // namespace
 
 Executor::Executor(hand::Hand& hand, const hand::HandModel& model, const hand::HandCommand& start,
-                   Observer observer, const ModelFactory* models)
+                   Observer observer, const ModelFactory* models, Safety safety)
     : hand_(hand),
       model_(model),
       command_(start),
       observer_(std::move(observer)),
       models_(models),
-      deadline_(std::numeric_limits<double>::infinity()) {
-  tick();
+      deadline_(std::numeric_limits<double>::infinity()),
+      safety_(std::move(safety)),
+      exceptions_(std::uncaught_exceptions()),
+      readings_(std::make_unique<ReadingGate>(hand.actuators(), safety_.options)),
+      commands_(std::make_unique<CommandGate>(hand.actuators(), start, safety_.options)) {
+  const double limit = safety_.options.watchdog;
+  if (limit > 0) watchdog_ = std::make_unique<Watchdog>(safety_.stop_drives, limit);
+  try {
+    tick();
+  } catch (const SafetyStop&) {  // every motion will say so
+    if (log_.readings.empty()) log_.readings.emplace_back().base = start.base;
+  }
+}
+
+Executor::~Executor() {
+  if (std::uncaught_exceptions() > exceptions_) {
+    make_safe(Fault::exception, "an exception ended the robot's work");
+  }
 }
 
 const ModelFactory& Executor::models() const {
@@ -49,10 +73,78 @@ void Executor::mark(estimation::TouchEvent mark) {
 }
 
 void Executor::tick() {
+  require_running();
+  if (safety_.stop.stop_requested()) stop_for(Fault::stop_requested, "a stop was requested");
+  if (static_cast<double>(log_.readings.size()) * hand::kTick > safety_.options.max_log) {
+    stop_for(Fault::log_full, fmt::format("{} readings are kept", log_.readings.size()));
+  }
   if (grip_) grip_->law.advance(command_, reading(), grip_->torque, grip_->active);
-  log_.readings.push_back(hand_.step(command_));
+  try {
+    command_ = commands_->limited(command_);
+  } catch (const BadInput& error) {
+    command_ = commands_->last();
+    stop_for(Fault::invalid_command, error.what());
+  }
+  while (!read_once()) {
+    if (safety_.stop.stop_requested()) stop_for(Fault::stop_requested, "a stop was requested");
+  }
+}
+
+/// One step of the hand. @return whether it gave a reading that can be used
+bool Executor::read_once() {
+  hand::HandReading reading;
+  try {
+    const Watchdog::Guard guard(watchdog_.get());
+    reading = hand_.step(command_);
+  } catch (const std::exception& error) {
+    stop_for(Fault::exception, fmt::format("the hand: {}", error.what()));
+  }
+  if (watchdog_ && watchdog_->fired()) {
+    stop_for(Fault::silent, fmt::format("a step took longer than {} s", safety_.options.watchdog));
+  }
+  const Judgement judgement = readings_->judge(reading, command_);
+  if (judgement.usable) keep(std::move(reading));
+  if (judgement.fault != Fault::none) stop_for(judgement.fault, judgement.detail);
+  return judgement.usable;
+}
+
+void Executor::keep(hand::HandReading reading) {
+  log_.readings.push_back(std::move(reading));
   if (observer_.on_tick) observer_.on_tick(log_.readings.back(), command_);
 }
+
+void Executor::require_running() const {
+  if (fault_) throw SafetyStop(fault_);
+}
+
+void Executor::stop_for(Fault fault, std::string detail) {
+  make_safe(fault, std::move(detail));
+  throw SafetyStop(fault_);
+}
+
+void Executor::make_safe(Fault fault, std::string detail) noexcept {
+  if (fault_) return;
+  fault_ = {fault, std::move(detail), log_.readings.empty() ? 0 : time()};
+  grip_.reset();
+  try {
+    if (!log_.readings.empty()) ease();
+    if (safety_.stop_drives) safety_.stop_drives();
+  } catch (...) {  // the hand is beyond reach; all has been tried
+  }
+}
+
+/// Goes on reading, so that the base gives way to where it is, not to where it was.
+void Executor::ease() {
+  for (int i = 0; i < kEasingTicks; ++i) {
+    command_ = eased(command_, reading(), hand_.actuators(), safety_.options);
+    hand::HandReading now = hand_.step(command_);
+    if (readings_->judge(now, command_).usable) keep(std::move(now));
+  }
+}
+
+void Executor::distrust(int finger) { readings_->distrust(finger); }
+bool Executor::trusted(int finger) const { return readings_->trusted(finger); }
+std::size_t Executor::limited_commands() const { return commands_->changed(); }
 
 MotionEnd Executor::tick_until(const StopCondition& stop) {
   tick();
@@ -69,12 +161,15 @@ MotionEnd Executor::wait(double seconds, const StopCondition& stop) {
 
 MotionEnd Executor::move_base(const hand::BasePosition& target, double speed,
                               const StopCondition& stop) {
+  const SafetyOptions& limits = safety_.options;
   const hand::BasePosition from = command_.base;
-  const double way = std::max((target.xyz - from.xyz).norm(),
-                              kLeverArm * (target.ypr - from.ypr).cwiseAbs().maxCoeff());
-  const int count = ticks(way / speed);
-  for (int i = 1; i <= count; ++i) {
-    command_.base = between(from, target, static_cast<double>(i) / count);
+  const double slide = (target.xyz - from.xyz).norm();
+  const Eigen::Vector3d turn = target.ypr - from.ypr;
+  SpeedProfile profile(std::max(slide, kLeverArm * turn.cwiseAbs().maxCoeff()) / speed);
+  profile.limit(slide, limits.base_speed, limits.base_acceleration);
+  profile.limit(turn.norm(), limits.turn_speed, limits.turn_acceleration);
+  for (int i = 1; i <= profile.ticks(); ++i) {
+    command_.base = between(from, target, profile.share(i));
     if (const auto end = tick_until(stop); end != MotionEnd::reached) return end;
   }
   return MotionEnd::reached;
@@ -89,10 +184,13 @@ MotionEnd Executor::follow(std::span<const hand::HandCommand> way, const StopCon
 }
 
 MotionEnd Executor::move_fingers(const hand::ActuatorVector& posture, double seconds) {
+  const SafetyOptions& limits = safety_.options;
   const hand::ActuatorVector from = command_.positions;
-  const int count = ticks(seconds);
-  for (int i = 1; i <= count; ++i) {
-    command_.positions = from + static_cast<double>(i) / count * (posture - from);
+  SpeedProfile profile(seconds);
+  profile.limit((posture - from).cwiseAbs().maxCoeff(), limits.finger_speed,
+                limits.finger_acceleration);
+  for (int i = 1; i <= profile.ticks(); ++i) {
+    command_.positions = from + profile.share(i) * (posture - from);
     if (const auto end = tick_until({}); end != MotionEnd::reached) return end;
   }
   return MotionEnd::reached;

@@ -20,6 +20,21 @@ double peak_force_since(const estimation::EventLog& log, std::size_t first) {
   return peak;
 }
 
+/// Whatever a phase or the user's code throws, the hand is not left with its last command.
+PhaseEnd run_safely(Phase& phase, Executor& robot, PickState& state) {
+  try {
+    return phase.run(robot, state);
+  } catch (const SafetyStop& stop) {
+    return {false, stop.what()};
+  } catch (const std::exception& error) {
+    robot.make_safe(Fault::exception, error.what());
+    throw;
+  } catch (...) {
+    robot.make_safe(Fault::exception, "an unknown exception");
+    throw;
+  }
+}
+
 }  // namespace
 
 std::string_view to_string(PhaseStatus status) {
@@ -30,6 +45,8 @@ std::string_view to_string(PhaseStatus status) {
       return "failed";
     case PhaseStatus::timed_out:
       return "timed out";
+    case PhaseStatus::fault:
+      return "fault";
   }
   return "";
 }
@@ -39,13 +56,16 @@ PhaseReport run_phase(Phase& phase, Executor& robot, PickState& state) {
   const double start = robot.time();
   const std::size_t first = robot.log().readings.size();
   robot.set_deadline(start + phase.time_limit());
-  const PhaseEnd end = phase.run(robot, state);
+  const PhaseEnd end = run_safely(phase, robot, state);
   const bool late = robot.time() >= start + phase.time_limit();
   robot.set_deadline(std::numeric_limits<double>::infinity());
 
   PhaseReport report;
   report.name = phase.name();
-  report.status = late ? PhaseStatus::timed_out : end.ok ? PhaseStatus::ok : PhaseStatus::failed;
+  report.status = robot.fault() ? PhaseStatus::fault
+                  : late        ? PhaseStatus::timed_out
+                  : end.ok      ? PhaseStatus::ok
+                                : PhaseStatus::failed;
   report.outcome = end.outcome;
   report.sim_seconds = robot.time() - start;
   report.wall_seconds =

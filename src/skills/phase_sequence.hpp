@@ -9,7 +9,8 @@
 
 namespace palpate::skills {
 
-/// Runs phases one after the other, keeps their reports, and remembers which failed last.
+/// Runs phases one after the other, keeps their reports, and remembers which failed last. One that
+/// a fault has stopped ends the sequence by SafetyStop.
 class PhaseSequence {
  public:
   PhaseSequence(Executor& robot, PickState& state, std::vector<PhaseReport>& reports,
@@ -27,6 +28,7 @@ class PhaseSequence {
     if (observer_.on_end) observer_.on_end(report, robot_.time());
     const bool ok = report.status == PhaseStatus::ok;
     if (!ok) failed_phase_ = report.name;
+    robot_.require_running();
     return ok;
   }
   bool run(Phase&& phase) { return run(phase); }

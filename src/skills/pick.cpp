@@ -51,6 +51,19 @@ class Picking {
   }
 
   PickResult run() {
+    try {
+      run_phases();
+    } catch (const SafetyStop& stop) {
+      result_.fault = stop.report();
+      result_.held = false;
+      result_.estimate = {};
+    }
+    result_.limited_commands = robot_.limited_commands();
+    return std::move(result_);
+  }
+
+ private:
+  void run_phases() {
     if (options_.calibrate.touches > 0 && robot_.model().kinematic_error > 0 &&
         !has(robot_.log(), estimation::TouchEvent::on_table)) {
       sequence_.run(CalibratePhase(options_.calibrate));
@@ -70,10 +83,8 @@ class Picking {
       release();  // nothing is left hanging
     }
     result_.estimate = state_.estimate;
-    return std::move(result_);
   }
 
- private:
   [[nodiscard]] double weight() const { return object_.object().mass * kGravity; }
 
   /// What was known of the object's pose no longer holds.

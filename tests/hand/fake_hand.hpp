@@ -8,7 +8,8 @@
 
 namespace palpate::hand {
 
-/// A hand that is at once where it is commanded; a script says what it feels.
+/// A hand that is at once where it is commanded; a script says what it feels. As those of any
+/// sensor its readings never repeat bit for bit.
 class FakeHand : public hand::Hand {
  public:
   using Script = std::function<void(hand::HandReading&)>;
@@ -30,10 +31,21 @@ class FakeHand : public hand::Hand {
       if (name.back() != '0') reading.joints[hand::joint_index(name)] = command.positions[i];
     }
     if (script_) script_(reading);
+    ripple(reading);
     return reading;
   }
 
  private:
+  void ripple(hand::HandReading& reading) const {
+    const double ripple = ticks_ % 2 == 0 ? 1e-12 : 0;
+    reading.joints[0] += ripple;
+    reading.torques[0] += ripple;
+    reading.base_force.x() += ripple;
+    for (auto& contacts : reading.contacts) {
+      for (auto& contact : contacts) contact.p.x() += ripple;
+    }
+  }
+
   std::array<hand::Actuator, hand::kActuators> actuators_;
   Script script_;
   int ticks_ = 0;

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <stop_token>
 #include <string>
 
+#include "palpate/hand/faulty_hand.hpp"
 #include "palpate/recording/writer.hpp"
 #include "palpate/simulation/world/world.hpp"
 #include "palpate/skills/pick.hpp"
@@ -42,6 +44,27 @@ struct TouchOptions {
   [[nodiscard]] bool from_biotacs() const;
 };
 
+/// What goes wrong with the hand in a trial.
+struct FaultOptions {
+  std::string kind = "none";  ///< one of hand::kInjectedFaultNames
+  double from = 0;            ///< s
+  int finger = 1, joint = 5, actuator = 9;
+
+  template <class Visitor>
+  void visit(Visitor&& v) {
+    v("kind", kind, "what goes wrong with the hand, as `palpate eval --faults` lists it");
+    v("from", from, 0.0, 1e6, "s of the robot's time from which it does");
+    v("finger", finger, 0, hand::kFingers - 1, "of faults of one fingertip; 0 is the thumb");
+    v("joint", joint, 0, hand::kJoints - 1, "of joint_nan");
+    v("actuator", actuator, 0, hand::kActuators - 1, "of joint_stuck");
+  }
+
+  /// @throws BadInput for another kind
+  [[nodiscard]] hand::FaultSchedule schedule(std::uint64_t seed) const {
+    return {hand::injected_fault(kind), from, finger, joint, actuator, seed};
+  }
+};
+
 /// All that can be configured of a simulated pick.
 struct TrialOptions {
   double friction = 0.5;  ///< of the fingertips on the object, as the robot believes it
@@ -49,6 +72,8 @@ struct TrialOptions {
   skills::PlaceOptions place;
   StartOptions start;
   TouchOptions touch;
+  skills::SafetyOptions safety;
+  FaultOptions fault;
   simulation::WorldOptions world;
   simulation::WorldOptions forward_model;  ///< the world in which motions are rolled out
 
@@ -59,6 +84,8 @@ struct TrialOptions {
     v.section("place", place);
     v.section("start", start);
     v.section("touch", touch);
+    v.section("safety", safety);
+    v.section("fault", fault);
     v.section("world", world);
     v.expert_section("forward_model", forward_model);
   }
@@ -89,6 +116,8 @@ struct TrialMetrics {
   int probes = 0;                ///< touches of other spots of the object that fingers hold
   double explored_motion = 0;    ///< m, of the object while it was touched before the grasp
   double tip_force = 0;          ///< N, median over the touching fingertips at the end
+  double peak_load = 0;          ///< N, largest of the mount, whatever the hand told
+  double peak_tip_force = 0;     ///< N, largest of a fingertip
   Eigen::Isometry3d T_world_object = Eigen::Isometry3d::Identity();  ///< at the end
 };
 
@@ -122,10 +151,11 @@ simulation::Start draw_start(const geometry::KnownObject& object, const StartOpt
 /// One pick in simulation, with placing if options.place has a target, judged afterwards. Neither
 /// is given the world, only the hand.
 /// @param writer  if given, gets every frame (with the truth), phase and estimate
+/// @param stop  a request, from any thread, stops the robot within a tick
 /// @throws BadInput for a target that cannot be, before anything moves
 Trial run_trial(const geometry::ObjectModel& object, const TrialOptions& options,
                 std::uint64_t seed, recording::Writer* writer = nullptr,
-                const skills::PhaseObserver& observer = {});
+                const skills::PhaseObserver& observer = {}, std::stop_token stop = {});
 
 /// The target and the fixture that options ask for; none, an empty one.
 /// @param start_stable_pose  in which the object starts, for the target "stable pose"

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 
@@ -10,8 +11,13 @@
 #include "palpate/hand/hand.hpp"
 #include "palpate/hand/kinematics.hpp"
 #include "palpate/skills/forward_model.hpp"
+#include "palpate/skills/safety.hpp"
 
 namespace palpate::skills {
+
+class ReadingGate;
+class CommandGate;
+class Watchdog;
 
 /// How a motion ended.
 enum class MotionEnd { reached, stopped, timed_out };
@@ -24,6 +30,12 @@ struct Grip {
 };
 
 /// Moves a hand tick by tick and keeps all that it felt. It knows nothing but the hand's readings.
+///
+/// Every reading and every command passes a gate (SafetyOptions). While readings are missing or
+/// impossible the hand stands still and nothing is kept of them; a fault stops the robot for good:
+/// the base gives way to what it pushes, the fingers ease to a light hold, and SafetyStop is
+/// thrown, now and at every later tick. The same happens where an exception passes through a phase
+/// or ends the robot's life.
 class Executor {
  public:
   using StopCondition = std::function<bool(const hand::HandReading&)>;
@@ -36,8 +48,13 @@ class Executor {
 
   /// @param start  where the hand is commanded now
   /// @param models  of the world, for the skills that plan; must outlive the robot
+  ///
+  /// A fault of the hand's first reading is thrown by the first motion.
   Executor(hand::Hand& hand, const hand::HandModel& model, const hand::HandCommand& start,
-           Observer observer = {}, const ModelFactory* models = nullptr);
+           Observer observer = {}, const ModelFactory* models = nullptr, Safety safety = {});
+  ~Executor();
+  Executor(const Executor&) = delete;
+  Executor& operator=(const Executor&) = delete;
 
   const hand::HandModel& model() const { return model_; }
   /// The hand is known better now.
@@ -51,6 +68,22 @@ class Executor {
     return hand_.actuators();
   }
   double time() const { return log_.readings.back().time; }
+
+  /// What has stopped the robot, if anything has.
+  const FaultReport& fault() const { return fault_; }
+  /// Stops the robot for good, unless it has stopped before: base and fingers ease, see above.
+  void make_safe(Fault fault, std::string detail) noexcept;
+  /// make_safe(), and then @throws SafetyStop.
+  [[noreturn]] void stop_for(Fault fault, std::string detail);
+  /// @throws SafetyStop if the robot has stopped
+  void require_running() const;
+
+  /// From now on nothing is believed of what this fingertip feels: its contacts are dropped.
+  void distrust(int finger);
+  bool trusted(int finger) const;
+
+  /// Commands that a limit has changed, so far. Skills ask for none that needs it.
+  std::size_t limited_commands() const;
 
   /// Motions end with timed_out once this time (s) has come.
   void set_deadline(double time) { deadline_ = time; }
@@ -77,6 +110,9 @@ class Executor {
  private:
   void tick();
   MotionEnd tick_until(const StopCondition& stop);
+  bool read_once();
+  void keep(hand::HandReading reading);
+  void ease();
 
   hand::Hand& hand_;
   hand::HandModel model_;
@@ -86,6 +122,12 @@ class Executor {
   estimation::EventLog log_;
   std::optional<Grip> grip_;
   double deadline_;
+  Safety safety_;
+  FaultReport fault_;
+  int exceptions_;  ///< under way when the robot was made
+  std::unique_ptr<ReadingGate> readings_;
+  std::unique_ptr<CommandGate> commands_;
+  std::unique_ptr<Watchdog> watchdog_;  ///< none for a simulated hand
 };
 
 /// Stop condition: the base has pushed along `direction` (unit, world) with more than `load` (N)

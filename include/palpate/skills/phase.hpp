@@ -12,7 +12,7 @@
 
 namespace palpate::skills {
 
-enum class PhaseStatus { ok, failed, timed_out };
+enum class PhaseStatus { ok, failed, timed_out, fault };
 std::string_view to_string(PhaseStatus status);
 
 /// What a phase reports of itself: whether its own success test passed, and in words.
@@ -65,7 +65,8 @@ class Phase {
   virtual PhaseEnd run(Executor& robot, PickState& state) = 0;
 };
 
-/// Runs a phase under its time limit and reports on it.
+/// Runs a phase under its time limit and reports on it. A phase that a fault has stopped has the
+/// status fault; one that throws anything else leaves the robot safe, and so does this.
 PhaseReport run_phase(Phase& phase, Executor& robot, PickState& state);
 
 }  // namespace palpate::skills

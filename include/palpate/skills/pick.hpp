@@ -56,7 +56,9 @@ struct PickResult {
   int attempts = 0;
   int regrasps = 0;     ///< from other sides, to tell poses apart
   bool fallen = false;  ///< before this grasp, or an attempt failed: it may rest in no stable pose
-  std::string failed_phase;  ///< of the last attempt; empty if all went well
+  std::string failed_phase;          ///< of the last attempt; empty if all went well
+  std::size_t limited_commands = 0;  ///< that a limit of SafetyOptions changed, of the robot so far
+  FaultReport fault;  ///< that stopped the robot for good; then nothing is held or estimated
   std::vector<PhaseReport> phases;
   std::optional<localization::Posterior> resting;  ///< pose before the last grasp, in the world
   std::optional<estimation::HeldPoseEstimate>

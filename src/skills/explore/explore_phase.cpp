@@ -23,6 +23,7 @@ constexpr int kDirections = 16;           // of further sweeps
 constexpr int kOffsets = 3;               // to either side of the object's place
 constexpr double kSpacing = 0.015;        // m between them
 constexpr double kDepthStep = 0.02;       // m between heights of further sweeps
+constexpr int kBlockedMoves = 2;  // of a hand that felt nothing, after which its finger is changed
 constexpr double kMinInformation = 0.03;
 constexpr double kHigher = 0.006;     // m, of another try where the hand was blocked
 constexpr double kHighest = 0.018;    // m, of all of these together
@@ -31,12 +32,13 @@ constexpr double kWorthwhile = 0.93;  // of the spread that a guarded move may l
 constexpr double kBackOff = 0.03;     // m
 constexpr double kGuardedMoveTime = 9;  // s that a guarded move takes with its travel, amply
 constexpr double kMinTime = 180;        // s, of the whole phase
-constexpr auto kProbe = static_cast<std::size_t>(hand::Finger::first);
+constexpr std::array kProbes = {hand::Finger::first, hand::Finger::middle, hand::Finger::ring};
 
-/// The first finger straight, the others curled away.
-hand::ActuatorVector pointing_hand() {
+/// The probing finger straight, the others curled away.
+hand::ActuatorVector pointing_hand(std::size_t probe) {
   hand::ActuatorVector posture = hand::ActuatorVector::Zero();
-  for (const std::string finger : {"MF", "RF", "LF"}) {
+  for (const std::string finger : {"FF", "MF", "RF", "LF"}) {
+    if (finger == hand::kFingerNames[probe]) continue;
     posture[hand::actuator_index(finger + "J3")] = 1.4;
     posture[hand::actuator_index(finger + "J0")] = 2.6;
   }
@@ -46,24 +48,25 @@ hand::ActuatorVector pointing_hand() {
 }
 
 /// Centre of the probing fingertip in the base's frame, by the commanded posture.
-Eigen::Vector3d probe_in_base(const Executor& robot) {
+Eigen::Vector3d probe_in_base(const Executor& robot, std::size_t probe) {
   hand::JointVector joints = robot.reading().joints;
   const auto T_base_link = hand::forward_kinematics(robot.model(), joints);
-  const auto link = static_cast<std::size_t>(robot.model().distal[kProbe]);
-  return T_base_link[link] * robot.model().tips[kProbe].b;
+  const auto link = static_cast<std::size_t>(robot.model().distal[probe]);
+  return T_base_link[link] * robot.model().tips[probe].b;
 }
 
 /// Base position, turned by a yaw, that brings the probing fingertip to p (world).
-hand::BasePosition base_for_probe(const Executor& robot, double yaw, const Eigen::Vector3d& p) {
+hand::BasePosition base_for_probe(const Executor& robot, std::size_t probe, double yaw,
+                                  const Eigen::Vector3d& p) {
   hand::BasePosition base;
   base.ypr = {yaw, kPitch, 0};
-  base.xyz = p - base.pose().linear() * probe_in_base(robot);
+  base.xyz = p - base.pose().linear() * probe_in_base(robot, probe);
   return base;
 }
 
-Executor::StopCondition tip_touches(double force) {
-  return [force](const hand::HandReading& reading) {
-    return hand::tip_force(reading, static_cast<int>(kProbe)) > force;
+Executor::StopCondition tip_touches(std::size_t probe, double force) {
+  return [probe, force](const hand::HandReading& reading) {
+    return hand::tip_force(reading, static_cast<int>(probe)) > force;
   };
 }
 
@@ -132,20 +135,28 @@ bool settled(const localization::Posterior& posterior, double certain) {
 }
 
 /// The first finger's balls around the centre of its tip.
-localization::ProbingFinger sweeping_finger(const Executor& robot, double yaw) {
+localization::ProbingFinger sweeping_finger(const Executor& robot, std::size_t probe, double yaw) {
   const auto& hand = robot.model();
   const auto T_base_link = hand::forward_kinematics(hand, robot.reading().joints);
   const Eigen::Matrix3d R_world_base =
-      base_for_probe(robot, yaw, Eigen::Vector3d::Zero()).pose().linear();
-  const Eigen::Vector3d probe = probe_in_base(robot);
+      base_for_probe(robot, probe, yaw, Eigen::Vector3d::Zero()).pose().linear();
+  const Eigen::Vector3d tip_center = probe_in_base(robot, probe);
   localization::ProbingFinger finger;
   finger.R_world_base = R_world_base;
   for (const auto& sphere : hand.spheres) {
     const Eigen::Vector3d p = T_base_link[static_cast<std::size_t>(sphere.link)] * sphere.center;
-    const bool tip = sphere.link == hand.distal[kProbe];
-    (tip ? finger.tip : finger.rest).push_back({R_world_base * (p - probe), sphere.radius});
+    const bool tip = sphere.link == hand.distal[probe];
+    (tip ? finger.tip : finger.rest).push_back({R_world_base * (p - tip_center), sphere.radius});
   }
   return finger;
+}
+
+/// The finger to probe with: the first whose fingertip can be believed.
+std::size_t first_trusted(const Executor& robot) {
+  for (const hand::Finger finger : kProbes) {
+    if (robot.trusted(static_cast<int>(finger))) return static_cast<std::size_t>(finger);
+  }
+  return static_cast<std::size_t>(kProbes.front());
 }
 
 }  // namespace
@@ -159,12 +170,15 @@ double ExplorePhase::time_limit() const {
 PhaseEnd ExplorePhase::run(Executor& robot, PickState& state) {
   done_.clear();
   raised_ = 0;
+  blocked_ = 0;
   hand::BasePosition up = robot.command().base;
   up.xyz.z() = std::max(up.xyz.z(), state.height + 0.2);
   robot.move_base(up, options_.travel_speed);
-  robot.move_fingers(pointing_hand(), 0.5);
+  probe_ = first_trusted(robot);
+  robot.move_fingers(pointing_hand(probe_), 0.5);
   robot.wait(0.1);
   int touches = touch_around(robot, state);
+  if (touches == 0 && blocked_ >= kBlockedMoves) touches = touch_with_another(robot, state);
   if (options_.max_touches <= options_.touches) touches += make_up(robot, state, touches);
   state.resting = estimator_.resting(robot.model(), robot.log());
   touches += tell_apart(robot, state);
@@ -186,6 +200,19 @@ int ExplorePhase::touch_around(Executor& robot, const PickState& state) {
     touches += touch_from(robot, state, angle, i % 2 == 0 ? 0 : 1) == GuardedMoveEnd::touched;
   }
   return touches;
+}
+
+/// Once more, for the hand was blocked and the fingertip felt nothing: it may be numb.
+int ExplorePhase::touch_with_another(Executor& robot, const PickState& state) {
+  robot.distrust(static_cast<int>(probe_));
+  probe_ = first_trusted(robot);
+  if (!robot.trusted(static_cast<int>(probe_))) return 0;
+  hand::BasePosition up = robot.command().base;
+  up.xyz.z() = std::max(up.xyz.z(), state.height + 0.2);
+  robot.move_base(up, options_.travel_speed);
+  robot.move_fingers(pointing_hand(probe_), 0.5);
+  robot.wait(0.1);
+  return touch_around(robot, state);
 }
 
 /// Level guarded moves from in between the first ones, till as many have touched as were asked for.
@@ -214,6 +241,7 @@ ExplorePhase::GuardedMoveEnd ExplorePhase::touch_from(Executor& robot, const Pic
     if (end != GuardedMoveEnd::blocked) return end;
     if (raised_ + kHigher > kHighest + 1e-9) {
       raised_ = before;
+      ++blocked_;
       return end;
     }
     raised_ += kHigher;
@@ -233,7 +261,8 @@ int ExplorePhase::tell_apart(Executor& robot, PickState& state) {
     std::size_t turn = 0;
     for (const std::size_t other : {1, 0}) {
       const auto best = localization::most_informative_move(
-          estimator_.object(), *state.resting, sweeping_finger(robot, yaw(other)), left[other]);
+          estimator_.object(), *state.resting, sweeping_finger(robot, probe_, yaw(other)),
+          left[other]);
       if (!best || (choice && best->information <= choice->information)) continue;
       choice = best;
       turn = other;
@@ -252,8 +281,8 @@ int ExplorePhase::refine(Executor& robot, PickState& state) {
   std::vector<localization::GuardedMove>
       guarded_moves;  // near the top, where nothing but the fingertip meets the object
   add_level_guarded_moves(state, options_, first_depth(state, options_) + raised_, guarded_moves);
-  const std::vector<localization::ProbingFinger> fingers = {sweeping_finger(robot, yaw(0)),
-                                                            sweeping_finger(robot, yaw(1))};
+  const std::vector<localization::ProbingFinger> fingers = {sweeping_finger(robot, probe_, yaw(0)),
+                                                            sweeping_finger(robot, probe_, yaw(1))};
   for (int i = 0; i < options_.refining; ++i) {
     if (state.resting->modes.empty()) break;
     const auto choice = localization::most_refining_move(
@@ -273,15 +302,16 @@ ExplorePhase::GuardedMoveEnd ExplorePhase::guarded_move(Executor& robot, const P
                                                         const localization::TurnedMove& turned) {
   const localization::GuardedMove& guarded_move = turned.guarded_move;
   const Eigen::Vector3d forward = (guarded_move.to - guarded_move.from).normalized();
-  const hand::BasePosition start = base_for_probe(robot, yaw(turned.turn), guarded_move.from);
-  const hand::BasePosition end = base_for_probe(robot, yaw(turned.turn), guarded_move.to);
+  const hand::BasePosition start =
+      base_for_probe(robot, probe_, yaw(turned.turn), guarded_move.from);
+  const hand::BasePosition end = base_for_probe(robot, probe_, yaw(turned.turn), guarded_move.to);
   hand::BasePosition above = start;
   above.xyz.z() += std::max(0.0, state.height + kClearanceAbove - guarded_move.from.z());
   robot.move_base(above, options_.travel_speed);
   robot.move_base(start, options_.travel_speed / 2);
   robot.wait(0.15);
   robot.mark(estimation::TouchEvent::guarded_move);
-  const auto tip = tip_touches(options_.touch_force);
+  const auto tip = tip_touches(probe_, options_.touch_force);
   const auto blocked = rising_load(robot, forward, kBlockedLoad);
   bool touched = false;
   const auto stop = [&](const hand::HandReading& reading) {

@@ -59,6 +59,18 @@ class PlaceAttempts {
         observer_(observer) {}
 
   PickAndPlaceResult run(PlaceStrategy strategy) {
+    try {
+      try_strategies(strategy);
+    } catch (const SafetyStop& stop) {
+      sequence_.picked.fault = stop.report();
+      sequence_.picked.held = false;
+      sequence_.place.reset();
+    }
+    return std::move(sequence_);
+  }
+
+ private:
+  void try_strategies(PlaceStrategy strategy) {
     if (strategy != PlaceStrategy::regrasp) {
       in_one_hold(strategy == PlaceStrategy::automatic);
       if (strategy == PlaceStrategy::wrist) sequence_.strategy.reason = "asked for";
@@ -72,10 +84,8 @@ class PlaceAttempts {
     } else if (strategy == PlaceStrategy::automatic && held && needs_new_grasps(*sequence_.place)) {
       by_regrasping("not in one hold: " + outcome_of(*sequence_.place));
     }
-    return std::move(sequence_);
   }
 
- private:
   /// @param may_regrasp  end where only that can help
   void in_one_hold(bool may_regrasp) {
     PlaceOptions options = options_;

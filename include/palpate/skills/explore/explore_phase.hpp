@@ -58,6 +58,7 @@ class ExplorePhase : public Phase {
                               const localization::TurnedMove& turned);
   double yaw(std::size_t turn) const { return turn == 0 ? 0 : options_.turn; }
   int touch_around(Executor& robot, const PickState& state);
+  int touch_with_another(Executor& robot, const PickState& state);
   int make_up(Executor& robot, const PickState& state, int touches);
   GuardedMoveEnd touch_from(Executor& robot, const PickState& state, double angle,
                             std::size_t turn);
@@ -67,6 +68,8 @@ class ExplorePhase : public Phase {
   estimation::PoseEstimator& estimator_;
   ExploreOptions options_;
   std::vector<localization::TurnedMove> done_;  // that touched
+  std::size_t probe_ = 0;                       // index of the finger that touches
+  int blocked_ = 0;    // moves that ended against something that its fingertip did not feel
   double raised_ = 0;  // m, of the level sweeps, where a lower hand was blocked
 };
 

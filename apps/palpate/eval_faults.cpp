@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "eval_faults.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <utility>
+
+#include "palpate/core/file.hpp"
+#include "palpate/core/statistics.hpp"
+#include "palpate/evaluation/fault_campaign.hpp"
+#include "palpate/geometry/objects/generated_shape.hpp"
+#include "progress_bar.hpp"
+
+namespace palpate::app {
+namespace {
+
+using evaluation::FaultSummary;
+using hand::InjectedFault;
+using nlohmann::json;
+
+double rate(std::size_t count, const FaultSummary& summary) {
+  return static_cast<double>(count) / static_cast<double>(std::max<std::size_t>(1, summary.trials));
+}
+
+std::string rate_text(std::size_t count, const FaultSummary& summary) {
+  const auto interval = wilson_interval(count, summary.trials);
+  return fmt::format("{:.2f} [{:.2f}, {:.2f}]", rate(count, summary), interval.low, interval.high);
+}
+
+std::string stopped_text(const FaultSummary& summary) {
+  std::string text;
+  for (const auto& [name, count] : summary.stopped) {
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", name, count);
+  }
+  return text.empty() ? "-" : text;
+}
+
+json summary_json(const FaultSummary& summary) {
+  return {{"trials", summary.trials},
+          {"lifted", rate(summary.lifted, summary)},
+          {"pose_ok", rate(summary.pose_ok, summary)},
+          {"confident_wrong", rate(summary.confident_wrong, summary)},
+          {"overloaded", summary.overloaded},
+          {"crushed", summary.crushed},
+          {"crashed", summary.crashed},
+          {"peak_load", summary.peak_load},
+          {"peak_tip_force", summary.peak_tip_force},
+          {"stopped", summary.stopped}};
+}
+
+void print_heading() {
+  fmt::print("{:<17} {:>6}  {:<18} {:<18} {:>6} {:>7} {:>7} {:>8} {:>8}   {}\n", "fault", "trials",
+             "lifted", "pose right", "wrong*", "crashed", "crushed", "mount N", "tip N",
+             "the robot stopped for");
+}
+
+void print_row(std::string_view name, const FaultSummary& summary) {
+  fmt::print("{:<17} {:>6}  {:<18} {:<18} {:>6} {:>7} {:>7} {:>8.1f} {:>8.1f}   {}\n", name,
+             summary.trials, rate_text(summary.lifted, summary),
+             rate_text(summary.pose_ok, summary), summary.confident_wrong, summary.crashed,
+             summary.crushed, summary.peak_load, summary.peak_tip_force, stopped_text(summary));
+  std::fflush(stdout);
+}
+
+/// None at first, to compare with.
+std::vector<InjectedFault> campaign_of(const std::vector<std::string>& names) {
+  std::vector<InjectedFault> faults = {InjectedFault::none};
+  const auto add = [&](std::string_view name) {
+    const InjectedFault fault = hand::injected_fault(name);
+    if (std::find(faults.begin(), faults.end(), fault) == faults.end()) faults.push_back(fault);
+  };
+  for (const auto& name : names) add(name);
+  if (names.empty()) {
+    for (const auto name : hand::kInjectedFaultNames) add(name);
+  }
+  return faults;
+}
+
+}  // namespace
+
+int eval_faults(const CommonOptions& common, const std::vector<std::string>& objects,
+                std::size_t trials, const std::vector<std::string>& faults) {
+  const auto campaign = campaign_of(faults);
+  const auto options = resolve<evaluation::TrialOptions>(common);
+  std::vector<geometry::ObjectModel> models;
+  for (const auto& name : geometry::expand_object_names(objects)) {
+    models.emplace_back(geometry::load_known_object(name));
+  }
+  const auto output = claim_output(common, {"faults.json"});
+  json report = {{"trials", trials}, {"seed", common.seed}, {"faults", json::object()}};
+  if (!common.json) print_heading();
+  for (const InjectedFault fault : campaign) {
+    const std::string name(hand::to_string(fault));
+    const ProgressBar bar(name, trials * models.size(), common.quiet);
+    FaultSummary sum;
+    for (const auto& model : models) {
+      const std::size_t before = sum.trials;
+      evaluation::add(
+          evaluation::evaluate_fault(model, options, fault, common.seed, trials, common.threads,
+                                     [&](std::size_t done) { bar.show(before + done); }),
+          sum);
+    }
+    report["faults"][name] = summary_json(sum);
+    if (!common.json) print_row(name, sum);
+  }
+  if (common.json) fmt::print("{}\n", report.dump(2));
+  if (!common.json) fmt::print("* wrong with a stated probability above 0.9\n");
+  if (output) write_file_atomically(output->path() / "faults.json", report.dump(2) + "\n");
+  return kDone;
+}
+
+}  // namespace palpate::app

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common.hpp"
+
+namespace palpate::app {
+
+/// `eval --faults`: every fault, none at first, with every object; prints the table or the JSON,
+/// and writes faults.json where there is a folder for it.
+/// @param faults  hand::kInjectedFaultNames; empty: all of them
+int eval_faults(const CommonOptions& common, const std::vector<std::string>& objects,
+                std::size_t trials, const std::vector<std::string>& faults);
+
+}  // namespace palpate::app

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/evaluation/fault_campaign.hpp"
+
+#include <algorithm>
+#include <exception>
+#include <optional>
+
+#include "palpate/core/parallel.hpp"
+#include "palpate/core/random.hpp"
+
+namespace palpate::evaluation {
+namespace {
+
+constexpr double kLatestFault = 150;  // s: most picks are still under way
+constexpr double kConfident = 0.9;
+
+int draw_index(RandomStream& random, int count) {
+  return std::min(count - 1, static_cast<int>(random.uniform() * count));
+}
+
+FaultSummary summary_of(const std::optional<Trial>& trial) {
+  FaultSummary summary;
+  summary.trials = 1;
+  summary.crashed = !trial;
+  if (!trial) return summary;
+  const TrialMetrics& metrics = trial->metrics;
+  summary.lifted = metrics.lifted;
+  summary.pose_ok = metrics.lifted && metrics.pose_ok;
+  if (metrics.has_pose) {
+    const auto& best = trial->result.estimate.posterior.modes.front();
+    summary.confident_wrong = !metrics.pose_ok && localization::pose_probability(best) > kConfident;
+  }
+  summary.peak_load = metrics.peak_load;
+  summary.peak_tip_force = metrics.peak_tip_force;
+  summary.overloaded = metrics.peak_load > kMaxLoad;
+  summary.crushed = metrics.peak_tip_force > kCrushingForce;
+  if (trial->result.fault) ++summary.stopped[std::string(to_string(trial->result.fault.fault))];
+  return summary;
+}
+
+}  // namespace
+
+FaultOptions draw_fault(hand::InjectedFault fault, std::uint64_t seed) {
+  RandomStream random(seed, "fault");
+  FaultOptions options;
+  options.kind = hand::to_string(fault);
+  options.from = random.uniform(0, kLatestFault);
+  options.finger = draw_index(random, hand::kFingers);
+  options.joint = draw_index(random, hand::kJoints);
+  options.actuator = draw_index(random, hand::kActuators);
+  return options;
+}
+
+FaultSummary evaluate_fault(const geometry::ObjectModel& object, const TrialOptions& options,
+                            hand::InjectedFault fault, std::uint64_t first_seed, std::size_t trials,
+                            int threads, const FaultObserver& observer) {
+  FaultSummary sum;
+  const auto run = [&](std::size_t i) -> FaultSummary {
+    TrialOptions faulty = options;
+    faulty.fault = draw_fault(fault, first_seed + i);
+    try {
+      return summary_of(run_trial(object, faulty, first_seed + i));
+    } catch (const std::exception&) {
+      return summary_of(std::nullopt);
+    }
+  };
+  parallel_ordered(trials, threads, run, [&](std::size_t i, const FaultSummary& summary) {
+    add(summary, sum);
+    if (observer) observer(i + 1);
+  });
+  return sum;
+}
+
+void add(const FaultSummary& other, FaultSummary& sum) {
+  sum.trials += other.trials;
+  sum.lifted += other.lifted;
+  sum.pose_ok += other.pose_ok;
+  sum.confident_wrong += other.confident_wrong;
+  sum.overloaded += other.overloaded;
+  sum.crushed += other.crushed;
+  sum.crashed += other.crashed;
+  sum.peak_load = std::max(sum.peak_load, other.peak_load);
+  sum.peak_tip_force = std::max(sum.peak_tip_force, other.peak_tip_force);
+  for (const auto& [name, count] : other.stopped) sum.stopped[name] += count;
+}
+
+}  // namespace palpate::evaluation

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/hand/faulty_hand.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <limits>
+#include <stdexcept>
+
+#include "palpate/core/error.hpp"
+#include "palpate/hand/tip_forces.hpp"
+
+namespace palpate::hand {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kGap = 0.2;          // s
+constexpr std::size_t kDelay = 20;    // readings
+constexpr double kJitter = 0.003;     // s
+constexpr double kFalseShare = 0.1;   // of the readings of a fingertip
+constexpr double kTaxelSize = 0.004;  // m around it in which nothing is felt
+constexpr double kSaturated = 30;     // N
+
+TipContact contact_of(double force) {
+  const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
+  return {0.02 * up, up, -force * up};
+}
+
+bool is_of_load(InjectedFault fault) {
+  return fault == InjectedFault::load_nan || fault == InjectedFault::load_zero ||
+         fault == InjectedFault::load_frozen;
+}
+
+}  // namespace
+
+std::string_view to_string(InjectedFault fault) {
+  return kInjectedFaultNames[static_cast<std::size_t>(fault)];
+}
+
+InjectedFault injected_fault(std::string_view name) {
+  const auto found = std::find(kInjectedFaultNames.begin(), kInjectedFaultNames.end(), name);
+  if (found == kInjectedFaultNames.end()) {
+    throw BadInput(fmt::format("there is no fault {:?}: there are {}", name,
+                               fmt::join(kInjectedFaultNames, ", ")));
+  }
+  return static_cast<InjectedFault>(found - kInjectedFaultNames.begin());
+}
+
+FaultyHand::FaultyHand(Hand& hand, const FaultSchedule& schedule)
+    : hand_(hand), schedule_(schedule), random_(schedule.seed, "hand fault") {}
+
+HandReading FaultyHand::step(const HandCommand& command) {
+  const HandReading reading = hand_.step(began_ ? obeyed(command) : command);
+  measure(reading);
+  if (schedule_.fault == InjectedFault::none || reading.time < schedule_.from) {
+    before_ = reading;
+    return reading;
+  }
+  if (!began_) began_ = reading.time;
+  return told(reading);
+}
+
+void FaultyHand::measure(const HandReading& reading) {
+  peak_load_ = std::max(peak_load_, reading.base_force.norm());
+  for (int finger = 0; finger < kFingers; ++finger) {
+    peak_tip_force_ = std::max(peak_tip_force_, tip_force(reading, finger));
+  }
+}
+
+HandCommand FaultyHand::obeyed(const HandCommand& command) {
+  HandCommand result = command;
+  if (schedule_.fault != InjectedFault::joint_stuck) return result;
+  double& position = result.positions[schedule_.actuator];
+  if (!stuck_at_) stuck_at_ = position;
+  position = *stuck_at_;
+  return result;
+}
+
+HandReading FaultyHand::told(const HandReading& reading) {
+  HandReading result = spoil_link(reading);
+  if (is_of_load(schedule_.fault)) spoil_load(result);
+  spoil_contacts(result);
+  if (schedule_.fault == InjectedFault::joint_nan) result.joints[schedule_.joint] = kNan;
+  if (schedule_.fault == InjectedFault::torques_zero) result.torques.setZero();
+  return result;
+}
+
+void FaultyHand::spoil_load(HandReading& reading) const {
+  if (schedule_.fault == InjectedFault::load_nan) reading.base_force.setConstant(kNan);
+  if (schedule_.fault == InjectedFault::load_zero) reading.base_force.setZero();
+  if (schedule_.fault == InjectedFault::load_frozen) reading.base_force = before_.base_force;
+}
+
+void FaultyHand::spoil_contacts(HandReading& reading) {
+  auto& contacts = reading.contacts;
+  const auto finger = static_cast<std::size_t>(schedule_.finger);
+  switch (schedule_.fault) {
+    case InjectedFault::contacts_nan:
+      for (auto& tip : contacts) tip.assign(1, contact_of(kNan));
+      break;
+    case InjectedFault::contacts_none:
+      for (auto& tip : contacts) tip.clear();
+      break;
+    case InjectedFault::fingers_swapped:
+      std::swap(contacts[finger], contacts[(finger + 1) % contacts.size()]);
+      break;
+    case InjectedFault::false_contacts:
+      for (auto& tip : contacts) {
+        if (random_.uniform() < kFalseShare) tip.push_back(contact_of(1));
+      }
+      break;
+    default:
+      spoil_finger(contacts[finger]);
+  }
+}
+
+void FaultyHand::spoil_finger(std::vector<TipContact>& contacts) {
+  switch (schedule_.fault) {
+    case InjectedFault::finger_silent:
+      contacts.clear();
+      break;
+    case InjectedFault::finger_stuck:
+      contacts = before_.contacts[static_cast<std::size_t>(schedule_.finger)];
+      break;
+    case InjectedFault::finger_nan:
+      contacts.assign(1, contact_of(kNan));
+      break;
+    case InjectedFault::finger_saturated:
+      contacts.assign(1, contact_of(kSaturated));
+      break;
+    case InjectedFault::taxel_dead:
+      if (!taxel_ && !contacts.empty()) taxel_ = contacts.front().p;
+      std::erase_if(contacts, [this](const TipContact& contact) {
+        return (contact.p - *taxel_).norm() < kTaxelSize;
+      });
+      break;
+    default:
+      break;
+  }
+}
+
+HandReading FaultyHand::spoil_link(const HandReading& reading) {
+  HandReading result = reading;
+  switch (schedule_.fault) {
+    case InjectedFault::readings_stuck:
+      result = before_;
+      result.time = reading.time;
+      break;
+    case InjectedFault::link_gap:
+      if (reading.time > *began_ + kGap) break;
+      [[fallthrough]];
+    case InjectedFault::link_dead:
+      result = before_;
+      break;
+    case InjectedFault::time_nan:
+      result.time = kNan;
+      break;
+    case InjectedFault::time_jitter:
+      result.time += kJitter * random_.uniform(-1, 1);
+      break;
+    case InjectedFault::delay:
+      queue_.push_back(reading);
+      result = queue_.size() > kDelay ? queue_.front() : before_;
+      if (queue_.size() > kDelay) queue_.pop_front();
+      break;
+    case InjectedFault::throws:
+      throw std::runtime_error("the link to the hand is lost");
+    default:
+      break;
+  }
+  return result;
+}
+
+}  // namespace palpate::hand

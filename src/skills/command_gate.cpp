@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "skills/command_gate.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "palpate/core/error.hpp"
+
+namespace palpate::skills {
+namespace {
+
+constexpr double kRounding = 1e-9;  // relative, of speeds that are differences of positions
+
+int whole_ticks(double seconds) {
+  return std::max(1, static_cast<int>(std::lround(seconds / hand::kTick)));
+}
+
+int ticks_at_least(double seconds) {
+  return static_cast<int>(std::ceil(seconds / hand::kTick - kRounding));
+}
+
+/// Largest step of one tick after one of a speed.
+double largest_step(double speed, double max_speed, double max_acceleration) {
+  return hand::kTick * (1 + kRounding) *
+         std::min(max_speed, speed + max_acceleration * hand::kTick);
+}
+
+/// `to`, or the point on the way there that is as far from `from` as a step may be.
+Eigen::Vector3d limited(const Eigen::Vector3d& from, const Eigen::Vector3d& to, double step) {
+  const double way = (to - from).norm();
+  return way <= step ? to : from + step / way * (to - from);
+}
+
+void require_finite(const hand::HandCommand& command) {
+  if (command.positions.allFinite() && command.base.xyz.allFinite() &&
+      command.base.ypr.allFinite()) {
+    return;
+  }
+  throw BadInput(fmt::format("base at {} {} {} m, turned by {} {} {} rad, sum of the actuators {}",
+                             command.base.xyz.x(), command.base.xyz.y(), command.base.xyz.z(),
+                             command.base.ypr.x(), command.base.ypr.y(), command.base.ypr.z(),
+                             command.positions.sum()));
+}
+
+}  // namespace
+
+SpeedProfile::SpeedProfile(double seconds) : steady_(whole_ticks(seconds)) {}
+
+void SpeedProfile::limit(double way, double max_speed, double max_acceleration) {
+  steady_ = std::max({steady_, ticks_at_least(way / max_speed),
+                      ticks_at_least(std::sqrt(way / max_acceleration))});
+  ramp_way_ = std::max(ramp_way_, way / max_acceleration);
+}
+
+int SpeedProfile::ramp() const {
+  return std::max(1, ticks_at_least(ramp_way_ / (steady_ * hand::kTick)));
+}
+
+double SpeedProfile::share(int tick) const {
+  const int m = ramp();
+  // In ticks of full speed: the speed rises by 1/m of it a tick, and falls alike.
+  const auto gone = [m](int t) { return t < m ? t * (t + 1) / (2.0 * m) : t - 0.5 * (m - 1); };
+  const double done = 2 * tick < ticks() ? gone(tick) : steady_ - gone(ticks() - tick);
+  return done / steady_;
+}
+
+hand::HandCommand CommandGate::limited(const hand::HandCommand& wanted) {
+  require_finite(wanted);
+  hand::HandCommand told = wanted;
+  limit_base(told.base);
+  limit_fingers(told.positions);
+  changed_ += told.positions != wanted.positions || told.base.xyz != wanted.base.xyz ||
+              told.base.ypr != wanted.base.ypr;
+  last_ = told;
+  return told;
+}
+
+void CommandGate::limit_base(hand::BasePosition& base) {
+  const double reach = base.xyz.norm();
+  if (reach > options_.workspace) base.xyz *= options_.workspace / reach;
+  base.xyz =
+      skills::limited(last_.base.xyz, base.xyz,
+                      largest_step(slide_speed_, options_.base_speed, options_.base_acceleration));
+  base.ypr =
+      skills::limited(last_.base.ypr, base.ypr,
+                      largest_step(turn_speed_, options_.turn_speed, options_.turn_acceleration));
+  slide_speed_ = (base.xyz - last_.base.xyz).norm() / hand::kTick;
+  turn_speed_ = (base.ypr - last_.base.ypr).norm() / hand::kTick;
+}
+
+void CommandGate::limit_fingers(hand::ActuatorVector& positions) {
+  for (int i = 0; i < hand::kActuators; ++i) {
+    const hand::Range& range = actuators_[static_cast<std::size_t>(i)].command;
+    const double before = last_.positions[i];
+    const double step =
+        largest_step(finger_speeds_[i], options_.finger_speed, options_.finger_acceleration);
+    positions[i] =
+        std::clamp(std::clamp(positions[i], range.low, range.high), before - step, before + step);
+    finger_speeds_[i] = std::abs(positions[i] - before) / hand::kTick;
+  }
+}
+
+}  // namespace palpate::skills

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+
+#include "palpate/hand/hand.hpp"
+#include "palpate/skills/safety.hpp"
+
+namespace palpate::skills {
+
+/// A straight motion from rest to rest in whole ticks, with trapezoidal speed.
+class SpeedProfile {
+ public:
+  /// @param seconds  that are wanted; limit() makes it longer
+  explicit SpeedProfile(double seconds);
+
+  /// @param way  m or rad, of something that moves along
+  void limit(double way, double max_speed, double max_acceleration);
+
+  [[nodiscard]] int ticks() const { return steady_ + ramp() - 1; }
+  /// Share of the way after that many ticks, 0..1.
+  [[nodiscard]] double share(int tick) const;
+
+ private:
+  /// Ticks to full speed.
+  [[nodiscard]] int ramp() const;
+
+  int steady_;           // ticks that the way takes at full speed
+  double ramp_way_ = 0;  // way / acceleration, s^2
+};
+
+/// Lets through what the hand may be told: targets within the actuators' ranges and the workspace
+/// that are no farther from those before than speed and acceleration allow. To stop or to slow down
+/// is always allowed at once.
+class CommandGate {
+ public:
+  CommandGate(const std::array<hand::Actuator, hand::kActuators>& actuators,
+              const hand::HandCommand& start, const SafetyOptions& options)
+      : actuators_(actuators), options_(options), last_(start) {}
+
+  /// @throws BadInput for a value that is not finite
+  [[nodiscard]] hand::HandCommand limited(const hand::HandCommand& wanted);
+
+  /// The last command that was let through; at first, where the hand is.
+  [[nodiscard]] const hand::HandCommand& last() const { return last_; }
+  /// Commands that had to be changed, so far.
+  [[nodiscard]] std::size_t changed() const { return changed_; }
+
+ private:
+  void limit_base(hand::BasePosition& base);
+  void limit_fingers(hand::ActuatorVector& positions);
+
+  std::array<hand::Actuator, hand::kActuators> actuators_;
+  SafetyOptions options_;
+  hand::HandCommand last_;
+  double slide_speed_ = 0, turn_speed_ = 0;  // of the last command
+  hand::ActuatorVector finger_speeds_ = hand::ActuatorVector::Zero();
+  std::size_t changed_ = 0;
+};
+
+}  // namespace palpate::skills

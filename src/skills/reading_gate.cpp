@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "skills/reading_gate.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "palpate/hand/tip_forces.hpp"
+
+namespace palpate::skills {
+namespace {
+
+constexpr double kClockDrift = 1e-3;  // of the hand's clock against the ticks, that is allowed
+constexpr double kStandsStill = 0.1;  // rad within which a joint counts as standing still
+constexpr double kFeltForce = 0.1;    // N at which a fingertip feels something
+
+bool finite(const hand::HandReading& reading) {
+  return reading.joints.allFinite() && reading.torques.allFinite() &&
+         reading.base.xyz.allFinite() && reading.base.ypr.allFinite() &&
+         reading.base_force.allFinite();
+}
+
+std::string_view joint_name(Eigen::Index i) {
+  return hand::kJointNames[static_cast<std::size_t>(i)];
+}
+
+std::string_view actuator_name(Eigen::Index i) {
+  return hand::kActuatorNames[static_cast<std::size_t>(i)];
+}
+
+/// What of a reading is not finite, in words.
+std::string not_finite(const hand::HandReading& reading) {
+  for (Eigen::Index i = 0; i < reading.joints.size(); ++i) {
+    if (!std::isfinite(reading.joints[i])) {
+      return fmt::format("joint {} reads {}", joint_name(i), reading.joints[i]);
+    }
+  }
+  for (Eigen::Index i = 0; i < reading.torques.size(); ++i) {
+    if (!std::isfinite(reading.torques[i])) {
+      return fmt::format("the torque of {} reads {}", actuator_name(i), reading.torques[i]);
+    }
+  }
+  const bool load = !reading.base_force.allFinite();
+  const Eigen::Vector3d& value = load ? reading.base_force : reading.base.xyz;
+  return fmt::format("the {} reads {} {} {}", load ? "mount's load" : "base", value.x(), value.y(),
+                     value.z());
+}
+
+bool same(const std::vector<hand::TipContact>& a, const std::vector<hand::TipContact>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](const auto& x, const auto& y) { return x.p == y.p && x.f == y.f; });
+}
+
+bool believable(const hand::TipContact& contact, double force_range) {
+  return contact.p.allFinite() && contact.n.allFinite() && contact.f.allFinite() &&
+         contact.f.norm() <= force_range && contact.p.norm() < 0.1;
+}
+
+}  // namespace
+
+Judgement ReadingGate::judge(hand::HandReading& reading, const hand::HandCommand& command) {
+  ++tick_;
+  for (const Judgement& judgement : {judge_time(reading.time), judge_values(reading)}) {
+    if (!judgement.usable || judgement.fault != Fault::none) return judgement;
+  }
+  for (const Judgement& judgement : {judge_repeats(reading), judge_touch(reading),
+                                     judge_load(reading), judge_tracking(reading, command)}) {
+    if (judgement.fault != Fault::none) return judgement;
+  }
+  last_ = reading;
+  last_tick_ = tick_;
+  return {};
+}
+
+/// A clock that is not the hand's: its ticks. How far they lead the hand's clock at best is known
+/// from the readings so far, and may change slowly.
+Judgement ReadingGate::judge_time(double time) {
+  const double now = static_cast<double>(tick_) * hand::kTick;
+  const bool first = !last_;
+  const bool known = std::isfinite(time);
+  const bool fresh = known && (first || time > last_->time);
+  if (fresh) lead_ = first ? now - time : std::min(lead_ + kClockDrift * hand::kTick, now - time);
+  const double age = known ? now - time - lead_ : 0;
+  if (fresh && age <= options_.max_age) {
+    if (!first && time - last_->time > options_.max_gap + options_.max_age) {
+      return {false, Fault::implausible_change,
+              fmt::format("the hand's clock went from {} to {} s", last_->time, time)};
+    }
+    return {};
+  }
+  const double gap = hand::kTick * static_cast<double>(tick_ - last_tick_);
+  const double allowed = known ? options_.max_gap : hand::kTick * options_.max_bad;
+  if (gap < allowed) return {false, Fault::none, {}};
+  if (!known) return {false, Fault::not_finite, fmt::format("the time reads {}", time)};
+  if (fresh) return {false, Fault::late, fmt::format("readings are {:.2f} s old", age)};
+  return {false, Fault::silent, fmt::format("no new reading for {:.2f} s", gap)};
+}
+
+Judgement ReadingGate::judge_values(const hand::HandReading& reading) {
+  Fault fault = Fault::none;
+  const std::string detail = impossible_value(reading, fault);
+  bad_ = fault == Fault::none ? 0 : bad_ + 1;
+  if (fault == Fault::none) return {};
+  if (bad_ < options_.max_bad) return {false, Fault::none, {}};
+  return {false, fault, detail};
+}
+
+std::string ReadingGate::impossible_value(const hand::HandReading& reading, Fault& fault) const {
+  fault = Fault::not_finite;
+  if (!finite(reading)) return not_finite(reading);
+  fault = Fault::out_of_range;
+  const hand::ActuatorVector positions = hand::actuator_positions(reading.joints);
+  for (int i = 0; i < hand::kActuators; ++i) {
+    const hand::Range& range = actuators_[static_cast<std::size_t>(i)].command;
+    if (positions[i] >= range.low - options_.joint_margin &&
+        positions[i] <= range.high + options_.joint_margin) {
+      continue;
+    }
+    return fmt::format("{} reads {:.3f} rad, its range is {:.3f} to {:.3f}", actuator_name(i),
+                       positions[i], range.low, range.high);
+  }
+  const double reach = reading.base.xyz.norm(), load = reading.base_force.norm();
+  if (reach > options_.workspace + options_.base_jump) {
+    return fmt::format("the base reads {:.3f} m from the origin", reach);
+  }
+  if (load > options_.load_range) return fmt::format("the mount's load reads {:.1f} N", load);
+  fault = Fault::implausible_change;
+  std::string jumped = jump(reading);
+  if (jumped.empty()) fault = Fault::none;
+  return jumped;
+}
+
+std::string ReadingGate::jump(const hand::HandReading& reading) const {
+  if (!last_) return {};
+  Eigen::Index joint = 0;
+  const double turned = (reading.joints - last_->joints).cwiseAbs().maxCoeff(&joint);
+  const double moved = (reading.base.xyz - last_->base.xyz).norm();
+  if (turned > options_.joint_jump) {
+    return fmt::format("joint {} jumped by {:.3f} rad", joint_name(joint), turned);
+  }
+  if (moved > options_.base_jump) return fmt::format("the base jumped by {:.3f} m", moved);
+  return {};
+}
+
+/// No sensor reads the same twice, to the last bit.
+Judgement ReadingGate::judge_repeats(const hand::HandReading& reading) {
+  if (!last_) return {};
+  const auto count = [](bool repeats, int& times) { times = repeats ? times + 1 : 0; };
+  count(reading.joints == last_->joints, same_joints_);
+  count(reading.torques == last_->torques, same_torques_);
+  count(reading.base_force == last_->base_force, same_load_);
+  const char* const what = same_joints_ >= options_.max_repeats    ? "joints"
+                           : same_torques_ >= options_.max_repeats ? "torques"
+                           : same_load_ >= options_.max_repeats    ? "the mount's load"
+                                                                   : nullptr;
+  if (!what) return {};
+  return {true, Fault::frozen,
+          fmt::format("{} repeat the same values for {} readings", what, options_.max_repeats)};
+}
+
+/// A fingertip whose contacts are impossible, or repeat themselves, is one that feels nothing.
+Judgement ReadingGate::judge_touch(hand::HandReading& reading) {
+  int usable = 0;
+  for (std::size_t finger = 0; finger < hand::kFingers; ++finger) {
+    auto& contacts = reading.contacts[finger];
+    const bool repeats = !contacts.empty() && same(contacts, last_contacts_[finger]);
+    same_contacts_[finger] = repeats ? same_contacts_[finger] + 1 : 0;
+    last_contacts_[finger] = contacts;
+    const bool possible =
+        std::all_of(contacts.begin(), contacts.end(), [&](const hand::TipContact& contact) {
+          return believable(contact, options_.tip_force_range);
+        });
+    const bool ok =
+        possible && same_contacts_[finger] < options_.max_repeats && !distrusted_[finger];
+    if (!ok) contacts.clear();
+    usable += ok;
+  }
+  touchless_ = usable == 0 ? touchless_ + 1 : 0;
+  if (touchless_ < options_.max_bad) return {};
+  return {true, Fault::touch_lost, "no fingertip's sensor can be believed"};
+}
+
+Judgement ReadingGate::judge_load(const hand::HandReading& reading) {
+  const double load = reading.base_force.norm();
+  if (load <= options_.max_load) return {};
+  const bool felt = hand::count_contacts(reading, kFeltForce) > 0;
+  return {true, felt ? Fault::excess_force : Fault::unfelt_load,
+          fmt::format("the mount bears {:.1f} N of at most {:.1f}{}", load, options_.max_load,
+                      felt ? "" : ", and no fingertip feels anything")};
+}
+
+Judgement ReadingGate::judge_tracking(const hand::HandReading& reading,
+                                      const hand::HandCommand& command) {
+  const hand::ActuatorVector positions = hand::actuator_positions(reading.joints);
+  for (int i = 0; i < hand::kActuators; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const double error = command.positions[i] - positions[i];
+    const bool stands = std::abs(positions[i] - rest_positions_[i]) < kStandsStill;
+    if (!stands || std::abs(error) < options_.tracking_error) {
+      astray_[k] = 0;
+      rest_positions_[i] = positions[i];
+    } else if (hand::kTick * ++astray_[k] >= options_.tracking_time) {
+      return {true, Fault::joint_stuck,
+              fmt::format("{} stands at {:.2f} rad, commanded to {:.2f}", actuator_name(i),
+                          positions[i], command.positions[i])};
+    }
+  }
+  return {};
+}
+
+}  // namespace palpate::skills

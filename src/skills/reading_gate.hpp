@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+
+#include "palpate/hand/hand.hpp"
+#include "palpate/skills/safety.hpp"
+
+namespace palpate::skills {
+
+/// What is to be done with a reading.
+struct Judgement {
+  bool usable = true;         ///< else the hand stands still for this tick
+  Fault fault = Fault::none;  ///< for which the robot must stop
+  std::string detail;         ///< of the fault
+};
+
+/// Watches what a hand reads, one reading a tick. Its clock is the number of ticks.
+class ReadingGate {
+ public:
+  ReadingGate(const std::array<hand::Actuator, hand::kActuators>& actuators,
+              const SafetyOptions& options)
+      : actuators_(actuators), options_(options) {}
+
+  /// Takes the contacts of fingertips that cannot be believed out of the reading.
+  /// @param command  that was given for the tick
+  Judgement judge(hand::HandReading& reading, const hand::HandCommand& command);
+
+  /// From now on nothing that this fingertip says is believed.
+  void distrust(int finger) { distrusted_[static_cast<std::size_t>(finger)] = true; }
+  [[nodiscard]] bool trusted(int finger) const {
+    return !distrusted_[static_cast<std::size_t>(finger)];
+  }
+
+ private:
+  Judgement judge_time(double time);
+  Judgement judge_values(const hand::HandReading& reading);
+  [[nodiscard]] std::string impossible_value(const hand::HandReading& reading, Fault& fault) const;
+  [[nodiscard]] std::string jump(const hand::HandReading& reading) const;
+  Judgement judge_repeats(const hand::HandReading& reading);
+  Judgement judge_touch(hand::HandReading& reading);
+  Judgement judge_load(const hand::HandReading& reading);
+  Judgement judge_tracking(const hand::HandReading& reading, const hand::HandCommand& command);
+
+  std::array<hand::Actuator, hand::kActuators> actuators_;
+  SafetyOptions options_;
+  std::optional<hand::HandReading> last_;  // that was usable
+  long tick_ = 0, last_tick_ = 0;          // of this reading, and of the last usable one
+  double lead_ = 0;                        // s of the ticks before the hand's clock
+  int bad_ = 0;                            // readings in a row that hold impossible values
+  int same_joints_ = 0, same_torques_ = 0, same_load_ = 0;  // readings that repeat the one before
+  int touchless_ = 0;  // readings in a row without a fingertip that can be believed
+  std::array<int, hand::kFingers> same_contacts_{};
+  std::array<std::vector<hand::TipContact>, hand::kFingers> last_contacts_;
+  std::array<bool, hand::kFingers> distrusted_{};
+  hand::ActuatorVector rest_positions_ = hand::ActuatorVector::Zero();  // where a joint has stood
+  std::array<int, hand::kActuators> astray_{};  // ticks for which it has, off its command
+};
+
+}  // namespace palpate::skills

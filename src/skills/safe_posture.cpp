@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "skills/safe_posture.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace palpate::skills {
+namespace {
+
+constexpr double kTurnLever = 0.2;  // m: the base's turns give way at the speed over this
+
+Eigen::Vector3d towards(const Eigen::Vector3d& from, const Eigen::Vector3d& to, double step) {
+  const double way = (to - from).norm();
+  return way <= step ? to : from + step / way * (to - from);
+}
+
+}  // namespace
+
+hand::HandCommand eased(const hand::HandCommand& command, const hand::HandReading& reading,
+                        const std::array<hand::Actuator, hand::kActuators>& actuators,
+                        const SafetyOptions& options) {
+  hand::HandCommand next = command;
+  const double step = options.release_speed * hand::kTick;
+  next.base.xyz = towards(command.base.xyz, reading.base.xyz, step);
+  next.base.ypr = towards(command.base.ypr, reading.base.ypr, step / kTurnLever);
+  const hand::ActuatorVector positions = hand::actuator_positions(reading.joints);
+  for (int i = 0; i < hand::kActuators; ++i) {
+    const auto& actuator = actuators[static_cast<std::size_t>(i)];
+    const double lead = options.rest_torque / actuator.stiffness;
+    const double eased = std::clamp(command.positions[i], positions[i] - lead, positions[i] + lead);
+    const double most = options.finger_speed * hand::kTick;
+    next.positions[i] += std::clamp(eased - command.positions[i], -most, most);
+  }
+  return next;
+}
+
+}  // namespace palpate::skills

@@ -1,0 +1,323 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/skills/safety.hpp"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <condition_variable>
+#include <limits>
+#include <mutex>
+#include <thread>
+
+#include "hand/fake_hand.hpp"
+#include "palpate/hand/faulty_hand.hpp"
+#include "palpate/skills/phase.hpp"
+
+namespace palpate::skills {
+namespace {
+
+using hand::HandReading;
+using hand::InjectedFault;
+using hand::kTick;
+
+constexpr double kFrom = 0.2;     // s at which a fault sets in
+constexpr double kDetect = 0.05;  // s within which the hand must stand still
+const double kNan = std::numeric_limits<double>::quiet_NaN();
+const hand::HandModel kNoModel;
+
+/// A hand that notes when its base was last commanded to move on.
+class WatchedHand : public hand::Hand {
+ public:
+  explicit WatchedHand(hand::Hand& hand) : hand_(hand) {}
+  const std::array<hand::Actuator, hand::kActuators>& actuators() const override {
+    return hand_.actuators();
+  }
+  HandReading step(const hand::HandCommand& command) override {
+    ++steps;
+    if (command.base.xyz.x() > before_) last_advance = steps * kTick;
+    before_ = command.base.xyz.x();
+    return hand_.step(command);
+  }
+  int steps = 0;
+  double last_advance = 0;  ///< s, by the number of steps
+
+ private:
+  hand::Hand& hand_;
+  double before_ = 0;
+};
+
+/// A hand in motion, of which all fingertips but one feel something, and a fault.
+struct Scene {
+  explicit Scene(const hand::FaultSchedule& schedule, hand::FakeHand::Script script = {})
+      : fake([script = std::move(script)](HandReading& reading) {
+          for (std::size_t i = 0; i < 4; ++i) {
+            const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
+            reading.contacts[i] = {{0.01 * up, up, -0.5 * up}};
+          }
+          reading.base_force.z() = 2;
+          if (script) script(reading);
+        }),
+        faulty(fake, schedule),
+        hand(faulty),
+        robot(hand, kNoModel, {}) {}
+
+  /// Moves on until something stops it.
+  FaultReport run(double seconds = 3) {
+    hand::BasePosition far;
+    far.xyz.x() = 0.05 * seconds;
+    try {
+      robot.move_base(far, 0.05);
+    } catch (const SafetyStop& stop) {
+      return stop.report();
+    }
+    return {};
+  }
+
+  hand::FakeHand fake;
+  hand::FaultyHand faulty;
+  WatchedHand hand;
+  Executor robot;
+};
+
+struct Case {
+  InjectedFault injected;
+  Fault reported;
+};
+
+class EveryFault : public testing::TestWithParam<Case> {};
+
+TEST_P(EveryFault, StopsTheHandInTimeAndIsNamed) {
+  const Case& c = GetParam();
+  Scene scene({.fault = c.injected, .from = kFrom});
+  EXPECT_EQ(to_string(scene.run().fault), to_string(c.reported));
+  EXPECT_EQ(scene.robot.fault().fault, c.reported);
+  EXPECT_FALSE(scene.robot.fault().detail.empty());
+  EXPECT_LE(scene.hand.last_advance, kFrom + kDetect + 1e-9);
+  EXPECT_THROW(scene.robot.wait(0.1), SafetyStop);  // for good
+}
+
+INSTANTIATE_TEST_SUITE_P(Safety, EveryFault,
+                         testing::Values(Case{InjectedFault::load_nan, Fault::not_finite},
+                                         Case{InjectedFault::load_zero, Fault::frozen},
+                                         Case{InjectedFault::load_frozen, Fault::frozen},
+                                         Case{InjectedFault::joint_nan, Fault::not_finite},
+                                         Case{InjectedFault::torques_zero, Fault::frozen},
+                                         Case{InjectedFault::contacts_nan, Fault::touch_lost},
+                                         Case{InjectedFault::readings_stuck, Fault::frozen},
+                                         Case{InjectedFault::link_dead, Fault::silent},
+                                         Case{InjectedFault::time_nan, Fault::not_finite},
+                                         Case{InjectedFault::delay, Fault::late},
+                                         Case{InjectedFault::throws, Fault::exception}),
+                         [](const auto& tested) {
+                           return std::string(hand::to_string(tested.param.injected));
+                         });
+
+class SurvivedFault : public testing::TestWithParam<InjectedFault> {};
+
+TEST_P(SurvivedFault, LetsTheRobotGoOn) {
+  Scene scene({.fault = GetParam(), .from = kFrom, .finger = 2});
+  EXPECT_FALSE(scene.run()) << scene.robot.fault().detail;
+  EXPECT_EQ(scene.robot.limited_commands(), 0u);
+}
+
+INSTANTIATE_TEST_SUITE_P(Safety, SurvivedFault,
+                         testing::Values(InjectedFault::none, InjectedFault::finger_silent,
+                                         InjectedFault::finger_stuck, InjectedFault::finger_nan,
+                                         InjectedFault::finger_saturated,
+                                         InjectedFault::fingers_swapped, InjectedFault::taxel_dead,
+                                         InjectedFault::false_contacts, InjectedFault::link_gap,
+                                         InjectedFault::time_jitter),
+                         [](const auto& tested) {
+                           return std::string(hand::to_string(tested.param));
+                         });
+
+TEST(Safety, StandsStillInAGapAndKeepsNothingOfIt) {
+  Scene scene({.fault = InjectedFault::link_gap, .from = kFrom});
+  scene.run();
+  const auto& readings = scene.robot.log().readings;
+  for (std::size_t i = 1; i < readings.size(); ++i) {
+    EXPECT_GT(readings[i].time, readings[i - 1].time);
+    EXPECT_LT(readings[i].base.xyz.x() - readings[i - 1].base.xyz.x(), 0.05 * kTick * 1.001);
+  }
+  EXPECT_NEAR(scene.hand.steps - static_cast<double>(readings.size()), 20, 1);
+}
+
+TEST(Safety, DropsWhatAFaultyFingertipFeels) {
+  for (const auto fault : {InjectedFault::finger_nan, InjectedFault::finger_stuck}) {
+    Scene scene({.fault = fault, .from = kFrom, .finger = 2});
+    scene.run();
+    EXPECT_TRUE(scene.robot.reading().contacts[2].empty());
+    EXPECT_FALSE(scene.robot.reading().contacts[1].empty());
+  }
+}
+
+TEST(Safety, TooMuchLoadEndsInABaseThatGivesWay) {
+  // An obstacle at 0.02 m, as stiff as the drives: the base stays there.
+  Scene scene({}, [](HandReading& reading) {
+    const double pushed = reading.base.xyz.x() - 0.02;
+    if (pushed <= 0) return;
+    reading.base_force.x() = 4000 * pushed;
+    reading.base.xyz.x() = 0.02;
+  });
+  const FaultReport report = scene.run();
+  EXPECT_EQ(report.fault, Fault::excess_force);
+  EXPECT_LT(scene.faulty.peak_load(), 45);
+  EXPECT_LT(scene.robot.reading().base_force.norm(), 5);
+}
+
+TEST(Safety, LoadThatNoFingertipFeelsIsNamed) {
+  Scene scene({}, [](HandReading& reading) {
+    for (auto& contacts : reading.contacts) contacts.clear();
+    if (reading.time > kFrom) reading.base_force.x() = 100 * (reading.time - kFrom);
+  });
+  EXPECT_EQ(scene.run().fault, Fault::unfelt_load);
+}
+
+TEST(Safety, ImpossibleValuesAreNamed) {
+  const auto fault_of = [](auto spoil) {
+    Scene scene({}, [spoil](HandReading& reading) {
+      if (reading.time > kFrom) spoil(reading);
+    });
+    return scene.run().fault;
+  };
+  EXPECT_EQ(fault_of([](HandReading& r) { r.joints[3] = 7; }), Fault::out_of_range);
+  EXPECT_EQ(fault_of([](HandReading& r) { r.base.xyz.y() = 40; }), Fault::out_of_range);
+  EXPECT_EQ(fault_of([](HandReading& r) { r.base_force.x() = 900; }), Fault::out_of_range);
+  EXPECT_EQ(fault_of([](HandReading& r) { r.joints[3] = 1; }), Fault::implausible_change);
+  EXPECT_EQ(fault_of([](HandReading& r) { r.base.xyz.y() = 0.8; }), Fault::implausible_change);
+  EXPECT_EQ(fault_of([](HandReading& r) { r.base.ypr.y() = kNan; }), Fault::not_finite);
+}
+
+TEST(Safety, AJointThatDoesNotFollowIsNamed) {
+  hand::FakeHand fake;
+  hand::FaultyHand faulty(fake, {.fault = InjectedFault::joint_stuck, .from = kFrom});
+  Executor robot(faulty, kNoModel, {});
+  robot.wait(2 * kFrom);
+  hand::ActuatorVector posture = hand::ActuatorVector::Zero();
+  posture[9] = 1;
+  EXPECT_EQ(robot.move_fingers(posture, 1), MotionEnd::reached);
+  EXPECT_THROW(robot.wait(1), SafetyStop);
+  EXPECT_EQ(robot.fault().fault, Fault::joint_stuck);
+  EXPECT_NE(robot.fault().detail.find("FFJ0"), std::string::npos);
+}
+
+TEST(Safety, ACommandThatIsNotFiniteNeverReachesTheHand) {
+  Scene scene({});
+  hand::BasePosition nowhere;
+  nowhere.xyz.z() = kNan;
+  EXPECT_THROW(scene.robot.move_base(nowhere, 0.1), SafetyStop);
+  EXPECT_EQ(scene.robot.fault().fault, Fault::invalid_command);
+  EXPECT_TRUE(scene.robot.reading().base.xyz.allFinite());
+}
+
+TEST(Safety, AFullLogStopsTheRobot) {
+  hand::FakeHand fake;
+  Executor robot(fake, kNoModel, {}, {}, nullptr, {{.max_log = 1.0}});
+  EXPECT_THROW(robot.wait(2), SafetyStop);
+  EXPECT_EQ(robot.fault().fault, Fault::log_full);
+  EXPECT_LT(robot.log().readings.size(), 140u);
+}
+
+TEST(Safety, StopsWithinATickFromAnotherThread) {
+  std::stop_source source;
+  double asked = 0;
+  hand::FakeHand fake([&](HandReading& reading) {
+    if (reading.time < 0.5 || source.stop_requested()) return;
+    asked = reading.time;
+    std::thread([&] { source.request_stop(); }).join();
+  });
+  Executor robot(fake, kNoModel, {}, {}, nullptr, {{}, source.get_token()});
+  EXPECT_THROW(robot.wait(2), SafetyStop);
+  EXPECT_EQ(robot.fault().fault, Fault::stop_requested);
+  EXPECT_NEAR(robot.fault().time, asked, 1e-9);
+}
+
+/// A hand whose step hangs until its drives are stopped.
+class HangingHand : public hand::FakeHand {
+ public:
+  HandReading step(const hand::HandCommand& command) override {
+    if (++steps == 20) {
+      std::unique_lock lock(mutex);
+      EXPECT_TRUE(stopped.wait_for(lock, std::chrono::seconds(30), [this] { return stop; }));
+    }
+    return FakeHand::step(command);
+  }
+  void stop_drives() {
+    const std::lock_guard lock(mutex);
+    stop = true;
+    stopped.notify_all();
+  }
+  int steps = 0;
+  bool stop = false;
+  std::mutex mutex;
+  std::condition_variable stopped;
+};
+
+TEST(Safety, TheWatchdogStopsAHandThatHangs) {
+  HangingHand hand;
+  Safety safety;
+  safety.options.watchdog = 0.5;
+  safety.stop_drives = [&] { hand.stop_drives(); };
+  Executor robot(hand, kNoModel, {}, {}, nullptr, safety);
+  EXPECT_THROW(robot.wait(2), SafetyStop);
+  EXPECT_EQ(robot.fault().fault, Fault::silent);
+}
+
+/// A phase that throws what a user's code may throw.
+class ThrowingPhase : public Phase {
+ public:
+  std::string_view name() const override { return "throwing"; }
+  double time_limit() const override { return 10; }
+  PhaseEnd run(Executor& robot, PickState&) override {
+    hand::BasePosition far;
+    far.xyz.x() = 0.1;
+    robot.move_base(far, 0.05);
+    throw std::logic_error("a mistake");
+  }
+};
+
+TEST(Safety, AnExceptionOfAPhaseLeavesTheHandSafe) {
+  Scene scene({});
+  ThrowingPhase phase;
+  PickState state;
+  EXPECT_THROW(run_phase(phase, scene.robot, state), std::logic_error);
+  EXPECT_EQ(scene.robot.fault().fault, Fault::exception);
+  EXPECT_EQ(scene.robot.fault().detail, "a mistake");
+}
+
+TEST(Safety, AnExceptionThatEndsTheRobotLeavesTheHandSafe) {
+  int stopped = 0;
+  hand::FakeHand fake;
+  try {
+    Executor robot(fake, kNoModel, {}, {}, nullptr, {{}, {}, [&] { ++stopped; }});
+    throw std::runtime_error("elsewhere");
+  } catch (const std::runtime_error&) {
+  }
+  EXPECT_EQ(stopped, 1);
+}
+
+TEST(Safety, APhaseThatAFaultStopsSaysSo) {
+  Scene scene({.fault = InjectedFault::load_nan, .from = kFrom});
+  ThrowingPhase phase;
+  PickState state;
+  const PhaseReport report = run_phase(phase, scene.robot, state);
+  EXPECT_EQ(to_string(report.status), "fault");
+  EXPECT_NE(report.outcome.find("not_finite: the mount's load"), std::string::npos);
+}
+
+TEST(Safety, AStoppedFingerHoldsOnLightly) {
+  hand::FakeHand fake([](HandReading& reading) {
+    reading.joints[hand::joint_index("FFJ3")] = 0.2;  // it is held back there
+    reading.base_force.z() = reading.time > 1 ? 90 : 0;
+  });
+  Executor robot(fake, kNoModel, {});
+  hand::ActuatorVector posture = hand::ActuatorVector::Zero();
+  posture[hand::actuator_index("FFJ3")] = 0.7;
+  robot.move_fingers(posture, 0.5);
+  EXPECT_THROW(robot.wait(1), SafetyStop);
+  const double torque = robot.command().positions[hand::actuator_index("FFJ3")] - 0.2;
+  EXPECT_NEAR(torque, SafetyOptions{}.rest_torque, 1e-9);  // the stiffness is 1 N m/rad
+}
+
+}  // namespace
+}  // namespace palpate::skills
