@@ -27,6 +27,7 @@ struct LocalizeOptions {
   double false_contacts = 0.02;
   double noise_scale_prior = 0.4;
   double size_prior = 0.25;
+  double surface_sigma = 0.0003;
   double hand_offset = 0;
 
   template <class Visitor>
@@ -35,6 +36,7 @@ struct LocalizeOptions {
     v("noise_scale_prior", noise_scale_prior, 0.0, 0.99,
       "chance of noise other than stated, half to twice");
     v("size_prior", size_prior, 0.0, 0.99, "chance of an object up to 3 % off its mesh's size");
+    v("surface_sigma", surface_sigma, 0.0, 0.01, "m by which the mesh is off the object's surface");
     v("hand_offset", hand_offset, 0.0, 0.02, "m rms, by which contacts of one time are displaced");
     v.section("search", search);
     v.section("fast", fast);
@@ -100,6 +102,7 @@ Result solve(const LocalizeArguments& arguments, const LocalizeOptions& options)
   evidence.false_contact_share = options.false_contacts;
   evidence.noise_scale_prior = options.noise_scale_prior;
   evidence.size_prior = options.size_prior;
+  evidence.surface_sigma = options.surface_sigma;
   evidence.offsets = offsets_of_grasps(evidence.contacts, options.hand_offset);
   Result result;
   result.prepare_seconds = prepared.count();
