@@ -149,6 +149,7 @@ nlohmann::json report_of(const LocalizeArguments& arguments, const Result& resul
   for (const lo::Mode& mode : result.posterior.modes) {
     modes.push_back({{"T_contact_object", to_json(mode.T_frame_object * result.T_object_mesh)},
                      {"weight", mode.weight},
+                     {"probability", lo::pose_probability(mode)},
                      {"covariance", row_major(mesh_covariance(mode, result.T_object_mesh))},
                      {"free_axis", axis_json(mode)}});
   }
@@ -173,7 +174,7 @@ void print_mode(const lo::Mode& mode, const Eigen::Isometry3d& T_object_mesh) {
   fmt::print(
       "{:6.3f}  ({:7.1f}, {:7.1f}, {:7.1f}) deg  ({:7.1f}, {:7.1f}, {:7.1f}) mm  +- {:.1f} deg, "
       "{:.1f} mm",
-      mode.weight, w[0], w[1], w[2], t[0], t[1], t[2],
+      lo::pose_probability(mode), w[0], w[1], w[2], t[0], t[1], t[2],
       std::sqrt(covariance.topLeftCorner<3, 3>().trace()) / kDegree,
       1e3 * std::sqrt(covariance.bottomRightCorner<3, 3>().trace()));
   if (mode.free_axis) {

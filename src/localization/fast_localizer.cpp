@@ -68,7 +68,7 @@ std::vector<Mode> settled_modes(const geometry::ObjectModel& model, const Eviden
   const auto modes = modes_of(basins, symmetries, static_cast<std::size_t>(search.modes));
   const Basin& best = basins.front();
   const bool trusted = best.starts >= kMinStarts && tight(modes.front().covariance) &&
-                       modes.front().weight > options.certainty &&
+                       pose_probability(modes.front()) > options.certainty &&
                        !contradicted(model, evidence, best.best.pose, search.contact_offset);
   return trusted ? modes : std::vector<Mode>{};
 }

@@ -40,6 +40,10 @@ double pose_probability(const Mode& mode) {
   return mode.weight * std::min(1.0, PoseTolerance{}.rotation / mode.free_axis->extent);
 }
 
+double best_probability(const Posterior& posterior) {
+  return posterior.modes.empty() ? 0 : pose_probability(posterior.modes.front());
+}
+
 bool truth_in_modes(const Posterior& posterior, const Eigen::Isometry3d& truth,
                     const std::vector<Eigen::Matrix3d>& symmetries) {
   const SymmetryGroup copies(symmetries);
