@@ -22,7 +22,7 @@ namespace {
 using namespace palpate;
 using namespace palpate::localization;
 
-constexpr int kShapes = 60, kScenesOfShape = 2, kScenesOfScan = 24;
+constexpr int kShapes = 30, kScenesOfShape = 2, kScenesOfScan = 12;
 constexpr double kSure = 0.9;
 constexpr double kMaxRotation = 5 * M_PI / 180, kMaxTranslation = 0.010;  // of a right pose
 constexpr std::array kContacts = {5, 10, 20, 60};

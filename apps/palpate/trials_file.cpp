@@ -28,7 +28,7 @@ std::string pick_cells(const evaluation::Trial& trial) {
       metrics.pose_ok, metrics.pose_tight, metrics.pose_ok_before_lift,
       metrics.pose_ok_before_probe, metrics.pose_ok_tracked, metrics.tracked_share,
       metrics.truth_in_modes, modes.empty() ? "" : fmt::format("{:.4f}", modes[0].weight),
-      to_string(metrics.status), metrics.probability, kDegrees * metrics.free_extent,
+      to_string(metrics.status), metrics.probability, kDegreesPerRadian * metrics.free_extent,
       metrics.probes, error_cells(metrics.has_pose, metrics.error), 1e3 * metrics.slip,
       1e3 * metrics.explored_motion, metrics.tip_force, trial.result.failed_phase);
 }
