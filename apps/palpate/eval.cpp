@@ -62,6 +62,8 @@ json summary_json(const ObjectSummary& summary) {
           {"pose_ok_before_probe", rate(summary.pose_ok_before_probe, summary.trials)},
           {"pose_ok_tracked", rate(summary.pose_ok_tracked, summary.trials)},
           {"probed", rate(summary.probed, summary.trials)},
+          {"certain", rate(summary.certain, summary.trials)},
+          {"stated", quantiles_json(summary.stated)},
           {"sure_but_wrong", rate(summary.sure_but_wrong, summary.trials)},
           {"truth_in_modes", rate(summary.truth_in_modes, summary.trials)},
           {"truth_in_modes_of_lifted", rate(summary.truth_in_modes, summary.lifted)},

@@ -27,6 +27,7 @@ struct LocalizeOptions {
   double false_contacts = 0.02;
   double noise_scale_prior = 0.4;
   double size_prior = 0.25;
+  double surface_sigma = 0.0003;
   double hand_offset = 0;
 
   template <class Visitor>
@@ -35,6 +36,7 @@ struct LocalizeOptions {
     v("noise_scale_prior", noise_scale_prior, 0.0, 0.99,
       "chance of noise other than stated, half to twice");
     v("size_prior", size_prior, 0.0, 0.99, "chance of an object up to 3 % off its mesh's size");
+    v("surface_sigma", surface_sigma, 0.0, 0.01, "m by which the mesh is off the object's surface");
     v("hand_offset", hand_offset, 0.0, 0.02, "m rms, by which contacts of one time are displaced");
     v.section("search", search);
     v.section("fast", fast);
@@ -100,6 +102,7 @@ Result solve(const LocalizeArguments& arguments, const LocalizeOptions& options)
   evidence.false_contact_share = options.false_contacts;
   evidence.noise_scale_prior = options.noise_scale_prior;
   evidence.size_prior = options.size_prior;
+  evidence.surface_sigma = options.surface_sigma;
   evidence.offsets = offsets_of_grasps(evidence.contacts, options.hand_offset);
   Result result;
   result.prepare_seconds = prepared.count();
@@ -146,6 +149,7 @@ nlohmann::json report_of(const LocalizeArguments& arguments, const Result& resul
   for (const lo::Mode& mode : result.posterior.modes) {
     modes.push_back({{"T_contact_object", to_json(mode.T_frame_object * result.T_object_mesh)},
                      {"weight", mode.weight},
+                     {"probability", lo::pose_probability(mode)},
                      {"covariance", row_major(mesh_covariance(mode, result.T_object_mesh))},
                      {"free_axis", axis_json(mode)}});
   }
@@ -170,7 +174,7 @@ void print_mode(const lo::Mode& mode, const Eigen::Isometry3d& T_object_mesh) {
   fmt::print(
       "{:6.3f}  ({:7.1f}, {:7.1f}, {:7.1f}) deg  ({:7.1f}, {:7.1f}, {:7.1f}) mm  +- {:.1f} deg, "
       "{:.1f} mm",
-      mode.weight, w[0], w[1], w[2], t[0], t[1], t[2],
+      lo::pose_probability(mode), w[0], w[1], w[2], t[0], t[1], t[2],
       std::sqrt(covariance.topLeftCorner<3, 3>().trace()) / kDegree,
       1e3 * std::sqrt(covariance.bottomRightCorner<3, 3>().trace()));
   if (mode.free_axis) {

@@ -105,7 +105,7 @@ std::string estimate_text(const evaluation::Trial& trial) {
   const auto& best = posterior.modes[0];
   std::string text =
       fmt::format("pose: {} ({:.2f}){}: {:.1f} deg, {:.1f} mm from the truth; searched {:.2f} s",
-                  localization::to_string(posterior.status), best.weight,
+                  localization::to_string(posterior.status), localization::pose_probability(best),
                   best.free_axis ? fmt::format(", free by +-{:.0f} deg about an axis",
                                                kDegreesPerRadian * best.free_axis->extent)
                                  : "",

@@ -37,7 +37,9 @@ evaluation::TrialOptions replay_options(const recording::Recording& recording,
 nlohmann::json posterior_json(const localization::Posterior& posterior) {
   auto modes = nlohmann::json::array();
   for (const auto& mode : posterior.modes) {
-    modes.push_back({{"T_world_object", to_json(mode.T_frame_object)}, {"weight", mode.weight}});
+    modes.push_back({{"T_world_object", to_json(mode.T_frame_object)},
+                     {"weight", mode.weight},
+                     {"probability", localization::pose_probability(mode)}});
   }
   return {{"status", localization::to_string(posterior.status)}, {"modes", modes}};
 }
@@ -59,8 +61,8 @@ int replay(const ReplayArguments& arguments) {
                estimate.contacts.size(), posterior.seconds);
     for (const auto& mode : posterior.modes) {
       const auto& p = mode.T_frame_object.translation();
-      fmt::print("  weight {:.3f} at ({:.1f}, {:.1f}, {:.1f}) mm\n", mode.weight, 1e3 * p.x(),
-                 1e3 * p.y(), 1e3 * p.z());
+      fmt::print("  probability {:.3f} at ({:.1f}, {:.1f}, {:.1f}) mm\n",
+                 localization::pose_probability(mode), 1e3 * p.x(), 1e3 * p.y(), 1e3 * p.z());
     }
   }
   return posterior.modes.empty() ? kNoSolution : kDone;

@@ -22,11 +22,13 @@ std::string pick_cells(const evaluation::Trial& trial) {
   const evaluation::TrialMetrics& metrics = trial.metrics;
   const auto& modes = trial.result.estimate.posterior.modes;
   return fmt::format(
-      "{},{:d},{},{},{:d},{:d},{:d},{:d},{:d},{:.3f},{:d},{},{},{},{:.3f},{:.3f},{:.3f},{}",
+      "{},{:d},{},{},{:d},{:d},{:d},{:d},{:d},{:.3f},{:d},{},{},{:.4f},{:.1f},{},{},{:.3f},{:.3f},"
+      "{:.3f},{}",
       trial.start.stable_pose, metrics.lifted, trial.result.attempts, trial.result.regrasps,
       metrics.pose_ok, metrics.pose_tight, metrics.pose_ok_before_lift,
       metrics.pose_ok_before_probe, metrics.pose_ok_tracked, metrics.tracked_share,
       metrics.truth_in_modes, modes.empty() ? "" : fmt::format("{:.4f}", modes[0].weight),
+      to_string(metrics.status), metrics.probability, kDegreesPerRadian * metrics.free_extent,
       metrics.probes, error_cells(metrics.has_pose, metrics.error), 1e3 * metrics.slip,
       1e3 * metrics.explored_motion, metrics.tip_force, trial.result.failed_phase);
 }
@@ -46,7 +48,8 @@ TrialsFile::TrialsFile(std::filesystem::path path, bool place)
     : path_(std::move(path)), place_(place) {
   text_ =
       "object,seed,stance,lifted,attempts,regrasps,pose_ok,pose_tight,pose_ok_before_lift,"
-      "pose_ok_before_probe,pose_ok_tracked,tracked_share,truth_in_modes,weight,probes,"
+      "pose_ok_before_probe,pose_ok_tracked,tracked_share,truth_in_modes,weight,"
+      "pose_status,probability,free_axis_deg,probes,"
       "rotation_error_deg,translation_error_mm,slip_mm,explored_motion_mm,tip_force,failed_phase";
   if (place_)
     text_ += ",place_status,certain,placed,tight,wrong,dropped,place_deg,place_mm,in_stance";

@@ -66,15 +66,16 @@ void count(const Trial& trial, ObjectSummary& summary, std::vector<double>& mode
     ++summary.failures["pose"];
     return;
   }
-  const auto& best = trial.result.estimate.posterior.modes[0];
   summary.pose_ok += metrics.pose_ok;
   summary.pose_tight += metrics.pose_tight;
   summary.pose_ok_before_lift += metrics.pose_ok_before_lift;
   summary.pose_ok_before_probe += metrics.pose_ok_before_probe;
   summary.pose_ok_tracked += metrics.pose_ok_tracked;
   summary.probed += metrics.probes > 0;
-  summary.sure_but_wrong += !metrics.pose_ok && localization::pose_probability(best) > kSure;
+  summary.sure_but_wrong += !metrics.pose_ok && metrics.probability > kSure;
   summary.truth_in_modes += metrics.truth_in_modes;
+  summary.certain += metrics.status == localization::PoseStatus::certain;
+  summary.stated.push_back(metrics.probability);
   summary.rotation_error_deg.push_back(kDegreesPerRadian * metrics.error.rotation);
   summary.translation_error_mm.push_back(1e3 * metrics.error.translation);
   modes.push_back(static_cast<double>(trial.result.estimate.posterior.modes.size()));

@@ -91,6 +91,9 @@ TrialMetrics Evaluator::verdict(const skills::PickResult& result, const estimati
     metrics.pose_ok = within(metrics.error, kPoseAngle, kPoseDistance);
     metrics.pose_tight = within(metrics.error, kTightAngle, kTightDistance);
     metrics.truth_in_modes = localization::truth_in_modes(posterior, truth, symmetries);
+    metrics.status = posterior.status;
+    metrics.probability = localization::best_probability(posterior);
+    if (const auto& axis = posterior.modes[0].free_axis) metrics.free_extent = axis->extent;
   }
   return metrics;
 }

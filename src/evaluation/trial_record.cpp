@@ -98,6 +98,9 @@ constexpr auto kJudgement = [](TrialMetrics& metrics, const auto& v) {
   v("pose_ok", metrics.pose_ok);
   v("pose_tight", metrics.pose_tight);
   v("truth_in_modes", metrics.truth_in_modes);
+  v("status", metrics.status);
+  v("probability", metrics.probability);
+  v("free_extent", metrics.free_extent);
   v("pose_ok_before_lift", metrics.pose_ok_before_lift);
   v("pose_ok_before_probe", metrics.pose_ok_before_probe);
   v("pose_ok_tracked", metrics.pose_ok_tracked);

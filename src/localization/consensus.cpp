@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/localization/consensus.hpp"
 
-#include <limits>
+#include "localization/search/symmetry_group.hpp"
 
 namespace palpate::localization {
 namespace {
@@ -10,16 +10,10 @@ constexpr int kAlongAxis = 2;  // poses to either side of a mode with a free axi
 
 /// The equivalent of a pose whose orientation is nearest to that of another.
 Eigen::Isometry3d nearest_equivalent(const Eigen::Isometry3d& T, const Eigen::Isometry3d& other,
-                                     const std::vector<Eigen::Matrix3d>& symmetries) {
+                                     const SymmetryGroup& symmetries) {
   Eigen::Isometry3d nearest = T;
-  double least = std::numeric_limits<double>::infinity();
-  for (const auto& S : symmetries) {
-    const Eigen::Matrix3d R = T.linear() * S;
-    const double angle = rotation_distance(R, other.linear());
-    if (angle >= least) continue;
-    least = angle;
-    nearest.linear() = R;
-  }
+  const Eigen::Quaterniond between(Eigen::Matrix3d(T.linear().transpose() * other.linear()));
+  nearest.linear() = T.linear() * symmetries.nearest(between).toRotationMatrix();
   return nearest;
 }
 
@@ -46,13 +40,14 @@ std::vector<WeightedPose> poses_of(const localization::Posterior& posterior) {
 Consensus consensus(const std::vector<WeightedPose>& poses,
                     const std::vector<Eigen::Matrix3d>& symmetries, const SamePose& same) {
   Consensus best;
+  const SymmetryGroup group(symmetries);
   double total = 0;
   for (const auto& pose : poses) total += pose.weight;
   for (const auto& center : poses) {
     double near = 0;
     Vector6d sum = Vector6d::Zero();
     for (const auto& pose : poses) {
-      const Eigen::Isometry3d T = nearest_equivalent(pose.T, center.T, symmetries);
+      const Eigen::Isometry3d T = nearest_equivalent(pose.T, center.T, group);
       Vector6d apart;
       apart << log_so3(T.linear() * center.T.linear().transpose()),
           T.translation() - center.T.translation();

@@ -6,6 +6,7 @@
 
 #include "localization/likelihood/check_evidence.hpp"
 #include "localization/likelihood/energy_maker.hpp"
+#include "localization/likelihood/surface_error.hpp"
 #include "localization/likelihood/verdict.hpp"
 #include "localization/search/descent.hpp"
 #include "localization/search/pose_family.hpp"
@@ -59,7 +60,7 @@ std::vector<Mode> settled_modes(const geometry::ObjectModel& model, const Eviden
                                 const FastOptions& options) {
   const EnergyMaker energy_at(model, evidence, search.contact_offset);
   const auto proposal = make_proposal(model, evidence, search);
-  const auto symmetries = symmetry_quaternions(model.object().symmetries);
+  const SymmetryGroup symmetries(model.object().symmetries);
   const auto basins = find_basins(
       *proposal, energy_at, symmetries,
       {options.proposals, options.starts, search.first_scale, half_turns(model.object())}, random);
@@ -67,7 +68,7 @@ std::vector<Mode> settled_modes(const geometry::ObjectModel& model, const Eviden
   const auto modes = modes_of(basins, symmetries, static_cast<std::size_t>(search.modes));
   const Basin& best = basins.front();
   const bool trusted = best.starts >= kMinStarts && tight(modes.front().covariance) &&
-                       modes.front().weight > options.certainty &&
+                       pose_probability(modes.front()) > options.certainty &&
                        !contradicted(model, evidence, best.best.pose, search.contact_offset);
   return trusted ? modes : std::vector<Mode>{};
 }
@@ -84,7 +85,8 @@ Posterior localize_fast(const geometry::ObjectModel& model, const Evidence& evid
   check_evidence(model, evidence);
   Posterior posterior;
   if (!evidence.contacts.empty() && !evidence.prior) {
-    posterior.modes = settled_modes(model, thinned(evidence), random.fork("fast"), options, fast);
+    posterior.modes = settled_modes(model, thinned(with_surface_error(evidence)),
+                                    random.fork("fast"), options, fast);
     posterior.status = status_of(posterior.modes);
   }
   if (posterior.modes.empty()) posterior = localize(model, evidence, random, options);

@@ -7,6 +7,7 @@
 
 #include "localization/likelihood/check_evidence.hpp"
 #include "localization/likelihood/energy_maker.hpp"
+#include "localization/likelihood/surface_error.hpp"
 #include "localization/likelihood/verdict.hpp"
 #include "localization/search/descent.hpp"
 #include "localization/search/further_poses.hpp"
@@ -58,7 +59,7 @@ class Sampler {
         energy_at_(model, evidence, options.contact_offset),
         proposal_(make_proposal(model, evidence, options)),
         moves_(model, evidence),
-        symmetries_(symmetry_quaternions(model.object().symmetries)),
+        symmetries_(model.object().symmetries),
         half_turns_(half_turns(model.object())),
         many_contacts_(many_contacts(evidence, options)) {}
 
@@ -174,7 +175,7 @@ Posterior localize(const geometry::ObjectModel& model, const Evidence& evidence,
   check_evidence(model, evidence);
   Posterior posterior;
   if (evidence.prior || evidence.table || !evidence.contacts.empty()) {
-    posterior = search(model, thinned(evidence), random, options);
+    posterior = search(model, thinned(with_surface_error(evidence)), random, options);
   }
   posterior.seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -27,12 +27,12 @@ double Posterior::unlisted() const {
 PoseError pose_error(const Eigen::Isometry3d& estimate, const Eigen::Isometry3d& truth,
                      const std::vector<Eigen::Matrix3d>& symmetries) {
   const PoseFamily family{PosePoint(estimate)};
-  return family.match(PosePoint(truth), symmetry_quaternions(symmetries)).error;
+  return family.match(PosePoint(truth), SymmetryGroup(symmetries)).error;
 }
 
 PoseError mode_error(const Mode& mode, const Eigen::Isometry3d& truth,
                      const std::vector<Eigen::Matrix3d>& symmetries) {
-  return family_of(mode).match(PosePoint(truth), symmetry_quaternions(symmetries)).error;
+  return family_of(mode).match(PosePoint(truth), SymmetryGroup(symmetries)).error;
 }
 
 double pose_probability(const Mode& mode) {
@@ -40,9 +40,13 @@ double pose_probability(const Mode& mode) {
   return mode.weight * std::min(1.0, PoseTolerance{}.rotation / mode.free_axis->extent);
 }
 
+double best_probability(const Posterior& posterior) {
+  return posterior.modes.empty() ? 0 : pose_probability(posterior.modes.front());
+}
+
 bool truth_in_modes(const Posterior& posterior, const Eigen::Isometry3d& truth,
                     const std::vector<Eigen::Matrix3d>& symmetries) {
-  const auto copies = symmetry_quaternions(symmetries);
+  const SymmetryGroup copies(symmetries);
   double covered = 0;
   for (const Mode& mode : posterior.modes) {
     if (covered >= kCredible) break;
@@ -56,7 +60,7 @@ bool truth_in_credible_set(const Posterior& posterior, const Eigen::Isometry3d& 
                            const std::vector<Eigen::Matrix3d>& symmetries) {
   if (truth_in_modes(posterior, truth, symmetries)) return true;
   if (posterior.unlisted() <= 1 - kCredible) return false;
-  const auto copies = symmetry_quaternions(symmetries);
+  const SymmetryGroup copies(symmetries);
   return std::ranges::any_of(posterior.further, [&](const Eigen::Isometry3d& center) {
     return PoseFamily(PosePoint(center)).contains(PosePoint(truth), copies);
   });

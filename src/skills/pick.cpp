@@ -139,7 +139,8 @@ class Picking {
       result_.tracked = state_.tracked;
     }
     if (!sequence_.run(PosePhase(estimator_))) return true;
-    const bool in_doubt = state_.estimate.posterior.modes[0].weight <= options_.palpation.certain;
+    const bool in_doubt =
+        localization::best_probability(state_.estimate.posterior) <= options_.palpation.certain;
     return !in_doubt || probe(estimation::TouchEvent::held);
   }
 

@@ -187,6 +187,10 @@ class Results(CliTest):
             rows = list(csv.DictReader(file))
         self.assertEqual([(row["object"], int(row["seed"])) for row in rows],
                          [(name, seed) for seed in seeds])  # fmt: skip
+        for row in rows:
+            self.assertIn(row["pose_status"], ["certain", "ambiguous", "no_pose"])
+            self.assertLessEqual(float(row["probability"]), float(row["weight"] or 0) + 1e-4)
+            self.assertGreaterEqual(float(row["free_axis_deg"]), 0)
         for key in ["lifted", "pose_ok", "pose_tight", "truth_in_modes"]:
             share = sum(int(row[key]) for row in rows) / len(rows)
             self.assertEqual(share, report[key], key)

@@ -87,6 +87,8 @@ void expect_equal(const Trial& a, const Trial& b) {
   expect_equal(a.result.estimate, b.result.estimate);
   EXPECT_EQ(a.metrics.lifted, b.metrics.lifted);
   EXPECT_EQ(a.metrics.slip, b.metrics.slip);
+  EXPECT_EQ(a.metrics.status, b.metrics.status);
+  EXPECT_EQ(a.metrics.probability, b.metrics.probability);
   EXPECT_EQ(a.metrics.T_world_object.matrix(), b.metrics.T_world_object.matrix());
 }
 

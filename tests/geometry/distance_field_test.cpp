@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <random>
@@ -29,6 +30,29 @@ TEST(DistanceField, IsTheSignedDistanceWithinTheCell) {
     EXPECT_NEAR(sample->distance, mesh.signed_distance(p), 0.001) << p.transpose();
     EXPECT_LE(sample->gradient.norm(), 1.0001F);
   }
+}
+
+/// Round edges and corners of a box seen from outside are the quadratic fields that linear
+/// interpolation on cells of 2 mm misses by 0.17 mm per curved direction at 3 mm.
+TEST(DistanceField, FollowsTheCurveRoundEdgesAndCorners) {
+  const MeshQuery mesh(box_mesh(0.06, 0.05, 0.04));
+  const DistanceField field(mesh, 0.002, 0.02);
+  std::mt19937_64 bits(8);
+  const auto uniform = [&bits] { return static_cast<double>(bits() >> 11) * 0x1p-53; };
+  double squares = 0, curvature = 0;
+  constexpr int kPoints = 2000;
+  for (int i = 0; i < kPoints; ++i) {  // 3 to 5 mm beyond the edge along z
+    const double angle = (0.1 + 0.8 * uniform()) * 1.5708, beyond = 0.003 + 0.002 * uniform();
+    const Eigen::Vector3d p(0.03 + beyond * std::cos(angle), 0.025 + beyond * std::sin(angle),
+                            0.03 * (uniform() - 0.5));
+    const auto sample = field.at(p.cast<float>());
+    ASSERT_TRUE(sample);
+    squares += std::pow(static_cast<double>(sample->distance) - beyond, 2);
+    curvature += 2 * static_cast<double>(sample->squared_curvature) * beyond * beyond;
+  }
+  EXPECT_LT(std::sqrt(squares / kPoints), 0.00005);
+  EXPECT_NEAR(curvature / kPoints, 1, 0.25);
+  EXPECT_NEAR(field.at({0.034F, 0.002F, 0.001F})->squared_curvature, 0, 1);
 }
 
 TEST(DistanceField, GradientPointsOutwardOnBothSides) {

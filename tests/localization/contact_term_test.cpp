@@ -3,7 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
+#include "localization/likelihood/surface_error.hpp"
 #include "localization/scenes.hpp"
+#include "palpate/core/se3.hpp"
 
 namespace palpate::localization {
 namespace {
@@ -180,6 +184,38 @@ TEST(ContactTerm, StopsEarlyOnlyAboveTheBound) {
     EXPECT_EQ(term.energy(pose, all), all);
     EXPECT_GT(term.energy(pose, 0.5F * all), 0.5F * all);
   }
+}
+
+/// Next to an edge the point's error turns the normal of the surface: a tilt tells less there.
+TEST(ContactTerm, TakesNormalsForLessExactWhereTheSurfaceIsCurved) {
+  const auto& model = model_of("box");
+  const Eigen::Vector3d corner = model.bounds().max().cast<double>();
+  Evidence evidence = on_a_face(2);
+  const auto tilted_energy = [&](const Eigen::Vector3d& p, const Eigen::Vector3d& n) {
+    evidence.contacts[0].p = evidence.contacts[1].p = p;
+    evidence.contacts[0].n = n;
+    evidence.contacts[1].n = exp_so3({0, 0, 0.3}) * n;
+    const ContactTerm term(model, evidence, kOffset, 1.0);
+    return term.contact_energy(1, SearchPose{}) - term.contact_energy(0, SearchPose{});
+  };
+  const float on_face = tilted_energy({corner.x(), 0, 0}, Eigen::Vector3d::UnitX());
+  const float on_edge =
+      tilted_energy({corner.x(), 0, corner.z()}, Eigen::Vector3d(1, 0, 1).normalized());
+  EXPECT_GT(on_face, 0.5F);
+  EXPECT_LT(on_edge, 0.8F * on_face);
+}
+
+TEST(SurfaceError, IsAddedToThatOfEachContact) {
+  Evidence evidence = on_a_face(3);
+  evidence.surface_sigma = 0.0003;
+  const Evidence widened = with_surface_error(evidence);
+  for (const auto& contact : widened.contacts) {
+    EXPECT_NEAR(contact.point_sigma, std::hypot(kPointSigma, 0.0003), 1e-12);
+    EXPECT_GT(contact.normal_sigma, evidence.contacts[0].normal_sigma);
+  }
+  EXPECT_EQ(with_surface_error(widened).contacts[0].point_sigma, widened.contacts[0].point_sigma);
+  evidence.surface_sigma = 0;
+  EXPECT_EQ(with_surface_error(evidence).contacts[0].point_sigma, kPointSigma);
 }
 
 }  // namespace

@@ -63,7 +63,7 @@ TEST(Descent, FindsTheTwinThatNoProposalLeadsTo) {
   twin.linear() = truth.linear() * Eigen::Vector3d(-1, -1, 1).asDiagonal();
   const NarrowProposal proposal(twin);
   const EnergyMaker energy_at(model, evidence, 0.003);
-  const auto symmetries = symmetry_quaternions({Eigen::Matrix3d::Identity()});
+  const SymmetryGroup symmetries({Eigen::Matrix3d::Identity()});
   DescentOptions options{.proposals = 50, .starts = 10, .first_scale = 3};
   const auto error_of_best = [&] {
     RandomStream draws(1);

@@ -74,12 +74,12 @@ TEST(FindModes, GivesNoWeightToWhatTheOtherPopulationDoesNotHave) {
 
 TEST(FindModes, CountsSymmetricCopiesOnce) {
   RandomStream random(4);
-  PoseFamily::Symmetries group;
-  for (int i = 0; i < 12; ++i)
-    group.emplace_back(Eigen::Quaterniond(exp_so3({0, 0, i * M_PI / 6})));
+  std::vector<Eigen::Matrix3d> turns;
+  for (int i = 0; i < 12; ++i) turns.push_back(exp_so3({0, 0, i * M_PI / 6}));
+  const SymmetryGroup group(turns);
   const PosePoint a(Eigen::Quaterniond(random.rotation()), random.normal3());
   std::vector<PosePoint> poses;
-  for (const auto& s : group) append(poses, cloud({a.q * s, a.t}, 40, random));
+  for (const auto& s : group.rotations()) append(poses, cloud({a.q * s, a.t}, 40, random));
   const auto modes = find_modes(poses, poses, group, kMost);
   ASSERT_EQ(modes.size(), 1U);
   EXPECT_NEAR(modes[0].weight, 1, 0.01);

@@ -90,6 +90,16 @@ TEST(PoseProbability, IsTheShareOfAFamilysArc) {
   EXPECT_EQ(pose_probability(mode), 0.8);
 }
 
+TEST(BestProbability, IsThatOfTheFirstModesPose) {
+  Posterior posterior;
+  EXPECT_EQ(best_probability(posterior), 0);
+  posterior.modes.resize(2);
+  posterior.modes[0].weight = 0.8;
+  posterior.modes[0].free_axis = FreeAxis{{0, 0, 0}, {0, 0, 1}, 20 * kDegree};
+  posterior.modes[1].weight = 0.1;
+  EXPECT_NEAR(best_probability(posterior), 0.2, 1e-9);
+}
+
 TEST(TruthInModes, LooksOnlyAtTheModesThatHoldMostOfTheWeight) {
   Posterior posterior;
   for (const double weight : {0.9, 0.06, 0.04}) {

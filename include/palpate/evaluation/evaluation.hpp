@@ -47,8 +47,10 @@ struct ObjectSummary {
   std::size_t probed = 0;                ///< lifted, and probed before
   std::size_t sure_but_wrong = 0;        ///< lifted, the best pose wrong, its probability above 0.9
   std::size_t truth_in_modes = 0;        ///< lifted, and the truth among the modes
-  std::size_t false_hold = 0;            ///< reported as held, but not lifted
-  double modes_median = 0;               ///< of the trials with a pose
+  std::size_t certain = 0;               ///< lifted, and the pose said to be certain
+  std::vector<double> stated;  ///< probability of the best pose, of lifted trials with one
+  std::size_t false_hold = 0;  ///< reported as held, but not lifted
+  double modes_median = 0;     ///< of the trials with a pose
   std::vector<double> rotation_error_deg, translation_error_mm, slip_mm;  ///< of lifted trials
   std::vector<double> tip_force, explored_motion_mm;  ///< N, mm, of lifted trials
   std::map<std::string, std::size_t> failures;  ///< by the phase that failed; "slip" if lost later

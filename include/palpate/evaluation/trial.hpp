@@ -109,6 +109,9 @@ struct TrialMetrics {
   bool pose_ok = false;                       ///< within 5 deg and 10 mm
   bool pose_tight = false;                    ///< within 2.5 deg and 3.5 mm
   bool truth_in_modes = false;
+  localization::PoseStatus status = localization::PoseStatus::no_pose;
+  double probability = 0;            ///< stated for the best pose
+  double free_extent = 0;            ///< rad, to either side about its free axis; 0: it has none
   bool pose_ok_before_lift = false;  ///< as the fingers had met the object, with probing
   bool pose_ok_before_probe = false;
   bool pose_ok_tracked = false;  ///< the pose followed from there to the end of the lift

@@ -56,9 +56,12 @@ PoseError pose_error(const Eigen::Isometry3d& estimate, const Eigen::Isometry3d&
 PoseError mode_error(const Mode& mode, const Eigen::Isometry3d& truth,
                      const std::vector<Eigen::Matrix3d>& symmetries);
 
-/// The probability stated for the pose of a mode itself: of a family about a free axis, the share
-/// of its arc that lies within 5 deg.
+/// The probability stated for the pose of a mode itself: that the object is within 5 deg and 10 mm
+/// of it, modulo its symmetries. Of a family about a free axis that is the share of its arc.
 double pose_probability(const Mode& mode);
+
+/// That of the best pose; 0 where there is none.
+double best_probability(const Posterior& posterior);
 
 /// True when the truth is within 5 deg and 10 mm of the smallest set of modes that holds 95 % of
 /// the probability, or of all modes where they hold less.

@@ -102,10 +102,12 @@ Eigen::Matrix3d ShapeMatch::refine(const Eigen::Matrix3d& R) const {
 }
 
 ShapeMatch::Distances ShapeMatch::distances(const std::vector<Eigen::Vector3d>& points,
-                                            const Eigen::Matrix3d& R) const {
+                                            const std::vector<Eigen::Matrix3d>& rotations) const {
   std::vector<double> sorted;
-  sorted.reserve(points.size());
-  for (const Eigen::Vector3d& p : points) sorted.push_back(query_.closest_point(R * p).distance);
+  sorted.reserve(points.size() * rotations.size());
+  for (const Eigen::Matrix3d& R : rotations) {
+    for (const Eigen::Vector3d& p : points) sorted.push_back(query_.closest_point(R * p).distance);
+  }
   std::ranges::sort(sorted);
   const double last = static_cast<double>(sorted.size() - 1);
   const auto quantile = [&](double q) { return sorted[static_cast<std::size_t>(q * last)]; };
@@ -113,9 +115,9 @@ ShapeMatch::Distances ShapeMatch::distances(const std::vector<Eigen::Vector3d>& 
   return {sum / static_cast<double>(sorted.size()), quantile(0.95), quantile(0.997)};
 }
 
-bool ShapeMatch::accepts(const Eigen::Matrix3d& R) const {
-  if (distances(few_points_, R).mean > 2 * tolerance_.mean) return false;  // saves time
-  const Distances all = distances(points_, R);
+bool ShapeMatch::accept(const std::vector<Eigen::Matrix3d>& rotations) const {
+  if (distances(few_points_, rotations).mean > 2 * tolerance_.mean) return false;  // saves time
+  const Distances all = distances(points_, rotations);
   return all.mean < tolerance_.mean && all.quantile_95 < tolerance_.quantile_95 &&
          all.quantile_997 < tolerance_.quantile_997;
 }

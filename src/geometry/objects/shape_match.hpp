@@ -25,13 +25,18 @@ class ShapeMatch {
   Eigen::Matrix3d refine(const Eigen::Matrix3d& R) const;
 
   /// Whether the rotated shape lies within the tolerance of the shape.
-  bool accepts(const Eigen::Matrix3d& R) const;
+  bool accepts(const Eigen::Matrix3d& R) const { return accept({R}); }
+
+  /// Whether the shapes rotated by each lie within the tolerance of the shape, taken together: a
+  /// dent shows in some turns about an axis more than in others.
+  bool accept(const std::vector<Eigen::Matrix3d>& rotations) const;
 
  private:
   struct Distances {
     double mean, quantile_95, quantile_997;  // m
   };
-  Distances distances(const std::vector<Eigen::Vector3d>& points, const Eigen::Matrix3d& R) const;
+  Distances distances(const std::vector<Eigen::Vector3d>& points,
+                      const std::vector<Eigen::Matrix3d>& rotations) const;
 
   SymmetryTolerance tolerance_;  // scaled to the object's radius
   MeshQuery query_;

@@ -31,16 +31,25 @@ Eigen::Vector3d across(const Eigen::Vector3d& axis) { return frame_with_z(axis).
 
 bool is_axis_of_revolution(const ShapeMatch& match, const Eigen::Vector3d& axis) {
   constexpr int kAngles = 17;  // prime, so that no polygon's symmetries are all of them
-  for (int k = 1; k <= kAngles / 2; ++k) {
-    if (!match.accepts(about(axis, 2 * kPi * k / kAngles))) return false;
+  Rotations turns;
+  for (int k = 1; k <= kAngles / 2; ++k) turns.push_back(about(axis, 2 * kPi * k / kAngles));
+  return match.accept(turns);
+}
+
+/// Whether a shape of revolution is the same upside down.
+bool flips_over(const ShapeMatch& match, const Eigen::Vector3d& axis) {
+  constexpr int kFlips = 5;  // about axes all round
+  Rotations flips;
+  for (int k = 0; k < kFlips; ++k) {
+    flips.push_back(about(about(axis, kPi * k / kFlips) * across(axis), kPi));
   }
-  return true;
+  return match.accept(flips);
 }
 
 Rotations revolution(const ShapeMatch& match, const Eigen::Vector3d& axis) {
   constexpr int kCount = 180;  // every 2 degrees
   const Eigen::Matrix3d flip = about(across(axis), kPi);
-  const bool flips = match.accepts(flip);
+  const bool flips = flips_over(match, axis);
   Rotations group;
   for (int k = 0; k < kCount; ++k) group.push_back(about(axis, 2 * kPi * k / kCount));
   for (int k = 0; flips && k < kCount; ++k) {

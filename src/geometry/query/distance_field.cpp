@@ -107,24 +107,46 @@ void DistanceField::fill(const MeshQuery& mesh) {
   }
 }
 
-std::optional<DistanceField::Sample> DistanceField::at(const Eigen::Vector3f& p) const {
+std::optional<DistanceField::Cell> DistanceField::cell_of(const Eigen::Vector3f& p) const {
   const Eigen::Array3f at = (p - origin_).array() / cell_;
   if (!((at >= 0).all() && (at <= (size_ - 1).cast<float>()).all())) return std::nullopt;
   const Eigen::Array3i low = at.cast<int>().min(size_ - 2);
-  const Eigen::Array3f t = at - low.cast<float>();
   const auto row = static_cast<std::size_t>(size_[2]);
   const std::size_t slab = row * static_cast<std::size_t>(size_[1]);
-  const Eigen::Vector4f* node =
-      &nodes_[static_cast<std::size_t>(low[0]) * slab + static_cast<std::size_t>(low[1]) * row +
-              static_cast<std::size_t>(low[2])];
-  const auto along_z = [&t](const Eigen::Vector4f* n) -> Eigen::Vector4f {
-    return n[0] + t[2] * (n[1] - n[0]);
-  };
+  return Cell{&nodes_[static_cast<std::size_t>(low[0]) * slab +
+                      static_cast<std::size_t>(low[1]) * row + static_cast<std::size_t>(low[2])],
+              at - low.cast<float>()};
+}
+
+/// Linear between two nodes along an axis, the distance less what a curve lies below its chord.
+Eigen::Vector4f DistanceField::blend(const Eigen::Vector4f& low, const Eigen::Vector4f& high,
+                                     int axis, float t) const {
+  const Eigen::Vector4f change = high - low;
+  Eigen::Vector4f value = low + t * change;
+  value[3] -= 0.5F * cell_ * t * (1 - t) * change[axis];
+  return value;
+}
+
+std::optional<DistanceField::Sample> DistanceField::at(const Eigen::Vector3f& p) const {
+  const auto cell = cell_of(p);
+  if (!cell) return std::nullopt;
+  const auto& [node, t] = *cell;
+  const auto row = static_cast<std::size_t>(size_[2]);
+  const std::size_t slab = row * static_cast<std::size_t>(size_[1]);
+  const auto along_z = [&](const Eigen::Vector4f* n) { return blend(n[0], n[1], 2, t[2]); };
   const Eigen::Vector4f n00 = along_z(node), n01 = along_z(node + row);
   const Eigen::Vector4f n10 = along_z(node + slab), n11 = along_z(node + slab + row);
-  const Eigen::Vector4f n0 = n00 + t[1] * (n01 - n00), n1 = n10 + t[1] * (n11 - n10);
-  const Eigen::Vector4f value = n0 + t[0] * (n1 - n0);
-  return Sample{value[3], value.head<3>()};
+  const Eigen::Vector4f n0 = blend(n00, n01, 1, t[1]), n1 = blend(n10, n11, 1, t[1]);
+  const Eigen::Vector4f value = blend(n0, n1, 0, t[0]);
+  const auto across_z = [&](const Eigen::Vector4f* n) -> Eigen::Vector4f { return n[1] - n[0]; };
+  const Eigen::Vector4f z0 = (1 - t[1]) * across_z(node) + t[1] * across_z(node + row);
+  const Eigen::Vector4f z1 =
+      (1 - t[1]) * across_z(node + slab) + t[1] * across_z(node + slab + row);
+  const Eigen::Vector3f by_x = (n1 - n0).head<3>();  // change of the gradient over a cell
+  const Eigen::Vector3f by_y = ((1 - t[0]) * (n01 - n00) + t[0] * (n11 - n10)).head<3>();
+  const Eigen::Vector3f by_z = ((1 - t[0]) * z0 + t[0] * z1).head<3>();
+  const float changes = by_x.squaredNorm() + by_y.squaredNorm() + by_z.squaredNorm();
+  return Sample{value[3], value.head<3>(), 0.5F * changes / (cell_ * cell_)};
 }
 
 float DistanceField::distance(const Eigen::Vector3f& p) const {

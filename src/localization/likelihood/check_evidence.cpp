@@ -185,6 +185,7 @@ void check_evidence(const geometry::ObjectModel& model, const Evidence& evidence
     check_finite(name + "center", evidence.free_space[j].center);
     check_not_negative(name + "radius", evidence.free_space[j].radius);
   }
+  check_not_negative("surface_sigma", evidence.surface_sigma);
   check_positive("penetration_sigma", evidence.penetration_sigma);
   const double share = evidence.false_contact_share;
   if (!(share > 0 && share < 1)) {

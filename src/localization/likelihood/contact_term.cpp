@@ -78,7 +78,7 @@ ContactTerm::Noise ContactTerm::make_noise(const geometry::ObjectModel& model,
                                            const tactile::Contact& contact,
                                            const std::vector<Assumption>& levels, double scale) {
   const auto count = static_cast<Eigen::Index>(levels.size());
-  Noise noise{Levels::Zero(count), Levels::Zero(count), Levels::Zero(count)};
+  Noise noise{Levels::Zero(count), Levels::Zero(count), Levels::Zero(count), Levels::Zero(count)};
   double greatest = 0, min_half_point = kNoBound, min_normal = kNoBound;
   for (Eigen::Index j = 0; j < count; ++j) {
     const Assumption& level = levels[static_cast<std::size_t>(j)];
@@ -87,6 +87,7 @@ ContactTerm::Noise ContactTerm::make_noise(const geometry::ObjectModel& model,
     const double odds = true_to_false_odds(evidence.false_contact_share, model.area(), sp, sn);
     noise.half_point_precision[j] = static_cast<float>(0.5 / (sp * sp));
     noise.normal_precision[j] = static_cast<float>(1 / (sn * sn));
+    noise.curvature_widening[j] = static_cast<float>(sp * sp / (sn * sn));
     noise.odds[j] = static_cast<float>(odds);
     greatest = std::max(greatest, odds);
     min_half_point = std::min(min_half_point, 0.5 / (sp * sp));
@@ -94,6 +95,7 @@ ContactTerm::Noise ContactTerm::make_noise(const geometry::ObjectModel& model,
   }
   noise.min_half_point_precision = static_cast<float>(min_half_point);
   noise.min_normal_precision = static_cast<float>(min_normal);
+  noise.max_curvature_widening = noise.curvature_widening.maxCoeff();
   noise.cap = static_cast<float>(std::log1p(greatest));
   noise.inverse_peak = std::exp(-noise.cap);
   noise.stated_cap = std::log1p(noise.odds[0]);
@@ -125,6 +127,7 @@ ContactTerm::Felt ContactTerm::feel(const Datum& contact, const SearchPose& pose
   const auto sample = field_.at(y);
   if (!sample) return felt;
   felt.near = true;
+  felt.squared_curvature = sample->squared_curvature;
   felt.away = sample->distance - offset_;
   const float length = std::max(kShortestGradient, sample->gradient.norm());
   felt.tilt = 1 - (pose.R.transpose() * contact.n).dot(sample->gradient) / length;
@@ -145,21 +148,23 @@ ContactTerm::Levels ContactTerm::likelihood(std::size_t k, const Felt& felt, flo
   const float min_away =
       std::max(0.0F, std::abs(felt.away) - max_growth_ * std::abs(felt.swell) - slack);
   const float min_q = min_away * min_away * noise.min_half_point_precision +
-                      felt.tilt * noise.min_normal_precision / kStray;
+                      felt.tilt * noise.min_normal_precision / kStray /
+                          (1 + noise.max_curvature_widening * felt.squared_curvature);
   if (!felt.near || min_q > kHopeless) {
     return Levels::Constant(growth_.size(), noise.inverse_peak);
   }
   Levels away = felt.away + growth_ * felt.swell;
   if (slack > 0) away = (away.abs() - slack).max(0.0F);
-  const Levels qn = felt.tilt * noise.normal_precision;
+  const Levels wider = 1 + noise.curvature_widening * felt.squared_curvature;
+  const Levels qn = felt.tilt * noise.normal_precision / wider;
   const Levels normal = (1 - stray_) * (-qn).exp() + stray_ / kStray * (-qn / kStray).exp();
-  return (1 + noise.odds * normal * (-away.square() * noise.half_point_precision).exp()) *
+  return (1 + noise.odds / wider * normal * (-away.square() * noise.half_point_precision).exp()) *
          noise.inverse_peak;
 }
 
 float ContactTerm::contact_energy(std::size_t k, const Felt& felt, float away,
                                   Eigen::Index level) const {
-  const LevelNoise noise = noise_at(k, level);
+  const LevelNoise noise = noise_at(k, level, felt.squared_curvature);
   const float q = away * away * noise.half_point_precision;
   if (!felt.near || q >= kHopeless) return noise_[k].cap;
   const float normal = normal_fit(felt.tilt * noise.normal_precision).density;
@@ -181,7 +186,7 @@ ContactTerm::Fit ContactTerm::fit(const Group& group, const std::vector<Felt>& f
     Eigen::Vector3f g = Eigen::Vector3f::Zero();
     for (const std::size_t k : group.members) {
       if (!felt[k].near) continue;
-      const LevelNoise noise = noise_at(k, level);
+      const LevelNoise noise = noise_at(k, level, felt[k].squared_curvature);
       const float precision = 2 * noise.half_point_precision;
       const float away = away_at(felt[k], level) + felt[k].slope.dot(fit.offset);
       const float patience = step == 0 ? 1 + variance * precision : 1;
@@ -270,7 +275,7 @@ void ContactTerm::linearize(const SearchPose& pose, NormalEquations& equations) 
   const std::vector<float> away = away_at_best(felt, level);
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
     if (shares(k)) continue;
-    const auto contact = linearized(k, pose, away[k], noise_at(k, level));
+    const auto contact = linearized(k, pose, away[k], level);
     if (contact) equations.add(contact->J, contact->r, contact->weight);
   }
   for (const Group& group : groups_) {  // the offset is eliminated by its Schur complement
@@ -279,11 +284,11 @@ void ContactTerm::linearize(const SearchPose& pose, NormalEquations& equations) 
         static_cast<double>(group.precision) * fit(group, felt, level).offset.cast<double>();
     Eigen::Matrix<double, 6, 3> across = Eigen::Matrix<double, 6, 3>::Zero();
     for (const std::size_t k : group.members) {
-      const auto contact = linearized(k, pose, away[k], noise_at(k, level));
+      const auto contact = linearized(k, pose, away[k], level);
       if (!contact) continue;
       equations.add(contact->J, contact->r, contact->weight);
       const double scale =
-          std::sqrt(2 * static_cast<double>(noise_at(k, level).half_point_precision));
+          std::sqrt(2 * static_cast<double>(noise_[k].half_point_precision[level]));
       const Eigen::Vector3d slope = scale * felt[k].slope.cast<double>();
       H += contact->weight * slope * slope.transpose();
       g += contact->weight * contact->r[0] * slope;
@@ -297,13 +302,14 @@ void ContactTerm::linearize(const SearchPose& pose, NormalEquations& equations) 
 
 std::optional<ContactTerm::Linearized> ContactTerm::linearized(std::size_t k,
                                                                const SearchPose& pose, float away,
-                                                               const LevelNoise& noise) const {
+                                                               Eigen::Index level) const {
   const Datum& contact = contacts_[k];
   const Eigen::Vector3f arm = contact.raised - pose.t;
   const Eigen::Matrix3f to_object = pose.R.transpose();
   const Eigen::Vector3f y = to_object * arm;
   const auto here = field_.at(y);
   if (!here || here->gradient.norm() < kShortestGradient) return std::nullopt;
+  const LevelNoise noise = noise_at(k, level, here->squared_curvature);
   const Eigen::Vector3f m = here->gradient.normalized(), n = to_object * contact.n;
   Eigen::Matrix3f curvature = Eigen::Matrix3f::Zero();  // of the distance
   for (int axis = 0; axis < 3; ++axis) {

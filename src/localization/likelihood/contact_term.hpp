@@ -17,10 +17,12 @@ double peak_contact_density(double area, double point_sigma, double normal_sigma
 /// Contacts (p, n) with the surface, each with its own noise, some share of them false.
 ///
 /// With y = R'(p + d n - t), a = phi(y) - d and m = R grad phi: q = a^2 / 2 sp^2 + (1 - n.m) / sn^2
-/// (Gaussian distance, von Mises-Fisher normal), E = ln[(1 + A) / (1 + A e^-q)], where
-/// A = (1 - eps) / eps p_true(q = 0) / p_false, a false contact being uniform over a litre and all
-/// directions. `scale` multiplies the noise. Of the true contacts a share s, by the doubt about the
-/// noise, has a normal that strays, sn^2 being nine times as large: e^-q is a mixture of both.
+/// (Gaussian distance, von Mises-Fisher normal), where the point's error turns the normal of a
+/// surface of curvature c besides: sn^2 + c^2 sp^2 in the place of sn^2. E = ln[(1 + A) / (1 + A
+/// e^-q)], where A = (1 - eps) / eps p_true(q = 0) / p_false, a false contact being uniform over a
+/// litre and all directions. `scale` multiplies the noise. Of the true contacts a share s, by the
+/// doubt about the noise, has a normal that strays, sn^2 being nine times as large: e^-q is a
+/// mixture of both.
 ///
 /// An offset b ~ N(0, so^2 I) that contacts share makes it a_k + m_k.b, and is integrated out by
 /// Laplace's method: E = sum E_k(b*) + |b*|^2 / 2 so^2 + ln det(I + so^2 sum w_k m_k m_k' / sp^2) /
@@ -64,8 +66,9 @@ class ContactTerm : public EvidenceTerm {
   /// The noise of a contact at each level.
   struct Noise {
     Levels half_point_precision, normal_precision;
-    Levels odds;  // A
-    float min_half_point_precision = 0, min_normal_precision = 0;
+    Levels curvature_widening;  // sp^2 / sn^2, m^2
+    Levels odds;                // A
+    float min_half_point_precision = 0, min_normal_precision = 0, max_curvature_widening = 0;
     float cap = 0, inverse_peak = 0;  // the greatest ln(1 + A), 1 / (1 + A)
     float stated_cap = 0;             // ln(1 + A) of the first
   };
@@ -88,6 +91,7 @@ class ContactTerm : public EvidenceTerm {
     float away = 0, tilt = 0;                         // a, 1 - n.m
     float swell = 0;                                  // change of `away` by the object's growth
     Eigen::Vector3f slope = Eigen::Vector3f::Zero();  // of `away` by the offset
+    float squared_curvature = 0;                      // of the surface, 1/m^2
     bool near = false;                                // within reach of the distance field
   };
   /// An offset and the information about it.
@@ -110,9 +114,11 @@ class ContactTerm : public EvidenceTerm {
   };
 
   bool shares(std::size_t contact) const { return contacts_[contact].reach > 0; }
-  LevelNoise noise_at(std::size_t k, Eigen::Index level) const {
-    return {noise_[k].half_point_precision[level], noise_[k].normal_precision[level],
-            noise_[k].odds[level]};
+  /// @param squared_curvature  of the surface where the contact is
+  LevelNoise noise_at(std::size_t k, Eigen::Index level, float squared_curvature) const {
+    const float wider = 1 + noise_[k].curvature_widening[level] * squared_curvature;
+    return {noise_[k].half_point_precision[level], noise_[k].normal_precision[level] / wider,
+            noise_[k].odds[level] / wider};
   }
   static Noise make_noise(const geometry::ObjectModel& model, const Evidence& evidence,
                           const tactile::Contact& contact, const std::vector<Assumption>& levels,
@@ -135,7 +141,7 @@ class ContactTerm : public EvidenceTerm {
   /// Of every contact, displaced by the offset that fits best.
   std::vector<float> away_at_best(const std::vector<Felt>& felt, Eigen::Index level) const;
   std::optional<Linearized> linearized(std::size_t contact, const SearchPose& pose, float away,
-                                       const LevelNoise& noise) const;
+                                       Eigen::Index level) const;
 
   const geometry::DistanceField& field_;
   float offset_;

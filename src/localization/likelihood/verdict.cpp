@@ -24,8 +24,7 @@ bool contradicted(const geometry::ObjectModel& model, const Evidence& evidence,
 
 PoseStatus status_of(const std::vector<Mode>& modes) {
   if (modes.empty()) return PoseStatus::no_pose;
-  const Mode& best = modes.front();
-  return best.weight > kCertain && !best.free_axis ? PoseStatus::certain : PoseStatus::ambiguous;
+  return pose_probability(modes.front()) > kCertain ? PoseStatus::certain : PoseStatus::ambiguous;
 }
 
 }  // namespace palpate::localization

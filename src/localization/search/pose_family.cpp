@@ -43,8 +43,10 @@ PoseFamily::Match PoseFamily::match_image(const PosePoint& image) const {
 }
 
 PoseFamily::Match PoseFamily::match(const PosePoint& pose, const Symmetries& symmetries) const {
+  if (!axis_)
+    return match_image({pose.q * symmetries.nearest(pose.q.conjugate() * pose_.q), pose.t});
   Match best = match_image(pose);
-  for (const Eigen::Quaterniond& symmetry : symmetries) {
+  for (const Eigen::Quaterniond& symmetry : symmetries.rotations()) {
     Match other = match_image({pose.q * symmetry, pose.t});
     if (relative_error(other.error) < relative_error(best.error)) best = std::move(other);
   }
@@ -57,11 +59,9 @@ bool PoseFamily::contains(const PosePoint& pose, const Symmetries& symmetries,
     if ((pose.t - pose_.t).norm() > tolerance.translation) return false;
     const double least = std::cos(tolerance.rotation / 2);
     const Eigen::Quaterniond between = pose.q.conjugate() * pose_.q;
-    return std::any_of(symmetries.begin(), symmetries.end(), [&](const Eigen::Quaterniond& s) {
-      return std::abs(between.dot(s)) >= least;
-    });
+    return std::abs(between.dot(symmetries.nearest(between))) >= least;
   }
-  return std::any_of(symmetries.begin(), symmetries.end(), [&](const Eigen::Quaterniond& s) {
+  return std::ranges::any_of(symmetries.rotations(), [&](const Eigen::Quaterniond& s) {
     return relative_error(match_image({pose.q * s, pose.t}).error, tolerance) <= 1;
   });
 }
@@ -74,13 +74,6 @@ PoseFamily family_of(const Mode& mode) {
 std::size_t take(const PoseFamily& family, const PoseFamily::Symmetries& symmetries,
                  std::vector<PosePoint>& poses) {
   return std::erase_if(poses, [&](const PosePoint& p) { return family.contains(p, symmetries); });
-}
-
-PoseFamily::Symmetries symmetry_quaternions(const std::vector<Eigen::Matrix3d>& symmetries) {
-  PoseFamily::Symmetries result;
-  for (const Eigen::Matrix3d& R : symmetries) result.emplace_back(Eigen::Quaterniond(R));
-  if (result.empty()) result.push_back(Eigen::Quaterniond::Identity());
-  return result;
 }
 
 double relative_error(const PoseError& error, const PoseTolerance& tolerance) {

@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <vector>
 
+#include "localization/search/symmetry_group.hpp"
 #include "palpate/localization/posterior.hpp"
 
 namespace palpate::localization {
@@ -33,7 +34,7 @@ struct PoseTolerance {
 /// symmetry are the same pose.
 class PoseFamily {
  public:
-  using Symmetries = std::vector<Eigen::Quaterniond>;
+  using Symmetries = SymmetryGroup;
 
   explicit PoseFamily(PosePoint pose) : pose_(std::move(pose)) {}
   PoseFamily(PosePoint pose, FreeAxis axis) : pose_(std::move(pose)), axis_(std::move(axis)) {}
@@ -68,8 +69,6 @@ PoseFamily family_of(const Mode& mode);
 /// Removes from `poses` what the family holds and returns how many that were.
 std::size_t take(const PoseFamily& family, const PoseFamily::Symmetries& symmetries,
                  std::vector<PosePoint>& poses);
-
-PoseFamily::Symmetries symmetry_quaternions(const std::vector<Eigen::Matrix3d>& symmetries);
 
 /// The larger of the two errors, each relative to its tolerance.
 double relative_error(const PoseError& error, const PoseTolerance& tolerance = {});

@@ -253,7 +253,7 @@ void Tracker::prune() {
   };
   std::stable_sort(hypotheses_.begin(), hypotheses_.end(), heavier);
   const double most = hypotheses_.front().log_weight;
-  const auto symmetries = symmetry_quaternions(model_.object().symmetries);
+  const SymmetryGroup symmetries(model_.object().symmetries);
   std::vector<Hypothesis> kept;
   for (Hypothesis& hypothesis : hypotheses_) {
     hypothesis.log_weight -= most;

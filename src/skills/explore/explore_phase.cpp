@@ -130,8 +130,7 @@ std::vector<int> every_other_first(int count) {
 
 /// Whether one pose is left, and not a family of them.
 bool settled(const localization::Posterior& posterior, double certain) {
-  const auto& best = posterior.modes.front();
-  return best.weight > certain && !best.free_axis;
+  return localization::best_probability(posterior) > certain;
 }
 
 /// The first finger's balls around the centre of its tip.
@@ -189,7 +188,7 @@ PhaseEnd ExplorePhase::run(Executor& robot, PickState& state) {
   }
   return {true, fmt::format("{} touches, {} ({:.2f})", touches,
                             localization::to_string(state.resting->status),
-                            state.resting->modes[0].weight)};
+                            localization::best_probability(*state.resting))};
 }
 
 /// Level guarded moves from all sides, half of them with the hand turned round.

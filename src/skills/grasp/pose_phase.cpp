@@ -9,10 +9,11 @@ PhaseEnd PosePhase::run(Executor& robot, PickState& state) {
   state.estimate = estimator_.held(robot.model(), robot.log(), robot.log().at(instant_));
   const auto& posterior = state.estimate.posterior;
   if (posterior.modes.empty()) return {false, "no pose explains what was felt"};
-  return {true, fmt::format("{} ({:.2f}), {} mode{}, {} contacts",
-                            localization::to_string(posterior.status), posterior.modes[0].weight,
-                            posterior.modes.size(), posterior.modes.size() == 1 ? "" : "s",
-                            state.estimate.contacts.size())};
+  return {
+      true,
+      fmt::format("{} ({:.2f}), {} mode{}, {} contacts", localization::to_string(posterior.status),
+                  localization::best_probability(posterior), posterior.modes.size(),
+                  posterior.modes.size() == 1 ? "" : "s", state.estimate.contacts.size())};
 }
 
 }  // namespace palpate::skills

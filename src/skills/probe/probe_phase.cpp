@@ -84,8 +84,8 @@ class Probing {
 
   PhaseEnd run(double last_start) {
     state_.next_grasp.reset();
-    const double before = weight();
-    while (holds_ && !slipped_ && weight() > 0 && weight() <= options_.certain &&
+    const double before = probability();
+    while (holds_ && !slipped_ && probability() > 0 && probability() <= options_.certain &&
            robot_.time() < last_start) {
       const Choices next = choices();
       if (next.grasp) state_.next_grasp = next.grasp->plan;
@@ -94,8 +94,8 @@ class Probing {
     }
     return {!lost() && !slipped_,
             fmt::format("{} touch{}, {} roll{}, certainty {:.2f} -> {:.2f}{}", touches_,
-                        touches_ == 1 ? "" : "es", rolls_, rolls_ == 1 ? "" : "s", before, weight(),
-                        state_.next_grasp ? "; another grasp tells more" : "")};
+                        touches_ == 1 ? "" : "es", rolls_, rolls_ == 1 ? "" : "s", before,
+                        probability(), state_.next_grasp ? "; another grasp tells more" : "")};
   }
 
  private:
@@ -103,9 +103,7 @@ class Probing {
   [[nodiscard]] const localization::Posterior& posterior() const {
     return state_.estimate.posterior;
   }
-  [[nodiscard]] double weight() const {
-    return posterior().modes.empty() ? 0.0 : posterior().modes[0].weight;
-  }
+  [[nodiscard]] double probability() const { return localization::best_probability(posterior()); }
   [[nodiscard]] bool lost() const {
     if (!hangs()) return !holds_;
     return estimation::mean_load(robot_.log()) < kMinWeight * object_.object().mass * kGravity;

@@ -9,13 +9,15 @@
 
 namespace palpate::geometry {
 
-/// Signed distance of a watertight mesh on a regular grid, with its gradient, interpolated
-/// linearly. It takes up to a second, so it is kept in the cache under the mesh's content.
+/// Signed distance of a watertight mesh on a regular grid, with its gradient. Between nodes the
+/// gradient is linear, and the distance corrected by it, which is exact for quadratic fields.
+/// It takes up to a second, so it is kept in the cache under the mesh's content.
 class DistanceField {
  public:
   struct Sample {
     float distance;            ///< m, negative inside
     Eigen::Vector3f gradient;  ///< interpolated outward direction; its length is <= 1
+    float squared_curvature;   ///< mean square of the level set's principal curvatures, 1/m^2
   };
 
   /// @param cell  grid spacing, m
@@ -32,6 +34,14 @@ class DistanceField {
   float beyond() const { return beyond_; }
 
  private:
+  /// The cell that holds a point: its first node, and the place in it, 0..1 along each axis.
+  struct Cell {
+    const Eigen::Vector4f* node;
+    Eigen::Array3f t;
+  };
+  std::optional<Cell> cell_of(const Eigen::Vector3f& p) const;
+  Eigen::Vector4f blend(const Eigen::Vector4f& low, const Eigen::Vector4f& high, int axis,
+                        float t) const;
   bool take_nodes(std::string_view bytes);
   void fill(const MeshQuery& mesh);
 
