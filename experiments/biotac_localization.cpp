@@ -125,7 +125,7 @@ struct Tally {
   void add(const evaluation::TrialMetrics& metrics) {
     ++lifted;
     ok += metrics.pose_ok;
-    in_modes += metrics.truth_in_modes;
+    in_modes += metrics.covered;
   }
   void add(const Tally& other) {
     lifted += other.lifted;

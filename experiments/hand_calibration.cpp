@@ -79,7 +79,7 @@ void calibrate(const geometry::KnownObject& object, int touches, std::uint64_t s
   const auto report = run_phase(phase, robot, state);
   sums.after += std::pow(tip_error(robot.model(), real), 2);
   sums.claimed += std::pow(claimed_error(robot.model()), 2);
-  sums.seconds += report.sim_seconds;
+  sums.seconds += report.robot_seconds;
   sums.wall += report.wall_seconds;
   sums.outcome = report.outcome;
   if (world.diverged()) throw std::runtime_error(fmt::format("seed {}: the world diverged", seed));

@@ -36,7 +36,7 @@ struct Outcome {
   RegraspResult result;
   localization::PoseError error;  // from the target, modulo symmetry
   bool in_stable_pose = false;
-  double sim_seconds = 0;
+  double robot_seconds = 0;
 };
 
 int stable_pose_with_up(const geometry::KnownObject& object, const Eigen::Vector3d& up) {
@@ -75,7 +75,7 @@ Outcome run_one(const geometry::ObjectModel& object, const Change& change, std::
   outcome.error = localization::pose_error(truth, target.T_world_object, known.symmetries);
   outcome.in_stable_pose =
       same_stable_pose(truth.linear(), target.T_world_object.linear(), known.symmetries);
-  outcome.sim_seconds = robot.time();
+  outcome.robot_seconds = robot.time();
   return outcome;
 }
 
@@ -100,14 +100,14 @@ std::string share(std::size_t count, std::size_t of) {
 
 std::vector<std::string> row_of(const Change& change, const std::vector<Outcome>& outcomes) {
   std::size_t changed = 0, placed = 0, done = 0;
-  std::vector<double> rounds, plan_seconds, sim_seconds;
+  std::vector<double> rounds, plan_seconds, robot_seconds;
   std::map<std::string, int> ends;
   for (const Outcome& outcome : outcomes) {
     changed += outcome.in_stable_pose;
     placed += outcome.error.rotation < 5 * kDegree && outcome.error.translation < 0.01;
     done += outcome.result.status == RegraspStatus::done;
     rounds.push_back(static_cast<double>(outcome.result.rounds.size()));
-    sim_seconds.push_back(outcome.sim_seconds);
+    robot_seconds.push_back(outcome.robot_seconds);
     for (const auto& round : outcome.result.rounds) {
       plan_seconds.push_back(round.plan.seconds);
       ++ends[round.place ? std::string(to_string(round.place->status)) : "not held"];
@@ -122,7 +122,7 @@ std::vector<std::string> row_of(const Change& change, const std::vector<Outcome>
           fmt::format("{}", done),
           fmt::format("{:.1f}", mean(rounds)),
           fmt::format("{:.2f}", median(plan_seconds)),
-          fmt::format("{:.0f}", median(sim_seconds)),
+          fmt::format("{:.0f}", median(robot_seconds)),
           all};
 }
 

@@ -47,9 +47,17 @@ json phases_json(const std::map<std::string, evaluation::PhaseSummary>& phases) 
   for (const auto& [name, phase] : phases) {
     all[name] = {{"runs", phase.runs},
                  {"ok", rate(phase.ok, phase.runs)},
-                 {"sim_seconds", quantiles_json(phase.sim_seconds)}};
+                 {"robot_seconds", quantiles_json(phase.robot_seconds)}};
   }
   return all;
+}
+
+json median_or_null(const std::vector<double>& values) {
+  return values.empty() ? json() : json(median(values));
+}
+
+json mean_or_null(const std::vector<double>& values) {
+  return values.empty() ? json() : json(mean(values));
 }
 
 json summary_json(const ObjectSummary& summary) {
@@ -63,15 +71,16 @@ json summary_json(const ObjectSummary& summary) {
           {"pose_ok_tracked", rate(summary.pose_ok_tracked, summary.trials)},
           {"probed", rate(summary.probed, summary.trials)},
           {"certain", rate(summary.certain, summary.trials)},
-          {"stated", quantiles_json(summary.stated)},
-          {"sure_but_wrong", rate(summary.sure_but_wrong, summary.trials)},
-          {"truth_in_modes", rate(summary.truth_in_modes, summary.trials)},
-          {"truth_in_modes_of_lifted", rate(summary.truth_in_modes, summary.lifted)},
+          {"mean_probability", mean_or_null(summary.probability)},
+          {"confident_wrong", rate(summary.confident_wrong, summary.trials)},
+          {"coverage", rate(summary.covered, summary.lifted)},
           {"false_hold", rate(summary.false_hold, summary.trials)},
-          {"modes_median", summary.modes_median},
+          {"modes_median", median_or_null(summary.modes)},
           {"placed", rate(summary.place.placed, summary.trials)},
+          {"placed_of_certain", rate(summary.place.placed, summary.place.certain)},
           {"place", place_summary_json(summary.place, summary.trials)},
           {"phases", phases_json(summary.phases)},
+          {"robot_seconds", quantiles_json(summary.robot_seconds)},
           {"rotation_error_deg", quantiles_json(summary.rotation_error_deg)},
           {"translation_error_mm", quantiles_json(summary.translation_error_mm)},
           {"slip_mm", quantiles_json(summary.slip_mm)},
@@ -102,67 +111,20 @@ std::string failures_text(const ObjectSummary& summary) {
 void print_row(const std::string& name, const ObjectSummary& summary) {
   fmt::print("{:<10} {:<18} {:<18} {:<18} {:>6} {:>7} {:>7}   {}\n", name,
              rate_text(summary.lifted, summary.trials), rate_text(summary.pose_ok, summary.trials),
-             rate_text(summary.truth_in_modes, summary.lifted),
-             summary.modes_median > 0 ? fmt::format("{:.1f}", summary.modes_median) : "-",
+             rate_text(summary.covered, summary.lifted), median_text(summary.modes),
              median_text(summary.rotation_error_deg), median_text(summary.translation_error_mm),
              failures_text(summary));
   std::fflush(stdout);
 }
 
-void append(const std::vector<double>& values, std::vector<double>& all) {
-  all.insert(all.end(), values.begin(), values.end());
-}
-
-/// All objects together; a median over objects of the number of modes would mean nothing.
-ObjectSummary total(const std::vector<ObjectSummary>& summaries) {
-  ObjectSummary sum;
-  for (const auto& summary : summaries) {
-    sum.trials += summary.trials;
-    sum.lifted += summary.lifted;
-    sum.pose_ok += summary.pose_ok;
-    sum.truth_in_modes += summary.truth_in_modes;
-    sum.false_hold += summary.false_hold;
-    append(summary.rotation_error_deg, sum.rotation_error_deg);
-    append(summary.translation_error_mm, sum.translation_error_mm);
-  }
-  return sum;
-}
-
-void append(const evaluation::ErrorSummary& errors, evaluation::ErrorSummary& all) {
-  append(errors.rotation_deg, all.rotation_deg);
-  append(errors.translation_mm, all.translation_mm);
-}
-
-void append(const evaluation::PlaceSummary& place, evaluation::PlaceSummary& all) {
-  all.certain += place.certain;
-  all.placed += place.placed;
-  all.tight += place.tight;
-  all.wrong += place.wrong;
-  all.dropped += place.dropped;
-  all.in_stable_pose += place.in_stable_pose;
-  for (const auto& [status, count] : place.status) all.status[status] += count;
-  append(place.final_error, all.final_error);
-  append(place.estimate_error, all.estimate_error);
-}
-
 void print_places(const std::vector<std::string>& names,
-                  const std::vector<ObjectSummary>& summaries) {
+                  const std::vector<ObjectSummary>& summaries, const ObjectSummary& all) {
   fmt::print("\n{}\n", place_heading());
-  evaluation::PlaceSummary places;
-  std::map<std::string, evaluation::PhaseSummary> phases;
-  std::size_t trials = 0;
   for (std::size_t i = 0; i < summaries.size(); ++i) {
     fmt::print("{}\n", place_row(names[i], summaries[i].place, summaries[i].trials));
-    append(summaries[i].place, places);
-    trials += summaries[i].trials;
-    for (const auto& [name, phase] : summaries[i].phases) {
-      phases[name].runs += phase.runs;
-      phases[name].ok += phase.ok;
-      append(phase.sim_seconds, phases[name].sim_seconds);
-      append(phase.wall_seconds, phases[name].wall_seconds);
-    }
   }
-  fmt::print("{}\n* of the certain\n\n{}", place_row("all", places, trials), phases_table(phases));
+  fmt::print("{}\n* of the certain\n\n{}", place_row("all", all.place, all.trials),
+             phases_table(all.phases));
 }
 
 /// Fingerprint of all that decides how a trial goes, but for its number.
@@ -255,10 +217,11 @@ int eval(EvalArguments arguments) {
   const bool table = !arguments.common.json;
   if (table) {
     fmt::print("{:<10} {:<18} {:<18} {:<18} {:>6} {:>7} {:>7}   {}\n", "object", "lifted",
-               "pose right", "truth in modes*", "modes", "deg", "mm", "failures");
+               "pose right", "coverage*", "modes", "deg", "mm", "failures");
   }
   json report = {{"trials", arguments.trials}, {"seed", arguments.common.seed}};
   std::vector<ObjectSummary> summaries;
+  ObjectSummary all;
   for (std::size_t i = 0; i < objects.size(); ++i) {
     const geometry::ObjectModel model(objects[i]);
     const ProgressBar bar(arguments.objects[i], arguments.trials, arguments.common.quiet);
@@ -267,6 +230,7 @@ int eval(EvalArguments arguments) {
         model, options, arguments.common.seed, arguments.trials, arguments.common.threads,
         [&](std::size_t done, const evaluation::Trial& trial) {
           bar.show(done);
+          evaluation::add_trial(trial, all);
           if (output) output->add(arguments.objects[i], arguments.common.seed + done - 1, trial);
         },
         [&](std::size_t trial) {
@@ -276,10 +240,12 @@ int eval(EvalArguments arguments) {
     report["objects"][arguments.objects[i]] = summary_json(summaries.back());
     if (table) print_row(arguments.objects[i], summaries.back());
   }
+  report["all"] = summary_json(all);
+  report["all"].erase("symmetry_order");
   if (table) {
-    print_row("all", total(summaries));
+    print_row("all", all);
     fmt::print("rates over all trials with 95 % Wilson intervals; * of the lifted\n");
-    if (!options.place.target.empty()) print_places(arguments.objects, summaries);
+    if (!options.place.target.empty()) print_places(arguments.objects, summaries, all);
   } else {
     fmt::print("{}\n", report.dump(2));
   }

@@ -157,6 +157,7 @@ nlohmann::json report_of(const LocalizeArguments& arguments, const Result& resul
   for (const auto& T : result.posterior.further)
     further.push_back(to_json(T * result.T_object_mesh));
   return {{"status", lo::to_string(result.posterior.status)},
+          {"probability", lo::best_probability(result.posterior)},
           {"modes", modes},
           {"unlisted", result.posterior.unlisted()},
           {"further", further},

@@ -76,7 +76,7 @@ int pick(const PickArguments& arguments) {
                                            phase_printer(common), interrupt.token());
   writer.finish();
   write_file_atomically(folder / "config.toml", config);
-  auto report = trial_json(trial);
+  auto report = trial_json(trial, arguments.object);
   report.update({{"object", arguments.object}, {"seed", common.seed}, {"version", version()}});
   write_file_atomically(folder / "report.json", report.dump(2) + "\n");
   const auto title =

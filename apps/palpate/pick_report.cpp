@@ -31,11 +31,12 @@ json modes_json(const localization::Posterior& posterior) {
   return modes;
 }
 
-json estimate_json(const evaluation::Trial& trial) {
+json estimate_json(const evaluation::Trial& trial, const std::string& object) {
   const auto& posterior = trial.result.estimate.posterior;
   const auto& metrics = trial.metrics;
   if (posterior.modes.empty()) return nullptr;
   return {{"status", localization::to_string(posterior.status)},
+          {"object", object},
           {"T_world_object", to_json(posterior.modes[0].T_frame_object)},
           {"weight", posterior.modes[0].weight},
           {"probability", localization::pose_probability(posterior.modes[0])},
@@ -43,7 +44,7 @@ json estimate_json(const evaluation::Trial& trial) {
           {"translation_error_mm", 1e3 * metrics.error.translation},
           {"rotation_error_without_symmetry_deg",
            kDegreesPerRadian * metrics.error_no_symmetry.rotation},
-          {"truth_in_modes", metrics.truth_in_modes},
+          {"coverage", metrics.covered},
           {"modes", modes_json(posterior)},
           {"seconds", posterior.seconds}};
 }
@@ -52,15 +53,18 @@ json phase_json(const skills::PhaseReport& report) {
   return {{"name", report.name},
           {"status", skills::to_string(report.status)},
           {"outcome", report.outcome},
-          {"sim_seconds", report.sim_seconds},
+          {"robot_seconds", report.robot_seconds},
           {"wall_seconds", report.wall_seconds},
           {"contacts", report.contacts},
           {"peak_force", report.peak_force}};
 }
 
-json fault_json(const skills::FaultReport& report) {
-  if (!report) return nullptr;
-  return {{"name", to_string(report.fault)}, {"detail", report.detail}, {"time", report.time}};
+json faults_json(const skills::FaultReport& report) {
+  json faults = json::array();
+  if (!report) return faults;
+  faults.push_back(
+      {{"name", to_string(report.fault)}, {"detail", report.detail}, {"time", report.time}});
+  return faults;
 }
 
 std::string pose_text(const Eigen::Isometry3d& T) {
@@ -96,7 +100,7 @@ std::string phase_row(const skills::PhaseReport& report) {
           ? report.outcome
           : fmt::format("{}: {}", skills::to_string(report.status), report.outcome);
   return fmt::format("{:<10} {:<44} {:>7.1f} s {:>6.2f} s {:>9} {:>5.1f} N", report.name, outcome,
-                     report.sim_seconds, report.wall_seconds, report.contacts, report.peak_force);
+                     report.robot_seconds, report.wall_seconds, report.contacts, report.peak_force);
 }
 
 std::string estimate_text(const evaluation::Trial& trial) {
@@ -115,7 +119,7 @@ std::string estimate_text(const evaluation::Trial& trial) {
   if (posterior.modes.size() > 1) {
     text += fmt::format(
         "\n{} ({}); the truth is {} the modes", counted(posterior.modes.size() - 1, "other mode"),
-        weights_of_others(posterior.modes), trial.metrics.truth_in_modes ? "among" : "NOT among");
+        weights_of_others(posterior.modes), trial.metrics.covered ? "among" : "NOT among");
   }
   return text;
 }
@@ -130,7 +134,7 @@ std::string outcome_text(const evaluation::Trial& trial) {
   return estimate_text(trial);
 }
 
-nlohmann::json trial_json(const evaluation::Trial& trial) {
+nlohmann::json trial_json(const evaluation::Trial& trial, const std::string& object) {
   const bool put = !trial.place || trial.place->status == skills::PlaceStatus::placed;
   const skills::FaultReport& fault = trial.result.fault;
   const bool ok = trial.result.held && trial.metrics.has_pose && put && !fault;
@@ -145,13 +149,14 @@ nlohmann::json trial_json(const evaluation::Trial& trial) {
   return {{"status", fault ? "fault"
                      : ok  ? "ok"
                            : "failed"},
-          {"fault", fault_json(fault)},
+          {"faults", faults_json(fault)},
           {"failed_phase", failed_phase},
           {"held", trial.result.held},
           {"lifted", trial.metrics.lifted},
           {"placed", trial.place_metrics.placed},
           {"place", place_json(trial)},
           {"attempts", trial.result.attempts},
+          {"robot_seconds", trial.robot_seconds},
           {"slip_mm", 1e3 * trial.metrics.slip},
           {"tip_force", trial.metrics.tip_force},
           {"limited_commands", trial.result.limited_commands},
@@ -165,7 +170,7 @@ nlohmann::json trial_json(const evaluation::Trial& trial) {
           {"probes", trial.metrics.probes},
           {"regrasps", trial.result.regrasps},
           {"stable_pose", trial.start.stable_pose},
-          {"estimate", estimate_json(trial)},
+          {"estimate", estimate_json(trial, object)},
           {"T_world_object_true", to_json(trial.metrics.T_world_object)},
           {"phases", phases}};
 }

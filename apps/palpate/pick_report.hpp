@@ -19,6 +19,7 @@ std::string outcome_text(const evaluation::Trial& trial);
 std::string estimate_text(const evaluation::Trial& trial);
 
 /// What `palpate pick --json` prints and report.json holds.
-nlohmann::json trial_json(const evaluation::Trial& trial);
+/// @param object  its name
+nlohmann::json trial_json(const evaluation::Trial& trial, const std::string& object);
 
 }  // namespace palpate::app

@@ -86,7 +86,7 @@ json turn_json(const skills::InHandReorientation& turn) {
           {"lost", turn.lost},
           {"steps", result.steps},
           {"rollouts", result.rollouts},
-          {"sim_seconds", result.seconds},
+          {"robot_seconds", result.seconds},
           {"plan_seconds", result.plan_seconds}};
 }
 
@@ -227,7 +227,7 @@ std::string phases_table(const std::map<std::string, evaluation::PhaseSummary>& 
                                  "simulated s", "wall s");
   for (const auto& [name, phase] : phases) {
     text += fmt::format("{:<10} {:>6} {:>6.2f} {:>12.1f} {:>10.2f}\n", name, phase.runs,
-                        rate(phase.ok, phase.runs), median(phase.sim_seconds),
+                        rate(phase.ok, phase.runs), median(phase.robot_seconds),
                         median(phase.wall_seconds));
   }
   return text;

@@ -15,16 +15,20 @@ struct StreamSummary {
   std::size_t samples = 0, flagged = 0;
   std::map<std::string, std::size_t> flags;
   std::vector<double> errors, forces;
+  std::vector<double> normalized;  // squared errors by their variance: 2 in the mean, where honest
 };
 
 StreamSummary summarize(const SensedStream& stream) {
-  StreamSummary summary{.samples = stream.samples.size(), .flags = {}, .errors = {}, .forces = {}};
+  StreamSummary summary;
+  summary.samples = stream.samples.size();
   for (const SensedSample& sample : stream.samples) {
     if (!sample.flags.empty()) {
       ++summary.flagged;
       ++summary.flags[sample.flags];
     }
     if (std::isfinite(sample.error_deg)) summary.errors.push_back(sample.error_deg);
+    const double ratio = sample.error_deg / sample.sigma_deg;
+    if (std::isfinite(ratio)) summary.normalized.push_back(ratio * ratio);
     if (sample.force.allFinite()) summary.forces.push_back(sample.force.norm());
   }
   return summary;
@@ -39,6 +43,8 @@ nlohmann::json stream_json(const StreamSummary& summary) {
                            {"p90", quantile(summary.errors, 0.9)},
                            {"p95", quantile(summary.errors, 0.95)}};
   }
+  stream["normalized_error_squared"] = nullptr;
+  if (!summary.normalized.empty()) stream["normalized_error_squared"] = mean(summary.normalized);
   return stream;
 }
 

@@ -26,10 +26,10 @@ std::string pick_cells(const evaluation::Trial& trial) {
       "{:.3f},{}",
       trial.start.stable_pose, metrics.lifted, trial.result.attempts, trial.result.regrasps,
       metrics.pose_ok, metrics.pose_tight, metrics.pose_ok_before_lift,
-      metrics.pose_ok_before_probe, metrics.pose_ok_tracked, metrics.tracked_share,
-      metrics.truth_in_modes, modes.empty() ? "" : fmt::format("{:.4f}", modes[0].weight),
-      to_string(metrics.status), metrics.probability, kDegreesPerRadian * metrics.free_extent,
-      metrics.probes, error_cells(metrics.has_pose, metrics.error), 1e3 * metrics.slip,
+      metrics.pose_ok_before_probe, metrics.pose_ok_tracked, metrics.tracked_share, metrics.covered,
+      modes.empty() ? "" : fmt::format("{:.4f}", modes[0].weight), to_string(metrics.status),
+      metrics.probability, kDegreesPerRadian * metrics.free_extent, metrics.probes,
+      error_cells(metrics.has_pose, metrics.error), 1e3 * metrics.slip,
       1e3 * metrics.explored_motion, metrics.tip_force, trial.result.failed_phase);
 }
 
@@ -48,7 +48,7 @@ TrialsFile::TrialsFile(std::filesystem::path path, bool place)
     : path_(std::move(path)), place_(place) {
   text_ =
       "object,seed,stance,lifted,attempts,regrasps,pose_ok,pose_tight,pose_ok_before_lift,"
-      "pose_ok_before_probe,pose_ok_tracked,tracked_share,truth_in_modes,weight,"
+      "pose_ok_before_probe,pose_ok_tracked,tracked_share,covered,weight,"
       "pose_status,probability,free_axis_deg,probes,"
       "rotation_error_deg,translation_error_mm,slip_mm,explored_motion_mm,tip_force,failed_phase";
   if (place_)

@@ -25,7 +25,7 @@ void count_phases(const std::vector<skills::PhaseReport>& reports,
     PhaseSummary& phase = phases[report.name];
     ++phase.runs;
     phase.ok += report.status == skills::PhaseStatus::ok;
-    phase.sim_seconds.push_back(report.sim_seconds);
+    phase.robot_seconds.push_back(report.robot_seconds);
     phase.wall_seconds.push_back(report.wall_seconds);
   }
 }
@@ -46,9 +46,13 @@ void count_place(const Trial& trial, PlaceSummary& summary) {
   add(metrics.release, summary.release_motion);
 }
 
-void count(const Trial& trial, ObjectSummary& summary, std::vector<double>& modes) {
+}  // namespace
+
+void add_trial(const Trial& trial, ObjectSummary& summary) {
   const TrialMetrics& metrics = trial.metrics;
   ++summary.trials;
+  summary.robot_seconds.push_back(trial.robot_seconds);
+  summary.confident_wrong += metrics.has_pose && !metrics.pose_ok && metrics.probability > kSure;
   count_phases(trial.result.phases, summary.phases);
   if (trial.place) count_phases(trial.place->phases, summary.phases);
   count_place(trial, summary.place);
@@ -72,23 +76,19 @@ void count(const Trial& trial, ObjectSummary& summary, std::vector<double>& mode
   summary.pose_ok_before_probe += metrics.pose_ok_before_probe;
   summary.pose_ok_tracked += metrics.pose_ok_tracked;
   summary.probed += metrics.probes > 0;
-  summary.sure_but_wrong += !metrics.pose_ok && metrics.probability > kSure;
-  summary.truth_in_modes += metrics.truth_in_modes;
+  summary.covered += metrics.covered;
   summary.certain += metrics.status == localization::PoseStatus::certain;
-  summary.stated.push_back(metrics.probability);
+  summary.probability.push_back(metrics.probability);
   summary.rotation_error_deg.push_back(kDegreesPerRadian * metrics.error.rotation);
   summary.translation_error_mm.push_back(1e3 * metrics.error.translation);
-  modes.push_back(static_cast<double>(trial.result.estimate.posterior.modes.size()));
+  summary.modes.push_back(static_cast<double>(trial.result.estimate.posterior.modes.size()));
 }
-
-}  // namespace
 
 ObjectSummary evaluate(const geometry::ObjectModel& object, const TrialOptions& options,
                        std::uint64_t first_seed, std::size_t trials, int threads,
                        const TrialObserver& observer, const TrialSource& finished) {
   ObjectSummary summary;
   summary.symmetry_order = object.object().symmetries.size();
-  std::vector<double> modes;
   parallel_ordered(
       trials, threads,
       [&](std::size_t i) {
@@ -96,10 +96,9 @@ ObjectSummary evaluate(const geometry::ObjectModel& object, const TrialOptions& 
         return known ? std::move(*known) : run_trial(object, options, first_seed + i);
       },
       [&](std::size_t i, const Trial& trial) {
-        count(trial, summary, modes);
+        add_trial(trial, summary);
         if (observer) observer(i + 1, trial);
       });
-  if (!modes.empty()) summary.modes_median = median(modes);
   return summary;
 }
 

@@ -90,7 +90,7 @@ TrialMetrics Evaluator::verdict(const skills::PickResult& result, const estimati
         localization::pose_error(best, truth, {Eigen::Matrix3d::Identity()});
     metrics.pose_ok = within(metrics.error, kPoseAngle, kPoseDistance);
     metrics.pose_tight = within(metrics.error, kTightAngle, kTightDistance);
-    metrics.truth_in_modes = localization::truth_in_modes(posterior, truth, symmetries);
+    metrics.covered = localization::covers(posterior, truth, symmetries);
     metrics.status = posterior.status;
     metrics.probability = localization::best_probability(posterior);
     if (const auto& axis = posterior.modes[0].free_axis) metrics.free_extent = axis->extent;

@@ -103,11 +103,6 @@ skills::PlaceOptions TrialOptions::place_options() const {
   return options;
 }
 
-simulation::WorldOptions TrialOptions::believed_world() const {
-  simulation::WorldOptions options = forward_model;
-  return options;
-}
-
 std::optional<skills::PlaceTarget> place_target(const geometry::KnownObject& object,
                                                 const skills::PlaceOptions& options,
                                                 std::uint64_t seed, std::size_t start_stable_pose) {
@@ -161,7 +156,7 @@ Trial run_trial(const geometry::ObjectModel& object, const TrialOptions& options
   if (options.touch.from_biotacs()) {
     feeling.emplace(faulty, world.hand_model(), tactile::shipped_biotac_inverse());
   }
-  const simulation::SimulatedModels models(options.believed_world());
+  const simulation::SimulatedModels models(options.forward_model);
   hand::Hand& sensed = feeling ? static_cast<hand::Hand&>(*feeling) : faulty;
   skills::Executor robot(sensed, world.hand_model(), waiting_command(),
                          {[&](const auto& reading, const auto& command) {
@@ -197,6 +192,7 @@ Trial run_trial(const geometry::ObjectModel& object, const TrialOptions& options
     if (!world.diverged()) throw;
   }
   if (world.diverged()) return unstable(trial.start);
+  trial.robot_seconds = robot.time();
   trial.metrics.peak_load = faulty.peak_load();
   trial.metrics.peak_tip_force = faulty.peak_tip_force();
   if (trial.result.fault) trial.metrics.lifted = trial.metrics.has_pose = false;

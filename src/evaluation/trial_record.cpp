@@ -72,7 +72,7 @@ constexpr auto kError = [](localization::PoseError& error, const auto& v) {
 constexpr auto kPhase = [](skills::PhaseReport& phase, const auto& v) {
   v("name", phase.name);
   v("status", phase.status);
-  v("sim_seconds", phase.sim_seconds);
+  v("robot_seconds", phase.robot_seconds);
   v("wall_seconds", phase.wall_seconds);
 };
 
@@ -97,7 +97,7 @@ constexpr auto kJudgement = [](TrialMetrics& metrics, const auto& v) {
   v("has_pose", metrics.has_pose);
   v("pose_ok", metrics.pose_ok);
   v("pose_tight", metrics.pose_tight);
-  v("truth_in_modes", metrics.truth_in_modes);
+  v("covered", metrics.covered);
   v("status", metrics.status);
   v("probability", metrics.probability);
   v("free_extent", metrics.free_extent);
@@ -132,6 +132,7 @@ constexpr auto kPlace = [](skills::PlaceResult& place, const auto& v) {
 
 constexpr auto kTrial = [](Trial& trial, const auto& v) {
   v("stable_pose", trial.start.stable_pose);
+  v("robot_seconds", trial.robot_seconds);
   v.part("pick", trial.result, kPick);
   v.part("judgement", trial.metrics, kJudgement);
   v.part("place_judgement", trial.place_metrics, kPlaceJudgement);

@@ -44,8 +44,8 @@ double best_probability(const Posterior& posterior) {
   return posterior.modes.empty() ? 0 : pose_probability(posterior.modes.front());
 }
 
-bool truth_in_modes(const Posterior& posterior, const Eigen::Isometry3d& truth,
-                    const std::vector<Eigen::Matrix3d>& symmetries) {
+bool covers(const Posterior& posterior, const Eigen::Isometry3d& truth,
+            const std::vector<Eigen::Matrix3d>& symmetries) {
   const SymmetryGroup copies(symmetries);
   double covered = 0;
   for (const Mode& mode : posterior.modes) {
@@ -58,7 +58,7 @@ bool truth_in_modes(const Posterior& posterior, const Eigen::Isometry3d& truth,
 
 bool truth_in_credible_set(const Posterior& posterior, const Eigen::Isometry3d& truth,
                            const std::vector<Eigen::Matrix3d>& symmetries) {
-  if (truth_in_modes(posterior, truth, symmetries)) return true;
+  if (covers(posterior, truth, symmetries)) return true;
   if (posterior.unlisted() <= 1 - kCredible) return false;
   const SymmetryGroup copies(symmetries);
   return std::ranges::any_of(posterior.further, [&](const Eigen::Isometry3d& center) {

@@ -67,7 +67,7 @@ PhaseReport run_phase(Phase& phase, Executor& robot, PickState& state) {
                   : end.ok      ? PhaseStatus::ok
                                 : PhaseStatus::failed;
   report.outcome = end.outcome;
-  report.sim_seconds = robot.time() - start;
+  report.robot_seconds = robot.time() - start;
   report.wall_seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - wall_start).count();
   report.contacts = hand::count_contacts(robot.reading());

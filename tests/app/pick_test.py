@@ -7,11 +7,12 @@ import json
 from cli import BAD_INPUT, NO_SOLUTION, QUICK, CliTest, binary_stl, box_stl, main
 
 ESTIMATE_KEYS = {
-    "T_world_object", "weight", "rotation_error_deg", "translation_error_mm", "truth_in_modes",
+    "object", "T_world_object", "weight", "probability", "rotation_error_deg", "translation_error_mm", "coverage",
     "modes",
 }  # fmt: skip
 EVAL_KEYS = {
-    "trials", "lifted", "pose_ok", "truth_in_modes", "modes_median", "placed",
+    "trials", "lifted", "pose_ok", "pose_tight", "coverage", "mean_probability", "confident_wrong",
+    "placed", "placed_of_certain", "robot_seconds", "modes_median",
     "rotation_error_deg", "translation_error_mm", "failures", "symmetry_order",
 }  # fmt: skip
 
@@ -168,7 +169,7 @@ class Results(CliTest):
         self.assertEqual(names[:2], ["calibrate", "feel"])
         self.assertEqual(names[-1], "pose")
         for phase in report["phases"]:
-            keys = {"name", "status", "sim_seconds", "wall_seconds", "contacts"}
+            keys = {"name", "status", "robot_seconds", "wall_seconds", "contacts"}
             self.assertLessEqual(keys, phase.keys())
 
     def test_eval_is_the_same_for_any_number_of_threads(self):
@@ -180,6 +181,8 @@ class Results(CliTest):
         self.check_trials("box", [20, 21], one["objects"]["box"])
         self.assertEqual(one["objects"]["box"]["trials"], 2)
         self.assertLessEqual(EVAL_KEYS, one["objects"]["box"].keys())
+        of_all = {key: one["objects"]["box"][key] for key in one["all"]}
+        self.assertEqual(one["all"], of_all)
 
     def check_trials(self, name, seeds, report):
         """runs/trials.csv has a row for each trial, from which the report's rates follow."""
@@ -191,9 +194,12 @@ class Results(CliTest):
             self.assertIn(row["pose_status"], ["certain", "ambiguous", "no_pose"])
             self.assertLessEqual(float(row["probability"]), float(row["weight"] or 0) + 1e-4)
             self.assertGreaterEqual(float(row["free_axis_deg"]), 0)
-        for key in ["lifted", "pose_ok", "pose_tight", "truth_in_modes"]:
+        for key in ["lifted", "pose_ok", "pose_tight"]:
             share = sum(int(row[key]) for row in rows) / len(rows)
             self.assertEqual(share, report[key], key)
+        lifted = [row for row in rows if int(row["lifted"])]
+        covered = sum(int(row["covered"]) for row in lifted)
+        self.assertEqual(covered / max(1, len(lifted)), report["coverage"])
 
 
 if __name__ == "__main__":

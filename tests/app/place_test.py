@@ -93,7 +93,7 @@ class Results(CliTest):
         self.assertGreater(fingers["base_turn_deg"], fingers["asked_deg"])
         self.assertIn(fingers["end"], ["reached", "out_of_time", "drift", "losing"])
         self.assertLessEqual(
-            {"left", "known", "lost", "steps", "rollouts", "sim_seconds", "plan_seconds"},
+            {"left", "known", "lost", "steps", "rollouts", "robot_seconds", "plan_seconds"},
             fingers.keys())
 
     def test_eval_counts_places_alike_for_any_number_of_threads(self):

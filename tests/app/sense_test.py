@@ -41,6 +41,8 @@ class Sense(CliTest):
             self.assertEqual(stream["flagged"], 3)
             self.assertEqual(stream["flags"], {"placeholder": 1, "no_force": 1, "not_finite": 1})
             self.assertLess(stream["error_deg"]["median"], 5, estimator)
+            if estimator.startswith("s2"):
+                self.assertGreater(stream["normalized_error_squared"], 0, estimator)
             self.assertAlmostEqual(stream["force_n"]["median"], 5**0.5, delta=0.05)
         names = {path.name for path in (self.folder / "out").iterdir()}
         self.assertEqual(names, {"report.json", "FF.csv", "FF-normal.svg", "FF-force.svg"})

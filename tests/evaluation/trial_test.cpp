@@ -67,7 +67,7 @@ void expect_equal(const skills::PhaseReport& a, const skills::PhaseReport& b) {
   EXPECT_EQ(a.name, b.name);
   EXPECT_EQ(a.status, b.status);
   EXPECT_EQ(a.outcome, b.outcome);
-  EXPECT_EQ(a.sim_seconds, b.sim_seconds);
+  EXPECT_EQ(a.robot_seconds, b.robot_seconds);
   EXPECT_EQ(a.contacts, b.contacts);
   EXPECT_EQ(a.peak_force, b.peak_force);
 }
@@ -96,7 +96,7 @@ void expect_equal(const ObjectSummary& a, const ObjectSummary& b) {
   EXPECT_EQ(a.trials, b.trials);
   EXPECT_EQ(a.lifted, b.lifted);
   EXPECT_EQ(a.pose_ok, b.pose_ok);
-  EXPECT_EQ(a.truth_in_modes, b.truth_in_modes);
+  EXPECT_EQ(a.covered, b.covered);
   EXPECT_EQ(a.false_hold, b.false_hold);
   EXPECT_EQ(a.modes_median, b.modes_median);
   EXPECT_EQ(a.rotation_error_deg, b.rotation_error_deg);
@@ -205,7 +205,7 @@ TEST(Trial, RollsTheObjectAsideAndBack) {
   const auto& phases = trial.result.phases;
   EXPECT_TRUE(std::any_of(phases.begin(), phases.end(), [](const skills::PhaseReport& phase) {
     return phase.name == "probe" && phase.outcome.find("1 roll,") != std::string::npos &&
-           phase.sim_seconds > 2;
+           phase.robot_seconds > 2;
   }));
 }
 

@@ -58,7 +58,7 @@ TEST(Localize, AMugWhoseHandleWasNotTouchedTurnsFreely) {
   EXPECT_GT(std::abs(mode.free_axis->direction.z()), std::cos(4 * kDegree));
   EXPECT_GT(mode.free_axis->extent, 70 * kDegree);
   EXPECT_LT(mode.free_axis->extent, 170 * kDegree);  // not where the fingers are
-  EXPECT_TRUE(truth_in_modes(posterior, scene.truth, model.object().symmetries));
+  EXPECT_TRUE(covers(posterior, scene.truth, model.object().symmetries));
 }
 
 TEST(Localize, FreeSpaceRulesPosesOut) {

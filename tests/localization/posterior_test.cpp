@@ -109,13 +109,13 @@ TEST(TruthInModes, LooksOnlyAtTheModesThatHoldMostOfTheWeight) {
     posterior.modes.push_back(mode);
   }
   const auto at = [](double x) { return pose(Eigen::Matrix3d::Identity(), {x, 0, 0}); };
-  EXPECT_TRUE(truth_in_modes(posterior, at(0.009), kNone));
-  EXPECT_FALSE(truth_in_modes(posterior, at(0.011), kNone));
-  EXPECT_TRUE(truth_in_modes(posterior, at(1), kNone));
-  EXPECT_FALSE(truth_in_modes(posterior, at(2), kNone));
-  EXPECT_FALSE(truth_in_modes({}, at(0), kNone));
+  EXPECT_TRUE(covers(posterior, at(0.009), kNone));
+  EXPECT_FALSE(covers(posterior, at(0.011), kNone));
+  EXPECT_TRUE(covers(posterior, at(1), kNone));
+  EXPECT_FALSE(covers(posterior, at(2), kNone));
+  EXPECT_FALSE(covers({}, at(0), kNone));
   const Eigen::Isometry3d tilted = pose(exp_so3({0, 6 * kDegree, 0}), {0, 0, 0});
-  EXPECT_FALSE(truth_in_modes(posterior, tilted, kNone));
+  EXPECT_FALSE(covers(posterior, tilted, kNone));
 }
 
 TEST(TruthInCredibleSet, LooksAtFurtherPosesWhereTheModesDoNotSuffice) {
@@ -127,7 +127,7 @@ TEST(TruthInCredibleSet, LooksAtFurtherPosesWhereTheModesDoNotSuffice) {
   EXPECT_TRUE(truth_in_credible_set(posterior, at(0.009), kNone));
   EXPECT_TRUE(truth_in_credible_set(posterior, at(1.009), kNone));
   EXPECT_FALSE(truth_in_credible_set(posterior, at(1.011), kNone));
-  EXPECT_FALSE(truth_in_modes(posterior, at(1.009), kNone));
+  EXPECT_FALSE(covers(posterior, at(1.009), kNone));
   posterior.modes[0].weight = 0.96;
   EXPECT_FALSE(truth_in_credible_set(posterior, at(1), kNone));
 }

@@ -266,7 +266,7 @@ TEST(RunPhase, ReportsSuccessAndFailure) {
   EXPECT_EQ(good.name, "waiting");
   EXPECT_EQ(good.outcome, "waited");
   EXPECT_EQ(good.status, PhaseStatus::ok);
-  EXPECT_NEAR(good.sim_seconds, 0.3, 1e-9);
+  EXPECT_NEAR(good.robot_seconds, 0.3, 1e-9);
   EXPECT_EQ(report_of({0.3, false}, scene.robot).status, PhaseStatus::failed);
 }
 
@@ -275,7 +275,7 @@ TEST(RunPhase, TimesOutAndTakesTheDeadlineAway) {
   const auto late = report_of({5.0, true}, scene.robot);
   EXPECT_EQ(late.status, PhaseStatus::timed_out);
   EXPECT_EQ(to_string(late.status), "timed out");
-  EXPECT_NEAR(late.sim_seconds, 1.0, kTick);
+  EXPECT_NEAR(late.robot_seconds, 1.0, kTick);
   EXPECT_EQ(scene.robot.wait(2.0), MotionEnd::reached);
 }
 

@@ -31,7 +31,7 @@ struct PlaceSummary {
 /// A phase over all trials.
 struct PhaseSummary {
   std::size_t runs = 0, ok = 0;
-  std::vector<double> sim_seconds, wall_seconds;  ///< one a run
+  std::vector<double> robot_seconds, wall_seconds;  ///< one a run
 };
 
 /// What became of one object's trials. Rates are over all trials started.
@@ -45,12 +45,13 @@ struct ObjectSummary {
   std::size_t pose_ok_before_probe = 0;  ///< lifted, and so without what probing told
   std::size_t pose_ok_tracked = 0;       ///< lifted, and the pose followed from there right
   std::size_t probed = 0;                ///< lifted, and probed before
-  std::size_t sure_but_wrong = 0;        ///< lifted, the best pose wrong, its probability above 0.9
-  std::size_t truth_in_modes = 0;        ///< lifted, and the truth among the modes
+  std::size_t confident_wrong = 0;       ///< the best pose wrong, its probability above 0.9
+  std::size_t covered = 0;               ///< lifted, and the truth among the modes
   std::size_t certain = 0;               ///< lifted, and the pose said to be certain
-  std::vector<double> stated;  ///< probability of the best pose, of lifted trials with one
-  std::size_t false_hold = 0;  ///< reported as held, but not lifted
-  double modes_median = 0;     ///< of the trials with a pose
+  std::vector<double> modes;             ///< how many, of lifted trials with a pose
+  std::vector<double> robot_seconds;     ///< of all trials, from start to end
+  std::vector<double> probability;       ///< of the best pose, of lifted trials with one
+  std::size_t false_hold = 0;            ///< reported as held, but not lifted
   std::vector<double> rotation_error_deg, translation_error_mm, slip_mm;  ///< of lifted trials
   std::vector<double> tip_force, explored_motion_mm;  ///< N, mm, of lifted trials
   std::map<std::string, std::size_t> failures;  ///< by the phase that failed; "slip" if lost later
@@ -58,6 +59,8 @@ struct ObjectSummary {
   PlaceSummary place;
   std::map<std::string, PhaseSummary> phases;
 };
+
+void add_trial(const Trial& trial, ObjectSummary& summary);
 
 /// Told of each finished trial, in the order of the seeds.
 using TrialObserver = std::function<void(std::size_t done, const Trial& trial)>;

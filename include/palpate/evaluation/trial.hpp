@@ -95,8 +95,6 @@ struct TrialOptions {
   [[nodiscard]] skills::PickOptions pick_options() const;
   /// With the believed friction.
   [[nodiscard]] skills::PlaceOptions place_options() const;
-  /// The world in which motions are rolled out, with the believed friction.
-  [[nodiscard]] simulation::WorldOptions believed_world() const;
 };
 
 /// What the simulator's truth says of a pick. Made after it, for judging alone.
@@ -108,7 +106,7 @@ struct TrialMetrics {
   localization::PoseError error_no_symmetry;  ///< every pose of a symmetric object distinct
   bool pose_ok = false;                       ///< within 5 deg and 10 mm
   bool pose_tight = false;                    ///< within 2.5 deg and 3.5 mm
-  bool truth_in_modes = false;
+  bool covered = false;                       ///< by the modes and the residual credible set
   localization::PoseStatus status = localization::PoseStatus::no_pose;
   double probability = 0;            ///< stated for the best pose
   double free_extent = 0;            ///< rad, to either side about its free axis; 0: it has none
@@ -141,6 +139,7 @@ struct Trial {
   simulation::Start start;
   skills::PickResult result;
   TrialMetrics metrics;
+  double robot_seconds = 0;                  ///< from start to end
   std::optional<skills::PlaceResult> place;  ///< where the object was held and was to be placed
   PlaceMetrics place_metrics;
   skills::StrategyTaken strategy;  ///< by which it was to be placed

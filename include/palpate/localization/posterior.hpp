@@ -65,8 +65,8 @@ double best_probability(const Posterior& posterior);
 
 /// True when the truth is within 5 deg and 10 mm of the smallest set of modes that holds 95 % of
 /// the probability, or of all modes where they hold less.
-bool truth_in_modes(const Posterior& posterior, const Eigen::Isometry3d& truth,
-                    const std::vector<Eigen::Matrix3d>& symmetries);
+bool covers(const Posterior& posterior, const Eigen::Isometry3d& truth,
+            const std::vector<Eigen::Matrix3d>& symmetries);
 
 /// The same with the further poses, of which there may be many.
 bool truth_in_credible_set(const Posterior& posterior, const Eigen::Isometry3d& truth,

@@ -26,7 +26,7 @@ struct PhaseReport {
   std::string name;
   PhaseStatus status = PhaseStatus::failed;
   std::string outcome;
-  double sim_seconds = 0;
+  double robot_seconds = 0;
   double wall_seconds = 0;
   int contacts = 0;       ///< fingertip contacts at its end
   double peak_force = 0;  ///< largest force of a fingertip contact during it, N
