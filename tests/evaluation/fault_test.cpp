@@ -61,7 +61,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{InjectedFault::delay, Fault::late, 0.051},
                     Case{InjectedFault::throws, Fault::exception, 0.051},
                     Case{InjectedFault::joint_stuck, Fault::joint_stuck, 10},
-                    Case{InjectedFault::contacts_none, Fault::touch_lost, 15}),
+                    Case{InjectedFault::contacts_none, Fault::touch_lost, 60}),
     [](const auto& tested) { return std::string(hand::to_string(tested.param.injected)); });
 
 TEST(Faults, ANumbFingertipIsNotBelievedAndTheObjectIsPicked) {

@@ -35,8 +35,13 @@ double tip_error(const hand::HandModel& believed, const hand::HandModel& real) {
 struct Calibrating {
   explicit Calibrating(std::uint64_t seed)
       : world(object, {}, seed),
-        robot(world.hand(), world.hand_model(), evaluation::waiting_command()) {
-    world.reset(evaluation::draw_start(object, {}, seed), evaluation::waiting_command());
+        hand(started(world, evaluation::draw_start(object, {}, seed))),
+        robot(hand, world.hand_model(), evaluation::waiting_command()) {}
+
+  /// Its clock and its base must not jump before the robot's eyes.
+  static hand::Hand& started(simulation::World& world, const simulation::Start& start) {
+    world.reset(start, evaluation::waiting_command());
+    return world.hand();
   }
   PhaseReport calibrate() {
     CalibratePhase phase(options);
@@ -46,6 +51,7 @@ struct Calibrating {
 
   geometry::KnownObject object = geometry::load_known_object("bunny");
   simulation::World world;
+  hand::Hand& hand;
   Executor robot;
   CalibrateOptions options;
 };

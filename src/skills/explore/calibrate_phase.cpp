@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 #include "palpate/core/random.hpp"
 #include "palpate/hand/coupling.hpp"
@@ -31,9 +30,10 @@ constexpr double kPostureSeconds = 0.3;    // s
 constexpr double kSettling = 0.1;          // s
 constexpr double kLastingShare = 0.8;      // of the readings in which a resting fingertip touches
 constexpr double kSecondsATouch = 8;       // amply
-constexpr double kUnfeltLoad = 3.0;        // N at which the table is there, felt or not
-constexpr int kNumbTouches = 3;            // that a fingertip must miss to be believed no more
-constexpr double kContradiction = 3.0;     // sigmas, rms, that touches leave unexplained
+constexpr double kUnfeltLoad = 4.0;        // N at which the table is there, felt or not
+constexpr int kPressedTicks = 3;           // of it in a row
+constexpr int kNumbTouches = 3;  // in a row that a fingertip must miss to be believed no more
+constexpr double kContradiction = 3.0;  // sigmas, rms, that touches leave unexplained
 
 /// One fingertip is the lowest part of the hand.
 struct Attitude {
@@ -163,13 +163,19 @@ void rest(Executor& robot, const CalibrateOptions& options) {
   robot.mark(estimation::TouchEvent::on_table);
 }
 
-/// Touches of the table that each fingertip felt, and those of which only the mount's load told.
-struct TouchCounts {
-  std::array<int, hand::kFingers> felt{}, unfelt{};
-};
+/// Of each fingertip: touches of the table in a row of which only the mount's load told.
+using UnfeltTouches = std::array<int, hand::kFingers>;
+
+/// Stop condition: the hand presses downwards, be it felt or not.
+Executor::StopCondition pressing_down() {
+  return [loaded = 0](const hand::HandReading& reading) mutable {
+    loaded = -reading.base_force.z() > kUnfeltLoad ? loaded + 1 : 0;
+    return loaded >= kPressedTicks;
+  };
+}
 
 void touch_table(Executor& robot, const Attitude& attitude, const CalibrateOptions& options,
-                 TouchCounts& counts) {
+                 UnfeltTouches& unfelt) {
   const double low =
       std::min(lowest(robot.model(), attitude, true), lowest(robot.model(), attitude, false));
   const double high = std::max(robot.command().base.xyz.z(), kTravelHeight - low);
@@ -178,31 +184,17 @@ void touch_table(Executor& robot, const Attitude& attitude, const CalibrateOptio
   robot.move_base(attitude.base(options, kApproachHeight - low), options.travel_speed);
   robot.wait(kSettling);
   bool felt = false;
-  const auto loaded = lasting_load(robot, -Eigen::Vector3d::UnitZ(), kUnfeltLoad);
+  const auto loaded = pressing_down();
   const auto stop = [&](const hand::HandReading& reading) {
     felt = hand::tip_force(reading, attitude.finger) > options.touch_force;
     return felt || loaded(reading);
   };
   const auto end = robot.move_base(attitude.base(options, -kBelow - low), options.speed, stop);
-  if (end == MotionEnd::stopped) {
-    ++(felt ? counts.felt : counts.unfelt)[static_cast<std::size_t>(attitude.finger)];
-  }
+  int& times = unfelt[static_cast<std::size_t>(attitude.finger)];
+  if (end == MotionEnd::stopped) times = felt ? 0 : times + 1;
+  if (times >= kNumbTouches) robot.distrust(attitude.finger);
   if (felt && end == MotionEnd::stopped) rest(robot, options);
   rise(robot, kTravelHeight, options.travel_speed);
-}
-
-/// A fingertip that never felt the table on which it pressed is numb.
-void distrust_numb_fingers(Executor& robot, const TouchCounts& counts) {
-  const int felt = std::accumulate(counts.felt.begin(), counts.felt.end(), 0);
-  const int unfelt = std::accumulate(counts.unfelt.begin(), counts.unfelt.end(), 0);
-  if (felt == 0 && unfelt >= kNumbTouches) {
-    robot.stop_for(Fault::touch_lost,
-                   fmt::format("no fingertip felt the table in {} touches", unfelt));
-  }
-  for (std::size_t finger = 0; finger < hand::kFingers; ++finger) {
-    const bool numb = counts.felt[finger] == 0 && counts.unfelt[finger] >= kNumbTouches;
-    if (numb) robot.distrust(static_cast<int>(finger));
-  }
 }
 
 /// What a fingertip feels through a window of readings, in the distal link's frame.
@@ -284,10 +276,9 @@ double CalibratePhase::time_limit() const { return 20 + kSecondsATouch * options
 
 PhaseEnd CalibratePhase::run(Executor& robot, PickState&) {
   const hand::HandModel before = robot.model();
-  TouchCounts counts;
+  UnfeltTouches unfelt{};
   for (const auto& attitude : telling_attitudes(before, options_)) {
-    touch_table(robot, attitude, options_, counts);
-    distrust_numb_fingers(robot, counts);
+    if (robot.trusted(attitude.finger)) touch_table(robot, attitude, options_, unfelt);
   }
   rise(robot, kFreeHeight - std::min(kFreeHeight, robot.command().base.xyz.z()),
        options_.travel_speed);
