@@ -35,6 +35,27 @@ FeatureCloud turned_inside_out(FeatureCloud described, double voxel,
   return described;
 }
 
+FeatureCloud mirror_image(FeatureCloud described, double voxel, const FeatureOptions& options) {
+  for (auto* list : {&described.cloud.points, &described.cloud.normals}) {
+    for (auto& p : *list) p.x() = -p.x();
+  }
+  described.features = geometry::fpfh(described.cloud, options.feature_radius_voxels * voxel);
+  return described;
+}
+
+/// Whether the source's mirror image fits where the source does not, or with far more matches. What
+/// is its own mirror image fits both ways alike.
+bool fits_mirrored(const FeatureCloud& from, const FeatureCloud& to, const CloudOptions& options,
+                   const RegistrationOptions& search, const CloudRegistration& registration) {
+  constexpr double kFarMore = 2;
+  const Correspondences matches =
+      matched(mirror_image(from, registration.voxel, options.features), to);
+  const RegistrationResult found = register_correspondences(matches, search);
+  return found.T_target_source &&
+         static_cast<double>(found.inliers.size()) >
+             kFarMore * static_cast<double>(registration.result.inliers.size());
+}
+
 /// Pose from the matches of features. Estimated normals may all point inward, as those of a part of
 /// a surface can. As matches of normals of opposite signs have led to wrong poses with 5e-9 false
 /// alarms, they are also tried the other way unless the first answer is far clearer: the better
@@ -60,7 +81,13 @@ void match_features(FeatureCloud from, const FeatureCloud& to, const CloudOption
       registration.correspondences = std::move(matches);
       registration.result = std::move(found);
     }
-    if (registration.result.false_alarms < kClearFalseAlarms) break;
+    if (registration.result.false_alarms < kClearFalseAlarms) return;
+  }
+  if (fits_mirrored(from, to, options, search, registration)) {
+    registration.result.mirrored = true;
+    registration.result.status = RegistrationStatus::kNoConsensus;
+    registration.result.T_target_source.reset();
+    registration.result.runner_up.reset();
   }
 }
 
@@ -84,8 +111,10 @@ void check_options(const CloudOptions& options) {
     throw BadInput(fmt::format("noise bound {} m is not positive", *options.noise_bound));
   }
   const auto& registration = options.registration;
-  if (registration.estimate_scale || registration.rotation_axis || registration.instances > 1) {
-    throw BadInput("scale, rotation axis and instances go with correspondences, not with clouds");
+  if (registration.estimate_scale || registration.rotation_axis || registration.translation_only ||
+      registration.instances > 1) {
+    throw BadInput(
+        "scale, limits to rotation and instances go with correspondences, not with clouds");
   }
 }
 
