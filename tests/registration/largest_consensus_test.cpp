@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include "palpate/core/error.hpp"
 #include "palpate/geometry/objects/known_object.hpp"
 #include "palpate/registration/registration.hpp"
 #include "registration/problems.hpp"
