@@ -147,11 +147,12 @@ std::vector<int> CliqueSearch::clique_of(EgoGraph& graph, const std::vector<int>
 }
 
 /// Of a larger consensus than the settled one about as many pairs of a sample agree as its size
-/// tells; a clique holds most of them.
+/// tells; a clique holds part of them. Not more, as runners-up are smaller.
 std::size_t CliqueSearch::least_in_clique(std::size_t sample_size) const {
-  constexpr double kMost = 0.5;
-  return static_cast<std::size_t>(kMost * static_cast<double>(sample_size) * best_.inliers /
-                                  scorer_.size());
+  constexpr double kPart = 0.35;
+  constexpr std::size_t kMost = 4;
+  const double members = static_cast<double>(sample_size) * best_.inliers / scorer_.size();
+  return std::min(kMost, static_cast<std::size_t>(kPart * members));
 }
 
 /// Whether, of so many seeds of one sample, one of a larger consensus would have come up 99 times

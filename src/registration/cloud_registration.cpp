@@ -60,13 +60,14 @@ bool fits_mirrored(const FeatureCloud& from, const FeatureCloud& to, const Cloud
 /// stays.
 void match_features(FeatureCloud from, const FeatureCloud& to, const CloudOptions& options,
                     CloudRegistration& registration) {
-  constexpr double kClearFalseAlarms = 1e-30;  // false alarms
+  constexpr double kClearFalseAlarms = 1e-30, kSurelyNotMirrored = 1e-8;
   RegistrationOptions search = options.registration;
   search.noise_bound = registration.noise_bound;
   search.primitive = Primitive::kPoint;
   // Neighbours whose features were made of the same points match alike, wherever that is.
   search.support_radius =
       std::max(search.support_radius, options.features.feature_radius_voxels * registration.voxel);
+  const FeatureCloud upright = from;
   const int tries = from.estimated_normals || to.estimated_normals ? 2 : 1;
   for (int attempt = 0; attempt < tries; ++attempt) {
     if (attempt > 0) from = turned_inside_out(std::move(from));
@@ -79,7 +80,8 @@ void match_features(FeatureCloud from, const FeatureCloud& to, const CloudOption
     }
     if (registration.result.false_alarms < kClearFalseAlarms) return;
   }
-  if (fits_mirrored(from, to, options, search, registration)) {
+  if (registration.result.false_alarms < kSurelyNotMirrored) return;
+  if (fits_mirrored(upright, to, options, search, registration)) {
     registration.result.mirrored = true;
     registration.result.status = RegistrationStatus::kNoConsensus;
     registration.result.T_target_source.reset();
