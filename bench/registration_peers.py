@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Registration by palpate and by its peers on the same problems, in one run.
 
-usage: registration_peers.py PALPATE BUNNY_PLY [--runs N]
+usage: registration_peers.py PALPATE BUNNY_PLY [--runs N] [--scans SOURCE TARGET ...]
 
 Each peer runs with five settings and is reported at its best: most successes, then least error.
 Times are of the registration alone: palpate's own, the peers' by the processor time of their calls,
@@ -9,10 +9,12 @@ so that a machine with other work to do does not count against them.
 """
 
 import argparse
+import importlib
 import json
 import os
 import resource
 import subprocess
+import sys
 import tempfile
 import time
 
@@ -150,12 +152,56 @@ def run_fgr(problem, bound):
     return result.transformation, time.process_time() - start
 
 
+def run_teaser(problem, bound):
+    params = teaserpp_python.RobustRegistrationSolver.Params()
+    params.noise_bound, params.cbar2, params.estimate_scaling = bound, 1, False
+    params.rotation_gnc_factor, params.rotation_max_iterations = 1.4, 100
+    params.rotation_cost_threshold = 1e-12
+    solver = teaserpp_python.RobustRegistrationSolver(params)
+    start = time.process_time()
+    solver.solve(problem["s"].T, problem["t"].T)
+    seconds = time.process_time() - start
+    solution = solver.getSolution()
+    T = np.eye(4)
+    T[:3, :3], T[:3, 3] = solution.rotation, solution.translation
+    return T, seconds
+
+
+def run_clipper(problem, bound):
+    params = clipperpy.invariants.EuclideanDistanceParams()
+    params.sigma, params.epsilon = bound / 2, bound
+    matcher = clipperpy.CLIPPER(clipperpy.invariants.EuclideanDistance(params), clipperpy.Params())
+    pairs = np.stack([np.arange(PAIRS)] * 2, axis=1).astype(np.int32)
+    start = time.process_time()
+    matcher.score_pairwise_consistency(problem["s"].T, problem["t"].T, pairs)
+    matcher.solve()
+    chosen = matcher.get_selected_associations()[:, 0]
+    T = kabsch(problem["s"][chosen], problem["t"][chosen])
+    return T, time.process_time() - start
+
+
+def kabsch(s, t):
+    U, _, V = np.linalg.svd((t - t.mean(0)).T @ (s - s.mean(0)))
+    T = np.eye(4)
+    T[:3, :3] = U @ np.diag([1, 1, np.linalg.det(U @ V)]) @ V
+    T[:3, 3] = t.mean(0) - T[:3, :3] @ s.mean(0)
+    return T
+
+
 PEERS = {
     "kiss-matcher": (run_kiss, [0.001, 0.002, 0.003, 0.004, 0.006]),
     "open3d RANSAC": (run_ransac, [(0.002, 100000), (0.003, 100000), (0.004, 100000),
                                    (0.004, 200000), (0.006, 100000)]),
     "open3d FGR": (run_fgr, [0.001, 0.002, 0.004, 0.008, 0.016]),
 }
+# Neither has a wheel; they take part where their own build put the module on the path.
+for module, name, run_peer in (("teaserpp_python", "TEASER++", run_teaser),
+                               ("clipperpy", "CLIPPER", run_clipper)):
+    try:
+        globals()[module] = importlib.import_module(module)
+        PEERS[name] = (run_peer, [0.001, 0.002, 0.003, 0.004, 0.006])
+    except ImportError:
+        print(f"{name} is not installed ({module}): it has no wheel on PyPI", file=sys.stderr)
 
 
 def summary(results, problems):
@@ -320,12 +366,61 @@ def compare_local(program, bunny, runs):
           f"{seconds / reference:.2g} |")
 
 
+def scan_by_kiss(points, cell, threads):
+    """KISS-Matcher, then small_gicp, on clouds in units of 20 cells; pose and wall seconds."""
+    # The matcher refuses cells of millimetres.
+    unit = 20 * cell
+    source, target = (p / unit for p in points)
+    start = time.perf_counter()
+    matcher = kiss_matcher.KISSMatcher(kiss_matcher.KISSMatcherConfig(cell / unit))
+    found = matcher.estimate(source.astype(np.float32), target.astype(np.float32))
+    guess = np.eye(4)
+    guess[:3, :3], guess[:3, 3] = found.rotation, np.ravel(found.translation)
+    refined = small_gicp.align(target, source, init_T_target_source=guess,
+                               registration_type="GICP", downsampling_resolution=cell / unit / 2,
+                               max_correspondence_distance=1.5 * cell / unit, num_threads=threads)
+    T = np.array(refined.T_target_source)
+    T[:3, 3] *= unit
+    return T, time.perf_counter() - start
+
+
+def compare_scans(program, files, repeats=3):
+    """Real scans, in pairs of files. The peers' cell is palpate's own, half and twice that."""
+    print("\nScans without correspondences: wall seconds, the shortest of three, files read before; "
+          "difference to palpate's pose\n")
+    print("| source | program | threads | s | deg | of the size |")
+    print("|---|---|---|---|---|---|")
+    for names in zip(files[::2], files[1::2]):
+        points = [np.asarray(o3d.io.read_point_cloud(n).points) for n in names]
+        size = np.linalg.norm(points[1].max(0) - points[1].min(0))
+        for threads in (1, 2):
+            reports = [json.loads(subprocess.run(
+                [program, "register", *names, "--json", "--threads", str(threads)],
+                capture_output=True, text=True, check=False).stdout) for _ in range(repeats)]
+            ours, label = np.array(reports[0]["T_target_source"]).reshape(4, 4), names[0]
+            print(f"| {label} | palpate | {threads} | {min(r['seconds'] for r in reports):.3f} | "
+                  "0 | 0 |")
+            for factor in (0.5, 1, 2):
+                cell = factor * reports[0]["voxel"]
+                runs = [scan_by_kiss(points, cell, threads) for _ in range(repeats)]
+                turn = Rotation.from_matrix(runs[0][0][:3, :3].T @ ours[:3, :3]).magnitude()
+                shift = np.linalg.norm(runs[0][0][:3, 3] - ours[:3, 3]) / size
+                print(f"| {label} | kiss-matcher {cell:.3g} + small_gicp | {threads} | "
+                      f"{min(r[1] for r in runs):.3f} | {np.rad2deg(turn):.2f} | {shift:.4f} |",
+                      flush=True)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("palpate")
     parser.add_argument("bunny")
     parser.add_argument("--runs", type=int, default=20)
+    parser.add_argument("--scans", nargs="+", default=[], metavar="FILE",
+                        help="pairs of clouds, source and target: compare these alone")
     arguments = parser.parse_args()
+    if arguments.scans:
+        compare_scans(arguments.palpate, arguments.scans)
+        return
     compare_correspondences(arguments.palpate, arguments.bunny, arguments.runs)
     compare_dual(arguments.palpate, arguments.bunny, arguments.runs)
     compare_local(arguments.palpate, arguments.bunny, arguments.runs)

@@ -21,7 +21,7 @@ struct RegisterArguments {
   std::string method = "clique+gnc", cost = "tls", initial;
   std::optional<std::string> primitive;
   std::optional<double> noise_bound, normal_noise_deg;
-  bool filter = false, yaw_only = false, scale = false, best_effort = false;
+  bool filter = false, yaw_only = false, translation_only = false, scale = false, best_effort = false;
   int repeats = 1, instances = 1;
 };
 
@@ -54,6 +54,7 @@ RegisterOptions options_of(const RegisterArguments& arguments) {
                                                                           : rg::Primitive::kPoint;
   if (!arguments.initial.empty()) registration.initial = parse_pose(arguments.initial);
   if (arguments.yaw_only) registration.rotation_axis = Eigen::Vector3d::UnitZ();
+  registration.translation_only = arguments.translation_only;
   registration.estimate_scale = arguments.scale;
   registration.instances = arguments.instances;
   registration.best_effort = registration.best_effort || arguments.best_effort;
@@ -180,6 +181,8 @@ void add_problem(CLI::App& command, RegisterArguments& arguments) {
       ->option_text("POSE");
   command.add_flag("--yaw-only", arguments.yaw_only,
                    "turn about z alone; both frames have z along gravity (correspondences)");
+  command.add_flag("--translation-only", arguments.translation_only,
+                   "shift alone; both frames are turned alike (correspondences)");
   command.add_flag("--scale", arguments.scale,
                    "estimate the scale of the source, too (correspondences)");
   command

@@ -25,7 +25,7 @@ constexpr int kFewPairs = 64;
 // quick judgement, less often than kClearAtOnce. Above kHopeless no other judgement is needed.
 constexpr double kClear = 1e-4, kHopeless = 1e6;
 // A sample shows a consensus if it holds so many of its pairs.
-constexpr double kShown = 8;
+constexpr double kShown = 5;
 
 bool holds(const std::vector<int>& ascending, int value) {
   return std::ranges::binary_search(ascending, value);
@@ -37,6 +37,7 @@ bool CliqueSearch::run(const std::vector<int>& sample, int seeds, RandomStream r
                        Consensus& best) {
   outside_ = 0;
   if (!settled_) look_around(sample, seeds, random, best);
+  if (!settled_ && sample.size() >= kLargeSample && is_beyond_doubt()) settle();
   // What the settled pose explains is left out, which makes what is left soon done.
   while (settled_ && shows_larger(sample.size()) && !is_largest()) {
     std::vector<int> rest;
@@ -106,7 +107,8 @@ int CliqueSearch::next_seed(std::vector<int>& order, const std::vector<int>& sam
   return order[k];
 }
 
-bool CliqueSearch::is_settled() {
+/// Whether the best pose is beyond chance, where that was not asked of it before.
+bool CliqueSearch::is_beyond_doubt() {
   if (best_.inliers == 0 || judged_ == best_.gain) return false;
   polish();
   judged_ = best_.gain;
@@ -118,6 +120,7 @@ void CliqueSearch::conclude(Consensus& best) {
   polish();
   best.T_target_source = scorer_.uncentred(best_.T);
   best.false_alarms = false_alarm_test_.exact(best_.T);
+  best.false_inliers = false_alarm_test_.false_inliers(best_.T);
   best.found = options_.best_effort || best.false_alarms < options_.max_false_alarms;
   best.mirrored = mirrored_.gain > best_.gain &&
                   false_alarm_test_.exact(mirrored_.T) < options_.max_false_alarms;
@@ -137,10 +140,19 @@ std::vector<int> CliqueSearch::clique_of(EgoGraph& graph, const std::vector<int>
   std::vector<int> clique = graph.clique(kLargestClique);
   largest = std::max(largest, clique.size());
   // What is as large as the settled consensus' cliques is not all that matters any more.
-  const std::size_t least = settled_ ? 3 : std::min(largest, kSurelyLarge);
-  if (clique.size() < 3 || clique.size() + 1 < least) return {};
+  const std::size_t least = settled_ ? least_in_clique(sample.size()) : largest - 1;
+  if (clique.size() < std::max<std::size_t>(3, std::min(least, kSurelyLarge - 1))) return {};
   for (int& vertex : clique) vertex = sample[static_cast<std::size_t>(vertex)];
   return clique;
+}
+
+/// Of a larger consensus than the settled one about as many pairs of a sample agree as its size
+/// tells; a clique holds part of them. Not more, as runners-up are smaller.
+std::size_t CliqueSearch::least_in_clique(std::size_t sample_size) const {
+  constexpr double kPart = 0.35;
+  constexpr std::size_t kMost = 4;
+  const double members = static_cast<double>(sample_size) * best_.inliers / scorer_.size();
+  return std::min(kMost, static_cast<std::size_t>(kPart * members));
 }
 
 /// Whether, of so many seeds of one sample, one of a larger consensus would have come up 99 times
@@ -185,7 +197,7 @@ bool CliqueSearch::propose(const std::vector<int>& clique, Consensus& best) {
 void CliqueSearch::consider_mirror(const std::vector<int>& clique, double gain) {
   constexpr std::size_t kTells = 5;
   const auto size = static_cast<double>(clique.size());
-  if (clique.size() < kTells || gain >= 0.5 * size || options_.rotation_axis) return;
+  if (clique.size() < kTells || gain >= 0.5 * size || !options_.turns.all()) return;
   const Eigen::Isometry3d T = scorer_.align_mirrored(clique);
   const double mirrored = scorer_.gain(T);
   if (mirrored > mirrored_.gain && mirrored > gain) mirrored_ = {T, mirrored, 0};
@@ -269,7 +281,7 @@ bool CliqueSearch::refine(const std::vector<int>& exchanged, const std::vector<i
 Eigen::Isometry3d CliqueSearch::pose_of(const std::vector<int>& clique) const {
   constexpr std::size_t kSmall = 6;
   const Eigen::Isometry3d T = scorer_.align(clique);
-  if (options_.rotation_axis || clique.size() <= kSmall ||
+  if (!options_.turns.all() || clique.size() <= kSmall ||
       scorer_.gain(T) >= 0.5 * static_cast<double>(clique.size())) {
     return T;
   }

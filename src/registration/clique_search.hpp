@@ -24,9 +24,6 @@ class CliqueSearch {
   /// up
   bool run(const std::vector<int>& sample, int seeds, RandomStream random, Consensus& best);
 
-  /// Whether the best pose is so good that no more needs to be looked at.
-  bool is_settled();
-
   /// Judges the best pose.
   void conclude(Consensus& best);
 
@@ -42,7 +39,9 @@ class CliqueSearch {
   int next_seed(std::vector<int>& order, const std::vector<int>& sample, std::size_t k,
                 RandomStream& random) const;
   std::vector<int> clique_of(EgoGraph& graph, const std::vector<int>& sample, std::size_t& largest);
+  std::size_t least_in_clique(std::size_t sample_size) const;
   bool exhausted(int seeds);
+  bool is_beyond_doubt();
   bool is_clear(const std::vector<int>& sample, const std::vector<int>& clique);
   void settle();
   bool shows_larger(std::size_t sample_size) const;

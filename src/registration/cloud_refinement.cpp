@@ -28,17 +28,18 @@ class Rounds {
         threads_(threads),
         nearest_(source.size()) {}
 
-  /// Pairs every moved source point with its nearest target point, where that is within the bound
-  /// and their normals do not part by more than 60 deg, of whichever sign.
-  const Correspondences& pair_up(const Eigen::Isometry3d& T, double bound) {
-    find_nearest(T, bound);
+  /// Pairs every stride-th source point, moved, with its nearest target point, where that is within
+  /// the bound and their normals do not part by more than 60 deg, of whichever sign.
+  const Correspondences& pair_up(const Eigen::Isometry3d& T, double bound, std::size_t stride) {
+    looked_ = (source_.size() + stride - 1) / stride;
+    find_nearest(T, bound, stride);
     for (auto* list :
          {&pairs_.source, &pairs_.target, &pairs_.source_normals, &pairs_.target_normals}) {
       list->clear();
     }
-    for (std::size_t i = 0; i < source_.size(); ++i) {
-      if (nearest_[i] < 0) continue;
-      append_pair(pairs_, source_, i, target_, static_cast<std::size_t>(nearest_[i]));
+    for (std::size_t k = 0; k < looked_; ++k) {
+      if (nearest_[k] < 0) continue;
+      append_pair(pairs_, source_, k * stride, target_, static_cast<std::size_t>(nearest_[k]));
     }
     return pairs_;
   }
@@ -48,22 +49,23 @@ class Rounds {
 
   /// Share of the source's points that have a partner.
   double overlap() const {
-    return static_cast<double>(pairs_.size()) / static_cast<double>(source_.size());
+    return static_cast<double>(pairs_.size()) / static_cast<double>(looked_);
   }
 
  private:
-  void find_nearest(const Eigen::Isometry3d& T, double bound) {
+  void find_nearest(const Eigen::Isometry3d& T, double bound, std::size_t stride) {
     constexpr double kLeastCosine = 0.5;
-    constexpr std::size_t kBlock = 1024;
-    parallel_for((source_.size() + kBlock - 1) / kBlock, threads_, [&](std::size_t block) {
-      const std::size_t end = std::min(source_.size(), (block + 1) * kBlock);
-      for (std::size_t i = block * kBlock; i < end; ++i) {
-        nearest_[i] = -1;
+    constexpr std::size_t kBlock = 512;
+    parallel_for((looked_ + kBlock - 1) / kBlock, threads_, [&](std::size_t block) {
+      const std::size_t end = std::min(looked_, (block + 1) * kBlock);
+      for (std::size_t k = block * kBlock; k < end; ++k) {
+        const std::size_t i = k * stride;
+        nearest_[k] = -1;
         const auto found = tree_.nearest_within(T * source_.points[i], bound);
         if (found.index < 0) continue;
         const Eigen::Vector3d& n = target_.normals[static_cast<std::size_t>(found.index)];
         const double cosine = std::abs((T.linear() * source_.normals[i]).dot(n));
-        if (cosine > kLeastCosine) nearest_[i] = found.index;
+        if (cosine > kLeastCosine) nearest_[k] = found.index;
       }
     });
   }
@@ -74,29 +76,48 @@ class Rounds {
   Primitive primitive_;
   int threads_;
   std::vector<int> nearest_;
+  std::size_t looked_ = 0;
   Correspondences pairs_;
 };
 
+/// @param fine  of 1: what the last bound is held to
 bool stays(const Eigen::Isometry3d& from, const Eigen::Isometry3d& to, const Eigen::Vector3d& at,
-           double bound) {
+           double bound, double fine) {
   constexpr double kSettledAngle = 1e-5, kSettledShare = 1e-4;  // rad, of the bound
   const Eigen::Isometry3d step = from.inverse() * to;
-  return rotation_distance(step.linear(), Eigen::Matrix3d::Identity()) < kSettledAngle &&
-         (step * at - at).norm() < kSettledShare * bound;
+  return rotation_distance(step.linear(), Eigen::Matrix3d::Identity()) < fine * kSettledAngle &&
+         (step * at - at).norm() < fine * kSettledShare * bound;
 }
 
-/// Rounds at one bound, to the pose that stays.
+/// The bound narrows; the points are all looked at, and the pose held to the last digit, at the end
+/// alone.
+struct Stage {
+  double narrowing, fine;
+  bool all;
+};
+constexpr Stage kStages[] = {{1, 30, false}, {0.5, 30, false}, {0.25, 1, true}};
+
+std::size_t stride_of(const Stage& stage, std::size_t points) {
+  constexpr std::size_t kEnough = 5000;
+  return stage.all ? 1 : std::max<std::size_t>(1, points / kEnough);
+}
+
+/// Rounds of one stage, to the pose that stays.
+/// @param least_share  of the points with a partner
 /// @return the last solution, if there was one with pairs enough
 std::optional<PoseEstimate> converge(Rounds& rounds, Eigen::Isometry3d T, double bound,
-                                     std::size_t least_pairs, int most, int& done) {
+                                     const Stage& stage, std::size_t stride, double least_share,
+                                     int most, int& done) {
+  constexpr std::size_t kLeastPairs = 6;
   std::optional<PoseEstimate> best;
   while (done < most) {
-    if (rounds.pair_up(T, bound).size() < least_pairs) return best;
+    const std::size_t pairs = rounds.pair_up(T, bound, stride).size();
+    if (pairs < kLeastPairs || rounds.overlap() < least_share) return best;
     PoseEstimate estimate = rounds.solve();
     if (estimate.status == Status::kDegenerate) return best;
     ++done;
     const Eigen::Vector3d at = weighted_means(rounds.pairs(), {}).source;
-    const bool settled = stays(T, estimate.T_target_source, at, bound);
+    const bool settled = stays(T, estimate.T_target_source, at, bound, stage.fine);
     T = estimate.T_target_source;
     best = std::move(estimate);
     if (settled) break;
@@ -152,31 +173,30 @@ PointCloud detailed(const PointCloud& cloud, const FeatureOptions& options) {
 
 void refine_clouds(const PointCloud& source, const PointCloud& target, const CloudOptions& options,
                    CloudRegistration& registration) {
-  constexpr double kNarrowings[] = {1, 0.5, 0.25};
-  constexpr std::size_t kLeastPairs = 6;
   const double start = now();
   Rounds rounds(source, target, options.registration.primitive, options.threads);
-  std::optional<PoseEstimate> best;
+  bool refined = false;
   Eigen::Isometry3d T = *registration.result.T_target_source;
-  double bound = registration.noise_bound;
-  std::size_t least = kLeastPairs;
-  for (const double narrowing : kNarrowings) {
-    const auto next = converge(rounds, T, narrowing * registration.noise_bound, least,
-                               options.features.refinements, registration.refinements);
+  double bound = registration.noise_bound, least_share = 0;
+  for (const Stage& stage : kStages) {
+    const double next_bound = stage.narrowing * registration.noise_bound;
+    const auto next =
+        converge(rounds, T, next_bound, stage, stride_of(stage, source.size()), least_share,
+                 options.features.refinements, registration.refinements);
     if (!next) break;
-    best = next;
-    bound = narrowing * registration.noise_bound;
-    T = best->T_target_source;
-    if (narrowing == 1) registration.overlap = rounds.overlap();
+    refined = true;
+    bound = next_bound;
+    T = next->T_target_source;
+    if (stage.narrowing == 1) registration.overlap = rounds.overlap();
     // A bound that leaves few of the pairs is below the distance between the points.
-    least = std::max(kLeastPairs, rounds.pairs().size() / 2);
+    least_share = rounds.overlap() / 2;
   }
-  if (!best) {
+  if (!refined) {
     if (options.registration.initial) registration.result.T_target_source.reset();
     return;
   }
-  rounds.pair_up(T, bound);
-  report(*best, rounds, options, registration);
+  rounds.pair_up(T, bound, 1);
+  report(rounds.solve(), rounds, options, registration);
   registration.result.solve_seconds += now() - start;
 }
 

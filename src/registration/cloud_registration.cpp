@@ -19,20 +19,39 @@ namespace {
 
 using geometry::PointCloud;
 
-Correspondences matched(const FeatureCloud& source, const FeatureCloud& target) {
+Correspondences matched(const FeatureCloud& source, const FeatureCloud& target, int threads) {
   Correspondences pairs;
-  for (const auto& match : geometry::mutual_matches(source.features, target.features)) {
+  for (const auto& match : geometry::mutual_matches(source.features, target.features, threads)) {
     append_pair(pairs, source.cloud, static_cast<std::size_t>(match.source), target.cloud,
                 static_cast<std::size_t>(match.target));
   }
   return pairs;
 }
 
-FeatureCloud turned_inside_out(FeatureCloud described, double voxel,
-                               const FeatureOptions& options) {
+FeatureCloud turned_inside_out(FeatureCloud described) {
   for (auto& n : described.cloud.normals) n = -n;
-  described.features = geometry::fpfh(described.cloud, options.feature_radius_voxels * voxel);
+  described.features = geometry::turned_inside_out(std::move(described.features));
   return described;
+}
+
+FeatureCloud mirror_image(FeatureCloud described) {
+  for (auto* list : {&described.cloud.points, &described.cloud.normals}) {
+    for (auto& p : *list) p.x() = -p.x();
+  }
+  described.features = geometry::mirrored(std::move(described.features));
+  return described;
+}
+
+/// Whether the source's mirror image fits where the source does not, or with far more matches. What
+/// is its own mirror image fits both ways alike.
+bool fits_mirrored(const FeatureCloud& from, const FeatureCloud& to, const CloudOptions& options,
+                   const RegistrationOptions& search, const CloudRegistration& registration) {
+  constexpr double kFarMore = 2;
+  const Correspondences matches = matched(mirror_image(from), to, options.threads);
+  const RegistrationResult found = register_correspondences(matches, search);
+  return found.T_target_source &&
+         static_cast<double>(found.inliers.size()) >
+             kFarMore * static_cast<double>(registration.result.inliers.size());
 }
 
 /// Pose from the matches of features. Estimated normals may all point inward, as those of a part of
@@ -41,26 +60,32 @@ FeatureCloud turned_inside_out(FeatureCloud described, double voxel,
 /// stays.
 void match_features(FeatureCloud from, const FeatureCloud& to, const CloudOptions& options,
                     CloudRegistration& registration) {
-  constexpr double kClearFalseAlarms = 1e-30;  // false alarms
+  constexpr double kClearFalseAlarms = 1e-30, kSurelyNotMirrored = 1e-8;
   RegistrationOptions search = options.registration;
   search.noise_bound = registration.noise_bound;
   search.primitive = Primitive::kPoint;
   // Neighbours whose features were made of the same points match alike, wherever that is.
   search.support_radius =
       std::max(search.support_radius, options.features.feature_radius_voxels * registration.voxel);
+  const FeatureCloud upright = from;
   const int tries = from.estimated_normals || to.estimated_normals ? 2 : 1;
   for (int attempt = 0; attempt < tries; ++attempt) {
-    if (attempt > 0) {
-      from = turned_inside_out(std::move(from), registration.voxel, options.features);
-    }
-    Correspondences matches = matched(from, to);
+    if (attempt > 0) from = turned_inside_out(std::move(from));
+    Correspondences matches = matched(from, to, options.threads);
     RegistrationResult found = register_correspondences(matches, search);
     if (attempt == 0 || found.false_alarms < registration.result.false_alarms) {
       registration.feature_matches = matches.size();
       registration.correspondences = std::move(matches);
       registration.result = std::move(found);
     }
-    if (registration.result.false_alarms < kClearFalseAlarms) break;
+    if (registration.result.false_alarms < kClearFalseAlarms) return;
+  }
+  if (registration.result.false_alarms < kSurelyNotMirrored) return;
+  if (fits_mirrored(upright, to, options, search, registration)) {
+    registration.result.mirrored = true;
+    registration.result.status = RegistrationStatus::kNoConsensus;
+    registration.result.T_target_source.reset();
+    registration.result.runner_up.reset();
   }
 }
 
@@ -84,8 +109,10 @@ void check_options(const CloudOptions& options) {
     throw BadInput(fmt::format("noise bound {} m is not positive", *options.noise_bound));
   }
   const auto& registration = options.registration;
-  if (registration.estimate_scale || registration.rotation_axis || registration.instances > 1) {
-    throw BadInput("scale, rotation axis and instances go with correspondences, not with clouds");
+  if (registration.estimate_scale || registration.rotation_axis || registration.translation_only ||
+      registration.instances > 1) {
+    throw BadInput(
+        "scale, limits to rotation and instances go with correspondences, not with clouds");
   }
 }
 
@@ -107,9 +134,13 @@ CloudRegistration coarse(const FeatureCloud& from, const FeatureCloud& to, doubl
 
 }  // namespace
 
-double suggested_voxel(const PointCloud& source, const PointCloud& target, int most_points) {
+double suggested_voxel(const PointCloud& source, const PointCloud& target, int most_points,
+                       int threads) {
   const auto most = static_cast<std::size_t>(std::max(1, most_points));
-  double cell = std::max(voxel_cell_for(source, most), voxel_cell_for(target, most));
+  double cells[2];
+  parallel_for(2, threads,
+               [&](std::size_t k) { cells[k] = voxel_cell_for(k == 0 ? source : target, most); });
+  double cell = std::max(cells[0], cells[1]);
   if (cell > 0) return cell;
   // Small clouds stay as they are; their spacing gives the features' scale.
   for (const PointCloud* cloud : {&source, &target}) {
@@ -155,7 +186,7 @@ CloudRegistration register_clouds(const PointCloud& source, const PointCloud& ta
   for (const auto* cloud : clouds) geometry::check_cloud(*cloud);
   const double voxel = options.features.voxel > 0
                            ? options.features.voxel
-                           : suggested_voxel(source, target, options.features.most_points);
+                           : suggested_voxel(source, target, options.features.most_points, options.threads);
   if (!(voxel > 0)) {
     CloudRegistration none;
     none.result.status = RegistrationStatus::kDegenerate;

@@ -15,7 +15,6 @@ constexpr int kSampleSizes[] = {64, 128, 256, 512, 1024, 2500};
 // Of a sample's correspondences, all but the last's: a larger sample serves better than a long
 // search of a small one.
 constexpr double kSeedShare = 0.15;
-constexpr std::size_t kJudgedSample = 500;  // from which on a pose may end the search
 
 /// `count` of 0..size-1, one from each of as many equal strata, ascending.
 std::vector<int> stratified_sample(int size, int count, RandomStream random) {
@@ -36,7 +35,7 @@ double support_radius(const ConsensusOptions& options) {
 
 Scorer scorer_of(const Correspondences& correspondences, const ConsensusOptions& options) {
   return {correspondences, options.noise_bound,
-          chord_bound(correspondences, options.normal_noise_deg), options.rotation_axis};
+          chord_bound(correspondences, options.normal_noise_deg), options.turns};
 }
 
 }  // namespace
@@ -61,7 +60,6 @@ Consensus find_consensus(const Correspondences& correspondences, const Consensus
     const auto size = static_cast<int>(sample.size());
     const int seeds = size == most ? size : static_cast<int>(kSeedShare * size);
     if (search.run(sample, seeds, random.fork("seeds", stage), best)) break;
-    if (sample.size() >= kJudgedSample && search.is_settled()) break;
     if (size == most) break;
   }
   search.conclude(best);
@@ -84,6 +82,7 @@ Consensus refine_consensus(const Correspondences& correspondences, const Eigen::
   scorer.descend(T);
   result.T_target_source = scorer.uncentred(T);
   result.false_alarms = test.exact(T);
+  result.false_inliers = test.false_inliers(T);
   result.found = options.best_effort || result.false_alarms < options.max_false_alarms;
   return result;
 }

@@ -14,7 +14,7 @@ struct ConsensusOptions {
   double max_false_alarms = 0.01;  ///< poses that wrong pairs may propose per problem
   bool best_effort = false;        ///< find the best pose even where wrong pairs propose it
   double support_radius = 0;       ///< m; 0: three noise bounds
-  std::optional<Eigen::Vector3d> rotation_axis = std::nullopt;  ///< about which alone to turn
+  AllowedTurns turns = {};
 };
 
 struct Consensus {
@@ -23,6 +23,7 @@ struct Consensus {
   double false_alarms = 1;  ///< poses as good as this one among wrong correspondences alone
   int hypotheses = 0;       ///< cliques tried
   bool mirrored = false;    ///< more pairs agree with a reflection
+  double false_inliers = 0;  ///< of the pose's inliers, wrong ones to be expected
   std::optional<RunnerUp> runner_up;
 };
 

@@ -3,8 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <utility>
-
 #include "palpate/core/error.hpp"
 #include "registration/bitset_rows.hpp"
 #include "registration/pair_gates.hpp"
@@ -28,18 +26,10 @@ ConsistencyGraph::ConsistencyGraph(const Correspondences& correspondences,
   const PairColumns columns = columns_of(correspondences, correspondences.source[0],
                                          correspondences.target[0], unit, angles);
   PairGates gates(columns, options.length_tolerance, angles ? options.normal_noise_deg : 0);
-  std::vector<std::uint64_t> later(static_cast<std::size_t>(words_));
   for (int i = 0; i < size_; ++i) {
-    gates.row(i, i + 1, later.data());
-    for_each_bit(later.data(), words_, [&](int j) { join(i, j); });
-  }
-}
-
-void ConsistencyGraph::join(int i, int j) {
-  for (const auto& [a, b] : {std::pair{i, j}, std::pair{j, i}}) {
-    bits_[static_cast<std::size_t>(std::ptrdiff_t{a} * words_ + b / kWordBits)] |=
-        std::uint64_t{1} << (b % kWordBits);
-    ++degrees_[static_cast<std::size_t>(a)];
+    std::uint64_t* bits = bits_.data() + std::ptrdiff_t{i} * words_;
+    gates.row(i, bits);
+    for_each_bit(bits, words_, [&](int) { ++degrees_[static_cast<std::size_t>(i)]; });
   }
 }
 

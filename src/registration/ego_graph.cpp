@@ -10,22 +10,13 @@ namespace palpate::registration {
 void EgoGraph::look_around(int center) {
   center_ = center;
   row_.resize(static_cast<std::size_t>(all_.words()));
-  all_.row(center, 0, row_.data());
+  all_.row(center, row_.data());
   neighbours_.clear();
   for_each_bit(row_.data(), all_.words(), [&](int j) { neighbours_.push_back(j); });
   gather(columns_, neighbours_, local_);
   words_ = near_.words();
   rows_.assign(neighbours_.size() * static_cast<std::size_t>(words_), 0);
-  row_.resize(std::max(row_.size(), static_cast<std::size_t>(words_)));
-  for (int i = 0; i < near_.size(); ++i) {
-    near_.row(i, i + 1, row_.data());
-    for_each_bit(row_.data(), words_, [&](int j) { join(i, j); });
-  }
-}
-
-void EgoGraph::join(int i, int j) {
-  rows_[static_cast<std::size_t>(i * words_ + j / kWordBits)] |= std::uint64_t{1} << j % kWordBits;
-  rows_[static_cast<std::size_t>(j * words_ + i / kWordBits)] |= std::uint64_t{1} << i % kWordBits;
+  for (int i = 0; i < near_.size(); ++i) near_.row(i, rows_.data() + std::ptrdiff_t{i} * words_);
 }
 
 std::vector<int> EgoGraph::clique(int max_size) {

@@ -29,8 +29,6 @@ class EgoGraph {
   std::vector<int> clique(int max_size);
 
  private:
-  void join(int i, int j);
-
   PairColumns local_;  // of the neighbours
   PairGates all_, near_;
   const PairColumns& columns_;

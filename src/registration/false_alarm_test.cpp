@@ -9,11 +9,12 @@
 namespace palpate::registration {
 namespace {
 
-Eigen::Matrix3d second_moment(const Eigen::ArrayXf (&axes)[3]) {
+Eigen::Matrix3d second_moment(const Eigen::ArrayXf (&axes)[3], int count) {
   Eigen::Matrix3d moment;
   for (int a = 0; a < 3; ++a) {
     for (int b = 0; b <= a; ++b) {
-      moment(a, b) = moment(b, a) = static_cast<double>((axes[a] * axes[b]).mean());
+      const float mean = (axes[a].head(count) * axes[b].head(count)).mean();
+      moment(a, b) = moment(b, a) = static_cast<double>(mean);
     }
   }
   return moment;
@@ -32,13 +33,14 @@ FalseAlarmTest::FalseAlarmTest(const Scorer& scorer, double max_false_alarms, do
       max_false_alarms_(max_false_alarms),
       support_radius_(support_radius),
       random_(random),
-      spread_(second_moment(scorer.columns().s)) {
+      spread_(second_moment(scorer.columns().s, scorer.size())) {
   model_.dimensions = scorer.dimensions();
   model_.pairs = scorer.size();
   model_.inertia = inertia(spread_);
   const double chord = scorer.chord_bound();
   if (chord > 0) {
-    model_.normal_information = inertia(second_moment(scorer.columns().n)) / (chord * chord);
+    const Eigen::Matrix3d normals = second_moment(scorer.columns().n, scorer.size());
+    model_.normal_information = inertia(normals) / (chord * chord);
     model_.orientations = 2 * std::numbers::pi * chord * chord;
   }
 }
@@ -107,6 +109,19 @@ double FalseAlarmTest::quick(const Eigen::Isometry3d& T) {
   if (with_copies >= kClearAtOnce) return with_copies;
   const Evidence all = evidence(T);
   return expected(all_alike, all.score, all.copies);
+}
+
+double FalseAlarmTest::false_inliers(const Eigen::Isometry3d& T) const {
+  constexpr int kShifts = 16;
+  const int size = scorer_.size(), shifts = std::min(kShifts, size - 1);
+  RandomStream random = random_.fork("false inliers");
+  double hits = 0;
+  for (int k = 0; k < shifts; ++k) {
+    const auto shift = 1 + random.index(static_cast<std::size_t>(size - 1));
+    hits += scorer_.count_shifted(T, static_cast<int>(shift));
+  }
+  const double wrong = 1 - static_cast<double>(scorer_.score(T).count) / size;
+  return std::max(0.0, wrong) * hits / std::max(1, shifts);
 }
 
 double FalseAlarmTest::exact(const Eigen::Isometry3d& T) {

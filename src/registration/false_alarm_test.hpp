@@ -38,6 +38,10 @@ class FalseAlarmTest {
   /// With the rates at some random poses.
   double judge(const Eigen::Isometry3d& T, Effort effort);
 
+  /// How many of the inliers of T are wrong pairs that agree by accident: as many as agree where
+  /// the same points are paired otherwise.
+  double false_inliers(const Eigen::Isometry3d& T) const;
+
   /// The quick number if that is clear; with the rates at many poses where the rough one is close
   /// to the false alarms.
   double exact(const Eigen::Isometry3d& T);

@@ -8,12 +8,14 @@
 
 namespace palpate::registration {
 
-/// Correspondences one axis after the other in single precision, which compilers vectorise.
+/// Correspondences one axis after the other in single precision, which compilers vectorise. Columns
+/// end in whole words of bits or later, past `count` with nan, which agrees with nothing.
 struct PairColumns {
   Eigen::ArrayXf s[3], t[3];  ///< points of source and target, in units
   Eigen::ArrayXf n[3], m[3];  ///< their normals; empty without
+  int count = 0;              ///< pairs
 
-  int size() const { return static_cast<int>(s[0].size()); }
+  int size() const { return count; }
   bool has_normals() const { return n[0].size() > 0; }
 };
 

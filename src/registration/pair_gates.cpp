@@ -9,17 +9,16 @@
 namespace palpate::registration {
 namespace {
 
-/// joined[j], from j = first on, = whether |s_i s_j| and |t_i t_j| differ by at most g and the
-/// first is above g. Without square roots: (A - B)^2 <= g^2 iff A^2 + B^2 <= g^2 or (A^2 - B^2)^2
+/// joined[j], for all j of the padded columns, = whether |s_i s_j| and |t_i t_j| differ by at most g
+/// and the first is above g. Without square roots: (A - B)^2 <= g^2 iff A^2 + B^2 <= g^2 or (A^2 - B^2)^2
 /// <= 2 g^2 (A^2 + B^2) - g^4.
-PALPATE_WIDE void compare_lengths(const PairColumns& c, int i, int first, float g,
+PALPATE_WIDE void compare_lengths(const PairColumns& c, int i, int padded, float g,
                                   std::uint8_t* __restrict joined) {
   const float g2 = g * g, g4 = g2 * g2;
   const float *ax = c.s[0].data(), *ay = c.s[1].data(), *az = c.s[2].data();
   const float *bx = c.t[0].data(), *by = c.t[1].data(), *bz = c.t[2].data();
   const float sx = ax[i], sy = ay[i], sz = az[i], tx = bx[i], ty = by[i], tz = bz[i];
-  const int size = static_cast<int>(c.s[0].size());
-  for (int j = first; j < size; ++j) {
+  for (int j = 0; j < padded; ++j) {
     const float dx = ax[j] - sx, dy = ay[j] - sy, dz = az[j] - sz;
     const float ex = bx[j] - tx, ey = by[j] - ty, ez = bz[j] - tz;
     const float a = dx * dx + dy * dy + dz * dz, b = ex * ex + ey * ey + ez * ez;
@@ -28,15 +27,14 @@ PALPATE_WIDE void compare_lengths(const PairColumns& c, int i, int first, float 
   }
 }
 
-/// Narrows joined[j], from j = first on, to normals whose angle is the same in both frames.
+/// Narrows joined[j] to normals whose angle is the same in both frames.
 /// @param cosine  of the tolerance
-PALPATE_WIDE void compare_normals(const PairColumns& c, int i, int first, float cosine,
+PALPATE_WIDE void compare_normals(const PairColumns& c, int i, int padded, float cosine,
                                   std::uint8_t* __restrict joined) {
   const float *ax = c.n[0].data(), *ay = c.n[1].data(), *az = c.n[2].data();
   const float *bx = c.m[0].data(), *by = c.m[1].data(), *bz = c.m[2].data();
   const float nx = ax[i], ny = ay[i], nz = az[i], mx = bx[i], my = by[i], mz = bz[i];
-  const int size = static_cast<int>(c.n[0].size());
-  for (int j = first; j < size; ++j) {
+  for (int j = 0; j < padded; ++j) {
     const float a = nx * ax[j] + ny * ay[j] + nz * az[j];
     const float b = mx * bx[j] + my * by[j] + mz * bz[j];
     const float r = cosine - a * b, sines = (1 - a * a) * (1 - b * b);
@@ -71,20 +69,17 @@ PairGates::PairGates(const PairColumns& columns, double length_tolerance, double
       length_tolerance_(static_cast<float>(length_tolerance)),
       normal_noise_(static_cast<float>(normal_noise_deg * std::numbers::pi / 180)) {}
 
-void PairGates::row(int i, int first, std::uint64_t* bits) {
-  joined_.resize(static_cast<std::size_t>(words()) * kWordBits);
-  compare_lengths(columns_, i, first, length_tolerance_, joined_.data());
-  if (i >= first) joined_[static_cast<std::size_t>(i)] = 0;
+void PairGates::row(int i, std::uint64_t* bits) {
+  const int padded = words() * kWordBits;
+  joined_.resize(static_cast<std::size_t>(padded));
+  compare_lengths(columns_, i, padded, length_tolerance_, joined_.data());
   if (normal_noise_ > 0) {
     // 3.6 standard deviations; an angle of two noisy normals varies sqrt 2 times as much.
     const float tolerance = 3.6F * 1.414F * normal_noise_;
     if (tolerance < std::numbers::pi_v<float>) {
-      compare_normals(columns_, i, first, std::cos(tolerance), joined_.data());
+      compare_normals(columns_, i, padded, std::cos(tolerance), joined_.data());
     }
   }
-  // Bytes before the first and past the last are left over from other rows.
-  std::fill_n(joined_.data(), first, std::uint8_t{0});
-  std::fill(joined_.begin() + size(), joined_.end(), std::uint8_t{0});
   for (int w = 0; w < words(); ++w) {
     std::uint64_t word = 0;
     for (int k = 0; k < 8; ++k) word |= pack(joined_.data() + w * kWordBits + 8 * k) << 8 * k;

@@ -20,9 +20,9 @@ class PairGates {
   int size() const { return columns_.size(); }
   int words() const { return (size() + kWordBits - 1) / kWordBits; }
 
-  /// Which of first..size()-1 are joined with i; bits below `first` are 0.
+  /// Which pairs are joined with i, which is not itself.
   /// @param bits  words() words
-  void row(int i, int first, std::uint64_t* bits);
+  void row(int i, std::uint64_t* bits);
 
  private:
   void narrow_by_lines(int i, std::uint64_t* bits) const;

@@ -20,8 +20,8 @@ PairingRates::PairingRates(const PairColumns& columns, double chord_bound, doubl
     : columns_(columns) {
   Eigen::Vector3f high;
   for (int a = 0; a < 3; ++a) {
-    low_[a] = columns.t[a].minCoeff();
-    high[a] = columns.t[a].maxCoeff();
+    low_[a] = columns.t[a].head(columns.size()).minCoeff();
+    high[a] = columns.t[a].head(columns.size()).maxCoeff();
   }
   const double fine = radius * std::cbrt(kBall3);
   const double side =

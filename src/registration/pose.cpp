@@ -146,12 +146,13 @@ Eigen::Isometry3d align_points(const Correspondences& correspondences,
                           means);
 }
 
-Eigen::Isometry3d align_points_about(const Eigen::Vector3d& axis,
-                                     const Correspondences& correspondences,
-                                     const std::vector<double>& weights) {
+Eigen::Isometry3d align_points(const Correspondences& correspondences,
+                               const std::vector<double>& weights, const AllowedTurns& turns) {
+  if (turns.all()) return align_points(correspondences, weights);
   const Origins means = weighted_means(correspondences, weights);
-  return pose_about_means(
-      rotation_about(axis.normalized(), cross_covariance(correspondences, weights, means)), means);
+  if (turns.none) return pose_about_means(Eigen::Matrix3d::Identity(), means);
+  const Eigen::Matrix3d covariance = cross_covariance(correspondences, weights, means);
+  return pose_about_means(rotation_about(turns.axis->normalized(), covariance), means);
 }
 
 }  // namespace palpate::registration

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -31,13 +32,16 @@ void check_motion(const RegistrationOptions& options) {
     if (!options.initial->matrix().allFinite()) throw BadInput("the initial pose holds nan or inf");
     check_rotation(options.initial->linear());
   }
-  if (!options.rotation_axis) return;
-  const Eigen::Vector3d& axis = *options.rotation_axis;
+  if (!options.rotation_axis && !options.translation_only) return;
+  const Eigen::Vector3d axis = options.rotation_axis.value_or(Eigen::Vector3d::UnitZ());
   if (!axis.allFinite() || !(axis.norm() > 0)) {
     throw BadInput(fmt::format("no rotation axis: ({}, {}, {})", axis[0], axis[1], axis[2]));
   }
+  if (options.rotation_axis && options.translation_only) {
+    throw BadInput("a rotation axis and translation only exclude one another");
+  }
   if (options.method == Method::kGnc || options.primitive == Primitive::kPlane) {
-    throw BadInput("a rotation axis goes with cliques and points, not with gnc or planes");
+    throw BadInput("limits to rotation go with cliques and points, not with gnc or planes");
   }
 }
 
@@ -74,17 +78,21 @@ double rank_tolerance(const Correspondences& inliers, const RegistrationOptions&
   return tolerance;
 }
 
-/// The pose that turns about the axis alone, with the information that the axis itself is.
-PoseEstimate solve_about(const Eigen::Vector3d& axis, const Correspondences& inliers,
-                         const std::vector<double>& weights, const PoseOptions& options) {
-  const Eigen::Isometry3d T = align_points_about(axis, inliers, weights);
+AllowedTurns allowed_turns(const RegistrationOptions& options) {
+  return {options.rotation_axis, options.translation_only};
+}
+
+/// The pose of an allowed turn, with the information that its limits are.
+PoseEstimate solve_limited(const AllowedTurns& turns, const Correspondences& inliers,
+                           const std::vector<double>& weights, const PoseOptions& options) {
+  const Eigen::Isometry3d T = align_points(inliers, weights, turns);
   PoseEstimate estimate = certify(T, inliers, weights, Primitive::kPoint, options);
   estimate.bound = 0;  // in closed form, among such poses
-  const auto about_axis = [&](const FreeMotion& motion) {
+  const auto is_allowed = [&](const FreeMotion& motion) {
     return motion.kind == FreeMotion::Kind::kTranslation ||
-           std::abs(motion.direction.dot(axis.normalized())) > 0.99;
+           (turns.axis && std::abs(motion.direction.dot(turns.axis->normalized())) > 0.99);
   };
-  std::erase_if(estimate.free_motions, std::not_fn(about_axis));
+  std::erase_if(estimate.free_motions, std::not_fn(is_allowed));
   estimate.rank = 6 - static_cast<int>(estimate.free_motions.size());
   estimate.status = estimate.rank < 6 ? Status::kDegenerate : Status::kCertified;
   return estimate;
@@ -100,9 +108,10 @@ void solve(const Correspondences& correspondences, const RegistrationOptions& op
   for (const int i : result.inliers) {
     weights.push_back(result.weights[static_cast<std::size_t>(i)]);
   }
+  const AllowedTurns turns = allowed_turns(options);
   const PoseEstimate estimate =
-      options.rotation_axis ? solve_about(*options.rotation_axis, inliers, weights, pose_options)
-                            : solve_pose(inliers, weights, options.primitive, pose_options);
+      turns.all() ? solve_pose(inliers, weights, options.primitive, pose_options)
+                  : solve_limited(turns, inliers, weights, pose_options);
   report_final_solve(estimate, correspondences, options.primitive, result);
 }
 
@@ -113,17 +122,19 @@ ConsensusOptions consensus_options(const Correspondences& correspondences,
           .max_false_alarms = options.max_false_alarms,
           .best_effort = options.best_effort,
           .support_radius = options.support_radius,
-          .rotation_axis = options.rotation_axis};
+          .turns = allowed_turns(options)};
 }
 
 /// Weights and inliers of a consensus among all pairs.
-void adopt(const Consensus& consensus, const Correspondences& correspondences,
+/// @param sampled  share of the pairs that were searched
+void adopt(const Consensus& consensus, const Correspondences& correspondences, double sampled,
            const ConsensusOptions& options, RegistrationResult& result) {
   result.iterations = consensus.hypotheses;
   result.false_alarms = consensus.false_alarms;
   result.mirrored = consensus.mirrored;
   if (!consensus.found) return;
   result.runner_up = consensus.runner_up;
+  result.false_inliers = consensus.false_inliers / sampled;
   result.inliers = settle(correspondences, consensus.T_target_source, options);
   for (const int i : result.inliers) {
     const auto index = static_cast<std::size_t>(i);
@@ -167,7 +178,9 @@ bool reject(const Correspondences& correspondences, const RegistrationOptions& o
       options.initial
           ? refine_consensus(sample, *options.initial, options.initial_reach, search, random)
           : find_consensus(sample, search, random);
-  adopt(consensus, correspondences, search, result);
+  const double sampled =
+      static_cast<double>(sample.size()) / static_cast<double>(correspondences.size());
+  adopt(consensus, correspondences, sampled, search, result);
   return result.inliers.size() >= 3;
 }
 
@@ -217,14 +230,32 @@ void find_more(const Correspondences& correspondences, const RegistrationOptions
   if (!result.instances.empty()) result.runner_up = result.instances.front();
 }
 
-/// Residuals are taken to be normal with one variance, which the inliers tell.
+/// Residuals are taken to be normal with one variance, which the inliers tell. Wrong pairs near the
+/// bound, uniform in its ball, leave and join the inliers as the pose moves, which on average undoes
+/// their pull: of the information only the right ones' share counts.
 Matrix6d covariance_of(const RegistrationResult& result, Primitive primitive) {
   const double residuals =
       (primitive == Primitive::kPoint ? 3 : 1) * static_cast<double>(result.inliers.size());
   const double freedom = residuals - 6;
   // That of Student's distribution: with few residuals their variance is itself uncertain.
   if (!(freedom > 2)) return Matrix6d::Constant(std::numeric_limits<double>::infinity());
-  return result.cost / (freedom - 2) * result.information.inverse();
+  constexpr double kLeastShare = 0.25;
+  const double right = 1 - result.false_inliers / static_cast<double>(result.inliers.size());
+  const double share = std::max(kLeastShare, right);
+  return result.cost / (freedom - 2) / (share * share) * result.information.inverse();
+}
+
+/// Of a turn, the translation following, against a cost that differs by `bound`.
+double resolution_deg(const Matrix6d& information, double bound) {
+  const Eigen::Matrix3d turn = information.topLeftCorner<3, 3>(),
+                        cross = information.topRightCorner<3, 3>(),
+                        shift = information.bottomRightCorner<3, 3>();
+  const Eigen::Matrix3d marginal = turn - cross * shift.ldlt().solve(cross.transpose());
+  const double least =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(marginal, Eigen::EigenvaluesOnly)
+          .eigenvalues()[0];
+  if (!(least > 0)) return 180;
+  return std::min(180.0, std::sqrt(std::max(0.0, bound) / least) * 180 / std::numbers::pi);
 }
 
 }  // namespace
@@ -258,6 +289,7 @@ void report_final_solve(const PoseEstimate& estimate, const Correspondences& cor
     return;
   }
   result.T_target_source = estimate.T_target_source;
+  result.certificate.resolution_deg = resolution_deg(estimate.information, estimate.bound);
   result.covariance = covariance_of(result, primitive);
   result.residuals =
       squared_residuals(correspondences, estimate.T_target_source, Primitive::kPoint);

@@ -43,9 +43,9 @@ PALPATE_WIDE void add_squares(const Eigen::ArrayXf (&a)[3], const Eigen::ArrayXf
 }  // namespace
 
 Scorer::Scorer(const Correspondences& correspondences, double noise_bound, double chord_bound,
-               const std::optional<Eigen::Vector3d>& rotation_axis)
-    : unit_(noise_bound), chord_bound_(static_cast<float>(chord_bound)) {
-  if (rotation_axis) rotation_axis_ = rotation_axis->normalized();
+               const AllowedTurns& turns)
+    : unit_(noise_bound), chord_bound_(static_cast<float>(chord_bound)), turns_(turns) {
+  if (turns_.axis) turns_.axis->normalize();
   const Origins means = weighted_means(correspondences, {});
   source_origin_ = means.source;
   target_origin_ = means.target;
@@ -54,16 +54,21 @@ Scorer::Scorer(const Correspondences& correspondences, double noise_bound, doubl
 
 /// Squared residuals, in squared bounds, of the sources from..to-1 moved by T, each held against
 /// the target `shift` places on.
-Eigen::ArrayXf Scorer::squares(const Eigen::Isometry3d& T, int from, int to, int shift) const {
+void Scorer::squares(const Eigen::Isometry3d& T, int from, int to, int shift, float* result) const {
   const Eigen::Matrix3f R = T.linear().cast<float>();
   const Eigen::Vector3f t = T.translation().cast<float>();
-  Eigen::ArrayXf result = Eigen::ArrayXf::Zero(to - from);
-  add_squares(columns_.s, columns_.t, {R.data(), t.data(), 1}, {from, to, shift}, result.data());
+  std::fill(result, result + (to - from), 0.0F);
+  add_squares(columns_.s, columns_.t, {R.data(), t.data(), 1}, {from, to, shift}, result);
   if (chord_bound_ > 0) {
     constexpr float kStill[3] = {0, 0, 0};
     add_squares(columns_.n, columns_.m, {R.data(), kStill, 1 / (chord_bound_ * chord_bound_)},
-                {from, to, shift}, result.data());
+                {from, to, shift}, result);
   }
+}
+
+Eigen::ArrayXf Scorer::squares(const Eigen::Isometry3d& T, int from, int to, int shift) const {
+  Eigen::ArrayXf result(to - from);
+  squares(T, from, to, shift, result.data());
   return result;
 }
 
@@ -72,7 +77,16 @@ Eigen::ArrayXf Scorer::gains(const Eigen::Isometry3d& T, float reach) const {
 }
 
 double Scorer::gain(const Eigen::Isometry3d& T) const {
-  return static_cast<double>(gains(T).sum());
+  constexpr int kBlock = 512;  // on the stack: this is asked for more often than anything else
+  float block[kBlock];
+  double sum = 0;
+  for (int from = 0; from < size(); from += kBlock) {
+    const int to = std::min(size(), from + kBlock);
+    squares(T, from, to, 0, block);
+    const Eigen::Map<const Eigen::ArrayXf> off(block, to - from);
+    sum += static_cast<double>((1 - off).max(0.0F).sum());
+  }
+  return sum;
 }
 
 Score Scorer::score(const Eigen::Isometry3d& T) const {
@@ -185,8 +199,11 @@ Eigen::Isometry3d Scorer::align(const std::vector<int>& indices, double sign) co
   }
   covariance.col(0) *= sign;
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  T.linear() = rotation_axis_ ? rotation_about(*rotation_axis_, covariance)
-                              : rotation_between(covariance, 0.5 * squares);
+  if (turns_.axis) {
+    T.linear() = rotation_about(*turns_.axis, covariance);
+  } else if (!turns_.none) {
+    T.linear() = rotation_between(covariance, 0.5 * squares);
+  }
   T.linear().col(0) *= sign;
   T.translation() = y - T.linear() * x;
   return T;

@@ -2,9 +2,9 @@
 #pragma once
 
 #include <Eigen/Geometry>
-#include <optional>
 #include <vector>
 
+#include "palpate/registration/pose.hpp"
 #include "registration/pair_columns.hpp"
 
 namespace palpate::registration {
@@ -21,9 +21,9 @@ struct Score {
 class Scorer {
  public:
   /// @param chord_bound  largest chord between an inlier's normals; 0 for no normals
-  /// @param rotation_axis  about which alone align() turns, if given
+  /// @param turns  among which align() looks
   Scorer(const Correspondences& correspondences, double noise_bound, double chord_bound,
-         const std::optional<Eigen::Vector3d>& rotation_axis = std::nullopt);
+         const AllowedTurns& turns = {});
 
   int size() const { return columns_.size(); }
   int dimensions() const { return chord_bound_ > 0 ? 5 : 3; }
@@ -66,13 +66,14 @@ class Scorer {
  private:
   /// Squared residuals of position and, with normals, chord, in squared bounds.
   Eigen::ArrayXf squares(const Eigen::Isometry3d& T, int from, int to, int shift) const;
+  void squares(const Eigen::Isometry3d& T, int from, int to, int shift, float* result) const;
   Eigen::ArrayXf gains(const Eigen::Isometry3d& T, float reach = 1) const;
   Eigen::Isometry3d align_inliers(const Eigen::ArrayXf& gains) const;
   Eigen::Isometry3d align(const std::vector<int>& indices, double sign) const;
 
   double unit_ = 1;
   float chord_bound_ = 0;
-  std::optional<Eigen::Vector3d> rotation_axis_;
+  AllowedTurns turns_;  // its axis a unit vector
   Eigen::Vector3d source_origin_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d target_origin_ = Eigen::Vector3d::Zero();
   PairColumns columns_;

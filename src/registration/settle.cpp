@@ -37,8 +37,7 @@ std::vector<int> settle(const Correspondences& correspondences, Eigen::Isometry3
       const auto index = static_cast<std::size_t>(i);
       weights[index] = correspondences.weights.empty() ? 1 : correspondences.weights[index];
     }
-    T = options.rotation_axis ? align_points_about(*options.rotation_axis, correspondences, weights)
-                              : align_points(correspondences, weights);
+    T = align_points(correspondences, weights, options.turns);
     auto next = inliers_of(correspondences, T, options);
     const bool settled = next == inliers;
     if (next.size() < 3) break;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include "palpate/core/error.hpp"
 #include "palpate/geometry/objects/known_object.hpp"
 #include "palpate/registration/registration.hpp"
 #include "registration/problems.hpp"
@@ -176,6 +177,24 @@ TEST(Register, TurnsAboutAnAxisAlone) {
   ASSERT_TRUE(result.T_target_source);
   EXPECT_LT(rotation_error_deg(*result.T_target_source, truth), 0.5);
   EXPECT_NEAR((result.T_target_source->linear() * axis - axis).norm(), 0, 1e-12);
+}
+
+TEST(Register, ShiftsAlone) {
+  auto problem =
+      make_problem({.pairs = 200, .outliers = 0.6, .noise = 0.002}, RandomStream(6, "shift"));
+  RandomStream random(6, "shift noise");
+  const Eigen::Vector3d shift(0.3, -0.2, 0.1);
+  auto& c = problem.correspondences;
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    if (problem.inlier[i]) c.target[i] = c.source[i] + shift + 0.001 * random.normal3();
+  }
+  const auto result = register_correspondences(c, {.translation_only = true});
+  ASSERT_TRUE(result.T_target_source);
+  EXPECT_EQ(result.T_target_source->linear(), Eigen::Matrix3d::Identity());
+  EXPECT_LT((result.T_target_source->translation() - shift).norm(), 5e-4);
+  EXPECT_THROW(register_correspondences(
+                   c, {.rotation_axis = Eigen::Vector3d::UnitZ(), .translation_only = true}),
+               BadInput);
 }
 
 TEST(Register, EstimatesTheScale) {

@@ -33,8 +33,9 @@ struct FeatureOptions {
 
 /// The cell with which both clouds keep at most `most_points`, at least 1e-9 of their size; 0 if
 /// neither has two different points.
+/// @param threads  the result does not depend on them
 double suggested_voxel(const geometry::PointCloud& source, const geometry::PointCloud& target,
-                       int most_points);
+                       int most_points, int threads = 1);
 
 /// @param voxel  m, > 0
 FeatureCloud describe(const geometry::PointCloud& cloud, double voxel,

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
+
 #include <string_view>
 
 #include "palpate/registration/free_motions.hpp"
@@ -56,10 +58,16 @@ PoseEstimate certify(const Eigen::Isometry3d& T_target_source,
 Eigen::Isometry3d align_points(const Correspondences& correspondences,
                                const std::vector<double>& weights);
 
-/// The same among the poses that turn about one direction alone, as gravity's; the shift is free.
-/// @param axis  of any length but 0
-Eigen::Isometry3d align_points_about(const Eigen::Vector3d& axis,
-                                     const Correspondences& correspondences,
-                                     const std::vector<double>& weights);
+/// The rotations among which a pose is looked for; its shift is always free.
+struct AllowedTurns {
+  std::optional<Eigen::Vector3d> axis = std::nullopt;  ///< those about it alone, as gravity; not 0
+  bool none = false;                                   ///< the identity alone
+
+  bool all() const { return !axis && !none; }
+};
+
+/// The same among the allowed turns.
+Eigen::Isometry3d align_points(const Correspondences& correspondences,
+                               const std::vector<double>& weights, const AllowedTurns& turns);
 
 }  // namespace palpate::registration

@@ -50,6 +50,7 @@ struct RegistrationOptions {
   double initial_reach = 8;  ///< noise bounds
   /// Direction in both frames about which alone the source may be turned (gravity); any length.
   std::optional<Eigen::Vector3d> rotation_axis = std::nullopt;
+  bool translation_only = false;  ///< both frames are turned alike: shift the source, no more
   /// Solve for the scale of the source too (register_scaled()).
   bool estimate_scale = false;
   /// Poses looked for, each among the pairs that the ones before leave over.
@@ -88,6 +89,9 @@ struct RegistrationCertificate {
   /// No pose has a smaller sum of squared residuals over the chosen inliers. In closed form for
   /// points, where it always holds; for planes by the dual.
   bool least_squares = false;
+  /// A better pose for these inliers, nearby, is within this angle, deg: sqrt(bound / least
+  /// information of a turn).
+  double resolution_deg = 0;
   /// No pose at all has more inliers than this; nothing if it was not asked for.
   std::optional<RobustBound> robust = std::nullopt;
 };
@@ -108,11 +112,15 @@ struct RegistrationResult {
   std::vector<RunnerUp> instances;    ///< further poses, largest first, if asked for
   /// More pairs agree with a mirror image than with any rigid motion: such an answer is refused.
   bool mirrored = false;
+  /// Of the inliers, wrong pairs that agree by accident, as expected from the same points paired
+  /// otherwise.
+  double false_inliers = 0;
   int rank = 0;                             ///< of the information matrix
   std::vector<FreeMotion> free_motions;     ///< of kDegenerate
   Matrix6d information = Matrix6d::Zero();  ///< of the inliers, of twists [w; v], target frame
   /// Of twists [w; v] in the target frame, rad and m: the inverse information times the residuals'
-  /// variance, estimated from the inliers.
+  /// variance, estimated from the inliers, over the squared share of them that are right. Pairs that
+  /// agree by accident add to the information what the cut at the bound takes away again.
   Matrix6d covariance = Matrix6d::Zero();
   std::vector<GncIteration> history;                          ///< if asked for, kGnc
   double search_seconds = 0, solve_seconds = 0, seconds = 0;  ///< rejection, final solve, all

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "palpate/core/error.hpp"
+#include "palpate/core/parallel.hpp"
 #include "palpate/geometry/cloud/kd_tree.hpp"
 
 namespace palpate::geometry {
@@ -70,6 +71,52 @@ Eigen::Matrix<float, kFpfhBins, 1> simple_histogram(const PointCloud& cloud, std
   return histogram;
 }
 
+/// Turns the histograms of one angle round.
+void reverse_bins(int part, Features& features) {
+  auto bins = features.middleRows<kBins>(part * kBins);
+  bins = bins.colwise().reverse().eval();
+}
+
+/// For each column the nearest one of another set, the first of equals, as far as was looked.
+struct Nearest {
+  explicit Nearest(Eigen::Index columns)
+      : distances(Eigen::ArrayXf::Constant(columns, INFINITY)),
+        indices(static_cast<std::size_t>(columns), -1) {}
+
+  Eigen::ArrayXf distances;
+  std::vector<Eigen::Index> indices;
+};
+
+constexpr Eigen::Index kChunk = 512;  // targets that one thread looks at
+
+/// All sources against the targets from `first` on, a chunk of them.
+void find_nearest(const Features& source, const Features& target, Eigen::Index first,
+                  Nearest& of_sources, Nearest& of_targets) {
+  constexpr Eigen::Index kBlock = 256;
+  const Eigen::Index columns = std::min(kChunk, target.cols() - first);
+  const Eigen::RowVectorXf target_norms = target.middleCols(first, columns).colwise().squaredNorm();
+  for (Eigen::Index start = 0; start < source.cols(); start += kBlock) {
+    const Eigen::Index rows = std::min(kBlock, source.cols() - start);
+    const auto block = source.middleCols(start, rows);
+    Eigen::MatrixXf distances = -2 * (block.transpose() * target.middleCols(first, columns));
+    distances.rowwise() += target_norms;
+    distances.colwise() += block.colwise().squaredNorm().transpose();
+    // Column by column, as the matrix lies in memory.
+    for (Eigen::Index j = 0; j < columns; ++j) {
+      for (Eigen::Index i = 0; i < rows; ++i) {
+        if (!(distances(i, j) < of_sources.distances[start + i])) continue;
+        of_sources.distances[start + i] = distances(i, j);
+        of_sources.indices[static_cast<std::size_t>(start + i)] = first + j;
+      }
+      Eigen::Index i = 0;
+      const float distance = distances.col(j).minCoeff(&i);
+      if (!(distance < of_targets.distances[first + j])) continue;
+      of_targets.distances[first + j] = distance;
+      of_targets.indices[static_cast<std::size_t>(first + j)] = start + i;
+    }
+  }
+}
+
 }  // namespace
 
 Features fpfh(const PointCloud& cloud, double radius, int max_neighbours) {
@@ -99,39 +146,30 @@ Features fpfh(const PointCloud& cloud, double radius, int max_neighbours) {
   return result;
 }
 
-std::vector<Match> mutual_matches(const Features& source, const Features& target) {
-  constexpr Eigen::Index kBlock = 256;
+Features turned_inside_out(Features features) {
+  for (const int part : {0, 2}) reverse_bins(part, features);
+  return features;
+}
+
+Features mirrored(Features features) {
+  reverse_bins(1, features);
+  return features;
+}
+
+std::vector<Match> mutual_matches(const Features& source, const Features& target, int threads) {
   if (source.cols() == 0 || target.cols() == 0) return {};
-  const Eigen::RowVectorXf target_norms = target.colwise().squaredNorm();
-  const Eigen::VectorXf source_norms = source.colwise().squaredNorm().transpose();
-  std::vector<Eigen::Index> best_source(static_cast<std::size_t>(target.cols()), -1),
-      best_target(static_cast<std::size_t>(source.cols()), -1);
-  Eigen::RowVectorXf least = Eigen::RowVectorXf::Constant(target.cols(), INFINITY);
-  for (Eigen::Index start = 0; start < source.cols(); start += kBlock) {
-    const Eigen::Index rows = std::min(kBlock, source.cols() - start);
-    Eigen::MatrixXf distances = -2 * (source.middleCols(start, rows).transpose() * target);
-    distances.rowwise() += target_norms;
-    distances.colwise() += source_norms.segment(start, rows);
-    // Column by column, as the matrix lies in memory.
-    Eigen::ArrayXf nearest = Eigen::ArrayXf::Constant(rows, INFINITY);
-    for (Eigen::Index j = 0; j < target.cols(); ++j) {
-      for (Eigen::Index i = 0; i < rows; ++i) {
-        if (!(distances(i, j) < nearest[i])) continue;
-        nearest[i] = distances(i, j);
-        best_target[static_cast<std::size_t>(start + i)] = j;
-      }
-      Eigen::Index i = 0;
-      const float distance = distances.col(j).minCoeff(&i);
-      if (!(distance < least[j])) continue;
-      least[j] = distance;
-      best_source[static_cast<std::size_t>(j)] = start + i;
-    }
-  }
+  const auto chunks = static_cast<std::size_t>((target.cols() + kChunk - 1) / kChunk);
+  std::vector<Nearest> of_sources(chunks, Nearest(source.cols()));
+  Nearest of_targets(target.cols());
+  parallel_for(chunks, threads, [&](std::size_t k) {
+    find_nearest(source, target, static_cast<Eigen::Index>(k) * kChunk, of_sources[k], of_targets);
+  });
   std::vector<Match> matches;
-  for (std::size_t i = 0; i < best_target.size(); ++i) {
-    if (best_target[i] < 0) continue;
-    const auto j = static_cast<std::size_t>(best_target[i]);
-    if (best_source[j] == static_cast<Eigen::Index>(i)) {
+  for (Eigen::Index i = 0; i < source.cols(); ++i) {
+    const auto& best = *std::ranges::min_element(
+        of_sources, {}, [i](const Nearest& chunk) { return chunk.distances[i]; });
+    const Eigen::Index j = best.indices[static_cast<std::size_t>(i)];
+    if (j >= 0 && of_targets.indices[static_cast<std::size_t>(j)] == i) {
       matches.push_back({static_cast<int>(i), static_cast<int>(j)});
     }
   }

@@ -79,6 +79,27 @@ std::vector<std::size_t> cells_of(const PointCloud& cloud, double cell, std::siz
   return result;
 }
 
+/// Smallest cell from `cell` on, to a few per cent, that leaves at most `most` of every stride-th
+/// point.
+double cell_from(const PointCloud& cloud, std::size_t stride, const Eigen::Vector3d& low,
+                 std::size_t most, double cell) {
+  constexpr double kStep = 1.05;
+  const auto occupied = [&] {
+    CellNumbers numbers(cloud.size() / stride + 1);
+    for (std::size_t i = 0; i < cloud.size(); i += stride) {
+      numbers.number(cell_at(cloud.points[i], low, cell));
+    }
+    return numbers.count();
+  };
+  for (std::size_t count = cloud.size(); count > most; cell *= kStep) {
+    count = occupied();
+    // A surface: the number falls with the square of the cell.
+    const double excess = static_cast<double>(count) / static_cast<double>(most);
+    if (excess > 1.5) cell *= std::sqrt(excess / 1.3);
+  }
+  return cell / kStep;
+}
+
 }  // namespace
 
 void check_cloud(const PointCloud& cloud) {
@@ -136,23 +157,15 @@ PointCloud voxel_sampled(const PointCloud& cloud, double cell) {
 }
 
 double voxel_cell_for(const PointCloud& cloud, std::size_t most) {
+  constexpr std::size_t kMembers = 4;  // of a cell, on average: of fewer some stay empty
   if (cloud.size() <= most || most == 0) return 0;
-  constexpr double kStep = 1.05;
   const Eigen::AlignedBox3d box = box_of(cloud);
-  const auto occupied = [&](double cell) {
-    CellNumbers numbers(cloud.size());
-    for (const auto& p : cloud.points) numbers.number(cell_at(p, box.min(), cell));
-    return numbers.count();
-  };
-  double cell = box.diagonal().norm() / 1000;
-  if (!(cell > 0)) return 0;
-  for (std::size_t count = cloud.size(); count > most; cell *= kStep) {
-    count = occupied(cell);
-    // A surface: the number falls with the square of the cell.
-    const double excess = static_cast<double>(count) / static_cast<double>(most);
-    if (excess > 1.5) cell *= std::sqrt(excess / 1.3);
-  }
-  return cell / kStep;
+  const double finest = box.diagonal().norm() / 1000;
+  if (!(finest > 0)) return 0;
+  // Some of the points leave cells empty, so that theirs is too fine rather than too coarse.
+  const std::size_t stride = cloud.size() / (kMembers * most);
+  const double rough = stride > 1 ? cell_from(cloud, stride, box.min(), most, finest) : finest;
+  return cell_from(cloud, 1, box.min(), most, rough);
 }
 
 }  // namespace palpate::geometry

@@ -29,6 +29,13 @@ struct Match {
 };
 
 /// Pairs of columns that are each other's nearest, by source index; of equally near ones the first.
-std::vector<Match> mutual_matches(const Features& source, const Features& target);
+/// @param threads  the result does not depend on them
+std::vector<Match> mutual_matches(const Features& source, const Features& target, int threads = 1);
+
+/// What fpfh() gives where all normals point the other way: theta and phi change sign.
+Features turned_inside_out(Features features);
+
+/// What fpfh() gives of the mirror image: alpha changes sign.
+Features mirrored(Features features);
 
 }  // namespace palpate::geometry
