@@ -138,8 +138,8 @@ double mean_distance(const PointCloud& cloud, const Eigen::Isometry3d& a,
 }
 
 void same_objects(const experiment::Options& options) {
-  Table table({"source", "runs", "right", "another pose", "that fits as well", "none",
-               "degenerate", "flagged as mirrored"});
+  Table table({"source", "runs", "right", "another pose", "that fits as well", "none", "degenerate",
+               "flagged as mirrored"});
   for (const bool mirrored : {false, true}) {
     std::size_t right = 0, wrong = 0, none = 0, degenerate = 0, flagged = 0, fits = 0;
     const std::uint64_t runs = options.quick ? 1 : 40;
@@ -163,7 +163,8 @@ void same_objects(const experiment::Options& options) {
     }
     table.add_row({mirrored ? "mirrored" : "the same object", fmt::format("{}", runs),
                    fmt::format("{}", right), fmt::format("{}", wrong), fmt::format("{}", fits),
-                   fmt::format("{}", none), fmt::format("{}", degenerate), fmt::format("{}", flagged)});
+                   fmt::format("{}", none), fmt::format("{}", degenerate),
+                   fmt::format("{}", flagged)});
   }
   table.publish(options, "same_objects",
                 "Generated shapes held against another sample of themselves, and mirrored");

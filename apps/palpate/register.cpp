@@ -21,7 +21,8 @@ struct RegisterArguments {
   std::string method = "clique+gnc", cost = "tls", initial;
   std::optional<std::string> primitive;
   std::optional<double> noise_bound, normal_noise_deg;
-  bool filter = false, yaw_only = false, translation_only = false, scale = false, best_effort = false;
+  bool filter = false, yaw_only = false, translation_only = false, scale = false,
+       best_effort = false;
   int repeats = 1, instances = 1;
 };
 

@@ -180,9 +180,8 @@ void refine_clouds(const PointCloud& source, const PointCloud& target, const Clo
   double bound = registration.noise_bound, least_share = 0;
   for (const Stage& stage : kStages) {
     const double next_bound = stage.narrowing * registration.noise_bound;
-    const auto next =
-        converge(rounds, T, next_bound, stage, stride_of(stage, source.size()), least_share,
-                 options.features.refinements, registration.refinements);
+    const auto next = converge(rounds, T, next_bound, stage, stride_of(stage, source.size()),
+                               least_share, options.features.refinements, registration.refinements);
     if (!next) break;
     refined = true;
     bound = next_bound;

@@ -184,9 +184,10 @@ CloudRegistration register_clouds(const PointCloud& source, const PointCloud& ta
   check_options(options);
   const PointCloud* clouds[] = {&source, &target};
   for (const auto* cloud : clouds) geometry::check_cloud(*cloud);
-  const double voxel = options.features.voxel > 0
-                           ? options.features.voxel
-                           : suggested_voxel(source, target, options.features.most_points, options.threads);
+  const double voxel =
+      options.features.voxel > 0
+          ? options.features.voxel
+          : suggested_voxel(source, target, options.features.most_points, options.threads);
   if (!(voxel > 0)) {
     CloudRegistration none;
     none.result.status = RegistrationStatus::kDegenerate;

@@ -19,10 +19,10 @@ struct ConsensusOptions {
 
 struct Consensus {
   Eigen::Isometry3d T_target_source = Eigen::Isometry3d::Identity();
-  bool found = false;       ///< wrong pairs do not explain it
-  double false_alarms = 1;  ///< poses as good as this one among wrong correspondences alone
-  int hypotheses = 0;       ///< cliques tried
-  bool mirrored = false;    ///< more pairs agree with a reflection
+  bool found = false;        ///< wrong pairs do not explain it
+  double false_alarms = 1;   ///< poses as good as this one among wrong correspondences alone
+  int hypotheses = 0;        ///< cliques tried
+  bool mirrored = false;     ///< more pairs agree with a reflection
   double false_inliers = 0;  ///< of the pose's inliers, wrong ones to be expected
   std::optional<RunnerUp> runner_up;
 };

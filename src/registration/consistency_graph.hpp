@@ -36,7 +36,6 @@ class ConsistencyGraph {
   int words() const { return words_; }
 
  private:
-
   int size_ = 0, words_ = 0;
   std::vector<std::uint64_t> bits_;
   std::vector<int> degrees_;

@@ -9,8 +9,9 @@
 namespace palpate::registration {
 namespace {
 
-/// joined[j], for all j of the padded columns, = whether |s_i s_j| and |t_i t_j| differ by at most g
-/// and the first is above g. Without square roots: (A - B)^2 <= g^2 iff A^2 + B^2 <= g^2 or (A^2 - B^2)^2
+/// joined[j], for all j of the padded columns, = whether |s_i s_j| and |t_i t_j| differ by at most
+/// g and the first is above g. Without square roots: (A - B)^2 <= g^2 iff A^2 + B^2 <= g^2 or (A^2
+/// - B^2)^2
 /// <= 2 g^2 (A^2 + B^2) - g^4.
 PALPATE_WIDE void compare_lengths(const PairColumns& c, int i, int padded, float g,
                                   std::uint8_t* __restrict joined) {

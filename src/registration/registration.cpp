@@ -109,9 +109,9 @@ void solve(const Correspondences& correspondences, const RegistrationOptions& op
     weights.push_back(result.weights[static_cast<std::size_t>(i)]);
   }
   const AllowedTurns turns = allowed_turns(options);
-  const PoseEstimate estimate =
-      turns.all() ? solve_pose(inliers, weights, options.primitive, pose_options)
-                  : solve_limited(turns, inliers, weights, pose_options);
+  const PoseEstimate estimate = turns.all()
+                                    ? solve_pose(inliers, weights, options.primitive, pose_options)
+                                    : solve_limited(turns, inliers, weights, pose_options);
   report_final_solve(estimate, correspondences, options.primitive, result);
 }
 
@@ -231,8 +231,8 @@ void find_more(const Correspondences& correspondences, const RegistrationOptions
 }
 
 /// Residuals are taken to be normal with one variance, which the inliers tell. Wrong pairs near the
-/// bound, uniform in its ball, leave and join the inliers as the pose moves, which on average undoes
-/// their pull: of the information only the right ones' share counts.
+/// bound, uniform in its ball, leave and join the inliers as the pose moves, which on average
+/// undoes their pull: of the information only the right ones' share counts.
 Matrix6d covariance_of(const RegistrationResult& result, Primitive primitive) {
   const double residuals =
       (primitive == Primitive::kPoint ? 3 : 1) * static_cast<double>(result.inliers.size());

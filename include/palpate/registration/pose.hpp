@@ -2,7 +2,6 @@
 #pragma once
 
 #include <optional>
-
 #include <string_view>
 
 #include "palpate/registration/free_motions.hpp"

@@ -119,8 +119,8 @@ struct RegistrationResult {
   std::vector<FreeMotion> free_motions;     ///< of kDegenerate
   Matrix6d information = Matrix6d::Zero();  ///< of the inliers, of twists [w; v], target frame
   /// Of twists [w; v] in the target frame, rad and m: the inverse information times the residuals'
-  /// variance, estimated from the inliers, over the squared share of them that are right. Pairs that
-  /// agree by accident add to the information what the cut at the bound takes away again.
+  /// variance, estimated from the inliers, over the squared share of them that are right. Pairs
+  /// that agree by accident add to the information what the cut at the bound takes away again.
   Matrix6d covariance = Matrix6d::Zero();
   std::vector<GncIteration> history;                          ///< if asked for, kGnc
   double search_seconds = 0, solve_seconds = 0, seconds = 0;  ///< rejection, final solve, all
