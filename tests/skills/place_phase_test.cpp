@@ -11,14 +11,14 @@
 namespace palpate::skills {
 namespace {
 
-constexpr double kWeight = 2.0;      // N
+constexpr double kHeldWeight = 2.0;  // N
 constexpr double kStiffness = 2000;  // N/m, of what is stood on
 constexpr double kGround = 0.15;     // m of the base when the object touches
 
 /// What the base carries of a hanging object over ground that is `ground` high.
 void stand(hand::HandReading& reading, double ground) {
   const double depth = std::max(0.0, ground - reading.base.xyz.z());
-  reading.base_force.z() = kWeight - kStiffness * depth;
+  reading.base_force.z() = kHeldWeight - kStiffness * depth;
 }
 
 PlaceGoal goal_at(double height) {
@@ -64,7 +64,8 @@ TEST(PlacePhase, StopsAtTheTableAndLetsGo) {
   EXPECT_TRUE(descent.robot.log().at(estimation::TouchEvent::placed));
   EXPECT_DOUBLE_EQ(descent.robot.command().positions[hand::actuator_index("FFJ3")], 0.2);
   // No deeper than what the wanted press takes, and what three ticks of delay add.
-  EXPECT_GT(descent.robot.command().base.xyz.z(), kGround - (kWeight + 1) / kStiffness - 0.0005);
+  EXPECT_GT(descent.robot.command().base.xyz.z(),
+            kGround - (kHeldWeight + 1) / kStiffness - 0.0005);
   EXPECT_NEAR(descent.phase.T_world_object().translation().z(), kGround, 0.003);
 }
 
@@ -155,7 +156,7 @@ void stand_sunk(hand::HandReading& reading, double ground, double sag) {
   const double depth = ground + sag - reading.base.xyz.z();
   const double pushed_back = std::clamp(depth / sag, 0.0, 1.0);
   const double beyond = std::max(0.0, depth - sag);
-  reading.base_force.z() = kWeight * (1 - pushed_back) - kStiffness * beyond;
+  reading.base_force.z() = kHeldWeight * (1 - pushed_back) - kStiffness * beyond;
 }
 
 TEST(PlacePhase, AnObjectThatSankInTheHandIsInTheSlotAllTheSame) {
@@ -193,7 +194,7 @@ PhaseReport withdrawn(hand::FakeHand::Script script) {
   command.positions.setConstant(0.5);
   Executor robot(hand, model, command);
   PickState state;
-  return run_phase(*std::make_unique<WithdrawPhase>(WithdrawOptions{}, kWeight), robot, state);
+  return run_phase(*std::make_unique<WithdrawPhase>(WithdrawOptions{}, kHeldWeight), robot, state);
 }
 
 TEST(WithdrawPhase, RisesFree) { EXPECT_EQ(withdrawn({}).status, PhaseStatus::ok); }
@@ -210,7 +211,7 @@ TEST(WithdrawPhase, OpensWiderWhereItIsCaught) {
 
 TEST(WithdrawPhase, AnObjectThatComesAlongIsAFailure) {
   const auto report =
-      withdrawn([](hand::HandReading& reading) { reading.base_force.z() = kWeight; });
+      withdrawn([](hand::HandReading& reading) { reading.base_force.z() = kHeldWeight; });
   EXPECT_EQ(report.status, PhaseStatus::failed);
   EXPECT_NE(report.outcome.find("hang"), std::string::npos);
 }

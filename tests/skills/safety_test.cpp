@@ -23,7 +23,7 @@ using hand::kTick;
 constexpr double kFrom = 0.2;     // s at which a fault sets in
 constexpr double kDetect = 0.05;  // s within which the hand must stand still
 const double kNan = std::numeric_limits<double>::quiet_NaN();
-const hand::HandModel kNoModel;
+const hand::HandModel kEmptyModel;
 
 /// A hand that notes when its base was last commanded to move on.
 class WatchedHand : public hand::Hand {
@@ -47,8 +47,8 @@ class WatchedHand : public hand::Hand {
 };
 
 /// A hand in motion, of which all fingertips but one feel something, and a fault.
-struct Scene {
-  explicit Scene(const hand::FaultSchedule& schedule, hand::FakeHand::Script script = {})
+struct FaultyScene {
+  explicit FaultyScene(const hand::FaultSchedule& schedule, hand::FakeHand::Script script = {})
       : fake([script = std::move(script)](HandReading& reading) {
           for (std::size_t i = 0; i < 4; ++i) {
             const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
@@ -59,7 +59,7 @@ struct Scene {
         }),
         faulty(fake, schedule),
         hand(faulty),
-        robot(hand, kNoModel, {}) {}
+        robot(hand, kEmptyModel, {}) {}
 
   /// Moves on until something stops it.
   FaultReport run(double seconds = 3) {
@@ -88,7 +88,7 @@ class EveryFault : public testing::TestWithParam<Case> {};
 
 TEST_P(EveryFault, StopsTheHandInTimeAndIsNamed) {
   const Case& c = GetParam();
-  Scene scene({.fault = c.injected, .from = kFrom});
+  FaultyScene scene({.fault = c.injected, .from = kFrom});
   EXPECT_EQ(to_string(scene.run().fault), to_string(c.reported));
   EXPECT_EQ(scene.robot.fault().fault, c.reported);
   EXPECT_FALSE(scene.robot.fault().detail.empty());
@@ -115,7 +115,7 @@ INSTANTIATE_TEST_SUITE_P(Safety, EveryFault,
 class SurvivedFault : public testing::TestWithParam<InjectedFault> {};
 
 TEST_P(SurvivedFault, LetsTheRobotGoOn) {
-  Scene scene({.fault = GetParam(), .from = kFrom, .finger = 2});
+  FaultyScene scene({.fault = GetParam(), .from = kFrom, .finger = 2});
   EXPECT_FALSE(scene.run()) << scene.robot.fault().detail;
   EXPECT_EQ(scene.robot.limited_commands(), 0u);
 }
@@ -132,7 +132,7 @@ INSTANTIATE_TEST_SUITE_P(Safety, SurvivedFault,
                          });
 
 TEST(Safety, StandsStillInAGapAndKeepsNothingOfIt) {
-  Scene scene({.fault = InjectedFault::link_gap, .from = kFrom});
+  FaultyScene scene({.fault = InjectedFault::link_gap, .from = kFrom});
   scene.run();
   const auto& readings = scene.robot.log().readings;
   for (std::size_t i = 1; i < readings.size(); ++i) {
@@ -144,7 +144,7 @@ TEST(Safety, StandsStillInAGapAndKeepsNothingOfIt) {
 
 TEST(Safety, DropsWhatAFaultyFingertipFeels) {
   for (const auto fault : {InjectedFault::finger_nan, InjectedFault::finger_stuck}) {
-    Scene scene({.fault = fault, .from = kFrom, .finger = 2});
+    FaultyScene scene({.fault = fault, .from = kFrom, .finger = 2});
     scene.run();
     EXPECT_TRUE(scene.robot.reading().contacts[2].empty());
     EXPECT_FALSE(scene.robot.reading().contacts[1].empty());
@@ -153,7 +153,7 @@ TEST(Safety, DropsWhatAFaultyFingertipFeels) {
 
 TEST(Safety, TooMuchLoadEndsInABaseThatGivesWay) {
   // An obstacle at 0.02 m, as stiff as the drives: the base stays there.
-  Scene scene({}, [](HandReading& reading) {
+  FaultyScene scene({}, [](HandReading& reading) {
     const double pushed = reading.base.xyz.x() - 0.02;
     if (pushed <= 0) return;
     reading.base_force.x() = 4000 * pushed;
@@ -166,7 +166,7 @@ TEST(Safety, TooMuchLoadEndsInABaseThatGivesWay) {
 }
 
 TEST(Safety, LoadThatNoFingertipFeelsIsNamed) {
-  Scene scene({}, [](HandReading& reading) {
+  FaultyScene scene({}, [](HandReading& reading) {
     for (auto& contacts : reading.contacts) contacts.clear();
     if (reading.time > kFrom) reading.base_force.x() = 100 * (reading.time - kFrom);
   });
@@ -175,7 +175,7 @@ TEST(Safety, LoadThatNoFingertipFeelsIsNamed) {
 
 TEST(Safety, ImpossibleValuesAreNamed) {
   const auto fault_of = [](auto spoil) {
-    Scene scene({}, [spoil](HandReading& reading) {
+    FaultyScene scene({}, [spoil](HandReading& reading) {
       if (reading.time > kFrom) spoil(reading);
     });
     return scene.run().fault;
@@ -191,7 +191,7 @@ TEST(Safety, ImpossibleValuesAreNamed) {
 TEST(Safety, AJointThatDoesNotFollowIsNamed) {
   hand::FakeHand fake;
   hand::FaultyHand faulty(fake, {.fault = InjectedFault::joint_stuck, .from = kFrom});
-  Executor robot(faulty, kNoModel, {});
+  Executor robot(faulty, kEmptyModel, {});
   robot.wait(2 * kFrom);
   hand::ActuatorVector posture = hand::ActuatorVector::Zero();
   posture[9] = 1;
@@ -202,7 +202,7 @@ TEST(Safety, AJointThatDoesNotFollowIsNamed) {
 }
 
 TEST(Safety, ACommandThatIsNotFiniteNeverReachesTheHand) {
-  Scene scene({});
+  FaultyScene scene({});
   hand::BasePosition nowhere;
   nowhere.xyz.z() = kNan;
   EXPECT_THROW(scene.robot.move_base(nowhere, 0.1), SafetyStop);
@@ -212,7 +212,7 @@ TEST(Safety, ACommandThatIsNotFiniteNeverReachesTheHand) {
 
 TEST(Safety, AFullLogStopsTheRobot) {
   hand::FakeHand fake;
-  Executor robot(fake, kNoModel, {}, {}, nullptr, {{.max_log = 1.0}});
+  Executor robot(fake, kEmptyModel, {}, {}, nullptr, {{.max_log = 1.0}});
   EXPECT_THROW(robot.wait(2), SafetyStop);
   EXPECT_EQ(robot.fault().fault, Fault::log_full);
   EXPECT_LT(robot.log().readings.size(), 140u);
@@ -226,7 +226,7 @@ TEST(Safety, StopsWithinATickFromAnotherThread) {
     asked = reading.time;
     std::thread([&] { source.request_stop(); }).join();
   });
-  Executor robot(fake, kNoModel, {}, {}, nullptr, {{}, source.get_token()});
+  Executor robot(fake, kEmptyModel, {}, {}, nullptr, {{}, source.get_token()});
   EXPECT_THROW(robot.wait(2), SafetyStop);
   EXPECT_EQ(robot.fault().fault, Fault::stop_requested);
   EXPECT_NEAR(robot.fault().time, asked, 1e-9);
@@ -258,7 +258,7 @@ TEST(Safety, TheWatchdogStopsAHandThatHangs) {
   Safety safety;
   safety.options.watchdog = 0.5;
   safety.stop_drives = [&] { hand.stop_drives(); };
-  Executor robot(hand, kNoModel, {}, {}, nullptr, safety);
+  Executor robot(hand, kEmptyModel, {}, {}, nullptr, safety);
   EXPECT_THROW(robot.wait(2), SafetyStop);
   EXPECT_EQ(robot.fault().fault, Fault::silent);
 }
@@ -277,7 +277,7 @@ class ThrowingPhase : public Phase {
 };
 
 TEST(Safety, AnExceptionOfAPhaseLeavesTheHandSafe) {
-  Scene scene({});
+  FaultyScene scene({});
   ThrowingPhase phase;
   PickState state;
   EXPECT_THROW(run_phase(phase, scene.robot, state), std::logic_error);
@@ -289,7 +289,7 @@ TEST(Safety, AnExceptionThatEndsTheRobotLeavesTheHandSafe) {
   int stopped = 0;
   hand::FakeHand fake;
   try {
-    Executor robot(fake, kNoModel, {}, {}, nullptr, {{}, {}, [&] { ++stopped; }});
+    Executor robot(fake, kEmptyModel, {}, {}, nullptr, {{}, {}, [&] { ++stopped; }});
     throw std::runtime_error("elsewhere");
   } catch (const std::runtime_error&) {
   }
@@ -297,7 +297,7 @@ TEST(Safety, AnExceptionThatEndsTheRobotLeavesTheHandSafe) {
 }
 
 TEST(Safety, APhaseThatAFaultStopsSaysSo) {
-  Scene scene({.fault = InjectedFault::load_nan, .from = kFrom});
+  FaultyScene scene({.fault = InjectedFault::load_nan, .from = kFrom});
   ThrowingPhase phase;
   PickState state;
   const PhaseReport report = run_phase(phase, scene.robot, state);
@@ -310,7 +310,7 @@ TEST(Safety, AStoppedFingerHoldsOnLightly) {
     reading.joints[hand::joint_index("FFJ3")] = 0.2;  // it is held back there
     reading.base_force.z() = reading.time > 1 ? 90 : 0;
   });
-  Executor robot(fake, kNoModel, {});
+  Executor robot(fake, kEmptyModel, {});
   hand::ActuatorVector posture = hand::ActuatorVector::Zero();
   posture[hand::actuator_index("FFJ3")] = 0.7;
   robot.move_fingers(posture, 0.5);

@@ -14,9 +14,9 @@
 namespace palpate::skills {
 namespace {
 
-constexpr double kWeight = 1.5;    // N
-constexpr double kFriction = 0.4;  // of the forces that bear it
-constexpr double kPress = 2.0;     // N, of each fingertip
+constexpr double kBoxWeight = 1.5;  // N
+constexpr double kFriction = 0.4;   // of the forces that bear it
+constexpr double kBoxPress = 2.0;   // N, of each fingertip
 
 /// A hand whose fingertips all touch.
 struct Pinching {
@@ -24,13 +24,13 @@ struct Pinching {
       : hand([](hand::HandReading& reading) {
           for (std::size_t i = 0; i < reading.contacts.size(); ++i) {
             const Eigen::Vector3d n(0, i == 0 ? -1 : 1, 0);
-            reading.contacts[i].push_back({{0, 0, 0.02}, n, -kPress * n});
+            reading.contacts[i].push_back({{0, 0, 0.02}, n, -kBoxPress * n});
           }
         }),
         robot(hand, model, {}) {
     robot.wait(0.3);
   }
-  WeightBearing bearing() const { return {robot, p_base_object, kWeight, kFriction}; }
+  WeightBearing bearing() const { return {robot, p_base_object, kBoxWeight, kFriction}; }
 
   hand::HandModel model = simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
   hand::FakeHand hand;
@@ -59,8 +59,8 @@ TEST(WeightBearing, FollowsTheWeightByWhatTheStaticsAsk) {
   const auto joints = tactile::mean_joints(window);
   const auto torques = [&](const hand::BasePosition& base) {
     const grasping::Load load{pinching.p_base_object,
-                              -kWeight * base.pose().linear().row(2).transpose()};
-    const auto balanced = grasping::distribute_forces(contacts, kFriction, 5 * kPress, load);
+                              -kBoxWeight * base.pose().linear().row(2).transpose()};
+    const auto balanced = grasping::distribute_forces(contacts, kFriction, 5 * kBoxPress, load);
     return grasping::pressing_torques(pinching.model, joints, contacts, balanced.forces);
   };
   const auto base = turned(0.3, std::numbers::pi / 2, 0.4);
@@ -77,7 +77,7 @@ TEST(WeightBearing, WithoutTouchTheFingersStay) {
   hand::HandModel model = simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
   hand::FakeHand hand;
   Executor robot(hand, model, {});
-  const WeightBearing bearing(robot, {0.3, 0, 0}, kWeight, kFriction);
+  const WeightBearing bearing(robot, {0.3, 0, 0}, kBoxWeight, kFriction);
   EXPECT_EQ(bearing.command(turned(0, 1, 1)), robot.command().positions);
 }
 

@@ -85,7 +85,7 @@ struct TrialOptions {
     v.section("start", start);
     v.section("touch", touch);
     v.section("safety", safety);
-    v.section("fault", fault);
+    v.expert_section("fault", fault);
     v.section("world", world);
     v.expert_section("forward_model", forward_model);
   }

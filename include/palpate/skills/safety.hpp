@@ -87,13 +87,14 @@ struct SafetyOptions {
   template <class Visitor>
   void visit(Visitor&& v) {
     v.expert("max_age", max_age, 0.01, 10.0, "s, a reading may be late");
-    v("max_gap", max_gap, 0.01, 10.0, "s without a fresh reading, in which the hand stands still");
+    v.expert("max_gap", max_gap, 0.01, 10.0,
+             "s without a fresh reading, in which the hand stands still");
     v.expert("max_bad", max_bad, 1, 1000, "readings in a row that are not finite or out of range");
     v.expert("max_repeats", max_repeats, 2, 100000, "readings in a row that repeat each other");
     v("max_load", max_load, 1.0, 1e4, "N, of the mount");
     v.expert("load_range", load_range, 1.0, 1e5, "N that the mount's sensor can read");
     v.expert("tip_force_range", tip_force_range, 0.1, 1e4, "N that a fingertip's sensor can read");
-    v("workspace", workspace, 0.1, 100.0, "m, of the base from the origin");
+    v.expert("workspace", workspace, 0.1, 100.0, "m, of the base from the origin");
     v.expert("joint_margin", joint_margin, 0.0, 10.0, "rad that a joint may read beyond its range");
     v.expert("joint_jump", joint_jump, 0.01, 10.0, "rad, of a joint between two readings");
     v.expert("base_jump", base_jump, 0.001, 10.0, "m, of the base between two readings");
