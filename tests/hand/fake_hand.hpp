@@ -4,6 +4,7 @@
 #include <functional>
 #include <utility>
 
+#include "palpate/hand/coupling.hpp"
 #include "palpate/hand/hand.hpp"
 
 namespace palpate::hand {
@@ -15,7 +16,7 @@ class FakeHand : public hand::Hand {
   using Script = std::function<void(hand::HandReading&)>;
 
   explicit FakeHand(Script script = {}) : script_(std::move(script)) {
-    for (auto& actuator : actuators_) actuator = {1.0, {-1.5, 1.5}, 1.0};
+    for (auto& actuator : actuators_) actuator = {1.0, {-1.5, 3.2}, 1.0};
   }
 
   const std::array<hand::Actuator, hand::kActuators>& actuators() const override {
@@ -26,10 +27,7 @@ class FakeHand : public hand::Hand {
     hand::HandReading reading;
     reading.time = ++ticks_ * hand::kTick;
     reading.base = command.base;
-    for (int i = 0; i < hand::kActuators; ++i) {
-      const auto name = hand::kActuatorNames[static_cast<std::size_t>(i)];
-      if (name.back() != '0') reading.joints[hand::joint_index(name)] = command.positions[i];
-    }
+    reading.joints = hand::joints_in_free_flexion(command.positions);
     if (script_) script_(reading);
     ripple(reading);
     return reading;

@@ -93,7 +93,7 @@ TEST(CommandGate, KeepsToRangesAndWorkspace) {
   hand::HandCommand told;
   for (int tick = 0; tick < 400; ++tick) told = limits.limited(beyond);
   EXPECT_NEAR(told.base.xyz.norm(), 0.2, 1e-9);
-  EXPECT_EQ(told.positions.maxCoeff(), 1.5);
+  EXPECT_EQ(told.positions.maxCoeff(), hand::FakeHand().actuators()[0].command.high);
 }
 
 TEST(CommandGate, RefusesWhatIsNotFinite) {
