@@ -54,7 +54,7 @@ bool same(const std::vector<hand::TipContact>& a, const std::vector<hand::TipCon
 
 bool believable(const hand::TipContact& contact, double force_range) {
   return contact.p.allFinite() && contact.n.allFinite() && contact.f.allFinite() &&
-         contact.f.norm() <= force_range && contact.p.norm() < 0.1;
+         contact.f.norm() <= force_range;
 }
 
 }  // namespace

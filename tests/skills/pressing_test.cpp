@@ -17,13 +17,14 @@ TEST(PressingCommand, LeadsByTorqueOverStiffnessWithinTheRange) {
   hand::FakeHand hand([](hand::HandReading& reading) {
     reading.torques[hand::actuator_index("FFJ0")] = 0.03;
     reading.torques[hand::actuator_index("MFJ0")] = 0.2;
+    reading.joints[hand::joint_index("FFJ1")] = reading.joints[hand::joint_index("FFJ2")] = 0;
   });
   hand::HandCommand start;
   start.positions.setConstant(0.4);
   Executor robot(hand, model, start);
   robot.wait(hand::kTick);
   const std::vector contacts = {contact({0.05, 0, 0}, {0, -1, 0})};
-  for (const auto& [force, expected] : {std::pair(2.0, 0.4 + 0.07 - 0.03), std::pair(1e3, 1.5)}) {
+  for (const auto& [force, expected] : {std::pair(2.0, 0.4 + 0.07 - 0.03), std::pair(1e3, 3.2)}) {
     const std::vector<Eigen::Vector3d> forces = {{0, force, 0}};
     const auto command = pressing_command(robot, contacts, forces);
     EXPECT_NEAR(command[hand::actuator_index("FFJ0")], expected, 1e-9);  // stiffness 1 N m/rad

@@ -177,7 +177,7 @@ PhaseEnd ExplorePhase::run(Executor& robot, PickState& state) {
   robot.move_fingers(pointing_hand(probe_), 0.5);
   robot.wait(0.1);
   int touches = touch_around(robot, state);
-  if (touches == 0 && blocked_ >= kBlockedMoves) touches = touch_with_another(robot, state);
+  while (touches == 0 && blocked_ >= kBlockedMoves) touches = touch_with_another(robot, state);
   if (options_.max_touches <= options_.touches) touches += make_up(robot, state, touches);
   state.resting = estimator_.resting(robot.model(), robot.log());
   touches += tell_apart(robot, state);
@@ -205,7 +205,10 @@ int ExplorePhase::touch_around(Executor& robot, const PickState& state) {
 int ExplorePhase::touch_with_another(Executor& robot, const PickState& state) {
   robot.distrust(static_cast<int>(probe_));
   probe_ = first_trusted(robot);
-  if (!robot.trusted(static_cast<int>(probe_))) return 0;
+  if (!robot.trusted(static_cast<int>(probe_))) {
+    robot.stop_for(Fault::touch_lost, "no finger that can probe feels what blocks the hand");
+  }
+  blocked_ = 0;
   hand::BasePosition up = robot.command().base;
   up.xyz.z() = std::max(up.xyz.z(), state.height + 0.2);
   robot.move_base(up, options_.travel_speed);
