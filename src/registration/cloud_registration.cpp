@@ -60,7 +60,7 @@ bool fits_mirrored(const FeatureCloud& from, const FeatureCloud& to, const Cloud
 /// stays.
 void match_features(FeatureCloud from, const FeatureCloud& to, const CloudOptions& options,
                     CloudRegistration& registration) {
-  constexpr double kClearFalseAlarms = 1e-30, kSurelyNotMirrored = 1e-8;
+  constexpr double kClearFalseAlarms = 1e-30;
   RegistrationOptions search = options.registration;
   search.noise_bound = registration.noise_bound;
   search.primitive = Primitive::kPoint;
@@ -80,7 +80,6 @@ void match_features(FeatureCloud from, const FeatureCloud& to, const CloudOption
     }
     if (registration.result.false_alarms < kClearFalseAlarms) return;
   }
-  if (registration.result.false_alarms < kSurelyNotMirrored) return;
   if (fits_mirrored(upright, to, options, search, registration)) {
     registration.result.mirrored = true;
     registration.result.status = RegistrationStatus::kNoConsensus;

@@ -170,6 +170,20 @@ TEST(Fpfh, DoesNotDependOnThePose) {
   }
 }
 
+TEST(Fpfh, OfTurnedNormalsAndMirrorImages) {
+  const PointCloud cloud = torus_cloud(300);
+  PointCloud inward = cloud, image = cloud;
+  for (auto& n : inward.normals) n = -n;
+  for (auto* list : {&image.points, &image.normals}) {
+    for (auto& p : *list) p.x() = -p.x();
+  }
+  const Features features = fpfh(cloud, 0.02);
+  // A value on the edge between two bins may fall to either side.
+  EXPECT_LT((turned_inside_out(features) - fpfh(inward, 0.02)).colwise().norm().mean(), 0.5F);
+  EXPECT_LT((mirrored(features) - fpfh(image, 0.02)).colwise().norm().mean(), 0.5F);
+  EXPECT_GT((mirrored(features) - features).colwise().norm().mean(), 5.0F);
+}
+
 TEST(Fpfh, EdgeCases) {
   EXPECT_EQ(fpfh({}, 0.1).cols(), 0);
   EXPECT_EQ(fpfh({{{0, 0, 0}}, {{0, 0, 1}}}, 0.1).col(0).sum(), 0);
@@ -189,7 +203,7 @@ TEST(MutualMatches, AreThoseOfExhaustiveSearch) {
     }
   }
   for (int i = 0; i < 100; ++i) b.col(4 * i) = a.col(2 * i) + 0.01F * b.col(4 * i);
-  const auto matches = mutual_matches(a, b);
+  const auto matches = mutual_matches(a, b, 2);
   std::set<std::pair<int, int>> expected;
   for (int i = 0; i < 300; ++i) {
     Eigen::Index j = 0, back = 0;

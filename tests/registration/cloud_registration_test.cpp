@@ -93,15 +93,26 @@ TEST(RegisterClouds, EmptyTinyAndDegenerateClouds) {
   EXPECT_THROW(register_clouds(cloud, cloud, {.noise_bound = -1.0}), BadInput);
 }
 
-TEST(RegisterClouds, MirroredCloudGivesNoReflection) {
-  PointCloud mirrored = bunny_cloud(4000, 1);
+TEST(RegisterClouds, RefusesAMirroredCloud) {
+  PointCloud mirrored = bunny_cloud(4000, 2);
   for (auto* list : {&mirrored.points, &mirrored.normals}) {
     for (auto& p : *list) p.x() = -p.x();
   }
   const auto found = register_clouds(mirrored, bunny_cloud(4000, 1), kCoarse);
-  if (found.result.T_target_source) {
-    EXPECT_NEAR(found.result.T_target_source->linear().determinant(), 1, 1e-9);
-  }
+  EXPECT_FALSE(found.result.T_target_source);
+  EXPECT_TRUE(found.result.mirrored);
+}
+
+TEST(RegisterClouds, ThreadsDoNotMatter) {
+  const PointCloud target = bunny_cloud(8000, 1),
+                   source = geometry::transformed(pose_of(2).inverse(), bunny_cloud(8000, 2));
+  CloudOptions two = kCoarse;
+  two.threads = 2;
+  const auto one = register_clouds(source, target, kCoarse),
+             other = register_clouds(source, target, two);
+  ASSERT_TRUE(one.result.T_target_source);
+  EXPECT_EQ(one.result.T_target_source->matrix(), other.result.T_target_source->matrix());
+  EXPECT_EQ(one.feature_matches, other.feature_matches);
 }
 
 TEST(RegisterClouds, AnotherShapeGivesNoPose) {
