@@ -14,7 +14,7 @@ import tempfile
 import unittest
 
 PROGRAM = None
-DONE, USAGE, BAD_INPUT, NO_SOLUTION = 0, 2, 3, 4
+DONE, USAGE, BAD_INPUT, NO_SOLUTION, STOPPED = 0, 2, 3, 4, 5
 # A pick of little searching, for tests that only look at its form.
 QUICK = [
     "--set", "explore.touches=2", "--set", "lift.hold=0.2",

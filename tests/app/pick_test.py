@@ -4,7 +4,7 @@
 import csv
 import json
 
-from cli import BAD_INPUT, NO_SOLUTION, QUICK, CliTest, binary_stl, box_stl, main
+from cli import BAD_INPUT, NO_SOLUTION, QUICK, STOPPED, CliTest, binary_stl, box_stl, main
 
 ESTIMATE_KEYS = {
     "object", "T_world_object", "weight", "probability", "rotation_error_deg", "translation_error_mm", "coverage",
@@ -15,6 +15,19 @@ EVAL_KEYS = {
     "placed", "placed_of_certain", "robot_seconds", "modes_median",
     "rotation_error_deg", "translation_error_mm", "failures", "symmetry_order",
 }  # fmt: skip
+
+
+class Fault(CliTest):
+    def test_a_fault_of_the_hand_is_named_in_the_report_and_the_exit_code(self):
+        setting = ["--set", "expert.fault.kind=load_nan", "--set", "expert.fault.from=1"]
+        done = self.run_program("pick", "--object", "box", *setting, "--out", "run", "--json")
+        self.assertEqual(done.returncode, STOPPED)
+        report = json.loads(done.stdout)
+        self.assertEqual(report["status"], "fault")
+        self.assertEqual(report["faults"][0]["name"], "not_finite")
+        self.assertIsNone(report["estimate"])
+        self.assertLess(report["peak_load"], 60)
+        self.assertTrue((self.folder / "run" / "recording.h5").exists())
 
 
 class BadInput(CliTest):
