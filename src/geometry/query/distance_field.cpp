@@ -150,8 +150,15 @@ std::optional<DistanceField::Sample> DistanceField::at(const Eigen::Vector3f& p)
 }
 
 float DistanceField::distance(const Eigen::Vector3f& p) const {
-  const auto sample = at(p);
-  return sample ? sample->distance : beyond_;
+  const auto cell = cell_of(p);
+  if (!cell) return beyond_;
+  const auto& [node, t] = *cell;
+  const auto row = static_cast<std::size_t>(size_[2]);
+  const std::size_t slab = row * static_cast<std::size_t>(size_[1]);
+  const auto along_z = [&](const Eigen::Vector4f* n) { return blend(n[0], n[1], 2, t[2]); };
+  const Eigen::Vector4f n0 = blend(along_z(node), along_z(node + row), 1, t[1]);
+  const Eigen::Vector4f n1 = blend(along_z(node + slab), along_z(node + slab + row), 1, t[1]);
+  return blend(n0, n1, 0, t[0])[3];
 }
 
 }  // namespace palpate::geometry
