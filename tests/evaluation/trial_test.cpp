@@ -98,7 +98,7 @@ void expect_equal(const ObjectSummary& a, const ObjectSummary& b) {
   EXPECT_EQ(a.pose_ok, b.pose_ok);
   EXPECT_EQ(a.covered, b.covered);
   EXPECT_EQ(a.false_hold, b.false_hold);
-  EXPECT_EQ(a.modes_median, b.modes_median);
+  EXPECT_EQ(a.modes, b.modes);
   EXPECT_EQ(a.rotation_error_deg, b.rotation_error_deg);
   EXPECT_EQ(a.translation_error_mm, b.translation_error_mm);
   EXPECT_EQ(a.slip_mm, b.slip_mm);
