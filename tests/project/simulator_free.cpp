@@ -20,7 +20,7 @@ int main() {
   // Nothing stands on this table; what matters is that the whole pick and place is linked.
   auto* volatile pick = &skills::pick;
   auto* volatile pick_and_place = &skills::pick_and_place;
-  auto* volatile estimate = &estimation::locate;
+  const auto volatile estimate = &estimation::PoseEstimator::held;
   auto* volatile log_of = &recording::event_log;
   const bool linked = pick && pick_and_place && estimate && log_of;
   return linked && report.status == skills::PhaseStatus::failed ? 0 : 1;

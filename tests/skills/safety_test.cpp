@@ -212,7 +212,7 @@ TEST(Safety, ACommandThatIsNotFiniteNeverReachesTheHand) {
 
 TEST(Safety, AFullLogStopsTheRobot) {
   hand::FakeHand fake;
-  Executor robot(fake, kEmptyModel, {}, {}, nullptr, {{.max_log = 1.0}});
+  Executor robot(fake, kEmptyModel, {}, {}, nullptr, {{.max_log = 1.0}, {}, {}});
   EXPECT_THROW(robot.wait(2), SafetyStop);
   EXPECT_EQ(robot.fault().fault, Fault::log_full);
   EXPECT_LT(robot.log().readings.size(), 140u);
