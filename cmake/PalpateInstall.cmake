@@ -36,8 +36,11 @@ install(FILES "${PROJECT_BINARY_DIR}/palpateConfig.cmake"
         DESTINATION ${destination})
 
 get_target_property(mujoco_headers MuJoCo::MuJoCo INTERFACE_INCLUDE_DIRECTORIES)
-install(FILES "$<TARGET_FILE:MuJoCo::MuJoCo>" "$<TARGET_FILE:CoACD::CoACD>"
-        DESTINATION ${CMAKE_INSTALL_LIBDIR}/palpate)
-install(DIRECTORY "${mujoco_headers}/mujoco" DESTINATION ${CMAKE_INSTALL_LIBDIR}/palpate/include)
+set(libraries ${CMAKE_INSTALL_LIBDIR}/palpate)
+install(FILES "$<TARGET_FILE:MuJoCo::MuJoCo>" DESTINATION ${libraries})
+# CoACD's wheel has what it needs in a folder beside its own.
+install(FILES "$<TARGET_FILE:CoACD::CoACD>" DESTINATION ${libraries}/coacd)
+install(DIRECTORY "$<TARGET_FILE_DIR:CoACD::CoACD>/../coacd.libs" DESTINATION ${libraries} OPTIONAL)
+install(DIRECTORY "${mujoco_headers}/mujoco" DESTINATION ${libraries}/include)
 install(DIRECTORY "${PALPATE_DEPS}/assets" DESTINATION ${CMAKE_INSTALL_DATADIR}/palpate)
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})

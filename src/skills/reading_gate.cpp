@@ -190,6 +190,12 @@ Judgement ReadingGate::judge_load(const hand::HandReading& reading) {
                       felt ? "" : ", and no fingertip feels anything")};
 }
 
+/// A finger that presses on something is held up by that, not stuck.
+bool ReadingGate::presses(const hand::HandReading& reading, int actuator) {
+  const int finger = hand::finger_of_actuator(actuator);
+  return finger >= 0 && !reading.contacts[static_cast<std::size_t>(finger)].empty();
+}
+
 Judgement ReadingGate::judge_tracking(const hand::HandReading& reading,
                                       const hand::HandCommand& command) {
   const hand::ActuatorVector positions = hand::actuator_positions(reading.joints);
@@ -197,7 +203,7 @@ Judgement ReadingGate::judge_tracking(const hand::HandReading& reading,
     const auto k = static_cast<std::size_t>(i);
     const double error = command.positions[i] - positions[i];
     const bool stands = std::abs(positions[i] - rest_positions_[i]) < kStandsStill;
-    if (!stands || std::abs(error) < options_.tracking_error) {
+    if (!stands || presses(reading, i) || std::abs(error) < options_.tracking_error) {
       astray_[k] = 0;
       rest_positions_[i] = positions[i];
     } else if (hand::kTick * ++astray_[k] >= options_.tracking_time) {

@@ -42,6 +42,7 @@ class ReadingGate {
   Judgement judge_repeats(const hand::HandReading& reading);
   Judgement judge_touch(hand::HandReading& reading);
   Judgement judge_load(const hand::HandReading& reading);
+  static bool presses(const hand::HandReading& reading, int actuator);
   Judgement judge_tracking(const hand::HandReading& reading, const hand::HandCommand& command);
 
   std::array<hand::Actuator, hand::kActuators> actuators_;

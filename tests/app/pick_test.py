@@ -89,10 +89,10 @@ class BadInput(CliTest):
         self.assert_bad_option(["--set", "lift.height"], "lift.height")
 
     def test_bad_toml_has_its_line(self):
-        name = self.write("bad.toml", "attempts = 2\n[lift\nway = 0.1\n")
+        name = self.write("bad.toml", "attempts = 2\n[lift\nheight = 0.1\n")
         self.assert_bad_option(["--config", name], "bad.toml", "2")
-        name = self.write("key.toml", "attempts = 2\n\n[lift]\nwey = 0.1\n")
-        self.assert_bad_option(["--config", name], "key.toml", "lift.heigth")
+        name = self.write("key.toml", "attempts = 2\n\n[lift]\nheigth = 0.1\n")
+        self.assert_bad_option(["--config", name], "key.toml", "lift.height")
         self.assert_bad_option(["--config", "missing.toml"], "missing.toml")
 
     def test_folder_that_cannot_be_made(self):

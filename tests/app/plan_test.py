@@ -89,7 +89,7 @@ class Plan(CliTest):
     def test_files_that_are_no_waypoints(self):
         good = ",".join(JOINTS) + "\n" + ",".join("0" * 24) + "\n"
         for text, *words in [
-            ("", "at least two waypoints"),
+            ("", "q.csv is empty"),
             (good, "not 1"),
             (good + "0,0\n", "q.csv:3", "2 values"),
             (good + ",".join(["nan"] + ["0"] * 23) + "\n", "q.csv:3", "nan", "WRJ2"),

@@ -61,7 +61,7 @@ TEST(Blind, PlacingOnASpotDoesNotSeeTheTruth) {
 TEST(Blind, TurningByTheFingersDoesNotSeeTheTruth) {
   TrialOptions options = quick_place_options();
   options.place.strategy = "fingers";
-  options.place.fingers.reorient.sampling.samples = 4;
+  options.place.fingers.reorient.sampling.samples = 8;
   const auto course = expect_blind("box", options);
   EXPECT_EQ(course.trial.strategy.strategy, skills::PlaceStrategy::fingers);
 }

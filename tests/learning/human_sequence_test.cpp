@@ -81,7 +81,7 @@ TEST(HumanSequence, RejectsBadFiles) {
   EXPECT_EQ(message(header + "\n" + row + "\n"), "");
   EXPECT_NE(message("a,b\n").find("hand.csv:1"), std::string::npos);
   EXPECT_NE(message(header + "\n").find("no frame"), std::string::npos);
-  EXPECT_NE(message(header + "\n" + row + ",1\n").find("hand.csv:2: 65 cells"), std::string::npos);
+  EXPECT_NE(message(header + "\n" + row + ",1\n").find("hand.csv:2: 65 values"), std::string::npos);
   EXPECT_NE(message(header + "\n" + row + "\n" + row.substr(0, row.size() - 3) + "abc\n")
                 .find("hand.csv:3: 'abc'"),
             std::string::npos);
