@@ -33,7 +33,7 @@ FaultOptions draw_fault(hand::InjectedFault fault, std::uint64_t seed);
 /// Told of each finished trial, in the order of the seeds.
 using FaultObserver = std::function<void(std::size_t done)>;
 
-/// Repeats the pick of one object with one fault, drawn anew for each trial, with the seeds
+/// Repeats the pick of one object with one fault, drawn for each trial, with the seeds
 /// first_seed, first_seed + 1, ... The result is the same for any number of threads.
 FaultSummary evaluate_fault(const geometry::ObjectModel& object, const TrialOptions& options,
                             hand::InjectedFault fault, std::uint64_t first_seed, std::size_t trials,
