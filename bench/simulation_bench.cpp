@@ -10,6 +10,7 @@
 #include "palpate/geometry/objects/known_object.hpp"
 #include "palpate/geometry/query/capsule_collider.hpp"
 #include "palpate/grasping/closing_law.hpp"
+#include "palpate/hand/shadow.hpp"
 #include "palpate/simulation/world/world.hpp"
 
 namespace {
@@ -17,7 +18,7 @@ namespace {
 using namespace palpate;
 
 void set(hand::HandCommand& command, const std::string& actuator, double value) {
-  command.positions[hand::actuator_index(actuator)] = value;
+  command.positions[hand::shadow_hand().actuator(actuator)] = value;
 }
 
 /// The open hand over the lying bunny, low enough to grasp it.

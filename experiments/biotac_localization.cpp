@@ -60,7 +60,7 @@ bool is_used(const estimation::EventLog& log, std::size_t reading) {
 }
 
 /// The log with its contacts replaced by those that the channels tell of.
-estimation::EventLog inferred(estimation::EventLog log, const hand::HandModel& hand,
+estimation::EventLog inferred(estimation::EventLog log, const hand::Description& hand,
                               const Inverse& inverse) {
   tactile::BiotacFingers fingers(hand, inverse);
   for (std::size_t i = 0; i < log.readings.size(); ++i) {

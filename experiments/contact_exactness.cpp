@@ -76,7 +76,7 @@ double deepest_of(const simulation::ObjectStep& step, int finger) {
 void judge(const geometry::MeshQuery& mesh, const simulation::ObjectStep& step, double time_step,
            Tally& tally) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  std::array<int, hand::kFingers> of_finger{};
+  hand::PerFinger<int> of_finger{};
   for (const simulation::ObjectContact& contact : step.contacts) {
     sum += contact.T_world_contact.linear() * contact.wrench.tail<3>();
     if (contact.finger < 0 || contact.wrench[3] < kFelt) continue;

@@ -10,6 +10,7 @@
 #include "palpate/core/random.hpp"
 #include "palpate/core/statistics.hpp"
 #include "palpate/evaluation/trial.hpp"
+#include "palpate/hand/shadow.hpp"
 #include "palpate/hand/tip_forces.hpp"
 #include "palpate/skills/pick.hpp"
 
@@ -52,7 +53,7 @@ localization::Posterior reported_pose(const Eigen::Isometry3d& truth, std::uint6
 
 int touching_fingers(const hand::HandReading& reading) {
   int count = 0;
-  for (int finger = 0; finger < hand::kFingers; ++finger)
+  for (int finger = 0; finger < hand::kShadowFingers; ++finger)
     count += hand::tip_force(reading, finger) > kTouch;
   return count;
 }

@@ -9,7 +9,8 @@
 #include "palpate/core/random.hpp"
 #include "palpate/evaluation/trial.hpp"
 #include "palpate/geometry/objects/known_object.hpp"
-#include "palpate/hand/coupling.hpp"
+#include "palpate/hand/kinematics.hpp"
+#include "palpate/hand/shadow.hpp"
 #include "palpate/simulation/world/world.hpp"
 #include "palpate/skills/explore/calibrate_phase.hpp"
 #include "palpate/skills/grasp/grasp_phase.hpp"
@@ -24,9 +25,9 @@ constexpr int kPostures = 200;
 /// Fingers closed each to its own share from the open hand of a grasp.
 hand::JointVector random_grasp(RandomStream& random) {
   hand::ActuatorVector posture = skills::open_posture(skills::top_preshape());
-  for (int i = 0; i < hand::kActuators; ++i) {
+  for (int i = 0; i < hand::kShadowActuators; ++i) {
     if (hand::finger_of_actuator(i) < 0) continue;
-    const auto name = hand::kActuatorNames[static_cast<std::size_t>(i)];
+    const auto name = hand::kShadowActuatorNames[static_cast<std::size_t>(i)];
     if (name.substr(2) == "J3") posture[i] += random.uniform(0, 1.0);
     if (name.substr(2) == "J0") posture[i] += random.uniform(0, 1.2);
     if (name == "THJ5" || name == "THJ2") posture[i] += random.uniform(0, 0.6);
@@ -34,31 +35,31 @@ hand::JointVector random_grasp(RandomStream& random) {
   return hand::joints_in_free_flexion(posture);
 }
 
-Eigen::Vector3d tip(const hand::HandModel& hand, const hand::JointVector& joints,
+Eigen::Vector3d tip(const hand::Description& hand, const hand::JointVector& joints,
                     std::size_t finger) {
   const auto T = hand::forward_kinematics(hand, joints);
-  return T[static_cast<std::size_t>(hand.distal[finger])] * hand.tips[finger].b;
+  return T[static_cast<std::size_t>(hand.fingers[finger].link)] * hand.fingers[finger].tip.b;
 }
 
 /// Root mean square distance of fingertips in grasps from where they are, m.
-double tip_error(const hand::HandModel& believed, const hand::HandModel& real) {
+double tip_error(const hand::Description& believed, const hand::Description& real) {
   RandomStream random(1, "postures");
   double sum = 0;
   for (int i = 0; i < kPostures; ++i) {
     const auto joints = random_grasp(random);
-    for (std::size_t finger = 0; finger < hand::kFingers; ++finger) {
+    for (std::size_t finger = 0; finger < hand::kShadowFingers; ++finger) {
       sum += (tip(believed, joints, finger) - tip(real, joints, finger)).squaredNorm();
     }
   }
-  return std::sqrt(sum / (kPostures * hand::kFingers));
+  return std::sqrt(sum / (kPostures * hand::kShadowFingers));
 }
 
-double claimed_error(const hand::HandModel& hand) {
+double claimed_error(const hand::Description& hand) {
   double sum = 0;
-  for (int finger = 0; finger < hand::kFingers; ++finger) {
+  for (int finger = 0; finger < hand::kShadowFingers; ++finger) {
     sum += 3 * std::pow(tactile::link_offset_sigma(hand, finger), 2);
   }
-  return std::sqrt(sum / hand::kFingers);
+  return std::sqrt(sum / hand::kShadowFingers);
 }
 
 struct Sums {

@@ -8,7 +8,8 @@
 
 #include "experiment.hpp"
 #include "palpate/geometry/objects/known_object.hpp"
-#include "palpate/hand/coupling.hpp"
+#include "palpate/hand/kinematics.hpp"
+#include "palpate/hand/shadow.hpp"
 #include "palpate/plotting/plot.hpp"
 #include "palpate/simulation/world/world.hpp"
 
@@ -46,14 +47,14 @@ Trace follow_path(std::uint64_t seed) {
   const int ticks = static_cast<int>(std::lround(kSeconds / hand::kTick));
   for (int tick = 1; tick <= ticks; ++tick) {
     const Waypoint target = on_path(tick * hand::kTick);
-    command.positions[hand::actuator_index("FFJ0")] = hand::j0_for_middle(target.middle);
-    command.positions[hand::actuator_index("FFJ3")] = target.proximal;
+    command.positions[hand::shadow_hand().actuator("FFJ0")] = hand::j0_for_middle(target.middle);
+    command.positions[hand::shadow_hand().actuator("FFJ3")] = target.proximal;
     world.hand().step(command);
     const hand::JointVector joints = world.truth().joints;
     trace.time.push_back(tick * hand::kTick);
-    trace.j1.push_back(joints[hand::joint_index("FFJ1")]);
-    trace.j2.push_back(joints[hand::joint_index("FFJ2")]);
-    trace.j3.push_back(joints[hand::joint_index("FFJ3")]);
+    trace.j1.push_back(joints[hand::shadow_hand().joint("FFJ1")]);
+    trace.j2.push_back(joints[hand::shadow_hand().joint("FFJ2")]);
+    trace.j3.push_back(joints[hand::shadow_hand().joint("FFJ3")]);
     trace.error_j2.push_back(trace.j2.back() - target.middle);
     trace.error_j3.push_back(trace.j3.back() - target.proximal);
   }

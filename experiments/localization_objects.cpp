@@ -53,7 +53,7 @@ struct Outcome {
   bool sure_and_wrong() const { return stated > kSure && !right; }
 };
 
-Outcome run_one(const Subject& subject, const hand::HandModel& hand, int contacts,
+Outcome run_one(const Subject& subject, const hand::Description& hand, int contacts,
                 std::uint64_t seed) {
   GraspSceneOptions scene_options;
   scene_options.contacts = contacts;
@@ -82,7 +82,7 @@ Outcome run_one(const Subject& subject, const hand::HandModel& hand, int contact
 using Outcomes = std::vector<Outcome>;
 
 Outcomes run_subject(const experiment::Options& options, const Subject& subject,
-                     const hand::HandModel& hand, int contacts) {
+                     const hand::Description& hand, int contacts) {
   Outcomes outcomes(static_cast<std::size_t>(subject.scenes));
   parallel_for(outcomes.size(), options.threads, [&](std::size_t i) {
     outcomes[i] = run_one(subject, hand, contacts, subject.first_seed + i);

@@ -125,7 +125,7 @@ geometry::KnownObject scaled(geometry::KnownObject object, double scale) {
 
 struct Bench {
   const experiment::Options& options;
-  hand::HandModel hand;
+  hand::Description hand;
   std::map<std::string, std::unique_ptr<Subject>> subjects;
   std::map<std::pair<std::string, double>, std::unique_ptr<Subject>> scaled_subjects;
 };

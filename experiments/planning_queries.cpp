@@ -6,7 +6,8 @@
 #include "experiment.hpp"
 #include "palpate/core/random.hpp"
 #include "palpate/core/statistics.hpp"
-#include "palpate/hand/coupling.hpp"
+#include "palpate/hand/kinematics.hpp"
+#include "palpate/hand/shadow.hpp"
 #include "palpate/planning/planner.hpp"
 #include "palpate/plotting/plot.hpp"
 #include "palpate/simulation/collision/collision_scene.hpp"
@@ -38,7 +39,7 @@ pl::Waypoint random_waypoint(RandomStream& random, simulation::CollisionScene& s
     waypoint.base.ypr << random.uniform(-1.5, 1.5), random.uniform(-0.6, 0.6),
         random.uniform(-1.5, 1.5);
     const double bend = random.uniform();
-    for (int i = 0; i < hand::kJoints; ++i) {
+    for (int i = 0; i < hand::kShadowJoints; ++i) {
       const hand::Range range = hand::shadow_ranges()[static_cast<std::size_t>(i)];
       const bool flexes = range.high > 1.5;
       waypoint.joints[i] =

@@ -12,6 +12,7 @@
 #include "hand_scene.hpp"
 #include "palpate/core/statistics.hpp"
 #include "palpate/evaluation/trial.hpp"
+#include "palpate/hand/shadow.hpp"
 #include "palpate/tactile/contacts/contact_window.hpp"
 #include "skills/grasp/pose_phase.hpp"
 
@@ -79,9 +80,9 @@ std::size_t moved_finger(const Executor& robot, std::size_t before, std::size_t 
   const auto T_after = hand::forward_kinematics(robot.model(), readings[after].joints);
   std::size_t moved = 0;
   double farthest = 0;
-  for (std::size_t finger = 0; finger < hand::kFingers; ++finger) {
-    const auto link = static_cast<std::size_t>(robot.model().distal[finger]);
-    const Eigen::Vector3d& tip = robot.model().tips[finger].b;
+  for (std::size_t finger = 0; finger < hand::kShadowFingers; ++finger) {
+    const auto link = static_cast<std::size_t>(robot.model().fingers[finger].link);
+    const Eigen::Vector3d& tip = robot.model().fingers[finger].tip.b;
     const double way = (T_after[link] * tip - T_before[link] * tip).norm();
     if (way <= farthest) continue;
     farthest = way;
@@ -93,7 +94,7 @@ std::size_t moved_finger(const Executor& robot, std::size_t before, std::size_t 
 /// For each finger that probed, how many places it found that are away from all that it had before.
 std::vector<double> new_contacts(const Executor& robot, const std::vector<std::size_t>& closed,
                                  const std::vector<std::size_t>& probes) {
-  std::array<std::vector<Eigen::Vector3d>, hand::kFingers> known;
+  hand::PerFinger<std::vector<Eigen::Vector3d>> known;
   for (const auto& contact : contacts_at(robot, closed.front())) {
     known[static_cast<std::size_t>(contact.finger)].push_back(contact.p);
   }

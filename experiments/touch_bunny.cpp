@@ -10,6 +10,7 @@
 #include "palpate/core/statistics.hpp"
 #include "palpate/core/version.hpp"
 #include "palpate/geometry/mesh/sampling.hpp"
+#include "palpate/hand/shadow.hpp"
 #include "palpate/plotting/plot.hpp"
 #include "palpate/recording/writer.hpp"
 #include "reach.hpp"
@@ -43,7 +44,7 @@ struct Touched {
   double normal_error_deg = 0;  // from the normal where the tip really touched
 };
 
-double azimuth_of(int finger) { return 2 * kPi * (finger + 0.5) / hand::kFingers; }
+double azimuth_of(int finger) { return 2 * kPi * (finger + 0.5) / hand::kShadowFingers; }
 
 /// A way down and round, to and fro, over a fifth of the object; never so low that the tip would
 /// touch the table.
@@ -56,8 +57,8 @@ TipPath way_over(const geometry::MeshQuery& mesh, const Eigen::Isometry3d& T_wor
   for (int i = 0; i * hand::kTick < seconds; ++i) {
     const double t = i * hand::kTick;
     const double polar = band.high + (band.low - band.high) * t / seconds;
-    const double azimuth =
-        azimuth_of(finger) + 1.2 * kPi / hand::kFingers * std::sin(2 * kPi * t / kGuardedMove);
+    const double azimuth = azimuth_of(finger) +
+                           1.2 * kPi / hand::kShadowFingers * std::sin(2 * kPi * t / kGuardedMove);
     const Eigen::Vector3d out(std::sin(polar) * std::cos(azimuth),
                               std::sin(polar) * std::sin(azimuth), std::cos(polar));
     const auto hit = mesh.raycast(T_world_object.linear().transpose() * (reach * out),
@@ -84,7 +85,7 @@ std::vector<Eigen::Vector3d> places_of(const TipPath& path) {
 }
 
 /// Every contact of a slide with its smoothed normal.
-std::vector<Touched> sense(const std::vector<SlideTick>& ticks, const hand::HandModel& hand,
+std::vector<Touched> sense(const std::vector<SlideTick>& ticks, const hand::Description& hand,
                            const geometry::MeshQuery& mesh, int finger) {
   std::vector<Touched> touched;
   std::vector<tactile::FingerSample> samples;
@@ -108,7 +109,7 @@ std::vector<Touched> sense(const std::vector<SlideTick>& ticks, const hand::Hand
 }
 
 void record(const std::vector<SlideTick>& ticks, const geometry::KnownObject& object,
-            const hand::HandModel& hand, const std::string& name, const Options& options) {
+            const hand::Description& hand, const std::string& name, const Options& options) {
   recording::Writer writer(options.out / fmt::format("bunny-{}.h5", name),
                            {std::string(version()), options.seed, object, hand, ""});
   for (const SlideTick& tick : ticks) writer.frame(tick.frame);
@@ -118,10 +119,11 @@ void record(const std::vector<SlideTick>& ticks, const geometry::KnownObject& ob
 std::string contacts_csv(const std::vector<Touched>& touched) {
   std::string text = "x,y,z,nx,ny,nz,finger,t,fx,fy,fz\n";
   for (const Touched& c : touched) {
-    text += fmt::format(
-        "{:.6f},{:.6f},{:.6f},{:.5f},{:.5f},{:.5f},{},{:.2f},{:.4f},{:.4f},{:.4f}\n", c.p.x(),
-        c.p.y(), c.p.z(), c.n.x(), c.n.y(), c.n.z(),
-        hand::kFingerNames[static_cast<std::size_t>(c.finger)], c.time, c.f.x(), c.f.y(), c.f.z());
+    text +=
+        fmt::format("{:.6f},{:.6f},{:.6f},{:.5f},{:.5f},{:.5f},{},{:.2f},{:.4f},{:.4f},{:.4f}\n",
+                    c.p.x(), c.p.y(), c.p.z(), c.n.x(), c.n.y(), c.n.z(),
+                    hand::kShadowFingerNames[static_cast<std::size_t>(c.finger)], c.time, c.f.x(),
+                    c.f.y(), c.f.z());
   }
   return text;
 }
@@ -140,9 +142,9 @@ std::string view(const std::vector<Touched>& touched, const geometry::KnownObjec
     mesh.y.push_back(1e3 * (v + place)[axes[1]]);
   }
   plot.series.emplace_back(std::move(mesh));
-  for (int finger = 0; finger < hand::kFingers; ++finger) {
+  for (int finger = 0; finger < hand::kShadowFingers; ++finger) {
     plotting::ScatterSeries points{
-        .name = std::string(hand::kFingerNames[static_cast<std::size_t>(finger)]),
+        .name = std::string(hand::kShadowFingerNames[static_cast<std::size_t>(finger)]),
         .x = {},
         .y = {}};
     for (std::size_t i = 0; i < touched.size(); i += 5) {
@@ -198,12 +200,12 @@ void experiment_bunny(const Options& options) {
   const geometry::MeshQuery mesh(object.mesh);
   Eigen::Isometry3d T_world_object = Eigen::Isometry3d::Identity();
   T_world_object.translation().z() = object.stable_poses[0].height;
-  const PointingFinger first = straight_finger(hand::Finger::first);
+  const PointingFinger first = straight_finger(hand::FingerName::first);
   Reach reach(object, T_world_object, first.hand());
   Table table(
       {"way", "free places", "points", "off the surface, median mm", "normals, median / p95 deg"});
   std::vector<Touched> all;
-  for (int finger = 0; finger < hand::kFingers; ++finger) {
+  for (int finger = 0; finger < hand::kShadowFingers; ++finger) {
     for (const Band& band : kBands) {
       auto path = way_over(mesh, T_world_object, first.tip().radius, finger, band,
                            options.quick ? 1 : kSeconds);
@@ -211,8 +213,8 @@ void experiment_bunny(const Options& options) {
       path.R_world_base = stand.R_world_base;
       SlidingFinger sliding(object, sliding_world(), options.seed, stand.finger);
       const auto ticks = sliding.follow(path, {}, kPress);
-      const auto name =
-          fmt::format("{}-{}", hand::kFingerNames[static_cast<std::size_t>(finger)], band.name);
+      const auto name = fmt::format(
+          "{}-{}", hand::kShadowFingerNames[static_cast<std::size_t>(finger)], band.name);
       record(ticks, object, sliding.believed_hand(), name, options);
       const auto touched = sense(ticks, sliding.believed_hand(), mesh, finger);
       table.add_row(row_of(name, stand, touched));

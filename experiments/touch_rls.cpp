@@ -6,6 +6,7 @@
 
 #include "experiment.hpp"
 #include "palpate/core/statistics.hpp"
+#include "palpate/hand/shadow.hpp"
 #include "palpate/plotting/plot.hpp"
 #include "palpate/tactile/normals/normal_estimator.hpp"
 #include "tactile/normals/rls.hpp"
@@ -17,7 +18,7 @@ using namespace palpate;
 using namespace palpate::experiment;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr int kFinger = static_cast<int>(hand::Finger::first);
+constexpr int kFinger = static_cast<int>(hand::FingerName::first);
 
 /// A vector over time.
 struct Series {
@@ -105,7 +106,7 @@ std::vector<double> errors_of(const Series& normals) {
 void experiment_rls(const Options& options) {
   const auto surface = touched_surface("flat");
   SlidingFinger finger(surface.object, sliding_world(), options.seed,
-                       straight_finger(hand::Finger::first));
+                       straight_finger(hand::FingerName::first));
   const auto path = path_over(surface, finger.tip_radius(), options.quick ? 3 : 14);
   tactile::SampleMaker maker;
   std::vector<tactile::FingerSample> samples;

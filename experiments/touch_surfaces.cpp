@@ -9,6 +9,7 @@
 
 #include "experiment.hpp"
 #include "palpate/core/statistics.hpp"
+#include "palpate/hand/shadow.hpp"
 #include "palpate/plotting/plot.hpp"
 #include "tactile/normals/normal_clusters.hpp"
 #include "tactile/normals/s2_smoother.hpp"
@@ -19,7 +20,7 @@ namespace {
 using namespace palpate;
 using namespace palpate::experiment;
 
-constexpr int kFinger = static_cast<int>(hand::Finger::first);
+constexpr int kFinger = static_cast<int>(hand::FingerName::first);
 constexpr std::size_t kClusterTicks = 10;
 constexpr double kSettle = 1;  // s from the start that are not judged
 
@@ -52,7 +53,7 @@ void judge(const tactile::NormalAt& felt, const std::vector<Eigen::Vector3d>& tr
 
 class SlideJudge {
  public:
-  explicit SlideJudge(const hand::HandModel& hand) : hand_(hand) {}
+  explicit SlideJudge(const hand::Description& hand) : hand_(hand) {}
 
   void take(const SlideTick& tick) {
     const auto& reading = tick.frame.reading;
@@ -73,11 +74,11 @@ class SlideJudge {
     const auto T_base_link = hand::forward_kinematics(hand_, reading.joints);
     const auto finger = static_cast<std::size_t>(kFinger);
     const Eigen::Isometry3d T =
-        reading.base.pose() * T_base_link[static_cast<std::size_t>(hand_.distal[finger])];
+        reading.base.pose() * T_base_link[static_cast<std::size_t>(hand_.fingers[finger].link)];
     for (const auto& contact : reading.contacts[finger]) {
       const Eigen::Vector3d f = T.linear() * contact.f;
       slide_.forces.push_back(f);
-      slide_.torques.push_back((T * contact.p - T * hand_.tips[finger].b).cross(f));
+      slide_.torques.push_back((T * contact.p - T * hand_.fingers[finger].tip.b).cross(f));
       recent_.push_back({T * contact.p, T.linear() * contact.n});
       judge(recent_.back(), truth_.back(), {}, slide_.normals["raw"]);
     }
@@ -95,7 +96,7 @@ class SlideJudge {
           slide_.normals[name]);
   }
 
-  const hand::HandModel& hand_;
+  const hand::Description& hand_;
   tactile::SampleMaker maker_;
   tactile::S2Filter filter_;
   tactile::S2Smoother smoother_;
@@ -171,7 +172,7 @@ std::string face_list(const std::vector<tactile::Face>& faces,
 /// The finger's way over the surface, judged.
 Slide slide_over(const TouchedSurface& surface, const Options& options) {
   SlidingFinger finger(surface.object, sliding_world(), options.seed,
-                       straight_finger(hand::Finger::first));
+                       straight_finger(hand::FingerName::first));
   SlideJudge judge(finger.believed_hand());
   const auto path = path_over(surface, finger.tip_radius(), options.quick ? 4 : 100);
   for (const auto& tick : finger.follow(path, surface.start, kPress)) judge.take(tick);

@@ -10,6 +10,7 @@
 #include "palpate/core/cache.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/version.hpp"
+#include "palpate/simulation/hand/load_hand.hpp"
 #include "palpate/simulation/rendering/renderer.hpp"
 #include "palpate/simulation/world/convex_parts.hpp"
 #include "palpate/simulation/world/world.hpp"

@@ -11,6 +11,7 @@
 #include "palpate/core/parallel.hpp"
 #include "palpate/localization/synthetic/grasp_scene.hpp"
 #include "palpate/plotting/plot.hpp"
+#include "palpate/simulation/hand/load_hand.hpp"
 #include "palpate/simulation/world/world.hpp"
 
 namespace palpate::app {
@@ -73,7 +74,8 @@ Share mean_of(const std::vector<Share>& shares) {
 }
 
 std::vector<lo::GraspScene> scenes_with(const geometry::ObjectModel& model,
-                                        const hand::HandModel& hand, const CommonOptions& common) {
+                                        const hand::Description& hand,
+                                        const CommonOptions& common) {
   const geometry::MeshQuery mesh(model.object().mesh);
   std::vector<lo::GraspScene> scenes;
   for (std::size_t i = 0; i < kScenes; ++i) {

@@ -8,10 +8,11 @@
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
 #include "palpate/core/se3.hpp"
-#include "palpate/hand/coupling.hpp"
+#include "palpate/hand/kinematics.hpp"
 #include "palpate/planning/execution.hpp"
 #include "palpate/planning/planner.hpp"
 #include "palpate/simulation/collision/collision_scene.hpp"
+#include "palpate/simulation/hand/load_hand.hpp"
 #include "palpate/simulation/world/world.hpp"
 #include "plan_report.hpp"
 
@@ -45,6 +46,7 @@ struct PlanArguments {
 };
 
 struct Setting {
+  hand::Description hand;
   std::vector<pl::Waypoint> waypoints;
   std::optional<geometry::KnownObject> object;
   Eigen::Isometry3d T_world_object = Eigen::Isometry3d::Identity();
@@ -53,10 +55,12 @@ struct Setting {
 
 Setting read_setting(const PlanArguments& arguments) {
   Setting setting;
+  setting.hand = si::load_hand({});
   hand::BasePosition base;
   base.xyz.z() = kBaseHeight;
   setting.waypoints =
-      pl::parse_waypoints(read_file(arguments.waypoints), arguments.waypoints, base).waypoints;
+      pl::parse_waypoints(read_file(arguments.waypoints), arguments.waypoints, base, setting.hand)
+          .waypoints;
   setting.held = arguments.held;
   if (arguments.object.empty()) return setting;
   setting.object = geometry::load_known_object(arguments.object);
@@ -71,12 +75,12 @@ Setting read_setting(const PlanArguments& arguments) {
 }
 
 si::CollisionScene make_scene(const Setting& setting, const pl::CollisionOptions& options) {
-  if (!setting.object) return si::CollisionScene(options);
-  si::CollisionScene scene(*setting.object, options);
+  if (!setting.object) return si::CollisionScene(setting.hand, options);
+  si::CollisionScene scene(*setting.object, setting.hand, options);
   if (setting.held) {
-    const hand::HandCommand start = pl::command_of(setting.waypoints.front());
+    const hand::HandCommand start = pl::command_of(setting.waypoints.front(), setting.hand);
     const Eigen::Isometry3d T_world_palm =
-        scene.palm_pose(start.base, hand::joints_in_free_flexion(start.positions));
+        scene.palm_pose(start.base, hand::joints_in_free_flexion(setting.hand, start.positions));
     scene.hold(T_world_palm.inverse() * setting.T_world_object);
   } else {
     scene.place(setting.T_world_object);
@@ -113,19 +117,20 @@ pl::TrackingError follow(const Setting& setting, const std::vector<hand::HandCom
   if (!on_table) start.xy.setConstant(10);
   si::World world(object, settings.world, seed);
   world.reset(start, samples.front());
-  return pl::execute(world.hand(), samples, settings.execution);
+  return pl::execute(world.hand(), world.hand_model(), samples, settings.execution);
 }
 
 void write_results(const PlanArguments& arguments, const PlanSettings& settings,
-                   const pl::Plan& plan, const std::optional<pl::TrackingError>& tracking) {
+                   const hand::Description& hand, const pl::Plan& plan,
+                   const std::optional<pl::TrackingError>& tracking) {
   const std::filesystem::path folder = arguments.common.out;
   const auto output = claim_output(arguments.common, {"report.json", "path.csv", "path.svg"});
   write_file_atomically(folder / "report.json", plan_report(plan, tracking).dump(2) + "\n");
   write_file_atomically(folder / "config.toml",
                         config_header(arguments.common) + to_toml(settings));
   if (plan.samples.empty()) return;
-  write_file_atomically(folder / "path.csv", path_csv(plan.samples));
-  write_file_atomically(folder / "path.svg", plot_motion(plan, tracking));
+  write_file_atomically(folder / "path.csv", path_csv(plan.samples, hand));
+  write_file_atomically(folder / "path.svg", plot_motion(plan, tracking, hand));
 }
 
 void print_result(const pl::Plan& plan, const std::optional<pl::TrackingError>& tracking) {
@@ -163,7 +168,7 @@ int plan(const PlanArguments& arguments) {
     tracking = follow(setting, result.samples, settings, arguments.common.seed);
   }
   if (result.status != pl::PlanStatus::invalid && !arguments.common.out.empty()) {
-    write_results(arguments, settings, result, tracking);
+    write_results(arguments, settings, setting.hand, result, tracking);
   }
   if (arguments.common.json) fmt::print("{}\n", plan_report(result, tracking).dump(2));
   if (result.status == pl::PlanStatus::invalid) throw BadInput(describe_faults(result.invalid));

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "palpate/hand/coupling.hpp"
+#include "palpate/hand/kinematics.hpp"
 #include "palpate/plotting/plot.hpp"
 
 namespace palpate::app {
@@ -21,16 +21,17 @@ nlohmann::json tracking_json(const pl::TrackingError& error) {
           {"turn_rms", error.turn_rms},   {"turn_max", error.turn_max}};
 }
 
-std::string_view name_of(int coordinate) {
+std::string_view name_of(int coordinate, const hand::Description& hand) {
   const auto k = static_cast<std::size_t>(coordinate);
-  return k < 6 ? pl::kBaseNames[k] : hand::kActuatorNames[k - 6];
+  constexpr std::size_t kBase = pl::kBaseCoordinates;
+  return k < kBase ? pl::kBaseNames[k] : hand.actuators[k - kBase].name;
 }
 
 /// Coordinates by how much they move, the most first; those at rest are left out.
 std::vector<int> moving(const std::vector<pl::Coordinates>& rows) {
   pl::Coordinates low = rows.front(), high = rows.front();
   for (const auto& row : rows) low = low.cwiseMin(row), high = high.cwiseMax(row);
-  std::vector<int> order(pl::kCoordinates);
+  std::vector<int> order(static_cast<std::size_t>(low.size()));
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(),
                    [&](int a, int b) { return high[a] - low[a] > high[b] - low[b]; });
@@ -78,19 +79,21 @@ std::string describe_faults(const std::vector<pl::Fault>& faults) {
   return fmt::format("{}", fmt::join(lines, "; "));
 }
 
-std::string path_csv(const std::vector<hand::HandCommand>& samples) {
-  std::string text =
-      fmt::format("t_s,{},{}\n", fmt::join(pl::kBaseNames, ","), fmt::join(hand::kJointNames, ","));
+std::string path_csv(const std::vector<hand::HandCommand>& samples, const hand::Description& hand) {
+  std::string text = fmt::format("t_s,{}", fmt::join(pl::kBaseNames, ","));
+  for (const hand::Joint& joint : hand.joints) text += "," + joint.name;
+  text += "\n";
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const auto& [positions, base] = samples[i];
     text += fmt::format("{:.2f},{},{},{}\n", static_cast<double>(i) * hand::kTick,
                         fmt::join(base.xyz, ","), fmt::join(base.ypr, ","),
-                        fmt::join(hand::joints_in_free_flexion(positions), ","));
+                        fmt::join(hand::joints_in_free_flexion(hand, positions), ","));
   }
   return text;
 }
 
-std::string plot_motion(const pl::Plan& plan, const std::optional<pl::TrackingError>& tracking) {
+std::string plot_motion(const pl::Plan& plan, const std::optional<pl::TrackingError>& tracking,
+                        const hand::Description& hand) {
   constexpr std::size_t kLines = 6;
   std::vector<pl::Coordinates> rows;
   for (const auto& sample : plan.samples) rows.push_back(pl::coordinates_of(sample));
@@ -102,9 +105,10 @@ std::string plot_motion(const pl::Plan& plan, const std::optional<pl::TrackingEr
   plot.x.label = "time (s)";
   plot.y.label = "position (m, rad)";
   for (int k : shown) {
-    plot.series.emplace_back(series(std::string(name_of(k)), rows, k));
+    plot.series.emplace_back(series(std::string(name_of(k, hand)), rows, k));
     if (!tracking) continue;
-    plot.series.emplace_back(series(fmt::format("{} measured", name_of(k)), tracking->measured, k));
+    plot.series.emplace_back(
+        series(fmt::format("{} measured", name_of(k, hand)), tracking->measured, k));
   }
   return plotting::to_svg(plot);
 }

@@ -17,11 +17,12 @@ nlohmann::json plan_report(const planning::Plan& plan,
 /// One line of each waypoint's fault, the first ones.
 std::string describe_faults(const std::vector<planning::Fault>& faults);
 
-/// The samples with their times: t_s, x..roll, and the 24 joints in free flexion.
-std::string path_csv(const std::vector<hand::HandCommand>& samples);
+/// The samples with their times: t_s, x..roll, and the joints in free flexion.
+std::string path_csv(const std::vector<hand::HandCommand>& samples, const hand::Description& hand);
 
 /// Every coordinate that moves over time, with the measured ones where there are any, as an SVG.
 std::string plot_motion(const planning::Plan& plan,
-                        const std::optional<planning::TrackingError>& tracking);
+                        const std::optional<planning::TrackingError>& tracking,
+                        const hand::Description& hand);
 
 }  // namespace palpate::app

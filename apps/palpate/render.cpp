@@ -11,6 +11,7 @@
 #include "palpate/core/version.hpp"
 #include "palpate/evaluation/trial.hpp"
 #include "palpate/recording/recording.hpp"
+#include "palpate/simulation/hand/load_hand.hpp"
 #include "palpate/simulation/rendering/renderer.hpp"
 
 namespace palpate::app {
@@ -96,7 +97,8 @@ simulation::Image draw(simulation::Renderer& renderer, const recording::Frame& f
 std::vector<Picture> draw_phases(const recording::Recording& recording, const fs::path& folder,
                                  const RenderArguments& arguments) {
   const auto [width, height] = *parse_size(arguments.size);
-  simulation::Renderer renderer(recording.header.object, width, height);
+  simulation::Renderer renderer(simulation::load_hand(recording.header.hand.name),
+                                recording.header.object, width, height);
   std::vector<Picture> pictures;
   for (const recording::Event& event : recording.events) {
     if (event.kind != recording::EventKind::end) continue;
@@ -113,7 +115,8 @@ std::vector<Picture> draw_phases(const recording::Recording& recording, const fs
 Picture draw_video(const recording::Recording& recording, const fs::path& folder,
                    const RenderArguments& arguments) {
   const auto [width, height] = *parse_size(arguments.size);
-  simulation::Renderer renderer(recording.header.object, width, height);
+  simulation::Renderer renderer(simulation::load_hand(recording.header.hand.name),
+                                recording.header.object, width, height);
   simulation::Camera camera = arguments.camera;
   camera.distance *= kVideoDistance;
   const double end = recording.frames.back().reading.time;

@@ -62,8 +62,8 @@ std::vector<SensedStream> sense_channels(const SenseArguments& arguments,
   const geometry::MeshQuery mesh(recording.header.object.mesh);
   tactile::BiotacFingers fingers(hand, inverse_of(arguments.model));
   std::vector<SensedStream> streams;
-  for (const auto name : hand::kFingerNames) {
-    streams.push_back({.name = fmt::format("{}-biotac", name), .samples = {}});
+  for (const auto& finger : hand.fingers) {
+    streams.push_back({.name = fmt::format("{}-biotac", finger.name), .samples = {}});
   }
   for (const recording::Frame& frame : recording.frames) {
     const auto feelings = fingers.feel(frame.reading);
@@ -73,12 +73,13 @@ std::vector<SensedStream> sense_channels(const SenseArguments& arguments,
       if (feelings[i].contact) {
         const auto contact = fingers.in_link(*feelings[i].contact, static_cast<int>(i));
         const Eigen::Isometry3d T =
-            frame.reading.base.pose() * T_base_link[static_cast<std::size_t>(hand.distal[i])];
+            frame.reading.base.pose() * T_base_link[static_cast<std::size_t>(hand.fingers[i].link)];
         sample.point = T * contact.p;
         sample.force = T.linear() * contact.f;
         sample.normal = T.linear() * contact.n;
         sample.sigma_deg = contact.normal_sigma * 180 / std::numbers::pi;
-        const Eigen::Vector3d tip_center = sample.point + hand.tips[i].radius * sample.normal;
+        const Eigen::Vector3d tip_center =
+            sample.point + hand.fingers[i].tip.radius * sample.normal;
         if (const auto truth = true_normal(mesh, frame, tip_center)) {
           sample.error_deg = tactile::angle_between_deg(sample.normal, *truth);
         }

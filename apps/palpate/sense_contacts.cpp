@@ -104,12 +104,12 @@ std::vector<SensedStream> sense_recording(const SenseArguments& arguments) {
       skills::calibrated_hand(recording.header.hand, recording::event_log(recording), {});
   const geometry::MeshQuery mesh(recording.header.object.mesh);
   std::vector<SensedStream> streams;
-  for (int finger = 0; finger < hand::kFingers; ++finger) {
-    FingerSensor sensor(std::string(hand::kFingerNames[static_cast<std::size_t>(finger)]),
-                        arguments.estimator, hand::kTick);
+  for (int finger = 0; finger < recording.header.hand.finger_count(); ++finger) {
+    const auto& described = recording.header.hand.fingers[static_cast<std::size_t>(finger)];
+    FingerSensor sensor(described.name, arguments.estimator, hand::kTick);
     for (const recording::Frame& frame : recording.frames) {
       const auto felt = tactile::finger_frame(frame.reading, recording.header.hand, finger);
-      const double radius = recording.header.hand.tips[static_cast<std::size_t>(finger)].radius;
+      const double radius = described.tip.radius;
       sensor.take(felt, true_normal_of(mesh, frame, felt, radius));
     }
     if (sensor.touched()) streams.push_back(sensor.take_stream());

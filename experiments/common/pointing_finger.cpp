@@ -5,12 +5,13 @@
 #include <string>
 #include <utility>
 
-#include "palpate/hand/coupling.hpp"
+#include "palpate/hand/kinematics.hpp"
+#include "palpate/hand/shadow.hpp"
 
 namespace palpate::experiment {
 namespace {
 
-constexpr int kThumb = static_cast<int>(hand::Finger::thumb);
+constexpr int kThumb = static_cast<int>(hand::FingerName::thumb);
 constexpr double kPitch = 1.35;  // rad of the base: a straight finger points down
 
 /// Yaw, pitch, roll of R = Rz(yaw) Ry(pitch) Rx(roll).
@@ -21,18 +22,18 @@ Eigen::Vector3d ypr_of(const Eigen::Matrix3d& R) {
 
 }  // namespace
 
-PointingFinger::PointingFinger(hand::HandModel hand, int finger,
+PointingFinger::PointingFinger(hand::Description hand, int finger,
                                const hand::ActuatorVector& posture)
     : hand_(std::move(hand)),
       finger_(finger),
       posture_(posture),
       joints_(hand::joints_in_free_flexion(posture)) {
-  const int distal = hand_.distal[static_cast<std::size_t>(finger)];
+  const int distal = hand_.fingers[static_cast<std::size_t>(finger)].link;
   T_base_distal_ = hand::forward_kinematics(hand_, joints_)[static_cast<std::size_t>(distal)];
 }
 
-const hand::HandModel::TipCapsule& PointingFinger::tip() const {
-  return hand_.tips[static_cast<std::size_t>(finger_)];
+const hand::TipCapsule& PointingFinger::tip() const {
+  return hand_.fingers[static_cast<std::size_t>(finger_)].tip;
 }
 
 Eigen::Vector3d PointingFinger::direction() const {
@@ -50,21 +51,21 @@ hand::HandCommand PointingFinger::command(const Eigen::Matrix3d& R_world_base,
 
 std::vector<hand::ActuatorVector> pointing_postures(int finger) {
   hand::ActuatorVector posture = hand::ActuatorVector::Zero();
-  for (int other = 1; other < hand::kFingers; ++other) {
+  for (int other = 1; other < hand::kShadowFingers; ++other) {
     if (other == finger) continue;
-    const std::string name(hand::kFingerNames[static_cast<std::size_t>(other)]);
-    posture[hand::actuator_index(name + "J3")] = 1.4;
-    posture[hand::actuator_index(name + "J0")] = 2.6;
+    const std::string name(hand::kShadowFingerNames[static_cast<std::size_t>(other)]);
+    posture[hand::shadow_hand().actuator(name + "J3")] = 1.4;
+    posture[hand::shadow_hand().actuator(name + "J0")] = 2.6;
   }
-  posture[hand::actuator_index("THJ5")] = -1.0;
-  posture[hand::actuator_index("THJ2")] = -0.6;
+  posture[hand::shadow_hand().actuator("THJ5")] = -1.0;
+  posture[hand::shadow_hand().actuator("THJ2")] = -0.6;
   if (finger != kThumb) return {posture};
   std::vector<hand::ActuatorVector> postures;
   for (const double opposition : {-1.0, 0.0, 1.0}) {
     for (const double abduction : {0.0, 0.6, 1.2}) {
-      posture[hand::actuator_index("THJ5")] = opposition;
-      posture[hand::actuator_index("THJ4")] = abduction;
-      posture[hand::actuator_index("THJ2")] = 0;
+      posture[hand::shadow_hand().actuator("THJ5")] = opposition;
+      posture[hand::shadow_hand().actuator("THJ4")] = abduction;
+      posture[hand::shadow_hand().actuator("THJ2")] = 0;
       postures.push_back(posture);
     }
   }

@@ -5,20 +5,21 @@
 
 #include "palpate/hand/hand.hpp"
 #include "palpate/hand/kinematics.hpp"
+#include "palpate/hand/shadow.hpp"
 
 namespace palpate::experiment {
 
 /// A hand that holds one finger out and the others away, led by its base.
 class PointingFinger {
  public:
-  /// @param finger  index into hand::kFingerNames
-  PointingFinger(hand::HandModel hand, int finger, const hand::ActuatorVector& posture);
+  /// @param finger  index into hand::kShadowFingerNames
+  PointingFinger(hand::Description hand, int finger, const hand::ActuatorVector& posture);
 
   int finger() const { return finger_; }
   const hand::ActuatorVector& posture() const { return posture_; }
   const hand::JointVector& joints() const { return joints_; }
-  const hand::HandModel& hand() const { return hand_; }
-  const hand::HandModel::TipCapsule& tip() const;
+  const hand::Description& hand() const { return hand_; }
+  const hand::TipCapsule& tip() const;
 
   /// Where the finger points, in the base's frame.
   Eigen::Vector3d direction() const;
@@ -28,7 +29,7 @@ class PointingFinger {
                             const Eigen::Vector3d& center) const;
 
  private:
-  hand::HandModel hand_;
+  hand::Description hand_;
   int finger_;
   hand::ActuatorVector posture_;
   hand::JointVector joints_;

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "palpate/core/angle.hpp"
+#include "palpate/hand/shadow.hpp"
 
 namespace palpate::experiment {
 namespace {
@@ -35,7 +36,7 @@ std::vector<Eigen::Matrix3d> orientations(const PointingFinger& finger, double a
 }  // namespace
 
 Reach::Reach(const geometry::KnownObject& object, const Eigen::Isometry3d& T_world_object,
-             hand::HandModel hand)
+             hand::Description hand)
     : scene_(object, planning::CollisionOptions{.allowed_depth = 0.002, .self = false}),
       hand_(std::move(hand)) {
   scene_.place(T_world_object);
@@ -61,7 +62,7 @@ Stand Reach::best_stand(int finger, double azimuth, const std::vector<Eigen::Vec
 }
 
 bool Reach::any_finger_reaches(double azimuth, const Eigen::Vector3d& center) {
-  for (int finger = 0; finger < hand::kFingers; ++finger) {
+  for (int finger = 0; finger < hand::kShadowFingers; ++finger) {
     for (const auto& posture : pointing_postures(finger)) {
       const PointingFinger pointing(hand_, finger, posture);
       for (const Eigen::Matrix3d& R : orientations(pointing, azimuth)) {

@@ -20,7 +20,7 @@ struct Stand {
 class Reach {
  public:
   Reach(const geometry::KnownObject& object, const Eigen::Isometry3d& T_world_object,
-        hand::HandModel hand);
+        hand::Description hand);
 
   /// The way to hold the hand, on the side of that azimuth (rad) from the object, in which the tip
   /// is free in most of the places of its centre (m, world).
@@ -34,7 +34,7 @@ class Reach {
             const Eigen::Vector3d& center);
 
   simulation::CollisionScene scene_;
-  hand::HandModel hand_;
+  hand::Description hand_;
 };
 
 }  // namespace palpate::experiment

@@ -38,7 +38,7 @@ geometry::KnownObject fixed_object(const std::string& name, geometry::TriangleMe
   return object;
 }
 
-PointingFinger straight_finger(hand::Finger finger) {
+PointingFinger straight_finger(hand::FingerName finger) {
   const int index = static_cast<int>(finger);
   return PointingFinger(simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml")), index,
                         pointing_postures(index).front());

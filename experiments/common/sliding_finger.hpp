@@ -31,7 +31,7 @@ class SlidingFinger {
   SlidingFinger(const geometry::KnownObject& object, const simulation::WorldOptions& options,
                 std::uint64_t seed, PointingFinger finger);
 
-  const hand::HandModel& believed_hand() const { return world_.hand_model(); }
+  const hand::Description& believed_hand() const { return world_.hand_model(); }
   double tip_radius() const { return finger_.tip().radius; }
 
   /// Approaches the path's start along its normal and follows it, pressing with `force` (N): the
@@ -51,7 +51,7 @@ class SlidingFinger {
 };
 
 /// One finger of the real hand, straight.
-PointingFinger straight_finger(hand::Finger finger);
+PointingFinger straight_finger(hand::FingerName finger);
 
 /// An object of a mesh that rests as it stands in the mesh's frame and weighs so much that no
 /// finger moves it.

@@ -66,22 +66,23 @@ const hand::HandReading* reading_at(const EventLog& log, TouchEvent mark) {
   return reading;
 }
 
-std::optional<double> felt_height(const hand::HandModel& hand, const EventLog& log) {
+std::optional<double> felt_height(const hand::Description& hand, const EventLog& log) {
   const auto* const felt = reading_at(log, TouchEvent::felt);
   if (!felt) return std::nullopt;
   return lowest_of_hand(hand, *felt);
 }
 
 /// Those for an object that may have fallen before it was felt.
-EstimationOptions as_it_lay(const EventLog& log, const EstimationOptions& options) {
+EstimationOptions as_it_lay(const hand::Description& hand, const EventLog& log,
+                            const EstimationOptions& options) {
   const auto* const felt = reading_at(log, TouchEvent::felt);
   if (!felt || !reading_at(log, TouchEvent::fallen)) return options;
-  return of_fallen(options, place_under_hand(*felt));
+  return of_fallen(options, place_under_hand(hand, *felt));
 }
 
 /// The table under the object that nobody has moved yet. Misplaced links of the hand shift all that
 /// it feels, so that height and place are uncertain by that much.
-TableSupport resting_table(const KnownObject& object, const hand::HandModel& hand,
+TableSupport resting_table(const KnownObject& object, const hand::Description& hand,
                            const EventLog& log, const EstimationOptions& options) {
   TableSupport table;
   table.T_frame_table = Eigen::Isometry3d::Identity();
@@ -93,7 +94,7 @@ TableSupport resting_table(const KnownObject& object, const hand::HandModel& han
   return table;
 }
 
-TableSupport table_at_closing(const KnownObject& object, const hand::HandModel& hand,
+TableSupport table_at_closing(const KnownObject& object, const hand::Description& hand,
                               const EventLog& log, const EstimationOptions& options) {
   TableSupport table;
   const auto& closed = log.readings[*log.at(TouchEvent::closed)];
@@ -181,7 +182,7 @@ void move(const Eigen::Isometry3d& T_new_old, localization::Posterior& posterior
   for (auto& T_frame_object : posterior.further) T_frame_object = T_new_old * T_frame_object;
 }
 
-localization::Posterior PoseEstimator::resting(const hand::HandModel& hand, const EventLog& log) {
+localization::Posterior PoseEstimator::resting(const hand::Description& hand, const EventLog& log) {
   auto moments = moments_of_resting(log);
   if (moments != moments_ || moments.empty()) {
     resting_ = search_resting(hand, log);
@@ -190,7 +191,7 @@ localization::Posterior PoseEstimator::resting(const hand::HandModel& hand, cons
   return resting_;
 }
 
-localization::Posterior PoseEstimator::search_resting(const hand::HandModel& hand,
+localization::Posterior PoseEstimator::search_resting(const hand::Description& hand,
                                                       const EventLog& log) {
   if (const auto before = log.before_opening()) {
     return PoseEstimator(*this).held(hand, *before, before->at(TouchEvent::placed)).posterior;
@@ -204,7 +205,7 @@ localization::Posterior PoseEstimator::search_resting(const hand::HandModel& han
     if (evidence.contacts.size() < (skipped > 0 ? kMinTouches : 1)) break;
     evidence.false_contact_share = options_.false_contacts;
     evidence.penetration_sigma = options_.swept_sigma;
-    evidence.table = resting_table(object_.object(), hand, log, as_it_lay(log, options_));
+    evidence.table = resting_table(object_.object(), hand, log, as_it_lay(hand, log, options_));
     posterior = localization::localize(object_, evidence, RandomStream(seed_, "locate resting"),
                                        options_.search);
     if (total_weight(posterior) > 0) break;
@@ -212,7 +213,7 @@ localization::Posterior PoseEstimator::search_resting(const hand::HandModel& han
   return posterior;
 }
 
-HeldPoseEstimate PoseEstimator::held(const hand::HandModel& hand, const EventLog& log,
+HeldPoseEstimate PoseEstimator::held(const hand::Description& hand, const EventLog& log,
                                      std::optional<std::size_t> at) {
   HeldPoseEstimate estimate;
   if (!at) return estimate;

@@ -6,7 +6,7 @@
 
 namespace palpate::estimation {
 
-double lowest_of_hand(const hand::HandModel& model, const hand::HandReading& reading) {
+double lowest_of_hand(const hand::Description& model, const hand::HandReading& reading) {
   const auto T_base_link = hand::forward_kinematics(model, reading.joints);
   const Eigen::Isometry3d T_world_base = reading.base.pose();
   double lowest = std::numeric_limits<double>::infinity();
@@ -18,8 +18,9 @@ double lowest_of_hand(const hand::HandModel& model, const hand::HandReading& rea
   return lowest;
 }
 
-Eigen::Vector2d place_under_hand(const hand::HandReading& reading) {
-  return reading.base.xyz.head<2>() + Eigen::Rotation2Dd(reading.base.ypr[0]) * kLevelCenter;
+Eigen::Vector2d place_under_hand(const hand::Description& model, const hand::HandReading& reading) {
+  return reading.base.xyz.head<2>() +
+         Eigen::Rotation2Dd(reading.base.ypr[0]) * model.postures.flat.center;
 }
 
 }  // namespace palpate::estimation

@@ -13,7 +13,7 @@ constexpr double kCarriedWindow = 0.1;    // s of them that are averaged
 
 /// How an object moves in the hand's base from one window of readings to the next: as the
 /// fingertips do where they touch it. With less than three contacts only the way is told.
-Eigen::Isometry3d carried_step(const hand::HandModel& hand,
+Eigen::Isometry3d carried_step(const hand::Description& hand,
                                std::span<const hand::HandReading> before,
                                std::span<const hand::HandReading> after,
                                const tactile::ContactErrorModel& errors, const Fingers& ignored) {
@@ -28,7 +28,7 @@ Eigen::Isometry3d carried_step(const hand::HandModel& hand,
   for (const auto& contact : tactile::lasting_contacts(after, hand, errors)) {
     const auto finger = static_cast<std::size_t>(contact.finger);
     if (!touched[finger]) continue;
-    const auto link = static_cast<std::size_t>(hand.distal[finger]);
+    const auto link = static_cast<std::size_t>(hand.fingers[finger].link);
     from.push_back(T_before[link] * (T_after[link].inverse() * contact.p));
     to.push_back(contact.p);
   }
@@ -54,7 +54,7 @@ std::span<const hand::HandReading> window_before(const EventLog& log, std::size_
   return std::span(log.readings).subspan(index + 1 - count, count);
 }
 
-Eigen::Isometry3d in_hand_motion(const hand::HandModel& hand, const EventLog& log,
+Eigen::Isometry3d in_hand_motion(const hand::Description& hand, const EventLog& log,
                                  std::size_t first, std::size_t last,
                                  const tactile::ContactErrorModel& errors, const Fingers& ignored) {
   Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();

@@ -11,7 +11,7 @@
 
 namespace palpate::estimation {
 
-using Fingers = std::array<bool, hand::kFingers>;
+using Fingers = hand::PerFinger<bool>;
 
 /// The readings of the last `seconds` up to one of them, with it.
 std::span<const hand::HandReading> window_before(const EventLog& log, std::size_t index,
@@ -20,7 +20,7 @@ std::span<const hand::HandReading> window_before(const EventLog& log, std::size_
 /// How the object has moved in the hand's base between two readings. Contacts roll along the
 /// fingertips while they carry it, so that the way is followed step by step.
 /// @param ignored  fingers that do not hold it
-Eigen::Isometry3d in_hand_motion(const hand::HandModel& hand, const EventLog& log,
+Eigen::Isometry3d in_hand_motion(const hand::Description& hand, const EventLog& log,
                                  std::size_t first, std::size_t last,
                                  const tactile::ContactErrorModel& errors,
                                  const Fingers& ignored = {});

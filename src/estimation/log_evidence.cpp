@@ -23,7 +23,7 @@ constexpr double kElsewhere = 0.004;     // m that a fingertip has gone when it 
 constexpr double kSweptSpacing = 0.008;  // m between the places of a swept fingertip
 constexpr double kForceSigma = 0.02;     // N, of a mean force
 
-std::vector<localization::FreeSphere> hand_spheres(const hand::HandModel& hand,
+std::vector<localization::FreeSphere> hand_spheres(const hand::Description& hand,
                                                    const hand::HandReading& reading) {
   const auto T_base_link = hand::forward_kinematics(hand, reading.joints);
   std::vector<localization::FreeSphere> spheres;
@@ -35,15 +35,16 @@ std::vector<localization::FreeSphere> hand_spheres(const hand::HandModel& hand,
 }
 
 /// The finger that a guarded move is made with: its fingertip is the hand's lowest.
-int probing_finger(const hand::HandModel& hand, const hand::HandReading& reading) {
+int probing_finger(const hand::Description& hand, const hand::HandReading& reading) {
   const auto T_base_link = hand::forward_kinematics(hand, reading.joints);
   const Eigen::Matrix3d R_world_base = reading.base.pose().linear();
-  int lowest = static_cast<int>(hand::Finger::first);
+  int lowest = -1;
   double low = std::numeric_limits<double>::infinity();
-  for (int finger = lowest; finger < hand::kFingers; ++finger) {
+  for (int finger = 0; finger < hand.finger_count(); ++finger) {
+    if (finger == hand.thumb) continue;
     const auto i = static_cast<std::size_t>(finger);
-    const auto& T = T_base_link[static_cast<std::size_t>(hand.distal[i])];
-    const double height = (R_world_base * (T * hand.tips[i].b)).z();
+    const auto& T = T_base_link[static_cast<std::size_t>(hand.fingers[i].link)];
+    const double height = (R_world_base * (T * hand.fingers[i].tip.b)).z();
     if (height >= low) continue;
     low = height;
     lowest = finger;
@@ -52,11 +53,11 @@ int probing_finger(const hand::HandModel& hand, const hand::HandReading& reading
 }
 
 /// Where the probing fingertip has been between two readings, without the last `margin` metres.
-void add_swept_tip(const hand::HandModel& hand, const EventLog& log, std::size_t first,
+void add_swept_tip(const hand::Description& hand, const EventLog& log, std::size_t first,
                    std::size_t last, double margin, std::vector<localization::FreeSphere>& swept) {
   const auto T_base_link = hand::forward_kinematics(hand, log.readings[first].joints);
   const int finger = probing_finger(hand, log.readings[first]);
-  const int tip = hand.distal[static_cast<std::size_t>(finger)];
+  const int tip = hand.fingers[static_cast<std::size_t>(finger)].link;
   const Eigen::Vector3d end = log.readings[last].base.xyz;
   Eigen::Vector3d previous = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
   for (std::size_t i = first; i <= last; ++i) {
@@ -75,7 +76,7 @@ void add_swept_tip(const hand::HandModel& hand, const EventLog& log, std::size_t
 
 /// Lasting contacts without the error of the links, which all contacts of a finger share.
 std::vector<tactile::Contact> felt_contacts(std::span<const hand::HandReading> window,
-                                            const hand::HandModel& hand,
+                                            const hand::Description& hand,
                                             const tactile::ContactErrorModel& errors) {
   auto contacts = tactile::lasting_contacts(window, hand, errors);
   for (auto& contact : contacts) {
@@ -86,15 +87,15 @@ std::vector<tactile::Contact> felt_contacts(std::span<const hand::HandReading> w
 }
 
 /// The links' misplacement displaces all contacts of a finger alike, in the base's axes.
-localization::CommonModeBias finger_offset(const hand::HandModel& hand, int finger) {
+localization::CommonModeBias finger_offset(const hand::Description& hand, int finger) {
   localization::CommonModeBias offset;
   offset.sigma = tactile::link_offset_sigma(hand, finger);
   return offset;
 }
 
 /// Groups contacts by the finger that felt them.
-void share_offsets(const hand::HandModel& hand, Evidence& evidence) {
-  for (int finger = 0; finger < hand::kFingers; ++finger) {
+void share_offsets(const hand::Description& hand, Evidence& evidence) {
+  for (int finger = 0; finger < hand.finger_count(); ++finger) {
     auto offset = finger_offset(hand, finger);
     for (std::size_t k = 0; k < evidence.contacts.size(); ++k) {
       if (evidence.contacts[k].finger == finger) offset.members.push_back({k});
@@ -104,16 +105,16 @@ void share_offsets(const hand::HandModel& hand, Evidence& evidence) {
 }
 
 /// Which fingers were at another posture than at the moment of closing.
-Fingers moved_fingers(const hand::HandModel& hand, std::span<const hand::HandReading> closed,
+Fingers moved_fingers(const hand::Description& hand, std::span<const hand::HandReading> closed,
                       std::span<const hand::HandReading> probed) {
   const auto T_closed = hand::forward_kinematics(hand, tactile::mean_joints(closed));
   const auto T_probed = hand::forward_kinematics(hand, tactile::mean_joints(probed));
   Fingers moved{};
-  for (std::size_t finger = 0; finger < hand::kFingers; ++finger) {
-    const auto link = static_cast<std::size_t>(hand.distal[finger]);
+  for (std::size_t finger = 0; finger < hand.fingers.size(); ++finger) {
+    const auto link = static_cast<std::size_t>(hand.fingers[finger].link);
     moved[finger] =
-        (T_closed[link] * hand.tips[finger].b - T_probed[link] * hand.tips[finger].b).norm() >
-        kElsewhere;
+        (T_closed[link] * hand.fingers[finger].tip.b - T_probed[link] * hand.fingers[finger].tip.b)
+            .norm() > kElsewhere;
   }
   return moved;
 }
@@ -143,7 +144,7 @@ std::size_t holding_before(const EventLog& log, std::size_t probe) {
 
 /// Adds what a finger found at another spot while the others held the object: its touch, if it
 /// made one, and the space that it takes.
-void add_probe(const hand::HandModel& hand, const EventLog& log, std::size_t probe,
+void add_probe(const hand::Description& hand, const EventLog& log, std::size_t probe,
                std::size_t present, const EstimationOptions& options, Evidence& evidence) {
   const auto probed = window_before(log, probe, kClosedWindow);
   const auto holding = window_before(log, holding_before(log, probe), kClosedWindow);
@@ -153,8 +154,8 @@ void add_probe(const hand::HandModel& hand, const EventLog& log, std::size_t pro
   if (!options.free_space) return;
   const auto T_base_link = hand::forward_kinematics(hand, tactile::mean_joints(probed));
   for (const auto& sphere : hand.spheres) {
-    for (std::size_t finger = 0; finger < hand::kFingers; ++finger) {
-      if (!moved[finger] || sphere.link != hand.distal[finger]) continue;
+    for (std::size_t finger = 0; finger < hand.fingers.size(); ++finger) {
+      if (!moved[finger] || sphere.link != hand.fingers[finger].link) continue;
       evidence.free_space.push_back(
           {motion * T_base_link[static_cast<std::size_t>(sphere.link)] * sphere.center,
            sphere.radius});
@@ -163,7 +164,7 @@ void add_probe(const hand::HandModel& hand, const EventLog& log, std::size_t pro
 }
 
 /// Adds what the fingers touched when they had rolled the object aside.
-void add_rolled(const hand::HandModel& hand, const EventLog& log, std::size_t rolled,
+void add_rolled(const hand::Description& hand, const EventLog& log, std::size_t rolled,
                 std::size_t present, const EstimationOptions& options, Evidence& evidence) {
   Fingers all;
   all.fill(true);
@@ -191,10 +192,10 @@ void move(const Eigen::Isometry3d& T_new_old, tactile::Contact& contact) {
   contact.f = T_new_old.linear() * contact.f;
 }
 
-Evidence evidence_of_guarded_moves(const hand::HandModel& hand, const EventLog& log,
+Evidence evidence_of_guarded_moves(const hand::Description& hand, const EventLog& log,
                                    const EstimationOptions& options, std::size_t skipped) {
   Evidence evidence;
-  auto offset = finger_offset(hand, static_cast<int>(hand::Finger::first));
+  auto offset = finger_offset(hand, hand.thumb == 0 ? 1 : 0);
   std::size_t guarded_move = 0, count = 0;
   for (const auto& moment : log.since_release()) {
     if (moment.mark == TouchEvent::guarded_move) guarded_move = moment.reading;
@@ -218,8 +219,8 @@ Evidence evidence_of_guarded_moves(const hand::HandModel& hand, const EventLog& 
   return evidence;
 }
 
-Evidence evidence_in_hand(const hand::HandModel& hand, const EventLog& log, const Instant& instant,
-                          double mass, const EstimationOptions& options) {
+Evidence evidence_in_hand(const hand::Description& hand, const EventLog& log,
+                          const Instant& instant, double mass, const EstimationOptions& options) {
   Evidence evidence;
   const std::size_t present = instant.reading;
   const double window = instant.hangs ? options.window : kClosedWindow;

@@ -7,7 +7,7 @@ namespace palpate::estimation {
 
 /// Contacts and free space of the guarded moves around the resting object, in the world.
 /// @param skipped  guarded moves that are left out, the first ones
-localization::Evidence evidence_of_guarded_moves(const hand::HandModel& hand, const EventLog& log,
+localization::Evidence evidence_of_guarded_moves(const hand::Description& hand, const EventLog& log,
                                                  const EstimationOptions& options,
                                                  std::size_t skipped);
 
@@ -20,7 +20,7 @@ struct Instant {
 /// What the closed hand feels at an instant, with what probing and rolling have told since it
 /// closed, in its base.
 /// @param mass  of the object, kg
-localization::Evidence evidence_in_hand(const hand::HandModel& hand, const EventLog& log,
+localization::Evidence evidence_in_hand(const hand::Description& hand, const EventLog& log,
                                         const Instant& instant, double mass,
                                         const EstimationOptions& options);
 

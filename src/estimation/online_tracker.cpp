@@ -28,7 +28,7 @@ std::size_t ticks(double seconds) {
 
 }  // namespace
 
-OnlineTracker::OnlineTracker(const geometry::ObjectModel& object, const hand::HandModel& hand,
+OnlineTracker::OnlineTracker(const geometry::ObjectModel& object, const hand::Description& hand,
                              const localization::Posterior& resting,
                              const OnlineTrackerOptions& options, std::uint64_t seed)
     : object_(object), hand_(hand), options_(options), random_(seed, "felt place") {

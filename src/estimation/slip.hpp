@@ -8,7 +8,7 @@ namespace palpate::estimation {
 
 /// How far the contacts have wandered along the fingertips between two instants of the log, in the
 /// median over the fingers that touch at both, m; 0 if there is none.
-double contact_slip(const EventLog& log, const hand::HandModel& hand, std::size_t before,
+double contact_slip(const EventLog& log, const hand::Description& hand, std::size_t before,
                     std::size_t after);
 
 }  // namespace palpate::estimation

@@ -32,7 +32,7 @@ bool within(const localization::PoseError& error, double angle, double distance)
 
 double median_tip_force(const hand::HandReading& reading) {
   std::vector<double> forces;
-  for (int finger = 0; finger < hand::kFingers; ++finger) {
+  for (int finger = 0; finger < static_cast<int>(reading.contacts.size()); ++finger) {
     const double force = hand::tip_force(reading, finger);
     if (force > kTouching) forces.push_back(force);
   }

@@ -7,6 +7,7 @@
 
 #include "palpate/core/parallel.hpp"
 #include "palpate/core/random.hpp"
+#include "palpate/simulation/hand/load_hand.hpp"
 
 namespace palpate::evaluation {
 namespace {
@@ -40,14 +41,15 @@ FaultSummary summary_of(const std::optional<Trial>& trial) {
 
 }  // namespace
 
-FaultOptions draw_fault(hand::InjectedFault fault, std::uint64_t seed) {
+FaultOptions draw_fault(const hand::Description& hand, hand::InjectedFault fault,
+                        std::uint64_t seed) {
   RandomStream random(seed, "fault");
   FaultOptions options;
   options.kind = hand::to_string(fault);
   options.from = random.uniform(0, kLatestFault);
-  options.finger = draw_index(random, hand::kFingers);
-  options.joint = draw_index(random, hand::kJoints);
-  options.actuator = draw_index(random, hand::kActuators);
+  options.finger = draw_index(random, hand.finger_count());
+  options.joint = draw_index(random, hand.joint_count());
+  options.actuator = draw_index(random, hand.actuator_count());
   return options;
 }
 
@@ -55,9 +57,10 @@ FaultSummary evaluate_fault(const geometry::ObjectModel& object, const TrialOpti
                             hand::InjectedFault fault, std::uint64_t first_seed, std::size_t trials,
                             int threads, const FaultObserver& observer) {
   FaultSummary sum;
+  const auto hand = simulation::load_hand(options.world.hand);
   const auto run = [&](std::size_t i) -> FaultSummary {
     TrialOptions faulty = options;
-    faulty.fault = draw_fault(fault, first_seed + i);
+    faulty.fault = draw_fault(hand, fault, first_seed + i);
     try {
       return summary_of(run_trial(object, faulty, first_seed + i));
     } catch (const std::exception&) {

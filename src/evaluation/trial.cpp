@@ -128,8 +128,9 @@ planning::Fixture place_fixture(const geometry::KnownObject& object,
   return skills::make_fixture(object, options.fixture);
 }
 
-hand::HandCommand waiting_command() {
+hand::HandCommand waiting_command(const hand::Description& hand) {
   hand::HandCommand command;
+  command.positions.setZero(hand.actuator_count());
   command.base.xyz = {0, 0, 0.34};
   return command;
 }
@@ -147,7 +148,7 @@ Trial run_trial(const geometry::ObjectModel& object, const TrialOptions& options
   simulation::WorldOptions world_options = options.world;
   world_options.biotacs = world_options.biotacs || options.touch.from_biotacs();
   simulation::World world(object.object(), world_options, seed, fixture);
-  world.reset(trial.start, waiting_command());
+  world.reset(trial.start, waiting_command(world.hand_model()));
 
   Evaluator evaluator(world);
   Recorder recorder(writer, world);
@@ -158,7 +159,7 @@ Trial run_trial(const geometry::ObjectModel& object, const TrialOptions& options
   }
   const simulation::SimulatedModels models(options.forward_model);
   hand::Hand& sensed = feeling ? static_cast<hand::Hand&>(*feeling) : faulty;
-  skills::Executor robot(sensed, world.hand_model(), waiting_command(),
+  skills::Executor robot(sensed, world.hand_model(), waiting_command(world.hand_model()),
                          {[&](const auto& reading, const auto& command) {
                             evaluator.observe(reading);
                             recorder.frame(reading, command);

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "palpate/hand/coupling.hpp"
+#include "palpate/hand/kinematics.hpp"
 
 namespace palpate::grasping {
 namespace {
@@ -14,7 +14,7 @@ constexpr int kStepTicks = 2;  // of the closing law between two shapes
 constexpr int kMaxSteps = 150;
 constexpr float kOverlap = 0.002f;  // m of a link that counts as stuck
 
-std::vector<Eigen::Vector3f> tip_points(const hand::HandModel::TipCapsule& tip,
+std::vector<Eigen::Vector3f> tip_points(const hand::TipCapsule& tip,
                                         const Eigen::Isometry3d& T_base_link) {
   std::vector<Eigen::Vector3f> points;
   for (int i = 0; i < kTipPoints; ++i) {
@@ -33,11 +33,11 @@ Eigen::Vector4f in_base(const hand::LinkSphere& sphere,
 }
 
 /// Finger that carries each link, -1 for the palm and what is behind it.
-std::vector<int> finger_of_links(const hand::HandModel& hand) {
+std::vector<int> finger_of_links(const hand::Description& hand) {
   std::vector<int> owner(hand.links.size(), -1);
-  for (int finger = 0; finger < hand::kFingers; ++finger) {
-    for (int link = hand.distal[static_cast<std::size_t>(finger)]; link >= 0 && link != hand.palm;
-         link = hand.links[static_cast<std::size_t>(link)].parent) {
+  for (int finger = 0; finger < hand.finger_count(); ++finger) {
+    for (int link = hand.fingers[static_cast<std::size_t>(finger)].link;
+         link >= 0 && link != hand.palm; link = hand.links[static_cast<std::size_t>(link)].parent) {
       owner[static_cast<std::size_t>(link)] = finger;
     }
   }
@@ -46,28 +46,37 @@ std::vector<int> finger_of_links(const hand::HandModel& hand) {
 
 }  // namespace
 
-ClosingTrajectory closing_trajectory(const hand::HandModel& hand, const hand::ActuatorVector& open,
+ClosingTrajectory closing_trajectory(const hand::Description& hand,
+                                     const hand::ActuatorVector& open,
                                      const grasping::ClosingLaw& law,
-                                     const std::array<bool, hand::kFingers>& closing) {
+                                     const hand::PerFinger<bool>& closing) {
   ClosingTrajectory path;
+  path.fingers.resize(hand.fingers.size());
+  path.thumb = static_cast<std::size_t>(hand.thumb);
+  path.middle = static_cast<std::size_t>(hand.middle_finger());
   const std::vector<int> owner = finger_of_links(hand);
   hand::HandCommand command;
   command.positions = open;
-  const hand::HandReading empty;  // of a hand that follows its commands at once
-  const grasping::ClosingTorque unlimited{1e6, 1e6, 1e6, 1e6};
+  hand::HandReading empty;  // of a hand that follows its commands at once
+  empty.torques = hand::ActuatorVector::Zero(hand.actuator_count());
+  const auto unlimited = hand::ActuatorVector::Constant(hand.actuator_count(), 1e6).eval();
+  const auto fingers = hand.fingers.size();
   for (int step = 0; step < kMaxSteps; ++step) {
-    const auto T = hand::forward_kinematics(hand, hand::joints_in_free_flexion(command.positions));
-    for (std::size_t finger = 0; finger < hand::kFingers; ++finger) {
-      path.tip_radius[finger] = static_cast<float>(hand.tips[finger].radius);
+    const auto T =
+        hand::forward_kinematics(hand, hand::joints_in_free_flexion(hand, command.positions));
+    for (std::size_t finger = 0; finger < fingers; ++finger) {
+      path.tip_radius[finger] = static_cast<float>(hand.fingers[finger].tip.radius);
       if (!closing[finger]) continue;
       path.fingers[finger].push_back(
-          {tip_points(hand.tips[finger], T[static_cast<std::size_t>(hand.distal[finger])]), {}});
+          {tip_points(hand.fingers[finger].tip,
+                      T[static_cast<std::size_t>(hand.fingers[finger].link)]),
+           {}});
     }
     for (const auto& sphere : hand.spheres) {
       if (step == 0) path.open_spheres.push_back(in_base(sphere, T));
       const int finger = owner[static_cast<std::size_t>(sphere.link)];
       if (finger < 0 || !closing[static_cast<std::size_t>(finger)]) continue;
-      if (sphere.link == hand.distal[static_cast<std::size_t>(finger)]) continue;
+      if (sphere.link == hand.fingers[static_cast<std::size_t>(finger)].link) continue;
       path.fingers[static_cast<std::size_t>(finger)].back().other_spheres.push_back(
           in_base(sphere, T));
     }
@@ -78,7 +87,7 @@ ClosingTrajectory closing_trajectory(const hand::HandModel& hand, const hand::Ac
   return path;
 }
 
-void end_at_other_fingers(const hand::HandModel& hand, const hand::JointVector& joints,
+void end_at_other_fingers(const hand::Description& hand, const hand::JointVector& joints,
                           std::size_t finger, ClosingTrajectory& path) {
   const std::vector<int> owner = finger_of_links(hand);
   const auto T = hand::forward_kinematics(hand, joints);

@@ -97,24 +97,35 @@ ForceDistribution distribute_forces(std::span<const tactile::Contact> contacts, 
   return result;
 }
 
-hand::ActuatorVector pressing_torques(const hand::HandModel& hand, const hand::JointVector& joints,
+/// Of the actuators, by virtual work; the tendon of a coupled pair pulls both joints alike.
+hand::ActuatorVector drive_torques(const hand::Description& hand,
+                                   const hand::JointVector& torques) {
+  hand::ActuatorVector result = hand::ActuatorVector::Zero(hand.actuator_count());
+  for (int i = 0; i < hand.actuator_count(); ++i) {
+    const hand::Actuator& actuator = hand.actuators[static_cast<std::size_t>(i)];
+    for (const hand::DrivenJoint& driven : actuator.joints) {
+      result[i] += driven.share * torques[driven.joint];
+    }
+    if (actuator.coupling) result[i] /= 2;
+  }
+  return result;
+}
+
+hand::ActuatorVector pressing_torques(const hand::Description& hand,
+                                      const hand::JointVector& joints,
                                       std::span<const tactile::Contact> contacts,
                                       std::span<const Eigen::Vector3d> forces) {
   if (contacts.size() != forces.size()) throw BadInput("as many forces as contacts are needed");
   const auto T_base_link = hand::forward_kinematics(hand, joints);
-  hand::JointVector torques = hand::JointVector::Zero();
+  hand::JointVector torques = hand::JointVector::Zero(hand.joint_count());
   for (std::size_t k = 0; k < contacts.size(); ++k) {
-    const int link = hand.distal[static_cast<std::size_t>(contacts[k].finger)];
+    const int link = hand.fingers[static_cast<std::size_t>(contacts[k].finger)].link;
     const Eigen::Vector3d p_link =
         T_base_link[static_cast<std::size_t>(link)].inverse() * contacts[k].p;
-    torques += hand::jacobian(hand, joints, link, p_link).bottomRows<3>().transpose() * forces[k];
+    const hand::Jacobian J = hand::jacobian(hand, joints, link, p_link);
+    torques += J.bottomRows<3>().transpose().lazyProduct(forces[k]);
   }
-  // actuator_positions adds the two joints of a coupled pair, whose tendon pulls both alike.
-  hand::ActuatorVector result = hand::actuator_positions(torques);
-  for (const char* pair : {"FFJ0", "MFJ0", "RFJ0", "LFJ0"}) {
-    result[hand::actuator_index(pair)] /= 2;
-  }
-  return result;
+  return drive_torques(hand, torques);
 }
 
 }  // namespace palpate::grasping

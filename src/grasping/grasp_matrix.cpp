@@ -44,12 +44,12 @@ Eigen::Isometry3d contact_frame(const Eigen::Vector3d& p_base, const Eigen::Vect
   return T_base_contact;
 }
 
-GraspContacts grasp_contacts(const hand::HandModel& hand, const hand::HandReading& reading,
+GraspContacts grasp_contacts(const hand::Description& hand, const hand::HandReading& reading,
                              ContactModel model, const Friction& friction) {
   const auto T_base_link = hand::forward_kinematics(hand, reading.joints);
   GraspContacts contacts;
-  for (std::size_t finger = 0; finger < hand::kFingers; ++finger) {
-    const int link = hand.distal[finger];
+  for (std::size_t finger = 0; finger < hand.fingers.size(); ++finger) {
+    const int link = hand.fingers[finger].link;
     const Eigen::Isometry3d& T = T_base_link.at(static_cast<std::size_t>(link));
     for (const hand::TipContact& touch : reading.contacts[finger]) {
       contacts.push_back({contact_frame(T * touch.p, T.linear() * touch.n), link, model, friction});
@@ -71,10 +71,10 @@ Eigen::MatrixXd grasp_matrix(const GraspContacts& contacts, const Eigen::Vector3
   return G;
 }
 
-Eigen::MatrixXd hand_jacobian(const hand::HandModel& hand, const hand::JointVector& joints,
+Eigen::MatrixXd hand_jacobian(const hand::Description& hand, const hand::JointVector& joints,
                               const GraspContacts& contacts) {
   const auto T_base_link = hand::forward_kinematics(hand, joints);
-  Eigen::MatrixXd J(6 * static_cast<Eigen::Index>(contacts.size()), hand::kJoints);
+  Eigen::MatrixXd J(6 * static_cast<Eigen::Index>(contacts.size()), hand.joint_count());
   Eigen::Index row = 0;
   for (const GraspContact& contact : contacts) {
     if (contact.link < 0 || contact.link >= static_cast<int>(hand.links.size())) {
@@ -118,7 +118,7 @@ Eigen::VectorXd object_contact_twists(const Eigen::MatrixXd& G, const Vector6d& 
 }
 
 Eigen::VectorXd hand_contact_twists(const Eigen::MatrixXd& J, const hand::JointVector& velocities) {
-  require_size("a hand Jacobian's row", J.cols(), hand::kJoints);
+  require_size("a hand Jacobian's row", J.cols(), velocities.size());
   return J * velocities;
 }
 

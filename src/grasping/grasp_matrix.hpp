@@ -28,7 +28,7 @@ using GraspContacts = std::vector<GraspContact>;
 Eigen::Isometry3d contact_frame(const Eigen::Vector3d& p_base, const Eigen::Vector3d& n_base);
 
 /// The fingertip contacts of a reading.
-GraspContacts grasp_contacts(const hand::HandModel& hand, const hand::HandReading& reading,
+GraspContacts grasp_contacts(const hand::Description& hand, const hand::HandReading& reading,
                              ContactModel model, const Friction& friction);
 
 /// Grasp matrix G (6 x 6 n; thesis eq 4.6): object wrench = G w_c, contact twists of the object
@@ -37,10 +37,10 @@ GraspContacts grasp_contacts(const hand::HandModel& hand, const hand::HandReadin
 /// @throws BadInput for a point or contact frame that is not finite
 Eigen::MatrixXd grasp_matrix(const GraspContacts& contacts, const Eigen::Vector3d& p_base_object);
 
-/// Hand Jacobian J (6 n x kJoints; thesis eq 4.8), in the contact frames: contact twists of the
+/// Hand Jacobian J (6 n x joints; thesis eq 4.8), in the contact frames: contact twists of the
 /// hand nu_c = J q_dot, joint torques tau = J' w_c (eq 4.9).
 /// @throws BadInput if a contact names no link of the hand
-Eigen::MatrixXd hand_jacobian(const hand::HandModel& hand, const hand::JointVector& joints,
+Eigen::MatrixXd hand_jacobian(const hand::Description& hand, const hand::JointVector& joints,
                               const GraspContacts& contacts);
 
 /// What all contacts transmit, H (m x 6 n): lambda = H w_c, and w_c = H' lambda.

@@ -53,14 +53,18 @@ class Candidate {
     GraspPlan plan;
     plan.base = base_;
     plan.cost = std::numeric_limits<double>::infinity();
-    for (std::size_t finger = 0; finger < hand::kFingers; ++finger) {
+    for (std::size_t finger = 0; finger < path.fingers.size(); ++finger) {
       auto [stop, contact] = meet(target_, path, finger, options.table_clearance / 2);
       plan.stops[finger] = stop;
       if (!contact) continue;
       plan.contacts.push_back(*contact);
     }
     plan.fingers = static_cast<int>(plan.contacts.size());
-    const bool thumb = plan.fingers > 0 && plan.contacts.front().finger == 0;
+    const bool thumb = std::any_of(plan.contacts.begin(), plan.contacts.end(),
+                                   [&](const tactile::Contact& contact) {
+                                     return contact.finger == static_cast<int>(path.thumb);
+                                   });
+    plan.missing = static_cast<int>(path.fingers.size()) - plan.fingers;
     if (!thumb || plan.fingers < 2) return plan;
     plan.cost = grasp_cost(object_, plan, options, -T_world_base_.linear().row(2).transpose(),
                            T_world_base_.inverse() * T_world_object_.translation());
@@ -78,8 +82,8 @@ class Candidate {
 /// Where thumb and fingers meet, in the base's frame: between the tips when they have closed to
 /// the width of a common object.
 Eigen::Vector3d closing_center(const ClosingTrajectory& path) {
-  const auto& thumb = path.fingers[static_cast<std::size_t>(hand::Finger::thumb)];
-  const auto& middle = path.fingers[static_cast<std::size_t>(hand::Finger::middle)];
+  const auto& thumb = path.fingers[path.thumb];
+  const auto& middle = path.fingers[path.middle];
   std::size_t step = 0;
   while (step + 1 < thumb.size() &&
          (thumb[step].tip.back() - middle[step].tip.back()).norm() > kCommonWidth) {
@@ -105,13 +109,13 @@ bool was_tried(double yaw, const std::vector<double>& avoid) {
 
 std::vector<hand::BasePosition> places(const ClosingTrajectory& path,
                                        const Eigen::Vector3d& centroid,
-                                       const Eigen::Vector2d& attitude, const PlanOptions& options,
+                                       const hand::Attitude& attitude, const PlanOptions& options,
                                        const std::vector<double>& avoid) {
   std::vector<hand::BasePosition> result;
   const Eigen::Vector3d center = closing_center(path);
   for (int i = 0; i < options.yaws; ++i) {
     hand::BasePosition base;
-    base.ypr = {2 * pi * i / options.yaws, attitude.x(), attitude.y()};
+    base.ypr = {2 * pi * i / options.yaws, attitude.pitch, attitude.roll};
     if (was_tried(base.ypr.x(), avoid)) continue;
     const Eigen::Matrix3d R = base.pose().linear();
     const double low = options.table_clearance + 0.001 - lowest_below_base(path, R);
@@ -137,7 +141,7 @@ double grasp_cost(const geometry::ObjectModel& object, const GraspPlan& plan,
   const double weight = object.object().mass * kGravity;
   const auto balance = distribute_forces(plan.contacts, options.friction, options.press,
                                          Load{p_base_object, weight * gravity});
-  return balance.wrench_residual + options.missing_finger * (hand::kFingers - plan.fingers);
+  return balance.wrench_residual + options.missing_finger * plan.missing;
 }
 
 double mean_cost(const geometry::ObjectModel& object, const Eigen::Isometry3d& T_world_object,
@@ -164,7 +168,7 @@ std::optional<GraspPlan> close_virtually(const geometry::ObjectModel& object,
 
 std::vector<GraspPlan> find_grasps(const geometry::ObjectModel& object,
                                    const Eigen::Isometry3d& T_world_object,
-                                   const ClosingTrajectory& path, const Eigen::Vector2d& attitude,
+                                   const ClosingTrajectory& path, const hand::Attitude& attitude,
                                    const PlanOptions& options, const std::vector<double>& avoid) {
   std::vector<GraspPlan> plans;
   for (const auto& base : places(path, T_world_object.translation(), attitude, options, avoid)) {
@@ -176,7 +180,7 @@ std::vector<GraspPlan> find_grasps(const geometry::ObjectModel& object,
 
 std::optional<GraspPlan> plan_grasp(const geometry::ObjectModel& object,
                                     const Eigen::Isometry3d& T_world_object,
-                                    const ClosingTrajectory& path, const Eigen::Vector2d& attitude,
+                                    const ClosingTrajectory& path, const hand::Attitude& attitude,
                                     const PlanOptions& options, const std::vector<double>& avoid) {
   auto plans = find_grasps(object, T_world_object, path, attitude, options, avoid);
   if (plans.empty()) return std::nullopt;

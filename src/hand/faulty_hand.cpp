@@ -63,7 +63,7 @@ HandReading FaultyHand::step(const HandCommand& command) {
 
 void FaultyHand::measure(const HandReading& reading) {
   peak_load_ = std::max(peak_load_, reading.base_force.norm());
-  for (int finger = 0; finger < kFingers; ++finger) {
+  for (int finger = 0; finger < static_cast<int>(reading.contacts.size()); ++finger) {
     peak_tip_force_ = std::max(peak_tip_force_, tip_force(reading, finger));
   }
 }

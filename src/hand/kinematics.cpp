@@ -26,7 +26,7 @@ BasePosition BasePosition::at(const Eigen::Isometry3d& T_world_base) {
            std::atan2(R(2, 1), R(2, 2))}};
 }
 
-std::vector<Eigen::Isometry3d> forward_kinematics(const HandModel& hand,
+std::vector<Eigen::Isometry3d> forward_kinematics(const Description& hand,
                                                   const JointVector& joints) {
   std::vector<Eigen::Isometry3d> T_base_link;
   T_base_link.reserve(hand.links.size());
@@ -39,11 +39,11 @@ std::vector<Eigen::Isometry3d> forward_kinematics(const HandModel& hand,
   return T_base_link;
 }
 
-Eigen::Matrix<double, 6, kJoints> jacobian(const HandModel& hand, const JointVector& joints,
-                                           int link, const Eigen::Vector3d& p_link) {
+Jacobian jacobian(const Description& hand, const JointVector& joints, int link,
+                  const Eigen::Vector3d& p_link) {
   const auto T_base_link = forward_kinematics(hand, joints);
   const Eigen::Vector3d p = T_base_link.at(static_cast<std::size_t>(link)) * p_link;
-  Eigen::Matrix<double, 6, kJoints> J = Eigen::Matrix<double, 6, kJoints>::Zero();
+  Jacobian J = Jacobian::Zero(6, hand.joint_count());
   for (int i = link; i >= 0; i = hand.links[static_cast<std::size_t>(i)].parent) {
     const Link& moved = hand.links[static_cast<std::size_t>(i)];
     if (moved.joint < 0) continue;
@@ -59,7 +59,7 @@ bool may_be_misplaced(const Link& link) {
   return link.joint >= 0 && !link.T_parent_link.translation().isZero();
 }
 
-std::vector<int> misplaced_links(const HandModel& hand, int link) {
+std::vector<int> misplaced_links(const Description& hand, int link) {
   std::vector<int> misplaced;
   for (int i = link; i >= 0; i = hand.links[static_cast<std::size_t>(i)].parent) {
     if (may_be_misplaced(hand.links[static_cast<std::size_t>(i)])) misplaced.push_back(i);
@@ -67,7 +67,7 @@ std::vector<int> misplaced_links(const HandModel& hand, int link) {
   return misplaced;
 }
 
-HandModel with_perturbed_links(HandModel hand, double rms, RandomStream& random) {
+Description with_perturbed_links(Description hand, double rms, RandomStream& random) {
   const double sigma = rms / std::sqrt(3.0);
   for (Link& link : hand.links) {
     Eigen::Vector3d offset = sigma * random.normal3();
@@ -75,6 +75,44 @@ HandModel with_perturbed_links(HandModel hand, double rms, RandomStream& random)
   }
   hand.kinematic_error = rms;
   return hand;
+}
+
+ActuatorVector actuator_positions(const Description& hand, const JointVector& joints) {
+  ActuatorVector positions(hand.actuator_count());
+  for (int i = 0; i < hand.actuator_count(); ++i) {
+    positions[i] = 0;
+    for (const DrivenJoint& driven : hand.actuators[static_cast<std::size_t>(i)].joints) {
+      positions[i] += driven.gear * joints[driven.joint];
+    }
+  }
+  return positions;
+}
+
+JointVector joints_in_free_flexion(const Description& hand, const ActuatorVector& positions) {
+  JointVector joints = JointVector::Zero(hand.joint_count());
+  for (int i = 0; i < hand.actuator_count(); ++i) {
+    const Actuator& actuator = hand.actuators[static_cast<std::size_t>(i)];
+    if (actuator.coupling) {
+      const CoupledAngles pair = share_in_free_flexion(positions[i], *actuator.coupling);
+      joints[actuator.joints[0].joint] = pair.j2;
+      joints[actuator.joints[1].joint] = pair.j1;
+      continue;
+    }
+    for (const DrivenJoint& driven : actuator.joints) {
+      joints[driven.joint] = driven.offset + driven.share * positions[i];
+    }
+  }
+  return joints;
+}
+
+CoupledAngles share_in_free_flexion(double j0, const Coupling& coupling) {
+  const double both = std::max(0.0, j0 - coupling.follow_angle);
+  const double j2 = std::min(j0 - 0.5 * both, coupling.middle_end);
+  return {.j1 = j0 - j2, .j2 = j2};
+}
+
+double j0_for_middle(double j2, const Coupling& coupling) {
+  return j2 + std::max(0.0, j2 - coupling.follow_angle);
 }
 
 }  // namespace palpate::hand

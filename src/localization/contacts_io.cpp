@@ -12,7 +12,7 @@
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
 #include "palpate/core/plausible.hpp"
-#include "palpate/hand/joints.hpp"
+#include "palpate/hand/description.hpp"
 
 namespace palpate::localization {
 namespace {
@@ -33,8 +33,6 @@ struct ContactColumns {
 };
 
 int finger_of(std::string_view cell) {
-  const auto name = std::find(hand::kFingerNames.begin(), hand::kFingerNames.end(), cell);
-  if (name != hand::kFingerNames.end()) return static_cast<int>(name - hand::kFingerNames.begin());
   int index = -1;  // other names are a hand's own; the search does not need them
   std::from_chars(cell.data(), cell.data() + cell.size(), index);
   return index;

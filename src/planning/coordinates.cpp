@@ -4,57 +4,47 @@
 namespace palpate::planning {
 namespace {
 
-/// Metres that a fingertip moves a radian of the joint, roughly its distance from the axis.
-double lever(std::string_view actuator) {
-  if (actuator.starts_with("WR")) return 0.18;
-  if (actuator == "THJ1") return 0.035;
-  if (actuator == "THJ2" || actuator == "THJ3") return 0.07;
-  return actuator.back() == '0' ? 0.05 : 0.1;
-}
-
-Coordinates by_part(double slide, double turn, double joint) {
-  Coordinates values;
+Coordinates by_part(double slide, double turn, double joint, Eigen::Index size) {
+  Coordinates values(size);
   values.head<3>().setConstant(slide);
   values.segment<3>(3).setConstant(turn);
-  values.tail<hand::kActuators>().setConstant(joint);
+  values.tail(size - kBaseCoordinates).setConstant(joint);
   return values;
 }
 
 }  // namespace
 
 Coordinates coordinates_of(const hand::HandCommand& command) {
-  Coordinates coordinates;
+  Coordinates coordinates(kBaseCoordinates + command.positions.size());
   coordinates << command.base.xyz, command.base.ypr, command.positions;
   return coordinates;
 }
 
 hand::HandCommand command_of(const Coordinates& coordinates) {
-  return {.positions = coordinates.tail<hand::kActuators>(),
+  return {.positions = coordinates.tail(coordinates.size() - kBaseCoordinates),
           .base = {.xyz = coordinates.head<3>(), .ypr = coordinates.segment<3>(3)}};
 }
 
-Coordinates speed_limits(const MotionLimits& limits) {
-  return by_part(limits.base_speed, limits.turn_speed, limits.joint_speed);
+Coordinates speed_limits(const MotionLimits& limits, Eigen::Index size) {
+  return by_part(limits.base_speed, limits.turn_speed, limits.joint_speed, size);
 }
 
-Coordinates acceleration_limits(const MotionLimits& limits) {
-  return by_part(limits.base_acceleration, limits.turn_acceleration, limits.joint_acceleration);
+Coordinates acceleration_limits(const MotionLimits& limits, Eigen::Index size) {
+  return by_part(limits.base_acceleration, limits.turn_acceleration, limits.joint_acceleration,
+                 size);
 }
 
-const Coordinates& metric() {
-  static const Coordinates levers = [] {
-    constexpr double kBaseLever = 0.25;  // m, from the base's axes to fingertips and forearm
-    Coordinates values = by_part(1, kBaseLever, 0);
-    for (int i = 0; i < hand::kActuators; ++i) {
-      values[6 + i] = lever(hand::kActuatorNames[static_cast<std::size_t>(i)]);
-    }
-    return values;
-  }();
-  return levers;
+Coordinates metric(const hand::Description& hand) {
+  constexpr double kBaseLever = 0.25;  // m, from the base's axes to fingertips and forearm
+  Coordinates values = by_part(1, kBaseLever, 0, kBaseCoordinates + hand.actuator_count());
+  for (int i = 0; i < hand.actuator_count(); ++i) {
+    values[kBaseCoordinates + i] = hand.actuators[static_cast<std::size_t>(i)].lever;
+  }
+  return values;
 }
 
-double distance(const Coordinates& a, const Coordinates& b) {
-  return (b - a).cwiseProduct(metric()).norm();
+double distance(const Coordinates& a, const Coordinates& b, const Coordinates& metric) {
+  return (b - a).cwiseProduct(metric).norm();
 }
 
 }  // namespace palpate::planning

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "palpate/hand/kinematics.hpp"
+
 namespace palpate::planning {
 namespace {
 
@@ -25,10 +27,12 @@ class Errors {
 
 /// 1 for the coordinates that the samples move, 0 for those that rest.
 Coordinates moving(const std::vector<hand::HandCommand>& samples) {
-  Coordinates mask = Coordinates::Zero();
+  if (samples.empty()) return {};
+  const Eigen::Index size = kBaseCoordinates + samples.front().positions.size();
+  Coordinates mask = Coordinates::Zero(size);
   for (const hand::HandCommand& command : samples) {
     const Coordinates way = coordinates_of(command) - coordinates_of(samples.front());
-    mask = (way.array() != 0).select(Coordinates::Ones(), mask);
+    mask = (way.array() != 0).select(Coordinates::Ones(size), mask);
   }
   return mask;
 }
@@ -45,7 +49,8 @@ hand::BasePosition base_at(const std::vector<hand::HandCommand>& samples, double
 
 }  // namespace
 
-TrackingError execute(hand::Hand& hand, const std::vector<hand::HandCommand>& samples,
+TrackingError execute(hand::Hand& hand, const hand::Description& model,
+                      const std::vector<hand::HandCommand>& samples,
                       const ExecutionOptions& options) {
   TrackingError result;
   const Coordinates mask = moving(samples);
@@ -56,11 +61,12 @@ TrackingError execute(hand::Hand& hand, const std::vector<hand::HandCommand>& sa
     const hand::HandReading reading =
         hand.step({.positions = wanted.positions, .base = base_at(samples, ahead)});
     result.measured.push_back(coordinates_of(
-        {.positions = hand::actuator_positions(reading.joints), .base = reading.base}));
+        {.positions = hand::actuator_positions(model, reading.joints), .base = reading.base}));
     const Coordinates error = mask.cwiseProduct(result.measured.back() - coordinates_of(wanted));
     slides.add(error.head<3>(), mask.head<3>().sum());
     turns.add(error.segment<3>(3), mask.segment<3>(3).sum());
-    joints.add(error.tail<hand::kActuators>(), mask.tail<hand::kActuators>().sum());
+    const Eigen::Index actuators = error.size() - kBaseCoordinates;
+    joints.add(error.tail(actuators), mask.tail(actuators).sum());
   }
   result.joint_rms = joints.rms(), result.joint_max = joints.largest();
   result.base_rms = slides.rms(), result.base_max = slides.largest();

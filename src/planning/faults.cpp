@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "palpate/hand/coupling.hpp"
+#include "palpate/hand/kinematics.hpp"
 #include "palpate/planning/waypoints.hpp"
 
 namespace palpate::planning {
@@ -34,28 +34,29 @@ void check_base(const hand::BasePosition& base, const BaseRange& range,
   }
 }
 
-void check_joints(const hand::JointVector& joints, std::vector<std::string>& reasons) {
-  for (int i = 0; i < hand::kJoints; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    const hand::Range range = hand::shadow_ranges()[k];
-    add(reasons, range_fault(hand::kJointNames[k], joints[i], range.low, range.high, "rad"));
+void check_joints(const hand::Description& hand, const hand::JointVector& joints,
+                  std::vector<std::string>& reasons) {
+  for (int i = 0; i < hand.joint_count(); ++i) {
+    const hand::Joint& joint = hand.joints[static_cast<std::size_t>(i)];
+    add(reasons, range_fault(joint.name, joints[i], joint.range.low, joint.range.high, "rad"));
   }
-  for (std::string_view finger : {"FF", "MF", "RF", "LF"}) {
-    const int j1 = hand::joint_index(std::string(finger) + "J1");
-    const int j2 = hand::joint_index(std::string(finger) + "J2");
+  for (const hand::Actuator& actuator : hand.actuators) {
+    if (!actuator.coupling) continue;
+    const int j2 = actuator.joints[0].joint, j1 = actuator.joints[1].joint;
     if (!(joints[j1] > joints[j2] + kSlack)) continue;
     reasons.push_back(
-        fmt::format("{0}J1 = {1:.4g} rad is beyond {0}J2 = {2:.4g}, which its tendon "
-                    "does not allow",
-                    finger, joints[j1], joints[j2]));
+        fmt::format("{} = {:.4g} rad is beyond {} = {:.4g}, which its tendon does "
+                    "not allow",
+                    hand.joints[static_cast<std::size_t>(j1)].name, joints[j1],
+                    hand.joints[static_cast<std::size_t>(j2)].name, joints[j2]));
   }
 }
 
 void check_collision(const Waypoint& waypoint, CollisionChecker& scene,
                      std::vector<std::string>& reasons) {
-  const hand::HandCommand command = command_of(waypoint);
-  const auto pair =
-      scene.deepest_collision(command.base, hand::joints_in_free_flexion(command.positions));
+  const hand::HandCommand command = command_of(waypoint, scene.hand());
+  const auto pair = scene.deepest_collision(
+      command.base, hand::joints_in_free_flexion(scene.hand(), command.positions));
   if (!pair) return;
   reasons.push_back(
       fmt::format("{} and {} overlap by {:.1f} mm", pair->first, pair->second, 1e3 * pair->depth));
@@ -69,7 +70,7 @@ std::vector<Fault> find_faults(const std::vector<Waypoint>& waypoints, Collision
   for (std::size_t i = 0; i < waypoints.size(); ++i) {
     std::vector<std::string> reasons;
     check_base(waypoints[i].base, range, reasons);
-    check_joints(waypoints[i].joints, reasons);
+    check_joints(scene.hand(), waypoints[i].joints, reasons);
     if (reasons.empty()) check_collision(waypoints[i], scene, reasons);
     for (std::string& reason : reasons) faults.push_back({i, std::move(reason)});
   }

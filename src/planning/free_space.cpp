@@ -3,14 +3,15 @@
 
 #include <cmath>
 
-#include "palpate/hand/coupling.hpp"
+#include "palpate/hand/kinematics.hpp"
 
 namespace palpate::planning {
 
 bool FreeSpace::holds(const Coordinates& configuration) {
   ++checks_;
   const hand::HandCommand command = command_of(configuration);
-  return !scene_->deepest_collision(command.base, hand::joints_in_free_flexion(command.positions));
+  const auto joints = hand::joints_in_free_flexion(scene_->hand(), command.positions);
+  return !scene_->deepest_collision(command.base, joints);
 }
 
 bool FreeSpace::holds_piece(const PathPiece& piece) {
@@ -22,9 +23,12 @@ bool FreeSpace::holds_piece(const PathPiece& piece) {
 }
 
 bool FreeSpace::holds_line(const Coordinates& start, const Coordinates& end) {
-  const double length = distance(start, end);
+  const double length = distance(start, end, metric_);
   if (length == 0) return holds(end);
-  return holds_piece({.start = start, .direction = (end - start) / length, .length = length});
+  return holds_piece({.start = start,
+                      .direction = (end - start) / length,
+                      .bend = Coordinates::Zero(start.size()),
+                      .length = length});
 }
 
 }  // namespace palpate::planning

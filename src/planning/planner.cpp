@@ -26,19 +26,12 @@ constexpr std::array<std::pair<std::string_view, PlannerKind>, 4> kPlanners = {
 constexpr int kRefinements = 3;   // of the step, where a sample between two checks collides
 constexpr double kMinCut = 1e-3;  // m of path; a corner that cannot be cut by as much is kept
 
-/// Range of a coordinate by the hand's joints and the base's options.
-hand::Range range_of(int coordinate, const BaseRange& base) {
+/// Range of a coordinate by the hand's actuators and the base's options.
+hand::Range range_of(int coordinate, const BaseRange& base, const hand::Description& hand) {
   if (coordinate < 2) return {-base.side, base.side};
   if (coordinate == 2) return {base.low, base.high};
-  if (coordinate < 6) return {-base.turn, base.turn};
-  const auto name = hand::kActuatorNames[static_cast<std::size_t>(coordinate - 6)];
-  const auto joint_range = [](std::string_view joint) {
-    return hand::shadow_ranges()[static_cast<std::size_t>(hand::joint_index(joint))];
-  };
-  if (name.back() != '0') return joint_range(name);
-  const std::string finger(name.substr(0, 3));
-  const hand::Range j1 = joint_range(finger + "1"), j2 = joint_range(finger + "2");
-  return {j1.low + j2.low, j1.high + j2.high};
+  if (coordinate < kBaseCoordinates) return {-base.turn, base.turn};
+  return hand.actuators[static_cast<std::size_t>(coordinate - kBaseCoordinates)].command;
 }
 
 /// Plans the ways from each waypoint to the next.
@@ -47,6 +40,7 @@ class LegPlanner {
   LegPlanner(const std::vector<Coordinates>& waypoints, CollisionChecker& scene,
              const PlanOptions& options, std::uint64_t seed)
       : options_(options),
+        hand_(scene.hand()),
         planner_(planner_named(options.planner)),
         free_(scene, options.step),
         random_(seed, "plan") {
@@ -70,6 +64,7 @@ class LegPlanner {
   [[nodiscard]] std::vector<double> cuts(const std::vector<Coordinates>& corners);
 
   PlanOptions options_;
+  const hand::Description& hand_;
   PlannerKind planner_;
   FreeSpace free_;
   RandomStream random_;
@@ -77,8 +72,8 @@ class LegPlanner {
 };
 
 std::vector<int> LegPlanner::movable() const {
-  std::vector<int> all(static_cast<std::size_t>(base_moves_ ? kCoordinates : hand::kActuators));
-  std::iota(all.begin(), all.end(), base_moves_ ? 0 : 6);
+  std::vector<int> all(hand_.actuators.size() + (base_moves_ ? kBaseCoordinates : 0));
+  std::iota(all.begin(), all.end(), base_moves_ ? 0 : kBaseCoordinates);
   return all;
 }
 
@@ -95,7 +90,7 @@ SearchSpace LegPlanner::space(std::vector<int> moving, const Coordinates& start,
                               const Coordinates& goal) const {
   SearchSpace result{.moving = std::move(moving), .low = start, .high = start};
   for (int k : result.moving) {
-    const hand::Range range = range_of(k, options_.base);
+    const hand::Range range = range_of(k, options_.base, hand_);
     const double beyond = k < 6 ? options_.detour : range.high - range.low;
     result.low[k] = std::max(range.low, std::min(start[k], goal[k]) - beyond);
     result.high[k] = std::min(range.high, std::max(start[k], goal[k]) + beyond);
@@ -125,12 +120,13 @@ std::vector<Coordinates> LegPlanner::find(const Coordinates& start, const Coordi
 std::vector<double> LegPlanner::cuts(const std::vector<Coordinates>& corners) {
   std::vector<double> result(corners.size(), 0.0);
   for (std::size_t i = 1; i + 1 < corners.size(); ++i) {
-    const double most =
-        0.5 * std::min(distance(corners[i - 1], corners[i]), distance(corners[i], corners[i + 1]));
+    const Coordinates& metric = free_.metric();
+    const double most = 0.5 * std::min(distance(corners[i - 1], corners[i], metric),
+                                       distance(corners[i], corners[i + 1], metric));
     for (double cut = std::min(options_.rounding, most); cut >= kMinCut; cut *= 0.5) {
       const auto cut_corner = rounded({corners.begin() + static_cast<std::ptrdiff_t>(i) - 1,
                                        corners.begin() + static_cast<std::ptrdiff_t>(i) + 2},
-                                      {0, cut, 0});
+                                      {0, cut, 0}, metric);
       if (!std::all_of(cut_corner.begin(), cut_corner.end(),
                        [&](const PathPiece& piece) { return free_.holds_piece(piece); })) {
         continue;
@@ -145,7 +141,7 @@ std::vector<double> LegPlanner::cuts(const std::vector<Coordinates>& corners) {
 std::vector<Coordinates> LegPlanner::move_along(const std::vector<Coordinates>& corners) {
   if (corners.size() < 2) return corners;
   std::vector<Coordinates> samples =
-      time_path(rounded(corners, cuts(corners)), options_.limits, hand::kTick);
+      time_path(rounded(corners, cuts(corners), free_.metric()), options_.limits, free_.metric());
   samples.back() = corners.back();
   const bool free = std::all_of(samples.begin(), samples.end(),
                                 [&](const Coordinates& sample) { return free_.holds(sample); });
@@ -212,7 +208,7 @@ Plan plan(const std::vector<Waypoint>& waypoints, CollisionChecker& scene,
   result.invalid = find_faults(waypoints, scene, options.base);
   std::vector<Coordinates> coordinates;
   for (const Waypoint& waypoint : waypoints) {
-    coordinates.push_back(coordinates_of(command_of(waypoint)));
+    coordinates.push_back(coordinates_of(command_of(waypoint, scene.hand())));
   }
   LegPlanner legs(coordinates, scene, options, seed);
   if (result.invalid.empty()) {

@@ -25,23 +25,25 @@ constexpr double kExtension = 0.15;      // m of path, that a tree grows by at o
 constexpr int kImprovements = 500;       // iterations of RRT* after its first path
 constexpr unsigned int kSamples = 1000;  // of FMT
 // Of FMT: its number of neighbours grows with (2 radius)^dimensions; the default of 1.1 would make
-// all samples neighbours of each other in our 26 dimensions, this makes it ten to forty.
+// all samples neighbours of each other in the 26 dimensions of base and Shadow hand, this makes it
+// ten to forty.
 constexpr double kFmtRadius = 0.58;
 constexpr int kFmtTests = 10;  // of its end, an iteration: it also tests it while it samples
 
 /// The moving coordinates as a real vector, in metres of path so that its norm is our distance.
 class Chart {
  public:
-  Chart(const Coordinates& fixed, const SearchSpace& space)
+  Chart(const Coordinates& fixed, const SearchSpace& space, const Coordinates& metric)
       : fixed_(fixed),
+        metric_(metric),
         space_(space),
         states_(std::make_shared<ob::RealVectorStateSpace>(
             static_cast<unsigned int>(space.moving.size()))) {
     ob::RealVectorBounds bounds(static_cast<unsigned int>(space.moving.size()));
     for (std::size_t i = 0; i < space.moving.size(); ++i) {
       const int k = space.moving[i];
-      bounds.low[i] = space.low[k] * metric()[k];
-      bounds.high[i] = space.high[k] * metric()[k];
+      bounds.low[i] = space.low[k] * metric_[k];
+      bounds.high[i] = space.high[k] * metric_[k];
     }
     states_->setBounds(bounds);
   }
@@ -53,7 +55,7 @@ class Chart {
     Coordinates result = fixed_;
     for (std::size_t i = 0; i < space_.moving.size(); ++i) {
       const int k = space_.moving[i];
-      result[k] = values[i] / metric()[k];
+      result[k] = values[i] / metric_[k];
     }
     return result;
   }
@@ -62,14 +64,14 @@ class Chart {
     ob::ScopedState<> result(states_);
     for (std::size_t i = 0; i < space_.moving.size(); ++i) {
       const int k = space_.moving[i];
-      result[static_cast<unsigned int>(i)] = configuration[k] * metric()[k];
+      result[static_cast<unsigned int>(i)] = configuration[k] * metric_[k];
     }
     states_->enforceBounds(result.get());  // a value at its limit may be over it by rounding
     return result;
   }
 
  private:
-  Coordinates fixed_;
+  Coordinates fixed_, metric_;
   const SearchSpace& space_;
   std::shared_ptr<ob::RealVectorStateSpace> states_;
 };
@@ -118,12 +120,14 @@ ob::PlannerTerminationCondition bounded(const ob::ProblemDefinitionPtr& problem,
   return ob::PlannerTerminationCondition([left] { return --*left < 0; });
 }
 
-std::vector<Coordinates> vertices(const Chart& chart, og::PathGeometric& path) {
+std::vector<Coordinates> vertices(const Chart& chart, const Coordinates& metric,
+                                  og::PathGeometric& path) {
   std::vector<Coordinates> result;
   for (const ob::State* state : path.getStates()) {
     const Coordinates vertex = chart.configuration(state);
     constexpr double kSamePath = 1e-9;  // m of path
-    if (result.empty() || distance(result.back(), vertex) > kSamePath) result.push_back(vertex);
+    if (result.empty() || distance(result.back(), vertex, metric) > kSamePath)
+      result.push_back(vertex);
   }
   return result;
 }
@@ -140,7 +144,7 @@ std::vector<Coordinates> search(const Coordinates& start, const Coordinates& goa
   ompl::msg::noOutputHandler();
   ompl::RNG::setSeed(static_cast<std::uint_fast32_t>((seed & 0x7fffffff) | 1));
 
-  const Chart chart(start, space);
+  const Chart chart(start, space, free.metric());
   const auto information = space_information(chart, free);
   const auto problem = std::make_shared<ob::ProblemDefinition>(information);
   problem->setStartAndGoalStates(chart.state(start), chart.state(goal));
@@ -158,7 +162,7 @@ std::vector<Coordinates> search(const Coordinates& start, const Coordinates& goa
     simplifier.reduceVertices(path, trials, trials);
     simplifier.shortcutPath(path, trials, trials);
   }
-  return vertices(chart, path);
+  return vertices(chart, free.metric(), path);
 }
 
 }  // namespace palpate::planning

@@ -56,7 +56,7 @@ Interval accelerations(const Stage& stage, double z, const Coordinates& limit) {
   Interval interval;
   const Coordinates& bend = stage.piece->bend;
   const Coordinates slope_end = stage.tangent_end + 2 * stage.length * bend;
-  for (int i = 0; i < kCoordinates; ++i) {
+  for (Eigen::Index i = 0; i < bend.size(); ++i) {
     for (const double slope : {stage.tangent[i], slope_end[i]}) {
       const double given = bend[i] * z, room = limit[i];
       if (std::abs(slope) > kFlat) {
@@ -87,18 +87,20 @@ double largest_start(const Stage& stage, double bound, double z_end, const Coord
   return low;
 }
 
-bool has_corner(const Stage& before, const Stage& after) {
+bool has_corner(const Stage& before, const Stage& after, const Coordinates& metric) {
   constexpr double kBend = 1e-6;
-  return distance(before.tangent_end, after.tangent) > kBend;
+  return distance(before.tangent_end, after.tangent, metric) > kBend;
 }
 
 /// Largest squared speed at the start of each stage, and at the end, from which the end can be
 /// reached at rest.
-std::vector<double> backward(const std::vector<Stage>& stages, const MotionLimits& limits) {
-  const Coordinates speed = speed_limits(limits), acceleration = acceleration_limits(limits);
+std::vector<double> backward(const std::vector<Stage>& stages, const MotionLimits& limits,
+                             const Coordinates& metric) {
+  const Coordinates speed = speed_limits(limits, metric.size());
+  const Coordinates acceleration = acceleration_limits(limits, metric.size());
   std::vector<double> z(stages.size() + 1, 0.0);
   for (std::size_t k = stages.size(); k-- > 1;) {
-    if (has_corner(stages[k - 1], stages[k])) continue;
+    if (has_corner(stages[k - 1], stages[k], metric)) continue;
     const double bound = std::min(speed_bound(stages[k - 1], speed), speed_bound(stages[k], speed));
     z[k] = largest_start(stages[k], bound, z[k + 1], acceleration);
   }
@@ -107,8 +109,8 @@ std::vector<double> backward(const std::vector<Stage>& stages, const MotionLimit
 
 /// Squared speeds at the ends of the stages, from rest, accelerating as much as can be.
 std::vector<double> forward(const std::vector<Stage>& stages, const std::vector<double>& bounds,
-                            const MotionLimits& limits) {
-  const Coordinates acceleration = acceleration_limits(limits);
+                            const MotionLimits& limits, Eigen::Index size) {
+  const Coordinates acceleration = acceleration_limits(limits, size);
   std::vector<double> z(stages.size() + 1, 0.0);
   for (std::size_t k = 0; k < stages.size(); ++k) {
     const Interval allowed = accelerations(stages[k], z[k], acceleration);
@@ -120,9 +122,10 @@ std::vector<double> forward(const std::vector<Stage>& stages, const std::vector<
 }  // namespace
 
 std::vector<Coordinates> time_path(const std::vector<PathPiece>& path, const MotionLimits& limits,
-                                   double dt) {
+                                   const Coordinates& metric, double dt) {
   const std::vector<Stage> stages = stages_of(path);
-  const std::vector<double> z = forward(stages, backward(stages, limits), limits);
+  const std::vector<double> z =
+      forward(stages, backward(stages, limits, metric), limits, metric.size());
   std::vector<Coordinates> samples;
   double start = 0, time = 0;
   for (std::size_t k = 0; k < stages.size(); ++k) {

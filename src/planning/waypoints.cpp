@@ -9,7 +9,7 @@
 
 #include "core/csv_table.hpp"
 #include "palpate/core/error.hpp"
-#include "palpate/hand/joints.hpp"
+#include "palpate/hand/kinematics.hpp"
 
 namespace palpate::planning {
 namespace {
@@ -17,34 +17,37 @@ namespace {
 constexpr std::size_t kBaseColumns = kBaseNames.size();
 
 /// Index of a column: 0..5 the base, then the joints. @throws BadInput for another name
-std::size_t column_index(std::string_view name, std::string_view source) {
+std::size_t column_index(const hand::Description& hand, std::string_view name,
+                         std::string_view source) {
   const auto base = std::find(kBaseNames.begin(), kBaseNames.end(), name);
   if (base != kBaseNames.end()) return static_cast<std::size_t>(base - kBaseNames.begin());
-  const auto joint = std::find(hand::kJointNames.begin(), hand::kJointNames.end(), name);
-  if (joint == hand::kJointNames.end()) {
+  const auto joint = std::find_if(hand.joints.begin(), hand.joints.end(),
+                                  [&](const hand::Joint& one) { return one.name == name; });
+  if (joint == hand.joints.end()) {
     throw BadInput(fmt::format("{}:1: column '{}' is no joint of the hand and not {}", source, name,
                                fmt::join(kBaseNames, ", ")));
   }
-  return kBaseColumns + static_cast<std::size_t>(joint - hand::kJointNames.begin());
+  return kBaseColumns + static_cast<std::size_t>(joint - hand.joints.begin());
 }
 
 constexpr std::string_view kTime = "t_s";  // first column of a planned path, which has no say here
 
 /// What the columns mean, without that of the time.
-std::vector<std::size_t> parse_header(std::span<const std::string_view> names,
+std::vector<std::size_t> parse_header(const hand::Description& hand,
+                                      std::span<const std::string_view> names,
                                       std::string_view source) {
-  constexpr std::size_t kNarrow = hand::kJoints, kWide = kBaseColumns + hand::kJoints;
-  if (names.size() != kNarrow && names.size() != kWide) {
+  const std::size_t narrow = hand.joints.size(), wide = kBaseColumns + narrow;
+  if (names.size() != narrow && names.size() != wide) {
     throw BadInput(
         fmt::format("{}:1: {} columns; waypoints have the {} joints ({} ... {}), or {} with {}",
-                    source, names.size(), kNarrow, hand::kJointNames.front(),
-                    hand::kJointNames.back(), kWide, fmt::join(kBaseNames, ",")));
+                    source, names.size(), narrow, hand.joints.front().name, hand.joints.back().name,
+                    wide, fmt::join(kBaseNames, ",")));
   }
   std::vector<std::size_t> columns;
   for (std::string_view name : names) {
-    columns.push_back(column_index(name, source));
+    columns.push_back(column_index(hand, name, source));
     const bool again = std::count(columns.begin(), columns.end(), columns.back()) > 1;
-    const bool unexpected = names.size() == kNarrow && columns.back() < kBaseColumns;
+    const bool unexpected = names.size() == narrow && columns.back() < kBaseColumns;
     if (again || unexpected) {
       throw BadInput(fmt::format("{}:1: column {} {}", source, name,
                                  again ? "comes twice" : "stands in the place of a joint's"));
@@ -71,22 +74,23 @@ Waypoint parse_row(const CsvTable& table, std::size_t first,
 
 }  // namespace
 
-hand::HandCommand command_of(const Waypoint& waypoint) {
-  return {.positions = hand::actuator_positions(waypoint.joints), .base = waypoint.base};
+hand::HandCommand command_of(const Waypoint& waypoint, const hand::Description& hand) {
+  return {.positions = hand::actuator_positions(hand, waypoint.joints), .base = waypoint.base};
 }
 
 WaypointsFile parse_waypoints(std::string_view text, std::string_view source,
-                              const hand::BasePosition& base) {
+                              const hand::BasePosition& base, const hand::Description& hand) {
   CsvTable table(text, std::string(source));
   const std::size_t first = table.names().front() == kTime ? 1 : 0;
-  const auto columns = parse_header(std::span(table.names()).subspan(first), source);
+  const auto columns = parse_header(hand, std::span(table.names()).subspan(first), source);
   WaypointsFile file;
-  while (table.next()) file.waypoints.push_back(parse_row(table, first, columns, {.base = base}));
+  const Waypoint still{.base = base, .joints = hand::JointVector::Zero(hand.joint_count())};
+  while (table.next()) file.waypoints.push_back(parse_row(table, first, columns, still));
   if (file.waypoints.size() < 2) {
     throw BadInput(fmt::format("{}: a path needs at least two waypoints, not {}", source,
                                file.waypoints.size()));
   }
-  file.has_base = columns.size() > hand::kJoints;
+  file.has_base = columns.size() > hand.joints.size();
   return file;
 }
 

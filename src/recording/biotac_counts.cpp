@@ -26,9 +26,9 @@ double from_count(std::int16_t count) {
 }  // namespace
 
 void append_biotacs(const hand::HandReading& reading, std::vector<std::int16_t>& counts) {
-  if (reading.biotacs.size() != hand::kFingers) {
+  if (reading.biotacs.size() != reading.contacts.size()) {
     throw BadInput(fmt::format("the frame at {} s has the channels of {} BioTacs, not {}",
-                               reading.time, reading.biotacs.size(), hand::kFingers));
+                               reading.time, reading.biotacs.size(), reading.contacts.size()));
   }
   for (const auto& biotac : reading.biotacs) {
     for (const double value : {biotac.pdc, biotac.tdc, biotac.tac}) {
@@ -41,7 +41,7 @@ void append_biotacs(const hand::HandReading& reading, std::vector<std::int16_t>&
 }
 
 void set_biotacs(const std::int16_t* counts, hand::HandReading& reading) {
-  for (int finger = 0; finger < hand::kFingers; ++finger) {
+  for (std::size_t finger = 0; finger < reading.contacts.size(); ++finger) {
     hand::BiotacReading biotac;
     biotac.time = reading.time;
     biotac.pdc = from_count(*counts++);

@@ -56,7 +56,7 @@ json contact_to_json(const tactile::Contact& contact) {
 tactile::Contact contact_from_json(const json& j) {
   tactile::Contact contact;
   contact.finger = static_cast<int>(
-      plausible_from_json(j.at("finger"), -1, hand::kFingers - 1, "the index of a finger"));
+      plausible_from_json(j.at("finger"), -1, hand::kMaxFingers - 1, "the index of a finger"));
   contact.time = finite_from_json(j.at("time"));
   contact.p = vector_from_json(j.at("p"));
   contact.n = vector_from_json(j.at("n"));

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "palpate/core/error.hpp"
+#include "recording/hand_json.hpp"
 #include "recording/matrix_json.hpp"
 #include "recording/record_json.hpp"
 
@@ -10,23 +11,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double kUsualLinkError = 0.002;  // m, of recordings that do not say
-
 constexpr double kHeaderRounding = 1e-9;
-
-double radius_from_json(const json& part) {
-  return plausible_from_json(part.at("radius"), 0, kMaxRadius, "a radius");
-}
-
-/// @throws BadInput unless low <= value < high
-int index_from_json(const json& value, int low, std::size_t high, const char* what) {
-  const auto index = value.get<std::int64_t>();
-  if (index < low || index >= static_cast<std::int64_t>(high)) {
-    throw BadInput(fmt::format("{} {} is not in {}..{}", what, index, low,
-                               static_cast<std::int64_t>(high) - 1));
-  }
-  return static_cast<int>(index);
-}
 
 json object_to_json(const geometry::KnownObject& object) {
   json stable_poses = json::array(), symmetries = json::array();
@@ -67,59 +52,6 @@ geometry::KnownObject object_from_json(const json& j) {
   }
   object.repairs = j.at("repairs").get<std::vector<std::string>>();
   return object;
-}
-
-json hand_to_json(const hand::HandModel& hand) {
-  json links = json::array(), tips = json::array(), spheres = json::array();
-  for (const auto& link : hand.links) {
-    links.push_back({{"name", link.name},
-                     {"parent", link.parent},
-                     {"T_parent_link", pose_to_json(link.T_parent_link)},
-                     {"axis", matrix_to_json(link.axis)},
-                     {"joint", link.joint}});
-  }
-  for (const auto& tip : hand.tips) {
-    tips.push_back(
-        {{"a", matrix_to_json(tip.a)}, {"b", matrix_to_json(tip.b)}, {"radius", tip.radius}});
-  }
-  for (const auto& sphere : hand.spheres) {
-    spheres.push_back({{"link", sphere.link},
-                       {"center", matrix_to_json(sphere.center)},
-                       {"radius", sphere.radius}});
-  }
-  return {{"links", links}, {"palm", hand.palm},  {"distal", hand.distal},
-          {"tips", tips},   {"spheres", spheres}, {"link_error", hand.kinematic_error}};
-}
-
-hand::Link link_from_json(const json& j, std::size_t links_before) {
-  return {.name = j.at("name").get<std::string>(),
-          .parent = index_from_json(j.at("parent"), -1, links_before, "parent link"),
-          .T_parent_link = pose_from_json(j.at("T_parent_link")),
-          .axis = vector_from_json(j.at("axis")),
-          .joint = index_from_json(j.at("joint"), -1, hand::kJoints, "joint")};
-}
-
-hand::HandModel hand_from_json(const json& j) {
-  hand::HandModel hand;
-  for (const auto& link : j.at("links")) {
-    hand.links.push_back(link_from_json(link, hand.links.size()));
-  }
-  const std::size_t links = hand.links.size();
-  hand.palm = index_from_json(j.at("palm"), -1, links, "palm link");
-  for (std::size_t finger = 0; finger < hand::kFingers; ++finger) {
-    const json& tip = j.at("tips").at(finger);
-    hand.distal[finger] = index_from_json(j.at("distal").at(finger), 0, links, "distal link");
-    hand.tips[finger] = {vector_from_json(tip.at("a")), vector_from_json(tip.at("b")),
-                         radius_from_json(tip)};
-  }
-  for (const auto& sphere : j.at("spheres")) {
-    hand.spheres.push_back({index_from_json(sphere.at("link"), 0, links, "link of a sphere"),
-                            vector_from_json(sphere.at("center")), radius_from_json(sphere)});
-  }
-  hand.kinematic_error = j.contains("link_error")
-                             ? plausible_from_json(j.at("link_error"), 0, kMaxRadius, "link_error")
-                             : kUsualLinkError;
-  return hand;
 }
 
 }  // namespace

@@ -40,11 +40,11 @@ struct Series {
   std::vector<std::uint8_t> has_object, fingers;
 };
 
-void append_contacts(const hand::HandReading& reading, const hand::HandModel& hand,
+void append_contacts(const hand::HandReading& reading, const hand::Description& hand,
                      const std::vector<Eigen::Isometry3d>& T_world_links, Series& series) {
   std::uint32_t count = 0;
-  for (std::size_t finger = 0; finger < hand::kFingers; ++finger) {
-    const auto& T = T_world_links[static_cast<std::size_t>(hand.distal[finger])];
+  for (std::size_t finger = 0; finger < hand.fingers.size(); ++finger) {
+    const auto& T = T_world_links[static_cast<std::size_t>(hand.fingers[finger].link)];
     for (const auto& contact : reading.contacts[finger]) {
       append(T * contact.p, series.contacts);
       append(T.linear() * contact.n, series.contacts);
@@ -56,7 +56,7 @@ void append_contacts(const hand::HandReading& reading, const hand::HandModel& ha
   series.contact_counts.push_back(count);
 }
 
-void append_frame(const Frame& frame, const hand::HandModel& hand, Series& series) {
+void append_frame(const Frame& frame, const hand::Description& hand, Series& series) {
   series.time.push_back(static_cast<float>(frame.reading.time));
   auto T_world_links = hand::forward_kinematics(hand, frame.reading.joints);
   const Eigen::Isometry3d T_world_base = frame.reading.base.pose();

@@ -51,7 +51,7 @@ json part_to_json(const hand::VisualPart& part, std::size_t links,
           {"color", matrix_to_json(part.color)}};
 }
 
-json spheres_to_json(const hand::HandModel& hand) {
+json spheres_to_json(const hand::Description& hand) {
   json spheres = json::array();
   for (const auto& sphere : hand.spheres) {
     spheres.push_back({{"link", sphere.link},

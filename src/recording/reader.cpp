@@ -15,7 +15,11 @@
 namespace palpate::recording {
 namespace {
 
-constexpr int kFirstVersionWithErrors = 3;
+/// Whether the contacts tell of their errors: from version 4 on the header says so.
+bool has_errors(const Seal& seal, const Header& header) {
+  constexpr int kErrorsByVersion = 3;
+  return seal.version == kErrorsByVersion || (seal.version > kErrorsByVersion && header.own_errors);
+}
 
 /// A dataset of text, one record a line; a last line without its end was never wholly written.
 template <class Record>
@@ -57,11 +61,12 @@ Header read_header(const H5::H5File& file) {
 }
 
 /// Number of leading frames whose contacts are all there.
-std::size_t complete_frames(const std::vector<int>& counts, std::size_t contacts) {
+std::size_t complete_frames(const std::vector<int>& counts, std::size_t fingers,
+                            std::size_t contacts) {
   std::size_t frames = 0, used = 0;
-  for (; (frames + 1) * hand::kFingers <= counts.size(); ++frames) {
-    for (std::size_t finger = 0; finger < hand::kFingers; ++finger) {
-      const int count = counts[frames * hand::kFingers + finger];
+  for (; (frames + 1) * fingers <= counts.size(); ++frames) {
+    for (std::size_t finger = 0; finger < fingers; ++finger) {
+      const int count = counts[frames * fingers + finger];
       if (count < 0) throw BadInput(fmt::format("frame {} has {} contacts", frames, count));
       used += static_cast<std::size_t>(count);
     }
@@ -109,8 +114,7 @@ void set_contacts(const std::vector<int>& counts, const std::vector<double>& row
 }
 
 /// What the contacts tell of their errors; empty where they tell nothing.
-std::vector<double> read_contact_errors(const H5::H5File& file, const Seal& seal) {
-  if (seal.version < kFirstVersionWithErrors) return {};
+std::vector<double> read_contact_errors(const H5::H5File& file) {
   auto errors = read_rows<double>(file, kContactErrors, kContactErrorWidth);
   const auto bad = std::find_if_not(errors.begin(), errors.end(), tactile::is_standard_deviation);
   if (bad == errors.end()) return errors;
@@ -119,43 +123,48 @@ std::vector<double> read_contact_errors(const H5::H5File& file, const Seal& seal
 }
 
 /// The counts of the BioTacs; empty where the fingertips have none.
-std::vector<std::int16_t> read_biotacs(const H5::H5File& file, const Seal& seal) {
+std::vector<std::int16_t> read_biotacs(const H5::H5File& file, const Seal& seal, hsize_t width) {
   constexpr int kFirstVersionWithBiotacs = 2;
   if (seal.version < kFirstVersionWithBiotacs) return {};
-  return read_rows<std::int16_t>(file, kBiotacs, kBiotacsWidth);
+  return read_rows<std::int16_t>(file, kBiotacs, width);
 }
 
-std::vector<Frame> read_frames(const H5::H5File& file, const Seal& seal) {
-  const auto counts = read_rows<int>(file, kContactCounts, hand::kFingers);
+std::vector<Frame> read_frames(const H5::H5File& file, const Seal& seal, const Header& header) {
+  const hand::Description& hand = header.hand;
+  const bool own_errors = has_errors(seal, header);
+  const std::size_t fingers = hand.fingers.size();
+  const auto fields = frame_fields(hand);
+  const auto counts = read_rows<int>(file, kContactCounts, fingers);
   const auto contacts = read_rows<double>(file, kContacts, kContactWidth);
   check_finite(contacts, kContacts, kContactWidth);
   check_contacts(contacts);
-  const auto errors = read_contact_errors(file, seal);
+  const auto errors = own_errors ? read_contact_errors(file) : std::vector<double>{};
   std::size_t whole = contacts.size() / kContactWidth;
-  if (seal.version >= kFirstVersionWithErrors) {
+  if (own_errors) {
     whole = std::min(whole, errors.size() / kContactErrorWidth);
   }
-  std::size_t frames = complete_frames(counts, whole);
-  std::size_t longest = counts.size() / hand::kFingers;
+  std::size_t frames = complete_frames(counts, fingers, whole);
+  std::size_t longest = counts.size() / fingers;
   std::vector<std::vector<double>> columns;
-  for (const FrameField& field : frame_fields()) {
+  for (const FrameField& field : fields) {
     const auto width = static_cast<hsize_t>(field.width);
     columns.push_back(read_rows<double>(file, field.name, width));
     if (!field.may_be_absent) check_finite(columns.back(), field.name, field.width);
     frames = std::min<std::size_t>(frames, columns.back().size() / width);
     longest = std::max<std::size_t>(longest, columns.back().size() / width);
   }
-  const auto biotacs = read_biotacs(file, seal);
+  const std::size_t biotacs_width = fingers * kBiotacWidth;
+  const auto biotacs = read_biotacs(file, seal, biotacs_width);
   if (!biotacs.empty()) {
-    frames = std::min<std::size_t>(frames, biotacs.size() / kBiotacsWidth);
-    longest = std::max<std::size_t>(longest, biotacs.size() / kBiotacsWidth);
+    frames = std::min<std::size_t>(frames, biotacs.size() / biotacs_width);
+    longest = std::max<std::size_t>(longest, biotacs.size() / biotacs_width);
   }
   if (seal.finished && frames != longest) {
     throw BadInput(fmt::format("only {} of {} frames are whole", frames, longest));
   }
-  std::vector<Frame> result(frames);
+  std::vector<Frame> result(frames, empty_frame(hand));
   for (std::size_t f = 0; f < columns.size(); ++f) {
-    const FrameField& field = frame_fields()[f];
+    const FrameField& field = fields[f];
     const auto width = static_cast<std::size_t>(field.width);
     for (std::size_t i = 0; i < frames; ++i) {
       check_plausible(Eigen::Map<const Eigen::VectorXd>(&columns[f][i * width], field.width),
@@ -165,7 +174,7 @@ std::vector<Frame> read_frames(const H5::H5File& file, const Seal& seal) {
   }
   set_contacts(counts, contacts, errors, result);
   for (std::size_t i = 0; i < frames && !biotacs.empty(); ++i) {
-    set_biotacs(&biotacs[i * kBiotacsWidth], result[i].reading);
+    set_biotacs(&biotacs[i * biotacs_width], result[i].reading);
   }
   return result;
 }
@@ -173,8 +182,10 @@ std::vector<Frame> read_frames(const H5::H5File& file, const Seal& seal) {
 Recording read_contents(const std::filesystem::path& path, const Seal& seal) {
   const unsigned access = seal.finished ? H5F_ACC_RDONLY : H5F_ACC_RDONLY | H5F_ACC_SWMR_READ;
   const H5::H5File file(path.string(), access, H5::FileCreatPropList::DEFAULT, file_access());
-  return {.header = read_header(file),
-          .frames = read_frames(file, seal),
+  Header header = read_header(file);
+  auto frames = read_frames(file, seal, header);
+  return {.header = std::move(header),
+          .frames = std::move(frames),
           .events = read_lines(file, kEvents, &event_from_json),
           .estimates = read_lines(file, kEstimates, &estimate_from_json),
           .finished = seal.finished};

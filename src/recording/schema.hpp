@@ -25,10 +25,9 @@ inline constexpr int kContactWidth = 9;       ///< p, n, f
 inline constexpr int kContactErrorWidth = 2;  ///< of the point, of the normal
 /// Of one BioTac: pdc, tdc, tac, e1..e19, pac 1..22, and whether pac is interpolated.
 inline constexpr int kBiotacWidth = 4 + hand::kElectrodes + hand::kPacSamples;
-inline constexpr int kBiotacsWidth = hand::kFingers * kBiotacWidth;
 inline constexpr int kFramesPerChunk = 100;
 
-/// A quantity of fixed width that every frame holds, and its dataset.
+/// A quantity that every frame holds, and its dataset.
 struct FrameField {
   const char* name;
   int width;
@@ -39,13 +38,17 @@ struct FrameField {
 };
 
 /// The quantities of a frame, other than its contacts and channels.
-std::span<const FrameField> frame_fields();
+std::vector<FrameField> frame_fields(const hand::Description& hand);
 
-/// Appends the channels of a frame's BioTacs as kBiotacsWidth counts; -1 where one is missing.
-/// @throws BadInput unless there are kFingers of them, or for counts beyond 16 bits
+/// A frame whose values all have their sizes.
+Frame empty_frame(const hand::Description& hand);
+
+/// Appends the channels of a frame's BioTacs as kBiotacWidth counts a finger; -1 where one is
+/// missing.
+/// @throws BadInput unless there is one a finger, or for counts beyond 16 bits
 void append_biotacs(const hand::HandReading& reading, std::vector<std::int16_t>& counts);
 
-/// The channels of a frame's BioTacs from kBiotacsWidth counts.
+/// The channels of a frame's BioTacs from kBiotacWidth counts a finger.
 void set_biotacs(const std::int16_t* counts, hand::HandReading& reading);
 
 }  // namespace palpate::recording

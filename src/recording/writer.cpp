@@ -57,24 +57,25 @@ void write_mesh(hid_t file, const geometry::TriangleMesh& mesh) {
   append_rows(file, kTriangles, triangles.data(), mesh.triangles.size(), 3, native_type<int>());
 }
 
-void create_datasets(hid_t file, bool own_errors) {
+void create_datasets(hid_t file, const hand::Description& hand, bool own_errors) {
   for (const char* group : {"header", "frames", "events", "estimates"}) create_group(file, group);
   for (const char* text : {kHeaderText, kEvents, kEstimates}) {
     create_growing(file, text, hdf5_type<char>(), 1, kTextChunk);
   }
   create_growing(file, kVertices, hdf5_type<double>(), 3, kMeshRowsPerChunk);
   create_growing(file, kTriangles, hdf5_type<int>(), 3, kMeshRowsPerChunk);
-  for (const FrameField& field : frame_fields()) {
+  for (const FrameField& field : frame_fields(hand)) {
     create_growing(file, field.name, hdf5_type<double>(), static_cast<hsize_t>(field.width),
                    kFramesPerChunk);
   }
-  create_growing(file, kContactCounts, hdf5_type<int>(), hand::kFingers, kFramesPerChunk);
+  create_growing(file, kContactCounts, hdf5_type<int>(), hand.fingers.size(), kFramesPerChunk);
   create_growing(file, kContacts, hdf5_type<double>(), kContactWidth, kContactsPerChunk);
   if (own_errors) {
     create_growing(file, kContactErrors, hdf5_type<double>(), kContactErrorWidth,
                    kContactsPerChunk);
   }
-  create_growing(file, kBiotacs, hdf5_type<std::int16_t>(), kBiotacsWidth, kFramesPerChunk);
+  create_growing(file, kBiotacs, hdf5_type<std::int16_t>(), hand.fingers.size() * kBiotacWidth,
+                 kFramesPerChunk);
 }
 
 /// The file with everything that does not grow, closed again.
@@ -84,14 +85,25 @@ void create_file(const std::filesystem::path& path, const Header& header) {
   H5Pset_obj_track_times(properties.getId(), false);  // of the root group
   const Handle file(
       H5Fcreate(path.c_str(), H5F_ACC_TRUNC, properties.getId(), file_access().getId()), &H5Fclose);
-  create_datasets(file, header.own_errors);
+  create_datasets(file, header.hand, header.own_errors);
   append_text(file, kHeaderText, dump(to_json(header)));
   write_mesh(file, header.object.mesh);
 }
 
-int version_of(const Header& header) {
-  constexpr int kVersionWithoutErrors = 2;  // which older programs read
-  return header.own_errors ? kFormatVersion : kVersionWithoutErrors;
+/// @throws BadInput unless the frame's values are of the hand's sizes
+void check_sizes(const Frame& frame, const hand::Description& hand) {
+  const hand::HandReading& reading = frame.reading;
+  if (reading.joints.size() == hand.joint_count() &&
+      reading.torques.size() == hand.actuator_count() &&
+      frame.command.positions.size() == hand.actuator_count() &&
+      reading.contacts.size() == hand.fingers.size()) {
+    return;
+  }
+  throw BadInput(fmt::format(
+      "the frame at {} s has {} joints, {} torques, {} commands and {} fingertips, the hand {} "
+      "joints, {} actuators and {} fingers",
+      reading.time, reading.joints.size(), reading.torques.size(), frame.command.positions.size(),
+      reading.contacts.size(), hand.joint_count(), hand.actuator_count(), hand.fingers.size()));
 }
 
 /// @throws BadInput if a contact tells of its error, which the file has no place for
@@ -130,7 +142,9 @@ void append_contact(const hand::TipContact& contact, std::vector<double>& rows) 
 struct Writer::Impl {
   std::filesystem::path path, partial;
   bool own_errors = false;
-  int version = 0;
+  hand::Description hand;
+  std::size_t fingers = 0;
+  std::vector<FrameField> fields;
   std::optional<Handle> file;
   std::vector<Frame> pending;          // until a chunk is full: chunks are then written once
   std::vector<std::int16_t> channels;  // of the BioTacs in those
@@ -170,13 +184,12 @@ struct Writer::Impl {
     }
     append(kContacts, rows, kContactWidth);
     if (own_errors) append(kContactErrors, errors, kContactErrorWidth);
-    append_rows(*file, kContactCounts, counts.data(), pending.size(), hand::kFingers,
-                native_type<int>());
+    append_rows(*file, kContactCounts, counts.data(), pending.size(), fingers, native_type<int>());
   }
 
   void append_channels() {
-    append_rows(*file, kBiotacs, channels.data(), channels.size() / kBiotacsWidth, kBiotacsWidth,
-                native_type<std::int16_t>());
+    append_rows(*file, kBiotacs, channels.data(), channels.size() / (fingers * kBiotacWidth),
+                fingers * kBiotacWidth, native_type<std::int16_t>());
     channels.clear();
   }
 
@@ -186,7 +199,7 @@ struct Writer::Impl {
     append_contacts();
     append_channels();
     flush();
-    for (const FrameField& field : frame_fields()) {
+    for (const FrameField& field : fields) {
       const auto width = static_cast<std::size_t>(field.width);
       std::vector<double> values(pending.size() * width);
       for (std::size_t i = 0; i < pending.size(); ++i) field.get(pending[i], &values[i * width]);
@@ -206,7 +219,9 @@ struct Writer::Impl {
 
 Writer::Writer(std::filesystem::path path, const Header& header) : impl_(new Impl) {
   impl_->own_errors = header.own_errors;
-  impl_->version = version_of(header);
+  impl_->hand = header.hand;
+  impl_->fingers = header.hand.fingers.size();
+  impl_->fields = frame_fields(header.hand);
   impl_->path = std::move(path);
   impl_->partial = impl_->path.string() + ".partial";
   check_readable(header);
@@ -215,7 +230,7 @@ Writer::Writer(std::filesystem::path path, const Header& header) : impl_(new Imp
     throw BadInput(fmt::format("{}: a folder, not a file to write", impl_->path.string()));
   }
   with_hdf5(impl_->partial, kCannotWrite, [&] { create_file(impl_->partial, header); });
-  write_open_seal(impl_->partial, impl_->version);
+  write_open_seal(impl_->partial, kFormatVersion);
   with_hdf5(impl_->partial, kCannotWrite, [&] {
     impl_->file.emplace(
         H5Fopen(impl_->partial.c_str(), H5F_ACC_RDWR | H5F_ACC_SWMR_WRITE, file_access().getId()),
@@ -237,6 +252,7 @@ Writer::~Writer() {
 }
 
 void Writer::frame(const Frame& frame) {
+  check_sizes(frame, impl_->hand);
   const bool has_channels = !frame.reading.biotacs.empty();
   if (impl_->has_channels.value_or(has_channels) != has_channels) {
     throw BadInput(fmt::format("the frame at {} s {} channels of BioTacs, unlike those before it",
@@ -266,7 +282,7 @@ void Writer::finish() {
     impl_->write_pending();
     impl_->file.reset();
   });
-  write_closed_seal(impl_->partial, impl_->version);
+  write_closed_seal(impl_->partial, kFormatVersion);
   publish_file(impl_->partial, impl_->path);
 }
 

@@ -68,6 +68,10 @@ double SpeedProfile::share(int tick) const {
 
 hand::HandCommand CommandGate::limited(const hand::HandCommand& wanted) {
   require_finite(wanted);
+  if (wanted.positions.size() != last_.positions.size()) {
+    throw BadInput(fmt::format("{} actuators are commanded, the hand has {}",
+                               wanted.positions.size(), last_.positions.size()));
+  }
   hand::HandCommand told = wanted;
   limit_base(told.base);
   limit_fingers(told.positions);
@@ -91,7 +95,7 @@ void CommandGate::limit_base(hand::BasePosition& base) {
 }
 
 void CommandGate::limit_fingers(hand::ActuatorVector& positions) {
-  for (int i = 0; i < hand::kActuators; ++i) {
+  for (Eigen::Index i = 0; i < positions.size(); ++i) {
     const hand::Range& range = actuators_[static_cast<std::size_t>(i)].command;
     const double before = last_.positions[i];
     const double step =

@@ -34,9 +34,12 @@ class SpeedProfile {
 /// is always allowed at once.
 class CommandGate {
  public:
-  CommandGate(const std::array<hand::Actuator, hand::kActuators>& actuators,
-              const hand::HandCommand& start, const SafetyOptions& options)
-      : actuators_(actuators), options_(options), last_(start) {}
+  CommandGate(const std::vector<hand::Actuator>& actuators, const hand::HandCommand& start,
+              const SafetyOptions& options)
+      : actuators_(actuators),
+        options_(options),
+        last_(start),
+        finger_speeds_(hand::ActuatorVector::Zero(start.positions.size())) {}
 
   /// @throws BadInput for a value that is not finite
   [[nodiscard]] hand::HandCommand limited(const hand::HandCommand& wanted);
@@ -50,11 +53,11 @@ class CommandGate {
   void limit_base(hand::BasePosition& base);
   void limit_fingers(hand::ActuatorVector& positions);
 
-  std::array<hand::Actuator, hand::kActuators> actuators_;
+  std::vector<hand::Actuator> actuators_;
   SafetyOptions options_;
   hand::HandCommand last_;
   double slide_speed_ = 0, turn_speed_ = 0;  // of the last command
-  hand::ActuatorVector finger_speeds_ = hand::ActuatorVector::Zero();
+  hand::ActuatorVector finger_speeds_;
   std::size_t changed_ = 0;
 };
 

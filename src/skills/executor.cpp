@@ -32,9 +32,18 @@ hand::BasePosition between(const hand::BasePosition& a, const hand::BasePosition
   return {a.xyz + share * (b.xyz - a.xyz), a.ypr + share * (b.ypr - a.ypr)};
 }
 
+/// What a hand would read that stands where it is commanded and feels nothing.
+hand::HandReading at_rest(const hand::Description& hand, const hand::HandCommand& command) {
+  return {.joints = hand::joints_in_free_flexion(hand, command.positions),
+          .torques = hand::ActuatorVector::Zero(hand.actuator_count()),
+          .base = command.base,
+          .contacts = std::vector<std::vector<hand::TipContact>>(hand.fingers.size()),
+          .biotacs = {}};
+}
+
 }  // namespace
 
-Executor::Executor(hand::Hand& hand, const hand::HandModel& model, const hand::HandCommand& start,
+Executor::Executor(hand::Hand& hand, const hand::Description& model, const hand::HandCommand& start,
                    Observer observer, const ModelFactory* models, Safety safety)
     : hand_(hand),
       model_(model),
@@ -44,14 +53,14 @@ Executor::Executor(hand::Hand& hand, const hand::HandModel& model, const hand::H
       deadline_(std::numeric_limits<double>::infinity()),
       safety_(std::move(safety)),
       exceptions_(std::uncaught_exceptions()),
-      readings_(std::make_unique<ReadingGate>(hand.actuators(), safety_.options)),
-      commands_(std::make_unique<CommandGate>(hand.actuators(), start, safety_.options)) {
+      readings_(std::make_unique<ReadingGate>(model, safety_.options)),
+      commands_(std::make_unique<CommandGate>(model.actuators, start, safety_.options)) {
   const double limit = safety_.options.watchdog;
   if (limit > 0) watchdog_ = std::make_unique<Watchdog>(safety_.stop_drives, limit);
   try {
     tick();
   } catch (const SafetyStop&) {  // every motion will say so
-    if (log_.readings.empty()) log_.readings.emplace_back().base = start.base;
+    if (log_.readings.empty()) log_.readings.push_back(at_rest(model, start));
   }
 }
 
@@ -78,7 +87,7 @@ void Executor::tick() {
   if (static_cast<double>(log_.readings.size()) * hand::kTick > safety_.options.max_log) {
     stop_for(Fault::log_full, fmt::format("{} readings are kept", log_.readings.size()));
   }
-  if (grip_) grip_->law.advance(command_, reading(), grip_->torque, grip_->active);
+  if (grip_) grip_->law.advance(command_, reading(), grip_->max_torque, grip_->active);
   try {
     command_ = commands_->limited(command_);
   } catch (const BadInput& error) {
@@ -136,7 +145,7 @@ void Executor::make_safe(Fault fault, std::string detail) noexcept {
 /// Goes on reading, so that the base gives way to where it is, not to where it was.
 void Executor::ease() {
   for (int i = 0; i < kEasingTicks; ++i) {
-    command_ = eased(command_, reading(), hand_.actuators(), safety_.options);
+    command_ = eased(command_, reading(), model_, safety_.options);
     hand::HandReading now = hand_.step(command_);
     if (readings_->judge(now, command_).usable) keep(std::move(now));
   }

@@ -18,8 +18,8 @@ std::optional<Eigen::Vector2d> place_of_last_contacts(const Executor& robot) {
     const auto T_base_link = hand::forward_kinematics(robot.model(), reading->joints);
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     int count = 0;
-    for (std::size_t finger = 0; finger < hand::kFingers; ++finger) {
-      const auto link = static_cast<std::size_t>(robot.model().distal[finger]);
+    for (std::size_t finger = 0; finger < robot.model().fingers.size(); ++finger) {
+      const auto link = static_cast<std::size_t>(robot.model().fingers[finger].link);
       for (const auto& contact : reading->contacts[finger]) {
         sum += T_base_link[link] * contact.p;
         ++count;

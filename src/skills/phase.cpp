@@ -13,7 +13,7 @@ namespace {
 double peak_force_since(const estimation::EventLog& log, std::size_t first) {
   double peak = 0;
   for (std::size_t i = first; i < log.readings.size(); ++i) {
-    for (int finger = 0; finger < hand::kFingers; ++finger) {
+    for (int finger = 0; finger < std::ssize(log.readings[i].contacts); ++finger) {
       peak = std::max(peak, hand::tip_force(log.readings[i], finger));
     }
   }

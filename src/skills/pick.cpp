@@ -154,14 +154,13 @@ class Picking {
   bool put_back() {
     const auto& log = robot_.log();
     const LowerOptions lower = never_refused(options_.lower);
-    const auto open = open_posture(options_.grasp.top);
     bool ok = false;
     if (log.at(estimation::TouchEvent::held)) {
       PlaceGoal goal;
       goal.seat = log.readings[*log.at(estimation::TouchEvent::closed)].base;
-      ok = sequence_.run(PlacePhase(lower, goal, 0, open, "put-down"));
+      ok = sequence_.run(PlacePhase(lower, goal, 0, "put-down"));
     } else {
-      ok = sequence_.run(OpenPhase(lower, open));
+      ok = sequence_.run(OpenPhase(lower));
     }
     if (!ok ||
         !sequence_.run(WithdrawPhase(options_.withdraw, weight(), estimation::TouchEvent::opened)))

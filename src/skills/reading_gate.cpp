@@ -21,32 +21,6 @@ bool finite(const hand::HandReading& reading) {
          reading.base_force.allFinite();
 }
 
-std::string_view joint_name(Eigen::Index i) {
-  return hand::kJointNames[static_cast<std::size_t>(i)];
-}
-
-std::string_view actuator_name(Eigen::Index i) {
-  return hand::kActuatorNames[static_cast<std::size_t>(i)];
-}
-
-/// What of a reading is not finite, in words.
-std::string not_finite(const hand::HandReading& reading) {
-  for (Eigen::Index i = 0; i < reading.joints.size(); ++i) {
-    if (!std::isfinite(reading.joints[i])) {
-      return fmt::format("joint {} reads {}", joint_name(i), reading.joints[i]);
-    }
-  }
-  for (Eigen::Index i = 0; i < reading.torques.size(); ++i) {
-    if (!std::isfinite(reading.torques[i])) {
-      return fmt::format("the torque of {} reads {}", actuator_name(i), reading.torques[i]);
-    }
-  }
-  const bool load = !reading.base_force.allFinite();
-  const Eigen::Vector3d& value = load ? reading.base_force : reading.base.xyz;
-  return fmt::format("the {} reads {} {} {}", load ? "mount's load" : "base", value.x(), value.y(),
-                     value.z());
-}
-
 bool same(const std::vector<hand::TipContact>& a, const std::vector<hand::TipContact>& b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(),
                     [](const auto& x, const auto& y) { return x.p == y.p && x.f == y.f; });
@@ -58,6 +32,42 @@ bool believable(const hand::TipContact& contact, double force_range) {
 }
 
 }  // namespace
+
+/// What of a reading is not finite, in words.
+std::string ReadingGate::not_finite(const hand::HandReading& reading) const {
+  for (Eigen::Index i = 0; i < reading.joints.size(); ++i) {
+    if (!std::isfinite(reading.joints[i])) {
+      return fmt::format("joint {} reads {}", hand_.joints[static_cast<std::size_t>(i)].name,
+                         reading.joints[i]);
+    }
+  }
+  for (Eigen::Index i = 0; i < reading.torques.size(); ++i) {
+    if (!std::isfinite(reading.torques[i])) {
+      return fmt::format("the torque of {} reads {}",
+                         hand_.actuators[static_cast<std::size_t>(i)].name, reading.torques[i]);
+    }
+  }
+  const bool load = !reading.base_force.allFinite();
+  const Eigen::Vector3d& value = load ? reading.base_force : reading.base.xyz;
+  return fmt::format("the {} reads {} {} {}", load ? "mount's load" : "base", value.x(), value.y(),
+                     value.z());
+}
+
+/// Which part of a reading is not of the hand's size, in words.
+std::string ReadingGate::wrong_size(const hand::HandReading& reading) const {
+  const auto complain = [](std::string_view what, std::size_t read, std::size_t has) {
+    return read == has ? std::string()
+                       : fmt::format("{} {} were read, the hand has {}", read, what, has);
+  };
+  for (const std::string& fault :
+       {complain("joints", static_cast<std::size_t>(reading.joints.size()), hand_.joints.size()),
+        complain("torques", static_cast<std::size_t>(reading.torques.size()),
+                 hand_.actuators.size()),
+        complain("fingertips", reading.contacts.size(), hand_.fingers.size())}) {
+    if (!fault.empty()) return fault;
+  }
+  return {};
+}
 
 Judgement ReadingGate::judge(hand::HandReading& reading, const hand::HandCommand& command) {
   ++tick_;
@@ -107,18 +117,21 @@ Judgement ReadingGate::judge_values(const hand::HandReading& reading) {
 }
 
 std::string ReadingGate::impossible_value(const hand::HandReading& reading, Fault& fault) const {
+  fault = Fault::out_of_range;
+  if (std::string wrong = wrong_size(reading); !wrong.empty()) return wrong;
   fault = Fault::not_finite;
   if (!finite(reading)) return not_finite(reading);
   fault = Fault::out_of_range;
-  const hand::ActuatorVector positions = hand::actuator_positions(reading.joints);
-  for (int i = 0; i < hand::kActuators; ++i) {
-    const hand::Range& range = actuators_[static_cast<std::size_t>(i)].command;
+  const hand::ActuatorVector positions = hand::actuator_positions(hand_, reading.joints);
+  for (int i = 0; i < hand_.actuator_count(); ++i) {
+    const hand::Range& range = hand_.actuators[static_cast<std::size_t>(i)].command;
     if (positions[i] >= range.low - options_.joint_margin &&
         positions[i] <= range.high + options_.joint_margin) {
       continue;
     }
-    return fmt::format("{} reads {:.3f} rad, its range is {:.3f} to {:.3f}", actuator_name(i),
-                       positions[i], range.low, range.high);
+    return fmt::format("{} reads {:.3f} rad, its range is {:.3f} to {:.3f}",
+                       hand_.actuators[static_cast<std::size_t>(i)].name, positions[i], range.low,
+                       range.high);
   }
   const double reach = reading.base.xyz.norm(), load = reading.base_force.norm();
   if (reach > options_.workspace + options_.base_jump) {
@@ -137,7 +150,8 @@ std::string ReadingGate::jump(const hand::HandReading& reading) const {
   const double turned = (reading.joints - last_->joints).cwiseAbs().maxCoeff(&joint);
   const double moved = (reading.base.xyz - last_->base.xyz).norm();
   if (turned > options_.joint_jump) {
-    return fmt::format("joint {} jumped by {:.3f} rad", joint_name(joint), turned);
+    return fmt::format("joint {} jumped by {:.3f} rad",
+                       hand_.joints[static_cast<std::size_t>(joint)].name, turned);
   }
   if (moved > options_.base_jump) return fmt::format("the base jumped by {:.3f} m", moved);
   return {};
@@ -162,7 +176,7 @@ Judgement ReadingGate::judge_repeats(const hand::HandReading& reading) {
 /// A fingertip whose contacts are impossible, or repeat themselves, is one that feels nothing.
 Judgement ReadingGate::judge_touch(hand::HandReading& reading) {
   int usable = 0;
-  for (std::size_t finger = 0; finger < hand::kFingers; ++finger) {
+  for (std::size_t finger = 0; finger < hand_.fingers.size(); ++finger) {
     auto& contacts = reading.contacts[finger];
     const bool repeats = !contacts.empty() && same(contacts, last_contacts_[finger]);
     same_contacts_[finger] = repeats ? same_contacts_[finger] + 1 : 0;
@@ -191,15 +205,15 @@ Judgement ReadingGate::judge_load(const hand::HandReading& reading) {
 }
 
 /// A finger that presses on something is held up by that, not stuck.
-bool ReadingGate::presses(const hand::HandReading& reading, int actuator) {
-  const int finger = hand::finger_of_actuator(actuator);
+bool ReadingGate::presses(const hand::HandReading& reading, int actuator) const {
+  const int finger = hand_.actuators[static_cast<std::size_t>(actuator)].finger;
   return finger >= 0 && !reading.contacts[static_cast<std::size_t>(finger)].empty();
 }
 
 Judgement ReadingGate::judge_tracking(const hand::HandReading& reading,
                                       const hand::HandCommand& command) {
-  const hand::ActuatorVector positions = hand::actuator_positions(reading.joints);
-  for (int i = 0; i < hand::kActuators; ++i) {
+  const hand::ActuatorVector positions = hand::actuator_positions(hand_, reading.joints);
+  for (int i = 0; i < hand_.actuator_count(); ++i) {
     const auto k = static_cast<std::size_t>(i);
     const double error = command.positions[i] - positions[i];
     const bool stands = std::abs(positions[i] - rest_positions_[i]) < kStandsStill;
@@ -208,8 +222,9 @@ Judgement ReadingGate::judge_tracking(const hand::HandReading& reading,
       rest_positions_[i] = positions[i];
     } else if (hand::kTick * ++astray_[k] >= options_.tracking_time) {
       return {true, Fault::joint_stuck,
-              fmt::format("{} stands at {:.2f} rad, commanded to {:.2f}", actuator_name(i),
-                          positions[i], command.positions[i])};
+              fmt::format("{} stands at {:.2f} rad, commanded to {:.2f}",
+                          hand_.actuators[static_cast<std::size_t>(i)].name, positions[i],
+                          command.positions[i])};
     }
   }
   return {};

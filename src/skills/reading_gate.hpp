@@ -20,9 +20,11 @@ struct Judgement {
 /// Watches what a hand reads, one reading a tick. Its clock is the number of ticks.
 class ReadingGate {
  public:
-  ReadingGate(const std::array<hand::Actuator, hand::kActuators>& actuators,
-              const SafetyOptions& options)
-      : actuators_(actuators), options_(options) {}
+  ReadingGate(const hand::Description& hand, const SafetyOptions& options)
+      : hand_(hand),
+        options_(options),
+        rest_positions_(hand::ActuatorVector::Zero(hand.actuator_count())),
+        astray_(hand.actuators.size()) {}
 
   /// Takes the contacts of fingertips that cannot be believed out of the reading.
   /// @param command  that was given for the tick
@@ -37,15 +39,17 @@ class ReadingGate {
  private:
   Judgement judge_time(double time);
   Judgement judge_values(const hand::HandReading& reading);
+  [[nodiscard]] std::string not_finite(const hand::HandReading& reading) const;
+  [[nodiscard]] std::string wrong_size(const hand::HandReading& reading) const;
   [[nodiscard]] std::string impossible_value(const hand::HandReading& reading, Fault& fault) const;
   [[nodiscard]] std::string jump(const hand::HandReading& reading) const;
   Judgement judge_repeats(const hand::HandReading& reading);
   Judgement judge_touch(hand::HandReading& reading);
   Judgement judge_load(const hand::HandReading& reading);
-  static bool presses(const hand::HandReading& reading, int actuator);
+  [[nodiscard]] bool presses(const hand::HandReading& reading, int actuator) const;
   Judgement judge_tracking(const hand::HandReading& reading, const hand::HandCommand& command);
 
-  std::array<hand::Actuator, hand::kActuators> actuators_;
+  hand::Description hand_;
   SafetyOptions options_;
   std::optional<hand::HandReading> last_;  // that was usable
   long tick_ = 0, last_tick_ = 0;          // of this reading, and of the last usable one
@@ -53,11 +57,11 @@ class ReadingGate {
   int bad_ = 0;                            // readings in a row that hold impossible values
   int same_joints_ = 0, same_torques_ = 0, same_load_ = 0;  // readings that repeat the one before
   int touchless_ = 0;  // readings in a row without a fingertip that can be believed
-  std::array<int, hand::kFingers> same_contacts_{};
-  std::array<std::vector<hand::TipContact>, hand::kFingers> last_contacts_;
-  std::array<bool, hand::kFingers> distrusted_{};
-  hand::ActuatorVector rest_positions_ = hand::ActuatorVector::Zero();  // where a joint has stood
-  std::array<int, hand::kActuators> astray_{};  // ticks for which it has, off its command
+  hand::PerFinger<int> same_contacts_{};
+  hand::PerFinger<std::vector<hand::TipContact>> last_contacts_;
+  hand::PerFinger<bool> distrusted_{};
+  hand::ActuatorVector rest_positions_;  // where a joint has stood
+  std::vector<int> astray_;              // ticks for which it has, off its command
 };
 
 }  // namespace palpate::skills

@@ -17,15 +17,14 @@ Eigen::Vector3d towards(const Eigen::Vector3d& from, const Eigen::Vector3d& to, 
 }  // namespace
 
 hand::HandCommand eased(const hand::HandCommand& command, const hand::HandReading& reading,
-                        const std::array<hand::Actuator, hand::kActuators>& actuators,
-                        const SafetyOptions& options) {
+                        const hand::Description& hand, const SafetyOptions& options) {
   hand::HandCommand next = command;
   const double step = options.release_speed * hand::kTick;
   next.base.xyz = towards(command.base.xyz, reading.base.xyz, step);
   next.base.ypr = towards(command.base.ypr, reading.base.ypr, step / kTurnLever);
-  const hand::ActuatorVector positions = hand::actuator_positions(reading.joints);
-  for (int i = 0; i < hand::kActuators; ++i) {
-    const auto& actuator = actuators[static_cast<std::size_t>(i)];
+  const hand::ActuatorVector positions = hand::actuator_positions(hand, reading.joints);
+  for (int i = 0; i < hand.actuator_count(); ++i) {
+    const auto& actuator = hand.actuators[static_cast<std::size_t>(i)];
     const double lead = options.rest_torque / actuator.stiffness;
     const double eased = std::clamp(command.positions[i], positions[i] - lead, positions[i] + lead);
     const double most = options.finger_speed * hand::kTick;

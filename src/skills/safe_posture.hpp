@@ -10,7 +10,6 @@ namespace palpate::skills {
 /// measured, so that it pushes no more, and no finger presses harder than
 /// SafetyOptions::rest_torque.
 hand::HandCommand eased(const hand::HandCommand& command, const hand::HandReading& reading,
-                        const std::array<hand::Actuator, hand::kActuators>& actuators,
-                        const SafetyOptions& options);
+                        const hand::Description& hand, const SafetyOptions& options);
 
 }  // namespace palpate::skills

@@ -35,7 +35,7 @@ struct PickedBox {
   EstimationOptions locate_options;
   skills::PickResult picked;
   EventLog log;
-  hand::HandModel model;
+  hand::Description model;
 };
 
 const PickedBox& scene() {

@@ -5,6 +5,7 @@
 
 #include "palpate/core/assets.hpp"
 #include "palpate/core/se3.hpp"
+#include "palpate/hand/shadow.hpp"
 #include "palpate/simulation/world/world.hpp"
 
 namespace palpate::estimation {
@@ -19,7 +20,7 @@ struct BendingWrist {
     for (std::size_t i = 0; i < kReadings; ++i) {
       hand::HandReading reading;
       reading.time = static_cast<double>(i) * hand::kTick;
-      reading.joints[hand::joint_index("WRJ1")] = 0.005 * static_cast<double>(i);
+      reading.joints[hand::shadow_hand().joint("WRJ1")] = 0.005 * static_cast<double>(i);
       for (int finger = 0; finger < fingers; ++finger) {
         const double along = 0.01 + 1e-4 * static_cast<double>(i);
         reading.contacts[static_cast<std::size_t>(finger)] = {
@@ -36,7 +37,7 @@ struct BendingWrist {
                             const Fingers& ignored = {}) const {
     return in_hand_motion(hand, log, first, last, {}, ignored);
   }
-  hand::HandModel hand;
+  hand::Description hand;
   EventLog log;
 };
 

@@ -39,7 +39,7 @@ class OnlineTrackerTest : public testing::Test {
   }
 
   geometry::ObjectModel object;
-  hand::HandModel hand;
+  hand::Description hand;
   OnlineTrackerOptions options;
   int tick = 0;
 };
@@ -73,9 +73,9 @@ TEST_F(OnlineTrackerTest, AnEstimateIsThereOnePeriodLater) {
   // The fingertip touches 4 mm beside where the box is believed to be: it must have been moved.
   hand::HandReading beside = reading({0, 0, 0}, true);
   const Eigen::Isometry3d T_base_tip =
-      hand::forward_kinematics(hand, beside.joints)[static_cast<std::size_t>(hand.distal[1])];
+      hand::forward_kinematics(hand, beside.joints)[static_cast<std::size_t>(hand.fingers[1].link)];
   const Eigen::Vector3d n = T_base_tip.linear().transpose() * Eigen::Vector3d::UnitX();
-  const Eigen::Vector3d p = hand.tips[1].b - hand.tips[1].radius * n;
+  const Eigen::Vector3d p = hand.fingers[1].tip.b - hand.fingers[1].tip.radius * n;
   beside.base.xyz = Eigen::Vector3d(0.029, 0, 0.05) - T_base_tip * p;
   beside.contacts[1] = {{.p = p, .n = n, .f = -2 * n}};
   for (int i = 0; i < 5; ++i) {

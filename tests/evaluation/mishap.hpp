@@ -11,9 +11,7 @@ class SlipperyHand : public hand::Hand {
  public:
   explicit SlipperyHand(hand::Hand& hand) : hand_(hand) {}
 
-  const std::array<hand::Actuator, hand::kActuators>& actuators() const override {
-    return hand_.actuators();
-  }
+  const std::vector<hand::Actuator>& actuators() const override { return hand_.actuators(); }
   hand::HandReading step(const hand::HandCommand& command) override {
     hand::HandCommand told = command;
     if (lets_go) told.positions = skills::open_posture(skills::top_preshape());

@@ -3,30 +3,34 @@
 
 #include <gtest/gtest.h>
 
+#include "palpate/hand/shadow.hpp"
+
 namespace palpate::grasping {
 namespace {
 
-std::array<hand::Actuator, hand::kActuators> soft_actuators() {
-  std::array<hand::Actuator, hand::kActuators> actuators;
+std::vector<hand::Actuator> soft_actuators() {
+  std::vector<hand::Actuator> actuators;
   actuators.fill({2.0, {-0.5, 1.5}, 1.0});
   return actuators;
 }
 
-constexpr std::array<bool, hand::kFingers> kAll = {true, true, true, true, true};
+constexpr hand::PerFinger<bool> kAll = {true, true, true, true, true};
 
 TEST(Closing, FreeFingerMovesAtTheRate) {
   const ClosingLaw law(soft_actuators(), 2.0, 1.0);
   hand::HandCommand command;
   for (int i = 0; i < 10; ++i) law.advance(command, {}, {}, kAll);
-  EXPECT_NEAR(command.positions[hand::actuator_index("FFJ3")], 10 * 2.0 * hand::kTick, 1e-12);
-  EXPECT_NEAR(command.positions[hand::actuator_index("FFJ0")], 10 * 2.4 * hand::kTick, 1e-12);
-  EXPECT_EQ(command.positions[hand::actuator_index("FFJ4")], 0.0);
+  EXPECT_NEAR(command.positions[hand::shadow_hand().actuator("FFJ3")], 10 * 2.0 * hand::kTick,
+              1e-12);
+  EXPECT_NEAR(command.positions[hand::shadow_hand().actuator("FFJ0")], 10 * 2.4 * hand::kTick,
+              1e-12);
+  EXPECT_EQ(command.positions[hand::shadow_hand().actuator("FFJ4")], 0.0);
 }
 
 TEST(Closing, BlockedFingerPressesWithTheLimit) {
   const auto actuators = soft_actuators();
   const ClosingLaw law(actuators, 2.0, 1.0);
-  const int j3 = hand::actuator_index("MFJ3");
+  const int j3 = hand::shadow_hand().actuator("MFJ3");
   const double blocked_at = 0.3;
   hand::HandCommand command;
   hand::HandReading reading;
@@ -39,7 +43,7 @@ TEST(Closing, BlockedFingerPressesWithTheLimit) {
 
 TEST(Closing, GivesWayWhenTheObjectPushesBack) {
   const ClosingLaw law(soft_actuators(), 2.0, 1.0);
-  const int j3 = hand::actuator_index("RFJ3");
+  const int j3 = hand::shadow_hand().actuator("RFJ3");
   hand::HandCommand command;
   command.positions[j3] = 0.5;
   hand::HandReading reading;
@@ -52,9 +56,9 @@ TEST(Closing, StopsAtRangesAndLeavesInactiveFingersAlone) {
   const ClosingLaw law(soft_actuators(), 2.0, 0.2);
   hand::HandCommand command;
   for (int i = 0; i < 500; ++i) law.advance(command, {}, {}, {true, true, false, true, true});
-  EXPECT_EQ(command.positions[hand::actuator_index("FFJ3")], 1.5);
-  EXPECT_EQ(command.positions[hand::actuator_index("THJ5")], 0.2);
-  EXPECT_EQ(command.positions[hand::actuator_index("MFJ3")], 0.0);
+  EXPECT_EQ(command.positions[hand::shadow_hand().actuator("FFJ3")], 1.5);
+  EXPECT_EQ(command.positions[hand::shadow_hand().actuator("THJ5")], 0.2);
+  EXPECT_EQ(command.positions[hand::shadow_hand().actuator("MFJ3")], 0.0);
 }
 
 TEST(Closing, BlendIsLinear) {

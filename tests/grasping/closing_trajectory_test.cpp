@@ -4,14 +4,15 @@
 #include <gtest/gtest.h>
 
 #include "palpate/core/assets.hpp"
-#include "palpate/hand/coupling.hpp"
+#include "palpate/hand/kinematics.hpp"
+#include "palpate/hand/shadow.hpp"
 #include "palpate/simulation/world/world.hpp"
 #include "palpate/skills/grasp/grasp_phase.hpp"
 
 namespace palpate::grasping {
 namespace {
 
-constexpr std::size_t kMiddle = static_cast<std::size_t>(hand::Finger::middle);
+constexpr std::size_t kMiddle = static_cast<std::size_t>(hand::FingerName::middle);
 
 class ClosingTrajectoryTest : public ::testing::Test {
  protected:
@@ -19,7 +20,7 @@ class ClosingTrajectoryTest : public ::testing::Test {
     base_.translation().z() = 0.3;
     for (auto& actuator : actuators_) actuator = {1.0, {-1.5, 1.5}, 1.0};
   }
-  ClosingTrajectory path(const std::array<bool, hand::kFingers>& closing = kAllFingers) const {
+  ClosingTrajectory path(const hand::PerFinger<bool>& closing = kAllFingers) const {
     return closing_trajectory(model_, skills::open_posture(skills::top_preshape()),
                               grasping::ClosingLaw(actuators_, 1.0, 0.718), closing);
   }
@@ -34,8 +35,8 @@ class ClosingTrajectoryTest : public ::testing::Test {
     return {box_, T, base_};
   }
 
-  hand::HandModel model_ = simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
-  std::array<hand::Actuator, hand::kActuators> actuators_;
+  hand::Description model_ = simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
+  std::vector<hand::Actuator> actuators_;
   geometry::ObjectModel box_{geometry::load_known_object("box")};
   Eigen::Isometry3d base_ = Eigen::Isometry3d::Identity();
 };
@@ -50,7 +51,7 @@ TEST_F(ClosingTrajectoryTest, FingersCloseFromTheOpenPosture) {
 TEST_F(ClosingTrajectoryTest, OnlyTheFingersAskedForHaveShapes) {
   const ClosingTrajectory whole = path();
   const ClosingTrajectory one = path({false, false, true, false, false});
-  for (std::size_t finger = 0; finger < hand::kFingers; ++finger) {
+  for (std::size_t finger = 0; finger < hand::kShadowFingers; ++finger) {
     EXPECT_EQ(one.fingers[finger].empty(), finger != kMiddle);
   }
   EXPECT_EQ(one.open_spheres.size(), whole.open_spheres.size());
@@ -62,10 +63,10 @@ TEST_F(ClosingTrajectoryTest, OnlyTheFingersAskedForHaveShapes) {
 }
 
 TEST_F(ClosingTrajectoryTest, APathEndsBeforeItMeetsAnotherFinger) {
-  const std::array<bool, hand::kFingers> alone = {false, false, true, false, false};
+  const hand::PerFinger<bool> alone = {false, false, true, false, false};
   hand::ActuatorVector open = skills::open_posture(skills::top_preshape());
   const hand::JointVector others = hand::joints_in_free_flexion(open);
-  open[hand::actuator_index("MFJ4")] = 0.35;  // over its neighbour
+  open[hand::shadow_hand().actuator("MFJ4")] = 0.35;  // over its neighbour
   const grasping::ClosingLaw law(actuators_, 1.0, 0.718);
   const auto free =
       closing_trajectory(model_, skills::open_posture(skills::top_preshape()), law, alone);

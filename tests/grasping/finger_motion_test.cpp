@@ -5,7 +5,8 @@
 
 #include "palpate/core/assets.hpp"
 #include "palpate/core/random.hpp"
-#include "palpate/hand/coupling.hpp"
+#include "palpate/hand/kinematics.hpp"
+#include "palpate/hand/shadow.hpp"
 #include "palpate/simulation/world/world.hpp"
 
 namespace palpate::grasping {
@@ -15,14 +16,14 @@ namespace {
 struct HalfClosed {
   HalfClosed() {
     for (const std::string finger : {"FF", "MF", "RF", "LF"}) {
-      posture[hand::actuator_index(finger + "J3")] = 0.5;
-      posture[hand::actuator_index(finger + "J0")] = 1.2;
+      posture[hand::shadow_hand().actuator(finger + "J3")] = 0.5;
+      posture[hand::shadow_hand().actuator(finger + "J0")] = 1.2;
     }
-    posture[hand::actuator_index("THJ4")] = 1.0;
-    posture[hand::actuator_index("THJ2")] = 0.2;
-    posture[hand::actuator_index("THJ1")] = 0.4;
+    posture[hand::shadow_hand().actuator("THJ4")] = 1.0;
+    posture[hand::shadow_hand().actuator("THJ2")] = 0.2;
+    posture[hand::shadow_hand().actuator("THJ1")] = 0.4;
     const auto T = hand::forward_kinematics(model, joints());
-    for (std::size_t finger = 0; finger < hand::kFingers; ++finger) {
+    for (std::size_t finger = 0; finger < hand::kShadowFingers; ++finger) {
       const auto& T_base_tip = T[static_cast<std::size_t>(model.distal[finger])];
       tactile::Contact contact;
       contact.finger = static_cast<int>(finger);
@@ -33,7 +34,7 @@ struct HalfClosed {
   }
   hand::JointVector joints() const { return hand::joints_in_free_flexion(posture); }
 
-  hand::HandModel model = simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
+  hand::Description model = simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
   hand::ActuatorVector posture = hand::ActuatorVector::Zero();
   std::vector<tactile::Contact> contacts;
 };
@@ -91,10 +92,10 @@ TEST(FingerMotion, FingersWithoutContactStay) {
   GraspMotion motion;
   motion.twist << 0.01, 0, 0, 0, 0.001, 0;
   const auto moved = finger_motion(hand.model, hand.joints(), hand.contacts, {0, 0, 0}, motion);
-  for (int i = 0; i < hand::kActuators; ++i) {
+  for (int i = 0; i < hand::kShadowActuators; ++i) {
     const int finger = hand::finger_of_actuator(i);
     if (finger < 0 || finger > 1) {
-      EXPECT_EQ(moved[i], 0) << hand::kActuatorNames[static_cast<std::size_t>(i)];
+      EXPECT_EQ(moved[i], 0) << hand::kShadowActuatorNames[static_cast<std::size_t>(i)];
     }
   }
   EXPECT_GT(moved.norm(), 0);

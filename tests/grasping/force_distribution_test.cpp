@@ -9,6 +9,7 @@
 #include "grasping/coupled_finger.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/random.hpp"
+#include "palpate/hand/shadow.hpp"
 
 namespace palpate::grasping {
 namespace {
@@ -89,8 +90,8 @@ TEST(PressingTorques, AreForceTimesLeverAndTheirMeanForACoupledPair) {
   const std::vector contacts = {contact({0.05, 0, 0}, {0, -1, 0})};
   const std::vector<Eigen::Vector3d> forces = {{0, 2, 0}};
   const auto torques = pressing_torques(hand, hand::JointVector::Zero(), contacts, forces);
-  EXPECT_NEAR(torques[hand::actuator_index("FFJ0")], 0.5 * 2 * (0.05 + 0.02), 1e-12);
-  EXPECT_EQ(torques[hand::actuator_index("MFJ0")], 0);
+  EXPECT_NEAR(torques[hand::shadow_hand().actuator("FFJ0")], 0.5 * 2 * (0.05 + 0.02), 1e-12);
+  EXPECT_EQ(torques[hand::shadow_hand().actuator("MFJ0")], 0);
   EXPECT_THROW(pressing_torques(hand, hand::JointVector::Zero(), contacts, {}), BadInput);
 }
 

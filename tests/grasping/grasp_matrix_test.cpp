@@ -5,13 +5,14 @@
 
 #include "grasping/grasps.hpp"
 #include "palpate/core/error.hpp"
+#include "palpate/hand/shadow.hpp"
 
 namespace palpate::grasping {
 namespace {
 
 /// Three links in a row, each turned by one joint, at 5 cm from one another.
-hand::HandModel chain() {
-  hand::HandModel hand;
+hand::Description chain() {
+  hand::Description hand;
   for (int i = 0; i < 3; ++i) {
     hand::Link link;
     link.parent = i - 1;
@@ -75,7 +76,7 @@ TEST(Grasp, ContactTwistsAreVelocitiesOfTheObjectsPoints) {
 }
 
 TEST(Grasp, HandJacobianIsTheDerivativeOfTheContacts) {
-  const hand::HandModel hand = chain();
+  const hand::Description hand = chain();
   RandomStream random(4);
   hand::JointVector joints = hand::JointVector::Zero(), rates = hand::JointVector::Zero();
   for (int i = 0; i < 3; ++i) {
@@ -104,7 +105,7 @@ TEST(Grasp, HandJacobianIsTheDerivativeOfTheContacts) {
 }
 
 TEST(Grasp, PowerIsTheSameOnAllSides) {
-  const hand::HandModel hand = chain();
+  const hand::Description hand = chain();
   RandomStream random(5);
   GraspContacts contacts = on_ball(3, 0.1, ContactModel::soft_finger, random);
   for (GraspContact& contact : contacts) contact.link = 2;
@@ -112,7 +113,7 @@ TEST(Grasp, PowerIsTheSameOnAllSides) {
   const Eigen::MatrixXd J = hand_jacobian(hand, hand::JointVector::Zero(), contacts);
   const Eigen::VectorXd w = random_vector(18, random);
   const Vector6d twist = random_vector(6, random);
-  const hand::JointVector rates = random_vector(hand::kJoints, random);
+  const hand::JointVector rates = random_vector(hand::kShadowJoints, random);
   EXPECT_NEAR(w.dot(object_contact_twists(G, twist)), object_wrench(G, w).dot(twist), 1e-10);
   EXPECT_NEAR(w.dot(hand_contact_twists(J, rates)), joint_torques(J, w).dot(rates), 1e-10);
 }
@@ -130,7 +131,7 @@ TEST(Grasp, TransmissionStacksTheContactsModels) {
 }
 
 TEST(Grasp, ReadingsBecomeContacts) {
-  hand::HandModel hand = chain();
+  hand::Description hand = chain();
   hand.distal = {2, 2, 2, 2, 1};
   hand::HandReading reading;
   reading.joints.head<3>() << 0.3, -0.4, 0.5;
@@ -152,8 +153,9 @@ TEST(Grasp, RejectsSizesThatDoNotFit) {
   EXPECT_THROW(object_wrench(G, Eigen::VectorXd::Zero(11)), BadInput);
   EXPECT_THROW(object_contact_twists(G.transpose(), Vector6d::Zero()), BadInput);
   EXPECT_THROW(hand_jacobian(chain(), hand::JointVector::Zero(), contacts), BadInput);
-  EXPECT_THROW(joint_torques(Eigen::MatrixXd::Zero(12, hand::kJoints), Eigen::VectorXd::Zero(6)),
-               BadInput);
+  EXPECT_THROW(
+      joint_torques(Eigen::MatrixXd::Zero(12, hand::kShadowJoints), Eigen::VectorXd::Zero(6)),
+      BadInput);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "palpate/evaluation/trial.hpp"
+#include "palpate/hand/shadow.hpp"
 
 namespace palpate::grasping {
 namespace {
@@ -22,12 +23,12 @@ ClosingTrajectory shadow_path(const geometry::ObjectModel& object) {
   simulation::World world(object.object(), {}, 1);
   hand::ActuatorVector open = hand::ActuatorVector::Zero();
   for (const std::string finger : {"FF", "MF", "RF", "LF"}) {
-    open[hand::actuator_index(finger + "J3")] = kHalfOpen;
-    open[hand::actuator_index(finger + "J0")] = 0.54;
+    open[hand::shadow_hand().actuator(finger + "J3")] = kHalfOpen;
+    open[hand::shadow_hand().actuator(finger + "J0")] = 0.54;
   }
-  open[hand::actuator_index("THJ5")] = -0.2;
-  open[hand::actuator_index("THJ4")] = 1.03;
-  open[hand::actuator_index("THJ2")] = -0.21;
+  open[hand::shadow_hand().actuator("THJ5")] = -0.2;
+  open[hand::shadow_hand().actuator("THJ4")] = 1.03;
+  open[hand::shadow_hand().actuator("THJ2")] = -0.21;
   return closing_trajectory(world.hand_model(), open,
                             grasping::ClosingLaw(world.hand().actuators(), 1.0, 0.718));
 }

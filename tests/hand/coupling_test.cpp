@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/hand/coupling.hpp"
-
 #include <gtest/gtest.h>
 
 #include "palpate/core/random.hpp"
+#include "palpate/hand/kinematics.hpp"
+#include "palpate/hand/shadow.hpp"
 
 namespace palpate::hand {
 namespace {

@@ -4,8 +4,8 @@
 #include <functional>
 #include <utility>
 
-#include "palpate/hand/coupling.hpp"
 #include "palpate/hand/hand.hpp"
+#include "palpate/hand/kinematics.hpp"
 
 namespace palpate::hand {
 
@@ -19,9 +19,7 @@ class FakeHand : public hand::Hand {
     for (auto& actuator : actuators_) actuator = {1.0, {-1.5, 3.2}, 1.0};
   }
 
-  const std::array<hand::Actuator, hand::kActuators>& actuators() const override {
-    return actuators_;
-  }
+  const std::vector<hand::Actuator>& actuators() const override { return actuators_; }
 
   hand::HandReading step(const hand::HandCommand& command) override {
     hand::HandReading reading;
@@ -44,7 +42,7 @@ class FakeHand : public hand::Hand {
     }
   }
 
-  std::array<hand::Actuator, hand::kActuators> actuators_;
+  std::vector<hand::Actuator> actuators_;
   Script script_;
   int ticks_ = 0;
 };

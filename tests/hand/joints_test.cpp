@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/hand/joints.hpp"
-
 #include <gtest/gtest.h>
 
 #include "palpate/core/error.hpp"
+#include "palpate/hand/shadow.hpp"
 
 namespace palpate::hand {
 namespace {

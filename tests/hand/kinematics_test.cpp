@@ -8,13 +8,14 @@
 #include "palpate/core/random.hpp"
 #include "palpate/core/se3.hpp"
 #include "palpate/hand/hand.hpp"
+#include "palpate/hand/shadow.hpp"
 
 namespace palpate::hand {
 namespace {
 
 /// Two hinges in a row, 0.1 m apart, and a fixed tip.
-HandModel planar_arm() {
-  HandModel hand;
+Description planar_arm() {
+  Description hand;
   hand.links.resize(3);
   for (int i = 0; i < 3; ++i) {
     Link& link = hand.links[static_cast<std::size_t>(i)];
@@ -26,8 +27,8 @@ HandModel planar_arm() {
   return hand;
 }
 
-HandModel random_chain(RandomStream& random) {
-  HandModel hand;
+Description random_chain(RandomStream& random) {
+  Description hand;
   hand.links.resize(6);
   for (int i = 0; i < 6; ++i) {
     Link& link = hand.links[static_cast<std::size_t>(i)];
@@ -52,7 +53,7 @@ TEST(Kinematics, PlanarArm) {
 TEST(Kinematics, JacobianIsTheDerivativeOfThePose) {
   RandomStream random(3, "jacobian");
   for (int trial = 0; trial < 20; ++trial) {
-    const HandModel hand = random_chain(random);
+    const Description hand = random_chain(random);
     JointVector joints;
     for (int i = 0; i < kJoints; ++i) joints[i] = random.uniform(-1.5, 1.5);
     const Eigen::Vector3d p_link = 0.02 * random.normal3();
@@ -73,11 +74,11 @@ TEST(Kinematics, JacobianIsTheDerivativeOfThePose) {
 
 TEST(Kinematics, PerturbedLinksAreDisplacedByTheStatedAmount) {
   RandomStream random(5, "links");
-  const HandModel hand = planar_arm();
+  const Description hand = planar_arm();
   double sum = 0;
   const int trials = 2000;
   for (int i = 0; i < trials; ++i) {
-    const HandModel perturbed = with_perturbed_links(hand, 0.002, random);
+    const Description perturbed = with_perturbed_links(hand, 0.002, random);
     sum +=
         (perturbed.links[1].T_parent_link.translation() - hand.links[1].T_parent_link.translation())
             .squaredNorm();

@@ -5,6 +5,7 @@
 
 #include "palpate/core/error.hpp"
 #include "palpate/core/random.hpp"
+#include "palpate/hand/shadow.hpp"
 
 namespace palpate::learning {
 namespace {
@@ -40,7 +41,7 @@ TEST(HumanHand, BonesKeepTheirLengths) {
   for (int trial = 0; trial < 50; ++trial) {
     const HandKeypoints moved = human_keypoints(random_joints(random), shape, random_pose(random));
     for (const HumanBone& bone : human_bones()) {
-      if (bone.from == 0 && bone.to >= keypoint(hand::Finger::ring, 0))
+      if (bone.from == 0 && bone.to >= keypoint(hand::FingerName::ring, 0))
         continue;  // the palm hollows
       EXPECT_NEAR((moved.col(bone.to) - moved.col(bone.from)).norm(),
                   (rest.col(bone.to) - rest.col(bone.from)).norm(), 1e-12);
@@ -75,7 +76,7 @@ TEST(HumanHand, FlexionBendsEveryFingerTowardsThePalm) {
 TEST(HumanHand, TheThumbOpposesTheLittleFinger) {
   HumanJoints q = HumanJoints::Zero();
   q[human_joint_index("TH5")] = q[human_joint_index("TH4")] = 0.7;
-  const int tip = keypoint(hand::Finger::thumb, 3);
+  const int tip = keypoint(hand::FingerName::thumb, 3);
   const auto before = human_keypoints(HumanJoints::Zero(), {}, Eigen::Isometry3d::Identity());
   const auto after = human_keypoints(q, {}, Eigen::Isometry3d::Identity());
   EXPECT_LT(after(0, tip), before(0, tip) - 0.02);

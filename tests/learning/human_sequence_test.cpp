@@ -10,6 +10,7 @@
 #include "learning/human_data.hpp"
 #include "palpate/core/file.hpp"
 #include "palpate/core/random.hpp"
+#include "palpate/hand/shadow.hpp"
 
 namespace palpate::learning {
 namespace {

@@ -6,24 +6,25 @@
 #include <algorithm>
 
 #include "localization/scenes.hpp"
+#include "palpate/hand/shadow.hpp"
 
 namespace palpate::localization {
 namespace {
 
 /// A palm of three balls and five fingers of one hinge and two balls each.
-hand::HandModel toy_hand() {
-  hand::HandModel hand;
+hand::Description toy_hand() {
+  hand::Description hand;
   hand.palm = 0;
   hand.links.push_back({"palm", -1, Eigen::Isometry3d::Identity(), {0, 0, 0}, -1});
   for (const double z : {0.02, 0.05, 0.08}) hand.spheres.push_back({0, {0, 0, z}, 0.01});
-  const std::array<const char*, hand::kFingers> joints{"THJ2", "FFJ3", "MFJ3", "RFJ3", "LFJ3"};
-  for (int f = 0; f < hand::kFingers; ++f) {
+  const hand::PerFinger<const char*> joints{"THJ2", "FFJ3", "MFJ3", "RFJ3", "LFJ3"};
+  for (int f = 0; f < hand::kShadowFingers; ++f) {
     hand::Link link{joints[static_cast<std::size_t>(f)], 0, Eigen::Isometry3d::Identity(),
                     Eigen::Vector3d(1, 0, 0), -1};
-    link.joint = hand::joint_index(link.name);
+    link.joint = hand::shadow_hand().joint(link.name);
     link.T_parent_link.translation() =
         f == 0 ? Eigen::Vector3d(0.04, -0.02, 0.02) : Eigen::Vector3d(0.05 - 0.022 * f, 0, 0.09);
-    hand.distal[static_cast<std::size_t>(f)] = static_cast<int>(hand.links.size());
+    hand.fingers[static_cast<std::size_t>(f)].link = static_cast<int>(hand.links.size());
     for (const double z : {0.03, 0.06}) {
       hand.spheres.push_back({static_cast<int>(hand.links.size()), {0, 0, z}, 0.0075});
     }

@@ -5,7 +5,8 @@
 
 #include <cmath>
 
-#include "palpate/hand/coupling.hpp"
+#include "palpate/hand/kinematics.hpp"
+#include "palpate/hand/shadow.hpp"
 
 namespace palpate::planning {
 namespace {
@@ -13,9 +14,7 @@ namespace {
 /// A hand that is always where it was told to be a tick ago.
 class LateHand : public hand::Hand {
  public:
-  const std::array<hand::Actuator, hand::kActuators>& actuators() const override {
-    return actuators_;
-  }
+  const std::vector<hand::Actuator>& actuators() const override { return actuators_; }
   hand::HandReading step(const hand::HandCommand& command) override {
     hand::HandReading reading;
     reading.joints = hand::joints_in_free_flexion(last_.positions);
@@ -25,14 +24,14 @@ class LateHand : public hand::Hand {
   }
 
  private:
-  std::array<hand::Actuator, hand::kActuators> actuators_{};
+  std::vector<hand::Actuator> actuators_{};
   hand::HandCommand last_;
 };
 
 TEST(Execute, MeasuresTheLagOfWhatMoves) {
   std::vector<hand::HandCommand> samples(101);
   for (std::size_t i = 0; i < samples.size(); ++i) {
-    samples[i].positions[hand::actuator_index("FFJ0")] = 0.01 * static_cast<double>(i);
+    samples[i].positions[hand::shadow_hand().actuator("FFJ0")] = 0.01 * static_cast<double>(i);
     samples[i].base.xyz.x() = 0.002 * static_cast<double>(i);
   }
   LateHand hand;

@@ -3,7 +3,8 @@
 
 #include <vector>
 
-#include "palpate/hand/coupling.hpp"
+#include "palpate/hand/kinematics.hpp"
+#include "palpate/hand/shadow.hpp"
 #include "palpate/planning/planner.hpp"
 #include "palpate/simulation/collision/collision_scene.hpp"
 
@@ -38,7 +39,7 @@ inline Waypoint open_hand(double x, double y, double z) {
 }
 
 inline double& joint(Waypoint& waypoint, std::string_view name) {
-  return waypoint.joints[hand::joint_index(name)];
+  return waypoint.joints[hand::shadow_hand().joint(name)];
 }
 
 inline bool is_free(simulation::CollisionScene& scene, const hand::HandCommand& command) {

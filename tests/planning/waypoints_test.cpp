@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "core/error_message.hpp"
+#include "palpate/hand/shadow.hpp"
 #include "palpate/simulation/collision/collision_scene.hpp"
 #include "planning/motions.hpp"
 
@@ -16,9 +17,9 @@ namespace {
 
 using ::testing::Test;
 
-std::string header() { return fmt::format("{}", fmt::join(hand::kJointNames, ",")); }
+std::string header() { return fmt::format("{}", fmt::join(hand::kShadowJointNames, ",")); }
 
-std::string row(double value, int count = hand::kJoints) {
+std::string row(double value, int count = hand::kShadowJoints) {
   return fmt::format("{}",
                      fmt::join(std::vector<double>(static_cast<std::size_t>(count), value), ","));
 }
@@ -30,8 +31,8 @@ TEST(Waypoints, ColumnsAreFoundByTheirNames) {
       parse_waypoints(names + "\n1,2" + row(0).substr(3) + "\n\n" + row(0) + "\n", "q.csv", {});
   ASSERT_EQ(file.waypoints.size(), 2U);
   EXPECT_FALSE(file.has_base);
-  EXPECT_EQ(file.waypoints[0].joints[hand::joint_index("WRJ1")], 1);
-  EXPECT_EQ(file.waypoints[0].joints[hand::joint_index("WRJ2")], 2);
+  EXPECT_EQ(file.waypoints[0].joints[hand::shadow_hand().joint("WRJ1")], 1);
+  EXPECT_EQ(file.waypoints[0].joints[hand::shadow_hand().joint("WRJ2")], 2);
 }
 
 TEST(Waypoints, BaseIsReadOrGiven) {

@@ -45,7 +45,7 @@ TEST(PlausibleRecordingTest, WhatCannotBeIsRefusedThoughItIsFinite) {
       [](Recording& r) { r.frames[4].reading.time = -1e300; },
       [](Recording& r) { r.frames[4].truth->T_world_object.linear() *= 3; },
       [](Recording& r) { r.frames[4].truth->T_world_object.matrix()(3, 0) = 1; },
-      [](Recording& r) { r.header.hand.tips[1].radius = -1; },
+      [](Recording& r) { r.header.hand.fingers[1].tip.radius = -1; },
       [](Recording& r) { r.header.hand.spheres[1].radius = -1; },
       [](Recording& r) { r.header.hand.links[1].T_parent_link.linear() *= -1; },
       [](Recording& r) { r.header.hand.kinematic_error = 1e200; },

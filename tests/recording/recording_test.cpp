@@ -10,6 +10,7 @@
 #include <limits>
 
 #include "palpate/core/error.hpp"
+#include "palpate/hand/shadow.hpp"
 #include "palpate/recording/writer.hpp"
 #include "recording/toy_recording.hpp"
 
@@ -44,7 +45,7 @@ void expect_same_object(const geometry::KnownObject& a, const geometry::KnownObj
   }
 }
 
-void expect_same_hand(const hand::HandModel& a, const hand::HandModel& b) {
+void expect_same_hand(const hand::Description& a, const hand::Description& b) {
   ASSERT_EQ(a.links.size(), b.links.size());
   for (std::size_t i = 0; i < a.links.size(); ++i) {
     EXPECT_EQ(a.links[i].name, b.links[i].name);
@@ -56,7 +57,7 @@ void expect_same_hand(const hand::HandModel& a, const hand::HandModel& b) {
   EXPECT_EQ(a.palm, b.palm);
   EXPECT_EQ(a.kinematic_error, b.kinematic_error);
   EXPECT_EQ(a.distal, b.distal);
-  for (std::size_t i = 0; i < hand::kFingers; ++i) {
+  for (std::size_t i = 0; i < hand::kShadowFingers; ++i) {
     EXPECT_EQ(a.tips[i].a, b.tips[i].a);
     EXPECT_EQ(a.tips[i].b, b.tips[i].b);
     EXPECT_EQ(a.tips[i].radius, b.tips[i].radius);
@@ -76,7 +77,7 @@ void expect_same_reading(const hand::HandReading& a, const hand::HandReading& b)
   EXPECT_EQ(a.base.xyz, b.base.xyz);
   EXPECT_EQ(a.base.ypr, b.base.ypr);
   EXPECT_EQ(a.base_force, b.base_force);
-  for (std::size_t finger = 0; finger < hand::kFingers; ++finger) {
+  for (std::size_t finger = 0; finger < hand::kShadowFingers; ++finger) {
     ASSERT_EQ(a.contacts[finger].size(), b.contacts[finger].size());
     for (std::size_t i = 0; i < a.contacts[finger].size(); ++i) {
       EXPECT_EQ(a.contacts[finger][i].p, b.contacts[finger][i].p);
@@ -173,7 +174,7 @@ Recording with_biotacs(Recording recording) {
     return random.index(9) == 0 ? std::nan("") : static_cast<double>(random.index(4096));
   };
   for (Frame& frame : recording.frames) {
-    for (int finger = 0; finger < hand::kFingers; ++finger) {
+    for (int finger = 0; finger < hand::kShadowFingers; ++finger) {
       hand::BiotacReading biotac;
       biotac.time = frame.reading.time;
       for (double* value : {&biotac.pdc, &biotac.tdc, &biotac.tac}) *value = count();
@@ -264,7 +265,7 @@ TEST(RecordingTest, KeepsWhatContactsTellOfTheirErrors) {
   std::size_t contacts = 0;
   for (std::size_t i = 0; i < read.frames.size(); ++i) {
     expect_same_frame(read.frames[i], written.frames[i]);
-    for (std::size_t k = 0; k < hand::kFingers; ++k) {
+    for (std::size_t k = 0; k < hand::kShadowFingers; ++k) {
       const auto &a = read.frames[i].reading.contacts[k],
                  &b = written.frames[i].reading.contacts[k];
       for (std::size_t c = 0; c < a.size(); ++c, ++contacts) {
@@ -398,7 +399,7 @@ TEST(RecordingTest, RefusesAHandWhoseLinksDoNotExist) {
   recording.header.hand.links[1].parent = 2;
   EXPECT_THROW(write_recording(folder / "toy.h5", recording), BadInput);
   recording = toy_recording(1);
-  recording.header.hand.links[1].joint = hand::kJoints;
+  recording.header.hand.links[1].joint = hand::kShadowJoints;
   EXPECT_THROW(write_recording(folder / "toy.h5", recording), BadInput);
   recording = toy_recording(1);
   recording.header.object.mesh.triangles[4][1] = 99;

@@ -41,8 +41,8 @@ inline geometry::TriangleMesh box_mesh(const Eigen::Vector3d& half) {
 }
 
 /// A palm with one finger of two links; all five fingertips are that finger's.
-inline hand::HandModel toy_hand() {
-  hand::HandModel hand;
+inline hand::Description toy_hand() {
+  hand::Description hand;
   const Eigen::Isometry3d along(Eigen::Translation3d(0, 0, 0.05));
   hand.links = {{"palm", -1, Eigen::Isometry3d::Identity(), Eigen::Vector3d::UnitX(), 0},
                 {"middle", 0, along, Eigen::Vector3d::UnitX(), 9},

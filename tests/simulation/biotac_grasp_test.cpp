@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "palpate/core/se3.hpp"
+#include "palpate/hand/shadow.hpp"
 #include "palpate/simulation/hand/open_loop_grasp.hpp"
 #include "palpate/tactile/biotac/skin.hpp"
 #include "simulation/scenes.hpp"
@@ -52,7 +53,7 @@ TEST(BiotacGrasp, TaxelsCarryTheSolversForces) {
   int steps = 0, checked = 0, carried = 0;
   world.observe([&](const ObjectStep& step) {
     if (++steps % 20 != 0) return;
-    for (int finger = 0; finger < hand::kFingers; ++finger) {
+    for (int finger = 0; finger < hand::kShadowFingers; ++finger) {
       const auto contacts = contacts_of(step, finger);
       const Eigen::Vector3d force = total_force(contacts);
       // A taxel cannot hold what lies at the edge of the solver's own cone.
@@ -79,7 +80,7 @@ TEST(BiotacGrasp, ReadingsHoldChannelsWhereAskedFor) {
   world.reset({}, away);
   for (int tick = 0; tick < 30; ++tick) {
     const auto reading = world.hand().step(away);
-    ASSERT_EQ(reading.biotacs.size(), static_cast<std::size_t>(hand::kFingers));
+    ASSERT_EQ(reading.biotacs.size(), static_cast<std::size_t>(hand::kShadowFingers));
     for (const auto& biotac : reading.biotacs) {
       EXPECT_EQ(biotac.time, reading.time);
       EXPECT_NEAR(biotac.pdc, 2410, 4);  // at rest, but for the noise

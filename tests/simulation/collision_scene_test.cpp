@@ -5,7 +5,8 @@
 
 #include "palpate/core/assets.hpp"
 #include "palpate/core/error.hpp"
-#include "palpate/hand/coupling.hpp"
+#include "palpate/hand/kinematics.hpp"
+#include "palpate/hand/shadow.hpp"
 #include "palpate/simulation/world/world.hpp"
 #include "simulation/scenes.hpp"
 
@@ -35,7 +36,7 @@ TEST(CollisionScene, OpenHandIsFreeHighAndHitsTheTableLow) {
 TEST(CollisionScene, FingersHitEachOther) {
   CollisionScene scene;
   hand::HandCommand crossed = open_hand(0.3);
-  crossed.positions[hand::actuator_index("FFJ4")] = 0.349;
+  crossed.positions[hand::shadow_hand().actuator("FFJ4")] = 0.349;
   const auto pair = collision(scene, crossed);
   ASSERT_TRUE(pair);
   EXPECT_TRUE(pair->first.starts_with("ff") || pair->second.starts_with("ff")) << pair->first;
@@ -107,7 +108,7 @@ double touch_height(CollisionScene& scene) {
 TEST(CollisionScene, IsBuiltFromTheBelievedHand) {
   constexpr double kLower = 0.02;  // m
   const auto drawn = load_shadow_hand(asset("shadow_hand/right_hand.xml"));
-  hand::HandModel lowered = drawn;
+  hand::Description lowered = drawn;
   const auto command = pointing_down(0);
   const auto T_base_link =
       hand::forward_kinematics(drawn, hand::joints_in_free_flexion(command.positions));
@@ -124,7 +125,7 @@ TEST(CollisionScene, IsBuiltFromTheBelievedHand) {
   CollisionScene nominal(block()), same(block(), drawn), believed(block(), lowered);
   EXPECT_NEAR(touch_height(same), touch_height(nominal), 1e-9);
   EXPECT_NEAR(touch_height(believed) - touch_height(nominal), kLower, 0.001);
-  hand::HandModel other = drawn;
+  hand::Description other = drawn;
   other.links[1].name = "tentacle";
   EXPECT_THROW((void)CollisionScene(block(), other), BadInput);
 }

@@ -3,7 +3,8 @@
 
 #include <string>
 
-#include "palpate/hand/coupling.hpp"
+#include "palpate/hand/kinematics.hpp"
+#include "palpate/hand/shadow.hpp"
 #include "palpate/simulation/world/world.hpp"
 #include "simulation/scenes.hpp"
 
@@ -17,12 +18,13 @@ struct Pair {
 };
 
 Pair pair_of(const hand::JointVector& joints, const std::string& finger) {
-  return {joints[hand::joint_index(finger + "J1")], joints[hand::joint_index(finger + "J2")]};
+  return {joints[hand::shadow_hand().joint(finger + "J1")],
+          joints[hand::shadow_hand().joint(finger + "J2")]};
 }
 
 void command_j0(hand::HandCommand& command, double value) {
   for (const char* name : {"FFJ0", "MFJ0", "RFJ0", "LFJ0"}) {
-    command.positions[hand::actuator_index(name)] = value;
+    command.positions[hand::shadow_hand().actuator(name)] = value;
   }
 }
 
@@ -117,13 +119,13 @@ TEST(HandJoints, DistalNeverExceedsMiddleInContact) {
 TEST(HandJoints, RangesAreThoseOfTableA1) {
   World world(block(), without_noise(), 1);
   const auto& ranges = hand::shadow_ranges();
-  for (int actuator = 0; actuator < hand::kActuators; ++actuator) {
+  for (int actuator = 0; actuator < hand::kShadowActuators; ++actuator) {
     const auto i = static_cast<std::size_t>(actuator);
-    const std::string name(hand::kActuatorNames[i]);
+    const std::string name(hand::kShadowActuatorNames[i]);
     const hand::Range range = world.hand().actuators()[i].command;
     const bool pair = name.back() == '0';
     const auto joint =
-        static_cast<std::size_t>(hand::joint_index(pair ? name.substr(0, 3) + "1" : name));
+        static_cast<std::size_t>(hand::shadow_hand().joint(pair ? name.substr(0, 3) + "1" : name));
     EXPECT_DOUBLE_EQ(range.low, ranges[joint].low) << name;
     EXPECT_DOUBLE_EQ(range.high, (pair ? 2 : 1) * ranges[joint].high) << name;
   }
@@ -134,11 +136,11 @@ TEST(HandJoints, JointsStopAtTheirRanges) {
   for (const double side : {-10.0, 10.0}) {
     hand::HandCommand command = open_hand(0.5);
     world.reset({}, command);
-    command.positions[hand::actuator_index("WRJ2")] = side;
-    command.positions[hand::actuator_index("THJ4")] = side;
+    command.positions[hand::shadow_hand().actuator("WRJ2")] = side;
+    command.positions[hand::shadow_hand().actuator("THJ4")] = side;
     for (int tick = 0; tick < 200; ++tick) world.hand().step(command);
     for (const char* name : {"WRJ2", "THJ4"}) {
-      const auto index = hand::joint_index(name);
+      const auto index = hand::shadow_hand().joint(name);
       const hand::Range range = hand::shadow_ranges()[static_cast<std::size_t>(index)];
       EXPECT_NEAR(world.truth().joints[index], side < 0 ? range.low : range.high, 0.02) << name;
     }

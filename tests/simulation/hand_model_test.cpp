@@ -9,14 +9,15 @@
 #include "palpate/core/error.hpp"
 #include "palpate/core/random.hpp"
 #include "palpate/hand/kinematics.hpp"
+#include "palpate/hand/shadow.hpp"
 #include "palpate/simulation/world/world.hpp"
 
 namespace palpate::simulation {
 namespace {
 
-hand::HandModel shadow() { return load_shadow_hand(asset("shadow_hand/right_hand.xml")); }
+hand::Description shadow() { return load_shadow_hand(asset("shadow_hand/right_hand.xml")); }
 
-int link_named(const hand::HandModel& hand, const std::string& name) {
+int link_named(const hand::Description& hand, const std::string& name) {
   for (std::size_t i = 0; i < hand.links.size(); ++i) {
     if (hand.links[i].name == name) return static_cast<int>(i);
   }
@@ -32,8 +33,8 @@ class Oracle {
         data_(mj_makeData(model_.get()), mj_deleteData) {}
 
   void set(const hand::JointVector& joints) {
-    for (int i = 0; i < hand::kJoints; ++i) {
-      const auto name = "rh_" + std::string(hand::kJointNames[static_cast<std::size_t>(i)]);
+    for (int i = 0; i < hand::kShadowJoints; ++i) {
+      const auto name = "rh_" + std::string(hand::kShadowJointNames[static_cast<std::size_t>(i)]);
       const int id = mj_name2id(model_.get(), mjOBJ_JOINT, name.c_str());
       data_->qpos[model_->jnt_qposadr[id]] = joints[i];
     }
@@ -53,14 +54,14 @@ class Oracle {
   std::unique_ptr<mjData, void (*)(mjData*)> data_;
 };
 
-TEST(HandModel, MovesAsTheSimulatorMovesIt) {
-  const hand::HandModel hand = shadow();
+TEST(Description, MovesAsTheSimulatorMovesIt) {
+  const hand::Description hand = shadow();
   ASSERT_EQ(hand.links.size(), 25u);  // forearm, wrist, palm, metacarpal and the fingers
   Oracle oracle;
   RandomStream random(1);
   for (int trial = 0; trial < 50; ++trial) {
     hand::JointVector joints;
-    for (int i = 0; i < hand::kJoints; ++i) joints[i] = random.uniform(-1.5, 1.5);
+    for (int i = 0; i < hand::kShadowJoints; ++i) joints[i] = random.uniform(-1.5, 1.5);
     oracle.set(joints);
     const auto T_base_link = hand::forward_kinematics(hand, joints);
     const auto palm = static_cast<std::size_t>(hand.palm);
@@ -74,8 +75,8 @@ TEST(HandModel, MovesAsTheSimulatorMovesIt) {
   }
 }
 
-TEST(HandModel, GraspsAtTheBaseOriginPalmDown) {
-  const hand::HandModel hand = shadow();
+TEST(Description, GraspsAtTheBaseOriginPalmDown) {
+  const hand::Description hand = shadow();
   const Eigen::Isometry3d T_base_palm = hand::forward_kinematics(
       hand, hand::JointVector::Zero())[static_cast<std::size_t>(hand.palm)];
   EXPECT_LT((T_base_palm * Eigen::Vector3d(0.005, -0.045, 0.08)).norm(), 1e-12);
@@ -85,8 +86,8 @@ TEST(HandModel, GraspsAtTheBaseOriginPalmDown) {
   EXPECT_LT((R.col(2) - Eigen::Vector3d::UnitX()).norm(), 1e-12);
 }
 
-TEST(HandModel, EveryJointMovesOneLink) {
-  const hand::HandModel hand = shadow();
+TEST(Description, EveryJointMovesOneLink) {
+  const hand::Description hand = shadow();
   std::set<int> joints;
   for (const hand::Link& link : hand.links) {
     if (link.joint >= 0) {
@@ -94,24 +95,24 @@ TEST(HandModel, EveryJointMovesOneLink) {
       EXPECT_NEAR(link.axis.norm(), 1.0, 1e-6);
     }
   }
-  EXPECT_EQ(joints.size(), static_cast<std::size_t>(hand::kJoints));
+  EXPECT_EQ(joints.size(), static_cast<std::size_t>(hand::kShadowJoints));
 }
 
-TEST(HandModel, TipsAreCapsulesOfSevenMillimetres) {
-  const hand::HandModel hand = shadow();
-  for (std::size_t i = 0; i < hand::kFingers; ++i) {
-    const auto& tip = hand.tips[i];
+TEST(Description, TipsAreCapsulesOfSevenMillimetres) {
+  const hand::Description hand = shadow();
+  for (std::size_t i = 0; i < hand::kShadowFingers; ++i) {
+    const auto& tip = hand.fingers[i].tip;
     EXPECT_DOUBLE_EQ(tip.radius, 0.007);
     EXPECT_NEAR(tip.b.z() + tip.radius, i == 0 ? 0.0275 : 0.0265, 1e-12);
     EXPECT_GT(tip.b.z(), tip.a.z());
     EXPECT_LT(tip.a.head<2>().norm() + tip.b.head<2>().norm(), 1e-12);
   }
-  EXPECT_EQ(hand.links[static_cast<std::size_t>(hand.distal[0])].name, "thdistal");
-  EXPECT_EQ(hand.links[static_cast<std::size_t>(hand.distal[4])].name, "lfdistal");
+  EXPECT_EQ(hand.links[static_cast<std::size_t>(hand.fingers[0].link)].name, "thdistal");
+  EXPECT_EQ(hand.links[static_cast<std::size_t>(hand.fingers[4].link)].name, "lfdistal");
 }
 
-TEST(HandModel, SpheresCoverThePartsThatTouch) {
-  const hand::HandModel hand = shadow();
+TEST(Description, SpheresCoverThePartsThatTouch) {
+  const hand::Description hand = shadow();
   EXPECT_GT(hand.spheres.size(), 60u);
   EXPECT_LT(hand.spheres.size(), 120u);
   std::set<std::string> covered;
@@ -125,19 +126,19 @@ TEST(HandModel, SpheresCoverThePartsThatTouch) {
   }
 }
 
-TEST(HandModel, SpheresOfATipLieWithinItsCapsule) {
-  const hand::HandModel hand = shadow();
+TEST(Description, SpheresOfATipLieWithinItsCapsule) {
+  const hand::Description hand = shadow();
   for (const hand::LinkSphere& sphere : hand.spheres) {
-    for (std::size_t i = 0; i < hand::kFingers; ++i) {
-      if (sphere.link != hand.distal[i]) continue;
-      EXPECT_LE(sphere.radius, hand.tips[i].radius);
-      EXPECT_GE(sphere.center.z(), hand.tips[i].a.z() - 1e-12);
-      EXPECT_LE(sphere.center.z(), hand.tips[i].b.z() + 1e-12);
+    for (std::size_t i = 0; i < hand::kShadowFingers; ++i) {
+      if (sphere.link != hand.fingers[i].link) continue;
+      EXPECT_LE(sphere.radius, hand.fingers[i].tip.radius);
+      EXPECT_GE(sphere.center.z(), hand.fingers[i].tip.a.z() - 1e-12);
+      EXPECT_LE(sphere.center.z(), hand.fingers[i].tip.b.z() + 1e-12);
     }
   }
 }
 
-TEST(HandModel, AMissingFileIsNamed) {
+TEST(Description, AMissingFileIsNamed) {
   try {
     load_shadow_hand("/no/such/hand.xml");
     FAIL();
@@ -148,7 +149,7 @@ TEST(HandModel, AMissingFileIsNamed) {
 }
 
 TEST(HandVisuals, DrawsEveryLinkThatHasAMesh) {
-  const hand::HandModel hand = shadow();
+  const hand::Description hand = shadow();
   const hand::HandVisuals visuals = load_shadow_hand_visuals(asset("shadow_hand/right_hand.xml"));
   EXPECT_EQ(visuals.meshes.size(), 12u);
   EXPECT_GE(visuals.parts.size(), 22u);
@@ -160,15 +161,15 @@ TEST(HandVisuals, DrawsEveryLinkThatHasAMesh) {
 }
 
 TEST(HandVisuals, ATipsMeshIsWhereItsCapsuleIs) {
-  const hand::HandModel hand = shadow();
+  const hand::Description hand = shadow();
   const hand::HandVisuals visuals = load_shadow_hand_visuals(asset("shadow_hand/right_hand.xml"));
   const int distal = link_named(hand, "ffdistal");
   for (const hand::VisualPart& part : visuals.parts) {
     if (part.link != distal) continue;
     const auto mesh = geometry::transformed(part.T_link_mesh, visuals.meshes.at(part.mesh));
     const Eigen::AlignedBox3d box = geometry::bounds(mesh);
-    EXPECT_TRUE(box.contains(0.5 * (hand.tips[1].a + hand.tips[1].b)));
-    EXPECT_TRUE(box.contains(hand.tips[1].b));
+    EXPECT_TRUE(box.contains(0.5 * (hand.fingers[1].tip.a + hand.fingers[1].tip.b)));
+    EXPECT_TRUE(box.contains(hand.fingers[1].tip.b));
     EXPECT_LT(box.sizes().maxCoeff(), 0.05);
   }
 }

@@ -12,6 +12,7 @@
 #include "grasping/force_closure.hpp"
 #include "palpate/core/assets.hpp"
 #include "palpate/geometry/query/mesh_query.hpp"
+#include "palpate/hand/shadow.hpp"
 #include "palpate/simulation/hand/open_loop_grasp.hpp"
 #include "palpate/simulation/world/world.hpp"
 #include "simulation/scenes.hpp"
@@ -125,13 +126,13 @@ TEST(ObjectStep, TipContactsAreThoseOfTheTrueSurface) {
 
 TEST(ObjectStep, TipsAreWhereTheHandsModelHasThem) {
   const ObjectStep& step = held_step();
-  const hand::HandModel& hand = recorded_grasp().world.hand_model();
+  const hand::Description& hand = recorded_grasp().world.hand_model();
   const auto T_base_link = hand::forward_kinematics(hand, step.joints);
   for (const ObjectContact& contact : step.contacts) {
     if (contact.finger < 0) continue;
-    const auto& tip = hand.tips[static_cast<std::size_t>(contact.finger)];
+    const auto& tip = hand.fingers[static_cast<std::size_t>(contact.finger)].tip;
     const auto link =
-        static_cast<std::size_t>(hand.distal[static_cast<std::size_t>(contact.finger)]);
+        static_cast<std::size_t>(hand.fingers[static_cast<std::size_t>(contact.finger)].link);
     const Eigen::Isometry3d T = step.T_world_base * T_base_link[link];
     EXPECT_EQ(contact.link, static_cast<int>(link));
     EXPECT_LT((T * tip.a - contact.capsule.a).norm(), 1e-9);
@@ -178,22 +179,22 @@ TEST(ObjectStep, TheHeldObjectIsInForceClosureAndItsWeightCanBeBalanced) {
 }
 
 /// The simulator's own Jacobian of the maker's hand, its palm where the base's model has it.
-Eigen::MatrixXd simulators_jacobian(const hand::HandModel& hand, const hand::JointVector& joints,
+Eigen::MatrixXd simulators_jacobian(const hand::Description& hand, const hand::JointVector& joints,
                                     const grasping::GraspContacts& contacts) {
   const std::unique_ptr<mjModel, void (*)(mjModel*)> model(
       mj_loadXML(asset("shadow_hand/right_hand.xml").c_str(), nullptr, nullptr, 0), mj_deleteModel);
   const std::unique_ptr<mjData, void (*)(mjData*)> data(mj_makeData(model.get()), mj_deleteData);
-  std::array<int, hand::kJoints> dofs{};
+  std::array<int, hand::kShadowJoints> dofs{};
   for (std::size_t i = 0; i < dofs.size(); ++i) {
-    const int id =
-        mj_name2id(model.get(), mjOBJ_JOINT, ("rh_" + std::string(hand::kJointNames[i])).c_str());
+    const int id = mj_name2id(model.get(), mjOBJ_JOINT,
+                              ("rh_" + std::string(hand::kShadowJointNames[i])).c_str());
     data->qpos[model->jnt_qposadr[id]] = joints[static_cast<int>(i)];
     dofs[i] = model->jnt_dofadr[id];
   }
   mj_kinematics(model.get(), data.get());
   mj_comPos(model.get(), data.get());
   const auto T_base_link = hand::forward_kinematics(hand, joints);
-  Eigen::MatrixXd J(6 * static_cast<Eigen::Index>(contacts.size()), hand::kJoints);
+  Eigen::MatrixXd J(6 * static_cast<Eigen::Index>(contacts.size()), hand::kShadowJoints);
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     const int body = contacts[i].link + 1;
     const Eigen::Isometry3d& T_base = T_base_link[static_cast<std::size_t>(contacts[i].link)];

@@ -13,6 +13,7 @@
 
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
+#include "palpate/hand/shadow.hpp"
 #include "simulation/scenes.hpp"
 
 namespace palpate::simulation {
@@ -76,7 +77,7 @@ TEST_F(Drawing, ShowsHowTheHandIsHeld) {
   DrawnState state = hovering();
   const Image open = renderer->render(state);
   for (const char* joint : {"FFJ3", "MFJ3", "RFJ3", "LFJ3"}) {
-    state.joints[hand::joint_index(joint)] = 1.3;
+    state.joints[hand::shadow_hand().joint(joint)] = 1.3;
   }
   const Image bent = renderer->render(state);
   EXPECT_GT(different_pixels(open, bent), 50u);

@@ -7,6 +7,7 @@
 
 #include "palpate/geometry/objects/known_object.hpp"
 #include "palpate/hand/hand.hpp"
+#include "palpate/hand/shadow.hpp"
 #include "palpate/simulation/world/world.hpp"
 
 namespace palpate::simulation {
@@ -92,7 +93,7 @@ inline hand::HandCommand open_hand(double z) {
 inline hand::HandCommand fingers_down(double z) {
   hand::HandCommand command = open_hand(z);
   for (std::string_view joint : {"FFJ3", "MFJ3", "RFJ3", "LFJ3"}) {
-    command.positions[hand::actuator_index(joint)] = 1.3;
+    command.positions[hand::shadow_hand().actuator(joint)] = 1.3;
   }
   return command;
 }

@@ -12,8 +12,8 @@
 #include "palpate/core/error.hpp"
 #include "palpate/core/se3.hpp"
 #include "palpate/geometry/query/mesh_query.hpp"
-#include "palpate/hand/coupling.hpp"
 #include "palpate/hand/kinematics.hpp"
+#include "palpate/hand/shadow.hpp"
 #include "simulation/scenes.hpp"
 
 namespace palpate::simulation {
@@ -83,18 +83,18 @@ TEST(World, StartsWhereReportedTo) {
   EXPECT_NEAR(truth.T_world_object.translation().y(), -0.02, 1e-12);
   const Eigen::AngleAxisd yaw(0.4, Eigen::Vector3d::UnitZ());
   EXPECT_LT((truth.T_world_object.linear() - yaw.toRotationMatrix()).norm(), 1e-9);
-  EXPECT_NEAR(truth.joints[hand::joint_index("FFJ3")], 1.3, 1e-12);
+  EXPECT_NEAR(truth.joints[hand::shadow_hand().joint("FFJ3")], 1.3, 1e-12);
 }
 
 TEST(World, TheCoupledJointsShareTheirActuator) {
   World world(block(), without_noise(), 1);
   hand::HandCommand command = open_hand(0.5);
-  command.positions[hand::actuator_index("RFJ0")] = 1.2;
+  command.positions[hand::shadow_hand().actuator("RFJ0")] = 1.2;
   world.reset({}, command);
   const hand::CoupledAngles pair = hand::share_in_free_flexion(1.2);
-  EXPECT_NEAR(world.truth().joints[hand::joint_index("RFJ1")], pair.j1, 1e-12);
-  EXPECT_NEAR(world.truth().joints[hand::joint_index("RFJ2")], pair.j2, 1e-12);
-  EXPECT_EQ(world.truth().joints[hand::joint_index("THJ1")], 0);
+  EXPECT_NEAR(world.truth().joints[hand::shadow_hand().joint("RFJ1")], pair.j1, 1e-12);
+  EXPECT_NEAR(world.truth().joints[hand::shadow_hand().joint("RFJ2")], pair.j2, 1e-12);
+  EXPECT_EQ(world.truth().joints[hand::shadow_hand().joint("THJ1")], 0);
 }
 
 TEST(World, TheEmptyHandAtRestLoadsNoDrive) {
@@ -130,8 +130,8 @@ TEST(World, TheDrivesCarryWhatTheTipsPress) {
   const Eigen::Vector3d up = world.truth().T_world_object.linear().col(2);
   Eigen::Vector3d pressed = Eigen::Vector3d::Zero();
   ASSERT_GE(contacts(reading), 1);
-  for (std::size_t i = 0; i < hand::kFingers; ++i) {
-    const auto link = static_cast<std::size_t>(world.hand_model().distal[i]);
+  for (std::size_t i = 0; i < hand::kShadowFingers; ++i) {
+    const auto link = static_cast<std::size_t>(world.hand_model().fingers[i].link);
     const Eigen::Isometry3d T = T_world_base * T_base_link[link];
     for (const hand::TipContact& contact : reading.contacts[i]) {
       EXPECT_LT(contact.f.dot(contact.n), 0);
@@ -153,9 +153,9 @@ TEST(World, TipsTouchTheTrueSurface) {
   const Eigen::Isometry3d T_object_base =
       world.truth().T_world_object.inverse() * reading.base.pose();
   ASSERT_GE(contacts(reading), 1);
-  for (std::size_t i = 0; i < hand::kFingers; ++i) {
-    const auto& tip = world.hand_model().tips[i];
-    const auto link = static_cast<std::size_t>(world.hand_model().distal[i]);
+  for (std::size_t i = 0; i < hand::kShadowFingers; ++i) {
+    const auto& tip = world.hand_model().fingers[i].tip;
+    const auto link = static_cast<std::size_t>(world.hand_model().fingers[i].link);
     const Eigen::Isometry3d T = T_object_base * T_base_link[link];
     for (const hand::TipContact& contact : reading.contacts[i]) {
       const double z = std::clamp(contact.p.z(), tip.a.z(), tip.b.z());
@@ -210,7 +210,7 @@ TEST(World, JointNoiseHasItsSize) {
     const hand::JointVector error = world.hand().step(away).joints - world.truth().joints;
     sum += error.sum();
     squares += error.squaredNorm();
-    count += hand::kJoints;
+    count += hand::kShadowJoints;
   }
   EXPECT_NEAR(std::sqrt(squares / count), options.noise.joint, 0.05 * options.noise.joint);
   EXPECT_NEAR(sum / count, 0, 0.1 * options.noise.joint);
@@ -228,7 +228,7 @@ TEST(World, ContactNoiseHasItsSizeAndLeavesThePhysicsAlone) {
     const hand::HandReading a = exact.hand().step(hold);
     const hand::HandReading b = noisy.hand().step(hold);
     ASSERT_EQ(a.torques, b.torques);
-    for (std::size_t i = 0; i < hand::kFingers; ++i) {
+    for (std::size_t i = 0; i < hand::kShadowFingers; ++i) {
       if (a.contacts[i].size() != b.contacts[i].size()) continue;
       for (std::size_t k = 0; k < a.contacts[i].size(); ++k) {
         points += (a.contacts[i][k].p - b.contacts[i][k].p).squaredNorm() / 3;
@@ -247,7 +247,7 @@ TEST(World, ContactNoiseHasItsSizeAndLeavesThePhysicsAlone) {
 
 TEST(World, WithoutLinkNoiseTheModelIsTheMakers) {
   World world(block(), without_noise(), 3);
-  const hand::HandModel made = load_shadow_hand(asset("shadow_hand/right_hand.xml"));
+  const hand::Description made = load_shadow_hand(asset("shadow_hand/right_hand.xml"));
   for (std::size_t i = 0; i < made.links.size(); ++i) {
     EXPECT_EQ(world.hand_model().links[i].T_parent_link.matrix(),
               made.links[i].T_parent_link.matrix());
@@ -259,7 +259,7 @@ TEST(World, ActuatorsDescribeTheServos) {
   plain.stiffness_scale = 1;
   scaled.stiffness_scale = 4;
   World soft(block(), plain, 1), stiff(block(), scaled, 1);
-  for (std::size_t i = 0; i < hand::kActuators; ++i) {
+  for (std::size_t i = 0; i < hand::kShadowActuators; ++i) {
     const hand::Actuator& a = soft.hand().actuators()[i];
     const hand::Actuator& b = stiff.hand().actuators()[i];
     const bool wrist = hand::finger_of_actuator(static_cast<int>(i)) < 0;
@@ -267,7 +267,7 @@ TEST(World, ActuatorsDescribeTheServos) {
     EXPECT_DOUBLE_EQ(b.max_torque, a.max_torque);
     EXPECT_LT(a.command.low, a.command.high);
   }
-  const auto j0 = static_cast<std::size_t>(hand::actuator_index("MFJ0"));
+  const auto j0 = static_cast<std::size_t>(hand::shadow_hand().actuator("MFJ0"));
   EXPECT_DOUBLE_EQ(soft.hand().actuators()[j0].stiffness, 0.5);
   EXPECT_NEAR(soft.hand().actuators()[j0].command.high, 2 * 1.571, 1e-12);
 }
@@ -276,11 +276,11 @@ TEST(World, ActuatorsDescribeTheServos) {
 std::pair<double, double> error_and_torque(World& world) {
   hand::HandCommand command = open_hand(0.5);
   world.reset({}, command);
-  const int actuator = hand::actuator_index("FFJ3");
+  const int actuator = hand::shadow_hand().actuator("FFJ3");
   command.positions[actuator] = 0.1;
   hand::HandReading reading;
   for (int tick = 0; tick < 100; ++tick) reading = world.hand().step(command);
-  return {command.positions[actuator] - reading.joints[hand::joint_index("FFJ3")],
+  return {command.positions[actuator] - reading.joints[hand::shadow_hand().joint("FFJ3")],
           reading.torques[actuator]};
 }
 
@@ -290,7 +290,7 @@ TEST(World, StiffnessIsTorqueOverErrorWithoutTheIntegral) {
   options.integral.limit = 0;
   World world(block(), options, 1);
   const auto [error, torque] = error_and_torque(world);
-  const auto actuator = static_cast<std::size_t>(hand::actuator_index("FFJ3"));
+  const auto actuator = static_cast<std::size_t>(hand::shadow_hand().actuator("FFJ3"));
   EXPECT_NEAR(torque, world.hand().actuators()[actuator].stiffness * error, 1e-4);
   EXPECT_GT(std::abs(torque), 1e-3);  // what friction holds
 }

@@ -8,19 +8,20 @@
 #include "hand/fake_hand.hpp"
 #include "palpate/core/assets.hpp"
 #include "palpate/evaluation/trial.hpp"
-#include "palpate/hand/coupling.hpp"
+#include "palpate/hand/kinematics.hpp"
+#include "palpate/hand/shadow.hpp"
 #include "palpate/skills/grasp/grasp_phase.hpp"
 #include "palpate/tactile/contacts/contact_window.hpp"
 
 namespace palpate::skills {
 namespace {
 
-hand::HandModel drawn_hand() {
+hand::Description drawn_hand() {
   return simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
 }
 
 /// Root mean square distance of the fingertips of an open hand from where they are, m.
-double tip_error(const hand::HandModel& believed, const hand::HandModel& real) {
+double tip_error(const hand::Description& believed, const hand::Description& real) {
   const auto joints = hand::joints_in_free_flexion(open_posture(top_preshape()));
   const auto there = hand::forward_kinematics(believed, joints);
   const auto here = hand::forward_kinematics(real, joints);
@@ -29,7 +30,7 @@ double tip_error(const hand::HandModel& believed, const hand::HandModel& real) {
     const auto i = static_cast<std::size_t>(link);
     sum += (there[i].translation() - here[i].translation()).squaredNorm();
   }
-  return std::sqrt(sum / hand::kFingers);
+  return std::sqrt(sum / hand::kShadowFingers);
 }
 
 struct Calibrating {
@@ -72,10 +73,10 @@ TEST(CalibratePhase, FindsTheFingertipsWithoutTouchingTheObject) {
   EXPECT_GT(scene.robot.reading().base.xyz.z(), 0.3);  // clear of all that stands about
   // Within three standard deviations of what it says of itself.
   double stated = 0;
-  for (int finger = 0; finger < hand::kFingers; ++finger) {
+  for (int finger = 0; finger < hand::kShadowFingers; ++finger) {
     stated += 3 * std::pow(tactile::link_offset_sigma(scene.robot.model(), finger), 2);
   }
-  EXPECT_LT(tip_error(scene.robot.model(), real), 3 * std::sqrt(stated / hand::kFingers));
+  EXPECT_LT(tip_error(scene.robot.model(), real), 3 * std::sqrt(stated / hand::kShadowFingers));
 }
 
 TEST(CalibratePhase, TheLogAloneTellsTheSameHand) {
@@ -108,7 +109,7 @@ TEST(CalibratePhase, KnowsLessFromNoisierTouches) {
 
 TEST(CalibratePhase, LeavesTheHandThatFeelsNothing) {
   hand::FakeHand hand;
-  hand::HandModel model = drawn_hand();
+  hand::Description model = drawn_hand();
   model.kinematic_error = 0.002;
   Executor robot(hand, model, evaluation::waiting_command());
   CalibrateOptions options;
@@ -122,7 +123,7 @@ TEST(CalibratePhase, LeavesTheHandThatFeelsNothing) {
 }
 
 TEST(CalibratePhase, LeavesTheHandWhoseTouchesContradictOneAnother) {
-  hand::HandModel model = drawn_hand();
+  hand::Description model = drawn_hand();
   model.kinematic_error = 0.002;
   int ticks = 0;
   hand::FakeHand hand([&](hand::HandReading& reading) {  // feels things in the air, ever higher

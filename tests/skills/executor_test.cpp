@@ -7,6 +7,7 @@
 
 #include "hand/fake_hand.hpp"
 #include "palpate/core/random.hpp"
+#include "palpate/hand/shadow.hpp"
 #include "palpate/hand/tip_forces.hpp"
 #include "palpate/skills/phase.hpp"
 
@@ -16,7 +17,7 @@ namespace {
 using hand::HandReading;
 using hand::kTick;
 
-const hand::HandModel kNoModel;
+const hand::Description kNoModel;
 
 /// A robot at the origin whose hand feels what the script says.
 struct Scene {
@@ -96,7 +97,7 @@ TEST(Executor, FingersComeToThePostureInTheGivenTime) {
   EXPECT_EQ(scene.robot.move_fingers(posture, 0.5), MotionEnd::reached);
   EXPECT_NEAR(scene.robot.time() - start, 0.5, 1e-9);
   EXPECT_EQ(scene.robot.command().positions, posture);
-  EXPECT_EQ(scene.robot.reading().joints[hand::joint_index("FFJ3")], 0.7);
+  EXPECT_EQ(scene.robot.reading().joints[hand::shadow_hand().joint("FFJ3")], 0.7);
 }
 
 TEST(Executor, TellsOfEveryTickAndMark) {
@@ -118,16 +119,16 @@ TEST(Executor, TellsOfEveryTickAndMark) {
 TEST(Executor, GripClosesWhileTheBaseMovesAndWithinItsTorque) {
   Scene scene;
   Grip grip{grasping::ClosingLaw(scene.robot.actuators(), 1.0, 0.5), {}, {}};
-  grip.active[static_cast<std::size_t>(hand::Finger::first)] = true;
+  grip.active[static_cast<std::size_t>(hand::FingerName::first)] = true;
   scene.robot.set_grip(grip);
   scene.robot.move_base(at({0, 0, 0.05}), 0.1);
   const auto& positions = scene.robot.command().positions;
-  EXPECT_GT(positions[hand::actuator_index("FFJ3")], 0.1);
-  EXPECT_EQ(positions[hand::actuator_index("MFJ3")], 0);
-  const double before = positions[hand::actuator_index("FFJ3")];
+  EXPECT_GT(positions[hand::shadow_hand().actuator("FFJ3")], 0.1);
+  EXPECT_EQ(positions[hand::shadow_hand().actuator("MFJ3")], 0);
+  const double before = positions[hand::shadow_hand().actuator("FFJ3")];
   scene.robot.set_grip(std::nullopt);
   scene.robot.wait(0.1);
-  EXPECT_EQ(positions[hand::actuator_index("FFJ3")], before);
+  EXPECT_EQ(positions[hand::shadow_hand().actuator("FFJ3")], before);
 }
 
 /// A scene whose base is pushed upwards with 2 N in the times [from, to).

@@ -76,7 +76,7 @@ struct Exploring {
   std::size_t guarded_moves = 0;
   bool sweeping = false;
   Eigen::Vector3d start{0, 0, 0}, last{0, 0, 0};
-  hand::HandModel model = simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
+  hand::Description model = simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
   geometry::ObjectModel object{geometry::load_known_object("box")};
   ExploreOptions options;
   estimation::EstimationOptions locate;

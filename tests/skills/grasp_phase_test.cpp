@@ -8,6 +8,7 @@
 #include "hand/fake_hand.hpp"
 #include "palpate/core/assets.hpp"
 #include "palpate/evaluation/trial.hpp"
+#include "palpate/hand/shadow.hpp"
 
 namespace palpate::skills {
 namespace {
@@ -33,12 +34,12 @@ struct ClosingHand {
   }
 
   void feel(hand::HandReading& reading) {
-    const bool closed = reading.joints[hand::joint_index("FFJ3")] > kTouch;
+    const bool closed = reading.joints[hand::shadow_hand().joint("FFJ3")] > kTouch;
     closings += closed && !was_closed;
     was_closed = closed;
     if (!closed) return;
     const auto T = hand::forward_kinematics(model, reading.joints);
-    for (std::size_t finger = 0; finger < hand::kFingers; ++finger) {
+    for (std::size_t finger = 0; finger < hand::kShadowFingers; ++finger) {
       const Eigen::Isometry3d T_link_base =
           T[static_cast<std::size_t>(model.distal[finger])].inverse();
       const double side = finger == 0 && closings > bad ? -1 : 1;
@@ -56,7 +57,7 @@ struct ClosingHand {
 
   int bad = 0, closings = 0;
   bool was_closed = false;
-  hand::HandModel model = simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
+  hand::Description model = simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
   geometry::ObjectModel object{geometry::load_known_object("box")};
   GraspOptions options;
   PickState state;

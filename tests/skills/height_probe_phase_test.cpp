@@ -13,7 +13,7 @@
 namespace palpate::skills {
 namespace {
 
-const hand::HandModel& shadow() {
+const hand::Description& shadow() {
   static const auto model = simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
   return model;
 }

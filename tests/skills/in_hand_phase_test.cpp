@@ -5,6 +5,7 @@
 
 #include "evaluation/quick_options.hpp"
 #include "palpate/core/random.hpp"
+#include "palpate/hand/shadow.hpp"
 #include "palpate/hand/tip_forces.hpp"
 #include "palpate/simulation/collision/forward_model.hpp"
 #include "palpate/skills/place/place.hpp"
@@ -126,7 +127,7 @@ TEST(InHandReorientation, WhereFingersLetGoTheBaseTakesWhatIsLeft) {
 
 double pressing(const Executor& robot) {
   double sum = 0;
-  for (int finger = 0; finger < hand::kFingers; ++finger)
+  for (int finger = 0; finger < hand::kShadowFingers; ++finger)
     sum += hand::tip_force(robot.reading(), finger);
   return sum;
 }
@@ -135,7 +136,7 @@ TEST(InHandReorientation, FingersThatAreAboutToLetGoPressAnew) {
   HeldBox scene;
   ASSERT_TRUE(scene.picked.held);
   InHandReorientationOptions options = scene.options.place.fingers;
-  options.reorient.min_fingers = hand::kFingers + 1;  // more than there are
+  options.reorient.min_fingers = hand::kShadowFingers + 1;  // more than there are
   options.reorient.errors = scene.options.pick.estimation.errors;
   PickState state;
   state.estimate = scene.picked.estimate;

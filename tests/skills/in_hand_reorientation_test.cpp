@@ -7,6 +7,7 @@
 
 #include "palpate/core/error.hpp"
 #include "palpate/evaluation/trial.hpp"
+#include "palpate/hand/shadow.hpp"
 #include "palpate/simulation/collision/forward_model.hpp"
 
 namespace palpate::skills {
@@ -57,7 +58,7 @@ TEST(SimulatedForwardModel, HoldsWhatTheHandHoldsAndDropsWhatItLetsGo) {
   EXPECT_LT((held.T_base_object.translation() - settled.T_base_object.translation()).norm(), 0.001);
 
   std::vector<hand::HandCommand> open = hold;
-  for (auto& command : open) command.positions.tail<hand::kActuators - 2>().setZero();
+  for (auto& command : open) command.positions.tail<hand::kShadowActuators - 2>().setZero();
   const auto dropped = model.rollout(open);
   EXPECT_GT((dropped.T_base_object.translation() - settled.T_base_object.translation()).norm(),
             0.03);

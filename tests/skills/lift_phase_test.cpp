@@ -36,7 +36,7 @@ struct Lifting {
   }
 
   LiftOptions options;
-  hand::HandModel model = simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
+  hand::Description model = simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
   PickState state;
   hand::FakeHand hand;
   Executor robot;

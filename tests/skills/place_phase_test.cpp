@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "hand/fake_hand.hpp"
+#include "palpate/hand/shadow.hpp"
 #include "palpate/hand/tip_forces.hpp"
 
 namespace palpate::skills {
@@ -35,7 +36,7 @@ struct Descent {
       : hand(std::move(script)),
         robot(hand, model, over(expected)),
         phase({}, goal_at(expected), wall, open) {
-    open[hand::actuator_index("FFJ3")] = 0.2;
+    open[hand::shadow_hand().actuator("FFJ3")] = 0.2;
   }
   static hand::HandCommand over(double expected) {
     hand::HandCommand command;
@@ -47,7 +48,7 @@ struct Descent {
     phase = PlacePhase({}, goal_at(expected_), wall_, open);
     return run_phase(phase, robot, state);
   }
-  hand::HandModel model;
+  hand::Description model;
   hand::ActuatorVector open = hand::ActuatorVector::Zero();
   hand::FakeHand hand;
   Executor robot;
@@ -62,7 +63,7 @@ TEST(PlacePhase, StopsAtTheTableAndLetsGo) {
   EXPECT_TRUE(descent.phase.let_go());
   EXPECT_EQ(descent.phase.touchdown(), PlacePhase::Touchdown::flat);
   EXPECT_TRUE(descent.robot.log().at(estimation::TouchEvent::placed));
-  EXPECT_DOUBLE_EQ(descent.robot.command().positions[hand::actuator_index("FFJ3")], 0.2);
+  EXPECT_DOUBLE_EQ(descent.robot.command().positions[hand::shadow_hand().actuator("FFJ3")], 0.2);
   // No deeper than what the wanted press takes, and what three ticks of delay add.
   EXPECT_GT(descent.robot.command().base.xyz.z(),
             kGround - (kHeldWeight + 1) / kStiffness - 0.0005);
@@ -72,13 +73,13 @@ TEST(PlacePhase, StopsAtTheTableAndLetsGo) {
 TEST(OpenPhase, OpensWhereTheHandIsAndMarksWhenItStillHeld) {
   Descent descent(
       [](auto& reading) {
-        if (reading.joints[hand::joint_index("FFJ3")] > 0.3) {
+        if (reading.joints[hand::shadow_hand().joint("FFJ3")] > 0.3) {
           reading.contacts[1] = {{{0, 0, 0.02}, {0, 1, 0}, {0, -1, 0}}};
         }
       },
       0);
   hand::ActuatorVector closed = descent.robot.command().positions;
-  closed[hand::actuator_index("FFJ3")] = 0.6;
+  closed[hand::shadow_hand().actuator("FFJ3")] = 0.6;
   descent.robot.move_fingers(closed, 0.1);
   const auto base = descent.robot.command().base;
   PickState state;
@@ -88,7 +89,7 @@ TEST(OpenPhase, OpensWhereTheHandIsAndMarksWhenItStillHeld) {
   ASSERT_TRUE(log.at(estimation::TouchEvent::placed));
   EXPECT_GT(hand::tip_force(log.readings[*log.at(estimation::TouchEvent::placed)], 1), 0.9);
   EXPECT_EQ(descent.robot.command().base.xyz, base.xyz);
-  EXPECT_DOUBLE_EQ(descent.robot.command().positions[hand::actuator_index("FFJ3")], 0.2);
+  EXPECT_DOUBLE_EQ(descent.robot.command().positions[hand::shadow_hand().actuator("FFJ3")], 0.2);
 }
 
 TEST(OpenPhase, FailsWhileTheObjectIsStillFelt) {
@@ -188,7 +189,7 @@ TEST(PlacePhase, GivesUpASlotThatIsNowhere) {
 
 PhaseReport withdrawn(hand::FakeHand::Script script) {
   hand::FakeHand hand(std::move(script));
-  hand::HandModel model;
+  hand::Description model;
   hand::HandCommand command;
   command.base.xyz.z() = 0.1;
   command.positions.setConstant(0.5);
@@ -200,7 +201,7 @@ PhaseReport withdrawn(hand::FakeHand::Script script) {
 TEST(WithdrawPhase, RisesFree) { EXPECT_EQ(withdrawn({}).status, PhaseStatus::ok); }
 
 TEST(WithdrawPhase, OpensWiderWhereItIsCaught) {
-  const int finger = hand::joint_index("FFJ3");
+  const int finger = hand::shadow_hand().joint("FFJ3");
   const auto report = withdrawn([&](hand::HandReading& reading) {
     const bool caught = reading.joints[finger] > 0.4 && reading.base.xyz.z() > 0.12;
     reading.base_force.z() = caught ? 1.0 : 0.0;

@@ -15,9 +15,10 @@ using grasping::coupled_finger;
 TEST(PressingCommand, LeadsByTorqueOverStiffnessWithinTheRange) {
   const auto model = coupled_finger();
   hand::FakeHand hand([](hand::HandReading& reading) {
-    reading.torques[hand::actuator_index("FFJ0")] = 0.03;
-    reading.torques[hand::actuator_index("MFJ0")] = 0.2;
-    reading.joints[hand::joint_index("FFJ1")] = reading.joints[hand::joint_index("FFJ2")] = 0;
+    reading.torques[hand::shadow_hand().actuator("FFJ0")] = 0.03;
+    reading.torques[hand::shadow_hand().actuator("MFJ0")] = 0.2;
+    reading.joints[hand::shadow_hand().joint("FFJ1")] =
+        reading.joints[hand::shadow_hand().joint("FFJ2")] = 0;
   });
   hand::HandCommand start;
   start.positions.setConstant(0.4);
@@ -27,8 +28,9 @@ TEST(PressingCommand, LeadsByTorqueOverStiffnessWithinTheRange) {
   for (const auto& [force, expected] : {std::pair(2.0, 0.4 + 0.07 - 0.03), std::pair(1e3, 3.2)}) {
     const std::vector<Eigen::Vector3d> forces = {{0, force, 0}};
     const auto command = pressing_command(robot, contacts, forces);
-    EXPECT_NEAR(command[hand::actuator_index("FFJ0")], expected, 1e-9);  // stiffness 1 N m/rad
-    EXPECT_EQ(command[hand::actuator_index("MFJ0")], 0.4);               // it presses on nothing
+    EXPECT_NEAR(command[hand::shadow_hand().actuator("FFJ0")], expected,
+                1e-9);                                              // stiffness 1 N m/rad
+    EXPECT_EQ(command[hand::shadow_hand().actuator("MFJ0")], 0.4);  // it presses on nothing
   }
 }
 

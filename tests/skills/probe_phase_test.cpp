@@ -8,6 +8,7 @@
 
 #include "hand/fake_hand.hpp"
 #include "palpate/core/assets.hpp"
+#include "palpate/hand/shadow.hpp"
 #include "palpate/hand/tip_forces.hpp"
 #include "palpate/simulation/world/world.hpp"
 
@@ -21,11 +22,11 @@ constexpr double kAway = 0.02;   // rad of J4 or J0 from the hold that counts as
 constexpr double kPress = 1.0;   // N of a fingertip
 
 std::string finger_name(int finger) {
-  return std::string(hand::kFingerNames[static_cast<std::size_t>(finger)]);
+  return std::string(hand::kShadowFingerNames[static_cast<std::size_t>(finger)]);
 }
 
 double commanded(const hand::HandReading& reading, int finger, const char* joint) {
-  return reading.joints[hand::joint_index(finger_name(finger) + joint)];
+  return reading.joints[hand::shadow_hand().joint(finger_name(finger) + joint)];
 }
 
 /// A finger that holds, or has been moved aside and closed on another spot.
@@ -35,7 +36,7 @@ bool touches(const hand::HandReading& reading, int finger) {
 }
 
 /// A contact with the top of a box that lies on the table.
-void press(const hand::HandModel& model, int finger, hand::HandReading& reading) {
+void press(const hand::Description& model, int finger, hand::HandReading& reading) {
   const auto index = static_cast<std::size_t>(finger);
   const auto link = static_cast<std::size_t>(model.distal[index]);
   const Eigen::Isometry3d T_link_base =
@@ -51,7 +52,7 @@ struct Hold {
 
   explicit Hold(Rule rule = touches)
       : hand([this, rule = std::move(rule)](hand::HandReading& reading) {
-          for (int finger = 0; finger < hand::kFingers; ++finger) {
+          for (int finger = 0; finger < hand::kShadowFingers; ++finger) {
             if (finger == 0 ? thumb_touches : rule(reading, finger)) press(model, finger, reading);
           }
         }),
@@ -80,8 +81,8 @@ struct Hold {
 
   static hand::HandCommand holding() {
     hand::HandCommand command;
-    for (int finger = 1; finger < hand::kFingers; ++finger) {
-      command.positions[hand::actuator_index(finger_name(finger) + "J3")] = kHold;
+    for (int finger = 1; finger < hand::kShadowFingers; ++finger) {
+      command.positions[hand::shadow_hand().actuator(finger_name(finger) + "J3")] = kHold;
     }
     return command;
   }
@@ -95,7 +96,7 @@ struct Hold {
   std::size_t probes() const { return robot.log().all(estimation::TouchEvent::probed).size(); }
 
   bool thumb_touches = true;
-  hand::HandModel model = simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
+  hand::Description model = simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
   geometry::ObjectModel object{geometry::load_known_object("box")};
   PalpationOptions options;
   GraspOptions grasp;
@@ -115,7 +116,7 @@ TEST(PalpationPhase, TouchesAnotherSpotAndReturns) {
   const auto& reading =
       hold.robot.log().readings[hold.robot.log().at(estimation::TouchEvent::probed).value()];
   int moved = 0;
-  for (int finger = 1; finger < hand::kFingers; ++finger) {
+  for (int finger = 1; finger < hand::kShadowFingers; ++finger) {
     if (std::abs(commanded(reading, finger, "J4")) <= kAway) continue;
     ++moved;
     EXPECT_GT(hand::tip_force(reading, finger), hold.options.touch_force);
@@ -153,7 +154,7 @@ TEST(PalpationPhase, MovesNothingWithoutAThumbThatHolds) {
 TEST(PalpationPhase, FailsWhenTheOthersLoseTouch) {
   bool lost = false;
   Hold hold([&lost](const hand::HandReading& reading, int finger) {
-    for (int other = 1; other < hand::kFingers; ++other) {
+    for (int other = 1; other < hand::kShadowFingers; ++other) {
       lost |= commanded(reading, other, "J3") < kHold - 0.1;  // one opens: the object falls
     }
     return !lost && touches(reading, finger);

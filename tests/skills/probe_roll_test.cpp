@@ -34,7 +34,7 @@ struct HeldBox {
       posterior.modes.push_back(mode);
     }
   }
-  hand::HandModel model = simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
+  hand::Description model = simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
   geometry::ObjectModel object;
   hand::FakeHand hand;
   Executor robot;

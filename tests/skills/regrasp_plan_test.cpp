@@ -8,7 +8,7 @@
 
 #include "palpate/core/error.hpp"
 #include "palpate/core/gravity.hpp"
-#include "palpate/hand/coupling.hpp"
+#include "palpate/hand/kinematics.hpp"
 #include "palpate/simulation/collision/collision_scene.hpp"
 #include "palpate/simulation/world/world.hpp"
 #include "palpate/skills/grasp/grasp_phase.hpp"

@@ -5,12 +5,13 @@
 
 #include "hand/fake_hand.hpp"
 #include "palpate/core/assets.hpp"
+#include "palpate/hand/shadow.hpp"
 #include "palpate/simulation/world/world.hpp"
 
 namespace palpate::skills {
 namespace {
 
-const hand::HandModel& shadow() {
+const hand::Description& shadow() {
   static const auto model = simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
   return model;
 }
@@ -43,10 +44,10 @@ TEST(ReleasePhase, LetsGoWhereTheHandHadClosedAndGoesAway) {
   // The fingers open no higher than they had closed: what hangs in them does not fall.
   double opened_at = 1;
   for (const auto& reading : holding.robot.log().readings) {
-    if (reading.joints[hand::joint_index("FFJ3")] > 0.79) opened_at = reading.base.xyz.z();
+    if (reading.joints[hand::shadow_hand().joint("FFJ3")] > 0.79) opened_at = reading.base.xyz.z();
   }
   EXPECT_NEAR(opened_at, Holding::kHeight, 1e-9);
-  for (int i = 0; i < hand::kActuators; ++i) {
+  for (int i = 0; i < hand::kShadowActuators; ++i) {
     if (hand::finger_of_actuator(i) < 0) continue;
     EXPECT_LE(holding.robot.command().positions[i], 0.1);
   }
@@ -85,7 +86,7 @@ TEST(ClearPhase, RisesBeforeItOpensAndTurnsLevel) {
     const auto& reading = holding.robot.log().readings[i];
     if (reading.base.xyz.z() > 0.33) continue;
     EXPECT_EQ(reading.base.ypr, turned.ypr);
-    EXPECT_GT(reading.joints[hand::joint_index("FFJ3")], 0.79);
+    EXPECT_GT(reading.joints[hand::shadow_hand().joint("FFJ3")], 0.79);
   }
   EXPECT_EQ(holding.robot.command().base.ypr, Eigen::Vector3d::Zero());
   EXPECT_FALSE(holding.robot.log().at(

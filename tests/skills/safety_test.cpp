@@ -11,6 +11,7 @@
 
 #include "hand/fake_hand.hpp"
 #include "palpate/hand/faulty_hand.hpp"
+#include "palpate/hand/shadow.hpp"
 #include "palpate/skills/phase.hpp"
 
 namespace palpate::skills {
@@ -23,15 +24,13 @@ using hand::kTick;
 constexpr double kFrom = 0.2;     // s at which a fault sets in
 constexpr double kDetect = 0.05;  // s within which the hand must stand still
 const double kNan = std::numeric_limits<double>::quiet_NaN();
-const hand::HandModel kEmptyModel;
+const hand::Description kEmptyModel;
 
 /// A hand that notes when its base was last commanded to move on.
 class WatchedHand : public hand::Hand {
  public:
   explicit WatchedHand(hand::Hand& hand) : hand_(hand) {}
-  const std::array<hand::Actuator, hand::kActuators>& actuators() const override {
-    return hand_.actuators();
-  }
+  const std::vector<hand::Actuator>& actuators() const override { return hand_.actuators(); }
   HandReading step(const hand::HandCommand& command) override {
     ++steps;
     if (command.base.xyz.x() > before_) last_advance = steps * kTick;
@@ -307,15 +306,15 @@ TEST(Safety, APhaseThatAFaultStopsSaysSo) {
 
 TEST(Safety, AStoppedFingerHoldsOnLightly) {
   hand::FakeHand fake([](HandReading& reading) {
-    reading.joints[hand::joint_index("FFJ3")] = 0.2;  // it is held back there
+    reading.joints[hand::shadow_hand().joint("FFJ3")] = 0.2;  // it is held back there
     reading.base_force.z() = reading.time > 1 ? 90 : 0;
   });
   Executor robot(fake, kEmptyModel, {});
   hand::ActuatorVector posture = hand::ActuatorVector::Zero();
-  posture[hand::actuator_index("FFJ3")] = 0.7;
+  posture[hand::shadow_hand().actuator("FFJ3")] = 0.7;
   robot.move_fingers(posture, 0.5);
   EXPECT_THROW(robot.wait(1), SafetyStop);
-  const double torque = robot.command().positions[hand::actuator_index("FFJ3")] - 0.2;
+  const double torque = robot.command().positions[hand::shadow_hand().actuator("FFJ3")] - 0.2;
   EXPECT_NEAR(torque, SafetyOptions{}.rest_torque, 1e-9);  // the stiffness is 1 N m/rad
 }
 

@@ -64,7 +64,7 @@ struct Standing {
     mode.covariance = 1e-6 * Matrix6d::Identity();
     start.modes = {mode};
   }
-  hand::HandModel hand;
+  hand::Description hand;
   estimation::EventLog log;
   localization::Posterior start;
 };

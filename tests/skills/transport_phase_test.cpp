@@ -43,7 +43,7 @@ struct Carrying {
     return report;
   }
 
-  hand::HandModel model = simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
+  hand::Description model = simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
   hand::FakeHand hand;
   Executor robot;
   simulation::CollisionScene scene{geometry::load_known_object("box")};

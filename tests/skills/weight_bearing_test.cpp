@@ -8,6 +8,7 @@
 
 #include "hand/fake_hand.hpp"
 #include "palpate/core/assets.hpp"
+#include "palpate/hand/shadow.hpp"
 #include "palpate/simulation/world/world.hpp"
 #include "palpate/tactile/contacts/contact_window.hpp"
 
@@ -32,7 +33,7 @@ struct Pinching {
   }
   WeightBearing bearing() const { return {robot, p_base_object, kBoxWeight, kFriction}; }
 
-  hand::HandModel model = simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
+  hand::Description model = simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
   hand::FakeHand hand;
   Executor robot;
   Eigen::Vector3d p_base_object{0.3, 0, -0.05};
@@ -67,14 +68,14 @@ TEST(WeightBearing, FollowsTheWeightByWhatTheStaticsAsk) {
   const hand::ActuatorVector change = torques(base) - torques(turned(0, 0, 0));
   const hand::ActuatorVector told = bearing.command(base) - pinching.robot.command().positions;
   EXPECT_GT(change.norm(), 0.01);  // N m: a weight of 1.5 N turned by a right angle
-  for (int i = 0; i < hand::kActuators; ++i) {
+  for (int i = 0; i < hand::kShadowActuators; ++i) {
     const auto& actuator = pinching.robot.actuators()[static_cast<std::size_t>(i)];
     EXPECT_NEAR(told[i], change[i] / actuator.stiffness, 1e-6) << i;
   }
 }
 
 TEST(WeightBearing, WithoutTouchTheFingersStay) {
-  hand::HandModel model = simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
+  hand::Description model = simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
   hand::FakeHand hand;
   Executor robot(hand, model, {});
   const WeightBearing bearing(robot, {0.3, 0, 0}, kBoxWeight, kFriction);

@@ -4,6 +4,7 @@
 #include "hand/fake_hand.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/hand/biotac_reading.hpp"
+#include "palpate/hand/shadow.hpp"
 #include "palpate/tactile/biotac/contact_hand.hpp"
 #include "palpate/tactile/biotac/dataset.hpp"
 #include "palpate/tactile/biotac/skin.hpp"
@@ -35,7 +36,7 @@ TEST(BiotacHand, FeelsByTheChannelsAlone) {
     hand::BiotacReading channels =
         sensor.step(touches ? skin.press({&touch, 1}) : tactile::SkinState{});
     channels.time = reading.time;
-    reading.biotacs.assign(hand::kFingers, channels);
+    reading.biotacs.assign(hand::kShadowFingers, channels);
   });
   BiotacHand hand(felt, hand::one_link_hand(), inverse());
   EXPECT_EQ(&hand.actuators(), &felt.actuators());

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/error_message.hpp"
+#include "palpate/hand/shadow.hpp"
 #include "palpate/tactile/biotac/fingers.hpp"
 #include "palpate/tactile/biotac/normal.hpp"
 #include "tactile/one_link_hand.hpp"
@@ -216,7 +217,7 @@ hand::HandReading reading_at(int k, const Eigen::Vector3d& way, const BiotacRead
   hand::HandReading reading;
   reading.time = 0.01 * k;
   reading.base.xyz = 0.0005 * k * way;
-  reading.biotacs.assign(hand::kFingers, channels);
+  reading.biotacs.assign(hand::kShadowFingers, channels);
   return reading;
 }
 
@@ -236,9 +237,9 @@ TEST(BiotacFingers, AreBluntWhereNoElectrodeTellsThePlace) {
   const hand::TipContact& blunt = reading.contacts[1][0];
   EXPECT_EQ(blunt.normal_sigma, BiotacFingers::kBluntNormal);
   EXPECT_EQ(blunt.point_sigma, BiotacFingers::kBluntPoint);
-  const hand::HandModel hand = hand::one_link_hand();
+  const hand::Description hand = hand::one_link_hand();
   EXPECT_LT((blunt.n + way).norm(), 1e-6);
-  EXPECT_LT((blunt.p - hand.tips[1].b - hand.tips[1].radius * way).norm(), 1e-6);
+  EXPECT_LT((blunt.p - hand.fingers[1].tip.b - hand.fingers[1].tip.radius * way).norm(), 1e-6);
   EXPECT_NEAR(blunt.f.dot(way), 2, 0.3);
 }
 
@@ -255,7 +256,7 @@ TEST(BiotacFingers, FeelTheSameAfterFollowing) {
       continue;
     }
     followed.infer_contacts(b);
-    for (std::size_t i = 0; i < hand::kFingers; ++i) {
+    for (std::size_t i = 0; i < hand::kShadowFingers; ++i) {
       ASSERT_EQ(a.contacts[i].size(), b.contacts[i].size()) << k;
       for (std::size_t c = 0; c < a.contacts[i].size(); ++c, ++contacts) {
         EXPECT_EQ(a.contacts[i][c].p, b.contacts[i][c].p);
@@ -276,7 +277,7 @@ TEST(BiotacFingers, TellHowFarTheirContactsMayBeOff) {
   contact.n = {0, 0, 1};
   contact.f = {0, 0, -1};
   contact.covariance = Eigen::Matrix<double, 5, 5>::Identity() * 4e-7;
-  const double radius = hand::one_link_hand().tips[1].radius;
+  const double radius = hand::one_link_hand().fingers[1].tip.radius;
   const auto found = fingers.in_link(contact, 1);
   EXPECT_NEAR(found.normal_sigma, std::sqrt(4e-7) / radius, 1e-9);
   EXPECT_NEAR(found.point_sigma, 4e-7 / radius, 1e-9);  // the ball's sagitta
@@ -291,7 +292,7 @@ TEST(BiotacFingers, PutTheirContactsIntoTheReading) {
   for (int k = 0; k < 60; ++k) {
     reading.contacts[1] = {kTouch, kTouch, kTouch};
     const auto channels = stream.read(k < 25 ? 0 : 2);
-    reading.biotacs.assign(hand::kFingers, channels);
+    reading.biotacs.assign(hand::kShadowFingers, channels);
     fingers.infer_contacts(reading);
   }
   ASSERT_EQ(reading.contacts[1].size(), 1u);

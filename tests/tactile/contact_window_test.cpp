@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "palpate/core/random.hpp"
+#include "palpate/hand/shadow.hpp"
 #include "palpate/tactile/contacts/contact.hpp"
 #include "palpate/tactile/contacts/reported_error.hpp"
 
@@ -14,17 +15,17 @@ namespace palpate::tactile {
 namespace {
 
 /// A palm with one hinged fingertip a finger, 0.1 m out.
-hand::HandModel toy_hand() {
-  hand::HandModel hand;
+hand::Description toy_hand() {
+  hand::Description hand;
   hand.links.resize(6);
   hand.palm = 0;
-  for (int finger = 0; finger < hand::kFingers; ++finger) {
+  for (int finger = 0; finger < hand::kShadowFingers; ++finger) {
     auto& link = hand.links[static_cast<std::size_t>(finger + 1)];
     link.parent = 0;
     link.joint = finger;
     link.axis = Eigen::Vector3d::UnitZ();
     link.T_parent_link.translation() = Eigen::Vector3d(0.1, 0.02 * finger, 0);
-    hand.distal[static_cast<std::size_t>(finger)] = finger + 1;
+    hand.fingers[static_cast<std::size_t>(finger)].link = finger + 1;
   }
   return hand;
 }
@@ -53,7 +54,7 @@ TEST(LastingContacts, AverageInTheBaseFrame) {
 
 TEST(LastingContacts, UncertaintyIsThatOfTheErrorModel) {
   const ContactErrorModel errors{.joint = 0, .point_floor = 1e-5, .normal_floor = 1e-4};
-  hand::HandModel hand = toy_hand();
+  hand::Description hand = toy_hand();
   hand.kinematic_error = 0.003;
   const auto contacts = lasting_contacts(held(25, 0, 1), hand, errors);
   ASSERT_EQ(contacts.size(), 1u);

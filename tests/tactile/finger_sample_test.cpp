@@ -148,7 +148,7 @@ TEST(SampleMaker, RefusesOptionsOutOfRange) {
 }
 
 TEST(FingerFrame, HasTheCapsulesNormalInTheWorld) {
-  hand::HandModel hand;
+  hand::Description hand;
   hand.links.resize(1);
   hand.distal.fill(0);
   for (auto& tip : hand.tips) {

@@ -10,6 +10,7 @@
 #include "palpate/core/error.hpp"
 #include "palpate/core/random.hpp"
 #include "palpate/core/se3.hpp"
+#include "palpate/hand/shadow.hpp"
 #include "palpate/tactile/contacts/contact_window.hpp"
 
 namespace palpate::tactile {
@@ -19,55 +20,55 @@ constexpr int kLinksAFinger = 3;
 constexpr double kLinkError = 0.002;  // m
 
 /// Five fingers of three links, 40 mm each, which bend about y and spread about z at the knuckle.
-hand::HandModel three_link_hand() {
-  hand::HandModel hand;
+hand::Description three_link_hand() {
+  hand::Description hand;
   hand.links.push_back({"palm", -1, Eigen::Isometry3d::Identity(), Eigen::Vector3d::Zero(), -1});
   hand.palm = 0;
   int joint = 0;
-  for (int finger = 0; finger < hand::kFingers; ++finger) {
+  for (int finger = 0; finger < hand::kShadowFingers; ++finger) {
     int parent = 0;
     for (int i = 0; i < kLinksAFinger; ++i) {
       hand::Link link;
       link.parent = parent;
-      link.joint = joint++ % hand::kJoints;
+      link.joint = joint++ % hand::kShadowJoints;
       link.axis = i == 0 ? Eigen::Vector3d::UnitZ() : Eigen::Vector3d::UnitY();
       link.T_parent_link.translation() = Eigen::Vector3d(0.04, i == 0 ? 0.02 * finger : 0, 0);
       parent = static_cast<int>(hand.links.size());
       hand.links.push_back(link);
     }
-    hand.distal[static_cast<std::size_t>(finger)] = parent;
+    hand.fingers[static_cast<std::size_t>(finger)].link = parent;
   }
   hand.kinematic_error = kLinkError;
   return hand;
 }
 
-Eigen::Vector3d place(const hand::HandModel& hand, const TipPosture& tip,
+Eigen::Vector3d place(const hand::Description& hand, const TipPosture& tip,
                       const Eigen::Vector3d& p) {
-  const int link = hand.distal[static_cast<std::size_t>(tip.finger)];
+  const int link = hand.fingers[static_cast<std::size_t>(tip.finger)].link;
   return hand::forward_kinematics(hand, tip.joints)[static_cast<std::size_t>(link)] * p;
 }
 
 TipPosture random_posture(int finger, RandomStream& random) {
   TipPosture tip{finger, {}};
-  for (int i = 0; i < hand::kJoints; ++i) tip.joints[i] = random.uniform(-0.3, 1.2);
+  for (int i = 0; i < hand::kShadowJoints; ++i) tip.joints[i] = random.uniform(-0.3, 1.2);
   return tip;
 }
 
 std::vector<TipPosture> random_postures(int count, std::uint64_t seed) {
   RandomStream random(seed, "postures");
   std::vector<TipPosture> tips;
-  for (int i = 0; i < count; ++i) tips.push_back(random_posture(i % hand::kFingers, random));
+  for (int i = 0; i < count; ++i) tips.push_back(random_posture(i % hand::kShadowFingers, random));
   return tips;
 }
 
 /// Touches of planes of any direction by a hand that is not as its model says.
-std::vector<TipOnPlane> random_touches(const hand::HandModel& real, int count, double sigma,
+std::vector<TipOnPlane> random_touches(const hand::Description& real, int count, double sigma,
                                        std::uint64_t seed) {
   RandomStream random(seed, "touches");
   std::vector<TipOnPlane> touches;
   for (int i = 0; i < count; ++i) {
     TipOnPlane touch;
-    touch.tip = random_posture(i % hand::kFingers, random);
+    touch.tip = random_posture(i % hand::kShadowFingers, random);
     touch.p = {0.02, 0, -0.005};
     touch.sigma = sigma;
     const Eigen::Vector3d p = place(real, touch.tip, touch.p);
@@ -78,7 +79,7 @@ std::vector<TipOnPlane> random_touches(const hand::HandModel& real, int count, d
   return touches;
 }
 
-double mean_square_error(const hand::HandModel& believed, const hand::HandModel& real,
+double mean_square_error(const hand::Description& believed, const hand::Description& real,
                          const std::vector<TipPosture>& uses) {
   double sum = 0;
   for (const auto& tip : uses) {
@@ -89,9 +90,9 @@ double mean_square_error(const hand::HandModel& believed, const hand::HandModel&
 }
 
 TEST(CalibrateLinks, FindsTheHandFromManyExactTouches) {
-  const hand::HandModel real = three_link_hand();
+  const hand::Description real = three_link_hand();
   RandomStream random(1, "links");
-  const hand::HandModel drawn = hand::with_perturbed_links(real, kLinkError, random);
+  const hand::Description drawn = hand::with_perturbed_links(real, kLinkError, random);
   const auto uses = random_postures(50, 2);
   const auto calibrated = calibrate_links(drawn, random_touches(real, 400, 1e-6, 3), uses);
   EXPECT_GT(std::sqrt(mean_square_error(drawn, real, uses)), 0.001);
@@ -100,12 +101,12 @@ TEST(CalibrateLinks, FindsTheHandFromManyExactTouches) {
 }
 
 TEST(CalibrateLinks, StatesWhatIsLeftOfTheError) {
-  const hand::HandModel real = three_link_hand();
+  const hand::Description real = three_link_hand();
   const auto uses = random_postures(50, 4);
   double stated = 0, found = 0;
   for (std::uint64_t seed = 10; seed < 60; ++seed) {
     RandomStream random(seed, "links");
-    const hand::HandModel drawn = hand::with_perturbed_links(real, kLinkError, random);
+    const hand::Description drawn = hand::with_perturbed_links(real, kLinkError, random);
     const auto calibrated = calibrate_links(drawn, random_touches(real, 30, 0.0003, seed), uses);
     stated += 3 * std::pow(link_offset_sigma(calibrated, 0), 2);
     found += mean_square_error(calibrated, real, uses);
@@ -115,10 +116,10 @@ TEST(CalibrateLinks, StatesWhatIsLeftOfTheError) {
 }
 
 TEST(CalibrateLinks, LeavesTheHandWithoutTouchesUsesOrDoubt) {
-  const hand::HandModel hand = three_link_hand();
+  const hand::Description hand = three_link_hand();
   const auto touches = random_touches(hand, 5, 0.0003, 1);
   const auto uses = random_postures(5, 1);
-  hand::HandModel certain = hand;
+  hand::Description certain = hand;
   certain.kinematic_error = 0;
   EXPECT_EQ(calibrate_links(hand, {}, uses).kinematic_error, kLinkError);
   EXPECT_EQ(calibrate_links(hand, touches, {}).kinematic_error, kLinkError);
@@ -126,7 +127,7 @@ TEST(CalibrateLinks, LeavesTheHandWithoutTouchesUsesOrDoubt) {
 }
 
 TEST(CalibrateLinks, RefusesTouchesThatCannotBe) {
-  const hand::HandModel hand = three_link_hand();
+  const hand::Description hand = three_link_hand();
   const auto uses = random_postures(5, 1);
   const auto good = random_touches(hand, 1, 0.0003, 1)[0];
   const auto refuses = [&](const auto& spoil) {
@@ -143,7 +144,7 @@ TEST(CalibrateLinks, RefusesTouchesThatCannotBe) {
   refuses([&](TipOnPlane& touch) { touch.p.x() = nan; });
   refuses([&](TipOnPlane& touch) { touch.tip.joints[3] = nan; });
   refuses([](TipOnPlane& touch) { touch.plane.coeffs() *= 2; });
-  hand::HandModel worse = hand;
+  hand::Description worse = hand;
   worse.kinematic_error = -0.002;
   EXPECT_THROW(calibrate_links(worse, std::vector{good}, uses), BadInput);
   std::vector<TipPosture> elsewhere = uses;
@@ -152,7 +153,7 @@ TEST(CalibrateLinks, RefusesTouchesThatCannotBe) {
 }
 
 TEST(DistanceFromPlane, IsThatOfTheTouchingPoint) {
-  hand::HandModel hand = three_link_hand();
+  hand::Description hand = three_link_hand();
   TipOnPlane touch;
   touch.tip = {2, hand::JointVector::Zero()};
   touch.p = {0.02, 0, -0.005};
@@ -161,7 +162,7 @@ TEST(DistanceFromPlane, IsThatOfTheTouchingPoint) {
 }
 
 TEST(ChooseTouches, TakesEachOnceAndThoseThatTellMore) {
-  const hand::HandModel hand = three_link_hand();
+  const hand::Description hand = three_link_hand();
   const auto uses = random_postures(50, 5);
   const auto candidates = random_touches(hand, 300, 0.0003, 6);
   const auto chosen = choose_touches(hand, candidates, 25, uses);

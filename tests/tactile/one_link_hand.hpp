@@ -6,8 +6,8 @@
 namespace palpate::hand {
 
 /// All fingertips on one link that flexes about x, each a capsule along z.
-inline HandModel one_link_hand() {
-  HandModel hand;
+inline Description one_link_hand() {
+  Description hand;
   hand.links = {{"distal", -1, Eigen::Isometry3d::Identity(), Eigen::Vector3d::UnitX(), 0}};
   hand.distal.fill(0);
   for (auto& tip : hand.tips) tip = {{0, 0, 0.002}, {0, 0, 0.02}, 0.007};

@@ -5,6 +5,7 @@
 
 #include "palpate/core/assets.hpp"
 #include "palpate/core/error.hpp"
+#include "palpate/hand/shadow.hpp"
 #include "palpate/tasks/relocate/synthetic_human.hpp"
 
 namespace palpate::relocate {
@@ -22,8 +23,9 @@ TEST(SyntheticHuman, TheTipsTouchTheObjectAndTheWristMovesSmoothly) {
   RandomStream random(2);
   const Eigen::Vector3d object(-0.06, 0.02, 0.035), target(0.05, -0.1, 0.2);
   const auto grasp = synthetic_grasp(object, {}, options, random).keypoints();
-  for (int finger = 0; finger < hand::kFingers; ++finger) {
-    const Eigen::Vector3d tip = grasp.col(learning::keypoint(static_cast<hand::Finger>(finger), 3));
+  for (int finger = 0; finger < hand::kShadowFingers; ++finger) {
+    const Eigen::Vector3d tip =
+        grasp.col(learning::keypoint(static_cast<hand::FingerName>(finger), 3));
     const double off = (tip - object).head<2>().norm() - options.grip_radius;
     EXPECT_GT(off, -0.003) << finger;
     EXPECT_LT(off, 0.025) << finger;

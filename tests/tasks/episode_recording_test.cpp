@@ -8,6 +8,7 @@
 
 #include "palpate/core/assets.hpp"
 #include "palpate/core/error.hpp"
+#include "palpate/hand/shadow.hpp"
 #include "palpate/recording/writer.hpp"
 #include "palpate/simulation/hand/mjcf_hand.hpp"
 #include "palpate/tasks/relocate/relocate_touch.hpp"
@@ -42,7 +43,7 @@ std::vector<double> shadow_order(const hand::JointVector& joints) {
     if (name.find("WRJ") != std::string::npos) {
       result.push_back(0);
     } else {
-      result.push_back(joints[hand::joint_index(name.substr(3))]);
+      result.push_back(joints[hand::shadow_hand().joint(name.substr(3))]);
     }
   }
   return result;

@@ -22,7 +22,7 @@ RelocateJoints random_joints(RandomStream& random) {
 
 TEST(RelocateTouch, TheHandMovesAsTheSimulatorMovesIt) {
   const RelocateModel model(relocate_primitive_mug());
-  const hand::HandModel hand = adroit_hand_model(model);
+  const hand::Description hand = adroit_hand_model(model);
   simulation::MjcfHand oracle(asset("adroit_hand/adroit_relocate.xml"), "forearm");
   const std::vector<std::string> names = {"thdistal", "ffdistal", "mfdistal", "rfdistal",
                                           "lfdistal"};
@@ -35,7 +35,7 @@ TEST(RelocateTouch, TheHandMovesAsTheSimulatorMovesIt) {
     const auto expected = oracle.evaluate(below, points).positions;
     const auto T_base_link = hand::forward_kinematics(hand, shadow_joints(q));
     for (std::size_t finger = 0; finger < names.size(); ++finger) {
-      const auto link = static_cast<std::size_t>(hand.distal[finger]);
+      const auto link = static_cast<std::size_t>(hand.fingers[finger].link);
       EXPECT_EQ(hand.links[link].name, names[finger]);
       EXPECT_LT((T_base_link[link].translation() - expected.col(static_cast<int>(finger))).norm(),
                 1e-9);
@@ -66,7 +66,7 @@ TEST(RelocateTouch, NoiseIsOfTheSeedAndTheStepAlone) {
   EXPECT_EQ(touch.read(task, 3).joints, touch.read(task, 3).joints);
   EXPECT_NE(touch.read(task, 3).joints, touch.read(task, 4).joints);
   EXPECT_NE(touch.read(task, 3).joints, other.read(task, 3).joints);
-  const auto link = static_cast<std::size_t>(touch.hand_model().distal[1]);
+  const auto link = static_cast<std::size_t>(touch.hand_model().fingers[1].link);
   EXPECT_NE(touch.hand_model().links[link].T_parent_link.translation(),
             other.hand_model().links[link].T_parent_link.translation());
 }

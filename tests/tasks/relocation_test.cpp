@@ -31,7 +31,7 @@ TEST(Relocation, FingertipsFeelTheSurfaceOfWhatTheyHold) {
   const geometry::MeshQuery surface(object.mesh);
   const auto policy = box_policy();
   const RelocateTouch touch(model, {0, 0, 0, 0, 0}, 1);
-  const hand::HandModel& hand = touch.hand_model();
+  const hand::Description& hand = touch.hand_model();
   RelocateTask task(model);
   int contacts = 0;
   const auto look = [&](int step) {
@@ -41,7 +41,7 @@ TEST(Relocation, FingertipsFeelTheSurfaceOfWhatTheyHold) {
     for (std::size_t finger = 0; finger < reading.contacts.size(); ++finger) {
       const Eigen::Isometry3d T_object_link =
           T_world_object.inverse() * reading.base.pose() *
-          T_base_link[static_cast<std::size_t>(hand.distal[finger])];
+          T_base_link[static_cast<std::size_t>(hand.fingers[finger].link)];
       for (const auto& contact : reading.contacts[finger]) {
         ++contacts;
         EXPECT_LT(std::abs(surface.signed_distance(T_object_link * contact.p)), 1e-3);

@@ -91,7 +91,7 @@ class PoseEstimator {
   /// where the hand has opened around it since, from the grasp before. Searched for once as long as
   /// the log tells nothing new of it.
   /// @return in the world; status no_pose if the log has no touch
-  localization::Posterior resting(const hand::HandModel& hand, const EventLog& log);
+  localization::Posterior resting(const hand::Description& hand, const EventLog& log);
 
   /// The pose in the hand at an instant. Contacts are those of the held object, with those that
   /// probes have found and those that it had rolled aside; the table supported it when the fingers
@@ -99,7 +99,7 @@ class PoseEstimator {
   /// which the object rests.
   /// @param at  reading of the log; all of the log counts, before and after it
   /// @return status no_pose for no instant, as EventLog::at() gives for what has not happened
-  HeldPoseEstimate held(const hand::HandModel& hand, const EventLog& log,
+  HeldPoseEstimate held(const hand::Description& hand, const EventLog& log,
                         std::optional<std::size_t> at);
 
   [[nodiscard]] const geometry::ObjectModel& object() const { return object_; }
@@ -107,7 +107,7 @@ class PoseEstimator {
   [[nodiscard]] std::uint64_t seed() const { return seed_; }
 
  private:
-  localization::Posterior search_resting(const hand::HandModel& hand, const EventLog& log);
+  localization::Posterior search_resting(const hand::Description& hand, const EventLog& log);
 
   const geometry::ObjectModel& object_;
   EstimationOptions options_;

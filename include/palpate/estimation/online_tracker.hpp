@@ -54,7 +54,7 @@ class OnlineTracker {
   /// Keeps references to object and hand.
   /// @param resting  pose on the table, in the world
   /// @throws BadInput for a pose without modes
-  OnlineTracker(const geometry::ObjectModel& object, const hand::HandModel& hand,
+  OnlineTracker(const geometry::ObjectModel& object, const hand::Description& hand,
                 const localization::Posterior& resting, const OnlineTrackerOptions& options,
                 std::uint64_t seed);
 
@@ -75,7 +75,7 @@ class OnlineTracker {
   void estimate();
 
   const geometry::ObjectModel& object_;
-  const hand::HandModel& hand_;
+  const hand::Description& hand_;
   OnlineTrackerOptions options_;
   RandomStream random_;
   EventLog log_;

@@ -28,7 +28,8 @@ struct FaultSummary {
 };
 
 /// When and where a fault sets in, drawn by the seed.
-FaultOptions draw_fault(hand::InjectedFault fault, std::uint64_t seed);
+FaultOptions draw_fault(const hand::Description& hand, hand::InjectedFault fault,
+                        std::uint64_t seed);
 
 /// Told of each finished trial, in the order of the seeds.
 using FaultObserver = std::function<void(std::size_t done)>;

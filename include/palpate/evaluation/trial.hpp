@@ -54,9 +54,9 @@ struct FaultOptions {
   void visit(Visitor&& v) {
     v("kind", kind, "what goes wrong with the hand, as `palpate eval --faults` lists it");
     v("from", from, 0.0, 1e6, "s of the robot's time from which it does");
-    v("finger", finger, 0, hand::kFingers - 1, "of faults of one fingertip; 0 is the thumb");
-    v("joint", joint, 0, hand::kJoints - 1, "of joint_nan");
-    v("actuator", actuator, 0, hand::kActuators - 1, "of joint_stuck");
+    v("finger", finger, 0, hand::kMaxFingers - 1, "of faults of one fingertip");
+    v("joint", joint, 0, hand::kMaxJoints - 1, "of joint_nan");
+    v("actuator", actuator, 0, hand::kMaxJoints - 1, "of joint_stuck");
   }
 
   /// @throws BadInput for another kind
@@ -171,6 +171,6 @@ planning::Fixture place_fixture(const geometry::KnownObject& object,
                                 const std::optional<skills::PlaceTarget>& target);
 
 /// Where the hand waits before a pick.
-hand::HandCommand waiting_command();
+hand::HandCommand waiting_command(const hand::Description& hand);
 
 }  // namespace palpate::evaluation

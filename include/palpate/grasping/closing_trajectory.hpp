@@ -21,20 +21,24 @@ struct FingerShape {
 /// How an empty hand closes: the shapes that its fingers pass through.
 struct ClosingTrajectory {
   std::vector<Eigen::Vector4f> open_spheres;  ///< of the whole hand before closing
-  std::array<std::vector<FingerShape>, hand::kFingers> fingers;
-  std::array<float, hand::kFingers> tip_radius{};
+  std::vector<std::vector<FingerShape>> fingers;
+  hand::PerFinger<float> tip_radius{};
+  std::size_t thumb = 0, middle = 0;  ///< the fingers that close squarely against one another
 };
 
-inline constexpr std::array<bool, hand::kFingers> kAllFingers = {true, true, true, true, true};
+/// Every finger of any hand.
+inline constexpr hand::PerFinger<bool> kAllFingers = {true, true, true, true,
+                                                      true, true, true, true};
 
 /// @param law  of the closing; its rates say how the joints move in proportion
 /// @param closing  the fingers that close; the others have no shapes
-ClosingTrajectory closing_trajectory(const hand::HandModel& hand, const hand::ActuatorVector& open,
+ClosingTrajectory closing_trajectory(const hand::Description& hand,
+                                     const hand::ActuatorVector& open,
                                      const grasping::ClosingLaw& law,
-                                     const std::array<bool, hand::kFingers>& closing = kAllFingers);
+                                     const hand::PerFinger<bool>& closing = kAllFingers);
 
 /// Ends the path of a finger before it meets the other fingers, which stand still at these joints.
-void end_at_other_fingers(const hand::HandModel& hand, const hand::JointVector& joints,
+void end_at_other_fingers(const hand::Description& hand, const hand::JointVector& joints,
                           std::size_t finger, ClosingTrajectory& path);
 
 /// An object at a pose above the table, asked from the hand's base.

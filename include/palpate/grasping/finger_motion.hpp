@@ -11,8 +11,8 @@ namespace palpate::grasping {
 
 /// A small motion of an object held by fingertips.
 struct GraspMotion {
-  Vector6d twist = Vector6d::Zero();           ///< [w; v] at `center`, rad and m, base's axes
-  std::array<double, hand::kFingers> press{};  ///< m by which each fingertip goes into the object
+  Vector6d twist = Vector6d::Zero();  ///< [w; v] at `center`, rad and m, base's axes
+  hand::PerFinger<double> press{};    ///< m by which each fingertip goes into the object
 };
 
 /// By how much the actuators move so that fingertips which stick to the object carry it along:
@@ -22,7 +22,7 @@ struct GraspMotion {
 /// @param contacts  in the base's frame, each with its finger
 /// @param center  where the twist is taken, base's frame, m
 /// @return rad; of the coupled pairs the sum of both joints
-hand::ActuatorVector finger_motion(const hand::HandModel& hand, const hand::JointVector& joints,
+hand::ActuatorVector finger_motion(const hand::Description& hand, const hand::JointVector& joints,
                                    std::span<const tactile::Contact> contacts,
                                    const Eigen::Vector3d& center, const GraspMotion& motion);
 

@@ -34,7 +34,8 @@ ForceDistribution distribute_forces(std::span<const tactile::Contact> contacts, 
 ///
 /// @param contacts  in the base's frame, each with its finger
 /// @param forces  one a contact, N, of the finger on the object, base's axes
-hand::ActuatorVector pressing_torques(const hand::HandModel& hand, const hand::JointVector& joints,
+hand::ActuatorVector pressing_torques(const hand::Description& hand,
+                                      const hand::JointVector& joints,
                                       std::span<const tactile::Contact> contacts,
                                       std::span<const Eigen::Vector3d> forces);
 

@@ -35,10 +35,11 @@ struct PlanOptions {
 /// Where the hand is to close, and how well the fingers should then hold the object.
 struct GraspPlan {
   hand::BasePosition base;
-  double cost = 0;                                  ///< mean over small displacements of the object
-  int fingers = 0;                                  ///< that meet the object
-  std::vector<tactile::Contact> contacts;           ///< of their tips, in the base's frame
-  std::array<std::size_t, hand::kFingers> stops{};  ///< shape of its path where each finger ends
+  double cost = 0;                         ///< mean over small displacements of the object
+  int fingers = 0;                         ///< that meet the object
+  int missing = 0;                         ///< fingers that do not
+  std::vector<tactile::Contact> contacts;  ///< of their tips, in the base's frame
+  hand::PerFinger<std::size_t> stops{};    ///< shape of its path where each finger ends
 };
 
 /// How the hand closes at a place; of infinite cost if its thumb and another finger do not both
@@ -54,7 +55,7 @@ std::optional<GraspPlan> close_virtually(const geometry::ObjectModel& object,
 /// the object, in a fixed order. Their costs are for the object just where it is.
 std::vector<GraspPlan> find_grasps(const geometry::ObjectModel& object,
                                    const Eigen::Isometry3d& T_world_object,
-                                   const ClosingTrajectory& path, const Eigen::Vector2d& attitude,
+                                   const ClosingTrajectory& path, const hand::Attitude& attitude,
                                    const PlanOptions& options,
                                    const std::vector<double>& avoid = {});
 
@@ -78,7 +79,7 @@ double grasp_cost(const geometry::ObjectModel& object, const GraspPlan& plan,
 /// @return nothing if no place will do
 std::optional<GraspPlan> plan_grasp(const geometry::ObjectModel& object,
                                     const Eigen::Isometry3d& T_world_object,
-                                    const ClosingTrajectory& path, const Eigen::Vector2d& attitude,
+                                    const ClosingTrajectory& path, const hand::Attitude& attitude,
                                     const PlanOptions& options,
                                     const std::vector<double>& avoid = {});
 

@@ -70,7 +70,7 @@ InjectedFault injected_fault(std::string_view name);
 struct FaultSchedule {
   InjectedFault fault = InjectedFault::none;
   double from = 0;         ///< s of the hand's time
-  int finger = 1;          ///< of faults of one fingertip, an index into kFingerNames
+  int finger = 1;          ///< of faults of one fingertip, an index into Description::fingers
   int joint = 5;           ///< of joint_nan, an index into kJointNames
   int actuator = 9;        ///< of joint_stuck, an index into kActuatorNames
   std::uint64_t seed = 0;  ///< of false_contacts and time_jitter
@@ -84,7 +84,6 @@ class FaultyHand : public Hand {
   /// @param hand  must outlive this
   FaultyHand(Hand& hand, const FaultSchedule& schedule);
 
-  const std::array<Actuator, kActuators>& actuators() const override { return hand_.actuators(); }
   HandReading step(const HandCommand& command) override;
 
   /// Largest load of the mount so far, N.

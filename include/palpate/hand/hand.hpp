@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
 #include <vector>
 
 #include "palpate/core/se3.hpp"
 #include "palpate/hand/biotac_reading.hpp"
-#include "palpate/hand/joints.hpp"
+#include "palpate/hand/description.hpp"
 
 namespace palpate::hand {
 
@@ -36,37 +35,26 @@ struct BasePosition {
 
 /// What the hand senses in one tick.
 struct HandReading {
-  double time = 0;                                  ///< s
-  JointVector joints = JointVector::Zero();         ///< rad
-  ActuatorVector torques = ActuatorVector::Zero();  ///< N m, of the actuators
-  BasePosition base;                                ///< measured
+  double time = 0;         ///< s
+  JointVector joints;      ///< rad
+  ActuatorVector torques;  ///< N m, of the actuators
+  BasePosition base;       ///< measured
   /// Force (N, world axes) that the base's drives exert beyond what the empty hand needs at rest.
   Eigen::Vector3d base_force = Eigen::Vector3d::Zero();
-  std::array<std::vector<TipContact>, kFingers> contacts;
+  std::vector<std::vector<TipContact>> contacts;  ///< one entry a finger
   std::vector<BiotacReading> biotacs;  ///< one a finger; none where the tips have no BioTacs
 };
 
 /// Targets of the position controllers for the next tick.
 struct HandCommand {
-  ActuatorVector positions = ActuatorVector::Zero();  ///< rad
+  ActuatorVector positions;  ///< rad
   BasePosition base;
 };
 
-/// A PID-controlled actuator: torque = stiffness (command - position) + integral - damping speed,
-/// within the limit; the integral (simulation::IntegralAction) is small, so that contacts stay
-/// soft.
-struct Actuator {
-  double stiffness = 1;   ///< N m / rad
-  Range command;          ///< rad
-  double max_torque = 1;  ///< N m
-};
-
-/// An anthropomorphic hand with tactile fingertips on a 6-DoF base, simulated or real.
+/// A hand with tactile fingertips on a 6-DoF base, simulated or real.
 class Hand {
  public:
   virtual ~Hand() = default;
-
-  virtual const std::array<Actuator, kActuators>& actuators() const = 0;
 
   /// Applies the command for one tick of kTick and returns what was sensed at its end.
   virtual HandReading step(const HandCommand& command) = 0;

@@ -34,6 +34,9 @@ class CollisionChecker {
  public:
   virtual ~CollisionChecker() = default;
 
+  /// The hand that is asked about.
+  [[nodiscard]] virtual const hand::Description& hand() const = 0;
+
   /// Puts the object at rest into the world. @throws BadInput for a checker without object
   virtual void place(const Eigen::Isometry3d& T_world_object) = 0;
 

@@ -27,7 +27,8 @@ struct ExecutionOptions {
 /// Sends the samples to the hand's position controllers, one a tick, and measures how well they
 /// follow. The base, whose drives are late by a constant time, is told as much earlier. The hand
 /// must be at the first sample; none leave nothing to measure.
-TrackingError execute(hand::Hand& hand, const std::vector<hand::HandCommand>& samples,
+TrackingError execute(hand::Hand& hand, const hand::Description& model,
+                      const std::vector<hand::HandCommand>& samples,
                       const ExecutionOptions& options = {});
 
 }  // namespace palpate::planning

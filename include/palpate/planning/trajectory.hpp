@@ -7,9 +7,10 @@
 
 namespace palpate::planning {
 
-/// Base x, y, z (m), yaw, pitch, roll (rad) and the 20 actuators (rad): all that a path moves.
-inline constexpr int kCoordinates = 6 + hand::kActuators;
-using Coordinates = Eigen::Matrix<double, kCoordinates, 1>;
+/// Base x, y, z (m), yaw, pitch, roll (rad) and the actuators (rad): all that a path moves.
+inline constexpr int kBaseCoordinates = 6;
+using Coordinates =
+    Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kBaseCoordinates + hand::kMaxJoints, 1>;
 
 Coordinates coordinates_of(const hand::HandCommand& command);
 hand::HandCommand command_of(const Coordinates& coordinates);
@@ -35,14 +36,15 @@ struct MotionLimits {
 };
 
 /// The limits by coordinate.
-Coordinates speed_limits(const MotionLimits& limits);
-Coordinates acceleration_limits(const MotionLimits& limits);
+/// @param size  number of coordinates
+Coordinates speed_limits(const MotionLimits& limits, Eigen::Index size);
+Coordinates acceleration_limits(const MotionLimits& limits, Eigen::Index size);
 
 /// A straight line or the arc of a parabola, over a path length u in 0..length (m, see metric()):
 /// start + u direction + u^2/2 bend.
 struct PathPiece {
   Coordinates start, direction;
-  Coordinates bend = Coordinates::Zero();
+  Coordinates bend;
   double length = 0;
 
   [[nodiscard]] Coordinates at(double u) const {
@@ -52,10 +54,10 @@ struct PathPiece {
 };
 
 /// Metres of path a unit of each coordinate: about how far it moves the farthest fingertip.
-const Coordinates& metric();
+Coordinates metric(const hand::Description& hand);
 
-/// Length (m) of the way between two configurations: the norm of the difference times metric().
-double distance(const Coordinates& a, const Coordinates& b);
+/// Length (m) of the way between two configurations: the norm of the difference times the metric.
+double distance(const Coordinates& a, const Coordinates& b, const Coordinates& metric);
 
 /// The polyline with its corners cut by parabolas: a path with a continuous direction.
 ///
@@ -65,7 +67,7 @@ double distance(const Coordinates& a, const Coordinates& b);
 /// @param corners  at least two, each different from the next
 /// @param cuts  one a corner; those of the two ends mean nothing
 std::vector<PathPiece> rounded(const std::vector<Coordinates>& corners,
-                               const std::vector<double>& cuts);
+                               const std::vector<double>& cuts, const Coordinates& metric);
 
 /// Times of the grid along a path, from rest to rest, as fast as the limits allow.
 ///
@@ -74,6 +76,6 @@ std::vector<PathPiece> rounded(const std::vector<Coordinates>& corners,
 /// Within a stage the acceleration along the path is constant.
 /// @return positions at 0, dt, 2 dt, ... and at last the end
 std::vector<Coordinates> time_path(const std::vector<PathPiece>& path, const MotionLimits& limits,
-                                   double dt = hand::kTick);
+                                   const Coordinates& metric, double dt = hand::kTick);
 
 }  // namespace palpate::planning

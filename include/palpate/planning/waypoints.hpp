@@ -12,33 +12,33 @@
 
 namespace palpate::planning {
 
-/// Columns of a file's base, before the 24 joints; m and rad.
+/// Columns of a file's base, before the joints; m and rad.
 inline constexpr std::array<std::string_view, 6> kBaseNames = {"x",   "y",     "z",
                                                                "yaw", "pitch", "roll"};
 
 /// A row q of the waypoints Q (thesis eq. 2.1): all joint angles, and where the base is.
 struct Waypoint {
   hand::BasePosition base;
-  hand::JointVector joints = hand::JointVector::Zero();  ///< rad
+  hand::JointVector joints;  ///< rad
 };
 
 /// What the controllers are told to get there: J0 = J1 + J2, shared as in free flexion.
-hand::HandCommand command_of(const Waypoint& waypoint);
+hand::HandCommand command_of(const Waypoint& waypoint, const hand::Description& hand);
 
 struct WaypointsFile {
   std::vector<Waypoint> waypoints;
   bool has_base = false;  ///< else every base is the given one
 };
 
-/// Waypoints from a CSV: a header with the names of all 24 joints, in any order, and either all or
-/// none of kBaseNames; one row a waypoint. Values need only be finite. A first column t_s, as
-/// planned paths have it, is left out.
+/// Waypoints from a CSV: a header with the names of all joints of the hand, in any order, and
+/// either all or none of kBaseNames; one row a waypoint. Values need only be finite. A first column
+/// t_s, as planned paths have it, is left out.
 /// @param source  named in errors, as in "waypoints.csv:3: ..."
 /// @param base  where there is none in the file
 /// @throws BadInput for a header of the wrong width or names, a row of the wrong width, a value
 ///         that is no finite number, fewer than two rows
 WaypointsFile parse_waypoints(std::string_view text, std::string_view source,
-                              const hand::BasePosition& base);
+                              const hand::BasePosition& base, const hand::Description& hand);
 
 /// A waypoint that the hand cannot take, and why, in one line.
 struct Fault {
@@ -62,8 +62,9 @@ struct BaseRange {
   }
 };
 
-/// Every waypoint with an angle that is not finite, beyond its joint's range (shadow_ranges) or J1
-/// > J2; with a base out of its range; or, where all that is well, in collision. In order.
+/// Every waypoint with an angle that is not finite, beyond its joint's range, or where a coupled
+/// pair cannot be; with a base out of its range; or, where all that is well, in collision. In
+/// order.
 std::vector<Fault> find_faults(const std::vector<Waypoint>& waypoints, CollisionChecker& scene,
                                const BaseRange& range = {});
 

@@ -16,7 +16,7 @@
 
 namespace palpate::recording {
 
-inline constexpr int kFormatVersion = 3;        ///< the newest; see Header::own_errors
+inline constexpr int kFormatVersion = 4;        ///< the newest
 inline constexpr int kOldestFormatVersion = 1;  ///< that is still read
 
 /// What holds for a whole recording: enough to run the estimator from the recording alone.
@@ -24,7 +24,7 @@ struct Header {
   std::string program_version;
   std::uint64_t seed = 0;
   geometry::KnownObject object;
-  hand::HandModel hand;
+  hand::Description hand;
   std::string config_toml;  ///< resolved configuration
   /// Contacts carry what the sensors say of their errors. Such a recording has format version 3;
   /// without, it is 2.
@@ -34,7 +34,7 @@ struct Header {
 /// What only a simulator knows. For judging and drawing; never for estimating.
 struct FrameTruth {
   Eigen::Isometry3d T_world_object = Eigen::Isometry3d::Identity();
-  hand::JointVector joints = hand::JointVector::Zero();  ///< rad
+  hand::JointVector joints;  ///< rad
 };
 
 /// One tick: what was sensed at its end, and what was commanded for it.

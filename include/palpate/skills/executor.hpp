@@ -25,8 +25,8 @@ enum class MotionEnd { reached, stopped, timed_out };
 /// What the fingers do while the base moves: close with limited torque.
 struct Grip {
   grasping::ClosingLaw law;
-  grasping::ClosingTorque torque;
-  std::array<bool, hand::kFingers> active;
+  hand::ActuatorVector max_torque;  ///< N m
+  hand::PerFinger<bool> active;
 };
 
 /// Moves a hand tick by tick and keeps all that it felt. It knows nothing but the hand's readings.
@@ -50,23 +50,21 @@ class Executor {
   /// @param models  of the world, for the skills that plan; must outlive the robot
   ///
   /// A fault of the hand's first reading is thrown by the first motion.
-  Executor(hand::Hand& hand, const hand::HandModel& model, const hand::HandCommand& start,
+  Executor(hand::Hand& hand, const hand::Description& model, const hand::HandCommand& start,
            Observer observer = {}, const ModelFactory* models = nullptr, Safety safety = {});
   ~Executor();
   Executor(const Executor&) = delete;
   Executor& operator=(const Executor&) = delete;
 
-  const hand::HandModel& model() const { return model_; }
+  const hand::Description& model() const { return model_; }
   /// The hand is known better now.
-  void set_model(const hand::HandModel& model) { model_ = model; }
+  void set_model(const hand::Description& model) { model_ = model; }
   /// What skills plan with. @throws BadInput if the robot was given none
   const ModelFactory& models() const;
   const hand::HandCommand& command() const { return command_; }
   const hand::HandReading& reading() const { return log_.readings.back(); }
   const estimation::EventLog& log() const { return log_; }
-  const std::array<hand::Actuator, hand::kActuators>& actuators() const {
-    return hand_.actuators();
-  }
+  const std::vector<hand::Actuator>& actuators() const { return model_.actuators; }
   double time() const { return log_.readings.back().time; }
 
   /// What has stopped the robot, if anything has.
@@ -115,7 +113,7 @@ class Executor {
   void ease();
 
   hand::Hand& hand_;
-  hand::HandModel model_;
+  hand::Description model_;
   hand::HandCommand command_;
   Observer observer_;
   const ModelFactory* models_;

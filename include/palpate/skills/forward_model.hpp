@@ -17,14 +17,14 @@ namespace palpate::skills {
 /// A grasp as the robot believes it to be: what it commands, what it measures, what it estimates.
 struct BelievedGrasp {
   hand::HandCommand command;
-  hand::JointVector joints = hand::JointVector::Zero();  ///< rad
+  hand::JointVector joints;  ///< rad
   Eigen::Isometry3d T_world_object = Eigen::Isometry3d::Identity();
 };
 
 /// How a motion of the fingers is predicted to end, without noise.
 struct RolloutOutcome {
   Eigen::Isometry3d T_base_object = Eigen::Isometry3d::Identity();
-  std::array<double, hand::kFingers> tip_forces{};  ///< N, normal, of each finger
+  hand::PerFinger<double> tip_forces{};  ///< N, normal, of each finger
   bool diverged = false;
 };
 
@@ -55,12 +55,12 @@ class ModelFactory {
 
   /// @throws BadInput for a hand or an object that cannot be used
   [[nodiscard]] virtual std::unique_ptr<planning::CollisionChecker> collision_checker(
-      const geometry::KnownObject& object, const hand::HandModel& believed,
+      const geometry::KnownObject& object, const hand::Description& believed,
       const planning::CollisionOptions& options, const planning::Fixture& fixture) const = 0;
 
   /// @throws BadInput for a hand or an object that cannot be used
   [[nodiscard]] virtual std::unique_ptr<ForwardModel> forward_model(
-      const geometry::KnownObject& object, const hand::HandModel& believed) const = 0;
+      const geometry::KnownObject& object, const hand::Description& believed) const = 0;
 };
 
 }  // namespace palpate::skills

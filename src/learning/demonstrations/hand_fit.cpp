@@ -10,6 +10,7 @@
 #include "numerics/bounded_least_squares.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/se3.hpp"
+#include "palpate/hand/shadow.hpp"
 
 namespace palpate::learning {
 namespace {
@@ -22,7 +23,7 @@ using learning::HandKeypoints;
 
 constexpr int kPose = learning::kHumanJoints;  // where the pose starts among the parameters
 constexpr int kSize = kPose + 6;               // where the size starts
-constexpr int kParameters = kSize + 1 + hand::kFingers;
+constexpr int kParameters = kSize + 1 + hand::kShadowFingers;
 constexpr double kSmallest = 0.6, kLargest = 1.6;  // of the hand's size
 constexpr double kFar = 10;                        // m, of the wrist
 constexpr double kPerMetre = 1000;                 // depth is compared in mm
@@ -34,7 +35,7 @@ VectorXd parameters_of(const HandState& state) {
   x.head<learning::kHumanJoints>() = state.joints;
   x.segment<3>(kPose + 3) = state.T_camera_wrist.translation();
   x[kSize] = state.shape.palm;
-  for (int finger = 0; finger < hand::kFingers; ++finger) {
+  for (int finger = 0; finger < hand::kShadowFingers; ++finger) {
     x[kSize + 1 + finger] = state.shape.fingers[static_cast<std::size_t>(finger)];
   }
   return x;
@@ -46,7 +47,7 @@ HandState state_of(const VectorXd& x, const Eigen::Matrix3d& R_start) {
   state.T_camera_wrist.linear() = exp_so3(x.segment<3>(kPose)) * R_start;
   state.T_camera_wrist.translation() = x.segment<3>(kPose + 3);
   state.shape.palm = x[kSize];
-  for (int finger = 0; finger < hand::kFingers; ++finger) {
+  for (int finger = 0; finger < hand::kShadowFingers; ++finger) {
     state.shape.fingers[static_cast<std::size_t>(finger)] = x[kSize + 1 + finger];
   }
   return state;
@@ -64,11 +65,11 @@ Bounds bounds(const VectorXd& start, bool fit_shape) {
   }
   b.lower.segment<6>(kPose).setConstant(-kFar);
   b.upper.segment<6>(kPose).setConstant(kFar);
-  b.lower.tail<1 + hand::kFingers>().setConstant(kSmallest);
-  b.upper.tail<1 + hand::kFingers>().setConstant(kLargest);
+  b.lower.tail<1 + hand::kShadowFingers>().setConstant(kSmallest);
+  b.upper.tail<1 + hand::kShadowFingers>().setConstant(kLargest);
   if (!fit_shape) {
-    b.lower.tail<1 + hand::kFingers>() = b.upper.tail<1 + hand::kFingers>() =
-        start.tail<1 + hand::kFingers>();
+    b.lower.tail<1 + hand::kShadowFingers>() = b.upper.tail<1 + hand::kShadowFingers>() =
+        start.tail<1 + hand::kShadowFingers>();
   }
   return b;
 }
@@ -81,7 +82,7 @@ void add_prior(const VectorXd& x, const HandFitOptions& options, VectorXd& r, In
   }
   for (int i = kSize; i < kParameters; ++i) r[next++] = std::sqrt(options.size) * (x[i] - 1);
 }
-constexpr Index kPrior = learning::kHumanJoints + 1 + hand::kFingers;
+constexpr Index kPrior = learning::kHumanJoints + 1 + hand::kShadowFingers;
 
 /// Distance along a ray to a capsule's surface; 0 if it misses.
 /// @param ray  unit direction from the origin

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "palpate/core/error.hpp"
+#include "palpate/hand/shadow.hpp"
 
 namespace palpate::learning {
 namespace {
@@ -58,21 +59,21 @@ void place_thumb(HandKeypoints& points, const HumanJoints& q, const HumanShape& 
   const Isometry3d T = T_world_palm * Translation3d(shape.palm * kThumbBase) *
                        about_y(kThumbSplay) * about_z(kThumbTurn) * about_y(-q[2]);
   // The knuckle bends to the side (TH3) before it flexes (TH2).
-  points.col(keypoint(hand::Finger::thumb, 0)) = T.translation();
+  points.col(keypoint(hand::FingerName::thumb, 0)) = T.translation();
   const auto lengths = scaled(kThumb, shape.fingers[0]);
   const Isometry3d knuckle = T * about_x(q[3]) * Translation3d(0, 0, lengths[0]) * about_y(-q[4]);
   HandKeypoints outer;
   place_bones(outer, 0, knuckle, {lengths[1], lengths[2], 0}, {q[5], q[6], 0});
-  points.middleCols<3>(keypoint(hand::Finger::thumb, 1)) = outer.leftCols<3>();
+  points.middleCols<3>(keypoint(hand::FingerName::thumb, 1)) = outer.leftCols<3>();
 }
 
-void place_finger(HandKeypoints& points, hand::Finger finger, const HumanJoints& q,
+void place_finger(HandKeypoints& points, hand::FingerName finger, const HumanJoints& q,
                   const HumanShape& shape, const Isometry3d& T_world_palm) {
   constexpr std::array<int, 4> kFirstJoint = {7, 11, 16, 21};  // J4 of each
   const int index = static_cast<int>(finger);
   const auto ray = static_cast<std::size_t>(index - 1);
   const int j4 = kFirstJoint[ray];
-  const bool carpal = finger == hand::Finger::ring || finger == hand::Finger::little;
+  const bool carpal = finger == hand::FingerName::ring || finger == hand::FingerName::little;
   const Vector3d hollow(0, 0, kCarpals);
   const Isometry3d T = T_world_palm * Translation3d(shape.palm * hollow) *
                        about_x(carpal ? q[j4 - 1] : 0) *
@@ -143,8 +144,8 @@ HandKeypoints human_keypoints(const HumanJoints& joints, const HumanShape& shape
   const Isometry3d T_world_palm = T_world_wrist * about_y(joints[0]) * about_x(joints[1]);
   points.col(0) = T_world_palm.translation();
   place_thumb(points, joints, shape, T_world_palm);
-  for (const hand::Finger finger :
-       {hand::Finger::first, hand::Finger::middle, hand::Finger::ring, hand::Finger::little}) {
+  for (const hand::FingerName finger : {hand::FingerName::first, hand::FingerName::middle,
+                                        hand::FingerName::ring, hand::FingerName::little}) {
     place_finger(points, finger, joints, shape, T_world_palm);
   }
   return points;
@@ -156,8 +157,8 @@ const std::array<HumanBone, 20>& human_bones() {
     constexpr std::array<double, 3> kThumbRadii = {0.014, 0.011, 0.009};
     std::array<HumanBone, 20> result{};
     std::size_t next = 0;
-    for (int finger = 0; finger < hand::kFingers; ++finger) {
-      const int first = keypoint(static_cast<hand::Finger>(finger), 0);
+    for (int finger = 0; finger < hand::kShadowFingers; ++finger) {
+      const int first = keypoint(static_cast<hand::FingerName>(finger), 0);
       result[next++] = {0, first, 0.013};
       for (int i = 0; i < 3; ++i) {
         const auto k = static_cast<std::size_t>(i);
@@ -183,9 +184,9 @@ Eigen::Matrix3d palm_frame(const Vector3d& wrist, const Vector3d& first_knuckle,
 }
 
 Eigen::Matrix3d palm_frame(const HandKeypoints& k) {
-  return palm_frame(k.col(0), k.col(keypoint(hand::Finger::first, 0)),
-                    k.col(keypoint(hand::Finger::middle, 0)),
-                    k.col(keypoint(hand::Finger::little, 0)));
+  return palm_frame(k.col(0), k.col(keypoint(hand::FingerName::first, 0)),
+                    k.col(keypoint(hand::FingerName::middle, 0)),
+                    k.col(keypoint(hand::FingerName::little, 0)));
 }
 
 }  // namespace palpate::learning

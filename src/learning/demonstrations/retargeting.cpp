@@ -9,6 +9,7 @@
 
 #include "palpate/core/error.hpp"
 #include "palpate/core/se3.hpp"
+#include "palpate/hand/shadow.hpp"
 
 namespace palpate::learning {
 namespace {
@@ -16,7 +17,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
-using hand::Finger;
+using hand::FingerName;
 using learning::HandKeypoints;
 using simulation::HandPoint;
 
@@ -24,7 +25,7 @@ constexpr double kMinTip = 0.7;        // of its link; a link's center is at abo
 constexpr double kLargestTurn = 0.15;  // rad, of the root against the human's palm
 constexpr int kFirstSolves = 30;       // in the first frame, each from where the last one ended
 constexpr double kFirstStep = 1.5;     // rad, of a joint in each of them
-constexpr int kVectors = 2 * hand::kFingers;
+constexpr int kVectors = 2 * hand::kShadowFingers;
 constexpr int kRootCoordinates = 6;      // its turn, then its offset from the human's wrist
 constexpr double kLargestOffset = 0.03;  // m, of the roots of two hands that lie alike
 
@@ -33,10 +34,10 @@ using Vectors = Eigen::Matrix<double, 3, kVectors>;
 /// Vectors from the wrist to the tips, then to the middle joints, in the palm's frame.
 Vectors human_vectors(const HandKeypoints& human, const Matrix3d& R_world_palm, double scale) {
   Vectors result;
-  for (int finger = 0; finger < hand::kFingers; ++finger) {
-    const auto f = static_cast<Finger>(finger);
+  for (int finger = 0; finger < hand::kShadowFingers; ++finger) {
+    const auto f = static_cast<FingerName>(finger);
     result.col(finger) = human.col(learning::keypoint(f, 3)) - human.col(0);
-    result.col(hand::kFingers + finger) = human.col(learning::keypoint(f, 1)) - human.col(0);
+    result.col(hand::kShadowFingers + finger) = human.col(learning::keypoint(f, 1)) - human.col(0);
   }
   return scale * R_world_palm.transpose() * result;
 }
@@ -149,7 +150,7 @@ void Retargeter::solve(const HandKeypoints& human, double alpha, double largest_
 }
 
 void Retargeter::start(const HandKeypoints& human) {
-  const Vector3d palm = human.col(learning::keypoint(Finger::middle, 0)) - human.col(0);
+  const Vector3d palm = human.col(learning::keypoint(FingerName::middle, 0)) - human.col(0);
   scale_ = options_.scale > 0 ? options_.scale : palm_length_ / palm.norm();
   state_ = VectorXd::Zero(hand_.lower().size() + kRootCoordinates);
   state_.head(hand_.lower().size()) = 0.5 * (hand_.lower() + hand_.upper());
@@ -169,15 +170,16 @@ RetargetedFrame Retargeter::next(const HandKeypoints& human) {
       (robot.colwise() + state_.tail<3>()) - human_vectors(human, R_world_palm, scale_);
   RetargetedFrame frame;
   frame.joints = state_.head(n);
-  frame.tip_error = error.leftCols<hand::kFingers>().colwise().norm().mean();
-  frame.middle_error = error.rightCols<hand::kFingers>().colwise().norm().mean();
+  frame.tip_error = error.leftCols<hand::kShadowFingers>().colwise().norm().mean();
+  frame.middle_error = error.rightCols<hand::kShadowFingers>().colwise().norm().mean();
   Vector3d center = Vector3d::Zero();
-  for (int finger = 0; finger < hand::kFingers; ++finger) {
-    center += human.col(learning::keypoint(static_cast<Finger>(finger), 3)) / hand::kFingers;
+  for (int finger = 0; finger < hand::kShadowFingers; ++finger) {
+    center +=
+        human.col(learning::keypoint(static_cast<FingerName>(finger), 3)) / hand::kShadowFingers;
   }
   frame.T_world_root.linear() = R_world_palm * R;
   frame.T_world_root.translation() =
-      center - R_world_palm * robot.leftCols<hand::kFingers>().rowwise().mean();
+      center - R_world_palm * robot.leftCols<hand::kShadowFingers>().rowwise().mean();
   return frame;
 }
 

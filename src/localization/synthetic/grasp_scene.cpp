@@ -104,7 +104,7 @@ Eigen::Isometry3d random_rest(const geometry::ObjectModel& model, double half_wi
 }
 
 GraspScene make_grasp_scene(const geometry::ObjectModel& model, const geometry::MeshQuery& mesh,
-                            const hand::HandModel& hand, const GraspSceneOptions& options,
+                            const hand::Description& hand, const GraspSceneOptions& options,
                             RandomStream random) {
   GraspScene scene;
   scene.on_table = options.table;

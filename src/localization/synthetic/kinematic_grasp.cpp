@@ -26,9 +26,9 @@ constexpr std::size_t kThumb = 0;
 
 /// The finger whose chain of links below the palm holds the link; -1 for the palm and what is
 /// before it.
-int finger_of_link(const hand::HandModel& hand, int link) {
-  for (std::size_t finger = 0; finger < hand.distal.size(); ++finger) {
-    for (int l = hand.distal[finger]; l >= 0 && l != hand.palm;
+int finger_of_link(const hand::Description& hand, int link) {
+  for (std::size_t finger = 0; finger < hand.fingers.size(); ++finger) {
+    for (int l = hand.fingers[finger].link; l >= 0 && l != hand.palm;
          l = hand.links[static_cast<std::size_t>(l)].parent) {
       if (l == link) return static_cast<int>(finger);
     }
@@ -37,15 +37,15 @@ int finger_of_link(const hand::HandModel& hand, int link) {
 }
 
 void set(hand::JointVector& joints, std::size_t finger, char number, double angle) {
-  const std::string name = std::string(hand::kFingerNames[finger]) + "J" + number;
-  joints[hand::joint_index(name)] = angle;
+  const std::string name = std::string(hand::kShadowFingerNames[finger]) + "J" + number;
+  joints[hand::shadow_hand().joint(name)] = angle;
 }
 
 }  // namespace
 
 KinematicGrasp::KinematicGrasp(const geometry::ObjectModel& model, const geometry::MeshQuery& mesh,
-                               const hand::HandModel& hand, const Eigen::Isometry3d& T_world_object,
-                               bool on_table)
+                               const hand::Description& hand,
+                               const Eigen::Isometry3d& T_world_object, bool on_table)
     : model_(model),
       mesh_(mesh),
       hand_(hand),
@@ -56,11 +56,11 @@ KinematicGrasp::KinematicGrasp(const geometry::ObjectModel& model, const geometr
 }
 
 bool KinematicGrasp::is_tip(std::size_t ball, std::size_t finger) const {
-  return hand_.spheres[ball].link == hand_.distal[finger];
+  return hand_.spheres[ball].link == hand_.fingers[finger].link;
 }
 
 std::vector<FreeSphere> KinematicGrasp::balls(const Posture& posture) const {
-  hand::JointVector joints = hand::JointVector::Zero();
+  hand::JointVector joints = hand::JointVector::Zero(hand_.joint_count());
   for (std::size_t f = 0; f < posture.fingers.size(); ++f) {
     const auto& [base, curl, stage, at, other] = posture.fingers[f];
     if (f == kThumb) {

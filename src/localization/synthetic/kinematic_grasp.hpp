@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <optional>
 
+#include "palpate/hand/shadow.hpp"
 #include "palpate/localization/synthetic/grasp_scene.hpp"
 
 namespace palpate::localization {
@@ -13,11 +15,11 @@ struct Approach {
   double roll;
 };
 
-/// Closes a hand kinematically around an object that does not move.
+/// Closes the Shadow hand kinematically around an object that does not move.
 class KinematicGrasp {
  public:
   KinematicGrasp(const geometry::ObjectModel& model, const geometry::MeshQuery& mesh,
-                 const hand::HandModel& hand, const Eigen::Isometry3d& T_world_object,
+                 const hand::Description& hand, const Eigen::Isometry3d& T_world_object,
                  bool on_table);
 
   /// The grasp, without contacts where the hand meets nothing.
@@ -31,10 +33,10 @@ class KinematicGrasp {
     std::optional<double> stopped_at;  // share of the way at which something else is met
     bool met_other = false;
   };
-  using Fingers = std::array<Finger, hand::kFingers>;
+  using Fingers = std::array<Finger, hand::kShadowFingers>;
   struct Posture {
     Fingers fingers;
-    std::array<double, hand::kFingers> spread{};
+    std::array<double, hand::kShadowFingers> spread{};
     Eigen::Isometry3d T_world_palm;
   };
 
@@ -50,7 +52,7 @@ class KinematicGrasp {
 
   const geometry::ObjectModel& model_;
   const geometry::MeshQuery& mesh_;
-  const hand::HandModel& hand_;
+  const hand::Description& hand_;
   Eigen::Isometry3d T_object_world_;
   Eigen::AlignedBox3d box_;
   bool on_table_;

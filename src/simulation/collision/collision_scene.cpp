@@ -33,18 +33,24 @@ geometry::KnownObject stand_in() {
   return cube;
 }
 
+std::string palm_body(const hand::Description& hand) {
+  return file_link(hand, hand.links[static_cast<std::size_t>(hand.palm)].name);
+}
+
 }  // namespace
 
 struct CollisionScene::Impl {
-  Impl(const geometry::KnownObject& known, const planning::CollisionOptions& given,
-       const planning::Fixture& fixture, bool object_known)
-      : options(given),
+  Impl(const geometry::KnownObject& known, const hand::Description& believed,
+       const planning::CollisionOptions& given, const planning::Fixture& fixture, bool object_known)
+      : hand(believed),
+        options(given),
         has_object(object_known),
         mesh(known.mesh),
         surface(mesh),
-        scene(compose_scene(known, surface, {}, fixture)),
+        scene(compose_scene(believed, known, surface, {}, fixture)),
         data(make_data(*scene.model)),
-        palm(find_id(*scene.model, mjOBJ_BODY, std::string(kRight) + "palm")) {
+        palm(find_id(*scene.model, mjOBJ_BODY, palm_body(believed))) {
+    place_links(believed, *scene.model);
     place(Eigen::Isometry3d(Eigen::Translation3d(0, 0, kFarAway)));
   }
 
@@ -62,6 +68,7 @@ struct CollisionScene::Impl {
   bool counts(const mjContact& contact) const;
   std::string name_of(int geom) const;
 
+  hand::Description hand;
   planning::CollisionOptions options;
   bool has_object;
   std::optional<Eigen::Isometry3d> T_palm_object;  // of a held object
@@ -87,7 +94,7 @@ void CollisionScene::Impl::let_hand_meet_object(bool meet) {
 
 void CollisionScene::Impl::set_hand(const hand::BasePosition& base,
                                     const hand::JointVector& joints) {
-  for (int i = 0; i < hand::kJoints; ++i) {
+  for (int i = 0; i < hand.joint_count(); ++i) {
     data->qpos[scene.joint_positions[static_cast<std::size_t>(i)]] = joints[i];
   }
   for (int i = 0; i < 3; ++i) {
@@ -110,25 +117,22 @@ bool CollisionScene::Impl::counts(const mjContact& contact) const {
 std::string CollisionScene::Impl::name_of(int geom) const {
   if (geom == scene.table) return "table";
   if (scene.stands_fast(geom)) return "fixture";
-  const std::string_view name =
-      mj_id2name(scene.model.get(), mjOBJ_BODY, scene.model->geom_bodyid[geom]);
-  return std::string(name.substr(name.starts_with(kRight) ? kRight.size() : 0));
+  const int body = scene.model->geom_bodyid[geom];
+  const int link = scene.links[static_cast<std::size_t>(body)];
+  return link < 0 ? "object" : hand.links[static_cast<std::size_t>(link)].name;
 }
 
-CollisionScene::CollisionScene(const planning::CollisionOptions& options)
-    : impl_(std::make_unique<Impl>(stand_in(), options, planning::Fixture{}, false)) {}
+CollisionScene::CollisionScene(const hand::Description& believed,
+                               const planning::CollisionOptions& options)
+    : impl_(std::make_unique<Impl>(stand_in(), believed, options, planning::Fixture{}, false)) {}
 
 CollisionScene::CollisionScene(const geometry::KnownObject& object,
+                               const hand::Description& believed,
                                const planning::CollisionOptions& options,
                                const planning::Fixture& fixture)
-    : impl_(std::make_unique<Impl>(object, options, fixture, true)) {}
+    : impl_(std::make_unique<Impl>(object, believed, options, fixture, true)) {}
 
-CollisionScene::CollisionScene(const geometry::KnownObject& object, const hand::HandModel& believed,
-                               const planning::CollisionOptions& options,
-                               const planning::Fixture& fixture)
-    : CollisionScene(object, options, fixture) {
-  place_links(believed, *impl_->scene.model);
-}
+const hand::Description& CollisionScene::hand() const { return impl_->hand; }
 
 CollisionScene::~CollisionScene() = default;
 CollisionScene::CollisionScene(CollisionScene&&) noexcept = default;

@@ -26,14 +26,15 @@ WorldOptions without_noise(WorldOptions options) {
 }  // namespace
 
 struct SimulatedForwardModel::Impl {
-  Impl(const geometry::KnownObject& known, const hand::HandModel& believed,
+  Impl(const geometry::KnownObject& known, const hand::Description& believed,
        const WorldOptions& given)
       : options(without_noise(given)),
+        drawn(believed),
         mesh(known.mesh),
         surface(mesh),
-        scene(compose_scene(known, surface, options)),
+        scene(compose_scene(drawn, known, surface, options)),
         data(make_data(*scene.model)),
-        hand(scene, *data, options, RandomStream(0, "rehearsal")) {
+        hand(scene, *data, drawn, options, RandomStream(0, "rehearsal")) {
     place_links(believed, *scene.model);
     mj_setConst(scene.model.get(), data.get());
   }
@@ -42,7 +43,7 @@ struct SimulatedForwardModel::Impl {
     skills::RolloutOutcome result;
     const mjtNum* const position = data->qpos + scene.object_position;
     result.T_base_object = reading.base.pose().inverse() * pose3(position, position + 3);
-    for (std::size_t finger = 0; finger < hand::kFingers; ++finger) {
+    for (std::size_t finger = 0; finger < reading.contacts.size(); ++finger) {
       for (const auto& contact : reading.contacts[finger]) {
         result.tip_forces[finger] -= contact.f.dot(contact.n);
       }
@@ -53,6 +54,7 @@ struct SimulatedForwardModel::Impl {
   }
 
   WorldOptions options;
+  hand::Description drawn;
   geometry::MeshQuery mesh;
   geometry::CapsuleCollider surface;
   Scene scene;
@@ -62,7 +64,7 @@ struct SimulatedForwardModel::Impl {
 };
 
 SimulatedForwardModel::SimulatedForwardModel(const geometry::KnownObject& object,
-                                             const hand::HandModel& believed,
+                                             const hand::Description& believed,
                                              const WorldOptions& options)
     : impl_(std::make_unique<Impl>(object, believed, options)) {}
 
@@ -78,7 +80,7 @@ skills::RolloutOutcome SimulatedForwardModel::settle(const skills::BelievedGrasp
   const mjModel* const model = impl.scene.model.get();
   mj_resetData(model, impl.data.get());
   impl.hand.reset(grasp.command);
-  for (int i = 0; i < hand::kJoints; ++i) {
+  for (int i = 0; i < impl.drawn.joint_count(); ++i) {
     impl.data->qpos[impl.scene.joint_positions[static_cast<std::size_t>(i)]] = grasp.joints[i];
   }
   mjtNum* const position = impl.data->qpos + impl.scene.object_position;
@@ -104,13 +106,13 @@ skills::RolloutOutcome SimulatedForwardModel::rollout(std::span<const hand::Hand
 }
 
 std::unique_ptr<planning::CollisionChecker> SimulatedModels::collision_checker(
-    const geometry::KnownObject& object, const hand::HandModel& believed,
+    const geometry::KnownObject& object, const hand::Description& believed,
     const planning::CollisionOptions& options, const planning::Fixture& fixture) const {
   return std::make_unique<CollisionScene>(object, believed, options, fixture);
 }
 
 std::unique_ptr<skills::ForwardModel> SimulatedModels::forward_model(
-    const geometry::KnownObject& object, const hand::HandModel& believed) const {
+    const geometry::KnownObject& object, const hand::Description& believed) const {
   return std::make_unique<SimulatedForwardModel>(object, believed, rollouts_);
 }
 

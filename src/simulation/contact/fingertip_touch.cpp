@@ -8,11 +8,10 @@
 namespace palpate::simulation {
 
 std::optional<FingertipTouch> read_fingertip_touch(const mjModel& model, const mjData& data,
-                                                   int contact,
-                                                   const std::array<int, hand::kFingers>& tips) {
+                                                   int contact, const std::vector<int>& tips) {
   const mjContact& found = data.contact[contact];
   for (int side = 0; side < 2; ++side) {
-    const auto* const tip = std::find(tips.begin(), tips.end(), found.geom[side]);
+    const auto tip = std::find(tips.begin(), tips.end(), found.geom[side]);
     if (tip == tips.end() || found.geom[1 - side] < 0) continue;
     // The solver's normal and force point from the first body to the second.
     const double sign = side == 0 ? 1 : -1;

@@ -21,8 +21,7 @@ struct FingertipTouch {
 /// @param tips  geom of each fingertip
 /// @return nothing for a contact without a fingertip, or one that does not press
 std::optional<FingertipTouch> read_fingertip_touch(const mjModel& model, const mjData& data,
-                                                   int contact,
-                                                   const std::array<int, hand::kFingers>& tips);
+                                                   int contact, const std::vector<int>& tips);
 
 /// The contact as a noisy sensor gives it; nothing where the force drowns in the sensor's noise.
 std::optional<hand::TipContact> as_felt(hand::TipContact contact, const SensorNoise& noise,

@@ -7,7 +7,6 @@
 #include <string>
 
 #include "palpate/core/error.hpp"
-#include "palpate/hand/coupling.hpp"
 #include "simulation/hand/hand_spec.hpp"
 
 namespace palpate::simulation {
@@ -24,40 +23,39 @@ mjsElement& find(mjSpec& spec, mjtObj type, const std::string& name) {
   return *element;
 }
 
-mjsJoint& find_joint(mjSpec& spec, std::string_view name) {
-  return *mjs_asJoint(&find(spec, mjOBJ_JOINT, mjcf_joint(name)));
+const std::string& joint_name(const hand::Description& hand, const hand::DrivenJoint& driven) {
+  return hand.joints[static_cast<std::size_t>(driven.joint)].name;
 }
 
-mjsActuator& find_actuator(mjSpec& spec, std::string_view name) {
-  return *mjs_asActuator(&find(spec, mjOBJ_ACTUATOR, mjcf_actuator(name)));
+mjsJoint& find_joint(mjSpec& spec, const hand::Description& hand, const std::string& name) {
+  return *mjs_asJoint(&find(spec, mjOBJ_JOINT, file_joint(hand, name)));
 }
 
-hand::Range range_of(std::string_view joint) {
-  return hand::shadow_ranges()[static_cast<std::size_t>(hand::joint_index(joint))];
+mjsActuator& find_actuator(mjSpec& spec, const hand::Description& hand,
+                           const hand::Actuator& actuator) {
+  return *mjs_asActuator(&find(spec, mjOBJ_ACTUATOR, file_actuator(hand, actuator.name)));
 }
 
-void set_ranges(mjSpec& spec) {
-  for (std::string_view name : hand::kJointNames) {
-    const hand::Range range = range_of(name);
-    Eigen::Vector2d::Map(find_joint(spec, name).range) << range.low, range.high;
+void set_ranges(mjSpec& spec, const hand::Description& hand) {
+  for (const hand::Joint& one : hand.joints) {
+    mjsJoint& joint = find_joint(spec, hand, one.name);
+    joint.limited = mjLIMITED_TRUE;
+    Eigen::Vector2d::Map(joint.range) << one.range.low, one.range.high;
   }
-  for (std::string_view name : hand::kActuatorNames) {
-    const std::string finger(name.substr(0, 3));
-    const hand::Range range =
-        name.back() != '0' ? range_of(name)
-                           : hand::Range{range_of(finger + "1").low + range_of(finger + "2").low,
-                                         range_of(finger + "1").high + range_of(finger + "2").high};
-    Eigen::Vector2d::Map(find_actuator(spec, name).ctrlrange) << range.low, range.high;
+  for (const hand::Actuator& one : hand.actuators) {
+    mjsActuator& actuator = find_actuator(spec, hand, one);
+    Eigen::Vector2d::Map(actuator.ctrlrange) << one.command.low, one.command.high;
   }
 }
 
 /// A tendon of length J2 - J1 that is taut at 0, slack up to the angle from which J2 draws J1
 /// along, and a spring beyond.
-void add_difference(mjSpec& spec, const std::string& finger, const hand::Coupling& coupling) {
+void add_difference(mjSpec& spec, const std::string& actuator, const std::string& j2,
+                    const std::string& j1, const hand::Coupling& coupling) {
   mjsTendon* tendon = mjs_addTendon(&spec, nullptr);
-  mjs_setName(tendon->element, ("coupling_" + finger).c_str());
-  mjs_wrapJoint(tendon, mjcf_joint(finger + "J2").c_str(), 1);
-  mjs_wrapJoint(tendon, mjcf_joint(finger + "J1").c_str(), -1);
+  mjs_setName(tendon->element, ("coupling_" + actuator).c_str());
+  mjs_wrapJoint(tendon, j2.c_str(), 1);
+  mjs_wrapJoint(tendon, j1.c_str(), -1);
   tendon->stiffness[0] = coupling.draw_stiffness;
   Eigen::Vector2d::Map(tendon->springlength) << 0, coupling.follow_angle;
   tendon->limited = mjLIMITED_TRUE;
@@ -65,36 +63,69 @@ void add_difference(mjSpec& spec, const std::string& finger, const hand::Couplin
   Eigen::Vector2d::Map(tendon->solref_limit) << kLimitTime[0], kLimitTime[1];
 }
 
-void couple(mjSpec& spec, const std::string& finger, const hand::Coupling& coupling) {
-  mjsJoint& distal = find_joint(spec, finger + "J1");
+void couple(mjSpec& spec, const hand::Description& hand, const hand::Actuator& actuator) {
+  const hand::Coupling& coupling = *actuator.coupling;
+  const std::string &j2 = joint_name(hand, actuator.joints[0]),
+                    &j1 = joint_name(hand, actuator.joints[1]);
+  mjsJoint& distal = find_joint(spec, hand, j1);
   distal.stiffness[0] = coupling.return_stiffness;
   distal.springref = -coupling.return_torque / coupling.return_stiffness;
   distal.damping[0] = coupling.distal_damping - kServoDamping;
-  find_joint(spec, finger + "J2").damping[0] = coupling.middle_damping - kServoDamping;
-  add_difference(spec, finger, coupling);
+  find_joint(spec, hand, j2).damping[0] = coupling.middle_damping - kServoDamping;
+  add_difference(spec, actuator.name, file_joint(hand, j2), file_joint(hand, j1), coupling);
 }
 
-/// Position servos: torque = P (setpoint - q) - D dq/dt. The D comes out of the joints' damping, of
-/// which the maker's model has all.
-void set_servos(mjSpec& spec, double stiffness_scale) {
-  for (std::string_view name : hand::kActuatorNames) {
-    if (hand::finger_of_actuator(hand::actuator_index(name)) < 0) continue;
-    mjsActuator& actuator = find_actuator(spec, name);
+/// The servos of the hand's own file: torque = P (setpoint - q) - D dq/dt. The D comes out of the
+/// joints' damping, of which the maker's model has all.
+void scale_servos(mjSpec& spec, const hand::Description& hand, double stiffness_scale) {
+  for (const hand::Actuator& one : hand.actuators) {
+    if (one.finger < 0) continue;
+    mjsActuator& actuator = find_actuator(spec, hand, one);
     actuator.gainprm[0] *= stiffness_scale;
     actuator.biasprm[1] *= stiffness_scale;
     actuator.biasprm[2] = -kServoDamping;
-    if (name.back() != '0') find_joint(spec, name).damping[0] -= kServoDamping;
+    if (!one.coupling) {
+      find_joint(spec, hand, joint_name(hand, one.joints.front())).damping[0] -= kServoDamping;
+    }
+  }
+}
+
+void remove_actuators(mjSpec& spec) {
+  while (mjsElement* element = mjs_firstElement(&spec, mjOBJ_ACTUATOR)) mjs_delete(&spec, element);
+}
+
+/// Position servos with the description's gains, in place of whatever the file has.
+void add_servos(mjSpec& spec, const hand::Description& hand) {
+  remove_actuators(spec);
+  for (const hand::Actuator& one : hand.actuators) {
+    const std::string joint = file_joint(hand, joint_name(hand, one.joints.front()));
+    mjsActuator* actuator = mjs_addActuator(&spec, mjs_getSpecDefault(&spec));
+    mjs_setName(actuator->element, file_actuator(hand, one.name).c_str());
+    mjs_setString(actuator->target, joint.c_str());
+    actuator->trntype = mjTRN_JOINT;
+    double damping = kServoDamping;
+    mjs_setToPosition(actuator, one.stiffness, &damping, nullptr, nullptr, 0);
+    actuator->forcelimited = mjLIMITED_TRUE;
+    Eigen::Vector2d::Map(actuator->forcerange) << -one.max_torque, one.max_torque;
+    actuator->ctrllimited = mjLIMITED_TRUE;
+    for (const hand::DrivenJoint& driven : one.joints) {
+      mjsJoint& moved = find_joint(spec, hand, joint_name(hand, driven));
+      moved.damping[0] = one.damping;
+      moved.armature = one.armature;
+      moved.frictionloss = 0;
+    }
   }
 }
 
 }  // namespace
 
-void prepare_joints(mjSpec& spec, const WorldOptions& options) {
-  set_ranges(spec);
-  for (const std::string finger : {"FF", "MF", "RF", "LF"}) {
-    couple(spec, finger, hand::kShadowCoupling);
+void prepare_joints(mjSpec& spec, const hand::Description& hand, double stiffness_scale) {
+  if (!hand.file.own_servos) add_servos(spec, hand);
+  set_ranges(spec, hand);
+  for (const hand::Actuator& actuator : hand.actuators) {
+    if (actuator.coupling) couple(spec, hand, actuator);
   }
-  set_servos(spec, options.stiffness_scale);
+  if (hand.file.own_servos) scale_servos(spec, hand, stiffness_scale);
 }
 
 }  // namespace palpate::simulation

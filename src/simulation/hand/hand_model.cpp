@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "palpate/core/error.hpp"
-#include "palpate/simulation/world/world.hpp"
 #include "simulation/hand/hand_spec.hpp"
 
 namespace palpate::simulation {
@@ -17,41 +16,73 @@ constexpr double kSphereSpacing = 0.024;  // m, between the balls that stand for
 constexpr double kThinnest = 0.003;       // m, half thickness below which a part is left out
 constexpr double kMeshFill = 0.85;
 
-std::string without_prefix(const std::string& name) {
-  return name.starts_with(kRight) ? name.substr(kRight.size()) : name;
+std::string without_prefix(const hand::Description& hand, const std::string& name) {
+  return name.starts_with(hand.file.prefix) ? name.substr(hand.file.prefix.size()) : name;
 }
 
-int link_named(const hand::HandModel& hand, const std::string& name) {
-  const auto found = std::find_if(hand.links.begin(), hand.links.end(),
-                                  [&](const hand::Link& link) { return link.name == name; });
-  if (found == hand.links.end()) throw BadInput(fmt::format("the hand has no link {}", name));
-  return static_cast<int>(found - hand.links.begin());
+std::string name_of(const mjModel& model, mjtObj type, int id) {
+  const char* name = mj_id2name(&model, type, id);
+  return name ? name : fmt::format("{}_{}", mju_type2Str(type), id);
 }
 
-void read_joint(const mjModel& model, int body, const JointNamer& joint_of, hand::Link& link) {
-  const int count = model.body_jntnum[body];
-  if (count == 0) return;
-  const int joint = model.body_jntadr[body];
-  const mjtNum* const anchor = model.jnt_pos + 3 * joint;
-  if (count > 1 || model.jnt_type[joint] != mjJNT_HINGE || vector3(anchor).norm() > 0) {
-    throw BadInput(fmt::format("link {} is not joined by one hinge at its origin", link.name));
+/// One past the hand's last body: bodies come depth first.
+int end_of_hand(const mjModel& model, int root) {
+  int end = root + 1;
+  while (end < model.nbody && model.body_parentid[end] >= root) ++end;
+  return end;
+}
+
+/// Links that a body is made of: one a joint, and one more where the last does not turn about the
+/// body's origin.
+int links_of_body(const mjModel& model, int body) {
+  const int joints = model.body_jntnum[body];
+  if (joints == 0) return 1;
+  const int last = model.body_jntadr[body] + joints - 1;
+  return joints + (vector3(model.jnt_pos + 3 * last).norm() > 0);
+}
+
+/// Adds the links of a body that joints move.
+void add_jointed(const mjModel& model, int body, const JointNamer& joint_of, hand::Link link,
+                 hand::Description& hand) {
+  const std::string body_name = link.name;
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();  // of the link, in the body's frame
+  for (int i = 0; i < model.body_jntnum[body]; ++i) {
+    const int joint = model.body_jntadr[body] + i;
+    const std::string name = name_of(model, mjOBJ_JOINT, joint);
+    if (model.jnt_type[joint] != mjJNT_HINGE) {
+      throw BadInput(fmt::format("link {} is not joined by hinges: {} is a {}", body_name, name,
+                                 model.jnt_type[joint] == mjJNT_SLIDE ? "slide" : "free joint"));
+    }
+    const Eigen::Vector3d anchor = vector3(model.jnt_pos + 3 * joint);
+    const NamedJoint named = joint_of(name);
+    link.T_parent_link.translate(anchor - origin);
+    link.axis = named.sign * vector3(model.jnt_axis + 3 * joint);
+    link.joint = named.joint;
+    origin = anchor;
+    const bool last = i + 1 == model.body_jntnum[body] && anchor.isZero();
+    link.name = last ? body_name : body_name + "." + name;
+    hand.links.push_back(link);
+    link = {.name = body_name, .parent = static_cast<int>(hand.links.size()) - 1};
   }
-  const NamedJoint named = joint_of(mj_id2name(&model, mjOBJ_JOINT, joint));
-  link.axis = named.sign * vector3(model.jnt_axis + 3 * joint);
-  link.joint = named.joint;
+  if (origin.isZero()) return;
+  link.T_parent_link.translate(-origin);
+  hand.links.push_back(link);
 }
 
-hand::Link read_link(const mjModel& model, int body, int root, const JointNamer& joint_of) {
+void add_link(const mjModel& model, int body, int root, const std::vector<int>& links,
+              const JointNamer& joint_of, hand::Description& hand) {
   hand::Link link;
-  link.name = without_prefix(mj_id2name(&model, mjOBJ_BODY, body));
+  link.name = without_prefix(hand, name_of(model, mjOBJ_BODY, body));
   link.T_parent_link = pose3(model.body_pos + 3 * body, model.body_quat + 4 * body);
-  if (body == root) return link;
-  link.parent = model.body_parentid[body] - root;
-  read_joint(model, body, joint_of, link);
-  return link;
+  if (body != root) link.parent = links[static_cast<std::size_t>(model.body_parentid[body])];
+  if (body == root || model.body_jntnum[body] == 0) {
+    hand.links.push_back(link);
+  } else {
+    add_jointed(model, body, joint_of, link, hand);
+  }
 }
 
-hand::HandModel::TipCapsule read_tip(const mjModel& model, int geom) {
+hand::TipCapsule read_tip(const mjModel& model, int geom) {
   const Eigen::Isometry3d T = pose3(model.geom_pos + 3 * geom, model.geom_quat + 4 * geom);
   const Eigen::Vector3d half = Eigen::Vector3d::UnitZ() * model.geom_size[3 * geom + 1];
   return {T * Eigen::Vector3d(-half), T * half, model.geom_size[3 * geom]};
@@ -87,7 +118,7 @@ Eigen::Vector3d extents(const mjModel& model, int geom) {
   }
 }
 
-void add_spheres(const mjModel& model, int geom, int root, std::vector<hand::LinkSphere>& spheres) {
+void add_spheres(const mjModel& model, int geom, int link, std::vector<hand::LinkSphere>& spheres) {
   const Eigen::Isometry3d T = pose3(model.geom_pos + 3 * geom, model.geom_quat + 4 * geom);
   const Eigen::Vector3d center = vector3(model.geom_aabb + 6 * geom);
   const Eigen::Vector3d half = extents(model, geom);
@@ -96,8 +127,7 @@ void add_spheres(const mjModel& model, int geom, int root, std::vector<hand::Lin
   for (double x : offsets(half.x(), radius)) {
     for (double y : offsets(half.y(), radius)) {
       for (double z : offsets(half.z(), radius)) {
-        spheres.push_back(
-            {model.geom_bodyid[geom] - root, T * (center + Eigen::Vector3d(x, y, z)), radius});
+        spheres.push_back({link, T * (center + Eigen::Vector3d(x, y, z)), radius});
       }
     }
   }
@@ -105,43 +135,43 @@ void add_spheres(const mjModel& model, int geom, int root, std::vector<hand::Lin
 
 }  // namespace
 
-hand::HandModel read_hand_model(const mjModel& model, int root, const JointNamer& joint_of,
-                                const std::array<int, hand::kFingers>& tips) {
-  hand::HandModel hand;
-  int end = root + 1;  // bodies come depth first, so that a hand's are one after the other
-  while (end < model.nbody && model.body_parentid[end] >= root) ++end;
-  for (int body = root; body < end; ++body) {
-    hand.links.push_back(read_link(model, body, root, joint_of));
+std::vector<int> links_of_bodies(const mjModel& model, int root) {
+  std::vector<int> links(static_cast<std::size_t>(model.nbody), -1);
+  int next = 0;
+  for (int body = root; body < end_of_hand(model, root); ++body) {
+    next += body == root ? 1 : links_of_body(model, body);
+    links[static_cast<std::size_t>(body)] = next - 1;
   }
-  hand.palm = link_named(hand, "palm");
+  return links;
+}
+
+void read_links(const mjModel& model, int root, const std::string& palm, const JointNamer& joint_of,
+                const std::vector<int>& tips, hand::Description& hand) {
+  const std::vector<int> links = links_of_bodies(model, root);
+  const int end = end_of_hand(model, root);
+  hand.links.clear();
+  hand.spheres.clear();
+  for (int body = root; body < end; ++body) add_link(model, body, root, links, joint_of, hand);
+  hand.palm = links[static_cast<std::size_t>(find_id(model, mjOBJ_BODY, palm))];
   for (std::size_t i = 0; i < tips.size(); ++i) {
-    hand.distal[i] = model.geom_bodyid[tips[i]] - root;
-    hand.tips[i] = read_tip(model, tips[i]);
+    hand.fingers[i].link = links[static_cast<std::size_t>(model.geom_bodyid[tips[i]])];
+    hand.fingers[i].tip = read_tip(model, tips[i]);
   }
   for (int geom = 0; geom < model.ngeom; ++geom) {
     const int body = model.geom_bodyid[geom];
     if (body < root || body >= end || model.geom_contype[geom] == 0) continue;
-    add_spheres(model, geom, root, hand.spheres);
+    add_spheres(model, geom, links[static_cast<std::size_t>(body)], hand.spheres);
   }
-  return hand;
 }
 
-hand::HandModel load_shadow_hand(const std::filesystem::path& mjcf) {
-  const SpecHandle spec = parse_shadow_hand(mjcf);
-  const ModelHandle model = compile(*spec);
-  for (std::string_view joint : hand::kJointNames) find_id(*model, mjOBJ_JOINT, mjcf_joint(joint));
-  std::array<int, hand::kFingers> tips{};
-  for (int finger = 0; finger < hand::kFingers; ++finger) {
-    find_id(*model, mjOBJ_BODY, mjcf_distal(finger));
-    tips[static_cast<std::size_t>(finger)] = find_id(*model, mjOBJ_GEOM, mjcf_tip(finger));
+void read_drives(const mjModel& model, hand::Description& hand) {
+  for (hand::Actuator& actuator : hand.actuators) {
+    const int id = find_id(model, mjOBJ_ACTUATOR, file_actuator(hand, actuator.name));
+    const mjtNum* const range = model.actuator_ctrlrange + 2 * id;
+    actuator.stiffness = model.actuator_gainprm[mjNGAIN * id];
+    actuator.command = {range[0], range[1]};
+    actuator.max_torque = model.actuator_forcerange[2 * id + 1];
   }
-  constexpr int kForearm = 1;  // the first body after the world
-  return read_hand_model(
-      *model, kForearm,
-      [](const std::string& name) {
-        return NamedJoint{hand::joint_index(without_prefix(name)), 1.0};
-      },
-      tips);
 }
 
 }  // namespace palpate::simulation

@@ -5,94 +5,95 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
+#include <limits>
 
 #include "palpate/core/error.hpp"
 
 namespace palpate::simulation {
 namespace {
 
-constexpr int kCollisionGroup = 3;  // of the hand's collision geoms in the MJCF
-
-/// Where the base's origin lies in the palm's frame: the middle of a grasp, m.
-const Eigen::Vector3d kGraspCenter(0.005, -0.045, 0.08);
-
-double tip_length(int finger) { return finger == 0 ? 0.0275 : 0.0265; }
-
 std::string one_line(std::string text) {
   std::replace(text.begin(), text.end(), '\n', ' ');
   return text;
 }
 
-Eigen::Isometry3d pose_in(const mjSpec& spec, const std::string& root, const std::string& name) {
-  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  const mjsBody* const end = &find_body(spec, root);
-  for (mjsBody* body = &find_body(spec, name); body && body != end;
-       body = mjs_getParent(body->element)) {
-    T = pose3(body->pos, body->quat) * T;
-  }
-  return T;
-}
-
-void place_root(mjSpec& spec) {
-  const std::string root = std::string(kRight) + "forearm";
-  Eigen::Isometry3d T_base_palm = Eigen::Isometry3d::Identity();
-  T_base_palm.linear() << 0, 0, 1, 1, 0, 0, 0, 1, 0;  // x to +y, y to +z, z to +x
-  T_base_palm.translation() = -(T_base_palm.linear() * kGraspCenter);
-  const Eigen::Isometry3d T_forearm_palm = pose_in(spec, root, std::string(kRight) + "palm");
-  mjsBody& forearm = find_body(spec, root);
-  write_pose(T_base_palm * T_forearm_palm.inverse(), forearm.pos, forearm.quat);
-}
-
-mjsGeom& collision_geom(mjsBody& body, const std::string& name) {
+/// Geoms of a body that collide.
+std::vector<mjsGeom*> solids(mjsBody& body) {
+  std::vector<mjsGeom*> result;
   for (mjsElement* e = mjs_firstChild(&body, mjOBJ_GEOM, 0); e; e = mjs_nextChild(&body, e, 0)) {
     mjsGeom* geom = mjs_asGeom(e);
-    if (geom->group == kCollisionGroup) return *geom;
+    if (geom->contype != 0 || geom->conaffinity != 0) result.push_back(geom);
   }
-  throw BadInput(fmt::format("the hand's link {} has nothing to collide with", name));
+  return result;
 }
 
-void replace_tip(mjSpec& spec, int finger) {
-  const std::string name = mjcf_distal(finger);
-  mjsGeom& geom = collision_geom(find_body(spec, name), name);
-  const double low = 0.0015;
-  const double high = tip_length(finger) - kTipRadius;
-  geom.type = mjGEOM_CAPSULE;
-  mjs_setString(geom.meshname, "");
-  mjs_setName(geom.element, mjcf_tip(finger).c_str());
-  Eigen::Vector3d::Map(geom.size) << kTipRadius, 0.5 * (high - low), 0;
-  Eigen::Vector3d::Map(geom.pos) << 0, 0, 0.5 * (high + low);
-  Eigen::Vector4d::Map(geom.quat) << 1, 0, 0, 0;
+/// Orientation (w, x, y, z) that turns z into the direction of a capsule's axis.
+Eigen::Vector4d orientation(const Eigen::Vector3d& axis) {
+  if (axis.head<2>().isZero() && axis.z() >= 0) return {1, 0, 0, 0};
+  const auto q = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), axis);
+  return {q.w(), q.x(), q.y(), q.z()};
 }
 
 }  // namespace
 
-std::string mjcf_joint(std::string_view joint) { return fmt::format("{}{}", kRight, joint); }
-
-std::string mjcf_actuator(std::string_view actuator) {
-  return fmt::format("{}A_{}", kRight, actuator);
+std::string file_link(const hand::Description& hand, std::string_view link) {
+  return fmt::format("{}{}", hand.file.prefix, link);
 }
 
-std::string mjcf_distal(int finger) {
-  std::string name(hand::kFingerNames[static_cast<std::size_t>(finger)]);
-  std::transform(name.begin(), name.end(), name.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return fmt::format("{}{}distal", kRight, name);
+std::string file_joint(const hand::Description& hand, std::string_view joint) {
+  return fmt::format("{}{}", hand.file.prefix, joint);
 }
 
-std::string mjcf_tip(int finger) {
-  return fmt::format("tip_{}", hand::kFingerNames[static_cast<std::size_t>(finger)]);
+std::string file_actuator(const hand::Description& hand, std::string_view actuator) {
+  return fmt::format("{}{}", hand.file.actuator_prefix, actuator);
 }
 
-SpecHandle parse_shadow_hand(const std::filesystem::path& mjcf) {
-  std::array<char, 512> message{};
-  SpecHandle spec(mj_parseXML(mjcf.c_str(), nullptr, message.data(), message.size()));
+std::string tip_geom(const hand::Description& hand, int finger) {
+  return fmt::format("tip_{}", hand.fingers[static_cast<std::size_t>(finger)].name);
+}
+
+SpecHandle parse_model(const std::filesystem::path& file) {
+  std::array<char, 1000> message{};
+  SpecHandle spec(mj_parseXML(file.c_str(), nullptr, message.data(), message.size()));
   if (!spec) {
     throw BadInput(
-        fmt::format("cannot read the hand {}: {}", mjcf.string(), one_line(message.data())));
+        fmt::format("cannot read the hand {}: {}", file.string(), one_line(message.data())));
   }
-  place_root(*spec);
-  for (int finger = 0; finger < hand::kFingers; ++finger) replace_tip(*spec, finger);
+  return spec;
+}
+
+void place_root(mjSpec& spec, const hand::ModelFile& file) {
+  mjsBody& root = find_body(spec, file.root);
+  write_pose(file.T_mount_root, root.pos, root.quat);
+}
+
+void put_tip(mjSpec& spec, const std::string& body, const std::string& name,
+             const hand::TipCapsule& capsule) {
+  auto geoms = solids(find_body(spec, body));
+  if (geoms.empty()) {
+    throw BadInput(fmt::format("the hand's link {} has nothing to collide with", body));
+  }
+  for (mjsGeom* other : geoms) other->contype = other->conaffinity = other == geoms.front();
+  mjsGeom& geom = *geoms.front();
+  geom.type = mjGEOM_CAPSULE;
+  mjs_setString(geom.meshname, "");
+  mjs_setName(geom.element, name.c_str());
+  const Eigen::Vector3d axis = capsule.b - capsule.a;
+  Eigen::Vector3d::Map(geom.size) << capsule.radius, 0.5 * axis.norm(), 0;
+  Eigen::Vector3d::Map(geom.pos) = 0.5 * (capsule.b + capsule.a);
+  Eigen::Vector4d::Map(geom.quat) = orientation(axis);
+  std::fill(std::begin(geom.fromto), std::end(geom.fromto),
+            std::numeric_limits<double>::quiet_NaN());
+}
+
+SpecHandle parse_hand(const hand::Description& hand) {
+  SpecHandle spec = parse_model(hand.file.path);
+  place_root(*spec, hand.file);
+  for (int finger = 0; finger < hand.finger_count(); ++finger) {
+    const hand::Finger& one = hand.fingers[static_cast<std::size_t>(finger)];
+    const std::string& link = hand.links[static_cast<std::size_t>(one.link)].name;
+    put_tip(*spec, file_link(hand, link), tip_geom(hand, finger), one.tip);
+  }
   return spec;
 }
 

@@ -5,25 +5,32 @@
 #include <string>
 #include <string_view>
 
-#include "palpate/hand/joints.hpp"
+#include "palpate/hand/description.hpp"
 #include "simulation/world/mujoco_handles.hpp"
 
 namespace palpate::simulation {
 
-/// What the names of the right hand's bodies, joints and actuators start with.
-inline constexpr std::string_view kRight = "rh_";
-inline constexpr double kTipRadius = 0.007;  ///< m
+/// Names that links, joints and actuators of the hand have in its model file.
+std::string file_link(const hand::Description& hand, std::string_view link);
+std::string file_joint(const hand::Description& hand, std::string_view joint);
+std::string file_actuator(const hand::Description& hand, std::string_view actuator);
+/// Name of the capsule that stands for a fingertip.
+std::string tip_geom(const hand::Description& hand, int finger);
 
-/// Names in the MJCF of a joint, of an actuator, of a fingertip's link and of its capsule.
-std::string mjcf_joint(std::string_view joint);
-std::string mjcf_actuator(std::string_view actuator);
-std::string mjcf_distal(int finger);
-std::string mjcf_tip(int finger);
+/// A model file (MJCF or URDF), parsed. @throws BadInput, naming the file and what is wrong with it
+SpecHandle parse_model(const std::filesystem::path& file);
 
-/// The Shadow hand's MJCF, parsed, with BioTac-like capsules for fingertips and its root placed so
-/// that the base's origin is where the hand grasps: palm down, fingers along +x, thumb side +y.
+/// Puts the hand's first body where the mount carries it.
+void place_root(mjSpec& spec, const hand::ModelFile& file);
+
+/// Makes a capsule of what a fingertip's body collides with.
+/// @throws BadInput if there is no such body, or it has nothing to collide with
+void put_tip(mjSpec& spec, const std::string& body, const std::string& geom,
+             const hand::TipCapsule& capsule);
+
+/// The hand's model file with its root placed and capsules for fingertips.
 /// @throws BadInput, naming the file and what is wrong with it
-SpecHandle parse_shadow_hand(const std::filesystem::path& mjcf);
+SpecHandle parse_hand(const hand::Description& hand);
 
 /// @throws BadInput if the model has no such body
 mjsBody& find_body(const mjSpec& spec, const std::string& name);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/simulation/world/world.hpp"
+#include "palpate/simulation/hand/load_hand.hpp"
+#include "simulation/hand/hand_model.hpp"
 #include "simulation/hand/hand_spec.hpp"
 
 namespace palpate::simulation {
@@ -31,9 +32,10 @@ Eigen::Vector3d color_of(const mjModel& model, int geom) {
 
 }  // namespace
 
-hand::HandVisuals load_shadow_hand_visuals(const std::filesystem::path& mjcf) {
-  const SpecHandle spec = parse_shadow_hand(mjcf);
+hand::HandVisuals load_hand_visuals(const hand::Description& hand) {
+  const SpecHandle spec = parse_hand(hand);
   const ModelHandle model = compile(*spec);
+  const auto links = links_of_bodies(*model, find_id(*model, mjOBJ_BODY, hand.file.root));
   hand::HandVisuals visuals;
   for (int geom = 0; geom < model->ngeom; ++geom) {
     if (!is_drawn(*model, geom)) continue;
@@ -41,7 +43,7 @@ hand::HandVisuals load_shadow_hand_visuals(const std::filesystem::path& mjcf) {
     const std::string name = mj_id2name(model.get(), mjOBJ_MESH, mesh);
     if (!visuals.meshes.contains(name)) visuals.meshes[name] = read_mesh(*model, mesh);
     visuals.parts.push_back(
-        {.link = model->geom_bodyid[geom] - 1,
+        {.link = links[static_cast<std::size_t>(model->geom_bodyid[geom])],
          .mesh = name,
          .T_link_mesh = pose3(model->geom_pos + 3 * geom, model->geom_quat + 4 * geom),
          .color = color_of(*model, geom)});

@@ -9,7 +9,8 @@ namespace palpate::simulation {
 const hand::ActuatorVector& IntegralAction::update(const hand::ActuatorVector& errors,
                                                    const hand::ActuatorVector& stiffness,
                                                    double dt) {
-  for (int i = 0; i < hand::kActuators; ++i) {
+  if (torques_.size() != errors.size()) torques_.setZero(errors.size());
+  for (Eigen::Index i = 0; i < errors.size(); ++i) {
     if (std::abs(errors[i]) <= options_.deadband) continue;
     torques_[i] = std::clamp(torques_[i] + stiffness[i] * errors[i] * dt / options_.time,
                              -options_.limit, options_.limit);

@@ -6,6 +6,8 @@
 #include <numbers>
 #include <string>
 
+#include "palpate/hand/shadow.hpp"
+
 namespace palpate::simulation {
 namespace {
 
@@ -20,18 +22,34 @@ constexpr double kLift = 0.1;        // m
 constexpr double kRamp = 0.8;        // s, to the holding torques
 constexpr double kHangs = 0.05;      // m above the table
 
-constexpr grasping::ClosingTorque kTouch = {
-    .proximal = 0.098, .distal = 0.07, .thumb = 0.098, .thumb_distal = 0.07};
-constexpr grasping::ClosingTorque kHold = {
-    .proximal = 0.23, .distal = 0.2, .thumb = 0.2, .thumb_distal = 0.14};
-constexpr std::array<bool, hand::kFingers> kAll = {true, true, true, true, true};
+constexpr hand::PerFinger<bool> kAll = {true, true, true, true, true};
+
+/// Largest torques of the closing, N m, by the joint that an actuator drives.
+struct Torques {
+  double knuckle, middle, thumb, thumb_tip;
+};
+constexpr Torques kTouch = {.knuckle = 0.098, .middle = 0.07, .thumb = 0.098, .thumb_tip = 0.07};
+constexpr Torques kHold = {.knuckle = 0.23, .middle = 0.2, .thumb = 0.2, .thumb_tip = 0.14};
+
+hand::ActuatorVector by_actuator(const hand::Description& hand, const Torques& torques) {
+  hand::ActuatorVector result = hand::ActuatorVector::Zero(hand.actuator_count());
+  for (int i = 0; i < hand.actuator_count(); ++i) {
+    const hand::Actuator& actuator = hand.actuators[static_cast<std::size_t>(i)];
+    const bool thumb = actuator.finger == hand.thumb, tip = actuator.name == "THJ1";
+    result[i] = thumb               ? (tip ? torques.thumb_tip : torques.thumb)
+                : actuator.coupling ? torques.middle
+                                    : torques.knuckle;
+  }
+  return result;
+}
 
 int ticks(double seconds) { return static_cast<int>(std::lround(seconds / hand::kTick)); }
 
-hand::HandCommand opened(const OpenLoopGrasp& grasp) {
+hand::HandCommand opened(const hand::Description& hand, const OpenLoopGrasp& grasp) {
   hand::HandCommand command;
+  command.positions.setZero(hand.actuator_count());
   const auto set = [&](const std::string& name, double value) {
-    command.positions[hand::actuator_index(name)] = value;
+    command.positions[hand.actuator(name)] = value;
   };
   for (const std::string finger : {"FF", "MF", "RF", "LF"}) {
     set(finger + "J3", grasp.side ? 0.175 : 0.094);
@@ -71,21 +89,20 @@ hand::HandReading approach(World& world, hand::HandCommand& command, bool side) 
 }  // namespace
 
 bool run_open_loop_grasp(World& world, const OpenLoopGrasp& grasp) {
-  hand::HandCommand command = opened(grasp);
+  const hand::Description& hand = world.hand_model();
+  hand::HandCommand command = opened(hand, grasp);
   world.reset(grasp.start, command);
   hand::HandReading reading = approach(world, command, grasp.side);
-  const grasping::ClosingLaw law(world.hand().actuators(), grasp.side ? 1.76 : 3.0,
-                                 grasp.side ? 0.785 : 0.718);
-  grasping::ClosingTorque hold = kHold;
-  hold.proximal *= grasp.grip;
-  hold.distal *= grasp.grip;
-  hold.thumb *= grasp.grip;
-  hold.thumb_distal *= grasp.grip;
+  hand::ActuatorVector closed_end = hand.postures.side.closed;
+  closed_end[hand.actuator("THJ5")] = grasp.side ? 0.785 : 0.718;
+  const grasping::ClosingLaw law(hand, grasp.side ? 1.76 : 3.0, closed_end);
+  const hand::ActuatorVector touch = by_actuator(hand, kTouch);
+  const hand::ActuatorVector hold = grasp.grip * by_actuator(hand, kHold);
   const int closed = ticks(grasp.close_seconds), held = closed + ticks(kRamp);
   const int lifted = held + ticks(grasp.lift_seconds);
   for (int tick = 0; tick < lifted + ticks(grasp.hold_seconds); ++tick) {
     const double share = std::clamp((tick - closed) * hand::kTick / kRamp, 0.0, 1.0);
-    law.advance(command, reading, grasping::blend(kTouch, hold, share), kAll);
+    law.advance(command, reading, touch + share * (hold - touch), kAll);
     if (tick >= held && tick < lifted) command.base.xyz.z() += kLift / (lifted - held);
     reading = world.hand().step(command);
   }

@@ -18,12 +18,12 @@ hand::TipContact in_sensor(const hand::TipContact& contact,
 
 }  // namespace
 
-SimulatedBiotacs::SimulatedBiotacs(const geometry::MeshQuery& object, const hand::HandModel& hand,
+SimulatedBiotacs::SimulatedBiotacs(const geometry::MeshQuery& object, const hand::Description& hand,
                                    const RandomStream& random)
     : object_(object), skin_(std::make_unique<const tactile::BiotacSkin>()) {
-  for (int finger = 0; finger < hand::kFingers; ++finger) {
+  for (int finger = 0; finger < hand.finger_count(); ++finger) {
     const auto i = static_cast<std::uint64_t>(finger);
-    mounts_[i] = tactile::biotac_mount(hand, finger);
+    mounts_.push_back(tactile::biotac_mount(hand, finger));
     sensors_.emplace_back(*skin_, tactile::BiotacSensorOptions{}, random.fork("sensor", i));
   }
 }
@@ -55,8 +55,8 @@ tactile::SkinState SimulatedBiotacs::press(const TipLoad& load,
   return skin_->press(contacts, surface);
 }
 
-std::vector<hand::BiotacReading> SimulatedBiotacs::step(
-    const std::array<TipLoad, hand::kFingers>& loads, double time) {
+std::vector<hand::BiotacReading> SimulatedBiotacs::step(const std::vector<TipLoad>& loads,
+                                                        double time) {
   std::vector<hand::BiotacReading> readings;
   for (std::size_t i = 0; i < loads.size(); ++i) {
     readings.push_back(sensors_[i].step(press(loads[i], mounts_[i])));

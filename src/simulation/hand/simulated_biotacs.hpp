@@ -24,7 +24,7 @@ struct TipLoad {
 class SimulatedBiotacs {
  public:
   /// Keeps a reference: the object's mesh, in its frame, must outlive this.
-  SimulatedBiotacs(const geometry::MeshQuery& object, const hand::HandModel& hand,
+  SimulatedBiotacs(const geometry::MeshQuery& object, const hand::Description& hand,
                    const RandomStream& random);
 
   /// Back to rest at time 0, the noise again.
@@ -32,15 +32,14 @@ class SimulatedBiotacs {
 
   /// The channels at the end of a tick; the skin meets the object's true surface, and a plane
   /// through each contact with something else.
-  std::vector<hand::BiotacReading> step(const std::array<TipLoad, hand::kFingers>& loads,
-                                        double time);
+  std::vector<hand::BiotacReading> step(const std::vector<TipLoad>& loads, double time);
 
  private:
   [[nodiscard]] tactile::SkinState press(const TipLoad& load, const Eigen::Isometry3d& mount) const;
 
   const geometry::MeshQuery& object_;
   std::unique_ptr<const tactile::BiotacSkin> skin_;  // which the sensors refer to
-  std::array<Eigen::Isometry3d, hand::kFingers> mounts_;
+  std::vector<Eigen::Isometry3d> mounts_;
   std::vector<tactile::BiotacSensor> sensors_;
 };
 

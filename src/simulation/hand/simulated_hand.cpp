@@ -9,7 +9,7 @@
 
 #include "palpate/core/error.hpp"
 #include "palpate/core/se3.hpp"
-#include "palpate/hand/coupling.hpp"
+#include "palpate/hand/kinematics.hpp"
 #include "simulation/contact/fingertip_touch.hpp"
 #include "simulation/world/object_step.hpp"
 
@@ -17,19 +17,6 @@ namespace palpate::simulation {
 namespace {
 
 using Index = std::size_t;
-
-std::array<hand::Actuator, hand::kActuators> read_actuators(const Scene& scene) {
-  const mjModel& m = *scene.model;
-  std::array<hand::Actuator, hand::kActuators> result;
-  for (Index i = 0; i < result.size(); ++i) {
-    const int id = scene.actuators[i];
-    const mjtNum* const range = m.actuator_ctrlrange + 2 * id;
-    result[i] = {.stiffness = m.actuator_gainprm[mjNGAIN * id],
-                 .command = {range[0], range[1]},
-                 .max_torque = m.actuator_forcerange[2 * id + 1]};
-  }
-  return result;
-}
 
 Vector6d base_vector(const hand::BasePosition& base) {
   Vector6d result;
@@ -39,22 +26,27 @@ Vector6d base_vector(const hand::BasePosition& base) {
 
 }  // namespace
 
-SimulatedHand::SimulatedHand(const Scene& scene, mjData& data, const WorldOptions& options,
-                             const RandomStream& random)
+SimulatedHand::SimulatedHand(const Scene& scene, mjData& data, const hand::Description& hand,
+                             const WorldOptions& options, const RandomStream& random)
     : scene_(scene),
       data_(data),
+      hand_(hand),
       noise_(options.noise),
       integral_(options.integral),
       random_(random),
-      steps_a_tick_(static_cast<int>(std::lround(hand::kTick / scene.model->opt.timestep))),
-      actuators_(read_actuators(scene)) {
-  for (Index i = 0; i < actuators_.size(); ++i) {
-    stiffness_[static_cast<int>(i)] = actuators_[i].stiffness;
+      steps_a_tick_(static_cast<int>(std::lround(hand::kTick / scene.model->opt.timestep))) {
+  stiffness_.resize(static_cast<Eigen::Index>(scene.actuators.size()));
+  for (Index i = 0; i < scene.actuators.size(); ++i) {
+    stiffness_[static_cast<int>(i)] = scene.model->actuator_gainprm[mjNGAIN * scene.actuators[i]];
   }
 }
 
 void SimulatedHand::apply(const hand::HandCommand& command) {
   const Vector6d base = base_vector(command.base);
+  if (command.positions.size() != stiffness_.size()) {
+    throw BadInput(fmt::format("{} actuators are commanded, the hand has {}",
+                               command.positions.size(), stiffness_.size()));
+  }
   if (!command.positions.allFinite() || !base.allFinite()) {
     throw BadInput(
         fmt::format("the hand's command has a value that is not finite: base {}, sum of "
@@ -71,7 +63,7 @@ void SimulatedHand::apply(const hand::HandCommand& command) {
 
 /// The servos give P and D; the integral moves their setpoint by what makes up its torque.
 void SimulatedHand::integrate(const hand::HandCommand& command) {
-  hand::ActuatorVector errors;
+  hand::ActuatorVector errors(stiffness_.size());
   for (Index i = 0; i < scene_.actuators.size(); ++i) {
     const auto k = static_cast<int>(i);
     errors[k] = command.positions[k] - data_.actuator_length[scene_.actuators[i]];
@@ -106,7 +98,7 @@ hand::HandReading SimulatedHand::step(const hand::HandCommand& command) {
 
 void SimulatedHand::reset(const hand::HandCommand& command) {
   apply(command);
-  const hand::JointVector joints = hand::joints_in_free_flexion(command.positions);
+  const hand::JointVector joints = hand::joints_in_free_flexion(hand_, command.positions);
   for (Index i = 0; i < scene_.joint_positions.size(); ++i) {
     data_.qpos[scene_.joint_positions[i]] = joints[static_cast<int>(i)];
   }
@@ -123,11 +115,14 @@ hand::HandReading SimulatedHand::read() {
   RandomStream random = random_.fork("reading", tick_);
   hand::HandReading reading;
   reading.time = static_cast<double>(tick_) * hand::kTick;
-  for (int i = 0; i < hand::kJoints; ++i) {
+  reading.joints.resize(hand_.joint_count());
+  reading.torques.resize(hand_.actuator_count());
+  reading.contacts.resize(hand_.fingers.size());
+  for (int i = 0; i < hand_.joint_count(); ++i) {
     reading.joints[i] =
         data_.qpos[scene_.joint_positions[static_cast<Index>(i)]] + noise_.joint * random.normal();
   }
-  for (int i = 0; i < hand::kActuators; ++i) {
+  for (int i = 0; i < hand_.actuator_count(); ++i) {
     reading.torques[i] = data_.actuator_force[scene_.actuators[static_cast<Index>(i)]];
   }
   for (int i = 0; i < 3; ++i) {
@@ -141,7 +136,7 @@ hand::HandReading SimulatedHand::read() {
 }
 
 void SimulatedHand::read_contacts(hand::HandReading& reading, RandomStream& random) {
-  std::array<TipLoad, hand::kFingers> loads;
+  std::vector<TipLoad> loads(scene_.tips.size());
   const Eigen::Isometry3d T_object_world = body_pose(data_, scene_.object).inverse();
   for (Index i = 0; i < loads.size(); ++i) {
     const int link = scene_.model->geom_bodyid[scene_.tips[i]];

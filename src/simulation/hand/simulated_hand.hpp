@@ -11,16 +11,13 @@
 
 namespace palpate::simulation {
 
-/// The Shadow hand of a scene: drives its actuators and reads its noisy sensors.
+/// The hand of a scene: drives its actuators and reads its noisy sensors.
 class SimulatedHand : public hand::Hand {
  public:
-  /// Keeps references: scene and data must outlive the hand.
-  SimulatedHand(const Scene& scene, mjData& data, const WorldOptions& options,
-                const RandomStream& random);
+  /// Keeps references: scene, data and description must outlive the hand.
+  SimulatedHand(const Scene& scene, mjData& data, const hand::Description& hand,
+                const WorldOptions& options, const RandomStream& random);
 
-  const std::array<hand::Actuator, hand::kActuators>& actuators() const override {
-    return actuators_;
-  }
   hand::HandReading step(const hand::HandCommand& command) override;
 
   /// Puts the hand, at rest, where the command wants it, and starts the noise again. The coupled
@@ -42,13 +39,13 @@ class SimulatedHand : public hand::Hand {
 
   const Scene& scene_;
   mjData& data_;
+  const hand::Description& hand_;
   SensorNoise noise_;
   simulation::IntegralAction integral_;
   hand::ActuatorVector stiffness_;
   RandomStream random_;
   std::uint64_t tick_ = 0;
   int steps_a_tick_;
-  std::array<hand::Actuator, hand::kActuators> actuators_;
   StepObserver observer_;
   std::optional<SimulatedBiotacs> biotacs_;
 };

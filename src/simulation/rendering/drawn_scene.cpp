@@ -5,7 +5,6 @@
 
 #include <string>
 
-#include "palpate/core/assets.hpp"
 #include "palpate/core/error.hpp"
 #include "simulation/hand/hand_spec.hpp"
 #include "simulation/world/mesh_geom.hpp"
@@ -113,13 +112,13 @@ int position_of(const mjModel& model, const std::string& body) {
 
 }  // namespace
 
-DrawnScene compose_drawn_scene(const geometry::KnownObject& object, int width, int height) {
-  const SpecHandle spec = parse_shadow_hand(asset("shadow_hand/right_hand.xml"));
-  const std::string root = std::string(kRight) + "forearm";
-  mjsBody& hand = find_body(*spec, root);
+DrawnScene compose_drawn_scene(const hand::Description& hand, const geometry::KnownObject& object,
+                               int width, int height) {
+  const SpecHandle spec = parse_hand(hand);
+  mjsBody& root = find_body(*spec, hand.file.root);
   DrawnScene scene;
-  scene.T_base_hand = pose3(hand.pos, hand.quat);
-  add_free_body(hand);
+  scene.T_base_hand = pose3(root.pos, root.quat);
+  add_free_body(root);
   add_surroundings(*spec);
   add_object(*spec, object.mesh);
   spec->stat.extent = 1;  // m: what the distances in mjVisual are relative to
@@ -127,11 +126,11 @@ DrawnScene compose_drawn_scene(const geometry::KnownObject& object, int width, i
   brighten_hand(*spec);
   scene.model = compile(*spec);
   const mjModel& model = *scene.model;
-  for (std::size_t i = 0; i < scene.joint_positions.size(); ++i) {
-    scene.joint_positions[i] =
-        model.jnt_qposadr[find_id(model, mjOBJ_JOINT, mjcf_joint(hand::kJointNames[i]))];
+  for (const hand::Joint& joint : hand.joints) {
+    scene.joint_positions.push_back(
+        model.jnt_qposadr[find_id(model, mjOBJ_JOINT, file_joint(hand, joint.name))]);
   }
-  scene.hand_position = position_of(model, root);
+  scene.hand_position = position_of(model, hand.file.root);
   scene.object_position = position_of(model, "object");
   return scene;
 }

@@ -94,10 +94,10 @@ mjvOption visible_things() {
 }  // namespace
 
 struct Renderer::Impl {
-  Impl(const geometry::KnownObject& object, int w, int h)
+  Impl(const hand::Description& hand, const geometry::KnownObject& object, int w, int h)
       : width(w),
         height(h),
-        scene(compose_drawn_scene(object, w, h)),
+        scene(compose_drawn_scene(hand, object, w, h)),
         data(mj_makeData(scene.model.get())),
         gl(working_context()) {
     if (!data) throw std::bad_alloc();
@@ -117,9 +117,10 @@ struct Renderer::Impl {
   std::unique_ptr<Canvas> canvas;
 };
 
-Renderer::Renderer(const geometry::KnownObject& object, int width, int height) {
+Renderer::Renderer(const hand::Description& hand, const geometry::KnownObject& object, int width,
+                   int height) {
   check_size(width, height);
-  impl_ = std::make_unique<Impl>(object, width, height);
+  impl_ = std::make_unique<Impl>(hand, object, width, height);
 }
 
 Renderer::~Renderer() = default;

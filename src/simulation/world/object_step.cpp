@@ -35,7 +35,7 @@ std::optional<ObjectContact> read_contact(const Scene& scene, const mjData& data
   const int other = contact.geom[second ? 0 : 1];
   const Eigen::Vector3d turn = second ? Eigen::Vector3d(1, 1, 1) : Eigen::Vector3d(-1, -1, 1);
   ObjectContact result;
-  result.link = m.geom_bodyid[other] - 1;  // the world's body comes first
+  result.link = scene.links[static_cast<std::size_t>(m.geom_bodyid[other])];
   const auto tip = std::find(scene.tips.begin(), scene.tips.end(), other);
   if (tip != scene.tips.end()) {
     result.finger = static_cast<int>(tip - scene.tips.begin());
@@ -71,7 +71,8 @@ Eigen::Vector3d object_momentum(const Scene& scene, const mjData& data) {
 }  // namespace
 
 StepStart read_step_start(const Scene& scene, const mjData& data) {
-  StepStart start{.momentum = object_momentum(scene, data), .joints = {}};
+  StepStart start{.momentum = object_momentum(scene, data),
+                  .joints = hand::JointVector(static_cast<int>(scene.joint_positions.size()))};
   for (std::size_t i = 0; i < scene.joint_positions.size(); ++i) {
     start.joints[static_cast<int>(i)] = data.qpos[scene.joint_positions[i]];
   }
@@ -80,13 +81,13 @@ StepStart read_step_start(const Scene& scene, const mjData& data) {
 
 ObjectStep read_object_step(const Scene& scene, const mjData& data, const StepStart& start) {
   const mjModel& m = *scene.model;
-  constexpr int kRoot = 1;  // the hand's first body, after the world's
   ObjectStep step;
   step.time = data.time - m.opt.timestep;
   // Bodies and contacts are still those of the step's start; positions and velocities are not.
   step.T_world_object = body_pose(data, scene.object);
-  const Eigen::Isometry3d T_base_root = pose3(m.body_pos + 3 * kRoot, m.body_quat + 4 * kRoot);
-  step.T_world_base = body_pose(data, kRoot) * T_base_root.inverse();
+  const Eigen::Isometry3d T_base_root =
+      pose3(m.body_pos + 3 * scene.root, m.body_quat + 4 * scene.root);
+  step.T_world_base = body_pose(data, scene.root) * T_base_root.inverse();
   step.joints = start.joints;
   step.gravity = m.body_mass[scene.object] * vector3(m.opt.gravity);
   step.momentum_change = object_momentum(scene, data) - start.momentum;

@@ -8,12 +8,12 @@
 #include <string>
 #include <string_view>
 
-#include "palpate/core/assets.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/simulation/world/convex_parts.hpp"
 #include "simulation/contact/exact_contact.hpp"
 #include "simulation/contact/table_contact.hpp"
 #include "simulation/hand/hand_joints.hpp"
+#include "simulation/hand/hand_model.hpp"
 #include "simulation/hand/hand_spec.hpp"
 #include "simulation/world/mesh_geom.hpp"
 
@@ -156,8 +156,8 @@ void add_base_servo(mjSpec& spec, const BaseAxis& axis) {
   actuator->forcerange[1] = servo.limit;
 }
 
-void add_base(mjSpec& spec) {
-  mjsBody& root = find_body(spec, std::string(kRight) + "forearm");
+void add_base(mjSpec& spec, const hand::Description& hand) {
+  mjsBody& root = find_body(spec, hand.file.root);
   for (const BaseAxis& axis : kBaseAxes) {
     add_base_joint(spec, root, axis);
     add_base_servo(spec, axis);
@@ -169,21 +169,22 @@ void set_friction(mjsGeom& geom, double friction) {
   geom.condim = kContactDimensions;
 }
 
-void prepare_hand(mjSpec& spec, const WorldOptions& options) {
+void prepare_hand(mjSpec& spec, const hand::Description& hand, const WorldOptions& options) {
   mjs_discardVisual(&spec, nullptr);
   for (mjsElement* e = mjs_firstElement(&spec, mjOBJ_GEOM); e; e = mjs_nextElement(&spec, e)) {
     set_friction(*mjs_asGeom(e), options.hand_friction);
     set_bits(*mjs_asGeom(e), kSolidBits);
   }
-  for (int finger = 0; finger < hand::kFingers; ++finger) {
-    mjsGeom& tip = *mjs_asGeom(mjs_findElement(&spec, mjOBJ_GEOM, mjcf_tip(finger).c_str()));
+  for (int finger = 0; finger < hand.finger_count(); ++finger) {
+    const std::string name = tip_geom(hand, finger);
+    mjsGeom& tip = *mjs_asGeom(mjs_findElement(&spec, mjOBJ_GEOM, name.c_str()));
     tip.solref[0] = kContactTime;
     if (options.exact_tips) set_bits(tip, kTipBits);
   }
   for (mjsElement* e = mjs_firstElement(&spec, mjOBJ_BODY); e; e = mjs_nextElement(&spec, e)) {
     mjs_asBody(e)->gravcomp = 1;
   }
-  prepare_joints(spec, options);
+  prepare_joints(spec, hand, options.stiffness_scale);
 }
 
 mjsGeom& add_solid(mjSpec& spec, mjsBody& body, const std::string& name,
@@ -245,21 +246,23 @@ void add_object(mjSpec& spec, const geometry::KnownObject& object, const WorldOp
   }
 }
 
-void locate(Scene& scene) {
+void locate(const hand::Description& hand, Scene& scene) {
   const mjModel& m = *scene.model;
-  for (std::size_t i = 0; i < scene.joint_positions.size(); ++i) {
-    scene.joint_positions[i] =
-        m.jnt_qposadr[find_id(m, mjOBJ_JOINT, mjcf_joint(hand::kJointNames[i]))];
+  scene.root = find_id(m, mjOBJ_BODY, hand.file.root);
+  scene.links = links_of_bodies(m, scene.root);
+  for (const hand::Joint& joint : hand.joints) {
+    scene.joint_positions.push_back(
+        m.jnt_qposadr[find_id(m, mjOBJ_JOINT, file_joint(hand, joint.name))]);
   }
-  for (std::size_t i = 0; i < scene.actuators.size(); ++i) {
-    scene.actuators[i] = find_id(m, mjOBJ_ACTUATOR, mjcf_actuator(hand::kActuatorNames[i]));
+  for (const hand::Actuator& actuator : hand.actuators) {
+    scene.actuators.push_back(find_id(m, mjOBJ_ACTUATOR, file_actuator(hand, actuator.name)));
   }
   for (std::size_t i = 0; i < kBaseAxes.size(); ++i) {
     scene.base_positions[i] = m.jnt_qposadr[find_id(m, mjOBJ_JOINT, kBaseAxes[i].name)];
     scene.base_actuators[i] = find_id(m, mjOBJ_ACTUATOR, kBaseAxes[i].name);
   }
-  for (int finger = 0; finger < hand::kFingers; ++finger) {
-    scene.tips[static_cast<std::size_t>(finger)] = find_id(m, mjOBJ_GEOM, mjcf_tip(finger));
+  for (int finger = 0; finger < hand.finger_count(); ++finger) {
+    scene.tips.push_back(find_id(m, mjOBJ_GEOM, tip_geom(hand, finger)));
   }
   scene.table = find_id(m, mjOBJ_GEOM, "table");
   for (int geom = 0; geom < m.ngeom; ++geom) {
@@ -284,18 +287,19 @@ bool Scene::stands_fast(int geom) const {
   return geom == table || std::find(fixture.begin(), fixture.end(), geom) != fixture.end();
 }
 
-Scene compose_scene(const geometry::KnownObject& object, const geometry::CapsuleCollider& surface,
-                    const WorldOptions& options, const planning::Fixture& fixture) {
+Scene compose_scene(const hand::Description& hand, const geometry::KnownObject& object,
+                    const geometry::CapsuleCollider& surface, const WorldOptions& options,
+                    const planning::Fixture& fixture) {
   check(options);
-  const SpecHandle spec = parse_shadow_hand(asset("shadow_hand/right_hand.xml"));
-  prepare_hand(*spec, options);
+  const SpecHandle spec = parse_hand(hand);
+  prepare_hand(*spec, hand, options);
   set_solver(*spec, options);
   add_table(*spec, options.table_friction, options.exact_tips);
   add_fixture(*spec, fixture, options.table_friction);
-  add_base(*spec);
+  add_base(*spec, hand);
   add_object(*spec, object, options);
   Scene scene{.model = compile(*spec)};
-  locate(scene);
+  locate(hand, scene);
   if (options.exact_tips) {
     const int geom = find_id(*scene.model, mjOBJ_GEOM, kSurface);
     use_exact_surface(*scene.model, geom, surface);

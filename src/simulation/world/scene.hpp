@@ -6,7 +6,7 @@
 
 #include "palpate/geometry/objects/known_object.hpp"
 #include "palpate/geometry/query/capsule_collider.hpp"
-#include "palpate/hand/joints.hpp"
+#include "palpate/hand/description.hpp"
 #include "palpate/simulation/world/world.hpp"
 #include "simulation/world/mujoco_handles.hpp"
 
@@ -15,15 +15,17 @@ namespace palpate::simulation {
 /// The model of table, hand and object, and where in it each thing is.
 struct Scene {
   ModelHandle model;
-  std::array<int, hand::kJoints> joint_positions{};  ///< addresses in qpos
-  std::array<int, hand::kActuators> actuators{};     ///< ids
-  std::array<int, 6> base_positions{};               ///< addresses in qpos: x y z yaw pitch roll
-  std::array<int, 6> base_actuators{};               ///< ids, in that order
-  std::array<int, hand::kFingers> tips{};            ///< geoms
-  int table = -1;                                    ///< geom
-  std::vector<int> fixture = {};                     ///< geoms
-  int object = -1;                                   ///< body
-  int object_position = -1;                          ///< address in qpos
+  int root = -1;                          ///< body that the hand starts with
+  std::vector<int> links = {};            ///< of the hand, by body; -1 for other bodies
+  std::vector<int> joint_positions = {};  ///< addresses in qpos
+  std::vector<int> actuators = {};        ///< ids
+  std::array<int, 6> base_positions{};    ///< addresses in qpos: x y z yaw pitch roll
+  std::array<int, 6> base_actuators{};    ///< ids, in that order
+  std::vector<int> tips = {};             ///< geoms, one a finger
+  int table = -1;                         ///< geom
+  std::vector<int> fixture = {};          ///< geoms
+  int object = -1;                        ///< body
+  int object_position = -1;               ///< address in qpos
 
   /// Whether a geom is of the table or of the fixture.
   [[nodiscard]] bool stands_fast(int geom) const;
@@ -33,7 +35,8 @@ struct Scene {
 /// driven base and the object: its true surface for the fingertips, convex parts for all else.
 /// @param surface  of the object, in its frame; must outlive the scene
 /// @throws BadInput for options that are not positive, or if the hand or the object cannot be used
-Scene compose_scene(const geometry::KnownObject& object, const geometry::CapsuleCollider& surface,
-                    const WorldOptions& options, const planning::Fixture& fixture = {});
+Scene compose_scene(const hand::Description& hand, const geometry::KnownObject& object,
+                    const geometry::CapsuleCollider& surface, const WorldOptions& options,
+                    const planning::Fixture& fixture = {});
 
 }  // namespace palpate::simulation

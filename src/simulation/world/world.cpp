@@ -8,8 +8,8 @@
 #include <mutex>
 #include <utility>
 
-#include "palpate/core/assets.hpp"
 #include "palpate/core/error.hpp"
+#include "palpate/simulation/hand/load_hand.hpp"
 #include "simulation/hand/simulated_hand.hpp"
 
 namespace palpate::simulation {
@@ -17,8 +17,8 @@ namespace {
 
 constexpr double kDropHeight = 0.0005;  // m, above the table at the start
 
-hand::HandModel believed_hand(const SensorNoise& noise, const RandomStream& random) {
-  hand::HandModel hand = load_shadow_hand(asset("shadow_hand/right_hand.xml"));
+hand::Description believed_hand(hand::Description hand, const SensorNoise& noise,
+                                const RandomStream& random) {
   if (noise.link == 0) return hand;
   RandomStream links = random.fork("links");
   return hand::with_perturbed_links(std::move(hand), noise.link, links);
@@ -46,10 +46,11 @@ struct World::Impl {
       : object(known),
         mesh(known.mesh),
         surface(mesh),
-        scene(compose_scene(known, surface, options, fixture)),
+        drawn(load_hand(options.hand, options.stiffness_scale)),
+        scene(compose_scene(drawn, known, surface, options, fixture)),
         data(make_data(*scene.model)),
-        believed(believed_hand(options.noise, random)),
-        hand(scene, *data, options, random.fork("readers")),
+        believed(believed_hand(drawn, options.noise, random)),
+        hand(scene, *data, drawn, options, random.fork("readers")),
         corrupted_truth(options.corrupted_truth) {
     if (options.biotacs) hand.wear(SimulatedBiotacs(mesh, believed, random.fork("biotacs")));
   }
@@ -59,9 +60,10 @@ struct World::Impl {
   geometry::KnownObject object;
   geometry::MeshQuery mesh;
   geometry::CapsuleCollider surface;
+  hand::Description drawn;  // as its file has it, and the physics
   Scene scene;
   DataHandle data;
-  hand::HandModel believed;
+  hand::Description believed;
   SimulatedHand hand;
   bool corrupted_truth;
 };
@@ -96,7 +98,7 @@ void World::reset(const Start& start, const hand::HandCommand& command) {
 
 hand::Hand& World::hand() { return impl_->hand; }
 
-const hand::HandModel& World::hand_model() const { return impl_->believed; }
+const hand::Description& World::hand_model() const { return impl_->believed; }
 
 Truth World::truth() const {
   const Scene& scene = impl_->scene;
@@ -104,6 +106,7 @@ Truth World::truth() const {
   Truth truth;
   const mjtNum* const position = data.qpos + scene.object_position;
   truth.T_world_object = pose3(position, position + 3);
+  truth.joints.resize(static_cast<Eigen::Index>(scene.joint_positions.size()));
   for (std::size_t i = 0; i < scene.joint_positions.size(); ++i) {
     truth.joints[static_cast<int>(i)] = data.qpos[scene.joint_positions[i]];
   }

@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "palpate/core/random.hpp"
-#include "palpate/hand/coupling.hpp"
+#include "palpate/hand/kinematics.hpp"
 #include "palpate/hand/tip_forces.hpp"
 #include "palpate/skills/grasp/grasp_phase.hpp"
 #include "palpate/tactile/calibration/link_calibration.hpp"
@@ -46,64 +46,48 @@ struct Attitude {
   }
 };
 
-/// The whole hand extended, or all fingers folded; the thumb aside.
-hand::ActuatorVector hand_apart(bool folded) {
-  hand::ActuatorVector posture = hand::ActuatorVector::Zero();
-  for (const std::string finger : {"FF", "MF", "RF", "LF"}) {
-    posture[hand::actuator_index(finger + "J3")] = folded ? 1.4 : -0.2;
-    posture[hand::actuator_index(finger + "J0")] = folded ? 2.6 : 0.0;
-  }
-  posture[hand::actuator_index("THJ5")] = -1.0;
-  posture[hand::actuator_index("THJ2")] = -0.6;
-  return posture;
-}
-
-void bend_finger(int finger, RandomStream& random, hand::ActuatorVector& posture) {
-  const auto set = [&](const std::string& joint, double low, double high) {
-    const std::string name = std::string(hand::kFingerNames[static_cast<std::size_t>(finger)]);
-    posture[hand::actuator_index(name + joint)] = random.uniform(low, high);
-  };
-  if (finger == static_cast<int>(hand::Finger::thumb)) {
-    set("J5", -0.5, 0.7);
-    set("J4", 0.5, 1.2);
-    set("J2", -0.4, 0.6);
-    set("J1", 0.0, 0.6);
-  } else {
-    set("J4", -0.15, 0.15);
-    set("J3", 0.0, 1.2);
-    set("J0", 0.0, 1.8);
+/// Puts a finger somewhere on its way from the open to the closed hand.
+void bend_finger(const hand::Description& hand, int finger, RandomStream& random,
+                 hand::ActuatorVector& posture) {
+  for (int i = 0; i < hand.actuator_count(); ++i) {
+    const hand::Actuator& actuator = hand.actuators[static_cast<std::size_t>(i)];
+    const hand::Range& bend = actuator.bend;
+    if (actuator.finger == finger && bend.high > bend.low) {
+      posture[i] = random.uniform(bend.low, bend.high);
+    }
   }
 }
 
-Attitude draw_attitude(int finger, RandomStream& random) {
+Attitude draw_attitude(const hand::Description& hand, int finger, RandomStream& random) {
   Attitude attitude;
   attitude.finger = finger;
-  attitude.posture = hand_apart(random.uniform() < 0.5);
-  bend_finger(finger, random, attitude.posture);
+  attitude.posture = random.uniform() < 0.5 ? hand.postures.folded : hand.postures.stretched;
+  bend_finger(hand, finger, random, attitude.posture);
   attitude.pitch = random.uniform(-0.3, kSteepest);
   attitude.roll = random.uniform(-1.6, 1.6);
   return attitude;
 }
 
 /// Height of the lowest part of the hand that is (or is not) a fingertip's, over the base's, m.
-double lowest(const hand::HandModel& hand, const Attitude& attitude, bool of_tip) {
+double lowest(const hand::Description& hand, const Attitude& attitude, bool of_tip) {
   const auto T_base_link =
-      hand::forward_kinematics(hand, hand::joints_in_free_flexion(attitude.posture));
+      hand::forward_kinematics(hand, hand::joints_in_free_flexion(hand, attitude.posture));
   const Eigen::Isometry3d T_world_base = attitude.base({0}, 0).pose();
   double low = std::numeric_limits<double>::infinity();
   for (const auto& sphere : hand.spheres) {
-    if ((sphere.link == hand.distal[static_cast<std::size_t>(attitude.finger)]) != of_tip) continue;
+    if ((sphere.link == hand.fingers[static_cast<std::size_t>(attitude.finger)].link) != of_tip)
+      continue;
     const auto& T = T_base_link[static_cast<std::size_t>(sphere.link)];
     low = std::min(low, (T_world_base.linear() * (T * sphere.center)).z() - sphere.radius);
   }
   return low;
 }
 
-std::vector<Attitude> possible_attitudes(const hand::HandModel& hand) {
+std::vector<Attitude> possible_attitudes(const hand::Description& hand) {
   RandomStream random(kDesign, "attitudes");
   std::vector<Attitude> attitudes;
   for (int i = 0; i < kAttitudes; ++i) {
-    Attitude attitude = draw_attitude(i % hand::kFingers, random);
+    Attitude attitude = draw_attitude(hand, i % hand.finger_count(), random);
     if (lowest(hand, attitude, false) - lowest(hand, attitude, true) > kAlone) {
       attitudes.push_back(attitude);
     }
@@ -118,31 +102,33 @@ Eigen::Hyperplane<double, 3> table_from(const hand::BasePosition& base) {
 }
 
 /// Fingertips in grasps: each finger somewhere on its way from the open to the closed hand.
-std::vector<tactile::TipPosture> fingertips_in_grasps() {
+std::vector<tactile::TipPosture> fingertips_in_grasps(const hand::Description& hand) {
   RandomStream random(kDesign, "grasps");
   std::vector<tactile::TipPosture> tips;
   for (int i = 0; i < kUses; ++i) {
-    hand::ActuatorVector posture = open_posture(top_preshape());
-    for (int finger = 0; finger < hand::kFingers; ++finger) bend_finger(finger, random, posture);
-    const auto joints = hand::joints_in_free_flexion(posture);
-    for (int finger = 0; finger < hand::kFingers; ++finger) tips.push_back({finger, joints});
+    hand::ActuatorVector posture = hand.postures.top.open;
+    for (int finger = 0; finger < hand.finger_count(); ++finger) {
+      bend_finger(hand, finger, random, posture);
+    }
+    const auto joints = hand::joints_in_free_flexion(hand, posture);
+    for (int finger = 0; finger < hand.finger_count(); ++finger) tips.push_back({finger, joints});
   }
   return tips;
 }
 
-std::vector<Attitude> telling_attitudes(const hand::HandModel& hand,
+std::vector<Attitude> telling_attitudes(const hand::Description& hand,
                                         const CalibrateOptions& options) {
   const auto attitudes = possible_attitudes(hand);
   std::vector<tactile::TipOnPlane> touches;
   for (const Attitude& attitude : attitudes) {
-    touches.push_back({{attitude.finger, hand::joints_in_free_flexion(attitude.posture)},
+    touches.push_back({{attitude.finger, hand::joints_in_free_flexion(hand, attitude.posture)},
                        Eigen::Vector3d::Zero(),
                        table_from(attitude.base(options, 0)),
                        options.sigma});
   }
   std::vector<Attitude> chosen;
   for (const std::size_t i : tactile::choose_touches(
-           hand, touches, static_cast<std::size_t>(options.touches), fingertips_in_grasps())) {
+           hand, touches, static_cast<std::size_t>(options.touches), fingertips_in_grasps(hand))) {
     chosen.push_back(attitudes[i]);
   }
   return chosen;
@@ -164,7 +150,7 @@ void rest(Executor& robot, const CalibrateOptions& options) {
 }
 
 /// Of each fingertip: touches of the table in a row of which only the mount's load told.
-using UnfeltTouches = std::array<int, hand::kFingers>;
+using UnfeltTouches = hand::PerFinger<int>;
 
 /// Stop condition: the hand presses downwards, be it felt or not.
 Executor::StopCondition pressing_down() {
@@ -230,7 +216,7 @@ Felt feel(std::span<const hand::HandReading> window, std::size_t finger) {
 void add_resting_tips(std::span<const hand::HandReading> window, double sigma,
                       std::vector<tactile::TipOnPlane>& touches) {
   const hand::JointVector joints = tactile::mean_joints(window);
-  for (std::size_t finger = 0; finger < hand::kFingers; ++finger) {
+  for (std::size_t finger = 0; finger < window.back().contacts.size(); ++finger) {
     const Felt felt = feel(window, finger);
     if (felt.readings < kLastingShare * static_cast<double>(window.size())) continue;
     touches.push_back(
@@ -255,7 +241,7 @@ std::vector<tactile::TipOnPlane> table_touches(const estimation::EventLog& log,
 }
 
 /// Root mean square of what the links' places leave unexplained, in standard deviations.
-double unexplained(const hand::HandModel& hand, const std::vector<tactile::TipOnPlane>& touches) {
+double unexplained(const hand::Description& hand, const std::vector<tactile::TipOnPlane>& touches) {
   double sum = 0;
   for (const auto& touch : touches) {
     sum += std::pow(tactile::distance_from_plane(hand, touch) / touch.sigma, 2);
@@ -265,17 +251,18 @@ double unexplained(const hand::HandModel& hand, const std::vector<tactile::TipOn
 
 }  // namespace
 
-hand::HandModel calibrated_hand(const hand::HandModel& hand, const estimation::EventLog& log,
-                                const CalibrateOptions& options) {
+hand::Description calibrated_hand(const hand::Description& hand, const estimation::EventLog& log,
+                                  const CalibrateOptions& options) {
   const auto touches = table_touches(log, options);
-  hand::HandModel calibrated = tactile::calibrate_links(hand, touches, fingertips_in_grasps());
+  hand::Description calibrated =
+      tactile::calibrate_links(hand, touches, fingertips_in_grasps(hand));
   return unexplained(calibrated, touches) < kContradiction ? calibrated : hand;
 }
 
 double CalibratePhase::time_limit() const { return 20 + kSecondsATouch * options_.touches; }
 
 PhaseEnd CalibratePhase::run(Executor& robot, PickState&) {
-  const hand::HandModel before = robot.model();
+  const hand::Description before = robot.model();
   UnfeltTouches unfelt{};
   for (const auto& attitude : telling_attitudes(before, options_)) {
     if (robot.trusted(attitude.finger)) touch_table(robot, attitude, options_, unfelt);

@@ -14,7 +14,6 @@
 namespace palpate::skills {
 namespace {
 
-constexpr double kPitch = 1.35;           // rad of the base: the first finger points down
 constexpr double kClearanceAbove = 0.03;  // m over the object's top while travelling
 constexpr double kMinDepth = 0.014;       // m of the fingertip's centre over the table
 constexpr double kContactSeconds = 0.12;  // s of contact that are averaged
@@ -32,41 +31,26 @@ constexpr double kWorthwhile = 0.93;  // of the spread that a guarded move may l
 constexpr double kBackOff = 0.03;     // m
 constexpr double kGuardedMoveTime = 9;  // s that a guarded move takes with its travel, amply
 constexpr double kMinTime = 180;        // s, of the whole phase
-constexpr std::array kProbes = {hand::Finger::first, hand::Finger::middle, hand::Finger::ring};
 
-/// The probing finger straight, the others curled away.
-hand::ActuatorVector pointing_hand(std::size_t probe) {
-  hand::ActuatorVector posture = hand::ActuatorVector::Zero();
-  for (const std::string finger : {"FF", "MF", "RF", "LF"}) {
-    if (finger == hand::kFingerNames[probe]) continue;
-    posture[hand::actuator_index(finger + "J3")] = 1.4;
-    posture[hand::actuator_index(finger + "J0")] = 2.6;
-  }
-  posture[hand::actuator_index("THJ5")] = -1.0;
-  posture[hand::actuator_index("THJ2")] = -0.6;
-  return posture;
-}
-
-/// Centre of the probing fingertip in the base's frame, by the commanded posture.
-Eigen::Vector3d probe_in_base(const Executor& robot, std::size_t probe) {
-  hand::JointVector joints = robot.reading().joints;
-  const auto T_base_link = hand::forward_kinematics(robot.model(), joints);
-  const auto link = static_cast<std::size_t>(robot.model().distal[probe]);
-  return T_base_link[link] * robot.model().tips[probe].b;
+/// Centre of the probing fingertip in the base's frame, by the posture read.
+Eigen::Vector3d probe_in_base(const Executor& robot, const hand::PointingHand& pointing) {
+  const auto T_base_link = hand::forward_kinematics(robot.model(), robot.reading().joints);
+  const hand::Finger& finger = robot.model().fingers[static_cast<std::size_t>(pointing.finger)];
+  return T_base_link[static_cast<std::size_t>(finger.link)] * finger.tip.b;
 }
 
 /// Base position, turned by a yaw, that brings the probing fingertip to p (world).
-hand::BasePosition base_for_probe(const Executor& robot, std::size_t probe, double yaw,
-                                  const Eigen::Vector3d& p) {
+hand::BasePosition base_for_probe(const Executor& robot, const hand::PointingHand& pointing,
+                                  double yaw, const Eigen::Vector3d& p) {
   hand::BasePosition base;
-  base.ypr = {yaw, kPitch, 0};
-  base.xyz = p - base.pose().linear() * probe_in_base(robot, probe);
+  base.ypr = {yaw, pointing.attitude.pitch, pointing.attitude.roll};
+  base.xyz = p - base.pose().linear() * probe_in_base(robot, pointing);
   return base;
 }
 
-Executor::StopCondition tip_touches(std::size_t probe, double force) {
-  return [probe, force](const hand::HandReading& reading) {
-    return hand::tip_force(reading, static_cast<int>(probe)) > force;
+Executor::StopCondition tip_touches(int finger, double force) {
+  return [finger, force](const hand::HandReading& reading) {
+    return hand::tip_force(reading, finger) > force;
   };
 }
 
@@ -133,29 +117,30 @@ bool settled(const localization::Posterior& posterior, double certain) {
   return localization::best_probability(posterior) > certain;
 }
 
-/// The first finger's balls around the centre of its tip.
-localization::ProbingFinger sweeping_finger(const Executor& robot, std::size_t probe, double yaw) {
+/// The probing finger's balls around the centre of its tip.
+localization::ProbingFinger sweeping_finger(const Executor& robot,
+                                            const hand::PointingHand& pointing, double yaw) {
   const auto& hand = robot.model();
   const auto T_base_link = hand::forward_kinematics(hand, robot.reading().joints);
   const Eigen::Matrix3d R_world_base =
-      base_for_probe(robot, probe, yaw, Eigen::Vector3d::Zero()).pose().linear();
-  const Eigen::Vector3d tip_center = probe_in_base(robot, probe);
+      base_for_probe(robot, pointing, yaw, Eigen::Vector3d::Zero()).pose().linear();
+  const Eigen::Vector3d tip_center = probe_in_base(robot, pointing);
   localization::ProbingFinger finger;
   finger.R_world_base = R_world_base;
   for (const auto& sphere : hand.spheres) {
     const Eigen::Vector3d p = T_base_link[static_cast<std::size_t>(sphere.link)] * sphere.center;
-    const bool tip = sphere.link == hand.distal[probe];
+    const bool tip = sphere.link == hand.fingers[static_cast<std::size_t>(pointing.finger)].link;
     (tip ? finger.tip : finger.rest).push_back({R_world_base * (p - tip_center), sphere.radius});
   }
   return finger;
 }
 
-/// The finger to probe with: the first whose fingertip can be believed.
+/// How to probe: with the first finger that can point and whose fingertip can be believed.
 std::size_t first_trusted(const Executor& robot) {
-  for (const hand::Finger finger : kProbes) {
-    if (robot.trusted(static_cast<int>(finger))) return static_cast<std::size_t>(finger);
-  }
-  return static_cast<std::size_t>(kProbes.front());
+  const auto& pointing = robot.model().postures.pointing;
+  const auto found = std::find_if(pointing.begin(), pointing.end(),
+                                  [&](const auto& hand) { return robot.trusted(hand.finger); });
+  return found == pointing.end() ? 0 : static_cast<std::size_t>(found - pointing.begin());
 }
 
 }  // namespace
@@ -166,6 +151,10 @@ double ExplorePhase::time_limit() const {
   return std::max(kMinTime, kGuardedMoveTime * guarded_moves);
 }
 
+const hand::PointingHand& ExplorePhase::pointing(const Executor& robot) const {
+  return robot.model().postures.pointing.at(probe_);
+}
+
 PhaseEnd ExplorePhase::run(Executor& robot, PickState& state) {
   done_.clear();
   raised_ = 0;
@@ -174,7 +163,7 @@ PhaseEnd ExplorePhase::run(Executor& robot, PickState& state) {
   up.xyz.z() = std::max(up.xyz.z(), state.height + 0.2);
   robot.move_base(up, options_.travel_speed);
   probe_ = first_trusted(robot);
-  robot.move_fingers(pointing_hand(probe_), 0.5);
+  robot.move_fingers(pointing(robot).positions, 0.5);
   robot.wait(0.1);
   int touches = touch_around(robot, state);
   while (touches == 0 && blocked_ >= kBlockedMoves) touches = touch_with_another(robot, state);
@@ -203,16 +192,16 @@ int ExplorePhase::touch_around(Executor& robot, const PickState& state) {
 
 /// Once more, for the hand was blocked and the fingertip felt nothing: it may be numb.
 int ExplorePhase::touch_with_another(Executor& robot, const PickState& state) {
-  robot.distrust(static_cast<int>(probe_));
+  robot.distrust(pointing(robot).finger);
   probe_ = first_trusted(robot);
-  if (!robot.trusted(static_cast<int>(probe_))) {
+  if (!robot.trusted(pointing(robot).finger)) {
     robot.stop_for(Fault::touch_lost, "no finger that can probe feels what blocks the hand");
   }
   blocked_ = 0;
   hand::BasePosition up = robot.command().base;
   up.xyz.z() = std::max(up.xyz.z(), state.height + 0.2);
   robot.move_base(up, options_.travel_speed);
-  robot.move_fingers(pointing_hand(probe_), 0.5);
+  robot.move_fingers(pointing(robot).positions, 0.5);
   robot.wait(0.1);
   return touch_around(robot, state);
 }
@@ -263,7 +252,7 @@ int ExplorePhase::tell_apart(Executor& robot, PickState& state) {
     std::size_t turn = 0;
     for (const std::size_t other : {1, 0}) {
       const auto best = localization::most_informative_move(
-          estimator_.object(), *state.resting, sweeping_finger(robot, probe_, yaw(other)),
+          estimator_.object(), *state.resting, sweeping_finger(robot, pointing(robot), yaw(other)),
           left[other]);
       if (!best || (choice && best->information <= choice->information)) continue;
       choice = best;
@@ -283,8 +272,9 @@ int ExplorePhase::refine(Executor& robot, PickState& state) {
   std::vector<localization::GuardedMove>
       guarded_moves;  // near the top, where nothing but the fingertip meets the object
   add_level_guarded_moves(state, options_, first_depth(state, options_) + raised_, guarded_moves);
-  const std::vector<localization::ProbingFinger> fingers = {sweeping_finger(robot, probe_, yaw(0)),
-                                                            sweeping_finger(robot, probe_, yaw(1))};
+  const std::vector<localization::ProbingFinger> fingers = {
+      sweeping_finger(robot, pointing(robot), yaw(0)),
+      sweeping_finger(robot, pointing(robot), yaw(1))};
   for (int i = 0; i < options_.refining; ++i) {
     if (state.resting->modes.empty()) break;
     const auto choice = localization::most_refining_move(
@@ -305,15 +295,16 @@ ExplorePhase::GuardedMoveEnd ExplorePhase::guarded_move(Executor& robot, const P
   const localization::GuardedMove& guarded_move = turned.guarded_move;
   const Eigen::Vector3d forward = (guarded_move.to - guarded_move.from).normalized();
   const hand::BasePosition start =
-      base_for_probe(robot, probe_, yaw(turned.turn), guarded_move.from);
-  const hand::BasePosition end = base_for_probe(robot, probe_, yaw(turned.turn), guarded_move.to);
+      base_for_probe(robot, pointing(robot), yaw(turned.turn), guarded_move.from);
+  const hand::BasePosition end =
+      base_for_probe(robot, pointing(robot), yaw(turned.turn), guarded_move.to);
   hand::BasePosition above = start;
   above.xyz.z() += std::max(0.0, state.height + kClearanceAbove - guarded_move.from.z());
   robot.move_base(above, options_.travel_speed);
   robot.move_base(start, options_.travel_speed / 2);
   robot.wait(0.15);
   robot.mark(estimation::TouchEvent::guarded_move);
-  const auto tip = tip_touches(probe_, options_.touch_force);
+  const auto tip = tip_touches(pointing(robot).finger, options_.touch_force);
   const auto blocked = rising_load(robot, forward, kBlockedLoad);
   bool touched = false;
   const auto stop = [&](const hand::HandReading& reading) {

@@ -12,32 +12,15 @@ namespace {
 
 constexpr double kRetreat = 0.06;  // m, up from the touch
 
-// With the forearm raised, these angles of wrist and knuckles make the underside of the fingers and
-// of the palm's front one level plane, whose middle estimation::kLevelCenter is.
-constexpr double kForearmPitch = 0.5;   // rad
-constexpr double kWristBend = -0.25;    // rad
-constexpr double kKnuckleBend = -0.25;  // rad
-
 /// Where to feel for the object, as shares of the search's width from its rough place.
 const std::array<Eigen::Vector2d, 5> kSearch = {
     Eigen::Vector2d{0, 0}, {1, 0}, {0, 1}, {-1, 0}, {0, -1}};
-
-hand::ActuatorVector flat_hand() {
-  hand::ActuatorVector posture = hand::ActuatorVector::Zero();
-  posture[hand::actuator_index("WRJ1")] = kWristBend;
-  posture[hand::actuator_index("THJ5")] = -1.0;
-  posture[hand::actuator_index("THJ2")] = -0.5;
-  for (const char* knuckle : {"FFJ3", "MFJ3", "RFJ3", "LFJ3"}) {
-    posture[hand::actuator_index(knuckle)] = kKnuckleBend;
-  }
-  return posture;
-}
 
 }  // namespace
 
 PhaseEnd HeightProbePhase::run(Executor& robot, PickState& state) {
   const Eigen::Vector2d rough = state.place;
-  robot.move_fingers(flat_hand(), 0.4);
+  robot.move_fingers(robot.model().postures.flat.positions, 0.4);
   for (const auto& side : kSearch) {
     const Eigen::Vector2d place = rough + options_.search * side;
     if (!lower(robot, state, place)) continue;
@@ -50,10 +33,11 @@ PhaseEnd HeightProbePhase::run(Executor& robot, PickState& state) {
 /// Comes down flat over a place. @return whether there was something above the table
 bool HeightProbePhase::lower(Executor& robot, PickState& state,
                              const Eigen::Vector2d& place) const {
-  const Eigen::Vector2d xy = place - Eigen::Rotation2Dd(state.yaw) * estimation::kLevelCenter;
+  const hand::FlatHand& flat = robot.model().postures.flat;
+  const Eigen::Vector2d xy = place - Eigen::Rotation2Dd(state.yaw) * flat.center;
   hand::BasePosition above;
   above.xyz = {xy.x(), xy.y(), options_.start_height};
-  above.ypr = {state.yaw, kForearmPitch, 0};
+  above.ypr = {state.yaw, flat.attitude.pitch, flat.attitude.roll};
   robot.move_base(above, options_.travel_speed);
   robot.wait(0.2);
 

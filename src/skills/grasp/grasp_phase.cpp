@@ -33,22 +33,21 @@ constexpr int kStillTicks = 12;
 constexpr double kStillStep = 0.0003;  // rad a tick
 
 /// Position of the base that puts it at `ahead`, `left` of a place, seen along the yaw.
-hand::BasePosition base_at(const PickState& state, const Preshape& preshape, double ahead,
+hand::BasePosition base_at(const PickState& state, const hand::Preshape& preshape, double ahead,
                            double left, double height) {
   const Eigen::Rotation2Dd turn(state.yaw);
   const Eigen::Vector2d xy = state.place + turn * Eigen::Vector2d(ahead, left);
-  return {{xy.x(), xy.y(), height}, {state.yaw, preshape.pitch, preshape.roll}};
+  const hand::Attitude& attitude = preshape.attitudes.front();
+  return {{xy.x(), xy.y(), height}, {state.yaw, attitude.pitch, attitude.roll}};
 }
 
 /// The fingers' command when some of them give back most of the torque that they close with, which
 /// would push the object on.
-hand::ActuatorVector relaxed(const Executor& robot,
-                             const std::array<bool, hand::kFingers>& fingers) {
+hand::ActuatorVector relaxed(const Executor& robot, const hand::PerFinger<bool>& fingers) {
   hand::ActuatorVector positions = robot.command().positions;
-  for (int i = 0; i < hand::kActuators; ++i) {
-    const int finger = hand::finger_of_actuator(i);
-    if (finger < 0 || !fingers[static_cast<std::size_t>(finger)]) continue;
+  for (Eigen::Index i = 0; i < positions.size(); ++i) {
     const auto& actuator = robot.actuators()[static_cast<std::size_t>(i)];
+    if (actuator.finger < 0 || !fingers[static_cast<std::size_t>(actuator.finger)]) continue;
     const double lead = robot.reading().torques[i] / actuator.stiffness;
     positions[i] =
         std::clamp(positions[i] - kTakenBack * lead, actuator.command.low, actuator.command.high);
@@ -60,9 +59,16 @@ hand::ActuatorVector relaxed(const Executor& robot,
 /// the torque limit allows, has stood still for a while. One that has lost touch closes on.
 class FingersDone {
  public:
+  explicit FingersDone(const hand::Description& hand) {
+    for (int finger = 0; finger < hand.finger_count(); ++finger) {
+      const auto closing = hand::closing_actuators(hand, finger);
+      drives_.push_back(closing.empty() ? -1 : closing.front());
+    }
+  }
+
   void update(const hand::HandReading& reading, const hand::HandCommand& command) {
-    for (std::size_t finger = 0; finger < hand::kFingers; ++finger) {
-      const double position = command.positions[hand::actuator_index(kDrives[finger])];
+    for (std::size_t finger = 0; finger < drives_.size(); ++finger) {
+      const double position = drives_[finger] < 0 ? 0 : command.positions[drives_[finger]];
       const bool still = std::abs(position - last_[finger]) < kStillStep;
       still_[finger] = still && !touches_[finger] ? still_[finger] + 1 : 0;
       last_[finger] = position;
@@ -72,12 +78,12 @@ class FingersDone {
       stuck_[finger] = stuck_[finger] || still_[finger] > kStillTicks;
     }
   }
-  const std::array<bool, hand::kFingers>& touches() const { return touches_; }
+  const hand::PerFinger<bool>& touches() const { return touches_; }
   bool done(std::size_t finger) const { return touches_[finger] || stuck_[finger]; }
-  bool all() const { return touching() + stuck() == hand::kFingers; }
-  std::array<bool, hand::kFingers> still_closing() const {
-    std::array<bool, hand::kFingers> open{};
-    for (std::size_t finger = 0; finger < hand::kFingers; ++finger) open[finger] = !done(finger);
+  bool all() const { return touching() + stuck() == static_cast<int>(drives_.size()); }
+  hand::PerFinger<bool> still_closing() const {
+    hand::PerFinger<bool> open{};
+    for (std::size_t finger = 0; finger < drives_.size(); ++finger) open[finger] = !done(finger);
     return open;
   }
 
@@ -87,41 +93,22 @@ class FingersDone {
   }
   int stuck() const {
     int count = 0;
-    for (std::size_t finger = 0; finger < hand::kFingers; ++finger) {
+    for (std::size_t finger = 0; finger < drives_.size(); ++finger) {
       count += stuck_[finger] && !touches_[finger];
     }
     return count;
   }
 
-  static constexpr std::array<std::string_view, hand::kFingers> kDrives = {"THJ5", "FFJ3", "MFJ3",
-                                                                           "RFJ3", "LFJ3"};
-  std::array<bool, hand::kFingers> touches_{}, stuck_{};
-  std::array<int, hand::kFingers> still_{}, apart_{};
-  std::array<double, hand::kFingers> last_{};
+  std::vector<int> drives_;  // the first actuator of each finger that closes; -1: none does
+  hand::PerFinger<bool> touches_{}, stuck_{};
+  hand::PerFinger<int> still_{}, apart_{};
+  hand::PerFinger<double> last_{};
 };
 
 }  // namespace
 
 double pressure(const GraspOptions& options, const geometry::KnownObject& object) {
   return std::max(options.min_press, options.press_per_weight * object.mass * kGravity);
-}
-
-hand::ActuatorVector open_posture(const Preshape& preshape) {
-  hand::ActuatorVector posture = hand::ActuatorVector::Zero();
-  const auto set = [&](std::string_view name, double value) {
-    posture[hand::actuator_index(name)] = value;
-  };
-  for (const std::string finger : {"FF", "MF", "RF", "LF"}) {
-    set(finger + "J3", preshape.proximal);
-    set(finger + "J0", preshape.distal);
-  }
-  set("FFJ4", -preshape.spread);
-  set("LFJ4", -preshape.spread);
-  set("LFJ5", preshape.little_base);
-  set("THJ5", preshape.thumb_base);
-  set("THJ4", preshape.thumb_opposition);
-  set("THJ2", preshape.thumb_middle);
-  return posture;
 }
 
 PhaseEnd GraspPhase::run(Executor& robot, PickState& state) {
@@ -149,19 +136,22 @@ GraspPhase::Hold GraspPhase::close_as_planned(Executor& robot, PickState& state,
                                               const grasping::GraspPlan& plan) const {
   state.yaw = plan.base.ypr.x();
   approach(robot, plan);
-  close(robot, options_.top);
+  close(robot, robot.model().postures.top, options_.top.closing_rate);
   return balance(robot, state);
 }
 
 PhaseEnd GraspPhase::grasp_unplanned(Executor& robot, PickState& state) {
-  const bool from_side = state.height >= options_.side_from;
+  const bool from_side =
+      state.height >= options_.side_from && !robot.model().postures.side.attitudes.empty();
   if (from_side) {
     approach_from_side(robot, state);
   } else {
     approach_from_above(robot, state);
   }
   state.tried_yaws.push_back(state.yaw);
-  close(robot, from_side ? options_.side : options_.top);
+  const hand::Postures& postures = robot.model().postures;
+  close(robot, from_side ? postures.side : postures.top,
+        from_side ? options_.side.closing_rate : options_.top.closing_rate);
   const Hold hold = balance(robot, state);
   press(robot, hold);
   return end(robot, hold, from_side ? "side grasp" : "top grasp");
@@ -180,15 +170,15 @@ std::optional<grasping::GraspPlan> GraspPhase::plan(const Executor& robot, const
   if (choose_) {
     if (auto chosen = choose_(*state.resting)) return chosen;
   }
-  const Preshape& preshape = options_.top;
-  const grasping::ClosingLaw law(robot.actuators(), kPlannedRate, preshape.thumb_limit);
-  const auto path = grasping::closing_trajectory(robot.model(), open_posture(preshape), law);
+  const hand::Preshape& preshape = robot.model().postures.top;
+  const grasping::ClosingLaw law(robot.model(), kPlannedRate, preshape.closed);
+  const auto path = grasping::closing_trajectory(robot.model(), preshape.open, law);
   grasping::PlanOptions options = options_.plan;
   options.press = pressure(options_, object_.object());
   std::optional<grasping::GraspPlan> best;
-  for (const double pitch : {preshape.pitch, options_.steep_pitch}) {
+  for (const hand::Attitude& attitude : preshape.attitudes) {
     const auto plan = grasping::plan_grasp(object_, state.resting->modes.front().T_frame_object,
-                                           path, {pitch, preshape.roll}, options, tried_yaws);
+                                           path, attitude, options, tried_yaws);
     if (plan && (!best || plan->cost < best->cost)) best = plan;
     if (best && best->cost < options_.good_cost) break;
   }
@@ -198,7 +188,7 @@ std::optional<grasping::GraspPlan> GraspPhase::plan(const Executor& robot, const
 void GraspPhase::approach(Executor& robot, const grasping::GraspPlan& plan) const {
   hand::BasePosition above = plan.base;
   above.xyz.z() += kTopDistance;
-  travel_to(robot, above, options_.top);
+  travel_to(robot, above, robot.model().postures.top);
   const auto loaded = lasting_load(robot, -Eigen::Vector3d::UnitZ(), options_.top.contact_load);
   robot.move_base(plan.base, options_.top.approach_speed, [&](const hand::HandReading& reading) {
     return loaded(reading) || estimation::lowest_of_hand(robot.model(), reading) < kTopClearance;
@@ -207,11 +197,11 @@ void GraspPhase::approach(Executor& robot, const grasping::GraspPlan& plan) cons
 }
 
 void GraspPhase::travel_to(Executor& robot, const hand::BasePosition& start,
-                           const Preshape& preshape) const {
+                           const hand::Preshape& preshape) const {
   hand::BasePosition up = robot.command().base;
   up.xyz.z() = std::max(up.xyz.z(), kSafeHeight);
   robot.move_base(up, options_.travel_speed);
-  robot.move_fingers(open_posture(preshape), 0.4);
+  robot.move_fingers(preshape.open, 0.4);
   hand::BasePosition above = start;
   above.xyz.z() = std::max(start.xyz.z(), kSafeHeight);
   robot.move_base(above, options_.travel_speed);
@@ -220,24 +210,24 @@ void GraspPhase::travel_to(Executor& robot, const hand::BasePosition& start,
 }
 
 void GraspPhase::approach_from_side(Executor& robot, const PickState& state) const {
-  const Preshape& preshape = options_.side;
-  travel_to(robot, base_at(state, preshape, preshape.offset_x, -kSideDistance, preshape.height),
-            preshape);
+  const hand::Preshape& preshape = robot.model().postures.side;
+  const double ahead = preshape.offset.x();
+  travel_to(robot, base_at(state, preshape, ahead, -kSideDistance, preshape.height), preshape);
   const Eigen::Vector3d forward(-std::sin(state.yaw), std::cos(state.yaw), 0);
-  robot.move_base(base_at(state, preshape, preshape.offset_x, kSideOvershoot, preshape.height),
-                  preshape.approach_speed, lasting_load(robot, forward, preshape.contact_load));
+  const ApproachOptions& how = options_.side;
+  robot.move_base(base_at(state, preshape, ahead, kSideOvershoot, preshape.height),
+                  how.approach_speed, lasting_load(robot, forward, how.contact_load));
   hand::BasePosition further = robot.command().base;
-  further.xyz += preshape.push * forward;
-  robot.move_base(further, 0.5 * preshape.approach_speed);
+  further.xyz += how.push * forward;
+  robot.move_base(further, 0.5 * how.approach_speed);
   robot.wait(0.1);
 }
 
 void GraspPhase::approach_from_above(Executor& robot, PickState& state) const {
-  const Preshape& preshape = options_.top;
-  travel_to(
-      robot,
-      base_at(state, preshape, preshape.offset_x, preshape.offset_y, state.height + kTopDistance),
-      preshape);
+  const hand::Preshape& preshape = robot.model().postures.top;
+  const Eigen::Vector2d& offset = preshape.offset;
+  travel_to(robot, base_at(state, preshape, offset.x(), offset.y(), state.height + kTopDistance),
+            preshape);
   for (int turn = 0; turn < options_.turns; ++turn) {
     descend(robot, state);
     const bool beside = estimation::lowest_of_hand(robot.model(), robot.reading()) <
@@ -247,27 +237,27 @@ void GraspPhase::approach_from_above(Executor& robot, PickState& state) const {
     hand::BasePosition raised = robot.command().base;
     raised.xyz.z() += kClear;
     robot.move_base(raised, options_.travel_speed);
-    robot.move_base(base_at(state, preshape, preshape.offset_x, preshape.offset_y, raised.xyz.z()),
+    robot.move_base(base_at(state, preshape, offset.x(), offset.y(), raised.xyz.z()),
                     options_.travel_speed);
     robot.wait(0.2);
   }
 }
 
 void GraspPhase::descend(Executor& robot, const PickState& state) const {
-  const Preshape& preshape = options_.top;
+  const hand::Preshape& preshape = robot.model().postures.top;
   const hand::BasePosition low =
-      base_at(state, preshape, preshape.offset_x, preshape.offset_y, 0.02);
-  const auto loaded = lasting_load(robot, -Eigen::Vector3d::UnitZ(), preshape.contact_load);
-  robot.move_base(low, preshape.approach_speed, [&](const hand::HandReading& reading) {
+      base_at(state, preshape, preshape.offset.x(), preshape.offset.y(), 0.02);
+  const auto loaded = lasting_load(robot, -Eigen::Vector3d::UnitZ(), options_.top.contact_load);
+  robot.move_base(low, options_.top.approach_speed, [&](const hand::HandReading& reading) {
     return loaded(reading) || estimation::lowest_of_hand(robot.model(), reading) < kTopClearance;
   });
   robot.wait(0.15);
 }
 
-void GraspPhase::close(Executor& robot, const Preshape& preshape) const {
-  const grasping::ClosingLaw law(robot.actuators(), preshape.closing_rate, preshape.thumb_limit);
-  FingersDone done;
-  std::array<bool, hand::kFingers> met{};  // in the tick before
+void GraspPhase::close(Executor& robot, const hand::Preshape& preshape, double rate) const {
+  const grasping::ClosingLaw law(robot.model(), rate, preshape.closed);
+  FingersDone done(robot.model());
+  hand::PerFinger<bool> met{};  // in the tick before
   const double end = robot.time() + options_.longest_close;
   while (robot.time() < end && !done.all()) {
     robot.set_grip(Grip{law, preshape.contact_torque, done.still_closing()});
@@ -306,7 +296,7 @@ void GraspPhase::press(Executor& robot, const Hold& hold) const {
 }
 
 void GraspPhase::let_go(Executor& robot) const {
-  robot.move_fingers(open_posture(options_.top), kOpenSeconds);
+  robot.move_fingers(robot.model().postures.top.open, kOpenSeconds);
   hand::BasePosition up = robot.command().base;
   up.xyz.z() += kTopDistance;
   robot.move_base(up, options_.travel_speed);

@@ -19,7 +19,7 @@ constexpr std::size_t kJudged = 50;  // readings at the end of the hold, average
 int touching_fingers(const estimation::EventLog& log, double force) {
   const auto window = std::span(log.readings).last(std::min(log.readings.size(), kJudged));
   int count = 0;
-  for (int finger = 0; finger < hand::kFingers; ++finger) {
+  for (int finger = 0; finger < std::ssize(log.readings.back().contacts); ++finger) {
     double sum = 0;
     for (const auto& reading : window) sum += hand::tip_force(reading, finger);
     count += sum >= force * static_cast<double>(window.size());

@@ -17,7 +17,7 @@ hand::ActuatorVector pressing_command(const Executor& robot,
   const hand::HandReading& reading = robot.reading();
   const auto torques = grasping::pressing_torques(robot.model(), reading.joints, contacts, forces);
   hand::ActuatorVector command = robot.command().positions;
-  for (int i = 0; i < hand::kActuators; ++i) {
+  for (Eigen::Index i = 0; i < command.size(); ++i) {
     const auto& actuator = robot.actuators()[static_cast<std::size_t>(i)];
     if (torques[i] == 0) continue;
     const double lead = (torques[i] - reading.torques[i]) / actuator.stiffness;

@@ -23,9 +23,13 @@ hand::BasePosition at_height(hand::BasePosition base, double height) {
 
 /// The fingers' command with all of them straight.
 hand::ActuatorVector opened(const Executor& robot) {
+  const hand::ActuatorVector& straight = robot.model().postures.released;
   hand::ActuatorVector open = robot.command().positions;
-  for (int i = 0; i < hand::kActuators; ++i) {
-    if (hand::finger_of_actuator(i) >= 0) open[i] = std::min(open[i], 0.1);
+  for (Eigen::Index i = 0; i < open.size(); ++i) {
+    const hand::Actuator& actuator = robot.actuators()[static_cast<std::size_t>(i)];
+    if (actuator.finger < 0) continue;
+    open[i] =
+        actuator.closing < 0 ? std::max(open[i], straight[i]) : std::min(open[i], straight[i]);
   }
   return open;
 }

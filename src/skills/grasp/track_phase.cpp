@@ -18,7 +18,7 @@ using Window = std::span<const hand::HandReading>;
 
 /// Contacts in the hand's base, and how fast the fingertips have moved there since the window
 /// before.
-localization::TrackFrame look_at(const hand::HandModel& hand, Window before, Window now,
+localization::TrackFrame look_at(const hand::Description& hand, Window before, Window now,
                                  const tactile::ContactErrorModel& errors) {
   const auto T_before = hand::forward_kinematics(hand, tactile::mean_joints(before));
   const auto T_now = hand::forward_kinematics(hand, tactile::mean_joints(now));
@@ -27,7 +27,7 @@ localization::TrackFrame look_at(const hand::HandModel& hand, Window before, Win
   const double dt = now.back().time - before.back().time;
   for (const auto& contact : tactile::lasting_contacts(now, hand, errors)) {
     const auto link =
-        static_cast<std::size_t>(hand.distal[static_cast<std::size_t>(contact.finger)]);
+        static_cast<std::size_t>(hand.fingers[static_cast<std::size_t>(contact.finger)].link);
     const Eigen::Vector3d was = T_before[link] * (T_now[link].inverse() * contact.p);
     frame.contacts.push_back(contact);
     frame.velocities.push_back((contact.p - was) / dt);
@@ -37,7 +37,7 @@ localization::TrackFrame look_at(const hand::HandModel& hand, Window before, Win
 
 }  // namespace
 
-Tracked track(const geometry::ObjectModel& object, const hand::HandModel& hand,
+Tracked track(const geometry::ObjectModel& object, const hand::Description& hand,
               const estimation::EventLog& log, const tactile::ContactErrorModel& errors,
               const localization::Posterior& start, std::size_t first, std::size_t last,
               const TrackOptions& options, std::uint64_t seed) {

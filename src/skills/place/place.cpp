@@ -261,7 +261,7 @@ bool Placement::aim_again() {
 bool Placement::set_down(const PlaceGoal& goal, double wall, const LowerOptions& options,
                          std::string name) {
   const bool for_good = name == kPlace;
-  PlacePhase lower(options, goal, wall, open_posture(pick_options_.grasp.top), std::move(name));
+  PlacePhase lower(options, goal, wall, std::move(name));
   const bool ok = sequence_.run(lower);
   if (for_good && lower.let_go()) {
     result_.T_world_placed = laid_flat(object_, lower.T_world_object());

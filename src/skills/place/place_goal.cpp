@@ -9,8 +9,8 @@
 #include <numbers>
 
 #include "palpate/core/angle.hpp"
-#include "palpate/hand/coupling.hpp"
 #include "palpate/hand/hand.hpp"
+#include "palpate/hand/kinematics.hpp"
 
 namespace palpate::skills {
 namespace {
@@ -116,7 +116,7 @@ GoalSearch find_goal(const geometry::KnownObject& object, const HeldObject& held
   std::stable_sort(goals.begin(), goals.end(), [&](const PlaceGoal& a, const PlaceGoal& b) {
     return turn_between(a.seat, now.base) < turn_between(b.seat, now.base);
   });
-  const hand::JointVector joints = plannable(now.joints);
+  const hand::JointVector joints = plannable(scene.hand(), now.joints);
   scene.hold(scene.palm_pose(hand::BasePosition{}, joints).inverse() * T_base_object);
   for (const PlaceGoal& goal : goals) {
     std::string obstacle = obstacle_at(goal.above, options);
@@ -136,13 +136,13 @@ GoalSearch find_goal(const geometry::KnownObject& object, const HeldObject& held
   return search;
 }
 
-hand::JointVector plannable(const hand::JointVector& joints) {
+hand::JointVector plannable(const hand::Description& hand, const hand::JointVector& joints) {
   hand::JointVector clamped = joints;
-  for (int i = 0; i < hand::kJoints; ++i) {
-    const hand::Range range = hand::shadow_ranges()[static_cast<std::size_t>(i)];
+  for (int i = 0; i < hand.joint_count(); ++i) {
+    const hand::Range range = hand.joints[static_cast<std::size_t>(i)].range;
     clamped[i] = std::clamp(clamped[i], range.low, range.high);
   }
-  return hand::joints_in_free_flexion(hand::actuator_positions(clamped));
+  return hand::joints_in_free_flexion(hand, hand::actuator_positions(hand, clamped));
 }
 
 }  // namespace palpate::skills

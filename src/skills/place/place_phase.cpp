@@ -19,6 +19,7 @@ constexpr int kLoadedTicks = 3;
 constexpr double kTries = 6;          // places on a turn of the spiral
 constexpr double kEarlyOfWall = 0.5;  // of a wall's height: that high, the object stands on it
 constexpr double kWider = 0.25;       // rad by which the fingers open further
+constexpr std::size_t kWidened = 2;   // actuators of a finger, from the palm on, that open wider
 constexpr int kWithdrawals = 3;
 constexpr double kAnyHeight = 1.0;  // m
 
@@ -47,9 +48,9 @@ Executor::StopCondition load_below(double load, double since = 0) {
 /// The posture at which the actuators that press would press no more.
 hand::ActuatorVector unloaded(const Executor& robot) {
   hand::ActuatorVector posture = robot.command().positions;
-  for (int i = 0; i < hand::kActuators; ++i) {
-    if (hand::finger_of_actuator(i) < 0) continue;
+  for (Eigen::Index i = 0; i < posture.size(); ++i) {
     const auto& actuator = robot.actuators()[static_cast<std::size_t>(i)];
+    if (actuator.finger < 0) continue;
     posture[i] -= robot.reading().torques[i] / actuator.stiffness;
   }
   return posture;
@@ -57,11 +58,14 @@ hand::ActuatorVector unloaded(const Executor& robot) {
 
 hand::ActuatorVector wider(const Executor& robot) {
   hand::ActuatorVector posture = robot.command().positions;
-  for (const char* name :
-       {"FFJ3", "FFJ0", "MFJ3", "MFJ0", "RFJ3", "RFJ0", "LFJ3", "LFJ0", "THJ5", "THJ2"}) {
-    const int i = hand::actuator_index(name);
-    const auto& range = robot.actuators()[static_cast<std::size_t>(i)].command;
-    posture[i] = std::max(range.low, posture[i] - kWider);
+  for (int finger = 0; finger < robot.model().finger_count(); ++finger) {
+    auto closing = hand::closing_actuators(robot.model(), finger);
+    if (closing.size() > kWidened) closing.resize(kWidened);
+    for (const int i : closing) {
+      const auto& actuator = robot.actuators()[static_cast<std::size_t>(i)];
+      const double back = actuator.closing > 0 ? -kWider : kWider;
+      posture[i] = std::clamp(posture[i] + back, actuator.command.low, actuator.command.high);
+    }
   }
   return posture;
 }
@@ -95,7 +99,7 @@ PhaseEnd PlacePhase::run(Executor& robot, PickState&) {
   }
   T_world_object_ = estimation::mean_base(robot.log(), 5).pose() * goal_.T_base_object;
   let_go_ = true;
-  palpate::skills::let_go(robot, options_, open_);
+  palpate::skills::let_go(robot, options_);
   return {true, fmt::format("contact at {:+.1f} mm{}, let go", 1e3 * height_error_,
                             attempt > 0 ? fmt::format(", try {}", attempt + 1) : "")};
 }
@@ -135,13 +139,14 @@ PlacePhase::Touchdown PlacePhase::lower(Executor& robot, const Eigen::Vector3d& 
   return Touchdown::early;
 }
 
-void let_go(Executor& robot, const LowerOptions& options, const hand::ActuatorVector& open) {
+void let_go(Executor& robot, const LowerOptions& options) {
+  const hand::ActuatorVector& open = robot.model().postures.top.open;
   robot.mark(estimation::TouchEvent::placed);
   robot.set_grip(std::nullopt);
   robot.move_fingers(unloaded(robot), options.unload_seconds);
   hand::ActuatorVector opened = robot.command().positions;
-  for (int i = 0; i < hand::kActuators; ++i) {
-    if (hand::finger_of_actuator(i) >= 0) opened[i] = open[i];
+  for (Eigen::Index i = 0; i < opened.size(); ++i) {
+    if (robot.actuators()[static_cast<std::size_t>(i)].finger >= 0) opened[i] = open[i];
   }
   robot.move_fingers(opened, options.open_seconds);
   robot.wait(kSettleSeconds);
@@ -149,7 +154,7 @@ void let_go(Executor& robot, const LowerOptions& options, const hand::ActuatorVe
 
 PhaseEnd OpenPhase::run(Executor& robot, PickState&) {
   robot.wait(kSettleSeconds);
-  let_go(robot, options_, open_);
+  let_go(robot, options_);
   const int contacts = hand::count_contacts(robot.reading());
   return {contacts == 0, fmt::format("{} contacts left", contacts)};
 }

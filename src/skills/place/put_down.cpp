@@ -28,7 +28,7 @@ void add_finger(const grasping::FingerShape& shape, float radius,
 std::vector<Eigen::Vector4f> room_of(const grasping::ClosingTrajectory& path,
                                      const grasping::GraspPlan& grasp) {
   auto spheres = path.open_spheres;
-  for (std::size_t finger = 0; finger < hand::kFingers; ++finger) {
+  for (std::size_t finger = 0; finger < path.fingers.size(); ++finger) {
     add_finger(path.fingers[finger][grasp.stops[finger]], path.tip_radius[finger], spheres);
   }
   return spheres;
@@ -54,7 +54,7 @@ std::vector<Hold> holds_of(const geometry::ObjectModel& object, const GraspTool&
   return holds;
 }
 
-Hold hold_of(const hand::HandModel& hand, const Holding& holding,
+Hold hold_of(const hand::Description& hand, const Holding& holding,
              const Eigen::Isometry3d& T_world_object) {
   Hold hold;
   hold.T_base_object = holding.base.pose().inverse() * T_world_object;

@@ -19,7 +19,7 @@ std::vector<Hold> holds_of(const geometry::ObjectModel& object, const GraspTool&
                            const Eigen::Isometry3d& T_world_object, const RegraspOptions& options);
 
 /// That of a hand that holds the object.
-Hold hold_of(const hand::HandModel& hand, const Holding& holding,
+Hold hold_of(const hand::Description& hand, const Holding& holding,
              const Eigen::Isometry3d& T_world_object);
 
 /// Looks for the cheapest hold by which the object can be put down in a pose.

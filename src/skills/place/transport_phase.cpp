@@ -59,7 +59,7 @@ PhaseEnd TransportPhase::run(Executor& robot, PickState& state) {
   const hand::BasePosition measured = estimation::mean_base(robot.log());
   const hand::BasePosition yielded = {robot.command().base.xyz - measured.xyz,
                                       robot.command().base.ypr - measured.ypr};
-  const hand::JointVector joints = plannable(robot.reading().joints);
+  const hand::JointVector joints = plannable(robot.model(), robot.reading().joints);
   scene_.hold(scene_.palm_pose(hand::BasePosition{}, joints).inverse() * goal_.T_base_object);
   motion_ =
       planning::plan({{measured, joints}, {goal_.above, joints}}, scene_, options_.plan, seed_);

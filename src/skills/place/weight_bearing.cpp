@@ -36,7 +36,7 @@ WeightBearing::WeightBearing(const Executor& robot, const Eigen::Vector3d& p_bas
 }
 
 hand::ActuatorVector WeightBearing::torques(const hand::BasePosition& base) const {
-  if (press_ <= 0) return hand::ActuatorVector::Zero();
+  if (press_ <= 0) return hand::ActuatorVector::Zero(positions_.size());
   const grasping::Load load{p_base_object_, -weight_ * base.pose().linear().row(2).transpose()};
   const auto balanced = grasping::distribute_forces(contacts_, friction_, press_, load);
   return grasping::pressing_torques(robot_.model(), joints_, contacts_, balanced.forces);
@@ -45,7 +45,7 @@ hand::ActuatorVector WeightBearing::torques(const hand::BasePosition& base) cons
 hand::ActuatorVector WeightBearing::command(const hand::BasePosition& base) const {
   const hand::ActuatorVector change = torques(base) - torques_;
   hand::ActuatorVector command = positions_;
-  for (int i = 0; i < hand::kActuators; ++i) {
+  for (Eigen::Index i = 0; i < command.size(); ++i) {
     const auto& actuator = robot_.actuators()[static_cast<std::size_t>(i)];
     if (change[i] == 0) continue;
     command[i] = std::clamp(command[i] + change[i] / actuator.stiffness, actuator.command.low,

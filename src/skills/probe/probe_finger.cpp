@@ -25,7 +25,7 @@ constexpr double kTransferSeconds = 0.4;  // s, of a finger's force to the other
 constexpr double kMoveSeconds = 0.3;      // s
 constexpr double kReturnSeconds = 0.6;    // s, back to where the finger pressed
 constexpr double kLongestClose = 1.5;     // s
-constexpr double kThumbLimit = 1.0;       // rad; the thumb does not move here
+constexpr double kOuterTorque = 0.7;      // of the outer joints' torque, of that of the first
 constexpr double kTouchSeconds = 4;       // s that a touch takes, and back
 constexpr double kLost = 0.03;            // N at which a holding finger has lost touch
 constexpr int kMinHolding = 2;            // fingers that hold meanwhile, the thumb among them
@@ -33,13 +33,8 @@ constexpr int kSteps = 2;                 // of J4 and of J0 to either side
 constexpr std::size_t kPoses = 6;         // by which a move is judged, the heaviest
 constexpr double kSame = 0.05;            // rad, of actuators of two moves that are the same
 
-int actuator(int finger, std::string_view joint) {
-  return hand::actuator_index(
-      std::string(hand::kFingerNames[static_cast<std::size_t>(finger)]).append(joint));
-}
-
 /// Places (base's frame) where each finger has touched the object since the hand closed.
-using KnownSpots = std::array<std::vector<Eigen::Vector3d>, hand::kFingers>;
+using KnownSpots = hand::PerFinger<std::vector<Eigen::Vector3d>>;
 
 KnownSpots known_spots(const Executor& robot) {
   KnownSpots known;
@@ -55,21 +50,31 @@ KnownSpots known_spots(const Executor& robot) {
 }
 
 /// A posture whose actuators of one finger are those of another posture.
-hand::ActuatorVector with_finger(hand::ActuatorVector posture, int finger,
-                                 const hand::ActuatorVector& other) {
-  for (int i = 0; i < hand::kActuators; ++i) {
-    if (hand::finger_of_actuator(i) == finger) posture[i] = other[i];
+hand::ActuatorVector with_finger(const hand::Description& hand, hand::ActuatorVector posture,
+                                 int finger, const hand::ActuatorVector& other) {
+  for (int i = 0; i < hand.actuator_count(); ++i) {
+    if (hand.actuators[static_cast<std::size_t>(i)].finger == finger) posture[i] = other[i];
   }
   return posture;
+}
+
+/// Where closing ends at the latest: at the end of each actuator's range.
+hand::ActuatorVector closing_ends(const hand::Description& hand) {
+  hand::ActuatorVector ends = hand::ActuatorVector::Zero(hand.actuator_count());
+  for (int i = 0; i < hand.actuator_count(); ++i) {
+    const auto& actuator = hand.actuators[static_cast<std::size_t>(i)];
+    ends[i] = actuator.closing < 0 ? actuator.command.low : actuator.command.high;
+  }
+  return ends;
 }
 
 /// Whether the thumb and a finger, other than `but_for`, touch what they held.
 bool still_holds(const Executor& robot, int but_for) {
   int fingers = 0;
-  for (int finger = 1; finger < hand::kFingers; ++finger) {
+  for (int finger = 0; finger < robot.model().finger_count(); ++finger) {
     fingers += finger != but_for && hand::tip_force(robot.reading(), finger) > kLost;
   }
-  return fingers + 1 >= kMinHolding && hand::tip_force(robot.reading(), 0) > kLost;
+  return fingers >= kMinHolding && hand::tip_force(robot.reading(), robot.model().thumb) > kLost;
 }
 
 }  // namespace
@@ -80,9 +85,9 @@ std::vector<tactile::Contact> contacts_at(const Executor& robot, std::size_t rea
   return tactile::lasting_contacts(readings.subspan(reading + 1 - count, count), robot.model(), {});
 }
 
-bool FingerProbes::was_made(const Move& move) const {
+bool FingerProbes::was_made(const hand::Description& hand, const Move& move) const {
   return std::any_of(made_.begin(), made_.end(), [&](const Move& other) {
-    const hand::ActuatorVector alone = with_finger(other.opened, move.finger, move.opened);
+    const hand::ActuatorVector alone = with_finger(hand, other.opened, move.finger, move.opened);
     return move.finger == other.finger && (alone - other.opened).cwiseAbs().maxCoeff() < kSame;
   });
 }
@@ -94,15 +99,19 @@ std::vector<FingerProbes::FreeFinger> FingerProbes::free_fingers(const Executor&
   const grasping::Load load =
       weight_at(robot, held.modes.front().T_frame_object, object_.object().mass * kGravity);
   std::vector<FreeFinger> free;
-  for (int finger = 1; finger < hand::kFingers; ++finger) {  // never the thumb
+  const int thumb = robot.model().thumb;
+  for (int finger = 0; finger < robot.model().finger_count(); ++finger) {
+    if (finger == thumb) continue;
     std::vector<tactile::Contact> others;
-    std::array<bool, hand::kFingers> holds{};
+    hand::PerFinger<bool> holds{};
     for (const auto& contact : contacts) {
       if (contact.finger == finger) continue;
       others.push_back(contact);
       holds[static_cast<std::size_t>(contact.finger)] = true;
     }
-    if (!holds[0] || std::count(holds.begin(), holds.end(), true) < kMinHolding) continue;
+    if (!holds[static_cast<std::size_t>(thumb)] ||
+        std::count(holds.begin(), holds.end(), true) < kMinHolding)
+      continue;
     const auto balanced = grasping::distribute_forces(others, options_.friction, press_, load);
     if (balanced.wrench_residual > options_.balance) continue;
     free.push_back({finger, pressing_command(robot, others, balanced.forces)});
@@ -112,19 +121,25 @@ std::vector<FingerProbes::FreeFinger> FingerProbes::free_fingers(const Executor&
 
 std::vector<FingerProbes::Move> FingerProbes::moves(const Executor& robot,
                                                     const FreeFinger& free) const {
+  const hand::Description& hand = robot.model();
+  const auto closing = hand::closing_actuators(hand, free.finger);
+  const auto spreading = hand::spreading_actuator(hand, free.finger);
   std::vector<Move> result;
+  if (closing.empty()) return result;
   for (int side = -kSteps; side <= kSteps; ++side) {
+    if (!spreading && side != 0) continue;
     for (int bend = -kSteps; bend <= kSteps; ++bend) {
+      if (closing.size() < 2 && bend != 0) continue;
       Move move{free.finger, free.held, {}};
-      const auto shift = [&](std::string_view joint, double by) {
-        const auto index = static_cast<std::size_t>(actuator(free.finger, joint));
-        const auto& range = robot.actuators()[index].command;
-        double& value = move.opened[static_cast<Eigen::Index>(index)];
-        value = std::clamp(value + by, range.low, range.high);
+      const auto shift = [&](int index, double by) {
+        const auto& actuator = hand.actuators[static_cast<std::size_t>(index)];
+        const double way = actuator.closing < 0 ? -by : by;
+        double& value = move.opened[index];
+        value = std::clamp(value + way, actuator.command.low, actuator.command.high);
       };
-      shift("J3", -options_.opening);
-      shift("J4", options_.spread * side / kSteps);
-      shift("J0", options_.bend * bend / kSteps);
+      shift(closing[0], -options_.opening);
+      if (spreading) shift(*spreading, options_.spread * side / kSteps);
+      if (closing.size() > 1) shift(closing[1], options_.bend * bend / kSteps);
       result.push_back(move);
     }
   }
@@ -137,9 +152,9 @@ FingerProbes::Foresight FingerProbes::foresee(const Executor& robot, const Poste
                                               const std::vector<Eigen::Vector3d>& known) const {
   const auto finger = static_cast<std::size_t>(move.finger);
   const Eigen::Isometry3d T_world_base = robot.reading().base.pose();
-  std::array<bool, hand::kFingers> closing{};
+  hand::PerFinger<bool> closing{};
   closing[finger] = true;
-  const grasping::ClosingLaw law(robot.actuators(), kPlannedRate, kThumbLimit);
+  const grasping::ClosingLaw law(robot.model(), kPlannedRate, closing_ends(robot.model()));
   grasping::ClosingTrajectory path =
       grasping::closing_trajectory(robot.model(), move.opened, law, closing);
   grasping::end_at_other_fingers(robot.model(), robot.reading().joints, finger, path);
@@ -177,7 +192,7 @@ std::optional<FingerProbes::Move> FingerProbes::choose(const Executor& robot, co
   std::vector<localization::TouchAction> probes;
   for (const FreeFinger& free : free_fingers(robot, held)) {
     for (const Move& move : moves(robot, free)) {
-      if (was_made(move)) continue;
+      if (was_made(robot.model(), move)) continue;
       const Foresight foresight =
           foresee(robot, held, move, known[static_cast<std::size_t>(free.finger)]);
       const bool moves_at_all = foresight.probe.direction.norm() > 0.5;
@@ -196,17 +211,21 @@ std::optional<FingerProbes::Move> FingerProbes::choose(const Executor& robot, co
 bool FingerProbes::make(Executor& robot, const Move& move) {
   made_.push_back(move);
   const hand::ActuatorVector held = robot.command().positions;
-  const hand::ActuatorVector without = with_finger(move.opened, move.finger, held);
-  const int knuckle = actuator(move.finger, "J3");
+  const hand::ActuatorVector without = with_finger(robot.model(), move.opened, move.finger, held);
+  const int knuckle = hand::closing_actuators(robot.model(), move.finger).front();
   hand::ActuatorVector open = without;
   open[knuckle] = move.opened[knuckle];
   robot.move_fingers(without, kTransferSeconds);
   robot.move_fingers(open, kOpenSeconds);
   robot.move_fingers(move.opened, kMoveSeconds);
-  const grasping::ClosingLaw law(robot.actuators(), options_.closing_rate, kThumbLimit);
-  std::array<bool, hand::kFingers> active{};
+  const hand::Description& hand = robot.model();
+  const grasping::ClosingLaw law(hand, options_.closing_rate, closing_ends(hand));
+  hand::PerFinger<bool> active{};
   active[static_cast<std::size_t>(move.finger)] = true;
-  robot.set_grip(Grip{law, {options_.torque, 0.7 * options_.torque}, active});
+  hand::ActuatorVector torque =
+      hand::ActuatorVector::Constant(hand.actuator_count(), kOuterTorque * options_.torque);
+  torque[knuckle] = options_.torque;
+  robot.set_grip(Grip{law, torque, active});
   robot.wait(kLongestClose, [&](const hand::HandReading& reading) {
     return hand::tip_force(reading, move.finger) > options_.touch_force;
   });
@@ -214,7 +233,9 @@ bool FingerProbes::make(Executor& robot, const Move& move) {
   robot.wait(kWindow * hand::kTick);
   robot.mark(estimation::TouchEvent::probed);
   hand::ActuatorVector away = robot.command().positions;
-  away[knuckle] = std::min(away[knuckle], move.opened[knuckle]);
+  const bool closes_up = hand.actuators[static_cast<std::size_t>(knuckle)].closing > 0;
+  away[knuckle] = closes_up ? std::min(away[knuckle], move.opened[knuckle])
+                            : std::max(away[knuckle], move.opened[knuckle]);
   robot.move_fingers(away, kOpenSeconds);
   robot.move_fingers(open, kMoveSeconds);
   robot.move_fingers(without, kReturnSeconds);

@@ -51,7 +51,7 @@ class FingerProbes {
                                     {0, 0, 0}};  ///< the tip's way, as if it were straight
   };
 
-  bool was_made(const Move& move) const;
+  bool was_made(const hand::Description& hand, const Move& move) const;
   std::vector<FreeFinger> free_fingers(const Executor& robot,
                                        const localization::Posterior& held) const;
   std::vector<Move> moves(const Executor& robot, const FreeFinger& free) const;

@@ -29,11 +29,10 @@ int regrasps_made(const estimation::EventLog& log) {
   }));
 }
 
-GraspTool tool_of(const Executor& robot, const GraspOptions& options) {
-  const Preshape& preshape = options.top;
-  const grasping::ClosingLaw law(robot.actuators(), kPlannedRate, preshape.thumb_limit);
-  return {grasping::closing_trajectory(robot.model(), open_posture(preshape), law),
-          {{preshape.pitch, preshape.roll}, {options.steep_pitch, preshape.roll}}};
+GraspTool tool_of(const Executor& robot) {
+  const hand::Preshape& preshape = robot.model().postures.top;
+  const grasping::ClosingLaw law(robot.model(), kPlannedRate, preshape.closed);
+  return {grasping::closing_trajectory(robot.model(), preshape.open, law), preshape.attitudes};
 }
 
 /// What there is to be learnt about which of the poses in question is true, nats.
@@ -142,7 +141,7 @@ class Probing {
           robot_.log().readings[*closed].base.pose() * robot_.reading().base.pose().inverse(),
           standing);
     }
-    return most_informative_grasp(object_, standing, tool_of(robot_, grasp_), options);
+    return most_informative_grasp(object_, standing, tool_of(robot_), options);
   }
 
   /// Touches or rolls, and estimates the pose again.

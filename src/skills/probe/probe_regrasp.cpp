@@ -42,11 +42,11 @@ std::vector<grasping::GraspPlan> grasps_from_all_sides(const geometry::ObjectMod
 }
 
 /// Way of each fingertip along its closing up to each shape, m.
-using TipWays = std::array<std::vector<double>, hand::kFingers>;
+using TipWays = std::vector<std::vector<double>>;
 
 TipWays tip_ways(const grasping::ClosingTrajectory& path) {
-  TipWays ways;
-  for (std::size_t finger = 0; finger < hand::kFingers; ++finger) {
+  TipWays ways(path.fingers.size());
+  for (std::size_t finger = 0; finger < path.fingers.size(); ++finger) {
     double way = 0;
     const grasping::FingerShape* before = nullptr;
     for (const grasping::FingerShape& shape : path.fingers[finger]) {
@@ -60,7 +60,7 @@ TipWays tip_ways(const grasping::ClosingTrajectory& path) {
 
 /// What the fingers feel when they have closed.
 PredictedTouches feel_of(const grasping::GraspPlan& closed, const TipWays& ways) {
-  PredictedTouches feel(hand::kFingers);
+  PredictedTouches feel(ways.size());
   for (const auto& contact : closed.contacts) {
     const auto finger = static_cast<std::size_t>(contact.finger);
     feel[finger] = {true, ways[finger][closed.stops[finger]], contact.n};
@@ -89,7 +89,7 @@ std::optional<InformativeGrasp> most_informative_grasp(const geometry::ObjectMod
       const auto closed =
           grasping::close_virtually(object, pose.T, tool.path, grasp.base, options.plan);
       if (closed && closed->cost < options.worst_cost) holds += pose.weight;
-      feels.push_back(closed ? feel_of(*closed, ways) : PredictedTouches(hand::kFingers));
+      feels.push_back(closed ? feel_of(*closed, ways) : PredictedTouches(ways.size()));
     }
     if (holds < options.likely * total) continue;
     const double information = localization::information_bound(feels, weights, touches_of_modes());

@@ -28,7 +28,8 @@ PredictedTouches feel_after(const geometry::ObjectModel& object,
                             const Eigen::Vector3d& turn) {
   PredictedTouches feel;
   for (const auto& contact : contacts) {
-    const double radius = robot.model().tips[static_cast<std::size_t>(contact.finger)].radius;
+    const double radius =
+        robot.model().fingers[static_cast<std::size_t>(contact.finger)].tip.radius;
     // Seen from the object, the tip's centre goes round the contact the other way.
     const Eigen::Vector3d center = contact.p + radius * (contact.n - turn.cross(contact.n));
     const auto sample = object.field().at((T_base_object.inverse() * center).cast<float>());
@@ -43,10 +44,11 @@ PredictedTouches feel_after(const geometry::ObjectModel& object,
   return feel;
 }
 
-bool firmly_held(const std::vector<tactile::Contact>& contacts) {
-  std::array<bool, hand::kFingers> touches{};
+bool firmly_held(const hand::Description& hand, const std::vector<tactile::Contact>& contacts) {
+  hand::PerFinger<bool> touches{};
   for (const auto& contact : contacts) touches[static_cast<std::size_t>(contact.finger)] = true;
-  return touches[0] && std::count(touches.begin(), touches.end(), true) >= kMinFingers;
+  return touches[static_cast<std::size_t>(hand.thumb)] &&
+         std::count(touches.begin(), touches.end(), true) >= kMinFingers;
 }
 
 /// Whether all of the contacts but one at most are still there.
@@ -75,7 +77,7 @@ std::optional<Roll> most_informative_roll(const Executor& robot,
                                           const geometry::ObjectModel& object,
                                           const localization::Posterior& held,
                                           const std::vector<tactile::Contact>& contacts) {
-  if (held.modes.empty() || !firmly_held(contacts)) return std::nullopt;
+  if (held.modes.empty() || !firmly_held(robot.model(), contacts)) return std::nullopt;
   const Eigen::Isometry3d T_base_world = robot.reading().base.pose().inverse();
   const auto poses = localization::poses_of(held);
   std::vector<double> weights;

@@ -115,10 +115,10 @@ class Turning {
   /// with the object and are pressed against it for a while.
   void remember_contacts() {
     const auto T_base_link = hand::forward_kinematics(robot_.model(), view_.joints);
-    std::array<bool, hand::kFingers> touches{};
+    hand::PerFinger<bool> touches{};
     for (const auto& contact : view_.contacts) {
       const auto finger = static_cast<std::size_t>(contact.finger);
-      const auto link = static_cast<std::size_t>(robot_.model().distal[finger]);
+      const auto link = static_cast<std::size_t>(robot_.model().fingers[finger].link);
       touches[finger] = true;
       lasts_[finger] = contact;
       lasts_[finger]->p = T_base_link[link].inverse() * contact.p;
@@ -127,9 +127,9 @@ class Turning {
     }
     view_.lost.clear();
     view_.regain = options_.regain;
-    for (std::size_t finger = 0; finger < hand::kFingers; ++finger) {
+    for (std::size_t finger = 0; finger < robot_.model().fingers.size(); ++finger) {
       if (touches[finger] || !lasts_[finger] || ++missed_[finger] > options_.regains) continue;
-      const auto link = static_cast<std::size_t>(robot_.model().distal[finger]);
+      const auto link = static_cast<std::size_t>(robot_.model().fingers[finger].link);
       tactile::Contact contact = *lasts_[finger];
       contact.p = T_base_link[link] * contact.p;
       contact.n = T_base_link[link].linear() * contact.n;
@@ -140,13 +140,13 @@ class Turning {
   /// By how much the commands must lead so that the fingertips press with forces that bear the
   /// weight, wherever the contacts have gone.
   hand::ActuatorVector mending_lead(double gain) const {
-    hand::ActuatorVector lead = hand::ActuatorVector::Zero();
+    hand::ActuatorVector lead = hand::ActuatorVector::Zero(robot_.model().actuator_count());
     const auto balanced =
         grasping::distribute_forces(view_.contacts, options_.friction, options_.grip * first_force_,
                                     weight_at(robot_, tracked(), weight_));
     const auto torques =
         grasping::pressing_torques(robot_.model(), view_.joints, view_.contacts, balanced.forces);
-    for (int i = 0; i < hand::kActuators; ++i) {
+    for (Eigen::Index i = 0; i < lead.size(); ++i) {
       if (torques[i] == 0) continue;
       lead[i] = gain * (torques[i] - robot_.reading().torques[i]) /
                 robot_.actuators()[static_cast<std::size_t>(i)].stiffness;
@@ -160,7 +160,7 @@ class Turning {
     const auto count = static_cast<std::size_t>(std::lround(options_.pause / hand::kTick));
     const auto window =
         std::span(readings).last(std::min(std::max<std::size_t>(count, 1), readings.size()));
-    hand::JointVector joints = hand::JointVector::Zero();
+    hand::JointVector joints = hand::JointVector::Zero(robot_.model().joint_count());
     for (const auto& reading : window) {
       joints += reading.joints / static_cast<double>(window.size());
     }
@@ -185,8 +185,8 @@ class Turning {
     localization::TrackFrame frame;
     frame.time = time;
     for (tactile::Contact contact : view_.contacts) {
-      const auto link =
-          static_cast<std::size_t>(robot_.model().distal[static_cast<std::size_t>(contact.finger)]);
+      const auto link = static_cast<std::size_t>(
+          robot_.model().fingers[static_cast<std::size_t>(contact.finger)].link);
       Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
       if (!last_links_.empty()) {
         const Eigen::Vector3d before =
@@ -206,7 +206,7 @@ class Turning {
   }
 
   std::optional<ReorientEnd> evaluator() {
-    std::array<bool, hand::kFingers> touches{};
+    hand::PerFinger<bool> touches{};
     for (const auto& contact : view_.contacts) {
       touches[static_cast<std::size_t>(contact.finger)] = true;
     }
@@ -234,9 +234,9 @@ class Turning {
   int looks_ = 0;
   double nearest_ = std::numeric_limits<double>::infinity();  // to the goal, in what is enough
   int stalled_ = 0;                                           // looks since then
-  std::array<std::optional<tactile::Contact>, hand::kFingers> lasts_;  // link's frame
-  std::array<int, hand::kFingers> missed_{};                           // looks without touch
-  double first_force_ = 0;                                             // N, of all fingertips
+  hand::PerFinger<std::optional<tactile::Contact>> lasts_;    // link's frame
+  hand::PerFinger<int> missed_{};                             // looks without touch
+  double first_force_ = 0;                                    // N, of all fingertips
   std::optional<Eigen::Isometry3d> displacement_;  // that the last step was rolled out to make
   std::vector<Eigen::Isometry3d> last_links_;
   double last_time_ = 0;

@@ -39,7 +39,7 @@ class Transfers {
         place_options_(options),
         options_(options.regrasp),
         observer_(observer),
-        tool_(regrasp_tool(robot.model(), robot.actuators())) {
+        tool_(regrasp_tool(robot.model())) {
     options_.plan.grasp.press = pressure(pick_options_.grasp, object.object());
   }
 
@@ -125,7 +125,8 @@ class Transfers {
   /// With the grasp that the hand has.
   RegraspPlan plan_in_hand(const PickResult& picked) const {
     if (picked.estimate.posterior.modes.empty()) return {};
-    const Holding holding{robot_.reading().base, plannable(robot_.reading().joints)};
+    const Holding holding{robot_.reading().base,
+                          plannable(robot_.model(), robot_.reading().joints)};
     const Eigen::Isometry3d& now = picked.estimate.posterior.modes.front().T_frame_object;
     return plan_regrasp(object_, robot_.model(), tool_, now, goal(now), options_.plan, holding);
   }

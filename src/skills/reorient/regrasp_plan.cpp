@@ -19,8 +19,7 @@ namespace {
 
 constexpr double kSameStablePose = 0.06;  // rad between stable poses that are one
 constexpr double kInsideTable = 0.003;    // m by which a target may be below the table
-constexpr double kFarRoll = -0.8;         // rad
-constexpr double kFarthestRoll = -1.2;    // rad
+constexpr double kFineRate = 0.5;         // rad/s, of the closing whose path is planned with
 constexpr int kStart = 0;                 // nodes: the start, the stable poses, the target
 
 /// Direction in the object's frame that points up.
@@ -47,7 +46,7 @@ struct Visit {
 
 class Search {
  public:
-  Search(const geometry::ObjectModel& object, const hand::HandModel& hand, const GraspTool& tool,
+  Search(const geometry::ObjectModel& object, const hand::Description& hand, const GraspTool& tool,
          const RegraspOptions& options)
       : object_(object), hand_(hand), tool_(tool), options_(options) {}
 
@@ -200,7 +199,7 @@ class Search {
   }
 
   const geometry::ObjectModel& object_;
-  const hand::HandModel& hand_;
+  const hand::Description& hand_;
   const GraspTool& tool_;
   const RegraspOptions& options_;
   std::optional<Holding> holding_;
@@ -236,20 +235,16 @@ std::string_view to_string(Strategy strategy) {
   return "";
 }
 
-GraspTool regrasp_tool(const hand::HandModel& hand,
-                       const std::array<hand::Actuator, hand::kActuators>& actuators) {
-  const Preshape preshape = top_preshape();
-  const grasping::ClosingLaw law(actuators, preshape.closing_rate, preshape.thumb_limit);
-  GraspTool tool;
-  tool.path = grasping::closing_trajectory(hand, open_posture(preshape), law);
-  // Rolled far, the hand still clears the table when it stands up what lay on its side; farther
-  // still, when it lays down what stood.
-  tool.attitudes = {
-      {preshape.pitch, preshape.roll}, {0.9, preshape.roll}, {0.9, kFarRoll}, {0.9, kFarthestRoll}};
+GraspTool regrasp_tool(const hand::Description& hand) {
+  const hand::Preshape& preshape = hand.postures.top;
+  const grasping::ClosingLaw law(hand, kFineRate, preshape.closed);
+  GraspTool tool{grasping::closing_trajectory(hand, preshape.open, law), preshape.attitudes};
+  const auto& far = hand.postures.far_attitudes;
+  tool.attitudes.insert(tool.attitudes.end(), far.begin(), far.end());
   return tool;
 }
 
-RegraspPlan plan_regrasp(const geometry::ObjectModel& object, const hand::HandModel& hand,
+RegraspPlan plan_regrasp(const geometry::ObjectModel& object, const hand::Description& hand,
                          const GraspTool& tool, const Eigen::Isometry3d& T_world_object,
                          const Eigen::Isometry3d& T_world_target, const RegraspOptions& options,
                          const std::optional<Holding>& holding) {

@@ -34,7 +34,7 @@ hand::ActuatorVector targets_of(const Executor& robot, const GraspView& view,
       view.command.positions + view.lead +
       grasping::finger_motion(robot.model(), view.joints, carrying,
                               view.T_base_object.translation(), regaining);
-  for (int i = 0; i < hand::kActuators; ++i) {
+  for (Eigen::Index i = 0; i < targets.size(); ++i) {
     const auto& range = robot.actuators()[static_cast<std::size_t>(i)].command;
     targets[i] = std::clamp(targets[i], range.low, range.high);
   }
@@ -66,7 +66,9 @@ std::vector<grasping::GraspMotion> StepSampler::variants(const Vector6d& step,
     motions[i].twist *= 1 + sampling.scale_sigma * random.normal();
     motions[i].twist.head<3>() += sampling.turn_sigma * random.normal3();
     motions[i].twist.tail<3>() += sampling.way_sigma * random.normal3();
-    for (double& press : motions[i].press) press = sampling.press_sigma * random.normal();
+    for (std::size_t k = 0; k < robot_.model().fingers.size(); ++k) {
+      motions[i].press[k] = sampling.press_sigma * random.normal();
+    }
   }
   return motions;
 }
@@ -92,7 +94,7 @@ double StepSampler::cost(const RolloutOutcome& settled, const RolloutOutcome& en
   const Vector6d miss = way_between(settled.T_base_object, end.T_base_object) - step;
   double sum = miss.head<3>().squaredNorm() / std::pow(sampling.angle_scale, 2) +
                miss.tail<3>().squaredNorm() / std::pow(sampling.way_scale, 2);
-  for (std::size_t finger = 0; finger < hand::kFingers; ++finger) {
+  for (std::size_t finger = 0; finger < robot_.model().fingers.size(); ++finger) {
     const bool lost = settled.tip_forces[finger] > kTouching && end.tip_forces[finger] < kTouching;
     sum += lost ? sampling.finger_cost : 0;
   }
@@ -109,7 +111,7 @@ grasping::GraspMotion StepSampler::mix(const std::vector<grasping::GraspMotion>&
     const double weight = std::exp((least - costs[i]) / options_.sampling.temperature);
     sum += weight;
     mean.twist += weight * motions[i].twist;
-    for (std::size_t k = 0; k < hand::kFingers; ++k) {
+    for (std::size_t k = 0; k < mean.press.size(); ++k) {
       mean.press[k] += weight * motions[i].press[k];
     }
   }

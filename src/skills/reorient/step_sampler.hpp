@@ -15,12 +15,12 @@ namespace palpate::skills {
 /// The grasp as it is seen before a step.
 struct GraspView {
   hand::HandCommand command;
-  hand::JointVector joints = hand::JointVector::Zero();  ///< averaged over the look
-  std::vector<tactile::Contact> contacts;                ///< base's frame
-  std::vector<tactile::Contact> lost;  ///< where fingertips that touch no more touched last
-  double regain = 0;                   ///< m by which these press into the object
+  hand::JointVector joints;                ///< averaged over the look
+  std::vector<tactile::Contact> contacts;  ///< base's frame
+  std::vector<tactile::Contact> lost;      ///< where fingertips that touch no more touched last
+  double regain = 0;                       ///< m by which these press into the object
   Eigen::Isometry3d T_base_object = Eigen::Isometry3d::Identity();  ///< tracked
-  hand::ActuatorVector lead = hand::ActuatorVector::Zero();         ///< rad, that mends the forces
+  hand::ActuatorVector lead;                                        ///< rad, that mends the forces
 };
 
 /// Position targets that the motion asks of the fingers, within what the actuators can.

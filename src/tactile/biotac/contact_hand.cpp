@@ -8,7 +8,7 @@
 
 namespace palpate::tactile {
 
-BiotacHand::BiotacHand(hand::Hand& hand, const hand::HandModel& model,
+BiotacHand::BiotacHand(hand::Hand& hand, const hand::Description& model,
                        std::shared_ptr<const tactile::BiotacInverse> inverse)
     : hand_(hand), fingers_(model, std::move(inverse)) {}
 

@@ -46,11 +46,11 @@ bool same(const BiotacReading& a, const BiotacReading& b) {
 
 }  // namespace
 
-Eigen::Isometry3d biotac_mount(const hand::HandModel& hand, int finger) {
+Eigen::Isometry3d biotac_mount(const hand::Description& hand, int finger) {
   const auto i = static_cast<std::size_t>(finger);
-  const auto& tip = hand.tips.at(i);
+  const auto& tip = hand.fingers.at(i).tip;
   const Eigen::Vector3d forward = (tip.b - tip.a).normalized();
-  const Eigen::Vector3d axis = hand.links[static_cast<std::size_t>(hand.distal[i])].axis;
+  const Eigen::Vector3d axis = hand.links[static_cast<std::size_t>(hand.fingers[i].link)].axis;
   // A turn about the axis moves the tip this way, towards what it is to feel.
   const Eigen::Vector3d felt = axis.cross(forward).normalized();
   Eigen::Isometry3d T_link_sensor = Eigen::Isometry3d::Identity();
@@ -149,41 +149,41 @@ void MeetingWay::follow(const Eigen::Vector3d& p_tip, bool touching) {
   if (places_.size() > kMeetingReadings) places_.pop_front();
 }
 
-BiotacFingers::BiotacFingers(const hand::HandModel& hand,
+BiotacFingers::BiotacFingers(const hand::Description& hand,
                              std::shared_ptr<const BiotacInverse> inverse)
     : hand_(hand), pressure_gain_(inverse->sensor().pressure_gain) {
-  for (int finger = 0; finger < hand::kFingers; ++finger) {
+  for (int finger = 0; finger < hand.finger_count(); ++finger) {
     fingers_.emplace_back(inverse);
-    mounts_[static_cast<std::size_t>(finger)] = biotac_mount(hand, finger);
+    mounts_.push_back(biotac_mount(hand, finger));
   }
+  ways_.resize(fingers_.size());
 }
 
 BiotacFingers::TipPoses BiotacFingers::tip_poses(const hand::HandReading& reading) const {
   const auto T_base_link = hand::forward_kinematics(hand_, reading.joints);
-  TipPoses poses;
+  TipPoses poses(hand_.fingers.size());
   for (std::size_t i = 0; i < poses.size(); ++i) {
-    poses[i] = reading.base.pose() * T_base_link[static_cast<std::size_t>(hand_.distal[i])];
+    poses[i] = reading.base.pose() * T_base_link[static_cast<std::size_t>(hand_.fingers[i].link)];
   }
   return poses;
 }
 
-std::array<BiotacFeeling, hand::kFingers> BiotacFingers::step(const hand::HandReading& reading,
-                                                              bool infer) {
-  if (reading.biotacs.size() != hand::kFingers) {
+std::vector<BiotacFeeling> BiotacFingers::step(const hand::HandReading& reading, bool infer) {
+  if (reading.biotacs.size() != hand_.fingers.size()) {
     throw BadInput(fmt::format("the reading at {} s has the channels of {} BioTacs, not {}",
-                               reading.time, reading.biotacs.size(), hand::kFingers));
+                               reading.time, reading.biotacs.size(), hand_.fingers.size()));
   }
-  std::array<BiotacFeeling, hand::kFingers> feelings;
+  std::vector<BiotacFeeling> feelings(hand_.fingers.size());
   const TipPoses poses = tip_poses(reading);
   for (std::size_t i = 0; i < feelings.size(); ++i) {
     feelings[i] = fingers_[i].step(reading.biotacs[i], infer);
     if (!feelings[i].pressure) continue;
-    ways_[i].follow(poses[i] * hand_.tips[i].b, *feelings[i].pressure > kRestPressure);
+    ways_[i].follow(poses[i] * hand_.fingers[i].tip.b, *feelings[i].pressure > kRestPressure);
   }
   return feelings;
 }
 
-std::array<BiotacFeeling, hand::kFingers> BiotacFingers::feel(const hand::HandReading& reading) {
+std::vector<BiotacFeeling> BiotacFingers::feel(const hand::HandReading& reading) {
   return step(reading, true);
 }
 
@@ -192,7 +192,7 @@ void BiotacFingers::follow(const hand::HandReading& reading) { step(reading, fal
 hand::TipContact BiotacFingers::in_link(const InferredContact& contact, int finger) const {
   const auto i = static_cast<std::size_t>(finger);
   const Eigen::Isometry3d& T = mounts_.at(i);
-  const double radius = hand_.tips.at(i).radius;
+  const double radius = hand_.fingers.at(i).tip.radius;
   const double sigma = std::sqrt(contact.covariance.diagonal().head<2>().mean()) / radius;
   return {.p = T * contact.p,
           .n = T.linear() * contact.n,
@@ -207,11 +207,12 @@ std::optional<hand::TipContact> BiotacFingers::blunt_contact(std::size_t finger,
   const auto& way = ways_[finger].way();
   if (!way) return std::nullopt;
   const Eigen::Vector3d ahead = R_world_link.transpose() * *way;
-  return hand::TipContact{.p = hand_.tips[finger].b + hand_.tips[finger].radius * ahead,
-                          .n = -ahead,
-                          .f = pressure / pressure_gain_ * ahead,
-                          .point_sigma = kBluntPoint,
-                          .normal_sigma = kBluntNormal};
+  return hand::TipContact{
+      .p = hand_.fingers[finger].tip.b + hand_.fingers[finger].tip.radius * ahead,
+      .n = -ahead,
+      .f = pressure / pressure_gain_ * ahead,
+      .point_sigma = kBluntPoint,
+      .normal_sigma = kBluntNormal};
 }
 
 void BiotacFingers::infer_contacts(hand::HandReading& reading) {

@@ -11,9 +11,10 @@
 namespace palpate::tactile {
 namespace {
 
-void check(const TipPosture& tip) {
-  if (tip.finger < 0 || tip.finger >= hand::kFingers) {
-    throw BadInput(fmt::format("fingertip of finger {}: there are {}", tip.finger, hand::kFingers));
+void check(const hand::Description& hand, const TipPosture& tip) {
+  if (tip.finger < 0 || tip.finger >= hand.finger_count()) {
+    throw BadInput(
+        fmt::format("fingertip of finger {}: there are {}", tip.finger, hand.finger_count()));
   }
   if (!tip.joints.allFinite()) {
     throw BadInput(
@@ -21,8 +22,8 @@ void check(const TipPosture& tip) {
   }
 }
 
-void check(const TipOnPlane& touch) {
-  check(touch.tip);
+void check(const hand::Description& hand, const TipOnPlane& touch) {
+  check(hand, touch.tip);
   if (!(touch.sigma > 0) || !std::isfinite(touch.sigma)) {
     throw BadInput(fmt::format("touch of a plane with a sigma of {} m", touch.sigma));
   }
@@ -38,12 +39,12 @@ void check(const TipOnPlane& touch) {
 }
 
 /// Derivative of the fingertip's place in the base's frame by the displacements of all links.
-Eigen::Matrix3Xd displacement_jacobian(const hand::HandModel& hand, const TipPosture& tip) {
+Eigen::Matrix3Xd displacement_jacobian(const hand::Description& hand, const TipPosture& tip) {
   const auto T_base_link = hand::forward_kinematics(hand, tip.joints);
   const auto links = static_cast<Eigen::Index>(hand.links.size());
   Eigen::Matrix3Xd J = Eigen::Matrix3Xd::Zero(3, 3 * links);
   for (const int link :
-       hand::misplaced_links(hand, hand.distal[static_cast<std::size_t>(tip.finger)])) {
+       hand::misplaced_links(hand, hand.fingers[static_cast<std::size_t>(tip.finger)].link)) {
     const int parent = hand.links[static_cast<std::size_t>(link)].parent;
     Eigen::Matrix3d R_base_parent = Eigen::Matrix3d::Identity();
     if (parent >= 0) R_base_parent = T_base_link[static_cast<std::size_t>(parent)].linear();
@@ -55,7 +56,7 @@ Eigen::Matrix3Xd displacement_jacobian(const hand::HandModel& hand, const TipPos
 /// Normal distribution of the links' displacements, one after the other, m.
 class LinkBelief {
  public:
-  explicit LinkBelief(const hand::HandModel& hand)
+  explicit LinkBelief(const hand::Description& hand)
       : mean_(Eigen::VectorXd::Zero(3 * static_cast<Eigen::Index>(hand.links.size()))),
         covariance_(Eigen::MatrixXd::Identity(mean_.size(), mean_.size()) * hand.kinematic_error *
                     hand.kinematic_error / 3) {}
@@ -77,12 +78,12 @@ class LinkBelief {
 };
 
 /// How a point's distance from its plane changes with the displacements.
-Eigen::VectorXd distance_row(const hand::HandModel& hand, const TipOnPlane& touch) {
+Eigen::VectorXd distance_row(const hand::Description& hand, const TipOnPlane& touch) {
   return displacement_jacobian(hand, touch.tip).transpose() * touch.plane.normal();
 }
 
 /// Sum of J'J over the uses: the trace of its product with a covariance is the tips' variance.
-Eigen::MatrixXd importance(const hand::HandModel& hand, std::span<const TipPosture> uses) {
+Eigen::MatrixXd importance(const hand::Description& hand, std::span<const TipPosture> uses) {
   const auto size = 3 * static_cast<Eigen::Index>(hand.links.size());
   Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(size, size);
   for (const TipPosture& tip : uses) {
@@ -93,11 +94,11 @@ Eigen::MatrixXd importance(const hand::HandModel& hand, std::span<const TipPostu
 }
 
 /// The link error with which the tips would be as uncertain as they are.
-double remaining_error(const hand::HandModel& hand, std::span<const TipPosture> uses,
+double remaining_error(const hand::Description& hand, std::span<const TipPosture> uses,
                        const Eigen::MatrixXd& covariance) {
   double links = 0;
   for (const TipPosture& tip : uses) {
-    const int link = hand.distal[static_cast<std::size_t>(tip.finger)];
+    const int link = hand.fingers[static_cast<std::size_t>(tip.finger)].link;
     links += static_cast<double>(hand::misplaced_links(hand, link).size());
   }
   return std::sqrt(importance(hand, uses).cwiseProduct(covariance).sum() / links);
@@ -105,17 +106,18 @@ double remaining_error(const hand::HandModel& hand, std::span<const TipPosture> 
 
 }  // namespace
 
-double distance_from_plane(const hand::HandModel& hand, const TipOnPlane& touch) {
-  check(touch);
-  const int link = hand.distal[static_cast<std::size_t>(touch.tip.finger)];
+double distance_from_plane(const hand::Description& hand, const TipOnPlane& touch) {
+  check(hand, touch);
+  const int link = hand.fingers[static_cast<std::size_t>(touch.tip.finger)].link;
   const auto T_base_link = hand::forward_kinematics(hand, touch.tip.joints);
   return touch.plane.signedDistance(T_base_link[static_cast<std::size_t>(link)] * touch.p);
 }
 
-hand::HandModel calibrate_links(const hand::HandModel& hand, std::span<const TipOnPlane> touches,
-                                std::span<const TipPosture> uses) {
-  for (const TipOnPlane& touch : touches) check(touch);
-  for (const TipPosture& tip : uses) check(tip);
+hand::Description calibrate_links(const hand::Description& hand,
+                                  std::span<const TipOnPlane> touches,
+                                  std::span<const TipPosture> uses) {
+  for (const TipOnPlane& touch : touches) check(hand, touch);
+  for (const TipPosture& tip : uses) check(hand, tip);
   if (!(hand.kinematic_error >= 0) || !std::isfinite(hand.kinematic_error)) {
     throw BadInput(
         fmt::format("calibrating a hand whose kinematic_error is {} m", hand.kinematic_error));
@@ -125,7 +127,7 @@ hand::HandModel calibrate_links(const hand::HandModel& hand, std::span<const Tip
   for (const TipOnPlane& touch : touches) {
     belief.update(distance_row(hand, touch), -distance_from_plane(hand, touch), touch.sigma);
   }
-  hand::HandModel calibrated = hand;
+  hand::Description calibrated = hand;
   for (std::size_t link = 0; link < hand.links.size(); ++link) {
     calibrated.links[link].T_parent_link.translation() +=
         belief.mean().segment<3>(3 * static_cast<Eigen::Index>(link));
@@ -134,11 +136,11 @@ hand::HandModel calibrate_links(const hand::HandModel& hand, std::span<const Tip
   return calibrated;
 }
 
-std::vector<std::size_t> choose_touches(const hand::HandModel& hand,
+std::vector<std::size_t> choose_touches(const hand::Description& hand,
                                         std::span<const TipOnPlane> candidates, std::size_t count,
                                         std::span<const TipPosture> uses) {
-  for (const TipOnPlane& touch : candidates) check(touch);
-  for (const TipPosture& tip : uses) check(tip);
+  for (const TipOnPlane& touch : candidates) check(hand, touch);
+  for (const TipPosture& tip : uses) check(hand, tip);
   std::vector<Eigen::VectorXd> rows;
   for (const TipOnPlane& touch : candidates) rows.push_back(distance_row(hand, touch));
   const Eigen::MatrixXd wanted = importance(hand, uses);

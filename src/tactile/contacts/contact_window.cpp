@@ -70,7 +70,7 @@ double normal_sigma(const Cluster& cluster, const ContactErrorModel& errors) {
 }
 
 /// Variance per axis of a point fixed to the link, from joint noise and misplaced links.
-double kinematic_variance(const hand::HandModel& hand, const hand::JointVector& joints, int link,
+double kinematic_variance(const hand::Description& hand, const hand::JointVector& joints, int link,
                           const Eigen::Vector3d& p_link, const ContactErrorModel& errors,
                           std::size_t readings) {
   const auto J = hand::jacobian(hand, joints, link, p_link);
@@ -84,27 +84,27 @@ double kinematic_variance(const hand::HandModel& hand, const hand::JointVector& 
 }  // namespace
 
 hand::JointVector mean_joints(std::span<const hand::HandReading> window) {
-  hand::JointVector sum = hand::JointVector::Zero();
+  hand::JointVector sum = hand::JointVector::Zero(window.front().joints.size());
   for (const auto& reading : window) sum += reading.joints;
   return sum / static_cast<double>(window.size());
 }
 
-double link_offset_sigma(const hand::HandModel& hand, int finger) {
-  const int tip = hand.distal.at(static_cast<std::size_t>(finger));
+double link_offset_sigma(const hand::Description& hand, int finger) {
+  const int tip = hand.fingers.at(static_cast<std::size_t>(finger)).link;
   const double misplaced = static_cast<double>(hand::misplaced_links(hand, tip).size());
   return hand.kinematic_error * std::sqrt(misplaced / 3.0);
 }
 
 std::vector<Contact> lasting_contacts(std::span<const hand::HandReading> window,
-                                      const hand::HandModel& hand,
+                                      const hand::Description& hand,
                                       const ContactErrorModel& errors) {
   std::vector<Contact> contacts;
   if (window.empty()) return contacts;
   const hand::JointVector joints = mean_joints(window);
   const auto T_base_link = hand::forward_kinematics(hand, joints);
   const double least = std::max(1.0, kLastingShare * static_cast<double>(window.size()));
-  for (std::size_t finger = 0; finger < hand::kFingers; ++finger) {
-    const int link = hand.distal[finger];
+  for (std::size_t finger = 0; finger < hand.fingers.size(); ++finger) {
+    const int link = hand.fingers[finger].link;
     const auto& T = T_base_link.at(static_cast<std::size_t>(link));
     for (const Cluster& cluster : cluster_tip(window, finger)) {
       if (cluster.count < least) continue;

@@ -153,15 +153,15 @@ FingerSample SampleMaker::next(const FingerFrame& frame) {
   return sample;
 }
 
-FingerFrame finger_frame(const hand::HandReading& reading, const hand::HandModel& hand,
+FingerFrame finger_frame(const hand::HandReading& reading, const hand::Description& hand,
                          int finger) {
   const auto i = static_cast<std::size_t>(finger);
   FingerFrame frame{.time = reading.time, .contacts = {}};
   if (reading.contacts.at(i).empty()) return frame;
   const auto T_base_link = hand::forward_kinematics(hand, reading.joints);
   const Eigen::Isometry3d T =
-      reading.base.pose() * T_base_link.at(static_cast<std::size_t>(hand.distal[i]));
-  const auto& tip = hand.tips[i];
+      reading.base.pose() * T_base_link.at(static_cast<std::size_t>(hand.fingers[i].link));
+  const auto& tip = hand.fingers[i].tip;
   const Eigen::Vector3d axis = tip.b - tip.a;
   for (const hand::TipContact& contact : reading.contacts[i]) {
     const double along = axis.dot(contact.p - tip.a) / axis.squaredNorm();

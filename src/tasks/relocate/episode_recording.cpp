@@ -10,6 +10,7 @@
 #include "palpate/core/se3.hpp"
 #include "palpate/core/version.hpp"
 #include "palpate/hand/kinematics.hpp"
+#include "palpate/simulation/hand/load_hand.hpp"
 #include "palpate/simulation/world/world.hpp"
 #include "palpate/tasks/relocate/relocate_dynamics.hpp"
 #include "palpate/tasks/relocate/relocate_task.hpp"
@@ -27,7 +28,8 @@ constexpr double kLifted = 0.015, kArrived = 0.05;  // m
 /// The frames of an episode, from the positions at each step.
 class Frames {
  public:
-  Frames(const RelocateModel& model, const hand::HandModel& hand) : dynamics_(model), hand_(hand) {}
+  Frames(const RelocateModel& model, const hand::Description& hand)
+      : dynamics_(model), hand_(hand) {}
 
   recording::Frame at(int step, const Eigen::VectorXd& positions) {
     const RelocateJoints q = positions.head<kRelocateJoints>();
@@ -37,14 +39,16 @@ class Frames {
     const auto links = hand::forward_kinematics(hand_, frame.reading.joints);
     const auto& T_base_palm = links[static_cast<std::size_t>(hand_.palm)];
     frame.reading.base = hand::BasePosition::at(dynamics_.palm(q) * T_base_palm.inverse());
-    frame.command = {hand::actuator_positions(frame.reading.joints), frame.reading.base};
+    frame.reading.torques.setZero(hand_.actuator_count());
+    frame.reading.contacts.resize(hand_.fingers.size());
+    frame.command = {hand::actuator_positions(hand_, frame.reading.joints), frame.reading.base};
     frame.truth = {object_pose(positions), frame.reading.joints};
     return frame;
   }
 
  private:
   RelocateDynamics dynamics_;
-  const hand::HandModel& hand_;
+  const hand::Description& hand_;
 };
 
 /// Which phase the object is in: still on the table, on its way, or at the target.

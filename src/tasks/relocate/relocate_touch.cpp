@@ -6,6 +6,7 @@
 #include <array>
 
 #include "palpate/core/error.hpp"
+#include "palpate/hand/shadow.hpp"
 #include "simulation/contact/fingertip_touch.hpp"
 #include "simulation/hand/hand_model.hpp"
 #include "simulation/hand/hand_spec.hpp"
@@ -14,14 +15,14 @@
 namespace palpate::relocate {
 namespace {
 
-/// Where each joint of the Shadow hand, in the order of hand::kJointNames, is among the Adroit
-/// hand's, and which way round its axis is there.
+/// Where each joint of the Shadow hand, in the order of hand::kShadowJointNames, is among the
+/// Adroit hand's, and which way round its axis is there.
 struct Twin {
   const char* name;  ///< in the Adroit hand
   int joint;
   double sign;
 };
-constexpr std::array<Twin, hand::kJoints> kTwins = {{
+constexpr std::array<Twin, hand::kShadowJoints> kTwins = {{
     {"WRJ1", 6, 1},   {"WRJ0", 7, 1},  //
     {"THJ4", 25, 1},  {"THJ3", 26, 1}, {"THJ2", 27, 1}, {"THJ1", 28, -1}, {"THJ0", 29, -1},
     {"FFJ3", 8, -1},  {"FFJ2", 9, 1},  {"FFJ1", 10, 1}, {"FFJ0", 11, 1},  //
@@ -30,7 +31,7 @@ constexpr std::array<Twin, hand::kJoints> kTwins = {{
     {"LFJ4", 20, 1},  {"LFJ3", 21, 1}, {"LFJ2", 22, 1}, {"LFJ1", 23, 1},  {"LFJ0", 24, 1},
 }};
 
-constexpr std::array<const char*, hand::kFingers> kTipGeoms = {
+constexpr std::array<const char*, hand::kShadowFingers> kTipGeoms = {
     "C_thdistal", "C_ffdistal", "C_mfdistal", "C_rfdistal", "C_lfdistal"};
 
 simulation::NamedJoint twin_of(const std::string& name) {
@@ -46,10 +47,10 @@ int forearm(const RelocateModel& model) {
   return simulation::find_id(compiled(model), mjOBJ_BODY, "forearm");
 }
 
-std::array<int, hand::kFingers> tips_of(const RelocateModel& model) {
-  std::array<int, hand::kFingers> tips{};
-  for (std::size_t i = 0; i < tips.size(); ++i) {
-    tips[i] = simulation::find_id(compiled(model), mjOBJ_GEOM, kTipGeoms[i]);
+std::vector<int> tips_of(const RelocateModel& model) {
+  std::vector<int> tips;
+  for (const char* geom : kTipGeoms) {
+    tips.push_back(simulation::find_id(compiled(model), mjOBJ_GEOM, geom));
   }
   return tips;
 }
@@ -66,16 +67,16 @@ Eigen::Isometry3d forearm_at(const mjModel& model, int forearm, const RelocateJo
 }  // namespace
 
 hand::JointVector shadow_joints(const RelocateJoints& joints) {
-  hand::JointVector result;
+  hand::JointVector result(static_cast<Eigen::Index>(kTwins.size()));
   for (std::size_t i = 0; i < kTwins.size(); ++i) {
     result[static_cast<Eigen::Index>(i)] = kTwins[i].sign * joints[kTwins[i].joint];
   }
   return result;
 }
 
-hand::HandModel adroit_hand_model(const RelocateModel& model) {
-  hand::HandModel hand =
-      simulation::read_hand_model(compiled(model), forearm(model), twin_of, tips_of(model));
+hand::Description adroit_hand_model(const RelocateModel& model) {
+  hand::Description hand = hand::shadow_hand();
+  simulation::read_links(compiled(model), forearm(model), "palm", twin_of, tips_of(model), hand);
   hand.links.front().T_parent_link.setIdentity();
   return hand;
 }
@@ -99,6 +100,8 @@ hand::HandReading RelocateTouch::read(const RelocateTask& task, int step) const 
   reading.time = step * hand::kTick;
   const RelocateJoints q = RelocateJoints::Map(state.data->qpos);
   reading.joints = shadow_joints(q);
+  reading.torques.setZero(hand_.actuator_count());
+  reading.contacts.resize(hand_.fingers.size());
   for (double& angle : reading.joints) angle += noise_.joint * random.normal();
   reading.base = hand::BasePosition::at(forearm_at(model, base_, q));
   for (int i = 0; i < state.data->ncon; ++i) {

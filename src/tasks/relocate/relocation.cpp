@@ -69,8 +69,10 @@ localization::Posterior Relocation::explored(const Eigen::Vector2d& place,
   simulation::WorldOptions world_options;
   world_options.noise = options_.noise;
   simulation::World world(object_.object(), world_options, seed);
-  world.reset({standing_.stable_pose, standing_.yaw, place}, evaluation::waiting_command());
-  skills::Executor robot(world.hand(), world.hand_model(), evaluation::waiting_command());
+  world.reset({standing_.stable_pose, standing_.yaw, place},
+              evaluation::waiting_command(world.hand_model()));
+  skills::Executor robot(world.hand(), world.hand_model(),
+                         evaluation::waiting_command(world.hand_model()));
   skills::PickState state;
   try {
     skills::HeightProbePhase height_probe(options_.height_probe);

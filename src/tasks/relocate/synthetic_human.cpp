@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 
+#include "palpate/hand/shadow.hpp"
 #include "palpate/learning/demonstrations/minimum_jerk.hpp"
 
 namespace palpate::relocate {
@@ -13,7 +14,7 @@ namespace {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
-using hand::Finger;
+using hand::FingerName;
 using learning::HandKeypoints;
 
 constexpr double kPad = 0.008;     // m, from the tip's keypoint to the skin that touches
@@ -109,12 +110,12 @@ learning::HandState synthetic_grasp(const Vector3d& object, const learning::Huma
                                     const SyntheticHumanOptions& options, RandomStream& random) {
   const SyntheticGrasp& grasp = options.grasp;
   HandKeypoints targets = nowhere();
-  for (std::size_t i = 0; i < hand::kFingers; ++i) {
+  for (std::size_t i = 0; i < hand::kShadowFingers; ++i) {
     const double angle = around(grasp, i) * std::numbers::pi / 180;
     const double radius = options.grip_radius + kPad;
     const Vector3d tip(radius * std::cos(angle), radius * std::sin(angle),
                        i == 0 ? grasp.thumb_height : grasp.finger_height);
-    targets.col(learning::keypoint(static_cast<Finger>(i), 3)) =
+    targets.col(learning::keypoint(static_cast<FingerName>(i), 3)) =
         object + tip + options.place_spread * random.normal3();
   }
   learning::HandState start;

@@ -5,7 +5,7 @@
 #include <array>
 #include <string_view>
 
-#include "palpate/hand/joints.hpp"
+#include "palpate/hand/shadow.hpp"
 
 namespace palpate::learning {
 
@@ -32,14 +32,14 @@ inline constexpr int kHandKeypoints = 21;
 using HandKeypoints = Eigen::Matrix<double, 3, kHandKeypoints>;
 
 /// Column of HandKeypoints. @param along  0 the joint in the palm .. 3 the tip
-constexpr int keypoint(hand::Finger finger, int along) {
+constexpr int keypoint(hand::FingerName finger, int along) {
   return 1 + 4 * static_cast<int>(finger) + along;
 }
 
 /// Size of a hand (beta of thesis eq. 7.6), as factors of the mean hand's lengths.
 struct HumanShape {
   double palm = 1;
-  std::array<double, hand::kFingers> fingers = {1, 1, 1, 1, 1};
+  hand::PerFinger<double> fingers = {1, 1, 1, 1, 1};
 };
 
 /// Keypoints J(theta, beta, r) of a right hand (thesis eq. 7.6).

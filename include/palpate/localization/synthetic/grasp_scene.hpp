@@ -39,7 +39,7 @@ struct GraspSceneOptions {
 /// stable pose by its probability, any yaw) and grasps of it: the open hand comes from a random
 /// side until it touches, backs off, and each finger closes until its tip or the way is stopped.
 GraspScene make_grasp_scene(const geometry::ObjectModel& model, const geometry::MeshQuery& mesh,
-                            const hand::HandModel& hand, const GraspSceneOptions& options,
+                            const hand::Description& hand, const GraspSceneOptions& options,
                             RandomStream random);
 
 /// What of a scene the search is told, and how wrong.

@@ -14,18 +14,16 @@ namespace palpate::simulation {
 class CollisionScene final : public planning::CollisionChecker {
  public:
   /// Hand and table alone. @throws BadInput if the hand's model cannot be used
-  explicit CollisionScene(const planning::CollisionOptions& options = {});
+  /// @param believed  its links are where they are believed to be, not where its drawing has them
+  explicit CollisionScene(const hand::Description& believed,
+                          const planning::CollisionOptions& options = {});
   /// With the object and the fixture, the object far away until it is placed. @throws BadInput also
   /// for an unusable mesh
-  explicit CollisionScene(const geometry::KnownObject& object,
-                          const planning::CollisionOptions& options = {},
-                          const planning::Fixture& fixture = {});
-  /// The same with the links of the hand where they are believed to be instead of where its drawing
-  /// has them. @throws BadInput also for a link that the hand lacks
-  CollisionScene(const geometry::KnownObject& object, const hand::HandModel& believed,
+  CollisionScene(const geometry::KnownObject& object, const hand::Description& believed,
                  const planning::CollisionOptions& options = {},
                  const planning::Fixture& fixture = {});
   ~CollisionScene() override;
+  [[nodiscard]] const hand::Description& hand() const override;
   CollisionScene(CollisionScene&&) noexcept;
   CollisionScene& operator=(CollisionScene&&) noexcept;
 

@@ -13,7 +13,7 @@ namespace palpate::simulation {
 class SimulatedForwardModel final : public skills::ForwardModel {
  public:
   /// @throws BadInput for options or an object that cannot be simulated
-  SimulatedForwardModel(const geometry::KnownObject& object, const hand::HandModel& believed,
+  SimulatedForwardModel(const geometry::KnownObject& object, const hand::Description& believed,
                         const WorldOptions& options);
   ~SimulatedForwardModel() override;
   SimulatedForwardModel(SimulatedForwardModel&&) noexcept;
@@ -33,10 +33,10 @@ class SimulatedModels final : public skills::ModelFactory {
   explicit SimulatedModels(const WorldOptions& rollouts = {}) : rollouts_(rollouts) {}
 
   [[nodiscard]] std::unique_ptr<planning::CollisionChecker> collision_checker(
-      const geometry::KnownObject& object, const hand::HandModel& believed,
+      const geometry::KnownObject& object, const hand::Description& believed,
       const planning::CollisionOptions& options, const planning::Fixture& fixture) const override;
   [[nodiscard]] std::unique_ptr<skills::ForwardModel> forward_model(
-      const geometry::KnownObject& object, const hand::HandModel& believed) const override;
+      const geometry::KnownObject& object, const hand::Description& believed) const override;
 
  private:
   WorldOptions rollouts_;

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "palpate/hand/joints.hpp"
+#include "palpate/hand/description.hpp"
 
 namespace palpate::simulation {
 
-/// The I of the hand's 20 PID controllers; P and D are those of the position servos.
+/// The I of the hand's PID controllers; P and D are those of the position servos.
 struct IntegralOptions {
   double time = 0.5;        ///< s, in which the integral of a constant error equals P
   double limit = 0.03;      ///< N m, of the integral: a few times what holds a joint by friction
@@ -34,7 +34,7 @@ class IntegralAction {
 
  private:
   IntegralOptions options_;
-  hand::ActuatorVector torques_ = hand::ActuatorVector::Zero();
+  hand::ActuatorVector torques_;
 };
 
 }  // namespace palpate::simulation

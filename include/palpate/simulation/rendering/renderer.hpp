@@ -30,7 +30,7 @@ struct Camera {
 /// Where the things that are drawn are.
 struct DrawnState {
   Eigen::Isometry3d T_world_object = Eigen::Isometry3d::Identity();
-  hand::JointVector joints = hand::JointVector::Zero();  ///< rad
+  hand::JointVector joints;  ///< rad
   hand::BasePosition base;
 };
 
@@ -42,7 +42,8 @@ class Renderer {
  public:
   /// @param width, height  of the pictures, pixels, 16..4096
   /// @throws BadInput for a size out of range, or when no backend works here
-  Renderer(const geometry::KnownObject& object, int width, int height);
+  Renderer(const hand::Description& hand, const geometry::KnownObject& object, int width,
+           int height);
   ~Renderer();
   Renderer(const Renderer&) = delete;
   Renderer& operator=(const Renderer&) = delete;

@@ -7,13 +7,13 @@
 #include "palpate/core/se3.hpp"
 #include "palpate/geometry/query/capsule_collider.hpp"
 #include "palpate/grasping/contact_model.hpp"
-#include "palpate/hand/joints.hpp"
+#include "palpate/hand/description.hpp"
 
 namespace palpate::simulation {
 
 /// A contact of the object as the solver has it, without noise.
 struct ObjectContact {
-  int link = -1;    ///< of the hand (index into HandModel::links); -1: the table
+  int link = -1;    ///< of the hand (index into Description::links); -1: the table
   int finger = -1;  ///< whose fingertip capsule it is; -1: no fingertip
   Eigen::Isometry3d T_world_contact = Eigen::Isometry3d::Identity();  ///< n (into the object), t, o
   double distance = 0;                                                ///< m, negative: penetration
@@ -29,7 +29,7 @@ struct ObjectStep {
   double time = 0;                                                   ///< s, at its start
   Eigen::Isometry3d T_world_object = Eigen::Isometry3d::Identity();  ///< at its start
   Eigen::Isometry3d T_world_base = Eigen::Isometry3d::Identity();    ///< of the hand, at its start
-  hand::JointVector joints = hand::JointVector::Zero();              ///< rad, at its start
+  hand::JointVector joints;                                          ///< rad, at its start
   Eigen::Vector3d gravity = Eigen::Vector3d::Zero();                 ///< N, on the object
   Eigen::Vector3d momentum_change = Eigen::Vector3d::Zero();         ///< N s, linear
   std::vector<ObjectContact> contacts;

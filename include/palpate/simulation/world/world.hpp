@@ -34,6 +34,7 @@ struct SensorNoise {
 };
 
 struct WorldOptions {
+  std::string hand = "shadow";   ///< a built-in or installed hand, or its MJCF, URDF or TOML
   double time_step = 0.002;      ///< s
   double hand_friction = 0.8;    ///< sliding, hand against object
   double table_friction = 0.5;   ///< sliding, object against table
@@ -46,6 +47,7 @@ struct WorldOptions {
 
   template <class Visitor>
   void visit(Visitor&& v) {
+    v("hand", hand, "a hand of `palpate hand list`, or a file that describes one");
     v.expert("time_step", time_step, 1e-4, 0.01, "s, of the physics");
     v("hand_friction", hand_friction, 0.0, 5.0, "sliding, hand against object");
     v("table_friction", table_friction, 0.0, 5.0, "sliding, object against table");
@@ -70,11 +72,11 @@ struct Start {
 /// What only the simulator knows. For judging and drawing; never for estimating or acting.
 struct Truth {
   Eigen::Isometry3d T_world_object = Eigen::Isometry3d::Identity();
-  hand::JointVector joints = hand::JointVector::Zero();
+  hand::JointVector joints;
   double lowest_point = 0;  ///< z of the object's lowest vertex, m
 };
 
-/// A table, perhaps a fixture on it, the Shadow hand on its base and one free object, in MuJoCo.
+/// A table, perhaps a fixture on it, a hand on its base and one free object, in MuJoCo.
 class World {
  public:
   World(const geometry::KnownObject& object, const WorldOptions& options, std::uint64_t seed,
@@ -90,7 +92,7 @@ class World {
 
   /// The hand as the estimator knows it: the physics follows the MJCF, and this model's links are
   /// off by SensorNoise::link. The same for every reset.
-  const hand::HandModel& hand_model() const;
+  const hand::Description& hand_model() const;
   Truth truth() const;
 
   /// Tells of every step of the physics from now on; an empty observer ends that.
@@ -103,13 +105,6 @@ class World {
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
-
-/// The Shadow hand's model, read from its MJCF.
-/// @throws BadInput if the file is missing or lacks a link or joint of the hand
-hand::HandModel load_shadow_hand(const std::filesystem::path& mjcf);
-
-/// What the Shadow hand looks like: the drawn meshes of its MJCF, for load_shadow_hand's links.
-hand::HandVisuals load_shadow_hand_visuals(const std::filesystem::path& mjcf);
 
 /// Version of MuJoCo, as in "3.17.0".
 std::string_view simulator_version();

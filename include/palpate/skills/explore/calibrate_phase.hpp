@@ -31,8 +31,8 @@ struct CalibrateOptions {
 /// The hand as the touches of the bare table in a log tell that it is (tactile::calibrate_links),
 /// the table being z = 0. As it was given where there are none, or where they contradict one
 /// another.
-hand::HandModel calibrated_hand(const hand::HandModel& hand, const estimation::EventLog& log,
-                                const CalibrateOptions& options);
+hand::Description calibrated_hand(const hand::Description& hand, const estimation::EventLog& log,
+                                  const CalibrateOptions& options);
 
 /// Finds out where the hand's links really are: touches the bare table, a plane that is known, with
 /// one fingertip after the other in those attitudes that tell most about where fingertips are in

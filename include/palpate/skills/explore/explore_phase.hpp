@@ -35,7 +35,7 @@ struct ExploreOptions {
   }
 };
 
-/// Touches the resting object from all sides with the first finger, gently enough not to move it,
+/// Touches the resting object from all sides with a stretched finger, gently enough not to move it,
 /// and estimates how it lies. The hand keeps its posture and only travels, so that what is wrong
 /// with the model of the finger shifts all contacts alike and leaves their shape. For every other
 /// touch it is turned round, which turns that shift round, too, and so tells it from the object's
@@ -56,6 +56,7 @@ class ExplorePhase : public Phase {
   enum class GuardedMoveEnd { touched, missed, blocked, timed_out };
   GuardedMoveEnd guarded_move(Executor& robot, const PickState& state,
                               const localization::TurnedMove& turned);
+  const hand::PointingHand& pointing(const Executor& robot) const;
   double yaw(std::size_t turn) const { return turn == 0 ? 0 : options_.turn; }
   int touch_around(Executor& robot, const PickState& state);
   int touch_with_another(Executor& robot, const PickState& state);
@@ -68,7 +69,7 @@ class ExplorePhase : public Phase {
   estimation::PoseEstimator& estimator_;
   ExploreOptions options_;
   std::vector<localization::TurnedMove> done_;  // that touched
-  std::size_t probe_ = 0;                       // index of the finger that touches
+  std::size_t probe_ = 0;                       // which of Postures::pointing touches
   int blocked_ = 0;    // moves that ended against something that its fingertip did not feel
   double raised_ = 0;  // m, of the level sweeps, where a lower hand was blocked
 };

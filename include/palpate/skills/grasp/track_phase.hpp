@@ -29,7 +29,7 @@ struct TrackOptions {
 /// @param errors  of the contacts
 /// @param start   pose at the first reading, in the world, with modes
 /// @throws BadInput unless first <= last, and the log has both
-Tracked track(const geometry::ObjectModel& object, const hand::HandModel& hand,
+Tracked track(const geometry::ObjectModel& object, const hand::Description& hand,
               const estimation::EventLog& log, const tactile::ContactErrorModel& errors,
               const localization::Posterior& start, std::size_t first, std::size_t last,
               const TrackOptions& options, std::uint64_t seed);

@@ -79,6 +79,6 @@ GoalSearch find_goal(const geometry::KnownObject& object, const HeldObject& held
 
 /// Joint angles as a planner takes them: within their ranges and coupling, without sensor noise
 /// beyond them.
-hand::JointVector plannable(const hand::JointVector& joints);
+hand::JointVector plannable(const hand::Description& hand, const hand::JointVector& joints);
 
 }  // namespace palpate::skills

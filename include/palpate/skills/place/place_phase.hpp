@@ -47,22 +47,18 @@ LowerOptions never_refused(LowerOptions options);
 
 /// Lets go of an object that stands on the table: marks `placed`, takes the squeeze back as it
 /// came, then opens slowly.
-/// @param open  posture of the open hand, rad
-void let_go(Executor& robot, const LowerOptions& options, const hand::ActuatorVector& open);
+void let_go(Executor& robot, const LowerOptions& options);
 
 /// Opens around an object that the hand has grasped and not lifted.
 class OpenPhase : public Phase {
  public:
-  /// @param open  posture of the open hand, rad
-  OpenPhase(const LowerOptions& options, const hand::ActuatorVector& open)
-      : options_(options), open_(open) {}
+  explicit OpenPhase(const LowerOptions& options) : options_(options) {}
   std::string_view name() const override { return "open"; }
   double time_limit() const override { return 30.0; }
   PhaseEnd run(Executor& robot, PickState& state) override;
 
  private:
   LowerOptions options_;
-  hand::ActuatorVector open_;
 };
 
 /// Lets the object down until the table bears it (guarded descent), presses it flat, and lets go.
@@ -71,10 +67,9 @@ class OpenPhase : public Phase {
 class PlacePhase : public Phase {
  public:
   /// @param wall  m, height of the fixture's walls; 0: none
-  /// @param open  posture of the open hand, rad
   PlacePhase(const LowerOptions& options, const PlaceGoal& goal, double wall,
-             const hand::ActuatorVector& open, std::string name = "place")
-      : options_(options), goal_(goal), wall_(wall), open_(open), name_(std::move(name)) {}
+             std::string name = "place")
+      : options_(options), goal_(goal), wall_(wall), name_(std::move(name)) {}
   std::string_view name() const override { return name_; }
   double time_limit() const override { return 90.0; }
   PhaseEnd run(Executor& robot, PickState& state) override;
@@ -92,7 +87,6 @@ class PlacePhase : public Phase {
   LowerOptions options_;
   PlaceGoal goal_;
   double wall_;
-  hand::ActuatorVector open_;
   std::string name_;
   Eigen::Isometry3d T_world_object_ = Eigen::Isometry3d::Identity();
   hand::BasePosition contact_;  // commanded at the last contact

@@ -21,18 +21,17 @@ std::string_view to_string(Strategy strategy);
 /// The hand as the search sees it: how it closes, and at which attitudes it comes down.
 struct GraspTool {
   grasping::ClosingTrajectory path;
-  std::vector<Eigen::Vector2d> attitudes;  ///< pitch and roll of the base, rad
+  std::vector<hand::Attitude> attitudes;  ///< of the base
 };
 
 /// The tool of the grasps from above, at the attitudes from which an object can then be turned far.
-GraspTool regrasp_tool(const hand::HandModel& hand,
-                       const std::array<hand::Actuator, hand::kActuators>& actuators);
+GraspTool regrasp_tool(const hand::Description& hand);
 
 /// A hand that holds the object already.
 struct Holding {
   hand::BasePosition base;
-  hand::JointVector joints = hand::JointVector::Zero();  ///< rad
-  Eigen::Vector3d away = Eigen::Vector3d::UnitZ();       ///< unit, base's frame: where it came from
+  hand::JointVector joints;                         ///< rad
+  Eigen::Vector3d away = Eigen::Vector3d::UnitZ();  ///< unit, base's frame: where it came from
 };
 
 /// A coarser search for grasps than where only one is wanted.
@@ -132,7 +131,7 @@ struct RegraspPlan {
 /// Deterministic.
 /// @param holding  of a hand that holds the object at T_world_object
 /// @throws BadInput for poses that are not finite, or a target inside the table
-RegraspPlan plan_regrasp(const geometry::ObjectModel& object, const hand::HandModel& hand,
+RegraspPlan plan_regrasp(const geometry::ObjectModel& object, const hand::Description& hand,
                          const GraspTool& tool, const Eigen::Isometry3d& T_world_object,
                          const Eigen::Isometry3d& T_world_target, const RegraspOptions& options,
                          const std::optional<Holding>& holding = {});

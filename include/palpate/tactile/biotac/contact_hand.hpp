@@ -14,12 +14,9 @@ class BiotacHand : public hand::Hand {
  public:
   /// Keeps a reference: the hand must outlive this. @param model  of the hand, for the sensors'
   /// places
-  BiotacHand(hand::Hand& hand, const hand::HandModel& model,
+  BiotacHand(hand::Hand& hand, const hand::Description& model,
              std::shared_ptr<const tactile::BiotacInverse> inverse);
 
-  const std::array<hand::Actuator, hand::kActuators>& actuators() const override {
-    return hand_.actuators();
-  }
   /// @throws BadInput if the hand's readings hold no channels
   hand::HandReading step(const hand::HandCommand& command) override;
 

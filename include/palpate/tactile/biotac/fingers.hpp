@@ -16,7 +16,7 @@ namespace palpate::tactile {
 /// T_link_sensor: the sensor frame of a BioTac in the frame of the finger's distal link. Its origin
 /// is the centre of the fingertip's half ball, x points along the tip, and z away from the side to
 /// which the last joint flexes the finger.
-Eigen::Isometry3d biotac_mount(const hand::HandModel& hand, int finger);
+Eigen::Isometry3d biotac_mount(const hand::Description& hand, int finger);
 
 /// What one BioTac feels in a frame.
 struct BiotacFeeling {
@@ -89,10 +89,10 @@ class BiotacFingers {
   static constexpr double kBluntNormal = 0.6;    // rad
   static constexpr double kBluntPoint = 0.0015;  // m
 
-  BiotacFingers(const hand::HandModel& hand, std::shared_ptr<const BiotacInverse> inverse);
+  BiotacFingers(const hand::Description& hand, std::shared_ptr<const BiotacInverse> inverse);
 
   /// What each fingertip feels. @throws BadInput if the reading has no channels
-  std::array<BiotacFeeling, hand::kFingers> feel(const hand::HandReading& reading);
+  std::vector<BiotacFeeling> feel(const hand::HandReading& reading);
 
   /// A felt contact in the frame of the finger's distal link.
   [[nodiscard]] hand::TipContact in_link(const InferredContact& contact, int finger) const;
@@ -104,20 +104,20 @@ class BiotacFingers {
   void follow(const hand::HandReading& reading);
 
  private:
-  using TipPoses = std::array<Eigen::Isometry3d, hand::kFingers>;
+  using TipPoses = std::vector<Eigen::Isometry3d>;
 
-  std::array<BiotacFeeling, hand::kFingers> step(const hand::HandReading& reading, bool infer);
+  std::vector<BiotacFeeling> step(const hand::HandReading& reading, bool infer);
   /// Of the distal links, in the world.
   [[nodiscard]] TipPoses tip_poses(const hand::HandReading& reading) const;
   [[nodiscard]] std::optional<hand::TipContact> blunt_contact(std::size_t finger,
                                                               const Eigen::Matrix3d& R_world_link,
                                                               double pressure) const;
 
-  hand::HandModel hand_;
+  hand::Description hand_;
   double pressure_gain_;  // counts/N
   std::vector<BiotacFinger> fingers_;
-  std::array<Eigen::Isometry3d, hand::kFingers> mounts_;
-  std::array<MeetingWay, hand::kFingers> ways_;
+  std::vector<Eigen::Isometry3d> mounts_;
+  std::vector<MeetingWay> ways_;
 };
 
 }  // namespace palpate::tactile

@@ -12,7 +12,7 @@ namespace palpate::tactile {
 /// A posture in which it matters where a fingertip is.
 struct TipPosture {
   int finger = 0;
-  hand::JointVector joints = hand::JointVector::Zero();  ///< rad
+  hand::JointVector joints;  ///< rad
 };
 
 /// A fingertip that feels a known plane, such as a bare table.
@@ -32,18 +32,19 @@ struct TipOnPlane {
 /// @return the hand as it was, if there is no touch or no use, or it is known without error
 /// @throws BadInput for a finger that does not exist, values that are not finite, a sigma that is
 ///         not positive, and a negative kinematic_error
-hand::HandModel calibrate_links(const hand::HandModel& hand, std::span<const TipOnPlane> touches,
-                                std::span<const TipPosture> uses);
+hand::Description calibrate_links(const hand::Description& hand,
+                                  std::span<const TipOnPlane> touches,
+                                  std::span<const TipPosture> uses);
 
 /// How far the touching point is from the plane by the hand's model, m.
 /// @throws BadInput as calibrate_links
-double distance_from_plane(const hand::HandModel& hand, const TipOnPlane& touch);
+double distance_from_plane(const hand::Description& hand, const TipOnPlane& touch);
 
 /// The touches, one after the other, that lessen the variance of the tips in `uses` most (greedy
 /// A-optimal design); it does not depend on what they find.
 /// @return `count` indices of candidates, fewer if there are not so many; each once
 /// @throws BadInput as calibrate_links
-std::vector<std::size_t> choose_touches(const hand::HandModel& hand,
+std::vector<std::size_t> choose_touches(const hand::Description& hand,
                                         std::span<const TipOnPlane> candidates, std::size_t count,
                                         std::span<const TipPosture> uses);
 

@@ -34,7 +34,7 @@ hand::JointVector mean_joints(std::span<const hand::HandReading> window);
 
 /// Standard deviation per axis, m, of the place of a fingertip whose links each are off by the
 /// hand's kinematic_error: what all contacts of that finger are displaced by alike.
-double link_offset_sigma(const hand::HandModel& hand, int finger);
+double link_offset_sigma(const hand::Description& hand, int finger);
 
 /// The lasting contacts of a hand that holds still: those of each fingertip clustered by place and
 /// direction over the window, averaged, and expressed in the base's frame with their uncertainty.
@@ -42,6 +42,7 @@ double link_offset_sigma(const hand::HandModel& hand, int finger);
 /// Contacts present in less than a third of the readings are dropped, as are readings whose contact
 /// is not finite.
 std::vector<Contact> lasting_contacts(std::span<const hand::HandReading> window,
-                                      const hand::HandModel& hand, const ContactErrorModel& errors);
+                                      const hand::Description& hand,
+                                      const ContactErrorModel& errors);
 
 }  // namespace palpate::tactile

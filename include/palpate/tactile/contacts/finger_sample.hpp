@@ -106,6 +106,7 @@ class SampleMaker {
 };
 
 /// What a finger feels in a reading, with the normals of its capsule tip, in the world.
-FingerFrame finger_frame(const hand::HandReading& reading, const hand::HandModel& hand, int finger);
+FingerFrame finger_frame(const hand::HandReading& reading, const hand::Description& hand,
+                         int finger);
 
 }  // namespace palpate::tactile

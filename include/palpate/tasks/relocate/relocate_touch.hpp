@@ -17,7 +17,7 @@ hand::JointVector shadow_joints(const RelocateJoints& joints);
 /// The relocate task's hand as links, in the joints of the Shadow hand. Its base is the forearm,
 /// its fingertips are the capsules that the task has for them.
 /// @throws BadInput if it is not the Adroit hand
-hand::HandModel adroit_hand_model(const RelocateModel& model);
+hand::Description adroit_hand_model(const RelocateModel& model);
 
 /// Puts tactile sensors on the fingertips of the relocate task's hand, as noisy as those of the
 /// simulated Shadow hand. The published task has none; the physics is left alone.
@@ -28,7 +28,7 @@ class RelocateTouch {
                 std::uint64_t seed);
 
   /// The hand as an estimator knows it: its links are off by SensorNoise::link.
-  const hand::HandModel& hand_model() const { return hand_; }
+  const hand::Description& hand_model() const { return hand_; }
 
   /// What the hand senses after so many steps of an episode: joints, base and contacts. Torques and
   /// the base's force stay empty. The base is measured without noise.
@@ -37,9 +37,9 @@ class RelocateTouch {
  private:
   simulation::SensorNoise noise_;
   RandomStream random_;
-  hand::HandModel hand_;
-  int base_;                                ///< body
-  std::array<int, hand::kFingers> tips_{};  ///< geoms
+  hand::Description hand_;
+  int base_;               ///< body
+  std::vector<int> tips_;  ///< geoms
 };
 
 }  // namespace palpate::relocate

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "palpate/core/error.hpp"
+#include "palpate/hand/shadow.hpp"
 #include "tasks/relocate/policies/policy_record.hpp"
 #include "tasks/relocate/policies/structured_layout.hpp"
 

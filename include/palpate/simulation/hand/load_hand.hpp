@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "palpate/hand/description.hpp"
+#include "palpate/hand/visuals.hpp"
+
+namespace palpate::simulation {
+
+/// The hand of a name, or of a model file.
+/// @param name  "shadow" or empty, or the path of an MJCF or URDF file
+/// @param stiffness_scale  of the position controllers of the Shadow hand's fingers
+/// @throws BadInput if there is no such hand or its file cannot be used
+hand::Description load_hand(const std::string& name, double stiffness_scale = 4.0);
+
+/// The Shadow hand's model, read from its MJCF.
+/// @throws BadInput if the file is missing or lacks a link or joint of the hand
+hand::Description load_shadow_hand(const std::filesystem::path& mjcf, double stiffness_scale = 4.0);
+
+/// What a hand looks like: the drawn meshes of its file, for its links.
+/// @throws BadInput if the file cannot be used
+hand::HandVisuals load_hand_visuals(const hand::Description& hand);
+
+}  // namespace palpate::simulation

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cctype>
+
+#include "palpate/hand/shadow.hpp"
+#include "palpate/simulation/hand/load_hand.hpp"
+#include "palpate/simulation/world/world.hpp"
+#include "simulation/hand/hand_joints.hpp"
+#include "simulation/hand/hand_model.hpp"
+#include "simulation/hand/hand_spec.hpp"
+
+namespace palpate::simulation {
+namespace {
+
+/// Where the mount's origin lies in the palm's frame: the middle of a grasp, m.
+const Eigen::Vector3d kGraspCenter(0.005, -0.045, 0.08);
+
+constexpr double kTipRadius = 0.007;  // m, of BioTac-like capsules
+constexpr double kTipBase = 0.0015;   // m from the link's origin to the capsule's end
+
+double tip_length(int finger) { return finger == 0 ? 0.0275 : 0.0265; }
+
+Eigen::Isometry3d pose_in(const mjSpec& spec, const std::string& root, const std::string& name) {
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  const mjsBody* const end = &find_body(spec, root);
+  for (mjsBody* body = &find_body(spec, name); body && body != end;
+       body = mjs_getParent(body->element)) {
+    T = pose3(body->pos, body->quat) * T;
+  }
+  return T;
+}
+
+/// Palm down, fingers along +x, thumb side +y.
+Eigen::Isometry3d root_at_mount(const mjSpec& spec, const hand::Description& hand) {
+  Eigen::Isometry3d T_base_palm = Eigen::Isometry3d::Identity();
+  T_base_palm.linear() << 0, 0, 1, 1, 0, 0, 0, 1, 0;  // x to +y, y to +z, z to +x
+  T_base_palm.translation() = -(T_base_palm.linear() * kGraspCenter);
+  return T_base_palm * pose_in(spec, hand.file.root, file_link(hand, "palm")).inverse();
+}
+
+std::string distal_body(const hand::Description& hand, int finger) {
+  std::string name = hand.fingers[static_cast<std::size_t>(finger)].name;
+  std::transform(name.begin(), name.end(), name.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return file_link(hand, name + "distal");
+}
+
+hand::TipCapsule tip_of(int finger) {
+  return {{0, 0, kTipBase}, {0, 0, tip_length(finger) - kTipRadius}, kTipRadius};
+}
+
+}  // namespace
+
+hand::Description load_shadow_hand(const std::filesystem::path& mjcf, double stiffness_scale) {
+  hand::Description hand = hand::shadow_hand();
+  hand.file = {.path = mjcf,
+               .root = "rh_forearm",
+               .prefix = "rh_",
+               .actuator_prefix = "rh_A_",
+               .own_servos = true};
+  const SpecHandle spec = parse_model(mjcf);
+  hand.file.T_mount_root = root_at_mount(*spec, hand);
+  place_root(*spec, hand.file);
+  for (int finger = 0; finger < hand.finger_count(); ++finger) {
+    put_tip(*spec, distal_body(hand, finger), tip_geom(hand, finger), tip_of(finger));
+  }
+  prepare_joints(*spec, hand, stiffness_scale);
+  const ModelHandle model = compile(*spec);
+  std::vector<int> tips;
+  for (int finger = 0; finger < hand.finger_count(); ++finger) {
+    tips.push_back(find_id(*model, mjOBJ_GEOM, tip_geom(hand, finger)));
+  }
+  const auto joint_of = [&](const std::string& name) {
+    return NamedJoint{hand.joint(name.substr(hand.file.prefix.size())), 1.0};
+  };
+  read_links(*model, find_id(*model, mjOBJ_BODY, hand.file.root), file_link(hand, "palm"), joint_of,
+             tips, hand);
+  read_drives(*model, hand);
+  return hand;
+}
+
+}  // namespace palpate::simulation
