@@ -32,6 +32,7 @@ struct CommonOptions {
 };
 
 void add_common_options(CLI::App& command, CommonOptions& options);
+void add_hand_option(CLI::App& command, std::string& hand);
 
 /// The folder for the results, if one was asked for: locked, and without these results.
 /// @throws BadInput as OutputFolder does
@@ -74,6 +75,7 @@ void add_compare(CLI::App& program, Command& chosen);
 void add_sense(CLI::App& program, Command& chosen);
 void add_train(CLI::App& program, Command& chosen);
 void add_view(CLI::App& program, Command& chosen);
+void add_hand(CLI::App& program, Command& chosen);
 void add_options(CLI::App& program, Command& chosen);
 
 /// The options that a command's --config and --set can set, at their defaults.

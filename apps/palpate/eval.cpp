@@ -27,7 +27,7 @@ struct EvalArguments {
   bool resume = false;
   std::vector<std::string> objects = {"mug", "bottle", "box", "bracket", "bunny"};
   std::size_t trials = 30;
-  std::string place;
+  std::string place, hand;
   std::vector<std::string> faults;
   bool campaign = false;
 };
@@ -198,6 +198,7 @@ int eval(EvalArguments arguments) {
   }
   arguments.objects = geometry::expand_object_names(arguments.objects);
   auto options = resolve<evaluation::TrialOptions>(arguments.common);
+  if (!arguments.hand.empty()) options.world.hand = arguments.hand;
   if (!arguments.place.empty()) options.place.target = place_text(arguments.place);
   std::vector<geometry::KnownObject> objects;
   for (const auto& name : arguments.objects) objects.push_back(geometry::load_known_object(name));
@@ -279,6 +280,7 @@ void add_eval(CLI::App& program, Command& chosen) {
           ->delimiter(',')
           ->expected(0, 100);
   add_place_option(command, arguments->place);
+  add_hand_option(command, arguments->hand);
   add_common_options(command, arguments->common);
   command.footer(
       "Trial i of every object has the seed SEED + i. With --out it writes eval.json, config.toml "

@@ -45,6 +45,7 @@ int run(int argc, char** argv) {
   add_train(program, chosen);
   add_demos(program, chosen);
   add_view(program, chosen);
+  add_hand(program, chosen);
   add_options(program, chosen);
   try {
     program.parse(argc, argv);

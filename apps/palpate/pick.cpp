@@ -22,6 +22,7 @@ namespace fs = std::filesystem;
 struct PickArguments {
   CommonOptions common;
   std::string object = "mug";
+  std::string hand;
   std::optional<int> explore;
   std::string place;
 };
@@ -53,6 +54,7 @@ int pick(const PickArguments& arguments) {
     options.pick.explore.touches = *arguments.explore;
     options.pick.explore.max_touches = *arguments.explore;
   }
+  if (!arguments.hand.empty()) options.world.hand = arguments.hand;
   if (!arguments.place.empty()) options.place.target = place_text(arguments.place);
   const geometry::ObjectModel object(geometry::load_known_object(arguments.object));
   // Bad ones are named first.
@@ -105,6 +107,7 @@ void add_pick(CLI::App& program, Command& chosen) {
       .add_option("--object", arguments->object,
                   "mug, bottle, box, bracket, bunny, or a mesh file in metres")
       ->capture_default_str();
+  add_hand_option(command, arguments->hand);
   command
       .add_option("--explore", arguments->explore,
                   "feel this many touches of the resting object before the grasp, in at most twice "
@@ -122,6 +125,7 @@ void add_pick(CLI::App& program, Command& chosen) {
       "Examples:\n"
       "  palpate pick --object mug --seed 7\n"
       "  palpate pick --object bunny --explore 16\n"
+      "  palpate pick --hand my_hand.xml --object box\n"
       "  palpate pick --object part.stl --set lift.height=0.15 --out run1 --json\n"
       "  palpate pick --object box --set start.stable_pose=0 --set world.noise.normal=0.05\n"
       "  palpate pick --object box --place 0.2,0.1,1.57\n"

@@ -27,7 +27,15 @@ fs::path folder_of(const char* variable) {
   return value ? value : "";
 }
 
-/// Empty if the environment names none.
+/// First line of an entry. It covers the key too, so that an entry never answers for another key.
+std::string seal(std::string_view key, std::string_view bytes) {
+  std::string all = fmt::format("{}:{}", key.size(), key);
+  all += bytes;
+  return "palpate-cache 1 " + content_hash(all) + "\n";
+}
+
+}  // namespace
+
 fs::path cache_folder() {
   if (const fs::path chosen = folder_of("PALPATE_CACHE"); !chosen.empty()) return chosen;
   // The XDG specification asks to ignore relative paths.
@@ -37,15 +45,6 @@ fs::path cache_folder() {
   }
   return {};
 }
-
-/// First line of an entry. It covers the key too, so that an entry never answers for another key.
-std::string seal(std::string_view key, std::string_view bytes) {
-  std::string all = fmt::format("{}:{}", key.size(), key);
-  all += bytes;
-  return "palpate-cache 1 " + content_hash(all) + "\n";
-}
-
-}  // namespace
 
 std::string content_hash(std::string_view bytes) {
   Word hash = kOffset;

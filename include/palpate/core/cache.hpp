@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -10,6 +11,10 @@ namespace palpate {
 /// Fingerprint of some bytes as 32 hexadecimal digits: FNV-1a of 128 bits (Fowler, Noll & Vo, IETF
 /// draft-eastlake-fnv). The same on every platform; not meant to withstand forgery.
 std::string content_hash(std::string_view bytes);
+
+/// The folder of what can be computed or fetched again: $PALPATE_CACHE, else
+/// $XDG_CACHE_HOME/palpate, else ~/.cache/palpate; empty if the environment names none.
+std::filesystem::path cache_folder();
 
 /// What write_cache() kept under the key, or nothing if that is missing or damaged.
 ///

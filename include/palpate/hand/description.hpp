@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace palpate::hand {
@@ -148,6 +149,8 @@ struct ModelFile {
   bool own_servos = false;  ///< the file's actuators are used; else Description::actuators' gains
   /// Where the mount carries the first body.
   Eigen::Isometry3d T_mount_root = Eigen::Isometry3d::Identity();
+  /// Bodies that overlap in every posture, and are let.
+  std::vector<std::pair<std::string, std::string>> overlapping = {};
 };
 
 /// A hand as plain data, enough to move it, to know where its links are and what they feel. It is

@@ -18,7 +18,7 @@ constexpr int kWholeState = mjSTATE_INTEGRATION;
 /// Readings are exact, and the servos' small integral, which is no part of the state that can be
 /// put back, is left out.
 WorldOptions without_noise(WorldOptions options) {
-  options.noise = {0, 0, 0, 0, 0};
+  options.noise = {0, 0, 0, 0, 0, 0};
   options.integral.limit = 0;
   return options;
 }

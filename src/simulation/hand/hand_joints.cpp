@@ -117,10 +117,31 @@ void add_servos(mjSpec& spec, const hand::Description& hand) {
   }
 }
 
+/// Ties followers to their leaders, where the file's own equalities do not.
+void add_mimics(mjSpec& spec, const hand::Description& hand) {
+  for (mjsElement* e = mjs_firstElement(&spec, mjOBJ_EQUALITY); e; e = mjs_nextElement(&spec, e)) {
+    if (mjs_asEquality(e)->type == mjEQ_JOINT) return;
+  }
+  for (const hand::Actuator& one : hand.actuators) {
+    for (std::size_t i = 1; i < one.joints.size() && !one.coupling; ++i) {
+      mjsEquality* tie = mjs_addEquality(&spec, nullptr);
+      tie->type = mjEQ_JOINT;
+      tie->objtype = mjOBJ_JOINT;
+      mjs_setString(tie->name1, file_joint(hand, joint_name(hand, one.joints[i])).c_str());
+      mjs_setString(tie->name2, file_joint(hand, joint_name(hand, one.joints[0])).c_str());
+      tie->data[0] = one.joints[i].offset;
+      tie->data[1] = one.joints[i].share;
+    }
+  }
+}
+
 }  // namespace
 
 void prepare_joints(mjSpec& spec, const hand::Description& hand, double stiffness_scale) {
-  if (!hand.file.own_servos) add_servos(spec, hand);
+  if (!hand.file.own_servos) {
+    add_servos(spec, hand);
+    add_mimics(spec, hand);
+  }
   set_ranges(spec, hand);
   for (const hand::Actuator& actuator : hand.actuators) {
     if (actuator.coupling) couple(spec, hand, actuator);

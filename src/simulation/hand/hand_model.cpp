@@ -133,6 +133,19 @@ void add_spheres(const mjModel& model, int geom, int link, std::vector<hand::Lin
   }
 }
 
+/// Small balls in the corners of a box, which the larger ones leave out.
+void add_corners(const mjModel& model, int geom, int link, std::vector<hand::LinkSphere>& spheres) {
+  if (model.geom_type[geom] != mjGEOM_BOX) return;
+  const Eigen::Isometry3d T = pose3(model.geom_pos + 3 * geom, model.geom_quat + 4 * geom);
+  const Eigen::Vector3d half = vector3(model.geom_size + 3 * geom);
+  const double radius = 0.5 * half.minCoeff();
+  if (radius < kThinnest) return;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Eigen::Vector3d side(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1);
+    spheres.push_back({link, T * side.cwiseProduct((half.array() - radius).matrix()), radius});
+  }
+}
+
 }  // namespace
 
 std::vector<int> links_of_bodies(const mjModel& model, int root) {
@@ -160,7 +173,9 @@ void read_links(const mjModel& model, int root, const std::string& palm, const J
   for (int geom = 0; geom < model.ngeom; ++geom) {
     const int body = model.geom_bodyid[geom];
     if (body < root || body >= end || model.geom_contype[geom] == 0) continue;
-    add_spheres(model, geom, links[static_cast<std::size_t>(body)], hand.spheres);
+    const int link = links[static_cast<std::size_t>(body)];
+    add_spheres(model, geom, link, hand.spheres);
+    if (!hand.file.own_servos) add_corners(model, geom, link, hand.spheres);
   }
 }
 

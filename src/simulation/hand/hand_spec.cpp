@@ -27,6 +27,20 @@ std::vector<mjsGeom*> solids(mjsBody& body) {
   return result;
 }
 
+/// Gives names to what has none, so that it can be found again.
+void name_all(mjSpec& spec, mjtObj type, const char* kind) {
+  int count = 0;
+  for (mjsElement* e = mjs_firstElement(&spec, type); e; e = mjs_nextElement(&spec, e), ++count) {
+    const std::string name = mjs_getString(mjs_getName(e));
+    if (name.empty()) mjs_setName(e, fmt::format("{}_{}", kind, count).c_str());
+  }
+}
+
+/// How far the middle of a geom is from a point of its body.
+double distance_to(const mjsGeom& geom, const Eigen::Vector3d& p) {
+  return (Eigen::Vector3d::Map(geom.pos) - p).norm();
+}
+
 /// Orientation (w, x, y, z) that turns z into the direction of a capsule's axis.
 Eigen::Vector4d orientation(const Eigen::Vector3d& axis) {
   if (axis.head<2>().isZero() && axis.z() >= 0) return {1, 0, 0, 0};
@@ -59,6 +73,9 @@ SpecHandle parse_model(const std::filesystem::path& file) {
     throw BadInput(
         fmt::format("cannot read the hand {}: {}", file.string(), one_line(message.data())));
   }
+  spec->compiler.fusestatic = 0;  // of a URDF: every link stays a body
+  name_all(*spec, mjOBJ_BODY, "body");
+  name_all(*spec, mjOBJ_JOINT, "joint");
   return spec;
 }
 
@@ -73,11 +90,15 @@ void put_tip(mjSpec& spec, const std::string& body, const std::string& name,
   if (geoms.empty()) {
     throw BadInput(fmt::format("the hand's link {} has nothing to collide with", body));
   }
-  for (mjsGeom* other : geoms) other->contype = other->conaffinity = other == geoms.front();
-  mjsGeom& geom = *geoms.front();
+  mjsGeom& geom = **std::min_element(geoms.begin(), geoms.end(), [&](auto* one, auto* other) {
+    return distance_to(*one, capsule.b) < distance_to(*other, capsule.b);
+  });
   geom.type = mjGEOM_CAPSULE;
   mjs_setString(geom.meshname, "");
   mjs_setName(geom.element, name.c_str());
+  for (mjsGeom* other : geoms) {  // all that touches at a fingertip is felt
+    if (other != &geom) other->contype = other->conaffinity = 0;
+  }
   const Eigen::Vector3d axis = capsule.b - capsule.a;
   Eigen::Vector3d::Map(geom.size) << capsule.radius, 0.5 * axis.norm(), 0;
   Eigen::Vector3d::Map(geom.pos) = 0.5 * (capsule.b + capsule.a);
@@ -88,11 +109,18 @@ void put_tip(mjSpec& spec, const std::string& body, const std::string& name,
 
 SpecHandle parse_hand(const hand::Description& hand) {
   SpecHandle spec = parse_model(hand.file.path);
+  mjsBody& root = find_body(*spec, hand.file.root);
+  while (mjsElement* joint = mjs_firstChild(&root, mjOBJ_JOINT, 0)) mjs_delete(spec.get(), joint);
   place_root(*spec, hand.file);
   for (int finger = 0; finger < hand.finger_count(); ++finger) {
     const hand::Finger& one = hand.fingers[static_cast<std::size_t>(finger)];
     const std::string& link = hand.links[static_cast<std::size_t>(one.link)].name;
     put_tip(*spec, file_link(hand, link), tip_geom(hand, finger), one.tip);
+  }
+  for (const auto& [one, other] : hand.file.overlapping) {
+    mjsExclude* pair = mjs_addExclude(spec.get());
+    mjs_setString(pair->bodyname1, one.c_str());
+    mjs_setString(pair->bodyname2, other.c_str());
   }
   return spec;
 }

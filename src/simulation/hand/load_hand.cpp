@@ -1,13 +1,56 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/simulation/hand/load_hand.hpp"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <mutex>
+
 #include "palpate/core/assets.hpp"
+#include "palpate/core/error.hpp"
+#include "palpate/grasping/derive_postures.hpp"
+#include "palpate/simulation/hand/hand_store.hpp"
 
 namespace palpate::simulation {
+namespace {
+
+std::filesystem::path file_of(const std::string& name) {
+  if (auto installed = installed_hand(name); !installed.empty()) return installed;
+  const auto stored = stored_hands();
+  const bool known = std::any_of(stored.begin(), stored.end(),
+                                 [&](const StoredHand& one) { return one.name == name; });
+  if (known) {
+    throw BadInput(
+        fmt::format("the hand {0} is not installed: run palpate hand install {0}", name));
+  }
+  std::error_code error;
+  if (!std::filesystem::exists(name, error)) {
+    throw BadInput(fmt::format(
+        "'{}' is no hand: neither a name of palpate hand list nor a file that exists", name));
+  }
+  return name;
+}
+
+}  // namespace
+
+LoadedHand load_hand_with_notes(const std::string& name, double stiffness_scale) {
+  if (name.empty() || name == "shadow") {
+    return {load_shadow_hand(asset("shadow_hand/right_hand.xml"), stiffness_scale), {}, {}};
+  }
+  static std::mutex mutex;
+  static std::map<std::string, LoadedHand> loaded;
+  const std::scoped_lock lock(mutex);
+  const auto known = loaded.find(name);
+  if (known != loaded.end()) return known->second;
+  LoadedHand hand = describe_hand(file_of(name));
+  hand.hand.name = name;
+  grasping::derive_postures(hand.hand);
+  return loaded.emplace(name, std::move(hand)).first->second;
+}
 
 hand::Description load_hand(const std::string& name, double stiffness_scale) {
-  (void)name;
-  return load_shadow_hand(asset("shadow_hand/right_hand.xml"), stiffness_scale);
+  return load_hand_with_notes(name, stiffness_scale).hand;
 }
 
 }  // namespace palpate::simulation

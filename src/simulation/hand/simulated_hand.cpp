@@ -131,6 +131,7 @@ hand::HandReading SimulatedHand::read() {
     reading.base.ypr[i] = data_.qpos[scene_.base_positions[k + 3]];
     reading.base_force[i] = data_.actuator_force[scene_.base_actuators[k]];
   }
+  reading.base_force += noise_.load * random_.fork("load", tick_).normal3();
   read_contacts(reading, random);
   return reading;
 }

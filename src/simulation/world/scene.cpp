@@ -169,11 +169,21 @@ void set_friction(mjsGeom& geom, double friction) {
   geom.condim = kContactDimensions;
 }
 
+/// A file's own contacts may be too stiff for the time step.
+void soften(mjsGeom& geom) {
+  geom.solref[0] = kContactTime;
+  geom.solref[1] = 1;
+  std::copy(kObjectImpedance.begin(), kObjectImpedance.end(), geom.solimp);
+  geom.margin = geom.gap = 0;
+  geom.priority = 0;
+}
+
 void prepare_hand(mjSpec& spec, const hand::Description& hand, const WorldOptions& options) {
   mjs_discardVisual(&spec, nullptr);
   for (mjsElement* e = mjs_firstElement(&spec, mjOBJ_GEOM); e; e = mjs_nextElement(&spec, e)) {
     set_friction(*mjs_asGeom(e), options.hand_friction);
     set_bits(*mjs_asGeom(e), kSolidBits);
+    if (!hand.file.own_servos) soften(*mjs_asGeom(e));
   }
   for (int finger = 0; finger < hand.finger_count(); ++finger) {
     const std::string name = tip_geom(hand, finger);

@@ -8,12 +8,13 @@
 #include <limits>
 
 #include "palpate/core/random.hpp"
-#include "palpate/hand/kinematics.hpp"
+#include "palpate/hand/self_distance.hpp"
 #include "palpate/hand/tip_forces.hpp"
 #include "palpate/skills/grasp/grasp_phase.hpp"
 #include "palpate/tactile/calibration/link_calibration.hpp"
 #include "palpate/tactile/contacts/contact_window.hpp"
 #include "skills/motion_constants.hpp"
+#include "skills/take_posture.hpp"
 
 namespace palpate::skills {
 namespace {
@@ -85,9 +86,12 @@ double lowest(const hand::Description& hand, const Attitude& attitude, bool of_t
 
 std::vector<Attitude> possible_attitudes(const hand::Description& hand) {
   RandomStream random(kDesign, "attitudes");
+  const auto stretched = hand::joints_in_free_flexion(hand, hand.postures.stretched);
   std::vector<Attitude> attitudes;
   for (int i = 0; i < kAttitudes; ++i) {
     Attitude attitude = draw_attitude(hand, i % hand.finger_count(), random);
+    const auto joints = hand::joints_in_free_flexion(hand, attitude.posture);
+    if (!hand::is_clear_of_itself(hand, joints, stretched)) continue;
     if (lowest(hand, attitude, false) - lowest(hand, attitude, true) > kAlone) {
       attitudes.push_back(attitude);
     }
@@ -166,7 +170,7 @@ void touch_table(Executor& robot, const Attitude& attitude, const CalibrateOptio
       std::min(lowest(robot.model(), attitude, true), lowest(robot.model(), attitude, false));
   const double high = std::max(robot.command().base.xyz.z(), kTravelHeight - low);
   robot.move_base(attitude.base(options, high), options.travel_speed);
-  robot.move_fingers(attitude.posture, kPostureSeconds);
+  take_posture(robot, attitude.posture, kPostureSeconds);
   robot.move_base(attitude.base(options, kApproachHeight - low), options.travel_speed);
   robot.wait(kSettling);
   bool felt = false;

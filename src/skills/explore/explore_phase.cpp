@@ -10,6 +10,7 @@
 
 #include "palpate/hand/tip_forces.hpp"
 #include "skills/motion_constants.hpp"
+#include "skills/take_posture.hpp"
 
 namespace palpate::skills {
 namespace {
@@ -163,7 +164,7 @@ PhaseEnd ExplorePhase::run(Executor& robot, PickState& state) {
   up.xyz.z() = std::max(up.xyz.z(), state.height + 0.2);
   robot.move_base(up, options_.travel_speed);
   probe_ = first_trusted(robot);
-  robot.move_fingers(pointing(robot).positions, 0.5);
+  take_posture(robot, pointing(robot).positions, 0.5);
   robot.wait(0.1);
   int touches = touch_around(robot, state);
   while (touches == 0 && blocked_ >= kBlockedMoves) touches = touch_with_another(robot, state);
@@ -201,7 +202,7 @@ int ExplorePhase::touch_with_another(Executor& robot, const PickState& state) {
   hand::BasePosition up = robot.command().base;
   up.xyz.z() = std::max(up.xyz.z(), state.height + 0.2);
   robot.move_base(up, options_.travel_speed);
-  robot.move_fingers(pointing(robot).positions, 0.5);
+  take_posture(robot, pointing(robot).positions, 0.5);
   robot.wait(0.1);
   return touch_around(robot, state);
 }

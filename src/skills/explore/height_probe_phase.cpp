@@ -7,6 +7,8 @@
 #include <array>
 #include <limits>
 
+#include "skills/take_posture.hpp"
+
 namespace palpate::skills {
 namespace {
 
@@ -20,7 +22,7 @@ const std::array<Eigen::Vector2d, 5> kSearch = {
 
 PhaseEnd HeightProbePhase::run(Executor& robot, PickState& state) {
   const Eigen::Vector2d rough = state.place;
-  robot.move_fingers(robot.model().postures.flat.positions, 0.4);
+  take_posture(robot, robot.model().postures.flat.positions, 0.4);
   for (const auto& side : kSearch) {
     const Eigen::Vector2d place = rough + options_.search * side;
     if (!lower(robot, state, place)) continue;

@@ -14,6 +14,7 @@
 #include "palpate/tactile/contacts/contact_window.hpp"
 #include "skills/grasp/pressing.hpp"
 #include "skills/motion_constants.hpp"
+#include "skills/take_posture.hpp"
 
 namespace palpate::skills {
 namespace {
@@ -201,7 +202,7 @@ void GraspPhase::travel_to(Executor& robot, const hand::BasePosition& start,
   hand::BasePosition up = robot.command().base;
   up.xyz.z() = std::max(up.xyz.z(), kSafeHeight);
   robot.move_base(up, options_.travel_speed);
-  robot.move_fingers(preshape.open, 0.4);
+  take_posture(robot, preshape.open, 0.4);
   hand::BasePosition above = start;
   above.xyz.z() = std::max(start.xyz.z(), kSafeHeight);
   robot.move_base(above, options_.travel_speed);

@@ -6,6 +6,7 @@
 
 #include "palpate/hand/description.hpp"
 #include "palpate/hand/visuals.hpp"
+#include "palpate/simulation/hand/describe_hand.hpp"
 
 namespace palpate::simulation {
 
@@ -14,6 +15,10 @@ namespace palpate::simulation {
 /// @param stiffness_scale  of the position controllers of the Shadow hand's fingers
 /// @throws BadInput if there is no such hand or its file cannot be used
 hand::Description load_hand(const std::string& name, double stiffness_scale = 4.0);
+
+/// The same, with what was guessed and what is wrong with the file.
+using LoadedHand = DescribedHand;
+LoadedHand load_hand_with_notes(const std::string& name, double stiffness_scale = 4.0);
 
 /// The Shadow hand's model, read from its MJCF.
 /// @throws BadInput if the file is missing or lacks a link or joint of the hand

@@ -22,6 +22,7 @@ struct SensorNoise {
   double force = 0.05;                  ///< N, per axis
   double joint = 0.008726646259971648;  ///< rad (0.5 deg)
   double link = 0.002;                  ///< m, how far each link is from the model (rms)
+  double load = 0.02;                   ///< N, of the force on the mount, per axis
 
   template <class Visitor>
   void visit(Visitor&& v) {
@@ -30,6 +31,7 @@ struct SensorNoise {
     v("force", force, 0.0, 10.0, "N, of contact forces, per axis");
     v("joint", joint, 0.0, 0.2, "rad, of joint angles");
     v("link", link, 0.0, 0.02, "m, of each link's place in the hand, rms");
+    v("load", load, 0.0, 10.0, "N, of the force on the mount, per axis");
   }
 };
 

@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "common.hpp"
+#include "palpate/core/error.hpp"
+#include "palpate/hand/kinematics.hpp"
+#include "palpate/simulation/hand/hand_store.hpp"
+#include "palpate/simulation/hand/load_hand.hpp"
+#include "palpate/simulation/rendering/renderer.hpp"
+
+namespace palpate::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct CheckArguments {
+  CommonOptions common;
+  std::string hand;
+  std::string render;
+};
+
+const std::string& joint_name(const hand::Description& hand, int joint) {
+  return hand.joints[static_cast<std::size_t>(joint)].name;
+}
+
+/// Joints that an actuator of the finger moves, from the palm on.
+std::vector<std::string> joints_of(const hand::Description& hand, int finger) {
+  std::vector<std::string> names;
+  for (const hand::Actuator& actuator : hand.actuators) {
+    if (actuator.finger != finger) continue;
+    for (const auto& driven : actuator.joints) names.push_back(joint_name(hand, driven.joint));
+  }
+  return names;
+}
+
+nlohmann::json hand_json(const simulation::LoadedHand& loaded) {
+  const hand::Description& hand = loaded.hand;
+  auto fingers = nlohmann::json::array(), actuators = nlohmann::json::array();
+  auto problems = nlohmann::json::array();
+  for (int i = 0; i < hand.finger_count(); ++i) {
+    const hand::Finger& finger = hand.fingers[static_cast<std::size_t>(i)];
+    fingers.push_back({{"name", finger.name},
+                       {"thumb", i == hand.thumb},
+                       {"joints", joints_of(hand, i)},
+                       {"tip",
+                        {{"link", hand.links[static_cast<std::size_t>(finger.link)].name},
+                         {"radius", finger.tip.radius},
+                         {"length", (finger.tip.b - finger.tip.a).norm()}}}});
+  }
+  for (const hand::Actuator& actuator : hand.actuators) {
+    actuators.push_back({{"name", actuator.name},
+                         {"range", {actuator.command.low, actuator.command.high}},
+                         {"stiffness", actuator.stiffness},
+                         {"damping", actuator.damping},
+                         {"max_torque", actuator.max_torque},
+                         {"closing", actuator.closing}});
+  }
+  for (const auto& problem : loaded.problems) {
+    problems.push_back({{"what", problem.what}, {"hint", problem.hint}});
+  }
+  return {{"hand", hand.name},    {"fingers", fingers},        {"actuators", actuators},
+          {"problems", problems}, {"guesses", loaded.guesses}, {"joints", hand.joint_count()}};
+}
+
+void print_hand(const simulation::LoadedHand& loaded) {
+  const hand::Description& hand = loaded.hand;
+  fmt::print("{}: {} fingers, {} joints, {} actuators\n\n", hand.name, hand.finger_count(),
+             hand.joint_count(), hand.actuator_count());
+  fmt::print("{:<10} {:<18} {:>11}  {}\n", "finger", "fingertip", "radius (mm)", "joints");
+  for (int i = 0; i < hand.finger_count(); ++i) {
+    const hand::Finger& finger = hand.fingers[static_cast<std::size_t>(i)];
+    fmt::print("{:<10} {:<18} {:>11.1f}  {}{}\n", finger.name,
+               hand.links[static_cast<std::size_t>(finger.link)].name, 1e3 * finger.tip.radius,
+               fmt::join(joints_of(hand, i), " "), i == hand.thumb ? "  (thumb)" : "");
+  }
+  fmt::print("\n{:<22} {:>15} {:>12} {:>10} {:>8}\n", "actuator", "range (rad)", "P (N m/rad)",
+             "max (N m)", "closing");
+  for (const hand::Actuator& actuator : hand.actuators) {
+    fmt::print("{:<22} {:>15} {:>12.2f} {:>10.2f} {:>8.2f}\n", actuator.name,
+               fmt::format("{:.2f} .. {:.2f}", actuator.command.low, actuator.command.high),
+               actuator.stiffness, actuator.max_torque, actuator.closing);
+  }
+  if (!loaded.guesses.empty()) fmt::print("\nGuessed:\n");
+  for (const auto& guess : loaded.guesses) fmt::print("  {}\n", guess);
+  if (!loaded.problems.empty()) fmt::print("\nProblems:\n");
+  for (const auto& problem : loaded.problems) {
+    fmt::print("  {}: {}\n", problem.what, problem.hint);
+  }
+  if (loaded.problems.empty()) fmt::print("\nNo problems.\n");
+}
+
+void draw_postures(const hand::Description& hand, const fs::path& folder) {
+  fs::create_directories(folder);
+  simulation::Renderer renderer(hand, geometry::load_known_object("box"), 640, 480);
+  const auto picture = [&](const std::string& name, const hand::ActuatorVector& positions,
+                           const hand::Attitude& attitude) {
+    simulation::DrawnState state;
+    state.T_world_object.translation() << 0, 0, -1;
+    state.joints = hand::joints_in_free_flexion(hand, positions);
+    state.base.xyz.z() = 0.2;
+    state.base.ypr << 0, attitude.pitch, attitude.roll;
+    simulation::Camera camera;
+    camera.lookat.z() = 0.18;
+    simulation::save_png(folder / (name + ".png"), renderer.render(state, camera));
+  };
+  const hand::Postures& postures = hand.postures;
+  picture("open", postures.top.open, postures.top.attitudes.front());
+  picture("closed", postures.top.closed, postures.top.attitudes.front());
+  picture("flat", postures.flat.positions, postures.flat.attitude);
+  for (const auto& pointing : postures.pointing) {
+    picture("pointing-" + hand.fingers[static_cast<std::size_t>(pointing.finger)].name,
+            pointing.positions, pointing.attitude);
+  }
+}
+
+int check(const CheckArguments& arguments) {
+  const auto loaded = simulation::load_hand_with_notes(arguments.hand);
+  if (!arguments.render.empty()) draw_postures(loaded.hand, arguments.render);
+  if (arguments.common.json) {
+    fmt::print("{}\n", hand_json(loaded).dump(2));
+  } else {
+    print_hand(loaded);
+    if (!arguments.render.empty()) {
+      fmt::print("\nThe postures are drawn in {}.\nNext: palpate pick --hand {}\n",
+                 arguments.render, arguments.hand);
+    }
+  }
+  return kDone;
+}
+
+int list(const CommonOptions& common) {
+  auto hands = nlohmann::json::array();
+  if (!common.json) fmt::print("{:<14} {:<36} {:<14} {}\n", "hand", "model", "licence", "file");
+  for (const auto& hand : simulation::stored_hands()) {
+    const bool there = !hand.file.empty();
+    hands.push_back({{"name", hand.name},
+                     {"model", hand.maker},
+                     {"licence", hand.licence},
+                     {"installed", there},
+                     {"path", hand.file.string()}});
+    if (common.json) continue;
+    fmt::print("{:<14} {:<36} {:<14} {}\n", hand.name, hand.maker, hand.licence,
+               there ? hand.file.string() : "palpate hand install " + hand.name);
+  }
+  if (common.json) fmt::print("{}\n", nlohmann::json{{"hands", hands}}.dump(2));
+  return kDone;
+}
+
+int install(const CommonOptions& common, const std::string& name) {
+  const fs::path file = simulation::install_hand(name);
+  if (common.json) {
+    fmt::print("{}\n", nlohmann::json{{"path", file.string()}}.dump(2));
+  } else {
+    fmt::print("{}\nNext: palpate hand check {} --render out/{}\n", file.string(), name, name);
+  }
+  return kDone;
+}
+
+void add_list(CLI::App& group, Command& chosen) {
+  auto common = std::make_shared<CommonOptions>();
+  auto& command = *group.add_subcommand("list", "The hands that are known by name");
+  command.add_flag("--json", common->json, "print one JSON object");
+  command.callback([common, &chosen] { chosen = [common] { return list(*common); }; });
+}
+
+void add_install(CLI::App& group, Command& chosen) {
+  auto common = std::make_shared<CommonOptions>();
+  auto name = std::make_shared<std::string>();
+  auto& command = *group.add_subcommand(
+      "install", "Fetch the model of a hand of `palpate hand list` into the cache, with pip");
+  command.add_option("NAME", *name, "allegro, allegro-left, leap, leap-left or barrett")
+      ->required();
+  command.add_flag("--json", common->json, "print one JSON object");
+  command.footer("Example:\n  palpate hand install leap");
+  command.callback(
+      [common, name, &chosen] { chosen = [common, name] { return install(*common, *name); }; });
+}
+
+}  // namespace
+
+void add_hand(CLI::App& program, Command& chosen) {
+  auto& group = *program.add_subcommand("hand", "What hands there are, and what is known of one");
+  group.require_subcommand(1);
+  add_list(group, chosen);
+  add_install(group, chosen);
+  auto arguments = std::make_shared<CheckArguments>();
+  auto& command = *group.add_subcommand(
+      "check", "Say in words what is derived from a hand's file, what is guessed, what is wrong");
+  command.add_option("HAND", arguments->hand, "name of a hand, or an MJCF, URDF or TOML file")
+      ->required();
+  command.add_option("--render", arguments->render, "folder for a picture of each posture")
+      ->option_text("DIR");
+  command.add_flag("--json", arguments->common.json, "print one JSON object");
+  command.footer(
+      "Examples:\n"
+      "  palpate hand check shadow\n"
+      "  palpate hand check my_hand.xml --render out/my-hand\n"
+      "  palpate pick --hand my_hand.xml --object box");
+  command.callback([arguments, &chosen] { chosen = [arguments] { return check(*arguments); }; });
+}
+
+}  // namespace palpate::app

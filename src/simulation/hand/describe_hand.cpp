@@ -1,0 +1,526 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/simulation/hand/describe_hand.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <set>
+
+#include "palpate/core/error.hpp"
+#include "palpate/hand/kinematics.hpp"
+#include "simulation/hand/hand_joints.hpp"
+#include "simulation/hand/hand_model.hpp"
+#include "simulation/hand/hand_spec.hpp"
+#include "simulation/hand/mimic_joints.hpp"
+#include "simulation/hand/tip_capsule.hpp"
+
+namespace palpate::simulation {
+namespace {
+
+constexpr double kTipStiffness = 300;                      // N/m, of a servo at the fingertip
+constexpr double kMinStiffness = 0.5, kMaxStiffness = 12;  // N m/rad
+constexpr double kNaturalFrequency = 40;                   // rad/s, of a joint on its servo
+constexpr double kUsualTorque = 1.0;                       // N m, where the file names no limit
+constexpr double kOneSided = 0.3;    // asymmetry of a range from which a joint flexes a finger
+constexpr double kUsualBend = 1.57;  // rad, of a joint without limits
+constexpr double kHalf = 0.35;       // share of the way to closed at which the hand is measured
+
+std::string model_name(const mjModel& model, mjtObj type, int id) {
+  const char* name = mj_id2name(&model, type, id);
+  return name ? name : "";
+}
+
+/// The subtree of bodies with the most joints is the hand.
+int joints_below(mjsBody& body) {
+  int count = 0;
+  for (mjsElement* e = mjs_firstChild(&body, mjOBJ_JOINT, 1); e; e = mjs_nextChild(&body, e, 1)) {
+    ++count;
+  }
+  return count;
+}
+
+std::string find_root(mjSpec& spec, const HandNotes& notes) {
+  if (!notes.root.empty()) return notes.root;
+  mjsBody* world = mjs_findBody(&spec, "world");
+  std::string root;
+  int most = 0;
+  for (mjsElement* e = mjs_firstChild(world, mjOBJ_BODY, 0); e; e = mjs_nextChild(world, e, 0)) {
+    mjsBody& body = *mjs_asBody(e);
+    const int joints = joints_below(body);
+    if (joints <= most) continue;
+    most = joints;
+    root = mjs_getString(mjs_getName(e));
+  }
+  if (root.empty()) throw BadInput("no body of the file has joints: is it a hand?");
+  return root;
+}
+
+/// A hand is carried by its mount: what its file hangs it on is taken away.
+void free_from_joints(mjSpec& spec, const std::string& root) {
+  mjsBody& body = find_body(spec, root);
+  while (mjsElement* joint = mjs_firstChild(&body, mjOBJ_JOINT, 0)) mjs_delete(&spec, joint);
+}
+
+struct Chain {
+  std::string name;
+  std::vector<int> bodies;  ///< from the palm out
+  int tip = -1;             ///< body of the fingertip
+};
+
+/// What is below the root, as the compiled file has it.
+class Anatomy {
+ public:
+  Anatomy(const mjModel& model, const std::string& root, const HandNotes& notes)
+      : model_(model), root_(find_id(model, mjOBJ_BODY, root)) {
+    children_.resize(static_cast<std::size_t>(model.nbody));
+    for (int body = root_ + 1; body < model.nbody; ++body) {
+      if (is_below(body)) children_[index(model.body_parentid[body])].push_back(body);
+    }
+    palm_ = notes.palm.empty() ? find_palm() : find_id(model, mjOBJ_BODY, notes.palm);
+    find_fingers(notes);
+  }
+
+  int root() const { return root_; }
+  int palm() const { return palm_; }
+  const std::vector<Chain>& fingers() const { return fingers_; }
+  bool is_below(int body) const {
+    while (body > root_) body = model_.body_parentid[body];
+    return body == root_;
+  }
+
+ private:
+  static std::size_t index(int body) { return static_cast<std::size_t>(body); }
+
+  int joints_in(int body) const {
+    int count = model_.body_jntnum[body];
+    for (const int child : children_[index(body)]) count += joints_in(child);
+    return count;
+  }
+
+  bool collides(int body) const {
+    for (int i = 0; i < model_.body_geomnum[body]; ++i) {
+      const int geom = model_.body_geomadr[body] + i;
+      if (model_.geom_contype[geom] != 0 || model_.geom_conaffinity[geom] != 0) return true;
+    }
+    return false;
+  }
+
+  /// The first body from the root on from which several chains of joints go out.
+  int find_palm() const {
+    int body = root_;
+    while (true) {
+      std::vector<int> jointed;
+      for (const int child : children_[index(body)]) {
+        if (joints_in(child) > 0) jointed.push_back(child);
+      }
+      if (jointed.size() != 1) return body;
+      body = jointed.front();
+    }
+  }
+
+  /// From a body to the end of its longest branch that can collide.
+  std::vector<int> longest_chain(int body) const {
+    std::vector<int> best;
+    for (const int child : children_[index(body)]) {
+      auto chain = longest_chain(child);
+      if (chain.size() > best.size()) best = std::move(chain);
+    }
+    if (best.empty() && !collides(body)) return {};
+    best.insert(best.begin(), body);
+    return best;
+  }
+
+  void find_fingers(const HandNotes& notes) {
+    for (const int child : children_[index(palm_)]) {
+      if (joints_in(child) == 0) continue;
+      Chain chain;
+      chain.bodies = longest_chain(child);
+      if (chain.bodies.empty()) continue;
+      chain.tip = chain.bodies.back();
+      fingers_.push_back(chain);
+    }
+    choose_tips(notes);
+    for (std::size_t i = 0; i < fingers_.size(); ++i) {
+      fingers_[i].name = i < notes.fingers.size() ? notes.fingers[i]
+                                                  : model_name(model_, mjOBJ_BODY, fingers_[i].tip);
+    }
+  }
+
+  void choose_tips(const HandNotes& notes) {
+    if (notes.tips.empty()) return;
+    std::vector<Chain> chosen;
+    for (const std::string& name : notes.tips) {
+      Chain chain;
+      chain.tip = find_id(model_, mjOBJ_BODY, name);
+      for (int body = chain.tip; body > 0 && body != palm_; body = model_.body_parentid[body]) {
+        chain.bodies.insert(chain.bodies.begin(), body);
+      }
+      chosen.push_back(chain);
+    }
+    fingers_ = chosen;
+  }
+
+  const mjModel& model_;
+  int root_, palm_ = -1;
+  std::vector<std::vector<int>> children_;
+  std::vector<Chain> fingers_;
+};
+
+/// Names of finger bodies without what they all end in, as ff, mf and th of ff_tip, mf_tip, th_tip.
+void shorten(std::vector<Chain>& fingers) {
+  if (fingers.size() < 2) return;
+  const auto all = [&](auto&& test) { return std::all_of(fingers.begin(), fingers.end(), test); };
+  std::string& first = fingers.front().name;
+  while (first.size() > 1 && all([&](const Chain& one) {
+           return one.name.size() > 1 && one.name.back() == first.back();
+         })) {
+    for (Chain& one : fingers) one.name.pop_back();
+  }
+  for (Chain& one : fingers) {
+    while (one.name.size() > 1 && (one.name.back() == '_' || one.name.back() == '-')) {
+      one.name.pop_back();
+    }
+  }
+}
+
+/// Largest torque of the servos that drive a joint, N m; 0 where the file does not say.
+double torque_limit(const mjModel& model, int joint) {
+  if (model.jnt_actfrclimited[joint]) return model.jnt_actfrcrange[2 * joint + 1];
+  for (int i = 0; i < model.nu; ++i) {
+    if (model.actuator_trntype[i] != mjTRN_JOINT || model.actuator_trnid[2 * i] != joint) continue;
+    if (model.actuator_forcelimited[i]) return model.actuator_forcerange[2 * i + 1];
+  }
+  return 0;
+}
+
+class Describer {
+ public:
+  Describer(const std::filesystem::path& file, const HandNotes& notes)
+      : file_(file), notes_(notes), spec_(parse_model(file)) {
+    result_.hand.name = file.string();
+    result_.hand.file.path = std::filesystem::absolute(file);
+  }
+
+  DescribedHand run() {
+    result_.hand.file.root = find_root(*spec_, notes_);
+    find_body(*spec_, result_.hand.file.root);
+    free_from_joints(*spec_, result_.hand.file.root);
+    const ModelHandle model = compile(*spec_);
+    const Anatomy anatomy(*model, result_.hand.file.root, notes_);
+    read_joints(*model, anatomy);
+    read_fingers(*model, anatomy);
+    read_couplings(*model);
+    add_drives(*model);
+    measure(anatomy, *model);
+    find_thumb();
+    place_mount();
+    set_gains(*model);
+    exclude_overlaps();
+    return std::move(result_);
+  }
+
+ private:
+  hand::Description& hand() { return result_.hand; }
+  void guess(std::string text) { result_.guesses.push_back(std::move(text)); }
+  void problem(std::string what, std::string hint) {
+    result_.problems.push_back({std::move(what), std::move(hint)});
+  }
+
+  void read_joints(const mjModel& model, const Anatomy& anatomy);
+  void read_fingers(const mjModel& model, const Anatomy& anatomy);
+  void read_couplings(const mjModel& model);
+  void add_drives(const mjModel& model);
+  void measure(const Anatomy& anatomy, const mjModel& model);
+  void find_thumb();
+  void place_mount();
+  void set_gains(const mjModel& model);
+  void exclude_overlaps();
+  bool on_chain(int joint, const Chain& chain, const mjModel& model) const;
+  hand::ActuatorVector posture(double share) const;
+  std::vector<Eigen::Vector3d> tips_at(double share) const;
+
+  std::filesystem::path file_;
+  HandNotes notes_;
+  SpecHandle spec_;
+  DescribedHand result_;
+  std::vector<Chain> chains_;
+  std::vector<int> joint_ids_;      // in the model, of the hand's joints
+  std::vector<MimicJoint> mimics_;  // by name
+};
+
+void Describer::read_joints(const mjModel& model, const Anatomy& anatomy) {
+  for (int joint = 0; joint < model.njnt; ++joint) {
+    if (!anatomy.is_below(model.jnt_bodyid[joint])) continue;
+    const std::string name = model_name(model, mjOBJ_JOINT, joint);
+    hand::Range range{model.jnt_range[2 * joint], model.jnt_range[2 * joint + 1]};
+    if (!model.jnt_limited[joint] || !(range.high > range.low)) {
+      problem(fmt::format("joint {} has no limits", name),
+              fmt::format("give it a range in the file; {} .. {} rad is used", 0.0, kUsualBend));
+      range = {0, kUsualBend};
+    }
+    hand().joints.push_back({name, range});
+    joint_ids_.push_back(joint);
+  }
+  if (hand().joints.empty())
+    throw BadInput(fmt::format("{}: the hand has no joints", file_.string()));
+  if (hand().joint_count() > hand::kMaxJoints) {
+    throw BadInput(fmt::format("{}: {} joints, at most {} can be", file_.string(),
+                               hand().joint_count(), hand::kMaxJoints));
+  }
+}
+
+void Describer::read_fingers(const mjModel& model, const Anatomy& anatomy) {
+  chains_ = anatomy.fingers();
+  if (notes_.fingers.empty()) shorten(chains_);
+  if (chains_.size() < 2) {
+    throw BadInput(fmt::format(
+        "{}: {} finger found below {}; a hand needs two that can collide (name the palm or the "
+        "tips)",
+        file_.string(), chains_.size(), model_name(model, mjOBJ_BODY, anatomy.palm())));
+  }
+  if (chains_.size() > hand::kMaxFingers) {
+    throw BadInput(fmt::format("{}: {} fingers, at most {} can be", file_.string(), chains_.size(),
+                               hand::kMaxFingers));
+  }
+  for (const Chain& chain : chains_) {
+    hand::Finger finger{chain.name, -1, {}};
+    int jointed = chain.tip;  // the body whose joint moves the tip
+    while (jointed > anatomy.root() && model.body_jntnum[jointed] == 0) {
+      jointed = model.body_parentid[jointed];
+    }
+    Eigen::Isometry3d T_jointed_tip = Eigen::Isometry3d::Identity();
+    for (int body = chain.tip; body != jointed; body = model.body_parentid[body]) {
+      T_jointed_tip = pose3(model.body_pos + 3 * body, model.body_quat + 4 * body) * T_jointed_tip;
+    }
+    finger.tip = fit_tip(model, chain.tip, T_jointed_tip.inverse().translation());
+    hand().fingers.push_back(finger);
+  }
+}
+
+void Describer::read_couplings(const mjModel& model) { mimics_ = mimic_joints(model, file_); }
+
+bool Describer::on_chain(int joint, const Chain& chain, const mjModel& model) const {
+  const int body = model.jnt_bodyid[joint_ids_[static_cast<std::size_t>(joint)]];
+  return std::find(chain.bodies.begin(), chain.bodies.end(), body) != chain.bodies.end();
+}
+
+void Describer::add_drives(const mjModel& model) {
+  for (int joint = 0; joint < hand().joint_count(); ++joint) {
+    const hand::Joint& one = hand().joints[static_cast<std::size_t>(joint)];
+    const auto follows = [&](const MimicJoint& mimic) { return mimic.joint == one.name; };
+    if (std::any_of(mimics_.begin(), mimics_.end(), follows)) continue;
+    hand::Actuator actuator;
+    actuator.name = one.name;
+    actuator.joints = {{.joint = joint}};
+    actuator.command = one.range;
+    for (const MimicJoint& mimic : mimics_) {
+      if (mimic.leader != one.name) continue;
+      actuator.joints.push_back({.joint = hand().joint(mimic.joint),
+                                 .gear = 0,
+                                 .share = mimic.ratio,
+                                 .offset = mimic.offset});
+    }
+    for (std::size_t finger = 0; finger < chains_.size(); ++finger) {
+      if (on_chain(joint, chains_[finger], model)) actuator.finger = static_cast<int>(finger);
+    }
+    const double limit = torque_limit(model, joint_ids_[static_cast<std::size_t>(joint)]);
+    actuator.max_torque = notes_.max_torque > 0 ? notes_.max_torque
+                          : limit > 0           ? limit
+                                                : kUsualTorque;
+    const double middle = one.range.high + one.range.low;
+    const double width = one.range.high - one.range.low;
+    if (actuator.finger >= 0 && std::abs(middle) > kOneSided * width) {
+      actuator.closing = middle > 0 ? 1 : -1;
+    }
+    hand().actuators.push_back(actuator);
+  }
+}
+
+/// Puts the capsules in and reads links, with the root at the mount.
+void Describer::measure(const Anatomy& anatomy, const mjModel& model) {
+  for (int finger = 0; finger < hand().finger_count(); ++finger) {
+    const Chain& chain = chains_[static_cast<std::size_t>(finger)];
+    put_tip(*spec_, model_name(model, mjOBJ_BODY, chain.tip), tip_geom(hand(), finger),
+            hand().fingers[static_cast<std::size_t>(finger)].tip);
+  }
+  place_root(*spec_, hand().file);
+  const ModelHandle fitted = compile(*spec_);
+  std::vector<int> tips;
+  for (int finger = 0; finger < hand().finger_count(); ++finger) {
+    tips.push_back(find_id(*fitted, mjOBJ_GEOM, tip_geom(hand(), finger)));
+  }
+  const auto joint_of = [&](const std::string& name) {
+    return NamedJoint{hand().joint(name), 1.0};
+  };
+  read_links(*fitted, find_id(*fitted, mjOBJ_BODY, hand().file.root),
+             model_name(model, mjOBJ_BODY, anatomy.palm()), joint_of, tips, hand());
+}
+
+/// Fingers so far on their way to closed, the other joints in the middle of their ranges.
+hand::ActuatorVector Describer::posture(double share) const {
+  const hand::Description& hand = result_.hand;
+  hand::ActuatorVector positions(hand.actuator_count());
+  for (int i = 0; i < hand.actuator_count(); ++i) {
+    const hand::Actuator& one = hand.actuators[static_cast<std::size_t>(i)];
+    const double end = one.closing > 0 ? one.command.high : one.command.low;
+    const double start = std::clamp(0.0, one.command.low, one.command.high);
+    positions[i] = one.closing == 0 ? 0.5 * (one.command.low + one.command.high)
+                                    : start + share * (end - start);
+  }
+  return positions;
+}
+
+std::vector<Eigen::Vector3d> Describer::tips_at(double share) const {
+  const hand::Description& hand = result_.hand;
+  const auto T = hand::forward_kinematics(hand, hand::joints_in_free_flexion(hand, posture(share)));
+  std::vector<Eigen::Vector3d> tips;
+  for (const hand::Finger& finger : hand.fingers) {
+    tips.push_back(T[static_cast<std::size_t>(finger.link)] * finger.tip.b);
+  }
+  return tips;
+}
+
+/// The finger that closes against the others: it points and moves least like them.
+void Describer::find_thumb() {
+  const auto from = tips_at(0.1), to = tips_at(kHalf + 0.2);
+  const auto T = hand::forward_kinematics(hand(), hand::joints_in_free_flexion(hand(), posture(0)));
+  std::vector<Eigen::Vector3d> ways, rays;
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    ways.push_back((to[i] - from[i]).normalized());
+    int link = hand().fingers[i].link;
+    while (hand().links[static_cast<std::size_t>(link)].parent != hand().palm &&
+           hand().links[static_cast<std::size_t>(link)].parent >= 0) {
+      link = hand().links[static_cast<std::size_t>(link)].parent;
+    }
+    rays.push_back((from[i] - T[static_cast<std::size_t>(link)].translation()).normalized());
+  }
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < ways.size(); ++i) {
+    double alike = 0;
+    for (std::size_t j = 0; j < ways.size(); ++j) {
+      if (j != i) alike += ways[i].dot(ways[j]) + rays[i].dot(rays[j]);
+    }
+    if (alike >= least) continue;
+    least = alike;
+    hand().thumb = static_cast<int>(i);
+  }
+  if (!notes_.thumb.empty()) {
+    const auto named = std::find_if(hand().fingers.begin(), hand().fingers.end(),
+                                    [&](const auto& one) { return one.name == notes_.thumb; });
+    if (named == hand().fingers.end()) {
+      throw BadInput(
+          fmt::format("no finger is named '{}', which the thumb is to be", notes_.thumb));
+    }
+    hand().thumb = static_cast<int>(named - hand().fingers.begin());
+  } else {
+    guess(fmt::format("{} closes against the other fingers",
+                      hand().fingers[static_cast<std::size_t>(hand().thumb)].name));
+  }
+}
+
+/// Palm down, fingers along +x, its origin between the half closed fingertips.
+void Describer::place_mount() {
+  const auto open = tips_at(0.1), closed = tips_at(kHalf + 0.2);
+  const auto half = tips_at(kHalf);
+  const auto thumb = static_cast<std::size_t>(hand().thumb);
+  Eigen::Vector3d ray = Eigen::Vector3d::Zero(), way = ray, middle = ray;
+  const Eigen::Vector3d palm =
+      hand::forward_kinematics(
+          hand(),
+          hand::joints_in_free_flexion(hand(), posture(0)))[static_cast<std::size_t>(hand().palm)]
+          .translation();
+  for (std::size_t i = 0; i < open.size(); ++i) {
+    if (i == thumb) continue;
+    ray += (open[i] - palm).normalized();
+    way += closed[i] - open[i];
+    middle += half[i] / static_cast<double>(open.size() - 1);
+  }
+  const Eigen::Vector3d origin = 0.5 * (middle + half[thumb]);
+  // Where the fingers close against one another rather than onto a palm, they point down.
+  const Eigen::Vector3d thumb_way = closed[thumb] - open[thumb];
+  const bool gripper = way.normalized().dot(thumb_way.normalized()) < -0.7 &&
+                       (open[thumb] - palm).normalized().dot(ray.normalized()) > 0.5;
+  Eigen::Matrix3d R;  // columns: the mount's axes in the root's frame
+  const Eigen::Vector3d z =
+      gripper ? Eigen::Vector3d(-ray.normalized())
+              : Eigen::Vector3d(-(way - way.dot(ray.normalized()) * ray.normalized()).normalized());
+  const Eigen::Vector3d along = gripper ? Eigen::Vector3d(way) : Eigen::Vector3d(ray);
+  const Eigen::Vector3d x = (along - along.dot(z) * z).normalized();
+  R << x, z.cross(x), z;
+  Eigen::Isometry3d T_root_mount = Eigen::Isometry3d::Identity();
+  T_root_mount.linear() = R;
+  T_root_mount.translation() = origin;
+  hand().file.T_mount_root = T_root_mount.inverse();
+  hand().links.front().T_parent_link = hand().file.T_mount_root;
+  guess(gripper ? "the fingers point down from the mount" : "the palm faces down from the mount");
+}
+
+void Describer::set_gains(const mjModel& model) {
+  const auto joints = hand::joints_in_free_flexion(hand(), posture(kHalf));
+  const auto T = hand::forward_kinematics(hand(), joints);
+  for (hand::Actuator& one : hand().actuators) {
+    if (one.finger >= 0) {
+      const hand::Finger& finger = hand().fingers[static_cast<std::size_t>(one.finger)];
+      const auto J = hand::jacobian(hand(), joints, finger.link, finger.tip.b);
+      Eigen::Vector3d moved = Eigen::Vector3d::Zero();
+      for (const auto& driven : one.joints) moved += driven.share * J.col(driven.joint).tail<3>();
+      one.lever = std::max(0.01, moved.norm());
+    } else {
+      one.lever = 0.18;
+    }
+    one.stiffness = std::clamp(kTipStiffness * one.lever * one.lever, kMinStiffness, kMaxStiffness);
+    one.armature = one.stiffness / (kNaturalFrequency * kNaturalFrequency);
+    const int dof =
+        model.jnt_dofadr[joint_ids_[static_cast<std::size_t>(one.joints.front().joint)]];
+    const double own = model.dof_M0[dof];
+    one.damping = 2 * std::sqrt(one.stiffness * (one.armature + own));
+  }
+  guess(fmt::format("servos of {:.0f} N/m at the fingertip, critically damped", kTipStiffness));
+}
+
+/// Links of the hand that overlap wherever it moves may go on doing so.
+void Describer::exclude_overlaps() {
+  place_root(*spec_, hand().file);
+  const ModelHandle model = compile(*spec_);
+  const DataHandle data = make_data(*model);
+  std::set<std::pair<int, int>> always;
+  bool first = true;
+  for (const double share : {0.0, 0.25, 0.5}) {
+    const auto joints = hand::joints_in_free_flexion(hand(), posture(share));
+    for (int i = 0; i < hand().joint_count(); ++i) {
+      const int id = find_id(*model, mjOBJ_JOINT, hand().joints[static_cast<std::size_t>(i)].name);
+      data->qpos[model->jnt_qposadr[id]] = joints[i];
+    }
+    mj_kinematics(model.get(), data.get());
+    mj_comPos(model.get(), data.get());
+    mj_collision(model.get(), data.get());
+    std::set<std::pair<int, int>> now;
+    for (int i = 0; i < data->ncon; ++i) {
+      const mjContact& contact = data->contact[i];
+      if (contact.dist > -0.0005) continue;
+      const int a = model->geom_bodyid[contact.geom[0]], b = model->geom_bodyid[contact.geom[1]];
+      now.insert({std::min(a, b), std::max(a, b)});
+    }
+    if (first) always = now;
+    std::erase_if(always, [&](const auto& pair) { return !now.contains(pair); });
+    first = false;
+  }
+  for (const auto& [a, b] : always) {
+    const std::string one = model_name(*model, mjOBJ_BODY, a),
+                      other = model_name(*model, mjOBJ_BODY, b);
+    hand().file.overlapping.emplace_back(one, other);
+    problem(fmt::format("links {} and {} overlap in every posture", one, other),
+            "they are let pass through one another; exclude the pair in the file");
+  }
+}
+
+}  // namespace
+
+DescribedHand describe_hand(const std::filesystem::path& file, const HandNotes& notes) {
+  return Describer(file, notes).run();
+}
+
+}  // namespace palpate::simulation

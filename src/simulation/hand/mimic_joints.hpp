@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "simulation/world/mujoco_handles.hpp"
+
+namespace palpate::simulation {
+
+/// A joint that follows another: angle = offset + ratio * leader.
+struct MimicJoint {
+  std::string joint, leader;
+  double ratio = 1, offset = 0;  ///< offset in rad
+};
+
+/// The joints that follow others: by the model's equalities, or by a URDF's mimic tags.
+/// @throws BadInput for joints that follow one another in a circle, or a leader that is not there
+std::vector<MimicJoint> mimic_joints(const mjModel& model, const std::filesystem::path& file);
+
+}  // namespace palpate::simulation

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "skills/take_posture.hpp"
+
+#include "palpate/hand/self_distance.hpp"
+
+namespace palpate::skills {
+namespace {
+
+constexpr int kLooks = 5;  // on the way
+
+bool way_is_clear(const hand::Description& hand, const hand::ActuatorVector& from,
+                  const hand::ActuatorVector& to) {
+  const auto at = [&](const hand::ActuatorVector& positions) {
+    return hand::joints_in_free_flexion(hand, positions);
+  };
+  const auto possible = at(hand.postures.stretched);
+  for (int i = 1; i < kLooks; ++i) {
+    const double share = static_cast<double>(i) / kLooks;
+    if (!hand::is_clear_of_itself(hand, at(from + share * (to - from)), possible)) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+void take_posture(Executor& robot, const hand::ActuatorVector& posture, double seconds) {
+  if (!way_is_clear(robot.model(), robot.command().positions, posture)) {
+    robot.move_fingers(robot.model().postures.stretched, seconds);
+  }
+  robot.move_fingers(posture, seconds);
+}
+
+}  // namespace palpate::skills
