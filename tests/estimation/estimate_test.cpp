@@ -25,8 +25,8 @@ struct PickedBox {
     locate_options = options.pick.estimation;
     simulation::World world(object.object(), options.world, kSeed);
     world.reset(evaluation::draw_start(object.object(), options.start, kSeed),
-                evaluation::waiting_command());
-    skills::Executor robot(world.hand(), world.hand_model(), evaluation::waiting_command());
+                evaluation::waiting_command(hand::shadow_hand()));
+    skills::Executor robot(world.hand(), world.hand_model(), evaluation::waiting_command(hand::shadow_hand()));
     picked = skills::pick(robot, object, options.pick, kSeed);
     log = robot.log();
     model = robot.model();

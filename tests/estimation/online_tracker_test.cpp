@@ -6,6 +6,8 @@
 #include "palpate/core/assets.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/simulation/world/world.hpp"
+#include "palpate/simulation/hand/load_hand.hpp"
+#include "hand/descriptions.hpp"
 
 namespace palpate::estimation {
 namespace {
@@ -28,7 +30,7 @@ class OnlineTrackerTest : public testing::Test {
 
   /// A reading with the base at that place, touching or not.
   hand::HandReading reading(const Eigen::Vector3d& base, bool touches) {
-    hand::HandReading result;
+    hand::HandReading result = hand::resting_reading();
     result.time = hand::kTick * tick++;
     result.base.xyz = base;
     if (touches) {

@@ -85,10 +85,10 @@ TEST(Retargeting, TheHumanSequenceIsMetWithinTheTargets) {
 
 TEST(Retargeting, RefusesATipInTheMiddleOfItsLink) {
   auto points = adroit_points();
-  points.tips[1] = "ffdistal";
+  points.fingers[1].tip = "ffdistal";
   const auto message = error_message([&] { Retargeter(adroit(), points); });
   EXPECT_NE(message.find("'ffdistal' lies at 0 %"), std::string::npos) << message;
-  points.tips[1] = "S_sixth";
+  points.fingers[1].tip = "S_sixth";
   EXPECT_NE(error_message([&] { Retargeter(adroit(), points); }).find("S_sixth"),
             std::string::npos);
 }

@@ -14,6 +14,7 @@
 #include "palpate/geometry/query/mesh_query.hpp"
 #include "palpate/hand/kinematics.hpp"
 #include "palpate/hand/shadow.hpp"
+#include "palpate/simulation/hand/load_hand.hpp"
 #include "simulation/scenes.hpp"
 
 namespace palpate::simulation {
@@ -260,16 +261,16 @@ TEST(World, ActuatorsDescribeTheServos) {
   scaled.stiffness_scale = 4;
   World soft(block(), plain, 1), stiff(block(), scaled, 1);
   for (std::size_t i = 0; i < hand::kShadowActuators; ++i) {
-    const hand::Actuator& a = soft.hand().actuators()[i];
-    const hand::Actuator& b = stiff.hand().actuators()[i];
-    const bool wrist = hand::finger_of_actuator(static_cast<int>(i)) < 0;
+    const hand::Actuator& a = soft.hand_model().actuators[i];
+    const hand::Actuator& b = stiff.hand_model().actuators[i];
+    const bool wrist = a.finger < 0;
     EXPECT_DOUBLE_EQ(b.stiffness, (wrist ? 1 : 4) * a.stiffness);
     EXPECT_DOUBLE_EQ(b.max_torque, a.max_torque);
     EXPECT_LT(a.command.low, a.command.high);
   }
   const auto j0 = static_cast<std::size_t>(hand::shadow_hand().actuator("MFJ0"));
-  EXPECT_DOUBLE_EQ(soft.hand().actuators()[j0].stiffness, 0.5);
-  EXPECT_NEAR(soft.hand().actuators()[j0].command.high, 2 * 1.571, 1e-12);
+  EXPECT_DOUBLE_EQ(soft.hand_model().actuators[j0].stiffness, 0.5);
+  EXPECT_NEAR(soft.hand_model().actuators[j0].command.high, 2 * 1.571, 1e-12);
 }
 
 /// Error and torque of FFJ3 one second after it was sent to 0.1 rad.
@@ -291,7 +292,7 @@ TEST(World, StiffnessIsTorqueOverErrorWithoutTheIntegral) {
   World world(block(), options, 1);
   const auto [error, torque] = error_and_torque(world);
   const auto actuator = static_cast<std::size_t>(hand::shadow_hand().actuator("FFJ3"));
-  EXPECT_NEAR(torque, world.hand().actuators()[actuator].stiffness * error, 1e-4);
+  EXPECT_NEAR(torque, world.hand_model().actuators[actuator].stiffness * error, 1e-4);
   EXPECT_GT(std::abs(torque), 1e-3);  // what friction holds
 }
 
