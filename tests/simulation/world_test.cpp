@@ -92,7 +92,7 @@ TEST(World, TheCoupledJointsShareTheirActuator) {
   hand::HandCommand command = open_hand(0.5);
   command.positions[hand::shadow_hand().actuator("RFJ0")] = 1.2;
   world.reset({}, command);
-  const hand::CoupledAngles pair = hand::share_in_free_flexion(1.2);
+  const hand::CoupledAngles pair = hand::share_in_free_flexion(1.2, {});
   EXPECT_NEAR(world.truth().joints[hand::shadow_hand().joint("RFJ1")], pair.j1, 1e-12);
   EXPECT_NEAR(world.truth().joints[hand::shadow_hand().joint("RFJ2")], pair.j2, 1e-12);
   EXPECT_EQ(world.truth().joints[hand::shadow_hand().joint("THJ1")], 0);
