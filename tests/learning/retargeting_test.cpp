@@ -85,10 +85,10 @@ TEST(Retargeting, TheHumanSequenceIsMetWithinTheTargets) {
 
 TEST(Retargeting, RefusesATipInTheMiddleOfItsLink) {
   auto points = adroit_points();
-  points.fingers[1].tip = "ffdistal";
+  points.tips[1] = "ffdistal";
   const auto message = error_message([&] { Retargeter(adroit(), points); });
   EXPECT_NE(message.find("'ffdistal' lies at 0 %"), std::string::npos) << message;
-  points.fingers[1].tip = "S_sixth";
+  points.tips[1] = "S_sixth";
   EXPECT_NE(error_message([&] { Retargeter(adroit(), points); }).find("S_sixth"),
             std::string::npos);
 }
