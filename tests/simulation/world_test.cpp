@@ -87,6 +87,16 @@ TEST(World, StartsWhereReportedTo) {
   EXPECT_NEAR(truth.joints[hand::shadow_hand().joint("FFJ3")], 1.3, 1e-12);
 }
 
+TEST(World, RefusesACommandOfAnotherHandsSize) {
+  World world(block(), without_noise(), 1);
+  world.reset({}, open_hand(0.5));
+  for (const int size : {0, 2, hand::kShadowActuators + 1}) {
+    const hand::HandCommand command{hand::ActuatorVector::Zero(size), {}};
+    EXPECT_THROW(world.hand().step(command), BadInput) << size;
+    EXPECT_THROW(world.reset({}, command), BadInput) << size;
+  }
+}
+
 TEST(World, TheCoupledJointsShareTheirActuator) {
   World world(block(), without_noise(), 1);
   hand::HandCommand command = open_hand(0.5);
