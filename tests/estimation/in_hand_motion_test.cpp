@@ -3,12 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include "hand/descriptions.hpp"
 #include "palpate/core/assets.hpp"
 #include "palpate/core/se3.hpp"
 #include "palpate/hand/shadow.hpp"
-#include "palpate/simulation/world/world.hpp"
 #include "palpate/simulation/hand/load_hand.hpp"
-#include "hand/descriptions.hpp"
+#include "palpate/simulation/world/world.hpp"
 
 namespace palpate::estimation {
 namespace {

@@ -3,11 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include "hand/descriptions.hpp"
 #include "palpate/core/assets.hpp"
 #include "palpate/core/error.hpp"
-#include "palpate/simulation/world/world.hpp"
 #include "palpate/simulation/hand/load_hand.hpp"
-#include "hand/descriptions.hpp"
+#include "palpate/simulation/world/world.hpp"
 
 namespace palpate::estimation {
 namespace {

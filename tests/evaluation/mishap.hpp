@@ -32,7 +32,8 @@ struct Mishap {
 
   /// Before the robot sees the hand, whose clock and base must not jump.
   hand::Hand& started() {
-    world.reset(draw_start(box.object(), options.start, kSeed), waiting_command(world.hand_model()));
+    world.reset(draw_start(box.object(), options.start, kSeed),
+                waiting_command(world.hand_model()));
     return world.hand();
   }
   /// Such a hand's joints do not follow.
@@ -54,7 +55,8 @@ struct Mishap {
   simulation::World world{box.object(), {}, kSeed};
   SlipperyHand hand{started(), world.hand_model().postures.top.open};
   simulation::SimulatedModels models;
-  skills::Executor robot{hand, world.hand_model(), waiting_command(world.hand_model()), {}, &models, lenient()};
+  skills::Executor robot{hand,    world.hand_model(), waiting_command(world.hand_model()), {},
+                         &models, lenient()};
   int transports = 0;
   skills::PhaseObserver observer{
       [this](std::string_view phase, double) {
