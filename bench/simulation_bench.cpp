@@ -24,6 +24,7 @@ void set(hand::HandCommand& command, const std::string& actuator, double value) 
 /// The open hand over the lying bunny, low enough to grasp it.
 hand::HandCommand above() {
   hand::HandCommand command;
+  command.positions.setZero(hand::kShadowActuators);
   command.base.xyz << -0.027, -0.020, 0.05;
   command.base.ypr << 0, 0.475, -0.30;
   set(command, "THJ5", -0.2);
@@ -42,12 +43,13 @@ void step_in_grasp(benchmark::State& state) {
   simulation::WorldOptions options;
   options.exact_tips = state.range(0) != 0;
   simulation::World world(geometry::load_known_object("bunny"), options, 1);
-  const grasping::ClosingLaw closing(world.hand().actuators(), 3.0, 0.718);
+  const hand::Preshape& preshape = world.hand_model().postures.top;
+  const grasping::ClosingLaw closing(world.hand_model(), 3.0, preshape.closed);
   hand::HandCommand command = above();
   world.reset({.stable_pose = 0, .yaw = 3.0}, command);
-  hand::HandReading reading;
+  hand::HandReading reading = world.hand().step(command);
   const auto tick = [&] {
-    closing.advance(command, reading, {}, {true, true, true, true, true});
+    closing.advance(command, reading, preshape.contact_torque, {true, true, true, true, true});
     reading = world.hand().step(command);
   };
   for (int i = 0; i < 300; ++i) tick();

@@ -94,9 +94,10 @@ Result pick_and_locate_twice(const geometry::ObjectModel& object, const Inverse&
   options.world.biotacs = true;
   simulation::World world(object.object(), options.world, seed);
   world.reset(evaluation::draw_start(object.object(), options.start, seed),
-              evaluation::waiting_command());
+              evaluation::waiting_command(world.hand_model()));
   evaluation::Evaluator evaluator(world);
-  skills::Executor robot(world.hand(), world.hand_model(), evaluation::waiting_command(),
+  skills::Executor robot(world.hand(), world.hand_model(),
+                         evaluation::waiting_command(world.hand_model()),
                          {[&](const auto& reading, const auto&) { evaluator.observe(reading); },
                           [](estimation::TouchEvent) {}});
   const auto picked = skills::pick(robot, object, options.pick, seed);

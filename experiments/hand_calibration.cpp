@@ -11,6 +11,7 @@
 #include "palpate/geometry/objects/known_object.hpp"
 #include "palpate/hand/kinematics.hpp"
 #include "palpate/hand/shadow.hpp"
+#include "palpate/simulation/hand/load_hand.hpp"
 #include "palpate/simulation/world/world.hpp"
 #include "palpate/skills/explore/calibrate_phase.hpp"
 #include "palpate/skills/grasp/grasp_phase.hpp"
@@ -24,15 +25,15 @@ constexpr int kPostures = 200;
 
 /// Fingers closed each to its own share from the open hand of a grasp.
 hand::JointVector random_grasp(RandomStream& random) {
-  hand::ActuatorVector posture = skills::open_posture(skills::top_preshape());
+  hand::ActuatorVector posture = hand::shadow_hand().postures.top.open;
   for (int i = 0; i < hand::kShadowActuators; ++i) {
-    if (hand::finger_of_actuator(i) < 0) continue;
+    if (hand::shadow_hand().actuators[static_cast<std::size_t>(i)].finger < 0) continue;
     const auto name = hand::kShadowActuatorNames[static_cast<std::size_t>(i)];
     if (name.substr(2) == "J3") posture[i] += random.uniform(0, 1.0);
     if (name.substr(2) == "J0") posture[i] += random.uniform(0, 1.2);
     if (name == "THJ5" || name == "THJ2") posture[i] += random.uniform(0, 0.6);
   }
-  return hand::joints_in_free_flexion(posture);
+  return hand::joints_in_free_flexion(hand::shadow_hand(), posture);
 }
 
 Eigen::Vector3d tip(const hand::Description& hand, const hand::JointVector& joints,
@@ -69,8 +70,10 @@ struct Sums {
 
 void calibrate(const geometry::KnownObject& object, int touches, std::uint64_t seed, Sums& sums) {
   simulation::World world(object, {}, seed);
-  world.reset(evaluation::draw_start(object, {}, seed), evaluation::waiting_command());
-  skills::Executor robot(world.hand(), world.hand_model(), evaluation::waiting_command());
+  world.reset(evaluation::draw_start(object, {}, seed),
+              evaluation::waiting_command(world.hand_model()));
+  skills::Executor robot(world.hand(), world.hand_model(),
+                         evaluation::waiting_command(world.hand_model()));
   const auto real = simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
   sums.before += std::pow(tip_error(robot.model(), real), 2);
   skills::CalibrateOptions options;

@@ -23,6 +23,7 @@ struct Waypoint {
 constexpr std::array<Waypoint, 6> kPath = {
     {{0, 0}, {0.3, 0.5}, {0.9, 1.0}, {1.4, 0.6}, {0.6, 1.3}, {0, 0.2}}};  // a start and five
 constexpr double kSeconds = 15;
+constexpr hand::Coupling kCoupling;  // of the Shadow hand
 
 /// Where the path is at `time`: at rest in every waypoint.
 Waypoint on_path(double time) {
@@ -41,13 +42,15 @@ struct Trace {
 Trace follow_path(std::uint64_t seed) {
   simulation::World world(geometry::load_known_object("box"), {}, seed);
   hand::HandCommand command;
+  command.positions.setZero(hand::kShadowActuators);
   command.base.xyz.z() = 0.5;
   world.reset({}, command);
   Trace trace;
   const int ticks = static_cast<int>(std::lround(kSeconds / hand::kTick));
   for (int tick = 1; tick <= ticks; ++tick) {
     const Waypoint target = on_path(tick * hand::kTick);
-    command.positions[hand::shadow_hand().actuator("FFJ0")] = hand::j0_for_middle(target.middle);
+    command.positions[hand::shadow_hand().actuator("FFJ0")] =
+        hand::j0_for_middle(target.middle, kCoupling);
     command.positions[hand::shadow_hand().actuator("FFJ3")] = target.proximal;
     world.hand().step(command);
     const hand::JointVector joints = world.truth().joints;
@@ -76,7 +79,8 @@ void publish_waypoints(const experiment::Options& options, const Trace& trace) {
                            "FFJ1 in free flexion deg", "FFJ3 waypoint deg", "FFJ3 deg"});
   for (std::size_t i = 1; i < kPath.size(); ++i) {
     const std::size_t at = i * trace.time.size() / (kPath.size() - 1) - 1;
-    const auto pair = hand::share_in_free_flexion(hand::j0_for_middle(trace.j2[at]));
+    const auto pair =
+        hand::share_in_free_flexion(hand::j0_for_middle(trace.j2[at], kCoupling), kCoupling);
     table.add_row({fmt::format("{:.2f}", trace.time[at]), cell(kPath[i].middle), cell(trace.j2[at]),
                    cell(trace.j1[at]), cell(pair.j1), cell(kPath[i].proximal), cell(trace.j3[at])});
   }

@@ -14,6 +14,7 @@
 #include "palpate/core/parallel.hpp"
 #include "palpate/core/statistics.hpp"
 #include "palpate/localization/synthetic/grasp_scene.hpp"
+#include "palpate/simulation/hand/load_hand.hpp"
 #include "palpate/simulation/world/world.hpp"
 #include "processor_time.hpp"
 

@@ -13,6 +13,7 @@
 #include "palpate/core/statistics.hpp"
 #include "palpate/localization/synthetic/grasp_scene.hpp"
 #include "palpate/plotting/plot.hpp"
+#include "palpate/simulation/hand/load_hand.hpp"
 #include "palpate/simulation/world/world.hpp"
 #include "processor_time.hpp"
 

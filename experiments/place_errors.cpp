@@ -100,12 +100,12 @@ Error Watch::error_at(std::size_t tick, const PlaceResult& place, bool at_target
 }
 
 Outcome Watch::run(const geometry::ObjectModel& model) {
-  world_.reset(draw_start(object_, options_.start, seed_), waiting_command());
+  world_.reset(draw_start(object_, options_.start, seed_), waiting_command(world_.hand_model()));
   std::map<TouchEvent, std::size_t> marks;
   std::map<std::string, std::size_t, std::less<>> begins, ends;
   const simulation::SimulatedModels models;
   Executor robot(
-      world_.hand(), world_.hand_model(), waiting_command(),
+      world_.hand(), world_.hand_model(), waiting_command(world_.hand_model()),
       {[&](const hand::HandReading& reading, const auto&) {
          const auto truth = world_.truth();
          ticks_.push_back({reading.base.pose(), truth.T_world_object, truth.lowest_point});

@@ -11,6 +11,7 @@
 #include "palpate/planning/planner.hpp"
 #include "palpate/plotting/plot.hpp"
 #include "palpate/simulation/collision/collision_scene.hpp"
+#include "palpate/simulation/hand/load_hand.hpp"
 
 namespace {
 
@@ -34,18 +35,20 @@ struct Tally {
 pl::Waypoint random_waypoint(RandomStream& random, simulation::CollisionScene& scene) {
   for (;;) {
     pl::Waypoint waypoint;
+    waypoint.joints.setZero(hand::kShadowJoints);
     waypoint.base.xyz << random.uniform(-0.3, 0.3), random.uniform(-0.3, 0.3),
         random.uniform(0.05, 0.35);
     waypoint.base.ypr << random.uniform(-1.5, 1.5), random.uniform(-0.6, 0.6),
         random.uniform(-1.5, 1.5);
     const double bend = random.uniform();
     for (int i = 0; i < hand::kShadowJoints; ++i) {
-      const hand::Range range = hand::shadow_ranges()[static_cast<std::size_t>(i)];
+      const hand::Range range = scene.hand().joints[static_cast<std::size_t>(i)].range;
       const bool flexes = range.high > 1.5;
       waypoint.joints[i] =
           flexes ? bend * random.uniform(0, 1.2) : 0.3 * random.uniform(range.low, range.high);
     }
-    waypoint.joints = hand::joints_in_free_flexion(pl::command_of(waypoint).positions);
+    waypoint.joints = hand::joints_in_free_flexion(
+        scene.hand(), pl::command_of(waypoint, scene.hand()).positions);
     if (pl::find_faults({waypoint}, scene).empty()) return waypoint;
   }
 }
@@ -53,11 +56,12 @@ pl::Waypoint random_waypoint(RandomStream& random, simulation::CollisionScene& s
 bool is_blocked(const pl::Waypoint& start, const pl::Waypoint& goal,
                 simulation::CollisionScene& scene) {
   constexpr int kSteps = 100;
-  const pl::Coordinates a = pl::coordinates_of(pl::command_of(start));
-  const pl::Coordinates b = pl::coordinates_of(pl::command_of(goal));
+  const pl::Coordinates a = pl::coordinates_of(pl::command_of(start, scene.hand()));
+  const pl::Coordinates b = pl::coordinates_of(pl::command_of(goal, scene.hand()));
   for (int i = 1; i < kSteps; ++i) {
     const hand::HandCommand command = pl::command_of(pl::Coordinates(a + i * (b - a) / kSteps));
-    if (scene.deepest_collision(command.base, hand::joints_in_free_flexion(command.positions))) {
+    if (scene.deepest_collision(command.base,
+                                hand::joints_in_free_flexion(scene.hand(), command.positions))) {
       return true;
     }
   }
@@ -76,13 +80,14 @@ std::vector<pl::Waypoint> random_query(Kind kind, RandomStream& random,
 /// Whether a plan does what it says: every sample is free.
 bool is_sound(const pl::Plan& plan, simulation::CollisionScene& scene) {
   return std::all_of(plan.samples.begin(), plan.samples.end(), [&](const auto& sample) {
-    return !scene.deepest_collision(sample.base, hand::joints_in_free_flexion(sample.positions));
+    return !scene.deepest_collision(sample.base,
+                                    hand::joints_in_free_flexion(scene.hand(), sample.positions));
   });
 }
 
 simulation::CollisionScene scene_with(const std::string& name, RandomStream random) {
   const geometry::KnownObject object = geometry::load_known_object(name);
-  simulation::CollisionScene scene(object);
+  simulation::CollisionScene scene(object, simulation::load_hand("shadow"));
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
   T.rotate(Eigen::AngleAxisd(random.uniform(-3.14, 3.14), Eigen::Vector3d::UnitZ()));
   T.rotate(object.stable_poses.front().R_table_object);

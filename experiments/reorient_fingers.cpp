@@ -40,9 +40,10 @@ struct Outcome {
 Outcome run_one(const geometry::ObjectModel& object, std::uint64_t seed) {
   const TrialOptions trial;
   simulation::World world(object.object(), trial.world, seed);
-  world.reset(draw_start(object.object(), trial.start, seed), waiting_command());
+  world.reset(draw_start(object.object(), trial.start, seed), waiting_command(world.hand_model()));
   const simulation::SimulatedModels models;
-  Executor robot(world.hand(), world.hand_model(), waiting_command(), {}, &models);
+  Executor robot(world.hand(), world.hand_model(), waiting_command(world.hand_model()), {},
+                 &models);
   const PickResult picked = pick(robot, object, trial.pick, seed);
   const auto& modes = picked.estimate.posterior.modes;
   Outcome outcome;

@@ -60,9 +60,10 @@ Outcome run_one(const geometry::ObjectModel& object, const Change& change, std::
   TrialOptions options;
   options.start.stable_pose = stable_pose_with_up(known, change.from);
   simulation::World world(known, options.world, seed);
-  world.reset(draw_start(known, options.start, seed), waiting_command());
+  world.reset(draw_start(known, options.start, seed), waiting_command(world.hand_model()));
   const simulation::SimulatedModels models;
-  Executor robot(world.hand(), world.hand_model(), waiting_command(), {}, &models);
+  Executor robot(world.hand(), world.hand_model(), waiting_command(world.hand_model()), {},
+                 &models);
   RandomStream random(seed, "target");
   PlaceTarget target{.kind = PlaceTarget::Kind::pose};
   target.T_world_object = resting_pose(

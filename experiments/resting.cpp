@@ -37,6 +37,7 @@ Rest rest(const geometry::KnownObject& object, int pose, double seconds) {
   simulation::WorldOptions options;
   simulation::World world(object, options, 1);
   hand::HandCommand away;
+  away.positions.setZero(world.hand_model().actuator_count());
   away.base.xyz.z() = kHighAbove;
   world.reset({.stable_pose = pose, .yaw = 0.7}, away);
   const auto now = [&] { return world.truth().T_world_object; };

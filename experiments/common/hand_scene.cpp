@@ -17,11 +17,15 @@ Eigen::Isometry3d HandScene::in_hand(std::size_t tick) const {
 }
 
 skills::Executor HandScene::make_robot(const geometry::KnownObject& object, std::uint64_t seed) {
-  world_.reset(evaluation::draw_start(object, {}, seed), evaluation::waiting_command());
+  world_.reset(evaluation::draw_start(object, {}, seed),
+               evaluation::waiting_command(world_.hand_model()));
   const auto note = [this](const auto&, const auto&) {
     truths_.push_back(world_.truth().T_world_object);
   };
-  return {world_.hand(), world_.hand_model(), evaluation::waiting_command(), {note, {}}};
+  return {world_.hand(),
+          world_.hand_model(),
+          evaluation::waiting_command(world_.hand_model()),
+          {note, {}}};
 }
 
 }  // namespace palpate::experiment

@@ -27,7 +27,7 @@ PointingFinger::PointingFinger(hand::Description hand, int finger,
     : hand_(std::move(hand)),
       finger_(finger),
       posture_(posture),
-      joints_(hand::joints_in_free_flexion(posture)) {
+      joints_(hand::joints_in_free_flexion(hand_, posture)) {
   const int distal = hand_.fingers[static_cast<std::size_t>(finger)].link;
   T_base_distal_ = hand::forward_kinematics(hand_, joints_)[static_cast<std::size_t>(distal)];
 }
@@ -50,7 +50,7 @@ hand::HandCommand PointingFinger::command(const Eigen::Matrix3d& R_world_base,
 }
 
 std::vector<hand::ActuatorVector> pointing_postures(int finger) {
-  hand::ActuatorVector posture = hand::ActuatorVector::Zero();
+  hand::ActuatorVector posture = hand::ActuatorVector::Zero(hand::kShadowActuators);
   for (int other = 1; other < hand::kShadowFingers; ++other) {
     if (other == finger) continue;
     const std::string name(hand::kShadowFingerNames[static_cast<std::size_t>(other)]);

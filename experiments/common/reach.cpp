@@ -37,7 +37,7 @@ std::vector<Eigen::Matrix3d> orientations(const PointingFinger& finger, double a
 
 Reach::Reach(const geometry::KnownObject& object, const Eigen::Isometry3d& T_world_object,
              hand::Description hand)
-    : scene_(object, planning::CollisionOptions{.allowed_depth = 0.002, .self = false}),
+    : scene_(object, hand, planning::CollisionOptions{.allowed_depth = 0.002, .self = false}),
       hand_(std::move(hand)) {
   scene_.place(T_world_object);
 }

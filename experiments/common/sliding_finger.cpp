@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "palpate/core/assets.hpp"
+#include "palpate/simulation/hand/load_hand.hpp"
 #include "palpate/tactile/contacts/finger_sample.hpp"
 
 namespace palpate::experiment {
@@ -55,8 +56,8 @@ SlidingFinger::SlidingFinger(const geometry::KnownObject& object,
 std::vector<Eigen::Vector3d> SlidingFinger::true_normals(const hand::HandReading& reading,
                                                          const simulation::Truth& truth) const {
   const auto T_base_link = hand::forward_kinematics(finger_.hand(), truth.joints);
-  const auto link =
-      static_cast<std::size_t>(finger_.hand().distal[static_cast<std::size_t>(finger_.finger())]);
+  const auto link = static_cast<std::size_t>(
+      finger_.hand().fingers[static_cast<std::size_t>(finger_.finger())].link);
   const Eigen::Isometry3d T_object_tip =
       truth.T_world_object.inverse() * reading.base.pose() * T_base_link[link];
   std::vector<Eigen::Vector3d> normals;

@@ -211,6 +211,10 @@ hand::Description drives_from_json(const json& j) {
                                hand.joints.size(), hand.fingers.size(), hand::kMaxJoints,
                                hand::kMaxFingers));
   }
+  if (hand.joints.empty() || j.at("actuators").empty()) {
+    throw BadInput(fmt::format("a hand of {} joints and {} actuators; it needs both",
+                               hand.joints.size(), j.at("actuators").size()));
+  }
   for (const json& actuator : j.at("actuators")) {
     hand.actuators.push_back(actuator_from_json(actuator, hand));
   }

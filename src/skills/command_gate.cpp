@@ -44,6 +44,12 @@ void require_finite(const hand::HandCommand& command) {
                              command.positions.sum()));
 }
 
+void require_size(const hand::ActuatorVector& positions, std::size_t actuators) {
+  if (positions.size() == static_cast<Eigen::Index>(actuators)) return;
+  throw BadInput(
+      fmt::format("{} actuators are commanded, the hand has {}", positions.size(), actuators));
+}
+
 }  // namespace
 
 SpeedProfile::SpeedProfile(double seconds) : steady_(whole_ticks(seconds)) {}
@@ -66,12 +72,18 @@ double SpeedProfile::share(int tick) const {
   return done / steady_;
 }
 
+CommandGate::CommandGate(const std::vector<hand::Actuator>& actuators,
+                         const hand::HandCommand& start, const SafetyOptions& options)
+    : actuators_(actuators),
+      options_(options),
+      last_(start),
+      finger_speeds_(hand::ActuatorVector::Zero(start.positions.size())) {
+  require_size(start.positions, actuators_.size());
+}
+
 hand::HandCommand CommandGate::limited(const hand::HandCommand& wanted) {
+  require_size(wanted.positions, actuators_.size());
   require_finite(wanted);
-  if (wanted.positions.size() != last_.positions.size()) {
-    throw BadInput(fmt::format("{} actuators are commanded, the hand has {}",
-                               wanted.positions.size(), last_.positions.size()));
-  }
   hand::HandCommand told = wanted;
   limit_base(told.base);
   limit_fingers(told.positions);

@@ -35,13 +35,9 @@ class SpeedProfile {
 class CommandGate {
  public:
   CommandGate(const std::vector<hand::Actuator>& actuators, const hand::HandCommand& start,
-              const SafetyOptions& options)
-      : actuators_(actuators),
-        options_(options),
-        last_(start),
-        finger_speeds_(hand::ActuatorVector::Zero(start.positions.size())) {}
+              const SafetyOptions& options);
 
-  /// @throws BadInput for a value that is not finite
+  /// @throws BadInput for a value that is not finite, or not one an actuator
   [[nodiscard]] hand::HandCommand limited(const hand::HandCommand& wanted);
 
   /// The last command that was let through; at first, where the hand is.

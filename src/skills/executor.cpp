@@ -195,6 +195,10 @@ MotionEnd Executor::follow(std::span<const hand::HandCommand> way, const StopCon
 MotionEnd Executor::move_fingers(const hand::ActuatorVector& posture, double seconds) {
   const SafetyOptions& limits = safety_.options;
   const hand::ActuatorVector from = command_.positions;
+  if (posture.size() != from.size()) {
+    stop_for(Fault::invalid_command, fmt::format("a posture of {} actuators, the hand has {}",
+                                                 posture.size(), from.size()));
+  }
   SpeedProfile profile(seconds);
   profile.limit((posture - from).cwiseAbs().maxCoeff(), limits.finger_speed,
                 limits.finger_acceleration);

@@ -147,8 +147,9 @@ class Render(RecordingTest):
             "--set", "touch.source=biotac", "--set", "attempts=1", *QUICK)  # fmt: skip
         self.assertGreaterEqual(len(report["files"]), 3)
         # The contacts tell of their errors, which the recording then must say.
-        seal = (self.folder / "pictures/recording.h5").read_bytes()[:20]
-        self.assertEqual(seal, b"PALPATE RECORDING 3\n")
+        recording = (self.folder / "pictures/recording.h5").read_bytes()
+        self.assertEqual(recording[:20], b"PALPATE RECORDING 4\n")
+        self.assertIn(b'"own_errors":true', recording)
 
     def test_refuses_what_it_cannot_draw(self):
         for size in ["big", "640", "640x480x3", "x480"]:

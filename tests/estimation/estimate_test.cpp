@@ -25,8 +25,9 @@ struct PickedBox {
     locate_options = options.pick.estimation;
     simulation::World world(object.object(), options.world, kSeed);
     world.reset(evaluation::draw_start(object.object(), options.start, kSeed),
-                evaluation::waiting_command());
-    skills::Executor robot(world.hand(), world.hand_model(), evaluation::waiting_command());
+                evaluation::waiting_command(world.hand_model()));
+    skills::Executor robot(world.hand(), world.hand_model(),
+                           evaluation::waiting_command(world.hand_model()));
     picked = skills::pick(robot, object, options.pick, kSeed);
     log = robot.log();
     model = robot.model();
@@ -108,7 +109,7 @@ TEST(EstimateHeldPose, WhatMayHaveFallenRestsAsTheLogTells) {
     return moment.mark == TouchEvent::felt;
   });
   ASSERT_NE(felt, log.moments.end());
-  const Eigen::Vector2d place = estimation::place_under_hand(log.readings[felt->reading]);
+  const Eigen::Vector2d place = estimation::place_under_hand(s.model, log.readings[felt->reading]);
   EXPECT_LT(place.norm(), 0.005);  // the hand came down over the rough place
   log.moments.insert(felt + 1, {TouchEvent::fallen, felt->reading});
   const auto fallen =

@@ -3,9 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include "hand/descriptions.hpp"
 #include "palpate/core/assets.hpp"
 #include "palpate/core/se3.hpp"
 #include "palpate/hand/shadow.hpp"
+#include "palpate/simulation/hand/load_hand.hpp"
 #include "palpate/simulation/world/world.hpp"
 
 namespace palpate::estimation {
@@ -18,7 +20,7 @@ struct BendingWrist {
   explicit BendingWrist(int fingers)
       : hand(simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"))) {
     for (std::size_t i = 0; i < kReadings; ++i) {
-      hand::HandReading reading;
+      hand::HandReading reading = hand::resting_reading();
       reading.time = static_cast<double>(i) * hand::kTick;
       reading.joints[hand::shadow_hand().joint("WRJ1")] = 0.005 * static_cast<double>(i);
       for (int finger = 0; finger < fingers; ++finger) {

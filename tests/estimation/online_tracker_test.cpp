@@ -3,8 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include "hand/descriptions.hpp"
 #include "palpate/core/assets.hpp"
 #include "palpate/core/error.hpp"
+#include "palpate/simulation/hand/load_hand.hpp"
 #include "palpate/simulation/world/world.hpp"
 
 namespace palpate::estimation {
@@ -28,7 +30,7 @@ class OnlineTrackerTest : public testing::Test {
 
   /// A reading with the base at that place, touching or not.
   hand::HandReading reading(const Eigen::Vector3d& base, bool touches) {
-    hand::HandReading result;
+    hand::HandReading result = hand::resting_reading();
     result.time = hand::kTick * tick++;
     result.base.xyz = base;
     if (touches) {

@@ -3,6 +3,7 @@
 
 #include "palpate/evaluation/fault_campaign.hpp"
 #include "palpate/evaluation/trial_record.hpp"
+#include "palpate/hand/shadow.hpp"
 
 namespace palpate::evaluation {
 namespace {
@@ -104,9 +105,9 @@ TEST(Faults, ACampaignCountsWhatTheRobotNamed) {
 }
 
 TEST(Faults, AreDrawnByTheSeed) {
-  const FaultOptions a = draw_fault(InjectedFault::finger_stuck, 1);
-  const FaultOptions b = draw_fault(InjectedFault::finger_stuck, 1);
-  const FaultOptions c = draw_fault(InjectedFault::finger_stuck, 2);
+  const FaultOptions a = draw_fault(hand::shadow_hand(), InjectedFault::finger_stuck, 1);
+  const FaultOptions b = draw_fault(hand::shadow_hand(), InjectedFault::finger_stuck, 1);
+  const FaultOptions c = draw_fault(hand::shadow_hand(), InjectedFault::finger_stuck, 2);
   EXPECT_EQ(a.from, b.from);
   EXPECT_NE(a.from, c.from);
   EXPECT_EQ(hand::injected_fault(a.kind), InjectedFault::finger_stuck);

@@ -9,12 +9,12 @@ namespace palpate::evaluation {
 /// A hand whose fingers open, whatever they are told, while `lets_go`.
 class SlipperyHand : public hand::Hand {
  public:
-  explicit SlipperyHand(hand::Hand& hand) : hand_(hand) {}
+  /// @param open  where they then go, rad
+  SlipperyHand(hand::Hand& hand, const hand::ActuatorVector& open) : hand_(hand), open_(open) {}
 
-  const std::vector<hand::Actuator>& actuators() const override { return hand_.actuators(); }
   hand::HandReading step(const hand::HandCommand& command) override {
     hand::HandCommand told = command;
-    if (lets_go) told.positions = skills::open_posture(skills::top_preshape());
+    if (lets_go) told.positions = open_;
     return hand_.step(told);
   }
 
@@ -22,6 +22,7 @@ class SlipperyHand : public hand::Hand {
 
  private:
   hand::Hand& hand_;
+  hand::ActuatorVector open_;
 };
 
 /// A box (resting in its first stable pose) before a hand that lets go of it in the first
@@ -31,7 +32,8 @@ struct Mishap {
 
   /// Before the robot sees the hand, whose clock and base must not jump.
   hand::Hand& started() {
-    world.reset(draw_start(box.object(), options.start, kSeed), waiting_command());
+    world.reset(draw_start(box.object(), options.start, kSeed),
+                waiting_command(world.hand_model()));
     return world.hand();
   }
   /// Such a hand's joints do not follow.
@@ -51,9 +53,10 @@ struct Mishap {
   geometry::ObjectModel box{geometry::load_known_object("box")};
   TrialOptions options = quick_place_options();
   simulation::World world{box.object(), {}, kSeed};
-  SlipperyHand hand{started()};
+  SlipperyHand hand{started(), world.hand_model().postures.top.open};
   simulation::SimulatedModels models;
-  skills::Executor robot{hand, world.hand_model(), waiting_command(), {}, &models, lenient()};
+  skills::Executor robot{hand,    world.hand_model(), waiting_command(world.hand_model()), {},
+                         &models, lenient()};
   int transports = 0;
   skills::PhaseObserver observer{
       [this](std::string_view phase, double) {

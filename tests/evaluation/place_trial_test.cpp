@@ -38,9 +38,11 @@ double error_after_a_shift(const Eigen::Vector3d& shift, bool again) {
   options.place.again = again;
   options.place.verify = false;
   simulation::World world(box().object(), options.world, kSeed);
-  world.reset(draw_start(box().object(), options.start, kSeed), waiting_command());
+  world.reset(draw_start(box().object(), options.start, kSeed),
+              waiting_command(world.hand_model()));
   const simulation::SimulatedModels models;
-  skills::Executor robot(world.hand(), world.hand_model(), waiting_command(), {}, &models);
+  skills::Executor robot(world.hand(), world.hand_model(), waiting_command(world.hand_model()), {},
+                         &models);
   auto picked = skills::pick(robot, box(), options.pick, kSeed);
   EXPECT_TRUE(picked.held);
   for (auto& mode : picked.estimate.posterior.modes) mode.T_frame_object.pretranslate(shift);
@@ -92,9 +94,11 @@ TEST(PlaceTrial, WhatIsShakenOutOfTheHandIsDropped) {
 TEST(PlaceTrial, WhatIsAmbiguousIsPutBackWhereItCameFrom) {
   const TrialOptions options = quick_place_options();
   simulation::World world(box().object(), options.world, kSeed);
-  world.reset(draw_start(box().object(), options.start, kSeed), waiting_command());
+  world.reset(draw_start(box().object(), options.start, kSeed),
+              waiting_command(world.hand_model()));
   const simulation::SimulatedModels models;
-  skills::Executor robot(world.hand(), world.hand_model(), waiting_command(), {}, &models);
+  skills::Executor robot(world.hand(), world.hand_model(), waiting_command(world.hand_model()), {},
+                         &models);
   auto picked = skills::pick(robot, box(), options.pick, kSeed);
   ASSERT_TRUE(picked.held);
   const auto closed = *robot.log().at(estimation::TouchEvent::closed);

@@ -6,8 +6,8 @@
 #include "palpate/core/assets.hpp"
 #include "palpate/hand/kinematics.hpp"
 #include "palpate/hand/shadow.hpp"
+#include "palpate/simulation/hand/load_hand.hpp"
 #include "palpate/simulation/world/world.hpp"
-#include "palpate/skills/grasp/grasp_phase.hpp"
 
 namespace palpate::grasping {
 namespace {
@@ -16,13 +16,9 @@ constexpr std::size_t kMiddle = static_cast<std::size_t>(hand::FingerName::middl
 
 class ClosingTrajectoryTest : public ::testing::Test {
  protected:
-  ClosingTrajectoryTest() {
-    base_.translation().z() = 0.3;
-    for (auto& actuator : actuators_) actuator = {1.0, {-1.5, 1.5}, 1.0};
-  }
+  ClosingTrajectoryTest() { base_.translation().z() = 0.3; }
   ClosingTrajectory path(const hand::PerFinger<bool>& closing = kAllFingers) const {
-    return closing_trajectory(model_, skills::open_posture(skills::top_preshape()),
-                              grasping::ClosingLaw(actuators_, 1.0, 0.718), closing);
+    return closing_trajectory(model_, preshape_.open, law_, closing);
   }
   /// The box, with its centre where the middle finger's tip is half-way through its closing, and
   /// displaced from there.
@@ -36,7 +32,8 @@ class ClosingTrajectoryTest : public ::testing::Test {
   }
 
   hand::Description model_ = simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
-  std::vector<hand::Actuator> actuators_;
+  const hand::Preshape& preshape_ = model_.postures.top;
+  ClosingLaw law_{model_, 1.0, preshape_.closed};
   geometry::ObjectModel box_{geometry::load_known_object("box")};
   Eigen::Isometry3d base_ = Eigen::Isometry3d::Identity();
 };
@@ -64,13 +61,11 @@ TEST_F(ClosingTrajectoryTest, OnlyTheFingersAskedForHaveShapes) {
 
 TEST_F(ClosingTrajectoryTest, APathEndsBeforeItMeetsAnotherFinger) {
   const hand::PerFinger<bool> alone = {false, false, true, false, false};
-  hand::ActuatorVector open = skills::open_posture(skills::top_preshape());
-  const hand::JointVector others = hand::joints_in_free_flexion(open);
+  hand::ActuatorVector open = preshape_.open;
+  const hand::JointVector others = hand::joints_in_free_flexion(model_, open);
   open[hand::shadow_hand().actuator("MFJ4")] = 0.35;  // over its neighbour
-  const grasping::ClosingLaw law(actuators_, 1.0, 0.718);
-  const auto free =
-      closing_trajectory(model_, skills::open_posture(skills::top_preshape()), law, alone);
-  const auto crossing = closing_trajectory(model_, open, law, alone);
+  const auto free = closing_trajectory(model_, preshape_.open, law_, alone);
+  const auto crossing = closing_trajectory(model_, open, law_, alone);
   for (auto [path, blocked] : {std::pair(free, false), std::pair(crossing, true)}) {
     const std::size_t whole = path.fingers[kMiddle].size();
     end_at_other_fingers(model_, others, kMiddle, path);

@@ -7,6 +7,7 @@
 #include "palpate/core/random.hpp"
 #include "palpate/hand/kinematics.hpp"
 #include "palpate/hand/shadow.hpp"
+#include "palpate/simulation/hand/load_hand.hpp"
 #include "palpate/simulation/world/world.hpp"
 
 namespace palpate::grasping {
@@ -24,30 +25,30 @@ struct HalfClosed {
     posture[hand::shadow_hand().actuator("THJ1")] = 0.4;
     const auto T = hand::forward_kinematics(model, joints());
     for (std::size_t finger = 0; finger < hand::kShadowFingers; ++finger) {
-      const auto& T_base_tip = T[static_cast<std::size_t>(model.distal[finger])];
+      const auto& T_base_tip = T[static_cast<std::size_t>(model.fingers[finger].link)];
       tactile::Contact contact;
       contact.finger = static_cast<int>(finger);
-      contact.p = T_base_tip * (model.tips[finger].b + Eigen::Vector3d(0, -0.006, 0));
+      contact.p = T_base_tip * (model.fingers[finger].tip.b + Eigen::Vector3d(0, -0.006, 0));
       contact.n = Eigen::Vector3d::UnitY();
       contacts.push_back(contact);
     }
   }
-  hand::JointVector joints() const { return hand::joints_in_free_flexion(posture); }
+  hand::JointVector joints() const { return hand::joints_in_free_flexion(model, posture); }
 
   hand::Description model = simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
-  hand::ActuatorVector posture = hand::ActuatorVector::Zero();
+  hand::ActuatorVector posture = hand::ActuatorVector::Zero(hand::kShadowActuators);
   std::vector<tactile::Contact> contacts;
 };
 
 /// Where the touching points of the fingertips are after a motion of the actuators.
 std::vector<Eigen::Vector3d> carried(const HalfClosed& hand, const hand::ActuatorVector& motion) {
   const auto before = hand::forward_kinematics(hand.model, hand.joints());
-  const auto after =
-      hand::forward_kinematics(hand.model, hand::joints_in_free_flexion(hand.posture + motion));
+  const auto after = hand::forward_kinematics(
+      hand.model, hand::joints_in_free_flexion(hand.model, hand.posture + motion));
   std::vector<Eigen::Vector3d> points;
   for (const auto& contact : hand.contacts) {
     const auto link =
-        static_cast<std::size_t>(hand.model.distal[static_cast<std::size_t>(contact.finger)]);
+        static_cast<std::size_t>(hand.model.fingers[static_cast<std::size_t>(contact.finger)].link);
     points.push_back(after[link] * before[link].inverse() * contact.p);
   }
   return points;
@@ -93,7 +94,7 @@ TEST(FingerMotion, FingersWithoutContactStay) {
   motion.twist << 0.01, 0, 0, 0, 0.001, 0;
   const auto moved = finger_motion(hand.model, hand.joints(), hand.contacts, {0, 0, 0}, motion);
   for (int i = 0; i < hand::kShadowActuators; ++i) {
-    const int finger = hand::finger_of_actuator(i);
+    const int finger = hand.model.actuators[static_cast<std::size_t>(i)].finger;
     if (finger < 0 || finger > 1) {
       EXPECT_EQ(moved[i], 0) << hand::kShadowActuatorNames[static_cast<std::size_t>(i)];
     }

@@ -89,10 +89,12 @@ TEST(PressingTorques, AreForceTimesLeverAndTheirMeanForACoupledPair) {
   const auto hand = coupled_finger();
   const std::vector contacts = {contact({0.05, 0, 0}, {0, -1, 0})};
   const std::vector<Eigen::Vector3d> forces = {{0, 2, 0}};
-  const auto torques = pressing_torques(hand, hand::JointVector::Zero(), contacts, forces);
+  const auto torques =
+      pressing_torques(hand, hand::JointVector::Zero(hand::kShadowJoints), contacts, forces);
   EXPECT_NEAR(torques[hand::shadow_hand().actuator("FFJ0")], 0.5 * 2 * (0.05 + 0.02), 1e-12);
   EXPECT_EQ(torques[hand::shadow_hand().actuator("MFJ0")], 0);
-  EXPECT_THROW(pressing_torques(hand, hand::JointVector::Zero(), contacts, {}), BadInput);
+  EXPECT_THROW(pressing_torques(hand, hand::JointVector::Zero(hand::kShadowJoints), contacts, {}),
+               BadInput);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "grasping/grasps.hpp"
+#include "hand/descriptions.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/hand/shadow.hpp"
 
@@ -12,7 +13,7 @@ namespace {
 
 /// Three links in a row, each turned by one joint, at 5 cm from one another.
 hand::Description chain() {
-  hand::Description hand;
+  hand::Description hand = hand::shadow_hand();
   for (int i = 0; i < 3; ++i) {
     hand::Link link;
     link.parent = i - 1;
@@ -78,7 +79,8 @@ TEST(Grasp, ContactTwistsAreVelocitiesOfTheObjectsPoints) {
 TEST(Grasp, HandJacobianIsTheDerivativeOfTheContacts) {
   const hand::Description hand = chain();
   RandomStream random(4);
-  hand::JointVector joints = hand::JointVector::Zero(), rates = hand::JointVector::Zero();
+  hand::JointVector joints = hand::JointVector::Zero(hand::kShadowJoints),
+                    rates = hand::JointVector::Zero(hand::kShadowJoints);
   for (int i = 0; i < 3; ++i) {
     joints[i] = random.uniform(-1, 1);
     rates[i] = random.normal();
@@ -110,7 +112,8 @@ TEST(Grasp, PowerIsTheSameOnAllSides) {
   GraspContacts contacts = on_ball(3, 0.1, ContactModel::soft_finger, random);
   for (GraspContact& contact : contacts) contact.link = 2;
   const Eigen::MatrixXd G = grasp_matrix(contacts, random.normal3());
-  const Eigen::MatrixXd J = hand_jacobian(hand, hand::JointVector::Zero(), contacts);
+  const Eigen::MatrixXd J =
+      hand_jacobian(hand, hand::JointVector::Zero(hand::kShadowJoints), contacts);
   const Eigen::VectorXd w = random_vector(18, random);
   const Vector6d twist = random_vector(6, random);
   const hand::JointVector rates = random_vector(hand::kShadowJoints, random);
@@ -132,8 +135,9 @@ TEST(Grasp, TransmissionStacksTheContactsModels) {
 
 TEST(Grasp, ReadingsBecomeContacts) {
   hand::Description hand = chain();
-  hand.distal = {2, 2, 2, 2, 1};
-  hand::HandReading reading;
+  for (hand::Finger& finger : hand.fingers) finger.link = 2;
+  hand.fingers[4].link = 1;
+  hand::HandReading reading = hand::resting_reading();
   reading.joints.head<3>() << 0.3, -0.4, 0.5;
   reading.contacts[4].push_back({{0.01, 0, 0}, {0, 0, 1}, {0, 0, -2}});
   const GraspContacts contacts =
@@ -152,7 +156,8 @@ TEST(Grasp, RejectsSizesThatDoNotFit) {
   const Eigen::MatrixXd G = grasp_matrix(contacts, Eigen::Vector3d::Zero());
   EXPECT_THROW(object_wrench(G, Eigen::VectorXd::Zero(11)), BadInput);
   EXPECT_THROW(object_contact_twists(G.transpose(), Vector6d::Zero()), BadInput);
-  EXPECT_THROW(hand_jacobian(chain(), hand::JointVector::Zero(), contacts), BadInput);
+  EXPECT_THROW(hand_jacobian(chain(), hand::JointVector::Zero(hand::kShadowJoints), contacts),
+               BadInput);
   EXPECT_THROW(
       joint_torques(Eigen::MatrixXd::Zero(12, hand::kShadowJoints), Eigen::VectorXd::Zero(6)),
       BadInput);

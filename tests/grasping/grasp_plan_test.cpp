@@ -21,7 +21,7 @@ constexpr double kHalfOpen = 0.094;
 /// The Shadow hand, opened as for a grasp from above.
 ClosingTrajectory shadow_path(const geometry::ObjectModel& object) {
   simulation::World world(object.object(), {}, 1);
-  hand::ActuatorVector open = hand::ActuatorVector::Zero();
+  hand::ActuatorVector open = hand::ActuatorVector::Zero(hand::kShadowActuators);
   for (const std::string finger : {"FF", "MF", "RF", "LF"}) {
     open[hand::shadow_hand().actuator(finger + "J3")] = kHalfOpen;
     open[hand::shadow_hand().actuator(finger + "J0")] = 0.54;
@@ -29,8 +29,8 @@ ClosingTrajectory shadow_path(const geometry::ObjectModel& object) {
   open[hand::shadow_hand().actuator("THJ5")] = -0.2;
   open[hand::shadow_hand().actuator("THJ4")] = 1.03;
   open[hand::shadow_hand().actuator("THJ2")] = -0.21;
-  return closing_trajectory(world.hand_model(), open,
-                            grasping::ClosingLaw(world.hand().actuators(), 1.0, 0.718));
+  const hand::Description& hand = world.hand_model();
+  return closing_trajectory(hand, open, ClosingLaw(hand, 1.0, hand.postures.top.closed));
 }
 
 struct BoxScene {

@@ -4,7 +4,7 @@
 #include <functional>
 #include <utility>
 
-#include "palpate/hand/hand.hpp"
+#include "hand/descriptions.hpp"
 #include "palpate/hand/kinematics.hpp"
 
 namespace palpate::hand {
@@ -15,17 +15,14 @@ class FakeHand : public hand::Hand {
  public:
   using Script = std::function<void(hand::HandReading&)>;
 
-  explicit FakeHand(Script script = {}) : script_(std::move(script)) {
-    for (auto& actuator : actuators_) actuator = {1.0, {-1.5, 3.2}, 1.0};
-  }
-
-  const std::vector<hand::Actuator>& actuators() const override { return actuators_; }
+  explicit FakeHand(Script script = {}, Description model = shadow_hand())
+      : script_(std::move(script)), model_(std::move(model)) {}
 
   hand::HandReading step(const hand::HandCommand& command) override {
-    hand::HandReading reading;
+    hand::HandReading reading = resting_reading(model_);
     reading.time = ++ticks_ * hand::kTick;
     reading.base = command.base;
-    reading.joints = hand::joints_in_free_flexion(command.positions);
+    reading.joints = hand::joints_in_free_flexion(model_, command.positions);
     if (script_) script_(reading);
     ripple(reading);
     return reading;
@@ -42,8 +39,8 @@ class FakeHand : public hand::Hand {
     }
   }
 
-  std::vector<hand::Actuator> actuators_;
   Script script_;
+  Description model_;
   int ticks_ = 0;
 };
 

@@ -13,7 +13,7 @@ namespace {
 
 /// A palm of three balls and five fingers of one hinge and two balls each.
 hand::Description toy_hand() {
-  hand::Description hand;
+  hand::Description hand = hand::shadow_hand();
   hand.palm = 0;
   hand.links.push_back({"palm", -1, Eigen::Isometry3d::Identity(), {0, 0, 0}, -1});
   for (const double z : {0.02, 0.05, 0.08}) hand.spheres.push_back({0, {0, 0, z}, 0.01});

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "hand/descriptions.hpp"
 #include "palpate/hand/kinematics.hpp"
 #include "palpate/hand/shadow.hpp"
 
@@ -14,28 +15,26 @@ namespace {
 /// A hand that is always where it was told to be a tick ago.
 class LateHand : public hand::Hand {
  public:
-  const std::vector<hand::Actuator>& actuators() const override { return actuators_; }
   hand::HandReading step(const hand::HandCommand& command) override {
-    hand::HandReading reading;
-    reading.joints = hand::joints_in_free_flexion(last_.positions);
+    hand::HandReading reading = hand::resting_reading();
+    reading.joints = hand::joints_in_free_flexion(hand::shadow_hand(), last_.positions);
     reading.base = last_.base;
     last_ = command;
     return reading;
   }
 
  private:
-  std::vector<hand::Actuator> actuators_{};
-  hand::HandCommand last_;
+  hand::HandCommand last_ = hand::resting_command();
 };
 
 TEST(Execute, MeasuresTheLagOfWhatMoves) {
-  std::vector<hand::HandCommand> samples(101);
+  std::vector<hand::HandCommand> samples(101, hand::resting_command());
   for (std::size_t i = 0; i < samples.size(); ++i) {
     samples[i].positions[hand::shadow_hand().actuator("FFJ0")] = 0.01 * static_cast<double>(i);
     samples[i].base.xyz.x() = 0.002 * static_cast<double>(i);
   }
   LateHand hand;
-  const TrackingError error = execute(hand, samples, {.base_lead = 0});
+  const TrackingError error = execute(hand, hand::shadow_hand(), samples, {.base_lead = 0});
   EXPECT_NEAR(error.joint_max, 0.01, 1e-12);
   EXPECT_NEAR(error.joint_rms, 0.01 * std::sqrt(100.0 / 101.0), 1e-12);
   EXPECT_NEAR(error.base_max, 0.002, 1e-12);
@@ -45,17 +44,18 @@ TEST(Execute, MeasuresTheLagOfWhatMoves) {
 }
 
 TEST(Execute, LeadMakesUpForALateBase) {
-  std::vector<hand::HandCommand> samples(50);
+  std::vector<hand::HandCommand> samples(50, hand::resting_command());
   for (std::size_t i = 1; i < samples.size(); ++i) {
     samples[i].base.xyz.z() = std::sin(0.1 * static_cast<double>(i));
   }
   LateHand hand;
-  EXPECT_NEAR(execute(hand, samples, {.base_lead = hand::kTick}).base_max, 0, 1e-12);
+  EXPECT_NEAR(execute(hand, hand::shadow_hand(), samples, {.base_lead = hand::kTick}).base_max, 0,
+              1e-12);
 }
 
 TEST(Execute, NothingIsNoError) {
   LateHand hand;
-  EXPECT_EQ(execute(hand, {}).joint_rms, 0);
+  EXPECT_EQ(execute(hand, hand::shadow_hand(), {}).joint_rms, 0);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include "palpate/hand/shadow.hpp"
 #include "palpate/planning/planner.hpp"
 #include "palpate/simulation/collision/collision_scene.hpp"
+#include "palpate/simulation/hand/load_hand.hpp"
 
 namespace palpate::planning {
 
@@ -27,6 +28,12 @@ inline geometry::KnownObject plate() {
   return object;
 }
 
+/// The drawn hand.
+inline const hand::Description& drawn_hand() {
+  static const hand::Description hand = simulation::load_hand("shadow");
+  return hand;
+}
+
 inline Eigen::Isometry3d at(double x, double y, double z) {
   return Eigen::Isometry3d(Eigen::Translation3d(x, y, z));
 }
@@ -34,6 +41,7 @@ inline Eigen::Isometry3d at(double x, double y, double z) {
 /// Open hand, palm down.
 inline Waypoint open_hand(double x, double y, double z) {
   Waypoint waypoint;
+  waypoint.joints.setZero(hand::kShadowJoints);
   waypoint.base.xyz << x, y, z;
   return waypoint;
 }
@@ -43,7 +51,8 @@ inline double& joint(Waypoint& waypoint, std::string_view name) {
 }
 
 inline bool is_free(simulation::CollisionScene& scene, const hand::HandCommand& command) {
-  return !scene.deepest_collision(command.base, hand::joints_in_free_flexion(command.positions));
+  return !scene.deepest_collision(command.base,
+                                  hand::joints_in_free_flexion(scene.hand(), command.positions));
 }
 
 /// The samples as rows.

@@ -16,7 +16,7 @@ constexpr std::uint64_t kSeed = 5;
 
 /// The plate on the table between the hand's start and its goal.
 simulation::CollisionScene blocked_scene() {
-  simulation::CollisionScene scene(plate());
+  simulation::CollisionScene scene(plate(), drawn_hand());
   scene.place(at(0, 0, 0.08));
   return scene;
 }
@@ -30,7 +30,8 @@ void expect_free(simulation::CollisionScene& scene, const Plan& plan) {
 
 void expect_within_limits(const Plan& plan, const MotionLimits& limits) {
   const auto rows = coordinates(plan.samples);
-  const Coordinates speed = speed_limits(limits), acceleration = acceleration_limits(limits);
+  const Coordinates speed = speed_limits(limits, rows.front().size()),
+                    acceleration = acceleration_limits(limits, rows.front().size());
   for (std::size_t i = 1; i + 1 < rows.size(); ++i) {
     const Coordinates v = (rows[i + 1] - rows[i]) / hand::kTick;
     const Coordinates a = (rows[i + 1] - 2 * rows[i] + rows[i - 1]) / (hand::kTick * hand::kTick);
@@ -40,7 +41,7 @@ void expect_within_limits(const Plan& plan, const MotionLimits& limits) {
 }
 
 TEST(Plan, GoesStraightWhereNothingIsInTheWay) {
-  simulation::CollisionScene scene;
+  simulation::CollisionScene scene(drawn_hand());
   const auto result = plan({open_hand(-0.2, 0, 0.2), open_hand(0.2, 0, 0.2)}, scene, {}, kSeed);
   ASSERT_EQ(result.status, PlanStatus::ok);
   EXPECT_EQ(result.corners.size(), 2U);
@@ -55,8 +56,8 @@ TEST(Plan, GoesAroundTheObject) {
   expect_free(scene, result);
   expect_within_limits(result, {});
   const auto rows = coordinates(result.samples);
-  EXPECT_EQ(rows.front(), coordinates_of(command_of(kAcross.front())));
-  EXPECT_EQ(rows.back(), coordinates_of(command_of(kAcross.back())));
+  EXPECT_EQ(rows.front(), coordinates_of(command_of(kAcross.front(), hand::shadow_hand())));
+  EXPECT_EQ(rows.back(), coordinates_of(command_of(kAcross.back(), hand::shadow_hand())));
 }
 
 TEST(Plan, EveryPlannerFindsTheWay) {
@@ -85,7 +86,7 @@ TEST(Plan, TheSeedAloneDecides) {
 }
 
 TEST(Plan, PassesEveryWaypointAtRest) {
-  simulation::CollisionScene scene;
+  simulation::CollisionScene scene(drawn_hand());
   std::vector<Waypoint> waypoints(5, open_hand(0, 0, 0.3));
   for (std::size_t i = 1; i < waypoints.size(); ++i) {
     joint(waypoints[i], "FFJ3") = 0.3 * static_cast<double>(i % 3);
@@ -97,19 +98,20 @@ TEST(Plan, PassesEveryWaypointAtRest) {
   ASSERT_EQ(result.arrivals.size(), waypoints.size());
   for (std::size_t i = 0; i < waypoints.size(); ++i) {
     EXPECT_EQ(coordinates_of(result.samples[result.arrivals[i]]),
-              coordinates_of(command_of(waypoints[i])));
+              coordinates_of(command_of(waypoints[i], hand::shadow_hand())));
   }
   EXPECT_EQ(result.arrivals[4], result.arrivals[3]);
   expect_within_limits(result, {});
   for (const Coordinates& row : coordinates(result.samples)) {
-    EXPECT_EQ(row.head<6>(), coordinates_of(command_of(waypoints[0])).head<6>());
+    EXPECT_EQ(row.head<6>(),
+              coordinates_of(command_of(waypoints[0], hand::shadow_hand())).head<6>());
   }
 }
 
 /// One finger leans over its neighbour: to change places it must lean back, which neither waypoint
 /// tells.
 TEST(Plan, FingersGoAroundEachOther) {
-  simulation::CollisionScene scene;
+  simulation::CollisionScene scene(drawn_hand());
   Waypoint start = open_hand(0, 0, 0.3), goal = start;
   for (Waypoint* waypoint : {&start, &goal}) joint(*waypoint, "FFJ4") = 0.3;
   joint(start, "MFJ3") = 1.3;
@@ -124,7 +126,7 @@ TEST(Plan, FingersGoAroundEachOther) {
 
 /// The plate hangs below the palm: it would drag over a table that the empty hand clears.
 TEST(Plan, KeepsAHeldObjectOffTheTable) {
-  simulation::CollisionScene scene(plate());
+  simulation::CollisionScene scene(plate(), drawn_hand());
   const Waypoint high = open_hand(0, 0, 0.3), low = open_hand(0.2, 0, 0.05);
   const Eigen::Isometry3d T_world_palm = scene.palm_pose(high.base, high.joints);
   scene.hold(T_world_palm.inverse() * at(0, 0, 0.2));
@@ -153,7 +155,7 @@ TEST(Plan, SaysWhichWaypointCannotBeReached) {
 }
 
 TEST(Plan, BadInput) {
-  simulation::CollisionScene scene;
+  simulation::CollisionScene scene(drawn_hand());
   EXPECT_THROW(plan({open_hand(0, 0, 0.3)}, scene, {}, kSeed), BadInput);
   PlanOptions options;
   options.planner = "a-star";

@@ -27,8 +27,8 @@ std::string row(double value, int count = hand::kShadowJoints) {
 TEST(Waypoints, ColumnsAreFoundByTheirNames) {
   std::string names = header();
   names.replace(names.find("WRJ2"), 9, "WRJ1,WRJ2");
-  const auto file =
-      parse_waypoints(names + "\n1,2" + row(0).substr(3) + "\n\n" + row(0) + "\n", "q.csv", {});
+  const auto file = parse_waypoints(names + "\n1,2" + row(0).substr(3) + "\n\n" + row(0) + "\n",
+                                    "q.csv", {}, hand::shadow_hand());
   ASSERT_EQ(file.waypoints.size(), 2U);
   EXPECT_FALSE(file.has_base);
   EXPECT_EQ(file.waypoints[0].joints[hand::shadow_hand().joint("WRJ1")], 1);
@@ -39,29 +39,30 @@ TEST(Waypoints, BaseIsReadOrGiven) {
   const std::string joints = row(0);
   const auto wide = parse_waypoints(
       "x,y,z,yaw,pitch,roll," + header() + "\n1,2,3,4,5,6," + joints + "\n1,2,3,4,5,6," + joints,
-      "q.csv", {});
+      "q.csv", {}, hand::shadow_hand());
   EXPECT_TRUE(wide.has_base);
   EXPECT_EQ(wide.waypoints[0].base.xyz, Eigen::Vector3d(1, 2, 3));
   EXPECT_EQ(wide.waypoints[1].base.ypr, Eigen::Vector3d(4, 5, 6));
   hand::BasePosition base;
   base.xyz.z() = 0.4;
-  const auto narrow = parse_waypoints(header() + "\n" + joints + "\n" + joints, "q.csv", base);
+  const auto narrow =
+      parse_waypoints(header() + "\n" + joints + "\n" + joints, "q.csv", base, hand::shadow_hand());
   EXPECT_EQ(narrow.waypoints[1].base.xyz.z(), 0.4);
 }
 
 TEST(Waypoints, TheTimesOfAPlannedPathAreLeftOut) {
   const std::string text = "t_s," + header() + "\n0.00," + row(1) + "\n0.01," + row(2);
-  const auto file = parse_waypoints(text, "path.csv", {});
+  const auto file = parse_waypoints(text, "path.csv", {}, hand::shadow_hand());
   ASSERT_EQ(file.waypoints.size(), 2U);
   EXPECT_EQ(file.waypoints[0].joints[0], 1);
   EXPECT_EQ(file.waypoints[1].joints[0], 2);
   const std::string untimed = "t_s," + header() + "\n" + row(1) + "\n" + row(2);
-  EXPECT_THROW((void)parse_waypoints(untimed, "path.csv", {}), BadInput);
+  EXPECT_THROW((void)parse_waypoints(untimed, "path.csv", {}, hand::shadow_hand()), BadInput);
 }
 
 TEST(Waypoints, BadFilesAreNamed) {
   const auto message = [](const std::string& text) {
-    return error_message([&] { (void)parse_waypoints(text, "q.csv", {}); });
+    return error_message([&] { (void)parse_waypoints(text, "q.csv", {}, hand::shadow_hand()); });
   };
   const std::string good = row(0);
   EXPECT_NE(message("").find("q.csv is empty"), std::string::npos);
@@ -82,7 +83,7 @@ TEST(Waypoints, BadFilesAreNamed) {
 }
 
 TEST(Faults, NameTheWaypointTheJointAndTheValue) {
-  simulation::CollisionScene scene;
+  simulation::CollisionScene scene(drawn_hand());
   std::vector<Waypoint> waypoints(5, open_hand(0, 0, 0.3));
   EXPECT_TRUE(find_faults(waypoints, scene).empty());
   joint(waypoints[1], "FFJ3") = 2.5;
@@ -103,7 +104,7 @@ TEST(Faults, NameTheWaypointTheJointAndTheValue) {
 }
 
 TEST(Faults, NameThePairOfBodies) {
-  simulation::CollisionScene scene(plate());
+  simulation::CollisionScene scene(plate(), drawn_hand());
   scene.place(at(0, 0, 0.08));
   std::vector<Waypoint> waypoints = {open_hand(0, 0, 0.3), open_hand(0, 0, 0.1),
                                      open_hand(0, 0.5, 0.0), open_hand(0, 0, 0.4)};

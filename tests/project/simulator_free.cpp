@@ -12,7 +12,7 @@
 int main() {
   using namespace palpate;
   hand::FakeHand fake;
-  skills::Executor robot(fake, hand::Description{}, {});
+  skills::Executor robot(fake, hand::with_soft_actuators(), hand::resting_command());
   skills::HeightProbePhase phase(skills::HeightProbeOptions{});
   skills::PickState state;
   const skills::PhaseReport report = skills::run_phase(phase, robot, state);

@@ -12,127 +12,11 @@
 #include "palpate/core/error.hpp"
 #include "palpate/hand/shadow.hpp"
 #include "palpate/recording/writer.hpp"
+#include "recording/same_recording.hpp"
 #include "recording/toy_recording.hpp"
 
 namespace palpate::recording {
 namespace {
-
-template <class Value>
-void expect_same(const Value& a, const Value& b) {
-  EXPECT_EQ(a, b);
-}
-
-void expect_same(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
-  EXPECT_EQ(a.matrix(), b.matrix());
-}
-
-void expect_same_object(const geometry::KnownObject& a, const geometry::KnownObject& b) {
-  EXPECT_EQ(a.name, b.name);
-  EXPECT_EQ(a.mesh.vertices, b.mesh.vertices);
-  EXPECT_EQ(a.mesh.triangles, b.mesh.triangles);
-  expect_same(a.T_mesh_object, b.T_mesh_object);
-  EXPECT_EQ(a.mass, b.mass);
-  EXPECT_EQ(a.mass_properties.volume, b.mass_properties.volume);
-  EXPECT_EQ(a.mass_properties.centroid, b.mass_properties.centroid);
-  EXPECT_EQ(a.mass_properties.inertia, b.mass_properties.inertia);
-  EXPECT_EQ(a.symmetries, b.symmetries);
-  EXPECT_EQ(a.repairs, b.repairs);
-  ASSERT_EQ(a.stable_poses.size(), b.stable_poses.size());
-  for (std::size_t i = 0; i < a.stable_poses.size(); ++i) {
-    EXPECT_EQ(a.stable_poses[i].R_table_object, b.stable_poses[i].R_table_object);
-    EXPECT_EQ(a.stable_poses[i].height, b.stable_poses[i].height);
-    EXPECT_EQ(a.stable_poses[i].probability, b.stable_poses[i].probability);
-  }
-}
-
-void expect_same_hand(const hand::Description& a, const hand::Description& b) {
-  ASSERT_EQ(a.links.size(), b.links.size());
-  for (std::size_t i = 0; i < a.links.size(); ++i) {
-    EXPECT_EQ(a.links[i].name, b.links[i].name);
-    EXPECT_EQ(a.links[i].parent, b.links[i].parent);
-    expect_same(a.links[i].T_parent_link, b.links[i].T_parent_link);
-    EXPECT_EQ(a.links[i].axis, b.links[i].axis);
-    EXPECT_EQ(a.links[i].joint, b.links[i].joint);
-  }
-  EXPECT_EQ(a.palm, b.palm);
-  EXPECT_EQ(a.kinematic_error, b.kinematic_error);
-  EXPECT_EQ(a.distal, b.distal);
-  for (std::size_t i = 0; i < hand::kShadowFingers; ++i) {
-    EXPECT_EQ(a.tips[i].a, b.tips[i].a);
-    EXPECT_EQ(a.tips[i].b, b.tips[i].b);
-    EXPECT_EQ(a.tips[i].radius, b.tips[i].radius);
-  }
-  ASSERT_EQ(a.spheres.size(), b.spheres.size());
-  for (std::size_t i = 0; i < a.spheres.size(); ++i) {
-    EXPECT_EQ(a.spheres[i].link, b.spheres[i].link);
-    EXPECT_EQ(a.spheres[i].center, b.spheres[i].center);
-    EXPECT_EQ(a.spheres[i].radius, b.spheres[i].radius);
-  }
-}
-
-void expect_same_reading(const hand::HandReading& a, const hand::HandReading& b) {
-  EXPECT_EQ(a.time, b.time);
-  EXPECT_EQ(a.joints, b.joints);
-  EXPECT_EQ(a.torques, b.torques);
-  EXPECT_EQ(a.base.xyz, b.base.xyz);
-  EXPECT_EQ(a.base.ypr, b.base.ypr);
-  EXPECT_EQ(a.base_force, b.base_force);
-  for (std::size_t finger = 0; finger < hand::kShadowFingers; ++finger) {
-    ASSERT_EQ(a.contacts[finger].size(), b.contacts[finger].size());
-    for (std::size_t i = 0; i < a.contacts[finger].size(); ++i) {
-      EXPECT_EQ(a.contacts[finger][i].p, b.contacts[finger][i].p);
-      EXPECT_EQ(a.contacts[finger][i].n, b.contacts[finger][i].n);
-      EXPECT_EQ(a.contacts[finger][i].f, b.contacts[finger][i].f);
-    }
-  }
-}
-
-void expect_same_frame(const Frame& a, const Frame& b) {
-  expect_same_reading(a.reading, b.reading);
-  EXPECT_EQ(a.command.positions, b.command.positions);
-  EXPECT_EQ(a.command.base.xyz, b.command.base.xyz);
-  EXPECT_EQ(a.command.base.ypr, b.command.base.ypr);
-  ASSERT_EQ(a.truth.has_value(), b.truth.has_value());
-  if (!a.truth) return;
-  expect_same(a.truth->T_world_object, b.truth->T_world_object);
-  EXPECT_EQ(a.truth->joints, b.truth->joints);
-}
-
-void expect_same_estimate(const EstimateRecord& a, const EstimateRecord& b) {
-  EXPECT_EQ(a.time, b.time);
-  EXPECT_EQ(a.status, b.status);
-  ASSERT_EQ(a.modes.size(), b.modes.size());
-  for (std::size_t i = 0; i < a.modes.size(); ++i) {
-    expect_same(a.modes[i].T_world_object, b.modes[i].T_world_object);
-    EXPECT_EQ(a.modes[i].weight, b.modes[i].weight);
-    EXPECT_EQ(a.modes[i].covariance, b.modes[i].covariance);
-    ASSERT_EQ(a.modes[i].free_axis.has_value(), b.modes[i].free_axis.has_value());
-    if (!a.modes[i].free_axis) continue;
-    EXPECT_EQ(a.modes[i].free_axis->point, b.modes[i].free_axis->point);
-    EXPECT_EQ(a.modes[i].free_axis->direction, b.modes[i].free_axis->direction);
-    EXPECT_EQ(a.modes[i].free_axis->extent, b.modes[i].free_axis->extent);
-  }
-  ASSERT_EQ(a.contacts.size(), b.contacts.size());
-  for (std::size_t i = 0; i < a.contacts.size(); ++i) {
-    EXPECT_EQ(a.contacts[i].finger, b.contacts[i].finger);
-    EXPECT_EQ(a.contacts[i].time, b.contacts[i].time);
-    EXPECT_EQ(a.contacts[i].p, b.contacts[i].p);
-    EXPECT_EQ(a.contacts[i].n, b.contacts[i].n);
-    EXPECT_EQ(a.contacts[i].f, b.contacts[i].f);
-    EXPECT_EQ(a.contacts[i].point_sigma, b.contacts[i].point_sigma);
-    EXPECT_EQ(a.contacts[i].normal_sigma, b.contacts[i].normal_sigma);
-  }
-}
-
-void expect_same_events(const std::vector<Event>& a, const std::vector<Event>& b) {
-  ASSERT_EQ(a.size(), b.size());
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    EXPECT_EQ(a[i].time, b[i].time);
-    EXPECT_EQ(a[i].kind, b[i].kind);
-    EXPECT_EQ(a[i].phase, b[i].phase);
-    EXPECT_EQ(a[i].text, b[i].text);
-  }
-}
 
 std::string message_of(const std::filesystem::path& path) {
   try {
@@ -150,20 +34,7 @@ TEST(RecordingTest, ReadsBackBitForBit) {
     write_recording(folder / "toy.h5", written);
     const Recording read = read_recording(folder / "toy.h5");
     EXPECT_TRUE(read.finished);
-    EXPECT_EQ(read.header.program_version, written.header.program_version);
-    EXPECT_EQ(read.header.seed, written.header.seed);
-    EXPECT_EQ(read.header.config_toml, written.header.config_toml);
-    expect_same_object(read.header.object, written.header.object);
-    expect_same_hand(read.header.hand, written.header.hand);
-    ASSERT_EQ(read.frames.size(), written.frames.size());
-    for (std::size_t i = 0; i < read.frames.size(); ++i) {
-      expect_same_frame(read.frames[i], written.frames[i]);
-    }
-    expect_same_events(read.events, written.events);
-    ASSERT_EQ(read.estimates.size(), written.estimates.size());
-    for (std::size_t i = 0; i < read.estimates.size(); ++i) {
-      expect_same_estimate(read.estimates[i], written.estimates[i]);
-    }
+    expect_same_recording(read, written);
   }
 }
 
@@ -284,14 +155,15 @@ std::string first_line(const std::filesystem::path& path) {
   return line;
 }
 
-TEST(RecordingTest, OnlyErrorsOfContactsNeedTheNewFormat) {
+TEST(RecordingTest, WritesTheNewestFormatWithAndWithoutErrorsOfContacts) {
   const TestFolder folder;
-  Recording recording = toy_recording(3);
-  write_recording(folder / "toy.h5", recording);
-  EXPECT_EQ(first_line(folder / "toy.h5"), "PALPATE RECORDING 2");
-  recording.header.own_errors = true;
-  write_recording(folder / "errors.h5", recording);
-  EXPECT_EQ(first_line(folder / "errors.h5"), "PALPATE RECORDING 3");
+  for (const bool errors : {false, true}) {
+    Recording recording = toy_recording(3);
+    recording.header.own_errors = errors;
+    write_recording(folder / "toy.h5", recording);
+    EXPECT_EQ(first_line(folder / "toy.h5"), "PALPATE RECORDING 4");
+    EXPECT_EQ(read_recording(folder / "toy.h5").header.own_errors, errors);
+  }
 }
 
 TEST(RecordingTest, RefusesErrorsOfContactsThatTheHeaderDoesNotAnnounce) {
@@ -319,26 +191,28 @@ Recording one_contact_with_errors() {
 }
 
 /// Puts other errors of its only contact into a recording, and takes the checksum off it.
-void overwrite_errors(const std::filesystem::path& path, std::array<double, 2> errors) {
+void overwrite_errors(const std::filesystem::path& path, int version,
+                      std::array<double, 2> errors) {
   {
     const H5::H5File file(path.string(), H5F_ACC_RDWR);
     file.openDataSet("frames/contact_errors").write(errors.data(), H5::PredType::NATIVE_DOUBLE);
   }
-  std::string seal = "PALPATE RECORDING 3\nunfinished\n";
-  seal.resize(512);
-  std::fstream(path, std::ios::in | std::ios::out | std::ios::binary) << seal;
+  write_open_seal_of(path, version);
 }
 
 TEST(RecordingTest, RefusesErrorsOfContactsThatCannotBe) {
   const TestFolder folder;
   write_recording(folder / "good.h5", one_contact_with_errors());
-  overwrite_errors(folder / "good.h5", {0.002, 0.2});
-  EXPECT_EQ(read_recording(folder / "good.h5").frames[1].reading.contacts[1][0].normal_sigma, 0.2);
+  for (const int version : {3, 4}) {
+    overwrite_errors(folder / "good.h5", version, {0.002, 0.1 * version});
+    EXPECT_EQ(read_recording(folder / "good.h5").frames[1].reading.contacts[1][0].normal_sigma,
+              0.1 * version);
+  }
   for (const double bad : {-0.1, std::nan(""), std::numeric_limits<double>::infinity()}) {
     for (const bool of_point : {true, false}) {
       Recording recording = one_contact_with_errors();
       write_recording(folder / "bad.h5", recording);
-      overwrite_errors(folder / "bad.h5", {of_point ? bad : 0.001, of_point ? 0.1 : bad});
+      overwrite_errors(folder / "bad.h5", 4, {of_point ? bad : 0.001, of_point ? 0.1 : bad});
       EXPECT_NE(message_of(folder / "bad.h5").find("contact_errors of contact 0 holds"),
                 std::string::npos)
           << message_of(folder / "bad.h5");
@@ -371,7 +245,7 @@ TEST(RecordingTest, NamesWhatIsWrongWithAFile) {
   EXPECT_NE(message_of(folder / "text.h5").find("not a palpate recording"), std::string::npos);
   write_recording(folder / "toy.h5", toy_recording(3));
   std::fstream(folder / "toy.h5", std::ios::in | std::ios::out) << "PALPATE RECORDING 7\n";
-  EXPECT_NE(message_of(folder / "toy.h5").find("format \"7\" is none of 1 to 3"),
+  EXPECT_NE(message_of(folder / "toy.h5").find("format \"7\" is none of 1 to 4"),
             std::string::npos);
   EXPECT_NE(message_of(folder / std::string(300, 'x').c_str()).find("no such file"),
             std::string::npos);

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include <filesystem>
+#include <fstream>
 #include <numbers>
 
+#include "hand/descriptions.hpp"
 #include "palpate/core/random.hpp"
 #include "palpate/recording/recording.hpp"
 
@@ -40,16 +43,14 @@ inline geometry::TriangleMesh box_mesh(const Eigen::Vector3d& half) {
   return mesh;
 }
 
-/// A palm with one finger of two links; all five fingertips are that finger's.
+/// A palm with one finger of two links; all five fingertips of the Shadow hand are that finger's.
 inline hand::Description toy_hand() {
-  hand::Description hand;
+  hand::Description hand = hand::shadow_on_link(2, {{0, 0, 0.01}, {0, 0, 0.02}, 0.008});
   const Eigen::Isometry3d along(Eigen::Translation3d(0, 0, 0.05));
   hand.links = {{"palm", -1, Eigen::Isometry3d::Identity(), Eigen::Vector3d::UnitX(), 0},
                 {"middle", 0, along, Eigen::Vector3d::UnitX(), 9},
                 {"distal", 1, along, Eigen::Vector3d::UnitX(), 10}};
   hand.palm = 0;
-  hand.distal.fill(2);
-  for (auto& tip : hand.tips) tip = {{0, 0, 0.01}, {0, 0, 0.02}, 0.008};
   for (int link = 0; link < 3; ++link) hand.spheres.push_back({link, {0, 0, 0.02}, 0.012});
   return hand;
 }
@@ -69,12 +70,12 @@ inline Header toy_header(RandomStream& random) {
   header.object.symmetries = {Eigen::Matrix3d::Identity(),
                               Eigen::Vector3d(-1, -1, 1).asDiagonal().toDenseMatrix()};
   header.object.repairs = {"merged 3 vertices"};
-  header.hand = toy_hand();
   return header;
 }
 
-inline Frame toy_frame(int tick, RandomStream& random) {
-  Frame frame;
+inline Frame toy_frame(const hand::Description& hand, int tick, RandomStream& random) {
+  Frame frame{
+      .reading = hand::resting_reading(hand), .command = hand::resting_command(hand), .truth = {}};
   frame.reading.time = tick * hand::kTick;
   for (auto& joint : frame.reading.joints) joint = 0.1 * random.normal();
   for (auto& torque : frame.reading.torques) torque = random.normal();
@@ -112,11 +113,13 @@ inline EstimateRecord toy_estimate(double time, RandomStream& random) {
 }
 
 /// A recording of random values in every field.
-inline Recording toy_recording(int ticks) {
+inline Recording toy_recording(int ticks, const hand::Description& hand = toy_hand()) {
   RandomStream random(5, "toy recording");
   Recording recording;
   recording.header = toy_header(random);
-  for (int tick = 0; tick < ticks; ++tick) recording.frames.push_back(toy_frame(tick, random));
+  recording.header.hand = hand;
+  for (int tick = 0; tick < ticks; ++tick)
+    recording.frames.push_back(toy_frame(hand, tick, random));
   const double end = ticks * hand::kTick;
   recording.events = {{0, EventKind::begin, "feel", ""},
                       {end / 2, EventKind::note, "feel", "a \"quoted\" line\nand another"},
@@ -125,6 +128,13 @@ inline Recording toy_recording(int ticks) {
                       {end, EventKind::end, "grasp", "4 fingers"}};
   recording.estimates = {toy_estimate(end / 2, random), toy_estimate(end, random)};
   return recording;
+}
+
+/// Seals a recording as one of that version whose writing has not ended.
+inline void write_open_seal_of(const std::filesystem::path& path, int version) {
+  std::string seal = fmt::format("PALPATE RECORDING {}\nunfinished\n", version);
+  seal.resize(512);
+  std::fstream(path, std::ios::in | std::ios::out | std::ios::binary) << seal;
 }
 
 }  // namespace palpate::recording

@@ -70,7 +70,7 @@ TEST(HandJoints, SlowFreeFlexionSharesAsTold) {
     flex(world, command, target - 0.25, target, 0.25, [](const auto&) {});
     for (int tick = 0; tick < 100; ++tick) world.hand().step(command);
     const auto [j1, j2] = pair_of(world.truth().joints, "MF");
-    const hand::CoupledAngles told = hand::share_in_free_flexion(j1 + j2);
+    const hand::CoupledAngles told = hand::share_in_free_flexion(j1 + j2, {});
     EXPECT_NEAR(j2, told.j2, 0.08) << "at J0 = " << j1 + j2;  // what friction leaves open
   }
 }
@@ -118,16 +118,17 @@ TEST(HandJoints, DistalNeverExceedsMiddleInContact) {
 
 TEST(HandJoints, RangesAreThoseOfTableA1) {
   World world(block(), without_noise(), 1);
-  const auto& ranges = hand::shadow_ranges();
+  const hand::Description& hand = world.hand_model();
   for (int actuator = 0; actuator < hand::kShadowActuators; ++actuator) {
     const auto i = static_cast<std::size_t>(actuator);
     const std::string name(hand::kShadowActuatorNames[i]);
-    const hand::Range range = world.hand().actuators()[i].command;
+    const hand::Range range = hand.actuators[i].command;
     const bool pair = name.back() == '0';
     const auto joint =
         static_cast<std::size_t>(hand::shadow_hand().joint(pair ? name.substr(0, 3) + "1" : name));
-    EXPECT_DOUBLE_EQ(range.low, ranges[joint].low) << name;
-    EXPECT_DOUBLE_EQ(range.high, (pair ? 2 : 1) * ranges[joint].high) << name;
+    const hand::Range of_joint = hand::shadow_hand().joints[joint].range;
+    EXPECT_DOUBLE_EQ(range.low, of_joint.low) << name;
+    EXPECT_DOUBLE_EQ(range.high, (pair ? 2 : 1) * of_joint.high) << name;
   }
 }
 
@@ -141,7 +142,7 @@ TEST(HandJoints, JointsStopAtTheirRanges) {
     for (int tick = 0; tick < 200; ++tick) world.hand().step(command);
     for (const char* name : {"WRJ2", "THJ4"}) {
       const auto index = hand::shadow_hand().joint(name);
-      const hand::Range range = hand::shadow_ranges()[static_cast<std::size_t>(index)];
+      const hand::Range range = hand::shadow_hand().joints[static_cast<std::size_t>(index)].range;
       EXPECT_NEAR(world.truth().joints[index], side < 0 ? range.low : range.high, 0.02) << name;
     }
   }

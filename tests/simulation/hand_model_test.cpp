@@ -10,6 +10,7 @@
 #include "palpate/core/random.hpp"
 #include "palpate/hand/kinematics.hpp"
 #include "palpate/hand/shadow.hpp"
+#include "palpate/simulation/hand/load_hand.hpp"
 #include "palpate/simulation/world/world.hpp"
 
 namespace palpate::simulation {
@@ -60,7 +61,7 @@ TEST(Description, MovesAsTheSimulatorMovesIt) {
   Oracle oracle;
   RandomStream random(1);
   for (int trial = 0; trial < 50; ++trial) {
-    hand::JointVector joints;
+    hand::JointVector joints(hand::kShadowJoints);
     for (int i = 0; i < hand::kShadowJoints; ++i) joints[i] = random.uniform(-1.5, 1.5);
     oracle.set(joints);
     const auto T_base_link = hand::forward_kinematics(hand, joints);
@@ -78,7 +79,7 @@ TEST(Description, MovesAsTheSimulatorMovesIt) {
 TEST(Description, GraspsAtTheBaseOriginPalmDown) {
   const hand::Description hand = shadow();
   const Eigen::Isometry3d T_base_palm = hand::forward_kinematics(
-      hand, hand::JointVector::Zero())[static_cast<std::size_t>(hand.palm)];
+      hand, hand::JointVector::Zero(hand::kShadowJoints))[static_cast<std::size_t>(hand.palm)];
   EXPECT_LT((T_base_palm * Eigen::Vector3d(0.005, -0.045, 0.08)).norm(), 1e-12);
   const Eigen::Matrix3d& R = T_base_palm.linear();
   EXPECT_LT((R.col(0) - Eigen::Vector3d::UnitY()).norm(), 1e-12);
@@ -150,7 +151,7 @@ TEST(Description, AMissingFileIsNamed) {
 
 TEST(HandVisuals, DrawsEveryLinkThatHasAMesh) {
   const hand::Description hand = shadow();
-  const hand::HandVisuals visuals = load_shadow_hand_visuals(asset("shadow_hand/right_hand.xml"));
+  const hand::HandVisuals visuals = load_hand_visuals(hand);
   EXPECT_EQ(visuals.meshes.size(), 12u);
   EXPECT_GE(visuals.parts.size(), 22u);
   for (const hand::VisualPart& part : visuals.parts) {
@@ -162,7 +163,7 @@ TEST(HandVisuals, DrawsEveryLinkThatHasAMesh) {
 
 TEST(HandVisuals, ATipsMeshIsWhereItsCapsuleIs) {
   const hand::Description hand = shadow();
-  const hand::HandVisuals visuals = load_shadow_hand_visuals(asset("shadow_hand/right_hand.xml"));
+  const hand::HandVisuals visuals = load_hand_visuals(hand);
   const int distal = link_named(hand, "ffdistal");
   for (const hand::VisualPart& part : visuals.parts) {
     if (part.link != distal) continue;

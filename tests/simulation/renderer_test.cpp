@@ -14,6 +14,7 @@
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
 #include "palpate/hand/shadow.hpp"
+#include "palpate/simulation/hand/load_hand.hpp"
 #include "simulation/scenes.hpp"
 
 namespace palpate::simulation {
@@ -24,6 +25,7 @@ constexpr int kWidth = 160, kHeight = 120;
 /// The hand over a block.
 DrawnState hovering() {
   DrawnState state;
+  state.joints.setZero(hand::kShadowJoints);
   state.T_world_object.translation() << 0, 0, 0.03;
   state.base.xyz << 0, 0, 0.2;
   return state;
@@ -43,9 +45,10 @@ class Drawing : public testing::Test {
  protected:
   void SetUp() override {
     if (!working_render_backend()) GTEST_SKIP() << "neither EGL nor OSMesa works here";
-    renderer.emplace(block(), kWidth, kHeight);
+    renderer.emplace(hand_, block(), kWidth, kHeight);
   }
 
+  const hand::Description hand_ = load_hand("shadow");
   std::optional<Renderer> renderer;
 };
 
@@ -91,7 +94,7 @@ TEST_F(Drawing, ShowsTheSameTwice) {
   elsewhere.base.xyz.z() = 0.4;
   renderer->render(elsewhere);
   EXPECT_EQ(image.rgb, renderer->render(hovering()).rgb);
-  EXPECT_EQ(image.rgb, Renderer(block(), kWidth, kHeight).render(hovering()).rgb);
+  EXPECT_EQ(image.rgb, Renderer(hand_, block(), kWidth, kHeight).render(hovering()).rgb);
 }
 
 TEST_F(Drawing, WorksInAnyThread) {
@@ -111,8 +114,8 @@ TEST_F(Drawing, RefusesWhatIsNotFinite) {
 }
 
 TEST(Renderer, RefusesASizeThatIsNoPicture) {
-  EXPECT_THROW(Renderer(block(), 0, 100), BadInput);
-  EXPECT_THROW(Renderer(block(), 100, 100000), BadInput);
+  EXPECT_THROW(Renderer(load_hand("shadow"), block(), 0, 100), BadInput);
+  EXPECT_THROW(Renderer(load_hand("shadow"), block(), 100, 100000), BadInput);
 }
 
 TEST(Renderer, TheWorkingBackendDoesNotChange) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "palpate/geometry/query/mesh_query.hpp"
+#include "palpate/simulation/hand/load_hand.hpp"
 #include "simulation/scenes.hpp"
 
 namespace palpate::simulation {
@@ -19,7 +20,7 @@ double min_inertia(double pitch) {
   const geometry::KnownObject object = block();
   const geometry::MeshQuery mesh(object.mesh);
   const geometry::CapsuleCollider surface(mesh);
-  const Scene scene = compose_scene(object, surface, without_noise());
+  const Scene scene = compose_scene(load_hand("shadow"), object, surface, without_noise());
   mjModel& model = *scene.model;
   const DataHandle data(mj_makeData(&model));
   data->qpos[scene.base_positions[2]] = 0.5;

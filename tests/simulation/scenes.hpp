@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "hand/descriptions.hpp"
 #include "palpate/geometry/objects/known_object.hpp"
 #include "palpate/hand/hand.hpp"
 #include "palpate/hand/shadow.hpp"
@@ -84,7 +85,7 @@ inline WorldOptions without_noise() {
 
 /// Open hand, palm down, its base at the given height (m).
 inline hand::HandCommand open_hand(double z) {
-  hand::HandCommand command;
+  hand::HandCommand command = hand::resting_command();
   command.base.xyz.z() = z;
   return command;
 }

@@ -14,6 +14,7 @@
 #include "palpate/geometry/query/mesh_query.hpp"
 #include "palpate/hand/kinematics.hpp"
 #include "palpate/hand/shadow.hpp"
+#include "palpate/simulation/hand/load_hand.hpp"
 #include "simulation/scenes.hpp"
 
 namespace palpate::simulation {
@@ -86,12 +87,22 @@ TEST(World, StartsWhereReportedTo) {
   EXPECT_NEAR(truth.joints[hand::shadow_hand().joint("FFJ3")], 1.3, 1e-12);
 }
 
+TEST(World, RefusesACommandOfAnotherHandsSize) {
+  World world(block(), without_noise(), 1);
+  world.reset({}, open_hand(0.5));
+  for (const int size : {0, 2, hand::kShadowActuators + 1}) {
+    const hand::HandCommand command{hand::ActuatorVector::Zero(size), {}};
+    EXPECT_THROW(world.hand().step(command), BadInput) << size;
+    EXPECT_THROW(world.reset({}, command), BadInput) << size;
+  }
+}
+
 TEST(World, TheCoupledJointsShareTheirActuator) {
   World world(block(), without_noise(), 1);
   hand::HandCommand command = open_hand(0.5);
   command.positions[hand::shadow_hand().actuator("RFJ0")] = 1.2;
   world.reset({}, command);
-  const hand::CoupledAngles pair = hand::share_in_free_flexion(1.2);
+  const hand::CoupledAngles pair = hand::share_in_free_flexion(1.2, {});
   EXPECT_NEAR(world.truth().joints[hand::shadow_hand().joint("RFJ1")], pair.j1, 1e-12);
   EXPECT_NEAR(world.truth().joints[hand::shadow_hand().joint("RFJ2")], pair.j2, 1e-12);
   EXPECT_EQ(world.truth().joints[hand::shadow_hand().joint("THJ1")], 0);
@@ -260,16 +271,16 @@ TEST(World, ActuatorsDescribeTheServos) {
   scaled.stiffness_scale = 4;
   World soft(block(), plain, 1), stiff(block(), scaled, 1);
   for (std::size_t i = 0; i < hand::kShadowActuators; ++i) {
-    const hand::Actuator& a = soft.hand().actuators()[i];
-    const hand::Actuator& b = stiff.hand().actuators()[i];
-    const bool wrist = hand::finger_of_actuator(static_cast<int>(i)) < 0;
+    const hand::Actuator& a = soft.hand_model().actuators[i];
+    const hand::Actuator& b = stiff.hand_model().actuators[i];
+    const bool wrist = a.finger < 0;
     EXPECT_DOUBLE_EQ(b.stiffness, (wrist ? 1 : 4) * a.stiffness);
     EXPECT_DOUBLE_EQ(b.max_torque, a.max_torque);
     EXPECT_LT(a.command.low, a.command.high);
   }
   const auto j0 = static_cast<std::size_t>(hand::shadow_hand().actuator("MFJ0"));
-  EXPECT_DOUBLE_EQ(soft.hand().actuators()[j0].stiffness, 0.5);
-  EXPECT_NEAR(soft.hand().actuators()[j0].command.high, 2 * 1.571, 1e-12);
+  EXPECT_DOUBLE_EQ(soft.hand_model().actuators[j0].stiffness, 0.5);
+  EXPECT_NEAR(soft.hand_model().actuators[j0].command.high, 2 * 1.571, 1e-12);
 }
 
 /// Error and torque of FFJ3 one second after it was sent to 0.1 rad.
@@ -291,7 +302,7 @@ TEST(World, StiffnessIsTorqueOverErrorWithoutTheIntegral) {
   World world(block(), options, 1);
   const auto [error, torque] = error_and_torque(world);
   const auto actuator = static_cast<std::size_t>(hand::shadow_hand().actuator("FFJ3"));
-  EXPECT_NEAR(torque, world.hand().actuators()[actuator].stiffness * error, 1e-4);
+  EXPECT_NEAR(torque, world.hand_model().actuators[actuator].stiffness * error, 1e-4);
   EXPECT_GT(std::abs(torque), 1e-3);  // what friction holds
 }
 

@@ -10,6 +10,7 @@
 #include "palpate/evaluation/trial.hpp"
 #include "palpate/hand/kinematics.hpp"
 #include "palpate/hand/shadow.hpp"
+#include "palpate/simulation/hand/load_hand.hpp"
 #include "palpate/skills/grasp/grasp_phase.hpp"
 #include "palpate/tactile/contacts/contact_window.hpp"
 
@@ -17,17 +18,18 @@ namespace palpate::skills {
 namespace {
 
 hand::Description drawn_hand() {
-  return simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
+  return hand::with_soft_actuators(
+      simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml")));
 }
 
 /// Root mean square distance of the fingertips of an open hand from where they are, m.
 double tip_error(const hand::Description& believed, const hand::Description& real) {
-  const auto joints = hand::joints_in_free_flexion(open_posture(top_preshape()));
+  const auto joints = hand::joints_in_free_flexion(real, real.postures.top.open);
   const auto there = hand::forward_kinematics(believed, joints);
   const auto here = hand::forward_kinematics(real, joints);
   double sum = 0;
-  for (const int link : real.distal) {
-    const auto i = static_cast<std::size_t>(link);
+  for (const auto& finger : real.fingers) {
+    const auto i = static_cast<std::size_t>(finger.link);
     sum += (there[i].translation() - here[i].translation()).squaredNorm();
   }
   return std::sqrt(sum / hand::kShadowFingers);
@@ -37,11 +39,11 @@ struct Calibrating {
   explicit Calibrating(std::uint64_t seed)
       : world(object, {}, seed),
         hand(started(world, evaluation::draw_start(object, {}, seed))),
-        robot(hand, world.hand_model(), evaluation::waiting_command()) {}
+        robot(hand, world.hand_model(), evaluation::waiting_command(world.hand_model())) {}
 
   /// Its clock and its base must not jump before the robot's eyes.
   static hand::Hand& started(simulation::World& world, const simulation::Start& start) {
-    world.reset(start, evaluation::waiting_command());
+    world.reset(start, evaluation::waiting_command(world.hand_model()));
     return world.hand();
   }
   PhaseReport calibrate() {
@@ -111,7 +113,7 @@ TEST(CalibratePhase, LeavesTheHandThatFeelsNothing) {
   hand::FakeHand hand;
   hand::Description model = drawn_hand();
   model.kinematic_error = 0.002;
-  Executor robot(hand, model, evaluation::waiting_command());
+  Executor robot(hand, model, evaluation::waiting_command(model));
   CalibrateOptions options;
   options.touches = 3;
   CalibratePhase phase(options);
@@ -132,7 +134,7 @@ TEST(CalibratePhase, LeavesTheHandWhoseTouchesContradictOneAnother) {
       contacts = {{{0, 0.03 * std::sin(0.01 * ++ticks), 0.02}, {0, 1, 0}, {0, -1, 0}}};
     }
   });
-  Executor robot(hand, model, evaluation::waiting_command());
+  Executor robot(hand, model, evaluation::waiting_command(model));
   CalibrateOptions options;
   options.touches = 30;
   CalibratePhase phase(options);

@@ -5,7 +5,7 @@
 
 #include <limits>
 
-#include "hand/fake_hand.hpp"
+#include "hand/descriptions.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/random.hpp"
 
@@ -14,8 +14,10 @@ namespace {
 
 using hand::kTick;
 
+const hand::Description kSoftHand = hand::with_soft_actuators();
+
 CommandGate gate(const SafetyOptions& options = {}) {
-  return {hand::FakeHand().actuators(), {}, options};
+  return {kSoftHand.actuators, hand::resting_command(), options};
 }
 
 TEST(SpeedProfile, KeepsSpeedAndAccelerationFromRestToRest) {
@@ -49,11 +51,11 @@ TEST(SpeedProfile, SlowMotionIsSteadyFromTheFirstTick) {
 
 TEST(CommandGate, LimitsWhatIsTooFastAndCountsIt) {
   CommandGate limits = gate();
-  hand::HandCommand far;
+  hand::HandCommand far = hand::resting_command();
   far.base.xyz = {1, 0, 0};
   far.base.ypr = {0, 2, 0};
   far.positions.setConstant(1);
-  hand::HandCommand before;
+  hand::HandCommand before = hand::resting_command();
   double slide = 0, turn = 0, bend = 0;
   for (int tick = 0; tick < 400; ++tick) {
     const hand::HandCommand now = limits.limited(far);
@@ -73,7 +75,7 @@ TEST(CommandGate, LimitsWhatIsTooFastAndCountsIt) {
 
 TEST(CommandGate, LetsThroughWhatIsWithinTheLimits) {
   CommandGate limits = gate();
-  hand::HandCommand command;
+  hand::HandCommand command = hand::resting_command();
   for (int tick = 0; tick < 100; ++tick) {
     command.base.xyz.x() += 0.05 * kTick;
     command.positions.array() += 1.0 * kTick;
@@ -87,20 +89,28 @@ TEST(CommandGate, KeepsToRangesAndWorkspace) {
   SafetyOptions options;
   options.workspace = 0.2;
   CommandGate limits = gate(options);
-  hand::HandCommand beyond;
+  hand::HandCommand beyond = hand::resting_command();
   beyond.base.xyz = {0, 3, 0};
   beyond.positions.setConstant(9);
   hand::HandCommand told;
   for (int tick = 0; tick < 400; ++tick) told = limits.limited(beyond);
   EXPECT_NEAR(told.base.xyz.norm(), 0.2, 1e-9);
-  EXPECT_EQ(told.positions.maxCoeff(), hand::FakeHand().actuators()[0].command.high);
+  EXPECT_EQ(told.positions.maxCoeff(), kSoftHand.actuators[0].command.high);
 }
 
 TEST(CommandGate, RefusesWhatIsNotFinite) {
   CommandGate limits = gate();
-  hand::HandCommand bad;
+  hand::HandCommand bad = hand::resting_command();
   bad.positions[3] = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(static_cast<void>(limits.limited(bad)), BadInput);
+}
+
+TEST(CommandGate, RefusesACommandOfAnotherHandsSize) {
+  CommandGate limits = gate();
+  for (const int size : {0, hand::kShadowActuators + 1}) {
+    const hand::HandCommand bad{hand::ActuatorVector::Zero(size), {}};
+    EXPECT_THROW(static_cast<void>(limits.limited(bad)), BadInput) << size;
+  }
 }
 
 }  // namespace

@@ -17,12 +17,13 @@ namespace {
 using hand::HandReading;
 using hand::kTick;
 
-const hand::Description kNoModel;
+const hand::Description kSoftHand = hand::with_soft_actuators();
 
 /// A robot at the origin whose hand feels what the script says.
 struct Scene {
   explicit Scene(hand::FakeHand::Script script = {}, Executor::Observer observer = {})
-      : hand(std::move(script)), robot(hand, kNoModel, {}, std::move(observer)) {}
+      : hand(std::move(script)),
+        robot(hand, kSoftHand, hand::resting_command(), std::move(observer)) {}
   hand::FakeHand hand;
   Executor robot;
 };
@@ -74,7 +75,8 @@ TEST(Executor, DeadlineEndsEveryMotion) {
   EXPECT_NEAR(scene.robot.time(), 0.5, kTick);
   EXPECT_LT(scene.robot.reading().base.xyz.x(), 0.051);
   EXPECT_EQ(scene.robot.wait(1.0), MotionEnd::timed_out);
-  EXPECT_EQ(scene.robot.move_fingers(hand::ActuatorVector::Ones(), 1.0), MotionEnd::timed_out);
+  EXPECT_EQ(scene.robot.move_fingers(hand::ActuatorVector::Ones(hand::kShadowActuators), 1.0),
+            MotionEnd::timed_out);
   EXPECT_NEAR(scene.robot.time(), 0.52, kTick);
   scene.robot.set_deadline(std::numeric_limits<double>::infinity());
   EXPECT_EQ(scene.robot.wait(0.1), MotionEnd::reached);
@@ -93,7 +95,7 @@ TEST(Executor, WaitsForItsTimeOrItsCondition) {
 TEST(Executor, FingersComeToThePostureInTheGivenTime) {
   Scene scene;
   const double start = scene.robot.time();
-  const hand::ActuatorVector posture = hand::ActuatorVector::Constant(0.7);
+  const hand::ActuatorVector posture = hand::ActuatorVector::Constant(hand::kShadowActuators, 0.7);
   EXPECT_EQ(scene.robot.move_fingers(posture, 0.5), MotionEnd::reached);
   EXPECT_NEAR(scene.robot.time() - start, 0.5, 1e-9);
   EXPECT_EQ(scene.robot.command().positions, posture);
@@ -118,7 +120,8 @@ TEST(Executor, TellsOfEveryTickAndMark) {
 
 TEST(Executor, GripClosesWhileTheBaseMovesAndWithinItsTorque) {
   Scene scene;
-  Grip grip{grasping::ClosingLaw(scene.robot.actuators(), 1.0, 0.5), {}, {}};
+  const auto& preshape = kSoftHand.postures.top;
+  Grip grip{grasping::ClosingLaw(kSoftHand, 1.0, preshape.closed), preshape.contact_torque, {}};
   grip.active[static_cast<std::size_t>(hand::FingerName::first)] = true;
   scene.robot.set_grip(grip);
   scene.robot.move_base(at({0, 0, 0.05}), 0.1);

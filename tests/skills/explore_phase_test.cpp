@@ -5,6 +5,7 @@
 
 #include "hand/fake_hand.hpp"
 #include "palpate/core/assets.hpp"
+#include "palpate/simulation/hand/load_hand.hpp"
 #include "palpate/simulation/world/world.hpp"
 
 namespace palpate::skills {
@@ -28,13 +29,14 @@ struct Exploring {
           }
           last = reading.base.xyz;
         }),
-        robot(hand, model, {}, {{}, [this](estimation::TouchEvent mark) {
-                                  sweeping = mark == estimation::TouchEvent::guarded_move;
-                                  if (!sweeping) return;
-                                  start = last;
-                                  starts.push_back(robot.command().base);
-                                  ++guarded_moves;
-                                }}) {
+        robot(hand, model, hand::resting_command(),
+              {{}, [this](estimation::TouchEvent mark) {
+                 sweeping = mark == estimation::TouchEvent::guarded_move;
+                 if (!sweeping) return;
+                 start = last;
+                 starts.push_back(robot.command().base);
+                 ++guarded_moves;
+               }}) {
     locate.search.proposals = 2000;
     locate.search.particles = 100;
     options.refining = 0;
@@ -43,13 +45,13 @@ struct Exploring {
 
   /// The fingertip meets a face that looks against the guarded move.
   void touch(hand::HandReading& reading) const {
-    const auto link = static_cast<std::size_t>(model.distal[1]);
+    const auto link = static_cast<std::size_t>(model.fingers[1].link);
     const Eigen::Matrix3d R_link_world =
         (reading.base.pose() * hand::forward_kinematics(model, reading.joints)[link])
             .linear()
             .transpose();
     const Eigen::Vector3d n = R_link_world * (start - reading.base.xyz).normalized();
-    reading.contacts[1] = {{model.tips[1].b - model.tips[1].radius * n, n, -n}};
+    reading.contacts[1] = {{model.fingers[1].tip.b - model.fingers[1].tip.radius * n, n, -n}};
   }
 
   PhaseReport explore() {
@@ -76,7 +78,8 @@ struct Exploring {
   std::size_t guarded_moves = 0;
   bool sweeping = false;
   Eigen::Vector3d start{0, 0, 0}, last{0, 0, 0};
-  hand::Description model = simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
+  hand::Description model =
+      hand::with_soft_actuators(simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml")));
   geometry::ObjectModel object{geometry::load_known_object("box")};
   ExploreOptions options;
   estimation::EstimationOptions locate;

@@ -9,6 +9,7 @@
 #include "palpate/core/assets.hpp"
 #include "palpate/evaluation/trial.hpp"
 #include "palpate/hand/shadow.hpp"
+#include "palpate/simulation/hand/load_hand.hpp"
 
 namespace palpate::skills {
 namespace {
@@ -41,7 +42,7 @@ struct ClosingHand {
     const auto T = hand::forward_kinematics(model, reading.joints);
     for (std::size_t finger = 0; finger < hand::kShadowFingers; ++finger) {
       const Eigen::Isometry3d T_link_base =
-          T[static_cast<std::size_t>(model.distal[finger])].inverse();
+          T[static_cast<std::size_t>(model.fingers[finger].link)].inverse();
       const double side = finger == 0 && closings > bad ? -1 : 1;
       const Eigen::Vector3d p(0.02 * (static_cast<double>(finger) - 2.5), side * 0.02, 0.1);
       const Eigen::Vector3d n = T_link_base.linear() * Eigen::Vector3d(0, side, 0);
@@ -57,12 +58,13 @@ struct ClosingHand {
 
   int bad = 0, closings = 0;
   bool was_closed = false;
-  hand::Description model = simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
+  hand::Description model =
+      hand::with_soft_actuators(simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml")));
   geometry::ObjectModel object{geometry::load_known_object("box")};
   GraspOptions options;
   PickState state;
   hand::FakeHand hand;
-  Executor robot{hand, model, evaluation::waiting_command()};
+  Executor robot{hand, model, evaluation::waiting_command(model)};
 };
 
 TEST(GraspPhase, PressesWhereTheForcesBalance) {

@@ -6,6 +6,7 @@
 #include "hand/fake_hand.hpp"
 #include "palpate/core/assets.hpp"
 #include "palpate/evaluation/trial.hpp"
+#include "palpate/simulation/hand/load_hand.hpp"
 #include "palpate/simulation/world/world.hpp"
 #include "palpate/skills/pick.hpp"
 #include "palpate/skills/reorient/regrasp.hpp"
@@ -14,7 +15,8 @@ namespace palpate::skills {
 namespace {
 
 const hand::Description& shadow() {
-  static const auto model = simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
+  static const auto model =
+      hand::with_soft_actuators(simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml")));
   return model;
 }
 
@@ -27,7 +29,7 @@ struct OverABlock {
           if (over && estimation::lowest_of_hand(shadow(), reading) < height)
             reading.base_force.z() = -2;
         }),
-        robot(hand, shadow(), evaluation::waiting_command()) {}
+        robot(hand, shadow(), evaluation::waiting_command(shadow())) {}
   /// Of the flat hand at yaw 0, from its base.
   inline static const Eigen::Vector2d kLevelCenter{0.072, -0.005};
 

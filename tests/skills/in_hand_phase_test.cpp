@@ -77,8 +77,8 @@ struct HeldBox {
     options.place.strategy = "fingers";
     options.place.fingers.reorient.sampling.samples = 4;
     world.reset(evaluation::draw_start(object.object(), options.start, kSeed),
-                evaluation::waiting_command());
-    robot.emplace(world.hand(), world.hand_model(), evaluation::waiting_command(),
+                evaluation::waiting_command(world.hand_model()));
+    robot.emplace(world.hand(), world.hand_model(), evaluation::waiting_command(world.hand_model()),
                   Executor::Observer{}, &models);
     picked = pick(*robot, object, options.pick, kSeed);
   }

@@ -9,6 +9,7 @@
 #include "hand/fake_hand.hpp"
 #include "palpate/core/assets.hpp"
 #include "palpate/core/random.hpp"
+#include "palpate/simulation/hand/load_hand.hpp"
 #include "palpate/simulation/world/world.hpp"
 
 namespace palpate::skills {
@@ -27,7 +28,7 @@ struct Lifting {
           for (auto& tip : reading.contacts) tip.push_back({{0, 0, 0.02}, {0, 1, 0}, {0, -1, 0}});
           if (script) script(reading, reading.time - begin_hold());
         }),
-        robot(hand, model, {}) {}
+        robot(hand, model, hand::resting_command()) {}
 
   double begin_hold() const { return options.height / options.speed + options.settle; }
   PhaseReport lift() {
@@ -36,7 +37,8 @@ struct Lifting {
   }
 
   LiftOptions options;
-  hand::Description model = simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
+  hand::Description model =
+      hand::with_soft_actuators(simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml")));
   PickState state;
   hand::FakeHand hand;
   Executor robot;

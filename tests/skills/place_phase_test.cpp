@@ -30,26 +30,31 @@ PlaceGoal goal_at(double height) {
   return goal;
 }
 
+/// A hand whose first knuckle alone is bent where it opens.
+hand::Description opening_hand() {
+  hand::Description model = hand::with_soft_actuators();
+  model.postures.top.open.setZero();
+  model.postures.top.open[model.actuator("FFJ3")] = 0.2;
+  return model;
+}
+
 /// A place phase on a fake hand that waits over the goal.
 struct Descent {
   Descent(hand::FakeHand::Script script, double wall, double expected = kGround)
       : hand(std::move(script)),
         robot(hand, model, over(expected)),
-        phase({}, goal_at(expected), wall, open) {
-    open[hand::shadow_hand().actuator("FFJ3")] = 0.2;
-  }
+        phase({}, goal_at(expected), wall) {}
   static hand::HandCommand over(double expected) {
-    hand::HandCommand command;
+    hand::HandCommand command = hand::resting_command();
     command.base = goal_at(expected).above;
     return command;
   }
   PhaseReport run() {
     PickState state;
-    phase = PlacePhase({}, goal_at(expected_), wall_, open);
+    phase = PlacePhase({}, goal_at(expected_), wall_);
     return run_phase(phase, robot, state);
   }
-  hand::Description model;
-  hand::ActuatorVector open = hand::ActuatorVector::Zero();
+  hand::Description model = opening_hand();
   hand::FakeHand hand;
   Executor robot;
   PlacePhase phase;
@@ -83,7 +88,7 @@ TEST(OpenPhase, OpensWhereTheHandIsAndMarksWhenItStillHeld) {
   descent.robot.move_fingers(closed, 0.1);
   const auto base = descent.robot.command().base;
   PickState state;
-  OpenPhase open({}, descent.open);
+  OpenPhase open({});
   EXPECT_EQ(run_phase(open, descent.robot, state).status, PhaseStatus::ok);
   const auto& log = descent.robot.log();
   ASSERT_TRUE(log.at(estimation::TouchEvent::placed));
@@ -99,7 +104,7 @@ TEST(OpenPhase, FailsWhileTheObjectIsStillFelt) {
       },
       0);
   PickState state;
-  OpenPhase open({}, descent.open);
+  OpenPhase open({});
   EXPECT_EQ(run_phase(open, descent.robot, state).status, PhaseStatus::failed);
 }
 
@@ -114,7 +119,7 @@ TEST(PlacePhase, AnEarlyContactIsARefusal) {
   Descent descent([](auto& reading) { stand(reading, kGround + 0.02); }, 0);
   options.near = 0.03;
   PickState state;
-  PlacePhase phase(options, goal_at(kGround), 0, descent.open);
+  PlacePhase phase(options, goal_at(kGround), 0);
   const auto report = run_phase(phase, descent.robot, state);
   EXPECT_EQ(report.status, PhaseStatus::failed);
   EXPECT_EQ(phase.touchdown(), PlacePhase::Touchdown::early);
@@ -189,8 +194,8 @@ TEST(PlacePhase, GivesUpASlotThatIsNowhere) {
 
 PhaseReport withdrawn(hand::FakeHand::Script script) {
   hand::FakeHand hand(std::move(script));
-  hand::Description model;
-  hand::HandCommand command;
+  const hand::Description model = hand::with_soft_actuators();
+  hand::HandCommand command = hand::resting_command();
   command.base.xyz.z() = 0.1;
   command.positions.setConstant(0.5);
   Executor robot(hand, model, command);

@@ -13,14 +13,14 @@ using grasping::contact;
 using grasping::coupled_finger;
 
 TEST(PressingCommand, LeadsByTorqueOverStiffnessWithinTheRange) {
-  const auto model = coupled_finger();
+  const auto model = hand::with_soft_actuators(coupled_finger());
   hand::FakeHand hand([](hand::HandReading& reading) {
     reading.torques[hand::shadow_hand().actuator("FFJ0")] = 0.03;
     reading.torques[hand::shadow_hand().actuator("MFJ0")] = 0.2;
     reading.joints[hand::shadow_hand().joint("FFJ1")] =
         reading.joints[hand::shadow_hand().joint("FFJ2")] = 0;
   });
-  hand::HandCommand start;
+  hand::HandCommand start = hand::resting_command();
   start.positions.setConstant(0.4);
   Executor robot(hand, model, start);
   robot.wait(hand::kTick);
@@ -35,9 +35,9 @@ TEST(PressingCommand, LeadsByTorqueOverStiffnessWithinTheRange) {
 }
 
 TEST(WeightAt, PullsDownAtTheCentreInTheTurnedBasesFrame) {
-  const auto model = coupled_finger();
+  const auto model = hand::with_soft_actuators(coupled_finger());
   hand::FakeHand hand;
-  hand::HandCommand start;
+  hand::HandCommand start = hand::resting_command();
   start.base.xyz = {0.1, 0.2, 0.3};
   start.base.ypr = {0.4, 0.7, -0.3};
   Executor robot(hand, model, start);

@@ -10,6 +10,7 @@
 #include "palpate/core/assets.hpp"
 #include "palpate/hand/shadow.hpp"
 #include "palpate/hand/tip_forces.hpp"
+#include "palpate/simulation/hand/load_hand.hpp"
 #include "palpate/simulation/world/world.hpp"
 
 namespace palpate::skills {
@@ -38,7 +39,7 @@ bool touches(const hand::HandReading& reading, int finger) {
 /// A contact with the top of a box that lies on the table.
 void press(const hand::Description& model, int finger, hand::HandReading& reading) {
   const auto index = static_cast<std::size_t>(finger);
-  const auto link = static_cast<std::size_t>(model.distal[index]);
+  const auto link = static_cast<std::size_t>(model.fingers[index].link);
   const Eigen::Isometry3d T_link_base =
       hand::forward_kinematics(model, reading.joints)[link].inverse();
   const Eigen::Vector3d p(0.02 * (finger - 2), 0.01 * (finger % 2), 0.05);
@@ -80,7 +81,7 @@ struct Hold {
   }
 
   static hand::HandCommand holding() {
-    hand::HandCommand command;
+    hand::HandCommand command = hand::resting_command();
     for (int finger = 1; finger < hand::kShadowFingers; ++finger) {
       command.positions[hand::shadow_hand().actuator(finger_name(finger) + "J3")] = kHold;
     }
@@ -96,7 +97,8 @@ struct Hold {
   std::size_t probes() const { return robot.log().all(estimation::TouchEvent::probed).size(); }
 
   bool thumb_touches = true;
-  hand::Description model = simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
+  hand::Description model =
+      hand::with_soft_actuators(simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml")));
   geometry::ObjectModel object{geometry::load_known_object("box")};
   PalpationOptions options;
   GraspOptions grasp;

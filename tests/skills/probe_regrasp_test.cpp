@@ -20,7 +20,7 @@ using std::numbers::pi;
 struct TwoMugs {
   TwoMugs() : object(geometry::load_known_object("mug")) {
     simulation::World world(object.object(), {}, 1);
-    tool = regrasp_tool(world.hand_model(), world.hand().actuators());
+    tool = regrasp_tool(world.hand_model());
     options.plan.press = 5;
     for (const double yaw : {0.0, pi}) {
       localization::Mode mode;

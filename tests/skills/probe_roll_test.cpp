@@ -7,6 +7,7 @@
 
 #include "hand/fake_hand.hpp"
 #include "palpate/core/assets.hpp"
+#include "palpate/simulation/hand/load_hand.hpp"
 #include "palpate/simulation/world/world.hpp"
 
 namespace palpate::skills {
@@ -17,7 +18,8 @@ constexpr double kNothing = 1e-3;  // nats
 /// A box between the thumb below and fingers above; of the fingertips, the first is near an edge in
 /// one of two poses.
 struct HeldBox {
-  HeldBox() : object(geometry::load_known_object("box")), robot(hand, model, {}) {
+  HeldBox()
+      : object(geometry::load_known_object("box")), robot(hand, model, hand::resting_command()) {
     const Eigen::Vector3d half = object.bounds().sizes().cast<double>() / 2;
     for (int finger = 0; finger < 5; ++finger) {
       tactile::Contact contact;
@@ -34,7 +36,8 @@ struct HeldBox {
       posterior.modes.push_back(mode);
     }
   }
-  hand::Description model = simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
+  hand::Description model =
+      hand::with_soft_actuators(simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml")));
   geometry::ObjectModel object;
   hand::FakeHand hand;
   Executor robot;

@@ -10,6 +10,7 @@
 #include "palpate/core/gravity.hpp"
 #include "palpate/hand/kinematics.hpp"
 #include "palpate/simulation/collision/collision_scene.hpp"
+#include "palpate/simulation/hand/load_hand.hpp"
 #include "palpate/simulation/world/world.hpp"
 #include "palpate/skills/grasp/grasp_phase.hpp"
 #include "palpate/skills/place/place_target.hpp"
@@ -22,7 +23,7 @@ struct Table {
   explicit Table(const std::string& name, std::uint64_t seed = 1)
       : object(geometry::load_known_object(name)),
         world(object.object(), {}, seed),
-        tool(regrasp_tool(world.hand_model(), world.hand().actuators())) {
+        tool(regrasp_tool(world.hand_model())) {
     options.grasp.press = std::max(5.0, 3 * object.object().mass * kGravity);
   }
 
@@ -58,8 +59,9 @@ struct Table {
 /// go where the opened hand meets neither table nor object; the last one ends at the target.
 void expect_sound(const Table& table, const RegraspPlan& plan, const Eigen::Isometry3d& from,
                   const Eigen::Isometry3d& to) {
-  simulation::CollisionScene scene(table.object.object());
-  const auto open = hand::joints_in_free_flexion(open_posture(top_preshape()));
+  const hand::Description hand = simulation::load_hand("shadow");
+  simulation::CollisionScene scene(table.object.object(), hand);
+  const auto open = hand::joints_in_free_flexion(hand, hand.postures.top.open);
   Eigen::Isometry3d at = from;
   for (const Transfer& transfer : plan.transfers) {
     EXPECT_TRUE(transfer.T_world_from.isApprox(at, 1e-6));
@@ -165,7 +167,8 @@ TEST(PlanRegrasp, StartsFromTheHandThatHoldsTheObject) {
   const grasping::GraspPlan& grasp = *free.transfers.front().grasp;
   Holding holding;
   holding.base = grasp.base;
-  holding.joints = hand::joints_in_free_flexion(open_posture(top_preshape()));
+  const hand::Description& hand = table.world.hand_model();
+  holding.joints = hand::joints_in_free_flexion(hand, hand.postures.top.open);
   const auto plan = table.plan(from, to, holding);
   ASSERT_TRUE(plan.found);
   EXPECT_EQ(plan.strategy, Strategy::carry);

@@ -6,13 +6,15 @@
 #include "hand/fake_hand.hpp"
 #include "palpate/core/assets.hpp"
 #include "palpate/hand/shadow.hpp"
+#include "palpate/simulation/hand/load_hand.hpp"
 #include "palpate/simulation/world/world.hpp"
 
 namespace palpate::skills {
 namespace {
 
 const hand::Description& shadow() {
-  static const auto model = simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
+  static const auto model =
+      hand::with_soft_actuators(simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml")));
   return model;
 }
 
@@ -26,7 +28,7 @@ struct Holding {
     robot.move_base(up, 0.5);
   }
   static hand::HandCommand closed_command() {
-    hand::HandCommand command;
+    hand::HandCommand command = hand::resting_command();
     command.base.xyz = {0.02, -0.01, kHeight};
     command.positions.setConstant(0.8);
     return command;
@@ -48,7 +50,7 @@ TEST(ReleasePhase, LetsGoWhereTheHandHadClosedAndGoesAway) {
   }
   EXPECT_NEAR(opened_at, Holding::kHeight, 1e-9);
   for (int i = 0; i < hand::kShadowActuators; ++i) {
-    if (hand::finger_of_actuator(i) < 0) continue;
+    if (shadow().actuators[static_cast<std::size_t>(i)].finger < 0) continue;
     EXPECT_LE(holding.robot.command().positions[i], 0.1);
   }
   EXPECT_GT(holding.robot.command().base.xyz.z(), Holding::kHeight + 0.1);
@@ -64,8 +66,8 @@ TEST(ReleasePhase, TheNextTryIsWhereTheFingersLastTouched) {
   });
   const auto T_base_link = hand::forward_kinematics(shadow(), holding.robot.reading().joints);
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  for (const int link : shadow().distal) {
-    mean += T_base_link[static_cast<std::size_t>(link)] * Eigen::Vector3d(0, 0, 0.02) / 5;
+  for (const auto& finger : shadow().fingers) {
+    mean += T_base_link[static_cast<std::size_t>(finger.link)] * Eigen::Vector3d(0, 0, 0.02) / 5;
   }
   const Eigen::Vector2d expected = (holding.robot.reading().base.pose() * mean).head<2>();
   touching = false;

@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "hand/fake_hand.hpp"
+#include "palpate/core/error.hpp"
 #include "palpate/hand/faulty_hand.hpp"
 #include "palpate/hand/shadow.hpp"
 #include "palpate/skills/phase.hpp"
@@ -24,13 +25,12 @@ using hand::kTick;
 constexpr double kFrom = 0.2;     // s at which a fault sets in
 constexpr double kDetect = 0.05;  // s within which the hand must stand still
 const double kNan = std::numeric_limits<double>::quiet_NaN();
-const hand::Description kEmptyModel;
+const hand::Description kSoftHand = hand::with_soft_actuators();
 
 /// A hand that notes when its base was last commanded to move on.
 class WatchedHand : public hand::Hand {
  public:
   explicit WatchedHand(hand::Hand& hand) : hand_(hand) {}
-  const std::vector<hand::Actuator>& actuators() const override { return hand_.actuators(); }
   HandReading step(const hand::HandCommand& command) override {
     ++steps;
     if (command.base.xyz.x() > before_) last_advance = steps * kTick;
@@ -58,7 +58,7 @@ struct FaultyScene {
         }),
         faulty(fake, schedule),
         hand(faulty),
-        robot(hand, kEmptyModel, {}) {}
+        robot(hand, kSoftHand, hand::resting_command()) {}
 
   /// Moves on until something stops it.
   FaultReport run(double seconds = 3) {
@@ -187,12 +187,52 @@ TEST(Safety, ImpossibleValuesAreNamed) {
   EXPECT_EQ(fault_of([](HandReading& r) { r.base.ypr.y() = kNan; }), Fault::not_finite);
 }
 
+TEST(Safety, AReadingOfAnotherHandsSizeIsNamed) {
+  const auto detail_of = [](auto spoil) {
+    FaultyScene scene({}, [spoil](HandReading& reading) {
+      if (reading.time > kFrom) spoil(reading);
+    });
+    const FaultReport report = scene.run();
+    EXPECT_EQ(report.fault, Fault::out_of_range);
+    EXPECT_LE(scene.hand.last_advance, kFrom + kDetect + 1e-9);
+    return report.detail;
+  };
+  EXPECT_EQ(detail_of([](HandReading& r) { r.joints.conservativeResize(23); }),
+            "23 joints were read, the hand has 24");
+  EXPECT_EQ(detail_of([](HandReading& r) { r.torques.setZero(21); }),
+            "21 torques were read, the hand has 20");
+  EXPECT_EQ(detail_of([](HandReading& r) { r.contacts.pop_back(); }),
+            "4 fingertips were read, the hand has 5");
+}
+
+TEST(Safety, ACommandOfAnotherHandsSizeNeverReachesTheHand) {
+  FaultyScene scene({});
+  const std::vector way(3, hand::HandCommand{hand::ActuatorVector::Zero(2), {}});
+  EXPECT_THROW(scene.robot.follow(way), SafetyStop);
+  EXPECT_EQ(scene.robot.fault().fault, Fault::invalid_command);
+  EXPECT_NE(scene.robot.fault().detail.find("2 actuators are commanded, the hand has 20"),
+            std::string::npos)
+      << scene.robot.fault().detail;
+}
+
+TEST(Safety, APostureOfAnotherHandsSizeNeverReachesTheHand) {
+  FaultyScene scene({});
+  EXPECT_THROW(scene.robot.move_fingers(hand::ActuatorVector::Zero(2), 0.5), SafetyStop);
+  EXPECT_EQ(scene.robot.fault().fault, Fault::invalid_command);
+  EXPECT_EQ(scene.robot.fault().detail, "a posture of 2 actuators, the hand has 20");
+}
+
+TEST(Safety, AStartOfAnotherHandsSizeIsRefused) {
+  hand::FakeHand fake;
+  EXPECT_THROW(Executor(fake, kSoftHand, {}), BadInput);
+}
+
 TEST(Safety, AJointThatDoesNotFollowIsNamed) {
   hand::FakeHand fake;
   hand::FaultyHand faulty(fake, {.fault = InjectedFault::joint_stuck, .from = kFrom});
-  Executor robot(faulty, kEmptyModel, {});
+  Executor robot(faulty, kSoftHand, hand::resting_command());
   robot.wait(2 * kFrom);
-  hand::ActuatorVector posture = hand::ActuatorVector::Zero();
+  hand::ActuatorVector posture = hand::ActuatorVector::Zero(hand::kShadowActuators);
   posture[9] = 1;
   EXPECT_EQ(robot.move_fingers(posture, 1), MotionEnd::reached);
   EXPECT_THROW(robot.wait(1), SafetyStop);
@@ -211,7 +251,7 @@ TEST(Safety, ACommandThatIsNotFiniteNeverReachesTheHand) {
 
 TEST(Safety, AFullLogStopsTheRobot) {
   hand::FakeHand fake;
-  Executor robot(fake, kEmptyModel, {}, {}, nullptr, {{.max_log = 1.0}, {}, {}});
+  Executor robot(fake, kSoftHand, hand::resting_command(), {}, nullptr, {{.max_log = 1.0}, {}, {}});
   EXPECT_THROW(robot.wait(2), SafetyStop);
   EXPECT_EQ(robot.fault().fault, Fault::log_full);
   EXPECT_LT(robot.log().readings.size(), 140u);
@@ -225,7 +265,7 @@ TEST(Safety, StopsWithinATickFromAnotherThread) {
     asked = reading.time;
     std::thread([&] { source.request_stop(); }).join();
   });
-  Executor robot(fake, kEmptyModel, {}, {}, nullptr, {{}, source.get_token()});
+  Executor robot(fake, kSoftHand, hand::resting_command(), {}, nullptr, {{}, source.get_token()});
   EXPECT_THROW(robot.wait(2), SafetyStop);
   EXPECT_EQ(robot.fault().fault, Fault::stop_requested);
   EXPECT_NEAR(robot.fault().time, asked, 1e-9);
@@ -257,7 +297,7 @@ TEST(Safety, TheWatchdogStopsAHandThatHangs) {
   Safety safety;
   safety.options.watchdog = 0.5;
   safety.stop_drives = [&] { hand.stop_drives(); };
-  Executor robot(hand, kEmptyModel, {}, {}, nullptr, safety);
+  Executor robot(hand, kSoftHand, hand::resting_command(), {}, nullptr, safety);
   EXPECT_THROW(robot.wait(2), SafetyStop);
   EXPECT_EQ(robot.fault().fault, Fault::silent);
 }
@@ -288,7 +328,8 @@ TEST(Safety, AnExceptionThatEndsTheRobotLeavesTheHandSafe) {
   int stopped = 0;
   hand::FakeHand fake;
   try {
-    Executor robot(fake, kEmptyModel, {}, {}, nullptr, {{}, {}, [&] { ++stopped; }});
+    Executor robot(fake, kSoftHand, hand::resting_command(), {}, nullptr,
+                   {{}, {}, [&] { ++stopped; }});
     throw std::runtime_error("elsewhere");
   } catch (const std::runtime_error&) {
   }
@@ -309,8 +350,8 @@ TEST(Safety, AStoppedFingerHoldsOnLightly) {
     reading.joints[hand::shadow_hand().joint("FFJ3")] = 0.2;  // it is held back there
     reading.base_force.z() = reading.time > 1 ? 90 : 0;
   });
-  Executor robot(fake, kEmptyModel, {});
-  hand::ActuatorVector posture = hand::ActuatorVector::Zero();
+  Executor robot(fake, kSoftHand, hand::resting_command());
+  hand::ActuatorVector posture = hand::ActuatorVector::Zero(hand::kShadowActuators);
   posture[hand::shadow_hand().actuator("FFJ3")] = 0.7;
   robot.move_fingers(posture, 0.5);
   EXPECT_THROW(robot.wait(1), SafetyStop);

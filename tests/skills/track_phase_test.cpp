@@ -3,9 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include "hand/descriptions.hpp"
 #include "palpate/core/assets.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/evaluation/trial.hpp"
+#include "palpate/simulation/hand/load_hand.hpp"
 
 namespace palpate::skills {
 namespace {
@@ -52,7 +54,7 @@ TEST(TrackPhase, HasNothingToFollowWithoutAnEstimateBefore) {
 struct Standing {
   explicit Standing(std::size_t readings)
       : hand(simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"))) {
-    hand::HandReading reading;
+    hand::HandReading reading = hand::resting_reading();
     for (std::size_t i = 0; i < readings; ++i) {
       reading.time = static_cast<double>(i) * hand::kTick;
       reading.base.xyz.z() += 0.001;

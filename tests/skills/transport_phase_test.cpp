@@ -6,6 +6,7 @@
 #include "hand/fake_hand.hpp"
 #include "palpate/core/assets.hpp"
 #include "palpate/simulation/collision/collision_scene.hpp"
+#include "palpate/simulation/hand/load_hand.hpp"
 #include "palpate/simulation/world/world.hpp"
 
 namespace palpate::skills {
@@ -30,7 +31,7 @@ struct Carrying {
     goal.above.xyz.z() += 0.1;
   }
   static hand::HandCommand waiting() {
-    hand::HandCommand command;
+    hand::HandCommand command = hand::resting_command();
     command.base.xyz.z() = 0.6;
     return command;
   }
@@ -43,10 +44,11 @@ struct Carrying {
     return report;
   }
 
-  hand::Description model = simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
+  hand::Description model =
+      hand::with_soft_actuators(simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml")));
   hand::FakeHand hand;
   Executor robot;
-  simulation::CollisionScene scene{geometry::load_known_object("box")};
+  simulation::CollisionScene scene{geometry::load_known_object("box"), model};
   PlaceGoal goal;
   planning::Plan motion;
   bool lost = false;

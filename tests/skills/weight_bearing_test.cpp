@@ -9,6 +9,7 @@
 #include "hand/fake_hand.hpp"
 #include "palpate/core/assets.hpp"
 #include "palpate/hand/shadow.hpp"
+#include "palpate/simulation/hand/load_hand.hpp"
 #include "palpate/simulation/world/world.hpp"
 #include "palpate/tactile/contacts/contact_window.hpp"
 
@@ -28,12 +29,13 @@ struct Pinching {
             reading.contacts[i].push_back({{0, 0, 0.02}, n, -kBoxPress * n});
           }
         }),
-        robot(hand, model, {}) {
+        robot(hand, model, hand::resting_command()) {
     robot.wait(0.3);
   }
   WeightBearing bearing() const { return {robot, p_base_object, kBoxWeight, kFriction}; }
 
-  hand::Description model = simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
+  hand::Description model =
+      hand::with_soft_actuators(simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml")));
   hand::FakeHand hand;
   Executor robot;
   Eigen::Vector3d p_base_object{0.3, 0, -0.05};
@@ -75,9 +77,10 @@ TEST(WeightBearing, FollowsTheWeightByWhatTheStaticsAsk) {
 }
 
 TEST(WeightBearing, WithoutTouchTheFingersStay) {
-  hand::Description model = simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
+  hand::Description model =
+      hand::with_soft_actuators(simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml")));
   hand::FakeHand hand;
-  Executor robot(hand, model, {});
+  Executor robot(hand, model, hand::resting_command());
   const WeightBearing bearing(robot, {0.3, 0, 0}, kBoxWeight, kFriction);
   EXPECT_EQ(bearing.command(turned(0, 1, 1)), robot.command().positions);
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include "hand/descriptions.hpp"
 #include "hand/fake_hand.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/hand/biotac_reading.hpp"
@@ -39,10 +40,10 @@ TEST(BiotacHand, FeelsByTheChannelsAlone) {
     reading.biotacs.assign(hand::kShadowFingers, channels);
   });
   BiotacHand hand(felt, hand::one_link_hand(), inverse());
-  EXPECT_EQ(&hand.actuators(), &felt.actuators());
-  for (int k = 0; k < 40; ++k) EXPECT_TRUE(hand.step({}).contacts[1].empty()) << k;
-  hand::HandReading last;
-  for (int k = 0; k < 40; ++k) last = hand.step({});
+  const hand::HandCommand command = hand::resting_command();
+  for (int k = 0; k < 40; ++k) EXPECT_TRUE(hand.step(command).contacts[1].empty()) << k;
+  hand::HandReading last = hand::resting_reading();
+  for (int k = 0; k < 40; ++k) last = hand.step(command);
   ASSERT_EQ(last.contacts[1].size(), 1u);
   EXPECT_GT(last.contacts[1][0].normal_sigma, 0);
 }
@@ -50,7 +51,7 @@ TEST(BiotacHand, FeelsByTheChannelsAlone) {
 TEST(BiotacHand, RefusesAHandWithoutChannels) {
   hand::FakeHand numb;
   BiotacHand hand(numb, hand::one_link_hand(), inverse());
-  EXPECT_THROW(hand.step({}), BadInput);
+  EXPECT_THROW(hand.step(hand::resting_command()), BadInput);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/error_message.hpp"
+#include "hand/descriptions.hpp"
 #include "palpate/hand/shadow.hpp"
 #include "palpate/tactile/biotac/fingers.hpp"
 #include "palpate/tactile/biotac/normal.hpp"
@@ -214,7 +215,7 @@ TEST(MeetingWay, IsTheMotionBeforeTheTouch) {
 
 /// A hand whose tips move along a way and whose first finger then feels something.
 hand::HandReading reading_at(int k, const Eigen::Vector3d& way, const BiotacReading& channels) {
-  hand::HandReading reading;
+  hand::HandReading reading = hand::resting_reading();
   reading.time = 0.01 * k;
   reading.base.xyz = 0.0005 * k * way;
   reading.biotacs.assign(hand::kShadowFingers, channels);
@@ -225,7 +226,7 @@ TEST(BiotacFingers, AreBluntWhereNoElectrodeTellsThePlace) {
   BiotacFingers fingers(hand::one_link_hand(), inverse());
   const Eigen::Vector3d way(0, 0.6, 0.8);
   Stream stream;
-  hand::HandReading reading;
+  hand::HandReading reading = hand::resting_reading();
   for (int k = 0; k < 80; ++k) {
     auto channels = stream.read(k < 60 ? 0 : 2);
     // Near the touch, but far too low: no contact explains that.
@@ -286,7 +287,7 @@ TEST(BiotacFingers, TellHowFarTheirContactsMayBeOff) {
 TEST(BiotacFingers, PutTheirContactsIntoTheReading) {
   BiotacFingers fingers(hand::one_link_hand(), inverse());
   Stream stream;
-  hand::HandReading reading;
+  hand::HandReading reading = hand::resting_reading();
   EXPECT_NE(error_message([&] { fingers.infer_contacts(reading); }).find("0 BioTacs"),
             std::string::npos);
   for (int k = 0; k < 60; ++k) {

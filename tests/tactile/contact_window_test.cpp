@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "hand/descriptions.hpp"
 #include "palpate/core/random.hpp"
 #include "palpate/hand/shadow.hpp"
 #include "palpate/tactile/contacts/contact.hpp"
@@ -16,7 +17,7 @@ namespace {
 
 /// A palm with one hinged fingertip a finger, 0.1 m out.
 hand::Description toy_hand() {
-  hand::Description hand;
+  hand::Description hand = hand::shadow_hand();
   hand.links.resize(6);
   hand.palm = 0;
   for (int finger = 0; finger < hand::kShadowFingers; ++finger) {
@@ -32,7 +33,8 @@ hand::Description toy_hand() {
 
 std::vector<hand::HandReading> held(int readings, double noise, std::uint64_t seed) {
   RandomStream random(seed, "held");
-  std::vector<hand::HandReading> window(static_cast<std::size_t>(readings));
+  std::vector<hand::HandReading> window(static_cast<std::size_t>(readings),
+                                        hand::resting_reading());
   for (auto& reading : window) {
     hand::TipContact contact;
     contact.p = Eigen::Vector3d(0.02, 0.005, 0) + noise * random.normal3();

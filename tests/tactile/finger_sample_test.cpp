@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "hand/descriptions.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/random.hpp"
 
@@ -148,13 +149,10 @@ TEST(SampleMaker, RefusesOptionsOutOfRange) {
 }
 
 TEST(FingerFrame, HasTheCapsulesNormalInTheWorld) {
-  hand::Description hand;
+  hand::Description hand = hand::shadow_on_link(
+      0, {.a = Eigen::Vector3d::Zero(), .b = Eigen::Vector3d(0, 0, 0.02), .radius = 0.007});
   hand.links.resize(1);
-  hand.distal.fill(0);
-  for (auto& tip : hand.tips) {
-    tip = {.a = Eigen::Vector3d::Zero(), .b = Eigen::Vector3d(0, 0, 0.02), .radius = 0.007};
-  }
-  hand::HandReading reading;
+  hand::HandReading reading = hand::resting_reading();
   reading.base.xyz = {1, 2, 3};
   reading.base.ypr = {0.3, -0.7, 1.1};
   // Beside the axis, and beyond its end.

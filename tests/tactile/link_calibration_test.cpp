@@ -21,7 +21,7 @@ constexpr double kLinkError = 0.002;  // m
 
 /// Five fingers of three links, 40 mm each, which bend about y and spread about z at the knuckle.
 hand::Description three_link_hand() {
-  hand::Description hand;
+  hand::Description hand = hand::shadow_hand();
   hand.links.push_back({"palm", -1, Eigen::Isometry3d::Identity(), Eigen::Vector3d::Zero(), -1});
   hand.palm = 0;
   int joint = 0;
@@ -49,7 +49,7 @@ Eigen::Vector3d place(const hand::Description& hand, const TipPosture& tip,
 }
 
 TipPosture random_posture(int finger, RandomStream& random) {
-  TipPosture tip{finger, {}};
+  TipPosture tip{finger, hand::JointVector::Zero(hand::kShadowJoints)};
   for (int i = 0; i < hand::kShadowJoints; ++i) tip.joints[i] = random.uniform(-0.3, 1.2);
   return tip;
 }
@@ -155,7 +155,7 @@ TEST(CalibrateLinks, RefusesTouchesThatCannotBe) {
 TEST(DistanceFromPlane, IsThatOfTheTouchingPoint) {
   hand::Description hand = three_link_hand();
   TipOnPlane touch;
-  touch.tip = {2, hand::JointVector::Zero()};
+  touch.tip = {2, hand::JointVector::Zero(hand::kShadowJoints)};
   touch.p = {0.02, 0, -0.005};
   touch.plane = {Eigen::Vector3d::UnitZ(), 0.03};  // z = -30 mm
   EXPECT_NEAR(distance_from_plane(hand, touch), 0.025, 1e-12);

@@ -50,6 +50,7 @@ class Executor {
   /// @param models  of the world, for the skills that plan; must outlive the robot
   ///
   /// A fault of the hand's first reading is thrown by the first motion.
+  /// @throws BadInput unless `start` has one position an actuator
   Executor(hand::Hand& hand, const hand::Description& model, const hand::HandCommand& start,
            Observer observer = {}, const ModelFactory* models = nullptr, Safety safety = {});
   ~Executor();
