@@ -125,11 +125,6 @@ std::optional<PoseEstimate> converge(Rounds& rounds, Eigen::Isometry3d T, double
   return best;
 }
 
-/// Free motions of the part of the target that the source covers.
-std::vector<FreeMotion> free_in_overlap(const Correspondences& pairs) {
-  return free_surface_motions({pairs.target, pairs.target_normals});
-}
-
 void report(const PoseEstimate& best, const Rounds& rounds, const CloudOptions& options,
             CloudRegistration& registration) {
   RegistrationResult& result = registration.result;
@@ -139,7 +134,8 @@ void report(const PoseEstimate& best, const Rounds& rounds, const CloudOptions& 
   result.inliers.clear();
   for (std::size_t i = 0; i < count; ++i) result.inliers.push_back(static_cast<int>(i));
   PoseEstimate estimate = best;
-  if (auto free = free_in_overlap(registration.correspondences); !free.empty()) {
+  auto free = free_motions_of_overlap(registration.correspondences, best.T_target_source);
+  if (!free.empty()) {
     estimate.status = Status::kDegenerate;
     estimate.rank = 6 - static_cast<int>(free.size());
     estimate.free_motions = std::move(free);

@@ -89,11 +89,11 @@ void match_features(FeatureCloud from, const FeatureCloud& to, const CloudOption
 }
 
 /// @return whether either cloud can be slid along itself, which no pose can tell
-bool is_degenerate(const FeatureCloud& from, const FeatureCloud& to, RegistrationResult& result) {
+bool is_degenerate(const PointCloud& from, const PointCloud& to, RegistrationResult& result) {
   result.status = RegistrationStatus::kDegenerate;
-  if (from.cloud.size() < 3 || to.cloud.size() < 3) return true;
-  result.free_motions = free_surface_motions(to.cloud);
-  if (result.free_motions.empty()) result.free_motions = free_surface_motions(from.cloud);
+  if (from.size() < 3 || to.size() < 3) return true;
+  result.free_motions = free_surface_motions(to);
+  if (result.free_motions.empty()) result.free_motions = free_surface_motions(from);
   result.rank = 6 - static_cast<int>(result.free_motions.size());
   return !result.free_motions.empty();
 }
@@ -115,18 +115,24 @@ void check_options(const CloudOptions& options) {
   }
 }
 
+/// A cloud by its features, and in the detail that poses are refined with.
+struct PreparedCloud {
+  const FeatureCloud& described;
+  const PointCloud& dense;
+};
+
 /// Everything before the refinement, in points of the described clouds.
-CloudRegistration coarse(const FeatureCloud& from, const FeatureCloud& to, double voxel,
+CloudRegistration coarse(const PreparedCloud& from, const PreparedCloud& to, double voxel,
                          const CloudOptions& options) {
   CloudRegistration registration;
   registration.voxel = voxel;
   registration.noise_bound = noise_bound_of(options, voxel);
   registration.result.false_alarms = 1;
-  if (is_degenerate(from, to, registration.result)) return registration;
+  if (is_degenerate(from.dense, to.dense, registration.result)) return registration;
   if (options.registration.initial) {
     registration.result.T_target_source = options.registration.initial;
   } else {
-    match_features(from, to, options, registration);
+    match_features(from.described, to.described, options, registration);
   }
   return registration;
 }
@@ -169,7 +175,8 @@ CloudRegistration register_described(const FeatureCloud& source, const FeatureCl
   check_options(options);
   if (!(voxel > 0)) throw BadInput(fmt::format("voxel {} m is not positive", voxel));
   const double start = now();
-  CloudRegistration registration = coarse(source, target, voxel, options);
+  CloudRegistration registration =
+      coarse({source, source.cloud}, {target, target.cloud}, voxel, options);
   if (registration.result.T_target_source) {
     refine_clouds(source.cloud, target.cloud, options, registration);
   }
@@ -198,7 +205,8 @@ CloudRegistration register_clouds(const PointCloud& source, const PointCloud& ta
     described[k] = describe(*clouds[k], voxel, options.features);
     if (described[k].cloud.size() >= 3) dense[k] = detailed(*clouds[k], options.features);
   });
-  CloudRegistration registration = coarse(described[0], described[1], voxel, options);
+  CloudRegistration registration =
+      coarse({described[0], dense[0]}, {described[1], dense[1]}, voxel, options);
   registration.feature_seconds = now() - start - registration.result.seconds;
   if (registration.result.T_target_source) {
     refine_clouds(dense[0], dense[1], options, registration);

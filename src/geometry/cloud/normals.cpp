@@ -15,24 +15,6 @@
 namespace palpate::geometry {
 namespace {
 
-Eigen::Vector3d plane_normal(const KdTree& tree, std::size_t i, int neighbours) {
-  const auto found = tree.nearest(tree.points()[i], neighbours);
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  for (const auto& n : found) mean += tree.points()[static_cast<std::size_t>(n.index)];
-  mean /= static_cast<double>(found.size());
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-  for (const auto& n : found) {
-    const Eigen::Vector3d d = tree.points()[static_cast<std::size_t>(n.index)] - mean;
-    covariance += d * d.transpose();
-  }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(covariance);
-  if (!(eigen.eigenvalues()[1] > 1e-12 * eigen.eigenvalues()[2])) {
-    throw BadInput(
-        fmt::format("no normal at point {}: its {} neighbours are collinear", i, found.size()));
-  }
-  return eigen.eigenvectors().col(0);
-}
-
 /// Neighbours of every point, each edge in both directions.
 std::vector<std::vector<int>> neighbour_graph(const KdTree& tree, int neighbours) {
   std::vector<std::vector<int>> graph(tree.points().size());
@@ -71,6 +53,27 @@ void orient_part(const std::vector<std::vector<int>>& graph, std::size_t start,
 
 }  // namespace
 
+std::optional<Eigen::Vector3d> plane_normal(const KdTree& tree, const Eigen::Vector3d& at,
+                                            int neighbours) {
+  constexpr double kCollinear = 1e-12;  // of the squared extent along the line
+  const auto found = tree.nearest(at, neighbours);
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const auto& n : found) mean += tree.points()[static_cast<std::size_t>(n.index)];
+  mean /= static_cast<double>(found.size());
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  for (const auto& n : found) {
+    const Eigen::Vector3d d = tree.points()[static_cast<std::size_t>(n.index)] - mean;
+    covariance += d * d.transpose();
+  }
+  // The sum of the principal minors is that of the products of two eigenvalues.
+  const double trace = covariance.trace();
+  const double products = (trace * trace - covariance.squaredNorm()) / 2;
+  if (!(products > kCollinear * trace * trace)) return std::nullopt;
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen;
+  eigen.computeDirect(covariance / trace);
+  return eigen.eigenvectors().col(0);
+}
+
 std::vector<Eigen::Vector3d> plane_normals(const KdTree& tree, int neighbours) {
   if (neighbours < 3 || tree.points().size() < 3) {
     throw BadInput(fmt::format("no normals from {} neighbours among {} points", neighbours,
@@ -78,7 +81,13 @@ std::vector<Eigen::Vector3d> plane_normals(const KdTree& tree, int neighbours) {
   }
   std::vector<Eigen::Vector3d> normals;
   for (std::size_t i = 0; i < tree.points().size(); ++i) {
-    normals.push_back(plane_normal(tree, i, neighbours));
+    const auto normal = plane_normal(tree, tree.points()[i], neighbours);
+    if (!normal) {
+      throw BadInput(
+          fmt::format("no normal at point {}: its {} neighbours are collinear", i,
+                      std::min(static_cast<std::size_t>(neighbours), tree.points().size())));
+    }
+    normals.push_back(*normal);
   }
   return normals;
 }

@@ -1,10 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
+
 #include "palpate/geometry/cloud/kd_tree.hpp"
 #include "palpate/geometry/cloud/point_cloud.hpp"
 
 namespace palpate::geometry {
+
+/// Unit normal of the plane through the `neighbours` points nearest to a place; of either sign.
+/// Nothing where they are collinear.
+std::optional<Eigen::Vector3d> plane_normal(const KdTree& tree, const Eigen::Vector3d& at,
+                                            int neighbours);
 
 /// Unit normal of the plane through each point's `neighbours` nearest points (itself among them),
 /// by principal components (Hoppe et al. 1992, 3.2); of either sign.
