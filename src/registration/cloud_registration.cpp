@@ -12,6 +12,7 @@
 #include "palpate/geometry/cloud/normals.hpp"
 #include "registration/clock.hpp"
 #include "registration/cloud_refinement.hpp"
+#include "registration/neighbour_rounds.hpp"
 #include "registration/surface_motions.hpp"
 
 namespace palpate::registration {
@@ -68,7 +69,8 @@ void match_features(FeatureCloud from, const FeatureCloud& to, const CloudOption
   search.support_radius =
       std::max(search.support_radius, options.features.feature_radius_voxels * registration.voxel);
   const FeatureCloud upright = from;
-  const int tries = from.estimated_normals || to.estimated_normals ? 2 : 1;
+  const bool fpfh = from.is_fpfh && to.is_fpfh;
+  const int tries = fpfh && (from.estimated_normals || to.estimated_normals) ? 2 : 1;
   for (int attempt = 0; attempt < tries; ++attempt) {
     if (attempt > 0) from = turned_inside_out(std::move(from));
     Correspondences matches = matched(from, to, options.threads);
@@ -80,7 +82,7 @@ void match_features(FeatureCloud from, const FeatureCloud& to, const CloudOption
     }
     if (registration.result.false_alarms < kClearFalseAlarms) return;
   }
-  if (fits_mirrored(upright, to, options, search, registration)) {
+  if (fpfh && fits_mirrored(upright, to, options, search, registration)) {
     registration.result.mirrored = true;
     registration.result.status = RegistrationStatus::kNoConsensus;
     registration.result.T_target_source.reset();
@@ -90,8 +92,6 @@ void match_features(FeatureCloud from, const FeatureCloud& to, const CloudOption
 
 /// @return whether either cloud can be slid along itself, which no pose can tell
 bool is_degenerate(const PointCloud& from, const PointCloud& to, RegistrationResult& result) {
-  result.status = RegistrationStatus::kDegenerate;
-  if (from.size() < 3 || to.size() < 3) return true;
   result.free_motions = free_surface_motions(to);
   if (result.free_motions.empty()) result.free_motions = free_surface_motions(from);
   result.rank = 6 - static_cast<int>(result.free_motions.size());
@@ -115,6 +115,16 @@ void check_options(const CloudOptions& options) {
   }
 }
 
+void check_described(const FeatureCloud& described) {
+  geometry::check_cloud(described.cloud);
+  const auto points = described.cloud.size();
+  const auto columns = static_cast<std::size_t>(described.features.cols());
+  if (columns != points || described.cloud.normals.size() != points) {
+    throw BadInput(fmt::format("{} features and {} normals for {} points", columns,
+                               described.cloud.normals.size(), points));
+  }
+}
+
 /// A cloud by its features, and in the detail that poses are refined with.
 struct PreparedCloud {
   const FeatureCloud& described;
@@ -128,7 +138,11 @@ CloudRegistration coarse(const PreparedCloud& from, const PreparedCloud& to, dou
   registration.voxel = voxel;
   registration.noise_bound = noise_bound_of(options, voxel);
   registration.result.false_alarms = 1;
-  if (is_degenerate(from.dense, to.dense, registration.result)) return registration;
+  if (std::min(from.described.cloud.size(), to.described.cloud.size()) < 3 ||
+      is_degenerate(from.dense, to.dense, registration.result)) {
+    registration.result.status = RegistrationStatus::kDegenerate;
+    return registration;
+  }
   if (options.registration.initial) {
     registration.result.T_target_source = options.registration.initial;
   } else {
@@ -167,6 +181,7 @@ FeatureCloud describe(const PointCloud& cloud, double voxel, const FeatureOption
     result.estimated_normals = true;
   }
   result.features = geometry::fpfh(result.cloud, options.feature_radius_voxels * voxel);
+  result.is_fpfh = true;
   return result;
 }
 
@@ -174,6 +189,7 @@ CloudRegistration register_described(const FeatureCloud& source, const FeatureCl
                                      double voxel, const CloudOptions& options) {
   check_options(options);
   if (!(voxel > 0)) throw BadInput(fmt::format("voxel {} m is not positive", voxel));
+  for (const FeatureCloud* cloud : {&source, &target}) check_described(*cloud);
   const double start = now();
   CloudRegistration registration =
       coarse({source, source.cloud}, {target, target.cloud}, voxel, options);
@@ -190,20 +206,21 @@ CloudRegistration register_clouds(const PointCloud& source, const PointCloud& ta
   check_options(options);
   const PointCloud* clouds[] = {&source, &target};
   for (const auto* cloud : clouds) geometry::check_cloud(*cloud);
+  PointCloud dense[2];
+  parallel_for(2, options.threads, [&](std::size_t k) { dense[k] = thinned(*clouds[k]); });
+  const bool given = options.features.voxel > 0;
   const double voxel =
-      options.features.voxel > 0
-          ? options.features.voxel
-          : suggested_voxel(source, target, options.features.most_points, options.threads);
+      given ? options.features.voxel
+            : suggested_voxel(dense[0], dense[1], options.features.most_points, options.threads);
   if (!(voxel > 0)) {
     CloudRegistration none;
     none.result.status = RegistrationStatus::kDegenerate;
     return none;
   }
   FeatureCloud described[2];
-  PointCloud dense[2];
   parallel_for(2, options.threads, [&](std::size_t k) {
-    described[k] = describe(*clouds[k], voxel, options.features);
-    if (described[k].cloud.size() >= 3) dense[k] = detailed(*clouds[k], options.features);
+    described[k] = describe(given ? *clouds[k] : dense[k], voxel, options.features);
+    if (described[k].cloud.size() >= 3) add_normals(dense[k], options.features);
   });
   CloudRegistration registration =
       coarse({described[0], dense[0]}, {described[1], dense[1]}, voxel, options);

@@ -11,7 +11,8 @@
 namespace palpate::registration {
 namespace {
 
-constexpr int kNeighbours = 12;  // of a plane fit
+constexpr int kNeighbours = 12;        // of a plane fit
+constexpr std::size_t kLooked = 1000;  // points of a cloud, roughly
 
 /// Points of a surface, each with two estimates of its normal.
 struct NormalPairs {
@@ -44,6 +45,19 @@ CentredInformation shared_information(const NormalPairs& pairs) {
   return result;
 }
 
+/// Turns in units of the root mean square arm.
+Vector6d scale_of(const CentredInformation& about) {
+  Vector6d scale = Vector6d::Ones();
+  scale.head<3>().setConstant(1 / std::sqrt(std::max(about.squared_arm, 1e-300)));
+  return scale;
+}
+
+Eigen::SelfAdjointEigenSolver<Matrix6d> eigen_of(const CentredInformation& about) {
+  const Vector6d scale = scale_of(about);
+  return Eigen::SelfAdjointEigenSolver<Matrix6d>(scale.asDiagonal() * about.information *
+                                                 scale.asDiagonal());
+}
+
 /// Of the share of the information that a twist about the centre gets if it is free.
 double standard_error(const NormalPairs& pairs, const CentredInformation& about,
                       const Vector6d& twist) {
@@ -64,18 +78,24 @@ std::vector<FreeMotion> free_motions_of(const NormalPairs& pairs) {
   constexpr double kDeviations = 4;
   if (pairs.points.empty()) return {};
   const CentredInformation about = shared_information(pairs);
-  Vector6d scale = Vector6d::Ones();
-  scale.head<3>().setConstant(1 / std::sqrt(std::max(about.squared_arm, 1e-300)));
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(scale.asDiagonal() * about.information *
-                                                      scale.asDiagonal());
-  const Vector6d weakest = scale.asDiagonal() * eigen.eigenvectors().col(0);
+  const Vector6d weakest = scale_of(about).asDiagonal() * eigen_of(about).eigenvectors().col(0);
   return free_motions(about,
                       std::max(kSurfaceError, kDeviations * standard_error(pairs, about, weakest)));
 }
 
+/// Of the information, by one estimate of the normals.
+double least_share(const geometry::PointCloud& cloud) {
+  NormalPairs pairs;
+  const std::size_t step = std::max<std::size_t>(1, cloud.size() / kLooked);
+  for (std::size_t i = 0; i < cloud.size(); i += step) {
+    pairs.add(cloud.points[i], cloud.normals[i], cloud.normals[i]);
+  }
+  const CentredInformation about = shared_information(pairs);
+  return eigen_of(about).eigenvalues()[0] / about.weight_sum;
+}
+
 /// Looks at some of the points, with a plane fit to each half of all points at each.
 NormalPairs normals_of_halves(const geometry::PointCloud& cloud) {
-  constexpr std::size_t kLooked = 1500;
   std::vector<Eigen::Vector3d> halves[2];
   for (std::size_t i = 0; i < cloud.size(); ++i) halves[i % 2].push_back(cloud.points[i]);
   const geometry::KdTree trees[] = {geometry::KdTree(std::move(halves[0])),
@@ -91,20 +111,37 @@ NormalPairs normals_of_halves(const geometry::PointCloud& cloud) {
   return pairs;
 }
 
+NormalPairs normals_of_overlap(const Correspondences& pairs, const Eigen::Isometry3d& T) {
+  NormalPairs normals;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    normals.add(pairs.target[i], pairs.target_normals[i], T.linear() * pairs.source_normals[i]);
+  }
+  return normals;
+}
+
 }  // namespace
 
 std::vector<FreeMotion> free_surface_motions(const geometry::PointCloud& cloud) {
+  // Noise adds to the shares that one estimate gives: what is large with it needs no second look.
+  constexpr double kClear = 0.1;
+  if (cloud.has_normals() && least_share(cloud) > kClear) return {};
   return free_motions_of(normals_of_halves(cloud));
 }
 
 std::vector<FreeMotion> free_motions_of_overlap(const Correspondences& pairs,
                                                 const Eigen::Isometry3d& T_target_source) {
-  NormalPairs normals;
-  for (std::size_t i = 0; i < pairs.size(); ++i) {
-    normals.add(pairs.target[i], pairs.target_normals[i],
-                T_target_source.linear() * pairs.source_normals[i]);
-  }
-  return free_motions_of(normals);
+  return free_motions_of(normals_of_overlap(pairs, T_target_source));
+}
+
+std::optional<FreeMotion> weak_rotation(const Correspondences& pairs,
+                                        const Eigen::Isometry3d& T_target_source) {
+  constexpr double kWeak = 0.02, kRounding = 1e-9;
+  const CentredInformation about = shared_information(normals_of_overlap(pairs, T_target_source));
+  const double least = eigen_of(about).eigenvalues()[0] / about.weight_sum;
+  if (least > kWeak) return std::nullopt;
+  const FreeMotion weakest = free_motions(about, least + kRounding).front();
+  if (weakest.kind != FreeMotion::Kind::kRotation) return std::nullopt;
+  return weakest;
 }
 
 }  // namespace palpate::registration

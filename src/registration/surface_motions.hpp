@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "palpate/geometry/cloud/point_cloud.hpp"
@@ -24,5 +25,11 @@ std::vector<FreeMotion> free_surface_motions(const geometry::PointCloud& cloud);
 /// the target's normals and the moved source's, of either sign.
 std::vector<FreeMotion> free_motions_of_overlap(const Correspondences& pairs,
                                                 const Eigen::Isometry3d& T_target_source);
+
+/// The axis that the overlap is nearly round about: the motion that gets the least of the
+/// information, if that is a rotation and gets less than a fiftieth of what a unit residual a
+/// point gives.
+std::optional<FreeMotion> weak_rotation(const Correspondences& pairs,
+                                        const Eigen::Isometry3d& T_target_source);
 
 }  // namespace palpate::registration

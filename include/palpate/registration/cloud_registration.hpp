@@ -10,8 +10,10 @@ namespace palpate::registration {
 /// A cloud sampled to a grid, with normals and a feature for each point.
 struct FeatureCloud {
   geometry::PointCloud cloud;
-  geometry::Features features;
+  geometry::Features features;     ///< one column a point, of any length: FPFH or one's own
   bool estimated_normals = false;  ///< not the cloud's own: all may be turned inside out
+  /// The features are fpfh(): those of the mirror image, and of normals turned over, are known.
+  bool is_fpfh = false;
 };
 
 struct FeatureOptions {
@@ -75,8 +77,9 @@ CloudRegistration register_clouds(const geometry::PointCloud& source,
                                   const CloudOptions& options = {});
 
 /// The same for clouds with features of any kind, one column a point, that are nearest for like
-/// places; both of the same voxel.
+/// places; both of the same voxel. Mirrored clouds are told from others by FPFH alone.
 /// @param voxel  m, distance between the points
+/// @throws BadInput also for another number of features or normals than points
 CloudRegistration register_described(const FeatureCloud& source, const FeatureCloud& target,
                                      double voxel, const CloudOptions& options = {});
 

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <vector>
@@ -14,12 +13,16 @@
 namespace palpate::geometry {
 namespace {
 
-using Cell = std::array<std::int64_t, 3>;
+struct Cell {
+  std::int64_t x, y, z;
+
+  bool operator==(const Cell&) const = default;
+};
 
 struct CellHash {
   std::size_t operator()(const Cell& cell) const {
     std::uint64_t hash = 0;
-    for (const std::int64_t k : cell) {
+    for (const std::int64_t k : {cell.x, cell.y, cell.z}) {
       hash = (hash ^ static_cast<std::uint64_t>(k)) * 0x9e3779b97f4a7c15;
       hash ^= hash >> 29;
     }
@@ -63,7 +66,7 @@ Eigen::AlignedBox3d box_of(const PointCloud& cloud) {
 }
 
 Cell cell_at(const Eigen::Vector3d& p, const Eigen::Vector3d& low, double cell) {
-  const Eigen::Vector3d k = ((p - low) / cell).array().floor();
+  const Eigen::Vector3d k = (p - low) / cell;  // none below 0
   return {static_cast<std::int64_t>(k[0]), static_cast<std::int64_t>(k[1]),
           static_cast<std::int64_t>(k[2])};
 }
@@ -83,21 +86,17 @@ std::vector<std::size_t> cells_of(const PointCloud& cloud, double cell, std::siz
 /// point.
 double cell_from(const PointCloud& cloud, std::size_t stride, const Eigen::Vector3d& low,
                  std::size_t most, double cell) {
-  constexpr double kStep = 1.05;
-  const auto occupied = [&] {
+  constexpr double kLeastStep = 1.02;
+  for (;;) {
     CellNumbers numbers(cloud.size() / stride + 1);
     for (std::size_t i = 0; i < cloud.size(); i += stride) {
       numbers.number(cell_at(cloud.points[i], low, cell));
     }
-    return numbers.count();
-  };
-  for (std::size_t count = cloud.size(); count > most; cell *= kStep) {
-    count = occupied();
+    if (numbers.count() <= most) return cell;
     // A surface: the number falls with the square of the cell.
-    const double excess = static_cast<double>(count) / static_cast<double>(most);
-    if (excess > 1.5) cell *= std::sqrt(excess / 1.3);
+    const double excess = static_cast<double>(numbers.count()) / static_cast<double>(most);
+    cell *= std::max(kLeastStep, std::sqrt(excess));
   }
-  return cell / kStep;
 }
 
 }  // namespace
