@@ -40,6 +40,19 @@ TEST(RobustBound, CoversAPoseThatWasMissed) {
   EXPECT_TRUE(bound.is_exhausted);
 }
 
+// A mirror image keeps all distances, so that its pairs are a clique; but no rotation meets them.
+TEST(RobustBound, RotationsExcludeAMirrorImage) {
+  const auto problem = make_problem({.pairs = 60}, RandomStream(4, "bound"));
+  Correspondences c = problem.correspondences;
+  for (std::size_t i = 20; i < c.size(); ++i) c.target[i].x() = -c.target[i].x();
+  const RobustBound bound = bound_inliers(c, kBound, 20, kEffort);
+  EXPECT_GE(bound.max_inliers, 20);
+  EXPECT_LT(bound.max_inliers, 40);
+  EXPECT_GT(bound.nodes, 100);
+  // Cliques alone.
+  EXPECT_EQ(bound_inliers(c, kBound, 20, {.max_nodes = 1, .max_seconds = 1e3}).max_inliers, 40);
+}
+
 TEST(RobustBound, LessWorkLoosensIt) {
   const auto problem =
       make_problem({.pairs = 150, .outliers = 0.9, .noise = 0.001}, RandomStream(3, "bound"));
