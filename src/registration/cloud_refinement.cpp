@@ -142,12 +142,21 @@ void report(const PoseEstimate& best, const NeighbourRounds& rounds, const Cloud
       std::sqrt(best.cost / static_cast<double>(std::max<std::size_t>(1, count)));
 }
 
+/// Whether the residuals are rather those of noise, a quarter of the bound an axis, than of
+/// surfaces that cross each other at random, uniform within the bound.
+bool fits(const CloudRegistration& registration, Primitive primitive) {
+  const bool plane = primitive == Primitive::kPlane;
+  const double noise = plane ? 0.25 : 0.25 * std::numbers::sqrt3;
+  const double random = plane ? 1 / std::numbers::sqrt3 : std::sqrt(0.6);
+  return registration.rms_error < (noise + random) / 2 * registration.noise_bound;
+}
+
 }  // namespace
 
-PointCloud thinned(const PointCloud& cloud) {
+PointCloud thinned(const geometry::PointView& cloud) {
   constexpr std::size_t kMost = 10000;
   const double cell = voxel_cell_for(cloud, kMost);
-  return cell > 0 ? geometry::voxel_sampled(cloud, cell) : cloud;
+  return cell > 0 ? geometry::voxel_sampled(cloud, cell) : geometry::copied(cloud);
 }
 
 void add_normals(PointCloud& cloud, const FeatureOptions& options) {
@@ -166,14 +175,16 @@ void refine_clouds(const PointCloud& source, const PointCloud& target, const Clo
     const auto T = turned_about_weak_axis(rounds, refined->T, registration.noise_bound);
     if (T) refined = refine(rounds, *T, options, registration);
   }
-  if (!refined) {
+  if (refined) {
+    rounds.pair_up(refined->T, refined->bound, 1);
+    report(rounds.solve(), rounds, options, registration);
+  }
+  const bool degenerate = refined && !registration.result.T_target_source;
+  if (!degenerate && (!refined || !fits(registration, options.registration.primitive))) {
     registration.result.status = RegistrationStatus::kNoConsensus;
     registration.result.T_target_source.reset();
     registration.result.runner_up.reset();
-    return;
   }
-  rounds.pair_up(refined->T, refined->bound, 1);
-  report(rounds.solve(), rounds, options, registration);
   registration.result.solve_seconds += now() - start;
 }
 

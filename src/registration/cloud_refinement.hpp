@@ -6,13 +6,14 @@
 namespace palpate::registration {
 
 /// The cloud itself, or so many of its points that nearest neighbours are found soon.
-geometry::PointCloud thinned(const geometry::PointCloud& cloud);
+geometry::PointCloud thinned(const geometry::PointView& cloud);
 
 /// Normals of either sign, for a cloud of three points or more without.
 void add_normals(geometry::PointCloud& cloud, const FeatureOptions& options);
 
 /// Nearest neighbours and pose in turn from the result's pose, until the pose stays, then with half
-/// and a quarter of the bound; the result then speaks of them.
+/// and a quarter of the bound; the result then speaks of them. A pose at which too few points have
+/// a neighbour, or their residuals look like chance, is refused.
 /// @param source, target  with normals, of either sign
 void refine_clouds(const geometry::PointCloud& source, const geometry::PointCloud& target,
                    const CloudOptions& options, CloudRegistration& registration);

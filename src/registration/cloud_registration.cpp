@@ -19,6 +19,7 @@ namespace palpate::registration {
 namespace {
 
 using geometry::PointCloud;
+using geometry::PointView;
 
 Correspondences matched(const FeatureCloud& source, const FeatureCloud& target, int threads) {
   Correspondences pairs;
@@ -172,7 +173,7 @@ double suggested_voxel(const PointCloud& source, const PointCloud& target, int m
   return cell;
 }
 
-FeatureCloud describe(const PointCloud& cloud, double voxel, const FeatureOptions& options) {
+FeatureCloud describe(const PointView& cloud, double voxel, const FeatureOptions& options) {
   FeatureCloud result;
   result.cloud = geometry::voxel_sampled(cloud, voxel);
   if (result.cloud.size() < 3) return result;
@@ -200,11 +201,11 @@ CloudRegistration register_described(const FeatureCloud& source, const FeatureCl
   return registration;
 }
 
-CloudRegistration register_clouds(const PointCloud& source, const PointCloud& target,
+CloudRegistration register_clouds(const PointView& source, const PointView& target,
                                   const CloudOptions& options) {
   const double start = now();
   check_options(options);
-  const PointCloud* clouds[] = {&source, &target};
+  const PointView* clouds[] = {&source, &target};
   for (const auto* cloud : clouds) geometry::check_cloud(*cloud);
   PointCloud dense[2];
   parallel_for(2, options.threads, [&](std::size_t k) { dense[k] = thinned(*clouds[k]); });
@@ -219,7 +220,7 @@ CloudRegistration register_clouds(const PointCloud& source, const PointCloud& ta
   }
   FeatureCloud described[2];
   parallel_for(2, options.threads, [&](std::size_t k) {
-    described[k] = describe(given ? *clouds[k] : dense[k], voxel, options.features);
+    described[k] = describe(given ? *clouds[k] : PointView(dense[k]), voxel, options.features);
     if (described[k].cloud.size() >= 3) add_normals(dense[k], options.features);
   });
   CloudRegistration registration =

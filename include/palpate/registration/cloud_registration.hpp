@@ -40,7 +40,7 @@ double suggested_voxel(const geometry::PointCloud& source, const geometry::Point
                        int most_points, int threads = 1);
 
 /// @param voxel  m, > 0
-FeatureCloud describe(const geometry::PointCloud& cloud, double voxel,
+FeatureCloud describe(const geometry::PointView& cloud, double voxel,
                       const FeatureOptions& options = {});
 
 struct CloudOptions {
@@ -70,10 +70,10 @@ struct CloudRegistration {
 ///
 /// Clouds of fewer than three points after sampling are kDegenerate; so are surfaces that can be
 /// slid along themselves (sphere, cylinder, cone, torus, plane), with their `free_motions`. An
-/// initial pose starts the refinement alone.
+/// initial pose starts the refinement alone. Large clouds are read where they are, and not copied.
 /// @throws BadInput as check_cloud(), with_normals() and register_correspondences()
-CloudRegistration register_clouds(const geometry::PointCloud& source,
-                                  const geometry::PointCloud& target,
+CloudRegistration register_clouds(const geometry::PointView& source,
+                                  const geometry::PointView& target,
                                   const CloudOptions& options = {});
 
 /// The same for clouds with features of any kind, one column a point, that are nearest for like
