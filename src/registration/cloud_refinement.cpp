@@ -69,8 +69,9 @@ struct Refined {
 };
 
 /// All stages from a pose.
-std::optional<Refined> refine(NeighbourRounds& rounds, const Eigen::Isometry3d& T,
-                              const CloudOptions& options, CloudRegistration& registration) {
+std::optional<Refined> refine_in_stages(NeighbourRounds& rounds, const Eigen::Isometry3d& T,
+                                        const CloudOptions& options,
+                                        CloudRegistration& registration) {
   std::optional<Refined> refined;
   double least_share = 0;
   int done = 0;
@@ -170,10 +171,11 @@ void refine_clouds(const PointCloud& source, const PointCloud& target, const Clo
   if (options.features.refinements == 0) return;
   const double start = now();
   NeighbourRounds rounds(source, target, options.registration.primitive, options.threads);
-  auto refined = refine(rounds, *registration.result.T_target_source, options, registration);
+  auto refined =
+      refine_in_stages(rounds, *registration.result.T_target_source, options, registration);
   if (refined) {
     const auto T = turned_about_weak_axis(rounds, refined->T, registration.noise_bound);
-    if (T) refined = refine(rounds, *T, options, registration);
+    if (T) refined = refine_in_stages(rounds, *T, options, registration);
   }
   if (refined) {
     rounds.pair_up(refined->T, refined->bound, 1);

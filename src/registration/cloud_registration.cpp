@@ -92,9 +92,12 @@ void match_features(FeatureCloud from, const FeatureCloud& to, const CloudOption
 }
 
 /// @return whether either cloud can be slid along itself, which no pose can tell
-bool is_degenerate(const PointCloud& from, const PointCloud& to, RegistrationResult& result) {
-  result.free_motions = free_surface_motions(to);
-  if (result.free_motions.empty()) result.free_motions = free_surface_motions(from);
+bool is_degenerate(const PointCloud& from, const PointCloud& to, int threads,
+                   RegistrationResult& result) {
+  std::vector<FreeMotion> motions[2];
+  parallel_for(2, threads,
+               [&](std::size_t k) { motions[k] = free_surface_motions(k == 0 ? to : from); });
+  result.free_motions = std::move(motions[motions[0].empty() ? 1 : 0]);
   result.rank = 6 - static_cast<int>(result.free_motions.size());
   return !result.free_motions.empty();
 }
@@ -140,7 +143,7 @@ CloudRegistration coarse(const PreparedCloud& from, const PreparedCloud& to, dou
   registration.noise_bound = noise_bound_of(options, voxel);
   registration.result.false_alarms = 1;
   if (std::min(from.described.cloud.size(), to.described.cloud.size()) < 3 ||
-      is_degenerate(from.dense, to.dense, registration.result)) {
+      is_degenerate(from.dense, to.dense, options.threads, registration.result)) {
     registration.result.status = RegistrationStatus::kDegenerate;
     return registration;
   }

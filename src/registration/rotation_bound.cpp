@@ -36,9 +36,9 @@ struct Cube {
   std::vector<int> possible;
 };
 
-class Search {
+class CubeSearch {
  public:
-  Search(std::vector<Bearing> bearings, int enough, Budget& budget)
+  CubeSearch(std::vector<Bearing> bearings, int enough, Budget& budget)
       : bearings_(std::move(bearings)),
         enough_(static_cast<std::size_t>(enough)),
         budget_(budget) {}
@@ -124,7 +124,7 @@ bool RotationBound::can_have(int pivot, const std::vector<int>& others, int inli
                                   reach_));
   }
   if (static_cast<int>(bearings.size()) < inliers) return false;
-  Search search(std::move(bearings), inliers, budget);
+  CubeSearch search(std::move(bearings), inliers, budget);
   if (witness && search.meets_enough(*witness)) return true;
   witness.reset();
   return search.may_meet(all, witness);

@@ -27,6 +27,8 @@ TEST(RobustBound, HoldsForTheTruthAndCloses) {
     EXPECT_TRUE(bound.is_exhausted);
     EXPECT_GE(bound.max_inliers, found);
     EXPECT_LT(bound.max_inliers, found + 20);
+    EXPECT_LE(bound.min_cost, bound.cost);
+    EXPECT_LE(bound.cost, 100 * kBound * kBound);
     EXPECT_DOUBLE_EQ(bound.min_cost, (100 - bound.max_inliers) * kBound * kBound);
   }
 }

@@ -23,6 +23,7 @@ struct RobustBoundOptions {
 struct RobustBound {
   int max_inliers = 0;        ///< no pose has more pairs within the noise bound
   double min_cost = 0;        ///< no pose has a smaller sum of min(r^2, c^2), m^2
+  double cost = 0;            ///< that sum of the answer, m^2: the least is between the two
   bool is_exhausted = false;  ///< the search for cliques ran to its end
   int nodes = 0;              ///< subproblems looked at
   double seconds = 0;

@@ -57,7 +57,7 @@ struct IntegerFeatures {
   std::vector<std::int32_t> squared_norms;  // of what fills the last block: far
 };
 
-Four filled(std::int32_t value) { return Four{value, value, value, value}; }
+Four four_of(std::int32_t value) { return Four{value, value, value, value}; }
 
 /// For each of four columns the sum of its two products.
 Four pair_products(const RowPair& pair, const RowPair* columns) {
@@ -105,10 +105,10 @@ void find_nearest(const IntegerFeatures& source, const IntegerFeatures& target, 
   for (std::size_t k = 0; k < kLanes; ++k) {
     norms[k / 4][static_cast<int>(k % 4)] = target.squared_norms[first + k];
   }
-  least.fill(filled(kFar));
+  least.fill(four_of(kFar));
   for (std::size_t i = 0; i < source.count; ++i) {
     Lanes distances = products(&source.columns[i * rows], &target.blocked[first * rows], rows);
-    const Four own = filled(source.squared_norms[i]), best = filled(of_sources.distances[i]);
+    const Four own = four_of(source.squared_norms[i]), best = four_of(of_sources.distances[i]);
     Four nearer = {};
     for (std::size_t k = 0; k < norms.size(); ++k) {
       distances[k] = own + norms[k] - 2 * distances[k];
@@ -124,7 +124,7 @@ void find_nearest(const IntegerFeatures& source, const IntegerFeatures& target, 
   }
 }
 
-float longest(const Features& features) {
+float longest_column(const Features& features) {
   if (!features.allFinite()) throw BadInput("features hold nan or inf");
   return features.cols() == 0 ? 0 : features.colwise().stableNorm().maxCoeff();
 }
@@ -137,7 +137,7 @@ std::vector<Match> mutual_matches(const Features& source, const Features& target
     throw BadInput(
         fmt::format("features of {} and {} values do not match", source.rows(), target.rows()));
   }
-  const float length = std::max(longest(source), longest(target));
+  const float length = std::max(longest_column(source), longest_column(target));
   const float scale = length > 0 ? 16384 / length : 1;
   const IntegerFeatures from(source, scale), to(target, scale);
   const std::size_t chunks = (to.blocks + kChunkBlocks - 1) / kChunkBlocks;
