@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Registration by palpate and by its peers on the same problems, in one run.
 
-usage: registration_peers.py PALPATE BUNNY_PLY [--runs N] [--scans SOURCE TARGET ...]
+usage: registration_peers.py PALPATE BUNNY_PLY [--runs N] [--scans [SOURCE TARGET ...]]
 
 Each peer runs with five settings and is reported at its best: most successes, then least error.
 Times are of the registration alone: palpate's own, the peers' by the processor time of their calls,
@@ -24,6 +24,7 @@ import clarabel
 import kiss_matcher
 import numpy as np
 import open3d as o3d
+import registration_scans
 import scipy.sparse as sparse
 import small_gicp
 from scipy.spatial.transform import Rotation
@@ -366,60 +367,17 @@ def compare_local(program, bunny, runs):
           f"{seconds / reference:.2g} |")
 
 
-def scan_by_kiss(points, cell, threads):
-    """KISS-Matcher, then small_gicp, on clouds in units of 20 cells; pose and wall seconds."""
-    # The matcher refuses cells of millimetres.
-    unit = 20 * cell
-    source, target = (p / unit for p in points)
-    start = time.perf_counter()
-    matcher = kiss_matcher.KISSMatcher(kiss_matcher.KISSMatcherConfig(cell / unit))
-    found = matcher.estimate(source.astype(np.float32), target.astype(np.float32))
-    guess = np.eye(4)
-    guess[:3, :3], guess[:3, 3] = found.rotation, np.ravel(found.translation)
-    refined = small_gicp.align(target, source, init_T_target_source=guess,
-                               registration_type="GICP", downsampling_resolution=cell / unit / 2,
-                               max_correspondence_distance=1.5 * cell / unit, num_threads=threads)
-    T = np.array(refined.T_target_source)
-    T[:3, 3] *= unit
-    return T, time.perf_counter() - start
-
-
-def compare_scans(program, files, repeats=3):
-    """Real scans, in pairs of files. The peers' cell is palpate's own, half and twice that."""
-    print("\nScans without correspondences: wall seconds, the shortest of three, files read before; "
-          "difference to palpate's pose\n")
-    print("| source | program | threads | s | deg | of the size |")
-    print("|---|---|---|---|---|---|")
-    for names in zip(files[::2], files[1::2]):
-        points = [np.asarray(o3d.io.read_point_cloud(n).points) for n in names]
-        size = np.linalg.norm(points[1].max(0) - points[1].min(0))
-        for threads in (1, 2):
-            reports = [json.loads(subprocess.run(
-                [program, "register", *names, "--json", "--threads", str(threads)],
-                capture_output=True, text=True, check=False).stdout) for _ in range(repeats)]
-            ours, label = np.array(reports[0]["T_target_source"]).reshape(4, 4), names[0]
-            print(f"| {label} | palpate | {threads} | {min(r['seconds'] for r in reports):.3f} | "
-                  "0 | 0 |")
-            for factor in (0.5, 1, 2):
-                cell = factor * reports[0]["voxel"]
-                runs = [scan_by_kiss(points, cell, threads) for _ in range(repeats)]
-                turn = Rotation.from_matrix(runs[0][0][:3, :3].T @ ours[:3, :3]).magnitude()
-                shift = np.linalg.norm(runs[0][0][:3, 3] - ours[:3, 3]) / size
-                print(f"| {label} | kiss-matcher {cell:.3g} + small_gicp | {threads} | "
-                      f"{min(r[1] for r in runs):.3f} | {np.rad2deg(turn):.2f} | {shift:.4f} |",
-                      flush=True)
-
-
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("palpate")
     parser.add_argument("bunny")
     parser.add_argument("--runs", type=int, default=20)
-    parser.add_argument("--scans", nargs="+", default=[], metavar="FILE",
-                        help="pairs of clouds, source and target: compare these alone")
+    parser.add_argument("--scans", nargs="*", metavar="FILE",
+                        help="pairs of clouds, source and target, and a room of boxes: compare "
+                             "these alone")
     arguments = parser.parse_args()
-    if arguments.scans:
-        compare_scans(arguments.palpate, arguments.scans)
+    if arguments.scans is not None:
+        registration_scans.compare(arguments.palpate, arguments.scans)
         return
     compare_correspondences(arguments.palpate, arguments.bunny, arguments.runs)
     compare_dual(arguments.palpate, arguments.bunny, arguments.runs)

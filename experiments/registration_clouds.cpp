@@ -99,7 +99,7 @@ void different_objects(const experiment::Options& options) {
   };
   Eigen::Isometry3d T;
   Counts generated;
-  for (std::uint64_t k = 0; k < (options.quick ? 1u : 60u); ++k) {
+  for (std::uint64_t k = 0; k < (options.quick ? 1u : 250u); ++k) {
     const std::uint64_t seed = options.seed + 2 * k;
     const RandomStream random(seed, "different objects");
     const PointCloud target = sampled(geometry::generated_shape(seed), random.fork("target"));

@@ -62,6 +62,7 @@ nlohmann::json report_of(const rg::RegistrationResult& result) {
   if (const auto& bound = result.certificate.robust) {
     robust = {{"max_inliers", bound->max_inliers},
               {"min_cost", bound->min_cost},
+              {"cost", bound->cost},
               {"exhausted", bound->is_exhausted},
               {"nodes", bound->nodes},
               {"seconds", bound->seconds}};

@@ -3,82 +3,20 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
 
-#include "palpate/core/parallel.hpp"
 #include "palpate/geometry/cloud/kd_tree.hpp"
 #include "palpate/geometry/cloud/normals.hpp"
 #include "registration/clock.hpp"
 #include "registration/final_solve.hpp"
+#include "registration/neighbour_rounds.hpp"
 #include "registration/surface_motions.hpp"
 
 namespace palpate::registration {
 namespace {
 
 using geometry::PointCloud;
-
-/// What a round of nearest neighbours works with; the lists' memory is used again.
-class Rounds {
- public:
-  Rounds(const PointCloud& source, const PointCloud& target, Primitive primitive, int threads)
-      : source_(source),
-        target_(target),
-        tree_(target.points),
-        primitive_(primitive),
-        threads_(threads),
-        nearest_(source.size()) {}
-
-  /// Pairs every stride-th source point, moved, with its nearest target point, where that is within
-  /// the bound and their normals do not part by more than 60 deg, of whichever sign.
-  const Correspondences& pair_up(const Eigen::Isometry3d& T, double bound, std::size_t stride) {
-    looked_ = (source_.size() + stride - 1) / stride;
-    find_nearest(T, bound, stride);
-    for (auto* list :
-         {&pairs_.source, &pairs_.target, &pairs_.source_normals, &pairs_.target_normals}) {
-      list->clear();
-    }
-    for (std::size_t k = 0; k < looked_; ++k) {
-      if (nearest_[k] < 0) continue;
-      append_pair(pairs_, source_, k * stride, target_, static_cast<std::size_t>(nearest_[k]));
-    }
-    return pairs_;
-  }
-
-  const Correspondences& pairs() const { return pairs_; }
-  PoseEstimate solve() const { return solve_pose(pairs_, {}, primitive_); }
-
-  /// Share of the source's points that have a partner.
-  double overlap() const {
-    return static_cast<double>(pairs_.size()) / static_cast<double>(looked_);
-  }
-
- private:
-  void find_nearest(const Eigen::Isometry3d& T, double bound, std::size_t stride) {
-    constexpr double kLeastCosine = 0.5;
-    constexpr std::size_t kBlock = 512;
-    parallel_for((looked_ + kBlock - 1) / kBlock, threads_, [&](std::size_t block) {
-      const std::size_t end = std::min(looked_, (block + 1) * kBlock);
-      for (std::size_t k = block * kBlock; k < end; ++k) {
-        const std::size_t i = k * stride;
-        nearest_[k] = -1;
-        const auto found = tree_.nearest_within(T * source_.points[i], bound);
-        if (found.index < 0) continue;
-        const Eigen::Vector3d& n = target_.normals[static_cast<std::size_t>(found.index)];
-        const double cosine = std::abs((T.linear() * source_.normals[i]).dot(n));
-        if (cosine > kLeastCosine) nearest_[k] = found.index;
-      }
-    });
-  }
-
-  const PointCloud& source_;
-  const PointCloud& target_;
-  geometry::KdTree tree_;
-  Primitive primitive_;
-  int threads_;
-  std::vector<int> nearest_;
-  std::size_t looked_ = 0;
-  Correspondences pairs_;
-};
 
 /// @param fine  of 1: what the last bound is held to
 bool stays(const Eigen::Isometry3d& from, const Eigen::Isometry3d& to, const Eigen::Vector3d& at,
@@ -95,7 +33,7 @@ struct Stage {
   double narrowing, fine;
   bool all;
 };
-constexpr Stage kStages[] = {{1, 30, false}, {0.5, 30, false}, {0.25, 1, true}};
+constexpr Stage kStages[] = {{1, 50, false}, {0.5, 50, false}, {0.25, 5, true}};
 
 std::size_t stride_of(const Stage& stage, std::size_t points) {
   constexpr std::size_t kEnough = 5000;
@@ -105,7 +43,7 @@ std::size_t stride_of(const Stage& stage, std::size_t points) {
 /// Rounds of one stage, to the pose that stays.
 /// @param least_share  of the points with a partner
 /// @return the last solution, if there was one with pairs enough
-std::optional<PoseEstimate> converge(Rounds& rounds, Eigen::Isometry3d T, double bound,
+std::optional<PoseEstimate> converge(NeighbourRounds& rounds, Eigen::Isometry3d T, double bound,
                                      const Stage& stage, std::size_t stride, double least_share,
                                      int most, int& done) {
   constexpr std::size_t kLeastPairs = 6;
@@ -125,12 +63,66 @@ std::optional<PoseEstimate> converge(Rounds& rounds, Eigen::Isometry3d T, double
   return best;
 }
 
-/// Free motions of the part of the target that the source covers.
-std::vector<FreeMotion> free_in_overlap(const Correspondences& pairs) {
-  return free_surface_motions({pairs.target, pairs.target_normals});
+struct Refined {
+  Eigen::Isometry3d T;
+  double bound;  // the last that left enough of the pairs
+};
+
+/// All stages from a pose.
+std::optional<Refined> refine_in_stages(NeighbourRounds& rounds, const Eigen::Isometry3d& T,
+                                        const CloudOptions& options,
+                                        CloudRegistration& registration) {
+  std::optional<Refined> refined;
+  double least_share = 0;
+  int done = 0;
+  for (const Stage& stage : kStages) {
+    const double bound = stage.narrowing * registration.noise_bound;
+    const auto next = converge(rounds, refined ? refined->T : T, bound, stage,
+                               stride_of(stage, rounds.source_size()), least_share,
+                               options.features.refinements, done);
+    if (!next) break;
+    refined = {next->T_target_source, bound};
+    if (stage.narrowing == 1) registration.overlap = rounds.overlap();
+    // A bound that leaves few of the pairs is below the distance between the points.
+    least_share = rounds.overlap() / 2;
+  }
+  registration.refinements += done;
+  return refined;
 }
 
-void report(const PoseEstimate& best, const Rounds& rounds, const CloudOptions& options,
+/// Nearest neighbours also end in wrong turns about an axis that the surface is nearly round about:
+/// the best of several starts about it.
+/// @return nothing if that is the pose given
+std::optional<Eigen::Isometry3d> turned_about_weak_axis(NeighbourRounds& rounds,
+                                                        const Eigen::Isometry3d& T, double bound) {
+  constexpr int kStarts = 12, kRounds = 10;
+  constexpr std::size_t kPoints = 1000;
+  constexpr double kBetter = 0.9;
+  const auto axis = weak_rotation(rounds.pairs(), T);
+  if (!axis) return std::nullopt;
+  const std::size_t stride = std::max<std::size_t>(1, rounds.source_size() / kPoints);
+  const auto cost_at = [&](const Eigen::Isometry3d& at) {
+    rounds.pair_up(at, bound, stride);
+    return rounds.truncated_cost(at, bound);
+  };
+  double least = kBetter * cost_at(T);
+  std::optional<Eigen::Isometry3d> best;
+  for (int k = 1; k < kStarts; ++k) {
+    const Eigen::AngleAxisd turn(2 * std::numbers::pi * k / kStarts, axis->direction);
+    const Eigen::Isometry3d about =
+        Eigen::Translation3d(axis->point) * turn * Eigen::Translation3d(-axis->point);
+    int done = 0;
+    const auto end = converge(rounds, about * T, bound, kStages[0], stride, 0, kRounds, done);
+    if (!end) continue;
+    const double cost = cost_at(end->T_target_source);
+    if (cost >= least) continue;
+    least = cost;
+    best = end->T_target_source;
+  }
+  return best;
+}
+
+void report(const PoseEstimate& best, const NeighbourRounds& rounds, const CloudOptions& options,
             CloudRegistration& registration) {
   RegistrationResult& result = registration.result;
   registration.correspondences = rounds.pairs();
@@ -139,7 +131,8 @@ void report(const PoseEstimate& best, const Rounds& rounds, const CloudOptions& 
   result.inliers.clear();
   for (std::size_t i = 0; i < count; ++i) result.inliers.push_back(static_cast<int>(i));
   PoseEstimate estimate = best;
-  if (auto free = free_in_overlap(registration.correspondences); !free.empty()) {
+  auto free = free_motions_of_overlap(registration.correspondences, best.T_target_source);
+  if (!free.empty()) {
     estimate.status = Status::kDegenerate;
     estimate.rank = 6 - static_cast<int>(free.size());
     estimate.free_motions = std::move(free);
@@ -150,52 +143,50 @@ void report(const PoseEstimate& best, const Rounds& rounds, const CloudOptions& 
       std::sqrt(best.cost / static_cast<double>(std::max<std::size_t>(1, count)));
 }
 
-}  // namespace
-
-void append_pair(Correspondences& pairs, const PointCloud& source, std::size_t i,
-                 const PointCloud& target, std::size_t j) {
-  pairs.source.push_back(source.points[i]);
-  pairs.target.push_back(target.points[j]);
-  pairs.source_normals.push_back(source.normals[i]);
-  pairs.target_normals.push_back(target.normals[j]);
+/// Whether the residuals are rather those of noise, a quarter of the bound an axis, than of
+/// surfaces that cross each other at random, uniform within the bound.
+bool fits(const CloudRegistration& registration, Primitive primitive) {
+  const bool plane = primitive == Primitive::kPlane;
+  const double noise = plane ? 0.25 : 0.25 * std::numbers::sqrt3;
+  const double random = plane ? 1 / std::numbers::sqrt3 : std::sqrt(0.6);
+  return registration.rms_error < (noise + random) / 2 * registration.noise_bound;
 }
 
-PointCloud detailed(const PointCloud& cloud, const FeatureOptions& options) {
-  constexpr std::size_t kMost = 20000;
+}  // namespace
+
+PointCloud thinned(const geometry::PointView& cloud) {
+  constexpr std::size_t kMost = 10000;
   const double cell = voxel_cell_for(cloud, kMost);
-  PointCloud result = cell > 0 ? geometry::voxel_sampled(cloud, cell) : cloud;
-  if (!result.has_normals() && result.size() >= 3) {
-    result.normals =
-        geometry::plane_normals(geometry::KdTree(result.points), options.normal_neighbours);
-  }
-  return result;
+  return cell > 0 ? geometry::voxel_sampled(cloud, cell) : geometry::copied(cloud);
+}
+
+void add_normals(PointCloud& cloud, const FeatureOptions& options) {
+  if (cloud.has_normals() || cloud.size() < 3) return;
+  cloud.normals =
+      geometry::plane_normals(geometry::KdTree(cloud.points), options.normal_neighbours);
 }
 
 void refine_clouds(const PointCloud& source, const PointCloud& target, const CloudOptions& options,
                    CloudRegistration& registration) {
+  if (options.features.refinements == 0) return;
   const double start = now();
-  Rounds rounds(source, target, options.registration.primitive, options.threads);
-  bool refined = false;
-  Eigen::Isometry3d T = *registration.result.T_target_source;
-  double bound = registration.noise_bound, least_share = 0;
-  for (const Stage& stage : kStages) {
-    const double next_bound = stage.narrowing * registration.noise_bound;
-    const auto next = converge(rounds, T, next_bound, stage, stride_of(stage, source.size()),
-                               least_share, options.features.refinements, registration.refinements);
-    if (!next) break;
-    refined = true;
-    bound = next_bound;
-    T = next->T_target_source;
-    if (stage.narrowing == 1) registration.overlap = rounds.overlap();
-    // A bound that leaves few of the pairs is below the distance between the points.
-    least_share = rounds.overlap() / 2;
+  NeighbourRounds rounds(source, target, options.registration.primitive, options.threads);
+  auto refined =
+      refine_in_stages(rounds, *registration.result.T_target_source, options, registration);
+  if (refined) {
+    const auto T = turned_about_weak_axis(rounds, refined->T, registration.noise_bound);
+    if (T) refined = refine_in_stages(rounds, *T, options, registration);
   }
-  if (!refined) {
-    if (options.registration.initial) registration.result.T_target_source.reset();
-    return;
+  if (refined) {
+    rounds.pair_up(refined->T, refined->bound, 1);
+    report(rounds.solve(), rounds, options, registration);
   }
-  rounds.pair_up(T, bound, 1);
-  report(rounds.solve(), rounds, options, registration);
+  const bool degenerate = refined && !registration.result.T_target_source;
+  if (!degenerate && (!refined || !fits(registration, options.registration.primitive))) {
+    registration.result.status = RegistrationStatus::kNoConsensus;
+    registration.result.T_target_source.reset();
+    registration.result.runner_up.reset();
+  }
   registration.result.solve_seconds += now() - start;
 }
 

@@ -5,16 +5,15 @@
 
 namespace palpate::registration {
 
-/// Adds point i of the source with point j of the target, both with normals.
-void append_pair(Correspondences& pairs, const geometry::PointCloud& source, std::size_t i,
-                 const geometry::PointCloud& target, std::size_t j);
+/// The cloud itself, or so many of its points that nearest neighbours are found soon.
+geometry::PointCloud thinned(const geometry::PointView& cloud);
 
-/// The cloud itself, or so many of its points that nearest neighbours are found soon, with normals
-/// of either sign.
-geometry::PointCloud detailed(const geometry::PointCloud& cloud, const FeatureOptions& options);
+/// Normals of either sign, for a cloud of three points or more without.
+void add_normals(geometry::PointCloud& cloud, const FeatureOptions& options);
 
 /// Nearest neighbours and pose in turn from the result's pose, until the pose stays, then with half
-/// and a quarter of the bound; the result then speaks of them.
+/// and a quarter of the bound; the result then speaks of them. A pose at which too few points have
+/// a neighbour, or their residuals look like chance, is refused.
 /// @param source, target  with normals, of either sign
 void refine_clouds(const geometry::PointCloud& source, const geometry::PointCloud& target,
                    const CloudOptions& options, CloudRegistration& registration);

@@ -12,12 +12,14 @@
 #include "palpate/geometry/cloud/normals.hpp"
 #include "registration/clock.hpp"
 #include "registration/cloud_refinement.hpp"
+#include "registration/neighbour_rounds.hpp"
 #include "registration/surface_motions.hpp"
 
 namespace palpate::registration {
 namespace {
 
 using geometry::PointCloud;
+using geometry::PointView;
 
 Correspondences matched(const FeatureCloud& source, const FeatureCloud& target, int threads) {
   Correspondences pairs;
@@ -68,7 +70,8 @@ void match_features(FeatureCloud from, const FeatureCloud& to, const CloudOption
   search.support_radius =
       std::max(search.support_radius, options.features.feature_radius_voxels * registration.voxel);
   const FeatureCloud upright = from;
-  const int tries = from.estimated_normals || to.estimated_normals ? 2 : 1;
+  const bool fpfh = from.is_fpfh && to.is_fpfh;
+  const int tries = fpfh && (from.estimated_normals || to.estimated_normals) ? 2 : 1;
   for (int attempt = 0; attempt < tries; ++attempt) {
     if (attempt > 0) from = turned_inside_out(std::move(from));
     Correspondences matches = matched(from, to, options.threads);
@@ -80,7 +83,7 @@ void match_features(FeatureCloud from, const FeatureCloud& to, const CloudOption
     }
     if (registration.result.false_alarms < kClearFalseAlarms) return;
   }
-  if (fits_mirrored(upright, to, options, search, registration)) {
+  if (fpfh && fits_mirrored(upright, to, options, search, registration)) {
     registration.result.mirrored = true;
     registration.result.status = RegistrationStatus::kNoConsensus;
     registration.result.T_target_source.reset();
@@ -89,11 +92,12 @@ void match_features(FeatureCloud from, const FeatureCloud& to, const CloudOption
 }
 
 /// @return whether either cloud can be slid along itself, which no pose can tell
-bool is_degenerate(const FeatureCloud& from, const FeatureCloud& to, RegistrationResult& result) {
-  result.status = RegistrationStatus::kDegenerate;
-  if (from.cloud.size() < 3 || to.cloud.size() < 3) return true;
-  result.free_motions = free_surface_motions(to.cloud);
-  if (result.free_motions.empty()) result.free_motions = free_surface_motions(from.cloud);
+bool is_degenerate(const PointCloud& from, const PointCloud& to, int threads,
+                   RegistrationResult& result) {
+  std::vector<FreeMotion> motions[2];
+  parallel_for(2, threads,
+               [&](std::size_t k) { motions[k] = free_surface_motions(k == 0 ? to : from); });
+  result.free_motions = std::move(motions[motions[0].empty() ? 1 : 0]);
   result.rank = 6 - static_cast<int>(result.free_motions.size());
   return !result.free_motions.empty();
 }
@@ -115,18 +119,38 @@ void check_options(const CloudOptions& options) {
   }
 }
 
+void check_described(const FeatureCloud& described) {
+  geometry::check_cloud(described.cloud);
+  const auto points = described.cloud.size();
+  const auto columns = static_cast<std::size_t>(described.features.cols());
+  if (columns != points || described.cloud.normals.size() != points) {
+    throw BadInput(fmt::format("{} features and {} normals for {} points", columns,
+                               described.cloud.normals.size(), points));
+  }
+}
+
+/// A cloud by its features, and in the detail that poses are refined with.
+struct PreparedCloud {
+  const FeatureCloud& described;
+  const PointCloud& dense;
+};
+
 /// Everything before the refinement, in points of the described clouds.
-CloudRegistration coarse(const FeatureCloud& from, const FeatureCloud& to, double voxel,
+CloudRegistration coarse(const PreparedCloud& from, const PreparedCloud& to, double voxel,
                          const CloudOptions& options) {
   CloudRegistration registration;
   registration.voxel = voxel;
   registration.noise_bound = noise_bound_of(options, voxel);
   registration.result.false_alarms = 1;
-  if (is_degenerate(from, to, registration.result)) return registration;
+  if (std::min(from.described.cloud.size(), to.described.cloud.size()) < 3 ||
+      is_degenerate(from.dense, to.dense, options.threads, registration.result)) {
+    registration.result.status = RegistrationStatus::kDegenerate;
+    return registration;
+  }
   if (options.registration.initial) {
     registration.result.T_target_source = options.registration.initial;
   } else {
-    match_features(from, to, options, registration);
+    match_features(from.described, to.described, options, registration);
   }
   return registration;
 }
@@ -152,7 +176,7 @@ double suggested_voxel(const PointCloud& source, const PointCloud& target, int m
   return cell;
 }
 
-FeatureCloud describe(const PointCloud& cloud, double voxel, const FeatureOptions& options) {
+FeatureCloud describe(const PointView& cloud, double voxel, const FeatureOptions& options) {
   FeatureCloud result;
   result.cloud = geometry::voxel_sampled(cloud, voxel);
   if (result.cloud.size() < 3) return result;
@@ -161,6 +185,7 @@ FeatureCloud describe(const PointCloud& cloud, double voxel, const FeatureOption
     result.estimated_normals = true;
   }
   result.features = geometry::fpfh(result.cloud, options.feature_radius_voxels * voxel);
+  result.is_fpfh = true;
   return result;
 }
 
@@ -168,8 +193,10 @@ CloudRegistration register_described(const FeatureCloud& source, const FeatureCl
                                      double voxel, const CloudOptions& options) {
   check_options(options);
   if (!(voxel > 0)) throw BadInput(fmt::format("voxel {} m is not positive", voxel));
+  for (const FeatureCloud* cloud : {&source, &target}) check_described(*cloud);
   const double start = now();
-  CloudRegistration registration = coarse(source, target, voxel, options);
+  CloudRegistration registration =
+      coarse({source, source.cloud}, {target, target.cloud}, voxel, options);
   if (registration.result.T_target_source) {
     refine_clouds(source.cloud, target.cloud, options, registration);
   }
@@ -177,28 +204,30 @@ CloudRegistration register_described(const FeatureCloud& source, const FeatureCl
   return registration;
 }
 
-CloudRegistration register_clouds(const PointCloud& source, const PointCloud& target,
+CloudRegistration register_clouds(const PointView& source, const PointView& target,
                                   const CloudOptions& options) {
   const double start = now();
   check_options(options);
-  const PointCloud* clouds[] = {&source, &target};
+  const PointView* clouds[] = {&source, &target};
   for (const auto* cloud : clouds) geometry::check_cloud(*cloud);
+  PointCloud dense[2];
+  parallel_for(2, options.threads, [&](std::size_t k) { dense[k] = thinned(*clouds[k]); });
+  const bool given = options.features.voxel > 0;
   const double voxel =
-      options.features.voxel > 0
-          ? options.features.voxel
-          : suggested_voxel(source, target, options.features.most_points, options.threads);
+      given ? options.features.voxel
+            : suggested_voxel(dense[0], dense[1], options.features.most_points, options.threads);
   if (!(voxel > 0)) {
     CloudRegistration none;
     none.result.status = RegistrationStatus::kDegenerate;
     return none;
   }
   FeatureCloud described[2];
-  PointCloud dense[2];
   parallel_for(2, options.threads, [&](std::size_t k) {
-    described[k] = describe(*clouds[k], voxel, options.features);
-    if (described[k].cloud.size() >= 3) dense[k] = detailed(*clouds[k], options.features);
+    described[k] = describe(given ? *clouds[k] : PointView(dense[k]), voxel, options.features);
+    if (described[k].cloud.size() >= 3) add_normals(dense[k], options.features);
   });
-  CloudRegistration registration = coarse(described[0], described[1], voxel, options);
+  CloudRegistration registration =
+      coarse({described[0], dense[0]}, {described[1], dense[1]}, voxel, options);
   registration.feature_seconds = now() - start - registration.result.seconds;
   if (registration.result.T_target_source) {
     refine_clouds(dense[0], dense[1], options, registration);

@@ -100,4 +100,14 @@ Correspondences subset(const Correspondences& correspondences, const std::vector
           chosen(correspondences.weights, indices)};
 }
 
+Correspondences paired(const geometry::PointView& source, const geometry::PointView& target) {
+  if (source.size() != target.size()) {
+    throw BadInput(
+        fmt::format("{} source points for {} target points", source.size(), target.size()));
+  }
+  geometry::PointCloud from = geometry::copied(source), to = geometry::copied(target);
+  return {std::move(from.points), std::move(to.points), std::move(from.normals),
+          std::move(to.normals)};
+}
+
 }  // namespace palpate::registration

@@ -258,6 +258,12 @@ double resolution_deg(const Matrix6d& information, double bound) {
   return std::min(180.0, std::sqrt(std::max(0.0, bound) / least) * 180 / std::numbers::pi);
 }
 
+double truncated_cost(const std::vector<double>& residuals, double noise_bound) {
+  double sum = 0;
+  for (const double r : residuals) sum += std::min(r * r, noise_bound * noise_bound);
+  return sum;
+}
+
 }  // namespace
 
 std::string_view to_string(RegistrationStatus status) {
@@ -308,6 +314,7 @@ RegistrationResult register_correspondences(const Correspondences& correspondenc
     result.certificate.robust =
         bound_inliers(correspondences, options.noise_bound, static_cast<int>(result.inliers.size()),
                       options.robust_bound);
+    result.certificate.robust->cost = truncated_cost(result.residuals, options.noise_bound);
   }
   result.seconds = now() - start;
   return result;

@@ -5,11 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <optional>
 
 #include "palpate/core/error.hpp"
 #include "registration/clique_bound.hpp"
 #include "registration/clock.hpp"
+#include "registration/rotation_bound.hpp"
 
 namespace palpate::registration {
 namespace {
@@ -31,6 +32,60 @@ CliqueGraph compatible(const Correspondences& c, double noise_bound) {
   return graph;
 }
 
+std::vector<int> neighbours_among(const CliqueGraph& graph, int vertex,
+                                  const std::vector<char>& left) {
+  std::vector<int> result;
+  for_each_bit(graph.row(vertex), graph.words(), [&](int i) {
+    if (left[static_cast<std::size_t>(i)] != 0) result.push_back(i);
+  });
+  return result;
+}
+
+/// The pairs that may be inliers of a pose with more than `inliers`: none of the others is, so that
+/// these prove one another out in turn.
+std::vector<int> possible_inliers(const Correspondences& c, double noise_bound,
+                                  const CliqueGraph& graph, int inliers, Budget& budget) {
+  const RotationBound rotations(c, noise_bound);
+  std::vector<char> left(c.size(), 1);
+  std::vector<std::optional<Eigen::Vector3d>> witnesses(c.size());
+  for (bool changed = true; changed && !budget.is_spent;) {
+    changed = false;
+    for (int i = 0; i < graph.size(); ++i) {
+      const auto index = static_cast<std::size_t>(i);
+      if (left[index] == 0) continue;
+      const auto others = neighbours_among(graph, i, left);
+      if (rotations.can_have(i, others, inliers, witnesses[index], budget)) continue;
+      left[index] = 0;
+      changed = true;
+    }
+  }
+  std::vector<int> result;
+  for (int i = 0; i < graph.size(); ++i) {
+    if (left[static_cast<std::size_t>(i)] != 0) result.push_back(i);
+  }
+  return result;
+}
+
+void bound_by_cliques(const CliqueGraph& graph, int inliers, const RobustBoundOptions& options,
+                      double start, RobustBound& bound) {
+  CliqueBound cliques(graph, inliers, options.max_nodes - bound.nodes, start + options.max_seconds);
+  bound.max_inliers = std::min(bound.max_inliers, std::max(inliers, cliques.run()));
+  bound.is_exhausted = bound.is_exhausted || cliques.is_exhausted();
+  bound.nodes += cliques.nodes();
+}
+
+/// Cliques of what the rotations leave, by half of the work that is left for them.
+void bound_by_rotations(const Correspondences& c, double noise_bound, const CliqueGraph& graph,
+                        int inliers, const RobustBoundOptions& options, double start,
+                        RobustBound& bound) {
+  const double end = start + options.max_seconds;
+  Budget budget{.nodes = (options.max_nodes - bound.nodes) / 2, .deadline = (now() + end) / 2};
+  const auto possible = possible_inliers(c, noise_bound, graph, inliers, budget);
+  bound.nodes += budget.used;
+  if (possible.size() == c.size()) return;
+  bound_by_cliques(compatible(subset(c, possible), noise_bound), inliers, options, start, bound);
+}
+
 }  // namespace
 
 RobustBound bound_inliers(const Correspondences& correspondences, double noise_bound, int inliers,
@@ -45,10 +100,10 @@ RobustBound bound_inliers(const Correspondences& correspondences, double noise_b
   bound.max_inliers = size;
   if (size <= options.max_pairs) {
     const CliqueGraph graph = compatible(correspondences, noise_bound);
-    CliqueBound cliques(graph, inliers, options.max_nodes, start + options.max_seconds);
-    bound.max_inliers = cliques.run();
-    bound.is_exhausted = cliques.is_exhausted();
-    bound.nodes = cliques.nodes();
+    bound_by_cliques(graph, inliers, options, start, bound);
+    if (bound.max_inliers > inliers) {
+      bound_by_rotations(correspondences, noise_bound, graph, inliers, options, start, bound);
+    }
   }
   bound.min_cost = (size - bound.max_inliers) * noise_bound * noise_bound;
   bound.seconds = now() - start;

@@ -1,25 +1,35 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "palpate/geometry/cloud/point_cloud.hpp"
+#include "palpate/registration/correspondences.hpp"
 #include "palpate/registration/free_motions.hpp"
 
 namespace palpate::registration {
 
 /// Motions that slide a surface along itself: those whose twist moves no point along its normal,
-/// within what the noise of the normals does.
+/// within what chance does.
 ///
-/// Of noise s rad an axis a free motion gets a share of about s^2 of the information that one unit
-/// residual a point gives; s is taken from how normals differ from the mean of their neighbours'.
-/// @param cloud  with normals, of either sign; evenly sampled, as by voxel_sampled()
+/// Two estimates of the normal at a point, of independent noise, give two estimates r, s of how far
+/// a unit twist x moves it along the normal. The mean of (r . x) (s . x) is free of the noise,
+/// which the mean square of either is not, and where a motion is free it is as often negative as
+/// not: the negative products tell its standard error.
+/// @param cloud  evenly sampled; its own normals are not used. The estimates are plane fits to each
+///        half of the points
 std::vector<FreeMotion> free_surface_motions(const geometry::PointCloud& cloud);
 
-/// The noise s, rad: median over the points.
-double normal_noise(const geometry::PointCloud& cloud);
+/// The same of the part of the target's surface that correspondences cover, whose two estimates are
+/// the target's normals and the moved source's, of either sign.
+std::vector<FreeMotion> free_motions_of_overlap(const Correspondences& pairs,
+                                                const Eigen::Isometry3d& T_target_source);
 
-/// Shares of the information, ascending, that the six motions about the centroid have.
-Vector6d motion_shares(const geometry::PointCloud& cloud);
+/// The axis that the overlap is nearly round about: the motion that gets the least of the
+/// information, if that is a rotation and gets less than a fiftieth of what a unit residual a
+/// point gives.
+std::optional<FreeMotion> weak_rotation(const Correspondences& pairs,
+                                        const Eigen::Isometry3d& T_target_source);
 
 }  // namespace palpate::registration

@@ -138,6 +138,26 @@ class Register(CliTest):
         report = self.run_json("register", "--correspondences", file, "--initial", start)
         self.assert_quarter_turn(report["T_target_source"], 1e-4)
 
+    def test_translation_only_and_clouds_from_an_initial_pose(self):
+        source = random.Random(6)
+        rows = ["sx,sy,sz,tx,ty,tz"]
+        for _ in range(40):
+            p = [source.uniform(-0.05, 0.05) for _ in range(3)]
+            rows.append(",".join(f"{v:.6f}" for v in (*p, p[0] + 0.1, p[1], p[2])))
+        file = self.write("shifted.csv", "\n".join(rows) + "\n")
+        report = self.run_json("register", "--correspondences", file, "--translation-only")
+        shifted = [1, 0, 0, 0.1, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]
+        for found, expected in zip(report["T_target_source"], shifted):
+            self.assertAlmostEqual(found, expected, delta=1e-5)
+        clouds = [self.write("s.xyz", xyz(lump(2))),
+                  self.write("t.xyz", xyz([moved(p) for p in lump(1)]))]
+        near = list(QUARTER_TURN)
+        near[3] += 0.003
+        start = self.write("near.txt", " ".join(map(str, near)))
+        report = self.run_json("register", *clouds, "--initial", start)
+        self.assertEqual(report["feature_matches"], 0)
+        self.assert_quarter_turn(report["T_target_source"], 0.02)
+
     def test_a_ball_is_degenerate(self):
         source = random.Random(3)
         points = []

@@ -74,7 +74,32 @@ TEST(VoxelSampling, KeepsOnePointACell) {
   EXPECT_EQ(voxel_cell_for(cloud, 3000), 0);
   EXPECT_EQ(voxel_sampled(cloud, 10).size(), 1u);
   EXPECT_THROW(voxel_sampled(cloud, 0), BadInput);
-  EXPECT_TRUE(voxel_sampled({}, 1).points.empty());
+  EXPECT_TRUE(voxel_sampled(PointCloud{}, 1).points.empty());
+}
+
+TEST(PointView, ReadsPointsWhereTheyAre) {
+  struct Row {
+    float intensity, x, y, z, nx, ny, nz;
+  };
+  const PointCloud cloud = torus_cloud(200);
+  std::vector<Row> rows;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const Eigen::Vector3f p = cloud.points[i].cast<float>(), n = cloud.normals[i].cast<float>();
+    rows.push_back({1, p.x(), p.y(), p.z(), n.x(), n.y(), n.z()});
+  }
+  const PointView view =
+      PointView(&rows[0].x, rows.size(), sizeof(Row)).with_normals(&rows[0].nx, sizeof(Row));
+  const PointCloud copy = copied(view), sampled = voxel_sampled(view, 0.02),
+                   expected = voxel_sampled(copy, 0.02);
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    EXPECT_LT((copy.points[i] - cloud.points[i]).norm(), 1e-6);
+    EXPECT_LT((copy.normals[i] - cloud.normals[i]).norm(), 1e-6);
+  }
+  EXPECT_EQ(sampled.points, expected.points);
+  EXPECT_EQ(sampled.normals, expected.normals);
+  rows[7].y = std::nanf("");
+  EXPECT_THROW(check_cloud(view), BadInput);
+  EXPECT_THROW(check_cloud(PointCloud{cloud.points, {cloud.normals[0]}}), BadInput);
 }
 
 TEST(OutlierFilter, DropsPointsFarFromTheRest) {

@@ -103,6 +103,63 @@ TEST(RegisterClouds, RefusesAMirroredCloud) {
   EXPECT_TRUE(found.result.mirrored);
 }
 
+TEST(RegisterClouds, ReadsBuffersWhereTheyAre) {
+  const PointCloud target = bunny_cloud(12000, 1),
+                   source = geometry::transformed(pose_of(2).inverse(), bunny_cloud(12000, 2));
+  constexpr std::ptrdiff_t kColumns = 5;
+  Eigen::Matrix<double, kColumns, Eigen::Dynamic> rows(kColumns, source.size());
+  for (std::size_t i = 0; i < source.size(); ++i) {
+    rows.col(static_cast<Eigen::Index>(i)) << 7, source.points[i], 8;
+  }
+  const geometry::PointView view(rows.data() + 1, source.size(), kColumns * sizeof(double));
+  const auto found = register_clouds(view, target, kCoarse),
+             same = register_clouds(PointCloud{source.points, {}}, target, kCoarse);
+  ASSERT_TRUE(found.result.T_target_source);
+  EXPECT_EQ(found.result.T_target_source->matrix(), same.result.T_target_source->matrix());
+}
+
+// Coordinates of the surface itself tell where a point is better than any feature.
+TEST(RegisterClouds, TakesFeaturesOfOnesOwn) {
+  constexpr double kVoxel = 0.004;
+  FeatureCloud described[2];
+  for (std::uint64_t k = 0; k < 2; ++k) {
+    described[k].cloud = geometry::voxel_sampled(bunny_cloud(8000, k), kVoxel);
+    const auto& points = described[k].cloud.points;
+    described[k].features.resize(3, static_cast<Eigen::Index>(points.size()));
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      described[k].features.col(static_cast<Eigen::Index>(i)) = points[i].cast<float>();
+    }
+  }
+  described[0].cloud = geometry::transformed(pose_of(3).inverse(), described[0].cloud);
+  const auto found = register_described(described[0], described[1], kVoxel);
+  ASSERT_EQ(found.result.status, RegistrationStatus::kFound);
+  EXPECT_LT(rotation_error_deg(*found.result.T_target_source, pose_of(3)), 1);
+  described[0].features.conservativeResize(3, 10);
+  EXPECT_THROW(register_described(described[0], described[1], kVoxel), BadInput);
+}
+
+TEST(RegisterClouds, RefusesAPoseThatDoesNotFit) {
+  // Two sheets of bumps that differ, held together by an initial pose.
+  PointCloud sheets[2];
+  for (std::uint64_t k = 0; k < 2; ++k) {
+    RandomStream random(k, "sheet");
+    Eigen::Vector2d waves[6];
+    for (auto& w : waves) w = 300 * Eigen::Vector2d(random.normal(), random.normal());
+    for (int i = 0; i < 4000; ++i) {
+      const Eigen::Vector2d p(random.uniform(-0.05, 0.05), random.uniform(-0.05, 0.05));
+      double height = 0;
+      for (const auto& w : waves) height += 0.002 * std::sin(w.dot(p));
+      sheets[k].points.emplace_back(p.x(), p.y(), height);
+    }
+  }
+  CloudOptions options;
+  options.registration.initial = Eigen::Isometry3d::Identity();
+  const auto found = register_clouds(sheets[0], sheets[1], options);
+  EXPECT_EQ(found.result.status, RegistrationStatus::kNoConsensus);
+  EXPECT_FALSE(found.result.T_target_source);
+  EXPECT_TRUE(register_clouds(sheets[0], sheets[0], options).result.T_target_source);
+}
+
 TEST(RegisterClouds, ThreadsDoNotMatter) {
   const PointCloud target = bunny_cloud(8000, 1),
                    source = geometry::transformed(pose_of(2).inverse(), bunny_cloud(8000, 2));

@@ -101,6 +101,32 @@ TEST(FreeMotions, OfNoObjectThatHasAPose) {
   }
 }
 
+// A cone whose radius varies by 6 %: slopes of some degrees, less than the normals' noise squared
+// and summed leaves to tell them from a round one.
+TEST(FreeMotions, OfANearlyRoundSurfaceAreNone) {
+  const Surface surface = [](RandomStream& r) {
+    const double h = std::sqrt(r.uniform(0.1, 1.0)), a = kTurn * r.uniform();
+    const double uneven = 0.03 * (std::cos(2 * a) + std::cos(3 * a + 1));
+    return around(0.04 * h * (1 + uneven), a, 0.08 * h);
+  };
+  int poses_found = 0;
+  for (std::uint64_t seed = 1; seed < 9; seed += 2) {
+    RandomStream poses[] = {RandomStream(seed, "surface"), RandomStream(seed + 1, "surface")};
+    const Eigen::Isometry3d T_source = testing::random_pose(poses[0]),
+                            T_target = testing::random_pose(poses[1]);
+    const auto found =
+        register_clouds(cloud_of(surface, 0.0003, seed), cloud_of(surface, 0.0003, seed + 1));
+    EXPECT_TRUE(found.result.free_motions.empty()) << seed;
+    if (!found.result.T_target_source) continue;  // so smooth a surface has few features
+    ++poses_found;
+    EXPECT_LT(
+        testing::rotation_error_deg(*found.result.T_target_source, T_target * T_source.inverse()),
+        2)
+        << seed;
+  }
+  EXPECT_GT(poses_found, 0);
+}
+
 TEST(FreeMotions, AreNamedWhereTheyAre) {
   // A cylinder along x through (0, 0, 1).
   CentredInformation about{.center = {0.2, 0, 1}};

@@ -137,5 +137,16 @@ TEST(Correspondences, BadInputNamesTheValue) {
   EXPECT_THROW(check(bad, Primitive::kPlane), BadInput);
 }
 
+TEST(Correspondences, AreReadFromBuffers) {
+  const float rows[] = {1, 2, 3, 4, 5, 6, 7, 8};
+  const Correspondences pairs =
+      paired({rows, 2, 4 * sizeof(float)}, {rows + 1, 2, 4 * sizeof(float)});
+  ASSERT_EQ(pairs.size(), 2u);
+  EXPECT_EQ(pairs.source[1], Eigen::Vector3d(5, 6, 7));
+  EXPECT_EQ(pairs.target[0], Eigen::Vector3d(2, 3, 4));
+  EXPECT_FALSE(pairs.has_normals());
+  EXPECT_THROW(paired({rows, 2}, {rows, 1}), BadInput);
+}
+
 }  // namespace
 }  // namespace palpate::registration

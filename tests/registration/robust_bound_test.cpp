@@ -27,6 +27,8 @@ TEST(RobustBound, HoldsForTheTruthAndCloses) {
     EXPECT_TRUE(bound.is_exhausted);
     EXPECT_GE(bound.max_inliers, found);
     EXPECT_LT(bound.max_inliers, found + 20);
+    EXPECT_LE(bound.min_cost, bound.cost);
+    EXPECT_LE(bound.cost, 100 * kBound * kBound);
     EXPECT_DOUBLE_EQ(bound.min_cost, (100 - bound.max_inliers) * kBound * kBound);
   }
 }
@@ -38,6 +40,19 @@ TEST(RobustBound, CoversAPoseThatWasMissed) {
   const RobustBound bound = bound_inliers(problem.correspondences, kBound, 3, kEffort);
   EXPECT_GE(bound.max_inliers, 40);
   EXPECT_TRUE(bound.is_exhausted);
+}
+
+// A mirror image keeps all distances, so that its pairs are a clique; but no rotation meets them.
+TEST(RobustBound, RotationsExcludeAMirrorImage) {
+  const auto problem = make_problem({.pairs = 60}, RandomStream(4, "bound"));
+  Correspondences c = problem.correspondences;
+  for (std::size_t i = 20; i < c.size(); ++i) c.target[i].x() = -c.target[i].x();
+  const RobustBound bound = bound_inliers(c, kBound, 20, kEffort);
+  EXPECT_GE(bound.max_inliers, 20);
+  EXPECT_LT(bound.max_inliers, 40);
+  EXPECT_GT(bound.nodes, 100);
+  // Cliques alone.
+  EXPECT_EQ(bound_inliers(c, kBound, 20, {.max_nodes = 1, .max_seconds = 1e3}).max_inliers, 40);
 }
 
 TEST(RobustBound, LessWorkLoosensIt) {

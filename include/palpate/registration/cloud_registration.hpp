@@ -10,8 +10,10 @@ namespace palpate::registration {
 /// A cloud sampled to a grid, with normals and a feature for each point.
 struct FeatureCloud {
   geometry::PointCloud cloud;
-  geometry::Features features;
+  geometry::Features features;     ///< one column a point, of any length: FPFH or one's own
   bool estimated_normals = false;  ///< not the cloud's own: all may be turned inside out
+  /// The features are fpfh(): those of the mirror image, and of normals turned over, are known.
+  bool is_fpfh = false;
 };
 
 struct FeatureOptions {
@@ -38,7 +40,7 @@ double suggested_voxel(const geometry::PointCloud& source, const geometry::Point
                        int most_points, int threads = 1);
 
 /// @param voxel  m, > 0
-FeatureCloud describe(const geometry::PointCloud& cloud, double voxel,
+FeatureCloud describe(const geometry::PointView& cloud, double voxel,
                       const FeatureOptions& options = {});
 
 struct CloudOptions {
@@ -68,15 +70,16 @@ struct CloudRegistration {
 ///
 /// Clouds of fewer than three points after sampling are kDegenerate; so are surfaces that can be
 /// slid along themselves (sphere, cylinder, cone, torus, plane), with their `free_motions`. An
-/// initial pose starts the refinement alone.
+/// initial pose starts the refinement alone. Large clouds are read where they are, and not copied.
 /// @throws BadInput as check_cloud(), with_normals() and register_correspondences()
-CloudRegistration register_clouds(const geometry::PointCloud& source,
-                                  const geometry::PointCloud& target,
+CloudRegistration register_clouds(const geometry::PointView& source,
+                                  const geometry::PointView& target,
                                   const CloudOptions& options = {});
 
 /// The same for clouds with features of any kind, one column a point, that are nearest for like
-/// places; both of the same voxel.
+/// places; both of the same voxel. Mirrored clouds are told from others by FPFH alone.
 /// @param voxel  m, distance between the points
+/// @throws BadInput also for another number of features or normals than points
 CloudRegistration register_described(const FeatureCloud& source, const FeatureCloud& target,
                                      double voxel, const CloudOptions& options = {});
 

@@ -4,6 +4,8 @@
 #include <Eigen/Geometry>
 #include <vector>
 
+#include "palpate/geometry/cloud/point_cloud.hpp"
+
 namespace palpate::registration {
 
 /// Pairs of points thought to be the same point of an object, seen in two frames.
@@ -18,6 +20,11 @@ struct Correspondences {
   std::size_t size() const { return source.size(); }
   bool has_normals() const { return !source_normals.empty() && !target_normals.empty(); }
 };
+
+/// Pairs of the points, and of the normals where there are any, of two views of as many points,
+/// read once: the search works on columns of its own.
+/// @throws BadInput for views of different sizes
+Correspondences paired(const geometry::PointView& source, const geometry::PointView& target);
 
 /// What a source point is held against.
 enum class Primitive {

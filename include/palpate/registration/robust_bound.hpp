@@ -23,18 +23,22 @@ struct RobustBoundOptions {
 struct RobustBound {
   int max_inliers = 0;        ///< no pose has more pairs within the noise bound
   double min_cost = 0;        ///< no pose has a smaller sum of min(r^2, c^2), m^2
-  bool is_exhausted = false;  ///< the branch and bound ran to its end: the relaxation is tight
+  double cost = 0;            ///< that sum of the answer, m^2: the least is between the two
+  bool is_exhausted = false;  ///< the search for cliques ran to its end
   int nodes = 0;              ///< subproblems looked at
   double seconds = 0;
 };
 
-/// Bounds the number of inliers of every rigid motion by branch and bound on cliques.
+/// Bounds the number of inliers of every rigid motion by branch and bound, on cliques and over
+/// rotations.
 ///
 /// Two inliers of one pose keep their distance to within twice the noise bound c, so that the
-/// inliers of any pose are a clique of the graph of such pairs (Bustos & Chin, PAMI 2018; Parra et
-/// al., 2019). Cliques are bounded by cores and colourings and searched above `inliers` alone
-/// (Tomita & Kameda 2007). The clique number exceeds the largest consensus where a clique fits no
-/// common pose: the answer is an interval [inliers, max_inliers], which need not close.
+/// inliers of any pose are a clique of the graph of such pairs (Parra Bustos et al., ICCV 2019).
+/// Cliques are bounded by cores and colourings and searched above `inliers` alone (Tomita & Kameda
+/// 2007). Where larger ones are left, branch and bound over SO(3) proves pair by pair that it is an
+/// inlier of no pose with more than `inliers` (guaranteed outlier removal, Parra Bustos & Chin,
+/// PAMI 2018), and the others' cliques are bounded again. Both relax the bound c to 2 c: the answer
+/// is an interval [inliers, max_inliers], which need not close.
 /// @param noise_bound  c, m, > 0
 /// @param inliers  of the best pose known: the bound is never less
 /// @throws BadInput as check(), and for a noise bound that is not positive

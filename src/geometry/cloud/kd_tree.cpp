@@ -29,6 +29,22 @@ struct Points {
 using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Points>,
                                                  Points, 3, int>;
 
+/// What nanoflann asks of a list of results.
+struct Collector {
+  double squared_radius;
+  std::vector<Neighbour>& found;
+
+  void init() { found.clear(); }
+  void clear() { found.clear(); }
+  std::size_t size() const { return found.size(); }
+  bool full() const { return true; }
+  bool addPoint(double squared, int index) {
+    if (squared < squared_radius) found.push_back({index, squared});
+    return true;
+  }
+  double worstDist() const { return squared_radius; }
+};
+
 }  // namespace
 
 struct KdTree::Index {
@@ -60,6 +76,7 @@ std::vector<Neighbour> KdTree::nearest(const Eigen::Vector3d& query, int k) cons
   found.init(indices.data(), squared.data());
   index_->tree.findNeighbors(found, query.data(), nanoflann::SearchParams());
   std::vector<Neighbour> result;
+  result.reserve(found.size());
   for (std::size_t i = 0; i < found.size(); ++i) result.push_back({indices[i], squared[i]});
   return result;
 }
@@ -79,15 +96,20 @@ Neighbour KdTree::nearest_within(const Eigen::Vector3d& query, double radius) co
 }
 
 std::vector<Neighbour> KdTree::within(const Eigen::Vector3d& query, double radius) const {
-  if (points().empty() || !(radius > 0)) return {};
-  std::vector<std::pair<int, double>> found;
-  index_->tree.radiusSearch(query.data(), radius * radius, found, nanoflann::SearchParams());
-  std::ranges::sort(found, [](const auto& a, const auto& b) {
-    return std::pair(a.second, a.first) < std::pair(b.second, b.first);
+  std::vector<Neighbour> found;
+  find_within(query, radius, found);
+  std::ranges::sort(found, [](const Neighbour& a, const Neighbour& b) {
+    return std::pair(a.squared_distance, a.index) < std::pair(b.squared_distance, b.index);
   });
-  std::vector<Neighbour> result;
-  for (const auto& [index, squared] : found) result.push_back({index, squared});
-  return result;
+  return found;
+}
+
+void KdTree::find_within(const Eigen::Vector3d& query, double radius,
+                         std::vector<Neighbour>& found) const {
+  found.clear();
+  if (points().empty() || !(radius > 0)) return;
+  Collector collector{radius * radius, found};
+  index_->tree.findNeighbors(collector, query.data(), nanoflann::SearchParams());
 }
 
 }  // namespace palpate::geometry

@@ -15,35 +15,66 @@
 namespace palpate::geometry {
 namespace {
 
-Eigen::Vector3d plane_normal(const KdTree& tree, std::size_t i, int neighbours) {
-  const auto found = tree.nearest(tree.points()[i], neighbours);
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  for (const auto& n : found) mean += tree.points()[static_cast<std::size_t>(n.index)];
-  mean /= static_cast<double>(found.size());
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-  for (const auto& n : found) {
-    const Eigen::Vector3d d = tree.points()[static_cast<std::size_t>(n.index)] - mean;
-    covariance += d * d.transpose();
+using Lists = std::vector<std::vector<int>>;
+
+/// Of every point its nearest ones, itself among them.
+Lists nearest_lists(const KdTree& tree, int neighbours) {
+  if (neighbours < 3 || tree.points().size() < 3) {
+    throw BadInput(fmt::format("no normals from {} neighbours among {} points", neighbours,
+                               tree.points().size()));
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(covariance);
-  if (!(eigen.eigenvalues()[1] > 1e-12 * eigen.eigenvalues()[2])) {
-    throw BadInput(
-        fmt::format("no normal at point {}: its {} neighbours are collinear", i, found.size()));
+  Lists lists(tree.points().size());
+  for (std::size_t i = 0; i < lists.size(); ++i) {
+    for (const auto& n : tree.nearest(tree.points()[i], neighbours)) lists[i].push_back(n.index);
   }
-  return eigen.eigenvectors().col(0);
+  return lists;
 }
 
-/// Neighbours of every point, each edge in both directions.
-std::vector<std::vector<int>> neighbour_graph(const KdTree& tree, int neighbours) {
-  std::vector<std::vector<int>> graph(tree.points().size());
+/// Each edge in both directions.
+Lists graph_of(const Lists& lists) {
+  Lists graph(lists.size());
   for (std::size_t i = 0; i < graph.size(); ++i) {
-    for (const auto& n : tree.nearest(tree.points()[i], neighbours)) {
-      if (n.index == static_cast<int>(i)) continue;
-      graph[i].push_back(n.index);
-      graph[static_cast<std::size_t>(n.index)].push_back(static_cast<int>(i));
+    for (const int j : lists[i]) {
+      if (j == static_cast<int>(i)) continue;
+      graph[i].push_back(j);
+      graph[static_cast<std::size_t>(j)].push_back(static_cast<int>(i));
     }
   }
   return graph;
+}
+
+std::optional<Eigen::Vector3d> fitted_normal(const std::vector<Eigen::Vector3d>& points,
+                                             const std::vector<int>& indices) {
+  constexpr double kCollinear = 1e-12;  // of the squared extent along the line
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const int i : indices) mean += points[static_cast<std::size_t>(i)];
+  mean /= static_cast<double>(indices.size());
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  for (const int i : indices) {
+    const Eigen::Vector3d d = points[static_cast<std::size_t>(i)] - mean;
+    covariance += d * d.transpose();
+  }
+  // The sum of the principal minors is that of the products of two eigenvalues.
+  const double trace = covariance.trace();
+  const double products = (trace * trace - covariance.squaredNorm()) / 2;
+  if (!(products > kCollinear * trace * trace)) return std::nullopt;
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen;
+  eigen.computeDirect(covariance / trace);
+  return eigen.eigenvectors().col(0);
+}
+
+std::vector<Eigen::Vector3d> fitted_normals(const std::vector<Eigen::Vector3d>& points,
+                                            const Lists& lists) {
+  std::vector<Eigen::Vector3d> normals;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto normal = fitted_normal(points, lists[i]);
+    if (!normal) {
+      throw BadInput(fmt::format("no normal at point {}: its {} neighbours are collinear", i,
+                                 lists[i].size()));
+    }
+    normals.push_back(*normal);
+  }
+  return normals;
 }
 
 /// Prim's spanning tree from `start`, flipping every normal that turns against its parent's.
@@ -69,26 +100,13 @@ void orient_part(const std::vector<std::vector<int>>& graph, std::size_t start,
   }
 }
 
-}  // namespace
-
-std::vector<Eigen::Vector3d> plane_normals(const KdTree& tree, int neighbours) {
-  if (neighbours < 3 || tree.points().size() < 3) {
-    throw BadInput(fmt::format("no normals from {} neighbours among {} points", neighbours,
-                               tree.points().size()));
-  }
-  std::vector<Eigen::Vector3d> normals;
-  for (std::size_t i = 0; i < tree.points().size(); ++i) {
-    normals.push_back(plane_normal(tree, i, neighbours));
-  }
-  return normals;
-}
-
-void orient_consistently(const KdTree& tree, int neighbours,
+/// Flips normals so that they agree along a minimum spanning tree of the neighbours' graph with
+/// weights 1 - |n_i . n_j|, each part of it pointing outward at its highest point (Hoppe et al.
+/// 1992, 3.3).
+void orient_consistently(const std::vector<Eigen::Vector3d>& points, const Lists& graph,
                          std::vector<Eigen::Vector3d>& normals) {
-  const auto graph = neighbour_graph(tree, neighbours);
   std::vector<std::size_t> by_height(normals.size());
   std::iota(by_height.begin(), by_height.end(), 0);
-  const auto& points = tree.points();
   std::ranges::stable_sort(
       by_height, [&](std::size_t a, std::size_t b) { return points[a].z() > points[b].z(); });
   std::vector<bool> done(normals.size(), false);
@@ -99,12 +117,25 @@ void orient_consistently(const KdTree& tree, int neighbours,
   }
 }
 
+}  // namespace
+
+std::optional<Eigen::Vector3d> plane_normal(const KdTree& tree, const Eigen::Vector3d& at,
+                                            int neighbours) {
+  std::vector<int> indices;
+  for (const auto& n : tree.nearest(at, neighbours)) indices.push_back(n.index);
+  return fitted_normal(tree.points(), indices);
+}
+
+std::vector<Eigen::Vector3d> plane_normals(const KdTree& tree, int neighbours) {
+  return fitted_normals(tree.points(), nearest_lists(tree, neighbours));
+}
+
 PointCloud with_normals(PointCloud cloud, int neighbours) {
   cloud.normals.clear();
   check_cloud(cloud);
-  const KdTree tree(cloud.points);
-  cloud.normals = plane_normals(tree, neighbours);
-  orient_consistently(tree, neighbours, cloud.normals);
+  const Lists lists = nearest_lists(KdTree(cloud.points), neighbours);
+  cloud.normals = fitted_normals(cloud.points, lists);
+  orient_consistently(cloud.points, graph_of(lists), cloud.normals);
   return cloud;
 }
 

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <vector>
@@ -14,12 +13,16 @@
 namespace palpate::geometry {
 namespace {
 
-using Cell = std::array<std::int64_t, 3>;
+struct Cell {
+  std::int64_t x, y, z;
+
+  bool operator==(const Cell&) const = default;
+};
 
 struct CellHash {
   std::size_t operator()(const Cell& cell) const {
     std::uint64_t hash = 0;
-    for (const std::int64_t k : cell) {
+    for (const std::int64_t k : {cell.x, cell.y, cell.z}) {
       hash = (hash ^ static_cast<std::uint64_t>(k)) * 0x9e3779b97f4a7c15;
       hash ^= hash >> 29;
     }
@@ -56,63 +59,92 @@ class CellNumbers {
   std::vector<Cell> cells_;
 };
 
-Eigen::AlignedBox3d box_of(const PointCloud& cloud) {
+Eigen::AlignedBox3d box_of(const PointView& cloud) {
   Eigen::AlignedBox3d box;
-  for (const auto& p : cloud.points) box.extend(p);
+  for (std::size_t i = 0; i < cloud.size(); ++i) box.extend(cloud.point(i));
   return box;
 }
 
 Cell cell_at(const Eigen::Vector3d& p, const Eigen::Vector3d& low, double cell) {
-  const Eigen::Vector3d k = ((p - low) / cell).array().floor();
+  const Eigen::Vector3d k = (p - low) / cell;  // none below 0
   return {static_cast<std::int64_t>(k[0]), static_cast<std::int64_t>(k[1]),
           static_cast<std::int64_t>(k[2])};
 }
 
 /// For each point the number of its cube, counted from 0 as they are first met.
-std::vector<std::size_t> cells_of(const PointCloud& cloud, double cell, std::size_t& count) {
+std::vector<std::size_t> cells_of(const PointView& cloud, double cell, std::size_t& count) {
   const Eigen::Vector3d low = box_of(cloud).min();
   CellNumbers numbers(cloud.size());
   std::vector<std::size_t> result;
   result.reserve(cloud.size());
-  for (const auto& p : cloud.points) result.push_back(numbers.number(cell_at(p, low, cell)));
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    result.push_back(numbers.number(cell_at(cloud.point(i), low, cell)));
+  }
   count = numbers.count();
   return result;
 }
 
 /// Smallest cell from `cell` on, to a few per cent, that leaves at most `most` of every stride-th
 /// point.
-double cell_from(const PointCloud& cloud, std::size_t stride, const Eigen::Vector3d& low,
+double cell_from(const PointView& cloud, std::size_t stride, const Eigen::Vector3d& low,
                  std::size_t most, double cell) {
-  constexpr double kStep = 1.05;
-  const auto occupied = [&] {
+  constexpr double kLeastStep = 1.02;
+  for (;;) {
     CellNumbers numbers(cloud.size() / stride + 1);
     for (std::size_t i = 0; i < cloud.size(); i += stride) {
-      numbers.number(cell_at(cloud.points[i], low, cell));
+      numbers.number(cell_at(cloud.point(i), low, cell));
     }
-    return numbers.count();
-  };
-  for (std::size_t count = cloud.size(); count > most; cell *= kStep) {
-    count = occupied();
+    if (numbers.count() <= most) return cell;
     // A surface: the number falls with the square of the cell.
-    const double excess = static_cast<double>(count) / static_cast<double>(most);
-    if (excess > 1.5) cell *= std::sqrt(excess / 1.3);
+    const double excess = static_cast<double>(numbers.count()) / static_cast<double>(most);
+    cell *= std::max(kLeastStep, std::sqrt(excess));
   }
-  return cell / kStep;
 }
 
 }  // namespace
 
-void check_cloud(const PointCloud& cloud) {
-  if (cloud.has_normals() && cloud.normals.size() != cloud.size()) {
+PointView::PointView(const PointCloud& cloud)
+    : PointView(cloud.points.empty() ? nullptr : cloud.points.front().data(), cloud.size()) {
+  if (!cloud.has_normals()) return;
+  if (cloud.normals.size() != cloud.size()) {
     throw BadInput(fmt::format("{} normals for {} points", cloud.normals.size(), cloud.size()));
   }
+  *this = with_normals(cloud.normals.front().data(), stride_);
+}
+
+PointView::PointView(const double* points, std::size_t count, std::ptrdiff_t stride)
+    : points_(reinterpret_cast<const std::byte*>(points)), size_(count), stride_(stride) {}
+
+PointView::PointView(const float* points, std::size_t count, std::ptrdiff_t stride)
+    : points_(reinterpret_cast<const std::byte*>(points)),
+      size_(count),
+      stride_(stride),
+      is_float_(true) {}
+
+PointView PointView::with_normals(const void* normals, std::ptrdiff_t stride) const {
+  PointView result = *this;
+  result.normals_ = static_cast<const std::byte*>(normals);
+  result.normal_stride_ = stride;
+  return result;
+}
+
+PointCloud copied(const PointView& view) {
+  PointCloud cloud;
+  for (std::size_t i = 0; i < view.size(); ++i) {
+    cloud.points.push_back(view.point(i));
+    if (view.has_normals()) cloud.normals.push_back(view.normal(i));
+  }
+  return cloud;
+}
+
+void check_cloud(const PointView& cloud) {
   for (std::size_t i = 0; i < cloud.size(); ++i) {
-    const auto& p = cloud.points[i];
+    const Eigen::Vector3d p = cloud.point(i);
     if (!p.allFinite()) {
       throw BadInput(fmt::format("point {} is not finite: ({}, {}, {})", i, p[0], p[1], p[2]));
     }
-    if (cloud.has_normals() && !(std::abs(cloud.normals[i].norm() - 1) < 1e-3)) {
-      throw BadInput(fmt::format("normal {} has length {}", i, cloud.normals[i].norm()));
+    if (cloud.has_normals() && !(std::abs(cloud.normal(i).norm() - 1) < 1e-3)) {
+      throw BadInput(fmt::format("normal {} has length {}", i, cloud.normal(i).norm()));
     }
   }
 }
@@ -132,7 +164,7 @@ PointCloud transformed(const Eigen::Isometry3d& T, PointCloud cloud) {
   return cloud;
 }
 
-PointCloud voxel_sampled(const PointCloud& cloud, double cell) {
+PointCloud voxel_sampled(const PointView& cloud, double cell) {
   if (!(cell > 0) || !std::isfinite(cell)) {
     throw BadInput(fmt::format("cannot sample a cloud to cells of {} m", cell));
   }
@@ -146,17 +178,17 @@ PointCloud voxel_sampled(const PointCloud& cloud, double cell) {
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const std::size_t k = cells[i];
     members[k] += 1;
-    result.points[k] += (cloud.points[i] - result.points[k]) / members[k];
+    result.points[k] += (cloud.point(i) - result.points[k]) / members[k];
     if (!cloud.has_normals()) continue;
     // The two sides of a thin sheet may cancel: the first normal then stands.
-    const Eigen::Vector3d sum = result.normals[k] + cloud.normals[i];
+    const Eigen::Vector3d sum = result.normals[k] + cloud.normal(i);
     if (sum.norm() > 1e-6) result.normals[k] = sum;
   }
   for (auto& n : result.normals) n.normalize();
   return result;
 }
 
-double voxel_cell_for(const PointCloud& cloud, std::size_t most) {
+double voxel_cell_for(const PointView& cloud, std::size_t most) {
   constexpr std::size_t kMembers = 4;  // of a cell, on average: of fewer some stay empty
   if (cloud.size() <= most || most == 0) return 0;
   const Eigen::AlignedBox3d box = box_of(cloud);

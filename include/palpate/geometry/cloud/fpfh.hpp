@@ -1,16 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <Eigen/Core>
-
+#include "palpate/geometry/cloud/feature_matching.hpp"
 #include "palpate/geometry/cloud/point_cloud.hpp"
 
 namespace palpate::geometry {
 
 inline constexpr int kFpfhBins = 33;  ///< three angles, 11 bins each
-
-/// One column a point.
-using Features = Eigen::Matrix<float, kFpfhBins, Eigen::Dynamic>;
 
 /// Fast point feature histograms (Rusu, Blodow & Beetz, ICRA 2009).
 ///
@@ -20,17 +16,10 @@ using Features = Eigen::Matrix<float, kFpfhBins, Eigen::Dynamic>;
 /// each histogram of single pairs sums to 100, the mean too, so that a column sums to 600, or to 0
 /// without neighbours.
 /// @param radius  neighbourhood, m: about five times the distance between points
-/// @param max_neighbours  nearest ones taken within it, the point itself not counted
+/// @param max_neighbours  nearest ones taken within it, and those as near as the last, the point
+///        itself not counted
 /// @throws BadInput for a cloud without normals, a radius that is not positive, as check_cloud()
 Features fpfh(const PointCloud& cloud, double radius, int max_neighbours = 100);
-
-struct Match {
-  int source = -1, target = -1;
-};
-
-/// Pairs of columns that are each other's nearest, by source index; of equally near ones the first.
-/// @param threads  the result does not depend on them
-std::vector<Match> mutual_matches(const Features& source, const Features& target, int threads = 1);
 
 /// What fpfh() gives where all normals point the other way: theta and phi change sign.
 Features turned_inside_out(Features features);

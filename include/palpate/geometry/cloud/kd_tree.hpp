@@ -32,6 +32,10 @@ class KdTree {
   /// All points closer than the radius, nearest first, equally near ones by index.
   std::vector<Neighbour> within(const Eigen::Vector3d& query, double radius) const;
 
+  /// The same in no order, into a list whose memory is used again.
+  void find_within(const Eigen::Vector3d& query, double radius,
+                   std::vector<Neighbour>& found) const;
+
  private:
   struct Index;
   std::unique_ptr<const Index> index_;

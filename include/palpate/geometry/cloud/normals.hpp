@@ -1,23 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
+
 #include "palpate/geometry/cloud/kd_tree.hpp"
 #include "palpate/geometry/cloud/point_cloud.hpp"
 
 namespace palpate::geometry {
+
+/// Unit normal of the plane through the `neighbours` points nearest to a place; of either sign.
+/// Nothing where they are collinear.
+std::optional<Eigen::Vector3d> plane_normal(const KdTree& tree, const Eigen::Vector3d& at,
+                                            int neighbours);
 
 /// Unit normal of the plane through each point's `neighbours` nearest points (itself among them),
 /// by principal components (Hoppe et al. 1992, 3.2); of either sign.
 /// @throws BadInput for fewer than three neighbours, or a point whose neighbours are collinear
 std::vector<Eigen::Vector3d> plane_normals(const KdTree& tree, int neighbours);
 
-/// Flips normals so that they agree along a minimum spanning tree of the neighbours' graph with
-/// weights 1 - |n_i . n_j|, each part of it pointing outward at its highest point (Hoppe et al.
-/// 1992, 3.3). For closed surfaces normals then point out.
-/// @param normals  one a point of the tree, unit
-void orient_consistently(const KdTree& tree, int neighbours, std::vector<Eigen::Vector3d>& normals);
-
-/// The cloud with outward normals by both steps.
+/// The cloud with normals by planes, flipped so that they agree along a minimum spanning tree of
+/// the neighbours' graph with weights 1 - |n_i . n_j|, each part of it pointing outward at its
+/// highest point (Hoppe et al. 1992, 3.3). For closed surfaces normals then point out.
 /// @throws BadInput as plane_normals() and check_cloud()
 PointCloud with_normals(PointCloud cloud, int neighbours = 12);
 

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "registration/neighbour_rounds.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "palpate/core/parallel.hpp"
+
+namespace palpate::registration {
+
+using geometry::PointCloud;
+
+void append_pair(Correspondences& pairs, const PointCloud& source, std::size_t i,
+                 const PointCloud& target, std::size_t j) {
+  pairs.source.push_back(source.points[i]);
+  pairs.target.push_back(target.points[j]);
+  pairs.source_normals.push_back(source.normals[i]);
+  pairs.target_normals.push_back(target.normals[j]);
+}
+
+NeighbourRounds::NeighbourRounds(const PointCloud& source, const PointCloud& target,
+                                 Primitive primitive, int threads)
+    : source_(source),
+      target_(target),
+      tree_(target.points),
+      primitive_(primitive),
+      threads_(threads),
+      nearest_(source.size(), -1),
+      partners_(source.size(), -1) {}
+
+const Correspondences& NeighbourRounds::pair_up(const Eigen::Isometry3d& T, double bound,
+                                                std::size_t stride) {
+  looked_ = (source_.size() + stride - 1) / stride;
+  find_nearest(T, bound, stride);
+  for (auto* list :
+       {&pairs_.source, &pairs_.target, &pairs_.source_normals, &pairs_.target_normals}) {
+    list->clear();
+  }
+  for (std::size_t i = 0; i < source_.size(); i += stride) {
+    if (partners_[i] < 0) continue;
+    append_pair(pairs_, source_, i, target_, static_cast<std::size_t>(partners_[i]));
+  }
+  return pairs_;
+}
+
+double NeighbourRounds::truncated_cost(const Eigen::Isometry3d& T, double bound) const {
+  double sum = static_cast<double>(looked_ - pairs_.size());
+  for (const double squared : squared_residuals(pairs_, T, primitive_)) {
+    sum += std::min(1.0, squared / (bound * bound));
+  }
+  return sum / static_cast<double>(looked_);
+}
+
+void NeighbourRounds::find_nearest(const Eigen::Isometry3d& T, double bound, std::size_t stride) {
+  constexpr double kLeastCosine = 0.5;
+  constexpr std::size_t kBlock = 512;
+  parallel_for((looked_ + kBlock - 1) / kBlock, threads_, [&](std::size_t block) {
+    const std::size_t end = std::min(looked_, (block + 1) * kBlock);
+    for (std::size_t i = block * kBlock * stride; i < source_.size() && i < end * stride;
+         i += stride) {
+      const int found = nearest_within(T * source_.points[i], bound, nearest_[i]);
+      partners_[i] = -1;
+      if (found < 0) continue;
+      nearest_[i] = found;
+      const Eigen::Vector3d& n = target_.normals[static_cast<std::size_t>(found)];
+      const double cosine = std::abs((T.linear() * source_.normals[i]).dot(n));
+      if (cosine > kLeastCosine) partners_[i] = found;
+    }
+  });
+}
+
+/// @param last  nearest in the round before, or -1: what is farther away need not be looked at
+int NeighbourRounds::nearest_within(const Eigen::Vector3d& p, double bound, int last) const {
+  constexpr double kRounding = 1e-12;
+  double reach = bound;
+  if (last >= 0) {
+    const double distance = (target_.points[static_cast<std::size_t>(last)] - p).norm();
+    reach = std::min(bound, distance);
+    if (distance >= bound) last = -1;
+  }
+  const int found = tree_.nearest_within(p, reach * (1 - kRounding)).index;
+  return found < 0 ? last : found;
+}
+
+}  // namespace palpate::registration
