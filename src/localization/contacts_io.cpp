@@ -126,9 +126,10 @@ std::vector<FreeSphere> read_free_spheres(const std::filesystem::path& path) {
   const std::size_t radius = row.require("radius");
   std::vector<FreeSphere> spheres;
   while (row.next()) {
-    spheres.push_back({row.finite(center), row.finite(radius)});
-    if (spheres.back().radius >= 0) continue;
-    throw BadInput(fmt::format("{}: a radius of {} m", row.where(), spheres.back().radius));
+    const FreeSphere sphere{row.finite(center), row.finite(radius)};
+    check_plausible(sphere.center, kMaxLength, row.where() + ": a coordinate in m");
+    plausible(sphere.radius, 0, kMaxLength, row.where() + ": a radius in m");
+    spheres.push_back(sphere);
   }
   return spheres;
 }
