@@ -203,14 +203,15 @@ class Localization(unittest.TestCase):
 
     def test_tracker_follows_a_shift(self):
         start = palpate.localize(self.model, self.contacts)
-        tracker = palpate.Tracker(self.model, start, seed=1)
-        T = self.truth.copy()
-        for frame in range(11):
-            T[:3, 3] = self.truth[:3, 3] + [0.001 * frame, 0, 0]
-            now = palpate.Contacts(self.points, self.normals).transformed(T)
-            velocity = np.tile([0.1, 0, 0], (len(now), 1))
-            posterior = tracker.update(0.01 * frame, now, velocity)
-        self.assertLess(posterior.error(T)[1], 0.002)
+        for normals in (self.normals, None):
+            tracker = palpate.Tracker(self.model, start, seed=1)
+            T = self.truth.copy()
+            for frame in range(11):
+                T[:3, 3] = self.truth[:3, 3] + [0.001 * frame, 0, 0]
+                now = palpate.Contacts(self.points, normals).transformed(T)
+                velocity = np.tile([0.1, 0, 0], (len(now), 1))
+                posterior = tracker.update(0.01 * frame, now, velocity)
+            self.assertLess(posterior.error(T)[1], 0.002)
         with self.assertRaisesRegex(ValueError, "velocities"):
             tracker.update(1.0, now, velocity[:2])
 
