@@ -63,7 +63,7 @@ def wilson(successes, trials, z=1.96):
     p = successes / trials
     middle = (p + z * z / (2 * trials)) / (1 + z * z / trials)
     half = z * np.sqrt(p * (1 - p) / trials + z * z / (4 * trials**2)) / (1 + z * z / trials)
-    return f"{p:.2f} [{middle - half:.2f}, {middle + half:.2f}]"
+    return f"{p:.2f} [{max(0, middle - half):.2f}, {min(1, middle + half):.2f}]"
 
 
 def main(trials=30, objects=("mug", "bottle", "box", "bracket")):
