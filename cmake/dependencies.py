@@ -3,6 +3,8 @@
 
 usage: dependencies.py note NAME DEPS FROM-FILE FOLDER...   note the hash of all files in the folders
        dependencies.py check NAME DEPS                      exit code 0 if all is as it was noted
+       dependencies.py choose REQUIREMENTS PACKAGE...       their lines of the file, with hashes
+       dependencies.py pin WHEEL                            a line that pip installs the file by
        dependencies.py sbom                                 CycloneDX 1.5 JSON on stdout
 """
 
@@ -79,6 +81,19 @@ def check(name, deps):
     return wanted and intact
 
 
+def choose(requirements, *packages):
+    """The lines of some packages of a requirements file. Raises KeyError for one that it lacks."""
+    text = (ROOT / requirements).read_text().replace("\\\n", " ")
+    lines = dict(re.findall(r"^([\w.-]+)(==.*)$", text, re.MULTILINE))
+    for package in packages:
+        print(package + lines[package])
+
+
+def pin(wheel):
+    path = pathlib.Path(wheel).resolve()
+    print(f"palpate @ {path.as_uri()} --hash=sha256:{hash_of_file(path)}")
+
+
 def python_components():
     for requirements in sorted((ROOT / "requirements").glob("*.txt")):
         text = requirements.read_text().replace("\\\n", " ")
@@ -92,7 +107,7 @@ def python_components():
 
 
 def scope_of(requirements):
-    return "optional" if requirements == "bench" else "required"
+    return "required" if requirements == "simulation" else "optional"
 
 
 def npm_components():
@@ -149,6 +164,10 @@ def main(command, *arguments):
         note(*arguments)
     elif command == "check":
         return 0 if check(*arguments) else 1
+    elif command == "choose":
+        choose(*arguments)
+    elif command == "pin":
+        pin(*arguments)
     else:
         sbom()
     return 0

@@ -4,9 +4,11 @@
 #include <chrono>
 #include <cmath>
 #include <map>
+#include <optional>
 
 #include "common.hpp"
 #include "localize_demo.hpp"
+#include "localize_evidence.hpp"
 #include "palpate/core/angle.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
@@ -20,6 +22,7 @@ namespace {
 namespace lo = localization;
 
 constexpr std::size_t kMaxShown = 10;  // modes
+constexpr double kCertain = 0.95;      // probability, as of the search's own status
 
 struct LocalizeOptions {
   lo::LocalizerOptions search;
@@ -47,8 +50,10 @@ struct LocalizeArguments {
   CommonOptions common;
   std::string mesh, contacts;
   std::string method = "fast";
-  bool demo = false;
+  bool demo = false, ignore_spin = false;
   double point_noise = 0.001, normal_noise_deg = 10;
+  std::optional<double> table;
+  std::string free, prior;
 };
 
 struct Result {
@@ -99,6 +104,13 @@ Result solve(const LocalizeArguments& arguments, const LocalizeOptions& options)
   lo::Evidence evidence;
   evidence.contacts = lo::read_contacts(
       arguments.contacts, {arguments.point_noise, arguments.normal_noise_deg * kDegree});
+  if (arguments.table) {
+    evidence.table = table_at(*arguments.table, evidence.contacts, model.object());
+  }
+  if (!arguments.free.empty()) evidence.free_space = lo::read_free_spheres(arguments.free);
+  if (!arguments.prior.empty()) {
+    evidence.prior = read_prior(arguments.prior, model.object().T_mesh_object);
+  }
   evidence.false_contact_share = options.false_contacts;
   evidence.noise_scale_prior = options.noise_scale_prior;
   evidence.size_prior = options.size_prior;
@@ -118,13 +130,26 @@ Result solve(const LocalizeArguments& arguments, const LocalizeOptions& options)
   return result;
 }
 
-/// Of the mesh's pose in the contacts' frame: moving the origin from the centroid to the mesh's
-/// adds what the rotation does to the arm between them.
+/// Of the mesh's pose in the contacts' frame.
 Matrix6d mesh_covariance(const lo::Mode& mode, const Eigen::Isometry3d& T_object_mesh) {
-  const Eigen::Vector3d arm = mode.T_frame_object.linear() * T_object_mesh.translation();
-  Matrix6d J = Matrix6d::Identity();
-  J.bottomLeftCorner<3, 3>() = -skew(arm);
-  return J * mode.covariance * J.transpose();
+  return covariance_at(mode.T_frame_object.linear() * T_object_mesh.translation(), mode.covariance);
+}
+
+/// That the object is where the mode says, turns about the mode's free axis aside if asked.
+double probability_of(const lo::Mode& mode, bool ignore_spin) {
+  return ignore_spin ? mode.weight : lo::pose_probability(mode);
+}
+
+/// As the posterior's own, or where spin does not matter by the best mode's weight.
+std::string_view status_of(const lo::Posterior& posterior, bool ignore_spin) {
+  if (!ignore_spin || posterior.modes.empty()) return lo::to_string(posterior.status);
+  const bool certain = posterior.modes.front().weight > kCertain;
+  return lo::to_string(certain ? lo::PoseStatus::certain : lo::PoseStatus::ambiguous);
+}
+
+double best_probability(const lo::Posterior& posterior, bool ignore_spin) {
+  if (posterior.modes.empty()) return 0;
+  return probability_of(posterior.modes.front(), ignore_spin);
 }
 
 std::vector<double> row_major(const Matrix6d& matrix) {
@@ -149,15 +174,15 @@ nlohmann::json report_of(const LocalizeArguments& arguments, const Result& resul
   for (const lo::Mode& mode : result.posterior.modes) {
     modes.push_back({{"T_contact_object", to_json(mode.T_frame_object * result.T_object_mesh)},
                      {"weight", mode.weight},
-                     {"probability", lo::pose_probability(mode)},
+                     {"probability", probability_of(mode, arguments.ignore_spin)},
                      {"covariance", row_major(mesh_covariance(mode, result.T_object_mesh))},
                      {"free_axis", axis_json(mode)}});
   }
   auto further = nlohmann::json::array();
   for (const auto& T : result.posterior.further)
     further.push_back(to_json(T * result.T_object_mesh));
-  return {{"status", lo::to_string(result.posterior.status)},
-          {"probability", lo::best_probability(result.posterior)},
+  return {{"status", status_of(result.posterior, arguments.ignore_spin)},
+          {"probability", best_probability(result.posterior, arguments.ignore_spin)},
           {"modes", modes},
           {"unlisted", result.posterior.unlisted()},
           {"further", further},
@@ -168,14 +193,14 @@ nlohmann::json report_of(const LocalizeArguments& arguments, const Result& resul
           {"seconds", result.posterior.seconds}};
 }
 
-void print_mode(const lo::Mode& mode, const Eigen::Isometry3d& T_object_mesh) {
+void print_mode(const lo::Mode& mode, const Eigen::Isometry3d& T_object_mesh, bool ignore_spin) {
   const Eigen::Isometry3d T = mode.T_frame_object * T_object_mesh;
   const Eigen::Vector3d w = log_so3(T.linear()) / kDegree, t = 1e3 * T.translation();
   const Matrix6d covariance = mesh_covariance(mode, T_object_mesh);
   fmt::print(
       "{:6.3f}  ({:7.1f}, {:7.1f}, {:7.1f}) deg  ({:7.1f}, {:7.1f}, {:7.1f}) mm  +- {:.1f} deg, "
       "{:.1f} mm",
-      lo::pose_probability(mode), w[0], w[1], w[2], t[0], t[1], t[2],
+      probability_of(mode, ignore_spin), w[0], w[1], w[2], t[0], t[1], t[2],
       std::sqrt(covariance.topLeftCorner<3, 3>().trace()) / kDegree,
       1e3 * std::sqrt(covariance.bottomRightCorner<3, 3>().trace()));
   if (mode.free_axis) {
@@ -186,9 +211,9 @@ void print_mode(const lo::Mode& mode, const Eigen::Isometry3d& T_object_mesh) {
   fmt::print("\n");
 }
 
-void print_result(const Result& result) {
+void print_result(const Result& result, bool ignore_spin) {
   fmt::print("{}: {} mode{} in {:.0f} ms, after {:.2f} s of preparation\n",
-             lo::to_string(result.posterior.status), result.posterior.modes.size(),
+             status_of(result.posterior, ignore_spin), result.posterior.modes.size(),
              result.posterior.modes.size() == 1 ? "" : "s", 1e3 * result.posterior.seconds,
              result.prepare_seconds);
   for (const auto& repair : result.repairs) fmt::print("mesh repaired: {}\n", repair);
@@ -197,7 +222,9 @@ void print_result(const Result& result) {
   fmt::print("weight  rotation vector                translation\n");
   const auto& modes = result.posterior.modes;
   const std::size_t shown = std::min(kMaxShown, modes.size());
-  for (std::size_t i = 0; i < shown; ++i) print_mode(modes[i], result.T_object_mesh);
+  for (std::size_t i = 0; i < shown; ++i) {
+    print_mode(modes[i], result.T_object_mesh, ignore_spin);
+  }
   if (shown < modes.size()) {
     double rest = 0;
     for (std::size_t i = shown; i < modes.size(); ++i) rest += modes[i].weight;
@@ -224,7 +251,7 @@ int localize(const LocalizeArguments& arguments) {
   if (arguments.common.json) {
     fmt::print("{}\n", report.dump(2));
   } else {
-    print_result(result);
+    print_result(result, arguments.ignore_spin);
   }
   return result.posterior.status == lo::PoseStatus::no_pose ? kNoSolution : kDone;
 }
@@ -247,7 +274,8 @@ void add_localize(CLI::App& program, Command& chosen) {
   command
       .add_option(
           "contacts", arguments->contacts,
-          "CSV with x,y,z,nx,ny,nz[,finger,t,fx,fy,fz] in metres, normals out of the object")
+          "CSV with x,y,z[,nx,ny,nz,point_sigma,normal_sigma,group,finger,t,fx,fy,fz] in metres, "
+          "normals out of the object; of a group at least one contact touches")
       ->option_text("CONTACTS");
   command
       .add_option("--method", arguments->method,
@@ -264,6 +292,21 @@ void add_localize(CLI::App& program, Command& chosen) {
       ->option_text("DEG")
       ->check(CLI::Range(0.1, 90.0))
       ->capture_default_str();
+  command
+      .add_option("--table", arguments->table,
+                  "the object rests on a table at this height in the contacts' frame, z up, m")
+      ->option_text("Z")
+      ->check(CLI::Range(-100.0, 100.0));
+  command
+      .add_option("--free", arguments->free,
+                  "CSV with x,y,z,radius of balls that are known to be free of the object, m")
+      ->option_text("FILE");
+  command
+      .add_option("--prior", arguments->prior,
+                  "what was known before: an earlier result of localize --json for the same MESH")
+      ->option_text("FILE");
+  command.add_flag("--ignore-spin", arguments->ignore_spin,
+                   "turns about a mode's free axis do not matter: its probability is its weight");
   add_common_options(command, arguments->common);
   command.footer(
       "Statuses: certain (one pose holds more than .95 of the weight), ambiguous (the modes say\n"
@@ -278,6 +321,8 @@ void add_localize(CLI::App& program, Command& chosen) {
       "  palpate localize box contacts.csv --point-noise 0.002 --normal-noise-deg 15\n"
       "  palpate localize mug contacts.csv --set hand_offset=0.002   # contacts of one t: one "
       "grasp\n"
+      "  palpate localize box contacts.csv --table 0 --free swept.csv\n"
+      "  palpate localize box more.csv --prior before.json\n"
       "  palpate localize --demo --out demo");
   command.callback([arguments, &chosen] {
     if (!arguments->demo && arguments->contacts.empty()) {

@@ -106,7 +106,8 @@ void add_sense(CLI::App& program, Command& chosen) {
       "believed\n"
       "to be: at edges that is itself uncertain.\n"
       "Samples that are of no use are flagged and counted, and get no normal. --out writes each\n"
-      "stream's series as CSV and its normals and forces as SVG figures.\n\n"
+      "stream's series as CSV and its normals and forces as SVG figures, and the contacts of all\n"
+      "streams as contacts.csv, which palpate localize reads.\n\n"
       "Examples:\n"
       "  palpate sense out/pick-mug-7/recording.h5 --out out/sense-mug-7\n"
       "  palpate sense contacts.csv --estimator rls --json");

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "palpate/core/angle.hpp"
 #include "palpate/core/file.hpp"
 #include "palpate/core/statistics.hpp"
 #include "palpate/plotting/plot.hpp"
@@ -63,13 +64,36 @@ std::string row(const std::string& name, const StreamSummary& summary) {
 }
 
 std::string series_csv(const SensedStream& stream) {
-  std::string text = "t,px,py,pz,fx,fy,fz,nx,ny,nz,sigma_deg,error_deg,flags\n";
+  std::string text = "t,x,y,z,fx,fy,fz,nx,ny,nz,sigma_deg,error_deg,flags\n";
   for (const SensedSample& s : stream.samples) {
     text += fmt::format("{:.9g}", s.time);
     for (const auto* v : {&s.point, &s.force, &s.normal}) {
       text += fmt::format(",{:.9g},{:.9g},{:.9g}", v->x(), v->y(), v->z());
     }
     text += fmt::format(",{:.6g},{:.6g},{}\n", s.sigma_deg, s.error_deg, s.flags);
+  }
+  return text;
+}
+
+/// What is known of a normal's error, rad; empty where nothing is.
+std::string normal_sigma_cell(const SensedSample& sample) {
+  if (!std::isfinite(sample.sigma_deg)) return "";
+  return fmt::format("{:.6g}", sample.sigma_deg * kDegree);
+}
+
+/// The contacts with a normal of all streams, as `palpate localize` reads them.
+std::string contacts_csv(const std::vector<SensedStream>& streams) {
+  std::string text = "finger,t,x,y,z,nx,ny,nz,normal_sigma,fx,fy,fz\n";
+  for (const SensedStream& stream : streams) {
+    for (const SensedSample& s : stream.samples) {
+      if (!(s.point.allFinite() && s.normal.allFinite())) continue;
+      const Eigen::Vector3d f = s.force.allFinite() ? s.force : Eigen::Vector3d::Zero();
+      text += fmt::format("{},{:.9g}", stream.name, s.time);
+      for (const auto* v : {&s.point, &s.normal}) {
+        text += fmt::format(",{:.9g},{:.9g},{:.9g}", v->x(), v->y(), v->z());
+      }
+      text += fmt::format(",{},{:.9g},{:.9g},{:.9g}\n", normal_sigma_cell(s), f.x(), f.y(), f.z());
+    }
   }
   return text;
 }
@@ -124,12 +148,13 @@ void report_streams(const SenseArguments& arguments, const std::vector<SensedStr
   std::string wrote;
   if (!arguments.common.out.empty()) {
     const std::filesystem::path folder = arguments.common.out;
-    const auto output = claim_output(arguments.common, {"report.json"});
+    const auto output = claim_output(arguments.common, {"report.json", "contacts.csv"});
     for (const SensedStream& stream : streams) {
       for (const auto& file : write_stream(folder, stream)) wrote += " " + file;
     }
+    write_file_atomically(folder / "contacts.csv", contacts_csv(streams));
     write_file_atomically(folder / "report.json", report.dump(2) + "\n");
-    wrote = fmt::format("wrote {}: report.json{}\n", folder.string(), wrote);
+    wrote = fmt::format("wrote {}: report.json contacts.csv{}\n", folder.string(), wrote);
   }
   if (arguments.common.json) {
     fmt::print("{}\n", report.dump(2));

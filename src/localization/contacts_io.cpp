@@ -22,15 +22,59 @@ constexpr double kMinNormal = 1e-6;
 struct ContactColumns {
   explicit ContactColumns(const CsvTable& table)
       : point(table.require_xyz("")),
-        normal(table.require_xyz("n")),
+        normal(find_normal(table)),
         force(table.find_xyz("f")),
         time(table.find("t")),
-        finger(table.find("finger")) {}
+        finger(table.find("finger")),
+        group(table.find("group")),
+        point_sigma(table.find("point_sigma")),
+        normal_sigma(table.find("normal_sigma")) {}
 
-  CsvTable::Columns point, normal;
-  std::optional<CsvTable::Columns> force;
-  std::optional<std::size_t> time, finger;
+  /// All three columns or none of them.
+  static std::optional<CsvTable::Columns> find_normal(const CsvTable& table) {
+    if (!table.find("nx") && !table.find("ny") && !table.find("nz")) return std::nullopt;
+    return table.require_xyz("n");
+  }
+
+  CsvTable::Columns point;
+  std::optional<CsvTable::Columns> normal, force;
+  std::optional<std::size_t> time, finger, group, point_sigma, normal_sigma;
 };
+
+/// Outward unit normal; zero where the row leaves its three cells empty.
+Eigen::Vector3d normal_of(const CsvTable& row, const CsvTable::Columns& columns) {
+  if (std::all_of(columns.begin(), columns.end(),
+                  [&](std::size_t column) { return row.cell(column).empty(); })) {
+    return Eigen::Vector3d::Zero();
+  }
+  const Eigen::Vector3d n = row.finite(columns);
+  if (!(n.norm() > kMinNormal)) {
+    throw BadInput(fmt::format("{}: a normal of length {}", row.where(), n.norm()));
+  }
+  return n.normalized();
+}
+
+/// The cell's standard deviation; `otherwise` where there is no column or the cell is empty.
+double sigma_of(const CsvTable& row, std::optional<std::size_t> column, double otherwise) {
+  if (!column || row.cell(*column).empty()) return otherwise;
+  const double sigma = row.finite(*column);
+  if (!(sigma > 0)) {
+    throw BadInput(
+        fmt::format("{}: {} is {}, not positive", row.where(), row.names()[*column], sigma));
+  }
+  return sigma;
+}
+
+int group_of(const CsvTable& row, std::optional<std::size_t> column) {
+  if (!column || row.cell(*column).empty()) return -1;
+  const std::string_view cell = row.cell(*column);
+  int group = -1;
+  const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), group);
+  if (error != std::errc() || end != cell.data() + cell.size() || group < 0) {
+    throw BadInput(fmt::format("{}: group is '{}', not an integer >= 0", row.where(), cell));
+  }
+  return group;
+}
 
 int finger_of(std::string_view cell) {
   int index = -1;  // other names are a hand's own; the search does not need them
@@ -44,17 +88,14 @@ tactile::Contact contact_of(const CsvTable& row, const ContactColumns& columns,
   contact.p = row.finite(columns.point);
   check_plausible(contact.p, kMaxLength,
                   row.where() + ": a coordinate in m (is the file in millimetres?)");
-  const Eigen::Vector3d n = row.finite(columns.normal);
-  if (!(n.norm() > kMinNormal)) {
-    throw BadInput(fmt::format("{}: a normal of length {}", row.where(), n.norm()));
-  }
-  contact.n = n.normalized();
+  if (columns.normal) contact.n = normal_of(row, *columns.normal);
   contact.time = columns.time ? row.finite(*columns.time) : 0;
   contact.finger = columns.finger ? finger_of(row.cell(*columns.finger)) : -1;
   contact.f = columns.force ? row.finite(*columns.force) : Eigen::Vector3d::Zero();
   check_plausible(contact.f, kMaxForce, row.where() + ": a force");
-  contact.point_sigma = noise.point;
-  contact.normal_sigma = noise.normal;
+  contact.point_sigma = sigma_of(row, columns.point_sigma, noise.point);
+  contact.normal_sigma = sigma_of(row, columns.normal_sigma, noise.normal);
+  contact.group = group_of(row, columns.group);
   return contact;
 }
 
@@ -74,6 +115,21 @@ std::vector<tactile::Contact> parse_contacts(std::string_view text, std::string_
 std::vector<tactile::Contact> read_contacts(const std::filesystem::path& path,
                                             const ContactNoise& noise) {
   return parse_contacts(read_file(path), path.string(), noise);
+}
+
+std::vector<FreeSphere> read_free_spheres(const std::filesystem::path& path) {
+  const std::string text = read_file(path);
+  CsvTable row(text, path.string());
+  const CsvTable::Columns center = row.require_xyz("");
+  const std::size_t radius = row.require("radius");
+  std::vector<FreeSphere> spheres;
+  while (row.next()) {
+    const FreeSphere sphere{row.finite(center), row.finite(radius)};
+    check_plausible(sphere.center, kMaxLength, row.where() + ": a coordinate in m");
+    plausible(sphere.radius, 0, kMaxLength, row.where() + ": a radius in m");
+    spheres.push_back(sphere);
+  }
+  return spheres;
 }
 
 }  // namespace palpate::localization

@@ -103,8 +103,10 @@ class Sampler {
 
   /// Where a prior may be wrong, contacts must be heard all over.
   static bool many_contacts(const Evidence& evidence, const LocalizerOptions& options) {
-    const std::size_t constraints =
-        kConstraints * (evidence.contacts.size() + (evidence.table ? 1 : 0));
+    std::size_t constraints = evidence.table ? kConstraints : 0;
+    for (const tactile::Contact& contact : evidence.contacts) {
+      if (contact.group < 0) constraints += contact.has_normal() ? kConstraints : 1;
+    }
     return options.starts > 0 && !evidence.prior && constraints >= kEnough;
   }
 

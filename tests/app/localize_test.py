@@ -126,11 +126,57 @@ class Localize(CliTest):
 
     def test_files_that_are_no_contacts(self):
         self.refuse("", "empty")
-        self.refuse("x,y,z\n0,0,0\n", "nx")
+        self.refuse("x,y,z,nx\n0,0,0,1\n", "ny")
         self.refuse(csv([[0, 0, "nan", 0, 0, 1]]), "contacts.csv:2", "nan", "z")
         self.refuse(csv([[0, 0, 0, 0, 0, 1], [0, 0, 0, 0, 0, 0]]), "contacts.csv:3", "length 0")
         self.refuse(csv([[0, 0, 0, 0, 0]]), "contacts.csv:2", "5 values for 6 columns")
         self.refuse(csv([[0, 0, 0, 0, "?", 1]]), "'?'")
+
+    def test_points_without_normals(self):
+        rows = [row[:3] for row in contacts_on_box(40)]
+        result = self.localize(rows, header="x,y,z")
+        self.assertEqual(result["status"], "certain")
+        T = result["modes"][0]["T_contact_object"]
+        half = [size / 2 for size in SIZE]
+        middle = [sum(T[4 * i + j] * half[j] for j in range(3)) + T[4 * i + 3] for i in range(3)]
+        for value, true in zip(middle, moved(half, SHIFT)):
+            self.assertAlmostEqual(value, true, delta=0.003)
+
+    def test_rows_state_their_own_errors(self):
+        """Ten rows that are 20 mm off, and say so, change nothing."""
+        good = [row + [0.0005] for row in contacts_on_box(18)]
+        bad = [[v + 0.02 for v in row[:3]] + row[3:6] + [0.03] for row in contacts_on_box(10, seed=5)]
+        header = HEADER + ",point_sigma"
+        result = self.localize(good + bad, header=header)
+        self.assertEqual(result["status"], "certain")
+        self.refuse(csv([good[0][:6] + [-0.5]], header), "contacts.csv:2", "point_sigma", "-0.5")
+
+    def test_table_free_space_and_prior(self):
+        """Contacts on two sides alone leave heights open, which the table settles."""
+        rows = contacts_on_box(8, faces=(0, 1, 2, 3))
+        alone = self.localize(rows, "--method", "full")
+        table = self.localize(rows, "--method", "full", "--table", str(SHIFT[2]))
+        self.assertGreater(table["probability"], alone["probability"] + 0.1)
+        self.write("free.csv", "x,y,z,radius\n5,5,5,0.01\n")
+        self.write("before.json", json.dumps(self.localize(contacts_on_box(18))))
+        told = self.localize(rows, "--free", "free.csv", "--prior", "before.json")
+        self.assertGreater(told["probability"], alone["probability"] + 0.1)
+
+    def test_ignoring_spin_counts_the_whole_family(self):
+        rows = contacts_on_box(6, faces=(5,))
+        plain = self.localize(rows, "--method", "full")
+        ignored = self.localize(rows, "--method", "full", "--ignore-spin")
+        self.assertGreaterEqual(ignored["probability"], plain["probability"])
+        self.assertAlmostEqual(ignored["probability"], ignored["modes"][0]["weight"])
+
+    def test_bad_evidence(self):
+        self.write("contacts.csv", csv(contacts_on_box(3)))
+        self.write("free.csv", "x,y,z,radius\n0,0,0,-1\n")
+        self.write("prior.json", "{}")
+        for option, name, word in (("--free", "free.csv", "radius"), ("--prior", "prior.json", "modes")):
+            self.assert_refused(
+                BAD_INPUT, ["localize", "box.stl", "contacts.csv", option, name], name, word
+            )
 
     def test_contacts_in_millimetres(self):
         rows = [[1000 * v for v in row[:3]] + row[3:] for row in contacts_on_box(8)]

@@ -45,7 +45,11 @@ class Sense(CliTest):
                 self.assertGreater(stream["normalized_error_squared"], 0, estimator)
             self.assertAlmostEqual(stream["force_n"]["median"], 5**0.5, delta=0.05)
         names = {path.name for path in (self.folder / "out").iterdir()}
-        self.assertEqual(names, {"report.json", "FF.csv", "FF-normal.svg", "FF-force.svg"})
+        self.assertEqual(names, {"report.json", "contacts.csv", "FF.csv", "FF-normal.svg", "FF-force.svg"})
+        header, *rows = (self.folder / "out" / "contacts.csv").read_text().splitlines()
+        self.assertTrue(header.startswith("finger,t,x,y,z,nx,ny,nz,normal_sigma"), header)
+        self.assertGreater(len(rows), 200)
+        self.assertNotIn("nan", "".join(rows))
 
     def test_bad_input_is_refused_in_one_line(self):
         self.write("cell.csv", csv(slide()[:3]).replace("FF,0.01", "FF,soon"))

@@ -19,6 +19,18 @@ tactile::Contact contact_at(int finger, const Eigen::Vector3d& p, const Eigen::V
   return contact;
 }
 
+TEST(MeanContacts, KeepNoNormalWhereThereIsNone) {
+  const Eigen::Vector3d none = Eigen::Vector3d::Zero();
+  const ContactFrames frames = {{contact_at(1, {0.01, 0, 0}, none)},
+                                {contact_at(1, {0.03, 0, 0}, none)}};
+  const auto means = mean_contacts(frames, {});
+  ASSERT_EQ(means.size(), 1U);
+  EXPECT_NEAR(means[0].p.x(), 0.02, 1e-12);
+  EXPECT_FALSE(means[0].has_normal());
+  const KnownErrors errors = mean_errors(frames, model_of("box"), Eigen::Isometry3d::Identity());
+  EXPECT_FALSE(mean_contacts(frames, {}, errors)[0].has_normal());
+}
+
 TEST(VarianceOfMean, IsThatOfWhiteOrOfLastingErrorsAtTheEnds) {
   EXPECT_NEAR(variance_of_mean(1, {}), 1, 1e-12);
   EXPECT_NEAR(variance_of_mean(20, {0, 0.5, 0.01}), 1.0 / 20, 1e-12);

@@ -205,6 +205,51 @@ TEST(ContactTerm, TakesNormalsForLessExactWhereTheSurfaceIsCurved) {
   EXPECT_LT(on_edge, 0.8F * on_face);
 }
 
+TEST(ContactTerm, ComparesAContactWithoutNormalByItsDistanceAlone) {
+  Evidence evidence = on_a_face(3);
+  for (auto& contact : evidence.contacts) contact.n.setZero();
+  const double start = energy_at(evidence, 0);
+  EXPECT_NEAR(start, 0, 1e-3);
+  for (const double x : {-0.002, -0.001, 0.0015}) {
+    const double expected = 3 * 0.5 * x * x / (kPointSigma * kPointSigma);
+    EXPECT_NEAR(energy_at(evidence, x) - start, expected, 0.03 * expected) << x;
+  }
+  for (auto& contact : evidence.contacts) contact.normal_sigma = 1e-3;
+  EXPECT_EQ(energy_at(evidence, 0), start);  // no normal, no error of it
+}
+
+TEST(ContactTerm, LinearizesContactsWithoutNormals) {
+  Evidence evidence = on_a_face(1);
+  evidence.contacts[0].n.setZero();
+  const ContactTerm term(model_of("box"), evidence, kOffset, 1.0);
+  SearchPose pose;
+  pose.t.x() = 0.001F;
+  NormalEquations equations;
+  term.linearize(pose, equations);
+  EXPECT_NEAR(equations.H(3, 3) * kPointSigma * kPointSigma, 1, 0.02);
+  EXPECT_NEAR(equations.g(3) / equations.H(3, 3), 0.001, 1e-5);
+  EXPECT_NEAR(equations.H.diagonal().tail<2>().norm(), 0, 1);  // along the face: nothing
+}
+
+/// Likelihood relative to that of a false contact, exp(cap - E): 1 + the mean of A e^-q.
+TEST(ContactTerm, AveragesTheOddsOfCandidates) {
+  Evidence alone = on_a_face(1);
+  Evidence group = on_a_face(1);
+  group.contacts[0].group = 7;
+  EXPECT_EQ(energy_at(group, 0.001), energy_at(alone, 0.001));
+  group.contacts.push_back(group.contacts[0]);
+  group.contacts[1].p.x() += 0.05;  // in the air
+  const double start = energy_at(group, 0);
+  const double expected = 0.5 * 0.0015 * 0.0015 / (kPointSigma * kPointSigma);
+  EXPECT_NEAR(energy_at(group, 0.0015) - start, expected, 0.03 * expected);
+  const ContactTerm term(model_of("box"), group, kOffset, 1.0);
+  EXPECT_EQ(term.size(), 1U);
+  EXPECT_EQ(term.unexplained(SearchPose{}), 0);
+  SearchPose away;
+  away.t.y() = 1;
+  EXPECT_EQ(term.unexplained(away), 1);
+}
+
 TEST(SurfaceError, IsAddedToThatOfEachContact) {
   Evidence evidence = on_a_face(3);
   evidence.surface_sigma = 0.0003;

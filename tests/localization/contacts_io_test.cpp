@@ -3,7 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
+
 #include "palpate/core/error.hpp"
+#include "palpate/core/file.hpp"
 
 namespace palpate::localization {
 namespace {
@@ -28,7 +31,40 @@ TEST(ParseContacts, SortsByTime) {
   EXPECT_EQ(contacts[0].p.x(), 2);
 }
 
+TEST(ParseContacts, NormalsAndOwnErrorsAreOptional) {
+  const auto bare = parse_contacts("x,y,z\n1,0,0\n", "c", {0.002, 0.1});
+  ASSERT_EQ(bare.size(), 1U);
+  EXPECT_FALSE(bare[0].has_normal());
+  EXPECT_EQ(bare[0].group, -1);
+  const auto told = parse_contacts(
+      "x,y,z,nx,ny,nz,point_sigma,normal_sigma,group\n"
+      "1,0,0,0,2,0,0.003,0.2,\n1,0,0,,,,,,4\n",
+      "c", {0.002, 0.1});
+  ASSERT_EQ(told.size(), 2U);
+  EXPECT_TRUE(told[0].n.isApprox(Eigen::Vector3d::UnitY()));
+  EXPECT_EQ(told[0].point_sigma, 0.003);
+  EXPECT_EQ(told[0].normal_sigma, 0.2);
+  EXPECT_EQ(told[0].group, -1);
+  EXPECT_FALSE(told[1].has_normal());
+  EXPECT_EQ(told[1].point_sigma, 0.002);
+  EXPECT_EQ(told[1].group, 4);
+}
+
 TEST(ParseContacts, MayHoldNone) { EXPECT_TRUE(parse_contacts("x,y,z,nx,ny,nz\n\n", "c").empty()); }
+
+TEST(ReadFreeSpheres, ReadsBallsAndNamesWhatIsWrong) {
+  const auto path = std::filesystem::temp_directory_path() / "palpate_free_spheres_test.csv";
+  write_file_atomically(path, "radius,x,y,z\n0.01,1,2,3\n");
+  const auto spheres = read_free_spheres(path);
+  ASSERT_EQ(spheres.size(), 1U);
+  EXPECT_TRUE(spheres[0].center.isApprox(Eigen::Vector3d(1, 2, 3)));
+  EXPECT_EQ(spheres[0].radius, 0.01);
+  for (const std::string bad : {"radius,x,y,z\n-1,0,0,0\n", "x,y,z\n0,0,0\n"}) {
+    write_file_atomically(path, bad);
+    EXPECT_THROW(read_free_spheres(path), BadInput) << bad;
+  }
+  std::filesystem::remove(path);
+}
 
 std::string refusal(const std::string& text) {
   try {
@@ -47,6 +83,9 @@ TEST(ParseContacts, NamesWhatIsWrong) {
   EXPECT_NE(refusal(header + "0,0,nan,0,0,1\n").find("'nan' in column z"), std::string::npos);
   EXPECT_NE(refusal(header + "0,0,1e999,0,0,1\n").find("1e999"), std::string::npos);
   EXPECT_NE(refusal(header + "0,0,0,0,0,0\n").find("length 0"), std::string::npos);
+  EXPECT_NE(refusal("x,y,z,point_sigma\n0,0,0,-0.5\n").find("point_sigma is -0.5"),
+            std::string::npos);
+  EXPECT_NE(refusal("x,y,z,group\n0,0,0,1.5\n").find("group is '1.5'"), std::string::npos);
   const std::string far = refusal(header + "0,0,1e200,0,0,1\n");
   EXPECT_NE(far.find("c.csv:2: a coordinate in m"), std::string::npos) << far;
   EXPECT_NE(far.find("of 1e+200"), std::string::npos) << far;

@@ -47,6 +47,43 @@ TEST(Localize, SucceedsOftenOnNoisyContacts) {
   }
 }
 
+TEST(Localize, PointsWithoutNormalsSufficeWhereThereAreMany) {
+  const geometry::ObjectModel& model = model_of("bracket");
+  SceneOptions options;
+  options.contacts = 30;
+  int successes = 0;
+  for (std::uint64_t seed = 0; seed < 10; ++seed) {
+    Scene scene = scene_of("bracket", options, seed);
+    for (auto& contact : scene.evidence.contacts) contact.n.setZero();
+    successes += right(localize(model, scene.evidence, RandomStream(7), quick()), model, scene);
+  }
+  EXPECT_GE(successes, 7);
+}
+
+/// Each touch is felt by a pad of which any of three points may be the one that touches.
+TEST(Localize, FindsWhichCandidatesTouch) {
+  const geometry::ObjectModel& model = model_of("bracket");
+  SceneOptions options;
+  options.contacts = 20;
+  int successes = 0;
+  for (std::uint64_t seed = 0; seed < 10; ++seed) {
+    Scene scene = scene_of("bracket", options, seed);
+    RandomStream random(seed, "candidates");
+    std::vector<tactile::Contact> candidates;
+    for (tactile::Contact contact : scene.evidence.contacts) {
+      contact.group = static_cast<int>(candidates.size());
+      const Eigen::Vector3d touching = contact.p;
+      for (const double step : {0.0, 0.006, 0.012}) {
+        contact.p = touching + step * random.unit_vector();
+        candidates.push_back(contact);
+      }
+    }
+    scene.evidence.contacts = candidates;
+    successes += right(localize(model, scene.evidence, RandomStream(7), quick()), model, scene);
+  }
+  EXPECT_GE(successes, 7);
+}
+
 TEST(Localize, FourContactsSufficeOnATable) {
   SceneOptions options;
   options.contacts = 4;

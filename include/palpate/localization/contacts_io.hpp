@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "palpate/tactile/contacts/contact.hpp"
+#include "palpate/localization/evidence.hpp"
 
 namespace palpate::localization {
 
@@ -15,18 +15,24 @@ struct ContactNoise {
   double normal = 0.1745;  ///< per tangent axis, rad
 };
 
-/// Contacts of a CSV text with the columns x,y,z (m) and nx,ny,nz (outward normal of the object,
-/// made a unit vector) and, optionally, t (s), finger (a name or an index) and fx,fy,fz (N), in any
-/// order; other columns are skipped. Rows are put in the order of t.
+/// Contacts of a CSV text with the columns x,y,z (m) and, optionally, nx,ny,nz (outward normal of
+/// the object, made a unit vector; empty cells: none), point_sigma (m), normal_sigma (rad; empty:
+/// as `noise` says), group (an integer: at least one contact of a group touches; empty: this one
+/// does), t (s), finger (a name or an index) and fx,fy,fz (N), in any order; other columns are
+/// skipped. Rows are put in the order of t.
 ///
 /// @param source  named in errors, as in "contacts.csv:3: ..."
-/// @throws BadInput for a missing column, a row of another length, a value that is no finite number
-///         or a normal without direction
+/// @throws BadInput for a missing column, a row of another length, a value that is no finite
+///         number, a normal without direction, a sigma that is not positive or a group below 0
 std::vector<tactile::Contact> parse_contacts(std::string_view text, std::string_view source,
                                              const ContactNoise& noise = {});
 
 /// As parse_contacts, from a file. @throws BadInput also if the file cannot be read
 std::vector<tactile::Contact> read_contacts(const std::filesystem::path& path,
                                             const ContactNoise& noise = {});
+
+/// Balls of a CSV with the columns x,y,z,radius (m).
+/// @throws BadInput for a missing column, a value that is not finite or a negative radius
+std::vector<FreeSphere> read_free_spheres(const std::filesystem::path& path);
 
 }  // namespace palpate::localization

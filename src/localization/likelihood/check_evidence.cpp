@@ -5,6 +5,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <cmath>
+#include <map>
 #include <numeric>
 
 #include "localization/search/pose_mixture.hpp"
@@ -41,11 +42,11 @@ void check_contact(const tactile::Contact& contact, std::size_t index) {
   const std::string name = fmt::format("contact {}: ", index);
   check_finite(name + "point", contact.p);
   check_finite(name + "normal", contact.n);
-  if (!(std::abs(contact.n.norm() - 1) < kNormalTolerance)) {
+  if (contact.has_normal() && !(std::abs(contact.n.norm() - 1) < kNormalTolerance)) {
     throw BadInput(fmt::format("{}normal has length {}, not 1", name, contact.n.norm()));
   }
   check_positive(name + "point_sigma", contact.point_sigma);
-  check_positive(name + "normal_sigma", contact.normal_sigma);
+  if (contact.has_normal()) check_positive(name + "normal_sigma", contact.normal_sigma);
 }
 
 void check_stable_pose_weights(const std::vector<double>& weights, std::size_t stable_poses) {
@@ -122,6 +123,10 @@ void check_offsets(const Evidence& evidence) {
         throw BadInput(fmt::format("{}contact {} is in another one, too", name, member.contact));
       }
       taken[member.contact] = true;
+      if (evidence.contacts[member.contact].group >= 0) {
+        throw BadInput(fmt::format("{}contact {} is one of group {}, which can share no offset",
+                                   name, member.contact, evidence.contacts[member.contact].group));
+      }
       const Eigen::Matrix3d& R = member.R_frame_offset;
       const double distortion = (R * R.transpose() - Eigen::Matrix3d::Identity()).norm();
       if (!(distortion < kNormalTolerance)) {
@@ -196,19 +201,42 @@ void check_evidence(const geometry::ObjectModel& model, const Evidence& evidence
   if (evidence.prior) check_prior(*evidence.prior);
 }
 
+namespace {
+
+/// For each contact the index of what counts as one: itself, or its group.
+std::vector<std::size_t> units_of(const std::vector<tactile::Contact>& contacts,
+                                  std::size_t& count) {
+  std::map<int, std::size_t> groups;
+  std::vector<std::size_t> units;
+  count = 0;
+  for (const tactile::Contact& contact : contacts) {
+    const bool alone = contact.group < 0;
+    const std::size_t unit = alone ? count : groups.try_emplace(contact.group, count).first->second;
+    count += unit == count;
+    units.push_back(unit);
+  }
+  return units;
+}
+
+}  // namespace
+
 Evidence thinned(Evidence evidence) {
-  const std::size_t count = evidence.contacts.size();
+  std::size_t count = 0;
+  const std::vector<std::size_t> units = units_of(evidence.contacts, count);
   if (count <= kMaxContacts) return evidence;
+  std::vector<bool> is_kept(count, false);
+  for (std::size_t i = 0; i < kMaxContacts; ++i) is_kept[i * count / kMaxContacts] = true;
   std::vector<tactile::Contact> kept;
-  std::vector<std::size_t> place(count, kMaxContacts);  // of a contact among those kept
-  for (std::size_t i = 0; i < kMaxContacts; ++i) {
-    place[i * count / kMaxContacts] = i;
-    kept.push_back(evidence.contacts[i * count / kMaxContacts]);
+  std::vector<std::size_t> place(units.size(), units.size());  // of a contact among those kept
+  for (std::size_t k = 0; k < units.size(); ++k) {
+    if (!is_kept[units[k]]) continue;
+    place[k] = kept.size();
+    kept.push_back(evidence.contacts[k]);
   }
   evidence.contacts = std::move(kept);
   for (CommonModeBias& offset : evidence.offsets) {
     for (auto& member : offset.members) member.contact = place[member.contact];
-    std::erase_if(offset.members, [](const auto& m) { return m.contact == kMaxContacts; });
+    std::erase_if(offset.members, [&](const auto& m) { return m.contact == units.size(); });
   }
   return evidence;
 }

@@ -5,15 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
+#include <map>
 
 #include "palpate/core/se3.hpp"
 
 namespace palpate::localization {
 namespace {
 
-constexpr double kFalseVolume = 1e-3;      // m^3 in which a false contact may lie
-constexpr double kWidestNormal = 0.6;      // rad; a wider normal says nothing
 constexpr float kShortestGradient = 0.3F;  // interpolated across a medial sheet: no direction
 constexpr float kCurvatureStep = 0.001F;   // m, over which the gradient's change is measured
 constexpr double kMinTrust = 0.02;         // of a contact off the surface: it still draws the pose
@@ -22,34 +20,17 @@ constexpr float kMinProduct = 1e-18F;      // times the least factor still is a 
 constexpr float kOffsetReach = 3;          // standard deviations that an offset is within
 constexpr int kFitSteps = 2;               // of reweighting contacts for the offset
 
-/// Of the doubt about the noise: the chance of each contact that its normal strays. Next to edges
-/// and in corners the point's noise takes the normal from one face to another.
-constexpr double kStrayShare = 0.125;
 constexpr float kStray = 9;  // times the variance of normals, there
-
-double true_to_false_odds(double false_share, double area, double sp, double sn) {
-  const double false_density = 1 / (kFalseVolume * 4 * std::numbers::pi);
-  return (1 - false_share) / false_share * peak_contact_density(area, sp, sn) / false_density;
-}
 
 }  // namespace
 
-double peak_contact_density(double area, double point_sigma, double normal_sigma) {
-  using std::numbers::pi;
-  const double sn = std::min(normal_sigma, kWidestNormal);
-  const double point_density = 1 / (area * std::sqrt(2 * pi) * point_sigma);
-  const double normal_density = 1 / (2 * pi * sn * sn * (1 - std::exp(-2 / (sn * sn))));
-  return point_density * normal_density;
-}
-
 ContactTerm::ContactTerm(const geometry::ObjectModel& model, const Evidence& evidence,
                          double offset, double scale)
-    : field_(model.field()),
-      offset_(static_cast<float>(offset)),
-      stray_(static_cast<float>(kStrayShare * evidence.noise_scale_prior)) {
+    : field_(model.field()) {
   for (const tactile::Contact& contact : evidence.contacts) {
-    const Eigen::Vector3d n = contact.n.normalized();
+    const Eigen::Vector3d n = contact.n.normalized();  // zero stays zero
     contacts_.push_back({(contact.p + offset * n).cast<float>(), n.cast<float>()});
+    if (contact.has_normal()) contacts_.back().offset = static_cast<float>(offset);
   }
   for (const CommonModeBias& shared : evidence.offsets) {
     Group group{static_cast<float>(1 / (shared.sigma * shared.sigma)), {}};
@@ -71,35 +52,35 @@ ContactTerm::ContactTerm(const geometry::ObjectModel& model, const Evidence& evi
   for (const tactile::Contact& contact : evidence.contacts) {
     noise_.push_back(make_noise(model, evidence, contact, levels, scale));
   }
+  gather_sets(evidence);
 }
 
-ContactTerm::Noise ContactTerm::make_noise(const geometry::ObjectModel& model,
-                                           const Evidence& evidence,
-                                           const tactile::Contact& contact,
-                                           const std::vector<Assumption>& levels, double scale) {
-  const auto count = static_cast<Eigen::Index>(levels.size());
-  Noise noise{Levels::Zero(count), Levels::Zero(count), Levels::Zero(count), Levels::Zero(count)};
-  double greatest = 0, min_half_point = kNoBound, min_normal = kNoBound;
-  for (Eigen::Index j = 0; j < count; ++j) {
-    const Assumption& level = levels[static_cast<std::size_t>(j)];
-    const double sp = scale * level.point_noise * contact.point_sigma;
-    const double sn = std::min(scale * level.normal_noise * contact.normal_sigma, kWidestNormal);
-    const double odds = true_to_false_odds(evidence.false_contact_share, model.area(), sp, sn);
-    noise.half_point_precision[j] = static_cast<float>(0.5 / (sp * sp));
-    noise.normal_precision[j] = static_cast<float>(1 / (sn * sn));
-    noise.curvature_widening[j] = static_cast<float>(sp * sp / (sn * sn));
-    noise.odds[j] = static_cast<float>(odds);
-    greatest = std::max(greatest, odds);
-    min_half_point = std::min(min_half_point, 0.5 / (sp * sp));
-    min_normal = std::min(min_normal, 1 / (sn * sn));
+void ContactTerm::gather_sets(const Evidence& evidence) {
+  std::map<int, std::vector<std::size_t>> groups;
+  for (std::size_t k = 0; k < evidence.contacts.size(); ++k) {
+    if (evidence.contacts[k].group >= 0) groups[evidence.contacts[k].group].push_back(k);
   }
-  noise.min_half_point_precision = static_cast<float>(min_half_point);
-  noise.min_normal_precision = static_cast<float>(min_normal);
-  noise.max_curvature_widening = noise.curvature_widening.maxCoeff();
-  noise.cap = static_cast<float>(std::log1p(greatest));
-  noise.inverse_peak = std::exp(-noise.cap);
-  noise.stated_cap = std::log1p(noise.odds[0]);
-  return noise;
+  for (auto& [name, members] : groups) {
+    const auto count = static_cast<float>(members.size());
+    CandidateSet set;
+    for (const std::size_t k : members) {
+      Noise& noise = noise_[k];
+      noise.odds /= count;
+      contacts_[k].set = static_cast<int>(sets_.size());
+      set.cap = std::max(set.cap, std::log1p(noise.odds.maxCoeff()));
+      set.stated_cap = std::max(set.stated_cap, std::log1p(noise.odds[0]));
+    }
+    set.inverse_peak = std::exp(-set.cap);
+    for (const std::size_t k : members) noise_[k].inverse_peak = set.inverse_peak;
+    set.members = std::move(members);
+    sets_.push_back(std::move(set));
+  }
+}
+
+std::size_t ContactTerm::size() const {
+  std::size_t count = contacts_.size() + sets_.size();
+  for (const CandidateSet& set : sets_) count -= set.members.size();
+  return count;
 }
 
 void ContactTerm::Product::multiply(const Levels& factor) {
@@ -114,11 +95,12 @@ float ContactTerm::Product::energy(const Levels& priors) const {
   return -log_scale - std::log((priors * likelihood).sum());
 }
 
-ContactTerm::NormalFit ContactTerm::normal_fit(float q) const {
-  const float near = (1 - stray_) * std::exp(-q);
-  const float far = stray_ / kStray * std::exp(-q / kStray);
+ContactTerm::NormalFit ContactTerm::normal_fit(std::size_t k, float q) const {
+  const float stray = noise_[k].stray;
+  const float near = (1 - stray) * std::exp(-q);
+  const float far = stray / kStray * std::exp(-q / kStray);
   const float density = std::max(near + far, std::numeric_limits<float>::min());
-  return {density, stray_ > 0 ? (near + far / kStray) / density : 1};
+  return {density, stray > 0 ? (near + far / kStray) / density : 1};
 }
 
 ContactTerm::Felt ContactTerm::feel(const Datum& contact, const SearchPose& pose) const {
@@ -128,7 +110,7 @@ ContactTerm::Felt ContactTerm::feel(const Datum& contact, const SearchPose& pose
   if (!sample) return felt;
   felt.near = true;
   felt.squared_curvature = sample->squared_curvature;
-  felt.away = sample->distance - offset_;
+  felt.away = sample->distance - contact.offset;
   const float length = std::max(kShortestGradient, sample->gradient.norm());
   felt.tilt = 1 - (pose.R.transpose() * contact.n).dot(sample->gradient) / length;
   felt.swell = sample->distance - y.dot(sample->gradient) / length;
@@ -157,18 +139,37 @@ ContactTerm::Levels ContactTerm::likelihood(std::size_t k, const Felt& felt, flo
   if (slack > 0) away = (away.abs() - slack).max(0.0F);
   const Levels wider = 1 + noise.curvature_widening * felt.squared_curvature;
   const Levels qn = felt.tilt * noise.normal_precision / wider;
-  const Levels normal = (1 - stray_) * (-qn).exp() + stray_ / kStray * (-qn / kStray).exp();
+  const Levels normal =
+      (1 - noise.stray) * (-qn).exp() + noise.stray / kStray * (-qn / kStray).exp();
   return (1 + noise.odds / wider * normal * (-away.square() * noise.half_point_precision).exp()) *
          noise.inverse_peak;
 }
 
-float ContactTerm::contact_energy(std::size_t k, const Felt& felt, float away,
-                                  Eigen::Index level) const {
+ContactTerm::Levels ContactTerm::likelihood(const CandidateSet& set, const SearchPose& pose) const {
+  Levels sum = Levels::Constant(growth_.size(), set.inverse_peak);
+  for (const std::size_t k : set.members) {
+    sum += likelihood(k, feel(contacts_[k], pose), 0) - set.inverse_peak;
+  }
+  return sum;
+}
+
+float ContactTerm::odds(std::size_t k, const Felt& felt, float away, Eigen::Index level) const {
   const LevelNoise noise = noise_at(k, level, felt.squared_curvature);
   const float q = away * away * noise.half_point_precision;
-  if (!felt.near || q >= kHopeless) return noise_[k].cap;
-  const float normal = normal_fit(felt.tilt * noise.normal_precision).density;
-  return noise_[k].cap - std::log1p(noise.odds * std::exp(-q) * normal);
+  if (!felt.near || q >= kHopeless) return 0;
+  return noise.odds * std::exp(-q) * normal_fit(k, felt.tilt * noise.normal_precision).density;
+}
+
+float ContactTerm::odds(const CandidateSet& set, const std::vector<Felt>& felt,
+                        Eigen::Index level) const {
+  float sum = 0;
+  for (const std::size_t k : set.members) sum += odds(k, felt[k], away_at(felt[k], level), level);
+  return sum;
+}
+
+float ContactTerm::contact_energy(std::size_t k, const Felt& felt, float away,
+                                  Eigen::Index level) const {
+  return noise_[k].cap - std::log1p(odds(k, felt, away, level));
 }
 
 float ContactTerm::contact_energy(std::size_t k, const SearchPose& pose) const {
@@ -192,7 +193,7 @@ ContactTerm::Fit ContactTerm::fit(const Group& group, const std::vector<Felt>& f
       const float patience = step == 0 ? 1 + variance * precision : 1;
       const float q = away * away * noise.half_point_precision / patience;
       if (q >= kHopeless) continue;
-      const float normal = normal_fit(felt[k].tilt * noise.normal_precision).density;
+      const float normal = normal_fit(k, felt[k].tilt * noise.normal_precision).density;
       const float odds = noise.odds * std::exp(-q) * normal;
       const float weight = odds / (1 + odds) * precision;
       H.noalias() += weight * felt[k].slope * felt[k].slope.transpose();
@@ -231,6 +232,7 @@ float ContactTerm::energy(const SearchPose& pose, float bound) const {
   if (!groups_.empty()) sharing.resize(contacts_.size());
   Product least = alone;  // with contacts as near as their offset may bring them
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    if (is_candidate(k)) continue;
     const Felt felt = feel(contacts_[k], pose);
     const Levels factor = likelihood(k, felt, contacts_[k].reach * felt.slope.norm());
     least.multiply(factor);
@@ -242,17 +244,25 @@ float ContactTerm::energy(const SearchPose& pose, float bound) const {
       alone.multiply(factor);
     }
   }
+  for (const CandidateSet& set : sets_) {
+    const Levels factor = likelihood(set, pose);
+    least.multiply(factor);
+    if (const float sum = least.energy(priors_); sum > bound) return sum;
+    alone.multiply(factor);
+  }
   if (groups_.empty()) return least.energy(priors_);
   const Levels sums = level_energies(alone, sharing);
   const float lowest = sums.minCoeff();
   return lowest - std::log((lowest - sums).exp().sum());
 }
 
-Eigen::Index ContactTerm::likeliest_level(const std::vector<Felt>& felt) const {
+Eigen::Index ContactTerm::likeliest_level(const SearchPose& pose,
+                                          const std::vector<Felt>& felt) const {
   Product alone{Levels::Ones(growth_.size())};
   for (std::size_t k = 0; k < felt.size(); ++k) {
-    if (!shares(k)) alone.multiply(likelihood(k, felt[k], 0));
+    if (!shares(k) && !is_candidate(k)) alone.multiply(likelihood(k, felt[k], 0));
   }
+  for (const CandidateSet& set : sets_) alone.multiply(likelihood(set, pose));
   Eigen::Index best = 0;
   level_energies(alone, felt).minCoeff(&best);
   return best;
@@ -271,11 +281,16 @@ std::vector<float> ContactTerm::away_at_best(const std::vector<Felt>& felt,
 
 void ContactTerm::linearize(const SearchPose& pose, NormalEquations& equations) const {
   const std::vector<Felt> felt = feel_all(pose);
-  const Eigen::Index level = likeliest_level(felt);
+  const Eigen::Index level = likeliest_level(pose, felt);
   const std::vector<float> away = away_at_best(felt, level);
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
     if (shares(k)) continue;
-    const auto contact = linearized(k, pose, away[k], level);
+    float others = 0;
+    if (is_candidate(k)) {
+      others = odds(sets_[static_cast<std::size_t>(contacts_[k].set)], felt, level) -
+               odds(k, felt[k], away[k], level);
+    }
+    const auto contact = linearized(k, pose, away[k], level, others);
     if (contact) equations.add(contact->J, contact->r, contact->weight);
   }
   for (const Group& group : groups_) {  // the offset is eliminated by its Schur complement
@@ -302,7 +317,8 @@ void ContactTerm::linearize(const SearchPose& pose, NormalEquations& equations) 
 
 std::optional<ContactTerm::Linearized> ContactTerm::linearized(std::size_t k,
                                                                const SearchPose& pose, float away,
-                                                               Eigen::Index level) const {
+                                                               Eigen::Index level,
+                                                               float others) const {
   const Datum& contact = contacts_[k];
   const Eigen::Vector3f arm = contact.raised - pose.t;
   const Eigen::Matrix3f to_object = pose.R.transpose();
@@ -320,7 +336,7 @@ std::optional<ContactTerm::Linearized> ContactTerm::linearized(std::size_t k,
   Eigen::Matrix<float, 3, 6> dy;  // of the point in the object's frame by [w; v]
   dy << to_object * skew(arm.cast<double>()).cast<float>(), -to_object;
   const float point_scale = std::sqrt(2 * noise.half_point_precision);
-  const NormalFit normal = normal_fit(0.5F * noise.normal_precision * (m - n).squaredNorm());
+  const NormalFit normal = normal_fit(k, 0.5F * noise.normal_precision * (m - n).squaredNorm());
   const float normal_scale = std::sqrt(noise.normal_precision * normal.precision);
   Eigen::Matrix<float, 4, 6> J;
   J.row(0) = point_scale * m.transpose() * dy;
@@ -331,28 +347,34 @@ std::optional<ContactTerm::Linearized> ContactTerm::linearized(std::size_t k,
   r << point_scale * away, normal_scale * (m - n);
   const double q = static_cast<double>(0.5F * r[0] * r[0] - std::log(normal.density));
   const double odds = static_cast<double>(noise.odds) * std::exp(-q);
-  const double weight = std::max(odds / (1 + odds), kMinTrust / (1 + q));
+  const double rest = 1 + static_cast<double>(others);
+  const double weight = std::max(odds / (rest + odds), kMinTrust / (rest + q));
   return Linearized{J.cast<double>(), r.cast<double>(), weight};
 }
 
 float ContactTerm::misfit(const SearchPose& pose) const {
   float stated = 0, greatest = 0;
-  for (const Noise& noise : noise_) {
-    stated += noise.stated_cap;
-    greatest += noise.cap;
+  for (std::size_t k = 0; k < noise_.size(); ++k) {
+    if (is_candidate(k)) continue;
+    stated += noise_[k].stated_cap;
+    greatest += noise_[k].cap;
+  }
+  for (const CandidateSet& set : sets_) {
+    stated += set.stated_cap;
+    greatest += set.cap;
   }
   return (energy(pose, kNoBound) - (greatest - stated)) / stated;
 }
 
 int ContactTerm::unexplained(const SearchPose& pose) const {
   const std::vector<Felt> felt = feel_all(pose);
-  const Eigen::Index level = likeliest_level(felt);
+  const Eigen::Index level = likeliest_level(pose, felt);
   const std::vector<float> away = away_at_best(felt, level);
   int count = 0;
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
-    const float explained = noise_[k].cap - contact_energy(k, felt[k], away[k], level);
-    count += explained < std::log(2.0F);  // ln(1 + A e^-q)
+    count += !is_candidate(k) && odds(k, felt[k], away[k], level) < 1;
   }
+  for (const CandidateSet& set : sets_) count += odds(set, felt, level) < 1;
   return count;
 }
 

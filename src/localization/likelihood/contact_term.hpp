@@ -4,15 +4,11 @@
 #include <optional>
 #include <vector>
 
-#include "localization/likelihood/assumption.hpp"
+#include "localization/likelihood/contact_noise.hpp"
 #include "localization/likelihood/evidence_term.hpp"
 #include "palpate/localization/localizer.hpp"
 
 namespace palpate::localization {
-
-/// Density (per m and sr) of a true contact's distance and normal at its peak, the contact lying
-/// anywhere on the surface (per m^2).
-double peak_contact_density(double area, double point_sigma, double normal_sigma);
 
 /// Contacts (p, n) with the surface, each with its own noise, some share of them false.
 ///
@@ -22,7 +18,8 @@ double peak_contact_density(double area, double point_sigma, double normal_sigma
 /// e^-q)], where A = (1 - eps) / eps p_true(q = 0) / p_false, a false contact being uniform over a
 /// litre and all directions. `scale` multiplies the noise. Of the true contacts a share s, by the
 /// doubt about the noise, has a normal that strays, sn^2 being nine times as large: e^-q is a
-/// mixture of both.
+/// mixture of both. A contact without a normal is compared at the surface itself (d = 0) and has no
+/// second term. Of a group of m candidates the odds A e^-q are averaged: 1 + sum A e^-q / m.
 ///
 /// An offset b ~ N(0, so^2 I) that contacts share makes it a_k + m_k.b, and is integrated out by
 /// Laplace's method: E = sum E_k(b*) + |b*|^2 / 2 so^2 + ln det(I + so^2 sum w_k m_k m_k' / sp^2) /
@@ -52,26 +49,20 @@ class ContactTerm : public EvidenceTerm {
   /// explains them better.
   float misfit(const SearchPose& pose) const;
 
-  std::size_t size() const { return contacts_.size(); }
+  /// Contacts, a set of candidates counting as one.
+  std::size_t size() const;
 
  private:
   struct Datum {
     Eigen::Vector3f raised;  // the contact's point moved out along its normal
     Eigen::Vector3f n;
     Eigen::Matrix3f R_offset_frame = Eigen::Matrix3f::Identity();
-    float reach = 0;  // of the offset it shares; 0: it shares none
+    float reach = 0;   // of the offset it shares; 0: it shares none
+    float offset = 0;  // distance from the surface at which it is compared
+    int set = -1;      // of candidates that it is one of
   };
-  /// One value for each assumption, the first being that all is as stated.
-  using Levels = Eigen::Array<float, Eigen::Dynamic, 1, 0, kMaxAssumptions, 1>;
-  /// The noise of a contact at each level.
-  struct Noise {
-    Levels half_point_precision, normal_precision;
-    Levels curvature_widening;  // sp^2 / sn^2, m^2
-    Levels odds;                // A
-    float min_half_point_precision = 0, min_normal_precision = 0, max_curvature_widening = 0;
-    float cap = 0, inverse_peak = 0;  // the greatest ln(1 + A), 1 / (1 + A)
-    float stated_cap = 0;             // ln(1 + A) of the first
-  };
+  using Noise = NoiseLevels;
+  using Levels = NoiseArray;
   /// Of a contact at one level.
   struct LevelNoise {
     float half_point_precision, normal_precision, odds;
@@ -113,18 +104,23 @@ class ContactTerm : public EvidenceTerm {
     float energy(const Levels& priors) const;
   };
 
+  /// Candidates of which at least one touches, and the noise of the one that would tell most.
+  struct CandidateSet {
+    std::vector<std::size_t> members;
+    float cap = 0, inverse_peak = 0, stated_cap = 0;
+  };
+
   bool shares(std::size_t contact) const { return contacts_[contact].reach > 0; }
+  bool is_candidate(std::size_t contact) const { return contacts_[contact].set >= 0; }
+  void gather_sets(const Evidence& evidence);
   /// @param squared_curvature  of the surface where the contact is
   LevelNoise noise_at(std::size_t k, Eigen::Index level, float squared_curvature) const {
     const float wider = 1 + noise_[k].curvature_widening[level] * squared_curvature;
     return {noise_[k].half_point_precision[level], noise_[k].normal_precision[level] / wider,
             noise_[k].odds[level] / wider};
   }
-  static Noise make_noise(const geometry::ObjectModel& model, const Evidence& evidence,
-                          const tactile::Contact& contact, const std::vector<Assumption>& levels,
-                          double scale);
   /// @param q  (1 - n.m) / sn^2
-  NormalFit normal_fit(float q) const;
+  NormalFit normal_fit(std::size_t contact, float q) const;
   Felt feel(const Datum& contact, const SearchPose& pose) const;
   std::vector<Felt> feel_all(const SearchPose& pose) const;
   float away_at(const Felt& felt, Eigen::Index level) const {
@@ -132,21 +128,27 @@ class ContactTerm : public EvidenceTerm {
   }
   /// Likelihood of a contact at every level, at most 1; `slack` nearer than it lies.
   Levels likelihood(std::size_t contact, const Felt& felt, float slack) const;
+  /// The same of a set.
+  Levels likelihood(const CandidateSet& set, const SearchPose& pose) const;
+  /// Odds that a contact is a true one, A e^-q.
+  float odds(std::size_t contact, const Felt& felt, float away, Eigen::Index level) const;
   float contact_energy(std::size_t contact, const Felt& felt, float away, Eigen::Index level) const;
+  /// Odds that some candidate of a set is a true contact, sum of A e^-q.
+  float odds(const CandidateSet& set, const std::vector<Felt>& felt, Eigen::Index level) const;
   Fit fit(const Group& group, const std::vector<Felt>& felt, Eigen::Index level) const;
   float group_energy(const Group& group, const std::vector<Felt>& felt, Eigen::Index level) const;
   /// Of all contacts, given the product of those that share no offset.
   Levels level_energies(const Product& alone, const std::vector<Felt>& felt) const;
-  Eigen::Index likeliest_level(const std::vector<Felt>& felt) const;
+  Eigen::Index likeliest_level(const SearchPose& pose, const std::vector<Felt>& felt) const;
   /// Of every contact, displaced by the offset that fits best.
   std::vector<float> away_at_best(const std::vector<Felt>& felt, Eigen::Index level) const;
+  /// @param others  odds of the other candidates of its set
   std::optional<Linearized> linearized(std::size_t contact, const SearchPose& pose, float away,
-                                       Eigen::Index level) const;
+                                       Eigen::Index level, float others = 0) const;
 
   const geometry::DistanceField& field_;
-  float offset_;
-  float stray_;  // prior share of contacts whose normal strays
   std::vector<Datum> contacts_;
+  std::vector<CandidateSet> sets_;
   std::vector<Group> groups_;
   float max_growth_ = 0;
   Levels priors_, growth_;  // probability, relative growth of the object

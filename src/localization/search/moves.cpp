@@ -88,7 +88,9 @@ SearchPose Moves::about_contact_normal(const SearchPose& from, Step step,
                                        RandomStream& random) const {
   const Anchor& anchor = anchors_[random.index(anchors_.size())];
   const double angle = 4 * step.rotation * random.normal();
-  return from.turned(turn_about(anchor.n, angle), anchor.p);
+  const bool known = !anchor.n.isZero(0);
+  const Eigen::Vector3f axis = known ? anchor.n : random.unit_vector().cast<float>();
+  return from.turned(turn_about(axis, angle), anchor.p);
 }
 
 SearchPose Moves::about_own_axis(const SearchPose& from, Step step, RandomStream& random) const {

@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numbers>
 
+#include "localization/likelihood/contact_noise.hpp"
 #include "localization/likelihood/contact_term.hpp"
 #include "localization/likelihood/table_term.hpp"
 #include "localization/search/pose_mixture.hpp"
@@ -44,18 +46,33 @@ std::vector<tactile::Contact> displaced_contacts(const Evidence& evidence) {
   return contacts;
 }
 
+/// Contacts of which each touches by itself, or else the smallest set of candidates of which one
+/// does.
+std::vector<tactile::Contact> anchor_contacts(const std::vector<tactile::Contact>& contacts) {
+  std::map<int, std::vector<tactile::Contact>> groups;
+  for (const tactile::Contact& contact : contacts) {
+    groups[contact.group].push_back(contact);
+    groups[contact.group].back().group = -1;
+  }
+  if (const auto sure = groups.find(-1); sure != groups.end()) return spread_contacts(sure->second);
+  return std::min_element(
+             groups.begin(), groups.end(),
+             [](const auto& a, const auto& b) { return a.second.size() < b.second.size(); })
+      ->second;
+}
+
 /// Poses that put some point of the surface at one of the contacts: a mixture of the posteriors
 /// given a single contact each.
 class AnchorProposal : public Proposal {
  public:
   AnchorProposal(const geometry::ObjectModel& model, Evidence evidence, double offset)
       : surface_(model.surface()),
-        anchors_(spread_contacts(displaced_contacts(evidence))),
+        anchors_(anchor_contacts(displaced_contacts(evidence))),
         likelihood_(model, with_contacts(std::move(evidence), anchors_), offset, 1.0) {
     const auto count = static_cast<double>(anchors_.size());
     for (const tactile::Contact& contact : anchors_) {  // the roll is uniform
       peaks_.push_back(
-          peak_contact_density(model.area(), contact.point_sigma, contact.normal_sigma) /
+          peak_contact_density(model.area(), contact.point_sigma, normal_sigma_of(contact)) /
           (2 * std::numbers::pi * count));
     }
   }
@@ -63,9 +80,7 @@ class AnchorProposal : public Proposal {
   SearchPose draw(RandomStream& random) const override {
     const tactile::Contact& anchor = anchors_[random.index(anchors_.size())];
     const auto& touched = surface_[random.index(surface_.size())];
-    const Eigen::Matrix3d tangent = frame_with_z(anchor.n);
-    const Eigen::Vector3d jitter(random.normal(), random.normal(), 0);
-    const Eigen::Vector3d n = (anchor.n + anchor.normal_sigma * (tangent * jitter)).normalized();
+    const Eigen::Vector3d n = draw_normal(anchor, random);
     const double roll = random.uniform(-std::numbers::pi, std::numbers::pi);
     const Eigen::Matrix3d onto = frame_with_z(n) * exp_so3(Eigen::Vector3d(0, 0, roll));
     SearchPose pose;
@@ -84,6 +99,13 @@ class AnchorProposal : public Proposal {
   }
 
  private:
+  static Eigen::Vector3d draw_normal(const tactile::Contact& anchor, RandomStream& random) {
+    if (!anchor.has_normal()) return random.unit_vector();
+    const Eigen::Matrix3d tangent = frame_with_z(anchor.n);
+    const Eigen::Vector3d jitter(random.normal(), random.normal(), 0);
+    return (anchor.n + anchor.normal_sigma * (tangent * jitter)).normalized();
+  }
+
   static Evidence with_contacts(Evidence evidence, const std::vector<tactile::Contact>& contacts) {
     evidence.contacts = contacts;
     evidence.offsets.clear();

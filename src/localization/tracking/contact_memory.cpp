@@ -69,7 +69,7 @@ KnownErrors mean_errors(const ContactFrames& frames, const geometry::ObjectModel
     const Eigen::Vector3d n =
         T_frame_object.linear() * surface->gradient.cast<double>().normalized();
     contact.p = static_cast<double>(surface->distance) * n;
-    contact.n -= n;
+    if (contact.has_normal()) contact.n -= n;
   }
   return result;
 }
@@ -96,7 +96,7 @@ std::vector<tactile::Contact> mean_contacts(const ContactFrames& frames,
       const double covariance = covariance_of_means(felt, tips.size(), errors);
       const double share = covariance / variance_of_mean(felt, errors);
       mean.p -= share * known->p;
-      mean.n = (mean.n - share * known->n).normalized();
+      if (mean.has_normal()) mean.n = (mean.n - share * known->n).normalized();
       variance = std::max(kMinVariance, variance - share * covariance);
     }
     const double scale = std::sqrt(variance);

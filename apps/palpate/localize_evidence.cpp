@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "localize_evidence.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <nlohmann/json.hpp>
+
+#include "palpate/core/error.hpp"
+#include "palpate/core/file.hpp"
+#include "palpate/core/se3.hpp"
+#include "palpate/localization/pose_prior.hpp"
+
+namespace palpate::app {
+namespace {
+
+namespace lo = localization;
+
+Eigen::Vector3d vector_of(const nlohmann::json& values) {
+  const auto v = values.get<std::array<double, 3>>();
+  return {v[0], v[1], v[2]};
+}
+
+/// A mode as it stands in a report, of the mesh's own coordinates.
+lo::Mode mode_of(const nlohmann::json& entry, const Eigen::Isometry3d& T_mesh_object) {
+  lo::Mode mode;
+  const auto pose = entry.at("T_contact_object").get<std::array<double, 16>>();
+  const Eigen::Isometry3d T_contact_mesh = pose_from_row_major(pose);
+  mode.T_frame_object = T_contact_mesh * T_mesh_object;
+  mode.weight = entry.at("weight").get<double>();
+  auto covariance = entry.at("covariance").get<std::array<double, 36>>();
+  mode.covariance = covariance_at(
+      T_contact_mesh.linear() * T_mesh_object.translation(),
+      Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(covariance.data()));
+  if (const auto& axis = entry.at("free_axis"); !axis.is_null()) {
+    mode.free_axis = {vector_of(axis.at("point")), vector_of(axis.at("direction")),
+                      axis.at("extent").get<double>()};
+  }
+  return mode;
+}
+
+}  // namespace
+
+Matrix6d covariance_at(const Eigen::Vector3d& arm, const Matrix6d& covariance) {
+  Matrix6d J = Matrix6d::Identity();
+  J.bottomLeftCorner<3, 3>() = -skew(arm);
+  return J * covariance * J.transpose();
+}
+
+lo::TableSupport table_at(double height, const std::vector<tactile::Contact>& contacts,
+                          const geometry::KnownObject& object) {
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  Eigen::AlignedBox3d box;
+  for (const tactile::Contact& contact : contacts) box.extend(contact.p);
+  if (!contacts.empty()) middle = box.center();
+  lo::TableSupport table;
+  table.T_frame_table = Eigen::Isometry3d::Identity();
+  table.T_frame_table.translation() << middle.x(), middle.y(), height;
+  table.half_width = geometry::bounds(object.mesh).diagonal().norm();
+  return table;
+}
+
+lo::PosePrior read_prior(const std::filesystem::path& path,
+                         const Eigen::Isometry3d& T_mesh_object) {
+  try {
+    lo::Posterior before;
+    const auto report = nlohmann::json::parse(read_file(path));
+    for (const auto& entry : report.at("modes")) {
+      before.modes.push_back(mode_of(entry, T_mesh_object));
+    }
+    return lo::prior_from(before, Matrix6d::Zero());
+  } catch (const nlohmann::json::exception& error) {
+    throw BadInput(
+        fmt::format("{} is no report of palpate localize --json: {}", path.string(), error.what()));
+  } catch (const BadInput& error) {
+    throw BadInput(fmt::format("{}: {}", path.string(), error.what()));
+  }
+}
+
+}  // namespace palpate::app

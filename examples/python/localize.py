@@ -1,0 +1,39 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Find the pose of an object from contacts of your own: points, with normals or without.
+
+usage: localize.py [OBJECT]   (a built-in name or a mesh file in metres; default bracket)
+"""
+
+import sys
+
+import numpy as np
+
+import palpate
+
+name = sys.argv[1] if len(sys.argv) > 1 else "bracket"
+model = palpate.ObjectModel(palpate.load_known_object(name))
+
+# Contacts come from your sensor. Here they are made up: 20 points of the surface at a true pose.
+random = np.random.default_rng(7)
+truth = np.eye(4)
+truth[:3, :3] = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+truth[:3, 3] = [0.4, -0.1, 0.2]
+nearby = 0.06 * random.standard_normal((20, 3))
+surface = model.object.mesh.closest_points(nearby)
+points = surface.points @ truth[:3, :3].T + truth[:3, 3] + 0.001 * random.standard_normal((20, 3))
+normals = surface.normals @ truth[:3, :3].T
+
+# What you know of your sensor's errors goes in with the contacts: m and rad, one number or one each.
+contacts = palpate.Contacts(points, normals, point_sigma=0.001, normal_sigma=np.radians(5))
+posterior = palpate.localize(model, contacts, seed=0)
+print(posterior)
+for mode in posterior.modes[:3]:  # several where the contacts leave several poses possible
+    print(mode)
+
+# The mode's pose is that of the object's centroid; T_frame_mesh moves the file's own coordinates.
+rotation, translation = posterior.error(truth)
+print(f"off the truth by {np.degrees(rotation):.1f} deg and {1e3 * translation:.1f} mm")
+
+# A sensor without normals: leave them out. It takes more contacts, and the posterior says so.
+bare = palpate.localize(model, palpate.Contacts(points), seed=0)
+print("without normals:", bare)

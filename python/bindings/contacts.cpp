@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+#include <nanobind/stl/filesystem.h>
+#include <nanobind/stl/optional.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "arrays.hpp"
+#include "palpate/core/angle.hpp"
+#include "palpate/core/error.hpp"
+#include "palpate/localization/contacts_io.hpp"
+#include "rooms.hpp"
+
+namespace palpate::python {
+namespace {
+
+using namespace nb::literals;
+using Optional3 = std::optional<Rows3>;
+
+constexpr double kPointSigma = 0.001, kNormalSigma = 10 * kDegree;
+
+std::vector<Eigen::Vector3d> as_many(nb::handle values, std::size_t count, std::string_view what) {
+  const auto result = points_from(values, what);
+  if (result.size() != count) {
+    throw BadInput(fmt::format("{}: {} for {} points", what, result.size(), count));
+  }
+  return result;
+}
+
+/// Rows of nan, or of zeros, are contacts whose normal is not known.
+Eigen::Vector3d unit_or_none(const Eigen::Vector3d& n, std::size_t index) {
+  if (n.array().isNaN().all() || n.isZero(0)) return Eigen::Vector3d::Zero();
+  if (!(n.allFinite() && n.norm() > 1e-6)) {
+    throw BadInput(fmt::format("normal {} is ({}, {}, {})", index, n.x(), n.y(), n.z()));
+  }
+  return n.normalized();
+}
+
+void check_sigma(double sigma, const char* what, std::size_t index) {
+  if (sigma > 0 && std::isfinite(sigma)) return;
+  throw BadInput(fmt::format("contact {}: {} is {}, not positive", index, what, sigma));
+}
+
+Contacts make_contacts(nb::handle points, nb::handle normals, nb::handle forces, nb::handle sigma,
+                       nb::handle normal_sigma) {
+  const auto p = points_from(points, "points");
+  Contacts contacts{std::vector<tactile::Contact>(p.size())};
+  for (std::size_t k = 0; k < p.size(); ++k) {
+    if (!p[k].allFinite()) {
+      throw BadInput(fmt::format("contact {}: point is ({}, {}, {}), not finite", k, p[k].x(),
+                                 p[k].y(), p[k].z()));
+    }
+    contacts.list[k].p = p[k];
+  }
+  if (is_given(normals)) {
+    const auto n = as_many(normals, p.size(), "normals");
+    for (std::size_t k = 0; k < n.size(); ++k) contacts.list[k].n = unit_or_none(n[k], k);
+  }
+  if (is_given(forces)) {
+    const auto f = as_many(forces, p.size(), "forces");
+    for (std::size_t k = 0; k < f.size(); ++k) contacts.list[k].f = f[k];
+  }
+  const auto sp = is_given(sigma) ? numbers_from(sigma, p.size(), "point_sigma")
+                                  : std::vector<double>(p.size(), kPointSigma);
+  const auto sn = is_given(normal_sigma) ? numbers_from(normal_sigma, p.size(), "normal_sigma")
+                                         : std::vector<double>(p.size(), kNormalSigma);
+  for (std::size_t k = 0; k < p.size(); ++k) {
+    check_sigma(contacts.list[k].point_sigma = sp[k], "point_sigma", k);
+    check_sigma(contacts.list[k].normal_sigma = sn[k], "normal_sigma", k);
+  }
+  return contacts;
+}
+
+Rows3 column(const Contacts& contacts, Eigen::Vector3d tactile::Contact::*vector) {
+  Rows3 result(static_cast<Eigen::Index>(contacts.list.size()), 3);
+  for (Eigen::Index k = 0; k < result.rows(); ++k) {
+    result.row(k) = (contacts.list[static_cast<std::size_t>(k)].*vector).transpose();
+  }
+  return result;
+}
+
+Eigen::VectorXd column(const Contacts& contacts, double tactile::Contact::*number) {
+  Eigen::VectorXd result(static_cast<Eigen::Index>(contacts.list.size()));
+  for (Eigen::Index k = 0; k < result.size(); ++k) {
+    result[k] = contacts.list[static_cast<std::size_t>(k)].*number;
+  }
+  return result;
+}
+
+Optional3 normals_of(const Contacts& contacts) {
+  const auto known = [](const tactile::Contact& contact) { return contact.has_normal(); };
+  if (std::none_of(contacts.list.begin(), contacts.list.end(), known)) return std::nullopt;
+  Rows3 result = column(contacts, &tactile::Contact::n);
+  for (Eigen::Index k = 0; k < result.rows(); ++k) {
+    if (known(contacts.list[static_cast<std::size_t>(k)])) continue;
+    result.row(k).setConstant(std::numeric_limits<double>::quiet_NaN());
+  }
+  return result;
+}
+
+Eigen::VectorXi groups_of(const Contacts& contacts) {
+  Eigen::VectorXi result(static_cast<Eigen::Index>(contacts.list.size()));
+  for (Eigen::Index k = 0; k < result.size(); ++k) {
+    result[k] = contacts.list[static_cast<std::size_t>(k)].group;
+  }
+  return result;
+}
+
+/// Groups of the second keep apart from those of the first.
+Contacts joined(const Contacts& a, const Contacts& b) {
+  int next = 0;
+  for (const auto& contact : a.list) next = std::max(next, contact.group + 1);
+  Contacts both = a;
+  for (tactile::Contact contact : b.list) {
+    if (contact.group >= 0) contact.group += next;
+    both.list.push_back(contact);
+  }
+  return both;
+}
+
+Contacts candidates(const Contacts& contacts) {
+  Contacts result = contacts;
+  for (auto& contact : result.list) contact.group = 0;
+  return result;
+}
+
+Contacts moved(const Contacts& contacts, nb::handle pose) {
+  const Eigen::Isometry3d T = pose_from(pose, "T");
+  Contacts result = contacts;
+  for (auto& contact : result.list) {
+    contact.p = T * contact.p;
+    contact.n = T.linear() * contact.n;
+    contact.f = T.linear() * contact.f;
+  }
+  return result;
+}
+
+std::string repr(const Contacts& contacts) {
+  const auto known = std::count_if(contacts.list.begin(), contacts.list.end(),
+                                   [](const auto& contact) { return contact.has_normal(); });
+  return fmt::format("Contacts({} points, {} with normals)", contacts.list.size(), known);
+}
+
+}  // namespace
+
+void bind_contacts(nb::module_& module) {
+  nb::class_<Contacts>(module, "Contacts",
+                       "Contacts with an object, from whatever sensor, in one frame.")
+      .def(
+          "__init__",
+          [](Contacts* self, nb::object points, nb::object normals, nb::object forces,
+             nb::object point_sigma, nb::object normal_sigma) {
+            new (self) Contacts(make_contacts(points, normals, forces, point_sigma, normal_sigma));
+          },
+          "points"_a, "normals"_a = nb::none(), "forces"_a = nb::none(),
+          "point_sigma"_a = nb::none(), "normal_sigma"_a = nb::none(),
+          nb::sig("def __init__(self, points: numpy.typing.ArrayLike, normals: "
+                  "numpy.typing.ArrayLike | None = None, forces: numpy.typing.ArrayLike | None = "
+                  "None, point_sigma: numpy.typing.ArrayLike | None = None, normal_sigma: "
+                  "numpy.typing.ArrayLike | None = None) -> None"),
+          "Contacts at points (N, 3), m.\n\nnormals (N, 3): outward of the object, made unit "
+          "vectors; a row of nan: not known. forces (N, 3): of the sensor on the object, N. "
+          "point_sigma: error per axis, m, one number or (N,), 0.001 if not given. normal_sigma: "
+          "per tangent axis, rad, 10 deg if not given.\n\nRaises ValueError, naming the contact, "
+          "for other shapes, values that are not finite, and sigmas that are not positive.")
+      .def("__len__", [](const Contacts& self) { return self.list.size(); })
+      .def_prop_ro(
+          "points", [](const Contacts& self) { return column(self, &tactile::Contact::p); },
+          "(N, 3), m.")
+      .def_prop_ro("normals", &normals_of,
+                   "Outward of the object, (N, 3), nan where not known; None if none is known.")
+      .def_prop_ro(
+          "forces", [](const Contacts& self) { return column(self, &tactile::Contact::f); },
+          "Of the sensor on the object, (N, 3), N.")
+      .def_prop_ro(
+          "point_sigma",
+          [](const Contacts& self) { return column(self, &tactile::Contact::point_sigma); },
+          "Per axis, (N,), m.")
+      .def_prop_ro(
+          "normal_sigma",
+          [](const Contacts& self) { return column(self, &tactile::Contact::normal_sigma); },
+          "Per tangent axis, (N,), rad.")
+      .def_prop_ro("groups", &groups_of,
+                   "(N,); -1: the contact touches; else at least one of its group does.")
+      .def("candidates", &candidates, "The same points as one group of which at least one touches.")
+      .def("transformed", &moved, "T"_a,
+           nb::sig("def transformed(self, T: numpy.typing.ArrayLike) -> Contacts"),
+           "Moved by T_new_old (4, 4).\n\nRaises ValueError unless T is a rigid motion.")
+      .def("__add__", &joined, "other"_a)
+      .def("__repr__", &repr);
+  module.def(
+      "read_contacts",
+      [](const std::filesystem::path& path, double point_noise, double normal_noise) {
+        return Contacts{localization::read_contacts(path, {point_noise, normal_noise})};
+      },
+      "path"_a, nb::kw_only(), "point_noise"_a = kPointSigma, "normal_noise"_a = kNormalSigma,
+      nb::call_guard<nb::gil_scoped_release>(),
+      "Contacts of a CSV with x,y,z and, optionally, nx,ny,nz,point_sigma,normal_sigma,"
+      "group,finger,t,fx,fy,fz; point_noise (m) and normal_noise (rad) where the file states "
+      "none.\n\nRaises ValueError, naming file and line.");
+}
+
+}  // namespace palpate::python

@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+#include <nanobind/stl/filesystem.h>
+#include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include "arrays.hpp"
+#include "palpate/core/error.hpp"
+#include "palpate/geometry/io/mesh_io.hpp"
+#include "rooms.hpp"
+
+namespace palpate::python {
+namespace {
+
+namespace ge = geometry;
+using namespace nb::literals;
+
+Mesh mesh_of(ge::TriangleMesh triangles) {
+  return {std::make_shared<const ge::MeshQuery>(std::move(triangles))};
+}
+
+Mesh make_mesh(nb::handle vertices, nb::handle triangles) {
+  ge::TriangleMesh mesh;
+  mesh.vertices = points_from(vertices, "vertices");
+  const auto count = static_cast<double>(mesh.vertices.size());
+  for (const Eigen::Vector3d& t : points_from(triangles, "triangles")) {
+    if (!(t.minCoeff() >= 0 && t.maxCoeff() < count)) {
+      throw BadInput(fmt::format("triangle {} names vertices {}, {}, {} of {}",
+                                 mesh.triangles.size(), t[0], t[1], t[2], mesh.vertices.size()));
+    }
+    mesh.triangles.push_back(
+        {static_cast<int>(t[0]), static_cast<int>(t[1]), static_cast<int>(t[2])});
+  }
+  return mesh_of(std::move(mesh));
+}
+
+Triangles triangles_of(const Mesh& mesh) {
+  const auto& list = mesh.triangles().triangles;
+  Triangles result(static_cast<Eigen::Index>(list.size()), 3);
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    result.row(static_cast<Eigen::Index>(i)) << list[i][0], list[i][1], list[i][2];
+  }
+  return result;
+}
+
+struct ClosestPoints {
+  Rows3 points, normals;
+  Eigen::VectorXd distances;
+};
+
+ClosestPoints closest_points(const Mesh& mesh, nb::handle at) {
+  const auto asked = points_from(at, "points");
+  const nb::gil_scoped_release release;
+  const auto count = static_cast<Eigen::Index>(asked.size());
+  ClosestPoints result{Rows3(count, 3), Rows3(count, 3), Eigen::VectorXd(count)};
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const ge::ClosestPoint nearest = mesh.query->closest_point(asked[static_cast<std::size_t>(i)]);
+    result.points.row(i) = nearest.point.transpose();
+    result.normals.row(i) = nearest.normal.transpose();
+    result.distances[i] = nearest.distance;
+  }
+  return result;
+}
+
+Eigen::VectorXd signed_distance(const Mesh& mesh, nb::handle at) {
+  const auto asked = points_from(at, "points");
+  const nb::gil_scoped_release release;
+  Eigen::VectorXd result(static_cast<Eigen::Index>(asked.size()));
+  for (Eigen::Index i = 0; i < result.size(); ++i) {
+    result[i] = mesh.query->signed_distance(asked[static_cast<std::size_t>(i)]);
+  }
+  return result;
+}
+
+void bind_mesh(nb::module_& module) {
+  nb::class_<ClosestPoints>(module, "ClosestPoints", "Closest points of a surface, one a query.")
+      .def_ro("points", &ClosestPoints::points, "On the surface, (N, 3), m.")
+      .def_ro("normals", &ClosestPoints::normals,
+              "Outward pseudonormals of the face, edge or vertex, (N, 3), unit.")
+      .def_ro("distances", &ClosestPoints::distances, "(N,), m, >= 0.")
+      .def("__repr__", [](const ClosestPoints& self) {
+        return fmt::format("ClosestPoints({} points)", self.distances.size());
+      });
+  nb::class_<Mesh>(module, "Mesh",
+                   "Triangle mesh in metres; triangles wind counter-clockwise seen from outside.")
+      .def(
+          "__init__",
+          [](Mesh* self, nb::object vertices, nb::object triangles) {
+            new (self) Mesh(make_mesh(vertices, triangles));
+          },
+          "vertices"_a, "triangles"_a,
+          nb::sig("def __init__(self, vertices: numpy.typing.ArrayLike, triangles: "
+                  "numpy.typing.ArrayLike) -> None"),
+          "A mesh of vertices (V, 3), m, and triangles (T, 3), indices.\n\nRaises ValueError for "
+          "an index that names no vertex, and for no triangles.")
+      .def_prop_ro(
+          "vertices", [](const Mesh& self) { return rows(self.triangles().vertices); },
+          "(V, 3), m.")
+      .def_prop_ro("triangles", &triangles_of, "(T, 3), indices of vertices.")
+      .def_prop_ro(
+          "area", [](const Mesh& self) { return ge::area(self.triangles()); }, "Surface area, m^2.")
+      .def("closest_points", &closest_points, "points"_a,
+           nb::sig("def closest_points(self, points: numpy.typing.ArrayLike) -> ClosestPoints"),
+           "The nearest surface point to each of points (N, 3), m.\n\nRaises ValueError for "
+           "another shape and for values that are not finite.")
+      .def("signed_distance", &signed_distance, "points"_a,
+           nb::sig("def signed_distance(self, points: numpy.typing.ArrayLike) -> "
+                   "numpy.typing.NDArray[numpy.float64]"),
+           "Distance of each of points (N, 3) to the surface, (N,), m, negative inside. The mesh "
+           "is watertight.\n\nRaises ValueError for another shape.")
+      .def(
+          "save",
+          [](const Mesh& self, const std::filesystem::path& path) {
+            ge::save_ply(path, self.triangles());
+          },
+          "path"_a, "Write a binary PLY in full precision, atomically.")
+      .def("__repr__", [](const Mesh& self) {
+        const Eigen::Vector3d size = 1e3 * ge::bounds(self.triangles()).sizes();
+        return fmt::format("Mesh({} vertices, {} triangles, {:.0f} x {:.0f} x {:.0f} mm)",
+                           self.triangles().vertices.size(), self.triangles().triangles.size(),
+                           size.x(), size.y(), size.z());
+      });
+  module.def(
+      "load_mesh", [](const std::filesystem::path& path) { return mesh_of(ge::load_mesh(path)); },
+      "path"_a, nb::call_guard<nb::gil_scoped_release>(),
+      "Read PLY, STL or OBJ in the file's own units.\n\nRaises ValueError, naming the file "
+      "and the offending line or element.");
+}
+
+void bind_stable_pose(nb::module_& module) {
+  nb::class_<ge::StablePose>(module, "StablePose",
+                             "A way the object rests on a plane, with its share of random drops.")
+      .def_prop_ro(
+          "R_table_object",
+          [](const ge::StablePose& self) { return Rotation3(self.R_table_object); },
+          "Rotation up to yaw, (3, 3).")
+      .def_ro("height", &ge::StablePose::height, "z of the volume centroid above the table, m.")
+      .def_ro("probability", &ge::StablePose::probability,
+              "Of a random drop (Goldberg et al. 1999); all sum to 1.")
+      .def("__repr__", [](const ge::StablePose& self) {
+        return fmt::format("StablePose(probability {:.3f}, height {:.1f} mm)", self.probability,
+                           1e3 * self.height);
+      });
+}
+
+void bind_object(nb::module_& module) {
+  using Object = ge::KnownObject;
+  nb::class_<Object>(module, "KnownObject",
+                     "An object of known shape. Its frame is that of its mesh, moved so that the "
+                     "volume centroid is the origin.")
+      .def_ro("name", &Object::name, "As it was asked for.")
+      .def_prop_ro(
+          "mesh", [](const Object& self) { return mesh_of(self.mesh); },
+          "Watertight, in the object's frame.")
+      .def_ro("mass", &Object::mass, "kg.")
+      .def_prop_ro(
+          "volume", [](const Object& self) { return self.mass_properties.volume; }, "m^3.")
+      .def_prop_ro(
+          "T_mesh_object", [](const Object& self) { return pose(self.T_mesh_object); },
+          "Maps the object's frame back to the file's own coordinates, (4, 4).")
+      .def_prop_ro(
+          "symmetries",
+          [](const Object& self) {
+            std::vector<Rotation3> result(self.symmetries.begin(), self.symmetries.end());
+            return result;
+          },
+          "Rotations (3, 3) that keep the shape, identity first.")
+      .def_ro("stable_poses", &Object::stable_poses, "On a table, most probable first.")
+      .def_ro("repairs", &Object::repairs, "What was done to the file's mesh, in words.")
+      .def("__repr__", [](const Object& self) {
+        const Eigen::Vector3d size = 1e3 * ge::bounds(self.mesh).sizes();
+        return fmt::format(
+            "KnownObject('{}', {:.0f} x {:.0f} x {:.0f} mm, {:.3f} kg, {} symmetries, {} stable "
+            "poses)",
+            self.name, size.x(), size.y(), size.z(), self.mass, self.symmetries.size(),
+            self.stable_poses.size());
+      });
+  module.def("built_in_objects", &ge::built_in_objects, "Names of the built-in objects.");
+  module.def(
+      "load_known_object", &ge::load_known_object, "name_or_file"_a,
+      nb::call_guard<nb::gil_scoped_release>(),
+      "A built-in object, 'generated:SEED', or a mesh file in metres.\n\nRaises ValueError "
+      "for an unknown name, or a mesh that cannot be read, repaired, or that is smaller than "
+      "10 mm or larger than 400 mm.");
+  module.def(
+      "make_known_object",
+      [](const std::string& name, const Mesh& mesh, double mass) {
+        return ge::make_known_object(name, mesh.triangles(), mass);
+      },
+      "name"_a, "mesh"_a, nb::kw_only(), "mass"_a = 0.0, nb::call_guard<nb::gil_scoped_release>(),
+      "An object of that shape; mass in kg, 0: from the volume.\n\nRaises ValueError as "
+      "load_known_object, naming the object.");
+}
+
+}  // namespace
+
+void bind_geometry(nb::module_& module) {
+  bind_mesh(module);
+  bind_stable_pose(module);
+  bind_object(module);
+  nb::class_<ge::ObjectModel>(module, "ObjectModel",
+                              "An object prepared for localization: distance field and surface "
+                              "samples. Threads may share it.")
+      .def(nb::init<ge::KnownObject>(), "object"_a, nb::call_guard<nb::gil_scoped_release>(),
+           "Prepare an object, which takes some tenths of a second.")
+      .def_prop_ro(
+          "object", [](const ge::ObjectModel& self) { return self.object(); }, "What was prepared.")
+      .def_prop_ro("area", &ge::ObjectModel::area, "Of the surface, m^2.")
+      .def("__repr__", [](const ge::ObjectModel& self) {
+        return fmt::format("ObjectModel('{}')", self.object().name);
+      });
+}
+
+}  // namespace palpate::python

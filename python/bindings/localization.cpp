@@ -1,0 +1,326 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include "arrays.hpp"
+#include "palpate/core/angle.hpp"
+#include "palpate/core/error.hpp"
+#include "palpate/localization/pose_prior.hpp"
+#include "palpate/localization/tracking/tracker.hpp"
+#include "rooms.hpp"
+
+namespace palpate::python {
+namespace {
+
+namespace lo = localization;
+using namespace nb::literals;
+using SharedModel = std::shared_ptr<const geometry::ObjectModel>;
+
+/// The model as C++ holds it; the Python object lives as long as the pointer.
+SharedModel model_from(nb::object model) {
+  const auto* held = nb::cast<const geometry::ObjectModel*>(model);
+  return {held, [keep = std::make_shared<nb::object>(std::move(model))](const auto*) {
+            const nb::gil_scoped_acquire acquire;
+            keep->reset();
+          }};
+}
+
+std::vector<lo::FreeSphere> spheres_from(nb::handle free_space) {
+  std::vector<lo::FreeSphere> spheres;
+  if (!is_given(free_space)) return spheres;
+  const Matrix rows = matrix_from(free_space, "free_space");
+  if (rows.cols() != 4) {
+    throw BadInput(fmt::format("free_space has shape ({}, {}), not (N, 4): x, y, z, radius",
+                               rows.rows(), rows.cols()));
+  }
+  for (Eigen::Index i = 0; i < rows.rows(); ++i) {
+    spheres.push_back({rows.row(i).head<3>().transpose(), rows(i, 3)});
+  }
+  return spheres;
+}
+
+lo::TableSupport make_table(nb::object T_frame_table, double half_width, double tilt_sigma,
+                            double height_sigma, double edge_sigma) {
+  lo::TableSupport table;
+  table.T_frame_table = pose_from(T_frame_table, "T_frame_table");
+  table.half_width = half_width;
+  table.tilt_sigma = tilt_sigma;
+  table.height_sigma = height_sigma;
+  table.edge_sigma = edge_sigma;
+  return table;
+}
+
+Posterior localize(nb::object model, const Contacts& contacts, const std::string& method,
+                   std::optional<lo::TableSupport> table, nb::object free_space,
+                   std::optional<lo::PosePrior> prior, double false_contacts,
+                   double noise_scale_prior, double size_prior, double surface_sigma, int proposals,
+                   int particles, int modes, std::uint64_t seed) {
+  if (method != "fast" && method != "full") {
+    throw BadInput(fmt::format("method is '{}', not 'fast' or 'full'", method));
+  }
+  const SharedModel shared = model_from(model);
+  lo::Evidence evidence;
+  evidence.contacts = contacts.list;
+  evidence.table = table;
+  evidence.free_space = spheres_from(free_space);
+  evidence.prior = std::move(prior);
+  evidence.false_contact_share = false_contacts;
+  evidence.noise_scale_prior = noise_scale_prior;
+  evidence.size_prior = size_prior;
+  evidence.surface_sigma = surface_sigma;
+  lo::LocalizerOptions options;
+  options.proposals = proposals;
+  options.particles = particles;
+  options.modes = modes;
+  const nb::gil_scoped_release release;
+  const RandomStream random(seed, "localize");
+  return {method == "fast" ? lo::localize_fast(*shared, evidence, random, options)
+                           : lo::localize(*shared, evidence, random, options),
+          shared};
+}
+
+Mode mode_at(const Posterior& posterior, std::size_t index) {
+  return {posterior.found.modes.at(index), posterior.model->object().T_mesh_object.inverse()};
+}
+
+std::vector<Mode> modes_of(const Posterior& posterior) {
+  std::vector<Mode> modes;
+  for (std::size_t i = 0; i < posterior.found.modes.size(); ++i) {
+    modes.push_back(mode_at(posterior, i));
+  }
+  return modes;
+}
+
+std::string repr(const Mode& mode) {
+  const Eigen::Isometry3d& T = mode.mode.T_frame_object;
+  const Eigen::Vector3d w = log_so3(T.linear()) / kDegree, t = 1e3 * T.translation();
+  return fmt::format(
+      "Mode(weight {:.3f}, probability {:.3f}, rotation ({:.1f}, {:.1f}, {:.1f}) deg, translation "
+      "({:.1f}, {:.1f}, {:.1f}) mm{})",
+      mode.mode.weight, lo::pose_probability(mode.mode), w.x(), w.y(), w.z(), t.x(), t.y(), t.z(),
+      mode.mode.free_axis
+          ? fmt::format(", free by {:.0f} deg", mode.mode.free_axis->extent / kDegree)
+          : "");
+}
+
+std::string repr(const Posterior& posterior) {
+  return fmt::format("Posterior({}, probability {:.3f}, {} modes, {:.0f} ms)",
+                     lo::to_string(posterior.found.status), lo::best_probability(posterior.found),
+                     posterior.found.modes.size(), 1e3 * posterior.found.seconds);
+}
+
+void bind_mode(nb::module_& module) {
+  nb::class_<lo::FreeAxis>(module, "FreeAxis",
+                           "Equally credible poses: turns about a line by -extent..+extent.")
+      .def_ro("point", &lo::FreeAxis::point, "On the line, contacts' frame, (3,), m.")
+      .def_ro("direction", &lo::FreeAxis::direction, "(3,), unit.")
+      .def_ro("extent", &lo::FreeAxis::extent, "rad to either side; pi: all round.")
+      .def("__repr__", [](const lo::FreeAxis& self) {
+        return fmt::format("FreeAxis(({:.3f}, {:.3f}, {:.3f}), +- {:.0f} deg)", self.direction.x(),
+                           self.direction.y(), self.direction.z(), self.extent / kDegree);
+      });
+  nb::class_<Mode>(module, "Mode", "A cluster of credible poses.")
+      .def_prop_ro(
+          "T_frame_object", [](const Mode& self) { return pose(self.mode.T_frame_object); },
+          "Object (origin at its volume centroid) to the contacts' frame, (4, 4).")
+      .def_prop_ro(
+          "T_frame_mesh",
+          [](const Mode& self) { return pose(self.mode.T_frame_object * self.T_object_mesh); },
+          "The mesh file's own coordinates to the contacts' frame, (4, 4).")
+      .def_prop_ro(
+          "weight", [](const Mode& self) { return self.mode.weight; },
+          "Share of the posterior's mass.")
+      .def_prop_ro(
+          "probability", [](const Mode& self) { return lo::pose_probability(self.mode); },
+          "That the object is within 5 deg and 10 mm of this pose, modulo its symmetries.")
+      .def_prop_ro(
+          "covariance", [](const Mode& self) { return Covariance6(self.mode.covariance); },
+          "Of [rotation; translation] of T_frame_object, frame's axes, (6, 6), rad and m.")
+      .def_prop_ro(
+          "free_axis", [](const Mode& self) { return self.mode.free_axis; },
+          "A free turn, or None.")
+      .def("__repr__", [](const Mode& self) { return repr(self); });
+}
+
+void bind_posterior(nb::module_& module) {
+  nb::class_<Posterior>(module, "Posterior",
+                        "What is known of the object's pose: modes, heaviest first.")
+      .def_prop_ro(
+          "status",
+          [](const Posterior& self) { return std::string(lo::to_string(self.found.status)); },
+          "'certain', 'ambiguous' or 'no_pose'.")
+      .def_prop_ro(
+          "probability", [](const Posterior& self) { return lo::best_probability(self.found); },
+          "Of the best pose, within 5 deg and 10 mm modulo symmetry; 0 without one.")
+      .def_prop_ro("modes", &modes_of, "Heaviest first; equal poses of a symmetric object once.")
+      .def_prop_ro(
+          "best",
+          [](const Posterior& self) -> std::optional<Mode> {
+            if (self.found.modes.empty()) return std::nullopt;
+            return mode_at(self, 0);
+          },
+          "The heaviest mode; None where no pose explains the contacts.")
+      .def_prop_ro(
+          "further",
+          [](const Posterior& self) {
+            std::vector<Pose4> result;
+            for (const auto& T : self.found.further) result.push_back(pose(T));
+            return result;
+          },
+          "Where the modes hold less than 95 %: poses (4, 4) whose surroundings hold the "
+          "rest up to there.")
+      .def_prop_ro(
+          "unlisted", [](const Posterior& self) { return self.found.unlisted(); },
+          "What the modes' weights lack of 1.")
+      .def_prop_ro(
+          "seconds", [](const Posterior& self) { return self.found.seconds; }, "s.")
+      .def(
+          "covers",
+          [](const Posterior& self, nb::object truth) {
+            return lo::covers(self.found, pose_from(truth, "truth"),
+                              self.model->object().symmetries);
+          },
+          "truth"_a, nb::sig("def covers(self, truth: numpy.typing.ArrayLike) -> bool"),
+          "Whether the truth (4, 4), T_frame_object, is within 5 deg and 10 mm of the smallest "
+          "set of modes that holds 95 %.\n\nRaises ValueError unless the truth is a pose.")
+      .def(
+          "error",
+          [](const Posterior& self, nb::object truth) -> std::optional<std::pair<double, double>> {
+            if (self.found.modes.empty()) return std::nullopt;
+            const auto error =
+                lo::pose_error(self.found.modes.front().T_frame_object, pose_from(truth, "truth"),
+                               self.model->object().symmetries);
+            return std::pair{error.rotation, error.translation};
+          },
+          "truth"_a,
+          nb::sig("def error(self, truth: numpy.typing.ArrayLike) -> tuple[float, float] | None"),
+          "Of the best pose from the truth (4, 4), modulo symmetry: rad, m; None without "
+          "one.\n\nRaises ValueError unless the truth is a pose.")
+      .def("__repr__", [](const Posterior& self) { return repr(self); })
+      .def("_repr_html_", &posterior_html);
+}
+
+lo::PosePrior prior_from(const Posterior& posterior, nb::object motion_covariance, double floor) {
+  const bool moved = is_given(motion_covariance);
+  lo::PosePrior prior = lo::prior_from(
+      posterior.found,
+      moved ? covariance_from(motion_covariance, "motion_covariance") : Matrix6d(Matrix6d::Zero()));
+  prior.floor = floor;
+  return prior;
+}
+
+void bind_evidence(nb::module_& module) {
+  nb::class_<lo::TableSupport>(module, "TableSupport",
+                               "The object rests on a table in one of its stable poses.")
+      .def(
+          "__init__",
+          [](lo::TableSupport* self, nb::object T, double half_width, double tilt_sigma,
+             double height_sigma, double edge_sigma) {
+            new (self)
+                lo::TableSupport(make_table(T, half_width, tilt_sigma, height_sigma, edge_sigma));
+          },
+          "T_frame_table"_a, nb::kw_only(), "half_width"_a = 0.02, "tilt_sigma"_a = 0.02,
+          "height_sigma"_a = 0.001, "edge_sigma"_a = 0.002,
+          nb::sig("def __init__(self, T_frame_table: numpy.typing.ArrayLike, *, half_width: float "
+                  "= 0.02, tilt_sigma: float = 0.02, height_sigma: float = 0.001, edge_sigma: "
+                  "float = 0.002) -> None"),
+          "T_frame_table (4, 4): z up, z = 0 the surface, x and y the rough place of the object's "
+          "centroid, known to +- half_width, m.\n\nRaises ValueError unless it is a pose.")
+      .def("__repr__", [](const lo::TableSupport& self) {
+        const Eigen::Vector3d t = self.T_frame_table.translation();
+        return fmt::format("TableSupport(({:.3f}, {:.3f}, {:.3f}) m, +- {:.3f} m)", t.x(), t.y(),
+                           t.z(), self.half_width);
+      });
+  nb::class_<lo::PosePrior>(module, "PosePrior", "What was known of the pose before.")
+      .def("__len__", [](const lo::PosePrior& self) { return self.components.size(); })
+      .def("__repr__", [](const lo::PosePrior& self) {
+        return fmt::format("PosePrior({} components)", self.components.size());
+      });
+  module.def("prior_from", &prior_from, "posterior"_a, "motion_covariance"_a = nb::none(),
+             nb::kw_only(), "floor"_a = lo::PosePrior().floor,
+             nb::sig("def prior_from(posterior: Posterior, motion_covariance: "
+                     "numpy.typing.ArrayLike | None = None, *, floor: float = 0.001) -> PosePrior"),
+             "What an earlier posterior says after a motion known up to a normal error, (6, 6) of "
+             "[rotation; translation], rad and m. floor: density that every pose keeps, of the "
+             "peak's, so that touch can overrule the prior; with one or two contacts 1e-6 is "
+             "better.\n\nRaises ValueError without modes or for what is no covariance.");
+}
+
+/// A tracker with the object that its posteriors show.
+struct Tracker {
+  SharedModel model;
+  lo::Tracker filter;
+};
+
+void bind_tracker(nb::module_& module) {
+  nb::class_<Tracker>(module, "Tracker",
+                      "Follows an object that moves with the fingers and may slip in them: an "
+                      "iterated extended Kalman filter for each mode.")
+      .def(
+          "__init__",
+          [](Tracker* self, nb::object model, const Posterior& start, std::uint64_t seed) {
+            const SharedModel shared = model_from(model);
+            new (self) Tracker{
+                shared, lo::Tracker(*shared, start.found, {}, RandomStream(seed, "tracker"))};
+          },
+          "model"_a, "start"_a, nb::kw_only(), "seed"_a = 0,
+          nb::sig("def __init__(self, model: ObjectModel, start: Posterior, *, seed: int = 0) -> "
+                  "None"),
+          "From a posterior with modes.\n\nRaises ValueError for one without.")
+      .def(
+          "update",
+          [](Tracker& self, double time, const Contacts& contacts, nb::object velocities) {
+            const lo::TrackFrame frame{time, contacts.list, points_from(velocities, "velocities")};
+            const nb::gil_scoped_release release;
+            return Posterior{self.filter.update(frame), self.model};
+          },
+          "time"_a, "contacts"_a, "velocities"_a,
+          nb::sig("def update(self, time: float, contacts: Contacts, velocities: "
+                  "numpy.typing.ArrayLike) -> Posterior"),
+          "The posterior after what the fingertips feel at a time (s): contacts, and the "
+          "fingertip's velocity at each, (N, 3), m/s.\n\nRaises ValueError for values that are "
+          "not finite or another number of velocities.")
+      .def_prop_ro(
+          "slips", [](const Tracker& self) { return self.filter.slips(); }, "Found so far.")
+      .def("__repr__", [](const Tracker& self) {
+        return fmt::format("Tracker('{}', {} slips)", self.model->object().name,
+                           self.filter.slips());
+      });
+}
+
+}  // namespace
+
+void bind_localization(nb::module_& module) {
+  bind_mode(module);
+  bind_posterior(module);
+  bind_evidence(module);
+  bind_tracker(module);
+  const lo::Evidence evidence;
+  const lo::LocalizerOptions options;
+  module.def(
+      "localize", &localize, "model"_a, "contacts"_a, nb::kw_only(), "method"_a = "fast",
+      "table"_a = nb::none(), "free_space"_a = nb::none(), "prior"_a = nb::none(),
+      "false_contacts"_a = evidence.false_contact_share,
+      "noise_scale_prior"_a = evidence.noise_scale_prior, "size_prior"_a = evidence.size_prior,
+      "surface_sigma"_a = evidence.surface_sigma, "proposals"_a = options.proposals,
+      "particles"_a = options.particles, "modes"_a = options.modes, "seed"_a = 0,
+      nb::sig("def localize(model: ObjectModel, contacts: Contacts, *, method: str = 'fast', "
+              "table: TableSupport | None = None, free_space: numpy.typing.ArrayLike | None = "
+              "None, prior: PosePrior | None = None, false_contacts: float = 0.02, "
+              "noise_scale_prior: float = 0.4, size_prior: float = 0.25, surface_sigma: float = "
+              "0.0003, proposals: int = 40000, particles: int = 800, modes: int = 16, seed: int = "
+              "0) -> Posterior"),
+      "Posterior of the object's pose in the contacts' frame, by tempered sequential Monte "
+      "Carlo.\n\nmethod 'fast' answers in a tenth of the time where the contacts settle the pose, "
+      "and turns to 'full' elsewhere. free_space (N, 4): x, y, z, radius (m) of balls that are "
+      "free of the object. false_contacts: prior share of contacts with something else. "
+      "noise_scale_prior, size_prior: chance that the noise, or the object's size, is not as "
+      "stated. surface_sigma: m by which the mesh is off the surface. Of more than 64 contacts so "
+      "many are used.\n\nRaises ValueError for values that are not finite, sigmas that are not "
+      "positive, and contacts spread as if in millimetres. That no pose fits is a status.");
+}
+
+}  // namespace palpate::python

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <nanobind/stl/string.h>
+
+#include <string>
+
+#include "palpate/core/version.hpp"
+#include "rooms.hpp"
+
+NB_MODULE(_core, module) {
+  using namespace palpate::python;
+  module.doc() =
+      "Palpate's compiled rooms. Use them by `import palpate`; SI units, radians, poses (4, 4) "
+      "row-major, points (N, 3). Bad input is a ValueError that names the value.";
+  module.attr("__version__") = std::string(palpate::version());
+  bind_geometry(module);
+  bind_registration(module);
+  bind_contacts(module);
+  bind_sensors(module);
+  bind_normals(module);
+  bind_localization(module);
+  bind_touches(module);
+}

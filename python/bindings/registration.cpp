@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+#include <nanobind/stl/filesystem.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include "arrays.hpp"
+#include "palpate/geometry/io/point_cloud_io.hpp"
+#include "palpate/registration/cloud_registration.hpp"
+#include "rooms.hpp"
+
+namespace palpate::python {
+namespace {
+
+namespace re = registration;
+using namespace nb::literals;
+using Result = re::RegistrationResult;
+using Cloud = geometry::PointCloud;
+
+std::optional<Pose4> pose_of(const Result& result) {
+  if (!result.T_target_source) return std::nullopt;
+  return pose(*result.T_target_source);
+}
+
+std::string repr(const Result& result) {
+  if (!result.T_target_source) {
+    return fmt::format("RegistrationResult({}, {} inliers)", re::to_string(result.status),
+                       result.inliers.size());
+  }
+  return fmt::format("RegistrationResult({}, {} inliers, {:.1g} false alarms, {:.1f} ms)",
+                     re::to_string(result.status), result.inliers.size(), result.false_alarms,
+                     1e3 * result.seconds);
+}
+
+re::Correspondences pairs_from(nb::handle source, nb::handle target, nb::handle source_normals,
+                               nb::handle target_normals, nb::handle weights) {
+  re::Correspondences pairs;
+  pairs.source = points_from(source, "source");
+  pairs.target = points_from(target, "target");
+  if (is_given(source_normals))
+    pairs.source_normals = points_from(source_normals, "source_normals");
+  if (is_given(target_normals))
+    pairs.target_normals = points_from(target_normals, "target_normals");
+  if (is_given(weights)) pairs.weights = numbers_from(weights, pairs.size(), "weights");
+  return pairs;
+}
+
+Result register_pairs(nb::object source, nb::object target, nb::object source_normals,
+                      nb::object target_normals, nb::object weights, double noise_bound,
+                      double normal_noise_deg, double max_false_alarms, bool best_effort,
+                      nb::object initial, nb::object rotation_axis, bool translation_only,
+                      bool estimate_scale, int instances, int bound_nodes, std::uint64_t seed) {
+  const auto pairs = pairs_from(source, target, source_normals, target_normals, weights);
+  re::RegistrationOptions options;
+  options.noise_bound = noise_bound;
+  options.normal_noise_deg = normal_noise_deg;
+  options.max_false_alarms = max_false_alarms;
+  options.best_effort = best_effort;
+  if (is_given(initial)) options.initial = pose_from(initial, "initial");
+  if (is_given(rotation_axis)) options.rotation_axis = vector_from(rotation_axis, "rotation_axis");
+  options.translation_only = translation_only;
+  options.estimate_scale = estimate_scale;
+  options.instances = instances;
+  options.robust_bound.max_nodes = bound_nodes;
+  options.seed = seed;
+  const nb::gil_scoped_release release;
+  return re::register_correspondences(pairs, options);
+}
+
+Cloud cloud_from(nb::handle points, nb::handle normals) {
+  Cloud cloud{points_from(points, "points"), {}};
+  if (is_given(normals)) cloud.normals = points_from(normals, "normals");
+  geometry::check_cloud(cloud);
+  return cloud;
+}
+
+re::CloudRegistration register_clouds(const Cloud& source, const Cloud& target,
+                                      std::optional<double> noise_bound, double voxel,
+                                      nb::object initial, std::uint64_t seed, int threads) {
+  re::CloudOptions options;
+  options.noise_bound = noise_bound;
+  options.features.voxel = voxel;
+  if (is_given(initial)) options.registration.initial = pose_from(initial, "initial");
+  options.registration.seed = seed;
+  options.threads = threads;
+  const nb::gil_scoped_release release;
+  return re::register_clouds(source, target, options);
+}
+
+re::PoseEstimate certify(nb::object T, nb::object source, nb::object target, nb::object weights) {
+  const Eigen::Isometry3d T_target_source = pose_from(T, "T_target_source");
+  const auto pairs = pairs_from(source, target, nb::none(), nb::none(), weights);
+  const nb::gil_scoped_release release;
+  return re::certify(T_target_source, pairs, pairs.weights, re::Primitive::kPoint);
+}
+
+void bind_result(nb::module_& module) {
+  nb::class_<re::RobustBound>(module, "RobustBound", "What no rigid motion can exceed.")
+      .def_ro("max_inliers", &re::RobustBound::max_inliers, "No pose has more inliers.")
+      .def_ro("is_exhausted", &re::RobustBound::is_exhausted, "Branch and bound ran to its end.")
+      .def_ro("seconds", &re::RobustBound::seconds, "s.")
+      .def("__repr__", [](const re::RobustBound& self) {
+        return fmt::format("RobustBound(max_inliers {}, {})", self.max_inliers,
+                           self.is_exhausted ? "exhausted" : "stopped");
+      });
+  using Certificate = re::RegistrationCertificate;
+  nb::class_<Certificate>(module, "RegistrationCertificate",
+                          "What is proven of an answer; that there is one is what false_alarms "
+                          "says.")
+      .def_ro("least_squares", &Certificate::least_squares,
+              "No pose has a smaller sum of squared residuals over the chosen inliers (thesis eqs "
+              "6.24-6.34).")
+      .def_ro("resolution_deg", &Certificate::resolution_deg,
+              "A better pose for these inliers, nearby, is within this angle.")
+      .def_ro("robust_bound", &Certificate::robust,
+              "A bound on the inliers of any pose (Bustos & Chin 2018); None if not asked for.")
+      .def("__repr__", [](const Certificate& self) {
+        return fmt::format("RegistrationCertificate(least_squares {}, {})", self.least_squares,
+                           self.robust ? fmt::format("at most {} inliers", self.robust->max_inliers)
+                                       : "no robust bound");
+      });
+  nb::class_<Result>(module, "RegistrationResult",
+                     "Pose of source in target, with what is known of its quality.")
+      .def_prop_ro(
+          "status", [](const Result& self) { return std::string(re::to_string(self.status)); },
+          "'found', 'no_consensus' or 'degenerate'.")
+      .def_prop_ro("T_target_source", &pose_of, "(4, 4); None unless found.")
+      .def_ro("scale", &Result::scale, "The target is T_target_source of scale times the source.")
+      .def_ro("inliers", &Result::inliers, "Indices of pairs, ascending.")
+      .def_ro("weights", &Result::weights, "One a pair, 0..1.")
+      .def_ro("residuals", &Result::residuals, "Distances of points at the pose, m.")
+      .def_ro("cost", &Result::cost, "Sum of squared residuals of the inliers, m^2.")
+      .def_ro("bound", &Result::bound, "cost less the least cost is at most this, m^2.")
+      .def_ro("false_alarms", &Result::false_alarms,
+              "Expected poses as good as this among wrong pairs alone (a contrario).")
+      .def_ro("certificate", &Result::certificate, "What is proven.")
+      .def_ro("mirrored", &Result::mirrored,
+              "More pairs agree with a mirror image: the answer is refused.")
+      .def_prop_ro(
+          "covariance", [](const Result& self) { return Covariance6(self.covariance); },
+          "Of [rotation; translation] in the target frame, (6, 6), rad and m.")
+      .def_ro("seconds", &Result::seconds, "s.")
+      .def("__repr__", &repr)
+      .def("_repr_html_",
+           [](const Result& self) { return fmt::format("<code>{}</code>", repr(self)); });
+  using Estimate = re::PoseEstimate;
+  nb::class_<Estimate>(module, "PoseEstimate", "What is proven of a pose for given pairs.")
+      .def_prop_ro(
+          "status", [](const Estimate& self) { return std::string(re::to_string(self.status)); },
+          "'certified', 'uncertified' or 'degenerate'.")
+      .def_prop_ro(
+          "T_target_source", [](const Estimate& self) { return pose(self.T_target_source); },
+          "(4, 4).")
+      .def_ro("cost", &Estimate::cost, "Sum of weighted squared residuals, m^2.")
+      .def_ro("bound", &Estimate::bound, "cost less the least cost is at most this, m^2.")
+      .def_ro("rank", &Estimate::rank, "Of the information matrix, 0..6.")
+      .def("__repr__", [](const Estimate& self) {
+        return fmt::format("PoseEstimate({}, cost {:.3g} m^2, bound {:.3g} m^2)",
+                           re::to_string(self.status), self.cost, self.bound);
+      });
+}
+
+void bind_clouds(nb::module_& module) {
+  nb::class_<Cloud>(module, "PointCloud", "Points in metres, with or without normals.")
+      .def(
+          "__init__",
+          [](Cloud* self, nb::object points, nb::object normals) {
+            new (self) Cloud(cloud_from(points, normals));
+          },
+          "points"_a, "normals"_a = nb::none(),
+          nb::sig("def __init__(self, points: numpy.typing.ArrayLike, normals: "
+                  "numpy.typing.ArrayLike | None = None) -> None"),
+          "Points (N, 3), m, and unit normals (N, 3).\n\nRaises ValueError, naming the point.")
+      .def("__len__", &Cloud::size)
+      .def_prop_ro(
+          "points", [](const Cloud& self) { return rows(self.points); }, "(N, 3), m.")
+      .def_prop_ro(
+          "normals",
+          [](const Cloud& self) -> std::optional<Rows3> {
+            if (!self.has_normals()) return std::nullopt;
+            return rows(self.normals);
+          },
+          "(N, 3), unit; None without.")
+      .def("__repr__", [](const Cloud& self) {
+        return fmt::format("PointCloud({} points, {} normals)", self.size(),
+                           self.has_normals() ? "with" : "without");
+      });
+  using Registration = re::CloudRegistration;
+  nb::class_<Registration>(module, "CloudRegistration", "Pose of one cloud in another.")
+      .def_ro("result", &Registration::result, "Its inliers are pairs of nearest points.")
+      .def_ro("overlap", &Registration::overlap,
+              "Share of the source's points that have a target point within the bound.")
+      .def_ro("rms_error", &Registration::rms_error, "Of the refined pairs, m.")
+      .def_ro("noise_bound", &Registration::noise_bound, "That was used, m.")
+      .def_ro("voxel", &Registration::voxel, "That was used, m.")
+      .def("__repr__", [](const Registration& self) {
+        return fmt::format("CloudRegistration({}, overlap {:.2f}, rms error {:.2f} mm)",
+                           re::to_string(self.result.status), self.overlap, 1e3 * self.rms_error);
+      });
+  module.def("load_cloud", &geometry::load_cloud, "path"_a, nb::kw_only(), "samples"_a = 20000,
+             nb::call_guard<nb::gil_scoped_release>(),
+             "Read PLY, PCD, XYZ or OBJ; a mesh is sampled at so many points.\n\nRaises "
+             "ValueError, naming file and line.");
+  module.def("register_clouds", &register_clouds, "source"_a, "target"_a, nb::kw_only(),
+             "noise_bound"_a = nb::none(), "voxel"_a = 0.0, "initial"_a = nb::none(), "seed"_a = 0,
+             "threads"_a = 1,
+             nb::sig("def register_clouds(source: PointCloud, target: PointCloud, *, noise_bound: "
+                     "float | None = None, voxel: float = 0.0, initial: numpy.typing.ArrayLike | "
+                     "None = None, seed: int = 0, threads: int = 1) -> CloudRegistration"),
+             "Pose of one cloud in another without given pairs: mutual matches of FPFH, outliers "
+             "rejected, then nearest neighbours and pose in turn (thesis 6.1-6.2).\n\nnoise_bound, "
+             "voxel: m, chosen by the clouds if not given. initial (4, 4): replaces the "
+             "features.\n\nRaises ValueError for clouds or options that cannot be used.");
+}
+
+}  // namespace
+
+void bind_registration(nb::module_& module) {
+  bind_result(module);
+  bind_clouds(module);
+  module.def(
+      "register_correspondences", &register_pairs, "source"_a, "target"_a, nb::kw_only(),
+      "source_normals"_a = nb::none(), "target_normals"_a = nb::none(), "weights"_a = nb::none(),
+      "noise_bound"_a = 0.004, "normal_noise_deg"_a = 0.0, "max_false_alarms"_a = 0.01,
+      "best_effort"_a = false, "initial"_a = nb::none(), "rotation_axis"_a = nb::none(),
+      "translation_only"_a = false, "estimate_scale"_a = false, "instances"_a = 1,
+      "bound_nodes"_a = 0, "seed"_a = 0,
+      nb::sig("def register_correspondences(source: numpy.typing.ArrayLike, target: "
+              "numpy.typing.ArrayLike, *, source_normals: numpy.typing.ArrayLike | None = None, "
+              "target_normals: numpy.typing.ArrayLike | None = None, weights: "
+              "numpy.typing.ArrayLike | None = None, noise_bound: float = 0.004, normal_noise_deg: "
+              "float = 0.0, max_false_alarms: float = 0.01, best_effort: bool = False, initial: "
+              "numpy.typing.ArrayLike | None = None, rotation_axis: numpy.typing.ArrayLike | None "
+              "= None, translation_only: bool = False, estimate_scale: bool = False, instances: "
+              "int = 1, bound_nodes: int = 0, seed: int = 0) -> RegistrationResult"),
+      "Pose of source in target from pairs most of which may be wrong.\n\nsource, target (N, 3), "
+      "m. noise_bound: largest position error of an inlier, m. bound_nodes > 0 also bounds the "
+      "inliers of any pose. The pose is that of the largest consensus; false_alarms says whether "
+      "chance explains it (thesis 6.2).\n\nRaises ValueError, naming the pair.");
+  module.def("certify", &certify, "T_target_source"_a, "source"_a, "target"_a, nb::kw_only(),
+             "weights"_a = nb::none(),
+             nb::sig("def certify(T_target_source: numpy.typing.ArrayLike, source: "
+                     "numpy.typing.ArrayLike, target: numpy.typing.ArrayLike, *, weights: "
+                     "numpy.typing.ArrayLike | None = None) -> PoseEstimate"),
+             "What is proven of anyone's pose (4, 4) for pairs (N, 3), m: its cost against the "
+             "least that can be proven (Briales & Gonzalez-Jimenez 2017).\n\nRaises ValueError "
+             "unless the pose is rigid to 1e-6.");
+}
+
+}  // namespace palpate::python

@@ -1,0 +1,166 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Gymnasium environments (`pip install palpate[gym]`): `gymnasium.make("palpate:Palpate/Touch-v0")`.
+
+Observations hold only what is sensed or estimated from it; the truth is in `info`.
+"""
+
+import gymnasium
+import numpy as np
+from gymnasium import spaces
+
+from . import _core
+
+_TOLERANCE_DEG, _TOLERANCE_MM = 5.0, 10.0  # of a pose that is correct
+_CERTAIN = 0.95  # probability that ends an episode
+_HALF_WIDTH = 0.02  # m, by which the object's place is known beforehand
+_CLEARANCE = 0.05  # m, from which a touch starts, beyond the object's reach
+
+
+def _yaw(angle):
+    c, s = np.cos(angle), np.sin(angle)
+    return np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
+
+
+class TouchEnv(gymnasium.Env):
+    """Palpate/Touch-v0: choose touches that tell the pose of an object at rest on a table.
+
+    A ball comes horizontally towards the object. The frame is that of the table, z up, its origin
+    at the rough place of the object, which is known to 20 mm.
+
+    Action, (3,), -1..1: azimuth of the approach over pi; height of the line over the object's
+    largest; its offset to the side over the object's radius.
+    Observation: `contacts` (max_touches, 6): point (m) and normal felt by each touch, zeros for
+    misses and touches not made; `touches`: how many were made; `probability` of the best pose;
+    `T_table_object` (4, 4): the best pose, the identity while there is none.
+    Reward: the gain in probability, less `cost` a touch. An episode terminates when the
+    probability exceeds 0.95 and is truncated after `max_touches`.
+    Info: `truth` (4, 4), `hit`, and with a pose `correct`, `rotation_error_deg`,
+    `translation_error_mm`.
+    """
+
+    metadata = {"render_modes": []}
+
+    def __init__(
+        self, object="mug", *, max_touches=12, cost=0.01, tip_radius=0.0075, point_noise=0.001,
+        normal_noise_deg=10.0, proposals=6000, particles=200, render_mode=None,
+    ):  # fmt: skip
+        self.model = _core.ObjectModel(_core.load_known_object(object))
+        self.max_touches, self.cost, self.tip_radius = max_touches, cost, tip_radius
+        self.point_noise, self.normal_noise = point_noise, np.radians(normal_noise_deg)
+        self.search = {"proposals": proposals, "particles": particles}
+        self.render_mode = render_mode
+        vertices = self.model.object.mesh.vertices
+        self.radius = float(np.linalg.norm(vertices, axis=1).max())
+        self.action_space = spaces.Box(-1, 1, (3,), np.float64)
+        self.observation_space = spaces.Dict(
+            {
+                "contacts": spaces.Box(-2, 2, (max_touches, 6), np.float64),
+                "touches": spaces.Discrete(max_touches + 1),
+                "probability": spaces.Box(0, 1, (1,), np.float64),
+                "T_table_object": spaces.Box(-2, 2, (4, 4), np.float64),
+            }
+        )
+
+    def reset(self, *, seed=None, options=None):
+        super().reset(seed=seed)
+        self.truth = self._random_rest()
+        self.felt = np.zeros((self.max_touches, 6))
+        self.touches, self.free, self.posterior = 0, [], None
+        return self._observation(), self._info(hit=False)
+
+    def step(self, action):
+        before = self._probability()
+        touch = self.touch(action)
+        result = _core.predict_touch(self.model, self.truth, touch, tip_radius=self.tip_radius)
+        self._sense(touch, result)
+        self.posterior = self._localize()
+        gain = self._probability() - before
+        terminated = self._probability() > _CERTAIN
+        truncated = not terminated and self.touches >= self.max_touches
+        info = self._info(result.hit)
+        return self._observation(), gain - self.cost, terminated, truncated, info
+
+    def touch(self, action):
+        """The palpate.TouchAction that an action stands for."""
+        azimuth, height, offset = np.clip(np.asarray(action, np.float64), -1, 1)
+        R = _yaw(np.pi * azimuth)
+        reach = self.radius + _HALF_WIDTH + _CLEARANCE
+        z = self.tip_radius + (height + 1) * self.radius
+        start = R @ [reach, offset * (self.radius + _HALF_WIDTH), 0] + [0, 0, z]
+        return _core.TouchAction(start, R @ [-1, 0, 0], reach=2 * reach)
+
+    def _random_rest(self):
+        poses = self.model.object.stable_poses
+        shares = np.array([pose.probability for pose in poses])
+        rest = poses[self.np_random.choice(len(poses), p=shares / shares.sum())]
+        T = np.eye(4)
+        T[:3, :3] = _yaw(self.np_random.uniform(-np.pi, np.pi)) @ rest.R_table_object
+        T[:3, 3] = [*self.np_random.uniform(-_HALF_WIDTH, _HALF_WIDTH, 2), rest.height]
+        return T
+
+    def _sense(self, touch, result):
+        """Notes where the ball was stopped, with noise, and where it passed through air."""
+        end = touch.start + result.distance * touch.direction
+        if result.hit:
+            n = result.normal + self.normal_noise * self._across(result.normal)
+            point = end - self.tip_radius * result.normal
+            noisy = point + self.point_noise * self.np_random.standard_normal(3)
+            self.felt[self.touches] = [*noisy, *n / np.linalg.norm(n)]
+        steps = np.arange(0, result.distance - 3 * self.point_noise, self.tip_radius)
+        for p in touch.start + steps[:, None] * touch.direction:
+            if np.hypot(p[0], p[1]) < self.radius + _HALF_WIDTH:
+                self.free.append([*p, self.tip_radius])
+        self.touches += 1
+
+    def _across(self, n):
+        """Standard normal in the two directions across n."""
+        v = self.np_random.standard_normal(3)
+        return v - n * (n @ v)
+
+    def _localize(self):
+        made = self.felt[np.any(self.felt[:, 3:], axis=1)]
+        if not len(made):
+            return None
+        contacts = _core.Contacts(
+            made[:, :3], made[:, 3:], point_sigma=self.point_noise, normal_sigma=self.normal_noise
+        )
+        return _core.localize(
+            self.model, contacts, table=_core.TableSupport(np.eye(4), half_width=_HALF_WIDTH),
+            free_space=self.free or None, seed=int(self.np_random.integers(2**31)), **self.search,
+        )  # fmt: skip
+
+    def _best(self):
+        return self.posterior.best if self.posterior else None
+
+    def _probability(self):
+        return self.posterior.probability if self.posterior else 0.0
+
+    def _observation(self):
+        best = self._best()
+        return {
+            "contacts": np.clip(self.felt, -2, 2),
+            "touches": self.touches,
+            "probability": np.clip([self._probability()], 0, 1),
+            "T_table_object": np.clip(best.T_frame_object, -2, 2) if best else np.eye(4),
+        }
+
+    def _info(self, hit):
+        info = {"truth": self.truth.copy(), "hit": bool(hit)}
+        if self._best():
+            rotation, translation = self.posterior.error(self.truth)
+            info["rotation_error_deg"] = float(np.degrees(rotation))
+            info["translation_error_mm"] = 1e3 * translation
+            info["correct"] = bool(
+                info["rotation_error_deg"] < _TOLERANCE_DEG
+                and info["translation_error_mm"] < _TOLERANCE_MM
+            )
+        return info
+
+
+def register_envs():
+    """Makes the environments known to gymnasium; importing palpate after gymnasium does so."""
+    if "Palpate/Touch-v0" not in gymnasium.registry:
+        gymnasium.register(id="Palpate/Touch-v0", entry_point="palpate.envs:TouchEnv")
+
+
+register_envs()

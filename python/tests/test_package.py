@@ -1,0 +1,322 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The package as a user meets it: documented, typed, frozen, in numpy's terms."""
+
+import inspect
+import pathlib
+import unittest
+
+import numpy as np
+import palpate
+from palpate import _core
+
+BOX = (0.05, 0.094, 0.175)
+
+
+def box_points(count, seed=1):
+    """Exact points and normals on a box of BOX m about its centre."""
+    random = np.random.default_rng(seed)
+    half = np.array(BOX) / 2
+    points = random.uniform(-0.8, 0.8, (count, 3)) * half
+    normals = np.zeros((count, 3))
+    for i in range(count):
+        axis, side = i % 3, 1 - 2 * (i // 3 % 2)
+        points[i, axis], normals[i, axis] = side * half[axis], side
+    return points, normals
+
+
+class Documentation(unittest.TestCase):
+    """Every public name says what it is, in the units it is in, and what it refuses."""
+
+    def public(self):
+        for name in palpate.__all__:
+            yield name, getattr(palpate, name)
+
+    def test_every_name_has_a_docstring(self):
+        for name, value in self.public():
+            self.assertTrue((inspect.getdoc(value) or "").strip(), name)
+            if inspect.isclass(value):
+                for member, attribute in vars(value).items():
+                    if not member.startswith("_"):
+                        self.assertTrue((attribute.__doc__ or "").strip(), f"{name}.{member}")
+
+    def test_what_takes_arrays_says_shapes_and_errors(self):
+        takers = [(name, value) for name, value in self.public() if callable(value)]
+        takers += [(n, v.__init__) for n, v in takers if inspect.isclass(v)]
+        documented = 0
+        for name, value in takers:
+            text = inspect.getdoc(value) or ""
+            if "ArrayLike" in text or "ArrayLike" in str(getattr(value, "__nb_signature__", "")):
+                self.assertRegex(text, r"\(\w+,? ?\w*\)", f"{name} says no shape")
+                self.assertIn("Raises ValueError", text, name)
+                documented += 1
+        self.assertGreater(documented, 10)
+
+    def test_stub_and_marker_are_there(self):
+        folder = pathlib.Path(palpate.__file__).parent
+        self.assertTrue((folder / "py.typed").exists())
+        stub = (folder / "_core.pyi").read_text()
+        for name in palpate.__all__:
+            if name != "envs":
+                self.assertRegex(stub, rf"(class|def) {name}\b|{name}:")
+        self.assertIn("numpy.typing.ArrayLike", stub)
+
+    def test_all_public_names_of_the_core_are_exported(self):
+        core = {name for name in dir(_core) if not name.startswith("_")}
+        self.assertEqual(core, set(palpate.__all__) - {"envs"})
+
+
+class Geometry(unittest.TestCase):
+    def test_closest_points(self):
+        box = palpate.load_known_object("box")
+        closest = box.mesh.closest_points([[0.1, 0, 0], [0, 0.2, 0]])
+        np.testing.assert_allclose(closest.points, [[0.025, 0, 0], [0, 0.047, 0]], atol=1e-6)
+        np.testing.assert_allclose(closest.normals, [[1, 0, 0], [0, 1, 0]], atol=1e-6)
+        np.testing.assert_allclose(closest.distances, [0.075, 0.153], atol=1e-6)
+        np.testing.assert_allclose(box.mesh.signed_distance([[0, 0, 0]]), [-0.025], atol=1e-6)
+
+    def test_mesh_goes_in_and_out(self):
+        box = palpate.load_known_object("box").mesh
+        again = palpate.Mesh(box.vertices, box.triangles)
+        np.testing.assert_array_equal(again.vertices, box.vertices)
+        self.assertAlmostEqual(again.area, box.area)
+        with self.assertRaisesRegex(ValueError, "vertices 0, 1, 99 of 8"):
+            palpate.Mesh(box.vertices[:8], [[0, 1, 99]])
+
+    def test_object(self):
+        box = palpate.load_known_object("box")
+        self.assertAlmostEqual(box.volume, np.prod(BOX), places=8)
+        self.assertEqual(box.T_mesh_object.shape, (4, 4))
+        self.assertTrue(box.T_mesh_object.flags.c_contiguous)
+        self.assertEqual(len(box.symmetries), 4)
+        self.assertAlmostEqual(sum(pose.probability for pose in box.stable_poses), 1)
+        with self.assertRaisesRegex(ValueError, "nothing_like_it"):
+            palpate.load_known_object("nothing_like_it")
+
+
+class Registration(unittest.TestCase):
+    def setUp(self):
+        random = np.random.default_rng(2)
+        self.source = random.uniform(-0.1, 0.1, (60, 3))
+        self.truth = np.eye(4)
+        self.truth[:3, :3] = [[0, -1, 0], [1, 0, 0], [0, 0, 1]]
+        self.truth[:3, 3] = [0.3, 0.2, -0.1]
+        self.target = self.source @ self.truth[:3, :3].T + self.truth[:3, 3]
+        self.target[20:] = random.uniform(-0.2, 0.2, (40, 3))
+
+    def test_finds_the_pose_among_outliers(self):
+        result = palpate.register_correspondences(self.source, self.target, bound_nodes=10000)
+        self.assertEqual(result.status, "found")
+        np.testing.assert_allclose(result.T_target_source, self.truth, atol=1e-9)
+        self.assertTrue(set(range(20)) <= set(result.inliers))
+        self.assertTrue(result.certificate.least_squares)
+        self.assertGreaterEqual(result.certificate.robust_bound.max_inliers, len(result.inliers))
+        self.assertLess(result.false_alarms, 1e-6)
+        self.assertEqual(result.covariance.shape, (6, 6))
+
+    def test_no_consensus_is_a_status(self):
+        result = palpate.register_correspondences(self.source[20:], self.target[20:])
+        self.assertEqual(result.status, "no_consensus")
+        self.assertIsNone(result.T_target_source)
+
+    def test_certify(self):
+        good = palpate.certify(self.truth, self.source[:20], self.target[:20])
+        self.assertEqual(good.status, "certified")
+        off = self.truth.copy()
+        off[0, 3] += 0.01
+        worse = palpate.certify(off, self.source[:20], self.target[:20])
+        self.assertEqual(worse.status, "uncertified")
+        self.assertAlmostEqual(worse.cost, 20 * 0.01**2, places=9)
+
+    def test_refuses_with_the_value(self):
+        with self.assertRaisesRegex(ValueError, r"source has shape \(60, 2\), not \(N, 3\)"):
+            palpate.register_correspondences(self.source[:, :2], self.target)
+        with self.assertRaisesRegex(ValueError, "noise bound -1 m"):
+            palpate.register_correspondences(self.source, self.target, noise_bound=-1)
+        self.target[3, 1] = np.nan
+        with self.assertRaisesRegex(ValueError, "3"):
+            palpate.register_correspondences(self.source, self.target)
+
+
+class Localization(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.model = palpate.ObjectModel(palpate.load_known_object("box"))
+        cls.truth = np.eye(4)
+        cls.truth[:3, :3] = [[0, -1, 0], [1, 0, 0], [0, 0, 1]]
+        cls.truth[:3, 3] = [0.4, -0.1, 0.2]
+        cls.points, cls.normals = box_points(18)
+        cls.contacts = palpate.Contacts(cls.points, cls.normals).transformed(cls.truth)
+
+    def test_finds_the_pose(self):
+        posterior = palpate.localize(self.model, self.contacts)
+        self.assertEqual(posterior.status, "certain")
+        rotation, translation = posterior.error(self.truth)
+        self.assertLess(np.degrees(rotation), 3)
+        self.assertLess(translation, 0.003)
+        self.assertTrue(posterior.covers(self.truth))
+        self.assertGreater(posterior.probability, 0.95)
+        self.assertEqual(posterior.best.covariance.shape, (6, 6))
+
+    def test_contacts_without_normals(self):
+        points, _ = box_points(40)
+        bare = palpate.Contacts(points).transformed(self.truth)
+        self.assertIsNone(bare.normals)
+        rotation, translation = palpate.localize(self.model, bare).error(self.truth)
+        self.assertLess(np.degrees(rotation), 5)
+        self.assertLess(translation, 0.010)
+
+    def test_candidates_of_which_one_touches(self):
+        contacts = palpate.Contacts(np.empty((0, 3)))
+        random = np.random.default_rng(5)
+        for p, n in zip(self.points, self.normals):
+            patch = p + 0.01 * np.vstack([np.zeros(3), random.standard_normal((2, 3))])
+            contacts = contacts + palpate.Contacts(patch, np.tile(n, (3, 1))).candidates()
+        self.assertEqual(sorted(set(contacts.groups)), list(range(18)))
+        posterior = palpate.localize(self.model, contacts.transformed(self.truth))
+        rotation, translation = posterior.error(self.truth)
+        self.assertLess(np.degrees(rotation), 5)
+        self.assertLess(translation, 0.010)
+
+    def test_the_same_seed_gives_the_same(self):
+        few = palpate.Contacts(self.points[:4], self.normals[:4])
+        first, second = (palpate.localize(self.model, few, seed=3) for _ in range(2))
+        np.testing.assert_array_equal(first.best.T_frame_object, second.best.T_frame_object)
+        self.assertEqual([m.weight for m in first.modes], [m.weight for m in second.modes])
+
+    def test_prior_table_and_free_space_are_heard(self):
+        few = palpate.Contacts(self.points[:3], self.normals[:3]).transformed(self.truth)
+        alone = palpate.localize(self.model, few)
+        prior = palpate.prior_from(palpate.localize(self.model, self.contacts), floor=1e-9)
+        told = palpate.localize(self.model, few, prior=prior)
+        self.assertGreater(told.probability, alone.probability + 0.3)
+        table = palpate.TableSupport(np.eye(4), half_width=0.05)
+        resting = palpate.localize(self.model, palpate.Contacts(np.empty((0, 3))), table=table)
+        heights = [pose.height for pose in self.model.object.stable_poses]
+        for mode in resting.modes:
+            self.assertLess(min(abs(mode.T_frame_object[2, 3] - h) for h in heights), 0.005)
+        with self.assertRaisesRegex(ValueError, r"not \(N, 4\)"):
+            palpate.localize(self.model, few, free_space=[[0, 0, 0]])
+
+    def test_no_pose_is_a_status(self):
+        posterior = palpate.localize(self.model, palpate.Contacts(np.empty((0, 3))))
+        self.assertEqual((posterior.status, posterior.best, posterior.modes), ("no_pose", None, []))
+
+    def test_tracker_follows_a_shift(self):
+        start = palpate.localize(self.model, self.contacts)
+        for normals in (self.normals, None):
+            tracker = palpate.Tracker(self.model, start, seed=1)
+            T = self.truth.copy()
+            for frame in range(11):
+                T[:3, 3] = self.truth[:3, 3] + [0.001 * frame, 0, 0]
+                now = palpate.Contacts(self.points, normals).transformed(T)
+                velocity = np.tile([0.1, 0, 0], (len(now), 1))
+                posterior = tracker.update(0.01 * frame, now, velocity)
+            self.assertLess(posterior.error(T)[1], 0.002)
+        with self.assertRaisesRegex(ValueError, "velocities"):
+            tracker.update(1.0, now, velocity[:2])
+
+    def test_the_next_touch(self):
+        few = palpate.Contacts(self.points[:3], self.normals[:3])
+        posterior = palpate.localize(self.model, few)
+        actions = [palpate.TouchAction([0.5, 0, 0], [1, 0, 0]),  # away from the object
+                   palpate.TouchAction([0.2, 0, 0.05], [-1, 0, 0])]  # fmt: skip
+        index, information = palpate.choose_touch(self.model, posterior, actions)
+        self.assertEqual(index, 1)
+        self.assertGreater(information, 0)
+        hit = palpate.predict_touch(self.model, np.eye(4), actions[1], tip_radius=0.01)
+        self.assertAlmostEqual(hit.distance, 0.2 - 0.025 - 0.01, places=4)
+
+
+class Contacts(unittest.TestCase):
+    def test_refuses_with_the_value(self):
+        for arguments, words in (
+            (([[0, 0]],), r"points has shape \(1, 2\), not \(N, 3\)"),
+            (([[0, 0, np.inf]],), "contact 0: point is"),
+            (([[0, 0, 0]], [[1, 0, 0], [0, 1, 0]]), "normals: 2 for 1 points"),
+            (([[0, 0, 0]], None, None, -0.5), "contact 0: point_sigma is -0.5"),
+            (([[0, 0, 0]], None, None, [1, 2]), r"point_sigma has shape \(2,\)"),
+            (("far",), "points: could not convert string to float: 'far'"),
+        ):
+            with self.assertRaisesRegex(ValueError, words):
+                palpate.Contacts(*arguments)
+
+    def test_rows_of_nan_are_unknown_normals(self):
+        contacts = palpate.Contacts(np.zeros((2, 3)), [[0, 0, 2], [np.nan] * 3])
+        np.testing.assert_array_equal(contacts.normals, [[0, 0, 1], [np.nan] * 3])
+        self.assertEqual(len(contacts), 2)
+
+    def test_height_map_of_a_ball(self):
+        radius, press, pixel = 0.02, 0.001, 5e-5
+        y, x = (np.indices((240, 320)).T - [119.5, 159.5]).T * pixel
+        depth = np.maximum(0, press - radius + np.sqrt(radius**2 - x**2 - y**2))
+        contacts = palpate.contacts_of_height_map(depth, pixel)
+        arms = contacts.points - [0, 0, radius - press]
+        np.testing.assert_allclose(np.linalg.norm(arms, axis=1), radius, atol=3e-5)
+        self.assertGreater(np.min(np.sum(contacts.normals * arms, axis=1) / radius), 0.999)
+
+    def test_taxels_and_wrench(self):
+        skin = palpate.contacts_of_taxels([[0, 0, 0], [0, 0.01, 0]], [[1, 0, 0]] * 2, [0, 0.5])
+        np.testing.assert_allclose(skin.points, [[0, 0.01, 0]])
+        np.testing.assert_allclose(skin.forces, [[0.5, 0, 0]])
+        p, f = np.array([0.008, 0, 0.01]), np.array([-2.0, 0.1, 0])
+        tip = palpate.contact_of_wrench(f, np.cross(p, f), a=[0, 0, 0], b=[0, 0, 0.02], radius=0.008)
+        np.testing.assert_allclose(tip.points, [p], atol=1e-9)
+        np.testing.assert_allclose(tip.normals, [[-1, 0, 0]], atol=1e-6)
+        none = palpate.contact_of_wrench([0, 0, 0.01], [0, 0, 0], a=[0] * 3, b=[0] * 3, radius=0.01)
+        self.assertEqual(len(none), 0)
+
+    def test_normal_estimator_follows_a_plane(self):
+        estimator = palpate.NormalEstimator("s2")
+        random = np.random.default_rng(4)
+        for tick in range(100):
+            point = [0.0005 * tick, 0.0003 * tick * np.sin(0.2 * tick), 0]
+            force = [0.1, 0, -1] + 0.02 * random.standard_normal(3)
+            estimate = estimator.update(0.01 * tick, [point], [force])
+        self.assertEqual(estimate.status, "tracked")
+        self.assertGreater(estimate.normal[2], np.cos(np.radians(15)))
+        with self.assertRaisesRegex(ValueError, "no_such_estimator"):
+            palpate.NormalEstimator("no_such_estimator")
+
+
+class Results(unittest.TestCase):
+    def test_results_are_frozen_and_show_themselves(self):
+        model = palpate.ObjectModel(palpate.load_known_object("box"))
+        posterior = palpate.localize(model, palpate.Contacts(*box_points(18)))
+        with self.assertRaises(AttributeError):
+            posterior.status = "certain"
+        with self.assertRaises(AttributeError):
+            posterior.best.weight = 1.0
+        self.assertIn("certain", repr(posterior))
+        self.assertRegex(repr(posterior.best), r"deg, translation .* mm")
+        html = posterior._repr_html_()
+        self.assertGreater(html.count("<circle"), 100)
+        self.assertIn("within 5 deg and 10 mm", html)
+
+    def test_a_posterior_outlives_the_model_that_it_came_from(self):
+        model = palpate.ObjectModel(palpate.load_known_object("box"))
+        posterior = palpate.localize(model, palpate.Contacts(*box_points(18)))
+        del model
+        self.assertIn("<circle", posterior._repr_html_())
+
+    def test_threads_run_at_the_same_time(self):
+        """The GIL is free while the search runs: another thread gets on."""
+        import threading
+
+        model = palpate.ObjectModel(palpate.load_known_object("box"))
+        contacts = palpate.Contacts(*box_points(4))
+        done, counted = threading.Event(), 0
+
+        def search():
+            palpate.localize(model, contacts, method="full")
+            done.set()
+
+        thread = threading.Thread(target=search)
+        thread.start()
+        while not done.is_set():
+            counted += 1
+        thread.join()
+        self.assertGreater(counted, 1000)
+
+
+if __name__ == "__main__":
+    unittest.main()
