@@ -23,8 +23,12 @@ bool way_is_clear(const hand::Description& hand, const hand::ActuatorVector& fro
 
 }  // namespace
 
+bool fingers_meet(const Executor& robot, const hand::ActuatorVector& posture) {
+  return !way_is_clear(robot.model(), robot.command().positions, posture);
+}
+
 void take_posture(Executor& robot, const hand::ActuatorVector& posture, double seconds) {
-  if (!way_is_clear(robot.model(), robot.command().positions, posture)) {
+  if (fingers_meet(robot, posture)) {
     robot.move_fingers(robot.model().postures.stretched, seconds);
   }
   robot.move_fingers(posture, seconds);

@@ -18,14 +18,22 @@ namespace {
 hand::Description posed_gripper() {
   hand::Description hand = hand::two_finger_hand();
   const hand::ActuatorVector some{{-0.1, 0.2}}, other{{-1.7, 1.1}}, none;
-  hand.postures = {.flat = {some, {0.5, 0.1}, {0.07, -0.005}},
-                   .pointing = {{1, other, {1.35, 0.2}}},
-                   .stretched = some,
-                   .folded = none,  // it has none such
-                   .released = other,
-                   .top = {some, other, some, {{0.4, -0.3}, {0.9, 0.3}}, {0.01, 0.02}, 0.03},
-                   .side = {other, some, other, {}, {0, 0}, 0.07},
-                   .far_attitudes = {{0.9, -1.2}}};
+  hand::Postures& postures = hand.postures;
+  postures.flat = {some, {0.5, 0.1}, {0.07, -0.005}};
+  postures.pointing.push_back({1, other, {1.35, 0.2}});
+  postures.stretched = some;
+  postures.folded = none;  // it has none such
+  postures.released = other;
+  postures.top.open = postures.top.contact_torque = some;
+  postures.top.closed = other;
+  postures.top.attitudes.push_back({0.4, -0.3});
+  postures.top.attitudes.push_back({0.9, 0.3});
+  postures.top.offset << 0.01, 0.02;
+  postures.top.height = 0.03;
+  postures.side.open = postures.side.contact_torque = other;
+  postures.side.closed = some;
+  postures.side.height = 0.07;
+  postures.far_attitudes.push_back({0.9, -1.2});
   hand.kinematic_error = 0.0013;
   return hand;
 }

@@ -71,7 +71,7 @@ struct FaultSchedule {
   InjectedFault fault = InjectedFault::none;
   double from = 0;         ///< s of the hand's time
   int finger = 1;          ///< of faults of one fingertip, an index into Description::fingers
-  int joint = 5;           ///< of joint_nan, an index into kJointNames
+  int joint = 5;           ///< of joint_nan, an index into Description::joints
   int actuator = 9;        ///< of joint_stuck, an index into kActuatorNames
   std::uint64_t seed = 0;  ///< of false_contacts and time_jitter
 };

@@ -18,6 +18,8 @@ namespace {
 
 using Index = std::size_t;
 
+constexpr double kTorqueLever = 0.025;  // m: noise of the torques over that of the mount's load
+
 Vector6d base_vector(const hand::BasePosition& base) {
   Vector6d result;
   result << base.xyz, base.ypr;
@@ -131,7 +133,9 @@ hand::HandReading SimulatedHand::read() {
     reading.base.ypr[i] = data_.qpos[scene_.base_positions[k + 3]];
     reading.base_force[i] = data_.actuator_force[scene_.base_actuators[k]];
   }
-  reading.base_force += noise_.load * random_.fork("load", tick_).normal3();
+  RandomStream loads = random_.fork("load", tick_);
+  reading.base_force += noise_.load * loads.normal3();
+  for (double& torque : reading.torques) torque += noise_.load * kTorqueLever * loads.normal();
   read_contacts(reading, random);
   return reading;
 }

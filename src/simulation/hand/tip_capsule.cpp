@@ -33,6 +33,18 @@ int outermost_geom(const mjModel& model, int body, const Eigen::Vector3d& from) 
   return best;
 }
 
+/// Points of all that a body collides with.
+std::vector<Eigen::Vector3d> solid_points(const mjModel& model, int body) {
+  std::vector<Eigen::Vector3d> points;
+  for (int i = 0; i < model.body_geomnum[body]; ++i) {
+    const int geom = model.body_geomadr[body] + i;
+    if (model.geom_contype[geom] == 0 && model.geom_conaffinity[geom] == 0) continue;
+    const auto own = geom_points(model, geom);
+    points.insert(points.end(), own.begin(), own.end());
+  }
+  return points;
+}
+
 /// A capsule or sphere of the file, its outer end last.
 hand::TipCapsule as_given(const mjModel& model, int geom, const Eigen::Vector3d& from) {
   const bool capsule = model.geom_type[geom] == mjGEOM_CAPSULE;
@@ -87,6 +99,7 @@ hand::TipCapsule fit_tip(const mjModel& model, int body, const Eigen::Vector3d& 
     const Eigen::Vector3d q = axes.transpose() * p;
     for (int i = 0; i < 3; ++i) extents[static_cast<std::size_t>(i)].add(q[i]);
   }
+  for (const auto& p : solid_points(model, body)) extents[2].add((axes.transpose() * p).z());
   const double across = 0.5 * (extents[0].half() + extents[1].half());
   const double radius = std::max(kMinRadius, std::min(across, extents[2].half()));
   const double end = extents[2].high - radius;

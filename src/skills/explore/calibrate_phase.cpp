@@ -168,7 +168,14 @@ void touch_table(Executor& robot, const Attitude& attitude, const CalibrateOptio
                  UnfeltTouches& unfelt) {
   const double low =
       std::min(lowest(robot.model(), attitude, true), lowest(robot.model(), attitude, false));
-  const double high = std::max(robot.command().base.xyz.z(), kTravelHeight - low);
+  double lowest_on_way = low;
+  if (fingers_meet(robot, attitude.posture)) {  // by the stretched hand then
+    Attitude stretched = attitude;
+    stretched.posture = robot.model().postures.stretched;
+    lowest_on_way = std::min(
+        {low, lowest(robot.model(), stretched, true), lowest(robot.model(), stretched, false)});
+  }
+  const double high = std::max(robot.command().base.xyz.z(), kTravelHeight - lowest_on_way);
   robot.move_base(attitude.base(options, high), options.travel_speed);
   take_posture(robot, attitude.posture, kPostureSeconds);
   robot.move_base(attitude.base(options, kApproachHeight - low), options.travel_speed);
