@@ -77,7 +77,16 @@ HandCommand FaultyHand::obeyed(const HandCommand& command) {
   return result;
 }
 
+/// What is repeated where the fault was there from the first: nothing but zeros.
+void FaultyHand::begin_with_nothing(const HandReading& reading) {
+  if (before_.joints.size() == reading.joints.size()) return;
+  before_.joints.setZero(reading.joints.size());
+  before_.torques.setZero(reading.torques.size());
+  before_.contacts.resize(reading.contacts.size());
+}
+
 HandReading FaultyHand::told(const HandReading& reading) {
+  begin_with_nothing(reading);
   HandReading result = spoil_link(reading);
   if (is_of_load(schedule_.fault)) spoil_load(result);
   spoil_contacts(result);

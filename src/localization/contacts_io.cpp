@@ -13,6 +13,7 @@
 #include "palpate/core/file.hpp"
 #include "palpate/core/plausible.hpp"
 #include "palpate/hand/description.hpp"
+#include "palpate/hand/shadow.hpp"
 
 namespace palpate::localization {
 namespace {
@@ -76,7 +77,11 @@ int group_of(const CsvTable& row, std::optional<std::size_t> column) {
   return group;
 }
 
+/// The index of a finger, by number or by the Shadow hand's name.
 int finger_of(std::string_view cell) {
+  const auto& names = hand::kShadowFingerNames;
+  const auto name = std::find(names.begin(), names.end(), cell);
+  if (name != names.end()) return static_cast<int>(name - names.begin());
   int index = -1;  // other names are a hand's own; the search does not need them
   std::from_chars(cell.data(), cell.data() + cell.size(), index);
   return index;

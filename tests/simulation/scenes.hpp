@@ -79,7 +79,7 @@ inline geometry::KnownObject trough() {
 
 inline WorldOptions without_noise() {
   WorldOptions options;
-  options.noise = {.point = 0, .normal = 0, .force = 0, .joint = 0, .link = 0};
+  options.noise = {.point = 0, .normal = 0, .force = 0, .joint = 0, .link = 0, .load = 0};
   return options;
 }
 

@@ -43,7 +43,7 @@ Eigen::Isometry3d turned(Eigen::Isometry3d T, const Eigen::Vector3d& rotation) {
 TEST(SimulatedForwardModel, HoldsWhatTheHandHoldsAndDropsWhatItLetsGo) {
   simulation::WorldOptions
       exact;  // else the believed hand would hold what the true one holds badly
-  exact.noise = {0, 0, 0, 0, 0};
+  exact.noise = {0, 0, 0, 0, 0, 0};
   HeldBracket scene(exact);
   ASSERT_TRUE(scene.picked.held);
   simulation::SimulatedForwardModel model(scene.object.object(), scene.world.hand_model(), {});

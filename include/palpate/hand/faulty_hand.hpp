@@ -72,7 +72,7 @@ struct FaultSchedule {
   double from = 0;         ///< s of the hand's time
   int finger = 1;          ///< of faults of one fingertip, an index into Description::fingers
   int joint = 5;           ///< of joint_nan, an index into Description::joints
-  int actuator = 9;        ///< of joint_stuck, an index into kActuatorNames
+  int actuator = 9;        ///< of joint_stuck, an index into Description::actuators
   std::uint64_t seed = 0;  ///< of false_contacts and time_jitter
 };
 
@@ -96,6 +96,7 @@ class FaultyHand : public Hand {
  private:
   void measure(const HandReading& reading);
   HandCommand obeyed(const HandCommand& command);
+  void begin_with_nothing(const HandReading& reading);
   HandReading told(const HandReading& reading);
   void spoil_load(HandReading& reading) const;
   void spoil_contacts(HandReading& reading);

@@ -39,7 +39,7 @@ constexpr int keypoint(hand::FingerName finger, int along) {
 /// Size of a hand (beta of thesis eq. 7.6), as factors of the mean hand's lengths.
 struct HumanShape {
   double palm = 1;
-  hand::PerFinger<double> fingers = {1, 1, 1, 1, 1};
+  std::array<double, hand::kShadowFingers> fingers = {1, 1, 1, 1, 1};
 };
 
 /// Keypoints J(theta, beta, r) of a right hand (thesis eq. 7.6).

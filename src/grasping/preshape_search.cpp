@@ -1,0 +1,315 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "grasping/preshape_search.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <numbers>
+#include <sstream>
+#include <string>
+
+#include "palpate/core/cache.hpp"
+#include "palpate/core/error.hpp"
+#include "palpate/core/random.hpp"
+#include "palpate/geometry/objects/object_model.hpp"
+#include "palpate/geometry/objects/shapes.hpp"
+#include "palpate/grasping/closing_law.hpp"
+#include "palpate/grasping/grasp_plan.hpp"
+#include "palpate/hand/kinematics.hpp"
+
+namespace palpate::grasping {
+namespace {
+
+constexpr double kTouch = 1.2;     // N, of a fingertip that closes
+constexpr double kPress = 6.0;     // N, of all fingertips, in the search
+constexpr int kSamples = 160;      // of preshapes, at random
+constexpr int kSteps = 120;        // of the best one, at random
+constexpr double kNoGrasp = 2.0;   // cost of an object that cannot be grasped
+constexpr double kMissing = 0.25;  // cost of a finger whose tip does not meet the object
+constexpr double kFullWay = 2.0;   // rad that an actuator of speed 1 closes in the time of all
+
+/// Where an actuator stands in a closed finger.
+double end_of(const hand::Actuator& actuator) {
+  return actuator.closing > 0 ? actuator.command.high : actuator.command.low;
+}
+
+/// What is searched for.
+struct HandPosture {
+  /// Shares of the way to closed at which fingers and thumb are open: first joints, outer joints.
+  std::array<double, 2> fingers{}, thumb{};
+  double curl = 1;  ///< speed of the outer joints, relative to their ranges
+  hand::ActuatorVector
+      opposition;  ///< shares of their ranges at which the thumb's first joints stand
+  hand::Attitude attitude;
+  double cost = std::numeric_limits<double>::infinity();
+};
+
+/// Whether a closing actuator is not its finger's first.
+bool is_outer(const hand::Description& hand, int actuator) {
+  const int finger = hand.actuators[static_cast<std::size_t>(actuator)].finger;
+  return hand::closing_actuators(hand, finger).front() != actuator;
+}
+
+hand::ActuatorVector open_hand(const hand::Description& hand, const HandPosture& posture) {
+  hand::ActuatorVector open(hand.actuator_count());
+  for (int i = 0; i < hand.actuator_count(); ++i) {
+    const auto& actuator = hand.actuators[static_cast<std::size_t>(i)];
+    const auto& [low, high] = actuator.command;
+    const bool thumb = actuator.finger == hand.thumb;
+    if (actuator.closing != 0) {
+      open[i] = bent(actuator, (thumb ? posture.thumb : posture.fingers)[is_outer(hand, i)]);
+    } else {
+      open[i] = thumb ? low + posture.opposition[i] * (high - low) : std::clamp(0.0, low, high);
+    }
+  }
+  return open;
+}
+
+/// The hand with the speeds at which its actuators close from a posture: all first joints would be
+/// closed at the same time, and, at a curl of 1, the outer ones, too.
+hand::Description closing_hand(hand::Description hand, const HandPosture& posture) {
+  const auto open = open_hand(hand, posture);
+  std::vector<bool> outer;
+  for (int i = 0; i < hand.actuator_count(); ++i) {
+    outer.push_back(hand.actuators[static_cast<std::size_t>(i)].closing != 0 && is_outer(hand, i));
+  }
+  for (int i = 0; i < hand.actuator_count(); ++i) {
+    auto& actuator = hand.actuators[static_cast<std::size_t>(i)];
+    if (actuator.closing == 0) continue;
+    const double way = std::max(0.2, std::abs(end_of(actuator) - open[i]));
+    const double speed = way * (outer[static_cast<std::size_t>(i)] ? posture.curl : 1) / kFullWay;
+    actuator.closing = std::copysign(speed, actuator.closing);
+  }
+  return hand;
+}
+
+hand::ActuatorVector closed_ends(const hand::Description& hand, const hand::ActuatorVector& open) {
+  hand::ActuatorVector ends = open;
+  for (int i = 0; i < hand.actuator_count(); ++i) {
+    const auto& actuator = hand.actuators[static_cast<std::size_t>(i)];
+    if (actuator.closing != 0) ends[i] = end_of(actuator);
+  }
+  return ends;
+}
+
+/// A cylinder about the z axis, centred at the origin.
+geometry::TriangleMesh cylinder(double radius, double height) {
+  constexpr int kSides = 24;
+  geometry::TriangleMesh mesh;
+  for (int i = 0; i < kSides; ++i) {
+    const double angle = 2 * std::numbers::pi * i / kSides;
+    for (const double z : {-0.5 * height, 0.5 * height}) {
+      mesh.vertices.push_back({radius * std::cos(angle), radius * std::sin(angle), z});
+    }
+  }
+  for (int i = 0; i < kSides; ++i) {
+    const int a = 2 * i, b = 2 * ((i + 1) % kSides);
+    mesh.triangles.push_back({a, b, b + 1});
+    mesh.triangles.push_back({a, b + 1, a + 1});
+    if (i < 2) continue;
+    mesh.triangles.push_back({0, 2 * i, 2 * (i - 1)});
+    mesh.triangles.push_back({1, 2 * (i - 1) + 1, 2 * i + 1});
+  }
+  return mesh;
+}
+
+/// Objects of household size, each in a pose on the table.
+class Trials {
+ public:
+  Trials() {
+    add("cylinder", cylinder(0.030, 0.11), {0, 0, 0.055});
+    add("can", cylinder(0.040, 0.09), {0, 0, 0.045});
+    add("box", geometry::box_mesh({0.05, 0.05, 0.09}), {0, 0, 0.045});
+    add("flat box", geometry::box_mesh({0.11, 0.05, 0.05}), {0, 0, 0.025});
+  }
+
+  double cost(const hand::Description& given, const HandPosture& tried) const {
+    const hand::Description hand = closing_hand(given, tried);
+    const auto open = open_hand(hand, tried);
+    const ClosingLaw law(hand, 1.0, closed_ends(hand, open));
+    const auto path = closing_trajectory(hand, open, law);
+    double sum = 0;
+    for (const auto& [object, T_world_object] : objects_) {
+      PlanOptions options;
+      options.press = kPress;
+      options.missing_finger = kMissing;
+      options.yaws = 8;
+      options.places = 1;
+      options.spacing = 0.015;
+      double best = kNoGrasp;
+      for (const auto& grasp : find_grasps(object, T_world_object, path, tried.attitude, options)) {
+        best = std::min(best, grasp.cost);
+      }
+      sum += best;
+    }
+    return sum;
+  }
+
+ private:
+  void add(const char* name, const geometry::TriangleMesh& mesh, const Eigen::Vector3d& place) {
+    constexpr double kMass = 0.2;  // kg
+    objects_.emplace_back(geometry::ObjectModel(geometry::make_known_object(name, mesh, kMass)),
+                          Eigen::Isometry3d(Eigen::Translation3d(place)));
+  }
+
+  std::vector<std::pair<geometry::ObjectModel, Eigen::Isometry3d>> objects_;
+};
+
+HandPosture draw(const hand::Description& hand, RandomStream& random) {
+  HandPosture tried;
+  for (auto* shares : {&tried.fingers, &tried.thumb}) {
+    for (double& share : *shares) share = random.uniform(0, 0.4);
+  }
+  tried.curl = random.uniform(0.2, 1);
+  tried.opposition.resize(hand.actuator_count());
+  for (double& share : tried.opposition) share = random.uniform(0, 1);
+  tried.attitude = {random.uniform(-0.4, kSteepest), random.uniform(-1.0, 1.0)};
+  return tried;
+}
+
+HandPosture shaken(HandPosture tried, RandomStream& random) {
+  const auto shake = [&](double& value, double sigma, double low, double high) {
+    value = std::clamp(value + sigma * random.normal(), low, high);
+  };
+  for (auto* shares : {&tried.fingers, &tried.thumb}) {
+    for (double& share : *shares) shake(share, 0.06, 0, 0.6);
+  }
+  shake(tried.curl, 0.1, 0.1, 1.5);
+  for (double& share : tried.opposition) shake(share, 0.08, 0, 1);
+  shake(tried.attitude.pitch, 0.12, -kSteepest, kSteepest);
+  shake(tried.attitude.roll, 0.12, -1.5, 1.5);
+  return tried;
+}
+
+hand::Preshape preshape_of(const hand::Description& hand, const HandPosture& best,
+                           const hand::Attitude& other) {
+  hand::Preshape preshape;
+  preshape.open = open_hand(hand, best);
+  preshape.closed = closed_ends(hand, preshape.open);
+  preshape.contact_torque.resize(hand.actuator_count());
+  for (int i = 0; i < hand.actuator_count(); ++i) {
+    preshape.contact_torque[i] = kTouch * hand.actuators[static_cast<std::size_t>(i)].lever;
+  }
+  preshape.attitudes = {best.attitude, other};
+  for (const double pitch : {-0.35, 0.35}) {
+    preshape.attitudes.push_back(
+        {std::clamp(best.attitude.pitch + pitch, -kSteepest, kSteepest), best.attitude.roll});
+  }
+  for (const double roll : {-0.4, 0.4}) {
+    preshape.attitudes.push_back({best.attitude.pitch, best.attitude.roll + roll});
+  }
+  return preshape;
+}
+
+/// All numbers of a hand that the search depends on, as text.
+std::string fingerprint(const hand::Description& hand) {
+  std::string text = "preshape 3";
+  const auto add = [&](double value) { text += fmt::format(" {:a}", value); };
+  for (const hand::Link& link : hand.links) {
+    for (const double value : link.T_parent_link.matrix().reshaped()) add(value);
+    for (const double value : link.axis) add(value);
+    text += fmt::format(" {} {}", link.parent, link.joint);
+  }
+  for (const hand::Actuator& one : hand.actuators) {
+    for (const double value : {one.command.low, one.command.high, one.closing, one.lever})
+      add(value);
+    for (const auto& driven : one.joints) {
+      text += fmt::format(" {} {:a} {:a}", driven.joint, driven.share, driven.offset);
+    }
+    text += fmt::format(" {}", one.finger);
+  }
+  for (const hand::Finger& finger : hand.fingers) {
+    for (const double value : finger.tip.a) add(value);
+    for (const double value : finger.tip.b) add(value);
+    add(finger.tip.radius);
+    text += fmt::format(" {}", finger.link);
+  }
+  for (const hand::LinkSphere& sphere : hand.spheres) {
+    for (const double value : sphere.center) add(value);
+    add(sphere.radius);
+    text += fmt::format(" {}", sphere.link);
+  }
+  return text + fmt::format(" {} {}", hand.thumb, hand.palm);
+}
+
+/// What the search has found, as kept in the cache.
+std::string to_bytes(const HandPosture& best, const hand::Attitude& other) {
+  std::string text =
+      fmt::format("{:a} {:a} {:a} {:a} {:a} {:a} {:a} {:a} {:a}", best.attitude.pitch,
+                  best.attitude.roll, other.pitch, other.roll, best.fingers[0], best.fingers[1],
+                  best.thumb[0], best.thumb[1], best.curl);
+  for (const double value : best.opposition) text += fmt::format(" {:a}", value);
+  return text;
+}
+
+bool from_bytes(const std::string& bytes, int actuators, HandPosture& best, hand::Attitude& other) {
+  constexpr std::size_t kOwn = 9;
+  std::istringstream text(bytes);
+  std::vector<double> values;
+  for (std::string word; text >> word;) values.push_back(std::strtod(word.c_str(), nullptr));
+  if (values.size() != static_cast<std::size_t>(actuators) + kOwn) return false;
+  best.attitude = {values[0], values[1]};
+  other = {values[2], values[3]};
+  best.fingers = {values[4], values[5]};
+  best.thumb = {values[6], values[7]};
+  best.curl = values[8];
+  best.opposition = hand::ActuatorVector::Map(values.data() + kOwn, actuators);
+  return true;
+}
+
+void search_preshape(const hand::Description& hand, HandPosture& best, hand::Attitude& other) {
+  const Trials trials;
+  RandomStream random(1, "preshape");
+  for (int i = 0; i < kSamples; ++i) {
+    HandPosture tried = draw(hand, random);
+    tried.cost = trials.cost(hand, tried);
+    if (tried.cost < best.cost) best = tried;
+  }
+  for (int i = 0; i < kSteps; ++i) {
+    HandPosture tried = shaken(best, random);
+    tried.cost = trials.cost(hand, tried);
+    if (tried.cost < best.cost) best = tried;
+  }
+  if (best.cost > 3.5 * kNoGrasp) {
+    throw BadInput("the hand holds nothing: no posture was found in which its fingers oppose");
+  }
+  HandPosture steep = best;
+  double least = std::numeric_limits<double>::infinity();
+  for (const double by : {-0.5, -0.3, 0.3, 0.5}) {
+    steep.attitude.pitch = std::clamp(best.attitude.pitch + by, -kSteepest, kSteepest);
+    const double cost = trials.cost(hand, steep);
+    if (cost >= least) continue;
+    least = cost;
+    other = steep.attitude;
+  }
+}
+
+}  // namespace
+
+double start_of(const hand::Actuator& actuator) {
+  return std::clamp(0.0, actuator.command.low, actuator.command.high);
+}
+
+double bent(const hand::Actuator& actuator, double share) {
+  return start_of(actuator) + share * (end_of(actuator) - start_of(actuator));
+}
+
+hand::Preshape find_preshape(hand::Description& hand) {
+  const std::string key = fingerprint(hand);
+  HandPosture best;
+  hand::Attitude other;
+  const auto known = read_cache(key);
+  if (!known || !from_bytes(*known, hand.actuator_count(), best, other)) {
+    search_preshape(hand, best, other);
+    write_cache(key, to_bytes(best, other));
+  }
+  hand.postures.far_attitudes = {other};
+  hand = closing_hand(hand, best);
+  return preshape_of(hand, best, other);
+}
+
+}  // namespace palpate::grasping

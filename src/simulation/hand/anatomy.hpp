@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "palpate/simulation/hand/describe_hand.hpp"
+#include "simulation/world/mujoco_handles.hpp"
+
+namespace palpate::simulation {
+
+/// Name of a thing in the model; empty for one without.
+std::string model_name(const mjModel& model, mjtObj type, int id);
+
+/// The hand's first body: the one with most joints below it.
+/// @throws BadInput if no body has joints
+std::string find_root(mjSpec& spec, const HandNotes& notes);
+
+/// A hand is carried by its mount: what its file hangs it on is taken away.
+void free_from_joints(mjSpec& spec, const std::string& root);
+
+struct Chain {
+  std::string name;
+  std::vector<int> bodies;  ///< from the palm out
+  int tip = -1;             ///< body of the fingertip
+};
+
+/// Names of fingers without what they all end in, as ff, mf and th of ff_tip, mf_tip, th_tip.
+void shorten(std::vector<Chain>& fingers);
+
+/// What is below the root, as the compiled file has it.
+class Anatomy {
+ public:
+  /// @throws BadInput for a name in the notes that the model lacks
+  Anatomy(const mjModel& model, const std::string& root, const HandNotes& notes);
+
+  int root() const { return root_; }
+  int palm() const { return palm_; }
+  const std::vector<Chain>& fingers() const { return fingers_; }
+  bool is_below(int body) const;
+
+ private:
+  int joints_in(int body) const;
+  bool collides(int body) const;
+  int find_palm() const;
+  std::vector<int> longest_chain(int body) const;
+  void find_fingers(const HandNotes& notes);
+  void choose_tips(const HandNotes& notes);
+  const std::vector<int>& children(int body) const {
+    return children_[static_cast<std::size_t>(body)];
+  }
+
+  const mjModel& model_;
+  int root_, palm_ = -1;
+  std::vector<std::vector<int>> children_;
+  std::vector<Chain> fingers_;
+};
+
+}  // namespace palpate::simulation
