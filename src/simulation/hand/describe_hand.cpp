@@ -298,7 +298,11 @@ void Describer::place_mount() {
   T_root_mount.translation() = origin;
   hand().file.T_mount_root = T_root_mount.inverse();
   hand().links.front().T_parent_link = hand().file.T_mount_root;
-  guess(gripper ? "the fingers point down from the mount" : "the palm faces down from the mount");
+  if (gripper) {
+    guess("the fingers point down from the mount");
+  } else {
+    guess("the palm faces down from the mount");
+  }
 }
 
 void Describer::set_gains(const mjModel& model) {

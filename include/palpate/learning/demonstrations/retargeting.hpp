@@ -13,7 +13,7 @@ namespace palpate::learning {
 /// Where on a robot's hand the human's points are: names of sites, or of bodies for their origins.
 struct RetargetPoints {
   std::array<std::string, hand::kShadowFingers> tips, middles;  ///< thumb .. little finger
-  std::array<std::string, 3> knuckles;         ///< first, middle, little finger
+  std::array<std::string, 3> knuckles;                          ///< first, middle, little finger
 };
 
 /// Those of the Adroit hand, whose root is the body "palm".
