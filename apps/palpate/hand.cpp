@@ -182,6 +182,11 @@ void add_install(CLI::App& group, Command& chosen) {
 void add_hand(CLI::App& program, Command& chosen) {
   auto& group = *program.add_subcommand("hand", "What hands there are, and what is known of one");
   group.require_subcommand(1);
+  group.footer(
+      "Examples:\n"
+      "  palpate hand list\n"
+      "  palpate hand install leap\n"
+      "  palpate hand check my_hand.xml --render out/my-hand");
   add_list(group, chosen);
   add_install(group, chosen);
   auto arguments = std::make_shared<CheckArguments>();
