@@ -17,43 +17,10 @@ namespace {
 constexpr double kFoldedShare = 0.9;  // of the way to closed
 constexpr double kBendShare = 0.75;   // of it, in grasps
 constexpr double kSideways = 0.08;    // rad, of fingers that spread
-constexpr double kAlike = 0.7;        // cosine between axes of joints that close a finger
 constexpr double kLevel = 0.006;      // m above the lowest part that count as its level
 constexpr double kProbed = 0.045;     // m around the middle of the underside, where it counts
 constexpr double kBack = 0.35;        // rad by which fingers bend back at most
 constexpr double kGoodMargin = 0.05;  // m by which a pointing fingertip is lower than all else
-
-/// Axis of the first joint that an actuator moves, in the mount's frame.
-Eigen::Vector3d axis_of(const hand::Description& hand, const hand::Actuator& actuator) {
-  const auto T = hand::forward_kinematics(hand, hand::JointVector::Zero(hand.joint_count()));
-  for (std::size_t i = 0; i < hand.links.size(); ++i) {
-    if (hand.links[i].joint == actuator.joints.front().joint) {
-      return T[i].linear() * hand.links[i].axis;
-    }
-  }
-  return Eigen::Vector3d::Zero();
-}
-
-/// Every finger's last actuator closes it, and those before that turn about an axis like its, one
-/// way mainly. Of a thumb the last two do; its first ones set it against the fingers before.
-void choose_closing(hand::Description& hand) {
-  for (int finger = 0; finger < hand.finger_count(); ++finger) {
-    std::vector<hand::Actuator*> own;
-    for (auto& actuator : hand.actuators) {
-      if (actuator.finger == finger) own.push_back(&actuator);
-    }
-    if (own.empty()) continue;
-    const bool thumb = finger == hand.thumb;
-    const Eigen::Vector3d last = axis_of(hand, *own.back());
-    for (std::size_t i = 0; i < own.size(); ++i) {
-      const bool outer = i + (thumb ? 2 : 1) >= own.size();
-      const bool alike = std::abs(axis_of(hand, *own[i]).dot(last)) > kAlike;
-      const auto& [low, high] = own[i]->command;
-      if (outer && own[i]->closing == 0) own[i]->closing = high + low >= 0 ? 1 : -1;
-      if (!outer && (thumb || !alike)) own[i]->closing = 0;
-    }
-  }
-}
 
 /// All fingers so far on their way to closed, the other actuators as in the open hand.
 hand::ActuatorVector all_bent(const hand::Description& hand, double share) {
@@ -274,7 +241,6 @@ hand::ActuatorVector released(const hand::Description& hand) {
 }  // namespace
 
 void derive_postures(hand::Description& hand) {
-  choose_closing(hand);
   hand.postures.top = find_preshape(hand);
   hand.postures.flat = find_flat(hand);
   hand.postures.pointing = find_all_pointing(hand);

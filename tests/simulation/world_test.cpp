@@ -229,6 +229,7 @@ TEST(World, JointNoiseHasItsSize) {
 
 TEST(World, ContactNoiseHasItsSizeAndLeavesThePhysicsAlone) {
   WorldOptions options;
+  options.noise.load = 0;  // torques are then as exact as the physics
   World exact(block(), without_noise(), 3), noisy(block(), options, 3);
   press_block(exact, 200);
   press_block(noisy, 200);
@@ -254,6 +255,21 @@ TEST(World, ContactNoiseHasItsSizeAndLeavesThePhysicsAlone) {
   EXPECT_NEAR(std::sqrt(points / count), options.noise.point, 0.1 * options.noise.point);
   EXPECT_NEAR(std::sqrt(forces / count), options.noise.force, 0.1 * options.noise.force);
   EXPECT_NEAR(std::sqrt(tilts / count), options.noise.normal, 0.1 * options.noise.normal);
+}
+
+TEST(World, LoadNoiseHasItsSizeAndLeavesThePhysicsAlone) {
+  WorldOptions options = without_noise();
+  options.noise.load = 0.1;
+  World exact(block(), without_noise(), 3), noisy(block(), options, 3);
+  const hand::HandCommand hold = fingers_down(0.09);
+  double squares = 0;
+  constexpr int kTicks = 300;
+  for (int tick = 0; tick < kTicks; ++tick) {
+    const hand::HandReading a = exact.hand().step(hold), b = noisy.hand().step(hold);
+    ASSERT_EQ(a.joints, b.joints);
+    squares += (a.base_force - b.base_force).squaredNorm() / (3 * kTicks);
+  }
+  EXPECT_NEAR(std::sqrt(squares), 0.1, 0.01);
 }
 
 TEST(World, WithoutLinkNoiseTheModelIsTheMakers) {

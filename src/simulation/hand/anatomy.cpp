@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "simulation/hand/anatomy.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
+#include "palpate/core/csv.hpp"
 #include "palpate/core/error.hpp"
 #include "simulation/hand/hand_spec.hpp"
 
@@ -18,6 +21,13 @@ int joints_below(mjsBody& body) {
 }
 
 }  // namespace
+
+std::vector<std::string> listed(std::string_view names) {
+  std::vector<std::string> list;
+  if (names.empty()) return list;
+  for (const std::string_view name : csv_cells(names)) list.emplace_back(name);
+  return list;
+}
 
 std::string model_name(const mjModel& model, mjtObj type, int id) {
   const char* name = mj_id2name(&model, type, id);
@@ -105,18 +115,26 @@ void Anatomy::find_fingers(const HandNotes& notes) {
     fingers_.push_back(chain);
   }
   choose_tips(notes);
+  const auto names = listed(notes.fingers);
+  if (!names.empty() && names.size() != fingers_.size()) {
+    throw BadInput(fmt::format("fingers = '{}' names {} fingers, but the hand has {}",
+                               notes.fingers, names.size(), fingers_.size()));
+  }
   for (std::size_t i = 0; i < fingers_.size(); ++i) {
-    fingers_[i].name = i < notes.fingers.size() ? notes.fingers[i]
-                                                : model_name(model_, mjOBJ_BODY, fingers_[i].tip);
+    fingers_[i].name = names.empty() ? model_name(model_, mjOBJ_BODY, fingers_[i].tip) : names[i];
   }
 }
 
 void Anatomy::choose_tips(const HandNotes& notes) {
   if (notes.tips.empty()) return;
   std::vector<Chain> chosen;
-  for (const std::string& name : notes.tips) {
+  for (const std::string& name : listed(notes.tips)) {
     Chain chain;
     chain.tip = find_id(model_, mjOBJ_BODY, name);
+    if (!is_below(chain.tip)) {
+      throw BadInput(fmt::format("the fingertip {} is not below the hand's root {}", name,
+                                 model_name(model_, mjOBJ_BODY, root_)));
+    }
     for (int body = chain.tip; body > 0 && body != palm_; body = model_.body_parentid[body]) {
       chain.bodies.insert(chain.bodies.begin(), body);
     }

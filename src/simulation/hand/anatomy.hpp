@@ -2,12 +2,16 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "palpate/simulation/hand/describe_hand.hpp"
 #include "simulation/world/mujoco_handles.hpp"
 
 namespace palpate::simulation {
+
+/// Names that a user has listed, separated by commas.
+std::vector<std::string> listed(std::string_view names);
 
 /// Name of a thing in the model; empty for one without.
 std::string model_name(const mjModel& model, mjtObj type, int id);

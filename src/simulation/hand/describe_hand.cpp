@@ -7,15 +7,16 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <set>
 
 #include "palpate/core/error.hpp"
 #include "palpate/hand/kinematics.hpp"
 #include "simulation/hand/anatomy.hpp"
+#include "simulation/hand/closing_joints.hpp"
 #include "simulation/hand/hand_joints.hpp"
 #include "simulation/hand/hand_model.hpp"
 #include "simulation/hand/hand_spec.hpp"
 #include "simulation/hand/mimic_joints.hpp"
+#include "simulation/hand/overlapping_links.hpp"
 #include "simulation/hand/tip_capsule.hpp"
 
 namespace palpate::simulation {
@@ -39,10 +40,31 @@ double torque_limit(const mjModel& model, int joint) {
   return 0;
 }
 
+void check_masses(const mjModel& model) {
+  for (int body = 1; body < model.nbody; ++body) {
+    if (model.body_mass[body] >= 0) continue;
+    throw BadInput(fmt::format("link {} has a mass of {} kg", model_name(model, mjOBJ_BODY, body),
+                               model.body_mass[body]));
+  }
+}
+
+Eigen::Isometry3d given_mount(const HandNotes& notes) {
+  const Eigen::Vector3d rpy = notes.mount_rpy * std::numbers::pi / 180;
+  return Eigen::Translation3d(notes.mount_xyz) *
+         Eigen::Quaterniond(Eigen::AngleAxisd(rpy.z(), Eigen::Vector3d::UnitZ()) *
+                            Eigen::AngleAxisd(rpy.y(), Eigen::Vector3d::UnitY()) *
+                            Eigen::AngleAxisd(rpy.x(), Eigen::Vector3d::UnitX()));
+}
+
 class Describer {
  public:
   Describer(const std::filesystem::path& file, const HandNotes& notes)
-      : file_(file), notes_(notes), spec_(parse_model(file)) {
+      : file_(file), notes_(notes) {
+    std::vector<std::string> warnings;
+    spec_ = parse_model(file, &warnings);
+    for (const std::string& warning : warnings) {
+      problem("the simulator warns: " + warning, "see the file");
+    }
     result_.hand.name = file.string();
     result_.hand.file.path = std::filesystem::absolute(file);
   }
@@ -52,6 +74,7 @@ class Describer {
     find_body(*spec_, result_.hand.file.root);
     free_from_joints(*spec_, result_.hand.file.root);
     const ModelHandle model = compile(*spec_);
+    check_masses(*model);
     const Anatomy anatomy(*model, result_.hand.file.root, notes_);
     read_joints(*model, anatomy);
     read_fingers(*model, anatomy);
@@ -60,6 +83,11 @@ class Describer {
     measure(anatomy, *model);
     find_thumb();
     place_mount();
+    if (notes_.closing.empty()) {
+      derive_closing(hand());
+    } else {
+      set_closing(listed(notes_.closing), hand());
+    }
     set_gains(*model);
     exclude_overlaps();
     return std::move(result_);
@@ -78,7 +106,9 @@ class Describer {
   void add_drives(const mjModel& model);
   void measure(const Anatomy& anatomy, const mjModel& model);
   void find_thumb();
+  int named_thumb() const;
   void place_mount();
+  Eigen::Isometry3d derived_mount();
   void set_gains(const mjModel& model);
   void exclude_overlaps();
   bool on_chain(int joint, const Chain& chain, const mjModel& model) const;
@@ -107,10 +137,9 @@ void Describer::read_joints(const mjModel& model, const Anatomy& anatomy) {
     hand().joints.push_back({name, range});
     joint_ids_.push_back(joint);
   }
-  if (hand().joints.empty())
-    throw BadInput(fmt::format("{}: the hand has no joints", file_.string()));
+  if (hand().joints.empty()) throw BadInput("the hand has no joints");
   if (hand().joint_count() > hand::kMaxJoints) {
-    throw BadInput(fmt::format("{}: {} joints, at most {} can be", file_.string(),
+    throw BadInput(fmt::format("the hand has {} joints, but at most {} are possible",
                                hand().joint_count(), hand::kMaxJoints));
   }
 }
@@ -120,13 +149,13 @@ void Describer::read_fingers(const mjModel& model, const Anatomy& anatomy) {
   if (notes_.fingers.empty()) shorten(chains_);
   if (chains_.size() < 2) {
     throw BadInput(fmt::format(
-        "{}: {} finger found below {}; a hand needs two that can collide (name the palm or the "
-        "tips)",
-        file_.string(), chains_.size(), model_name(model, mjOBJ_BODY, anatomy.palm())));
+        "{} found below {}; a hand needs two that can collide (name the palm or the tips)",
+        chains_.empty() ? "no finger" : "one finger",
+        model_name(model, mjOBJ_BODY, anatomy.palm())));
   }
   if (chains_.size() > hand::kMaxFingers) {
-    throw BadInput(fmt::format("{}: {} fingers, at most {} can be", file_.string(), chains_.size(),
-                               hand::kMaxFingers));
+    throw BadInput(fmt::format("the hand has {} fingers, but at most {} are possible",
+                               chains_.size(), hand::kMaxFingers));
   }
   for (const Chain& chain : chains_) {
     hand::Finger finger{chain.name, -1, {}};
@@ -228,6 +257,10 @@ std::vector<Eigen::Vector3d> Describer::tips_at(double share) const {
 
 /// The finger that closes against the others: it points and moves least like them.
 void Describer::find_thumb() {
+  if (!notes_.thumb.empty()) {
+    hand().thumb = named_thumb();
+    return;
+  }
   const auto from = tips_at(0.1), to = tips_at(kHalf + 0.2);
   const auto T = hand::forward_kinematics(hand(), hand::joints_in_free_flexion(hand(), posture(0)));
   std::vector<Eigen::Vector3d> ways, rays;
@@ -250,22 +283,27 @@ void Describer::find_thumb() {
     least = alike;
     hand().thumb = static_cast<int>(i);
   }
-  if (!notes_.thumb.empty()) {
-    const auto named = std::find_if(hand().fingers.begin(), hand().fingers.end(),
-                                    [&](const auto& one) { return one.name == notes_.thumb; });
-    if (named == hand().fingers.end()) {
-      throw BadInput(
-          fmt::format("no finger is named '{}', which the thumb is to be", notes_.thumb));
-    }
-    hand().thumb = static_cast<int>(named - hand().fingers.begin());
-  } else {
-    guess(fmt::format("{} closes against the other fingers",
-                      hand().fingers[static_cast<std::size_t>(hand().thumb)].name));
-  }
+  guess(fmt::format("{} closes against the other fingers",
+                    hand().fingers[static_cast<std::size_t>(hand().thumb)].name));
+}
+
+int Describer::named_thumb() const {
+  const auto& fingers = result_.hand.fingers;
+  const auto named = std::ranges::find(fingers, notes_.thumb, &hand::Finger::name);
+  if (named != fingers.end()) return static_cast<int>(named - fingers.begin());
+  std::vector<std::string> names;
+  for (const hand::Finger& finger : fingers) names.push_back(finger.name);
+  throw BadInput(
+      fmt::format("thumb = '{}' is none of the fingers: {}", notes_.thumb, fmt::join(names, ", ")));
+}
+
+void Describer::place_mount() {
+  hand().file.T_mount_root = notes_.has_mount ? given_mount(notes_) : derived_mount();
+  hand().links.front().T_parent_link = hand().file.T_mount_root;
 }
 
 /// Palm down, fingers along +x, its origin between the half closed fingertips.
-void Describer::place_mount() {
+Eigen::Isometry3d Describer::derived_mount() {
   const auto open = tips_at(0.1), closed = tips_at(kHalf + 0.2);
   const auto half = tips_at(kHalf);
   const auto thumb = static_cast<std::size_t>(hand().thumb);
@@ -296,13 +334,12 @@ void Describer::place_mount() {
   Eigen::Isometry3d T_root_mount = Eigen::Isometry3d::Identity();
   T_root_mount.linear() = R;
   T_root_mount.translation() = origin;
-  hand().file.T_mount_root = T_root_mount.inverse();
-  hand().links.front().T_parent_link = hand().file.T_mount_root;
   if (gripper) {
     guess("the fingers point down from the mount");
   } else {
     guess("the palm faces down from the mount");
   }
+  return T_root_mount.inverse();
 }
 
 void Describer::set_gains(const mjModel& model) {
@@ -332,33 +369,12 @@ void Describer::set_gains(const mjModel& model) {
 void Describer::exclude_overlaps() {
   place_root(*spec_, hand().file);
   const ModelHandle model = compile(*spec_);
-  const DataHandle data = make_data(*model);
-  std::set<std::pair<int, int>> always;
-  bool first = true;
+  std::vector<hand::JointVector> everywhere;
   for (const double share : {0.0, 0.25, 0.5}) {
-    const auto joints = hand::joints_in_free_flexion(hand(), posture(share));
-    for (int i = 0; i < hand().joint_count(); ++i) {
-      const int id = find_id(*model, mjOBJ_JOINT, hand().joints[static_cast<std::size_t>(i)].name);
-      data->qpos[model->jnt_qposadr[id]] = joints[i];
-    }
-    mj_kinematics(model.get(), data.get());
-    mj_comPos(model.get(), data.get());
-    mj_collision(model.get(), data.get());
-    std::set<std::pair<int, int>> now;
-    for (int i = 0; i < data->ncon; ++i) {
-      const mjContact& contact = data->contact[i];
-      if (contact.dist > -0.0005) continue;
-      const int a = model->geom_bodyid[contact.geom[0]], b = model->geom_bodyid[contact.geom[1]];
-      now.insert({std::min(a, b), std::max(a, b)});
-    }
-    if (first) always = now;
-    std::erase_if(always, [&](const auto& pair) { return !now.contains(pair); });
-    first = false;
+    everywhere.push_back(hand::joints_in_free_flexion(hand(), posture(share)));
   }
-  for (const auto& [a, b] : always) {
-    const std::string one = model_name(*model, mjOBJ_BODY, a),
-                      other = model_name(*model, mjOBJ_BODY, b);
-    hand().file.overlapping.emplace_back(one, other);
+  hand().file.overlapping = overlapping_links(*model, hand(), everywhere);
+  for (const auto& [one, other] : hand().file.overlapping) {
     problem(fmt::format("links {} and {} overlap in every posture", one, other),
             "they are let pass through one another; exclude the pair in the file");
   }
@@ -367,7 +383,13 @@ void Describer::exclude_overlaps() {
 }  // namespace
 
 DescribedHand describe_hand(const std::filesystem::path& file, const HandNotes& notes) {
-  return Describer(file, notes).run();
+  try {
+    return Describer(file, notes).run();
+  } catch (const BadInput& error) {
+    const std::string what = error.what();
+    if (what.find(file.string()) != std::string::npos) throw;
+    throw BadInput(fmt::format("{}: {}", file.string(), what));
+  }
 }
 
 }  // namespace palpate::simulation

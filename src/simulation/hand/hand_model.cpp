@@ -8,6 +8,7 @@
 
 #include "palpate/core/error.hpp"
 #include "simulation/hand/hand_spec.hpp"
+#include "simulation/hand/tip_capsule.hpp"
 
 namespace palpate::simulation {
 namespace {
@@ -15,6 +16,7 @@ namespace {
 constexpr double kSphereSpacing = 0.024;  // m, between the balls that stand for a link's surface
 constexpr double kThinnest = 0.003;       // m, half thickness below which a part is left out
 constexpr double kMeshFill = 0.85;
+constexpr double kCornerRadius = 0.003;  // m, of the balls in corners
 
 std::string without_prefix(const hand::Description& hand, const std::string& name) {
   return name.starts_with(hand.file.prefix) ? name.substr(hand.file.prefix.size()) : name;
@@ -41,6 +43,10 @@ int links_of_body(const mjModel& model, int body) {
   return joints + (vector3(model.jnt_pos + 3 * last).norm() > 0);
 }
 
+const char* joint_type(int type) {
+  return type == mjJNT_SLIDE ? "slide" : type == mjJNT_BALL ? "ball joint" : "free joint";
+}
+
 /// Adds the links of a body that joints move.
 void add_jointed(const mjModel& model, int body, const JointNamer& joint_of, hand::Link link,
                  hand::Description& hand) {
@@ -51,7 +57,7 @@ void add_jointed(const mjModel& model, int body, const JointNamer& joint_of, han
     const std::string name = name_of(model, mjOBJ_JOINT, joint);
     if (model.jnt_type[joint] != mjJNT_HINGE) {
       throw BadInput(fmt::format("link {} is not joined by hinges: {} is a {}", body_name, name,
-                                 model.jnt_type[joint] == mjJNT_SLIDE ? "slide" : "free joint"));
+                                 joint_type(model.jnt_type[joint])));
     }
     const Eigen::Vector3d anchor = vector3(model.jnt_pos + 3 * joint);
     const NamedJoint named = joint_of(name);
@@ -133,16 +139,38 @@ void add_spheres(const mjModel& model, int geom, int link, std::vector<hand::Lin
   }
 }
 
-/// Small balls in the corners of a box, which the larger ones leave out.
+/// The point of a geom's convex hull that is farthest in a direction, both in the body's frame.
+Eigen::Vector3d support(const std::vector<Eigen::Vector3d>& points, const Eigen::Vector3d& way) {
+  return *std::max_element(points.begin(), points.end(), [&](const auto& one, const auto& other) {
+    return one.dot(way) < other.dot(way);
+  });
+}
+
+/// Small balls that touch the hull of a box or mesh from inside where it reaches farthest, in 26
+/// directions: what the larger ones leave out.
 void add_corners(const mjModel& model, int geom, int link, std::vector<hand::LinkSphere>& spheres) {
-  if (model.geom_type[geom] != mjGEOM_BOX) return;
-  const Eigen::Isometry3d T = pose3(model.geom_pos + 3 * geom, model.geom_quat + 4 * geom);
-  const Eigen::Vector3d half = vector3(model.geom_size + 3 * geom);
-  const double radius = 0.5 * half.minCoeff();
-  if (radius < kThinnest) return;
-  for (int corner = 0; corner < 8; ++corner) {
-    const Eigen::Vector3d side(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1);
-    spheres.push_back({link, T * side.cwiseProduct((half.array() - radius).matrix()), radius});
+  const int type = model.geom_type[geom];
+  if (type != mjGEOM_BOX && type != mjGEOM_MESH) return;
+  const std::vector<Eigen::Vector3d> points = geom_points(model, geom);
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  for (const auto& p : points) middle += p / static_cast<double>(points.size());
+  std::vector<Eigen::Vector3d> farthest;
+  for (const double x : {-1.0, 0.0, 1.0}) {
+    for (const double y : {-1.0, 0.0, 1.0}) {
+      for (const double z : {-1.0, 0.0, 1.0}) {
+        if (x == 0 && y == 0 && z == 0) continue;
+        const Eigen::Vector3d p = support(points, {x, y, z});
+        const bool known = std::any_of(farthest.begin(), farthest.end(), [&](const auto& other) {
+          return (p - other).norm() < kThinnest;
+        });
+        if (!known) farthest.push_back(p);
+      }
+    }
+  }
+  for (const auto& p : farthest) {
+    const double depth = (p - middle).norm();
+    if (depth < kCornerRadius) continue;
+    spheres.push_back({link, p - kCornerRadius / depth * (p - middle), kCornerRadius});
   }
 }
 

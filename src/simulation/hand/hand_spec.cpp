@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "palpate/core/error.hpp"
+#include "simulation/world/warnings.hpp"
 
 namespace palpate::simulation {
 namespace {
@@ -66,12 +67,22 @@ std::string tip_geom(const hand::Description& hand, int finger) {
   return fmt::format("tip_{}", hand.fingers[static_cast<std::size_t>(finger)].name);
 }
 
-SpecHandle parse_model(const std::filesystem::path& file) {
+SpecHandle parse_model(const std::filesystem::path& file, std::vector<std::string>* warnings) {
+  if (std::error_code error; std::filesystem::is_directory(file, error)) {
+    throw BadInput(fmt::format("cannot read the hand {}: it is a folder", file.string()));
+  }
+  const Warnings warned;
   std::array<char, 1000> message{};
   SpecHandle spec(mj_parseXML(file.c_str(), nullptr, message.data(), message.size()));
   if (!spec) {
     throw BadInput(
         fmt::format("cannot read the hand {}: {}", file.string(), one_line(message.data())));
+  }
+  for (const std::string& text : warned.texts()) {
+    if (text.find("'NaN'") != std::string::npos) {
+      throw BadInput(fmt::format("cannot read the hand {}: a number is NaN", file.string()));
+    }
+    if (warnings) warnings->push_back(one_line(text));
   }
   spec->compiler.fusestatic = 0;  // of a URDF: every link stays a body
   name_all(*spec, mjOBJ_BODY, "body");

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "palpate/hand/description.hpp"
 #include "simulation/world/mujoco_handles.hpp"
@@ -17,8 +18,11 @@ std::string file_actuator(const hand::Description& hand, std::string_view actuat
 /// Name of the capsule that stands for a fingertip.
 std::string tip_geom(const hand::Description& hand, int finger);
 
-/// A model file (MJCF or URDF), parsed. @throws BadInput, naming the file and what is wrong with it
-SpecHandle parse_model(const std::filesystem::path& file);
+/// A model file (MJCF or URDF), parsed.
+/// @param warnings  receives what the parser warns of
+/// @throws BadInput, naming the file and what is wrong with it
+SpecHandle parse_model(const std::filesystem::path& file,
+                       std::vector<std::string>* warnings = nullptr);
 
 /// Puts the hand's first body where the mount carries it.
 void place_root(mjSpec& spec, const hand::ModelFile& file);

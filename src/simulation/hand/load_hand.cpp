@@ -9,6 +9,7 @@
 
 #include "palpate/core/assets.hpp"
 #include "palpate/core/error.hpp"
+#include "palpate/core/options.hpp"
 #include "palpate/grasping/derive_postures.hpp"
 #include "palpate/simulation/hand/hand_store.hpp"
 
@@ -32,6 +33,18 @@ std::filesystem::path file_of(const std::string& name) {
   return name;
 }
 
+/// A hand of a model file, or of a TOML file that names one.
+DescribedHand describe(const std::filesystem::path& file) {
+  HandNotes notes;
+  if (file.extension() != ".toml") return describe_hand(file, notes);
+  load_toml(file, notes);
+  if (notes.model.empty()) {
+    throw BadInput(
+        fmt::format("{}: model = \"FILE\" is missing: the hand's MJCF or URDF", file.string()));
+  }
+  return describe_hand(file.parent_path() / notes.model, notes);
+}
+
 }  // namespace
 
 LoadedHand load_hand_with_notes(const std::string& name, double stiffness_scale) {
@@ -43,7 +56,7 @@ LoadedHand load_hand_with_notes(const std::string& name, double stiffness_scale)
   const std::scoped_lock lock(mutex);
   const auto known = loaded.find(name);
   if (known != loaded.end()) return known->second;
-  LoadedHand hand = describe_hand(file_of(name));
+  LoadedHand hand = describe(file_of(name));
   hand.hand.name = name;
   grasping::derive_postures(hand.hand);
   return loaded.emplace(name, std::move(hand)).first->second;

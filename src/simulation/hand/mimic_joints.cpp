@@ -79,8 +79,8 @@ void resolve(std::vector<MimicJoint>& mimics) {
 }  // namespace
 
 std::vector<MimicJoint> mimic_joints(const mjModel& model, const std::filesystem::path& file) {
-  auto mimics = of_equalities(model);
-  if (mimics.empty() && file.extension() == ".urdf") mimics = of_urdf(file);
+  // Of a URDF the simulator leaves out mimics that it does not understand.
+  auto mimics = file.extension() == ".urdf" ? of_urdf(file) : of_equalities(model);
   resolve(mimics);
   for (const MimicJoint& mimic : mimics) {
     if (mj_name2id(&model, mjOBJ_JOINT, mimic.leader.c_str()) >= 0) continue;

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <mutex>
 #include <utility>
 
 #include "palpate/core/error.hpp"
@@ -22,14 +21,6 @@ hand::Description believed_hand(hand::Description hand, const SensorNoise& noise
   if (noise.link == 0) return hand;
   RandomStream links = random.fork("links");
   return hand::with_perturbed_links(std::move(hand), noise.link, links);
-}
-
-/// The simulator would print its warnings and log them to a file; they are counted in its data too.
-void silence_warnings() {
-  static std::once_flag silenced;
-  std::call_once(silenced, [] {
-    if (!mju_user_warning) mju_user_warning = [](const char*) {};
-  });
 }
 
 double lowest_point(const geometry::TriangleMesh& mesh, const Eigen::Isometry3d& T_world_mesh) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Core>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -9,14 +10,38 @@
 
 namespace palpate::simulation {
 
-/// What a user says of a hand beside its model file; empty means: find out.
+/// What a user says of a hand in a TOML file of his own; what is empty is found out.
 struct HandNotes {
-  std::string root;                  ///< the hand's first body; its own joints are left out
-  std::string palm;                  ///< body that the fingers sprout from
-  std::vector<std::string> tips;     ///< bodies of the fingertips, in the order of the fingers
-  std::vector<std::string> fingers;  ///< their names
-  std::string thumb;                 ///< name of the finger that closes against the others
-  double max_torque = 0;             ///< N m, of every joint; 0: the file's
+  std::string model;    ///< MJCF or URDF file; relative to the TOML file
+  std::string root;     ///< the hand's first body; its own joints are left out
+  std::string palm;     ///< body that the fingers are attached to
+  std::string tips;     ///< bodies of the fingertips, separated by commas, one a finger
+  std::string fingers;  ///< their names, in the same order
+  std::string thumb;    ///< name of the finger that closes against the others
+  std::string closing;  ///< joints that close the fingers; "-joint" closes towards its lower limit
+  double max_torque = 0;  ///< N m, of every joint; 0: the file's
+  bool has_mount = false;
+  Eigen::Vector3d mount_xyz = Eigen::Vector3d::Zero();  ///< of the root in the mount's frame, m
+  Eigen::Vector3d mount_rpy = Eigen::Vector3d::Zero();  ///< roll, pitch and yaw of it, deg
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v("model", model, "MJCF or URDF file, relative to this one");
+    v("root", root, "first body of the hand");
+    v("palm", palm, "body that the fingers are attached to");
+    v("tips", tips, "bodies of the fingertips, separated by commas");
+    v("fingers", fingers, "names of the fingers, in the order of the fingertips");
+    v("thumb", thumb, "finger that closes against the others");
+    v("closing", closing, "joints that close the fingers; -joint: towards its lower limit");
+    v("max_torque", max_torque, 0, 100, "of every joint, N m; 0: the model's");
+    v("mount.given", has_mount, "use the pose below; else it is derived");
+    v("mount.x", mount_xyz.x(), -2, 2, "of the root in the mount's frame, m");
+    v("mount.y", mount_xyz.y(), -2, 2, "m");
+    v("mount.z", mount_xyz.z(), -2, 2, "m");
+    v("mount.roll", mount_rpy.x(), -360, 360, "of the root in the mount's frame, deg");
+    v("mount.pitch", mount_rpy.y(), -360, 360, "deg");
+    v("mount.yaw", mount_rpy.z(), -360, 360, "deg");
+  }
 };
 
 /// Something wrong with a hand's file, and what can be done about it.

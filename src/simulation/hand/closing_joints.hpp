@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "palpate/hand/description.hpp"
+
+namespace palpate::simulation {
+
+/// Every finger's last actuator closes it, and those before that turn about an axis like its, one
+/// way mainly. Of a thumb the last two do; its first ones set it against the fingers before.
+void derive_closing(hand::Description& hand);
+
+/// The joints that a user says close the fingers, and no others; "-joint" closes towards its lower
+/// limit. @throws BadInput for a name that is no joint, or that no actuator of a finger moves
+void set_closing(const std::vector<std::string>& joints, hand::Description& hand);
+
+}  // namespace palpate::simulation

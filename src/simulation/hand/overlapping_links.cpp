@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "simulation/hand/overlapping_links.hpp"
+
+#include <algorithm>
+#include <set>
+
+#include "simulation/hand/anatomy.hpp"
+#include "simulation/hand/hand_spec.hpp"
+#include "simulation/world/mujoco_handles.hpp"
+
+namespace palpate::simulation {
+namespace {
+
+constexpr double kOverlap = 0.0005;  // m
+
+using BodyPair = std::pair<int, int>;
+
+std::set<BodyPair> overlaps_at(const mjModel& model, mjData& data, const hand::Description& hand,
+                               const hand::JointVector& joints) {
+  for (int i = 0; i < hand.joint_count(); ++i) {
+    const int id = find_id(model, mjOBJ_JOINT, hand.joints[static_cast<std::size_t>(i)].name);
+    data.qpos[model.jnt_qposadr[id]] = joints[i];
+  }
+  mj_kinematics(&model, &data);
+  mj_comPos(&model, &data);
+  mj_collision(&model, &data);
+  std::set<BodyPair> pairs;
+  for (int i = 0; i < data.ncon; ++i) {
+    const mjContact& contact = data.contact[i];
+    if (contact.dist > -kOverlap) continue;
+    pairs.insert(
+        std::minmax({model.geom_bodyid[contact.geom[0]], model.geom_bodyid[contact.geom[1]]}));
+  }
+  return pairs;
+}
+
+}  // namespace
+
+std::vector<std::pair<std::string, std::string>> overlapping_links(
+    const mjModel& model, const hand::Description& hand,
+    const std::vector<hand::JointVector>& postures) {
+  const DataHandle data = make_data(model);
+  std::set<BodyPair> always = overlaps_at(model, *data, hand, postures.front());
+  for (const hand::JointVector& joints : postures) {
+    const auto now = overlaps_at(model, *data, hand, joints);
+    std::erase_if(always, [&](const BodyPair& pair) { return !now.contains(pair); });
+  }
+  std::vector<std::pair<std::string, std::string>> names;
+  for (const auto& [one, other] : always) {
+    names.emplace_back(model_name(model, mjOBJ_BODY, one), model_name(model, mjOBJ_BODY, other));
+  }
+  return names;
+}
+
+}  // namespace palpate::simulation

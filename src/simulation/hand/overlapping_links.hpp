@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <mujoco/mujoco.h>
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "palpate/hand/description.hpp"
+
+namespace palpate::simulation {
+
+/// Pairs of bodies of a hand that overlap by more than 0.5 mm in each of some postures.
+std::vector<std::pair<std::string, std::string>> overlapping_links(
+    const mjModel& model, const hand::Description& hand,
+    const std::vector<hand::JointVector>& postures);
+
+}  // namespace palpate::simulation

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include "hand_files.hpp"
+#include "palpate/core/error.hpp"
+#include "palpate/simulation/hand/load_hand.hpp"
+
+namespace palpate::simulation {
+namespace {
+
+struct Broken {
+  std::string name, file, text;
+  std::string told;  ///< must stand in the message
+};
+
+void PrintTo(const Broken& broken, std::ostream* out) { *out << broken.name; }
+
+std::string mjcf(const std::string& from, const std::string& to) {
+  return replaced(kHandMjcf, from, to);
+}
+
+std::string urdf(const std::string& from, const std::string& to) {
+  return replaced(kHandUrdf, from, to);
+}
+
+std::string without_geoms() {
+  std::string text = kHandMjcf;
+  for (auto at = text.find("<geom"); at != std::string::npos; at = text.find("<geom", at + 1)) {
+    text.insert(at + 5, " contype=\"0\" conaffinity=\"0\"");
+  }
+  return text;
+}
+
+/// Fingers on the palm, each of so many hinges.
+std::string many(int fingers, int hinges) {
+  std::string text = "<mujoco><worldbody><body name=\"palm\"><geom size=\"0.01\"/>";
+  for (int finger = 0; finger < fingers; ++finger) {
+    std::string end;
+    for (int hinge = 0; hinge < hinges; ++hinge) {
+      const auto name = std::to_string(finger) + "_" + std::to_string(hinge);
+      text += "<body name=\"b" + name + "\" pos=\"0.02 0 0\"><joint name=\"j" + name +
+              "\" range=\"0 90\"/><geom size=\"0.005\"/>";
+      end += "</body>";
+    }
+    text += end;
+  }
+  return text + "</body></worldbody></mujoco>";
+}
+
+const std::string kToml = "model = \"plain.xml\"\n";
+
+class BrokenHand : public testing::TestWithParam<Broken> {};
+
+TEST_P(BrokenHand, IsRefusedInOneLineThatSaysWhatIsWrong) {
+  write_hand("plain.xml", kHandMjcf);
+  const Broken& broken = GetParam();
+  const auto file = write_hand(broken.file, broken.text);
+  try {
+    (void)load_hand(file.string());
+    FAIL() << "it was taken";
+  } catch (const BadInput& error) {
+    const std::string message = error.what();
+    EXPECT_NE(message.find(broken.told), std::string::npos) << message;
+    EXPECT_NE(message.find("palpate-hand-files/"), std::string::npos) << message;
+    EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+  }
+}
+
+const std::string kTipJoint = "<joint name=\"index_2\" axis=\"0 1 0\" range=\"0 1.4\"/>";
+
+INSTANTIATE_TEST_SUITE_P(
+    Files, BrokenHand,
+    testing::Values(
+        Broken{"Empty", "empty.xml", "", "empty.xml"},
+        Broken{"Truncated", "truncated.xml", kHandMjcf.substr(0, 700), "truncated.xml"},
+        Broken{"Binary", "binary.xml", std::string("\x7f\x45LF\0\1\2", 7), "binary.xml"},
+        Broken{
+            "NoMesh", "no_mesh.xml",
+            mjcf("<worldbody>", "<asset><mesh name=\"m\" file=\"gone.stl\"/></asset><worldbody>"),
+            "gone.stl"},
+        Broken{"NoMeshOfAUrdf", "no_mesh.urdf",
+               urdf("<box size=\"0.04 0.014 0.014\"/>", "<mesh filename=\"gone.stl\"/>"),
+               "gone.stl"},
+        Broken{"NanInertia", "nan.xml",
+               mjcf("<geom type=\"capsule\" size=\"0.009\"",
+                    "<inertial pos=\"0 0 0\" mass=\"nan\" diaginertia=\"1 1 1\"/><geom "
+                    "type=\"capsule\" size=\"0.009\""),
+               "nan.xml"},
+        Broken{"NegativeMass", "negative.xml",
+               mjcf("<geom type=\"capsule\"", "<geom mass=\"-1\" type=\"capsule\""), "mass"},
+        Broken{"NanRange", "nan_range.xml", mjcf("range=\"0 1.4\"", "range=\"0 nan\""),
+               "nan_range.xml"},
+        Broken{"NoJoints", "no_joints.xml",
+               "<mujoco><worldbody><body name=\"palm\"><geom size=\"0.1\"/></body></worldbody>"
+               "</mujoco>",
+               "has joints"},
+        Broken{"OneFinger", "one.xml", many(1, 3), "no finger found"},
+        Broken{"NineFingers", "nine.xml", many(9, 1), "9 fingers, but at most 8"},
+        Broken{"TooManyJoints", "joints.xml", many(5, 7), "35 joints, but at most 32"},
+        Broken{"Slide", "slide.xml",
+               mjcf(kTipJoint, "<joint name=\"index_2\" type=\"slide\" range=\"0 0.1\"/>"),
+               "index_2 is a slide"},
+        Broken{"Ball", "ball.xml", mjcf(kTipJoint, "<joint name=\"index_2\" type=\"ball\"/>"),
+               "index_2 is a ball"},
+        Broken{"NothingCollides", "ghost.xml", without_geoms(), "no finger found"},
+        Broken{"MimicCircle", "circle.urdf",
+               urdf("<limit lower=\"0\"", "<mimic joint=\"finger_2\"/><limit lower=\"0\""),
+               "circle of mimics"},
+        Broken{"MimicOfNobody", "nobody.urdf",
+               urdf("mimic joint=\"finger_1\"", "mimic joint=\"gone\""), "gone"},
+        Broken{"MimicNoNumber", "multiplier.urdf",
+               urdf("multiplier=\"0.8\"", "multiplier=\"lots\""), "multiplier"},
+        Broken{"NoModel", "no_model.toml", "thumb = \"thumb\"\n", "model = \"FILE\" is missing"},
+        Broken{"ModelGone", "gone.toml", "model = \"gone.xml\"\n", "gone.xml"},
+        Broken{"UnknownKey", "key.toml", kToml + "thum = \"thumb\"\n", "did you mean thumb?"},
+        Broken{"WrongRoot", "root.toml", kToml + "root = \"wrist\"\n", "wrist"},
+        Broken{"WrongPalm", "palm.toml", kToml + "palm = \"hand\"\n", "hand"},
+        Broken{"WrongTip", "tip.toml", kToml + "tips = \"index_tip,nail\"\n", "nail"},
+        Broken{"WrongThumb", "thumb.toml", kToml + "thumb = \"daumen\"\n",
+               "thumb = 'daumen' is none of the fingers: index, ring, thumb"},
+        Broken{"WrongClosing", "closing.toml", kToml + "closing = \"index_9\"\n", "index_9"},
+        Broken{"NamesOfOtherNumber", "names.toml", kToml + "fingers = \"a,b\"\n",
+               "names 2 fingers, but the hand has 3"}),
+    [](const auto& given) { return given.param.name; });
+
+TEST(BrokenHand, AFolderOrNothingAtAllIsNoHand) {
+  EXPECT_THROW((void)load_hand("/"), BadInput);
+  EXPECT_THROW((void)load_hand("no-such-hand"), BadInput);
+  EXPECT_FALSE(std::filesystem::exists("MUJOCO_LOG.TXT")) << "the simulator's log was left behind";
+}
+
+}  // namespace
+}  // namespace palpate::simulation

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/simulation/hand/describe_hand.hpp"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "hand_files.hpp"
+#include "palpate/core/error.hpp"
+#include "palpate/hand/kinematics.hpp"
+#include "simulation/hand/overlapping_links.hpp"
+
+namespace palpate::simulation {
+namespace {
+
+hand::Description described(const std::string& name, const std::string& text,
+                            const HandNotes& notes = {}) {
+  return describe_hand(write_hand(name, text), notes).hand;
+}
+
+Eigen::Vector3d tip_of(const hand::Description& hand, int finger, double angle) {
+  const auto command = hand::ActuatorVector::Constant(hand.actuator_count(), angle).eval();
+  const auto T = hand::forward_kinematics(hand, hand::joints_in_free_flexion(hand, command));
+  const auto& one = hand.fingers[static_cast<std::size_t>(finger)];
+  return T[static_cast<std::size_t>(one.link)] * one.tip.b;
+}
+
+TEST(DescribeHand, FindsFingersTheirTipsAndTheThumb) {
+  const auto hand = described("plain.xml", kHandMjcf);
+  ASSERT_EQ(hand.finger_count(), 3);
+  EXPECT_EQ(hand.fingers[0].name, "index");
+  EXPECT_EQ(hand.thumb, 2);
+  EXPECT_EQ(hand.joint_count(), 6);
+  EXPECT_EQ(hand.actuator_count(), 6);
+  EXPECT_NEAR(hand.fingers[1].tip.radius, 0.008, 1e-12);
+  EXPECT_NEAR((hand.fingers[1].tip.b - Eigen::Vector3d(0.03, 0, 0)).norm(), 0, 1e-12);
+  EXPECT_EQ(hand.links[static_cast<std::size_t>(hand.palm)].name, "palm");
+}
+
+TEST(DescribeHand, CarriesTheHandWithItsPalmDownAndItsFingersClosingBelow) {
+  const auto hand = described("plain.xml", kHandMjcf);
+  for (int finger = 0; finger < 3; ++finger) {
+    EXPECT_LT(tip_of(hand, finger, 1.2).z(), tip_of(hand, finger, 0.1).z() - 0.02) << finger;
+  }
+  EXPECT_GT(tip_of(hand, 0, 0).x(), 0) << "fingers point along +x";
+  EXPECT_LT(tip_of(hand, 2, 0).x(), 0) << "the thumb opposes them";
+}
+
+TEST(DescribeHand, MakesServosOfOneNaturalFrequency) {
+  const auto hand = described("plain.xml", kHandMjcf);
+  for (const auto& actuator : hand.actuators) {
+    EXPECT_GT(actuator.stiffness, 0);
+    EXPECT_GT(actuator.damping, 0);
+    EXPECT_NEAR(std::sqrt(actuator.stiffness / actuator.armature), 40, 1e-9) << actuator.name;
+    EXPECT_EQ(actuator.max_torque, 1.0) << "the file names none";
+    EXPECT_GT(actuator.closing, 0);
+  }
+}
+
+TEST(DescribeHand, LeavesOutTheJointThatTheFileHangsItOn) {
+  const auto free = replaced(kHandMjcf, "<body name=\"palm\">", "<body name=\"palm\"><freejoint/>");
+  EXPECT_EQ(described("free.xml", free).joint_count(), 6);
+}
+
+TEST(DescribeHand, MimicJointsFollowTheirLeader) {
+  const auto hand = described("mimic.urdf", kHandUrdf);
+  ASSERT_EQ(hand.joint_count(), 4);
+  ASSERT_EQ(hand.actuator_count(), 2);
+  const auto& actuator = hand.actuators[0];
+  ASSERT_EQ(actuator.joints.size(), 2u);
+  EXPECT_EQ(actuator.joints[1].share, 0.8);
+  EXPECT_EQ(actuator.joints[1].offset, 0.1);
+  EXPECT_EQ(actuator.joints[1].gear, 0);
+  EXPECT_EQ(actuator.max_torque, 2) << "the file's effort";
+  const auto joints = hand::joints_in_free_flexion(hand, hand::ActuatorVector::Constant(2, 0.5));
+  EXPECT_NEAR(joints[hand.joint("finger_2")], 0.8 * 0.5 + 0.1, 1e-12);
+  EXPECT_NEAR(joints[hand.joint("thumb_2")], 0.7 * 0.5, 1e-12);
+}
+
+TEST(DescribeHand, FitsACapsuleOfAWedgesWidthToAFingertipOfMeshOrBox) {
+  const auto hand = described("mimic.urdf", kHandUrdf);
+  const auto& tip = hand.fingers[0].tip;
+  EXPECT_NEAR(tip.radius, 0.007, 1e-9);
+  EXPECT_NEAR(tip.b.x() + tip.radius, 0.04, 1e-9) << "as long as the fingertip";
+  EXPECT_NEAR((tip.b - tip.a).norm(), 0.025, 1e-9) << "its outer end only";
+}
+
+TEST(DescribeHand, FeelsTheCornersOfALinkWithItsBalls) {
+  const auto hand = described("mimic.urdf", kHandUrdf);
+  double farthest = 0;
+  for (const auto& sphere : hand.spheres) {
+    if (sphere.link != hand.palm) continue;
+    farthest = std::max(farthest, sphere.center.x() + sphere.radius);
+  }
+  EXPECT_NEAR(farthest, 0.04, 0.0015);
+}
+
+TEST(DescribeHand, NotesOverrideWhatIsDerived) {
+  HandNotes notes;
+  notes.fingers = "left, right, thumb";
+  notes.tips = "index_tip,ring_tip,thumb_tip";
+  notes.thumb = "left";
+  notes.closing = "index_2,-ring_2,thumb_1";
+  notes.max_torque = 0.7;
+  notes.has_mount = true;
+  notes.mount_xyz = {0.01, 0.02, 0.03};
+  notes.mount_rpy = {0, 180, 0};
+  const auto hand = described("plain.xml", kHandMjcf, notes);
+  EXPECT_EQ(hand.fingers[1].name, "right");
+  EXPECT_EQ(hand.thumb, 0);
+  EXPECT_EQ(hand.actuators[static_cast<std::size_t>(hand.actuator("index_1"))].closing, 0);
+  EXPECT_GT(hand.actuators[static_cast<std::size_t>(hand.actuator("index_2"))].closing, 0);
+  EXPECT_LT(hand.actuators[static_cast<std::size_t>(hand.actuator("ring_2"))].closing, 0);
+  EXPECT_EQ(hand.actuators[0].max_torque, 0.7);
+  const Eigen::Isometry3d& T = hand.links.front().T_parent_link;
+  EXPECT_NEAR((T.translation() - Eigen::Vector3d(0.01, 0.02, 0.03)).norm(), 0, 1e-12);
+  EXPECT_NEAR((T.linear().col(2) + Eigen::Vector3d::UnitZ()).norm(), 0, 1e-12);
+}
+
+TEST(DescribeHand, NamesLinksThatOverlapInEveryPosture) {
+  // The ring finger starts inside the index finger and stays there.
+  const auto text = replaced(kHandMjcf, "pos=\"0.045 -0.025 0\"", "pos=\"0.045 0.015 0\"");
+  const auto result = describe_hand(write_hand("overlap.xml", text));
+  ASSERT_FALSE(result.problems.empty());
+  EXPECT_NE(result.problems.front().what.find("overlap in every posture"), std::string::npos);
+  EXPECT_FALSE(result.hand.file.overlapping.empty());
+}
+
+TEST(DescribeHand, SaysThatAJointHasNoLimits) {
+  const auto text = replaced(kHandMjcf, " range=\"0 1.4\"", "");
+  const auto result = describe_hand(write_hand("unlimited.xml", text));
+  ASSERT_EQ(result.problems.size(), 1u);
+  EXPECT_EQ(result.problems[0].what, "joint index_2 has no limits");
+  EXPECT_NEAR(result.hand.joints[1].range.high, std::numbers::pi / 2, 1e-3);
+}
+
+}  // namespace
+}  // namespace palpate::simulation
