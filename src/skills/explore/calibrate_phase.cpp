@@ -69,17 +69,39 @@ Attitude draw_attitude(const hand::Description& hand, int finger, RandomStream& 
   return attitude;
 }
 
-/// Height of the lowest part of the hand that is (or is not) a fingertip's, over the base's, m.
-double lowest(const hand::Description& hand, const Attitude& attitude, bool of_tip) {
+/// Which parts of the hand are looked at.
+enum class Part { fingertip, rest };
+
+/// Height of the lowest part of the hand over the base's, m.
+double lowest(const hand::Description& hand, const Attitude& attitude, Part part) {
   const auto T_base_link =
       hand::forward_kinematics(hand, hand::joints_in_free_flexion(hand, attitude.posture));
   const Eigen::Isometry3d T_world_base = attitude.base({0}, 0).pose();
+  const int tip = hand.fingers[static_cast<std::size_t>(attitude.finger)].link;
   double low = std::numeric_limits<double>::infinity();
   for (const auto& sphere : hand.spheres) {
-    if ((sphere.link == hand.fingers[static_cast<std::size_t>(attitude.finger)].link) != of_tip)
-      continue;
+    if ((sphere.link == tip) != (part == Part::fingertip)) continue;
     const auto& T = T_base_link[static_cast<std::size_t>(sphere.link)];
     low = std::min(low, (T_world_base.linear() * (T * sphere.center)).z() - sphere.radius);
+  }
+  return low;
+}
+
+double lowest(const hand::Description& hand, const Attitude& attitude) {
+  return std::min(lowest(hand, attitude, Part::fingertip), lowest(hand, attitude, Part::rest));
+}
+
+/// The same on the way between two attitudes: a finger that swings is lowest in between.
+double lowest_between(const hand::Description& hand, const Attitude& from, const Attitude& to) {
+  constexpr int kLooks = 8;
+  double low = std::numeric_limits<double>::infinity();
+  for (int i = 0; i <= kLooks; ++i) {
+    const double share = static_cast<double>(i) / kLooks;
+    Attitude between = to;
+    between.posture = from.posture + share * (to.posture - from.posture);
+    between.pitch = from.pitch + share * (to.pitch - from.pitch);
+    between.roll = from.roll + share * (to.roll - from.roll);
+    low = std::min(low, lowest(hand, between));
   }
   return low;
 }
@@ -92,7 +114,7 @@ std::vector<Attitude> possible_attitudes(const hand::Description& hand) {
     Attitude attitude = draw_attitude(hand, i % hand.finger_count(), random);
     const auto joints = hand::joints_in_free_flexion(hand, attitude.posture);
     if (!hand::is_clear_of_itself(hand, joints, stretched)) continue;
-    if (lowest(hand, attitude, false) - lowest(hand, attitude, true) > kAlone) {
+    if (lowest(hand, attitude, Part::rest) - lowest(hand, attitude, Part::fingertip) > kAlone) {
       attitudes.push_back(attitude);
     }
   }
@@ -164,20 +186,33 @@ Executor::StopCondition pressing_down() {
   };
 }
 
-void touch_table(Executor& robot, const Attitude& attitude, const CalibrateOptions& options,
-                 UnfeltTouches& unfelt) {
-  const double low =
-      std::min(lowest(robot.model(), attitude, true), lowest(robot.model(), attitude, false));
-  double lowest_on_way = low;
+/// Takes an attitude well above the table: first it rises, then turns, then moves its fingers.
+void take_attitude(Executor& robot, const Attitude& attitude, const CalibrateOptions& options) {
+  const hand::Description& hand = robot.model();
+  const hand::HandCommand& now = robot.command();
+  Attitude begin = attitude, turned = attitude;
+  begin.posture = turned.posture = now.positions;
+  begin.pitch = now.base.ypr.y();
+  begin.roll = now.base.ypr.z();
+  double low = lowest_between(hand, begin, turned);
   if (fingers_meet(robot, attitude.posture)) {  // by the stretched hand then
     Attitude stretched = attitude;
-    stretched.posture = robot.model().postures.stretched;
-    lowest_on_way = std::min(
-        {low, lowest(robot.model(), stretched, true), lowest(robot.model(), stretched, false)});
+    stretched.posture = hand.postures.stretched;
+    low = std::min(
+        {low, lowest_between(hand, turned, stretched), lowest_between(hand, stretched, attitude)});
+  } else {
+    low = std::min(low, lowest_between(hand, turned, attitude));
   }
-  const double high = std::max(robot.command().base.xyz.z(), kTravelHeight - lowest_on_way);
-  robot.move_base(attitude.base(options, high), options.travel_speed);
+  const double high = kTravelHeight - low;
+  rise(robot, std::max(0.0, high - now.base.xyz.z()), options.travel_speed);
+  robot.move_base(attitude.base(options, std::max(now.base.xyz.z(), high)), options.travel_speed);
   take_posture(robot, attitude.posture, kPostureSeconds);
+}
+
+void touch_table(Executor& robot, const Attitude& attitude, const CalibrateOptions& options,
+                 UnfeltTouches& unfelt) {
+  take_attitude(robot, attitude, options);
+  const double low = lowest(robot.model(), attitude);
   robot.move_base(attitude.base(options, kApproachHeight - low), options.travel_speed);
   robot.wait(kSettling);
   bool felt = false;
