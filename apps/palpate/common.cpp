@@ -16,13 +16,6 @@
 
 namespace palpate::app {
 
-void add_hand_option(CLI::App& command, std::string& hand) {
-  command
-      .add_option("--hand", hand,
-                  "a hand of `palpate hand list`, or an MJCF or URDF file (default: shadow)")
-      ->option_text("HAND");
-}
-
 void add_common_options(CLI::App& command, CommonOptions& options) {
   command.add_option("--config", options.config, "TOML file with options")->option_text("FILE");
   command.add_option("--set", options.set, "set one option, e.g. --set lift.height=0.15")

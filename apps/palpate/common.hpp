@@ -32,7 +32,6 @@ struct CommonOptions {
 };
 
 void add_common_options(CLI::App& command, CommonOptions& options);
-void add_hand_option(CLI::App& command, std::string& hand);
 
 /// The folder for the results, if one was asked for: locked, and without these results.
 /// @throws BadInput as OutputFolder does

@@ -5,6 +5,7 @@
 
 #include "common.hpp"
 #include "eval_faults.hpp"
+#include "hand_option.hpp"
 #include "palpate/core/cache.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
@@ -187,7 +188,8 @@ int eval(EvalArguments arguments) {
     if (arguments.resume || !arguments.place.empty()) {
       throw BadInput("--faults goes neither with --resume nor with --place");
     }
-    return eval_faults(arguments.common, arguments.objects, arguments.trials, arguments.faults);
+    return eval_faults(resolve_trial(arguments.common, arguments.hand), arguments.common,
+                       arguments.objects, arguments.trials, arguments.faults);
   }
   if (arguments.resume && (arguments.common.out.empty() || arguments.common.force)) {
     throw BadInput("--resume needs the --out of an evaluation, and no --force");
@@ -197,8 +199,7 @@ int eval(EvalArguments arguments) {
     throw BadInput(fmt::format("{}: there is no evaluation to go on with", records.string()));
   }
   arguments.objects = geometry::expand_object_names(arguments.objects);
-  auto options = resolve<evaluation::TrialOptions>(arguments.common);
-  if (!arguments.hand.empty()) options.world.hand = arguments.hand;
+  auto options = resolve_trial(arguments.common, arguments.hand);
   if (!arguments.place.empty()) options.place.target = place_text(arguments.place);
   std::vector<geometry::KnownObject> objects;
   for (const auto& name : arguments.objects) objects.push_back(geometry::load_known_object(name));

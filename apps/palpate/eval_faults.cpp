@@ -80,10 +80,10 @@ std::vector<InjectedFault> campaign_of(const std::vector<std::string>& names) {
 
 }  // namespace
 
-int eval_faults(const CommonOptions& common, const std::vector<std::string>& objects,
-                std::size_t trials, const std::vector<std::string>& faults) {
+int eval_faults(const evaluation::TrialOptions& options, const CommonOptions& common,
+                const std::vector<std::string>& objects, std::size_t trials,
+                const std::vector<std::string>& faults) {
   const auto campaign = campaign_of(faults);
-  const auto options = resolve<evaluation::TrialOptions>(common);
   std::vector<geometry::ObjectModel> models;
   for (const auto& name : geometry::expand_object_names(objects)) {
     models.emplace_back(geometry::load_known_object(name));

@@ -3,6 +3,7 @@
 #include <fmt/ranges.h>
 
 #include "common.hpp"
+#include "hand_option.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/hand/kinematics.hpp"
 #include "palpate/simulation/hand/hand_store.hpp"
@@ -34,7 +35,7 @@ std::vector<std::string> joints_of(const hand::Description& hand, int finger) {
   return names;
 }
 
-nlohmann::json hand_json(const simulation::LoadedHand& loaded) {
+nlohmann::json hand_json(const simulation::DescribedHand& loaded) {
   const hand::Description& hand = loaded.hand;
   auto fingers = nlohmann::json::array(), actuators = nlohmann::json::array();
   auto problems = nlohmann::json::array();
@@ -63,7 +64,7 @@ nlohmann::json hand_json(const simulation::LoadedHand& loaded) {
           {"problems", problems}, {"guesses", loaded.guesses}, {"joints", hand.joint_count()}};
 }
 
-void print_hand(const simulation::LoadedHand& loaded) {
+void print_hand(const simulation::DescribedHand& loaded) {
   const hand::Description& hand = loaded.hand;
   fmt::print("{}: {} fingers, {} joints, {} actuators\n\n", hand.name, hand.finger_count(),
              hand.joint_count(), hand.actuator_count());
@@ -115,7 +116,7 @@ void draw_postures(const hand::Description& hand, const fs::path& folder) {
 }
 
 int check(const CheckArguments& arguments) {
-  const auto loaded = simulation::load_hand_with_notes(arguments.hand);
+  const auto loaded = load_hand_with_progress(arguments.hand, arguments.common.quiet);
   if (!arguments.render.empty()) draw_postures(loaded.hand, arguments.render);
   if (arguments.common.json) {
     fmt::print("{}\n", hand_json(loaded).dump(2));

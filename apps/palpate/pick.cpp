@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "common.hpp"
+#include "hand_option.hpp"
 #include "interrupt.hpp"
 #include "palpate/core/file.hpp"
 #include "palpate/core/version.hpp"
@@ -49,12 +50,11 @@ skills::PhaseObserver phase_printer(const CommonOptions& common) {
 
 int pick(const PickArguments& arguments) {
   const CommonOptions& common = arguments.common;
-  auto options = resolve<evaluation::TrialOptions>(common);
+  auto options = resolve_trial(common, arguments.hand);
   if (arguments.explore) {
     options.pick.explore.touches = *arguments.explore;
     options.pick.explore.max_touches = *arguments.explore;
   }
-  if (!arguments.hand.empty()) options.world.hand = arguments.hand;
   if (!arguments.place.empty()) options.place.target = place_text(arguments.place);
   const geometry::ObjectModel object(geometry::load_known_object(arguments.object));
   // Bad ones are named first.

@@ -9,7 +9,7 @@
 #include "palpate/core/random.hpp"
 #include "palpate/hand/hand.hpp"
 #include "palpate/hand/kinematics.hpp"
-#include "palpate/hand/self_distance.hpp"
+#include "palpate/hand/self_clearance.hpp"
 
 namespace palpate::grasping {
 namespace {
@@ -54,8 +54,9 @@ std::vector<Ball> surface(const hand::Description& hand, const hand::ActuatorVec
 
 /// Whether a hand can take a posture without its fingers pressing on one another or on the palm.
 bool is_clear(const hand::Description& hand, const hand::ActuatorVector& positions) {
-  return hand::is_clear_of_itself(hand, hand::joints_in_free_flexion(hand, positions),
-                                  hand::joints_in_free_flexion(hand, all_bent(hand, 0)));
+  const auto stretched = hand::joints_in_free_flexion(hand, all_bent(hand, 0));
+  return hand::SelfClearance(hand, stretched)
+      .is_clear(hand::joints_in_free_flexion(hand, positions));
 }
 
 /// Fingers closed as far as they can be without meeting one another or the palm.
@@ -240,8 +241,8 @@ hand::ActuatorVector released(const hand::Description& hand) {
 
 }  // namespace
 
-void derive_postures(hand::Description& hand) {
-  hand.postures.top = find_preshape(hand);
+void derive_postures(hand::Description& hand, const ProgressCallback& progress) {
+  hand.postures.top = find_preshape(hand, progress);
   hand.postures.flat = find_flat(hand);
   hand.postures.pointing = find_all_pointing(hand);
   hand.postures.stretched = all_bent(hand, 0);

@@ -24,13 +24,13 @@
 namespace palpate::grasping {
 namespace {
 
-constexpr double kTouch = 1.2;     // N, of a fingertip that closes
-constexpr double kPress = 6.0;     // N, of all fingertips, in the search
-constexpr int kSamples = 160;      // of preshapes, at random
-constexpr int kSteps = 120;        // of the best one, at random
-constexpr double kNoGrasp = 2.0;   // cost of an object that cannot be grasped
-constexpr double kMissing = 0.25;  // cost of a finger whose tip does not meet the object
-constexpr double kFullWay = 2.0;   // rad that an actuator of speed 1 closes in the time of all
+constexpr double kTouch = 1.2;         // N, of a fingertip that closes
+constexpr double kPress = 6.0;         // N, of all fingertips, in the search
+constexpr std::size_t kSamples = 160;  // of preshapes, at random
+constexpr std::size_t kSteps = 120;    // of the best one, at random
+constexpr double kNoGrasp = 2.0;       // cost of an object that cannot be grasped
+constexpr double kMissing = 0.25;      // cost of a finger whose tip does not meet the object
+constexpr double kFullWay = 2.0;       // rad that an actuator of speed 1 closes in the time of all
 
 /// Where an actuator stands in a closed finger.
 double end_of(const hand::Actuator& actuator) {
@@ -207,7 +207,7 @@ hand::Preshape preshape_of(const hand::Description& hand, const HandPosture& bes
 
 /// All numbers of a hand that the search depends on, as text.
 std::string fingerprint(const hand::Description& hand) {
-  std::string text = "preshape 3";
+  std::string text = "preshape 4";
   const auto add = [&](double value) { text += fmt::format(" {:a}", value); };
   for (const hand::Link& link : hand.links) {
     for (const double value : link.T_parent_link.matrix().reshaped()) add(value);
@@ -261,18 +261,30 @@ bool from_bytes(const std::string& bytes, int actuators, HandPosture& best, hand
   return true;
 }
 
-void search_preshape(const hand::Description& hand, HandPosture& best, hand::Attitude& other) {
+/// The hand with the large balls of each link only: the small ones in corners cost the search most
+/// of its time and decide nothing.
+hand::Description coarse(hand::Description hand) {
+  std::vector<double> largest(hand.links.size(), 0);
+  for (const hand::LinkSphere& ball : hand.spheres) {
+    double& radius = largest[static_cast<std::size_t>(ball.link)];
+    radius = std::max(radius, ball.radius);
+  }
+  std::erase_if(hand.spheres, [&](const hand::LinkSphere& ball) {
+    return ball.radius < 0.5 * largest[static_cast<std::size_t>(ball.link)];
+  });
+  return hand;
+}
+
+void search_preshape(const hand::Description& detailed, const ProgressCallback& progress,
+                     HandPosture& best, hand::Attitude& other) {
+  const hand::Description hand = coarse(detailed);
   const Trials trials;
   RandomStream random(1, "preshape");
-  for (int i = 0; i < kSamples; ++i) {
-    HandPosture tried = draw(hand, random);
+  for (std::size_t i = 0; i < kSamples + kSteps; ++i) {
+    HandPosture tried = i < kSamples ? draw(hand, random) : shaken(best, random);
     tried.cost = trials.cost(hand, tried);
     if (tried.cost < best.cost) best = tried;
-  }
-  for (int i = 0; i < kSteps; ++i) {
-    HandPosture tried = shaken(best, random);
-    tried.cost = trials.cost(hand, tried);
-    if (tried.cost < best.cost) best = tried;
+    if (progress) progress(i + 1, kSamples + kSteps);
   }
   if (best.cost > 3.5 * kNoGrasp) {
     throw BadInput("the hand holds nothing: no posture was found in which its fingers oppose");
@@ -298,13 +310,13 @@ double bent(const hand::Actuator& actuator, double share) {
   return start_of(actuator) + share * (end_of(actuator) - start_of(actuator));
 }
 
-hand::Preshape find_preshape(hand::Description& hand) {
+hand::Preshape find_preshape(hand::Description& hand, const ProgressCallback& progress) {
   const std::string key = fingerprint(hand);
   HandPosture best;
   hand::Attitude other;
   const auto known = read_cache(key);
   if (!known || !from_bytes(*known, hand.actuator_count(), best, other)) {
-    search_preshape(hand, best, other);
+    search_preshape(hand, progress, best, other);
     write_cache(key, to_bytes(best, other));
   }
   hand.postures.far_attitudes = {other};

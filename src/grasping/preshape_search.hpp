@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "palpate/core/progress.hpp"
 #include "palpate/hand/description.hpp"
 
 namespace palpate::grasping {
@@ -16,6 +17,6 @@ double start_of(const hand::Actuator& actuator);
 /// Searches the open hand and the attitudes in which closing it holds objects of household size
 /// best, and sets the speeds at which the actuators close. What was found is kept in the cache.
 /// @throws BadInput if no posture holds anything
-hand::Preshape find_preshape(hand::Description& hand);
+hand::Preshape find_preshape(hand::Description& hand, const ProgressCallback& progress);
 
 }  // namespace palpate::grasping

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "skills/take_posture.hpp"
 
-#include "palpate/hand/self_distance.hpp"
+#include "palpate/hand/self_clearance.hpp"
 
 namespace palpate::skills {
 namespace {
@@ -13,10 +13,10 @@ bool way_is_clear(const hand::Description& hand, const hand::ActuatorVector& fro
   const auto at = [&](const hand::ActuatorVector& positions) {
     return hand::joints_in_free_flexion(hand, positions);
   };
-  const auto possible = at(hand.postures.stretched);
+  const hand::SelfClearance clearance(hand, at(hand.postures.stretched));
   for (int i = 1; i < kLooks; ++i) {
     const double share = static_cast<double>(i) / kLooks;
-    if (!hand::is_clear_of_itself(hand, at(from + share * (to - from)), possible)) return false;
+    if (!clearance.is_clear(at(from + share * (to - from)))) return false;
   }
   return true;
 }

@@ -126,6 +126,20 @@ TEST(DescribeHand, NamesLinksThatOverlapInEveryPosture) {
   EXPECT_FALSE(result.hand.file.overlapping.empty());
 }
 
+TEST(DescribeHand, SaysThatATendonIsLeftOut) {
+  const auto text = replaced(kHandMjcf, "</worldbody>",
+                             "</worldbody><tendon><fixed name=\"pull\"><joint joint=\"index_1\" "
+                             "coef=\"1\"/></fixed></tendon>");
+  const auto result = describe_hand(write_hand("tendon.xml", text));
+  ASSERT_EQ(result.problems.size(), 1u);
+  EXPECT_EQ(result.problems[0].what, "tendon pull is left out");
+}
+
+TEST(DescribeHand, TakesInertiasOfADrawingThatBreakTheTriangleInequality) {
+  const auto text = replaced(kHandUrdf, "ixx=\"1e-5\"", "ixx=\"9e-5\"");
+  EXPECT_EQ(describe_hand(write_hand("inertia.urdf", text)).hand.joint_count(), 4);
+}
+
 TEST(DescribeHand, SaysThatAJointHasNoLimits) {
   const auto text = replaced(kHandMjcf, " range=\"0 1.4\"", "");
   const auto result = describe_hand(write_hand("unlimited.xml", text));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "palpate/core/progress.hpp"
 #include "palpate/hand/description.hpp"
 
 namespace palpate::grasping {
@@ -14,7 +15,9 @@ namespace palpate::grasping {
 /// pointing one that in which one fingertip is farthest below all else.
 /// @param hand  with links, actuators, fingers, thumb and mount; gets postures, closing speeds and
 ///              the ranges in which fingers bend
+/// @param progress  told while the open hand is searched for, which takes about a minute; not if it
+///                  is in the cache
 /// @throws BadInput if no posture of the hand holds anything
-void derive_postures(hand::Description& hand);
+void derive_postures(hand::Description& hand, const ProgressCallback& progress = {});
 
 }  // namespace palpate::grasping

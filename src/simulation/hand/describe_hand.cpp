@@ -75,6 +75,7 @@ class Describer {
     free_from_joints(*spec_, result_.hand.file.root);
     const ModelHandle model = compile(*spec_);
     check_masses(*model);
+    check_constraints(*model);
     const Anatomy anatomy(*model, result_.hand.file.root, notes_);
     read_joints(*model, anatomy);
     read_fingers(*model, anatomy);
@@ -100,6 +101,7 @@ class Describer {
     result_.problems.push_back({std::move(what), std::move(hint)});
   }
 
+  void check_constraints(const mjModel& model);
   void read_joints(const mjModel& model, const Anatomy& anatomy);
   void read_fingers(const mjModel& model, const Anatomy& anatomy);
   void read_couplings(const mjModel& model);
@@ -123,6 +125,23 @@ class Describer {
   std::vector<int> joint_ids_;      // in the model, of the hand's joints
   std::vector<MimicJoint> mimics_;  // by name
 };
+
+/// Closed loops are refused; tendons are noted, for each of their joints gets a drive of its own.
+void Describer::check_constraints(const mjModel& model) {
+  for (int i = 0; i < model.neq; ++i) {
+    if (model.eq_type[i] != mjEQ_CONNECT && model.eq_type[i] != mjEQ_WELD) continue;
+    const bool sites = model.eq_objtype[i] == mjOBJ_SITE;
+    const auto body = [&](int id) {
+      return model_name(model, mjOBJ_BODY, sites ? model.site_bodyid[id] : id);
+    };
+    throw BadInput(fmt::format("links {} and {} are tied in a closed loop, which is not supported",
+                               body(model.eq_obj1id[i]), body(model.eq_obj2id[i])));
+  }
+  for (int i = 0; i < model.ntendon; ++i) {
+    problem(fmt::format("tendon {} is left out", model_name(model, mjOBJ_TENDON, i)),
+            "its joints get a drive each; tie joints by an equality instead");
+  }
+}
 
 void Describer::read_joints(const mjModel& model, const Anatomy& anatomy) {
   for (int joint = 0; joint < model.njnt; ++joint) {

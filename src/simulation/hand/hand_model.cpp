@@ -17,6 +17,7 @@ constexpr double kSphereSpacing = 0.024;  // m, between the balls that stand for
 constexpr double kThinnest = 0.003;       // m, half thickness below which a part is left out
 constexpr double kMeshFill = 0.85;
 constexpr double kCornerRadius = 0.003;  // m, of the balls in corners
+constexpr double kCovered = 0.002;       // m that may stand out of the balls
 
 std::string without_prefix(const hand::Description& hand, const std::string& name) {
   return name.starts_with(hand.file.prefix) ? name.substr(hand.file.prefix.size()) : name;
@@ -146,6 +147,13 @@ Eigen::Vector3d support(const std::vector<Eigen::Vector3d>& points, const Eigen:
   });
 }
 
+/// Whether a point of a link is within kCovered of the balls that stand for it.
+bool is_covered(const std::vector<hand::LinkSphere>& spheres, int link, const Eigen::Vector3d& p) {
+  return std::ranges::any_of(spheres, [&](const hand::LinkSphere& ball) {
+    return ball.link == link && (p - ball.center).norm() < ball.radius + kCovered;
+  });
+}
+
 /// Small balls that touch the hull of a box or mesh from inside where it reaches farthest, in 26
 /// directions: what the larger ones leave out.
 void add_corners(const mjModel& model, int geom, int link, std::vector<hand::LinkSphere>& spheres) {
@@ -154,23 +162,16 @@ void add_corners(const mjModel& model, int geom, int link, std::vector<hand::Lin
   const std::vector<Eigen::Vector3d> points = geom_points(model, geom);
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
   for (const auto& p : points) middle += p / static_cast<double>(points.size());
-  std::vector<Eigen::Vector3d> farthest;
   for (const double x : {-1.0, 0.0, 1.0}) {
     for (const double y : {-1.0, 0.0, 1.0}) {
       for (const double z : {-1.0, 0.0, 1.0}) {
         if (x == 0 && y == 0 && z == 0) continue;
         const Eigen::Vector3d p = support(points, {x, y, z});
-        const bool known = std::any_of(farthest.begin(), farthest.end(), [&](const auto& other) {
-          return (p - other).norm() < kThinnest;
-        });
-        if (!known) farthest.push_back(p);
+        const double depth = (p - middle).norm();
+        if (depth < kCornerRadius || is_covered(spheres, link, p)) continue;
+        spheres.push_back({link, p - kCornerRadius / depth * (p - middle), kCornerRadius});
       }
     }
-  }
-  for (const auto& p : farthest) {
-    const double depth = (p - middle).norm();
-    if (depth < kCornerRadius) continue;
-    spheres.push_back({link, p - kCornerRadius / depth * (p - middle), kCornerRadius});
   }
 }
 

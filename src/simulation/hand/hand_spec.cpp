@@ -84,7 +84,8 @@ SpecHandle parse_model(const std::filesystem::path& file, std::vector<std::strin
     }
     if (warnings) warnings->push_back(one_line(text));
   }
-  spec->compiler.fusestatic = 0;  // of a URDF: every link stays a body
+  spec->compiler.fusestatic = 0;      // of a URDF: every link stays a body
+  spec->compiler.balanceinertia = 1;  // those of drawings often break A + B >= C
   name_all(*spec, mjOBJ_BODY, "body");
   name_all(*spec, mjOBJ_JOINT, "joint");
   return spec;

@@ -47,23 +47,24 @@ DescribedHand describe(const std::filesystem::path& file) {
 
 }  // namespace
 
-LoadedHand load_hand_with_notes(const std::string& name, double stiffness_scale) {
+DescribedHand load_described_hand(const std::string& name, double stiffness_scale,
+                                  const ProgressCallback& progress) {
   if (name.empty() || name == "shadow") {
     return {load_shadow_hand(asset("shadow_hand/right_hand.xml"), stiffness_scale), {}, {}};
   }
   static std::mutex mutex;
-  static std::map<std::string, LoadedHand> loaded;
+  static std::map<std::string, DescribedHand> loaded;
   const std::scoped_lock lock(mutex);
   const auto known = loaded.find(name);
   if (known != loaded.end()) return known->second;
-  LoadedHand hand = describe(file_of(name));
+  DescribedHand hand = describe(file_of(name));
   hand.hand.name = name;
-  grasping::derive_postures(hand.hand);
+  grasping::derive_postures(hand.hand, progress);
   return loaded.emplace(name, std::move(hand)).first->second;
 }
 
 hand::Description load_hand(const std::string& name, double stiffness_scale) {
-  return load_hand_with_notes(name, stiffness_scale).hand;
+  return load_described_hand(name, stiffness_scale).hand;
 }
 
 }  // namespace palpate::simulation

@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "palpate/core/random.hpp"
-#include "palpate/hand/self_distance.hpp"
+#include "palpate/hand/self_clearance.hpp"
 #include "palpate/hand/tip_forces.hpp"
 #include "palpate/skills/grasp/grasp_phase.hpp"
 #include "palpate/tactile/calibration/link_calibration.hpp"
@@ -26,7 +26,7 @@ constexpr double kSteepest = 1.4;          // rad of pitch; at pi/2 yaw and roll
 constexpr double kAlone = 0.008;           // m by which all else is higher than the fingertip
 constexpr double kApproachHeight = 0.012;  // m over the table from which it goes down, by the model
 constexpr double kBelow = 0.015;           // m under the table at which it has missed it
-constexpr double kTravelHeight = 0.05;     // m of the hand's lowest part while it changes posture
+constexpr double kTravelHeight = 0.02;     // m of the hand's lowest part while it changes posture
 constexpr double kPostureSeconds = 0.3;    // s
 constexpr double kSettling = 0.1;          // s
 constexpr double kLastingShare = 0.8;      // of the readings in which a resting fingertip touches
@@ -108,12 +108,13 @@ double lowest_between(const hand::Description& hand, const Attitude& from, const
 
 std::vector<Attitude> possible_attitudes(const hand::Description& hand) {
   RandomStream random(kDesign, "attitudes");
-  const auto stretched = hand::joints_in_free_flexion(hand, hand.postures.stretched);
+  const hand::SelfClearance clearance(hand,
+                                      hand::joints_in_free_flexion(hand, hand.postures.stretched));
   std::vector<Attitude> attitudes;
   for (int i = 0; i < kAttitudes; ++i) {
     Attitude attitude = draw_attitude(hand, i % hand.finger_count(), random);
     const auto joints = hand::joints_in_free_flexion(hand, attitude.posture);
-    if (!hand::is_clear_of_itself(hand, joints, stretched)) continue;
+    if (!clearance.is_clear(joints)) continue;
     if (lowest(hand, attitude, Part::rest) - lowest(hand, attitude, Part::fingertip) > kAlone) {
       attitudes.push_back(attitude);
     }

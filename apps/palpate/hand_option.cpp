@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hand_option.hpp"
+
+#include <fmt/format.h>
+
+#include <optional>
+
+#include "progress_bar.hpp"
+
+namespace palpate::app {
+
+void add_hand_option(CLI::App& command, std::string& hand) {
+  command
+      .add_option("--hand", hand,
+                  "a hand of `palpate hand list`, or an MJCF, URDF or TOML file (default: shadow)")
+      ->option_text("HAND");
+}
+
+simulation::DescribedHand load_hand_with_progress(const std::string& hand, bool quiet) {
+  std::optional<ProgressBar> bar;
+  return simulation::load_described_hand(hand, 4.0, [&](std::size_t done, std::size_t total) {
+    if (!bar) bar.emplace(fmt::format("postures of {}", hand), total, quiet);
+    bar->show(done);
+  });
+}
+
+evaluation::TrialOptions resolve_trial(const CommonOptions& common, const std::string& hand) {
+  auto options = resolve<evaluation::TrialOptions>(common);
+  if (!hand.empty()) options.world.hand = hand;
+  load_hand_with_progress(options.world.hand, common.quiet);  // known to the process from now on
+  return options;
+}
+
+}  // namespace palpate::app

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+#include "common.hpp"
+#include "palpate/evaluation/trial.hpp"
+#include "palpate/simulation/hand/load_hand.hpp"
+
+namespace palpate::app {
+
+void add_hand_option(CLI::App& command, std::string& hand);
+
+/// A hand of a name or file, with a progress bar while its postures are searched for.
+simulation::DescribedHand load_hand_with_progress(const std::string& hand, bool quiet);
+
+/// Options of a pick from --config, --set and --hand, with the hand loaded.
+/// @param hand  of --hand; empty: that of the option world.hand
+evaluation::TrialOptions resolve_trial(const CommonOptions& common, const std::string& hand);
+
+}  // namespace palpate::app
