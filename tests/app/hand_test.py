@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The hand command, and hands that pick and eval refuse."""
+
+from cli import BAD_INPUT, USAGE, CliTest, main
+
+NO_HAND = '<mujoco><worldbody><body name="palm"><geom size="0.1"/></body></worldbody></mujoco>'
+
+
+class Hand(CliTest):
+    def refused(self, *arguments):
+        result = self.run_program(*arguments)
+        self.assertEqual(result.returncode, BAD_INPUT, result.stderr)
+        self.assertEqual(result.stdout, "")
+        self.assertEqual(result.stderr.count("\n"), 1, result.stderr)
+        self.assertEqual([path for path in self.folder.rglob("*") if path.is_dir()], [])
+        return result.stderr
+
+    def test_the_shadow_hand_is_described(self):
+        report = self.run_json("hand", "check", "shadow")
+        self.assertEqual(len(report["fingers"]), 5)
+        self.assertEqual([finger["thumb"] for finger in report["fingers"]].count(True), 1)
+        self.assertEqual(len(report["actuators"]), 20)
+        self.assertEqual(report["problems"], [])
+        self.assertIn("5 fingers", self.run_program("hand", "check", "shadow").stdout)
+
+    def test_every_hand_of_the_list_names_its_licence(self):
+        hands = {hand["name"]: hand for hand in self.run_json("hand", "list")["hands"]}
+        self.assertLessEqual({"shadow", "allegro", "leap", "barrett"}, set(hands))
+        self.assertTrue(all(hand["licence"] for hand in hands.values()))
+        self.assertTrue(hands["shadow"]["installed"])
+        self.assertFalse(hands["leap"]["installed"])  # the cache of a test is empty
+
+    def test_what_is_no_hand_is_refused_by_every_command(self):
+        self.write("no_hand.xml", NO_HAND)
+        self.write("my_hand.toml", 'model = "no_hand.xml"\nthum = "thumb"\n')
+        for command in (["hand", "check"], ["pick", "--hand"], ["eval", "--trials", "1", "--hand"]):
+            self.assertIn("no_hand.xml: no body of the file has joints",
+                          self.refused(*command, "no_hand.xml"))
+            self.assertIn("my_hand.toml:2: unknown option thum; did you mean thumb?",
+                          self.refused(*command, "my_hand.toml"))
+            self.assertIn("palpate hand install leap", self.refused(*command, "leap"))
+            self.assertIn("'nobody' is no hand", self.refused(*command, "nobody"))
+
+    def test_a_hand_is_installed_by_its_name_only(self):
+        self.assertIn("no hand named 'nobody'", self.refused("hand", "install", "nobody"))
+        self.assertEqual(self.run_program("hand", "install").returncode, USAGE)
+
+
+if __name__ == "__main__":
+    main()
