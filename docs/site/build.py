@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Builds the documentation site, which is read without a network.
 
-usage: build.py SPHINX_BUILD PALPATE STUBS FOLDER [DOXYGEN]
+usage: build.py SPHINX_BUILD PALPATE FOLDER [DOXYGEN]
 
 FOLDER/html/index.html is its first page. The pages are those of the repository, in the same
 places, so that a link which works there works here; the reference is made by reference.py.
 Warnings are errors: a link or anchor that leads nowhere ends the build with exit code 1.
+Without the Python package beside the program (build/*/python) its reference says so.
 """
 
 import pathlib
@@ -30,12 +31,17 @@ def copy_pages(source):
     shutil.copy(ROOT / "README.md", source / "index.md")
 
 
-def make_reference(source, program, stubs):
-    folder = source / "reference"
-    folder.mkdir()
-    (folder / "commands.md").write_text(reference.commands_page(program))
-    (folder / "options.md").write_text(reference.options_page(program))
-    (folder / "python.md").write_text(reference.python_page(pathlib.Path(stubs).read_text()))
+def make_reference(source, program, has_doxygen):
+    stubs = pathlib.Path(program).resolve().parents[2] / "python" / "palpate" / "_core.pyi"
+    pages = {
+        "commands": reference.commands_page(program),
+        "options": reference.options_page(program),
+        "python": reference.python_page(stubs.read_text() if stubs.exists() else ""),
+        "cpp": reference.cpp_page(has_doxygen),
+    }
+    (source / "reference").mkdir()
+    for name, text in pages.items():
+        (source / "reference" / f"{name}.md").write_text(text)
 
 
 def make_cpp_reference(doxygen, html):
@@ -44,14 +50,14 @@ def make_cpp_reference(doxygen, html):
     subprocess.run([doxygen, "-"], cwd=ROOT, input=settings, text=True, check=True)
 
 
-def main(sphinx, program, stubs, folder, doxygen=None):
+def main(sphinx, program, folder, doxygen=None):
     folder = pathlib.Path(folder).resolve()
     source, html = folder / "source", folder / "html"
     for old in (source, html):
         shutil.rmtree(old, ignore_errors=True)
     source.mkdir(parents=True)
     copy_pages(source)
-    make_reference(source, program, stubs)
+    make_reference(source, program, bool(doxygen))
     done = subprocess.run(
         [sphinx, "-W", "--keep-going", "-q", "-b", "html", "-c", HERE, "-d", folder / "doctrees",
          source, html]
@@ -62,6 +68,6 @@ def main(sphinx, program, stubs, folder, doxygen=None):
 
 
 if __name__ == "__main__":
-    if len(sys.argv) not in (5, 6):
+    if len(sys.argv) not in (4, 5):
         sys.exit(__doc__)
     sys.exit(main(*sys.argv[1:]))

@@ -5,7 +5,6 @@ The site is read without a network: no fonts or scripts from elsewhere, equation
 """
 
 import pathlib
-import re
 
 from latex2mathml.converter import convert
 
@@ -55,10 +54,4 @@ def setup(app):
         "mathml", (add_equation(False), None), (add_equation(True), None)
     )
     app.connect("source-read", add_contents)
-    app.connect("html-page-context", drop_remote_sources)
 
-
-def drop_remote_sources(app, page, template, context, doctree):
-    """Themes may ask for fonts of another host; what is not here is not asked for."""
-    if body := context.get("body"):
-        context["body"] = re.sub(r'<link[^>]+href="https?://[^>]+>', "", body)

@@ -91,7 +91,15 @@ def function_entry(function, prefix):
     return f"- `{name}{signature}`" + (f"\n\n  {text}" if text else "")
 
 
+def cpp_page(has_doxygen):
+    link = ('<a href="../cpp/index.html">All headers, made by Doxygen</a>' if has_doxygen
+            else "Made by Doxygen, which this site was built without.")  # fmt: skip
+    return f"# C++ API\n\n{link}\n\n[The C++ library](../docs/library.md) says where to start.\n"
+
+
 def python_page(stubs):
+    if not stubs:
+        return "# Python API\n\nThis site was built without the Python package.\n"
     tree = ast.parse(stubs)
     parts = ["# Python API", "Made from the stubs of `palpate`. Poses are (4, 4) float64 in C order, "
              "points (N, 3), lengths m, angles rad; see [the guide](../docs/python.md)."]  # fmt: skip
