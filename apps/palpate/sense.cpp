@@ -78,8 +78,8 @@ int sense(const SenseArguments& arguments) {
 
 void add_sense(CLI::App& program, Command& chosen) {
   auto arguments = std::make_shared<SenseArguments>();
-  auto& command = *program.add_subcommand(
-      "sense", "Normals and forces that the fingertips feel, from a recording");
+  auto& command =
+      *program.add_subcommand("sense", "Estimate contact normals and forces from tactile readings");
   command
       .add_option("recording", arguments->recording,
                   "recording.h5, a CSV of contacts, or a CSV of a BioTac")
@@ -101,11 +101,11 @@ void add_sense(CLI::App& program, Command& chosen) {
   command.footer(
       "A CSV of contacts has the columns finger,t,px,py,pz (or x,y,z),fx,fy,fz and, optionally,\n"
       "nx,ny,nz; one of a BioTac has t_s,pdc,e1..e19 and, optionally, nx,ny,nz.\n"
-      "A recording with the channels of BioTacs also gets the contacts that these tell of.\n"
+      "For a recording with BioTac channels the contacts inferred from these are reported, too.\n"
       "Errors in a recording are against the surface nearest to the tip, where the hand is "
       "believed\n"
       "to be: at edges that is itself uncertain.\n"
-      "Samples that are of no use are flagged and counted, and get no normal. --out writes each\n"
+      "Unusable samples are flagged and counted, and get no normal. --out writes each\n"
       "stream's series as CSV and its normals and forces as SVG figures, and the contacts of all\n"
       "streams as contacts.csv, which palpate localize reads.\n\n"
       "Examples:\n"
