@@ -32,7 +32,7 @@ def copy_pages(source):
 
 
 def make_reference(source, program, has_doxygen):
-    stubs = pathlib.Path(program).resolve().parents[2] / "python" / "palpate" / "_core.pyi"
+    stubs = pathlib.Path(program).resolve().parent / "../../python/palpate/_core.pyi"
     pages = {
         "commands": reference.commands_page(program),
         "options": reference.options_page(program),
