@@ -149,12 +149,13 @@ int bench_contact(const BenchArguments& arguments) {
 }  // namespace
 
 void add_bench(CLI::App& program, Command& chosen) {
-  auto& bench = *program.add_subcommand("bench", "Measure what the pick rests on beside its peers");
+  auto& bench =
+      *program.add_subcommand("bench", "Measure components of the pick beside alternatives");
   bench.require_subcommand(1);
   bench.footer("Examples:\n  palpate bench contact --object mug");
   auto arguments = std::make_shared<BenchArguments>();
   auto& command = *bench.add_subcommand(
-      "contact", "Contacts of a fingertip with an object: true surface, hull, parts, field, flex");
+      "contact", "Fingertip contacts with an object: true surface, hull, convex parts, SDF, flex");
   command
       .add_option("--object", arguments->object,
                   "mug, bottle, box, bracket, bunny, or a mesh file in metres")

@@ -82,7 +82,7 @@ int certify(const CertifyArguments& arguments) {
 void add_certify(CLI::App& program, Command& chosen) {
   auto arguments = std::make_shared<CertifyArguments>();
   auto& command = *program.add_subcommand(
-      "certify", "Prove that a pose has the least sum of squared residuals, or bound its excess");
+      "certify", "Certify that a pose minimises the sum of squared residuals, or bound its excess");
   command
       .add_option("pose", arguments->pose,
                   "T_target_source: 16 numbers, row-major, or a file of them")
@@ -98,7 +98,7 @@ void add_certify(CLI::App& program, Command& chosen) {
   add_common_options(command, arguments->common);
   command
       .add_option("--noise-bound", arguments->noise_bound,
-                  "judge by the correspondences within this distance alone, m")
+                  "use only the correspondences within this distance, m")
       ->option_text("M");
   command.footer(
       "Exits with 4 unless the pose is certified. --out receives report.json.\n\n"

@@ -153,8 +153,8 @@ int compare(const CompareArguments& arguments) {
 
 void add_compare(CLI::App& program, Command& chosen) {
   auto arguments = std::make_shared<CompareArguments>();
-  auto& command = *program.add_subcommand("compare", "Tell whether two policies differ");
-  const char* const kind = "policy file, name of a shipped one, or episodes.csv of a rollout";
+  auto& command = *program.add_subcommand("compare", "Test whether two policies differ");
+  const char* const kind = "policy file, name of a shipped policy, or episodes.csv of a rollout";
   command.add_option("A", arguments->a, kind)->required();
   command.add_option("B", arguments->b, kind)->required();
   command.add_option("--episodes", arguments->episodes, "of each policy, on the same starts")

@@ -154,7 +154,7 @@ int retarget(const RetargetArguments& arguments) {
 void add_make(CLI::App& demos, Command& chosen) {
   auto arguments = std::make_shared<MakeArguments>();
   auto& command = *demos.add_subcommand(
-      "make", "Let a synthetic human show the task, and keep what the robot can repeat");
+      "make", "Generate demonstrations by a synthetic human hand that the robot can repeat");
   command.add_option("--count", arguments->count, "demonstrations to keep")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
@@ -169,8 +169,8 @@ void add_make(CLI::App& demos, Command& chosen) {
 
 void add_retarget(CLI::App& demos, Command& chosen) {
   auto arguments = std::make_shared<RetargetArguments>();
-  auto& command =
-      *demos.add_subcommand("retarget", "Carry a human hand's keypoints over to the Adroit hand");
+  auto& command = *demos.add_subcommand(
+      "retarget", "Retarget the keypoints of a human hand to the Adroit hand");
   command.add_option("KEYPOINTS", arguments->keypoints, "CSV: frame,j0_x,j0_y,j0_z,...,j20_z; m")
       ->required();
   command.add_option("--rate", arguments->rate, "frames per second")
@@ -187,7 +187,7 @@ void add_retarget(CLI::App& demos, Command& chosen) {
 }  // namespace
 
 void add_demos(CLI::App& program, Command& chosen) {
-  auto& command = *program.add_subcommand("demos", "Demonstrations of the relocate task");
+  auto& command = *program.add_subcommand("demos", "Make demonstrations of the relocate task");
   command.require_subcommand(1);
   command.footer(
       "Examples:\n"

@@ -137,11 +137,13 @@ int doctor(bool as_json) {
 
 void add_doctor(CLI::App& program, Command& chosen) {
   auto common = std::make_shared<CommonOptions>();
-  auto& command = *program.add_subcommand("doctor", "Check that all that palpate needs is here");
+  auto& command =
+      *program.add_subcommand("doctor", "Check that everything palpate needs is installed");
   add_common_options(command, *common);
   command.footer(
-      "Says what is here, what is missing, and how to get it. Exit code 0 when all that is needed\n"
-      "is here, else 3. Without rendering or a cache all but palpate render works.\n\n"
+      "Lists what is installed, what is missing, and how to get it. Exit code 0 if nothing that "
+      "is\n"
+      "needed is missing, else 3. Without rendering or a cache only palpate render fails.\n\n"
       "Examples:\n"
       "  palpate doctor\n"
       "  palpate doctor --json");

@@ -268,16 +268,17 @@ void add_eval(CLI::App& program, Command& chosen) {
                   "built-in objects, mesh files, generated:SEED or generated:A-B")
       ->delimiter(',')
       ->capture_default_str();
-  command.add_option("--trials", arguments->trials, "picks an object")
+  command.add_option("--trials", arguments->trials, "picks per object")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
   command.add_flag("--resume", arguments->resume,
-                   "go on with the evaluation in DIR, and begin none");
+                   "continue the evaluation in DIR; never start one");
   auto* const faults =
       command
-          .add_option("--faults", arguments->faults,
-                      "repeat the picks with each of these faults of the hand, set in at a random "
-                      "time, and with none; without a list, with all there are (docs/safety.md)")
+          .add_option(
+              "--faults", arguments->faults,
+              "repeat the picks with each of these faults of the hand, injected at a random "
+              "time, and with none; without a list, with all faults (docs/safety.md)")
           ->delimiter(',')
           ->expected(0, 100);
   add_place_option(command, arguments->place);
@@ -286,9 +287,9 @@ void add_eval(CLI::App& program, Command& chosen) {
   command.footer(
       "Trial i of every object has the seed SEED + i. With --out it writes eval.json, config.toml "
       "and,\n"
-      "as they finish, a row for each trial in trials.csv and all of it in trials.jsonl into DIR. "
+      "as they finish, one row per trial in trials.csv and its details in trials.jsonl into DIR. "
       "The\n"
-      "same command goes on where it was interrupted, with the same result bit for bit; a command "
+      "same command continues an interrupted run, with the same result bit for bit; a command "
       "with\n"
       "other settings is refused, unless --force starts over.\n\nExamples:\n"
       "  palpate eval --object mug,box --trials 30 --threads 2 --seed 9000\n"
@@ -296,7 +297,7 @@ void add_eval(CLI::App& program, Command& chosen) {
       "  palpate eval --object bunny --trials 10 --set attempts=1 --json\n"
       "  palpate eval --object box,mug --trials 5 --faults load_nan,finger_silent --json\n"
       "  palpate eval --place random --trials 20 --seed 9000\n"
-      "  palpate eval --object box --place stable pose --trials 10 --seed 9000");
+      "  palpate eval --object box --place stable_pose --trials 10 --seed 9000");
   command.callback([arguments, faults, &chosen] {
     arguments->campaign = faults->count() > 0;
     chosen = [arguments] { return eval(*arguments); };

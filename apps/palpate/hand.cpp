@@ -160,7 +160,7 @@ int install(const CommonOptions& common, const std::string& name) {
 
 void add_list(CLI::App& group, Command& chosen) {
   auto common = std::make_shared<CommonOptions>();
-  auto& command = *group.add_subcommand("list", "The hands that are known by name");
+  auto& command = *group.add_subcommand("list", "List the hands that are known by name");
   command.add_flag("--json", common->json, "print one JSON object");
   command.callback([common, &chosen] { chosen = [common] { return list(*common); }; });
 }
@@ -181,7 +181,7 @@ void add_install(CLI::App& group, Command& chosen) {
 }  // namespace
 
 void add_hand(CLI::App& program, Command& chosen) {
-  auto& group = *program.add_subcommand("hand", "What hands there are, and what is known of one");
+  auto& group = *program.add_subcommand("hand", "List, install and check hand models");
   group.require_subcommand(1);
   group.footer(
       "Examples:\n"
@@ -192,7 +192,7 @@ void add_hand(CLI::App& program, Command& chosen) {
   add_install(group, chosen);
   auto arguments = std::make_shared<CheckArguments>();
   auto& command = *group.add_subcommand(
-      "check", "Say in words what is derived from a hand's file, what is guessed, what is wrong");
+      "check", "Report what is derived from a hand's file, what is guessed, what is wrong");
   command.add_option("HAND", arguments->hand, "name of a hand, or an MJCF, URDF or TOML file")
       ->required();
   command.add_option("--render", arguments->render, "folder for a picture of each posture")

@@ -263,10 +263,10 @@ std::vector<OptionInfo> localize_option_list() { return list_options(LocalizeOpt
 void add_localize(CLI::App& program, Command& chosen) {
   auto arguments = std::make_shared<LocalizeArguments>();
   auto& command = *program.add_subcommand(
-      "localize", "Find the pose of a known object from contacts, and say how sure it is");
+      "localize", "Estimate the pose of a known object from contacts, with a posterior");
   command.add_flag("--demo", arguments->demo,
-                   "instead grasp the built-in objects with a kinematic hand and show how contacts "
-                   "make their poses known");
+                   "grasp the built-in objects with a kinematic hand instead, and report how "
+                   "many contacts determine their poses");
   command
       .add_option("mesh", arguments->mesh,
                   "built-in object (mug, bottle, box, bracket, bunny) or mesh file in metres")
@@ -303,14 +303,15 @@ void add_localize(CLI::App& program, Command& chosen) {
       ->option_text("FILE");
   command
       .add_option("--prior", arguments->prior,
-                  "what was known before: an earlier result of localize --json for the same MESH")
+                  "prior: an earlier result of localize --json for the same MESH")
       ->option_text("FILE");
   command.add_flag("--ignore-spin", arguments->ignore_spin,
                    "turns about a mode's free axis do not matter: its probability is its weight");
   add_common_options(command, arguments->common);
   command.footer(
-      "Statuses: certain (one pose holds more than .95 of the weight), ambiguous (the modes say\n"
-      "what remains possible), no_pose (no pose explains the contacts; exits with 4).\n"
+      "Statuses: certain (the probability of one pose is above 0.95), ambiguous (the modes list "
+      "the\n"
+      "possible poses), no_pose (no pose explains the contacts; exit code 4).\n"
       "A mode's pose maps the mesh's own coordinates into the contacts' frame; its covariance is "
       "of\n"
       "[rotation; translation] in that frame, rad and m. A mode with a free axis stands for all\n"
@@ -325,6 +326,9 @@ void add_localize(CLI::App& program, Command& chosen) {
       "  palpate localize box more.csv --prior before.json\n"
       "  palpate localize --demo --out demo");
   command.callback([arguments, &chosen] {
+    if (arguments->demo && !(arguments->common.set.empty() && arguments->common.config.empty())) {
+      throw CLI::ExcludesError("--demo", "--set and --config");
+    }
     if (!arguments->demo && arguments->contacts.empty()) {
       throw CLI::RequiredError("MESH and CONTACTS, or --demo,");
     }

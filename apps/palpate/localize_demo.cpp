@@ -20,7 +20,8 @@ namespace {
 namespace lo = localization;
 
 constexpr std::size_t kScenes = 4;
-constexpr int kCounts[] = {3, 5, 10, 20};  // contacts
+constexpr int kCounts[] = {5, 10, 20};      // contacts
+constexpr const char* kInFile = "bracket";  // whose contacts are written
 
 struct Share {
   double right = 0, stated = 0;
@@ -142,12 +143,12 @@ int demonstrate_localize(const CommonOptions& common) {
   auto objects = nlohmann::json::object();
   std::vector<Share> all;
   if (!common.json) {
-    fmt::print("right / stated  3 contacts    5             10            20\n");
+    fmt::print("right / stated  5 contacts    10            20\n");
   }
   for (const auto& name : geometry::built_in_objects()) {
     const geometry::ObjectModel model(geometry::load_known_object(name));
     const auto scenes = scenes_with(model, hand, common);
-    if (name == "mug") {
+    if (name == kInFile) {
       write_file_atomically(folder / "contacts.csv", contacts_csv(scenes[0], common.seed));
     }
     plotting::LineSeries line{name, {}, {}}, kinds{name, {}, {}};
@@ -179,8 +180,8 @@ int demonstrate_localize(const CommonOptions& common) {
     fmt::print("{}\n", nlohmann::json{{"objects", objects}, {"out", folder.string()}}.dump(2));
   } else {
     fmt::print(
-        "wrote {}: success.svg, ablation.svg, calibration.svg, contacts.csv (20 of the mug)\n",
-        folder.string());
+        "wrote {}: success.svg, ablation.svg, calibration.svg, contacts.csv (20 of the {})\n",
+        folder.string(), kInFile);
   }
   return kDone;
 }

@@ -13,14 +13,14 @@ namespace {
 std::string usage_error(const CLI::App* program, const CLI::Error& error) {
   const auto unknown = program->remaining();
   const std::string what = program->get_subcommands().empty() && !unknown.empty()
-                               ? fmt::format("'{}' is no command", unknown.front())
+                               ? fmt::format("there is no command '{}'", unknown.front())
                                : error.what();
   return fmt::format("palpate: {}; palpate --help shows what there is\n", what);
 }
 
 int run(int argc, char** argv) {
   using namespace palpate::app;
-  CLI::App program{"Palpate: knows what a hand holds by touch alone.", "palpate"};
+  CLI::App program{"Palpate: tactile-only in-hand pose estimation and manipulation.", "palpate"};
   program.set_version_flag("--version", std::string(palpate::version()));
   program.require_subcommand(1);
   program.failure_message(usage_error);

@@ -59,8 +59,10 @@ void add_options(CLI::App& program, Command& chosen) {
     bool expert = false;
   };
   auto arguments = std::make_shared<Arguments>();
-  auto& command = *program.add_subcommand("options", "List what --config and --set can set");
-  command.add_option("command", arguments->command, "whose options: pick, eval, localize, ...")
+  auto& command = *program.add_subcommand("options", "List the options of --config and --set");
+  command
+      .add_option("command", arguments->command,
+                  "command whose options to list: pick, eval, localize, ...")
       ->capture_default_str();
   command.add_flag("--expert", arguments->expert, "list the expert section, too");
   add_common_options(command, arguments->common);

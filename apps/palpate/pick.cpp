@@ -102,7 +102,7 @@ std::vector<OptionInfo> pick_option_list() { return list_options(evaluation::Tri
 void add_pick(CLI::App& program, Command& chosen) {
   auto arguments = std::make_shared<PickArguments>();
   auto& command = *program.add_subcommand(
-      "pick", "Feel, grasp and lift an object, and estimate its pose in the hand by touch");
+      "pick", "Explore, grasp and lift an object, and estimate its pose in the hand by touch");
   command
       .add_option("--object", arguments->object,
                   "mug, bottle, box, bracket, bunny, or a mesh file in metres")
@@ -110,16 +110,17 @@ void add_pick(CLI::App& program, Command& chosen) {
   add_hand_option(command, arguments->hand);
   command
       .add_option("--explore", arguments->explore,
-                  "feel this many touches of the resting object before the grasp, in at most twice "
-                  "as many sweeps; 0: none (default: 8 sweeps, and up to 16 while the pose is "
+                  "touches of the resting object before the grasp, in at most twice as many "
+                  "guarded moves; 0: none (default: 8 moves, and up to 16 while the pose is "
                   "ambiguous)")
       ->check(CLI::Range(0, 64));
   add_place_option(command, arguments->place);
   add_common_options(command, arguments->common);
   command.footer(
       "Writes recording.h5, config.toml, report.json and replay.html (open it in a browser) into\n"
-      "DIR, by default out/pick-OBJECT-SEED. A grasp or a placement that fails ends with exit\n"
-      "code 4, a target that cannot be with 3, before anything moves. A fault of the hand, or\n"
+      "DIR, by default out/pick-OBJECT-SEED. Exit code 4: grasp or placement failed; 3: the "
+      "target\n"
+      "is impossible, and nothing has moved. A fault of the hand, or\n"
       "Ctrl-C, stops the robot in a safe state: exit code 5, and the report names the fault\n"
       "(docs/safety.md).\n\n"
       "Examples:\n"

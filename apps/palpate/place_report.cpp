@@ -145,9 +145,8 @@ void add_place_option(CLI::App& command, std::string& place) {
       .add_option(
           "--place", place,
           "put the object down there: 16 numbers of a pose of its centroid (or a file of them), "
-          "x,y,yaw (m, rad; standing as it is found), fixture (a slot), random, or stable pose "
-          "(another "
-          "than it starts in)")
+          "x,y,yaw (m, rad; standing as it is found), fixture (a slot), random, or stable_pose (in "
+          "another one than it starts in)")
       ->option_text("POSE|fixture");
 }
 

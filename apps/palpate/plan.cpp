@@ -204,15 +204,15 @@ void add_plan(CLI::App& program, Command& chosen) {
       .add_option("--planner", arguments->planner, "rrt-connect (default), rrt-star, prm or fmt")
       ->check(CLI::IsMember({"rrt-connect", "rrt-star", "prm", "fmt"}));
   command.add_flag("--execute", arguments->execute,
-                   "let the simulated hand follow, and report how well it does");
+                   "let the simulated hand follow the motion, and report its tracking error");
   add_common_options(command, arguments->common);
   command.footer(
       "The motion is at rest in every waypoint. Limits of speed, acceleration and reach, the "
       "depth\n"
       "of contact that is allowed and the bounds of the search are options (--set, --config).\n"
-      "J1 and J2 of a finger share what its one tendon does as on the real hand, so J1 + J2 is\n"
-      "met, not each; J1 may not exceed J2. Without a base in the file it rests at z = 0.3 m.\n"
-      "--out gets path.csv (100 samples a second), path.svg, report.json, config.toml.\n"
+      "J1 and J2 of a finger share one tendon as on the real hand, so that J1 + J2 is met, not\n"
+      "each; J1 may not exceed J2. Without a base in the file it rests at z = 0.3 m.\n"
+      "--out receives path.csv (100 samples per second), path.svg, report.json, config.toml.\n"
       "Exits with 3 for a waypoint beyond limits or in collision (named), 4 if there is no "
       "path.\n\n"
       "Examples:\n"

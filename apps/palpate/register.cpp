@@ -230,7 +230,7 @@ std::vector<OptionInfo> register_option_list() { return list_options(RegisterOpt
 void add_register(CLI::App& program, Command& chosen) {
   auto arguments = std::make_shared<RegisterArguments>();
   auto& command = *program.add_subcommand(
-      "register", "Find the pose of one cloud in another, by features or given correspondences");
+      "register", "Register two clouds or meshes, by features or given correspondences");
   add_inputs(command, *arguments);
   add_problem(command, *arguments);
   add_method(command, *arguments);

@@ -2,7 +2,10 @@
 #include "relocate_arguments.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
@@ -16,7 +19,9 @@
 namespace palpate::app {
 namespace {
 
-constexpr const char* kBest = "relocate-best";
+/// The best first.
+constexpr std::array<std::string_view, 4> kShipped = {"relocate-best", "relocate-near",
+                                                      "relocate-memoryless", "relocate-box"};
 constexpr const char* kHeader = "return,distance,steps_within_5cm,diverged";
 
 double number_before_comma(const std::string& line) {
@@ -32,10 +37,11 @@ double number_before_comma(const std::string& line) {
 }  // namespace
 
 std::unique_ptr<relocate::Policy> find_policy(const std::string& name) {
-  const std::string wanted = name.empty() ? kBest : name;
+  const std::string wanted = name.empty() ? std::string(kShipped.front()) : name;
   if (std::filesystem::exists(wanted)) return relocate::load_policy(wanted);
-  if (wanted.find('/') != std::string::npos || wanted.ends_with(".json")) {
-    throw BadInput(fmt::format("{}: there is no such policy", wanted));
+  if (std::ranges::find(kShipped, wanted) == kShipped.end()) {
+    throw BadInput(fmt::format("'{}' is neither a policy's file nor a policy that ships ({})",
+                               wanted, fmt::join(kShipped, ", ")));
   }
   return relocate::load_policy(asset(fmt::format("models/{}.json", wanted)));
 }

@@ -167,7 +167,7 @@ int render(const RenderArguments& arguments) {
 void add_render(CLI::App& program, Command& chosen) {
   auto arguments = std::make_shared<RenderArguments>();
   auto& command =
-      *program.add_subcommand("render", "Draw a pick: one PNG picture at the end of each phase");
+      *program.add_subcommand("render", "Render a pick: one PNG image at the end of each phase");
   auto* const recording =
       command.add_option("recording", arguments->recording,
                          "recording.h5 of a pick; without it, an object is picked up first");

@@ -72,8 +72,8 @@ int replay(const ReplayArguments& arguments) {
 
 void add_replay(CLI::App& program, Command& chosen) {
   auto arguments = std::make_shared<ReplayArguments>();
-  auto& command =
-      *program.add_subcommand("replay", "Estimate the pose from a recording, without a simulator");
+  auto& command = *program.add_subcommand(
+      "replay", "Estimate the pose again from a recording, without the simulator");
   command.add_option("recording", arguments->recording, "recording.h5 of a pick")->required();
   add_common_options(command, arguments->common);
   command.footer(

@@ -192,9 +192,10 @@ std::vector<OptionInfo> rollout_option_list() { return list_options(RolloutOptio
 
 void add_rollout(CLI::App& program, Command& chosen) {
   auto arguments = std::make_shared<RolloutArguments>();
-  auto& command = *program.add_subcommand("rollout", "Let a policy relocate an object, many times");
+  auto& command = *program.add_subcommand(
+      "rollout", "Run a policy on the relocate task and report its return and success");
   command.add_option("policy", arguments->policy,
-                     "policy file or name of a shipped one; without it the best that ships");
+                     "policy file, or name of a shipped policy (default: relocate-best)");
   command
       .add_option("--episodes", arguments->episodes,
                   "episodes; number i starts the same for "
@@ -203,19 +204,20 @@ void add_rollout(CLI::App& program, Command& chosen) {
       ->capture_default_str();
   command
       .add_option("--record", arguments->record,
-                  "of the first episodes to keep as DIR/episode-N.h5, for view and render")
+                  "number of first episodes to record as DIR/episode-N.h5, for view and render")
       ->check(CLI::Range(0, 1000))
       ->capture_default_str();
   command.add_flag("--touch", arguments->touch,
-                   "tell the policy where touch has the object, not where it is");
+                   "give the policy the pose estimated by touch instead of the true one");
   add_common_options(command, arguments->common);
   command.footer(
       "The hand brings a mug from the table to a target in the air within 99 steps of 10 ms.\n"
-      "With --touch a finger explores the resting object first, and the fingertips feel it in the\n"
-      "grasp (options touch.*); that takes some ten seconds an episode.\n"
+      "With --touch a finger explores the resting object first, and the fingertips track it in "
+      "the\n"
+      "grasp (options touch.*); that takes some ten seconds per episode.\n"
       "With --out every episode goes to DIR/episodes.csv, which palpate compare reads. A "
       "recording\n"
-      "shows the hand as the Shadow hand, which the task's Adroit hand is a model of.\n\n"
+      "shows the Shadow hand, of which the Adroit hand of the task is a model.\n\n"
       "Examples:\n"
       "  palpate rollout --episodes 20 --threads 2\n"
       "  palpate rollout relocate-best --set episode.scale_high=1 --json\n"

@@ -78,8 +78,8 @@ int sense(const SenseArguments& arguments) {
 
 void add_sense(CLI::App& program, Command& chosen) {
   auto arguments = std::make_shared<SenseArguments>();
-  auto& command = *program.add_subcommand(
-      "sense", "Normals and forces that the fingertips feel, from a recording");
+  auto& command =
+      *program.add_subcommand("sense", "Estimate contact normals and forces from tactile readings");
   command
       .add_option("recording", arguments->recording,
                   "recording.h5, a CSV of contacts, or a CSV of a BioTac")
@@ -90,22 +90,21 @@ void add_sense(CLI::App& program, Command& chosen) {
       ->capture_default_str();
   command
       .add_option("--tick", arguments->tick,
-                  "seconds a tick, where the t of a CSV counts ticks (whole numbers only)")
+                  "seconds per tick, if the t of a CSV counts ticks (whole numbers only)")
       ->check(CLI::Range(1e-5, 10.0))
       ->capture_default_str();
   command
       .add_option("--model", arguments->model,
-                  "trained model for a log of a BioTac, or for a recording's BioTacs")
+                  "trained model for a BioTac log, or for the BioTacs of a recording")
       ->option_text("FILE");
   add_common_options(command, arguments->common);
   command.footer(
       "A CSV of contacts has the columns finger,t,px,py,pz (or x,y,z),fx,fy,fz and, optionally,\n"
       "nx,ny,nz; one of a BioTac has t_s,pdc,e1..e19 and, optionally, nx,ny,nz.\n"
-      "A recording with the channels of BioTacs also gets the contacts that these tell of.\n"
-      "Errors in a recording are against the surface nearest to the tip, where the hand is "
-      "believed\n"
-      "to be: at edges that is itself uncertain.\n"
-      "Samples that are of no use are flagged and counted, and get no normal. --out writes each\n"
+      "For a recording with BioTac channels the contacts inferred from these are reported, too.\n"
+      "Errors in a recording are relative to the surface nearest to the believed tip, which is\n"
+      "uncertain itself at edges.\n"
+      "Unusable samples are flagged and counted, and get no normal. --out writes each\n"
       "stream's series as CSV and its normals and forces as SVG figures, and the contacts of all\n"
       "streams as contacts.csv, which palpate localize reads.\n\n"
       "Examples:\n"

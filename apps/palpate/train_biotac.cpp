@@ -72,7 +72,7 @@ int train_biotac_normal(const BiotacNormalArguments& arguments) {
 void add_biotac_normal(CLI::App& train, Command& chosen) {
   auto arguments = std::make_shared<BiotacNormalArguments>();
   auto& command = *train.add_subcommand(
-      "biotac-normal", "Learn contact normals from logs of a BioTac with known normals");
+      "biotac-normal", "Train a model of contact normals on BioTac logs with known normals");
   command.add_option("logs", arguments->logs, "CSV with t_s,pdc,e1..e19,nx,ny,nz; raw counts")
       ->option_text("LOG...")
       ->required();
@@ -153,7 +153,7 @@ int train_biotac_electrodes(const ElectrodeArguments& arguments) {
 void add_biotac_electrodes(CLI::App& train, Command& chosen) {
   auto arguments = std::make_shared<ElectrodeArguments>();
   auto& command = *train.add_subcommand(
-      "biotac-electrodes", "Learn what a BioTac's electrodes show from logs with known normals");
+      "biotac-electrodes", "Train a model of the electrodes on BioTac logs with known normals");
   command.add_option("logs", arguments->logs, "CSV with t_s,pdc,e1..e19,nx,ny,nz; raw counts")
       ->option_text("LOG...")
       ->required();

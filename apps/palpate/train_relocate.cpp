@@ -348,8 +348,8 @@ int train(const TrainArguments& arguments) {
 
 void add_train_relocate(CLI::App& train_command, Command& chosen) {
   auto arguments = std::make_shared<TrainArguments>();
-  auto& command = *train_command.add_subcommand("relocate", "Learn to bring an object to a target");
-  command.add_option("--method", arguments->method, "how to learn")
+  auto& command = *train_command.add_subcommand("relocate", "Train a policy for the relocate task");
+  command.add_option("--method", arguments->method, "training method")
       ->check(CLI::IsMember({"cem", "dagger", "bc", "npg", "dapg"}))
       ->capture_default_str();
   command

@@ -53,7 +53,8 @@ int view(const ViewArguments& arguments) {
 
 void add_view(CLI::App& program, Command& chosen) {
   auto arguments = std::make_shared<ViewArguments>();
-  auto& command = *program.add_subcommand("view", "Show a recording in the browser");
+  auto& command =
+      *program.add_subcommand("view", "Serve the replay page of a recording to a browser");
   command.add_option("recording", arguments->recording, "recording.h5 of a pick")->required();
   command.add_option("--port", arguments->port, "to serve on; 0 takes a free one")
       ->check(CLI::Range(0, 65535))

@@ -196,6 +196,7 @@ class Localize(CliTest):
         self.write("contacts.csv", csv(contacts_on_box(3)))
         for wrong in (["--method", "slow"], ["--point-noise", "0"], ["--normal-noise-deg", "-1"]):
             self.assert_refused(USAGE, ["localize", "box.stl", "contacts.csv", *wrong], wrong[1])
+        self.assert_refused(USAGE, ["localize", "--demo", "--set", "x.y=1"], "--set")
 
 
 if __name__ == "__main__":

@@ -87,6 +87,7 @@ class RelocateTest(cli.CliTest):
         for arguments, named in [
             (["rollout", "bad.json"], "bad.json"),
             (["rollout", "missing.json"], "missing.json"),
+            (["rollout", "no-such-policy"], "relocate-memoryless"),
             (["rollout", "bad.json", "--set", "task.solver=magic"], "bad.json"),
             (["compare", "bad.csv", "bad.csv"], "bad.csv:2"),
             (["train", "relocate"], "--out"),

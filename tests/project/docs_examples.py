@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs the commands that README.md and docs/*.md show, and checks that links and experiments exist.
+"""Runs the commands that *.md and docs/*.md show, and checks that links and experiments exist.
 
 usage: docs_examples.py REPOSITORY PALPATE
 
@@ -62,7 +62,7 @@ def faults_of(document, repository, program):
     text = document.read_text()
     yield from faults_of_links(document, text)
     yield from faults_of_experiments(text, repository)
-    is_result = document.parent.name == "results" or document.stem == "results"
+    is_result = "results" in (*document.parts, document.stem)
     with tempfile.TemporaryDirectory() as folder:
         for name in ("examples", "configs"):
             if (repository / name).exists():
@@ -74,7 +74,7 @@ def faults_of(document, repository, program):
 
 def main(repository, program):
     repository = pathlib.Path(repository)
-    documents = [repository / "README.md", *sorted((repository / "docs").rglob("*.md"))]
+    documents = [*sorted(repository.glob("*.md")), *sorted((repository / "docs").rglob("*.md"))]
     faults = [
         f"{document.relative_to(repository)}: {fault}"
         for document in documents
