@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "palpate/hand/kinematics.hpp"
+
 namespace palpate::skills {
 namespace {
 

@@ -37,8 +37,8 @@ void derive_closing(hand::Description& hand) {
     const bool thumb = finger == hand.thumb;
     const Eigen::Vector3d last = axis_of(hand, *own.back());
     for (std::size_t i = 0; i < own.size(); ++i) {
-      const bool outer = i + (thumb ? 2 : 1) >= own.size();
       const bool alike = std::abs(axis_of(hand, *own[i]).dot(last)) > kAlike;
+      const bool outer = i + 1 == own.size() || (thumb && alike && i + 2 == own.size());
       const auto& [low, high] = own[i]->command;
       if (outer && own[i]->closing == 0) own[i]->closing = high + low >= 0 ? 1 : -1;
       if (!outer && (thumb || !alike)) own[i]->closing = 0;

@@ -9,7 +9,7 @@
 namespace palpate::simulation {
 
 /// Every finger's last actuator closes it, and those before that turn about an axis like its, one
-/// way mainly. Of a thumb the last two do; its first ones set it against the fingers before.
+/// way mainly. Of a thumb the last two at most do; those before set it against the fingers.
 void derive_closing(hand::Description& hand);
 
 /// The joints that a user says close the fingers, and no others; "-joint" closes towards its lower

@@ -13,6 +13,7 @@
 #include "palpate/skills/grasp/grasp_phase.hpp"
 #include "palpate/tactile/calibration/link_calibration.hpp"
 #include "palpate/tactile/contacts/contact_window.hpp"
+#include "skills/lowest_part.hpp"
 #include "skills/motion_constants.hpp"
 #include "skills/take_posture.hpp"
 
@@ -69,41 +70,19 @@ Attitude draw_attitude(const hand::Description& hand, int finger, RandomStream& 
   return attitude;
 }
 
-/// Which parts of the hand are looked at.
-enum class Part { fingertip, rest };
-
-/// Height of the lowest part of the hand over the base's, m.
-double lowest(const hand::Description& hand, const Attitude& attitude, Part part) {
-  const auto T_base_link =
-      hand::forward_kinematics(hand, hand::joints_in_free_flexion(hand, attitude.posture));
-  const Eigen::Isometry3d T_world_base = attitude.base({0}, 0).pose();
-  const int tip = hand.fingers[static_cast<std::size_t>(attitude.finger)].link;
-  double low = std::numeric_limits<double>::infinity();
-  for (const auto& sphere : hand.spheres) {
-    if ((sphere.link == tip) != (part == Part::fingertip)) continue;
-    const auto& T = T_base_link[static_cast<std::size_t>(sphere.link)];
-    low = std::min(low, (T_world_base.linear() * (T * sphere.center)).z() - sphere.radius);
-  }
-  return low;
-}
+hand::Attitude of_mount(const Attitude& attitude) { return {attitude.pitch, attitude.roll}; }
 
 double lowest(const hand::Description& hand, const Attitude& attitude) {
-  return std::min(lowest(hand, attitude, Part::fingertip), lowest(hand, attitude, Part::rest));
+  return lowest_part(hand, attitude.posture, of_mount(attitude));
 }
 
-/// The same on the way between two attitudes: a finger that swings is lowest in between.
-double lowest_between(const hand::Description& hand, const Attitude& from, const Attitude& to) {
-  constexpr int kLooks = 8;
-  double low = std::numeric_limits<double>::infinity();
-  for (int i = 0; i <= kLooks; ++i) {
-    const double share = static_cast<double>(i) / kLooks;
-    Attitude between = to;
-    between.posture = from.posture + share * (to.posture - from.posture);
-    between.pitch = from.pitch + share * (to.pitch - from.pitch);
-    between.roll = from.roll + share * (to.roll - from.roll);
-    low = std::min(low, lowest(hand, between));
-  }
-  return low;
+/// By how much the fingertip is lower than all else of the hand, m.
+double stands_out(const hand::Description& hand, const Attitude& attitude) {
+  const int tip = hand.fingers[static_cast<std::size_t>(attitude.finger)].link;
+  const auto is_tip = [tip](int link) { return link == tip; };
+  const auto is_other = [tip](int link) { return link != tip; };
+  return lowest_part(hand, attitude.posture, of_mount(attitude), is_other) -
+         lowest_part(hand, attitude.posture, of_mount(attitude), is_tip);
 }
 
 std::vector<Attitude> possible_attitudes(const hand::Description& hand) {
@@ -115,7 +94,7 @@ std::vector<Attitude> possible_attitudes(const hand::Description& hand) {
     Attitude attitude = draw_attitude(hand, i % hand.finger_count(), random);
     const auto joints = hand::joints_in_free_flexion(hand, attitude.posture);
     if (!clearance.is_clear(joints)) continue;
-    if (lowest(hand, attitude, Part::rest) - lowest(hand, attitude, Part::fingertip) > kAlone) {
+    if (stands_out(hand, attitude) > kAlone) {
       attitudes.push_back(attitude);
     }
   }
@@ -190,23 +169,20 @@ Executor::StopCondition pressing_down() {
 /// Takes an attitude well above the table: first it rises, then turns, then moves its fingers.
 void take_attitude(Executor& robot, const Attitude& attitude, const CalibrateOptions& options) {
   const hand::Description& hand = robot.model();
-  const hand::HandCommand& now = robot.command();
-  Attitude begin = attitude, turned = attitude;
-  begin.posture = turned.posture = now.positions;
-  begin.pitch = now.base.ypr.y();
-  begin.roll = now.base.ypr.z();
-  double low = lowest_between(hand, begin, turned);
+  const hand::ActuatorVector& from = robot.command().positions;
+  const hand::BasePosition& base = robot.command().base;
+  const hand::Attitude there = of_mount(attitude);
+  double low = lowest_on_way(hand, from, attitude_of(base), from, there);
   if (fingers_meet(robot, attitude.posture)) {  // by the stretched hand then
-    Attitude stretched = attitude;
-    stretched.posture = hand.postures.stretched;
-    low = std::min(
-        {low, lowest_between(hand, turned, stretched), lowest_between(hand, stretched, attitude)});
+    const hand::ActuatorVector& stretched = hand.postures.stretched;
+    low = std::min({low, lowest_on_way(hand, from, there, stretched, there),
+                    lowest_on_way(hand, stretched, there, attitude.posture, there)});
   } else {
-    low = std::min(low, lowest_between(hand, turned, attitude));
+    low = std::min(low, lowest_on_way(hand, from, there, attitude.posture, there));
   }
-  const double high = kTravelHeight - low;
-  rise(robot, std::max(0.0, high - now.base.xyz.z()), options.travel_speed);
-  robot.move_base(attitude.base(options, std::max(now.base.xyz.z(), high)), options.travel_speed);
+  const double high = std::max(base.xyz.z(), kTravelHeight - low);
+  rise(robot, high - base.xyz.z(), options.travel_speed);
+  robot.move_base(attitude.base(options, high), options.travel_speed);
   take_posture(robot, attitude.posture, kPostureSeconds);
 }
 
@@ -314,8 +290,11 @@ PhaseEnd CalibratePhase::run(Executor& robot, PickState&) {
   for (const auto& attitude : telling_attitudes(before, options_)) {
     if (robot.trusted(attitude.finger)) touch_table(robot, attitude, options_, unfelt);
   }
-  rise(robot, kFreeHeight - std::min(kFreeHeight, robot.command().base.xyz.z()),
-       options_.travel_speed);
+  const hand::HandCommand& now = robot.command();
+  const double free =
+      std::max(kFreeHeight,
+               kClearOfObjects - lowest_part(robot.model(), now.positions, attitude_of(now.base)));
+  rise(robot, std::max(0.0, free - now.base.xyz.z()), options_.travel_speed);
   const auto touches = table_touches(robot.log(), options_);
   robot.set_model(calibrated_hand(before, robot.log(), options_));
   const bool better = robot.model().kinematic_error < before.kinematic_error;

@@ -7,6 +7,8 @@
 #include <array>
 #include <limits>
 
+#include "skills/lowest_part.hpp"
+#include "skills/motion_constants.hpp"
 #include "skills/take_posture.hpp"
 
 namespace palpate::skills {
@@ -22,7 +24,15 @@ const std::array<Eigen::Vector2d, 5> kSearch = {
 
 PhaseEnd HeightProbePhase::run(Executor& robot, PickState& state) {
   const Eigen::Vector2d rough = state.place;
-  take_posture(robot, robot.model().postures.flat.positions, 0.4);
+  const hand::FlatHand& flat = robot.model().postures.flat;
+  const double low = lowest_on_way(robot.model(), flat.positions, attitude_of(robot.command().base),
+                                   flat.positions, flat.attitude);
+  hand::BasePosition high = robot.command().base;
+  if (high.xyz.z() < kClearOfObjects - low) {
+    high.xyz.z() = kClearOfObjects - low;
+    robot.move_base(high, options_.travel_speed);
+  }
+  take_posture(robot, flat.positions, 0.4);
   for (const auto& side : kSearch) {
     const Eigen::Vector2d place = rough + options_.search * side;
     if (!lower(robot, state, place)) continue;
@@ -32,13 +42,20 @@ PhaseEnd HeightProbePhase::run(Executor& robot, PickState& state) {
   return {false, "felt nothing above the table"};
 }
 
+/// Height of the mount from which it comes down: nothing of the flat hand is over an object then.
+double HeightProbePhase::start_height(const hand::Description& hand) const {
+  const hand::FlatHand& flat = hand.postures.flat;
+  return std::max(options_.start_height,
+                  kClearOfObjects - lowest_part(hand, flat.positions, flat.attitude));
+}
+
 /// Comes down flat over a place. @return whether there was something above the table
 bool HeightProbePhase::lower(Executor& robot, PickState& state,
                              const Eigen::Vector2d& place) const {
   const hand::FlatHand& flat = robot.model().postures.flat;
   const Eigen::Vector2d xy = place - Eigen::Rotation2Dd(state.yaw) * flat.center;
   hand::BasePosition above;
-  above.xyz = {xy.x(), xy.y(), options_.start_height};
+  above.xyz = {xy.x(), xy.y(), start_height(robot.model())};
   above.ypr = {state.yaw, flat.attitude.pitch, flat.attitude.roll};
   robot.move_base(above, options_.travel_speed);
   robot.wait(0.2);

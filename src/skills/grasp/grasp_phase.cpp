@@ -13,6 +13,7 @@
 #include "palpate/skills/explore/height_probe_phase.hpp"
 #include "palpate/tactile/contacts/contact_window.hpp"
 #include "skills/grasp/pressing.hpp"
+#include "skills/lowest_part.hpp"
 #include "skills/motion_constants.hpp"
 #include "skills/take_posture.hpp"
 
@@ -200,11 +201,16 @@ void GraspPhase::approach(Executor& robot, const grasping::GraspPlan& plan) cons
 void GraspPhase::travel_to(Executor& robot, const hand::BasePosition& start,
                            const hand::Preshape& preshape) const {
   hand::BasePosition up = robot.command().base;
-  up.xyz.z() = std::max(up.xyz.z(), kSafeHeight);
+  const hand::Attitude now = attitude_of(up), then = attitude_of(start);
+  const double low =
+      std::min(lowest_on_way(robot.model(), robot.command().positions, now, preshape.open, now),
+               lowest_on_way(robot.model(), preshape.open, now, preshape.open, then));
+  const double safe = std::max(kSafeHeight, kClearOfObjects - low);
+  up.xyz.z() = std::max(up.xyz.z(), safe);
   robot.move_base(up, options_.travel_speed);
   take_posture(robot, preshape.open, 0.4);
   hand::BasePosition above = start;
-  above.xyz.z() = std::max(start.xyz.z(), kSafeHeight);
+  above.xyz.z() = std::max(start.xyz.z(), safe);
   robot.move_base(above, options_.travel_speed);
   robot.move_base(start, options_.travel_speed);
   robot.wait(0.2);

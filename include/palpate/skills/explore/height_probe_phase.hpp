@@ -16,7 +16,8 @@ struct HeightProbeOptions {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("start_height", start_height, 0.1, 0.5, "m, of the hand's base above the table");
+    v("start_height", start_height, 0.1, 0.5,
+      "m, of the hand's base above the table; more where the hand is lower than that");
     v("speed", speed, 0.001, 0.5, "m/s, downwards");
     v("touch_force", touch_force, 0.05, 20.0, "N, load on the base that counts as touch");
     v.expert("clearance", clearance, 0.0, 0.1, "m, nearest approach to the table");
@@ -34,6 +35,7 @@ class HeightProbePhase : public Phase {
   PhaseEnd run(Executor& robot, PickState& state) override;
 
  private:
+  double start_height(const hand::Description& hand) const;
   bool lower(Executor& robot, PickState& state, const Eigen::Vector2d& place) const;
 
   HeightProbeOptions options_;

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "skills/lowest_part.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace palpate::skills {
+
+hand::Attitude attitude_of(const hand::BasePosition& base) { return {base.ypr.y(), base.ypr.z()}; }
+
+double lowest_part(const hand::Description& hand, const hand::ActuatorVector& posture,
+                   const hand::Attitude& attitude, const std::function<bool(int link)>& counts) {
+  const auto T_base_link =
+      hand::forward_kinematics(hand, hand::joints_in_free_flexion(hand, posture));
+  hand::BasePosition base;
+  base.ypr << 0, attitude.pitch, attitude.roll;
+  const Eigen::RowVector3d up = base.pose().linear().row(2);
+  double low = std::numeric_limits<double>::infinity();
+  for (const hand::LinkSphere& ball : hand.spheres) {
+    if (counts && !counts(ball.link)) continue;
+    const auto& T = T_base_link[static_cast<std::size_t>(ball.link)];
+    low = std::min(low, up.dot(T * ball.center) - ball.radius);
+  }
+  return low;
+}
+
+double lowest_on_way(const hand::Description& hand, const hand::ActuatorVector& from,
+                     const hand::Attitude& from_attitude, const hand::ActuatorVector& to,
+                     const hand::Attitude& to_attitude) {
+  constexpr int kLooks = 8;
+  double low = std::numeric_limits<double>::infinity();
+  for (int i = 0; i <= kLooks; ++i) {
+    const double share = static_cast<double>(i) / kLooks;
+    const auto between = [share](double a, double b) { return a + share * (b - a); };
+    low = std::min(low, lowest_part(hand, from + share * (to - from),
+                                    {between(from_attitude.pitch, to_attitude.pitch),
+                                     between(from_attitude.roll, to_attitude.roll)}));
+  }
+  return low;
+}
+
+}  // namespace palpate::skills
