@@ -16,9 +16,10 @@
 namespace palpate::estimation {
 namespace {
 
-constexpr int kSlides = 2;        // how often a grasp may slide, each time
-constexpr double kFarther = 3.0;  // so many times as far
-constexpr double kStirred = 3.0;  // so many times as far, where it was rolled or grasped again
+constexpr int kSlides = 2;           // how often a grasp may slide, each time
+constexpr double kFarther = 3.0;     // so many times as far
+constexpr double kToldError = 0.25;  // of the motion in the hand that the fingertips tell of, sigma
+constexpr double kStirred = 3.0;     // so many times as far, where it was rolled or grasped again
 /// Shares of the guarded moves that are forgotten, one after the other, while no pose explains the
 /// rest: a touch may have moved the object.
 constexpr std::array<double, 3> kForgotten = {0, 0.35, 0.55};
@@ -113,10 +114,20 @@ double total_weight(const localization::Posterior& posterior) {
   return sum;
 }
 
-/// By how much closing, pressing and lifting move the object in the hand, times `scale`.
-Matrix6d motion_covariance(const EstimationOptions& options, double scale) {
-  const double turn = scale * options.motion_angle_sigma;
-  const double way = scale * options.motion_sigma;
+/// How far the fingertips say that the object has moved in the hand.
+struct ToldMotion {
+  double turn = 0, way = 0;  ///< rad, m
+};
+
+ToldMotion told_motion(const Eigen::Isometry3d& motion, const Eigen::Vector3d& p) {
+  return {Eigen::AngleAxisd(motion.linear()).angle(), (motion * p - p).norm()};
+}
+
+/// By how much closing, pressing and lifting move the object in the hand, times `scale`, beside
+/// what the fingertips tell of that motion, which is off by a share of itself.
+Matrix6d motion_covariance(const EstimationOptions& options, const ToldMotion& told, double scale) {
+  const double turn = scale * std::hypot(options.motion_angle_sigma, kToldError * told.turn);
+  const double way = scale * std::hypot(options.motion_sigma, kToldError * told.way);
   Vector6d variance;
   variance << Eigen::Vector3d::Constant(turn * turn), Eigen::Vector3d::Constant(way * way);
   return variance.asDiagonal();
@@ -136,12 +147,12 @@ double floor_density(const PosePrior& prior, double elsewhere) {
 
 /// The resting pose seen from the hand, after a grasp that mostly moved the object a little.
 /// @param scale  of that motion
-PosePrior prior_after_grasp(const localization::Posterior& resting,
+PosePrior prior_after_grasp(const localization::Posterior& resting, const ToldMotion& told,
                             const EstimationOptions& options, double scale) {
   PosePrior prior;
   double share = 1;
   for (int slides = 0; slides <= kSlides; ++slides) {
-    PosePrior part = localization::prior_from(resting, motion_covariance(options, scale));
+    PosePrior part = localization::prior_from(resting, motion_covariance(options, told, scale));
     const double stays = slides < kSlides ? 1 - options.slide_share : 1;
     for (auto& component : part.components) component.weight *= share * stays;
     prior.components.insert(prior.components.end(), part.components.begin(), part.components.end());
@@ -225,9 +236,11 @@ HeldPoseEstimate PoseEstimator::held(const hand::Description& hand, const EventL
       evidence.table = table_at_closing(object_.object(), hand, log, options_);
     } else {
       const auto motion = in_hand_motion(hand, log, closed.front(), *at, options_.errors);
-      move(motion * log.readings[closed.front()].base.pose().inverse(), resting);
+      move(log.readings[closed.front()].base.pose().inverse(), resting);
+      const auto told = told_motion(motion, resting.modes.front().T_frame_object.translation());
+      move(motion, resting);
       const bool stirred = log.has_opened() || log.at(TouchEvent::rolled);
-      evidence.prior = prior_after_grasp(resting, options_, stirred ? kStirred : 1.0);
+      evidence.prior = prior_after_grasp(resting, told, options_, stirred ? kStirred : 1.0);
     }
   }
   estimate.posterior =
