@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Pick with a hand that lives in another physics engine: SAPIEN, which is PhysX.
 
-Palpate knows nothing of it but what HandInSapien.step() returns: joints, torques, load and contacts,
-with the noise of real sensors, of a hand whose links are 2 mm off its description.
+Palpate knows nothing of it but what HandInSapien.step() returns: joints, torques, load and
+contacts, with the noise of real sensors, of a hand whose links are 2 mm off its description.
 
 usage: hand_in_sapien.py [--hand FILE] [--object NAME] [--trials N] [--seed N]
 """
@@ -189,7 +189,8 @@ class HandInSapien(palpate.Hand):
                 if contact.bodies[side] in self.tips:
                     finger = self.tips.index(contact.bodies[side])
                     sign = 1 if side == 0 else -1  # normal and impulse are of the first body
-                    felt[finger] += filter(None, [self.felt(p, finger, sign) for p in contact.points])
+                    points = [self.felt(point, finger, sign) for point in contact.points]
+                    felt[finger] += filter(None, points)
         return felt
 
     def felt(self, point, finger, sign):

@@ -12,7 +12,7 @@ from palpate import sim
 
 class WornThumb(palpate.Hand):
     def __init__(self, inner):
-        super().__init__(inner.description)  # of a hand with a model file: sim.load_hand("hand.xml")
+        super().__init__(inner.description)  # with a model file: sim.load_hand("hand.xml")
         self.inner = inner
         self.peak = 0.0
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Picks in simulation; and a hand written in Python, which drives the same pick as the simulated one.
+"""Picks in simulation, and a hand written in Python, which drives the same pick.
 
 Its faults are faults of the pick, and no exception of it is lost.
 """
@@ -86,8 +86,9 @@ class PickInSimulation(unittest.TestCase):
         world = self.world()
         mine = Rewritten(world.hand)
         other = self.pick(mine)
-        outcomes = [[(p.name, p.outcome, p.robot_seconds) for p in r.phases] for r in (plain, other)]
-        self.assertEqual(*outcomes)
+        self.assertEqual(*(
+            [(p.name, p.outcome, p.robot_seconds) for p in r.phases] for r in (plain, other)
+        ))  # fmt: skip
         self.assertEqual(other.events, plain.events)
         self.assertEqual((other.status, other.fault), (plain.status, "none"))
         self.assertGreater(mine.ticks, 1000)
