@@ -119,7 +119,7 @@ TEST(LastingContacts, ThoseWithoutANormalAreKeptApartFromThoseWithOne) {
   EXPECT_FALSE(contacts[1].has_normal());
   EXPECT_EQ(contacts[1].p, contacts[0].p);
   EXPECT_EQ(contacts[1].point_sigma, contacts[0].point_sigma);
-  const auto kept = with_normals(contacts);
+  const auto kept = contacts_with_normals(contacts);
   ASSERT_EQ(kept.size(), 1u);
   EXPECT_TRUE(kept[0].has_normal());
 }

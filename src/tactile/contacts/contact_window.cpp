@@ -126,7 +126,7 @@ std::vector<Contact> lasting_contacts(std::span<const hand::HandReading> window,
   return contacts;
 }
 
-std::vector<Contact> with_normals(std::vector<Contact> contacts) {
+std::vector<Contact> contacts_with_normals(std::vector<Contact> contacts) {
   std::erase_if(contacts, [](const Contact& contact) { return !contact.has_normal(); });
   return contacts;
 }
