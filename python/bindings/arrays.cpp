@@ -65,6 +65,12 @@ std::vector<double> numbers_from(nb::handle values, std::size_t count, std::stri
   return {array.data(), array.data() + count};
 }
 
+std::vector<double> numbers_from(nb::handle values, std::string_view what) {
+  const Array array = array_from(values, what);
+  if (array.ndim() != 1) refuse(array, what, "(N,)");
+  return {array.data(), array.data() + array.size()};
+}
+
 std::vector<int> integers_from(nb::handle values, std::string_view what) {
   const Array array = array_from(values, what, "int32");
   if (array.ndim() != 1) refuse(array, what, "(N,)");

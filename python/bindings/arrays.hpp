@@ -35,6 +35,9 @@ Eigen::Vector3d vector_from(nb::handle values, std::string_view what);
 /// One number, or one for each of `count`.
 std::vector<double> numbers_from(nb::handle values, std::size_t count, std::string_view what);
 
+/// Numbers (N,).
+std::vector<double> numbers_from(nb::handle values, std::string_view what);
+
 /// Integers (N,).
 std::vector<int> integers_from(nb::handle values, std::string_view what);
 

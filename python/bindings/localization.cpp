@@ -11,22 +11,13 @@
 #include "palpate/localization/pose_prior.hpp"
 #include "palpate/localization/tracking/tracker.hpp"
 #include "rooms.hpp"
+#include "shared_model.hpp"
 
 namespace palpate::python {
 namespace {
 
 namespace lo = localization;
 using namespace nb::literals;
-using SharedModel = std::shared_ptr<const geometry::ObjectModel>;
-
-/// The model as C++ holds it; the Python object lives as long as the pointer.
-SharedModel model_from(nb::object model) {
-  const auto* held = nb::cast<const geometry::ObjectModel*>(model);
-  return {held, [keep = std::make_shared<nb::object>(std::move(model))](const auto*) {
-            const nb::gil_scoped_acquire acquire;
-            keep->reset();
-          }};
-}
 
 std::vector<lo::FreeSphere> spheres_from(nb::handle free_space) {
   std::vector<lo::FreeSphere> spheres;

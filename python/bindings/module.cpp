@@ -14,6 +14,8 @@ NB_MODULE(_core, module) {
   module.attr("__version__") = std::string(palpate::version());
   bind_geometry(module);
   bind_registration(module);
+  bind_hand_description(module);
+  bind_hand(module);
   bind_contacts(module);
   bind_sensors(module);
   bind_normals(module);

@@ -36,6 +36,8 @@ struct Mode {
 };
 
 void bind_geometry(nanobind::module_& module);
+void bind_hand_description(nanobind::module_& module);
+void bind_hand(nanobind::module_& module);
 void bind_registration(nanobind::module_& module);
 void bind_contacts(nanobind::module_& module);
 void bind_sensors(nanobind::module_& module);

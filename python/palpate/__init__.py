@@ -10,10 +10,18 @@ from `seed=`.
 import sys as _sys
 
 from ._core import (
+    Actuator,
     ClosestPoints,
     CloudRegistration,
     Contacts,
+    Finger,
     FreeAxis,
+    Hand,
+    HandCommand,
+    HandDescription,
+    HandJoint,
+    HandLink,
+    HandReading,
     KnownObject,
     Mesh,
     Mode,
@@ -30,6 +38,7 @@ from ._core import (
     RobustBound,
     StablePose,
     TableSupport,
+    TipContact,
     TouchAction,
     Tracker,
     __version__,

@@ -159,8 +159,10 @@ class TouchEnv(gymnasium.Env):
 
 def register_envs():
     """Makes the environments known to gymnasium; importing palpate after gymnasium does so."""
-    if "Palpate/Touch-v0" not in gymnasium.registry:
-        gymnasium.register(id="Palpate/Touch-v0", entry_point="palpate.envs:TouchEnv")
+    entries = {"Touch": "palpate.envs:TouchEnv", "Pick": "palpate.pick_env:PickEnv"}
+    for name, entry in entries.items():
+        if f"Palpate/{name}-v0" not in gymnasium.registry:
+            gymnasium.register(id=f"Palpate/{name}-v0", entry_point=entry)
 
 
 register_envs()

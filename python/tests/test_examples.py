@@ -13,9 +13,15 @@ FOLDER = pathlib.Path(
 
 
 class Examples(unittest.TestCase):
-    def run_example(self, name):
+    def require(self, module):
+        """Skips the test without it; sought by a process of its own, as the script does."""
+        found = subprocess.run([sys.executable, "-c", f"import {module}"], capture_output=True)
+        if found.returncode != 0:
+            self.skipTest(f"{module} is not there")
+
+    def run_example(self, name, *arguments):
         done = subprocess.run(
-            [sys.executable, FOLDER / name], capture_output=True, text=True, timeout=300
+            [sys.executable, FOLDER / name, *arguments], capture_output=True, text=True, timeout=540
         )
         self.assertEqual(done.returncode, 0, done.stderr)
         return done.stdout
@@ -24,6 +30,18 @@ class Examples(unittest.TestCase):
         text = self.run_example("localize.py")
         self.assertRegex(text, r"Posterior\((certain|ambiguous)")
         self.assertIn("without normals:", text)
+
+    def test_own_hand(self):
+        self.require("palpate.sim")
+        text = self.run_example("own_hand.py")
+        self.assertRegex(text, r"PickResult\((held|failed)")
+        self.assertRegex(text, r"largest force that a finger felt: [1-9]")
+
+    def test_hand_in_another_engine(self):
+        self.require("palpate.sim")
+        self.require("sapien")
+        text = self.run_example("hand_in_sapien.py", "--trials", "1", "--seed", "1")
+        self.assertIn("1 of 1 lifted, 1 with the right pose", text)
 
     def test_register(self):
         text = self.run_example("register.py")

@@ -135,6 +135,14 @@ hand::HandCommand waiting_command(const hand::Description& hand) {
   return command;
 }
 
+std::vector<TrialEvent> trial_events(const estimation::EventLog& log) {
+  std::vector<TrialEvent> events;
+  for (const auto& moment : log.moments) {
+    events.push_back({moment.mark, log.readings[moment.reading].time});
+  }
+  return events;
+}
+
 Trial run_trial(const geometry::ObjectModel& object, const TrialOptions& options,
                 std::uint64_t seed, recording::Writer* writer,
                 const skills::PhaseObserver& observer, std::stop_token stop) {
@@ -194,6 +202,7 @@ Trial run_trial(const geometry::ObjectModel& object, const TrialOptions& options
   }
   if (world.diverged()) return unstable(trial.start);
   trial.robot_seconds = robot.time();
+  trial.events = trial_events(robot.log());
   trial.metrics.peak_load = faulty.peak_load();
   trial.metrics.peak_tip_force = faulty.peak_tip_force();
   if (trial.result.fault) trial.metrics.lifted = trial.metrics.has_pose = false;

@@ -104,6 +104,26 @@ TEST(LastingContacts, TwoPlacesOnOneTipStayApart) {
   EXPECT_EQ(lasting_contacts(window, toy_hand(), {}).size(), 2u);
 }
 
+TEST(LastingContacts, ThoseWithoutANormalAreKeptApartFromThoseWithOne) {
+  auto window = held(30, 0, 1);
+  for (auto& reading : window) {
+    auto bare = reading.contacts[1][0];
+    bare.n.setZero();
+    reading.contacts[1].push_back(bare);
+    bare.n = Eigen::Vector3d(0, 0.4, 0);  // no unit vector: the sensor is broken
+    reading.contacts[4] = {bare};
+  }
+  const auto contacts = lasting_contacts(window, toy_hand(), {});
+  ASSERT_EQ(contacts.size(), 2u);
+  EXPECT_TRUE(contacts[0].has_normal());
+  EXPECT_FALSE(contacts[1].has_normal());
+  EXPECT_EQ(contacts[1].p, contacts[0].p);
+  EXPECT_EQ(contacts[1].point_sigma, contacts[0].point_sigma);
+  const auto kept = contacts_with_normals(contacts);
+  ASSERT_EQ(kept.size(), 1u);
+  EXPECT_TRUE(kept[0].has_normal());
+}
+
 TEST(LastingContacts, PassingAndBrokenContactsAreDropped) {
   auto window = held(30, 0, 1);
   window[3].contacts[2] = window[3].contacts[1];

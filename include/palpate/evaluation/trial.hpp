@@ -3,6 +3,7 @@
 
 #include <stop_token>
 #include <string>
+#include <vector>
 
 #include "palpate/hand/faulty_hand.hpp"
 #include "palpate/recording/writer.hpp"
@@ -135,10 +136,20 @@ struct PlaceMetrics {
   Eigen::Isometry3d T_world_target = Eigen::Isometry3d::Identity();  ///< for its true stable pose
 };
 
+/// What the robot noted, and when.
+struct TrialEvent {
+  estimation::TouchEvent event;
+  double time = 0;  ///< s of the robot's time
+};
+
+/// The events of a log, in the order of time.
+std::vector<TrialEvent> trial_events(const estimation::EventLog& log);
+
 struct Trial {
   simulation::Start start;
   skills::PickResult result;
   TrialMetrics metrics;
+  std::vector<TrialEvent> events;
   double robot_seconds = 0;                  ///< from start to end
   std::optional<skills::PlaceResult> place;  ///< where the object was held and was to be placed
   PlaceMetrics place_metrics;

@@ -284,7 +284,8 @@ GraspPhase::Hold GraspPhase::balance(const Executor& robot, const PickState& sta
   const std::span<const hand::HandReading> readings(robot.log().readings);
   const auto window = readings.last(std::min(readings.size(), kTouchReadings));
   Hold hold;
-  hold.contacts = tactile::lasting_contacts(window, robot.model(), {});
+  hold.contacts =
+      tactile::contacts_with_normals(tactile::lasting_contacts(window, robot.model(), {}));
   std::optional<grasping::Load> load;
   if (state.resting) {
     load = weight_at(robot, state.resting->modes.front().T_frame_object,

@@ -29,7 +29,7 @@ WeightBearing::WeightBearing(const Executor& robot, const Eigen::Vector3d& p_bas
       friction_(friction) {
   const std::span<const hand::HandReading> readings(robot.log().readings);
   const auto window = readings.last(std::min(readings.size(), kReadings));
-  contacts_ = tactile::lasting_contacts(window, robot.model(), {});
+  contacts_ = tactile::contacts_with_normals(tactile::lasting_contacts(window, robot.model(), {}));
   joints_ = tactile::mean_joints(window);
   press_ = press_of(contacts_);
   torques_ = torques(robot.reading().base);

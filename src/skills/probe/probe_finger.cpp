@@ -82,7 +82,8 @@ bool still_holds(const Executor& robot, int but_for) {
 std::vector<tactile::Contact> contacts_at(const Executor& robot, std::size_t reading) {
   const std::span<const hand::HandReading> readings(robot.log().readings);
   const std::size_t count = std::min(reading + 1, kWindow);
-  return tactile::lasting_contacts(readings.subspan(reading + 1 - count, count), robot.model(), {});
+  return tactile::contacts_with_normals(
+      tactile::lasting_contacts(readings.subspan(reading + 1 - count, count), robot.model(), {}));
 }
 
 bool FingerProbes::was_made(const hand::Description& hand, const Move& move) const {

@@ -29,8 +29,8 @@ void regrip(Executor& robot, const Eigen::Isometry3d& T_world_object,
             const ReorientOptions& options, double weight) {
   const auto& readings = robot.log().readings;
   const auto count = std::min<std::size_t>(readings.size(), 10);
-  const auto contacts =
-      tactile::lasting_contacts(std::span(readings).last(count), robot.model(), options.errors);
+  const auto contacts = tactile::contacts_with_normals(
+      tactile::lasting_contacts(std::span(readings).last(count), robot.model(), options.errors));
   if (contacts.empty()) return;
   const auto balanced =
       grasping::distribute_forces(contacts, options.friction, options.grip * 3 * weight,

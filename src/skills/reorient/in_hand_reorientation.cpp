@@ -166,7 +166,8 @@ class Turning {
     }
     view_.command = robot_.command();
     view_.joints = joints;
-    view_.contacts = tactile::lasting_contacts(window, robot_.model(), options_.errors);
+    view_.contacts = tactile::contacts_with_normals(
+        tactile::lasting_contacts(window, robot_.model(), options_.errors));
     remember_contacts();
     if (first_force_ == 0) first_force_ = pressing_force(view_.contacts);
     view_.lead =

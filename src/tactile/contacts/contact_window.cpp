@@ -23,8 +23,9 @@ struct Cluster {
   Eigen::Vector3d f = Eigen::Vector3d::Zero();
 
   bool takes(const hand::TipContact& contact) const {
-    return (p / weight - contact.p).norm() < kSamePlace &&
-           n.normalized().dot(contact.n) > kSameDirection;
+    if ((p / weight - contact.p).norm() >= kSamePlace) return false;
+    if (n.isZero(0) || contact.n.isZero(0)) return n.isZero(0) && contact.n.isZero(0);
+    return n.normalized().dot(contact.n) > kSameDirection;
   }
   void add(const hand::TipContact& contact) {
     const double sigma = contact.normal_sigma;
@@ -41,7 +42,7 @@ struct Cluster {
 
 bool sound(const hand::TipContact& contact) {
   return contact.p.allFinite() && contact.n.allFinite() && contact.f.allFinite() &&
-         contact.n.norm() > 0.5 && tells_sound_errors(contact);
+         (contact.n.isZero(0) || contact.n.norm() > 0.5) && tells_sound_errors(contact);
 }
 
 std::vector<Cluster> cluster_tip(std::span<const hand::HandReading> window, std::size_t finger) {
@@ -122,6 +123,11 @@ std::vector<Contact> lasting_contacts(std::span<const hand::HandReading> window,
       contacts.push_back(contact);
     }
   }
+  return contacts;
+}
+
+std::vector<Contact> contacts_with_normals(std::vector<Contact> contacts) {
+  std::erase_if(contacts, [](const Contact& contact) { return !contact.has_normal(); });
   return contacts;
 }
 

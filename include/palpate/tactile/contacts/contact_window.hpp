@@ -40,9 +40,13 @@ double link_offset_sigma(const hand::Description& hand, int finger);
 /// direction over the window, averaged, and expressed in the base's frame with their uncertainty.
 ///
 /// Contacts present in less than a third of the readings are dropped, as are readings whose contact
-/// is not finite.
+/// is not finite. Those without a normal (zero) are clustered by place alone, apart from the
+/// others.
 std::vector<Contact> lasting_contacts(std::span<const hand::HandReading> window,
                                       const hand::Description& hand,
                                       const ContactErrorModel& errors);
+
+/// Those that have a normal; on the others no forces can be distributed.
+std::vector<Contact> contacts_with_normals(std::vector<Contact> contacts);
 
 }  // namespace palpate::tactile

@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/hand/hand.hpp"
+
+#include <fmt/format.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+#include <nanobind/trampoline.h>
+
+#include <algorithm>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "arrays.hpp"
+#include "palpate/core/error.hpp"
+#include "python_hand.hpp"
+#include "rooms.hpp"
+
+namespace palpate::python {
+namespace {
+
+using namespace nb::literals;
+using hand::HandCommand;
+using hand::HandReading;
+using hand::TipContact;
+
+/// The first line of what a Python exception says, with its type.
+std::string one_line(const nb::python_error& error) {
+  const std::string type = nb::cast<std::string>(error.type().attr("__name__"));
+  std::string text = nb::cast<std::string>(nb::str(error.value()));
+  text.resize(std::min(text.find('\n'), text.size()));
+  return text.empty() ? type : fmt::format("{}: {}", type, text);
+}
+
+/// Numbers of joints or actuators.
+hand::JointVector joint_vector(nb::handle values, const char* what) {
+  const auto numbers = numbers_from(values, what);
+  if (numbers.size() > static_cast<std::size_t>(hand::kMaxJoints)) {
+    throw BadInput(
+        fmt::format("{}: {} values, at most {} can be", what, numbers.size(), hand::kMaxJoints));
+  }
+  return Eigen::VectorXd::Map(numbers.data(), static_cast<Eigen::Index>(numbers.size()));
+}
+
+TipContact make_contact(nb::handle point, nb::handle normal, nb::handle force, double point_sigma,
+                        double normal_sigma) {
+  const Eigen::Vector3d n =
+      is_given(normal) ? vector_from(normal, "normal") : Eigen::Vector3d(Eigen::Vector3d::Zero());
+  return {vector_from(point, "point"), n, vector_from(force, "force"), point_sigma, normal_sigma};
+}
+
+HandReading make_reading(double time, nb::handle joints, nb::handle torques, nb::handle base_xyz,
+                         nb::handle base_ypr, nb::handle base_force,
+                         std::vector<std::vector<TipContact>> contacts) {
+  HandReading reading;
+  reading.time = time;
+  reading.joints = joint_vector(joints, "joints");
+  reading.torques = joint_vector(torques, "torques");
+  reading.base = {vector_from(base_xyz, "base_xyz"), vector_from(base_ypr, "base_ypr")};
+  reading.base_force = vector_from(base_force, "base_force");
+  reading.contacts = std::move(contacts);
+  return reading;
+}
+
+void bind_contact(nb::module_& module) {
+  nb::class_<TipContact>(module, "TipContact",
+                         "One contact of a fingertip, in the frame of that finger's link.")
+      .def(
+          "__init__",
+          [](TipContact* self, nb::object point, nb::object normal, nb::object force,
+             double point_sigma, double normal_sigma) {
+            new (self) TipContact(make_contact(point, normal, force, point_sigma, normal_sigma));
+          },
+          "point"_a, "normal"_a.none(), "force"_a, nb::kw_only(), "point_sigma"_a = 0.0,
+          "normal_sigma"_a = 0.0,
+          nb::sig("def __init__(self, point: numpy.typing.ArrayLike, normal: "
+                  "numpy.typing.ArrayLike | None, force: numpy.typing.ArrayLike, *, point_sigma: "
+                  "float = 0.0, normal_sigma: float = 0.0) -> None"),
+          "point (3,), m; normal (3,): outward of the object, unit, None where the sensor measures "
+          "none; force (3,): on the object, N; the sensor's own errors, m and rad, 0: it states "
+          "none.\n\nRaises ValueError for other shapes.")
+      .def_ro("point", &TipContact::p, "(3,), m.")
+      .def_ro("normal", &TipContact::n, "Outward of the object, (3,), unit; zeros: not measured.")
+      .def_ro("force", &TipContact::f, "On the object, (3,), N.")
+      .def_ro("point_sigma", &TipContact::point_sigma, "m; 0: not stated.")
+      .def_ro("normal_sigma", &TipContact::normal_sigma, "rad; 0: not stated.")
+      .def("__repr__", [](const TipContact& self) {
+        return fmt::format("TipContact(({:.4f}, {:.4f}, {:.4f}) m, {:.2f} N)", self.p.x(),
+                           self.p.y(), self.p.z(), self.f.norm());
+      });
+}
+
+void bind_reading(nb::module_& module) {
+  nb::class_<HandReading>(module, "HandReading", "What the hand senses in one tick of 10 ms.")
+      .def(
+          "__init__",
+          [](HandReading* self, double time, nb::object joints, nb::object torques,
+             nb::object base_xyz, nb::object base_ypr, nb::object base_force,
+             std::vector<std::vector<TipContact>> contacts) {
+            new (self) HandReading(make_reading(time, joints, torques, base_xyz, base_ypr,
+                                                base_force, std::move(contacts)));
+          },
+          "time"_a, "joints"_a, "torques"_a, "base_xyz"_a, "base_ypr"_a, "base_force"_a,
+          "contacts"_a,
+          nb::sig("def __init__(self, time: float, joints: numpy.typing.ArrayLike, torques: "
+                  "numpy.typing.ArrayLike, base_xyz: numpy.typing.ArrayLike, base_ypr: "
+                  "numpy.typing.ArrayLike, base_force: numpy.typing.ArrayLike, contacts: "
+                  "list[list[TipContact]]) -> None"),
+          "time, s; joints (J,), rad; torques (A,) of the actuators, N m; the measured base: "
+          "base_xyz (3,), m, base_ypr (3,): yaw, pitch, roll, rad; base_force (3,), world axes: "
+          "what the base's drives exert beyond what the empty hand needs, N; contacts: a list for "
+          "each finger. J, A and the number of fingers are the hand's, in the order of its "
+          "description.\n\nRaises ValueError for other shapes.")
+      .def_ro("time", &HandReading::time, "s.")
+      .def_prop_ro(
+          "joints", [](const HandReading& self) { return Eigen::VectorXd(self.joints); },
+          "(J,), rad.")
+      .def_prop_ro(
+          "torques", [](const HandReading& self) { return Eigen::VectorXd(self.torques); },
+          "Of the actuators, (A,), N m.")
+      .def_prop_ro(
+          "base_xyz", [](const HandReading& self) { return self.base.xyz; }, "(3,), m.")
+      .def_prop_ro(
+          "base_ypr", [](const HandReading& self) { return self.base.ypr; },
+          "Yaw, pitch, roll, (3,), rad.")
+      .def_ro("base_force", &HandReading::base_force, "(3,), world axes, N.")
+      .def_prop_ro(
+          "contacts", [](const HandReading& self) { return self.contacts; },
+          "A list for each finger.")
+      .def("__repr__", [](const HandReading& self) {
+        return fmt::format("HandReading({:.2f} s, {} joints, base force {:.2f} N)", self.time,
+                           self.joints.size(), self.base_force.norm());
+      });
+}
+
+void bind_command(nb::module_& module) {
+  nb::class_<HandCommand>(module, "HandCommand",
+                          "Targets of the position controllers for the next tick.")
+      .def(
+          "__init__",
+          [](HandCommand* self, nb::object positions, nb::object xyz, nb::object ypr) {
+            new (self) HandCommand{joint_vector(positions, "positions"),
+                                   {vector_from(xyz, "base_xyz"), vector_from(ypr, "base_ypr")}};
+          },
+          "positions"_a, "base_xyz"_a, "base_ypr"_a,
+          nb::sig("def __init__(self, positions: numpy.typing.ArrayLike, base_xyz: "
+                  "numpy.typing.ArrayLike, base_ypr: numpy.typing.ArrayLike) -> None"),
+          "positions (A,) of the actuators, rad; base_xyz (3,), m; base_ypr (3,): yaw, pitch, "
+          "roll, rad.\n\nRaises ValueError for other shapes.")
+      .def_prop_ro(
+          "positions", [](const HandCommand& self) { return Eigen::VectorXd(self.positions); },
+          "Of the actuators, (A,), rad.")
+      .def_prop_ro(
+          "base_xyz", [](const HandCommand& self) { return self.base.xyz; }, "(3,), m.")
+      .def_prop_ro(
+          "base_ypr", [](const HandCommand& self) { return self.base.ypr; },
+          "Yaw, pitch, roll, (3,), rad.")
+      .def("__repr__", [](const HandCommand& self) {
+        return fmt::format("HandCommand({} actuators, base at ({:.3f}, {:.3f}, {:.3f}) m)",
+                           self.positions.size(), self.base.xyz.x(), self.base.xyz.y(),
+                           self.base.xyz.z());
+      });
+}
+
+struct HandTrampoline final : PythonHand {
+  NB_TRAMPOLINE(PythonHand, 1);
+
+  HandReading step(const HandCommand& command) override {
+    const nb::gil_scoped_acquire acquire;
+    try {
+      NB_OVERRIDE_PURE(step, command);
+    } catch (const nb::python_error& error) {
+      if (!raised.is_valid()) raised = nb::borrow(error.value());
+      throw std::runtime_error(one_line(error));
+    } catch (const std::bad_cast&) {
+      throw std::runtime_error("step() returned something else than a HandReading");
+    }
+  }
+};
+
+}  // namespace
+
+void bind_hand(nb::module_& module) {
+  bind_contact(module);
+  bind_reading(module);
+  bind_command(module);
+  nb::class_<DescribedHand, HandTrampoline>(
+      module, "Hand",
+      "A hand with tactile fingertips on a 6-DoF base. Subclass it and write step(command): apply "
+      "the command for one tick of 10 ms and return the HandReading at its end. An exception in "
+      "it, another answer, or one that comes too late (safety.watchdog) is a fault that stops a "
+      "pick.")
+      .def(nb::init<hand::Description>(), "description"_a,
+           "A hand of this description, as the pick is to believe it.")
+      .def_prop_ro("description", &DescribedHand::description, nb::rv_policy::reference_internal,
+                   "As the pick believes it.")
+      .def("step", &DescribedHand::step, "command"_a, nb::call_guard<nb::gil_scoped_release>(),
+           "Apply a command for one tick and return what was sensed at its end.")
+      .def("__repr__", [](const DescribedHand& self) {
+        return fmt::format("Hand('{}')", self.description().name);
+      });
+}
+
+}  // namespace palpate::python

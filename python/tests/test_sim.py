@@ -1,0 +1,197 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Picks in simulation, and a hand written in Python, which drives the same pick.
+
+Its faults are faults of the pick, and no exception of it is lost.
+"""
+
+import time
+import unittest
+
+import numpy as np
+import palpate
+
+try:
+    from palpate import sim
+except ImportError:
+    sim = None
+
+QUICK = {
+    "calibrate.touches": 4, "explore.touches": 2, "explore.max_touches": 2, "attempts": 1,
+    "estimation.search.proposals": 20000, "estimation.search.particles": 400,
+}  # fmt: skip
+
+
+class Rewritten(palpate.Hand):
+    """Another hand, with every reading taken apart and put together again."""
+
+    def __init__(self, inner):
+        super().__init__(inner.description)
+        self.inner, self.ticks = inner, 0
+
+    def step(self, command):
+        self.ticks += 1
+        r = self.inner.step(command)
+        return palpate.HandReading(
+            r.time, r.joints, r.torques, r.base_xyz, r.base_ypr, r.base_force,
+            [[palpate.TipContact(c.point, c.normal, c.force) for c in tip] for tip in r.contacts],
+        )  # fmt: skip
+
+
+class Failing(Rewritten):
+    """Fails from its 300th tick on."""
+
+    def __init__(self, inner, what):
+        super().__init__(inner)
+        self.what = what
+
+    def step(self, command):
+        reading = super().step(command)
+        return self.what(reading) if self.ticks == 300 else reading
+
+
+class HandTypes(unittest.TestCase):
+    def test_a_reading_keeps_what_it_is_given(self):
+        contact = palpate.TipContact([0.01, 0, 0], None, [0, 0, -1], point_sigma=0.002)
+        reading = palpate.HandReading(1.5, [0.1, 0.2], [0.3], [1, 2, 3], [0.1, 0, 0], [0, 0, 4],
+                                      [[contact], []])  # fmt: skip
+        np.testing.assert_array_equal(reading.joints, [0.1, 0.2])
+        np.testing.assert_array_equal(reading.base_force, [0, 0, 4])
+        self.assertEqual([len(tip) for tip in reading.contacts], [1, 0])
+        np.testing.assert_array_equal(reading.contacts[0][0].normal, [0, 0, 0])
+        self.assertEqual(reading.contacts[0][0].point_sigma, 0.002)
+
+    def test_wrong_shapes_are_refused(self):
+        with self.assertRaisesRegex(ValueError, r"force has shape \(2,\)"):
+            palpate.TipContact([0, 0, 0], [0, 0, 1], [0, 0])
+        with self.assertRaisesRegex(ValueError, r"joints has shape \(2, 2\)"):
+            palpate.HandReading(0, np.eye(2), [], [0] * 3, [0] * 3, [0] * 3, [])
+        with self.assertRaisesRegex(ValueError, "33 values"):
+            palpate.HandCommand([0] * 33, [0] * 3, [0] * 3)
+
+
+@unittest.skipUnless(sim, "built without the simulator")
+class PickInSimulation(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.model = palpate.ObjectModel(palpate.load_known_object("box"))
+
+    def world(self):
+        return sim.World(self.model, seed=3)
+
+    def pick(self, hand, **options):
+        return sim.pick(self.model, hand, seed=3, options={**QUICK, **options})
+
+    def test_a_hand_in_python_drives_the_same_pick(self):
+        plain = self.pick("shadow")
+        world = self.world()
+        mine = Rewritten(world.hand)
+        other = self.pick(mine)
+        self.assertEqual(*(
+            [(p.name, p.outcome, p.robot_seconds) for p in r.phases] for r in (plain, other)
+        ))  # fmt: skip
+        self.assertEqual(other.events, plain.events)
+        self.assertEqual((other.status, other.fault), (plain.status, "none"))
+        self.assertGreater(mine.ticks, 1000)
+        self.assertIsNone(other.lifted)
+        self.assertIsNotNone(plain.lifted)
+        self.assertEqual(bool(other.posterior.best), bool(plain.posterior.best))
+        if plain.posterior.best:
+            np.testing.assert_array_equal(
+                other.posterior.best.T_frame_object, plain.posterior.best.T_frame_object
+            )
+            rotation, translation = other.posterior.error(world.truth())
+            self.assertAlmostEqual(np.degrees(rotation), plain.rotation_error_deg, delta=0.5)
+            self.assertAlmostEqual(1e3 * translation, plain.translation_error_mm, delta=0.5)
+        self.assertIn("PickResult(", repr(plain))
+        self.assertIn("<td>calibrate</td>", plain._repr_html_())
+
+    def test_an_exception_is_a_fault(self):
+        error = ConnectionError("the bus <1> is gone")
+
+        def fail(reading):
+            raise error
+
+        hand = Failing(self.world().hand, fail)
+        result = self.pick(hand)
+        self.assertEqual((result.status, result.fault), ("fault", "exception"))
+        self.assertIn("ConnectionError: the bus <1> is gone", result.fault_detail)
+        self.assertIs(result.exception, error)
+        self.assertGreater(hand.ticks, 300)  # it was eased into a safe state
+        self.assertIn("the bus &lt;1> is gone", result._repr_html_())
+
+    def test_an_interrupt_stops_the_hand_and_goes_on(self):
+        def interrupt(reading):
+            raise KeyboardInterrupt
+
+        hand = Failing(self.world().hand, interrupt)
+        with self.assertRaises(KeyboardInterrupt):
+            self.pick(hand)
+        self.assertGreater(hand.ticks, 300)
+
+    def test_a_wrong_answer_is_a_fault(self):
+        result = self.pick(Failing(self.world().hand, lambda reading: None))
+        self.assertEqual(result.fault, "exception")
+        self.assertIn("HandReading", result.fault_detail)
+
+    def test_a_reading_of_another_size_is_a_fault(self):
+        class Shorter(Rewritten):
+            def step(self, command):
+                r = super().step(command)
+                return palpate.HandReading(r.time, r.joints[:-1], r.torques, r.base_xyz, r.base_ypr,
+                                           r.base_force, r.contacts)  # fmt: skip
+
+        result = self.pick(Shorter(self.world().hand))
+        self.assertEqual(result.fault, "out_of_range")
+        self.assertIn("23 joints were read, the hand has 24", result.fault_detail)
+
+    def test_a_late_answer_is_a_fault(self):
+        def late(reading):
+            time.sleep(1.0)
+            return reading
+
+        result = self.pick(Failing(self.world().hand, late), **{"safety.watchdog": 0.5})
+        self.assertEqual(result.fault, "silent")
+        self.assertIn("0.5 s", result.fault_detail)
+
+    def test_a_hand_without_step_is_a_fault(self):
+        class Nothing(palpate.Hand):
+            pass
+
+        result = self.pick(Nothing(self.world().hand.description))
+        self.assertEqual(result.fault, "exception")
+        self.assertIn("step", result.fault_detail)
+
+    def test_the_description_is_the_hand_s(self):
+        hand = self.world().hand.description
+        self.assertEqual((len(hand.fingers), len(hand.joints), len(hand.actuators)), (5, 24, 20))
+        self.assertAlmostEqual(hand.kinematic_error, 0.002)
+        self.assertEqual(len(sim.waiting_command(hand).positions), 20)
+        drawn = sim.load_hand("shadow")
+        self.assertEqual(drawn.kinematic_error, 0)
+        moved = drawn.with_perturbed_links(0.003, seed=5)
+        self.assertEqual(moved.kinematic_error, 0.003)
+        shifts = [
+            np.linalg.norm(a.T_parent_link[:3, 3] - b.T_parent_link[:3, 3])
+            for a, b in zip(moved.links, drawn.links)
+        ]
+        self.assertGreater(max(shifts), 0.001)
+        again = drawn.with_perturbed_links(0.003, seed=5)
+        np.testing.assert_array_equal(again.links[5].T_parent_link, moved.links[5].T_parent_link)
+
+    def test_bad_input_is_named(self):
+        with self.assertRaisesRegex(ValueError, "lift.heigth"):
+            sim.pick("box", options={"lift.heigth": 0.1})
+        with self.assertRaisesRegex(ValueError, "no_such_hand"):
+            sim.load_hand("no_such_hand")
+        with self.assertRaisesRegex(ValueError, "trials must be at least 1, not 0"):
+            sim.evaluate("box", trials=0)
+        with self.assertRaisesRegex(ValueError, "rms must be at least 0"):
+            self.world().hand.description.with_perturbed_links(-1)
+        with self.assertRaisesRegex(TypeError, "hand is 7, not a name"):
+            sim.pick("box", 7)
+        with self.assertRaisesRegex(TypeError, "object is 7, not a name"):
+            sim.World(7)
+
+
+if __name__ == "__main__":
+    unittest.main()
