@@ -27,6 +27,13 @@ constexpr double kClear = 1e-4, kHopeless = 1e6;
 // A sample shows a consensus if it holds so many of its pairs.
 constexpr double kShown = 5;
 
+/// Of ascending lists.
+std::vector<int> without(const std::vector<int>& all, const std::vector<int>& excluded) {
+  std::vector<int> rest;
+  std::ranges::set_difference(all, excluded, std::back_inserter(rest));
+  return rest;
+}
+
 bool holds(const std::vector<int>& ascending, int value) {
   return std::ranges::binary_search(ascending, value);
 }
@@ -40,8 +47,7 @@ bool CliqueSearch::run(const std::vector<int>& sample, int seeds, RandomStream r
   if (!settled_ && sample.size() >= kLargeSample && is_beyond_doubt()) settle();
   // What the settled pose explains is left out, which makes what is left soon done.
   while (settled_ && shows_larger(sample.size()) && !is_largest()) {
-    std::vector<int> rest;
-    std::ranges::set_difference(sample, explained_, std::back_inserter(rest));
+    const std::vector<int> rest = without(sample, explained_);
     if (!look_around(rest, static_cast<int>(rest.size()), random, best)) break;
   }
   return settled_ && shows_larger(sample.size()) && is_largest();
@@ -122,8 +128,7 @@ void CliqueSearch::conclude(Consensus& best) {
   best.false_alarms = false_alarm_test_.exact(best_.T);
   best.false_inliers = false_alarm_test_.false_inliers(best_.T);
   best.found = options_.best_effort || best.false_alarms < options_.max_false_alarms;
-  best.mirrored = mirrored_.gain > best_.gain &&
-                  false_alarm_test_.exact(mirrored_.T) < options_.max_false_alarms;
+  best.mirrored = is_mirrored();
   best.found = best.found && !best.mirrored;
   const int beside = runner_up_.gain > 0 ? inliers_beside_best(runner_up_.T) : 0;
   if (!best.found || 2 * beside < runner_up_.inliers) return;
@@ -201,6 +206,17 @@ void CliqueSearch::consider_mirror(const std::vector<int>& clique, double gain) 
   const Eigen::Isometry3d T = scorer_.align_mirrored(clique);
   const double mirrored = scorer_.gain(T);
   if (mirrored > mirrored_.gain && mirrored > gain) mirrored_ = {T, mirrored, 0};
+}
+
+/// Whether chance explains neither the reflection nor its surplus over the best pose.
+bool CliqueSearch::is_mirrored() {
+  constexpr double kAccident = 0.01;
+  if (!(mirrored_.gain > best_.gain)) return false;
+  const std::vector<int> mirrored = scorer_.near(mirrored_.T, 1), best = scorer_.near(best_.T, 1);
+  const int surplus = false_alarm_test_.independent(without(mirrored, best), best_.T),
+            deficit = false_alarm_test_.independent(without(best, mirrored), best_.T);
+  return sign_test(surplus, deficit) < kAccident &&
+         false_alarm_test_.exact(mirrored_.T) < options_.max_false_alarms;
 }
 
 /// Another pose than the settled one, if its inliers are mostly others.

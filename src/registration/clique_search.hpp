@@ -48,6 +48,7 @@ class CliqueSearch {
   bool is_largest() const;
   bool propose(const std::vector<int>& clique, Consensus& best);
   void consider_mirror(const std::vector<int>& clique, double gain);
+  bool is_mirrored();
   void consider_runner_up(const Eigen::Isometry3d& T, double gain);
   bool keep_if_best(const Eigen::Isometry3d& T, double gain);
   bool is_beyond_chance(double level);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 #include <optional>
 
@@ -152,6 +153,27 @@ bool fits(const CloudRegistration& registration, Primitive primitive) {
   return registration.rms_error < (noise + random) / 2 * registration.noise_bound;
 }
 
+/// How far above 0 the mean of costs - others is, in standard errors. Neighbours, whose normals
+/// were fitted to the same points, count together.
+double standard_errors(const std::vector<double>& costs, const std::vector<double>& others,
+                       int neighbours) {
+  const auto count = static_cast<double>(costs.size());
+  double mean = 0, variance = 0;
+  for (std::size_t i = 0; i < costs.size(); ++i) mean += (costs[i] - others[i]) / count;
+  for (std::size_t i = 0; i < costs.size(); ++i) {
+    const double off = costs[i] - others[i] - mean;
+    variance += off * off / count;
+  }
+  return variance > 0 ? mean / std::sqrt(variance * neighbours / count) : 0;
+}
+
+/// Withdraws the pose.
+void refuse(RegistrationResult& result) {
+  result.status = RegistrationStatus::kNoConsensus;
+  result.T_target_source.reset();
+  result.runner_up.reset();
+}
+
 }  // namespace
 
 PointCloud thinned(const geometry::PointView& cloud) {
@@ -160,15 +182,14 @@ PointCloud thinned(const geometry::PointView& cloud) {
   return cell > 0 ? geometry::voxel_sampled(cloud, cell) : geometry::copied(cloud);
 }
 
-void add_normals(PointCloud& cloud, const FeatureOptions& options) {
+void add_normals(PointCloud& cloud, const FeatureOptions& options, int threads) {
   if (cloud.has_normals() || cloud.size() < 3) return;
   cloud.normals =
-      geometry::plane_normals(geometry::KdTree(cloud.points), options.normal_neighbours);
+      geometry::plane_normals(geometry::KdTree(cloud.points), options.normal_neighbours, threads);
 }
 
 void refine_clouds(const PointCloud& source, const PointCloud& target, const CloudOptions& options,
                    CloudRegistration& registration) {
-  if (options.features.refinements == 0) return;
   const double start = now();
   NeighbourRounds rounds(source, target, options.registration.primitive, options.threads);
   auto refined =
@@ -183,11 +204,43 @@ void refine_clouds(const PointCloud& source, const PointCloud& target, const Clo
   }
   const bool degenerate = refined && !registration.result.T_target_source;
   if (!degenerate && (!refined || !fits(registration, options.registration.primitive))) {
-    registration.result.status = RegistrationStatus::kNoConsensus;
-    registration.result.T_target_source.reset();
-    registration.result.runner_up.reset();
+    refuse(registration.result);
   }
   registration.result.solve_seconds += now() - start;
+}
+
+PointCloud mirror_image(PointCloud cloud) {
+  for (auto* list : {&cloud.points, &cloud.normals}) {
+    for (auto& p : *list) p.x() = -p.x();
+  }
+  return cloud;
+}
+
+void refuse_if_mirrored(const PointCloud& source, const PointCloud& target,
+                        const Eigen::Isometry3d& T_mirrored, const CloudOptions& options,
+                        CloudRegistration& registration) {
+  constexpr double kDeviations = 4;
+  RegistrationResult& result = registration.result;
+  if (result.status == RegistrationStatus::kDegenerate) return;
+  const double start = now(), reach = registration.noise_bound;
+  const double bound = kStages[std::size(kStages) - 1].narrowing * reach;
+  const PointCloud mirrored = mirror_image(source);
+  const Primitive primitive = options.registration.primitive;
+  NeighbourRounds rounds(mirrored, target, primitive, options.threads);
+  CloudRegistration other;
+  other.noise_bound = reach;
+  const auto refined = refine_in_stages(rounds, T_mirrored, options, other);
+  if (refined) {
+    const std::vector<double> costs = rounds.truncated_costs(refined->T, reach, bound);
+    std::vector<double> own(source.size(), 1);
+    if (result.T_target_source) {
+      own = NeighbourRounds(source, target, primitive, options.threads)
+                .truncated_costs(*result.T_target_source, reach, bound);
+    }
+    result.mirrored = standard_errors(own, costs, options.features.normal_neighbours) > kDeviations;
+    if (result.mirrored) refuse(result);
+  }
+  result.solve_seconds += now() - start;
 }
 
 }  // namespace palpate::registration

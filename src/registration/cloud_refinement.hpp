@@ -9,7 +9,7 @@ namespace palpate::registration {
 geometry::PointCloud thinned(const geometry::PointView& cloud);
 
 /// Normals of either sign, for a cloud of three points or more without.
-void add_normals(geometry::PointCloud& cloud, const FeatureOptions& options);
+void add_normals(geometry::PointCloud& cloud, const FeatureOptions& options, int threads);
 
 /// Nearest neighbours and pose in turn from the result's pose, until the pose stays, then with half
 /// and a quarter of the bound; the result then speaks of them. A pose at which too few points have
@@ -17,5 +17,16 @@ void add_normals(geometry::PointCloud& cloud, const FeatureOptions& options);
 /// @param source, target  with normals, of either sign
 void refine_clouds(const geometry::PointCloud& source, const geometry::PointCloud& target,
                    const CloudOptions& options, CloudRegistration& registration);
+
+/// The points (and normals) with x turned round.
+geometry::PointCloud mirror_image(geometry::PointCloud cloud);
+
+/// Refuses the result as `mirrored` if the source's mirror image, refined from T_mirrored, fits the
+/// target better than the source at the result's pose (or any, without one): if the truncated cost
+/// of its points, at a quarter of the bound, is less by four standard errors of their paired
+/// differences.
+void refuse_if_mirrored(const geometry::PointCloud& source, const geometry::PointCloud& target,
+                        const Eigen::Isometry3d& T_mirrored, const CloudOptions& options,
+                        CloudRegistration& registration);
 
 }  // namespace palpate::registration

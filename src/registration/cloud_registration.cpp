@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "palpate/core/error.hpp"
 #include "palpate/core/parallel.hpp"
@@ -21,6 +22,8 @@ namespace {
 using geometry::PointCloud;
 using geometry::PointView;
 
+constexpr int kFeatureNeighbours = 100;
+
 Correspondences matched(const FeatureCloud& source, const FeatureCloud& target, int threads) {
   Correspondences pairs;
   for (const auto& match : geometry::mutual_matches(source.features, target.features, threads)) {
@@ -36,40 +39,36 @@ FeatureCloud turned_inside_out(FeatureCloud described) {
   return described;
 }
 
-FeatureCloud mirror_image(FeatureCloud described) {
-  for (auto* list : {&described.cloud.points, &described.cloud.normals}) {
-    for (auto& p : *list) p.x() = -p.x();
-  }
+FeatureCloud mirrored(FeatureCloud described) {
+  described.cloud = mirror_image(std::move(described.cloud));
   described.features = geometry::mirrored(std::move(described.features));
   return described;
 }
 
-/// Whether the source's mirror image fits where the source does not, or with far more matches. What
-/// is its own mirror image fits both ways alike.
-bool fits_mirrored(const FeatureCloud& from, const FeatureCloud& to, const CloudOptions& options,
-                   const RegistrationOptions& search, const CloudRegistration& registration) {
-  constexpr double kFarMore = 2;
-  const Correspondences matches = matched(mirror_image(from), to, options.threads);
-  const RegistrationResult found = register_correspondences(matches, search);
-  return found.T_target_source &&
-         static_cast<double>(found.inliers.size()) >
-             kFarMore * static_cast<double>(registration.result.inliers.size());
-}
-
-/// Pose from the matches of features. Estimated normals may all point inward, as those of a part of
-/// a surface can. As matches of normals of opposite signs have led to wrong poses with 5e-9 false
-/// alarms, they are also tried the other way unless the first answer is far clearer: the better
-/// stays.
-void match_features(FeatureCloud from, const FeatureCloud& to, const CloudOptions& options,
-                    CloudRegistration& registration) {
-  constexpr double kClearFalseAlarms = 1e-30;
+/// Of the search among matches of features.
+RegistrationOptions feature_search(const CloudOptions& options,
+                                   const CloudRegistration& registration) {
   RegistrationOptions search = options.registration;
   search.noise_bound = registration.noise_bound;
   search.primitive = Primitive::kPoint;
   // Neighbours whose features were made of the same points match alike, wherever that is.
   search.support_radius =
       std::max(search.support_radius, options.features.feature_radius_voxels * registration.voxel);
-  const FeatureCloud upright = from;
+  return search;
+}
+
+/// Pose from the matches of features. Estimated normals may all point inward, as those of a part of
+/// a surface can. As matches of normals of opposite signs have led to wrong poses with 5e-9 false
+/// alarms, they are also tried the other way unless the first answer is far clearer: the better
+/// stays.
+/// @return the pose of the source's mirror image, where the answer is not far clearer and that has
+///         one: which of the two fits is left to the refinement
+std::optional<Eigen::Isometry3d> match_features(FeatureCloud from, const FeatureCloud& to,
+                                                const CloudOptions& options,
+                                                CloudRegistration& registration) {
+  constexpr double kClearFalseAlarms = 1e-30;
+  const RegistrationOptions search = feature_search(options, registration);
+  FeatureCloud kept;
   const bool fpfh = from.is_fpfh && to.is_fpfh;
   const int tries = fpfh && (from.estimated_normals || to.estimated_normals) ? 2 : 1;
   for (int attempt = 0; attempt < tries; ++attempt) {
@@ -80,15 +79,13 @@ void match_features(FeatureCloud from, const FeatureCloud& to, const CloudOption
       registration.feature_matches = matches.size();
       registration.correspondences = std::move(matches);
       registration.result = std::move(found);
+      kept = from;
     }
-    if (registration.result.false_alarms < kClearFalseAlarms) return;
+    if (registration.result.false_alarms < kClearFalseAlarms) return std::nullopt;
   }
-  if (fpfh && fits_mirrored(upright, to, options, search, registration)) {
-    registration.result.mirrored = true;
-    registration.result.status = RegistrationStatus::kNoConsensus;
-    registration.result.T_target_source.reset();
-    registration.result.runner_up.reset();
-  }
+  if (!fpfh) return std::nullopt;
+  const Correspondences matches = matched(mirrored(std::move(kept)), to, options.threads);
+  return register_correspondences(matches, search).T_target_source;
 }
 
 /// @return whether either cloud can be slid along itself, which no pose can tell
@@ -135,9 +132,9 @@ struct PreparedCloud {
   const PointCloud& dense;
 };
 
-/// Everything before the refinement, in points of the described clouds.
-CloudRegistration coarse(const PreparedCloud& from, const PreparedCloud& to, double voxel,
-                         const CloudOptions& options) {
+/// All steps for prepared clouds.
+CloudRegistration register_prepared(const PreparedCloud& from, const PreparedCloud& to,
+                                    double voxel, const CloudOptions& options) {
   CloudRegistration registration;
   registration.voxel = voxel;
   registration.noise_bound = noise_bound_of(options, voxel);
@@ -147,11 +144,19 @@ CloudRegistration coarse(const PreparedCloud& from, const PreparedCloud& to, dou
     registration.result.status = RegistrationStatus::kDegenerate;
     return registration;
   }
+  std::optional<Eigen::Isometry3d> T_mirrored;
   if (options.registration.initial) {
     registration.result.T_target_source = options.registration.initial;
   } else {
-    match_features(from.described, to.described, options, registration);
+    const double start = now();
+    T_mirrored = match_features(from.described, to.described, options, registration);
+    registration.feature_seconds = now() - start - registration.result.seconds;
   }
+  if (options.features.refinements == 0) return registration;
+  if (registration.result.T_target_source) {
+    refine_clouds(from.dense, to.dense, options, registration);
+  }
+  if (T_mirrored) refuse_if_mirrored(from.dense, to.dense, *T_mirrored, options, registration);
   return registration;
 }
 
@@ -176,15 +181,18 @@ double suggested_voxel(const PointCloud& source, const PointCloud& target, int m
   return cell;
 }
 
-FeatureCloud describe(const PointView& cloud, double voxel, const FeatureOptions& options) {
+FeatureCloud describe(const PointView& cloud, double voxel, const FeatureOptions& options,
+                      int threads) {
   FeatureCloud result;
   result.cloud = geometry::voxel_sampled(cloud, voxel);
   if (result.cloud.size() < 3) return result;
   if (!result.cloud.has_normals()) {
-    result.cloud = geometry::with_normals(std::move(result.cloud), options.normal_neighbours);
+    result.cloud =
+        geometry::with_normals(std::move(result.cloud), options.normal_neighbours, threads);
     result.estimated_normals = true;
   }
-  result.features = geometry::fpfh(result.cloud, options.feature_radius_voxels * voxel);
+  result.features = geometry::fpfh(result.cloud, options.feature_radius_voxels * voxel,
+                                   kFeatureNeighbours, threads);
   result.is_fpfh = true;
   return result;
 }
@@ -196,10 +204,7 @@ CloudRegistration register_described(const FeatureCloud& source, const FeatureCl
   for (const FeatureCloud* cloud : {&source, &target}) check_described(*cloud);
   const double start = now();
   CloudRegistration registration =
-      coarse({source, source.cloud}, {target, target.cloud}, voxel, options);
-  if (registration.result.T_target_source) {
-    refine_clouds(source.cloud, target.cloud, options, registration);
-  }
+      register_prepared({source, source.cloud}, {target, target.cloud}, voxel, options);
   registration.result.seconds = now() - start;
   return registration;
 }
@@ -222,16 +227,16 @@ CloudRegistration register_clouds(const PointView& source, const PointView& targ
     return none;
   }
   FeatureCloud described[2];
+  const int threads_each = (options.threads + 1) / 2;
   parallel_for(2, options.threads, [&](std::size_t k) {
-    described[k] = describe(given ? *clouds[k] : PointView(dense[k]), voxel, options.features);
-    if (described[k].cloud.size() >= 3) add_normals(dense[k], options.features);
+    described[k] =
+        describe(given ? *clouds[k] : PointView(dense[k]), voxel, options.features, threads_each);
+    if (described[k].cloud.size() >= 3) add_normals(dense[k], options.features, threads_each);
   });
+  const double described_at = now();
   CloudRegistration registration =
-      coarse({described[0], dense[0]}, {described[1], dense[1]}, voxel, options);
-  registration.feature_seconds = now() - start - registration.result.seconds;
-  if (registration.result.T_target_source) {
-    refine_clouds(dense[0], dense[1], options, registration);
-  }
+      register_prepared({described[0], dense[0]}, {described[1], dense[1]}, voxel, options);
+  registration.feature_seconds += described_at - start;
   registration.result.seconds = now() - start;
   return registration;
 }

@@ -76,10 +76,22 @@ double FalseAlarmTest::copies_among_others(const Eigen::Isometry3d& T) const {
   return found - by_chance >= kLeast && excess > kRare ? 1 + excess : 1;
 }
 
-FalseAlarmTest::Evidence FalseAlarmTest::evidence(const Eigen::Isometry3d& T) {
+double FalseAlarmTest::copies(const Eigen::Isometry3d& T) {
   if (!copies_) copies_ = copies_among_others(T);
-  if (*copies_ == 1) return {scorer_.score_of_distinct(T)};
-  return {scorer_.score_of_separate(T, static_cast<float>(support_radius_)), *copies_};
+  return *copies_;
+}
+
+FalseAlarmTest::Evidence FalseAlarmTest::evidence(const Eigen::Isometry3d& T) {
+  const double each = copies(T);
+  if (each == 1) return {scorer_.score_of_distinct(T)};
+  return {scorer_.score_of_separate(T, static_cast<float>(support_radius_)), each};
+}
+
+int FalseAlarmTest::independent(const std::vector<int>& pairs, const Eigen::Isometry3d& T) {
+  constexpr std::size_t kEnough = 1000;
+  if (copies(T) == 1) return static_cast<int>(pairs.size());
+  const auto radius = static_cast<float>(support_radius_);
+  return static_cast<int>(scorer_.separate(pairs, radius, kEnough).size());
 }
 
 /// Copies make neither more pairs nor more agreement.
@@ -125,6 +137,15 @@ double FalseAlarmTest::false_inliers(const Eigen::Isometry3d& T) const {
 }
 
 double FalseAlarmTest::exact(const Eigen::Isometry3d& T) {
+  const double number = judge_closely(T);
+  if (scorer_.dimensions() == 3 || !(number < max_false_alarms_)) return number;
+  const Scorer positions = scorer_.without_normals();
+  FalseAlarmTest alone(positions, max_false_alarms_, support_radius_, random_);
+  if (alone.quick(T) < kClearAtOnce || copies(T) == 1) return number;
+  return std::max(number, alone.judge_closely(T));
+}
+
+double FalseAlarmTest::judge_closely(const Eigen::Isometry3d& T) {
   const double bound = quick(T);
   if (bound < kClearAtOnce) return bound;
   // With normals fewer places gather anything.

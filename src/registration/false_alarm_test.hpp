@@ -43,8 +43,14 @@ class FalseAlarmTest {
   double false_inliers(const Eigen::Isometry3d& T) const;
 
   /// The quick number if that is clear; with the rates at many poses where the rough one is close
-  /// to the false alarms.
+  /// to the false alarms. Where pairs have copies nearby, as matches of overlapping features do,
+  /// normals are no evidence beside positions: features are made of them, and patches of two
+  /// surfaces that lie on one another agree in both. The larger number of the two then stands.
   double exact(const Eigen::Isometry3d& T);
+
+  /// How many of some pairs (ascending) speak each by itself: all, or those that are separate where
+  /// the pairs that T does not explain have copies nearby.
+  int independent(const std::vector<int>& pairs, const Eigen::Isometry3d& T);
 
  private:
   /// Rates within one radius at random poses, as many as were asked for so far.
@@ -66,7 +72,9 @@ class FalseAlarmTest {
   /// What the inliers of T are worth: where the other pairs have copies nearby, as jittered ones or
   /// matches of overlapping features do, inliers near one another count once.
   Evidence evidence(const Eigen::Isometry3d& T);
+  double copies(const Eigen::Isometry3d& T);
   double copies_among_others(const Eigen::Isometry3d& T) const;
+  double judge_closely(const Eigen::Isometry3d& T);
   double expected(BackgroundModel background, const Score& score, double copies) const;
   Rates& rates_within(double radius, int sources);
   void extend(Rates& rates, int poses) const;

@@ -55,4 +55,12 @@ double number_of_false_alarms(const BackgroundModel& model, double squares, int 
   return std::exp(std::min(log_poses + log_sets, 700.0));
 }
 
+double sign_test(int more, int fewer) {
+  if (more <= fewer) return 1;
+  const double all = more + fewer;
+  double exponent = more * std::log(2 * more / all);
+  if (fewer > 0) exponent += fewer * std::log(2 * fewer / all);
+  return std::exp(-exponent);
+}
+
 }  // namespace palpate::registration

@@ -45,4 +45,9 @@ double matching_radius(int dimensions, double squares, int count);
 ///        an inertia that is not finite
 double number_of_false_alarms(const BackgroundModel& model, double squares, int count);
 
+/// Probability that of more + fewer pairs, each of which agrees with one of two poses alone and
+/// with either alike, at least `more` agree with the first: the sign test (Dixon & Mood 1946) by
+/// Chernoff's bound, 1 unless more > fewer.
+double sign_test(int more, int fewer);
+
 }  // namespace palpate::registration

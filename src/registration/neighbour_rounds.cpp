@@ -51,6 +51,16 @@ double NeighbourRounds::truncated_cost(const Eigen::Isometry3d& T, double bound)
   return sum / static_cast<double>(looked_);
 }
 
+std::vector<double> NeighbourRounds::truncated_costs(const Eigen::Isometry3d& T, double reach,
+                                                     double bound) {
+  const auto squared = squared_residuals(pair_up(T, reach, 1), T, primitive_);
+  std::vector<double> costs(source_.size(), 1);
+  for (std::size_t i = 0, pair = 0; i < costs.size(); ++i) {
+    if (partners_[i] >= 0) costs[i] = std::min(1.0, squared[pair++] / (bound * bound));
+  }
+  return costs;
+}
+
 void NeighbourRounds::find_nearest(const Eigen::Isometry3d& T, double bound, std::size_t stride) {
   constexpr double kLeastCosine = 0.5;
   constexpr std::size_t kBlock = 512;

@@ -34,6 +34,10 @@ class NeighbourRounds {
     return static_cast<double>(pairs_.size()) / static_cast<double>(looked_);
   }
 
+  /// Of each source point, paired up at the pose within `reach`, min(r^2 / bound^2, 1), r the
+  /// residual of the primitive; 1 of those without a partner.
+  std::vector<double> truncated_costs(const Eigen::Isometry3d& T, double reach, double bound);
+
   /// Mean over the source's points that were looked at of min(r^2 / bound^2, 1), r the residual of
   /// the primitive at the pose that they were paired up at.
   double truncated_cost(const Eigen::Isometry3d& T, double bound) const;

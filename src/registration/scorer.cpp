@@ -49,7 +49,8 @@ Scorer::Scorer(const Correspondences& correspondences, double noise_bound, doubl
   const Origins means = weighted_means(correspondences, {});
   source_origin_ = means.source;
   target_origin_ = means.target;
-  columns_ = columns_of(correspondences, source_origin_, target_origin_, unit_, chord_bound > 0);
+  columns_ = std::make_shared<const PairColumns>(
+      columns_of(correspondences, source_origin_, target_origin_, unit_, chord_bound > 0));
 }
 
 /// Squared residuals, in squared bounds, of the sources from..to-1 moved by T, each held against
@@ -58,10 +59,10 @@ void Scorer::squares(const Eigen::Isometry3d& T, int from, int to, int shift, fl
   const Eigen::Matrix3f R = T.linear().cast<float>();
   const Eigen::Vector3f t = T.translation().cast<float>();
   std::fill(result, result + (to - from), 0.0F);
-  add_squares(columns_.s, columns_.t, {R.data(), t.data(), 1}, {from, to, shift}, result);
+  add_squares(columns_->s, columns_->t, {R.data(), t.data(), 1}, {from, to, shift}, result);
   if (chord_bound_ > 0) {
     constexpr float kStill[3] = {0, 0, 0};
-    add_squares(columns_.n, columns_.m, {R.data(), kStill, 1 / (chord_bound_ * chord_bound_)},
+    add_squares(columns_->n, columns_->m, {R.data(), kStill, 1 / (chord_bound_ * chord_bound_)},
                 {from, to, shift}, result);
   }
 }
@@ -103,7 +104,7 @@ Score Scorer::score_of_distinct(const Eigen::Isometry3d& T) const {
   std::vector<std::array<float, 7>> inliers;  // points and gain
   for (int i = 0; i < size(); ++i) {
     if (!(all[i] > 0)) continue;
-    const auto &s = columns_.s, &t = columns_.t;
+    const auto &s = columns_->s, &t = columns_->t;
     inliers.push_back({s[0][i], s[1][i], s[2][i], t[0][i], t[1][i], t[2][i], all[i]});
   }
   const auto alike = [](const auto& a, const auto& b) {
@@ -119,28 +120,41 @@ Score Scorer::score_of_distinct(const Eigen::Isometry3d& T) const {
   return score;
 }
 
+std::vector<int> Scorer::separate(const std::vector<int>& pairs, float radius,
+                                  std::size_t most) const {
+  std::vector<int> kept;
+  // Neighbours in the list are often neighbours in space: a stride reaches all parts soon.
+  const std::size_t count = pairs.size();
+  std::size_t stride = std::max<std::size_t>(1, count * 618 / 1000);
+  while (std::gcd(stride, count) > 1) ++stride;
+  for (std::size_t k = 0, next = 0; k < count && kept.size() < most; ++k) {
+    const int i = pairs[next];
+    next = (next + stride) % count;
+    const auto close = [&](int j) { return are_near(*columns_, i, j, radius * radius); };
+    if (std::ranges::none_of(kept, close)) kept.push_back(i);
+  }
+  return kept;
+}
+
 Score Scorer::score_of_separate(const Eigen::Isometry3d& T, float radius) const {
   constexpr std::size_t kEnough = 64;
   const Eigen::ArrayXf all = gains(T);
-  std::vector<int> inliers, kept;
+  std::vector<int> inliers;
   for (int i = 0; i < size(); ++i) {
     if (all[i] > 0) inliers.push_back(i);
   }
-  // Neighbours in the list are often neighbours in space: a stride reaches all parts soon.
-  const std::size_t count = inliers.size();
-  std::size_t stride = std::max<std::size_t>(1, count * 618 / 1000);
-  while (std::gcd(stride, count) > 1) ++stride;
   Score score;
-  for (std::size_t k = 0, next = 0; k < count && kept.size() < kEnough; ++k) {
-    const int i = inliers[next];
-    next = (next + stride) % count;
-    const auto close = [&](int j) { return are_near(columns_, i, j, radius * radius); };
-    if (std::ranges::any_of(kept, close)) continue;
-    kept.push_back(i);
+  for (const int i : separate(inliers, radius, kEnough)) {
     score.gain += static_cast<double>(all[i]);
+    ++score.count;
   }
-  score.count = static_cast<int>(kept.size());
   return score;
+}
+
+Scorer Scorer::without_normals() const {
+  Scorer result = *this;
+  result.chord_bound_ = 0;
+  return result;
 }
 
 std::vector<int> Scorer::near(const Eigen::Isometry3d& T, float reach) const {
@@ -183,8 +197,8 @@ Eigen::Isometry3d Scorer::align(const std::vector<int>& indices, double sign) co
   Eigen::Vector3d x = Eigen::Vector3d::Zero(), y = x;
   for (const int i : indices) {
     for (int a = 0; a < 3; ++a) {
-      x[a] += static_cast<double>(columns_.s[a][i]);
-      y[a] += static_cast<double>(columns_.t[a][i]);
+      x[a] += static_cast<double>(columns_->s[a][i]);
+      y[a] += static_cast<double>(columns_->t[a][i]);
     }
   }
   x /= count;
@@ -192,8 +206,8 @@ Eigen::Isometry3d Scorer::align(const std::vector<int>& indices, double sign) co
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   double squares = 0;
   for (const int i : indices) {
-    const Eigen::Vector3d p = at(columns_.s, i).cast<double>();
-    const Eigen::Vector3d q = at(columns_.t, i).cast<double>();
+    const Eigen::Vector3d p = at(columns_->s, i).cast<double>();
+    const Eigen::Vector3d q = at(columns_->t, i).cast<double>();
     covariance.noalias() += (q - y) * (p - x).transpose();
     squares += (q - y).squaredNorm() + (p - x).squaredNorm();
   }

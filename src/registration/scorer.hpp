@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <memory>
 #include <vector>
 
 #include "palpate/registration/pose.hpp"
@@ -25,12 +26,12 @@ class Scorer {
   Scorer(const Correspondences& correspondences, double noise_bound, double chord_bound,
          const AllowedTurns& turns = {});
 
-  int size() const { return columns_.size(); }
+  int size() const { return columns_->size(); }
   int dimensions() const { return chord_bound_ > 0 ? 5 : 3; }
   double chord_bound() const { return static_cast<double>(chord_bound_); }
 
   /// Relative to the means, in noise bounds.
-  const PairColumns& columns() const { return columns_; }
+  const PairColumns& columns() const { return *columns_; }
 
   double gain(const Eigen::Isometry3d& T) const;
   Score score(const Eigen::Isometry3d& T) const;
@@ -40,6 +41,13 @@ class Scorer {
   /// Counts inliers that lie within `radius` bounds of one another in both frames once, up to so
   /// many that chance is out of the question.
   Score score_of_separate(const Eigen::Isometry3d& T, float radius) const;
+
+  /// Of some pairs so many, up to `most`, that no two lie within `radius` bounds of one another in
+  /// both frames.
+  std::vector<int> separate(const std::vector<int>& pairs, float radius, std::size_t most) const;
+
+  /// The same pairs by their positions alone.
+  Scorer without_normals() const;
 
   /// The correspondences whose residuals are at most `reach` times the bounds, ascending.
   std::vector<int> near(const Eigen::Isometry3d& T, float reach) const;
@@ -76,7 +84,7 @@ class Scorer {
   AllowedTurns turns_;  // its axis a unit vector
   Eigen::Vector3d source_origin_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d target_origin_ = Eigen::Vector3d::Zero();
-  PairColumns columns_;
+  std::shared_ptr<const PairColumns> columns_;  // of copies the same
 };
 
 }  // namespace palpate::registration

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "palpate/core/error.hpp"
+#include "palpate/geometry/objects/generated_shape.hpp"
 #include "registration/problems.hpp"
 
 namespace palpate::registration {
@@ -170,6 +171,9 @@ TEST(RegisterClouds, ThreadsDoNotMatter) {
   ASSERT_TRUE(one.result.T_target_source);
   EXPECT_EQ(one.result.T_target_source->matrix(), other.result.T_target_source->matrix());
   EXPECT_EQ(one.feature_matches, other.feature_matches);
+  two.threads = 5;
+  const auto many = register_clouds(source, target, two);
+  EXPECT_EQ(one.result.T_target_source->matrix(), many.result.T_target_source->matrix());
 }
 
 TEST(RegisterClouds, AnotherShapeGivesNoPose) {
@@ -183,6 +187,54 @@ TEST(RegisterClouds, AnotherShapeGivesNoPose) {
   // A ball fits at any angle, so that what little agrees may leave motions free.
   EXPECT_TRUE(found.result.status == RegistrationStatus::kNoConsensus ||
               found.result.status == RegistrationStatus::kDegenerate);
+}
+
+PointCloud shape_cloud(std::uint64_t shape, const RandomStream& random) {
+  PointCloud cloud;
+  RandomStream noise = random.fork("noise");
+  for (const auto& s :
+       geometry::sample_surface(geometry::generated_shape(shape), 6000, random.fork("points"))) {
+    cloud.points.push_back(s.point + 3e-4 * noise.normal3());
+  }
+  return cloud;
+}
+
+// Patches of both lie on one another, where matches agree with their neighbours and normals because
+// positions do: with normals counted as evidence of their own each of these has a pose.
+TEST(RegisterClouds, MatchesOfDifferentShapesAreNoConsensus) {
+  for (const std::uint64_t seed : {670u, 708u, 888u}) {
+    const RandomStream random(seed, "different objects");
+    RandomStream pose = random.fork("pose");
+    const PointCloud target = shape_cloud(seed, random.fork("target")),
+                     source = geometry::transformed(testing::random_pose(pose).inverse(),
+                                                    shape_cloud(seed + 1, random.fork("source")));
+    const double voxel = suggested_voxel(source, target, 3000);
+    const FeatureCloud from = describe(source, voxel), to = describe(target, voxel);
+    Correspondences pairs;
+    for (const auto& match : geometry::mutual_matches(from.features, to.features)) {
+      const auto i = static_cast<std::size_t>(match.source),
+                 j = static_cast<std::size_t>(match.target);
+      pairs.source.push_back(from.cloud.points[i]);
+      pairs.target.push_back(to.cloud.points[j]);
+      pairs.source_normals.push_back(from.cloud.normals[i]);
+      pairs.target_normals.push_back(to.cloud.normals[j]);
+    }
+    const auto result =
+        register_correspondences(pairs, {.noise_bound = 1.5 * voxel, .normal_noise_deg = 10});
+    EXPECT_EQ(result.status, RegistrationStatus::kNoConsensus) << seed;
+  }
+}
+
+// The mirror images of these match little better than themselves, but fit far better.
+TEST(RegisterClouds, FlagsAMirroredShapeByItsFit) {
+  for (const std::uint64_t seed : {6u, 23u}) {
+    const RandomStream random(seed, "same object");
+    PointCloud source = shape_cloud(seed, random.fork("source"));
+    const PointCloud target = shape_cloud(seed, random.fork("target"));
+    EXPECT_FALSE(register_clouds(source, target).result.mirrored);
+    for (auto& p : source.points) p.x() = -p.x();
+    EXPECT_TRUE(register_clouds(source, target).result.mirrored) << seed;
+  }
 }
 
 TEST(RegisterClouds, ScaleDoesNotMatter) {

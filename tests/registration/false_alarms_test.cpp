@@ -46,6 +46,21 @@ TEST(FalseAlarms, FewAreAlwaysExpected) {
   EXPECT_LT(number_of_false_alarms(kModel, 190, 1000), 1e-300);
 }
 
+// Not below the binomial tail, and below one half from a surplus of some pairs on.
+TEST(SignTest, BoundsTheBinomialTail) {
+  for (int all = 1; all <= 40; ++all) {
+    double tail = 0, term = std::pow(0.5, all);  // of all, all - 1, ..
+    for (int more = all; more >= 0; --more) {
+      tail += term;
+      EXPECT_GE(sign_test(more, all - more), tail * (1 - 1e-9)) << more << " of " << all;
+      term *= static_cast<double>(more) / (all - more + 1);
+    }
+  }
+  EXPECT_EQ(sign_test(20, 20), 1);
+  EXPECT_LT(sign_test(30, 10), 0.01);
+  EXPECT_NEAR(sign_test(10, 0), std::pow(0.5, 10), 1e-12);
+}
+
 // Single precision leaves a line's least inertia to rounding, below zero too, and overflows: the
 // number is then too large rather than none.
 TEST(FalseAlarms, IsANumberWhereTheInertiaIsNot) {

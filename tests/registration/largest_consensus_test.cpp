@@ -112,6 +112,33 @@ TEST(Register, MirroredPairsAreRefusedAndFlagged) {
   }
 }
 
+/// Of 300 pairs, some agree with one pose, others with one of the source's mirror image.
+RegistrationResult with_reflection(int right, int reflected, std::uint64_t seed) {
+  auto problem = make_problem({.pairs = 300, .outliers = 1, .noise = 0.001, .box_outliers = true},
+                              RandomStream(seed, "reflection"));
+  RandomStream random(seed, "other pose");
+  const Eigen::Isometry3d other = testing::random_pose(random);
+  auto& [source, target, source_normals, target_normals, weights] = problem.correspondences;
+  for (int k = 0; k < right + reflected; ++k) {
+    const auto i = static_cast<std::size_t>(k);
+    Eigen::Vector3d p = source[i];
+    if (k >= right) p.x() = -p.x();
+    target[i] = (k < right ? problem.truth : other) * p + 0.001 * random.normal3();
+  }
+  auto result = register_correspondences(problem.correspondences);
+  EXPECT_EQ(result.T_target_source && is_right(*result.T_target_source, problem.truth),
+            !result.mirrored);
+  return result;
+}
+
+// A few pairs more may be an accident.
+TEST(Register, AReflectionMustHaveASignificantSurplus) {
+  for (std::uint64_t seed = 0; seed < 5; ++seed) {
+    EXPECT_FALSE(with_reflection(60, 66, seed).mirrored) << seed;
+    EXPECT_TRUE(with_reflection(20, 200, seed).mirrored) << seed;
+  }
+}
+
 TEST(Register, OneHugeCoordinateSpoilsNothing) {
   for (std::uint64_t seed = 0; seed < 5; ++seed) {
     auto problem =

@@ -40,8 +40,9 @@ double suggested_voxel(const geometry::PointCloud& source, const geometry::Point
                        int most_points, int threads = 1);
 
 /// @param voxel  m, > 0
+/// @param threads  the result does not depend on them
 FeatureCloud describe(const geometry::PointView& cloud, double voxel,
-                      const FeatureOptions& options = {});
+                      const FeatureOptions& options = {}, int threads = 1);
 
 struct CloudOptions {
   FeatureOptions features = {};

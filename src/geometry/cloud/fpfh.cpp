@@ -6,8 +6,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
+#include <optional>
 
+#include "geometry/cloud/parallel_blocks.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/geometry/cloud/kd_tree.hpp"
 
@@ -18,10 +21,16 @@ constexpr int kBins = kFpfhBins / 3;
 
 using Histogram = Eigen::Matrix<float, kFpfhBins, 1>;
 
-/// Bins of theta, alpha and phi.
+/// Bins of theta, alpha and phi, small as there are many.
 struct PairBins {
-  int theta, alpha, phi;
-  bool both_ways = true;  ///< the same seen from either point
+  PairBins(int theta_bin, int alpha_bin, int phi_bin, bool same)
+      : theta(static_cast<std::uint8_t>(theta_bin)),
+        alpha(static_cast<std::uint8_t>(alpha_bin)),
+        phi(static_cast<std::uint8_t>(phi_bin)),
+        both_ways(same) {}
+
+  std::uint8_t theta, alpha, phi;
+  bool both_ways;  ///< the same seen from either point
 };
 
 /// Bin of a share 0..1 of the range.
@@ -55,7 +64,7 @@ int bin_of_angle(double y, double x) {
   return bin;
 }
 
-constexpr PairBins kUndefined = {kBins / 2, kBins / 2, kBins / 2};  // of angles that are 0
+const PairBins kUndefined(kBins / 2, kBins / 2, kBins / 2, true);  // of angles that are 0
 
 /// The angles of a pair in the Darboux frame of the point whose normal is nearer to the line that
 /// joins them; undefined if the line has no length or runs along that normal.
@@ -88,28 +97,55 @@ struct Neighbourhood {
 };
 
 /// Neighbours of every point within the radius: the nearest, and those as near as the last of them.
-std::vector<Neighbourhood> neighbourhoods(const PointCloud& cloud, double radius, int most) {
+std::vector<Neighbourhood> neighbourhoods(const PointCloud& cloud, double radius, int most,
+                                          int threads) {
   const KdTree tree(cloud.points);
   std::vector<Neighbourhood> result(cloud.size());
   const auto count = static_cast<std::size_t>(std::max(1, most));
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
+  parallel_blocks(cloud.size(), threads, [&](std::size_t i) {
     auto& [found, squared_reach] = result[i];
     tree.find_within(cloud.points[i], radius, found);
     std::erase_if(found, [&](const Neighbour& n) { return n.index == static_cast<int>(i); });
     squared_reach = radius * radius;
-    if (found.size() <= count) continue;
+    if (found.size() <= count) return;
     const auto last = found.begin() + static_cast<std::ptrdiff_t>(count - 1);
     std::ranges::nth_element(found, last, {}, &Neighbour::squared_distance);
     squared_reach = last->squared_distance;
     std::erase_if(found, [&](const Neighbour& n) { return n.squared_distance > squared_reach; });
-  }
+  });
   return result;
 }
 
 using Histograms = Eigen::Matrix<float, kFpfhBins, Eigen::Dynamic>;
 
+/// A pair as both of its points see it; the other way round only where the neighbourhood is mutual.
+struct SeenPair {
+  int other;
+  PairBins bins;
+  std::optional<PairBins> backwards;
+};
+
+/// The pairs of point i, those with both points in each other's neighbourhood at the first alone.
+std::vector<SeenPair> pairs_of(const PointCloud& cloud, const std::vector<Neighbourhood>& around,
+                               std::size_t i) {
+  std::vector<SeenPair> pairs;
+  for (const auto& n : around[i].neighbours) {
+    const auto j = static_cast<std::size_t>(n.index);
+    const bool mutual = n.squared_distance <= around[j].squared_reach;
+    if (mutual && j < i) continue;
+    SeenPair pair{n.index, pair_bins(cloud, i, j), std::nullopt};
+    if (mutual) pair.backwards = pair.bins.both_ways ? pair.bins : pair_bins(cloud, j, i);
+    pairs.push_back(pair);
+  }
+  return pairs;
+}
+
 /// Histograms of the points' own pairs, each pair looked at once for both.
-Histograms simple_histograms(const PointCloud& cloud, const std::vector<Neighbourhood>& around) {
+Histograms simple_histograms(const PointCloud& cloud, const std::vector<Neighbourhood>& around,
+                             int threads) {
+  std::vector<std::vector<SeenPair>> pairs(cloud.size());
+  parallel_blocks(cloud.size(), threads,
+                  [&](std::size_t i) { pairs[i] = pairs_of(cloud, around, i); });
   Histograms histograms = Histograms::Zero(kFpfhBins, static_cast<Eigen::Index>(cloud.size()));
   const auto add = [&](std::size_t i, const PairBins& bins) {
     const float share = 100.0F / static_cast<float>(around[i].neighbours.size());
@@ -119,13 +155,9 @@ Histograms simple_histograms(const PointCloud& cloud, const std::vector<Neighbou
     histogram[2 * kBins + bins.phi] += share;
   };
   for (std::size_t i = 0; i < cloud.size(); ++i) {
-    for (const auto& n : around[i].neighbours) {
-      const auto j = static_cast<std::size_t>(n.index);
-      const bool mutual = n.squared_distance <= around[j].squared_reach;
-      if (mutual && j < i) continue;
-      const PairBins bins = pair_bins(cloud, i, j);
-      add(i, bins);
-      if (mutual) add(j, bins.both_ways ? bins : pair_bins(cloud, j, i));
+    for (const SeenPair& pair : pairs[i]) {
+      add(i, pair.bins);
+      if (pair.backwards) add(static_cast<std::size_t>(pair.other), *pair.backwards);
     }
   }
   return histograms;
@@ -139,16 +171,16 @@ void reverse_bins(int part, Features& features) {
 
 }  // namespace
 
-Features fpfh(const PointCloud& cloud, double radius, int max_neighbours) {
+Features fpfh(const PointCloud& cloud, double radius, int max_neighbours, int threads) {
   check_cloud(cloud);
   if (!(radius > 0)) throw BadInput(fmt::format("feature radius {} m is not positive", radius));
   if (cloud.size() > 0 && !cloud.has_normals()) {
     throw BadInput(fmt::format("no features of {} points without normals", cloud.size()));
   }
-  const auto around = neighbourhoods(cloud, radius, max_neighbours);
-  const Histograms simple = simple_histograms(cloud, around);
+  const auto around = neighbourhoods(cloud, radius, max_neighbours, threads);
+  const Histograms simple = simple_histograms(cloud, around, threads);
   Features result(kFpfhBins, static_cast<Eigen::Index>(cloud.size()));
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
+  parallel_blocks(cloud.size(), threads, [&](std::size_t i) {
     Histogram sum = Histogram::Zero();
     for (const auto& n : around[i].neighbours) {
       if (n.squared_distance > 0) {
@@ -160,7 +192,7 @@ Features fpfh(const PointCloud& cloud, double radius, int max_neighbours) {
       if (bins.sum() > 0) bins *= 100 / bins.sum();
     }
     result.col(static_cast<Eigen::Index>(i)) = simple.col(static_cast<Eigen::Index>(i)) + sum;
-  }
+  });
   return result;
 }
 

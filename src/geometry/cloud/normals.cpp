@@ -10,6 +10,7 @@
 #include <queue>
 #include <tuple>
 
+#include "geometry/cloud/parallel_blocks.hpp"
 #include "palpate/core/error.hpp"
 
 namespace palpate::geometry {
@@ -18,15 +19,17 @@ namespace {
 using Lists = std::vector<std::vector<int>>;
 
 /// Of every point its nearest ones, itself among them.
-Lists nearest_lists(const KdTree& tree, int neighbours) {
+Lists nearest_lists(const KdTree& tree, int neighbours, int threads) {
   if (neighbours < 3 || tree.points().size() < 3) {
     throw BadInput(fmt::format("no normals from {} neighbours among {} points", neighbours,
                                tree.points().size()));
   }
   Lists lists(tree.points().size());
-  for (std::size_t i = 0; i < lists.size(); ++i) {
-    for (const auto& n : tree.nearest(tree.points()[i], neighbours)) lists[i].push_back(n.index);
-  }
+  parallel_blocks(lists.size(), threads, [&](std::size_t i) {
+    const auto found = tree.nearest(tree.points()[i], neighbours);
+    lists[i].reserve(found.size());
+    for (const auto& n : found) lists[i].push_back(n.index);
+  });
   return lists;
 }
 
@@ -64,16 +67,16 @@ std::optional<Eigen::Vector3d> fitted_normal(const std::vector<Eigen::Vector3d>&
 }
 
 std::vector<Eigen::Vector3d> fitted_normals(const std::vector<Eigen::Vector3d>& points,
-                                            const Lists& lists) {
-  std::vector<Eigen::Vector3d> normals;
-  for (std::size_t i = 0; i < points.size(); ++i) {
+                                            const Lists& lists, int threads) {
+  std::vector<Eigen::Vector3d> normals(points.size());
+  parallel_blocks(points.size(), threads, [&](std::size_t i) {
     const auto normal = fitted_normal(points, lists[i]);
     if (!normal) {
       throw BadInput(fmt::format("no normal at point {}: its {} neighbours are collinear", i,
                                  lists[i].size()));
     }
-    normals.push_back(*normal);
-  }
+    normals[i] = *normal;
+  });
   return normals;
 }
 
@@ -126,15 +129,15 @@ std::optional<Eigen::Vector3d> plane_normal(const KdTree& tree, const Eigen::Vec
   return fitted_normal(tree.points(), indices);
 }
 
-std::vector<Eigen::Vector3d> plane_normals(const KdTree& tree, int neighbours) {
-  return fitted_normals(tree.points(), nearest_lists(tree, neighbours));
+std::vector<Eigen::Vector3d> plane_normals(const KdTree& tree, int neighbours, int threads) {
+  return fitted_normals(tree.points(), nearest_lists(tree, neighbours, threads), threads);
 }
 
-PointCloud with_normals(PointCloud cloud, int neighbours) {
+PointCloud with_normals(PointCloud cloud, int neighbours, int threads) {
   cloud.normals.clear();
   check_cloud(cloud);
-  const Lists lists = nearest_lists(KdTree(cloud.points), neighbours);
-  cloud.normals = fitted_normals(cloud.points, lists);
+  const Lists lists = nearest_lists(KdTree(cloud.points), neighbours, threads);
+  cloud.normals = fitted_normals(cloud.points, lists, threads);
   orient_consistently(cloud.points, graph_of(lists), cloud.normals);
   return cloud;
 }

@@ -18,8 +18,9 @@ inline constexpr int kFpfhBins = 33;  ///< three angles, 11 bins each
 /// @param radius  neighbourhood, m: about five times the distance between points
 /// @param max_neighbours  nearest ones taken within it, and those as near as the last, the point
 ///        itself not counted
+/// @param threads  the result does not depend on them
 /// @throws BadInput for a cloud without normals, a radius that is not positive, as check_cloud()
-Features fpfh(const PointCloud& cloud, double radius, int max_neighbours = 100);
+Features fpfh(const PointCloud& cloud, double radius, int max_neighbours = 100, int threads = 1);
 
 /// What fpfh() gives where all normals point the other way: theta and phi change sign.
 Features turned_inside_out(Features features);
