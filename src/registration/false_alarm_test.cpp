@@ -87,13 +87,6 @@ FalseAlarmTest::Evidence FalseAlarmTest::evidence(const Eigen::Isometry3d& T) {
   return {scorer_.score_of_separate(T, static_cast<float>(support_radius_)), each};
 }
 
-int FalseAlarmTest::independent(const std::vector<int>& pairs, const Eigen::Isometry3d& T) {
-  constexpr std::size_t kEnough = 1000;
-  if (copies(T) == 1) return static_cast<int>(pairs.size());
-  const auto radius = static_cast<float>(support_radius_);
-  return static_cast<int>(scorer_.separate(pairs, radius, kEnough).size());
-}
-
 /// Copies make neither more pairs nor more agreement.
 double FalseAlarmTest::expected(BackgroundModel background, const Score& score,
                                 double copies) const {

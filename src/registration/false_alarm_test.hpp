@@ -48,10 +48,6 @@ class FalseAlarmTest {
   /// surfaces that lie on one another agree in both. The larger number of the two then stands.
   double exact(const Eigen::Isometry3d& T);
 
-  /// How many of some pairs (ascending) speak each by itself: all, or those that are separate where
-  /// the pairs that T does not explain have copies nearby.
-  int independent(const std::vector<int>& pairs, const Eigen::Isometry3d& T);
-
  private:
   /// Rates within one radius at random poses, as many as were asked for so far.
   struct Rates {

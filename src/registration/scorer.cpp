@@ -120,34 +120,27 @@ Score Scorer::score_of_distinct(const Eigen::Isometry3d& T) const {
   return score;
 }
 
-std::vector<int> Scorer::separate(const std::vector<int>& pairs, float radius,
-                                  std::size_t most) const {
-  std::vector<int> kept;
-  // Neighbours in the list are often neighbours in space: a stride reaches all parts soon.
-  const std::size_t count = pairs.size();
-  std::size_t stride = std::max<std::size_t>(1, count * 618 / 1000);
-  while (std::gcd(stride, count) > 1) ++stride;
-  for (std::size_t k = 0, next = 0; k < count && kept.size() < most; ++k) {
-    const int i = pairs[next];
-    next = (next + stride) % count;
-    const auto close = [&](int j) { return are_near(*columns_, i, j, radius * radius); };
-    if (std::ranges::none_of(kept, close)) kept.push_back(i);
-  }
-  return kept;
-}
-
 Score Scorer::score_of_separate(const Eigen::Isometry3d& T, float radius) const {
   constexpr std::size_t kEnough = 64;
   const Eigen::ArrayXf all = gains(T);
-  std::vector<int> inliers;
+  std::vector<int> inliers, kept;
   for (int i = 0; i < size(); ++i) {
     if (all[i] > 0) inliers.push_back(i);
   }
+  // Neighbours in the list are often neighbours in space: a stride reaches all parts soon.
+  const std::size_t count = inliers.size();
+  std::size_t stride = std::max<std::size_t>(1, count * 618 / 1000);
+  while (std::gcd(stride, count) > 1) ++stride;
   Score score;
-  for (const int i : separate(inliers, radius, kEnough)) {
+  for (std::size_t k = 0, next = 0; k < count && kept.size() < kEnough; ++k) {
+    const int i = inliers[next];
+    next = (next + stride) % count;
+    const auto close = [&](int j) { return are_near(*columns_, i, j, radius * radius); };
+    if (std::ranges::any_of(kept, close)) continue;
+    kept.push_back(i);
     score.gain += static_cast<double>(all[i]);
-    ++score.count;
   }
+  score.count = static_cast<int>(kept.size());
   return score;
 }
 

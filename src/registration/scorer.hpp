@@ -42,10 +42,6 @@ class Scorer {
   /// many that chance is out of the question.
   Score score_of_separate(const Eigen::Isometry3d& T, float radius) const;
 
-  /// Of some pairs so many, up to `most`, that no two lie within `radius` bounds of one another in
-  /// both frames.
-  std::vector<int> separate(const std::vector<int>& pairs, float radius, std::size_t most) const;
-
   /// The same pairs by their positions alone.
   Scorer without_normals() const;
 
