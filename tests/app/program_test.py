@@ -87,7 +87,7 @@ class Doctor(CliTest):
         self.assertIn("hand model", [check["name"] for check in missing])
         for check in missing:
             self.assertIn("./dev build", check["hint"])
-        self.assert_refused(BAD_INPUT, ["pick", "--object", "bunny", "--out", "new"], "bunny.ply")
+        self.assert_refused(BAD_INPUT, ["pick", "--object", "bunny", "--out", "new"], "run ./dev build")
 
 
 if __name__ == "__main__":

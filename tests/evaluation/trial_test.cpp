@@ -200,7 +200,7 @@ TEST(Trial, RollsTheObjectAsideAndBack) {
   TrialOptions options = quick_options();
   options.pick.palpation.max = 0;
   options.pick.palpation.rolls = 1;
-  const Trial trial = run_trial(model("bunny"), options, kSeed + 1);
+  const Trial trial = run_trial(model("bunny"), options, kSeed + 3);
   EXPECT_TRUE(trial.metrics.lifted);
   const auto& phases = trial.result.phases;
   EXPECT_TRUE(std::any_of(phases.begin(), phases.end(), [](const skills::PhaseReport& phase) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <filesystem>
 #include <string>
 
@@ -77,9 +79,10 @@ inline const std::string kHandUrdf =
                "<mimic joint=\"thumb_1\" multiplier=\"0.7\"/>") +
     "</robot>\n";
 
-/// A file in a folder of the tests.
+/// A file in a folder of the test's own.
 inline std::filesystem::path write_hand(const std::string& name, const std::string& text) {
-  const auto folder = std::filesystem::temp_directory_path() / "palpate-hand-files";
+  const std::string test = testing::UnitTest::GetInstance()->current_test_info()->name();
+  const auto folder = std::filesystem::temp_directory_path() / "palpate-hand-files" / test;
   std::filesystem::create_directories(folder);
   write_file_atomically(folder / name, text);
   return folder / name;
