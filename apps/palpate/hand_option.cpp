@@ -9,11 +9,12 @@
 
 namespace palpate::app {
 
-void add_hand_option(CLI::App& command, std::string& hand) {
-  command
-      .add_option("--hand", hand,
+CLI::Option& add_hand_option(CLI::App& command, std::string& hand) {
+  return *command
+              .add_option(
+                  "--hand", hand,
                   "a hand of `palpate hand list`, or an MJCF, URDF or TOML file (default: shadow)")
-      ->option_text("HAND");
+              ->option_text("HAND");
 }
 
 simulation::DescribedHand load_hand_with_progress(const std::string& hand, bool quiet) {

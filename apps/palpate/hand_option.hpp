@@ -10,7 +10,7 @@
 
 namespace palpate::app {
 
-void add_hand_option(CLI::App& command, std::string& hand);
+CLI::Option& add_hand_option(CLI::App& command, std::string& hand);
 
 /// A hand of a name or file, with a progress bar while its postures are searched for.
 simulation::DescribedHand load_hand_with_progress(const std::string& hand, bool quiet);

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "common.hpp"
+#include "hand_option.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
 #include "palpate/core/version.hpp"
@@ -25,6 +26,7 @@ constexpr double kVideoDistance = 1.3;  // times that of a picture: the hand mov
 struct RenderArguments {
   CommonOptions common;
   std::string object = "mug";
+  std::string hand;
   std::string recording;
   std::string size = "1200x800";
   bool video = false;
@@ -63,7 +65,7 @@ fs::path output_folder(const RenderArguments& arguments) {
 /// Picks the object up and records it. Whether that succeeds does not matter to a picture.
 fs::path record_pick(const RenderArguments& arguments, const fs::path& folder) {
   const CommonOptions& common = arguments.common;
-  const auto options = resolve<evaluation::TrialOptions>(common);
+  const auto options = resolve_trial(common, arguments.hand);
   const bool own_errors = options.touch.from_biotacs();  // bad ones are named first
   const geometry::ObjectModel object(geometry::load_known_object(arguments.object));
   const simulation::World world(object.object(), options.world, common.seed);
@@ -176,6 +178,7 @@ void add_render(CLI::App& program, Command& chosen) {
                   "mug, bottle, box, bracket, bunny, or a mesh file in metres")
       ->capture_default_str()
       ->excludes(recording);
+  add_hand_option(command, arguments->hand).excludes(recording);
   command.add_option("--size", arguments->size, "of a picture, pixels")
       ->option_text("WxH")
       ->check(size_error)
@@ -199,6 +202,7 @@ void add_render(CLI::App& program, Command& chosen) {
       "screen; palpate doctor tells whether it can draw.\n\n"
       "Examples:\n"
       "  palpate render --object mug --seed 7\n"
+      "  palpate render --object box --hand allegro\n"
       "  palpate render out/pick-mug-7/recording.h5 --size 640x480 --azimuth 90 --out pictures\n"
       "  palpate render out/pick-mug-7/recording.h5 --size 400x300 --video");
   command.callback([arguments, &chosen] { chosen = [arguments] { return render(*arguments); }; });

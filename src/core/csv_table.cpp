@@ -40,6 +40,9 @@ bool CsvTable::take_line() {
 std::optional<std::size_t> CsvTable::find(std::string_view name) const {
   const auto found = std::find(names_.begin(), names_.end(), name);
   if (found == names_.end()) return std::nullopt;
+  if (std::find(found + 1, names_.end(), name) != names_.end()) {
+    throw BadInput(fmt::format("{}: the header names column {} twice", source_, name));
+  }
   return static_cast<std::size_t>(found - names_.begin());
 }
 

@@ -21,7 +21,7 @@ class CsvTable {
   CsvTable(std::string_view text, std::string source);
 
   [[nodiscard]] const std::vector<std::string_view>& names() const { return names_; }
-  /// Column of that name.
+  /// Column of that name. @throws BadInput if two have it
   [[nodiscard]] std::optional<std::size_t> find(std::string_view name) const;
   /// @throws BadInput if there is none
   [[nodiscard]] std::size_t require(std::string_view name) const;
