@@ -16,6 +16,7 @@
 #include "simulation/hand/hand_model.hpp"
 #include "simulation/hand/hand_spec.hpp"
 #include "simulation/hand/mimic_joints.hpp"
+#include "simulation/hand/model_checks.hpp"
 #include "simulation/hand/overlapping_links.hpp"
 #include "simulation/hand/tip_capsule.hpp"
 
@@ -38,14 +39,6 @@ double torque_limit(const mjModel& model, int joint) {
     if (model.actuator_forcelimited[i]) return model.actuator_forcerange[2 * i + 1];
   }
   return 0;
-}
-
-void check_masses(const mjModel& model) {
-  for (int body = 1; body < model.nbody; ++body) {
-    if (model.body_mass[body] >= 0) continue;
-    throw BadInput(fmt::format("link {} has a mass of {} kg", model_name(model, mjOBJ_BODY, body),
-                               model.body_mass[body]));
-  }
 }
 
 Eigen::Isometry3d given_mount(const HandNotes& notes) {
@@ -75,7 +68,11 @@ class Describer {
     free_from_joints(*spec_, result_.hand.file.root);
     const ModelHandle model = compile(*spec_);
     check_masses(*model);
-    check_constraints(*model);
+    refuse_closed_loops(*model);
+    for (const std::string& tendon : tendons(*model)) {
+      problem(fmt::format("tendon {} is left out", tendon),
+              "its joints get a drive each; tie joints by an equality instead");
+    }
     const Anatomy anatomy(*model, result_.hand.file.root, notes_);
     read_joints(*model, anatomy);
     read_fingers(*model, anatomy);
@@ -101,7 +98,6 @@ class Describer {
     result_.problems.push_back({std::move(what), std::move(hint)});
   }
 
-  void check_constraints(const mjModel& model);
   void read_joints(const mjModel& model, const Anatomy& anatomy);
   void read_fingers(const mjModel& model, const Anatomy& anatomy);
   void read_couplings(const mjModel& model);
@@ -125,23 +121,6 @@ class Describer {
   std::vector<int> joint_ids_;      // in the model, of the hand's joints
   std::vector<MimicJoint> mimics_;  // by name
 };
-
-/// Closed loops are refused; tendons are noted, for each of their joints gets a drive of its own.
-void Describer::check_constraints(const mjModel& model) {
-  for (int i = 0; i < model.neq; ++i) {
-    if (model.eq_type[i] != mjEQ_CONNECT && model.eq_type[i] != mjEQ_WELD) continue;
-    const bool sites = model.eq_objtype[i] == mjOBJ_SITE;
-    const auto body = [&](int id) {
-      return model_name(model, mjOBJ_BODY, sites ? model.site_bodyid[id] : id);
-    };
-    throw BadInput(fmt::format("links {} and {} are tied in a closed loop, which is not supported",
-                               body(model.eq_obj1id[i]), body(model.eq_obj2id[i])));
-  }
-  for (int i = 0; i < model.ntendon; ++i) {
-    problem(fmt::format("tendon {} is left out", model_name(model, mjOBJ_TENDON, i)),
-            "its joints get a drive each; tie joints by an equality instead");
-  }
-}
 
 void Describer::read_joints(const mjModel& model, const Anatomy& anatomy) {
   for (int joint = 0; joint < model.njnt; ++joint) {
