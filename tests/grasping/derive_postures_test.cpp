@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/grasping/derive_postures.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "palpate/hand/hand.hpp"
+#include "palpate/hand/self_clearance.hpp"
+#include "palpate/simulation/hand/describe_hand.hpp"
+#include "simulation/hand_files.hpp"
+
+namespace palpate::grasping {
+namespace {
+
+/// A hand of two fingers and a thumb with its postures: searched for once, as that takes seconds.
+const hand::Description& derived() {
+  static const hand::Description hand = [] {
+    auto described =
+        simulation::describe_hand(simulation::write_hand("derived.xml", simulation::kHandMjcf))
+            .hand;
+    derive_postures(described);
+    return described;
+  }();
+  return hand;
+}
+
+/// Height of the lowest ball of a link, or of all others, over the mount, m.
+double lowest(const hand::PointingHand& pointing, bool of_tip) {
+  const hand::Description& hand = derived();
+  hand::BasePosition base;
+  base.ypr << 0, pointing.attitude.pitch, pointing.attitude.roll;
+  const auto T =
+      hand::forward_kinematics(hand, hand::joints_in_free_flexion(hand, pointing.positions));
+  const int tip = hand.fingers[static_cast<std::size_t>(pointing.finger)].link;
+  double low = std::numeric_limits<double>::infinity();
+  for (const auto& ball : hand.spheres) {
+    if ((ball.link == tip) != of_tip) continue;
+    const Eigen::Vector3d p = base.pose() * (T[static_cast<std::size_t>(ball.link)] * ball.center);
+    low = std::min(low, p.z() - ball.radius);
+  }
+  return low;
+}
+
+TEST(DerivePostures, EveryPostureIsWithinTheRangesOfTheHand) {
+  const hand::Description& hand = derived();
+  const hand::Postures& postures = hand.postures;
+  for (const auto* posture : {&postures.top.open, &postures.top.closed, &postures.flat.positions,
+                              &postures.stretched, &postures.folded}) {
+    ASSERT_EQ(posture->size(), hand.actuator_count());
+    for (int i = 0; i < hand.actuator_count(); ++i) {
+      const auto& [low, high] = hand.actuators[static_cast<std::size_t>(i)].command;
+      EXPECT_GE((*posture)[i], low);
+      EXPECT_LE((*posture)[i], high);
+    }
+  }
+}
+
+TEST(DerivePostures, ClosingMovesEveryFingerAndItsThumb) {
+  const hand::Description& hand = derived();
+  for (int finger = 0; finger < hand.finger_count(); ++finger) {
+    double way = 0;
+    for (const int i : hand::closing_actuators(hand, finger)) {
+      way += std::abs(hand.postures.top.closed[i] - hand.postures.top.open[i]);
+    }
+    EXPECT_GT(way, 0.5) << finger;
+  }
+}
+
+TEST(DerivePostures, APointingFingertipIsTheLowestPart) {
+  ASSERT_EQ(derived().postures.pointing.size(), 2u) << "one a finger but the thumb";
+  for (const auto& pointing : derived().postures.pointing) {
+    EXPECT_NE(pointing.finger, derived().thumb);
+    EXPECT_LT(lowest(pointing, true), lowest(pointing, false)) << pointing.finger;
+  }
+}
+
+TEST(DerivePostures, AFoldedHandDoesNotPressOnItself) {
+  const hand::Description& hand = derived();
+  const auto joints = [&](const auto& posture) { return joints_in_free_flexion(hand, posture); };
+  EXPECT_TRUE(hand::SelfClearance(hand, joints(hand.postures.stretched))
+                  .is_clear(joints(hand.postures.folded)));
+}
+
+TEST(DerivePostures, WhatWasFoundIsKept) {
+  hand::Description again =
+      simulation::describe_hand(simulation::write_hand("derived.xml", simulation::kHandMjcf)).hand;
+  const hand::Description& first = derived();
+  bool searched = false;
+  derive_postures(again, [&](std::size_t, std::size_t) { searched = true; });
+  EXPECT_FALSE(searched);
+  EXPECT_EQ(again.postures.top.open, first.postures.top.open);
+  EXPECT_EQ(again.postures.flat.positions, first.postures.flat.positions);
+}
+
+}  // namespace
+}  // namespace palpate::grasping
