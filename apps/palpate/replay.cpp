@@ -48,8 +48,10 @@ int replay(const ReplayArguments& arguments) {
   const auto recording = recording::read_recording(arguments.recording);
   const auto options = replay_options(recording, arguments.common, arguments.recording);
   const geometry::ObjectModel object(recording.header.object);
-  const auto log = recording::event_log(recording).until(estimation::TouchEvent::held);
-  const auto hand = skills::calibrated_hand(recording.header.hand, log, options.pick.calibrate);
+  auto log = recording::event_log(recording).until(estimation::TouchEvent::held);
+  const auto [hand, T_world_table] =
+      skills::calibration(recording.header.hand, log, options.pick.calibrate);
+  log.T_world_table = Eigen::Isometry3d(T_world_table.linear());
   const auto estimate =
       estimation::PoseEstimator(object, options.pick_options().estimation, recording.header.seed)
           .held(hand, log, log.at(estimation::TouchEvent::held));

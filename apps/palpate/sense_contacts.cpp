@@ -101,7 +101,7 @@ std::optional<Eigen::Vector3d> true_normal(const geometry::MeshQuery& mesh,
 std::vector<SensedStream> sense_recording(const SenseArguments& arguments) {
   auto recording = recording::read_recording(arguments.recording);
   recording.header.hand =
-      skills::calibrated_hand(recording.header.hand, recording::event_log(recording), {});
+      skills::calibration(recording.header.hand, recording::event_log(recording), {}).hand;
   const geometry::MeshQuery mesh(recording.header.object.mesh);
   std::vector<SensedStream> streams;
   for (int finger = 0; finger < recording.header.hand.finger_count(); ++finger) {

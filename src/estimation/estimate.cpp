@@ -86,7 +86,7 @@ EstimationOptions as_it_lay(const hand::Description& hand, const EventLog& log,
 TableSupport resting_table(const KnownObject& object, const hand::Description& hand,
                            const EventLog& log, const EstimationOptions& options) {
   TableSupport table;
-  table.T_frame_table = Eigen::Isometry3d::Identity();
+  table.T_frame_table = log.T_world_table;
   table.stable_pose_weights = stable_pose_weights(object, felt_height(hand, log), options);
   table.tilt_sigma = options.resting_tilt_sigma;
   table.height_sigma = options.resting_height_sigma;
@@ -99,7 +99,7 @@ TableSupport table_at_closing(const KnownObject& object, const hand::Description
                               const EventLog& log, const EstimationOptions& options) {
   TableSupport table;
   const auto& closed = log.readings[*log.at(TouchEvent::closed)];
-  table.T_frame_table = closed.base.pose().inverse();
+  table.T_frame_table = closed.base.pose().inverse() * log.T_world_table;
   table.stable_pose_weights = stable_pose_weights(object, felt_height(hand, log), options);
   table.tilt_sigma = options.tilt_sigma;
   table.height_sigma = options.height_sigma;

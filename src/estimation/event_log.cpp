@@ -25,7 +25,8 @@ std::optional<EventLog> EventLog::before_opening() const {
   if (since == since_release().size()) return std::nullopt;
   const auto opening = moments.end() - static_cast<std::ptrdiff_t>(since) - 1;
   const auto count = static_cast<std::ptrdiff_t>(opening->reading) + 1;
-  return EventLog{{readings.begin(), readings.begin() + count}, {moments.begin(), opening}};
+  return EventLog{
+      {readings.begin(), readings.begin() + count}, {moments.begin(), opening}, T_world_table};
 }
 
 EventLog EventLog::until(TouchEvent mark) const {
@@ -33,7 +34,8 @@ EventLog EventLog::until(TouchEvent mark) const {
                                  [&](const Moment& moment) { return moment.mark == mark; });
   if (last == moments.rend()) return *this;
   const auto count = static_cast<std::ptrdiff_t>(last->reading) + 1;
-  return {{readings.begin(), readings.begin() + count}, {moments.begin(), last.base()}};
+  return {
+      {readings.begin(), readings.begin() + count}, {moments.begin(), last.base()}, T_world_table};
 }
 
 std::optional<std::size_t> EventLog::at(TouchEvent mark) const {

@@ -42,6 +42,8 @@ class CommandGate {
 
   /// The last command that was let through; at first, where the hand is.
   [[nodiscard]] const hand::HandCommand& last() const { return last_; }
+  /// The last command counts as one that much higher (m): the world's origin has moved.
+  void raise(double height) { last_.base.xyz.z() += height; }
   /// Commands that had to be changed, so far.
   [[nodiscard]] std::size_t changed() const { return changed_; }
 

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <exception>
 #include <limits>
+#include <span>
 #include <utility>
 
 #include "palpate/core/error.hpp"
@@ -22,7 +23,9 @@ constexpr double kSettingOut = 0.4;  // s of a motion in which the load is that 
 constexpr double kSteady = 0.1;      // s after it over which the load of steady motion is averaged
 constexpr int kLoadedTicks = 3;
 constexpr double kLeverArm = 0.2;  // m: what a turn of 1 rad counts as a way of the hand
-constexpr int kEasingTicks = 30;   // in which a stopped hand gives way
+constexpr int kSteadyReadings = 10, kSteadyWindows = 10;  // that are averaged; at most
+constexpr double kSteadyLoad = 0.15;                      // N between two windows
+constexpr int kEasingTicks = 30;                          // in which a stopped hand gives way
 
 int ticks(double seconds) {
   return std::max(1, static_cast<int>(std::lround(seconds / hand::kTick)));
@@ -76,6 +79,45 @@ const ModelFactory& Executor::models() const {
   return *models_;
 }
 
+void Executor::set_table(const Eigen::Isometry3d& T_world_table) {
+  const double height = T_world_table.translation().z();
+  table_height_ += height;
+  command_.base.xyz.z() -= height;
+  commands_->raise(-height);
+  log_.T_world_table = Eigen::Isometry3d(T_world_table.linear());
+}
+
+Eigen::Vector3d Executor::steady_load() {
+  Eigen::Vector3d before = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
+  for (int i = 0; i < kSteadyWindows; ++i) {
+    wait(kSteadyReadings * hand::kTick);
+    Eigen::Vector3d now = Eigen::Vector3d::Zero();
+    const auto count = std::min<std::size_t>(kSteadyReadings, log_.readings.size());
+    for (const auto& reading : std::span(log_.readings).last(count)) {
+      now += reading.base_force / static_cast<double>(count);
+    }
+    const bool steady = (now - before).norm() < kSteadyLoad;
+    before = now;
+    if (steady) break;
+  }
+  return before;
+}
+
+void Executor::tare() {
+  load_error_.bias += reading().base.pose().linear().transpose() * steady_load();
+}
+
+/// One step of the hand, in the world whose z = 0 is the table.
+hand::HandReading Executor::step() {
+  hand::HandCommand told = command_;
+  told.base.xyz.z() += table_height_;
+  hand::HandReading reading = hand_.step(told);
+  reading.base.xyz.z() -= table_height_;
+  reading.base_force -= reading.base.pose().linear() * load_error_.bias;
+  reading.base_force.z() -= load_error_.weight;
+  return reading;
+}
+
 void Executor::mark(estimation::TouchEvent mark) {
   log_.moments.push_back({mark, log_.readings.size() - 1});
   if (observer_.on_event) observer_.on_event(mark);
@@ -104,7 +146,7 @@ bool Executor::read_once() {
   hand::HandReading reading;
   try {
     const Watchdog::Guard guard(watchdog_.get());
-    reading = hand_.step(command_);
+    reading = step();
   } catch (const std::exception& error) {
     stop_for(Fault::exception, fmt::format("the hand: {}", error.what()));
   }
@@ -146,7 +188,7 @@ void Executor::make_safe(Fault fault, std::string detail) noexcept {
 void Executor::ease() {
   for (int i = 0; i < kEasingTicks; ++i) {
     command_ = eased(command_, reading(), model_, safety_.options);
-    hand::HandReading now = hand_.step(command_);
+    hand::HandReading now = step();
     if (readings_->judge(now, command_).usable) keep(std::move(now));
   }
 }

@@ -86,7 +86,7 @@ TEST(CalibratePhase, TheLogAloneTellsTheSameHand) {
   scene.options.touches = 6;
   const auto drawn = scene.robot.model();
   scene.calibrate();
-  const auto again = calibrated_hand(drawn, scene.robot.log(), scene.options);
+  const auto again = calibration(drawn, scene.robot.log(), scene.options).hand;
   EXPECT_EQ(again.kinematic_error, scene.robot.model().kinematic_error);
   EXPECT_EQ(tip_error(again, scene.robot.model()), 0);
   EXPECT_LT(again.kinematic_error, drawn.kinematic_error);
@@ -104,7 +104,7 @@ TEST(CalibratePhase, KnowsLessFromNoisierTouches) {
       for (auto& contact : contacts) contact.p += 0.01 * random.normal3();
     }
   }
-  const auto calibrated = calibrated_hand(drawn, noisy, scene.options);
+  const auto calibrated = calibration(drawn, noisy, scene.options).hand;
   EXPECT_GT(calibrated.kinematic_error, scene.robot.model().kinematic_error);
   EXPECT_LT(calibrated.kinematic_error, drawn.kinematic_error);
 }

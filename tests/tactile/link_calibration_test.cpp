@@ -72,7 +72,8 @@ std::vector<TipOnPlane> random_touches(const hand::Description& real, int count,
     touch.p = {0.02, 0, -0.005};
     touch.sigma = sigma;
     const Eigen::Vector3d p = place(real, touch.tip, touch.p);
-    touch.plane = {random.normal3().normalized(), p};
+    touch.T_base_plane.linear() = frame_with_z(random.unit_vector());
+    touch.T_base_plane.translation() = p;
     touch.p += sigma * random.normal3();
     touches.push_back(touch);
   }

@@ -37,8 +37,9 @@ struct EventLog {
     std::size_t reading;  ///< index into readings
     bool operator==(const Moment&) const = default;
   };
-  std::vector<hand::HandReading> readings;  ///< one a tick
-  std::vector<Moment> moments;              ///< in the order of time
+  std::vector<hand::HandReading> readings;                          ///< one a tick
+  std::vector<Moment> moments;                                      ///< in the order of time
+  Eigen::Isometry3d T_world_table = Eigen::Isometry3d::Identity();  ///< tilt of the table
 
   /// Moments since the hand last let go for good.
   std::vector<Moment> since_release() const;

@@ -29,6 +29,12 @@ struct Grip {
   hand::PerFinger<bool> active;
 };
 
+/// What the mount's load reads where nothing but the hand hangs on it, N.
+struct LoadError {
+  Eigen::Vector3d bias = Eigen::Vector3d::Zero();  ///< in the mount's frame
+  double weight = 0;                               ///< upwards
+};
+
 /// Moves a hand tick by tick and keeps all that it felt. It knows nothing but the hand's readings.
 ///
 /// Every reading and every command passes a gate (SafetyOptions). While readings are missing or
@@ -60,6 +66,15 @@ class Executor {
   const hand::Description& model() const { return model_; }
   /// The hand is known better now.
   void set_model(const hand::Description& model) { model_ = model; }
+  /// The table has been found here: from now on all is told and read in a world whose z = 0 is the
+  /// table at the origin; its tilt is in the log.
+  void set_table(const Eigen::Isometry3d& T_world_table);
+  /// From now on loads are read without this.
+  void set_load_error(const LoadError& error) { load_error_ = error; }
+  /// Waits until the load on the mount stands still, for a second at most. @return it, N
+  Eigen::Vector3d steady_load();
+  /// The hand stands free: its steady load, beyond what is known of the error, is a drift of it.
+  void tare();
   /// What skills plan with. @throws BadInput if the robot was given none
   const ModelFactory& models() const;
   const hand::HandCommand& command() const { return command_; }
@@ -111,6 +126,7 @@ class Executor {
   MotionEnd tick_until(const StopCondition& stop);
   bool read_once();
   void keep(hand::HandReading reading);
+  hand::HandReading step();
   void ease();
 
   hand::Hand& hand_;
@@ -119,6 +135,8 @@ class Executor {
   Observer observer_;
   const ModelFactory* models_;
   estimation::EventLog log_;
+  double table_height_ = 0;  ///< m, of the table in the world as the hand is told it
+  LoadError load_error_;
   std::optional<Grip> grip_;
   double deadline_;
   Safety safety_;

@@ -19,6 +19,7 @@ constexpr int kWholeState = mjSTATE_INTEGRATION;
 /// put back, is left out.
 WorldOptions without_noise(WorldOptions options) {
   options.noise = {0, 0, 0, 0, 0, 0};
+  options.error = {};
   options.integral.limit = 0;
   return options;
 }
@@ -32,7 +33,7 @@ struct SimulatedForwardModel::Impl {
         drawn(believed),
         mesh(known.mesh),
         surface(mesh),
-        scene(compose_scene(drawn, known, surface, options)),
+        scene(compose_scene(drawn, told_object(known), surface, options)),
         data(make_data(*scene.model)),
         hand(scene, *data, drawn, options, RandomStream(0, "rehearsal")) {
     place_links(believed, *scene.model);

@@ -35,6 +35,7 @@ std::optional<FingertipTouch> read_fingertip_touch(const mjModel& model, const m
 
 std::optional<hand::TipContact> as_felt(hand::TipContact contact, const SensorNoise& noise,
                                         RandomStream& random) {
+  if (-contact.f.dot(contact.n) < noise.touch_threshold) return std::nullopt;
   contact.p += noise.point * random.normal3();
   const Eigen::Matrix3d tangents = frame_with_z(contact.n);
   const double tilt_x = noise.normal * random.normal();

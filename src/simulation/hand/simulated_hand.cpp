@@ -26,6 +26,11 @@ Vector6d base_vector(const hand::BasePosition& base) {
   return result;
 }
 
+/// Weight of the hand, N.
+double weight_of_hand(const Scene& scene) {
+  return scene.model->body_subtreemass[scene.root] * vector3(scene.model->opt.gravity).norm();
+}
+
 }  // namespace
 
 SimulatedHand::SimulatedHand(const Scene& scene, mjData& data, const hand::Description& hand,
@@ -34,6 +39,7 @@ SimulatedHand::SimulatedHand(const Scene& scene, mjData& data, const hand::Descr
       data_(data),
       hand_(hand),
       noise_(options.noise),
+      errors_(options, hand, weight_of_hand(scene), random),
       integral_(options.integral),
       random_(random),
       steps_a_tick_(static_cast<int>(std::lround(hand::kTick / scene.model->opt.timestep))) {
@@ -44,7 +50,7 @@ SimulatedHand::SimulatedHand(const Scene& scene, mjData& data, const hand::Descr
 }
 
 void SimulatedHand::apply(const hand::HandCommand& command) {
-  const Vector6d base = base_vector(command.base);
+  const Vector6d base = base_vector(errors_.in_world(command.base));
   if (command.positions.size() != stiffness_.size()) {
     throw BadInput(fmt::format("{} actuators are commanded, the hand has {}",
                                command.positions.size(), stiffness_.size()));
@@ -104,11 +110,12 @@ void SimulatedHand::reset(const hand::HandCommand& command) {
   for (Index i = 0; i < scene_.joint_positions.size(); ++i) {
     data_.qpos[scene_.joint_positions[i]] = joints[static_cast<int>(i)];
   }
-  const Vector6d base = base_vector(command.base);
+  const Vector6d base = base_vector(errors_.in_world(command.base));
   for (Index i = 0; i < scene_.base_positions.size(); ++i) {
     data_.qpos[scene_.base_positions[i]] = base[static_cast<int>(i)];
   }
   integral_.reset();
+  errors_.reset();
   if (biotacs_) biotacs_->reset();
   tick_ = 0;
 }
@@ -135,8 +142,11 @@ hand::HandReading SimulatedHand::read() {
   }
   RandomStream loads = random_.fork("load", tick_);
   reading.base_force += noise_.load * loads.normal3();
+  errors_.misread(reading);
   for (double& torque : reading.torques) torque += noise_.load * kTorqueLever * loads.normal();
   read_contacts(reading, random);
+  RandomStream mount = random_.fork("mount", tick_);
+  errors_.delay(reading, mount);
   return reading;
 }
 

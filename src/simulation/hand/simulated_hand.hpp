@@ -6,6 +6,7 @@
 
 #include "palpate/core/random.hpp"
 #include "palpate/hand/hand.hpp"
+#include "simulation/hand/sensor_errors.hpp"
 #include "simulation/hand/simulated_biotacs.hpp"
 #include "simulation/world/scene.hpp"
 
@@ -41,6 +42,7 @@ class SimulatedHand : public hand::Hand {
   mjData& data_;
   const hand::Description& hand_;
   SensorNoise noise_;
+  SensorErrors errors_;
   simulation::IntegralAction integral_;
   hand::ActuatorVector stiffness_;
   RandomStream random_;

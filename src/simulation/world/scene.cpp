@@ -9,7 +9,6 @@
 #include <string_view>
 
 #include "palpate/core/error.hpp"
-#include "palpate/simulation/world/convex_parts.hpp"
 #include "simulation/contact/exact_contact.hpp"
 #include "simulation/contact/table_contact.hpp"
 #include "simulation/hand/hand_joints.hpp"
@@ -103,10 +102,11 @@ void set_solver(mjSpec& spec, const WorldOptions& options) {
 }
 
 /// @param exact  it meets the hull of the object's mesh (add_resting_geom) instead of the parts
-void add_table(mjSpec& spec, double friction, bool exact) {
+void add_table(mjSpec& spec, double friction, bool exact, const Eigen::Isometry3d& T_world_table) {
   mjsGeom* table = mjs_addGeom(mjs_findBody(&spec, "world"), nullptr);
   mjs_setName(table->element, "table");
   table->type = mjGEOM_PLANE;
+  write_pose(T_world_table, table->pos, table->quat);
   Eigen::Vector3d::Map(table->size) << 1, 1, 0.1;
   Eigen::Vector3d::Map(table->friction) << friction, 0.005, 0.0001;
   table->condim = 3;
@@ -114,7 +114,8 @@ void add_table(mjSpec& spec, double friction, bool exact) {
   set_bits(*table, exact ? kTableBits : kSolidBits);
 }
 
-void add_fixture(mjSpec& spec, const planning::Fixture& fixture, double friction) {
+void add_fixture(mjSpec& spec, const planning::Fixture& fixture, double friction,
+                 const Eigen::Isometry3d& T_world_table) {
   mjsBody* world = mjs_findBody(&spec, "world");
   int number = 0;
   for (const planning::FixtureBox& box : fixture) {
@@ -123,7 +124,7 @@ void add_fixture(mjSpec& spec, const planning::Fixture& fixture, double friction
     mjs_setName(geom->element, fmt::format("{}{}", kFixture, number++).c_str());
     geom->type = mjGEOM_BOX;
     Eigen::Vector3d::Map(geom->size) = box.half_extents;
-    write_pose(box.T_world_box, geom->pos, geom->quat);
+    write_pose(T_world_table * box.T_world_box, geom->pos, geom->quat);
     Eigen::Vector3d::Map(geom->friction) << friction, 0.005, 0.0001;
     geom->condim = 3;
     geom->priority = 1;
@@ -239,16 +240,16 @@ void add_resting_geom(mjSpec& spec, mjsBody& body, int share, double friction) {
   std::copy(frictions.begin(), frictions.end(), pair->friction);
 }
 
-void add_object(mjSpec& spec, const geometry::KnownObject& object, const WorldOptions& options) {
-  mjsBody& body = add_object_body(spec, object);
+void add_object(mjSpec& spec, const SolidObject& solid, const WorldOptions& options) {
+  mjsBody& body = add_object_body(spec, solid.object);
   int number = 0;
-  for (const geometry::TriangleMesh& part : convex_parts(object.mesh)) {
+  for (const geometry::TriangleMesh& part : solid.parts) {
     mjsGeom& geom = add_solid(spec, body, fmt::format("part_{}", number++), part);
     set_friction(geom, options.hand_friction);
     set_bits(geom, kPartBits);
   }
   if (!options.exact_tips) return;
-  mjsGeom& surface = add_solid(spec, body, kSurface, object.mesh);
+  mjsGeom& surface = add_solid(spec, body, kSurface, solid.object.mesh);
   set_friction(surface, options.hand_friction);
   set_bits(surface, kSurfaceBits);
   for (int share = 0; share < kRestingGeoms; ++share) {
@@ -297,18 +298,21 @@ bool Scene::stands_fast(int geom) const {
   return geom == table || std::find(fixture.begin(), fixture.end(), geom) != fixture.end();
 }
 
-Scene compose_scene(const hand::Description& hand, const geometry::KnownObject& object,
+Scene compose_scene(const hand::Description& hand, const SolidObject& solid,
                     const geometry::CapsuleCollider& surface, const WorldOptions& options,
-                    const planning::Fixture& fixture) {
+                    const Surroundings& surroundings) {
   check(options);
+  const Eigen::Isometry3d T_world_table(surroundings.R_world_table);
   const SpecHandle spec = parse_hand(hand);
   prepare_hand(*spec, hand, options);
   set_solver(*spec, options);
-  add_table(*spec, options.table_friction, options.exact_tips);
-  add_fixture(*spec, fixture, options.table_friction);
+  const Eigen::Vector3d up = surroundings.R_world_table.col(2);
+  Eigen::Vector3d::Map(spec->option.gravity) = spec->option.gravity[2] * up;
+  add_table(*spec, options.table_friction, options.exact_tips, T_world_table);
+  add_fixture(*spec, surroundings.fixture, options.table_friction, T_world_table);
   add_base(*spec, hand);
-  add_object(*spec, object, options);
-  Scene scene{.model = compile(*spec)};
+  add_object(*spec, solid, options);
+  Scene scene{.model = compile(*spec), .T_world_table = T_world_table};
   locate(hand, scene);
   if (options.exact_tips) {
     const int geom = find_id(*scene.model, mjOBJ_GEOM, kSurface);

@@ -8,9 +8,16 @@
 #include "palpate/geometry/query/capsule_collider.hpp"
 #include "palpate/hand/description.hpp"
 #include "palpate/simulation/world/world.hpp"
+#include "simulation/world/drawn_errors.hpp"
 #include "simulation/world/mujoco_handles.hpp"
 
 namespace palpate::simulation {
+
+/// What stands fast about the object.
+struct Surroundings {
+  Eigen::Matrix3d R_world_table = Eigen::Matrix3d::Identity();  ///< through the world's origin
+  planning::Fixture fixture = {};                               ///< in the table's frame
+};
 
 /// The model of table, hand and object, and where in it each thing is.
 struct Scene {
@@ -26,6 +33,7 @@ struct Scene {
   std::vector<int> fixture = {};          ///< geoms
   int object = -1;                        ///< body
   int object_position = -1;               ///< address in qpos
+  Eigen::Isometry3d T_world_table = Eigen::Isometry3d::Identity();
 
   /// Whether a geom is of the table or of the fixture.
   [[nodiscard]] bool stands_fast(int geom) const;
@@ -33,10 +41,11 @@ struct Scene {
 
 /// Composes the scene: the options of the solver, the table with the fixture, the hand on its
 /// driven base and the object: its true surface for the fingertips, convex parts for all else.
+/// Gravity is along the table's normal.
 /// @param surface  of the object, in its frame; must outlive the scene
 /// @throws BadInput for options that are not positive, or if the hand or the object cannot be used
-Scene compose_scene(const hand::Description& hand, const geometry::KnownObject& object,
+Scene compose_scene(const hand::Description& hand, const SolidObject& solid,
                     const geometry::CapsuleCollider& surface, const WorldOptions& options,
-                    const planning::Fixture& fixture = {});
+                    const Surroundings& surroundings = {});
 
 }  // namespace palpate::simulation

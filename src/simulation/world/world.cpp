@@ -10,45 +10,42 @@
 #include "palpate/core/error.hpp"
 #include "palpate/simulation/hand/load_hand.hpp"
 #include "simulation/hand/simulated_hand.hpp"
+#include "simulation/world/drawn_errors.hpp"
 
 namespace palpate::simulation {
 namespace {
 
 constexpr double kDropHeight = 0.0005;  // m, above the table at the start
 
-hand::Description believed_hand(hand::Description hand, const SensorNoise& noise,
-                                const RandomStream& random) {
-  if (noise.link == 0) return hand;
-  RandomStream links = random.fork("links");
-  return hand::with_perturbed_links(std::move(hand), noise.link, links);
-}
-
-double lowest_point(const geometry::TriangleMesh& mesh, const Eigen::Isometry3d& T_world_mesh) {
+/// Of a mesh, in the frame to which T leads.
+double lowest_point(const geometry::TriangleMesh& mesh, const Eigen::Isometry3d& T) {
   double low = std::numeric_limits<double>::infinity();
-  for (const Eigen::Vector3d& v : mesh.vertices) low = std::min(low, (T_world_mesh * v).z());
+  for (const Eigen::Vector3d& v : mesh.vertices) low = std::min(low, (T * v).z());
   return low;
 }
 
 }  // namespace
 
 struct World::Impl {
-  Impl(const geometry::KnownObject& known, const WorldOptions& options, const RandomStream& random,
+  Impl(const geometry::KnownObject& told, const WorldOptions& given, const RandomStream& random,
        const planning::Fixture& fixture)
-      : object(known),
-        mesh(known.mesh),
+      : options(with_drawn_friction(given, random)),
+        solid(differing_object(told, options.error, random)),
+        mesh(solid.object.mesh),
         surface(mesh),
         drawn(load_hand(options.hand, options.stiffness_scale)),
-        scene(compose_scene(drawn, known, surface, options, fixture)),
+        scene(compose_scene(drawn, solid, surface, options,
+                            {drawn_tilt(options.error, random), fixture})),
         data(make_data(*scene.model)),
-        believed(believed_hand(drawn, options.noise, random)),
-        hand(scene, *data, drawn, options, random.fork("readers")),
-        corrupted_truth(options.corrupted_truth) {
+        believed(told_hand(drawn, options, random)),
+        hand(scene, *data, drawn, options, random.fork("readers")) {
     if (options.biotacs) hand.wear(SimulatedBiotacs(mesh, believed, random.fork("biotacs")));
   }
 
   void place_object(const Start& start);
 
-  geometry::KnownObject object;
+  WorldOptions options;
+  SolidObject solid;
   geometry::MeshQuery mesh;
   geometry::CapsuleCollider surface;
   hand::Description drawn;  // as its file has it, and the physics
@@ -56,10 +53,10 @@ struct World::Impl {
   DataHandle data;
   hand::Description believed;
   SimulatedHand hand;
-  bool corrupted_truth;
 };
 
 void World::Impl::place_object(const Start& start) {
+  const geometry::KnownObject& object = solid.object;
   if (start.stable_pose < 0 || start.stable_pose >= static_cast<int>(object.stable_poses.size())) {
     throw BadInput(fmt::format("object {} has {} stable poses, not number {}", object.name,
                                object.stable_poses.size(), start.stable_pose));
@@ -69,7 +66,7 @@ void World::Impl::place_object(const Start& start) {
                object.stable_poses[static_cast<std::size_t>(start.stable_pose)].R_table_object;
   T.translation() << start.xy, kDropHeight - lowest_point(object.mesh, T);
   mjtNum* const position = data->qpos + scene.object_position;
-  write_pose(T, position, position + 3);
+  write_pose(scene.T_world_table * T, position, position + 3);
 }
 
 World::World(const geometry::KnownObject& object, const WorldOptions& options, std::uint64_t seed,
@@ -101,12 +98,14 @@ Truth World::truth() const {
   for (std::size_t i = 0; i < scene.joint_positions.size(); ++i) {
     truth.joints[static_cast<int>(i)] = data.qpos[scene.joint_positions[i]];
   }
-  if (impl_->corrupted_truth) {
+  if (impl_->options.corrupted_truth) {
     truth.T_world_object.prerotate(Eigen::AngleAxisd(1, Eigen::Vector3d(1, 2, 2) / 3));
     truth.T_world_object.pretranslate(Eigen::Vector3d(0.1, -0.2, 0.3));
     truth.joints.array() += 0.3;
   }
-  truth.lowest_point = lowest_point(impl_->object.mesh, truth.T_world_object);
+  truth.T_world_table = scene.T_world_table;
+  truth.lowest_point =
+      lowest_point(impl_->solid.object.mesh, scene.T_world_table.inverse() * truth.T_world_object);
   return truth;
 }
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "palpate/core/random.hpp"
 #include "palpate/hand/self_clearance.hpp"
@@ -13,6 +14,7 @@
 #include "palpate/skills/grasp/grasp_phase.hpp"
 #include "palpate/tactile/calibration/link_calibration.hpp"
 #include "palpate/tactile/contacts/contact_window.hpp"
+#include "skills/load_calibration.hpp"
 #include "skills/lowest_part.hpp"
 #include "skills/motion_constants.hpp"
 #include "skills/take_posture.hpp"
@@ -20,20 +22,22 @@
 namespace palpate::skills {
 namespace {
 
-constexpr int kAttitudes = 3000;           // drawn, of which those count that can touch the table
-constexpr int kUses = 24;                  // grasps for which the hand is to be known
-constexpr std::uint64_t kDesign = 1;       // seed of what is drawn: the same for every hand
-constexpr double kSteepest = 1.4;          // rad of pitch; at pi/2 yaw and roll are one
-constexpr double kAlone = 0.008;           // m by which all else is higher than the fingertip
-constexpr double kApproachHeight = 0.012;  // m over the table from which it goes down, by the model
-constexpr double kBelow = 0.015;           // m under the table at which it has missed it
-constexpr double kTravelHeight = 0.02;     // m of the hand's lowest part while it changes posture
-constexpr double kPostureSeconds = 0.3;    // s
-constexpr double kSettling = 0.1;          // s
-constexpr double kLastingShare = 0.8;      // of the readings in which a resting fingertip touches
-constexpr double kSecondsATouch = 8;       // amply
-constexpr double kUnfeltLoad = 4.0;        // N at which the table is there, felt or not
-constexpr int kPressedTicks = 3;           // of it in a row
+constexpr int kAttitudes = 3000;         // drawn, of which those count that can touch the table
+constexpr int kUses = 24;                // grasps for which the hand is to be known
+constexpr std::uint64_t kDesign = 1;     // seed of what is drawn: the same for every hand
+constexpr double kSteepest = 1.4;        // rad of pitch; at pi/2 yaw and roll are one
+constexpr double kAlone = 0.008;         // m by which all else is higher than the fingertip
+constexpr double kFirstReach = 0.035;    // m over and under the table that nobody has measured
+constexpr double kSearchReach = 0.014;   // m over and under where the last touch found it
+constexpr double kSpread = 0.08;         // m to all sides over which the table is touched
+constexpr double kTravelHeight = 0.02;   // m of the hand's lowest part while it changes posture
+constexpr double kPostureSeconds = 0.3;  // s
+constexpr double kSettling = 0.1;        // s
+constexpr double kLastingShare = 0.8;    // of the readings in which a resting fingertip touches
+constexpr double kSecondsATouch = 8;     // amply
+constexpr int kLoadAttitudes = 10;       // in which the load of the hand alone is read
+constexpr double kUnfeltLoad = 4.0;      // N at which the table is there, felt or not
+constexpr int kPressedTicks = 3;         // of it in a row
 constexpr int kNumbTouches = 3;  // in a row that a fingertip must miss to be believed no more
 constexpr double kContradiction = 3.0;  // sigmas, rms, that touches leave unexplained
 
@@ -41,10 +45,11 @@ constexpr double kContradiction = 3.0;  // sigmas, rms, that touches leave unexp
 struct Attitude {
   int finger = 0;
   hand::ActuatorVector posture;
-  double pitch = 0, roll = 0;  ///< of the base, rad
+  double pitch = 0, roll = 0;                       ///< of the base, rad
+  Eigen::Vector2d aside = Eigen::Vector2d::Zero();  ///< of the place where the table is bare, m
 
   hand::BasePosition base(const CalibrateOptions& options, double height) const {
-    return {{options.x, options.y, height}, {0, pitch, roll}};
+    return {{options.x + aside.x(), options.y + aside.y(), height}, {0, pitch, roll}};
   }
 };
 
@@ -67,6 +72,7 @@ Attitude draw_attitude(const hand::Description& hand, int finger, RandomStream& 
   bend_finger(hand, finger, random, attitude.posture);
   attitude.pitch = random.uniform(-0.3, kSteepest);
   attitude.roll = random.uniform(-1.6, 1.6);
+  attitude.aside = {random.uniform(-kSpread, kSpread), random.uniform(-kSpread, kSpread)};
   return attitude;
 }
 
@@ -101,10 +107,8 @@ std::vector<Attitude> possible_attitudes(const hand::Description& hand) {
   return attitudes;
 }
 
-/// The table in the base's frame.
-Eigen::Hyperplane<double, 3> table_from(const hand::BasePosition& base) {
-  const Eigen::Isometry3d T_base_world = base.pose().inverse();
-  return {T_base_world.linear() * Eigen::Vector3d::UnitZ(), T_base_world.translation()};
+tactile::MountPrior prior(const CalibrateOptions& options) {
+  return {options.mount, options.mount_angle, options.table_height, options.table_tilt};
 }
 
 /// Fingertips in grasps: each finger somewhere on its way from the open to the closed hand.
@@ -129,12 +133,13 @@ std::vector<Attitude> telling_attitudes(const hand::Description& hand,
   for (const Attitude& attitude : attitudes) {
     touches.push_back({{attitude.finger, hand::joints_in_free_flexion(hand, attitude.posture)},
                        Eigen::Vector3d::Zero(),
-                       table_from(attitude.base(options, 0)),
+                       attitude.base(options, 0).pose().inverse(),
                        options.sigma});
   }
   std::vector<Attitude> chosen;
-  for (const std::size_t i : tactile::choose_touches(
-           hand, touches, static_cast<std::size_t>(options.touches), fingertips_in_grasps(hand))) {
+  for (const std::size_t i :
+       tactile::choose_touches(hand, touches, static_cast<std::size_t>(options.touches),
+                               fingertips_in_grasps(hand), prior(options))) {
     chosen.push_back(attitudes[i]);
   }
   return chosen;
@@ -186,24 +191,49 @@ void take_attitude(Executor& robot, const Attitude& attitude, const CalibrateOpt
   take_posture(robot, attitude.posture, kPostureSeconds);
 }
 
+/// What the touches so far have told of the table and of the sensor of the mount's load.
+struct TableSearch {
+  UnfeltTouches unfelt{};
+  std::optional<double> height;  ///< where the last touch found the table, m
+  LoadCalibration load;
+};
+
 void touch_table(Executor& robot, const Attitude& attitude, const CalibrateOptions& options,
-                 UnfeltTouches& unfelt) {
+                 TableSearch& search) {
   take_attitude(robot, attitude, options);
-  const double low = lowest(robot.model(), attitude);
-  robot.move_base(attitude.base(options, kApproachHeight - low), options.travel_speed);
-  robot.wait(kSettling);
+  const double reach = search.height ? kSearchReach : kFirstReach;
+  const double seat = search.height.value_or(0) - lowest(robot.model(), attitude);
+  robot.move_base(attitude.base(options, seat + reach), options.travel_speed);
+  if (search.load.attitudes() < kLoadAttitudes) {
+    search.load.add(robot.command().base, robot.steady_load());
+  } else {
+    robot.wait(kSettling);
+  }
   bool felt = false;
   const auto loaded = pressing_down();
   const auto stop = [&](const hand::HandReading& reading) {
     felt = hand::tip_force(reading, attitude.finger) > options.touch_force;
     return felt || loaded(reading);
   };
-  const auto end = robot.move_base(attitude.base(options, -kBelow - low), options.speed, stop);
-  int& times = unfelt[static_cast<std::size_t>(attitude.finger)];
+  const auto end = robot.move_base(attitude.base(options, seat - reach), options.speed, stop);
+  const auto finger = static_cast<std::size_t>(attitude.finger);
+  int& times = search.unfelt[finger];
   if (end == MotionEnd::stopped) times = felt ? 0 : times + 1;
   if (times >= kNumbTouches) robot.distrust(attitude.finger);
-  if (felt && end == MotionEnd::stopped) rest(robot, options);
+  if (felt && end == MotionEnd::stopped) {
+    search.height = lowest(robot.model(), attitude) + robot.reading().base.xyz.z();
+    rest(robot, options);
+  }
   rise(robot, kTravelHeight, options.travel_speed);
+}
+
+hand::BasePosition mean_base_of(std::span<const hand::HandReading> window) {
+  hand::BasePosition mean;
+  for (const auto& reading : window) {
+    mean.xyz += reading.base.xyz / static_cast<double>(window.size());
+    mean.ypr += reading.base.ypr / static_cast<double>(window.size());
+  }
+  return mean;
 }
 
 /// What a fingertip feels through a window of readings, in the distal link's frame.
@@ -245,7 +275,7 @@ void add_resting_tips(std::span<const hand::HandReading> window, double sigma,
     touches.push_back(
         {{static_cast<int>(finger), joints},
          felt.p,
-         table_from(window.back().base),
+         mean_base_of(window).pose().inverse(),
          std::sqrt(std::max(sigma * sigma, felt.mean_variance) + felt.reported_variance)});
   }
 }
@@ -263,32 +293,35 @@ std::vector<tactile::TipOnPlane> table_touches(const estimation::EventLog& log,
   return touches;
 }
 
-/// Root mean square of what the links' places leave unexplained, in standard deviations.
-double unexplained(const hand::Description& hand, const std::vector<tactile::TipOnPlane>& touches) {
+/// Root mean square of what the calibration leaves unexplained, in standard deviations.
+double unexplained(const tactile::HandCalibration& found,
+                   const std::vector<tactile::TipOnPlane>& touches) {
   double sum = 0;
-  for (const auto& touch : touches) {
-    sum += std::pow(tactile::distance_from_plane(hand, touch) / touch.sigma, 2);
+  for (tactile::TipOnPlane touch : touches) {
+    touch.T_base_plane = touch.T_base_plane * found.T_believed_plane;
+    sum += std::pow(tactile::distance_from_plane(found.hand, touch) / touch.sigma, 2);
   }
   return touches.empty() ? 0 : std::sqrt(sum / static_cast<double>(touches.size()));
 }
 
 }  // namespace
 
-hand::Description calibrated_hand(const hand::Description& hand, const estimation::EventLog& log,
-                                  const CalibrateOptions& options) {
+tactile::HandCalibration calibration(const hand::Description& hand, const estimation::EventLog& log,
+                                     const CalibrateOptions& options) {
   const auto touches = table_touches(log, options);
-  hand::Description calibrated =
-      tactile::calibrate_links(hand, touches, fingertips_in_grasps(hand));
-  return unexplained(calibrated, touches) < kContradiction ? calibrated : hand;
+  tactile::HandCalibration found =
+      tactile::calibrate_links(hand, touches, fingertips_in_grasps(hand), prior(options));
+  if (unexplained(found, touches) < kContradiction) return found;
+  return {hand};
 }
 
 double CalibratePhase::time_limit() const { return 20 + kSecondsATouch * options_.touches; }
 
 PhaseEnd CalibratePhase::run(Executor& robot, PickState&) {
   const hand::Description before = robot.model();
-  UnfeltTouches unfelt{};
+  TableSearch search;
   for (const auto& attitude : telling_attitudes(before, options_)) {
-    if (robot.trusted(attitude.finger)) touch_table(robot, attitude, options_, unfelt);
+    if (robot.trusted(attitude.finger)) touch_table(robot, attitude, options_, search);
   }
   const hand::HandCommand& now = robot.command();
   const double free =
@@ -296,7 +329,10 @@ PhaseEnd CalibratePhase::run(Executor& robot, PickState&) {
                kClearOfObjects - lowest_part(robot.model(), now.positions, attitude_of(now.base)));
   rise(robot, std::max(0.0, free - now.base.xyz.z()), options_.travel_speed);
   const auto touches = table_touches(robot.log(), options_);
-  robot.set_model(calibrated_hand(before, robot.log(), options_));
+  const tactile::HandCalibration found = calibration(before, robot.log(), options_);
+  robot.set_model(found.hand);
+  robot.set_table(found.T_believed_plane);
+  robot.set_load_error(search.load.error());
   const bool better = robot.model().kinematic_error < before.kinematic_error;
   return {better, fmt::format("{} touches of the table, links known to {:.2f} mm", touches.size(),
                               1e3 * robot.model().kinematic_error)};

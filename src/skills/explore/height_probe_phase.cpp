@@ -58,7 +58,7 @@ bool HeightProbePhase::lower(Executor& robot, PickState& state,
   above.xyz = {xy.x(), xy.y(), start_height(robot.model())};
   above.ypr = {state.yaw, flat.attitude.pitch, flat.attitude.roll};
   robot.move_base(above, options_.travel_speed);
-  robot.wait(0.2);
+  robot.tare();
 
   hand::BasePosition low = above;
   low.xyz.z() = -options_.start_height;

@@ -213,7 +213,7 @@ void GraspPhase::travel_to(Executor& robot, const hand::BasePosition& start,
   above.xyz.z() = std::max(start.xyz.z(), safe);
   robot.move_base(above, options_.travel_speed);
   robot.move_base(start, options_.travel_speed);
-  robot.wait(0.2);
+  robot.tare();
 }
 
 void GraspPhase::approach_from_side(Executor& robot, const PickState& state) const {

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "palpate/core/error.hpp"
+#include "palpate/core/se3.hpp"
 
 namespace palpate::tactile {
 namespace {
@@ -31,18 +32,32 @@ void check(const hand::Description& hand, const TipOnPlane& touch) {
     throw BadInput(fmt::format("touch of a plane at ({}, {}, {}) of the fingertip", touch.p.x(),
                                touch.p.y(), touch.p.z()));
   }
-  const auto& n = touch.plane.normal();
-  if (!touch.plane.coeffs().allFinite() || std::abs(n.norm() - 1) > 1e-6) {
-    throw BadInput(fmt::format("touch of a plane with the normal ({}, {}, {}), {} m away", n.x(),
-                               n.y(), n.z(), touch.plane.offset()));
+  if (!touch.T_base_plane.matrix().allFinite()) {
+    throw BadInput("touch of a plane whose pose holds a value that is not finite");
   }
 }
 
-/// Derivative of the fingertip's place in the base's frame by the displacements of all links.
-Eigen::Matrix3Xd displacement_jacobian(const hand::Description& hand, const TipPosture& tip) {
+// The unknowns: displacements of all links, one after the other, m; then shift and turn of the hand
+// on the base, in the base's frame; then the plane's height and its turns about x and y.
+constexpr int kMount = 6, kPlane = 3;
+
+Eigen::Index link_unknowns(const hand::Description& hand) {
+  return 3 * static_cast<Eigen::Index>(hand.links.size());
+}
+
+/// A point of the fingertip in the base's frame.
+Eigen::Vector3d in_base(const hand::Description& hand, const TipPosture& tip,
+                        const Eigen::Vector3d& p) {
+  const int link = hand.fingers[static_cast<std::size_t>(tip.finger)].link;
+  return hand::forward_kinematics(hand, tip.joints)[static_cast<std::size_t>(link)] * p;
+}
+
+/// Derivative of a point of the fingertip, in the base's frame, by all unknowns.
+Eigen::Matrix3Xd point_jacobian(const hand::Description& hand, const TipPosture& tip,
+                                const Eigen::Vector3d& p) {
   const auto T_base_link = hand::forward_kinematics(hand, tip.joints);
-  const auto links = static_cast<Eigen::Index>(hand.links.size());
-  Eigen::Matrix3Xd J = Eigen::Matrix3Xd::Zero(3, 3 * links);
+  const Eigen::Index links = link_unknowns(hand);
+  Eigen::Matrix3Xd J = Eigen::Matrix3Xd::Zero(3, links + kMount + kPlane);
   for (const int link :
        hand::misplaced_links(hand, hand.fingers[static_cast<std::size_t>(tip.finger)].link)) {
     const int parent = hand.links[static_cast<std::size_t>(link)].parent;
@@ -50,21 +65,33 @@ Eigen::Matrix3Xd displacement_jacobian(const hand::Description& hand, const TipP
     if (parent >= 0) R_base_parent = T_base_link[static_cast<std::size_t>(parent)].linear();
     J.middleCols<3>(3 * link) = R_base_parent;
   }
+  J.middleCols<3>(links).setIdentity();
+  J.middleCols<3>(links + 3) = -skew(in_base(hand, tip, p));
   return J;
 }
 
-/// Normal distribution of the links' displacements, one after the other, m.
-class LinkBelief {
+Eigen::VectorXd prior_variances(const hand::Description& hand, const MountPrior& prior) {
+  const Eigen::Index links = link_unknowns(hand);
+  const auto square = [](double sigma) { return sigma * sigma; };
+  Eigen::VectorXd variances(links + kMount + kPlane);
+  variances.head(links).setConstant(square(hand.kinematic_error) / 3);
+  variances.segment<3>(links).setConstant(square(prior.mount));
+  variances.segment<3>(links + 3).setConstant(square(prior.mount_angle));
+  variances.tail<kPlane>() << square(prior.table_height), square(prior.table_tilt),
+      square(prior.table_tilt);
+  return variances;
+}
+
+/// Normal distribution of the unknowns.
+class UnknownsBelief {
  public:
-  explicit LinkBelief(const hand::Description& hand)
-      : mean_(Eigen::VectorXd::Zero(3 * static_cast<Eigen::Index>(hand.links.size()))),
-        covariance_(Eigen::MatrixXd::Identity(mean_.size(), mean_.size()) * hand.kinematic_error *
-                    hand.kinematic_error / 3) {}
+  explicit UnknownsBelief(const Eigen::VectorXd& variances)
+      : mean_(Eigen::VectorXd::Zero(variances.size())), covariance_(variances.asDiagonal()) {}
 
   const Eigen::VectorXd& mean() const { return mean_; }
   const Eigen::MatrixXd& covariance() const { return covariance_; }
 
-  /// Kalman's update with row . displacements = value.
+  /// Kalman's update with row . unknowns = value.
   void update(const Eigen::VectorXd& row, double value, double sigma) {
     const Eigen::VectorXd across = covariance_ * row;
     const double variance = sigma * sigma + row.dot(across);
@@ -77,17 +104,21 @@ class LinkBelief {
   Eigen::MatrixXd covariance_;
 };
 
-/// How a point's distance from its plane changes with the displacements.
+/// How a point's distance from its plane changes with the unknowns.
 Eigen::VectorXd distance_row(const hand::Description& hand, const TipOnPlane& touch) {
-  return displacement_jacobian(hand, touch.tip).transpose() * touch.plane.normal();
+  const Eigen::Vector3d normal = touch.T_base_plane.linear().col(2);
+  Eigen::VectorXd row = point_jacobian(hand, touch.tip, touch.p).transpose() * normal;
+  const Eigen::Vector3d q = touch.T_base_plane.inverse() * in_base(hand, touch.tip, touch.p);
+  row.tail<kPlane>() << -1, -q.y(), q.x();
+  return row;
 }
 
 /// Sum of J'J over the uses: the trace of its product with a covariance is the tips' variance.
 Eigen::MatrixXd importance(const hand::Description& hand, std::span<const TipPosture> uses) {
-  const auto size = 3 * static_cast<Eigen::Index>(hand.links.size());
+  const Eigen::Index size = link_unknowns(hand) + kMount + kPlane;
   Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(size, size);
   for (const TipPosture& tip : uses) {
-    const Eigen::Matrix3Xd J = displacement_jacobian(hand, tip);
+    const Eigen::Matrix3Xd J = point_jacobian(hand, tip, Eigen::Vector3d::Zero());
     sum += J.transpose() * J;
   }
   return sum;
@@ -104,47 +135,65 @@ double remaining_error(const hand::Description& hand, std::span<const TipPosture
   return std::sqrt(importance(hand, uses).cwiseProduct(covariance).sum() / links);
 }
 
+Eigen::Isometry3d motion(const Eigen::Vector3d& shift, const Eigen::Vector3d& turn) {
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.translation() = shift;
+  if (turn.norm() > 0) T.rotate(Eigen::AngleAxisd(turn.norm(), turn.normalized()));
+  return T;
+}
+
+hand::Description moved_hand(hand::Description hand, const Eigen::VectorXd& unknowns) {
+  const Eigen::Index links = link_unknowns(hand);
+  for (std::size_t i = 0; i < hand.links.size(); ++i) {
+    hand::Link& link = hand.links[i];
+    link.T_parent_link.translation() += unknowns.segment<3>(3 * static_cast<Eigen::Index>(i));
+    if (link.parent >= 0) continue;
+    link.T_parent_link =
+        motion(unknowns.segment<3>(links), unknowns.segment<3>(links + 3)) * link.T_parent_link;
+  }
+  return hand;
+}
+
+Eigen::Isometry3d moved_plane(const Eigen::VectorXd& unknowns) {
+  const Eigen::Vector3d plane = unknowns.tail<kPlane>();
+  return motion({0, 0, plane[0]}, {plane[1], plane[2], 0});
+}
+
 }  // namespace
 
 double distance_from_plane(const hand::Description& hand, const TipOnPlane& touch) {
   check(hand, touch);
-  const int link = hand.fingers[static_cast<std::size_t>(touch.tip.finger)].link;
-  const auto T_base_link = hand::forward_kinematics(hand, touch.tip.joints);
-  return touch.plane.signedDistance(T_base_link[static_cast<std::size_t>(link)] * touch.p);
+  return (touch.T_base_plane.inverse() * in_base(hand, touch.tip, touch.p)).z();
 }
 
-hand::Description calibrate_links(const hand::Description& hand,
-                                  std::span<const TipOnPlane> touches,
-                                  std::span<const TipPosture> uses) {
+HandCalibration calibrate_links(const hand::Description& hand, std::span<const TipOnPlane> touches,
+                                std::span<const TipPosture> uses, const MountPrior& prior) {
   for (const TipOnPlane& touch : touches) check(hand, touch);
   for (const TipPosture& tip : uses) check(hand, tip);
   if (!(hand.kinematic_error >= 0) || !std::isfinite(hand.kinematic_error)) {
     throw BadInput(
         fmt::format("calibrating a hand whose kinematic_error is {} m", hand.kinematic_error));
   }
-  if (touches.empty() || uses.empty() || hand.kinematic_error == 0) return hand;
-  LinkBelief belief(hand);
+  const Eigen::VectorXd variances = prior_variances(hand, prior);
+  if (touches.empty() || uses.empty() || variances.isZero(0)) return {hand};
+  UnknownsBelief belief(variances);
   for (const TipOnPlane& touch : touches) {
     belief.update(distance_row(hand, touch), -distance_from_plane(hand, touch), touch.sigma);
   }
-  hand::Description calibrated = hand;
-  for (std::size_t link = 0; link < hand.links.size(); ++link) {
-    calibrated.links[link].T_parent_link.translation() +=
-        belief.mean().segment<3>(3 * static_cast<Eigen::Index>(link));
-  }
-  calibrated.kinematic_error = remaining_error(hand, uses, belief.covariance());
-  return calibrated;
+  HandCalibration found{moved_hand(hand, belief.mean()), moved_plane(belief.mean())};
+  found.hand.kinematic_error = remaining_error(hand, uses, belief.covariance());
+  return found;
 }
 
 std::vector<std::size_t> choose_touches(const hand::Description& hand,
                                         std::span<const TipOnPlane> candidates, std::size_t count,
-                                        std::span<const TipPosture> uses) {
+                                        std::span<const TipPosture> uses, const MountPrior& prior) {
   for (const TipOnPlane& touch : candidates) check(hand, touch);
   for (const TipPosture& tip : uses) check(hand, tip);
   std::vector<Eigen::VectorXd> rows;
   for (const TipOnPlane& touch : candidates) rows.push_back(distance_row(hand, touch));
   const Eigen::MatrixXd wanted = importance(hand, uses);
-  LinkBelief belief(hand);
+  UnknownsBelief belief(prior_variances(hand, prior));
   std::vector<std::size_t> chosen;
   while (chosen.size() < std::min(count, candidates.size())) {
     const Eigen::MatrixXd lessened = belief.covariance() * wanted * belief.covariance();

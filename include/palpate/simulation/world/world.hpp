@@ -12,6 +12,7 @@
 #include "palpate/planning/fixture.hpp"
 #include "palpate/simulation/hand/integral_action.hpp"
 #include "palpate/simulation/world/object_step.hpp"
+#include "palpate/simulation/world/world_errors.hpp"
 
 namespace palpate::simulation {
 
@@ -23,6 +24,13 @@ struct SensorNoise {
   double joint = 0.008726646259971648;  ///< rad (0.5 deg)
   double link = 0.002;                  ///< m, how far each link is from the model (rms)
   double load = 0.02;                   ///< N, of the force on the mount, per axis
+  double mount = 0;                     ///< m, of the mount's position, per axis
+  double mount_angle = 0;               ///< rad, of its attitude, per angle
+  double mount_delay = 0;               ///< s, by which the mount's pose is old
+  double touch_delay = 0;               ///< s, by which the contacts are old
+  double touch_threshold = 0;           ///< N, of a contact's normal force: less is not felt
+
+  static SensorNoise realistic();
 
   template <class Visitor>
   void visit(Visitor&& v) {
@@ -32,6 +40,11 @@ struct SensorNoise {
     v("joint", joint, 0.0, 0.2, "rad, of joint angles");
     v("link", link, 0.0, 0.02, "m, of each link's place in the hand, rms");
     v("load", load, 0.0, 10.0, "N, of the force on the mount, per axis");
+    v.expert("mount", mount, 0.0, 0.01, "m, of the mount's position, per axis");
+    v.expert("mount_angle", mount_angle, 0.0, 0.1, "rad, of its attitude, per angle");
+    v.expert("mount_delay", mount_delay, 0.0, 0.5, "s, by which the mount's pose is old");
+    v.expert("touch_delay", touch_delay, 0.0, 0.5, "s, by which contacts are old");
+    v.expert("touch_threshold", touch_threshold, 0.0, 5.0, "N, of a contact that is felt");
   }
 };
 
@@ -46,6 +59,10 @@ struct WorldOptions {
   bool corrupted_truth = false;  ///< World::truth() is wrong: whoever acts on it shows
   simulation::IntegralOptions integral;
   SensorNoise noise;
+  WorldErrors error;  ///< none unless asked for: see realistic()
+
+  /// A world like that of a real robot: nothing of it is exactly as told or as read.
+  static WorldOptions realistic();
 
   template <class Visitor>
   void visit(Visitor&& v) {
@@ -61,6 +78,7 @@ struct WorldOptions {
              "the truth that is told is wrong: whoever acts on it shows");
     v.expert_section("integral", integral);
     v.section("noise", noise);
+    v.section("error", error);
   }
 };
 
@@ -75,7 +93,8 @@ struct Start {
 struct Truth {
   Eigen::Isometry3d T_world_object = Eigen::Isometry3d::Identity();
   hand::JointVector joints;
-  double lowest_point = 0;  ///< z of the object's lowest vertex, m
+  double lowest_point = 0;  ///< of the object's lowest vertex above the table, m
+  Eigen::Isometry3d T_world_table = Eigen::Isometry3d::Identity();  ///< z = 0: its surface
 };
 
 /// A table, perhaps a fixture on it, a hand on its base and one free object, in MuJoCo.

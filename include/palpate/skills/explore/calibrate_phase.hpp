@@ -2,6 +2,7 @@
 #pragma once
 
 #include "palpate/skills/phase.hpp"
+#include "palpate/tactile/calibration/link_calibration.hpp"
 
 namespace palpate::skills {
 
@@ -13,6 +14,11 @@ struct CalibrateOptions {
   double touch_force = 0.1;   ///< N at the fingertip
   double rest = 0.25;         ///< s that the fingertip rests and is averaged
   double sigma = 0.0003;      ///< m, of a resting tip's height but for the links, at least
+  // What is believed before of what the touches then tell, standard deviations.
+  double mount = 0.001;         ///< m, of where the arm carries the hand, per axis
+  double mount_angle = 0.005;   ///< rad, per axis
+  double table_height = 0.005;  ///< m, at the world's origin
+  double table_tilt = 0.0175;   ///< rad, per axis
 
   template <class Visitor>
   void visit(Visitor&& v) {
@@ -25,18 +31,23 @@ struct CalibrateOptions {
     v.expert("rest", rest, 0.02, 5.0, "s that the fingertip rests and is averaged");
     v.expert("sigma", sigma, 1e-5, 0.02,
              "m, error of a resting tip's height but for the links, at least");
+    v.expert("mount", mount, 0.0, 0.05, "m, believed error of where the arm carries the hand");
+    v.expert("mount_angle", mount_angle, 0.0, 0.2, "rad, believed error of how it carries it");
+    v.expert("table_height", table_height, 0.0, 0.03, "m, believed error of the table's height");
+    v.expert("table_tilt", table_tilt, 0.0, 0.1, "rad, believed tilt of the table");
   }
 };
 
-/// The hand as the touches of the bare table in a log tell that it is (tactile::calibrate_links),
-/// the table being z = 0. As it was given where there are none, or where they contradict one
-/// another.
-hand::Description calibrated_hand(const hand::Description& hand, const estimation::EventLog& log,
-                                  const CalibrateOptions& options);
+/// What the touches of the bare table in a log tell of the hand and of the table, believed to be
+/// z = 0 (tactile::calibrate_links). As both were given where there are none, or where they
+/// contradict one another.
+tactile::HandCalibration calibration(const hand::Description& hand, const estimation::EventLog& log,
+                                     const CalibrateOptions& options);
 
-/// Finds out where the hand's links really are: touches the bare table, a plane that is known, with
-/// one fingertip after the other in those attitudes that tell most about where fingertips are in
-/// grasps, and gives the robot the calibrated hand.
+/// Finds out where the hand's links really are, how the arm carries it, where the table is, and
+/// what the mount's load reads where nothing loads it: touches the bare table with one fingertip
+/// after the other in those attitudes that tell most about where fingertips are in grasps. The
+/// robot gets the calibrated hand; from then on z = 0 is the table.
 class CalibratePhase : public Phase {
  public:
   explicit CalibratePhase(const CalibrateOptions& options) : options_(options) {}

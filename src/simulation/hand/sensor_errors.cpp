@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "simulation/hand/sensor_errors.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "palpate/hand/kinematics.hpp"
+
+namespace palpate::simulation {
+namespace {
+
+constexpr double kPresliding = 0.02;  // rad that a joint turns until its friction is overcome
+
+std::size_t ticks_of(double seconds) {
+  return static_cast<std::size_t>(std::lround(seconds / hand::kTick));
+}
+
+/// The value of `ticks` ago; the oldest where there is none so old.
+template <class Value>
+Value delayed(std::deque<Value>& last, Value now, std::size_t ticks) {
+  last.push_back(std::move(now));
+  if (last.size() > ticks + 1) last.pop_front();
+  return last.front();
+}
+
+}  // namespace
+
+SensorErrors::SensorErrors(const WorldOptions& options, const hand::Description& hand,
+                           double weight, const RandomStream& random)
+    : noise_(options.noise), hand_(hand) {
+  const WorldErrors& error = options.error;
+  RandomStream arm = random.fork("arm"), load = random.fork("load bias"),
+               drives = random.fork("drives");
+  table_height_ = arm.uniform(-error.table_height, error.table_height);
+  load_bias_ = error.load_bias / std::sqrt(3.0) * load.normal3();
+  for (double& drift : load_drift_) drift = load.uniform(-error.load_drift, error.load_drift);
+  load_weight_ = weight * load.uniform(-error.hand_weight, error.hand_weight);
+  torque_scale_.resize(hand.actuator_count());
+  torque_friction_.resize(hand.actuator_count());
+  for (int i = 0; i < hand.actuator_count(); ++i) {
+    torque_scale_[i] = 1 + drives.uniform(-error.torque, error.torque);
+    torque_friction_[i] =
+        error.torque_friction * hand.actuators[static_cast<std::size_t>(i)].max_torque;
+  }
+  reset();
+}
+
+void SensorErrors::reset() {
+  slipped_.setZero(torque_scale_.size());
+  last_positions_.resize(0);
+  bases_.clear();
+  contacts_.clear();
+}
+
+hand::BasePosition SensorErrors::in_world(hand::BasePosition told) const {
+  told.xyz.z() += table_height_;
+  return told;
+}
+
+void SensorErrors::misread(hand::HandReading& reading) {
+  const Eigen::Matrix3d R_world_mount = reading.base.pose().linear();
+  reading.base_force += R_world_mount * (load_bias_ + reading.time * load_drift_);
+  reading.base_force.z() += load_weight_;
+  reading.base.xyz.z() -= table_height_;
+  misread_torques(reading);
+}
+
+/// Friction that grows with the way since the joint turned back, as in Dahl's model.
+void SensorErrors::misread_torques(hand::HandReading& reading) {
+  if (torque_friction_.isZero() && torque_scale_.isOnes()) return;
+  const hand::ActuatorVector positions = hand::actuator_positions(hand_, reading.joints);
+  if (last_positions_.size() == 0) last_positions_ = positions;
+  slipped_ += (positions - last_positions_) / kPresliding;
+  slipped_ = slipped_.cwiseMax(-1).cwiseMin(1);
+  last_positions_ = positions;
+  reading.torques += torque_friction_.cwiseProduct(slipped_);
+  reading.torques = reading.torques.cwiseProduct(torque_scale_);
+}
+
+void SensorErrors::delay(hand::HandReading& reading, RandomStream& random) {
+  reading.base = delayed(bases_, reading.base, ticks_of(noise_.mount_delay));
+  reading.base.xyz += noise_.mount * random.normal3();
+  reading.base.ypr += noise_.mount_angle * random.normal3();
+  reading.contacts = delayed(contacts_, std::move(reading.contacts), ticks_of(noise_.touch_delay));
+}
+
+}  // namespace palpate::simulation

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "palpate/core/random.hpp"
+#include "palpate/geometry/objects/known_object.hpp"
+#include "palpate/hand/description.hpp"
+#include "palpate/simulation/world/world.hpp"
+
+namespace palpate::simulation {
+
+/// An object as it is, and its convex parts.
+struct SolidObject {
+  geometry::KnownObject object;
+  std::vector<geometry::TriangleMesh> parts;
+};
+
+/// The object as it was told.
+SolidObject told_object(const geometry::KnownObject& told);
+
+/// The object where it is not as it was told: of another size, dented, of another mass. Its frame,
+/// stable poses and symmetries are those that were told.
+SolidObject differing_object(const geometry::KnownObject& told, const WorldErrors& error,
+                             const RandomStream& random);
+
+/// The options with frictions drawn.
+WorldOptions with_drawn_friction(WorldOptions options, const RandomStream& random);
+
+/// Attitude of the table.
+Eigen::Matrix3d drawn_tilt(const WorldErrors& error, const RandomStream& random);
+
+/// The hand as the robot is told that it is: its links are off, and so is where the arm carries it.
+hand::Description told_hand(hand::Description hand, const WorldOptions& options,
+                            const RandomStream& random);
+
+}  // namespace palpate::simulation
