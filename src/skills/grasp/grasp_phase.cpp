@@ -29,6 +29,10 @@ constexpr double kSafeHeight = 0.34;     // m of the base while it travels
 constexpr double kTipContact = 0.10;     // N at which a finger counts as touching
 constexpr double kTakenBack = 0.7;       // of a finger's torque, at its touch
 constexpr int kLostTicks = 10;
+constexpr int kSetOutTicks =
+    20;  // of a closing in which nothing is met; friction from the latter half
+constexpr double kSetOut =
+    3;  // of the contact torque: limit then, and of friction that is believed
 constexpr std::size_t kTouchReadings = 15;
 constexpr double kTouchSeconds = kTouchReadings * hand::kTick;
 constexpr int kStillTicks = 12;
@@ -43,14 +47,47 @@ hand::BasePosition base_at(const PickState& state, const hand::Preshape& preshap
   return {{xy.x(), xy.y(), height}, {state.yaw, attitude.pitch, attitude.roll}};
 }
 
+/// What the actuators read while the fingers close on nothing: friction, which a torque that is
+/// estimated from a motor's current holds. Measured while the closing sets out.
+class ClosingFriction {
+ public:
+  explicit ClosingFriction(const hand::Description& hand)
+      : torques_(hand::ActuatorVector::Zero(hand.actuator_count())) {}
+
+  [[nodiscard]] bool known() const { return ticks_ >= kSetOutTicks; }
+  [[nodiscard]] const hand::ActuatorVector& torques() const { return torques_; }
+
+  void update(const hand::HandReading& reading) {
+    if (known() || ++ticks_ <= kSetOutTicks / 2) return;
+    torques_ += reading.torques / static_cast<double>(kSetOutTicks - kSetOutTicks / 2);
+  }
+
+  /// Limits of what is read with which the fingers press with no more than `contact_torque`.
+  [[nodiscard]] hand::ActuatorVector limits(const hand::Description& hand,
+                                            const hand::ActuatorVector& contact_torque) const {
+    if (!known()) return kSetOut * contact_torque;
+    hand::ActuatorVector limits = contact_torque;
+    for (int i = 0; i < hand.actuator_count(); ++i) {
+      const double closing = hand.actuators[static_cast<std::size_t>(i)].closing;
+      limits[i] += std::clamp(closing < 0 ? -torques_[i] : torques_[i], 0.0, kSetOut * limits[i]);
+    }
+    return limits;
+  }
+
+ private:
+  int ticks_ = 0;
+  hand::ActuatorVector torques_;
+};
+
 /// The fingers' command when some of them give back most of the torque that they close with, which
 /// would push the object on.
-hand::ActuatorVector relaxed(const Executor& robot, const hand::PerFinger<bool>& fingers) {
+hand::ActuatorVector relaxed(const Executor& robot, const hand::PerFinger<bool>& fingers,
+                             const hand::ActuatorVector& friction) {
   hand::ActuatorVector positions = robot.command().positions;
   for (Eigen::Index i = 0; i < positions.size(); ++i) {
     const auto& actuator = robot.actuators()[static_cast<std::size_t>(i)];
     if (actuator.finger < 0 || !fingers[static_cast<std::size_t>(actuator.finger)]) continue;
-    const double lead = robot.reading().torques[i] / actuator.stiffness;
+    const double lead = (robot.reading().torques[i] - friction[i]) / actuator.stiffness;
     positions[i] =
         std::clamp(positions[i] - kTakenBack * lead, actuator.command.low, actuator.command.high);
   }
@@ -264,16 +301,20 @@ void GraspPhase::descend(Executor& robot, const PickState& state) const {
 void GraspPhase::close(Executor& robot, const hand::Preshape& preshape, double rate) const {
   const grasping::ClosingLaw law(robot.model(), rate, preshape.closed);
   FingersDone done(robot.model());
+  ClosingFriction friction(robot.model());
   hand::PerFinger<bool> met{};  // in the tick before
   const double end = robot.time() + options_.longest_close;
   while (robot.time() < end && !done.all()) {
-    robot.set_grip(Grip{law, preshape.contact_torque, done.still_closing()});
-    if (robot.move_fingers(relaxed(robot, met), hand::kTick) == MotionEnd::timed_out) break;
+    robot.set_grip(
+        Grip{law, friction.limits(robot.model(), preshape.contact_torque), done.still_closing()});
+    const auto command = relaxed(robot, met, friction.torques());
+    if (robot.move_fingers(command, hand::kTick) == MotionEnd::timed_out) break;
+    friction.update(robot.reading());
     const auto touched = done.touches();
     done.update(robot.reading(), robot.command());
     for (std::size_t i = 0; i < met.size(); ++i) met[i] = done.touches()[i] && !touched[i];
   }
-  robot.move_fingers(relaxed(robot, met), hand::kTick);
+  robot.move_fingers(relaxed(robot, met, friction.torques()), hand::kTick);
   robot.set_grip(std::nullopt);
   robot.wait(kTouchSeconds);
 }

@@ -2,6 +2,7 @@
 #include "skills/grasp/pressing.hpp"
 
 #include <algorithm>
+#include <vector>
 
 namespace palpate::skills {
 
@@ -11,16 +12,51 @@ grasping::Load weight_at(const Executor& robot, const Eigen::Isometry3d& T_world
   return {T_base_world * T_world_object.translation(), -weight * T_base_world.linear().col(2)};
 }
 
+namespace {
+
+constexpr std::size_t kFeltReadings = 5;  // that are averaged
+
+hand::ActuatorVector torques_of_contacts(const hand::Description& hand,
+                                         const hand::HandReading& reading) {
+  const auto T_base_link = hand::forward_kinematics(hand, reading.joints);
+  std::vector<tactile::Contact> contacts;
+  std::vector<Eigen::Vector3d> forces;
+  for (std::size_t finger = 0; finger < reading.contacts.size(); ++finger) {
+    const auto& T = T_base_link[static_cast<std::size_t>(hand.fingers[finger].link)];
+    for (const hand::TipContact& felt : reading.contacts[finger]) {
+      tactile::Contact contact;
+      contact.finger = static_cast<int>(finger);
+      contact.p = T * felt.p;
+      contact.n = T.linear() * felt.n;
+      contacts.push_back(contact);
+      forces.push_back(T.linear() * felt.f);
+    }
+  }
+  return grasping::pressing_torques(hand, reading.joints, contacts, forces);
+}
+
+}  // namespace
+
+hand::ActuatorVector felt_torques(const Executor& robot) {
+  const std::span<const hand::HandReading> readings(robot.log().readings);
+  const auto window = readings.last(std::min(readings.size(), kFeltReadings));
+  hand::ActuatorVector sum = hand::ActuatorVector::Zero(robot.model().actuator_count());
+  for (const auto& reading : window) sum += torques_of_contacts(robot.model(), reading);
+  if (sum.isZero(0)) return robot.reading().torques;
+  return sum / static_cast<double>(window.size());
+}
+
 hand::ActuatorVector pressing_command(const Executor& robot,
                                       std::span<const tactile::Contact> contacts,
                                       std::span<const Eigen::Vector3d> forces) {
   const hand::HandReading& reading = robot.reading();
   const auto torques = grasping::pressing_torques(robot.model(), reading.joints, contacts, forces);
+  const hand::ActuatorVector felt = felt_torques(robot);
   hand::ActuatorVector command = robot.command().positions;
   for (Eigen::Index i = 0; i < command.size(); ++i) {
     const auto& actuator = robot.actuators()[static_cast<std::size_t>(i)];
     if (torques[i] == 0) continue;
-    const double lead = (torques[i] - reading.torques[i]) / actuator.stiffness;
+    const double lead = (torques[i] - felt[i]) / actuator.stiffness;
     command[i] = std::clamp(command[i] + lead, actuator.command.low, actuator.command.high);
   }
   return command;

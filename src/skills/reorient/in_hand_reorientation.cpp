@@ -146,10 +146,11 @@ class Turning {
                                     weight_at(robot_, tracked(), weight_));
     const auto torques =
         grasping::pressing_torques(robot_.model(), view_.joints, view_.contacts, balanced.forces);
+    const hand::ActuatorVector felt = felt_torques(robot_);
     for (Eigen::Index i = 0; i < lead.size(); ++i) {
       if (torques[i] == 0) continue;
-      lead[i] = gain * (torques[i] - robot_.reading().torques[i]) /
-                robot_.actuators()[static_cast<std::size_t>(i)].stiffness;
+      lead[i] =
+          gain * (torques[i] - felt[i]) / robot_.actuators()[static_cast<std::size_t>(i)].stiffness;
     }
     return lead;
   }
