@@ -215,6 +215,7 @@ localization::Posterior PoseEstimator::search_resting(const hand::Description& h
     Evidence evidence = evidence_of_guarded_moves(hand, log, options_, skipped);
     if (evidence.contacts.size() < (skipped > 0 ? kMinTouches : 1)) break;
     evidence.false_contact_share = options_.false_contacts;
+    evidence.surface_sigma = options_.surface_sigma;
     evidence.penetration_sigma = options_.swept_sigma;
     evidence.table = resting_table(object_.object(), hand, log, as_it_lay(hand, log, options_));
     posterior = localization::localize(object_, evidence, RandomStream(seed_, "locate resting"),

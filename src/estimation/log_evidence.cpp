@@ -226,6 +226,7 @@ Evidence evidence_in_hand(const hand::Description& hand, const EventLog& log,
   const double window = instant.hangs ? options.window : kClosedWindow;
   evidence.contacts = felt_contacts(window_before(log, present, window), hand, options.errors);
   evidence.false_contact_share = options.false_contacts;
+  evidence.surface_sigma = options.surface_sigma;
   evidence.penetration_sigma = options.penetration_sigma;
   if (options.free_space) evidence.free_space = hand_spheres(hand, log.readings[present]);
   if (options.balance && instant.hangs && !evidence.contacts.empty()) {

@@ -23,14 +23,15 @@ struct EstimationOptions {
   double elsewhere = 0.02;       ///< chance that the resting pose was wrong
   double motion_sigma = 0.0005;  ///< by which it moves it, m
   double other_stable_pose =
-      0.03;                      ///< chance that the grasp put the object into another stable pose
-  double tilt_sigma = 0.30;      ///< by which the closing hand tilts the object, rad
-  double height_sigma = 0.015;   ///< by which it raises it, m
-  double half_width = 0.08;      ///< object within +- of its rough place after the grasp, m
-  double false_contacts = 0.02;  ///< prior share of contacts with something else
-  bool balance = false;          ///< use that pushes and weight balance, once the object hangs
-  double twist = 0.003;          ///< m, unsensed moment about a contact's normal by its force
-  bool free_space = true;        ///< use that the hand's links do not penetrate the object
+      0.03;                       ///< chance that the grasp put the object into another stable pose
+  double tilt_sigma = 0.30;       ///< by which the closing hand tilts the object, rad
+  double height_sigma = 0.015;    ///< by which it raises it, m
+  double half_width = 0.08;       ///< object within +- of its rough place after the grasp, m
+  double surface_sigma = 0.0005;  ///< by which the mesh's surface is off the object's, m
+  double false_contacts = 0.02;   ///< prior share of contacts with something else
+  bool balance = false;           ///< use that pushes and weight balance, once the object hangs
+  double twist = 0.003;           ///< m, unsensed moment about a contact's normal by its force
+  bool free_space = true;         ///< use that the hand's links do not penetrate the object
   double penetration_sigma = 0.004;  ///< m
   localization::LocalizerOptions search;
 
@@ -58,6 +59,8 @@ struct EstimationOptions {
              "rad, by which the closing hand tilts the object");
     v.expert("height_sigma", height_sigma, 1e-4, 0.1,
              "m, by which the closing hand raises the object");
+    v.expert("surface_sigma", surface_sigma, 0.0, 0.01,
+             "m by which the mesh's surface is off the object's");
     v("half_width", half_width, 0.0, 0.3, "m, object within +- of its rough place");
     v("false_contacts", false_contacts, 1e-6, 0.9, "prior share of contacts with something else");
     v("balance", balance, "use that the fingers' forces balance the weight of the held object");

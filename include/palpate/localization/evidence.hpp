@@ -25,8 +25,11 @@ struct TableSupport {
       stable_pose_weights;      ///< one per KnownObject::stable poses; empty: their probabilities
   double tilt_sigma = 0.02;     ///< rad
   double height_sigma = 0.001;  ///< m
-  double half_width = 0.02;     ///< object's centroid within +- of the origin in x and y, m
-  double edge_sigma = 0.002;    ///< softness of that bound, m
+  /// m by which the surface on which it rests is off: it leans (geometry::RestingSlack) and stands
+  /// higher or lower by that. Evidence::surface_sigma comes on top.
+  double surface_sigma = 0;
+  double half_width = 0.02;   ///< object's centroid within +- of the origin in x and y, m
+  double edge_sigma = 0.002;  ///< softness of that bound, m
 };
 
 /// What was known of the pose before, as a mixture of normal distributions, heaviest first.

@@ -37,7 +37,10 @@ ObjectModel::ObjectModel(KnownObject object)
       bounds_(geometry::bounds(object_.mesh).cast<float>()),
       field_(MeshQuery(object_.mesh)),
       surface_(surface_points(object_.mesh)),
-      clearance_(std::make_unique<const Clearance>(field_, object_.mesh)) {}
+      clearance_(std::make_unique<const Clearance>(field_, object_.mesh)) {
+  for (const StablePose& pose : object_.stable_poses)
+    resting_slack_.emplace_back(object_.mesh, pose);
+}
 
 ObjectModel::~ObjectModel() = default;
 ObjectModel::ObjectModel(ObjectModel&&) noexcept = default;

@@ -16,6 +16,9 @@ Evidence with_surface_error(Evidence evidence) {
     contact.point_sigma = std::hypot(contact.point_sigma, sigma);
     contact.normal_sigma = std::hypot(contact.normal_sigma, sigma / kWaveLength);
   }
+  if (evidence.table) {
+    evidence.table->surface_sigma = std::hypot(evidence.table->surface_sigma, sigma);
+  }
   evidence.surface_sigma = 0;
   return evidence;
 }

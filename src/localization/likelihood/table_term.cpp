@@ -18,6 +18,7 @@ float half_square(double deviation, double sigma) {
 
 TableTerm::TableTerm(const geometry::ObjectModel& model, const TableSupport& table)
     : table_(table),
+      height_sigma_(std::hypot(table.height_sigma, table.surface_sigma)),
       origin_(table.T_frame_table.translation().cast<float>()),
       axes_(table.T_frame_table.linear().cast<float>()) {
   const auto& stable_poses = model.object().stable_poses;
@@ -30,19 +31,38 @@ TableTerm::TableTerm(const geometry::ObjectModel& model, const TableSupport& tab
     const double weight =
         (given ? table.stable_pose_weights[s] : stable_poses[s].probability) / total;
     if (weight <= 0) continue;
-    const Eigen::Matrix3d& R = stable_poses[s].R_table_object;
-    stable_poses_.push_back({R, R.row(2).transpose().cast<float>(), stable_poses[s].height, weight,
-                             static_cast<float>(-std::log(weight))});
+    stable_poses_.push_back(stable_pose(model, s, weight));
   }
 }
 
+/// Where it leans more, its density is lower.
+TableTerm::StablePose TableTerm::stable_pose(const geometry::ObjectModel& model, std::size_t number,
+                                             double weight) const {
+  const geometry::StablePose& known = model.object().stable_poses[number];
+  const geometry::RestingSlack& slack = model.resting_slack()[number];
+  const Eigen::Matrix3d& R = known.R_table_object;
+  StablePose pose{R, R.row(2).transpose().cast<float>(), known.height, weight, 0, {}, {}, {}};
+  Eigen::Matrix3d precision = R.row(2).transpose() * R.row(2) / std::pow(table_.tilt_sigma, 2);
+  double density = weight;
+  for (std::size_t i = 0; i < 2; ++i) {
+    const double lean = slack.lean(static_cast<int>(i), table_.surface_sigma);
+    pose.lean_sigmas[i] = std::hypot(table_.tilt_sigma, lean);
+    pose.leans[i] = slack.directions()[i] / pose.lean_sigmas[i];
+    precision += pose.leans[i] * pose.leans[i].transpose();
+    density *= table_.tilt_sigma / pose.lean_sigmas[i];
+  }
+  pose.precision = precision.cast<float>();
+  pose.minus_log_weight = static_cast<float>(-std::log(density));
+  return pose;
+}
+
 TableTerm::Nearest TableTerm::nearest_stable_pose(const Eigen::Vector3f& up, float height) const {
-  const auto tilt_precision = static_cast<float>(1 / std::pow(table_.tilt_sigma, 2));
   Nearest nearest{nullptr, std::numeric_limits<float>::infinity()};
   for (const StablePose& stable_pose : stable_poses_) {
+    const Eigen::Vector3f lean = up - stable_pose.up;
     const float energy =
-        (1 - up.dot(stable_pose.up)) * tilt_precision +
-        half_square(static_cast<double>(height) - stable_pose.height, table_.height_sigma) +
+        0.5F * lean.dot(stable_pose.precision * lean) +
+        half_square(static_cast<double>(height) - stable_pose.height, height_sigma_) +
         stable_pose.minus_log_weight;
     if (energy < nearest.energy) nearest = {&stable_pose, energy};
   }
@@ -67,15 +87,18 @@ void TableTerm::linearize(const SearchPose& pose, NormalEquations& equations) co
       nearest_stable_pose(up, static_cast<float>(at.z())).stable_pose;
   if (!stable_pose) return;
   const Eigen::Vector3d rests_on = (pose.R * stable_pose->up).cast<double>();
-  Eigen::Matrix<double, 3, 6> tilt = Eigen::Matrix<double, 3, 6>::Zero();
-  tilt.leftCols<3>() = skew(rests_on) / table_.tilt_sigma;
-  equations.add(tilt, ((axes.col(2) - rests_on) / table_.tilt_sigma).eval(), 1);
+  for (const Eigen::Vector3d& lean : stable_pose->leans) {
+    const Eigen::Vector3d direction = pose.R.cast<double>() * lean;
+    Eigen::Matrix<double, 1, 6> tilt = Eigen::Matrix<double, 1, 6>::Zero();
+    tilt.leftCols<3>() = direction.transpose() * skew(rests_on);
+    equations.add(tilt, Eigen::Matrix<double, 1, 1>(direction.dot(axes.col(2) - rests_on)), 1);
+  }
   const auto add_shift = [&](int axis, double shift, double sigma) {
     Eigen::Matrix<double, 1, 6> J = Eigen::Matrix<double, 1, 6>::Zero();
     J.tail<3>() = axes.col(axis).transpose() / sigma;
     equations.add(J, Eigen::Matrix<double, 1, 1>(shift / sigma), 1);
   };
-  add_shift(2, at.z() - stable_pose->height, table_.height_sigma);
+  add_shift(2, at.z() - stable_pose->height, height_sigma_);
   for (int axis = 0; axis < 2; ++axis) {
     const double beyond = std::abs(at[axis]) - table_.half_width;
     if (beyond > 0) add_shift(axis, std::copysign(beyond, at[axis]), table_.edge_sigma);
@@ -87,7 +110,7 @@ double TableTerm::log_peak() const {
   const double side = 2 * table_.half_width + root * table_.edge_sigma;
   const double tilts = std::pow(root * table_.tilt_sigma, 2);
   const double yaws = 2 * std::numbers::pi;
-  return -std::log(tilts * yaws * root * table_.height_sigma * side * side);
+  return -std::log(tilts * yaws * root * height_sigma_ * side * side);
 }
 
 double TableTerm::draw_offset(RandomStream& random) const {
@@ -105,12 +128,16 @@ SearchPose TableTerm::draw(RandomStream& random) const {
   while (s + 1 < stable_poses_.size() && left >= stable_poses_[s].weight)
     left -= stable_poses_[s++].weight;
   const StablePose& stable_pose = stable_poses_[s];
-  const Eigen::Vector3d tilt(table_.tilt_sigma * random.normal(),
-                             table_.tilt_sigma * random.normal(), 0);
+  Eigen::Vector3d lean = Eigen::Vector3d::Zero();  // of the object, in its frame
+  for (std::size_t i = 0; i < 2; ++i) {
+    const double angle = stable_pose.lean_sigmas[i] * random.normal();
+    lean += angle *
+            stable_pose.up.cast<double>().cross(stable_pose.lean_sigmas[i] * stable_pose.leans[i]);
+  }
   const Eigen::Vector3d yaw(0, 0, random.uniform(-std::numbers::pi, std::numbers::pi));
-  const Eigen::Matrix3d R_table_object = exp_so3(tilt) * exp_so3(yaw) * stable_pose.R_table_object;
+  const Eigen::Matrix3d R_table_object = exp_so3(yaw) * stable_pose.R_table_object * exp_so3(lean);
   const double x = draw_offset(random), y = draw_offset(random);
-  const double z = stable_pose.height + table_.height_sigma * random.normal();
+  const double z = stable_pose.height + height_sigma_ * random.normal();
   return {axes_ * R_table_object.cast<float>(),
           axes_ * Eigen::Vector3d(x, y, z).cast<float>() + origin_};
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "localization/likelihood/evidence_term.hpp"
@@ -11,8 +12,10 @@ namespace palpate::localization {
 
 /// The object rests on the table: a prior that can be both evaluated and drawn from.
 ///
-/// E = min over stable poses s of (1 - u.u_s) / tilt^2 + (z - z_s)^2 / 2 height^2 - ln w_s, u being
-/// the table's up in the object's frame, plus a box with Gaussian edges in x and y.
+/// E = min over stable poses s of |S_s (u - u_s)|^2 / 2 + (z - z_s)^2 / 2 height^2 - ln w_s, u
+/// being the table's up in the object's frame, plus a box with Gaussian edges in x and y. S_s
+/// divides by the tilt's standard deviation: that of the support and, along two directions, by how
+/// far errors of the surface make the object lean.
 class TableTerm : public EvidenceTerm {
  public:
   TableTerm(const geometry::ObjectModel& model, const TableSupport& table);
@@ -30,7 +33,10 @@ class TableTerm : public EvidenceTerm {
     Eigen::Matrix3d R_table_object;
     Eigen::Vector3f up;  // of the table, in the object's frame
     double height, weight;
-    float minus_log_weight;
+    float minus_log_weight;                // with the density's factor of its tilts
+    std::array<Eigen::Vector3d, 2> leans;  // directions, object's frame, each over its deviation
+    std::array<double, 2> lean_sigmas;     // rad
+    Eigen::Matrix3f precision;             // of u - u_s
   };
   /// The stable pose that explains the pose best, with its part of the energy.
   struct Nearest {
@@ -40,7 +46,11 @@ class TableTerm : public EvidenceTerm {
   Nearest nearest_stable_pose(const Eigen::Vector3f& up, float height) const;
   double draw_offset(RandomStream& random) const;
 
+  StablePose stable_pose(const geometry::ObjectModel& model, std::size_t number,
+                         double weight) const;
+
   TableSupport table_;
+  double height_sigma_;
   Eigen::Vector3f origin_;
   Eigen::Matrix3f axes_;  // columns: x, y, z of the table in the evidence's frame
   std::vector<StablePose> stable_poses_;

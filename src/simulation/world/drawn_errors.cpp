@@ -7,7 +7,7 @@
 #include <numbers>
 #include <utility>
 
-#include "palpate/geometry/mesh/mass_properties.hpp"
+#include "palpate/core/se3.hpp"
 #include "palpate/hand/kinematics.hpp"
 #include "palpate/simulation/world/convex_parts.hpp"
 
@@ -37,10 +37,26 @@ class Dents {
     }
   }
 
+  /// Takes off what moves the surface as a whole: a scan is aligned with what it shows.
+  void align(const geometry::TriangleMesh& mesh) {
+    Matrix6d A = Matrix6d::Zero();
+    Vector6d b = Vector6d::Zero();
+    for (const auto& triangle : mesh.triangles) {
+      const auto corner = [&](int i) -> const Eigen::Vector3d& {
+        return mesh.vertices[static_cast<std::size_t>(triangle[static_cast<std::size_t>(i)])];
+      };
+      const double area = (corner(1) - corner(0)).cross(corner(2) - corner(0)).norm();
+      const Eigen::Vector3d p = (corner(0) + corner(1) + corner(2)) / 3;
+      Eigen::Matrix<double, 3, 6> J;
+      J << Eigen::Matrix3d::Identity(), -skew(p);
+      A += area * J.transpose() * J;
+      b += area * J.transpose() * waves(p);
+    }
+    rigid_ = A.ldlt().solve(b);
+  }
+
   Eigen::Vector3d at(const Eigen::Vector3d& p) const {
-    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    for (const Wave& wave : waves_) sum += wave.way * std::sin(wave.k.dot(p) + wave.phase);
-    return sum;
+    return waves(p) - rigid_.head<3>() - rigid_.tail<3>().cross(p);
   }
 
  private:
@@ -48,7 +64,15 @@ class Dents {
     Eigen::Vector3d k, way;
     double phase = 0;
   };
+
+  Eigen::Vector3d waves(const Eigen::Vector3d& p) const {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (const Wave& wave : waves_) sum += wave.way * std::sin(wave.k.dot(p) + wave.phase);
+    return sum;
+  }
+
   std::array<Wave, kWaves> waves_;
+  Vector6d rigid_ = Vector6d::Zero();  // shift and turn
 };
 
 void deform(geometry::TriangleMesh& mesh, double scale, const Dents& dents) {
@@ -103,7 +127,8 @@ SolidObject differing_object(const geometry::KnownObject& told, const WorldError
   RandomStream shape = random.fork("shape"), load = random.fork("mass");
   if (error.scale > 0 || error.surface > 0) {
     const double scale = 1 + up_to(error.scale, shape);
-    const Dents dents(error.surface, shape);
+    Dents dents(error.surface, shape);
+    dents.align(told.mesh);
     deform(solid.object.mesh, scale, dents);
     for (geometry::TriangleMesh& part : solid.parts) deform(part, scale, dents);
   }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "palpate/geometry/objects/known_object.hpp"
+#include "palpate/geometry/objects/resting_slack.hpp"
 #include "palpate/geometry/query/distance_field.hpp"
 
 namespace palpate::geometry {
@@ -26,6 +27,8 @@ class ObjectModel {
   double area() const { return area_; }
   const Clearance& clearance() const { return *clearance_; }
   const Eigen::AlignedBox3f& bounds() const { return bounds_; }
+  /// One a stable pose.
+  const std::vector<RestingSlack>& resting_slack() const { return resting_slack_; }
 
  private:
   KnownObject object_;
@@ -34,6 +37,7 @@ class ObjectModel {
   DistanceField field_;
   std::vector<SurfacePoint> surface_;
   std::unique_ptr<const Clearance> clearance_;
+  std::vector<RestingSlack> resting_slack_;
 };
 
 }  // namespace palpate::geometry
