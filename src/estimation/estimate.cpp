@@ -16,8 +16,9 @@
 namespace palpate::estimation {
 namespace {
 
-constexpr int kSlides = 2;           // how often a grasp may slide, each time
-constexpr double kFarther = 3.0;     // so many times as far
+constexpr int kSlides = 2;             // how often a grasp may slide, each time
+constexpr double kFarther = 3.0;       // so many times as far
+constexpr double kBesideTheTop = 0.1;  // chance
 constexpr double kToldError = 0.25;  // of the motion in the hand that the fingertips tell of, sigma
 constexpr double kStirred = 3.0;     // so many times as far, where it was rolled or grasped again
 /// Shares of the guarded moves that are forgotten, one after the other, while no pose explains the
@@ -38,6 +39,14 @@ double top_of(const KnownObject& object, const geometry::StablePose& stable_pose
   return top + stable_pose.height;
 }
 
+/// Likelihood of a felt height (m) where the object's top is `top`: the flat hand may have come
+/// down beside what is highest of it.
+double felt_likelihood(double felt, double top, const EstimationOptions& options) {
+  const double miss = (top - felt) / options.felt_sigma;
+  const double beside = miss > 0 ? kBesideTheTop : 0;
+  return (1 - kBesideTheTop) * std::exp(-0.5 * miss * miss) + beside;
+}
+
 /// Probability of each stable pose, given how tall the object felt.
 std::vector<double> stable_pose_weights(const KnownObject& object,
                                         std::optional<double> felt_height,
@@ -45,9 +54,9 @@ std::vector<double> stable_pose_weights(const KnownObject& object,
   std::vector<double> weights;
   double sum = 0;
   for (const auto& stable_pose : object.stable_poses) {
-    const double miss =
-        felt_height ? (top_of(object, stable_pose) - *felt_height) / options.felt_sigma : 0.0;
-    weights.push_back(stable_pose.probability * std::exp(-0.5 * miss * miss));
+    const double felt =
+        felt_height ? felt_likelihood(*felt_height, top_of(object, stable_pose), options) : 1.0;
+    weights.push_back(stable_pose.probability * felt);
     sum += weights.back();
   }
   for (std::size_t i = 0; i < weights.size(); ++i) {

@@ -16,7 +16,7 @@ struct EstimationOptions {
   double resting_tilt_sigma = 0.02;     ///< of the resting object from its stable pose, rad
   double swept_sigma = 0.003;  ///< of the place of the space that a guarded move found free, m
   double resting_half_width =
-      0.025;  ///< object within +- of its rough place before it is touched, m
+      0.045;  ///< object within +- of its rough place before it is touched, m
   double motion_angle_sigma = 0.009;  ///< by which the grasp turns the object in the hand, rad
   double slide_share = 0.2;  ///< chance that it slid three times as far, and that much of it again
   double probe_motion = 0.001;   ///< of the object while a finger probes it, m
