@@ -160,6 +160,7 @@ void add_compare(CLI::App& program, Command& chosen) {
   command.add_option("--episodes", arguments->episodes, "of each policy, on the same starts")
       ->check(CLI::Range(3, 5000))
       ->capture_default_str();
+  add_task_option(command);
   add_common_options(command, arguments->common);
   command.footer(
       "Says which of the tests may be believed, and why. With --out the histograms and normal\n"

@@ -372,6 +372,7 @@ void add_train_relocate(CLI::App& train_command, Command& chosen) {
   command.add_option("--episodes", arguments->episodes, "of the evaluation at the end")
       ->check(CLI::Range(2, 1000000))
       ->capture_default_str();
+  add_task_option(command);
   add_common_options(command, arguments->common);
   command.footer(
       "DIR keeps a checkpoint of every iteration, the policy so far, and learning curves. The "

@@ -37,9 +37,11 @@ class RelocateTest(cli.CliTest):
         report = self.run_json("rollout", "a/policy.json", *few, "--out", "r")
         self.assertLessEqual(
             {"episodes", "return", "success_10cm", "success_5cm", "success_2cm",
-             "steps_per_second"}, report.keys())  # fmt: skip
+             "steps_per_second", "observes"}, report.keys())  # fmt: skip
         self.assertEqual(set(report["return"]), {"mean", "sd", "ci95"})
-        two = self.run_json("rollout", "a/policy.json", *few, "--threads", "2")
+        self.assertIn("base_velocity", report["observes"])
+        two = self.run_json("rollout", "a/policy.json", *few, "--threads", "2", "--task",
+                            "relocate-v2")
         for changing in (report, two):
             changing.pop("steps_per_second")
         self.assertEqual(report, two)
@@ -57,6 +59,7 @@ class RelocateTest(cli.CliTest):
             set(report["touch"]),
             {"explored", "resting_error_mm", "told_error_mm", "estimates", "estimate_seconds"},
         )
+        self.assertIn("object_position_by_touch", report["observes"])
         self.assertGreater(report["touch"]["estimates"], 0)
         self.assertGreater(report["touch"]["resting_error_mm"], 0)
         self.assertEqual(report["touch"]["explored"], 0)
@@ -80,6 +83,12 @@ class RelocateTest(cli.CliTest):
         self.assertEqual(self.train("part", 5).returncode, cli.DONE)
         policies = [(self.folder / name / "policy.json").read_text() for name in ("whole", "part")]
         self.assertEqual(*policies)
+
+    def test_there_is_one_version_of_the_task(self):
+        for command in (["rollout"], ["train", "relocate"], ["compare", "a", "b"]):
+            done = self.run_program(*command, "--task", "relocate-v1")
+            self.assertEqual(done.returncode, cli.USAGE, command)
+            self.assertIn("relocate-v2", done.stderr)
 
     def test_bad_input(self):
         (self.folder / "bad.json").write_text('{"format": "palpate-policy"')

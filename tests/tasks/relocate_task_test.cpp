@@ -7,6 +7,7 @@
 
 #include "palpate/core/error.hpp"
 #include "palpate/geometry/objects/shapes.hpp"
+#include "tasks/relocate/relocate_model.hpp"
 
 namespace palpate::relocate {
 namespace {
@@ -25,6 +26,18 @@ TEST(RelocateTask, HasTheSizesOfThePublishedTask) {
   // Ranges of the base's actuators in the hand's file.
   EXPECT_DOUBLE_EQ(model.action_half_range()[0], 0.25);
   EXPECT_DOUBLE_EQ(model.action_center()[1], 0.1);
+}
+
+TEST(RelocateTask, HasTheWristAndThePlaceOfThePublishedHand) {
+  const RelocateModel owner(relocate_primitive_mug());
+  const mjModel& model = *owner.impl().scene.model;
+  const int wrist = mj_name2id(&model, mjOBJ_JOINT, "WRJ0");
+  ASSERT_GE(wrist, 0);
+  const int dof = model.jnt_dofadr[wrist];
+  EXPECT_DOUBLE_EQ(model.dof_damping[dof], 0.05);  // adroit_relocate.xml of DexMV
+  EXPECT_DOUBLE_EQ(model.dof_armature[dof], 0.001);
+  const int arm = mj_name2id(&model, mjOBJ_BODY, "forearm");
+  EXPECT_DOUBLE_EQ(model.body_pos[3 * arm + 1], -0.7);
 }
 
 TEST(RelocateTask, StartsWhereItIsTold) {
