@@ -304,8 +304,9 @@ int train(const TrainArguments& arguments) {
                                                       "curves.csv", "config.toml"}
                            : std::vector<std::string>{});
   const std::filesystem::path folder = common.out;
-  const relocate::TrainingContext context{relocate::make_model(options.task), common.seed,
-                                          common.threads};
+  const relocate::TrainingContext context{
+      relocate::make_model(options.task), common.seed, common.threads,
+      relocate::randomized_worlds(options.task, options.cem.randomization)};
   const Training training = make_training(arguments, options, context);
   const std::string settings = settings_of(arguments, options);
   Curves curves(folder);

@@ -139,6 +139,19 @@ TEST(Rollout, ThePublishedPolicyEarnsTheSameOnTheMeshOfTheMug) {
   expect_the_published_return(data, task);
 }
 
+TEST(Rollout, ErrorsOfTheSensorsLeaveTheStartsAsTheyAre) {
+  EpisodeOptions options;
+  const auto start = episode_start(options, 5, 3);
+  EXPECT_EQ(start.object_bias.norm(), 0);
+  options.object_bias = 0.01;
+  options.encoder_noise = 1e-4;
+  const auto biased = episode_start(options, 5, 3);
+  EXPECT_EQ(biased.target, start.target);
+  EXPECT_EQ(biased.object, start.object);
+  EXPECT_NEAR(biased.object_bias.norm(), 0.01, 1e-12);
+  EXPECT_NE(episode_start(options, 5, 4).object_bias, biased.object_bias);
+}
+
 TEST(Rollout, DrawsTheShareOfStartsAtTheEndsThatIsAskedFor) {
   EpisodeOptions options;
   options.scale_high = 1;

@@ -16,7 +16,6 @@
 namespace palpate::relocate {
 namespace {
 
-constexpr double kControlStep = 0.01;  // s
 constexpr int kSubsteps = 5, kFastSubsteps = 3;
 constexpr int kIterations = 20;
 constexpr double kWristDamping = 0.05, kWristArmature = 0.001;
