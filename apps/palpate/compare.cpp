@@ -2,10 +2,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
+#include <sstream>
+#include <string>
+#include <vector>
 
 #include "common.hpp"
+#include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
 #include "palpate/numerics/hypothesis_tests.hpp"
+#include "palpate/numerics/interquartile_mean.hpp"
 #include "palpate/plotting/plot.hpp"
 #include "relocate_arguments.hpp"
 
@@ -15,6 +21,8 @@ namespace {
 using nlohmann::json;
 
 constexpr std::size_t kHistogramBins = 20;
+constexpr int kResamples = 10000;
+constexpr double kLeastWidth = 1;  // of a histogram, if all values are equal
 
 struct CompareArguments {
   CommonOptions common;
@@ -22,27 +30,67 @@ struct CompareArguments {
   std::size_t episodes = 100;
 };
 
-/// Returns of A and B, and whether value i of both is of the same start.
+/// What is compared, and whether value i of both is of the same start: the returns of episodes, or,
+/// of several trainings, the mean return of each.
 struct TwoSamples {
   std::vector<double> a, b;
   bool paired = false;
+  const char* unit = "episode";
 };
+
+std::vector<double> episode_returns(const CompareArguments& arguments,
+                                    const RelocateOptions& options, const std::string& name) {
+  if (!is_policy(name)) return read_returns(name);
+  const auto policy = find_policy(name);
+  return relocate::returns(relocate::rollout(relocate::make_model(options.task), *policy,
+                                             options.episode, arguments.common.seed,
+                                             arguments.episodes, arguments.common.threads));
+}
+
+std::vector<std::string> names_in(const std::string& list) {
+  std::vector<std::string> names;
+  std::istringstream words(list);
+  for (std::string name; std::getline(words, name, ',');) names.push_back(name);
+  if (names.empty()) throw BadInput("nothing to compare in ''");
+  return names;
+}
+
+std::vector<double> training_means(const CompareArguments& arguments,
+                                   const RelocateOptions& options,
+                                   const std::vector<std::string>& names) {
+  std::vector<double> means;
+  for (const auto& name : names) means.push_back(mean(episode_returns(arguments, options, name)));
+  return means;
+}
 
 TwoSamples gather(const CompareArguments& arguments) {
   const auto options = resolve<RelocateOptions>(arguments.common);
-  const auto sample = [&](const std::string& name) {
-    if (!is_policy(name)) return read_returns(name);
-    const auto policy = find_policy(name);
-    return relocate::returns(relocate::rollout(relocate::make_model(options.task), *policy,
-                                               options.episode, arguments.common.seed,
-                                               arguments.episodes, arguments.common.threads));
-  };
-  return {sample(arguments.a), sample(arguments.b),
-          is_policy(arguments.a) && is_policy(arguments.b)};
+  const auto a = names_in(arguments.a), b = names_in(arguments.b);
+  if (a.size() != 1 || b.size() != 1) {
+    if (std::min(a.size(), b.size()) < 2) {
+      throw BadInput(fmt::format("{} trainings against {}: at least two of each, or one file each",
+                                 a.size(), b.size()));
+    }
+    return {training_means(arguments, options, a), training_means(arguments, options, b), false,
+            "training"};
+  }
+  return {episode_returns(arguments, options, a.front()),
+          episode_returns(arguments, options, b.front()),
+          is_policy(a.front()) && is_policy(b.front())};
 }
 
-json test_json(const numerics::TestResult& test) {
-  return {{"statistic", test.statistic}, {"p", test.p}};
+json test_json(const std::optional<numerics::TestResult>& test) {
+  if (!test) return nullptr;
+  return {{"statistic", test->statistic}, {"p", test->p}};
+}
+
+json p_json(const std::optional<numerics::TestResult>& test) {
+  return test ? json(test->p) : json(nullptr);
+}
+
+json center_json(const std::vector<double>& values, RandomStream random) {
+  const Interval ci = numerics::bootstrap_interquartile_mean({values}, kResamples, random);
+  return {{"value", numerics::interquartile_mean(values)}, {"ci95", {ci.low, ci.high}}};
 }
 
 std::vector<double> differences(const TwoSamples& samples) {
@@ -51,16 +99,21 @@ std::vector<double> differences(const TwoSamples& samples) {
   return result;
 }
 
-json comparison_json(const numerics::Comparison& c, const TwoSamples& samples) {
+json comparison_json(const numerics::Comparison& c, const TwoSamples& samples,
+                     const RandomStream& random) {
   json report = {
       {"normality", {{"a", test_json(c.normality_a)}, {"b", test_json(c.normality_b)}}},
-      {"bartlett_p", c.bartlett.p},
-      {"anova_p", c.anova.p},
-      {"welch_p", c.welch.p},
+      {"bartlett_p", p_json(c.bartlett)},
+      {"anova_p", p_json(c.anova)},
+      {"welch_p", p_json(c.welch)},
       {"mann_whitney_p", c.mann_whitney.p},
-      {"effect_hedges_g", c.effect},
+      {"effect_hedges_g", c.effect ? json(*c.effect) : json(nullptr)},
       {"difference",
        {{"mean", c.difference}, {"ci95", {c.difference_ci95.low, c.difference_ci95.high}}}},
+      {"unit", samples.unit},
+      {"interquartile_mean",
+       {{"a", center_json(samples.a, random.fork("a"))},
+        {"b", center_json(samples.b, random.fork("b"))}}},
       {"mean", {{"a", mean(samples.a)}, {"b", mean(samples.b)}}},
       {"valid_test", c.valid_test},
       {"reason", c.reason}};
@@ -74,7 +127,8 @@ json comparison_json(const numerics::Comparison& c, const TwoSamples& samples) {
 plotting::Plot histogram_plot(const TwoSamples& samples) {
   const auto [low_a, high_a] = std::minmax_element(samples.a.begin(), samples.a.end());
   const auto [low_b, high_b] = std::minmax_element(samples.b.begin(), samples.b.end());
-  const double low = std::min(*low_a, *low_b), high = std::max(*high_a, *high_b);
+  const double low = std::min(*low_a, *low_b);
+  const double high = std::max({*high_a, *high_b, low + kLeastWidth});
   plotting::Plot plot;
   plot.title = "Returns";
   plot.x.label = "return";
@@ -107,13 +161,27 @@ plotting::Plot normal_plots(const TwoSamples& samples) {
   return plot;
 }
 
-void print_table(const numerics::Comparison& c, const TwoSamples& samples) {
-  const auto row = [](const char* name, const numerics::TestResult& test, const char* what) {
-    fmt::print("{:<15} {:>10.4g}   p = {:<10.3g} {}\n", name, test.statistic, test.p, what);
+void print_centers(const json& report) {
+  const auto& of = report["interquartile_mean"];
+  const auto text = [](const json& center) {
+    return fmt::format("{:.1f} [{:.1f}, {:.1f}]", center["value"].get<double>(),
+                       center["ci95"][0].get<double>(), center["ci95"][1].get<double>());
   };
-  fmt::print("A {:.1f}, B {:.1f}; A - B = {:.1f} [{:.1f}, {:.1f}] (95 %), Hedges' g {:.2f}\n\n",
-             mean(samples.a), mean(samples.b), c.difference, c.difference_ci95.low,
-             c.difference_ci95.high, c.effect);
+  fmt::print("interquartile mean over {}s: A {}, B {} (95 %)\n", report["unit"].get<std::string>(),
+             text(of["a"]), text(of["b"]));
+}
+
+void print_table(const numerics::Comparison& c, const TwoSamples& samples, const json& report) {
+  const auto row = [](const char* name, const std::optional<numerics::TestResult>& test,
+                      const char* what) {
+    if (!test) return;
+    fmt::print("{:<15} {:>10.4g}   p = {:<10.3g} {}\n", name, test->statistic, test->p, what);
+  };
+  fmt::print("A {:.1f}, B {:.1f}; A - B = {:.1f} [{:.1f}, {:.1f}] (95 %){}\n", mean(samples.a),
+             mean(samples.b), c.difference, c.difference_ci95.low, c.difference_ci95.high,
+             c.effect ? fmt::format(", Hedges' g {:.2f}", *c.effect) : "");
+  print_centers(report);
+  fmt::print("\n");
   row("Shapiro-Wilk A", c.normality_a, "is A normal?");
   row("Shapiro-Wilk B", c.normality_b, "is B normal?");
   row("Bartlett", c.bartlett, "are the variances equal? (needs normality)");
@@ -134,7 +202,8 @@ int compare(const CompareArguments& arguments) {
   const TwoSamples samples = gather(arguments);
   const auto comparison =
       numerics::compare_samples(samples.a, samples.b, RandomStream(common.seed, "compare"));
-  const json report = comparison_json(comparison, samples);
+  const json report =
+      comparison_json(comparison, samples, RandomStream(common.seed, "interquartile mean"));
   if (!common.out.empty()) {
     const std::filesystem::path folder = common.out;
     write_file_atomically(folder / "compare.json", report.dump(2) + "\n");
@@ -144,7 +213,7 @@ int compare(const CompareArguments& arguments) {
   if (common.json) {
     fmt::print("{}\n", report.dump(2));
   } else {
-    print_table(comparison, samples);
+    print_table(comparison, samples, report);
   }
   return kDone;
 }
@@ -154,19 +223,26 @@ int compare(const CompareArguments& arguments) {
 void add_compare(CLI::App& program, Command& chosen) {
   auto arguments = std::make_shared<CompareArguments>();
   auto& command = *program.add_subcommand("compare", "Test whether two policies differ");
-  const char* const kind = "policy file, name of a shipped policy, or episodes.csv of a rollout";
+  const char* const kind =
+      "policy file, name of a shipped policy, or episodes.csv of a rollout; several trainings of "
+      "one method with commas between";
   command.add_option("A", arguments->a, kind)->required();
   command.add_option("B", arguments->b, kind)->required();
   command.add_option("--episodes", arguments->episodes, "of each policy, on the same starts")
       ->check(CLI::Range(3, 5000))
       ->capture_default_str();
+  add_task_option(command);
   add_common_options(command, arguments->common);
   command.footer(
-      "Says which of the tests may be believed, and why. With --out the histograms and normal\n"
-      "plots go to DIR.\n\n"
+      "Says which of the tests may be believed, and why. Of several trainings of each method, the\n"
+      "mean return of each training is one value. With --out the histograms and normal plots go "
+      "to\n"
+      "DIR.\n\n"
       "Examples:\n"
       "  palpate compare relocate-best out/cem/policy.json --episodes 30 --threads 2\n"
-      "  palpate compare out/a/episodes.csv out/b/episodes.csv --out out/compare");
+      "  palpate compare out/a/episodes.csv out/b/episodes.csv --out out/compare\n"
+      "  palpate compare out/a1/policy.json,out/a2/policy.json "
+      "out/b1/policy.json,out/b2/policy.json");
   command.callback([arguments, &chosen] { chosen = [arguments] { return compare(*arguments); }; });
 }
 

@@ -46,6 +46,14 @@ std::unique_ptr<relocate::Policy> find_policy(const std::string& name) {
   return relocate::load_policy(asset(fmt::format("models/{}.json", wanted)));
 }
 
+void add_task_option(CLI::App& command) {
+  const std::string version(relocate::kRelocateVersion);
+  command.add_option("--task")
+      ->description("version of the task")
+      ->check(CLI::IsMember({version}))
+      ->default_str(version);
+}
+
 bool is_policy(const std::string& name) { return !name.ends_with(".csv"); }
 
 nlohmann::json summary_json(const relocate::RolloutSummary& s) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <CLI/CLI.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -25,6 +26,9 @@ struct RelocateOptions {
 
 /// The policy of a file, of a name in models/ ("relocate-best"), or the best that ships for "".
 std::unique_ptr<relocate::Policy> find_policy(const std::string& name);
+
+/// Adds --task, the version of the relocate task; there is one.
+void add_task_option(CLI::App& command);
 
 /// Whether it is the name or the file of a policy; no if it is a list of returns.
 bool is_policy(const std::string& name);

@@ -2,10 +2,13 @@
 #include "palpate/tasks/relocate/rollout.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <chrono>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "common.hpp"
 #include "palpate/core/error.hpp"
@@ -115,7 +118,8 @@ void write_results(const RolloutArguments& arguments, const RolloutOptions& opti
   write_file_atomically(folder / "config.toml", config_text(arguments, options));
 }
 
-void print_table(const relocate::RolloutSummary& s, double steps_per_second) {
+void print_table(const relocate::RolloutSummary& s, double steps_per_second,
+                 const std::vector<std::string>& observed) {
   fmt::print("return      {:.0f} +- {:.0f}, mean within [{:.0f}, {:.0f}] (95 %)\n", s.mean, s.sd,
              s.ci95.low, s.ci95.high);
   fmt::print(
@@ -125,6 +129,7 @@ void print_table(const relocate::RolloutSummary& s, double steps_per_second) {
   fmt::print("steady      {:.3f} more than 25 steps within 5 cm\n", s.success_steady);
   fmt::print("episodes    {}, {} diverged; {:.0f} steps/s\n", s.episodes, s.diverged,
              steps_per_second);
+  fmt::print("observes    {}\n", fmt::join(observed, ", "));
 }
 
 json touch_json(const std::vector<relocate::FeltEpisode>& felt) {
@@ -148,6 +153,15 @@ void print_touch(const std::vector<relocate::FeltEpisode>& felt) {
       "at the end (medians); {:.1f} estimates in the grasp\n",
       touch["explored"].get<int>(), touch["resting_error_mm"].get<double>(),
       touch["told_error_mm"].get<double>(), touch["estimates"].get<double>());
+}
+
+/// What the policy looks at, as told.
+std::vector<std::string> observes(const relocate::Policy& policy, bool by_touch) {
+  auto names = policy.observes();
+  if (by_touch) {
+    std::ranges::replace(names, std::string("object_position"), "object_position_by_touch");
+  }
+  return names;
 }
 
 int rollout(const RolloutArguments& arguments) {
@@ -174,13 +188,14 @@ int rollout(const RolloutArguments& arguments) {
   const auto summary = relocate::summarize(episodes);
   json report = summary_json(summary);
   report["steps_per_second"] = steps / seconds;
+  report["observes"] = observes(*policy, arguments.touch);
   if (arguments.touch) report["touch"] = touch_json(felt);
   if (!common.out.empty()) write_results(arguments, options, episodes, report);
   write_recordings(arguments, options, *policy);
   if (common.json) {
     fmt::print("{}\n", report.dump(2));
   } else {
-    print_table(summary, steps / seconds);
+    print_table(summary, steps / seconds, observes(*policy, arguments.touch));
     if (arguments.touch) print_touch(felt);
   }
   return kDone;
@@ -209,6 +224,7 @@ void add_rollout(CLI::App& program, Command& chosen) {
       ->capture_default_str();
   command.add_flag("--touch", arguments->touch,
                    "give the policy the pose estimated by touch instead of the true one");
+  add_task_option(command);
   add_common_options(command, arguments->common);
   command.footer(
       "The hand brings a mug from the table to a target in the air within 99 steps of 10 ms.\n"
@@ -219,7 +235,7 @@ void add_rollout(CLI::App& program, Command& chosen) {
       "recording\n"
       "shows the Shadow hand, of which the Adroit hand of the task is a model.\n\n"
       "Examples:\n"
-      "  palpate rollout --episodes 20 --threads 2\n"
+      "  palpate rollout --task relocate-v2 --episodes 20 --threads 2\n"
       "  palpate rollout relocate-best --set episode.scale_high=1 --json\n"
       "  palpate rollout --episodes 3 --record 3 --out out/rollout\n"
       "  palpate rollout relocate-near --touch --episodes 10\n"

@@ -304,8 +304,9 @@ int train(const TrainArguments& arguments) {
                                                       "curves.csv", "config.toml"}
                            : std::vector<std::string>{});
   const std::filesystem::path folder = common.out;
-  const relocate::TrainingContext context{relocate::make_model(options.task), common.seed,
-                                          common.threads};
+  const relocate::TrainingContext context{
+      relocate::make_model(options.task), common.seed, common.threads,
+      relocate::randomized_worlds(options.task, options.cem.randomization)};
   const Training training = make_training(arguments, options, context);
   const std::string settings = settings_of(arguments, options);
   Curves curves(folder);
@@ -372,6 +373,7 @@ void add_train_relocate(CLI::App& train_command, Command& chosen) {
   command.add_option("--episodes", arguments->episodes, "of the evaluation at the end")
       ->check(CLI::Range(2, 1000000))
       ->capture_default_str();
+  add_task_option(command);
   add_common_options(command, arguments->common);
   command.footer(
       "DIR keeps a checkpoint of every iteration, the policy so far, and learning curves. The "

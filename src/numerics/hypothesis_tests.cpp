@@ -9,6 +9,8 @@
 #include <boost/math/distributions/normal.hpp>
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
+#include <numeric>
+#include <utility>
 
 #include "palpate/core/error.hpp"
 
@@ -19,6 +21,8 @@ namespace bm = boost::math;
 
 constexpr double kLevel = 0.05;
 constexpr int kResamples = 10000;
+constexpr std::size_t kExact = 50;  // values, up to which the distribution of ranks is counted out
+constexpr std::size_t kShapiroWilk = 3, kTellsNormality = 10;  // values
 
 double size(const std::vector<double>& values) { return static_cast<double>(values.size()); }
 
@@ -80,20 +84,104 @@ double resampled_mean(const std::vector<double>& values, palpate::RandomStream& 
   return sum / size(values);
 }
 
-void choose_test(Comparison& comparison) {
-  const double normality = std::min(comparison.normality_a.p, comparison.normality_b.p);
+/// Doubled ranks, which are whole numbers also for ties.
+std::vector<std::size_t> doubled_ranks(const std::vector<Tagged>& all) {
+  std::vector<std::size_t> ranks;
+  for (std::size_t start = 0; start < all.size();) {
+    std::size_t end = start;
+    while (end < all.size() && all[end].value == all[start].value) ++end;
+    ranks.insert(ranks.end(), end - start, start + end + 1);
+    start = end;
+  }
+  return ranks;
+}
+
+/// Share of all choices of `chosen` ranks whose sum is at least as far from the mean as `sum`; all
+/// doubled. Counts the choices by number and sum, one rank after the other.
+double exact_p(const std::vector<std::size_t>& ranks, std::size_t chosen, double sum) {
+  const std::size_t total = std::accumulate(ranks.begin(), ranks.end(), std::size_t{0});
+  std::vector<std::vector<double>> ways(chosen + 1, std::vector<double>(total + 1, 0));
+  ways[0][0] = 1;
+  for (const std::size_t rank : ranks) {
+    for (std::size_t k = chosen; k > 0; --k) {
+      for (std::size_t s = total; s >= rank; --s) ways[k][s] += ways[k - 1][s - rank];
+    }
+  }
+  const double center = static_cast<double>(chosen * total) / static_cast<double>(ranks.size());
+  const double away = std::abs(sum - center) - 0.25;  // sums are whole, the centre at most half
+  double far = 0, all = 0;
+  for (std::size_t s = 0; s <= total; ++s) {
+    all += ways[chosen][s];
+    if (std::abs(static_cast<double>(s) - center) > away) far += ways[chosen][s];
+  }
+  return far / all;
+}
+
+bool is_constant(const std::vector<double>& values) {
+  return std::all_of(values.begin(), values.end(), [&](double v) { return v == values.front(); });
+}
+
+/// Tests that samples of any size and spread allow.
+void test_means(const std::vector<double>& a, const std::vector<double>& b,
+                Comparison& comparison) {
+  if (is_constant(a) && is_constant(b)) return;
+  comparison.anova = one_way_anova({a, b});
+  comparison.welch = welch(a, b);
+  comparison.effect = hedges_g(a, b);
+  if (is_constant(a) || is_constant(b)) return;
+  comparison.bartlett = bartlett({a, b});
+  if (std::min(a.size(), b.size()) < kShapiroWilk) return;
+  comparison.normality_a = shapiro_wilk(a);
+  comparison.normality_b = shapiro_wilk(b);
+}
+
+/// Least p that two samples of these sizes without ties can have.
+double least_p(std::size_t na, std::size_t nb) {
+  double ways = 1;
+  for (std::size_t i = 1; i <= na; ++i) {
+    ways *= static_cast<double>(nb + i) / static_cast<double>(i);
+  }
+  return std::min(2 / ways, 1.0);
+}
+
+/// Why no test but that of Mann and Whitney is left, or nothing if others may be.
+std::string only_ranks(const std::vector<double>& a, const std::vector<double>& b) {
+  if (is_constant(a) && is_constant(b)) {
+    return fmt::format(
+        "all values of A are {:g} and all of B {:g}: nothing varies that a test of "
+        "means could go by",
+        a.front(), b.front());
+  }
+  for (const auto& [name, values] : {std::pair{"A", &a}, {"B", &b}}) {
+    if (!is_constant(*values)) continue;
+    return fmt::format("all values of {} are {:g}, so it is not normal and has no variance", name,
+                       values->front());
+  }
+  if (std::min(a.size(), b.size()) >= kTellsNormality) return {};
+  return fmt::format(
+      "{} and {} values are too few to tell whether they are normal (at least {} "
+      "each); the least p that they can have is {:.2g}",
+      a.size(), b.size(), kTellsNormality, least_p(a.size(), b.size()));
+}
+
+void choose_test(const std::vector<double>& a, const std::vector<double>& b,
+                 Comparison& comparison) {
+  comparison.valid_test = "mann_whitney";
+  comparison.reason = only_ranks(a, b);
+  if (!comparison.reason.empty()) return;
+  const double normality = std::min(comparison.normality_a->p, comparison.normality_b->p);
   if (normality < kLevel) {
     comparison.valid_test = "mann_whitney";
     comparison.reason = fmt::format(
         "normality is rejected (Shapiro-Wilk p = {:.2g}), so neither analysis of variance nor "
         "Welch's test is exact",
         normality);
-  } else if (comparison.bartlett.p < kLevel) {
+  } else if (comparison.bartlett->p < kLevel) {
     comparison.valid_test = "welch";
     comparison.reason = fmt::format(
         "both samples pass for normal, but equal variances are rejected (Bartlett p = {:.2g}), "
         "which analysis of variance needs",
-        comparison.bartlett.p);
+        comparison.bartlett->p);
   } else {
     comparison.valid_test = "anova";
     comparison.reason = "both samples pass for normal and of equal variance";
@@ -151,6 +239,9 @@ TestResult mann_whitney(const std::vector<double>& a, const std::vector<double>&
   const double u = ranks.first - na * (na + 1) / 2;
   const double spread = std::sqrt(na * nb / 12 * (n + 1 - ranks.ties / (n * (n - 1))));
   if (!(spread > 0)) return {u, 1};  // all values are equal
+  if (a.size() + b.size() <= kExact) {
+    return {u, exact_p(doubled_ranks(merged(a, b)), a.size(), 2 * ranks.first)};
+  }
   const double z = std::max(std::abs(u - na * nb / 2) - 0.5, 0.0) / spread;
   return {u, std::min(2 * cdf(complement(bm::normal(), z)), 1.0)};
 }
@@ -188,16 +279,11 @@ NormalPlot normal_plot(std::vector<double> values) {
 Comparison compare_samples(const std::vector<double>& a, const std::vector<double>& b,
                            palpate::RandomStream random) {
   Comparison result;
-  result.normality_a = shapiro_wilk(a);
-  result.normality_b = shapiro_wilk(b);
-  result.bartlett = bartlett({a, b});
-  result.anova = one_way_anova({a, b});
-  result.welch = welch(a, b);
+  test_means(a, b, result);
   result.mann_whitney = mann_whitney(a, b);
-  result.effect = hedges_g(a, b);
   result.difference = mean(a) - mean(b);
   result.difference_ci95 = bootstrap_difference(a, b, kResamples, random.fork("bootstrap"));
-  choose_test(result);
+  choose_test(a, b, result);
   return result;
 }
 

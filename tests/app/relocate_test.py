@@ -37,9 +37,11 @@ class RelocateTest(cli.CliTest):
         report = self.run_json("rollout", "a/policy.json", *few, "--out", "r")
         self.assertLessEqual(
             {"episodes", "return", "success_10cm", "success_5cm", "success_2cm",
-             "steps_per_second"}, report.keys())  # fmt: skip
+             "steps_per_second", "observes"}, report.keys())  # fmt: skip
         self.assertEqual(set(report["return"]), {"mean", "sd", "ci95"})
-        two = self.run_json("rollout", "a/policy.json", *few, "--threads", "2")
+        self.assertIn("base_velocity", report["observes"])
+        two = self.run_json("rollout", "a/policy.json", *few, "--threads", "2", "--task",
+                            "relocate-v2")
         for changing in (report, two):
             changing.pop("steps_per_second")
         self.assertEqual(report, two)
@@ -57,6 +59,7 @@ class RelocateTest(cli.CliTest):
             set(report["touch"]),
             {"explored", "resting_error_mm", "told_error_mm", "estimates", "estimate_seconds"},
         )
+        self.assertIn("object_position_by_touch", report["observes"])
         self.assertGreater(report["touch"]["estimates"], 0)
         self.assertGreater(report["touch"]["resting_error_mm"], 0)
         self.assertEqual(report["touch"]["explored"], 0)
@@ -80,6 +83,40 @@ class RelocateTest(cli.CliTest):
         self.assertEqual(self.train("part", 5).returncode, cli.DONE)
         policies = [(self.folder / name / "policy.json").read_text() for name in ("whole", "part")]
         self.assertEqual(*policies)
+
+    def write_returns(self, name, values):
+        rows = "".join(f"{value},0.01,30,0\n" for value in values)
+        (self.folder / name).write_text("return,distance,steps_within_5cm,diverged\n" + rows)
+
+    def test_of_several_trainings_each_is_one_value(self):
+        for k in range(3):
+            self.write_returns(f"a{k}.csv", [10 + k, 20 + k, 30 + k])
+            self.write_returns(f"b{k}.csv", [50 + k, 70 + k])
+        report = self.run_json("compare", "a0.csv,a1.csv,a2.csv", "b0.csv,b1.csv,b2.csv")
+        self.assertEqual(report["unit"], "training")
+        self.assertEqual(report["mean"], {"a": 21, "b": 61})
+        self.assertEqual(report["interquartile_mean"]["a"]["value"], 21)
+        self.assertEqual(report["valid_test"], "mann_whitney")
+        self.assertAlmostEqual(report["mann_whitney_p"], 0.1)
+        done = self.run_program("compare", "a0.csv", "b0.csv,b1.csv")
+        self.assertEqual(done.returncode, cli.BAD_INPUT)
+        self.assertIn("1 trainings against 2", done.stderr)
+
+    def test_constant_returns_are_explained(self):
+        self.write_returns("a.csv", [5, 5, 5, 5])
+        self.write_returns("b.csv", [7, 7, 7])
+        report = self.run_json("compare", "a.csv", "b.csv", "--out", "c")
+        self.assertIsNone(report["welch_p"])
+        self.assertIn("nothing varies", report["reason"])
+        self.assertEqual(report["difference"]["mean"], -2)
+        done = self.run_program("compare", "a.csv", "b.csv")
+        self.assertEqual(done.returncode, cli.DONE, done.stderr)
+
+    def test_there_is_one_version_of_the_task(self):
+        for command in (["rollout"], ["train", "relocate"], ["compare", "a", "b"]):
+            done = self.run_program(*command, "--task", "relocate-v1")
+            self.assertEqual(done.returncode, cli.USAGE, command)
+            self.assertIn("relocate-v2", done.stderr)
 
     def test_bad_input(self):
         (self.folder / "bad.json").write_text('{"format": "palpate-policy"')

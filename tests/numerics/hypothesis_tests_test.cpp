@@ -12,7 +12,8 @@ namespace palpate::numerics {
 namespace {
 
 // The expected values are those of SciPy 1.17.1 (shapiro, bartlett, f_oneway, ttest_ind with
-// equal_var=False, mannwhitneyu with method="asymptotic").
+// equal_var=False, mannwhitneyu with method="exact" or, of many values, "asymptotic"; with ties all
+// ways to deal the values to two samples were enumerated).
 
 const std::vector<double> kA = {3.1, 4.7, 5.2, 2.8, 6.4, 5.9, 4.1, 3.3, 7.7, 4.9, 5.5, 6.0};
 const std::vector<double> kB = {2.1, 9.4, 3.3, 7.9, 1.2, 11.5, 6.6, 4.4, 5.2, 0.4, 8.8};
@@ -74,10 +75,23 @@ TEST(HypothesisTests, Welch) {
 }
 
 TEST(HypothesisTests, MannWhitney) {
-  expect_result(mann_whitney(kA, kB), 60, 0.7348591204138231);
-  expect_result(mann_whitney(kA, kTied), 46, 0.7668827624907391);
-  expect_result(mann_whitney(kA, kSkewed), 134, 0.033734509966221043);
+  expect_result(mann_whitney({1, 2, 3}, {4, 5, 6}), 0, 0.1);
+  expect_result(mann_whitney({1, 2, 3, 9}, {4, 5, 6, 7, 8}), 5, 0.2857142857142857);
+  expect_result(mann_whitney({1, 1, 2}, {1, 2, 2}), 3, 1);  // every sum is as far from the middle
+  expect_result(mann_whitney(kA, kTied), 46, 0.7569460982773676);
+  expect_result(mann_whitney(kTied, kB), 34, 0.7078619909502263);
   EXPECT_EQ(mann_whitney({1, 1, 1}, {1, 1}).p, 1);
+}
+
+TEST(HypothesisTests, MannWhitneyOfManyValuesIsAsymptotic) {
+  std::vector<double> a, b;
+  for (const double by : {0.0, 0.5, -0.25}) {
+    for (const double value : kA) a.push_back(value + by);
+  }
+  for (const double by : {0.0, 0.7}) {
+    for (const double value : kB) b.push_back(value + by);
+  }
+  expect_result(mann_whitney(a, b), 351, 0.47569063736879225);
 }
 
 TEST(HypothesisTests, HedgesG) { EXPECT_NEAR(hedges_g(kA, kB), -0.1989875250310455, 1e-12); }
@@ -111,11 +125,36 @@ TEST(HypothesisTests, HistogramCountsEachValueOnce) {
 
 TEST(HypothesisTests, NamesTheTestThatIsValid) {
   const palpate::RandomStream random(1);
-  EXPECT_EQ(compare_samples(kA, kTied, random).valid_test, "anova");
+  EXPECT_EQ(
+      compare_samples(kA, {4.0, 4.0, 5.2, 5.9, 6.1, 3.3, 4.7, 5.1, 4.4, 6.6}, random).valid_test,
+      "anova");
   EXPECT_EQ(compare_samples(kA, kB, random).valid_test, "welch");
   const auto skewed = compare_samples(kA, kSkewed, random);
   EXPECT_EQ(skewed.valid_test, "mann_whitney");
   EXPECT_NE(skewed.reason.find("Shapiro-Wilk"), std::string::npos);
+}
+
+TEST(HypothesisTests, OfThreeValuesOnlyRanksAreBelieved) {
+  const auto few = compare_samples({1, 2, 3}, {4, 5, 6}, palpate::RandomStream(1));
+  EXPECT_EQ(few.valid_test, "mann_whitney");
+  EXPECT_NE(few.reason.find("3 and 3 values"), std::string::npos);
+  EXPECT_NE(few.reason.find("0.1"), std::string::npos);  // what three against three can reach
+  EXPECT_NEAR(few.mann_whitney.p, 0.1, 1e-12);
+  EXPECT_FALSE(compare_samples({1, 2}, {4, 6}, palpate::RandomStream(1)).normality_a);
+}
+
+TEST(HypothesisTests, ConstantSamplesAreExplained) {
+  const palpate::RandomStream random(1);
+  const auto one = compare_samples(kA, std::vector<double>(12, 3.0), random);
+  EXPECT_EQ(one.valid_test, "mann_whitney");
+  EXPECT_NE(one.reason.find("all values of B are 3"), std::string::npos);
+  EXPECT_FALSE(one.bartlett || one.normality_a);
+  EXPECT_TRUE(one.welch);
+  const auto both = compare_samples({2, 2, 2, 2}, {5, 5, 5, 5}, random);
+  EXPECT_NE(both.reason.find("nothing varies"), std::string::npos);
+  EXPECT_FALSE(both.welch || both.anova || both.effect);
+  EXPECT_EQ(both.difference, -3);
+  EXPECT_EQ(compare_samples({2, 2, 2}, {2, 2, 2}, random).mann_whitney.p, 1);
 }
 
 TEST(HypothesisTests, RejectsWhatCannotBeTested) {

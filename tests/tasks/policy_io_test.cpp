@@ -61,6 +61,14 @@ TEST_F(PolicyIo, ReadsAStructuredPolicyBackExactly) {
   }
 }
 
+TEST_F(PolicyIo, ReadsAPolicyOfTheFormerTask) {
+  const MlpPolicy policy = small_network(3);
+  EXPECT_EQ(error_with("relocate-v2", "relocate-1"), "");
+  RandomStream random(1);
+  const PolicyInput input = random_input(random);
+  EXPECT_EQ(load_policy(path)->act(input), small_network(1).act(input));
+}
+
 TEST_F(PolicyIo, RejectsWhatIsNoPolicy) {
   EXPECT_NE(error_message([] { load_policy("/nowhere/policy.json"); }), "");
   EXPECT_NE(error_of("").find("no JSON"), std::string::npos);
@@ -81,7 +89,7 @@ TEST_F(PolicyIo, RejectsJsonOfAnyDepthWithAShortMessage) {
 
 TEST_F(PolicyIo, RejectsADamagedOrForeignPolicy) {
   EXPECT_NE(error_with("\"version\":1", "\"version\":2").find("version 2"), std::string::npos);
-  EXPECT_NE(error_with("relocate-1", "relocate-0").find("relocate-0"), std::string::npos);
+  EXPECT_NE(error_with("relocate-v2", "relocate-0").find("relocate-0"), std::string::npos);
   EXPECT_NE(error_with("\"kind\":\"mlp\"", "\"kind\":\"tree\"").find("tree"), std::string::npos);
   EXPECT_NE(error_with("log_std", "log_stt").find("log_std"), std::string::npos);
   EXPECT_NE(error_with("\"notes\"", "\"remarks\"").find("remarks"), std::string::npos);

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <string>
+#include <vector>
 
 #include "palpate/core/error.hpp"
 #include "tasks/policies.hpp"
@@ -36,6 +38,15 @@ TEST(MlpPolicy, LooksAtNothingButTheObservation) {
   const auto action = policy.act(input);
   input.proprioception = random_input(random).proprioception;
   EXPECT_EQ(policy.act(input), action);
+}
+
+TEST(Policy, SaysWhatItObserves) {
+  const std::vector<std::string> all = {"joint_positions", "object_position", "target_position"};
+  EXPECT_EQ(small_network(2).observes(), all);
+  EXPECT_EQ(structured(true).observes(), all);  // its network tells the velocity from one frame
+  auto more = all;
+  more.emplace_back("base_velocity");
+  EXPECT_EQ(structured(false).observes(), more);
 }
 
 TEST(MlpPolicy, RejectsDimensionsThatAreNotTheTasks) {

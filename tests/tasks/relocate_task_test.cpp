@@ -7,6 +7,7 @@
 
 #include "palpate/core/error.hpp"
 #include "palpate/geometry/objects/shapes.hpp"
+#include "tasks/relocate/relocate_model.hpp"
 
 namespace palpate::relocate {
 namespace {
@@ -25,6 +26,18 @@ TEST(RelocateTask, HasTheSizesOfThePublishedTask) {
   // Ranges of the base's actuators in the hand's file.
   EXPECT_DOUBLE_EQ(model.action_half_range()[0], 0.25);
   EXPECT_DOUBLE_EQ(model.action_center()[1], 0.1);
+}
+
+TEST(RelocateTask, HasTheWristAndThePlaceOfThePublishedHand) {
+  const RelocateModel owner(relocate_primitive_mug());
+  const mjModel& model = *owner.impl().scene.model;
+  const int wrist = mj_name2id(&model, mjOBJ_JOINT, "WRJ0");
+  ASSERT_GE(wrist, 0);
+  const int dof = model.jnt_dofadr[wrist];
+  EXPECT_DOUBLE_EQ(model.dof_damping[dof], 0.05);  // adroit_relocate.xml of DexMV
+  EXPECT_DOUBLE_EQ(model.dof_armature[dof], 0.001);
+  const int arm = mj_name2id(&model, mjOBJ_BODY, "forearm");
+  EXPECT_DOUBLE_EQ(model.body_pos[3 * arm + 1], -0.7);
 }
 
 TEST(RelocateTask, StartsWhereItIsTold) {
@@ -126,6 +139,63 @@ TEST(RelocateTask, TakesAnyMesh) {
   task.reset({{-0.05, 0.1}, {0, 0, 0.2}});
   for (int i = 0; i < 20; ++i) EXPECT_FALSE(task.step(rest()).diverged);
   EXPECT_NEAR(task.positions()[32], 0.04 + kMargin, 5e-4);
+}
+
+TEST(RelocateTask, ABiasIsInWhatIsObservedAndNotInTheWorld) {
+  const RelocateModel model(relocate_primitive_mug());
+  RelocateTask task(model), biased(model);
+  RelocateStart start{{-0.06, 0.02}, {0.05, -0.1, 0.2}};
+  task.reset(start);
+  start.object_bias = {0.01, -0.02, 0.03};
+  biased.reset(start);
+  const RelocateObservation change = biased.observation() - task.observation();
+  EXPECT_LT((change.segment<3>(kPalmFromObject) + start.object_bias).norm(), 1e-12);
+  EXPECT_LT((change.segment<3>(kObjectFromTarget) - start.object_bias).norm(), 1e-12);
+  EXPECT_EQ(change.head<kPalmFromObject>().norm() + change.segment<3>(kPalmFromTarget).norm(), 0);
+  EXPECT_EQ(task.step(rest()).reward, biased.step(rest()).reward);
+  start.object_bias.x() = std::numeric_limits<double>::infinity();
+  EXPECT_THROW(task.reset(start), BadInput);
+}
+
+TEST(RelocateTask, NoisyEncodersTellTheVelocityRoughly) {
+  const RelocateModel model(relocate_primitive_mug());
+  RelocateTask exact(model), noisy(model);
+  RelocateStart start{{-0.06, 0.02}, {0.05, -0.1, 0.2}};
+  exact.reset(start);
+  start.encoder_noise = 1e-4;
+  noisy.reset(start);
+  double error = 0, speed = 0;
+  constexpr int kSteps = 40;
+  for (int i = 0; i < kSteps; ++i) {
+    const RelocateAction action = RelocateAction::Constant(0.02 * i);
+    exact.step(action);
+    noisy.step(action);
+    const Eigen::Vector3d truth = exact.proprioception().velocity.head<3>();
+    error += (noisy.proprioception().velocity.head<3>() - truth).norm() / kSteps;
+    speed += truth.norm() / kSteps;
+  }
+  EXPECT_EQ(exact.positions(), noisy.positions());
+  EXPECT_GT(error, 0.005);  // a difference of two readings has sqrt(2) 1e-4 m / 0.01 s of noise
+  EXPECT_LT(error, 0.3 * speed);
+}
+
+TEST(RelocateTask, AScaledObjectKeepsItsMass) {
+  const RelocateObject mug = relocate_primitive_mug(), small = scaled(mug, 0.9);
+  EXPECT_EQ(small.mass, mug.mass);
+  EXPECT_NEAR(small.start_height, 0.9 * mug.start_height, 1e-12);
+  EXPECT_LT((small.inertia - 0.81 * mug.inertia).norm(), 1e-12);
+  for (std::size_t i = 0; i < mug.primitives.size(); ++i) {
+    const auto& part = small.primitives[i];
+    const Eigen::Vector3d place = 0.9 * mug.primitives[i].T_object_part.translation();
+    EXPECT_LT((part.half - 0.9 * mug.primitives[i].half).norm(), 1e-12);
+    EXPECT_LT((part.T_object_part.translation() - place).norm(), 1e-12);
+  }
+  EXPECT_THROW(scaled(mug, 0), BadInput);
+  const RelocateModel model(small);
+  RelocateTask task(model);
+  task.reset({{0.05, 0.1}, {0, 0, 0.2}});
+  for (int i = 0; i < 60; ++i) task.step(rest());
+  EXPECT_NEAR(task.positions()[32], 0.9 * 0.0312 + kMargin, 5e-4);
 }
 
 TEST(RelocateTask, RejectsBadInput) {

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <limits>
+#include <string>
 
 #include "palpate/core/error.hpp"
 #include "palpate/tasks/relocate/policies/policy_io.hpp"
@@ -115,16 +116,40 @@ TEST(Rollout, KnowsItsObjects) {
   EXPECT_THROW(make_model(options), BadInput);
 }
 
-TEST(Rollout, ThePublishedPolicyEarnsWhatItEarnedOnThePrimitiveMug) {
+/// That this is the published task shows in what its authors' policy earns in it: 3744 +- 595, of
+/// which 3600 is two standard errors of 60 episodes below, and hardly a start is failed.
+void expect_the_published_return(const std::filesystem::path& data, const TaskOptions& task) {
+  const auto policy = load_policy(data / "relocate_mug_published_policy.json");
+  const auto summary = summarize(rollout(make_model(task), *policy, {}, 9000, 60, 1));
+  EXPECT_GE(summary.mean, 3600) << task.object;
+  EXPECT_GE(summary.success_5cm, 0.98) << task.object;
+}
+
+TEST(Rollout, ThePublishedPolicyEarnsWhatItEarnedWhereItWasTrained) {
   const char* data = std::getenv("PALPATE_DATA");
   if (!data) GTEST_SKIP() << "PALPATE_DATA is not set";
-  const auto policy =
-      load_policy(std::filesystem::path(data) / "relocate_mug_published_policy.json");
-  const auto summary = summarize(rollout(make_model({}), *policy, {}, 100, 30, 1));
-  // The specification has 3353 and 98 % on a mug of as many primitives. A return of 500 less is
-  // more than three standard errors of 30 episodes away.
-  EXPECT_NEAR(summary.mean, 3353, 500);
-  EXPECT_GE(summary.success_5cm, 0.86);  // of 0.98: below it with a probability under 1 %
+  expect_the_published_return(data, {});
+}
+
+TEST(Rollout, ThePublishedPolicyEarnsTheSameOnTheMeshOfTheMug) {
+  const char* data = std::getenv("PALPATE_DATA");
+  if (!data) GTEST_SKIP() << "PALPATE_DATA is not set";
+  TaskOptions task;
+  task.object = "ycb-mug:" + (std::filesystem::path(data) / "ycb/025_mug.ply").string();
+  expect_the_published_return(data, task);
+}
+
+TEST(Rollout, ErrorsOfTheSensorsLeaveTheStartsAsTheyAre) {
+  EpisodeOptions options;
+  const auto start = episode_start(options, 5, 3);
+  EXPECT_EQ(start.object_bias.norm(), 0);
+  options.object_bias = 0.01;
+  options.encoder_noise = 1e-4;
+  const auto biased = episode_start(options, 5, 3);
+  EXPECT_EQ(biased.target, start.target);
+  EXPECT_EQ(biased.object, start.object);
+  EXPECT_NEAR(biased.object_bias.norm(), 0.01, 1e-12);
+  EXPECT_NE(episode_start(options, 5, 4).object_bias, biased.object_bias);
 }
 
 TEST(Rollout, DrawsTheShareOfStartsAtTheEndsThatIsAskedFor) {

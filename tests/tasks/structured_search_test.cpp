@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <optional>
 
+#include "palpate/tasks/relocate/training/randomization.hpp"
+
 namespace palpate::relocate {
 namespace {
 
@@ -48,7 +50,8 @@ struct Search {
       return StructuredPolicy(unflatten(x), model->action_center(), model->action_half_range(),
                               false);
     };
-    return search_scores(*model, make, options, 6, generation, threads)(candidates);
+    const std::vector<RelocateModel> worlds = {*model};
+    return search_scores(worlds, make, options, 6, generation, threads)(candidates);
   }
 
   std::optional<RelocateModel> model;
@@ -77,6 +80,23 @@ TEST(StructuredSearch, EqualCandidatesScoreEqually) {
   const auto scores = search.scores(2, 1);
   EXPECT_EQ(scores[0], scores[1]);
   EXPECT_EQ(scores[0], scores[2]);
+}
+
+TEST(StructuredSearch, EpisodesTakePlaceInAllWorlds) {
+  RandomizationOptions options;
+  TaskOptions task;
+  task.solver = "fast";
+  EXPECT_EQ(randomized_worlds(task, options).size(), 1U);
+  options.friction_scale = 0.5;
+  options.mass_scale = 2;
+  options.size = 0.9;
+  options.box = true;
+  const auto worlds = randomized_worlds(task, options);
+  ASSERT_EQ(worlds.size(), 5U);
+  EXPECT_NEAR(worlds[2].object_mass(), 2 * worlds[0].object_mass(), 1e-12);
+  std::vector<int> episodes(worlds.size());
+  for (std::size_t i = 0; i < 500; ++i) ++episodes[world_of_episode(worlds.size(), 7, i)];
+  for (const int count : episodes) EXPECT_NEAR(count, 100, 36);  // 4 standard deviations
 }
 
 TEST(StructuredSearch, FreeMemoryStretchesRingAndLittleFinger) {

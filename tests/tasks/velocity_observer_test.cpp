@@ -32,7 +32,7 @@ TEST(VelocityObserver, TellsTheVelocityOfTheBaseFromOneFrame) {
   const auto model = fast_model();
   EpisodeOptions episode;
   episode.horizon = 40;
-  const auto fit = fit_observer(model, reaching(model), episode, small_fit(), 3, 2);
+  const auto fit = fit_observer({model}, reaching(model), episode, small_fit(), 3, 2);
   // The mean velocity explains nothing (0), the true one all (1).
   EXPECT_GT(fit.r2, 0.7);
   // On the frames of a new episode, under the policy that relies on it.
@@ -57,8 +57,8 @@ TEST(VelocityObserver, IsTheSameForAnyNumberOfThreads) {
   auto options = small_fit();
   options.rounds = 1;
   options.samples = 1000;
-  const auto one = fit_observer(model, reaching(model), episode, options, 5, 1);
-  const auto two = fit_observer(model, reaching(model), episode, options, 5, 2);
+  const auto one = fit_observer({model}, reaching(model), episode, options, 5, 1);
+  const auto two = fit_observer({model}, reaching(model), episode, options, 5, 2);
   EXPECT_EQ(one.observer.network.parameters(), two.observer.network.parameters());
 }
 
@@ -66,7 +66,7 @@ TEST(VelocityObserver, NeedsARound) {
   const auto model = fast_model();
   auto options = small_fit();
   options.rounds = 0;
-  EXPECT_THROW(fit_observer(model, reaching(model), {}, options, 5, 1), BadInput);
+  EXPECT_THROW(fit_observer({model}, reaching(model), {}, options, 5, 1), BadInput);
 }
 
 }  // namespace

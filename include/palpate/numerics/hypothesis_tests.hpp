@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -34,7 +35,9 @@ TestResult one_way_anova(const Samples& samples);
 TestResult welch(const std::vector<double>& a, const std::vector<double>& b);
 
 /// Whether a value of one sample is as often above as below one of the other (Mann & Whitney 1947);
-/// two-sided, by the normal approximation with corrections for ties and continuity.
+/// two-sided. Of at most 50 values p is exact, by the distribution of the rank sum over all ways to
+/// deal the values to the samples, ties included; of more by the normal approximation with
+/// corrections for ties and continuity.
 /// The statistic is the number of pairs in which a's value is above, ties half.
 TestResult mann_whitney(const std::vector<double>& a, const std::vector<double>& b);
 
@@ -54,10 +57,12 @@ struct NormalPlot {
 };
 NormalPlot normal_plot(std::vector<double> values);
 
-/// Everything about the difference of two samples, and which test may be believed.
+/// Everything about the difference of two samples, and which test may be believed. What does not
+/// exist for samples of fewer than 3 values, or of equal ones, is missing.
 struct Comparison {
-  TestResult normality_a, normality_b, bartlett, anova, welch, mann_whitney;
-  double effect = 0;                  ///< Hedges' g
+  std::optional<TestResult> normality_a, normality_b, bartlett, anova, welch;
+  TestResult mann_whitney;
+  std::optional<double> effect;       ///< Hedges' g
   double difference = 0;              ///< mean(a) - mean(b)
   palpate::Interval difference_ci95;  ///< by bootstrap
   std::string valid_test;             ///< "anova", "welch" or "mann_whitney"
@@ -66,7 +71,7 @@ struct Comparison {
 
 /// Compares two samples. The valid test follows from the assumptions, tested at 5 %: analysis of
 /// variance needs normality and equal variances, Welch's test only normality, that of Mann and
-/// Whitney neither.
+/// Whitney neither. Of fewer than 10 values normality cannot be tested, so that leaves the last.
 Comparison compare_samples(const std::vector<double>& a, const std::vector<double>& b,
                            palpate::RandomStream random);
 

@@ -19,9 +19,14 @@ struct RelocateTask::Impl {
   Eigen::Vector3d object() const;  ///< of its frame's origin, m
   bool contact() const;            ///< of hand and object
 
+  RelocateJoints noisy_joints();
+  void read_encoders();  ///< of the joints, at the end of a control step
+
   RelocateModel model;  // shares the compiled model, which must outlive the data
   simulation::DataHandle data;
-  Eigen::Vector3d target = Eigen::Vector3d::Zero();
+  RelocateStart start;
+  RandomStream encoder_noise{0};
+  RelocateJoints read = RelocateJoints::Zero(), velocity = RelocateJoints::Zero();  // of encoders
 };
 
 }  // namespace palpate::relocate

@@ -87,6 +87,23 @@ RelocateObject relocate_ycb_mug(const geometry::TriangleMesh& mesh) {
   return object;
 }
 
+RelocateObject scaled(RelocateObject object, double scale) {
+  if (!(std::isfinite(scale) && scale > 0)) {
+    throw BadInput(fmt::format("the size of {} must be positive, not {}", object.name, scale));
+  }
+  for (auto& part : object.primitives) {
+    part.half *= scale;
+    part.T_object_part.translation() *= scale;
+  }
+  for (auto& hull : object.hulls) {
+    for (auto& vertex : hull.vertices) vertex *= scale;
+  }
+  object.center *= scale;
+  object.inertia *= scale * scale;
+  object.start_height *= scale;
+  return object;
+}
+
 RelocateObject relocate_mesh_object(const std::string& name, const geometry::TriangleMesh& mesh,
                                     double mass) {
   if (!(std::isfinite(mass) && mass > 0)) {

@@ -16,10 +16,9 @@
 namespace palpate::relocate {
 namespace {
 
-constexpr double kControlStep = 0.01;  // s
 constexpr int kSubsteps = 5, kFastSubsteps = 3;
 constexpr int kIterations = 20;
-constexpr double kArmY = -0.65;                // m
+constexpr double kWristDamping = 0.05, kWristArmature = 0.001;
 constexpr mjtSize kMemory = mjtSize{1} << 26;  // bytes, for all contacts of dozens of convex parts
 constexpr const char* kObject = "relocated";
 
@@ -69,9 +68,15 @@ void widen_table(mjSpec& spec) {
   Eigen::Vector3d::Map(top.friction) << 1, 0.5, 0.01;
 }
 
-/// Moves the arm 50 mm nearer to the object than the hand's file has it. That is where the
-/// published policy works for all starts; from the file's place it fails for the far half of them.
-void place_arm(mjSpec& spec) { simulation::find_body(spec, "forearm").pos[1] = kArmY; }
+/// Gives the wrist's WRJ0 the damping (N m s/rad) and armature (kg m^2) of the published task's
+/// hand (DexMV); the hand's file has ten times the damping and five times the armature.
+void loosen_wrist(mjSpec& spec) {
+  mjsElement* element = mjs_findElement(&spec, mjOBJ_JOINT, "WRJ0");
+  if (!element) throw BadInput("the hand's model has no joint WRJ0");
+  mjsJoint& joint = *mjs_asJoint(element);
+  joint.damping[0] = kWristDamping;
+  joint.armature = kWristArmature;
+}
 
 void set_object_contact(mjsGeom& geom) {
   Eigen::Vector3d::Map(geom.friction) << 1, 0.5, 0.01;
@@ -169,7 +174,7 @@ RelocateScene compose_relocate_scene(const RelocateObject& object, const Relocat
   set_solver(*spec, physics.solver);
   remove_strangers(*spec);
   widen_table(*spec);
-  place_arm(*spec);
+  loosen_wrist(*spec);
   add_object(*spec, object, physics.mass_scale);
   RelocateScene scene;
   scene.model.reset(mj_compile(spec.get(), nullptr));

@@ -8,6 +8,8 @@
 
 namespace palpate::relocate {
 
+inline constexpr double kControlStep = 0.01;  ///< s
+
 /// The compiled model of the relocate task, and where in it each thing is.
 struct RelocateScene {
   simulation::ModelHandle model;

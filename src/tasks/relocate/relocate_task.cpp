@@ -18,6 +18,8 @@ namespace {
 
 constexpr std::array<std::string_view, 3> kSolverNames = {"faithful", "newton", "fast"};
 
+constexpr double kVelocityFilter = 0.5;  // of a new difference of positions in the velocity
+
 /// Whether the physics gave a value that is not finite or too large since the last reset.
 bool broken(const mjData& data) {
   return data.warning[mjWARN_BADQPOS].number > 0 || data.warning[mjWARN_BADQVEL].number > 0 ||
@@ -102,6 +104,19 @@ bool RelocateTask::Impl::contact() const {
   });
 }
 
+RelocateJoints RelocateTask::Impl::noisy_joints() {
+  RelocateJoints q = RelocateJoints::Map(data->qpos);
+  for (double& value : q) value += start.encoder_noise * encoder_noise.normal();
+  return q;
+}
+
+void RelocateTask::Impl::read_encoders() {
+  if (start.encoder_noise == 0) return;
+  const RelocateJoints now = noisy_joints();
+  velocity += kVelocityFilter * ((now - read) / kControlStep - velocity);
+  read = now;
+}
+
 RelocateTask::RelocateTask(const RelocateModel& model) : impl_(std::make_unique<Impl>(model)) {
   reset({});
 }
@@ -110,7 +125,7 @@ RelocateTask::RelocateTask(RelocateTask&&) noexcept = default;
 RelocateTask& RelocateTask::operator=(RelocateTask&&) noexcept = default;
 
 void RelocateTask::reset(const RelocateStart& start) {
-  if (!start.object.allFinite() || !start.target.allFinite()) {
+  if (!start.object.allFinite() || !start.target.allFinite() || !start.object_bias.allFinite()) {
     throw BadInput(fmt::format(
         "an episode cannot start with the object at ({}, {}) and the target "
         "at ({}, {}, {})",
@@ -119,20 +134,25 @@ void RelocateTask::reset(const RelocateStart& start) {
   const mjModel* const model = impl_->scene().model.get();
   mj_resetData(model, impl_->data.get());
   Eigen::Vector2d::Map(impl_->data->qpos + impl_->scene().object_joint) = start.object;
-  impl_->target = start.target;
+  impl_->start = start;
   mj_forward(model, impl_->data.get());
+  impl_->encoder_noise = RandomStream(start.encoder_seed, "encoders");
+  impl_->read = impl_->noisy_joints();
+  impl_->velocity.setZero();
 }
 
 RelocateObservation RelocateTask::observation() const {
   RelocateObservation result;
-  const Eigen::Vector3d palm = impl_->palm(), object = impl_->object();
-  result << RelocateJoints::Map(impl_->data->qpos), palm - object, palm - impl_->target,
-      object - impl_->target;
+  const Eigen::Vector3d palm = impl_->palm(), target = impl_->start.target;
+  const Eigen::Vector3d object = impl_->object() + impl_->start.object_bias;
+  result << RelocateJoints::Map(impl_->data->qpos), palm - object, palm - target, object - target;
   return result;
 }
 
 Proprioception RelocateTask::proprioception() const {
-  return {RelocateJoints::Map(impl_->data->qvel), RelocateJoints::Map(impl_->data->qfrc_bias)};
+  const bool exact = impl_->start.encoder_noise == 0;
+  return {exact ? RelocateJoints(RelocateJoints::Map(impl_->data->qvel)) : impl_->velocity,
+          RelocateJoints::Map(impl_->data->qfrc_bias)};
 }
 
 RelocateStep RelocateTask::step(const RelocateAction& action) {
@@ -143,15 +163,16 @@ RelocateStep RelocateTask::step(const RelocateAction& action) {
         impl_->model.action_center() +
         action.cwiseMax(-1).cwiseMin(1).cwiseProduct(impl_->model.action_half_range());
     for (int i = 0; i < impl_->scene().substeps; ++i) mj_step(impl_->scene().model.get(), &data);
+    impl_->read_encoders();
   }
   const Eigen::Vector3d palm = impl_->palm(), object = impl_->object();
-  const Distances d = {(palm - object).norm(), (palm - impl_->target).norm(),
-                       (object - impl_->target).norm()};
+  const Eigen::Vector3d target = impl_->start.target;
+  const Distances d = {(palm - object).norm(), (palm - target).norm(), (object - target).norm()};
   result.diverged = !action.allFinite() || broken(data) || !std::isfinite(d.object_target);
   if (result.diverged) return result;
   result.distance = d.object_target;
   result.contact = impl_->contact();
-  const double height = std::min(object.z(), impl_->target.z());
+  const double height = std::min(object.z(), target.z());
   const double lift = std::max(height - impl_->model.impl().start_height, 0.0);
   result.reward = reward(d, result.contact, lift);
   return result;

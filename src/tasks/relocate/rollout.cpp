@@ -63,7 +63,12 @@ RelocateStart episode_start(const EpisodeOptions& options, std::uint64_t seed, s
     if (chance < options.at_ends / 2) scale = options.scale_low;
     if (chance >= 1 - options.at_ends / 2) scale = options.scale_high;
   }
-  return sample_relocate_start(random, scale);
+  RelocateStart start = sample_relocate_start(random, scale);
+  RandomStream sensors = random.fork("sensors");
+  start.object_bias = options.object_bias * sensors.normal3().normalized();
+  start.encoder_noise = options.encoder_noise;
+  start.encoder_seed = sensors.bits();
+  return start;
 }
 
 Episode run_episode(RelocateTask& task, const RelocateStart& start, int horizon, const Agent& agent,

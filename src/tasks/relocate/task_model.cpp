@@ -50,9 +50,7 @@ RelocateObject bottle() {
   return object;
 }
 
-}  // namespace
-
-RelocateObject make_object(const TaskOptions& options) {
+RelocateObject named_object(const TaskOptions& options) {
   if (options.object == "mug") return relocate_primitive_mug();
   if (options.object == "box") return box();
   if (options.object == "bottle") return bottle();
@@ -60,6 +58,12 @@ RelocateObject make_object(const TaskOptions& options) {
     return relocate_ycb_mug(geometry::load_mesh(options.object.substr(kYcbMug.size())));
   }
   return relocate_mesh_object(options.object, geometry::load_mesh(options.object), options.mass);
+}
+
+}  // namespace
+
+RelocateObject make_object(const TaskOptions& options) {
+  return scaled(named_object(options), options.size);
 }
 
 RelocateModel make_model(const TaskOptions& options) {

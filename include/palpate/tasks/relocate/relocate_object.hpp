@@ -41,6 +41,10 @@ RelocateObject relocate_primitive_mug();
 /// @param mesh  of the YCB object set's 025_mug, as it comes, m
 RelocateObject relocate_ycb_mug(const geometry::TriangleMesh& mesh);
 
+/// The same object in another size: the mass stays, the inertia goes with the square.
+/// @throws BadInput for a scale that is not positive
+RelocateObject scaled(RelocateObject object, double scale);
+
 /// Any watertight mesh (m) of uniform density as convex parts, its start as the mesh stands,
 /// upright along +z, on its lowest point. The frame's origin is the volume centroid.
 /// @throws BadInput for a mesh without volume, or a mass that is not positive

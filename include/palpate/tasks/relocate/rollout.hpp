@@ -18,6 +18,7 @@ struct TaskOptions {
   std::string solver = "faithful";  ///< "faithful", "newton" or "fast"
   double mass_scale = 1;
   double friction_scale = 1;
+  double size = 1;    ///< of the object, times its own; its mass stays
   double mass = 0.3;  ///< of an object from a mesh file, kg
 
   template <class Visitor>
@@ -26,6 +27,7 @@ struct TaskOptions {
     v("solver", solver, "faithful, newton or fast");
     v("mass_scale", mass_scale, 0.01, 100.0, "of the object's mass and inertia");
     v("friction_scale", friction_scale, 0.01, 100.0, "of all sliding friction");
+    v("size", size, 0.5, 2.0, "of the object, times its own; its mass stays");
     v("mass", mass, 0.001, 10.0, "kg, of an object from a mesh file");
   }
 };
@@ -41,7 +43,9 @@ struct EpisodeOptions {
   int horizon = 99;         ///< steps of 10 ms
   double scale_low = 0.25;  ///< the randomness scale is drawn again for each episode
   double scale_high = 0.25;
-  double at_ends = 0;  ///< share of the episodes whose scale is one of the two, evenly
+  double at_ends = 0;        ///< share of the episodes whose scale is one of the two, evenly
+  double object_bias = 0;    ///< m, error of the object's place as observed, some way an episode
+  double encoder_noise = 0;  ///< m, rad, of the encoders that tell the velocities; 0: the true ones
 
   template <class Visitor>
   void visit(Visitor&& v) {
@@ -49,6 +53,8 @@ struct EpisodeOptions {
     v("scale_low", scale_low, 0.0, 1.0, "of the starts' randomness, drawn for each episode");
     v("scale_high", scale_high, 0.0, 1.0, "of the starts' randomness, drawn for each episode");
     v("at_ends", at_ends, 0.0, 1.0, "share of the episodes whose scale is one of the two");
+    v("object_bias", object_bias, 0.0, 0.1, "m, error of the object's place, constant an episode");
+    v("encoder_noise", encoder_noise, 0.0, 0.1, "m, rad, of the encoders that tell velocities");
   }
 };
 

@@ -3,7 +3,9 @@
 
 #include <fmt/format.h>
 
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "palpate/core/error.hpp"
 #include "palpate/tasks/relocate/policies/structured_policy.hpp"
@@ -27,6 +29,10 @@ void check_scale(const char* name, const Eigen::VectorXd& values, Eigen::Index s
 }
 
 }  // namespace
+
+std::vector<std::string> Policy::observes() const {
+  return {"joint_positions", "object_position", "target_position"};
+}
 
 MlpPolicy::MlpPolicy(numerics::Mlp network, Normalization normalization, Eigen::VectorXd log_std)
     : network_(std::move(network)),

@@ -70,7 +70,8 @@ PolicyRecord read_own(const json& file) {
   if (member(file, "version") != kPolicyVersion) {
     throw BadInput(fmt::format("of version {}, not {}", shown(file["version"]), kPolicyVersion));
   }
-  if (text(file, "task") != kRelocateVersion) {
+  const std::string task = text(file, "task");
+  if (task != kRelocateVersion && task != kFormerRelocateVersion) {
     throw BadInput(
         fmt::format("for the task {}, not \"{}\"", shown(file["task"]), kRelocateVersion));
   }

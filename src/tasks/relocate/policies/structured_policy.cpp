@@ -150,6 +150,12 @@ RelocateAction StructuredPolicy::act(const PolicyInput& input) const {
   return action.cwiseMax(-1).cwiseMin(1);
 }
 
+std::vector<std::string> StructuredPolicy::observes() const {
+  auto names = Policy::observes();
+  if (!observer_) names.emplace_back("base_velocity");
+  return names;
+}
+
 PolicyRecord StructuredPolicy::record() const {
   PolicyRecord record;
   record.kind = "structured";

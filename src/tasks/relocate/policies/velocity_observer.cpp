@@ -50,9 +50,9 @@ double explained(const StructuredPolicy::Observer& observer, const learning::Reg
 }
 
 /// All that one round meets.
-learning::RegressionData meet_all(const RelocateModel& model, const StructuredPolicy& policy,
-                                  const EpisodeOptions& episode, const ObserverOptions& options,
-                                  std::uint64_t seed, int threads) {
+learning::RegressionData meet_all(const std::vector<RelocateModel>& worlds,
+                                  const StructuredPolicy& policy, const EpisodeOptions& episode,
+                                  const ObserverOptions& options, std::uint64_t seed, int threads) {
   const RandomStream random(seed, "observer");
   const Eigen::VectorXd center = flatten(policy.parameters());
   const Eigen::VectorXd spread = options.perturbation * flatten(structured_spread());
@@ -61,7 +61,7 @@ learning::RegressionData meet_all(const RelocateModel& model, const StructuredPo
     RandomStream own = random.fork("episode", i);
     Eigen::VectorXd moved = center;
     for (Eigen::Index k = 0; k < moved.size(); ++k) moved[k] += spread[k] * own.normal();
-    parts[i] = meet(model, with(policy, moved, policy.observer()), episode,
+    parts[i] = meet(worlds[i % worlds.size()], with(policy, moved, policy.observer()), episode,
                     episode_start(episode, seed, i));
   });
   return learning::joined(parts);
@@ -88,7 +88,7 @@ void teach(StructuredPolicy::Observer& observer, const learning::RegressionData&
 
 }  // namespace
 
-ObserverFit fit_observer(const RelocateModel& model, const StructuredPolicy& policy,
+ObserverFit fit_observer(const std::vector<RelocateModel>& worlds, const StructuredPolicy& policy,
                          const EpisodeOptions& episode, const ObserverOptions& options,
                          std::uint64_t seed, int threads) {
   if (options.rounds < 1) throw BadInput(fmt::format("an observer of {} rounds", options.rounds));
@@ -98,7 +98,7 @@ ObserverFit fit_observer(const RelocateModel& model, const StructuredPolicy& pol
   RandomStream random(seed, "observer fit");
   for (int round = 0; round < options.rounds; ++round) {
     const auto fresh =
-        meet_all(model, with(policy, flatten(policy.parameters()), observer), episode, options,
+        meet_all(worlds, with(policy, flatten(policy.parameters()), observer), episode, options,
                  seed + 1000003 * static_cast<std::uint64_t>(round + 1), threads);
     if (fresh.inputs.cols() == 0) throw BadInput("an observer without any frame to learn from");
     if (observer) r2 = explained(*observer, fresh);

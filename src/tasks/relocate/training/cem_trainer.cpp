@@ -17,6 +17,7 @@ class CemTrainer : public Trainer {
   CemTrainer(const TrainingContext& context, const CemTrainingOptions& options,
              const StructuredPolicy* from)
       : context_(context), options_(options) {
+    if (context_.worlds.empty()) context_.worlds = {context_.model};
     auto start = from ? from->parameters() : structured_start();
     if (options.memoryless && !(from && from->with_memory())) start = with_free_memory(start);
     state_.mean = flatten(start);
@@ -28,7 +29,7 @@ class CemTrainer : public Trainer {
     double r2 = 0;
     if (observer_due()) r2 = refit();
     const auto make = [this](const Eigen::VectorXd& x) { return make_policy(x); };
-    const auto scores = search_scores(context_.model, make, options_.search, context_.seed,
+    const auto scores = search_scores(context_.worlds, make, options_.search, context_.seed,
                                       state_.generation, context_.threads);
     const auto generation =
         learning::cem_generation(state_, scores, options_.search.cem, context_.seed);
@@ -78,7 +79,7 @@ class CemTrainer : public Trainer {
   double refit() {
     const bool first = !observer_;
     const auto fit = fit_observer(
-        context_.model, make_policy(state_.mean), options_.search.episode, options_.observer,
+        context_.worlds, make_policy(state_.mean), options_.search.episode, options_.observer,
         context_.seed + 31 * static_cast<std::uint64_t>(iteration()), context_.threads);
     observer_ = fit.observer;
     // What was tuned to the true velocity must be free to adapt to the observed one.

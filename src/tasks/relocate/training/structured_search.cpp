@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "palpate/core/parallel.hpp"
+#include "palpate/tasks/relocate/training/randomization.hpp"
 
 namespace palpate::relocate {
 namespace {
@@ -16,9 +17,9 @@ constexpr std::size_t kEpisodesApart = 1000;  // between the generations' episod
 /// Episodes of many candidates, run side by side.
 class Trials {
  public:
-  Trials(const RelocateModel& model, const SearchOptions& options, std::uint64_t seed,
+  Trials(const std::vector<RelocateModel>& worlds, const SearchOptions& options, std::uint64_t seed,
          std::size_t first, int threads)
-      : model_(model), options_(options), seed_(seed), first_(first), threads_(threads) {}
+      : worlds_(worlds), options_(options), seed_(seed), first_(first), threads_(threads) {}
 
   /// Runs episodes begin..end-1 of the chosen candidates and appends them.
   void run(const std::vector<StructuredPolicy>& policies, const std::vector<std::size_t>& chosen,
@@ -28,7 +29,7 @@ class Trials {
     parallel_for(results.size(), threads_, [&](std::size_t i) {
       const auto index = first_ + static_cast<std::size_t>(begin) + i % each;
       const auto& policy = policies[chosen[i / each]];
-      RelocateTask task(model_);
+      RelocateTask task(worlds_[world_of_episode(worlds_.size(), seed_, index)]);
       results[i] =
           run_episode(task, episode_start(options_.episode, seed_, index), options_.episode.horizon,
                       [&](int, const PolicyInput& input) { return policy.act(input); });
@@ -39,7 +40,7 @@ class Trials {
   }
 
  private:
-  const RelocateModel& model_;
+  const std::vector<RelocateModel>& worlds_;
   const SearchOptions& options_;
   std::uint64_t seed_;
   std::size_t first_;
@@ -74,12 +75,12 @@ double search_score(const std::vector<Episode>& episodes, const SearchOptions& o
          options.success_bonus * successes / static_cast<double>(episodes.size());
 }
 
-learning::CemScores search_scores(const RelocateModel& model, const PolicyFactory& make_policy,
-                                  const SearchOptions& options, std::uint64_t seed, int generation,
-                                  int threads) {
-  return [=, &model](const std::vector<Eigen::VectorXd>& candidates) {
-    const Trials trials(model, options, seed, kEpisodesApart * static_cast<std::size_t>(generation),
-                        threads);
+learning::CemScores search_scores(const std::vector<RelocateModel>& worlds,
+                                  const PolicyFactory& make_policy, const SearchOptions& options,
+                                  std::uint64_t seed, int generation, int threads) {
+  return [=, &worlds](const std::vector<Eigen::VectorXd>& candidates) {
+    const Trials trials(worlds, options, seed,
+                        kEpisodesApart * static_cast<std::size_t>(generation), threads);
     std::vector<StructuredPolicy> policies;
     for (const auto& candidate : candidates) policies.push_back(make_policy(candidate));
     std::vector<std::size_t> all(candidates.size());

@@ -33,6 +33,10 @@ class Policy {
   /// The mean action; the task clips it to -1..1.
   virtual RelocateAction act(const PolicyInput& input) const = 0;
 
+  /// What of its input it looks at: "joint_positions", "object_position", "target_position",
+  /// "base_velocity".
+  virtual std::vector<std::string> observes() const;
+
   /// What there is to know about it; policy_from() makes the same policy of it.
   virtual PolicyRecord record() const = 0;
 };

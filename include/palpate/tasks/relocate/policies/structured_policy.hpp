@@ -81,6 +81,7 @@ class StructuredPolicy : public Policy {
                    std::optional<Observer> observer = {});
 
   RelocateAction act(const PolicyInput& input) const override;
+  std::vector<std::string> observes() const override;
   PolicyRecord record() const override;
 
   Eigen::VectorXd features(const RelocateObservation& observation) const;

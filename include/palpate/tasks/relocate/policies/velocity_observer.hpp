@@ -31,8 +31,9 @@ struct ObserverFit {
 /// first round it reads the velocity, from then on it relies on the observer of the round before
 /// (Ross et al. 2011). Each episode runs a slightly perturbed policy, so that the observer also
 /// holds near by. A policy that has an observer relies on it, and it is where the fit starts.
+/// @param worlds  an episode takes place in one of them, one after the other
 /// @throws BadInput if no frame was met
-ObserverFit fit_observer(const RelocateModel& model, const StructuredPolicy& policy,
+ObserverFit fit_observer(const std::vector<RelocateModel>& worlds, const StructuredPolicy& policy,
                          const EpisodeOptions& episode, const ObserverOptions& options,
                          std::uint64_t seed, int threads);
 

@@ -32,9 +32,10 @@ using PolicyFactory = std::function<StructuredPolicy(const Eigen::VectorXd&)>;
 /// Scores of a generation's candidates: all run the same episodes, other generations others. Half
 /// of them are given up after the screening and rank below the rest. Mean return alone would trade
 /// success for it, so the score also counts the worst episode and success.
-learning::CemScores search_scores(const RelocateModel& model, const PolicyFactory& make_policy,
-                                  const SearchOptions& options, std::uint64_t seed, int generation,
-                                  int threads);
+/// @param worlds  an episode takes place in one of them, drawn by its number
+learning::CemScores search_scores(const std::vector<RelocateModel>& worlds,
+                                  const PolicyFactory& make_policy, const SearchOptions& options,
+                                  std::uint64_t seed, int generation, int threads);
 
 /// Score of some episodes of one policy.
 double search_score(const std::vector<Episode>& episodes, const SearchOptions& options);

@@ -10,6 +10,7 @@
 #include "palpate/tasks/relocate/policies/velocity_observer.hpp"
 #include "palpate/tasks/relocate/training/dagger.hpp"
 #include "palpate/tasks/relocate/training/npg.hpp"
+#include "palpate/tasks/relocate/training/randomization.hpp"
 
 namespace palpate::relocate {
 
@@ -35,6 +36,8 @@ struct TrainingContext {
   RelocateModel model;
   std::uint64_t seed = 0;
   int threads = 1;
+  std::vector<RelocateModel> worlds =
+      {};  ///< that cem draws its episodes from; none: the model alone
 };
 
 struct CemTrainingOptions {
@@ -44,6 +47,7 @@ struct CemTrainingOptions {
   int refit = 4;            ///< generations after which the observer is fitted again
   double spread = 1;        ///< of the first generation, times the usual
   ObserverOptions observer;
+  RandomizationOptions randomization;  ///< of TrainingContext::worlds
 
   template <class Visitor>
   void visit(Visitor&& v) {
@@ -53,6 +57,7 @@ struct CemTrainingOptions {
     v("refit", refit, 1, 100000, "generations after which the observer is fitted anew");
     v("spread", spread, 0.001, 10.0, "of the first generation, times the usual");
     v.section("observer", observer);
+    v.section("randomization", randomization);
   }
 };
 
