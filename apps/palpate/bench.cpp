@@ -165,7 +165,7 @@ void add_bench(CLI::App& program, Command& chosen) {
       ->capture_default_str();
   command.add_flag("--quick", arguments->quick,
                    "few balls and a short grasp, to see that it works");
-  add_common_options(command, arguments->common);
+  add_common_options(command, arguments->common, kSeed | kOut);
   command.footer(
       "Times are of the processor, so that other programs do not count.\n\n"
       "Examples:\n"

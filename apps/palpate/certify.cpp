@@ -11,6 +11,7 @@
 #include "palpate/core/se3.hpp"
 #include "palpate/registration/correspondences_io.hpp"
 #include "palpate/registration/pose.hpp"
+#include "units_hint.hpp"
 
 namespace palpate::app {
 namespace {
@@ -21,12 +22,6 @@ struct CertifyArguments {
   CommonOptions common;
   std::string pose, correspondences, primitive = "point";
   std::optional<double> noise_bound;
-};
-
-/// A configuration holds nothing for this command: whatever it sets is refused.
-struct NoOptions {
-  template <class Visitor>
-  void visit(Visitor&&) {}
 };
 
 /// The correspondences within the bound, m.
@@ -44,23 +39,26 @@ rg::Correspondences inliers_of(const rg::Correspondences& correspondences,
 }
 
 int certify(const CertifyArguments& arguments) {
-  resolve<NoOptions>(arguments.common);
   const Eigen::Isometry3d T = parse_pose(arguments.pose);
   const auto primitive =
       arguments.primitive == "plane" ? rg::Primitive::kPlane : rg::Primitive::kPoint;
   auto correspondences = rg::read_correspondences(arguments.correspondences);
+  const std::string hint =
+      units_hint(correspondences.source, correspondences.target, arguments.noise_bound.value_or(0));
   const auto start = std::chrono::steady_clock::now();
   if (arguments.noise_bound) {
     correspondences = inliers_of(correspondences, T, *arguments.noise_bound);
   }
   const auto estimate = rg::certify(T, correspondences, {}, primitive);
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+  const bool certified = estimate.status == rg::Status::kCertified;
   const nlohmann::json report = {{"status", rg::to_string(estimate.status)},
                                  {"cost", estimate.cost},
                                  {"bound", estimate.bound},
                                  {"reference", estimate.reference},
                                  {"correspondences", correspondences.size()},
                                  {"information_rank", estimate.rank},
+                                 {"hint", certified ? "" : hint},
                                  {"seconds", elapsed.count()}};
   if (!arguments.common.out.empty()) {
     const std::filesystem::path folder = arguments.common.out;
@@ -73,8 +71,9 @@ int certify(const CertifyArguments& arguments) {
     fmt::print("{}: cost {:.6g} m^2 of {} correspondences, at most {:.2g} m^2 above the least\n",
                rg::to_string(estimate.status), estimate.cost, correspondences.size(),
                estimate.bound);
+    if (!certified && !hint.empty()) fmt::print("{}\n", hint);
   }
-  return estimate.status == rg::Status::kCertified ? kDone : kNoSolution;
+  return certified ? kDone : kNoSolution;
 }
 
 }  // namespace
@@ -95,7 +94,7 @@ void add_certify(CLI::App& program, Command& chosen) {
   command.add_option("--primitive", arguments->primitive, "what residuals are: point or plane")
       ->check(CLI::IsMember({"point", "plane"}))
       ->capture_default_str();
-  add_common_options(command, arguments->common);
+  add_common_options(command, arguments->common, kOut);
   command
       .add_option("--noise-bound", arguments->noise_bound,
                   "use only the correspondences within this distance, m")

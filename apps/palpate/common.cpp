@@ -16,21 +16,41 @@
 
 namespace palpate::app {
 
-void add_common_options(CLI::App& command, CommonOptions& options) {
+namespace {
+
+void add_config(CLI::App& command, CommonOptions& options) {
   command.add_option("--config", options.config, "TOML file with options")->option_text("FILE");
   command.add_option("--set", options.set, "set one option, e.g. --set lift.height=0.15")
       ->option_text("KEY=VALUE")
       ->allow_extra_args(false);  // else it would take the positional arguments that follow
+}
+
+void add_seed(CLI::App& command, CommonOptions& options) {
   command.add_option("--seed", options.seed, "seed of all randomness")
       ->check(CLI::Range(std::int64_t{0}, std::numeric_limits<std::int64_t>::max()))
       ->type_name("N")
       ->capture_default_str();
+}
+
+void add_threads(CLI::App& command, CommonOptions& options) {
   command
       .add_option("--threads", options.threads, "threads; the results are the same for any number")
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();
+}
+
+void add_out(CLI::App& command, CommonOptions& options) {
   command.add_option("--out", options.out, "folder for the results")->option_text("DIR");
   command.add_flag("--force", options.force, "overwrite the results that are in DIR");
+}
+
+}  // namespace
+
+void add_common_options(CLI::App& command, CommonOptions& options, unsigned uses) {
+  if (uses & kConfig) add_config(command, options);
+  if (uses & kSeed) add_seed(command, options);
+  if (uses & kThreads) add_threads(command, options);
+  if (uses & kOut) add_out(command, options);
   command.add_flag("--json", options.json, "print one JSON object on stdout");
   command.add_flag("--quiet", options.quiet, "no progress on stderr");
 }
@@ -49,7 +69,8 @@ std::string config_header(const CommonOptions& common) {
 Eigen::Isometry3d parse_pose(const std::string& argument) {
   std::string text = argument;
   std::error_code error;
-  if (std::filesystem::is_regular_file(argument, error)) text = read_file(argument);
+  const bool is_file = std::filesystem::is_regular_file(argument, error);
+  if (is_file) text = read_file(argument);
   for (char& c : text) c = c == ',' || c == '[' || c == ']' ? ' ' : c;
   std::istringstream in(text);
   std::array<double, 16> values{};
@@ -58,7 +79,8 @@ Eigen::Isometry3d parse_pose(const std::string& argument) {
     if (count < values.size()) values[count] = value;
   }
   if (count != values.size() || !in.eof()) {
-    throw BadInput(fmt::format("'{}' is not 16 numbers (nor a file of them), row-major", argument));
+    throw BadInput(fmt::format("'{}' {} 16 numbers, row-major", argument,
+                               is_file ? "does not hold" : "is neither a file nor"));
   }
   return pose_from_row_major(values);
 }

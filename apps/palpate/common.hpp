@@ -19,7 +19,7 @@ namespace palpate::app {
 /// Exit codes of the program.
 enum ExitCode { kDone = 0, kUsage = 2, kBadInput = 3, kNoSolution = 4, kStopped = 5 };
 
-/// Options that all commands share.
+/// Options that commands share.
 struct CommonOptions {
   std::string config;
   std::vector<std::string> set;
@@ -31,7 +31,10 @@ struct CommonOptions {
   bool quiet = false;
 };
 
-void add_common_options(CLI::App& command, CommonOptions& options);
+/// Those of them that a command uses; it refuses the others. --json and --quiet are of all.
+enum Uses : unsigned { kConfig = 1, kSeed = 2, kThreads = 4, kOut = 8, kAllCommon = 15 };
+
+void add_common_options(CLI::App& command, CommonOptions& options, unsigned uses = kAllCommon);
 
 /// The folder for the results, if one was asked for: locked, and without these results.
 /// @throws BadInput as OutputFolder does

@@ -9,6 +9,7 @@
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
 #include "palpate/tasks/relocate/minari_io.hpp"
+#include "terminal.hpp"
 
 namespace palpate::app {
 namespace {
@@ -70,6 +71,8 @@ int make(const MakeArguments& arguments) {
   } else {
     fmt::print("{} of {} sequences succeeded; return {:.0f} +- {:.0f}; {:.0f} s\nwrote {}\n",
                set.kept.size(), set.tried, summary.mean, summary.sd, seconds, folder.string());
+    print_next(common, fmt::format("palpate train relocate --method dapg --demos {} --out out/dapg",
+                                   folder.string()));
   }
   return kDone;
 }
@@ -176,7 +179,7 @@ void add_retarget(CLI::App& demos, Command& chosen) {
   command.add_option("--rate", arguments->rate, "frames per second")
       ->check(CLI::Range(0.1, 1e5))
       ->capture_default_str();
-  add_common_options(command, arguments->common);
+  add_common_options(command, arguments->common, kConfig | kOut);
   command.footer(
       "With --out the joints go to DIR/joints.csv. A joint that was not seen is an empty cell.\n\n"
       "Example:\n"

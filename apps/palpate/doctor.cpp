@@ -139,7 +139,7 @@ void add_doctor(CLI::App& program, Command& chosen) {
   auto common = std::make_shared<CommonOptions>();
   auto& command =
       *program.add_subcommand("doctor", "Check that everything palpate needs is installed");
-  add_common_options(command, *common);
+  add_common_options(command, *common, 0);
   command.footer(
       "Lists what is installed, what is missing, and how to get it. Exit code 0 if nothing that "
       "is\n"

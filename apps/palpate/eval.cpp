@@ -14,6 +14,7 @@
 #include "palpate/geometry/objects/generated_shape.hpp"
 #include "place_report.hpp"
 #include "progress_bar.hpp"
+#include "terminal.hpp"
 #include "trial_records.hpp"
 #include "trials_file.hpp"
 
@@ -201,6 +202,7 @@ int eval(EvalArguments arguments) {
   arguments.objects = geometry::expand_object_names(arguments.objects);
   auto options = resolve_trial(arguments.common, arguments.hand);
   if (!arguments.place.empty()) options.place.target = place_text(arguments.place);
+  std::optional<Notice> notice(std::in_place, "preparing the objects", arguments.common.quiet);
   std::vector<geometry::KnownObject> objects;
   for (const auto& name : arguments.objects) objects.push_back(geometry::load_known_object(name));
   // A source or target that cannot be is named before anything moves.
@@ -212,6 +214,7 @@ int eval(EvalArguments arguments) {
   }
   // What the simulator refuses is said before anything is printed or written.
   const simulation::World probe(objects.front(), options.world, arguments.common.seed);
+  notice.reset();
   const std::filesystem::path folder = arguments.common.out;
   std::optional<EvalOutput> output;
   if (!folder.empty()) output.emplace(arguments, options, objects);

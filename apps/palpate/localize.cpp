@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <map>
@@ -15,6 +17,7 @@
 #include "palpate/core/se3.hpp"
 #include "palpate/localization/contacts_io.hpp"
 #include "palpate/localization/localizer.hpp"
+#include "terminal.hpp"
 
 namespace palpate::app {
 namespace {
@@ -98,6 +101,7 @@ std::vector<lo::CommonModeBias> offsets_of_grasps(const std::vector<tactile::Con
 }
 
 Result solve(const LocalizeArguments& arguments, const LocalizeOptions& options) {
+  const Notice notice("preparing " + arguments.mesh + " and searching", arguments.common.quiet);
   const auto start = std::chrono::steady_clock::now();
   const geometry::ObjectModel model(geometry::load_known_object(arguments.mesh));
   const std::chrono::duration<double> prepared = std::chrono::steady_clock::now() - start;
@@ -213,9 +217,9 @@ void print_mode(const lo::Mode& mode, const Eigen::Isometry3d& T_object_mesh, bo
 
 void print_result(const Result& result, bool ignore_spin) {
   fmt::print("{}: {} mode{} in {:.0f} ms, after {:.2f} s of preparation\n",
-             status_of(result.posterior, ignore_spin), result.posterior.modes.size(),
-             result.posterior.modes.size() == 1 ? "" : "s", 1e3 * result.posterior.seconds,
-             result.prepare_seconds);
+             colored_status(status_of(result.posterior, ignore_spin)),
+             result.posterior.modes.size(), result.posterior.modes.size() == 1 ? "" : "s",
+             1e3 * result.posterior.seconds, result.prepare_seconds);
   for (const auto& repair : result.repairs) fmt::print("mesh repaired: {}\n", repair);
   if (!result.hint.empty()) fmt::print("{}\n", result.hint);
   if (result.posterior.modes.empty()) return;
@@ -254,6 +258,12 @@ int localize(const LocalizeArguments& arguments) {
     print_result(result, arguments.ignore_spin);
   }
   return result.posterior.status == lo::PoseStatus::no_pose ? kNoSolution : kDone;
+}
+
+/// Whether the demonstration has an option's effect.
+bool is_of_demo(const std::string& option) {
+  constexpr std::array kNames = {"--seed", "--threads", "--out", "--force", "--json", "--quiet"};
+  return std::find(kNames.begin(), kNames.end(), option) != kNames.end();
 }
 
 }  // namespace
@@ -325,9 +335,15 @@ void add_localize(CLI::App& program, Command& chosen) {
       "  palpate localize box contacts.csv --table 0 --free swept.csv\n"
       "  palpate localize box more.csv --prior before.json\n"
       "  palpate localize --demo --out demo");
-  command.callback([arguments, &chosen] {
-    if (arguments->demo && !(arguments->common.set.empty() && arguments->common.config.empty())) {
-      throw CLI::ExcludesError("--demo", "--set and --config");
+  command.callback([arguments, &command, &chosen] {
+    for (const CLI::Option* option : command.get_options()) {
+      if (option->count() == 0 || option->get_name() == "--demo") continue;
+      if (arguments->demo && !is_of_demo(option->get_name())) {
+        throw CLI::ExcludesError("--demo", option->get_name());
+      }
+      if (!arguments->demo && option->get_name() == "--threads") {
+        throw CLI::RequiresError("--threads", "--demo");
+      }
     }
     if (!arguments->demo && arguments->contacts.empty()) {
       throw CLI::RequiredError("MESH and CONTACTS, or --demo,");

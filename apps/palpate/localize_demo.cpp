@@ -13,6 +13,7 @@
 #include "palpate/plotting/plot.hpp"
 #include "palpate/simulation/hand/load_hand.hpp"
 #include "palpate/simulation/world/world.hpp"
+#include "terminal.hpp"
 
 namespace palpate::app {
 namespace {
@@ -98,6 +99,16 @@ std::string contacts_csv(const lo::GraspScene& scene, std::uint64_t seed) {
   return text;
 }
 
+/// A pose as four lines of four numbers.
+std::string pose_rows(const Eigen::Isometry3d& T) {
+  std::string text;
+  for (int row = 0; row < 4; ++row) {
+    text +=
+        fmt::format("{:.9f} {:.9f} {:.9f} {:.9f}\n", T(row, 0), T(row, 1), T(row, 2), T(row, 3));
+  }
+  return text;
+}
+
 /// Share right against stated probability, in bins of equal numbers of searches.
 plotting::Plot calibration_plot(std::vector<Share> searches) {
   constexpr std::size_t kMarginalBins = 5;
@@ -130,8 +141,9 @@ std::vector<Told> ablation() {
 
 int demonstrate_localize(const CommonOptions& common) {
   const std::filesystem::path folder = common.out.empty() ? "out/localize-demo" : common.out;
-  const OutputFolder output(folder, {"success.svg", "ablation.svg", "calibration.svg"},
-                            common.force);
+  const OutputFolder output(
+      folder, {"success.svg", "ablation.svg", "calibration.svg", "contacts.csv", "truth.txt"},
+      common.force);
   const auto hand = simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
   plotting::Plot plot, ablated;
   plot.title = "Pose from contacts and what the hand does not touch";
@@ -150,9 +162,12 @@ int demonstrate_localize(const CommonOptions& common) {
     const auto scenes = scenes_with(model, hand, common);
     if (name == kInFile) {
       write_file_atomically(folder / "contacts.csv", contacts_csv(scenes[0], common.seed));
+      write_file_atomically(folder / "truth.txt",
+                            pose_rows(scenes[0].truth * model.object().T_mesh_object.inverse()));
     }
     plotting::LineSeries line{name, {}, {}}, kinds{name, {}, {}};
     std::string row = fmt::format("{:<14}", name);
+    const Notice notice(name, common.quiet);
     for (const int count : kCounts) {
       const auto each = search_all(model, scenes, told("", count, true, true, true), common);
       all.insert(all.end(), each.begin(), each.end());
@@ -180,8 +195,11 @@ int demonstrate_localize(const CommonOptions& common) {
     fmt::print("{}\n", nlohmann::json{{"objects", objects}, {"out", folder.string()}}.dump(2));
   } else {
     fmt::print(
-        "wrote {}: success.svg, ablation.svg, calibration.svg, contacts.csv (20 of the {})\n",
-        folder.string(), kInFile);
+        "wrote {1}: success.svg, ablation.svg, calibration.svg, contacts.csv (20 of the {0}), "
+        "truth.txt (where it is)\n",
+        kInFile, folder.string());
+    print_next(common,
+               fmt::format("palpate localize {} {}/contacts.csv", kInFile, folder.string()));
   }
   return kDone;
 }

@@ -5,9 +5,21 @@
 
 #include "common.hpp"
 #include "palpate/core/error.hpp"
+#include "palpate/core/unknown_option.hpp"
 #include "palpate/core/version.hpp"
 
 namespace {
+
+/// The command that was chosen, with those it belongs to: "train relocate".
+const CLI::App* innermost(const CLI::App* program) {
+  while (!program->get_subcommands().empty()) program = program->get_subcommands().front();
+  return program;
+}
+
+std::string name_of(const CLI::App* command) {
+  const CLI::App* const parent = command->get_parent();
+  return parent ? name_of(parent) + " " + command->get_name() : command->get_name();
+}
 
 /// One line; names an unknown command, of which CLI11 says only that one is required.
 std::string usage_error(const CLI::App* program, const CLI::Error& error) {
@@ -15,7 +27,20 @@ std::string usage_error(const CLI::App* program, const CLI::Error& error) {
   const std::string what = program->get_subcommands().empty() && !unknown.empty()
                                ? fmt::format("there is no command '{}'", unknown.front())
                                : error.what();
-  return fmt::format("palpate: {}; palpate --help shows what there is\n", what);
+  return fmt::format("palpate: {}; {} --help shows what there is\n", what,
+                     name_of(innermost(program)));
+}
+
+/// A command's own option is not one of a configuration; who writes it there is told so.
+int run_command(const CLI::App& program, const palpate::app::Command& chosen) {
+  try {
+    return chosen();
+  } catch (const palpate::UnknownOption& error) {
+    const std::string own = "--" + error.key();
+    if (!innermost(&program)->get_option_no_throw(own)) throw;
+    throw palpate::BadInput(
+        fmt::format("{} is no option of a configuration; {} sets it", error.key(), own));
+  }
 }
 
 int run(int argc, char** argv) {
@@ -52,7 +77,7 @@ int run(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return program.exit(error) == 0 ? kDone : kUsage;
   }
-  return chosen();
+  return run_command(program, chosen);
 }
 
 }  // namespace

@@ -65,7 +65,7 @@ void add_options(CLI::App& program, Command& chosen) {
                   "command whose options to list: pick, eval, localize, ...")
       ->capture_default_str();
   command.add_flag("--expert", arguments->expert, "list the expert section, too");
-  add_common_options(command, arguments->common);
+  add_common_options(command, arguments->common, 0);
   command.footer(
       "Each line is KEY = DEFAULT, what it is, and its range. Few users need the options of the\n"
       "expert section, and these may change from version to version.\n\n"

@@ -14,6 +14,7 @@
 #include "pick_report.hpp"
 #include "place_report.hpp"
 #include "replay_file.hpp"
+#include "terminal.hpp"
 
 namespace palpate::app {
 namespace {
@@ -56,6 +57,7 @@ int pick(const PickArguments& arguments) {
     options.pick.explore.max_touches = *arguments.explore;
   }
   if (!arguments.place.empty()) options.place.target = place_text(arguments.place);
+  std::optional<Notice> notice(std::in_place, "preparing " + arguments.object, common.quiet);
   const geometry::ObjectModel object(geometry::load_known_object(arguments.object));
   // Bad ones are named first.
   const auto start = evaluation::draw_start(object.object(), options.start, common.seed);
@@ -67,6 +69,7 @@ int pick(const PickArguments& arguments) {
   const Interrupt interrupt;
   // First, so that nothing is left behind where the simulator refuses something.
   const simulation::World world(object.object(), options.world, common.seed);
+  notice.reset();
 
   const fs::path folder = output_folder(arguments);
   const OutputFolder output(folder, {"recording.h5", "config.toml", "report.json", "replay.html"},
@@ -90,6 +93,9 @@ int pick(const PickArguments& arguments) {
   } else {
     fmt::print("{}\n{}wrote {}: recording.h5, config.toml, report.json, replay.html\n",
                outcome_text(trial), place_text(trial), folder.string());
+    print_next(common, fmt::format("open {0}/replay.html in a browser, or palpate view "
+                                   "{0}/recording.h5",
+                                   folder.string()));
   }
   if (trial.result.fault) return kStopped;
   return report["status"] == "ok" ? kDone : kNoSolution;
@@ -115,7 +121,7 @@ void add_pick(CLI::App& program, Command& chosen) {
                   "ambiguous)")
       ->check(CLI::Range(0, 64));
   add_place_option(command, arguments->place);
-  add_common_options(command, arguments->common);
+  add_common_options(command, arguments->common, kConfig | kSeed | kOut);
   command.footer(
       "Writes recording.h5, config.toml, report.json and replay.html (open it in a browser) into\n"
       "DIR, by default out/pick-OBJECT-SEED. Exit code 4: grasp or placement failed; 3: the "

@@ -8,6 +8,7 @@
 #include "common.hpp"
 #include "palpate/core/angle.hpp"
 #include "place_report.hpp"
+#include "terminal.hpp"
 
 namespace palpate::app {
 namespace {
@@ -90,17 +91,18 @@ std::string weights_of_others(const std::vector<localization::Mode>& modes) {
 }  // namespace
 
 std::string phase_heading() {
-  return fmt::format("{:<10} {:<44} {:>9} {:>8} {:>9} {:>7}", "phase", "outcome", "simulated",
-                     "wall", "contacts", "force");
+  return fmt::format("{:<10} {:>9} {:>9} {:>9} {:>8}  {}", "phase", "robot", "wall", "contacts",
+                     "force", "outcome");
 }
 
 std::string phase_row(const skills::PhaseReport& report) {
   const std::string outcome =
       report.status == skills::PhaseStatus::ok
           ? report.outcome
-          : fmt::format("{}: {}", skills::to_string(report.status), report.outcome);
-  return fmt::format("{:<10} {:<44} {:>7.1f} s {:>6.2f} s {:>9} {:>5.1f} N", report.name, outcome,
-                     report.robot_seconds, report.wall_seconds, report.contacts, report.peak_force);
+          : fmt::format("{}: {}", colored_status(skills::to_string(report.status)), report.outcome);
+  return fmt::format("{:<10} {:>7.1f} s {:>7.2f} s {:>9} {:>6.1f} N  {}", report.name,
+                     report.robot_seconds, report.wall_seconds, report.contacts, report.peak_force,
+                     outcome);
 }
 
 std::string estimate_text(const evaluation::Trial& trial) {
@@ -109,7 +111,8 @@ std::string estimate_text(const evaluation::Trial& trial) {
   const auto& best = posterior.modes[0];
   std::string text =
       fmt::format("pose: {} ({:.2f}){}: {:.1f} deg, {:.1f} mm from the truth; searched {:.2f} s",
-                  localization::to_string(posterior.status), localization::pose_probability(best),
+                  colored_status(localization::to_string(posterior.status)),
+                  localization::pose_probability(best),
                   best.free_axis ? fmt::format(", free by +-{:.0f} deg about an axis",
                                                kDegreesPerRadian * best.free_axis->extent)
                                  : "",

@@ -205,7 +205,7 @@ void add_plan(CLI::App& program, Command& chosen) {
       ->check(CLI::IsMember({"rrt-connect", "rrt-star", "prm", "fmt"}));
   command.add_flag("--execute", arguments->execute,
                    "let the simulated hand follow the motion, and report its tracking error");
-  add_common_options(command, arguments->common);
+  add_common_options(command, arguments->common, kConfig | kSeed | kOut);
   command.footer(
       "The motion is at rest in every waypoint. Limits of speed, acceleration and reach, the "
       "depth\n"

@@ -8,6 +8,8 @@
 #include "palpate/registration/cloud_registration.hpp"
 #include "palpate/registration/correspondences_io.hpp"
 #include "register_report.hpp"
+#include "terminal.hpp"
+#include "units_hint.hpp"
 
 namespace palpate::app {
 namespace {
@@ -71,6 +73,7 @@ struct Outcome {
   rg::CloudRegistration registration;
   bool clouds = false;
   geometry::PointCloud source;
+  std::string hint;  ///< why there may be no pose
 };
 
 geometry::PointCloud load(const std::string& path, const RegisterArguments& arguments,
@@ -81,6 +84,7 @@ geometry::PointCloud load(const std::string& path, const RegisterArguments& argu
 }
 
 Outcome find_pose(const RegisterArguments& arguments, const RegisterOptions& options) {
+  const Notice notice("registering", arguments.common.quiet);
   Outcome outcome;
   auto& result = outcome.registration.result;
   auto& correspondences = outcome.registration.correspondences;
@@ -91,21 +95,25 @@ Outcome find_pose(const RegisterArguments& arguments, const RegisterOptions& opt
       auto again = rg::register_correspondences(correspondences, options.registration);
       if (again.seconds < result.seconds) result = std::move(again);
     }
+    outcome.hint = units_hint(correspondences.source, correspondences.target,
+                              options.registration.noise_bound);
     return outcome;
   }
   outcome.clouds = true;
   outcome.source = load(arguments.source, arguments, options);
-  outcome.registration =
-      rg::register_clouds(outcome.source, load(arguments.target, arguments, options),
-                          {.features = options.features,
-                           .registration = options.registration,
-                           .noise_bound = arguments.noise_bound,
-                           .threads = arguments.common.threads});
+  const geometry::PointCloud target = load(arguments.target, arguments, options);
+  outcome.registration = rg::register_clouds(outcome.source, target,
+                                             {.features = options.features,
+                                              .registration = options.registration,
+                                              .noise_bound = arguments.noise_bound,
+                                              .threads = arguments.common.threads});
+  outcome.hint = units_hint(outcome.source.points, target.points, 0);
   return outcome;
 }
 
 nlohmann::json outcome_report(const Outcome& outcome) {
   auto report = report_of(outcome.registration.result);
+  report["hint"] = outcome.registration.result.T_target_source ? "" : outcome.hint;
   if (!outcome.clouds) return report;
   report["correspondences"] = outcome.registration.correspondences.size();
   report["feature_matches"] = outcome.registration.feature_matches;
@@ -152,6 +160,7 @@ int register_command(const RegisterArguments& arguments) {
                  outcome.registration.feature_matches, outcome.registration.voxel,
                  outcome.registration.refinements);
     }
+    if (!result.T_target_source && !outcome.hint.empty()) fmt::print("{}\n", outcome.hint);
   }
   return result.status == rg::RegistrationStatus::kFound ? kDone : kNoSolution;
 }

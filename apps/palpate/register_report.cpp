@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "palpate/core/se3.hpp"
+#include "terminal.hpp"
 
 namespace palpate::app {
 namespace {
@@ -97,8 +98,9 @@ nlohmann::json report_of(const rg::RegistrationResult& result) {
 }
 
 void print_report(const rg::RegistrationResult& result) {
-  fmt::print("{}: {} of {} correspondences are inliers, {:.2f} ms\n", rg::to_string(result.status),
-             result.inliers.size(), result.weights.size(), 1e3 * result.seconds);
+  fmt::print("{}: {} of {} correspondences are inliers, {:.2f} ms\n",
+             colored_status(rg::to_string(result.status)), result.inliers.size(),
+             result.weights.size(), 1e3 * result.seconds);
   for (const auto& motion : result.free_motions) fmt::print("free {}\n", motion_text(motion));
   if (result.mirrored) fmt::print("more correspondences agree with a mirror image\n");
   if (!result.T_target_source) return;

@@ -14,6 +14,8 @@
 #include "palpate/recording/recording.hpp"
 #include "palpate/simulation/hand/load_hand.hpp"
 #include "palpate/simulation/rendering/renderer.hpp"
+#include "posterior_film.hpp"
+#include "terminal.hpp"
 
 namespace palpate::app {
 namespace {
@@ -29,7 +31,7 @@ struct RenderArguments {
   std::string hand;
   std::string recording;
   std::string size = "1200x800";
-  bool video = false;
+  bool video = false, posterior = false;
   double speed = 8;
   simulation::Camera camera;
 };
@@ -134,6 +136,22 @@ Picture draw_video(const recording::Recording& recording, const fs::path& folder
   return video;
 }
 
+/// The poses that the touches leave credible, as ghosts.
+Picture draw_posterior(const recording::Recording& recording, const fs::path& folder,
+                       const RenderArguments& arguments) {
+  const auto [width, height] = *parse_size(arguments.size);
+  simulation::Renderer renderer(simulation::load_hand(recording.header.hand.name),
+                                recording.header.object, width, height);
+  FilmOptions options;
+  options.speed = arguments.speed;
+  options.picture_time = kPictureTime;
+  options.camera = arguments.camera;
+  const auto images = film_posterior(recording, renderer, options);
+  Picture film{"posterior", recording.frames.back().reading.time, folder / "posterior.png"};
+  simulation::save_animation(film.file, images, kPictureTime);
+  return film;
+}
+
 recording::Recording read_drawable(const fs::path& path) {
   auto recording = recording::read_recording(path);
   const bool drawable =
@@ -151,8 +169,11 @@ int render(const RenderArguments& arguments) {
   const fs::path given = arguments.recording;
   const auto recording = read_drawable(given.empty() ? record_pick(arguments, folder) : given);
   make_writable_folder(folder);
+  std::optional<Notice> notice(std::in_place, "drawing", arguments.common.quiet);
   auto pictures = draw_phases(recording, folder, arguments);
   if (arguments.video) pictures.push_back(draw_video(recording, folder, arguments));
+  if (arguments.posterior) pictures.push_back(draw_posterior(recording, folder, arguments));
+  notice.reset();
   auto files = nlohmann::json::array();
   for (const Picture& picture : pictures) {
     files.push_back(
@@ -193,10 +214,12 @@ void add_render(CLI::App& program, Command& chosen) {
       ->capture_default_str();
   command.add_flag("--video", arguments->video,
                    "also an animated picture of the whole, video.png, which browsers play");
-  command.add_option("--speed", arguments->speed, "of the video, times the pick's")
+  command.add_flag("--posterior", arguments->posterior,
+                   "also posterior.png, animated: the poses that are credible after each touch");
+  command.add_option("--speed", arguments->speed, "of what is animated, times the pick's")
       ->check(CLI::Range(0.1, 100.0))
       ->capture_default_str();
-  add_common_options(command, arguments->common);
+  add_common_options(command, arguments->common, kConfig | kSeed | kOut);
   command.footer(
       "Writes into DIR: by default where the recording is, else out/render-OBJECT-SEED. Needs no\n"
       "screen; palpate doctor tells whether it can draw.\n\n"
@@ -204,7 +227,8 @@ void add_render(CLI::App& program, Command& chosen) {
       "  palpate render --object mug --seed 7\n"
       "  palpate render --object box --hand allegro\n"
       "  palpate render out/pick-mug-7/recording.h5 --size 640x480 --azimuth 90 --out pictures\n"
-      "  palpate render out/pick-mug-7/recording.h5 --size 400x300 --video");
+      "  palpate render out/pick-mug-7/recording.h5 --size 400x300 --video\n"
+      "  palpate render out/pick-mug-7/recording.h5 --size 480x360 --posterior --elevation -30");
   command.callback([arguments, &chosen] { chosen = [arguments] { return render(*arguments); }; });
 }
 

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <numbers>
+#include <optional>
 
 #include "common.hpp"
 #include "palpate/core/error.hpp"
@@ -9,6 +10,7 @@
 #include "palpate/evaluation/recorder.hpp"
 #include "palpate/evaluation/trial.hpp"
 #include "palpate/recording/touch_log.hpp"
+#include "terminal.hpp"
 
 namespace palpate::app {
 namespace {
@@ -45,6 +47,7 @@ nlohmann::json posterior_json(const localization::Posterior& posterior) {
 }
 
 int replay(const ReplayArguments& arguments) {
+  std::optional<Notice> notice(std::in_place, "estimating", arguments.common.quiet);
   const auto recording = recording::read_recording(arguments.recording);
   const auto options = replay_options(recording, arguments.common, arguments.recording);
   const geometry::ObjectModel object(recording.header.object);
@@ -56,11 +59,13 @@ int replay(const ReplayArguments& arguments) {
       estimation::PoseEstimator(object, options.pick_options().estimation, recording.header.seed)
           .held(hand, log, log.at(estimation::TouchEvent::held));
   const auto& posterior = estimate.posterior;
+  notice.reset();
   if (arguments.common.json) {
     fmt::print("{}\n", posterior_json(posterior).dump(2));
   } else {
-    fmt::print("{}, {} contacts, {:.2f} s\n", localization::to_string(posterior.status),
-               estimate.contacts.size(), posterior.seconds);
+    fmt::print("{}, {} contacts, {:.2f} s\n",
+               colored_status(localization::to_string(posterior.status)), estimate.contacts.size(),
+               posterior.seconds);
     for (const auto& mode : posterior.modes) {
       const auto& p = mode.T_frame_object.translation();
       fmt::print("  probability {:.3f} at ({:.1f}, {:.1f}, {:.1f}) mm\n",
@@ -77,7 +82,7 @@ void add_replay(CLI::App& program, Command& chosen) {
   auto& command = *program.add_subcommand(
       "replay", "Estimate the pose again from a recording, without the simulator");
   command.add_option("recording", arguments->recording, "recording.h5 of a pick")->required();
-  add_common_options(command, arguments->common);
+  add_common_options(command, arguments->common, kConfig);
   command.footer(
       "Uses the recording's own configuration and seed, so that it gives the pose that the pick\n"
       "gave, bit for bit; --set changes the estimator's options.\n\n"

@@ -19,6 +19,7 @@
 #include "palpate/tasks/relocate/relocation.hpp"
 #include "progress_bar.hpp"
 #include "relocate_arguments.hpp"
+#include "terminal.hpp"
 
 namespace palpate::app {
 namespace {
@@ -197,6 +198,9 @@ int rollout(const RolloutArguments& arguments) {
   } else {
     print_table(summary, steps / seconds, observes(*policy, arguments.touch));
     if (arguments.touch) print_touch(felt);
+    if (arguments.record > 0) {
+      print_next(common, fmt::format("palpate view {}/episode-0.h5", common.out));
+    }
   }
   return kDone;
 }

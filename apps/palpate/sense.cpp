@@ -16,12 +16,6 @@ namespace {
 
 enum class Format { recording, contacts, biotac };
 
-/// The command has nothing for --set and --config to set.
-struct NoOptions {
-  template <class Visitor>
-  void visit(Visitor&&) {}
-};
-
 /// First line of a file, of its first 4 KiB.
 std::string first_line(const std::string& path) {
   std::error_code error;
@@ -50,7 +44,6 @@ Format format_of(const std::string& path) {
 
 /// What was asked for must matter: a model or a setting without effect is a mistake.
 void refuse_what_has_no_effect(const SenseArguments& arguments, Format format) {
-  resolve<NoOptions>(arguments.common);
   if (format == Format::contacts && !arguments.model.empty()) {
     throw BadInput(fmt::format("{} has no channels of a BioTac for --model {} to read",
                                arguments.recording, arguments.model));
@@ -97,7 +90,7 @@ void add_sense(CLI::App& program, Command& chosen) {
       .add_option("--model", arguments->model,
                   "trained model for a BioTac log, or for the BioTacs of a recording")
       ->option_text("FILE");
-  add_common_options(command, arguments->common);
+  add_common_options(command, arguments->common, kOut);
   command.footer(
       "A CSV of contacts has the columns finger,t,px,py,pz (or x,y,z),fx,fy,fz and, optionally,\n"
       "nx,ny,nz; one of a BioTac has t_s,pdc,e1..e19 and, optionally, nx,ny,nz.\n"

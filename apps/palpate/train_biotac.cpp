@@ -76,7 +76,7 @@ void add_biotac_normal(CLI::App& train, Command& chosen) {
   command.add_option("logs", arguments->logs, "CSV with t_s,pdc,e1..e19,nx,ny,nz; raw counts")
       ->option_text("LOG...")
       ->required();
-  add_common_options(command, arguments->common);
+  add_common_options(command, arguments->common, kConfig | kSeed | kOut);
   command.footer(
       "--out names the file of the model. The validation leaves whole touches out.\n\n"
       "Examples:\n"
@@ -159,7 +159,7 @@ void add_biotac_electrodes(CLI::App& train, Command& chosen) {
       ->required();
   command.add_option("--test", arguments->judges, "logs to judge by, not learned from")
       ->option_text("LOG...");
-  add_common_options(command, arguments->common);
+  add_common_options(command, arguments->common, kConfig | kSeed | kOut);
   command.footer(
       "Reports the simulated sensor's parameters as fitted to the logs, and the errors of that "
       "fit\n"
@@ -302,7 +302,7 @@ void add_simulated(CLI::App& train, Command& chosen, const std::string& name,
                    const std::string& what, int (*action)(const SimulatedArguments&)) {
   auto arguments = std::make_shared<SimulatedArguments>();
   auto& command = *train.add_subcommand(name, what);
-  add_common_options(command, arguments->common);
+  add_common_options(command, arguments->common, kConfig | kSeed | kOut);
   command
       .add_option("--write-data", arguments->write_data,
                   "also write the data set as CSV, in the layout of thesis eq. 5.11")

@@ -16,6 +16,7 @@
 #include "palpate/tasks/relocate/policies/policy_io.hpp"
 #include "palpate/tasks/relocate/training/trainer.hpp"
 #include "relocate_arguments.hpp"
+#include "terminal.hpp"
 
 namespace palpate::app {
 namespace {
@@ -341,6 +342,7 @@ int train(const TrainArguments& arguments) {
         "faithful model\nwrote {}\n",
         summary.mean, summary.sd, summary.success_5cm, summary.success_2cm, summary.episodes,
         (folder / "policy.json").string());
+    print_next(common, fmt::format("palpate rollout {}", (folder / "policy.json").string()));
   }
   return kDone;
 }

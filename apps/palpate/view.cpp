@@ -59,7 +59,7 @@ void add_view(CLI::App& program, Command& chosen) {
   command.add_option("--port", arguments->port, "to serve on; 0 takes a free one")
       ->check(CLI::Range(0, 65535))
       ->capture_default_str();
-  add_common_options(command, arguments->common);
+  add_common_options(command, arguments->common, kOut);
   command.footer(
       "Serves the page that replays the recording, to this machine only, until interrupted. With\n"
       "--out it writes the page as DIR/replay.html and ends.\n\n"

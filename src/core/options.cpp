@@ -13,6 +13,7 @@
 #include "palpate/core/csv.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/spelling.hpp"
+#include "palpate/core/unknown_option.hpp"
 
 namespace palpate {
 namespace {
@@ -102,7 +103,8 @@ const OptionField& find_field(std::string_view key, const std::vector<OptionFiel
   const OptionField* now = renamed_field(key, fields);
   if (now && accept == Renamed::accepted) return *now;
   if (now) throw BadInput(fmt::format("{}option {} is now {}", where, key, now->key));
-  throw BadInput(fmt::format("{}unknown option {}{}", where, key, suggestion(key, fields)));
+  throw UnknownOption(fmt::format("{}unknown option {}{}", where, key, suggestion(key, fields)),
+                      std::string(key));
 }
 
 void assign(const OptionField& field, const Written& written, const std::string& where) {

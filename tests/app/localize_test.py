@@ -3,6 +3,7 @@
 
 import json
 import math
+import pathlib
 import random
 
 from cli import BAD_INPUT, DONE, NO_SOLUTION, USAGE, CliTest, box_stl, main
@@ -182,6 +183,18 @@ class Localize(CliTest):
         rows = [[1000 * v for v in row[:3]] + row[3:] for row in contacts_on_box(8)]
         self.refuse(csv(rows), "millimetres")
 
+    def test_the_contacts_that_ship_give_the_pose_that_ships(self):
+        examples = pathlib.Path(__file__).resolve().parents[2] / "examples"
+        T = self.run_json("localize", "bracket", str(examples / "bracket.csv"))
+        self.assertEqual(T["status"], "certain")
+        found = T["modes"][0]["T_contact_object"]
+        true = [float(value) for value in (examples / "bracket_pose.txt").read_text().split()]
+        shift = math.dist([found[i] for i in (3, 7, 11)], [true[i] for i in (3, 7, 11)])
+        trace = sum(found[4 * i + j] * true[4 * i + j] for i in range(3) for j in range(3))
+        turn = math.degrees(math.acos(max(-1, min(1, (trace - 1) / 2))))
+        self.assertLess(turn, 5)
+        self.assertLess(shift, 0.010 + 0.1 * math.radians(5))  # of the origin, 0.1 m off the centroid
+
     def test_open_mesh(self):
         """Without one face of two triangles: the hole is closed, and the result says so."""
         whole = box_stl(*SIZE)
@@ -196,7 +209,9 @@ class Localize(CliTest):
         self.write("contacts.csv", csv(contacts_on_box(3)))
         for wrong in (["--method", "slow"], ["--point-noise", "0"], ["--normal-noise-deg", "-1"]):
             self.assert_refused(USAGE, ["localize", "box.stl", "contacts.csv", *wrong], wrong[1])
-        self.assert_refused(USAGE, ["localize", "--demo", "--set", "x.y=1"], "--set")
+        for option in (["--set", "x.y=1"], ["--config", "x"], ["--method", "full"], ["--table", "0"]):
+            self.assert_refused(USAGE, ["localize", "--demo", *option], option[0])
+        self.assert_refused(USAGE, ["localize", "box.stl", "x.csv", "--threads", "2"], "--demo")
 
 
 if __name__ == "__main__":

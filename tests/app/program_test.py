@@ -73,9 +73,29 @@ class Doctor(CliTest):
             self.assertIsInstance(check["ok"], bool)
             self.assertIsInstance(check["hint"], str)
 
-    def test_it_takes_the_options_of_all_commands(self):
-        done = self.run_program("doctor", "--quiet", "--seed", "3", "--threads", "2")
-        self.assertEqual(done.returncode, DONE, done.stderr)
+    def test_options_without_effect_are_refused_and_not_in_the_help(self):
+        self.assertEqual(self.run_program("doctor", "--quiet").returncode, DONE)
+        for command, *options in [
+            ("doctor", "--seed", "--threads", "--set", "--out"),
+            ("options", "--seed", "--threads", "--set", "--out"),
+            ("replay", "--seed", "--threads", "--out"),
+            ("view", "--seed", "--threads", "--set"),
+            ("certify", "--seed", "--threads", "--set"),
+            ("sense", "--seed", "--threads", "--set"),
+            ("pick", "--threads"),
+            ("plan", "--threads"),
+            ("render", "--threads"),
+        ]:
+            text = self.run_program(command, "--help").stdout
+            for option in options:
+                self.assertNotIn(option + " ", text, command)
+                done = self.run_program(command, option, "1")
+                self.assertEqual(done.returncode, USAGE, (command, option, done.stderr))
+
+    def test_a_commands_own_option_in_a_setting_is_named(self):
+        for key in ("hand", "object", "seed"):
+            self.assert_refused(BAD_INPUT, ["pick", "--set", f"{key}=allegro"], f"--{key} sets it")
+        self.assert_refused(BAD_INPUT, ["pick", "--set", "lift.hight=1"], "did you mean lift.height")
 
     def test_missing_assets_are_named_with_what_to_do(self):
         os.environ["PALPATE_ASSETS"] = str(self.folder)

@@ -184,6 +184,36 @@ class Register(CliTest):
         self.assertEqual(report["status"], "no_consensus")
         self.assertIsNone(report["T_target_source"])
 
+    def test_clouds_and_pairs_that_may_be_in_millimetres(self):
+        points = lump(3, 400)
+        large = [[1000 * c for c in p] for p in points]
+        row = lambda p, q: ",".join(f"{c:.6f}" for c in (*p, *q))
+        header = "sx,sy,sz,tx,ty,tz\n"
+        for name, sources, targets, question in (
+            ("half.csv", large, points, "is one of them in millimetres?"),
+            ("both.csv", large, [moved(p) for p in large], ""),
+            ("noisy.csv", large, list(reversed(large)), "are they in millimetres?"),
+        ):
+            self.write(name, header + "\n".join(map(row, sources, targets)) + "\n")
+            done = self.run_program("register", "--correspondences", name, "--json")
+            self.assertIn(question, json.loads(done.stdout)["hint"], name)
+            self.assertEqual(done.returncode == NO_SOLUTION, question != "", name)
+        done = self.run_program("certify", IDENTITY, "--correspondences", "half.csv", "--json",
+                                "--noise-bound", "0.004")  # fmt: skip
+        self.assertEqual(done.returncode, NO_SOLUTION)
+        self.assertIn("in millimetres?", json.loads(done.stdout)["hint"])
+        for name, cloud in (("m.xyz", points), ("mm.xyz", large)):
+            self.write(name, "".join("%f %f %f\n" % tuple(p) for p in cloud))
+        done = self.run_program("register", "m.xyz", "mm.xyz", "--json")
+        self.assertEqual(done.returncode, NO_SOLUTION)
+        self.assertIn("is one of them in millimetres?", json.loads(done.stdout)["hint"])
+
+    def test_a_missing_pose_file_is_named(self):
+        self.write("pairs.csv", "sx,sy,sz,tx,ty,tz\n0,0,0,0,0,0\n")
+        self.assert_refused(BAD_INPUT, ["certify", "nowhere.txt", "--correspondences", "pairs.csv"],
+                            "'nowhere.txt' is neither a file nor")  # fmt: skip
+        self.assert_refused(USAGE, ["certify", IDENTITY], "--correspondences", "palpate certify --help")
+
     def test_errors_are_one_line(self):
         file = self.pairs()
         self.write("box.stl", box_stl(0.1, 0.2, 0.3))
@@ -210,7 +240,7 @@ class Register(CliTest):
             (["certify", MIRROR, "--correspondences", file], BAD_INPUT),
             (["certify", IDENTITY, "--correspondences", file, "--noise-bound", "0"], BAD_INPUT),
             (["certify", IDENTITY, "--correspondences", file, "--noise-bound", "-1"], BAD_INPUT),
-            (["certify", IDENTITY, "--correspondences", file, "--set", "x=1"], BAD_INPUT),
+            (["certify", IDENTITY, "--correspondences", file, "--set", "x=1"], USAGE),
             (["certify", IDENTITY, "--correspondences", "none.csv"], BAD_INPUT),
         ):
             self.assert_refused(code, arguments)

@@ -132,6 +132,7 @@ DrawnScene compose_drawn_scene(const hand::Description& hand, const geometry::Kn
   }
   scene.hand_position = position_of(model, hand.file.root);
   scene.object_position = position_of(model, "object");
+  scene.object_geom = find_id(model, mjOBJ_GEOM, "object");
   return scene;
 }
 

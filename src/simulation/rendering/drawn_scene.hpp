@@ -16,6 +16,7 @@ struct DrawnScene {
   std::vector<int> joint_positions;  ///< addresses in qpos
   int hand_position = -1;            ///< address in qpos
   int object_position = -1;          ///< address in qpos
+  int object_geom = -1;              ///< of the object's mesh
 };
 
 /// @param width, height  of the pictures, pixels
@@ -26,5 +27,9 @@ DrawnScene compose_drawn_scene(const hand::Description& hand, const geometry::Kn
 /// Moves the hand and the object there.
 /// @throws BadInput for a value that is not finite
 void pose_scene(const DrawnScene& scene, const DrawnState& state, mjData& data);
+
+/// Gives the object its opacity, and adds its ghosts to what mjv_updateScene has put together.
+/// @throws BadInput for an opacity outside 0..1, a pose that is not finite, or too many ghosts
+void draw_ghosts(const DrawnScene& scene, const DrawnState& state, mjvScene& drawn);
 
 }  // namespace palpate::simulation

@@ -133,8 +133,13 @@ Image Renderer::render(const DrawnState& state, const Camera& camera) {
   const mjvOption options = visible_things();
   mjv_updateScene(impl.scene.model.get(), impl.data.get(), &options, nullptr, &view, mjCAT_ALL,
                   &impl.canvas->scene);
+  draw_ghosts(impl.scene, state, impl.canvas->scene);
   const mjrRect area = {0, 0, impl.width, impl.height};
   mjr_render(area, &impl.canvas->scene, &impl.canvas->context);
+  if (!state.caption.empty()) {
+    mjr_overlay(mjFONT_NORMAL, mjGRID_TOPLEFT, area, state.caption.c_str(), nullptr,
+                &impl.canvas->context);
+  }
   Image image{impl.width, impl.height, {}};
   image.rgb.resize(3 * static_cast<std::size_t>(impl.width) *
                    static_cast<std::size_t>(impl.height));

@@ -3,7 +3,9 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "palpate/geometry/objects/known_object.hpp"
 #include "palpate/hand/hand.hpp"
@@ -27,11 +29,20 @@ struct Camera {
   double elevation_deg = -16;  ///< negative: from above
 };
 
+/// A pose at which the object is drawn once more, see-through.
+struct Ghost {
+  Eigen::Isometry3d T_world_object = Eigen::Isometry3d::Identity();
+  double opacity = 0.5;  ///< 0..1
+};
+
 /// Where the things that are drawn are.
 struct DrawnState {
   Eigen::Isometry3d T_world_object = Eigen::Isometry3d::Identity();
   hand::JointVector joints;  ///< rad
   hand::BasePosition base;
+  double object_opacity = 1;  ///< 0..1; 0: the object is not drawn
+  std::vector<Ghost> ghosts = {};
+  std::string caption = {};  ///< ASCII, in the picture's upper left corner; several lines by \n
 };
 
 /// Draws the hand, an object and the table for people to look at; nothing estimates or acts on it.
@@ -48,7 +59,8 @@ class Renderer {
   Renderer(const Renderer&) = delete;
   Renderer& operator=(const Renderer&) = delete;
 
-  /// @throws BadInput for a state or a camera with a value that is not finite
+  /// @throws BadInput for a state or a camera with a value that is not finite, for an opacity
+  ///         outside 0..1, or for more than 500 ghosts
   Image render(const DrawnState& state, const Camera& camera = {});
 
  private:

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "posterior_film.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "palpate/core/error.hpp"
+#include "palpate/estimation/posterior_history.hpp"
+#include "palpate/evaluation/trial.hpp"
+#include "palpate/recording/touch_log.hpp"
+
+namespace palpate::app {
+namespace {
+
+using estimation::PosteriorStep;
+using estimation::TouchEvent;
+using simulation::Ghost;
+
+constexpr double kLookAbove = 0.03;  // m, above the object: the hand comes from there
+constexpr int kTurns = 9;            // ghosts of a mode with a free axis
+constexpr double kFaint = 0.003;     // probability below which a pose is not drawn
+constexpr std::size_t kMaxGhosts = 120;
+
+/// The poses of a mode: its own or, with a free axis, some along it, of equal shares.
+void add_mode(const localization::Mode& mode, std::vector<Ghost>& ghosts) {
+  const int turns = mode.free_axis ? kTurns : 1;
+  for (int i = 0; i < turns; ++i) {
+    Ghost ghost{mode.T_frame_object, mode.weight / turns};
+    if (mode.free_axis) {
+      const double angle = mode.free_axis->extent * (2.0 * i / (turns - 1) - 1);
+      const Eigen::Translation3d to_line(mode.free_axis->point);
+      ghost.T_world_object = to_line * Eigen::AngleAxisd(angle, mode.free_axis->direction) *
+                             to_line.inverse() * ghost.T_world_object;
+    }
+    ghosts.push_back(ghost);
+  }
+}
+
+/// What is seen of a posterior. A ghost's opacity is the root of its probability, for many share
+/// it.
+std::vector<Ghost> ghosts_of(const localization::Posterior& posterior) {
+  std::vector<Ghost> ghosts;
+  for (const auto& mode : posterior.modes) add_mode(mode, ghosts);
+  for (const auto& T : posterior.further) {
+    ghosts.push_back({T, posterior.unlisted() / static_cast<double>(posterior.further.size())});
+  }
+  std::erase_if(ghosts, [](const Ghost& ghost) { return ghost.opacity < kFaint; });
+  std::stable_sort(ghosts.begin(), ghosts.end(),
+                   [](const Ghost& a, const Ghost& b) { return a.opacity > b.opacity; });
+  ghosts.resize(std::min(ghosts.size(), kMaxGhosts));
+  for (Ghost& ghost : ghosts) ghost.opacity = std::min(1.0, std::sqrt(ghost.opacity));
+  return ghosts;
+}
+
+std::vector<PosteriorStep> history_of(const recording::Recording& recording) {
+  evaluation::TrialOptions options;
+  parse_toml(recording.header.config_toml, "the recording", options, Renamed::accepted);
+  const auto log = recording::event_log(recording);
+  const auto hand = skills::calibrated_hand(recording.header.hand, log, options.pick.calibrate);
+  const geometry::ObjectModel object(recording.header.object);
+  estimation::PoseEstimator estimator(object, options.pick_options().estimation,
+                                      recording.header.seed);
+  return estimation::posterior_history(estimator, hand, log);
+}
+
+std::string caption_of(const PosteriorStep& step, std::size_t touches, std::size_t poses) {
+  const std::string what = step.moment.mark == TouchEvent::held ? "lifted"
+                           : step.moment.mark == TouchEvent::closed
+                               ? "grasped"
+                               : fmt::format("touch {}", touches);
+  const auto& modes = step.posterior.modes;
+  const double best = modes.empty() ? 0 : localization::pose_probability(modes.front());
+  return fmt::format("{}\n{} pose{}, the best {:.2f}", what, poses, poses == 1 ? "" : "s", best);
+}
+
+/// What a film shows from a reading on, until the next scene.
+struct Scene {
+  std::size_t from = 0;  ///< reading
+  bool in_hand = false;  ///< the poses go with the hand
+  std::vector<Ghost> ghosts;
+  std::string caption = "touch 0";
+};
+
+std::vector<Scene> scenes_of(const std::vector<PosteriorStep>& history) {
+  std::vector<Scene> scenes(1);
+  std::size_t touches = 0;
+  for (const PosteriorStep& step : history) {
+    const bool in_hand =
+        step.moment.mark == TouchEvent::closed || step.moment.mark == TouchEvent::held;
+    touches += in_hand ? 0 : 1;
+    auto ghosts = ghosts_of(step.posterior);
+    const std::string caption = caption_of(step, touches, ghosts.size());
+    scenes.push_back({step.moment.reading, in_hand, std::move(ghosts), caption});
+  }
+  return scenes;
+}
+
+simulation::DrawnState state_at(const recording::Recording& recording, std::size_t reading,
+                                const Scene& scene) {
+  const recording::Frame& frame = recording.frames[reading];
+  simulation::DrawnState state{frame.truth->T_world_object,
+                               frame.truth->joints,
+                               frame.reading.base,
+                               0,
+                               scene.ghosts,
+                               scene.caption};
+  if (!scene.in_hand) return state;
+  const Eigen::Isometry3d moved =
+      frame.reading.base.pose() * recording.frames[scene.from].reading.base.pose().inverse();
+  for (Ghost& ghost : state.ghosts) ghost.T_world_object = moved * ghost.T_world_object;
+  return state;
+}
+
+}  // namespace
+
+std::vector<simulation::Image> film_posterior(const recording::Recording& recording,
+                                              simulation::Renderer& renderer,
+                                              const FilmOptions& options) {
+  const auto log = recording::event_log(recording);
+  const auto starts = log.all(TouchEvent::guarded_move);
+  const auto history = history_of(recording);
+  if (starts.empty() || history.empty()) throw BadInput("the recording has no touch of the object");
+  const auto scenes = scenes_of(history);
+  simulation::Camera camera = options.camera;
+  camera.lookat = recording.frames[starts.front()].truth->T_world_object.translation();
+  camera.lookat.z() += kLookAbove;
+  const double tick = recording.frames[1].reading.time - recording.frames[0].reading.time;
+  const auto stride = std::max<std::size_t>(
+      1, static_cast<std::size_t>(std::lround(options.speed * options.picture_time / tick)));
+  std::vector<simulation::Image> images;
+  std::size_t scene = 0;
+  for (std::size_t i = starts.front(); i <= history.back().moment.reading + stride; i += stride) {
+    const std::size_t reading = std::min(i, recording.frames.size() - 1);
+    while (scene + 1 < scenes.size() && scenes[scene + 1].from <= reading) ++scene;
+    images.push_back(renderer.render(state_at(recording, reading, scenes[scene]), camera));
+  }
+  const auto still =
+      static_cast<std::size_t>(std::lround(options.last_time / options.picture_time));
+  images.resize(images.size() + still, images.back());
+  return images;
+}
+
+}  // namespace palpate::app

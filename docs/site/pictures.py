@@ -1,0 +1,210 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Makes the pictures of the readme and the documentation from the present program.
+
+usage: pictures.py PALPATE [SET...] [--long]   makes the sets (without one: all that are not long)
+       pictures.py --list                      names the sets, and what makes them
+
+Every set is made in a folder of its own below build/pictures, copied to docs/images, and noted in
+docs/images/made.json with the pictures' hashes, the commands, and a hash of the sources that draw
+them. The test docs.pictures compares those with what is there.
+"""
+
+import datetime
+import hashlib
+import json
+import os
+import pathlib
+import shlex
+import shutil
+import subprocess
+import sys
+from typing import NamedTuple
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+IMAGES = ROOT / "docs" / "images"
+MADE = IMAGES / "made.json"
+RENDERER = ("src/simulation/rendering/*.?pp", "apps/palpate/posterior_film.cpp")
+PAGE = ("viewer/*",)
+BROWSER = (
+    "chromium --headless=new --no-sandbox --disable-gpu-sandbox --use-angle=swiftshader "
+    "--enable-unsafe-swiftshader --hide-scrollbars --window-size=1400,900 "
+    "--virtual-time-budget=20000 --screenshot={work}/%s 'file://{work}/%s/replay.html#t=%s'"
+)
+
+
+class Set(NamedTuple):
+    commands: tuple  # {work} is the set's folder; "palpate" is the program
+    pictures: dict   # name in docs/images: path in {work}
+    follows: tuple = ()  # sources that must not have changed since
+    long: bool = False
+
+
+def policy_set(policy):
+    phases = {"reach": 1, "carry": 2, "hold": 3}
+    pictures = {f"{policy}-{name}.png": f"drawn/{i}-{name}.png" for name, i in phases.items()}
+    return Set(
+        (
+            f"palpate rollout {policy} --episodes 1 --record 1 --seed 9100 --out {{work}}/run",
+            "palpate render {work}/run/episode-0.h5 --size 320x240 --video --speed 1 "
+            "--out {work}/drawn",
+        ),
+        {**pictures, f"{policy}-video.png": "drawn/video.png"},
+        RENDERER[:1],
+    )
+
+
+def experiment_set(name, seed, *figures):
+    return Set(
+        (f"./dev experiment {name} --seed {seed} --out {{work}}",),
+        {f"{figure}.svg": f"{figure}.svg" for figure in figures},
+        long=True,
+    )
+
+
+def training_set(seed):
+    curves = {"evaluation", "return", "surrogate_gain"}
+    name = "relocate-dapg" if seed == 200 else f"relocate-dapg-{seed}"
+    pictures = {f"{name}-{curve}.svg": f"dapg/{curve}.svg" for curve in curves}
+    for phase, i in {"reach": 1, "carry": 2, "hold": 3}.items():
+        pictures[f"relocate-dapg-{seed}-{phase}.png"] = f"drawn/{i}-{phase}.png"
+    pictures[f"relocate-dapg-{seed}-video.png"] = "drawn/video.png"
+    for figure in ("histogram", "normal-plot"):
+        pictures[f"{name}-{figure}.svg"] = f"compared/{figure}.svg"
+    return Set(
+        (
+            "palpate train relocate --config configs/relocate_dapg.toml --method dapg --expert "
+            f"relocate-memoryless --demonstrations 60 --iterations 30 --seed {seed} --threads 2 "
+            "--set task.solver=fast --set npg.episode.horizon=99 --set bc.log_std=-3.5 "
+            "--set npg.least_log_std=-5 --set bc.epochs=300 --out {work}/dapg",
+            "palpate rollout {work}/dapg/policy.json --episodes 1 --record 1 --seed 9100 "
+            "--out {work}/run",
+            "palpate render {work}/run/episode-0.h5 --size 320x240 --video --speed 1 "
+            "--out {work}/drawn",
+            "palpate compare {work}/dapg/policy.json {data}/relocate_mug_published_policy.json "
+            "--episodes 100 --seed 9100 --out {work}/compared",
+        ),
+        pictures,
+        long=True,
+    )
+
+
+SETS = {
+    "posterior": Set(
+        (
+            "palpate pick --object mug --seed 7 --force --out {work}/mug",
+            "palpate render {work}/mug/recording.h5 --posterior --size 480x360 --azimuth 300 "
+            "--elevation -35 --distance 0.55 --speed 14 --out {work}/drawn",
+        ),
+        {"posterior.png": "drawn/posterior.png"},
+        RENDERER,
+    ),
+    "replay": Set(
+        (
+            "palpate pick --object mug --seed 7 --force --out {work}/mug",
+            "palpate pick --object box --seed 7 --place 0.15,0.1,0.5 --force --out {work}/box",
+            BROWSER % ("replay.png", "mug", "end"),
+            BROWSER % ("place.png", "box", "end"),
+        ),
+        {"replay.png": "replay.png", "place.png": "place.png"},
+        PAGE,
+    ),
+    "relocate-best": policy_set("relocate-best"),
+    "relocate-memoryless": policy_set("relocate-memoryless"),
+    "localization_tables": experiment_set("localization_tables", 29000, "calibration", "success"),
+    "localization_tracking": experiment_set("localization_tracking", 28700, "tracking"),
+    "localization_probes": experiment_set("localization_probes", 9000, "probes"),
+    "relocate-dapg-200": training_set(200),
+    "relocate-dapg-201": training_set(201),
+    "relocate-published": Set(
+        (
+            "palpate rollout {data}/relocate_mug_published_policy.json --episodes 1 --record 1 "
+            "--seed 9100 --out {work}/run",
+            "palpate render {work}/run/episode-0.h5 --size 320x240 --out {work}/drawn",
+        ),
+        {f"relocate-published-{n}.png": f"drawn/{i}-{n}.png"
+         for n, i in {"reach": 1, "carry": 2, "hold": 3}.items()},
+        long=True,
+    ),
+}
+# Drawn by hand: sketches of a concept, which show nothing that the program computes.
+SKETCHES = {f"concept-{n}.svg" for n in ("likelihood", "free-space", "bias", "certificate")}
+
+
+def hash_of(*files):
+    total = hashlib.sha256()
+    for file in files:
+        total.update(pathlib.Path(file).read_bytes())
+    return total.hexdigest()
+
+
+def hash_of_sources(patterns):
+    """Of the files that draw a set, in the order of their names; none for none."""
+    files = sorted(file for pattern in patterns for file in ROOT.glob(pattern) if file.is_file())
+    return hash_of(*files) if files else None
+
+
+def last_time(page):
+    """Of a pick, s, shown half a second before its end."""
+    report = json.loads((page / "report.json").read_text())
+    return max(0.0, report["robot_seconds"] - 0.5)
+
+
+def run(command, program, work):
+    text = command.replace("{work}", str(work)).replace("{data}", os.environ.get("PALPATE_DATA", ""))
+    words = shlex.split(text)
+    if words[0] == "palpate":
+        words[0] = program
+    if words[-1].endswith("#t=end"):
+        page = pathlib.Path(words[-1].removeprefix("file://").split("#")[0]).parent
+        words[-1] = words[-1].replace("#t=end", f"#t={last_time(page):.2f}")
+    print("==>", shlex.join(words), file=sys.stderr)
+    subprocess.run(words, cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
+
+
+def make(name, program):
+    chosen = SETS[name]
+    work = ROOT / "build" / "pictures" / name
+    shutil.rmtree(work, ignore_errors=True)
+    work.mkdir(parents=True)
+    for command in chosen.commands:
+        run(command, program, work)
+    for picture, path in chosen.pictures.items():
+        shutil.copyfile(work / path, IMAGES / picture)
+    note(name, subprocess.check_output([program, "--version"], text=True).strip(),
+         datetime.date.today().isoformat())  # fmt: skip
+
+
+def note(name, version, date):
+    made = json.loads(MADE.read_text()) if MADE.exists() else {}
+    chosen = SETS[name]
+    made[name] = {
+        "commands": chosen.commands,
+        "date": date,
+        "version": version,
+        "follows": hash_of_sources(chosen.follows),
+        "pictures": {p: hash_of(IMAGES / p) for p in sorted(chosen.pictures)},
+    }
+    partial = MADE.with_suffix(".partial")
+    partial.write_text(json.dumps(dict(sorted(made.items())), indent=1) + "\n")
+    partial.replace(MADE)
+
+
+def main(arguments):
+    if arguments == ["--list"]:
+        for name, chosen in SETS.items():
+            print(f"{name}{' (long)' if chosen.long else ''}")
+            for command in chosen.commands:
+                print("   ", command)
+        return 0
+    with_long = "--long" in arguments
+    program, *names = [a for a in arguments if a != "--long"] or [""]
+    if not program or set(names) - set(SETS):
+        print(__doc__, file=sys.stderr)
+        return 2
+    for name in names or [n for n, s in SETS.items() if with_long or not s.long]:
+        make(name, str(pathlib.Path(program).resolve()))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
