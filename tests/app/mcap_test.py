@@ -44,11 +44,14 @@ class Export(CliTest):
         self.folder, self.cache = self.kept.folder, self.kept.cache
         self.path = self.folder / "box.mcap"
 
-    def decoded(self, path, topics=None):
+    def decoded(self, path, topics=None, last=None):
+        """Messages, of the last seconds alone where so many are given."""
         with open(path, "rb") as file:
             reader = mcap.reader.make_reader(
                 file, decoder_factories=[mcap_ros2.decoder.DecoderFactory()], validate_crcs=True)
-            yield from reader.iter_decoded_messages(topics=topics)
+            end = reader.get_summary().statistics.message_end_time
+            start = None if last is None else end - int(last / NS)
+            yield from reader.iter_decoded_messages(topics=topics, start_time=start)
 
     def test_mcap_reads_it_with_all_crcs_and_counts(self):
         with open(self.path, "rb") as file:
@@ -73,7 +76,7 @@ class Export(CliTest):
 
     def test_mcap_ros2_support_decodes_it(self):
         times = []
-        for _, channel, raw, message in self.decoded(self.path):
+        for _, channel, raw, message in self.decoded(self.path, last=20):
             if channel.topic == "/joint_states":
                 self.assertEqual(len(message.name), 24)
                 self.assertEqual(len(message.position), 24)
@@ -136,7 +139,7 @@ class Export(CliTest):
         with open(path, "wb") as file:
             writer = mcap_ros2.writer.Writer(file, compression=compression)
             schemas = {}
-            for schema, channel, raw, message in self.decoded(self.path):
+            for schema, channel, raw, message in self.decoded(self.path, last=2):
                 topic = channel.topic
                 if topic.startswith("/palpate"):
                     continue

@@ -14,6 +14,7 @@ KINDS = {
     "/actuator_states": ros2_peer.JointState,
     "/tf": ros2_peer.TFMessage,
 }
+LAST = 2_000_000_000  # ns, of the file that are read
 HELD = 40  # the last so many messages of each topic are told again and again
 
 
@@ -22,7 +23,8 @@ class HeldStream:
         self.messages = {}
         with open(path, "rb") as file:
             reader = mcap.reader.make_reader(file, decoder_factories=[mcap_ros2.decoder.DecoderFactory()])
-            for _, channel, _, message in reader.iter_decoded_messages():
+            start = reader.get_summary().statistics.message_end_time - LAST
+            for _, channel, _, message in reader.iter_decoded_messages(start_time=start):
                 topic = channel.topic
                 kind = ros2_peer.PointCloud2 if topic.startswith("/contacts/") else KINDS.get(topic)
                 if topic == "/tf" and message.transforms[0].child_frame_id == "palpate_object":

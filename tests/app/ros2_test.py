@@ -115,10 +115,10 @@ class Estimator(Ros2):
         state.position[0] = math.nan
         self.peer.write("/joint_states", state)
         self.stream.send_joints(self.peer, START)  # late
-        cloud = self.stream.cloud("thumb", now)
+        cloud = self.stream.cloud("TH", now)
         cloud.data = cloud.data[:5]
         cloud.width = 4_000_000_000
-        self.peer.write("/contacts/thumb", cloud)
+        self.peer.write("/contacts/TH", cloud)
 
         garbage = Peer(self.domain)  # of the same type's name, but of another form
         garbage.advertise("/joint_states", ros2_peer.Impostor)
@@ -172,7 +172,7 @@ class Robot(Ros2):
         self.peer.advertise(commands, ros2_peer.Float64MultiArray)
         self.peer.listen("/joint_states", ros2_peer.JointState)
         self.peer.listen("/tf", ros2_peer.TFMessage)
-        self.peer.listen("/contacts/thumb", ros2_peer.PointCloud2)
+        self.peer.listen("/contacts/TH", ros2_peer.PointCloud2)
         self.assertTrue(wait_until(lambda: self.peer.is_heard() and self.peer.hears()))
         self.peer.take("/joint_states")
         layout = ros2_peer.MultiArrayLayout([], 0)
