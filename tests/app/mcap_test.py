@@ -51,7 +51,7 @@ class Export(CliTest):
                 file, decoder_factories=[mcap_ros2.decoder.DecoderFactory()], validate_crcs=True)
             end = reader.get_summary().statistics.message_end_time
             start = None if last is None else end - int(last / NS)
-            yield from reader.iter_decoded_messages(topics=topics, start_time=start)
+            yield from reader.iter_decoded_messages(topics=topics, starting_at=start)
 
     def test_mcap_reads_it_with_all_crcs_and_counts(self):
         with open(self.path, "rb") as file:

@@ -24,7 +24,7 @@ class HeldStream:
         with open(path, "rb") as file:
             reader = mcap.reader.make_reader(file, decoder_factories=[mcap_ros2.decoder.DecoderFactory()])
             start = reader.get_summary().statistics.message_end_time - LAST
-            for _, channel, _, message in reader.iter_decoded_messages(start_time=start):
+            for _, channel, _, message in reader.iter_decoded_messages(starting_at=start):
                 topic = channel.topic
                 kind = ros2_peer.PointCloud2 if topic.startswith("/contacts/") else KINDS.get(topic)
                 if topic == "/tf" and message.transforms[0].child_frame_id == "palpate_object":
