@@ -12,6 +12,8 @@
 #include "palpate/recording/hdf5_guard.hpp"
 #include "palpate/recording/recording.hpp"
 #include "palpate/recording/writer.hpp"
+#include "palpate/ros2/export_recording.hpp"
+#include "palpate/ros2/read_bag.hpp"
 #include "palpate/tasks/relocate/minari_io.hpp"
 #include "recording/seal.hpp"
 #include "recording/toy_recording.hpp"
@@ -109,13 +111,22 @@ void change_metadata(const fs::path& file, RandomStream& random) {
   write_file_atomically(folder / "set/data/metadata.json", mutated(sample, random));
 }
 
+/// A bag without chunks, so that no CRC stands before what is in it.
+std::string sample_bag(const fs::path& folder) {
+  ros2::export_mcap(recording::toy_recording(12), folder / "sample.mcap", {}, 0);
+  return read_file(folder / "sample.mcap");
+}
+
+void load_bag(const fs::path& file) { ros2::read_bag(file, recording::toy_hand()); }
+
 }  // namespace
 
 std::vector<Target> hdf5_targets() {
   return {
       {"recording", "", "input.h5", [](const fs::path& file) { recording::read_recording(file); },
        sample_recording, change_and_seal},
-      {"minari", "", "input.hdf5", load_dataset, sample_dataset, change_metadata}};
+      {"minari", "", "input.hdf5", load_dataset, sample_dataset, change_metadata},
+      {"mcap", "", "input.mcap", load_bag, sample_bag, {}}};
 }
 
 }  // namespace palpate::fuzz

@@ -79,6 +79,8 @@ void add_train(CLI::App& program, Command& chosen);
 void add_view(CLI::App& program, Command& chosen);
 void add_hand(CLI::App& program, Command& chosen);
 void add_options(CLI::App& program, Command& chosen);
+void add_export(CLI::App& program, Command& chosen);
+void add_ros2(CLI::App& program, Command& chosen);
 
 /// The options that a command's --config and --set can set, at their defaults.
 std::vector<OptionInfo> pick_option_list();

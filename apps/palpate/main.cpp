@@ -72,6 +72,8 @@ int run(int argc, char** argv) {
   add_view(program, chosen);
   add_hand(program, chosen);
   add_options(program, chosen);
+  add_export(program, chosen);
+  add_ros2(program, chosen);
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

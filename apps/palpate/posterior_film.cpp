@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "palpate/core/error.hpp"
+#include "palpate/core/options.hpp"
 #include "palpate/estimation/posterior_history.hpp"
 #include "palpate/evaluation/trial.hpp"
 #include "palpate/recording/touch_log.hpp"
@@ -57,7 +58,7 @@ std::vector<Ghost> ghosts_of(const localization::Posterior& posterior) {
 std::vector<PosteriorStep> history_of(const recording::Recording& recording) {
   evaluation::TrialOptions options;
   parse_toml(recording.header.config_toml, "the recording", options, Renamed::accepted);
-  const auto log = recording::event_log(recording);
+  auto log = recording::event_log(recording);
   const auto hand = skills::calibrated_hand(recording.header.hand, log, options.pick.calibrate);
   const geometry::ObjectModel object(recording.header.object);
   estimation::PoseEstimator estimator(object, options.pick_options().estimation,
@@ -118,7 +119,7 @@ simulation::DrawnState state_at(const recording::Recording& recording, std::size
 std::vector<simulation::Image> film_posterior(const recording::Recording& recording,
                                               simulation::Renderer& renderer,
                                               const FilmOptions& options) {
-  const auto log = recording::event_log(recording);
+  auto log = recording::event_log(recording);
   const auto starts = log.all(TouchEvent::guarded_move);
   const auto history = history_of(recording);
   if (starts.empty() || history.empty()) throw BadInput("the recording has no touch of the object");

@@ -10,6 +10,8 @@
 #include "palpate/evaluation/recorder.hpp"
 #include "palpate/evaluation/trial.hpp"
 #include "palpate/recording/touch_log.hpp"
+#include "palpate/ros2/read_bag.hpp"
+#include "replay_bag.hpp"
 #include "terminal.hpp"
 
 namespace palpate::app {
@@ -18,6 +20,13 @@ namespace {
 struct ReplayArguments {
   CommonOptions common;
   std::string recording;
+  BagArguments bag;
+};
+
+/// An estimate, and what it is from.
+struct Replayed {
+  estimation::HeldPoseEstimate estimate;
+  std::uint64_t messages = 0;
 };
 
 /// Options of the recording, changed by --config and --set.
@@ -46,26 +55,41 @@ nlohmann::json posterior_json(const localization::Posterior& posterior) {
   return {{"status", localization::to_string(posterior.status)}, {"modes", modes}};
 }
 
-int replay(const ReplayArguments& arguments) {
-  std::optional<Notice> notice(std::in_place, "estimating", arguments.common.quiet);
+Replayed replay_recording(const ReplayArguments& arguments) {
   const auto recording = recording::read_recording(arguments.recording);
   const auto options = replay_options(recording, arguments.common, arguments.recording);
   const geometry::ObjectModel object(recording.header.object);
   auto log = recording::event_log(recording).until(estimation::TouchEvent::held);
-  const auto [hand, T_world_table] =
-      skills::calibration(recording.header.hand, log, options.pick.calibrate);
-  log.T_world_table = Eigen::Isometry3d(T_world_table.linear());
-  const auto estimate =
+  const auto hand = skills::calibrated_hand(recording.header.hand, log, options.pick.calibrate);
+  return {
       estimation::PoseEstimator(object, options.pick_options().estimation, recording.header.seed)
-          .held(hand, log, log.at(estimation::TouchEvent::held));
-  const auto& posterior = estimate.posterior;
+          .held(hand, log, log.at(estimation::TouchEvent::held)),
+      recording.frames.size()};
+}
+
+Replayed replay_bag(const ReplayArguments& arguments) {
+  auto answer = estimate_from_bag(arguments.recording, arguments.bag, arguments.common);
+  if (!arguments.common.json) {
+    fmt::print("{} in the hand {}, {:.2f} s after the first of {} messages\n", answer.object,
+               answer.hand, answer.at, answer.messages);
+  }
+  return {std::move(answer.estimate), answer.messages};
+}
+
+int replay(const ReplayArguments& arguments) {
+  std::optional<Notice> notice(std::in_place, "estimating", arguments.common.quiet);
+  const auto replayed =
+      ros2::is_mcap(arguments.recording) ? replay_bag(arguments) : replay_recording(arguments);
+  const auto& posterior = replayed.estimate.posterior;
   notice.reset();
   if (arguments.common.json) {
-    fmt::print("{}\n", posterior_json(posterior).dump(2));
+    auto report = posterior_json(posterior);
+    report.update({{"path", arguments.recording}, {"messages", replayed.messages}});
+    fmt::print("{}\n", report.dump(2));
   } else {
     fmt::print("{}, {} contacts, {:.2f} s\n",
-               colored_status(localization::to_string(posterior.status)), estimate.contacts.size(),
-               posterior.seconds);
+               colored_status(localization::to_string(posterior.status)),
+               replayed.estimate.contacts.size(), posterior.seconds);
     for (const auto& mode : posterior.modes) {
       const auto& p = mode.T_frame_object.translation();
       fmt::print("  probability {:.3f} at ({:.1f}, {:.1f}, {:.1f}) mm\n",
@@ -81,14 +105,23 @@ void add_replay(CLI::App& program, Command& chosen) {
   auto arguments = std::make_shared<ReplayArguments>();
   auto& command = *program.add_subcommand(
       "replay", "Estimate the pose again from a recording, without the simulator");
-  command.add_option("recording", arguments->recording, "recording.h5 of a pick")->required();
+  command.add_option("recording", arguments->recording, "recording.h5 of a pick, or an MCAP file")
+      ->required();
+  add_bag_options(command, arguments->bag);
   add_common_options(command, arguments->common, kConfig);
   command.footer(
       "Uses the recording's own configuration and seed, so that it gives the pose that the pick\n"
       "gave, bit for bit; --set changes the estimator's options.\n\n"
+      "Of an MCAP file of ROS 2 messages, of anyone's hand, it uses the joint states, the "
+      "contacts\n"
+      "of each finger and the transforms from the world to the mount (docs/ros2.md). One that\n"
+      "`palpate export mcap` wrote says which object and hand; of others the pose is that of the\n"
+      "last instant at which two fingers touch, or of --at.\n\n"
       "Examples:\n"
       "  palpate replay out/pick-mug-7/recording.h5\n"
-      "  palpate replay out/pick-mug-7/recording.h5 --set estimation.free_space=false --json");
+      "  palpate replay out/pick-mug-7/recording.h5 --set estimation.free_space=false --json\n"
+      "  palpate replay run.mcap --object part.stl --hand my_hand.xml --mount-frame wrist\n"
+      "  palpate replay run.mcap --object mug --at 12.5 --json");
   command.callback([arguments, &chosen] { chosen = [arguments] { return replay(*arguments); }; });
 }
 

@@ -123,10 +123,10 @@ struct RecordedPick {
 estimation::HeldPoseEstimate replayed(const recording::Recording& recording,
                                       const estimation::EstimationOptions& options) {
   const geometry::ObjectModel object(recording.header.object);
-  const auto log = recording::event_log(recording);
+  auto log = recording::event_log(recording);
+  const auto hand = skills::calibrated_hand(recording.header.hand, log, {});
   return estimation::PoseEstimator(object, options, recording.header.seed)
-      .held(skills::calibrated_hand(recording.header.hand, log, {}), log,
-            log.at(estimation::TouchEvent::held));
+      .held(hand, log, log.at(estimation::TouchEvent::held));
 }
 
 void forget_truth(recording::Recording& recording) {

@@ -10,7 +10,7 @@ import sys
 
 ROOMS = (
     "core plotting numerics geometry registration hand tactile grasping localization estimation "
-    "planning skills recording simulation evaluation learning tasks"
+    "planning skills recording ros2 bridge simulation evaluation learning tasks"
 ).split()
 FIRST_WITH_SIMULATOR = "simulation"
 INCLUDE = re.compile(r'^\s*#include\s+[<"]([^>"]+)[>"]', re.MULTILINE)

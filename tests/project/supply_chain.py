@@ -76,6 +76,7 @@ class Licences(unittest.TestCase):
             "libbenchmarkdev": "google benchmark", "libboostdev": "boost", "libegl1": "mesa",
             "libegldev": "mesa", "libgl1mesadri": "mesa", "libopengl0": "libglvnd",
             "libpngdev": "libpng", "libompldev": "ompl", "libnloptdev": "nlopt",
+            "cycloneddsdev": "cyclone dds",
         }  # fmt: skip
         tools = {"g++", "cmake", "ninja-build", "ccache", "python3-venv"}
         for package in dependencies.debian_packages():

@@ -36,8 +36,8 @@ double tip_error(const hand::Description& believed, const hand::Description& rea
 }
 
 struct Calibrating {
-  explicit Calibrating(std::uint64_t seed)
-      : world(object, {}, seed),
+  explicit Calibrating(std::uint64_t seed, const simulation::WorldOptions& world_options = {})
+      : world(object, world_options, seed),
         hand(started(world, evaluation::draw_start(object, {}, seed))),
         robot(hand, world.hand_model(), evaluation::waiting_command(world.hand_model())) {}
 
@@ -79,6 +79,20 @@ TEST(CalibratePhase, FindsTheFingertipsWithoutTouchingTheObject) {
     stated += 3 * std::pow(tactile::link_offset_sigma(scene.robot.model(), finger), 2);
   }
   EXPECT_LT(tip_error(scene.robot.model(), real), 3 * std::sqrt(stated / hand::kShadowFingers));
+}
+
+/// The angle between two tables, rad.
+double apart(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
+  return Eigen::Vector3d(a.linear().col(2)).cross(Eigen::Vector3d(b.linear().col(2))).norm();
+}
+
+TEST(CalibratePhase, FindsTheTableTheMountAndTheLoadOfAnUnknownRobot) {
+  Calibrating scene(6, simulation::WorldOptions::realistic());
+  const auto report = scene.calibrate();
+  EXPECT_EQ(report.status, PhaseStatus::ok) << report.outcome;
+  EXPECT_LT(apart(scene.robot.log().T_world_table, scene.world.truth().T_world_table), 0.003);
+  EXPECT_LT(tip_error(scene.robot.model(), drawn_hand()), 0.0015);
+  EXPECT_LT(scene.robot.steady_load().norm(), 0.3);
 }
 
 TEST(CalibratePhase, TheLogAloneTellsTheSameHand) {

@@ -95,7 +95,7 @@ TEST(CalibrateLinks, FindsTheHandFromManyExactTouches) {
   RandomStream random(1, "links");
   const hand::Description drawn = hand::with_perturbed_links(real, kLinkError, random);
   const auto uses = random_postures(50, 2);
-  const auto calibrated = calibrate_links(drawn, random_touches(real, 400, 1e-6, 3), uses);
+  const auto calibrated = calibrate_links(drawn, random_touches(real, 400, 1e-6, 3), uses).hand;
   EXPECT_GT(std::sqrt(mean_square_error(drawn, real, uses)), 0.001);
   EXPECT_LT(std::sqrt(mean_square_error(calibrated, real, uses)), 1e-5);
   EXPECT_LT(calibrated.kinematic_error, 1e-5);
@@ -108,12 +108,55 @@ TEST(CalibrateLinks, StatesWhatIsLeftOfTheError) {
   for (std::uint64_t seed = 10; seed < 60; ++seed) {
     RandomStream random(seed, "links");
     const hand::Description drawn = hand::with_perturbed_links(real, kLinkError, random);
-    const auto calibrated = calibrate_links(drawn, random_touches(real, 30, 0.0003, seed), uses);
+    const auto calibrated =
+        calibrate_links(drawn, random_touches(real, 30, 0.0003, seed), uses).hand;
     stated += 3 * std::pow(link_offset_sigma(calibrated, 0), 2);
     found += mean_square_error(calibrated, real, uses);
   }
   // 50 hands of some 20 effective unknowns each: the ratio's standard error is about 0.05.
   EXPECT_NEAR(found / stated, 1.0, 0.2);
+}
+
+/// Touches of a table by a hand in random attitudes of its base.
+std::vector<TipOnPlane> table_touches(const hand::Description& real,
+                                      const Eigen::Isometry3d& T_world_table, int count,
+                                      std::uint64_t seed) {
+  RandomStream random(seed, "table touches");
+  std::vector<TipOnPlane> touches;
+  for (int i = 0; i < count; ++i) {
+    TipOnPlane touch;
+    touch.tip = random_posture(i % hand::kShadowFingers, random);
+    touch.p = {0.02, 0, -0.005};
+    Eigen::Isometry3d T_world_base = Eigen::Isometry3d::Identity();
+    T_world_base.linear() = random.rotation();
+    T_world_base.translation() << random.uniform(-0.2, 0.2), random.uniform(-0.2, 0.2), 0;
+    // Lowered along the table's normal until the tip touches.
+    const Eigen::Vector3d p =
+        T_world_table.inverse() * T_world_base * place(real, touch.tip, touch.p);
+    T_world_base.pretranslate(-p.z() * T_world_table.linear().col(2));
+    touch.T_base_plane = T_world_base.inverse();
+    touches.push_back(touch);
+  }
+  return touches;
+}
+
+TEST(CalibrateLinks, FindsHowTheHandIsMountedAndWhereTheTableIs) {
+  const hand::Description drawn = three_link_hand();
+  hand::Description real = drawn;
+  const Vector6d twist = (Vector6d() << 0.004, -0.003, 0.002, 0.001, -0.0008, 0.0012).finished();
+  real.links.front().T_parent_link = exp_se3(twist) * real.links.front().T_parent_link;
+  Eigen::Isometry3d T_world_table = Eigen::Isometry3d::Identity();
+  T_world_table.translation().z() = 0.004;
+  T_world_table.rotate(Eigen::AngleAxisd(0.012, Eigen::Vector3d(0.6, 0.8, 0)));
+
+  const auto uses = random_postures(50, 2);
+  const auto touches = table_touches(real, T_world_table, 300, 3);
+  const auto found = calibrate_links(drawn, touches, uses, {0.001, 0.005, 0.005, 0.0175});
+  EXPECT_GT(std::sqrt(mean_square_error(drawn, real, uses)), 0.001);
+  EXPECT_LT(std::sqrt(mean_square_error(found.hand, real, uses)), 1e-4);
+  const Eigen::Isometry3d apart = found.T_believed_plane.inverse() * T_world_table;
+  EXPECT_LT(std::abs(apart.translation().z()), 1e-4);
+  EXPECT_LT(std::acos(std::min(1.0, apart.linear()(2, 2))), 1e-3);
 }
 
 TEST(CalibrateLinks, LeavesTheHandWithoutTouchesUsesOrDoubt) {
@@ -122,9 +165,9 @@ TEST(CalibrateLinks, LeavesTheHandWithoutTouchesUsesOrDoubt) {
   const auto uses = random_postures(5, 1);
   hand::Description certain = hand;
   certain.kinematic_error = 0;
-  EXPECT_EQ(calibrate_links(hand, {}, uses).kinematic_error, kLinkError);
-  EXPECT_EQ(calibrate_links(hand, touches, {}).kinematic_error, kLinkError);
-  EXPECT_EQ(calibrate_links(certain, touches, uses).kinematic_error, 0);
+  EXPECT_EQ(calibrate_links(hand, {}, uses).hand.kinematic_error, kLinkError);
+  EXPECT_EQ(calibrate_links(hand, touches, {}).hand.kinematic_error, kLinkError);
+  EXPECT_EQ(calibrate_links(certain, touches, uses).hand.kinematic_error, 0);
 }
 
 TEST(CalibrateLinks, RefusesTouchesThatCannotBe) {
@@ -144,7 +187,7 @@ TEST(CalibrateLinks, RefusesTouchesThatCannotBe) {
   refuses([&](TipOnPlane& touch) { touch.sigma = nan; });
   refuses([&](TipOnPlane& touch) { touch.p.x() = nan; });
   refuses([&](TipOnPlane& touch) { touch.tip.joints[3] = nan; });
-  refuses([](TipOnPlane& touch) { touch.plane.coeffs() *= 2; });
+  refuses([&](TipOnPlane& touch) { touch.T_base_plane(1, 3) = nan; });
   hand::Description worse = hand;
   worse.kinematic_error = -0.002;
   EXPECT_THROW(calibrate_links(worse, std::vector{good}, uses), BadInput);
@@ -158,7 +201,7 @@ TEST(DistanceFromPlane, IsThatOfTheTouchingPoint) {
   TipOnPlane touch;
   touch.tip = {2, hand::JointVector::Zero(hand::kShadowJoints)};
   touch.p = {0.02, 0, -0.005};
-  touch.plane = {Eigen::Vector3d::UnitZ(), 0.03};  // z = -30 mm
+  touch.T_base_plane.translation().z() = -0.03;
   EXPECT_NEAR(distance_from_plane(hand, touch), 0.025, 1e-12);
 }
 
@@ -172,8 +215,8 @@ TEST(ChooseTouches, TakesEachOnceAndThoseThatTellMore) {
   std::vector<TipOnPlane> best;
   for (const std::size_t i : chosen) best.push_back(candidates[i]);
   const std::vector<TipOnPlane> first(candidates.begin(), candidates.begin() + 25);
-  EXPECT_LT(calibrate_links(hand, best, uses).kinematic_error,
-            0.9 * calibrate_links(hand, first, uses).kinematic_error);
+  EXPECT_LT(calibrate_links(hand, best, uses).hand.kinematic_error,
+            0.9 * calibrate_links(hand, first, uses).hand.kinematic_error);
   EXPECT_EQ(choose_touches(hand, first, 100, uses).size(), first.size());
 }
 

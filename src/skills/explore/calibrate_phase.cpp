@@ -315,6 +315,13 @@ tactile::HandCalibration calibration(const hand::Description& hand, const estima
   return {hand};
 }
 
+hand::Description calibrated_hand(const hand::Description& hand, estimation::EventLog& log,
+                                  const CalibrateOptions& options) {
+  tactile::HandCalibration found = calibration(hand, log, options);
+  log.T_world_table = Eigen::Isometry3d(found.T_believed_plane.linear());
+  return std::move(found.hand);
+}
+
 double CalibratePhase::time_limit() const { return 20 + kSecondsATouch * options_.touches; }
 
 PhaseEnd CalibratePhase::run(Executor& robot, PickState&) {

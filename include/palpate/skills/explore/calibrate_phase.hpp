@@ -44,6 +44,10 @@ struct CalibrateOptions {
 tactile::HandCalibration calibration(const hand::Description& hand, const estimation::EventLog& log,
                                      const CalibrateOptions& options);
 
+/// The hand of calibration(); the log gets the table's tilt.
+hand::Description calibrated_hand(const hand::Description& hand, estimation::EventLog& log,
+                                  const CalibrateOptions& options);
+
 /// Finds out where the hand's links really are, how the arm carries it, where the table is, and
 /// what the mount's load reads where nothing loads it: touches the bare table with one fingertip
 /// after the other in those attitudes that tell most about where fingertips are in grasps. The

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "interface_option.hpp"
+
+namespace palpate::app {
+
+void add_interface_options(CLI::App& command, ros2::RobotInterface& interface) {
+  command.add_option("--world-frame", interface.world, "frame of ROS 2 in which poses are")
+      ->option_text("FRAME")
+      ->capture_default_str();
+  command.add_option("--mount-frame", interface.mount, "frame of ROS 2 that is the hand's mount")
+      ->option_text("FRAME")
+      ->capture_default_str();
+  command.add_option("--joint-states", interface.joint_states, "topic of the joint states")
+      ->option_text("TOPIC")
+      ->capture_default_str();
+  command
+      .add_option("--contacts", interface.contacts,
+                  "topic of the contacts, before the finger's name")
+      ->option_text("TOPIC")
+      ->capture_default_str();
+}
+
+}  // namespace palpate::app

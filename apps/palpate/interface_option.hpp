@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include "palpate/ros2/robot_interface.hpp"
+
+namespace palpate::app {
+
+/// Adds options for the frames and topics by which a hand is known to ROS 2.
+void add_interface_options(CLI::App& command, ros2::RobotInterface& interface);
+
+}  // namespace palpate::app

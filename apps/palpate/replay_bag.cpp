@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "replay_bag.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "hand_option.hpp"
+#include "interface_option.hpp"
+#include "palpate/core/error.hpp"
+#include "palpate/evaluation/trial.hpp"
+#include "palpate/recording/touch_log.hpp"
+#include "palpate/ros2/read_bag.hpp"
+#include "palpate/skills/explore/calibrate_phase.hpp"
+
+namespace palpate::app {
+namespace {
+
+constexpr int kFingers = 2;  // that touch at the instant that is chosen, unless one is named
+
+using Metadata = std::map<std::string, std::string>;
+
+std::string value_of(const Metadata& metadata, const std::string& key) {
+  const auto found = metadata.find(key);
+  return found == metadata.end() ? "" : found->second;
+}
+
+/// Those that the file was made with, changed by --config and --set.
+evaluation::TrialOptions options_of(const Metadata& metadata, const std::string& path,
+                                    const CommonOptions& common) {
+  evaluation::TrialOptions options;
+  parse_toml(value_of(metadata, "config_toml"), path, options, Renamed::accepted);
+  if (!common.config.empty()) load_toml(common.config, options);
+  for (const auto& assignment : common.set) apply_setting(assignment, options);
+  return options;
+}
+
+estimation::EventLog log_of(const ros2::Bag& bag) {
+  recording::Recording recording;
+  for (const auto& reading : bag.readings) recording.frames.push_back({reading, {}, {}});
+  recording.events = bag.events;
+  return recording::event_log(recording);
+}
+
+int touching_fingers(const hand::HandReading& reading) {
+  return static_cast<int>(std::count_if(reading.contacts.begin(), reading.contacts.end(),
+                                        [](const auto& finger) { return !finger.empty(); }));
+}
+
+/// The reading at a time, or the last one in which enough fingers touch.
+std::size_t instant_of(const estimation::EventLog& log, std::optional<double> at,
+                       const std::string& path) {
+  const auto& readings = log.readings;
+  const auto found =
+      std::find_if(readings.rbegin(), readings.rend(), [&](const hand::HandReading& reading) {
+        return at ? reading.time <= *at : touching_fingers(reading) >= kFingers;
+      });
+  if (found != readings.rend()) return static_cast<std::size_t>(readings.rend() - found) - 1;
+  if (at) throw BadInput(fmt::format("--at {}: {} has no reading before", *at, path));
+  throw BadInput(fmt::format("{}: in none of {} readings do {} fingers touch anything", path,
+                             readings.size(), kFingers));
+}
+
+void warn_of(const ros2::Bag& bag, const std::string& path, bool quiet) {
+  const ros2::StreamCounts& counts = bag.counts;
+  if (quiet) return;
+  if (!bag.complete) fmt::print(stderr, "{} has no end: what there is of it is used\n", path);
+  if (counts.malformed + counts.out_of_order + counts.gaps + counts.blind == 0) return;
+  fmt::print(stderr, "{} malformed and {} late messages dropped, {} gaps, {} joint states unused\n",
+             counts.malformed, counts.out_of_order, counts.gaps, counts.blind);
+  if (!counts.last_error.empty()) fmt::print(stderr, "  {}\n", counts.last_error);
+}
+
+}  // namespace
+
+void add_bag_options(CLI::App& command, BagArguments& arguments) {
+  command
+      .add_option("--object", arguments.object,
+                  "of an MCAP file: what the hand touches, a built-in object or a mesh file in "
+                  "metres (default: what the file was exported with)")
+      ->option_text("OBJECT");
+  add_hand_option(command, arguments.hand);
+  command.add_option("--at", arguments.at, "of an MCAP file: instant, s from its first reading")
+      ->option_text("S");
+  add_interface_options(command, arguments.interface);
+}
+
+BagEstimate estimate_from_bag(const std::string& path, const BagArguments& arguments,
+                              const CommonOptions& common) {
+  const Metadata metadata = ros2::bag_metadata(path);
+  const auto options = options_of(metadata, path, common);
+  BagEstimate answer;
+  answer.object = arguments.object.empty() ? value_of(metadata, "object") : arguments.object;
+  answer.hand = arguments.hand.empty() ? value_of(metadata, "hand") : arguments.hand;
+  if (answer.object.empty()) {
+    throw BadInput(fmt::format("{} does not say what was touched: --object does", path));
+  }
+  const auto described = load_hand_with_progress(answer.hand, common.quiet).hand;
+  answer.hand = described.name;
+  const ros2::Bag bag = ros2::read_bag(path, described, arguments.interface);
+  warn_of(bag, path, common.quiet);
+  answer.messages = bag.messages;
+  const geometry::ObjectModel object(geometry::load_known_object(answer.object));
+  const auto log = log_of(bag);
+  auto until = arguments.at ? log : log.until(estimation::TouchEvent::held);
+  const auto held = arguments.at ? std::nullopt : until.at(estimation::TouchEvent::held);
+  const std::size_t at = held ? *held : instant_of(until, arguments.at, path);
+  const auto hand = skills::calibrated_hand(described, until, options.pick.calibrate);
+  const auto seed = value_of(metadata, "seed");
+  estimation::PoseEstimator estimator(object, options.pick_options().estimation,
+                                      seed.empty() ? common.seed : std::stoull(seed));
+  answer.at = until.readings[at].time;
+  answer.estimate = estimator.held(hand, until, at);
+  return answer;
+}
+
+}  // namespace palpate::app

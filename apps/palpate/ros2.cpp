@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include "common.hpp"
+#include "hand_option.hpp"
+#include "interface_option.hpp"
+#include "interrupt.hpp"
+#include "palpate/bridge/estimator_node.hpp"
+#include "palpate/bridge/hand_peer.hpp"
+#include "palpate/evaluation/trial.hpp"
+#include "palpate/simulation/collision/forward_model.hpp"
+
+namespace palpate::app {
+namespace {
+
+struct Ros2Arguments {
+  CommonOptions common;
+  std::string object = "mug", hand;
+  std::optional<int> domain;
+  ros2::RobotInterface interface;
+  bool real_time = false, perturb_links = false;
+  double timeout = bridge::RemoteHandOptions{}.timeout;
+};
+
+int domain_of(const Ros2Arguments& arguments) {
+  return arguments.domain ? *arguments.domain : bridge::default_domain();
+}
+
+void say_ready(const Ros2Arguments& arguments, std::string_view what) {
+  if (arguments.common.quiet) return;
+  fmt::print(stderr, "{} in domain {}; Ctrl-C ends\n", what, domain_of(arguments));
+}
+
+/// What all of them report.
+nlohmann::json report_of(std::uint64_t messages) {
+  return {{"path", nullptr}, {"messages", messages}};
+}
+
+nlohmann::json counts_json(const ros2::StreamCounts& counts) {
+  return {{"joint_states", counts.joint_states},
+          {"contacts", counts.contacts},
+          {"transforms", counts.transforms},
+          {"readings", counts.readings},
+          {"malformed", counts.malformed},
+          {"out_of_order", counts.out_of_order},
+          {"gaps", counts.gaps},
+          {"blind", counts.blind},
+          {"last_error", counts.last_error}};
+}
+
+void print_report(const Ros2Arguments& arguments, const nlohmann::json& report) {
+  if (arguments.common.json) {
+    fmt::print("{}\n", report.dump(2));
+    return;
+  }
+  for (const auto& [key, value] : report.items()) fmt::print("{}: {}\n", key, value.dump());
+}
+
+int estimate(const Ros2Arguments& arguments) {
+  const auto options = resolve<estimation::HeldPoseOptions>(arguments.common);
+  const auto hand = load_hand_with_progress(arguments.hand, arguments.common.quiet).hand;
+  const geometry::ObjectModel object(geometry::load_known_object(arguments.object));
+  const Interrupt interrupt;
+  bridge::Participant participant(domain_of(arguments));
+  bridge::EstimatorNode node(participant, object, hand, arguments.interface, options,
+                             arguments.common.seed);
+  say_ready(arguments, fmt::format("estimating the pose of {} in {}", arguments.object, hand.name));
+  node.run(interrupt.token());
+  const bridge::NodeReport told = node.report();
+  auto report = report_of(told.messages);
+  report.update({{"received", counts_json(told.received)},
+                 {"lost", told.lost},
+                 {"poses", told.poses},
+                 {"estimates", told.estimates},
+                 {"commands", told.commands}});
+  print_report(arguments, report);
+  return kDone;
+}
+
+int serve_robot(const Ros2Arguments& arguments) {
+  const auto options = resolve_trial(arguments.common, arguments.hand);
+  const geometry::ObjectModel object(geometry::load_known_object(arguments.object));
+  const auto start = evaluation::draw_start(object.object(), options.start, arguments.common.seed);
+  simulation::World world(object.object(), options.world, arguments.common.seed);
+  const auto waiting = evaluation::waiting_command(world.hand_model());
+  world.reset(start, waiting);
+  const Interrupt interrupt;
+  bridge::Participant participant(domain_of(arguments));
+  bridge::HandServer server(participant, world.hand(), world.hand_model(), arguments.interface, {},
+                            {.real_time = arguments.real_time});
+  say_ready(arguments,
+            fmt::format("simulating {} with {}", world.hand_model().name, arguments.object));
+  server.run(waiting, interrupt.token());
+  auto report = report_of(server.messages());
+  report.update({{"ticks", server.ticks()},
+                 {"malformed", server.malformed()},
+                 {"T_world_object", to_json(world.truth().T_world_object)}});
+  print_report(arguments, report);
+  return kDone;
+}
+
+/// The hand as it is believed to be.
+hand::Description believed_hand(const Ros2Arguments& arguments,
+                                const evaluation::TrialOptions& options,
+                                const geometry::ObjectModel& object) {
+  if (!arguments.perturb_links) {
+    return load_hand_with_progress(options.world.hand, arguments.common.quiet).hand;
+  }
+  return simulation::World(object.object(), options.world, arguments.common.seed).hand_model();
+}
+
+nlohmann::json pick_json(const skills::PickResult& picked, const skills::Executor& robot) {
+  const auto& posterior = picked.estimate.posterior;
+  auto modes = nlohmann::json::array();
+  for (const auto& mode : posterior.modes) {
+    modes.push_back({{"T_world_object", to_json(mode.T_frame_object)}, {"weight", mode.weight}});
+  }
+  auto faults = nlohmann::json::array();
+  if (picked.fault) {
+    faults.push_back({{"name", to_string(picked.fault.fault)}, {"detail", picked.fault.detail}});
+  }
+  return {{"status", picked.fault  ? "fault"
+                     : picked.held ? "ok"
+                                   : "failed"},
+          {"faults", faults},
+          {"failed_phase", picked.failed_phase},
+          {"attempts", picked.attempts},
+          {"robot_seconds", robot.time()},
+          {"estimate",
+           {{"status", localization::to_string(posterior.status)},
+            {"probability", localization::best_probability(posterior)},
+            {"modes", modes}}}};
+}
+
+int pick(const Ros2Arguments& arguments) {
+  const auto options = resolve_trial(arguments.common, arguments.hand);
+  const geometry::ObjectModel object(geometry::load_known_object(arguments.object));
+  const auto hand = believed_hand(arguments, options, object);
+  const Interrupt interrupt;
+  bridge::Participant participant(domain_of(arguments));
+  bridge::RemoteHand remote(participant, hand, arguments.interface, {},
+                            {.timeout = arguments.timeout});
+  say_ready(arguments, fmt::format("picking {} with {}", arguments.object, hand.name));
+  const simulation::SimulatedModels models(options.forward_model);
+  skills::Executor robot(remote, hand, evaluation::waiting_command(hand), {}, &models,
+                         {options.safety, interrupt.token()});
+  const auto picked = skills::pick(robot, object, options.pick_options(), arguments.common.seed);
+  auto report = report_of(remote.messages());
+  report.update(pick_json(picked, robot));
+  report.update({{"received", counts_json(remote.counts())}, {"repeats", remote.repeats()}});
+  print_report(arguments, report);
+  if (picked.fault) return kStopped;
+  return picked.held ? kDone : kNoSolution;
+}
+
+using Job = int (*)(const Ros2Arguments&);
+
+CLI::App& add_job(CLI::App& ros2, Command& chosen, const std::shared_ptr<Ros2Arguments>& arguments,
+                  const std::string& name, const std::string& help, Job job) {
+  auto& command = *ros2.add_subcommand(name, help);
+  command.add_option("--object", arguments->object, "built-in object or mesh file in metres")
+      ->capture_default_str();
+  add_hand_option(command, arguments->hand);
+  command.add_option("--domain", arguments->domain, "of DDS (default: ROS_DOMAIN_ID, or 0)")
+      ->option_text("N")
+      ->check(CLI::Range(0, 232));
+  add_interface_options(command, arguments->interface);
+  add_common_options(command, arguments->common);
+  command.callback(
+      [arguments, job, &chosen] { chosen = [arguments, job] { return job(*arguments); }; });
+  return command;
+}
+
+}  // namespace
+
+void add_ros2(CLI::App& program, Command& chosen) {
+  auto& ros2 = *program.add_subcommand(
+      "ros2", "Speak with ROS 2 nodes, without an installation of ROS (docs/ros2.md)");
+  ros2.require_subcommand(1);
+  auto arguments = std::make_shared<Ros2Arguments>();
+  auto& estimator = add_job(ros2, chosen, arguments, "estimate",
+                            "Estimate the pose of what somebody's hand holds", &estimate);
+  estimator.footer(
+      "Takes /joint_states, /contacts/FINGER and /tf, gives /palpate/estimate, modes, status,\n"
+      "markers and /tf until interrupted; /palpate/command takes start, stop and estimate.\n\n"
+      "Examples:\n"
+      "  palpate ros2 estimate --object mug --hand shadow\n"
+      "  palpate ros2 estimate --object part.stl --hand my_hand.xml --mount-frame wrist_3_link");
+  auto& robot = add_job(ros2, chosen, arguments, "robot", "Be a simulated hand beside an object",
+                        &serve_robot);
+  robot.add_flag("--real-time", arguments->real_time,
+                 "a tick of 10 ms takes 10 ms; else one passes with every command");
+  robot.footer(
+      "Examples:\n"
+      "  palpate ros2 robot --object mug --hand shadow --seed 3 --real-time");
+  auto& picker = add_job(ros2, chosen, arguments, "pick", "Pick with a hand behind ROS 2", &pick);
+  picker.add_option("--timeout", arguments->timeout, "s that a tick waits for its reading")
+      ->option_text("S")
+      ->check(CLI::Range(0.01, 60.0))
+      ->capture_default_str();
+  picker.add_flag("--perturb-links", arguments->perturb_links,
+                  "for a simulated hand: believe its links off by world.noise.link, as pick does");
+  picker.footer(
+      "Examples:\n"
+      "  palpate ros2 pick --object mug --hand shadow --seed 3   # beside palpate ros2 robot");
+  ros2.footer(
+      "Examples:\n"
+      "  palpate ros2 estimate --object mug --hand shadow\n"
+      "  palpate ros2 robot --object mug --real-time\n"
+      "  palpate ros2 pick --object mug");
+}
+
+}  // namespace palpate::app

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+// In the place of ros2.cpp where there is no Cyclone DDS.
+#include "common.hpp"
+#include "palpate/core/error.hpp"
+
+namespace palpate::app {
+
+void add_ros2(CLI::App& program, Command& chosen) {
+  auto& command = *program.add_subcommand(
+      "ros2", "Speak with ROS 2 nodes: not in this build, which found no Cyclone DDS");
+  command.allow_extras();
+  command.callback([&chosen] {
+    chosen = []() -> int {
+      throw BadInput("built without Cyclone DDS: install cyclonedds-dev and build again");
+    };
+  });
+}
+
+}  // namespace palpate::app

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "palpate/estimation/estimate.hpp"
+#include "palpate/estimation/online_tracker.hpp"
+
+namespace palpate::estimation {
+
+struct HeldPoseOptions {
+  double period = 0.1;       ///< s from one estimate to the next, at least
+  int fingers = 2;           ///< that must touch for an estimate
+  double lost_after = 0.5;   ///< s with fewer, after which nothing is known any more
+  double turn_sigma = 0.2;   ///< rad, by which the object turns unforeseen in a period, per axis
+  double way_sigma = 0.008;  ///< m, by which it moves so
+  localization::LocalizerOptions first;                   ///< search where nothing is known
+  EstimationOptions estimation = estimation_in_motion();  ///< and afterwards
+
+  template <class Visitor>
+  void visit(Visitor&& v) {
+    v("period", period, 0.01, 10.0, "s from one estimate to the next, at least");
+    v("fingers", fingers, 1, hand::kMaxFingers, "that must touch for an estimate");
+    v("lost_after", lost_after, 0.05, 100.0, "s with fewer, after which nothing is known");
+    v("rotation_sigma", turn_sigma, 1e-4, 3.0, "rad, unforeseen turn of the object in a period");
+    v("translation_sigma", way_sigma, 1e-5, 0.2, "m, unforeseen way of the object in a period");
+    v.section("first", first);
+    v.section("estimation", estimation);
+  }
+};
+
+/// The pose of what a hand holds, from its readings alone: nothing need be known of how it came
+/// into the hand. Between estimates the object goes with the palm while fingers touch it.
+///
+/// feel() takes microseconds. An estimate takes longer than a tick and may be made by another
+/// thread: task() is what it needs, accept() takes its result, while readings go on.
+class HeldPoseFollower {
+ public:
+  /// What an estimate is made from.
+  struct Task {
+    EventLog log;                                  ///< the last readings
+    Eigen::Isometry3d T_world_palm;                ///< at the last of them
+    std::optional<localization::PosePrior> prior;  ///< in the hand's base
+    std::uint64_t number = 0, epoch = 0;
+  };
+
+  /// Keeps a reference to the object.
+  HeldPoseFollower(const geometry::ObjectModel& object, hand::Description hand,
+                   HeldPoseOptions options, std::uint64_t seed);
+
+  void feel(const hand::HandReading& reading);
+
+  /// Whether enough fingers touch, and the last task is a period old.
+  bool due() const;
+  Task task();
+  /// In the world, at the task's last reading.
+  HeldPoseEstimate estimate(const Task& task) const;
+  /// Ignored where the object has been lost, or all forgotten, since the task.
+  void accept(const Task& task, HeldPoseEstimate estimate);
+
+  /// In the world, at the last reading; without modes where nothing is known.
+  localization::Posterior posterior() const;
+  void forget();
+
+ private:
+  Eigen::Isometry3d carried() const;
+  localization::PosePrior prior() const;
+
+  const geometry::ObjectModel& object_;
+  hand::Description hand_;
+  HeldPoseOptions options_;
+  RandomStream random_;
+  EventLog log_;  ///< of the last readings
+  Eigen::Isometry3d T_world_palm_ = Eigen::Isometry3d::Identity();
+  Eigen::Isometry3d palm_of_estimate_ = Eigen::Isometry3d::Identity();
+  localization::Posterior known_;  ///< in the world, with the palm at palm_of_estimate_
+  double known_at_ = 0, touched_at_ = 0, asked_at_ = 0;  ///< s
+  std::uint64_t tasks_ = 0, epoch_ = 0;
+};
+
+}  // namespace palpate::estimation

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "palpate/recording/recording.hpp"
+#include "palpate/ros2/reading_stream.hpp"
+
+namespace palpate::ros2 {
+
+/// What a file of messages tells of a hand.
+struct Bag {
+  std::vector<hand::HandReading> readings;  ///< one a tick; time from the first one
+  std::vector<recording::Event> events;     ///< of files that export_mcap() wrote
+  StreamCounts counts;
+  std::uint64_t messages = 0;  ///< in the file, of all topics
+  bool complete = true;        ///< false: the file's end is missing
+};
+
+/// Metadata of an MCAP file that export_mcap() wrote; empty for others.
+/// @throws BadInput as read_mcap()
+std::map<std::string, std::string> bag_metadata(const std::filesystem::path& path);
+
+/// Whether a file begins as an MCAP does.
+bool is_mcap(const std::filesystem::path& path);
+
+/// The readings of a hand from an MCAP file of anyone's: joint states, contacts of the fingers, and
+/// where the mount is.
+/// @throws BadInput, naming the file, the topics that it has and what is missing, for one without
+///         any reading; and as read_mcap()
+Bag read_bag(const std::filesystem::path& path, const hand::Description& hand,
+             const RobotInterface& interface = {}, const StreamOptions& options = {});
+
+}  // namespace palpate::ros2

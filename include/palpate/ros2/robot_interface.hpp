@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "palpate/hand/description.hpp"
+
+namespace palpate::ros2 {
+
+/// Topics and frames by which a hand is known. docs/ros2.md has a table of them.
+struct RobotInterface {
+  std::string joint_states = "/joint_states";
+  std::string actuator_states = "/actuator_states";
+  std::string contacts = "/contacts";  ///< "/FINGER" is appended
+  std::string wrench = "/wrench";      ///< of the mount on the hand, beyond what the hand weighs
+  std::string tf = "/tf", tf_static = "/tf_static";
+  std::string world = "world", mount = "mount";  ///< frames
+  std::string palpate = "/palpate";              ///< before the topics that the estimator writes
+
+  /// Where a finger's contacts are told. Characters that no topic may hold become "_".
+  [[nodiscard]] std::string contacts_of(const hand::Finger& finger) const {
+    std::string topic = contacts + "/" + finger.name;
+    for (char& c : topic) {
+      const bool sound = (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') ||
+                         (c >= 'a' && c <= 'z') || c == '_' || c == '/';
+      if (!sound) c = '_';
+    }
+    return topic;
+  }
+};
+
+/// Frame of a finger's contacts: that of its distal link.
+inline const std::string& tip_frame(const hand::Description& hand, const hand::Finger& finger) {
+  return hand.links[static_cast<std::size_t>(finger.link)].name;
+}
+
+}  // namespace palpate::ros2

@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <chrono>
+#include <deque>
+#include <optional>
+
+#include "bridge/stream_readers.hpp"
+#include "bridge/wall_clock.hpp"
+#include "palpate/bridge/hand_peer.hpp"
+#include "palpate/core/error.hpp"
+#include "palpate/ros2/messages/trajectory_msgs.hpp"
+
+namespace palpate::bridge {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+struct JointMessage {
+  std::string cdr;
+  std::uint64_t time = 0, received = 0;
+};
+
+}  // namespace
+
+struct RemoteHand::Impl {
+  Participant& participant;
+  const hand::Description& hand;
+  ros2::RobotInterface interface;
+  RemoteHandOptions options;
+  ros2::ReadingStream stream;
+  std::deque<RawReader> readers;
+  Writer<ros2::JointTrajectory> joints;
+  Writer<ros2::PoseStamped> mount;
+  std::deque<JointMessage> waiting;  // joint states, the other parts of which may be on their way
+  std::optional<hand::HandReading> last;
+  std::uint64_t stamp = wall_clock();  // of commands: later than those of any before
+  std::uint64_t received = 0, repeats = 0;
+
+  Impl(Participant& at, const hand::Description& described, const ros2::RobotInterface& named,
+       const CommandTopics& topics, const RemoteHandOptions& chosen)
+      : participant(at),
+        hand(described),
+        interface(named),
+        options(chosen),
+        stream(described, named),
+        joints(at, topics.joints),
+        mount(at, topics.mount) {
+    add_stream_readers(participant, hand, interface, readers);
+  }
+
+  void send(const hand::HandCommand& command) {
+    const ros2::Time time = ros2::stamp_of(stamp);
+    mount.write({{time, interface.world}, ros2::pose_of(command.base.pose())});
+    ros2::JointTrajectory trajectory;
+    trajectory.header = {time, interface.mount};
+    for (const auto& actuator : hand.actuators) trajectory.joint_names.push_back(actuator.name);
+    ros2::JointTrajectoryPoint point;
+    point.positions.assign(command.positions.begin(), command.positions.end());
+    point.time_from_start = {0, static_cast<std::uint32_t>(1e9 * hand::kTick)};
+    trajectory.points.push_back(point);
+    joints.write(trajectory);
+  }
+
+  void receive() {
+    for (RawReader& reader : readers) {
+      reader.take([&](std::string_view cdr, std::uint64_t now) {
+        ++received;
+        if (reader.topic() != interface.joint_states) {
+          stream.take(reader.topic(), reader.type(), cdr, now);
+        } else {
+          hold_back(cdr, now);
+        }
+      });
+    }
+  }
+
+  void hold_back(std::string_view cdr, std::uint64_t now) {
+    try {
+      const auto state = ros2::deserialize<ros2::JointState>(cdr);
+      waiting.push_back({std::string(cdr), ros2::nanoseconds_of(state.header.stamp), now});
+    } catch (const BadInput&) {
+      stream.take(interface.joint_states, ros2::JointState::kType, cdr, now);  // counts it
+    }
+  }
+
+  /// The latest reading that is complete, or has waited long enough.
+  std::optional<hand::HandReading> latest(bool patient) {
+    std::optional<hand::HandReading> newest;
+    while (!waiting.empty()) {
+      const JointMessage& first = waiting.front();
+      if (patient && !stream.has_all_since(first.time)) break;
+      auto reading =
+          stream.take(interface.joint_states, ros2::JointState::kType, first.cdr, first.received);
+      waiting.pop_front();
+      if (reading) newest = std::move(reading);
+    }
+    return newest;
+  }
+
+  std::optional<hand::HandReading> await(double timeout) {
+    const auto start = Clock::now();
+    std::optional<Clock::time_point> incomplete;
+    while (seconds_since(start) < timeout) {
+      participant.wait(incomplete ? options.patience : timeout);
+      receive();
+      const bool patient = !incomplete || seconds_since(*incomplete) < options.patience;
+      if (auto reading = latest(patient)) return reading;
+      if (!waiting.empty() && !incomplete) incomplete = Clock::now();
+    }
+    return std::nullopt;
+  }
+};
+
+RemoteHand::RemoteHand(Participant& participant, const hand::Description& hand,
+                       const ros2::RobotInterface& interface, const CommandTopics& topics,
+                       const RemoteHandOptions& options)
+    : impl_(new Impl(participant, hand, interface, topics, options)) {}
+
+RemoteHand::~RemoteHand() = default;
+
+hand::HandReading RemoteHand::step(const hand::HandCommand& command) {
+  Impl& impl = *impl_;
+  impl.stamp += static_cast<std::uint64_t>(1e9 * hand::kTick);
+  impl.send(command);
+  const auto start = Clock::now();
+  auto reading = impl.await(impl.options.timeout);
+  while (!reading && !impl.last && seconds_since(start) < impl.options.connect) {
+    impl.send(command);
+    reading = impl.await(impl.options.timeout);
+  }
+  if (!reading && !impl.last) {
+    throw BadInput(
+        fmt::format("no hand within {} s: {} messages came, {} joint states without the "
+                    "place of the mount, {} malformed {}",
+                    impl.options.connect, impl.received, impl.stream.counts().blind,
+                    impl.stream.counts().malformed, impl.stream.counts().last_error));
+  }
+  if (!reading) {
+    ++impl.repeats;
+    impl.send(command);
+    return *impl.last;
+  }
+  impl.last = reading;
+  return *reading;
+}
+
+const ros2::StreamCounts& RemoteHand::counts() const { return impl_->stream.counts(); }
+std::uint64_t RemoteHand::messages() const {
+  return impl_->received + impl_->joints.written() + impl_->mount.written();
+}
+std::uint64_t RemoteHand::repeats() const { return impl_->repeats; }
+
+}  // namespace palpate::bridge

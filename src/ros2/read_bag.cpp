@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/ros2/read_bag.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+#include <set>
+#include <string_view>
+#include <utility>
+
+#include "palpate/core/error.hpp"
+#include "palpate/ros2/cdr.hpp"
+#include "palpate/ros2/export_recording.hpp"
+#include "palpate/ros2/mcap_reader.hpp"
+#include "ros2/mcap_records.hpp"
+
+namespace palpate::ros2 {
+namespace {
+
+constexpr std::size_t kMaxNamedTopics = 12;  // in a message
+
+/// "note lift: mark held" as it was; nothing for what says nothing like that.
+std::optional<recording::Event> event_of(std::string_view text, double time) {
+  const std::size_t space = text.find(' '), colon = text.find(": ");
+  if (space == std::string_view::npos || colon == std::string_view::npos || colon < space) {
+    return std::nullopt;
+  }
+  for (const auto kind :
+       {recording::EventKind::begin, recording::EventKind::note, recording::EventKind::end}) {
+    if (recording::to_string(kind) != text.substr(0, space)) continue;
+    return recording::Event{time, kind, std::string(text.substr(space + 1, colon - space - 1)),
+                            std::string(text.substr(colon + 2))};
+  }
+  return std::nullopt;
+}
+
+using Told = std::vector<std::pair<std::uint64_t, std::string>>;  // texts by time, ns
+
+/// What is no text tells nothing.
+void take_event(const McapMessage& message, Told& told) {
+  try {
+    told.emplace_back(message.log_time, deserialize<String>(message.data).data);
+  } catch (const BadInput&) {
+  }
+}
+
+std::string why_none(const StreamCounts& counts, const RobotInterface& interface,
+                     const hand::Description& hand) {
+  if (!counts.last_error.empty()) return counts.last_error;
+  if (counts.joint_states == 0) {
+    return fmt::format("no joint of the hand {} in {}", hand.name, interface.joint_states);
+  }
+  return fmt::format("{} joint states, but no transform from {} to {}, or not all joints of {}",
+                     counts.joint_states, interface.world, interface.mount, hand.name);
+}
+
+std::string list_of(const std::set<std::string, std::less<>>& topics) {
+  std::string text;
+  std::size_t count = 0;
+  for (const auto& topic : topics) {
+    text += (text.empty() ? "" : ", ") +
+            (count < kMaxNamedTopics ? fmt::format("{:?}", topic) : std::string("..."));
+    if (count++ == kMaxNamedTopics) break;
+  }
+  return text.empty() ? "none" : text;
+}
+
+}  // namespace
+
+std::map<std::string, std::string> bag_metadata(const std::filesystem::path& path) {
+  auto metadata = read_mcap(path, [](const McapMessage&) {}).metadata;
+  return metadata[kMetadata];
+}
+
+bool is_mcap(const std::filesystem::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::string head(kMcapMagic.size(), '\0');
+  in.read(head.data(), static_cast<std::streamsize>(head.size()));
+  return in && head == kMcapMagic;
+}
+
+Bag read_bag(const std::filesystem::path& path, const hand::Description& hand,
+             const RobotInterface& interface, const StreamOptions& options) {
+  Bag bag;
+  ReadingStream stream(hand, interface, options);
+  std::set<std::string, std::less<>> topics;
+  Told told;
+  const auto contents = read_mcap(path, [&](const McapMessage& message) {
+    if (!topics.contains(message.topic)) topics.emplace(message.topic);
+    if (message.encoding != "cdr") return;
+    if (message.type == String::kType && message.topic == interface.palpate + "/events") {
+      take_event(message, told);
+    }
+    auto reading = stream.take(message.topic, message.type, message.data, message.log_time);
+    if (reading) bag.readings.push_back(std::move(*reading));
+  });
+  bag.counts = stream.counts();
+  bag.messages = contents.messages;
+  bag.complete = contents.complete;
+  if (bag.readings.empty()) {
+    throw BadInput(fmt::format("{}: no reading of a hand: {}; its topics: {}", path.string(),
+                               why_none(bag.counts, interface, hand), list_of(topics)));
+  }
+  const auto start = static_cast<double>(*stream.start());
+  for (const auto& [time, text] : told) {
+    auto event = event_of(text, 1e-9 * (static_cast<double>(time) - start));
+    if (event) bag.events.push_back(std::move(*event));
+  }
+  return bag;
+}
+
+}  // namespace palpate::ros2

@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/ros2/reading_stream.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "palpate/core/error.hpp"
+#include "palpate/core/plausible.hpp"
+#include "palpate/hand/kinematics.hpp"
+#include "palpate/ros2/cdr.hpp"
+
+namespace palpate::ros2 {
+namespace {
+
+constexpr std::size_t kMaxFrames = 1000;  // that are remembered
+constexpr int kMaxChain = 64;             // transforms from the mount to the world
+constexpr auto kTickNs = static_cast<std::uint64_t>(1e9 * hand::kTick);
+constexpr std::uint64_t kEarly = kTickNs / 4;  // by which clocks jitter
+
+std::uint64_t time_of(const Header& header, std::uint64_t received) {
+  const std::uint64_t stamped = nanoseconds_of(header.stamp);
+  return stamped == 0 ? received : stamped;
+}
+
+template <class Named>
+std::map<std::string, std::size_t, std::less<>> index_of(const std::vector<Named>& items) {
+  std::map<std::string, std::size_t, std::less<>> index;
+  for (std::size_t i = 0; i < items.size(); ++i) index[items[i].name] = i;
+  return index;
+}
+
+/// @throws BadInput unless there is a value for each name
+void check_sizes(const JointState& state, const std::vector<double>& values) {
+  if (values.size() == state.name.size()) return;
+  throw BadInput(fmt::format("{} values for {} joints", values.size(), state.name.size()));
+}
+
+Eigen::Vector3d vector_in(const Vector3& v) { return {v.x, v.y, v.z}; }
+
+}  // namespace
+
+ReadingStream::ReadingStream(const hand::Description& hand, RobotInterface interface,
+                             const StreamOptions& options)
+    : hand_(hand),
+      interface_(std::move(interface)),
+      options_(options),
+      joint_of_(index_of(hand.joints)),
+      actuator_of_(index_of(hand.actuators)),
+      felt_(hand.fingers.size()),
+      joints_(hand.joints.size()) {
+  torques_.setZero(hand.actuator_count());
+  for (std::size_t i = 0; i < hand.fingers.size(); ++i) {
+    finger_of_topic_[interface_.contacts_of(hand.fingers[i])] = i;
+  }
+}
+
+std::optional<hand::HandReading> ReadingStream::take(std::string_view topic, std::string_view type,
+                                                     std::string_view cdr, std::uint64_t received) {
+  try {
+    if (type == JointState::kType && topic == interface_.joint_states) {
+      return take_joints(deserialize<JointState>(cdr), received);
+    }
+    if (type == JointState::kType && topic == interface_.actuator_states) {
+      take_actuators(deserialize<JointState>(cdr), received);
+    } else if (type == TFMessage::kType &&
+               (topic == interface_.tf || topic == interface_.tf_static)) {
+      take_transforms(deserialize<TFMessage>(cdr), topic == interface_.tf_static, received);
+    } else if (type == WrenchStamped::kType && topic == interface_.wrench) {
+      take_wrench(deserialize<WrenchStamped>(cdr), received);
+    } else if (type == PointCloud2::kType) {
+      const auto finger = finger_of_topic_.find(topic);
+      if (finger == finger_of_topic_.end()) return std::nullopt;
+      take_contacts(finger->second, deserialize<PointCloud2>(cdr), received);
+    }
+  } catch (const BadInput& error) {
+    ++counts_.malformed;
+    counts_.last_error = fmt::format("{}: {}", topic, error.what());
+  }
+  return std::nullopt;
+}
+
+bool ReadingStream::is_later(std::uint64_t time, std::uint64_t& latest) {
+  if (time <= latest && latest != 0) {
+    ++counts_.out_of_order;
+    return false;
+  }
+  latest = time;
+  return true;
+}
+
+bool ReadingStream::is_fresh(std::uint64_t then, std::uint64_t now) const {
+  const auto age = static_cast<double>(now) - static_cast<double>(then);
+  return then != 0 && std::abs(age) <= 1e9 * options_.max_age;
+}
+
+std::optional<hand::HandReading> ReadingStream::take_joints(const JointState& state,
+                                                            std::uint64_t received) {
+  check_sizes(state, state.position);
+  for (const double position : state.position) {
+    plausible(position, -kMaxAngle, kMaxAngle, "a joint's position");
+  }
+  const std::uint64_t time = time_of(state.header, received);
+  bool any = false, later = false;
+  for (std::size_t i = 0; i < state.name.size(); ++i) {
+    const auto known = joint_of_.find(state.name[i]);
+    if (known == joint_of_.end()) continue;
+    any = true;
+    SensedJoint& joint = joints_[known->second];
+    if (time <= joint.time) continue;
+    later = true;
+    joint = {state.position[i], time};
+  }
+  if (!any) return std::nullopt;  // of another part of the robot
+  if (!later) {
+    ++counts_.out_of_order;
+    return std::nullopt;
+  }
+  ++counts_.joint_states;
+  counts_.gaps += joints_at_ != 0 && !is_fresh(joints_at_, time) ? 1 : 0;
+  joints_at_ = std::max(joints_at_, time);
+  return reading_at(time);
+}
+
+void ReadingStream::take_actuators(const JointState& state, std::uint64_t received) {
+  check_sizes(state, state.effort);
+  for (const double effort : state.effort) plausible(effort, -kMaxTorque, kMaxTorque, "a torque");
+  if (!is_later(time_of(state.header, received), torques_at_)) return;
+  ++counts_.actuator_states;
+  for (std::size_t i = 0; i < state.name.size(); ++i) {
+    const auto actuator = actuator_of_.find(state.name[i]);
+    if (actuator == actuator_of_.end()) continue;
+    torques_[static_cast<Eigen::Index>(actuator->second)] = state.effort[i];
+  }
+}
+
+void ReadingStream::take_contacts(std::size_t finger, const PointCloud2& cloud,
+                                  std::uint64_t received) {
+  const std::string& frame = tip_frame(hand_, hand_.fingers[finger]);
+  if (cloud.header.frame_id != frame) {
+    throw BadInput(
+        fmt::format("contacts in the frame {:?}, not {:?}", cloud.header.frame_id, frame));
+  }
+  auto contacts = ros2::contacts_of(cloud);
+  Felt& felt = felt_[finger];
+  if (!is_later(time_of(cloud.header, received), felt.time)) return;
+  ++counts_.contacts;
+  felt.contacts = std::move(contacts);
+}
+
+void ReadingStream::take_wrench(const WrenchStamped& wrench, std::uint64_t received) {
+  const Eigen::Vector3d force = vector_in(wrench.wrench.force);
+  check_plausible(force, kMaxForce, "a force of the mount");
+  const bool in_world = wrench.header.frame_id == interface_.world;
+  if (!in_world && wrench.header.frame_id != interface_.mount) {
+    throw BadInput(fmt::format("a wrench in the frame {:?}, neither {:?} nor {:?}",
+                               wrench.header.frame_id, interface_.world, interface_.mount));
+  }
+  const std::uint64_t time = time_of(wrench.header, received);
+  const auto T_world_mount = in_world ? Eigen::Isometry3d::Identity() : mount_at(time);
+  if (!T_world_mount || !is_later(time, force_at_)) return;
+  ++counts_.wrenches;
+  force_ = T_world_mount->linear() * force;
+}
+
+void ReadingStream::take_transforms(const TFMessage& message, bool fixed, std::uint64_t received) {
+  for (const TransformStamped& transform : message.transforms) {
+    const Eigen::Isometry3d T = transform_of(transform.transform);
+    auto known = transforms_.find(transform.child_frame_id);
+    if (known == transforms_.end()) {
+      if (transforms_.size() >= kMaxFrames) continue;
+      known = transforms_.emplace(transform.child_frame_id, Transformed{}).first;
+    }
+    if (!is_later(time_of(transform.header, received), known->second.time)) continue;
+    ++counts_.transforms;
+    known->second.parent = transform.header.frame_id;
+    known->second.T = T;
+    known->second.fixed = fixed;
+  }
+}
+
+bool ReadingStream::has_all_since(std::uint64_t time) const {
+  const auto mount = transforms_.find(interface_.mount);
+  return torques_at_ >= time && force_at_ >= time && mount != transforms_.end() &&
+         mount->second.time >= time &&
+         std::all_of(felt_.begin(), felt_.end(),
+                     [&](const Felt& felt) { return felt.time >= time; });
+}
+
+std::optional<Eigen::Isometry3d> ReadingStream::mount_at(std::uint64_t time) const {
+  Eigen::Isometry3d T_frame_mount = Eigen::Isometry3d::Identity();
+  std::string_view frame = interface_.mount;
+  for (int i = 0; i < kMaxChain; ++i) {
+    if (frame == interface_.world) return T_frame_mount;
+    const auto known = transforms_.find(frame);
+    if (known == transforms_.end()) return std::nullopt;
+    if (!known->second.fixed && !is_fresh(known->second.time, time)) return std::nullopt;
+    T_frame_mount = known->second.T * T_frame_mount;
+    frame = known->second.parent;
+  }
+  return std::nullopt;
+}
+
+std::optional<hand::HandReading> ReadingStream::reading_at(std::uint64_t time) {
+  if (time + kEarly < next_) return std::nullopt;
+  const auto T_world_mount = mount_at(time);
+  hand::HandReading reading;
+  reading.joints.setZero(hand_.joint_count());
+  bool complete = T_world_mount.has_value();
+  for (std::size_t i = 0; i < joints_.size(); ++i) {
+    complete = complete && is_fresh(joints_[i].time, time);
+    reading.joints[static_cast<Eigen::Index>(i)] = joints_[i].angle;
+  }
+  if (!complete) {
+    ++counts_.blind;
+    return std::nullopt;
+  }
+  if (!start_) start_ = time;
+  next_ = next_ + kTickNs > time ? next_ + kTickNs : time + kTickNs;
+  reading.time = 1e-9 * static_cast<double>(time - *start_);
+  reading.torques = torques_;
+  reading.base = hand::BasePosition::at(*T_world_mount);
+  if (is_fresh(force_at_, time)) reading.base_force = force_;
+  for (const Felt& felt : felt_) {
+    reading.contacts.push_back(is_fresh(felt.time, time) ? felt.contacts
+                                                         : std::vector<hand::TipContact>{});
+  }
+  ++counts_.readings;
+  return reading;
+}
+
+}  // namespace palpate::ros2

@@ -1,0 +1,259 @@
+# SPDX-License-Identifier: Apache-2.0
+"""An independent ROS 2 node: Python's Cyclone DDS, with definitions of its own of ROS 2's messages."""
+
+import dataclasses
+import math
+import time
+
+from cyclonedds.core import Policy, Qos
+from cyclonedds.domain import DomainParticipant
+from cyclonedds.idl import make_idl_struct
+from cyclonedds.idl.annotations import final
+from cyclonedds.idl.types import array, float64, int32, sequence, uint8, uint32
+from cyclonedds.pub import DataWriter
+from cyclonedds.sub import DataReader
+from cyclonedds.topic import Topic
+from cyclonedds.util import duration
+
+LOOPBACK = (
+    "<CycloneDDS><Domain><General><AllowMulticast>false</AllowMulticast>"
+    '<Interfaces><NetworkInterface name="lo" multicast="false"/></Interfaces></General>'
+    "<Discovery><ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>60"
+    '</MaxAutoParticipantIndex><Peers><Peer address="127.0.0.1"/></Peers></Discovery>'
+    "</Domain></CycloneDDS>"
+)
+
+
+def message(package):
+    """A dataclass as the message of a ROS 2 package of the same name."""
+
+    def decorate(cls):
+        typename = f"{package}.msg.dds_.{cls.__name__}_"
+        return final(make_idl_struct(cls.__name__, typename, cls.__annotations__))
+
+    return decorate
+
+
+@message("builtin_interfaces")
+class Time:
+    sec: int32
+    nanosec: uint32
+
+
+@message("builtin_interfaces")
+class Duration:
+    sec: int32
+    nanosec: uint32
+
+
+@message("std_msgs")
+class Header:
+    stamp: Time
+    frame_id: str
+
+
+@message("std_msgs")
+class String:
+    data: str
+
+
+@message("std_msgs")
+class MultiArrayDimension:
+    label: str
+    size: uint32
+    stride: uint32
+
+
+@message("std_msgs")
+class MultiArrayLayout:
+    dim: sequence[MultiArrayDimension]
+    data_offset: uint32
+
+
+@message("std_msgs")
+class Float64MultiArray:
+    layout: MultiArrayLayout
+    data: sequence[float64]
+
+
+@message("sensor_msgs")
+class JointState:
+    header: Header
+    name: sequence[str]
+    position: sequence[float64]
+    velocity: sequence[float64]
+    effort: sequence[float64]
+
+
+@message("sensor_msgs")
+class PointField:
+    name: str
+    offset: uint32
+    datatype: uint8
+    count: uint32
+
+
+@message("sensor_msgs")
+class PointCloud2:
+    header: Header
+    height: uint32
+    width: uint32
+    fields: sequence[PointField]
+    is_bigendian: bool
+    point_step: uint32
+    row_step: uint32
+    data: sequence[uint8]
+    is_dense: bool
+
+
+@message("geometry_msgs")
+class Vector3:
+    x: float64
+    y: float64
+    z: float64
+
+
+@message("geometry_msgs")
+class Point:
+    x: float64
+    y: float64
+    z: float64
+
+
+@message("geometry_msgs")
+class Quaternion:
+    x: float64
+    y: float64
+    z: float64
+    w: float64
+
+
+@message("geometry_msgs")
+class Pose:
+    position: Point
+    orientation: Quaternion
+
+
+@message("geometry_msgs")
+class PoseWithCovariance:
+    pose: Pose
+    covariance: array[float64, 36]
+
+
+@message("geometry_msgs")
+class PoseWithCovarianceStamped:
+    header: Header
+    pose: PoseWithCovariance
+
+
+@message("geometry_msgs")
+class PoseArray:
+    header: Header
+    poses: sequence[Pose]
+
+
+@message("geometry_msgs")
+class Transform:
+    translation: Vector3
+    rotation: Quaternion
+
+
+@message("geometry_msgs")
+class TransformStamped:
+    header: Header
+    child_frame_id: str
+    transform: Transform
+
+
+@message("tf2_msgs")
+class TFMessage:
+    transforms: sequence[TransformStamped]
+
+
+class _Impostor:
+    numbers: sequence[uint32]
+
+
+Impostor = final(make_idl_struct("Impostor", "sensor_msgs.msg.dds_.JointState_", _Impostor.__annotations__))
+
+
+def stamp_of(nanoseconds):
+    return Time(nanoseconds // 10**9, nanoseconds % 10**9)
+
+
+def nanoseconds_of(stamp):
+    return stamp.sec * 10**9 + stamp.nanosec
+
+
+def converted(value, kind):
+    """A decoded message of another library as one of these."""
+    if isinstance(kind, type) and dataclasses.is_dataclass(kind):
+        return kind(**{
+            field.name: converted(getattr(value, field.name), field.type)
+            for field in dataclasses.fields(kind)
+        })  # fmt: skip
+    inner = getattr(kind, "__metadata__", [None])[0]
+    element = getattr(inner, "subtype", None)
+    if element is not None and isinstance(element, type) and dataclasses.is_dataclass(element):
+        return [converted(item, element) for item in value]
+    return list(value) if isinstance(value, (list, tuple, bytes, bytearray)) else value
+
+
+class Peer:
+    """A participant with writers and readers by topic of ROS 2."""
+
+    def __init__(self, domain):
+        self.participant = DomainParticipant(domain)
+        self.qos = Qos(
+            Policy.Reliability.Reliable(duration(seconds=1)),
+            Policy.Durability.Volatile,
+            Policy.History.KeepAll,
+            Policy.DataRepresentation(use_cdrv0_representation=True),
+        )
+        self.writers, self.readers = {}, {}
+
+    def topic(self, name, kind):
+        return Topic(self.participant, "rt" + name, kind, qos=self.qos)
+
+    def write(self, name, value):
+        if name not in self.writers:
+            self.writers[name] = DataWriter(self.participant, self.topic(name, type(value)), qos=self.qos)
+        self.writers[name].write(value)
+
+    def advertise(self, name, kind):
+        self.writers[name] = DataWriter(self.participant, self.topic(name, kind), qos=self.qos)
+
+    def listen(self, name, kind):
+        self.readers[name] = DataReader(self.participant, self.topic(name, kind), qos=self.qos)
+
+    def take(self, name):
+        return [sample for sample in self.readers[name].take(N=1000) if hasattr(sample, "__dataclass_fields__")]
+
+    def is_heard(self):
+        return all(writer.get_matched_subscriptions() for writer in self.writers.values())
+
+    def hears(self):
+        return all(reader.get_matched_publications() for reader in self.readers.values())
+
+
+def wait_until(condition, seconds=60):
+    """Whether it became true; the limit is for tests that fail."""
+    end = time.monotonic() + seconds
+    while not condition():
+        if time.monotonic() > end:
+            return False
+        time.sleep(0.005)
+    return True
+
+
+def restamped(value, now):
+    """The message as if it were of another time, ns."""
+    stamps = [part.header for part in value.transforms] if hasattr(value, "transforms") else [value.header]
+    for header in stamps:
+        header.stamp = stamp_of(now)
+    return value
+
+
+def is_finite_pose(pose):
+    numbers = [*dataclasses.astuple(pose.position), *dataclasses.astuple(pose.orientation)]
+    return all(map(math.isfinite, numbers))

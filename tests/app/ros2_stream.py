@@ -1,0 +1,70 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a hand tells while it holds something: messages of an exported pick, of any later time."""
+
+import copy
+
+import mcap.reader
+import mcap_ros2.decoder
+
+import ros2_peer
+from ros2_peer import converted, restamped
+
+KINDS = {
+    "/joint_states": ros2_peer.JointState,
+    "/actuator_states": ros2_peer.JointState,
+    "/tf": ros2_peer.TFMessage,
+}
+LAST = 2_000_000_000  # ns, of the file that are read
+HELD = 40  # the last so many messages of each topic are told again and again
+
+
+class HeldStream:
+    def __init__(self, path):
+        self.messages = {}
+        with open(path, "rb") as file:
+            reader = mcap.reader.make_reader(file, decoder_factories=[mcap_ros2.decoder.DecoderFactory()])
+            start = reader.get_summary().statistics.message_end_time - LAST
+            for _, channel, _, message in reader.iter_decoded_messages(starting_at=start):
+                topic = channel.topic
+                kind = ros2_peer.PointCloud2 if topic.startswith("/contacts/") else KINDS.get(topic)
+                if topic == "/tf" and message.transforms[0].child_frame_id == "palpate_object":
+                    continue
+                if kind:
+                    kept = self.messages.setdefault(topic, [])
+                    kept.append((kind, message))
+                    del kept[:-HELD]
+                if topic == "/palpate/estimate":
+                    at = message.pose.pose.position
+                    self.estimated = [at.x, at.y, at.z]
+        self.messages = {
+            topic: [converted(message, kind) for kind, message in kept]
+            for topic, kept in self.messages.items()
+        }
+        self.sent = 0
+
+    def advertise(self, peer):
+        for topic, messages in self.messages.items():
+            peer.advertise(topic, type(messages[0]))
+
+    def message(self, topic, now):
+        return restamped(copy.deepcopy(self.messages[topic][self.sent % HELD]), now)
+
+    def joints(self, now):
+        return self.message("/joint_states", now)
+
+    def cloud(self, finger, now):
+        return self.message("/contacts/" + finger, now)
+
+    def send_joints(self, peer, now):
+        peer.write("/joint_states", self.joints(now))
+
+    def send(self, peer, now):
+        """All topics, the joint states last."""
+        self.sent += 1
+        for topic in self.messages:
+            if topic != "/joint_states":
+                peer.write(topic, self.message(topic, now))
+        self.send_joints(peer, now)
+
+    def acknowledged(self, peer):
+        return peer.writers["/joint_states"].wait_for_acks(ros2_peer.duration(seconds=10))

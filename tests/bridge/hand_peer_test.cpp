@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/bridge/hand_peer.hpp"
+
+#include <cmath>
+#include <thread>
+#include <vector>
+
+#include "bridge/bridge_fixture.hpp"
+#include "bridge/hand_commands.hpp"
+#include "palpate/core/error.hpp"
+#include "palpate/ros2/cdr.hpp"
+#include "recording/toy_recording.hpp"
+
+namespace palpate::bridge {
+namespace {
+
+using Effect = HandCommands::Effect;
+
+/// Does at once what it is told, and remembers it.
+class ObedientHand : public hand::Hand {
+ public:
+  explicit ObedientHand(const hand::Description& hand) : reading_(hand::resting_reading(hand)) {}
+
+  hand::HandReading step(const hand::HandCommand& command) override {
+    commands_.push_back(command);
+    reading_.time += hand::kTick;
+    reading_.base = command.base;
+    reading_.torques = command.positions;
+    reading_.joints[0] = 0.001 * static_cast<double>(commands_.size());
+    reading_.contacts[1] = {{{0.001, 0, 0}, {0, 0, 1}, {0, 0, -0.5}}};
+    return reading_;
+  }
+
+  std::vector<hand::HandCommand> commands_;
+
+ private:
+  hand::HandReading reading_;
+};
+
+class HandPeer : public DdsTest {
+ protected:
+  hand::Description hand_ = recording::toy_hand();
+  Participant here_{domain_}, there_{domain_};
+
+  hand::HandCommand command(int i) const {
+    auto command = hand::resting_command(hand_);
+    for (auto& position : command.positions) position = 0.01 * i;
+    command.base.xyz = {0.001 * i, 0, 0.3};
+    return command;
+  }
+
+  /// A served hand, until the end of its life.
+  struct Served {
+    ObedientHand hand;
+    HandServer server;
+    std::jthread thread;
+    Served(Participant& at, const hand::Description& described, const hand::HandCommand& start)
+        : hand(described),
+          server(at, hand, described),
+          thread([this, start](const std::stop_token& stop) { server.run(start, stop); }) {}
+    ~Served() {
+      thread.request_stop();
+      thread.join();
+    }
+  };
+};
+
+TEST_F(HandPeer, EveryCommandIsOneTickAndItsReading) {
+  Served served(there_, hand_, command(0));
+  RemoteHand remote(here_, hand_, {}, {}, {.timeout = 20, .patience = 20, .connect = 60});
+  constexpr int kSteps = 200;
+  double before = -1;
+  for (int i = 1; i <= kSteps; ++i) {
+    const auto reading = remote.step(command(i));
+    EXPECT_GT(reading.time, before);
+    before = reading.time;
+    EXPECT_EQ(reading.torques[0], 0.01 * i);
+    EXPECT_TRUE(reading.base.xyz.isApprox(command(i).base.xyz, 1e-12));
+    ASSERT_EQ(reading.contacts[1].size(), 1U);
+    EXPECT_NEAR(reading.contacts[1][0].p.x(), 0.001, 1e-9);
+  }
+  EXPECT_EQ(served.hand.commands_.size(), 1U + kSteps);
+  EXPECT_EQ(remote.counts().malformed + remote.counts().out_of_order, 0U);
+}
+
+TEST_F(HandPeer, WhoDiesIsSilentAndIsTakenUpAgain) {
+  RemoteHand remote(here_, hand_, {}, {}, {.timeout = 2, .patience = 0.5, .connect = 60});
+  hand::HandReading last;
+  {
+    Served served(there_, hand_, command(0));
+    for (int i = 1; i <= 3; ++i) last = remote.step(command(i));
+  }
+  const auto silent = remote.step(command(4));
+  EXPECT_EQ(silent.time, last.time);
+  EXPECT_EQ(silent.torques, last.torques);
+  EXPECT_EQ(remote.repeats(), 1U);
+  Served again(there_, hand_, command(0));
+  hand::HandReading reading = silent;
+  for (int i = 5; i < 35 && reading.time == last.time; ++i) reading = remote.step(command(i));
+  EXPECT_GT(reading.time, last.time);
+}
+
+TEST_F(HandPeer, WithoutAHandTheFirstStepSaysSo) {
+  RemoteHand remote(here_, hand_, {}, {}, {.timeout = 0.05, .patience = 0.01, .connect = 0.2});
+  EXPECT_THROW(remote.step(command(0)), BadInput);
+}
+
+class CommandsTest : public testing::Test {
+ protected:
+  hand::Description hand_ = recording::toy_hand();
+  HandCommands commands_{hand_, hand::resting_command(hand_)};
+
+  std::string joints(std::int32_t sec, double position) const {
+    ros2::JointTrajectory trajectory;
+    trajectory.header.stamp.sec = sec;
+    trajectory.joint_names = {hand_.actuators[2].name};
+    trajectory.points.resize(1);
+    trajectory.points[0].positions = {position};
+    return ros2::serialize(trajectory);
+  }
+  static std::string mount(std::int32_t sec, double x) {
+    ros2::PoseStamped target;
+    target.header.stamp.sec = sec;
+    target.pose.position.x = x;
+    return ros2::serialize(target);
+  }
+};
+
+TEST_F(CommandsTest, JointsAndMountOfOneStampAreOneCommand) {
+  EXPECT_EQ(commands_.take_mount(mount(1, 0.5)), Effect::none);
+  EXPECT_EQ(commands_.take_joints(joints(1, 0.25)), Effect::step);
+  EXPECT_EQ(commands_.command().base.xyz.x(), 0.5);
+  EXPECT_EQ(commands_.command().positions[2], 0.25);
+  EXPECT_EQ(commands_.take_joints(joints(2, 0.5)), Effect::none);
+  EXPECT_EQ(commands_.take_mount(mount(2, 0.75)), Effect::step);  // in the other order
+}
+
+TEST_F(CommandsTest, RepeatedOnesAreKnownAndLateOnesDropped) {
+  commands_.take_mount(mount(5, 0.5));
+  commands_.take_joints(joints(5, 0.25));
+  EXPECT_EQ(commands_.take_mount(mount(5, 0.5)), Effect::none);
+  EXPECT_EQ(commands_.take_joints(joints(5, 0.25)), Effect::repeat);
+  EXPECT_EQ(commands_.take_joints(joints(4, 0.75)), Effect::none);
+  EXPECT_EQ(commands_.take_mount(mount(4, 0.75)), Effect::none);
+  EXPECT_EQ(commands_.command().positions[2], 0.25);
+  EXPECT_EQ(commands_.command().base.xyz.x(), 0.5);
+  EXPECT_EQ(commands_.malformed(), 0U);
+}
+
+TEST_F(CommandsTest, WhoNeverCommandsTheMountIsNotWaitedFor) {
+  EXPECT_EQ(commands_.take_joints(joints(1, 0.25)), Effect::step);
+  ros2::Float64MultiArray positions;
+  positions.data.assign(static_cast<std::size_t>(hand_.actuator_count()), 0.125);
+  EXPECT_EQ(commands_.take_positions(ros2::serialize(positions)), Effect::step);
+  EXPECT_EQ(commands_.command().positions[3], 0.125);
+}
+
+TEST_F(CommandsTest, WhatCannotBeIsCountedAndChangesNothing) {
+  ros2::JointTrajectory unknown;
+  unknown.joint_names = {"elbow"};
+  unknown.points.resize(1);
+  unknown.points[0].positions = {1};
+  ros2::Float64MultiArray few;
+  few.data = {1, 2};
+  ros2::PoseStamped turned;
+  turned.pose.orientation = {0, 0, 0, 0};
+  EXPECT_EQ(commands_.take_joints(ros2::serialize(unknown)), Effect::none);
+  EXPECT_EQ(commands_.take_joints(ros2::serialize(ros2::JointTrajectory{})), Effect::none);
+  EXPECT_EQ(commands_.take_joints(joints(1, std::nan(""))), Effect::none);
+  EXPECT_EQ(commands_.take_joints("garbage"), Effect::none);
+  EXPECT_EQ(commands_.take_positions(ros2::serialize(few)), Effect::none);
+  EXPECT_EQ(commands_.take_mount(ros2::serialize(turned)), Effect::none);
+  EXPECT_EQ(commands_.malformed(), 6U);
+  EXPECT_EQ(commands_.command().positions, hand::resting_command(hand_).positions);
+}
+
+}  // namespace
+}  // namespace palpate::bridge
