@@ -142,6 +142,7 @@ SolidObject differing_object(const geometry::KnownObject& told, const WorldError
 }
 
 WorldOptions with_drawn_friction(WorldOptions options, const RandomStream& random) {
+  if (options.error.friction == 0) return options;
   RandomStream draw = random.fork("friction");
   for (double* friction : {&options.hand_friction, &options.table_friction}) {
     *friction = std::max(kLeastFriction, *friction + up_to(options.error.friction, draw));

@@ -8,7 +8,6 @@
 
 #include "estimation/mean_load.hpp"
 #include "palpate/hand/tip_forces.hpp"
-#include "skills/grasp/pressing.hpp"
 
 namespace palpate::skills {
 namespace {
@@ -49,11 +48,10 @@ Executor::StopCondition load_below(double load, double since = 0) {
 /// The posture at which the actuators that press would press no more.
 hand::ActuatorVector unloaded(const Executor& robot) {
   hand::ActuatorVector posture = robot.command().positions;
-  const hand::ActuatorVector felt = felt_torques(robot);
   for (Eigen::Index i = 0; i < posture.size(); ++i) {
     const auto& actuator = robot.actuators()[static_cast<std::size_t>(i)];
     if (actuator.finger < 0) continue;
-    posture[i] -= felt[i] / actuator.stiffness;
+    posture[i] -= robot.reading().torques[i] / actuator.stiffness;
   }
   return posture;
 }
