@@ -63,6 +63,7 @@ Eigen::Isometry3d parse_pose(const std::string& argument);
 using Command = std::function<int()>;
 void add_pick(CLI::App& program, Command& chosen);
 void add_eval(CLI::App& program, Command& chosen);
+void add_merge(CLI::App& program, Command& chosen);
 void add_replay(CLI::App& program, Command& chosen);
 void add_register(CLI::App& program, Command& chosen);
 void add_certify(CLI::App& program, Command& chosen);

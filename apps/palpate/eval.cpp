@@ -5,11 +5,12 @@
 
 #include "common.hpp"
 #include "eval_faults.hpp"
+#include "eval_report.hpp"
 #include "hand_option.hpp"
+#include "object_option.hpp"
 #include "palpate/core/cache.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
-#include "palpate/core/statistics.hpp"
 #include "palpate/evaluation/evaluation.hpp"
 #include "palpate/geometry/objects/generated_shape.hpp"
 #include "place_report.hpp"
@@ -21,113 +22,38 @@
 namespace palpate::app {
 namespace {
 
-using evaluation::ObjectSummary;
 using nlohmann::json;
+
+/// A share of all trials, by their number over all objects.
+struct Shard {
+  std::size_t number = 1, count = 1;
+
+  [[nodiscard]] bool has(std::size_t trial) const { return trial % count == number - 1; }
+};
+
+/// @throws BadInput unless it is I/N, 1 <= I <= N
+Shard parse_shard(const std::string& text) {
+  std::size_t number = 0, count = 0;
+  char end = 0;
+  const int read = std::sscanf(text.c_str(), "%zu/%zu%c", &number, &count, &end);
+  if (read != 2 || number < 1 || number > count || count > 1'000'000) {
+    throw BadInput(fmt::format("--shard {}: it is I/N with 1 <= I <= N, as in 3/16", text));
+  }
+  return {number, count};
+}
 
 struct EvalArguments {
   CommonOptions common;
   bool resume = false;
   std::vector<std::string> objects = {"mug", "bottle", "box", "bracket", "bunny"};
   std::size_t trials = 30;
+  ObjectArguments told;
   std::string place, hand;
   std::vector<std::string> faults;
   bool campaign = false;
+  std::string shard_text;
+  Shard shard;
 };
-
-json quantiles_json(const std::vector<double>& values) {
-  if (values.empty()) return {{"median", nullptr}, {"p95", nullptr}};
-  return {{"median", median(values)}, {"p95", quantile(values, 0.95)}};
-}
-
-double rate(std::size_t count, std::size_t trials) {
-  return trials == 0 ? 0 : static_cast<double>(count) / static_cast<double>(trials);
-}
-
-/// Nothing here depends on how fast the machine is.
-json phases_json(const std::map<std::string, evaluation::PhaseSummary>& phases) {
-  json all = json::object();
-  for (const auto& [name, phase] : phases) {
-    all[name] = {{"runs", phase.runs},
-                 {"ok", rate(phase.ok, phase.runs)},
-                 {"robot_seconds", quantiles_json(phase.robot_seconds)}};
-  }
-  return all;
-}
-
-json median_or_null(const std::vector<double>& values) {
-  return values.empty() ? json() : json(median(values));
-}
-
-json mean_or_null(const std::vector<double>& values) {
-  return values.empty() ? json() : json(mean(values));
-}
-
-json summary_json(const ObjectSummary& summary) {
-  return {{"trials", summary.trials},
-          {"lifted", rate(summary.lifted, summary.trials)},
-          {"pose_ok", rate(summary.pose_ok, summary.trials)},
-          {"lifted_at_once", rate(summary.lifted_at_once, summary.trials)},
-          {"pose_tight", rate(summary.pose_tight, summary.trials)},
-          {"pose_ok_before_lift", rate(summary.pose_ok_before_lift, summary.trials)},
-          {"pose_ok_before_probe", rate(summary.pose_ok_before_probe, summary.trials)},
-          {"pose_ok_tracked", rate(summary.pose_ok_tracked, summary.trials)},
-          {"probed", rate(summary.probed, summary.trials)},
-          {"certain", rate(summary.certain, summary.trials)},
-          {"mean_probability", mean_or_null(summary.probability)},
-          {"confident_wrong", rate(summary.confident_wrong, summary.trials)},
-          {"coverage", rate(summary.covered, summary.lifted)},
-          {"false_hold", rate(summary.false_hold, summary.trials)},
-          {"modes_median", median_or_null(summary.modes)},
-          {"placed", rate(summary.place.placed, summary.trials)},
-          {"placed_of_certain", rate(summary.place.placed, summary.place.certain)},
-          {"place", place_summary_json(summary.place, summary.trials)},
-          {"phases", phases_json(summary.phases)},
-          {"robot_seconds", quantiles_json(summary.robot_seconds)},
-          {"rotation_error_deg", quantiles_json(summary.rotation_error_deg)},
-          {"translation_error_mm", quantiles_json(summary.translation_error_mm)},
-          {"slip_mm", quantiles_json(summary.slip_mm)},
-          {"tip_force", quantiles_json(summary.tip_force)},
-          {"explored_motion_mm", quantiles_json(summary.explored_motion_mm)},
-          {"failures", summary.failures},
-          {"symmetry_order", summary.symmetry_order}};
-}
-
-std::string rate_text(std::size_t count, std::size_t trials) {
-  if (trials == 0) return "-";
-  const auto interval = wilson_interval(count, trials);
-  return fmt::format("{:.2f} [{:.2f}, {:.2f}]", rate(count, trials), interval.low, interval.high);
-}
-
-std::string median_text(const std::vector<double>& values) {
-  return values.empty() ? "-" : fmt::format("{:.1f}", median(values));
-}
-
-std::string failures_text(const ObjectSummary& summary) {
-  std::string text;
-  for (const auto& [phase, count] : summary.failures) {
-    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", phase, count);
-  }
-  return text.empty() ? "-" : text;
-}
-
-void print_row(const std::string& name, const ObjectSummary& summary) {
-  fmt::print("{:<10} {:<18} {:<18} {:<18} {:>6} {:>7} {:>7}   {}\n", name,
-             rate_text(summary.lifted, summary.trials), rate_text(summary.pose_ok, summary.trials),
-             rate_text(summary.covered, summary.lifted), median_text(summary.modes),
-             median_text(summary.rotation_error_deg), median_text(summary.translation_error_mm),
-             failures_text(summary));
-  std::fflush(stdout);
-}
-
-void print_places(const std::vector<std::string>& names,
-                  const std::vector<ObjectSummary>& summaries, const ObjectSummary& all) {
-  fmt::print("\n{}\n", place_heading());
-  for (std::size_t i = 0; i < summaries.size(); ++i) {
-    fmt::print("{}\n", place_row(names[i], summaries[i].place, summaries[i].trials));
-  }
-  fmt::print("{}\n* of the certain\n\n{}", place_row("all", all.place, all.trials),
-             phases_table(all.phases));
-}
 
 /// Fingerprint of all that decides how a trial goes, but for its number.
 std::string configuration_of(const EvalArguments& arguments,
@@ -136,20 +62,42 @@ std::string configuration_of(const EvalArguments& arguments,
   std::string text = config_header(arguments.common) + to_toml(options);
   for (std::size_t i = 0; i < objects.size(); ++i) {
     const auto& vertices = objects[i].mesh.vertices;
-    text += fmt::format("{}:{}\n", arguments.objects[i].size(), arguments.objects[i]);
+    text += fmt::format("{}:{} {}\n", arguments.objects[i].size(), arguments.objects[i],
+                        objects[i].mass);
     text.append(reinterpret_cast<const char*>(vertices.data()),
                 vertices.size() * sizeof vertices[0]);
   }
   return content_hash(text);
 }
 
+EvalPlan plan_of(const EvalArguments& arguments, const evaluation::TrialOptions& options,
+                 const std::vector<geometry::KnownObject>& objects) {
+  EvalPlan plan{arguments.objects,
+                {},
+                arguments.trials,
+                arguments.common.seed,
+                !options.place.target.empty(),
+                configuration_of(arguments, options, objects)};
+  for (const auto& object : objects) plan.symmetry_orders.push_back(object.symmetries.size());
+  return plan;
+}
+
+/// Numbers of an object's trials that are of this share.
+std::vector<std::size_t> own_trials(const EvalArguments& arguments, std::size_t object) {
+  std::vector<std::size_t> numbers = evaluation::trial_numbers(arguments.trials);
+  std::erase_if(numbers, [&](std::size_t number) {
+    return !arguments.shard.has(object * arguments.trials + number);
+  });
+  return numbers;
+}
+
 /// What an evaluation keeps in its folder, from which it goes on where it was interrupted.
 struct EvalOutput {
   EvalOutput(const EvalArguments& arguments, const evaluation::TrialOptions& options,
-             const std::vector<geometry::KnownObject>& objects)
+             const EvalPlan& plan)
       : folder(arguments.common.out, kept_by_force(arguments), arguments.common.force),
-        records(begin(), configuration_of(arguments, options, objects)),
-        table(folder.path() / "trials.csv", !options.place.target.empty()) {
+        records(begin(), plan),
+        table(folder.path() / "trials.csv", plan.place) {
     write_file_atomically(folder.path() / "config.toml",
                           config_header(arguments.common) + to_toml(options));
     std::filesystem::remove(folder.path() / "eval.json");  // of fewer trials
@@ -186,11 +134,16 @@ struct EvalOutput {
 
 int eval(EvalArguments arguments) {
   if (arguments.campaign) {
-    if (arguments.resume || !arguments.place.empty()) {
-      throw BadInput("--faults goes neither with --resume nor with --place");
+    if (arguments.resume || !arguments.place.empty() || !arguments.shard_text.empty() ||
+        arguments.told.mass || !arguments.told.at.empty()) {
+      throw BadInput("--faults goes with none of --resume, --place, --shard, --mass and --at");
     }
     return eval_faults(resolve_trial(arguments.common, arguments.hand), arguments.common,
                        arguments.objects, arguments.trials, arguments.faults);
+  }
+  if (!arguments.shard_text.empty()) arguments.shard = parse_shard(arguments.shard_text);
+  if (arguments.shard.count > 1 && arguments.common.out.empty()) {
+    throw BadInput("--shard needs --out: `palpate merge` reads what it writes there");
   }
   if (arguments.resume && (arguments.common.out.empty() || arguments.common.force)) {
     throw BadInput("--resume needs the --out of an evaluation, and no --force");
@@ -202,9 +155,10 @@ int eval(EvalArguments arguments) {
   arguments.objects = geometry::expand_object_names(arguments.objects);
   auto options = resolve_trial(arguments.common, arguments.hand);
   if (!arguments.place.empty()) options.place.target = place_text(arguments.place);
+  apply_place(arguments.told, options.start);
   std::optional<Notice> notice(std::in_place, "preparing the objects", arguments.common.quiet);
   std::vector<geometry::KnownObject> objects;
-  for (const auto& name : arguments.objects) objects.push_back(geometry::load_known_object(name));
+  for (const auto& name : arguments.objects) objects.push_back(load_object(name, arguments.told));
   // A source or target that cannot be is named before anything moves.
   static_cast<void>(options.touch.from_biotacs());
   for (const auto& object : objects) {
@@ -217,46 +171,32 @@ int eval(EvalArguments arguments) {
   notice.reset();
   const std::filesystem::path folder = arguments.common.out;
   std::optional<EvalOutput> output;
-  if (!folder.empty()) output.emplace(arguments, options, objects);
+  const EvalPlan plan = plan_of(arguments, options, objects);
+  if (!folder.empty()) output.emplace(arguments, options, plan);
 
-  const bool table = !arguments.common.json;
-  if (table) {
-    fmt::print("{:<10} {:<18} {:<18} {:<18} {:>6} {:>7} {:>7}   {}\n", "object", "lifted",
-               "pose right", "coverage*", "modes", "deg", "mm", "failures");
-  }
-  json report = {{"trials", arguments.trials}, {"seed", arguments.common.seed}};
-  std::vector<ObjectSummary> summaries;
-  ObjectSummary all;
+  EvalReport report(plan, arguments.common.json);
   for (std::size_t i = 0; i < objects.size(); ++i) {
     const geometry::ObjectModel model(objects[i]);
-    const ProgressBar bar(arguments.objects[i], arguments.trials, arguments.common.quiet);
-    bar.show(0);
-    summaries.push_back(evaluation::evaluate(
-        model, options, arguments.common.seed, arguments.trials, arguments.common.threads,
-        [&](std::size_t done, const evaluation::Trial& trial) {
-          bar.show(done);
-          evaluation::add_trial(trial, all);
-          if (output) output->add(arguments.objects[i], arguments.common.seed + done - 1, trial);
+    const auto numbers = own_trials(arguments, i);
+    const ProgressBar bar(arguments.objects[i], numbers.size(), arguments.common.quiet);
+    std::size_t done = 0;
+    bar.show(done);
+    report.end_object(evaluation::evaluate(
+        model, options, arguments.common.seed, numbers, arguments.common.threads,
+        [&](std::size_t number, const evaluation::Trial& trial) {
+          bar.show(++done);
+          report.add(trial);
+          if (output) output->add(arguments.objects[i], arguments.common.seed + number, trial);
         },
-        [&](std::size_t trial) {
-          return output ? output->records.find(arguments.objects[i], arguments.common.seed + trial)
+        [&](std::size_t number) {
+          return output ? output->records.find(arguments.objects[i], arguments.common.seed + number)
                         : std::nullopt;
         }));
-    report["objects"][arguments.objects[i]] = summary_json(summaries.back());
-    if (table) print_row(arguments.objects[i], summaries.back());
   }
-  report["all"] = summary_json(all);
-  report["all"].erase("symmetry_order");
-  if (table) {
-    print_row("all", all);
-    fmt::print("rates over all trials with 95 % Wilson intervals; * of the lifted\n");
-    if (!options.place.target.empty()) print_places(arguments.objects, summaries, all);
-  } else {
-    fmt::print("{}\n", report.dump(2));
-  }
+  const json summary = report.finish();
   if (output) {
     output->table.write();
-    write_file_atomically(folder / "eval.json", report.dump(2) + "\n");
+    write_file_atomically(folder / "eval.json", summary.dump(2) + "\n");
   }
   return kDone;
 }
@@ -276,6 +216,10 @@ void add_eval(CLI::App& program, Command& chosen) {
       ->capture_default_str();
   command.add_flag("--resume", arguments->resume,
                    "continue the evaluation in DIR; never start one");
+  command
+      .add_option("--shard", arguments->shard_text,
+                  "run only the Ith of N shares of the trials, for `palpate merge`")
+      ->option_text("I/N");
   auto* const faults =
       command
           .add_option(
@@ -285,6 +229,7 @@ void add_eval(CLI::App& program, Command& chosen) {
           ->delimiter(',')
           ->expected(0, 100);
   add_place_option(command, arguments->place);
+  add_object_options(command, arguments->told);
   add_hand_option(command, arguments->hand);
   add_common_options(command, arguments->common);
   command.footer(
@@ -300,6 +245,7 @@ void add_eval(CLI::App& program, Command& chosen) {
       "  palpate eval --object bunny --trials 10 --set attempts=1 --json\n"
       "  palpate eval --object box,mug --trials 5 --faults load_nan,finger_silent --json\n"
       "  palpate eval --place random --trials 20 --seed 9000\n"
+      "  palpate eval --trials 100 --seed 9000 --shard 3/16 --out part3\n"
       "  palpate eval --object box --place stable_pose --trials 10 --seed 9000");
   command.callback([arguments, faults, &chosen] {
     arguments->campaign = faults->count() > 0;

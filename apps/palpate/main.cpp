@@ -56,6 +56,7 @@ int run(int argc, char** argv) {
   Command chosen;
   add_pick(program, chosen);
   add_eval(program, chosen);
+  add_merge(program, chosen);
   add_replay(program, chosen);
   add_register(program, chosen);
   add_certify(program, chosen);

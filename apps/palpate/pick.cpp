@@ -8,6 +8,7 @@
 #include "common.hpp"
 #include "hand_option.hpp"
 #include "interrupt.hpp"
+#include "object_option.hpp"
 #include "palpate/core/file.hpp"
 #include "palpate/core/version.hpp"
 #include "palpate/evaluation/trial.hpp"
@@ -24,6 +25,7 @@ namespace fs = std::filesystem;
 struct PickArguments {
   CommonOptions common;
   std::string object = "mug";
+  ObjectArguments told;
   std::string hand;
   std::optional<int> explore;
   std::string place;
@@ -57,8 +59,9 @@ int pick(const PickArguments& arguments) {
     options.pick.explore.max_touches = *arguments.explore;
   }
   if (!arguments.place.empty()) options.place.target = place_text(arguments.place);
+  apply_place(arguments.told, options.start);
   std::optional<Notice> notice(std::in_place, "preparing " + arguments.object, common.quiet);
-  const geometry::ObjectModel object(geometry::load_known_object(arguments.object));
+  const geometry::ObjectModel object(load_object(arguments.object, arguments.told));
   // Bad ones are named first.
   const auto start = evaluation::draw_start(object.object(), options.start, common.seed);
   evaluation::place_target(object.object(), options.place, common.seed,
@@ -113,6 +116,7 @@ void add_pick(CLI::App& program, Command& chosen) {
       .add_option("--object", arguments->object,
                   "mug, bottle, box, bracket, bunny, or a mesh file in metres")
       ->capture_default_str();
+  add_object_options(command, arguments->told);
   add_hand_option(command, arguments->hand);
   command
       .add_option("--explore", arguments->explore,
@@ -135,6 +139,7 @@ void add_pick(CLI::App& program, Command& chosen) {
       "  palpate pick --hand my_hand.xml --object box\n"
       "  palpate pick --object part.stl --set lift.height=0.15 --out run1 --json\n"
       "  palpate pick --object box --set start.stable_pose=0 --set world.noise.normal=0.05\n"
+      "  palpate pick --object can.ply --mass 0.349 --at 0.1,-0.05,0.03\n"
       "  palpate pick --object box --place 0.2,0.1,1.57\n"
       "  palpate pick --object bottle --set start.stable_pose=0 --place fixture");
   command.callback([arguments, &chosen] { chosen = [arguments] { return pick(*arguments); }; });

@@ -17,21 +17,59 @@ namespace {
 
 using nlohmann::json;
 
-constexpr const char* kFormat = "palpate-trials 1";
+constexpr const char* kFormat = "palpate-trials 2";
 
-std::string header_line(const std::string& configuration) {
-  return json{{"format", kFormat}, {"configuration", configuration}}.dump() + "\n";
+std::string header_line(const EvalPlan& plan) {
+  return json{{"format", kFormat},
+              {"objects", plan.objects},
+              {"symmetry_orders", plan.symmetry_orders},
+              {"trials", plan.trials},
+              {"seed", plan.seed},
+              {"place", plan.place},
+              {"configuration", plan.configuration}}
+             .dump() +
+         "\n";
+}
+
+EvalPlan plan_of(const json& header) {
+  EvalPlan plan;
+  header.at("objects").get_to(plan.objects);
+  header.at("symmetry_orders").get_to(plan.symmetry_orders);
+  header.at("trials").get_to(plan.trials);
+  header.at("seed").get_to(plan.seed);
+  header.at("place").get_to(plan.place);
+  header.at("configuration").get_to(plan.configuration);
+  return plan;
 }
 
 }  // namespace
 
-TrialRecords::TrialRecords(std::filesystem::path path, std::string configuration)
-    : path_(std::move(path)), configuration_(std::move(configuration)) {
+TrialRecords TrialRecords::of(const std::filesystem::path& path) {
+  TrialRecords records;
+  records.path_ = path;
+  const std::string text = read_file(path);
+  try {
+    records.read(text.substr(0, text.rfind('\n') + 1));
+  } catch (const json::exception& problem) {
+    throw BadInput(fmt::format("{}: damaged: {}", path.string(), problem.what()));
+  }
+  if (records.plan_.objects.empty()) {
+    throw BadInput(fmt::format("{} holds no trials of `palpate eval`", path.string()));
+  }
+  return records;
+}
+
+void TrialRecords::add_all(const TrialRecords& other) {
+  trials_.insert(other.trials_.begin(), other.trials_.end());
+}
+
+TrialRecords::TrialRecords(std::filesystem::path path, const EvalPlan& plan)
+    : path_(std::move(path)), plan_(plan) {
   std::error_code error;
   std::string text = std::filesystem::exists(path_, error) ? read_file(path_) : "";
   const std::size_t whole = text.rfind('\n') == std::string::npos ? 0 : text.rfind('\n') + 1;
   if (whole == 0) {
-    write_file_atomically(path_, header_line(configuration_));
+    write_file_atomically(path_, header_line(plan_));
     return;
   }
   if (whole < text.size()) {
@@ -46,6 +84,11 @@ TrialRecords::TrialRecords(std::filesystem::path path, std::string configuration
   } catch (const json::exception& problem) {
     throw BadInput(fmt::format("{}: damaged: {}", path_.string(), problem.what()));
   }
+  if (plan_ != plan) {
+    throw BadInput(fmt::format(
+        "{} is of an evaluation with other settings: use another --out, or --force to lose it",
+        path_.string()));
+  }
 }
 
 void TrialRecords::read(const std::string& text) {
@@ -57,11 +100,12 @@ void TrialRecords::read(const std::string& text) {
     if (line > 0) {
       trials_[{value.at("object").get<std::string>(), value.at("seed").get<std::uint64_t>()}] =
           evaluation::trial_from_json(value.at("trial"));
-    } else if (value.value("format", "") != kFormat ||
-               value.value("configuration", "") != configuration_) {
+    } else if (value.value("format", "") != kFormat) {
       throw BadInput(fmt::format(
-          "{} is of an evaluation with other settings: use another --out, or --force to lose it",
+          "{} is of another version's evaluation: use another --out, or --force to lose it",
           path_.string()));
+    } else {
+      plan_ = plan_of(value);
     }
   }
 }

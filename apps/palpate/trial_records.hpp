@@ -6,19 +6,39 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "palpate/evaluation/trial.hpp"
 
 namespace palpate::app {
+
+/// Which trials an evaluation is made of, and what its summary needs to know beside them.
+struct EvalPlan {
+  std::vector<std::string> objects;
+  std::vector<std::size_t> symmetry_orders;  ///< one an object
+  std::size_t trials = 0;                    ///< of each
+  std::uint64_t seed = 0;                    ///< of the first of each
+  bool place = false;                        ///< they place the object
+  std::string configuration;  ///< fingerprint of all else that decides how a trial goes
+
+  bool operator==(const EvalPlan&) const = default;
+};
 
 /// The finished trials of an evaluation as lines of JSON, exact, each on the disk before the next
 /// ends: an evaluation that was interrupted goes on from them.
 class TrialRecords {
  public:
   /// Reads what is there; half a line at the end, of a run that was killed, is dropped.
-  /// @param configuration  fingerprint of all that decides how a trial goes, but for its seed
-  /// @throws BadInput if the file is of another configuration, or damaged
-  TrialRecords(std::filesystem::path path, std::string configuration);
+  /// @throws BadInput if the file is of another plan, or damaged
+  TrialRecords(std::filesystem::path path, const EvalPlan& plan);
+
+  /// The records of a file that is only read.
+  /// @throws BadInput if there is none, or it is damaged
+  static TrialRecords of(const std::filesystem::path& path);
+
+  const EvalPlan& plan() const { return plan_; }
+  /// Takes over the trials of another part of the same evaluation.
+  void add_all(const TrialRecords& other);
 
   /// A trial that was finished before.
   std::optional<evaluation::Trial> find(const std::string& object, std::uint64_t seed) const;
@@ -30,10 +50,11 @@ class TrialRecords {
   bool empty() const { return trials_.empty(); }
 
  private:
+  TrialRecords() = default;
   void read(const std::string& text);
 
   std::filesystem::path path_;
-  std::string configuration_;
+  EvalPlan plan_;
   std::map<std::pair<std::string, std::uint64_t>, evaluation::Trial> trials_;
 };
 

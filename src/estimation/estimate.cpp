@@ -90,12 +90,17 @@ EstimationOptions as_it_lay(const hand::Description& hand, const EventLog& log,
   return of_fallen(options, place_under_hand(hand, *felt));
 }
 
+/// The table's frame below the object's rough place.
+Eigen::Isometry3d table_at_place(const EventLog& log, const EstimationOptions& options) {
+  return log.T_world_table * Eigen::Translation3d(options.place.x(), options.place.y(), 0);
+}
+
 /// The table under the object that nobody has moved yet. Misplaced links of the hand shift all that
 /// it feels, so that height and place are uncertain by that much.
 TableSupport resting_table(const KnownObject& object, const hand::Description& hand,
                            const EventLog& log, const EstimationOptions& options) {
   TableSupport table;
-  table.T_frame_table = log.T_world_table;
+  table.T_frame_table = table_at_place(log, options);
   table.stable_pose_weights = stable_pose_weights(object, felt_height(hand, log), options);
   table.tilt_sigma = options.resting_tilt_sigma;
   table.height_sigma = options.resting_height_sigma;
@@ -108,7 +113,7 @@ TableSupport table_at_closing(const KnownObject& object, const hand::Description
                               const EventLog& log, const EstimationOptions& options) {
   TableSupport table;
   const auto& closed = log.readings[*log.at(TouchEvent::closed)];
-  table.T_frame_table = closed.base.pose().inverse() * log.T_world_table;
+  table.T_frame_table = closed.base.pose().inverse() * table_at_place(log, options);
   table.stable_pose_weights = stable_pose_weights(object, felt_height(hand, log), options);
   table.tilt_sigma = options.tilt_sigma;
   table.height_sigma = options.height_sigma;

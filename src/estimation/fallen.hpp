@@ -15,8 +15,8 @@ inline constexpr double kFallenWay = 0.05;   // m
 /// @param place  where it was felt, m
 inline EstimationOptions of_fallen(EstimationOptions options, const Eigen::Vector2d& place) {
   options.resting_tilt_sigma = std::max(options.resting_tilt_sigma, kFallenTilt);
-  options.resting_half_width =
-      std::max(options.resting_half_width, kFallenWay + place.cwiseAbs().maxCoeff());
+  options.resting_half_width = std::max(options.resting_half_width,
+                                        kFallenWay + (place - options.place).cwiseAbs().maxCoeff());
   return options;
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/evaluation/evaluation.hpp"
 
+#include <numeric>
+
 #include "palpate/core/angle.hpp"
 #include "palpate/core/parallel.hpp"
 #include "palpate/core/statistics.hpp"
@@ -84,20 +86,26 @@ void add_trial(const Trial& trial, ObjectSummary& summary) {
   summary.modes.push_back(static_cast<double>(trial.result.estimate.posterior.modes.size()));
 }
 
+std::vector<std::size_t> trial_numbers(std::size_t count) {
+  std::vector<std::size_t> numbers(count);
+  std::iota(numbers.begin(), numbers.end(), std::size_t{0});
+  return numbers;
+}
+
 ObjectSummary evaluate(const geometry::ObjectModel& object, const TrialOptions& options,
-                       std::uint64_t first_seed, std::size_t trials, int threads,
-                       const TrialObserver& observer, const TrialSource& finished) {
+                       std::uint64_t first_seed, const std::vector<std::size_t>& numbers,
+                       int threads, const TrialObserver& observer, const TrialSource& finished) {
   ObjectSummary summary;
   summary.symmetry_order = object.object().symmetries.size();
   parallel_ordered(
-      trials, threads,
+      numbers.size(), threads,
       [&](std::size_t i) {
-        auto known = finished ? finished(i) : std::nullopt;
-        return known ? std::move(*known) : run_trial(object, options, first_seed + i);
+        auto known = finished ? finished(numbers[i]) : std::nullopt;
+        return known ? std::move(*known) : run_trial(object, options, first_seed + numbers[i]);
       },
       [&](std::size_t i, const Trial& trial) {
         add_trial(trial, summary);
-        if (observer) observer(i + 1, trial);
+        if (observer) observer(numbers[i], trial);
       });
   return summary;
 }

@@ -22,6 +22,8 @@ namespace {
 /// Of the believed friction, that forces count on where the object may still move in the hand.
 constexpr double kPlannedShare = 0.8;
 
+constexpr double kPlaceMargin = 0.005;  // m, that the object's start may be beside its rough place
+
 /// Farthest that any of an object is from its centroid, m.
 double radius_of(const geometry::KnownObject& object) {
   double radius = 0;
@@ -39,17 +41,19 @@ Trial unstable(const simulation::Start& start) {
 
 /// The object must not stand on the fixture before it is picked.
 void check_clear(const planning::Fixture& fixture, const geometry::KnownObject& object,
-                 double uncertainty) {
-  const double room = radius_of(object) + std::numbers::sqrt2 * uncertainty;
+                 const StartOptions& start) {
+  const double room = radius_of(object) + std::numbers::sqrt2 * start.uncertainty;
   for (const auto& wall : fixture) {
-    const Eigen::Vector3d origin = wall.T_world_box.inverse() * Eigen::Vector3d::Zero();
+    const Eigen::Vector3d origin =
+        wall.T_world_box.inverse() * Eigen::Vector3d(start.x, start.y, 0);
     const Eigen::Vector3d beyond = (origin.cwiseAbs() - wall.half_extents).cwiseMax(0);
     const double apart = beyond.head<2>().norm();
     if (apart >= room) continue;
-    throw BadInput(fmt::format(
-        "the fixture is where {} may stand at first: a wall {:.3f} m from the origin, {:.3f} m "
-        "are needed",
-        object.name, apart, room));
+    throw BadInput(
+        fmt::format("the fixture is where {} may stand at first: a wall {:.3f} m from its rough "
+                    "place, {:.3f} m "
+                    "are needed",
+                    object.name, apart, room));
   }
 }
 
@@ -72,8 +76,8 @@ simulation::Start draw_start(const geometry::KnownObject& object, const StartOpt
   }
   if (options.stable_pose >= 0) start.stable_pose = options.stable_pose;
   start.yaw = random.uniform(-std::numbers::pi, std::numbers::pi);
-  start.xy = {random.uniform(-options.uncertainty, options.uncertainty),
-              random.uniform(-options.uncertainty, options.uncertainty)};
+  start.xy = {options.x + random.uniform(-options.uncertainty, options.uncertainty),
+              options.y + random.uniform(-options.uncertainty, options.uncertainty)};
   return start;
 }
 
@@ -88,6 +92,11 @@ skills::PickOptions TrialOptions::pick_options() const {
   skills::PickOptions options = pick;
   options.grasp.friction = options.palpation.friction = friction;
   options.grasp.plan.friction = kPlannedShare * friction;
+  options.estimation.place = {start.x, start.y};
+  options.estimation.resting_half_width =
+      std::max(options.estimation.resting_half_width, start.uncertainty + kPlaceMargin);
+  options.calibrate.x += start.x;
+  options.calibrate.y += start.y;
   if (touch.from_biotacs()) {
     options.estimation.errors.point_floor = touch.biotac_point;
     options.estimation.errors.normal_floor = touch.biotac_normal;
@@ -151,7 +160,7 @@ Trial run_trial(const geometry::ObjectModel& object, const TrialOptions& options
   const auto target = place_target(object.object(), options.place, seed,
                                    static_cast<std::size_t>(trial.start.stable_pose));
   const planning::Fixture fixture = place_fixture(object.object(), options.place, target);
-  check_clear(fixture, object.object(), options.start.uncertainty);
+  check_clear(fixture, object.object(), options.start);
   const skills::PickOptions pick_options = options.pick_options();
   simulation::WorldOptions world_options = options.world;
   world_options.biotacs = world_options.biotacs || options.touch.from_biotacs();

@@ -45,6 +45,7 @@ class Picking {
         estimator_(object, options.estimation, seed),
         choose_(choose),
         sequence_(robot, state_, result_.phases, result_.failed_phase, observer) {
+    state_.place = options.estimation.place;
     if (!options.fallen_at) return;
     state_.place = *options.fallen_at;
     result_.fallen = true;

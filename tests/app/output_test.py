@@ -75,6 +75,24 @@ class Output(CliTest):
         self.assertEqual(self.read("part/trials.csv"), rows)
         self.assert_refused(BAD_INPUT, [*EVAL, "--out", "none", "--resume"], "none")
 
+    def test_shares_of_an_evaluation_merge_into_that_of_one_run(self):
+        both = [*EVAL, "--object", "box,bracket"]
+        self.run_program(*both, "--out", "whole")
+        for i in (1, 2, 3):
+            self.run_program(*both, "--shard", f"{i}/3", "--out", f"part{i}")
+        merged = self.run_program("merge", "part1", "part3/trials.jsonl", "part2", "--out", "all",
+                                  "--json")  # fmt: skip
+        self.assertEqual(merged.returncode, DONE, merged.stderr)
+        for name in ["eval.json", "trials.csv"]:  # trials.jsonl holds wall times, too
+            self.assertEqual(self.read(f"all/{name}"), self.read(f"whole/{name}"), name)
+        self.assertEqual(merged.stdout.encode(), self.read("whole/eval.json"))
+
+        self.assert_refused(BAD_INPUT, ["merge", "part1", "part2"], "2 of 6 trials are missing")
+        self.run_program(*EVAL, "--out", "other")
+        self.assert_refused(BAD_INPUT, ["merge", "part1", "other"], "other settings")
+        self.assert_refused(BAD_INPUT, [*both, "--shard", "4/3", "--out", "new"], "4/3")
+        self.assert_refused(BAD_INPUT, [*both, "--shard", "1/3"], "--out")
+
     def test_half_a_line_of_a_killed_run_is_dropped(self):
         self.run_program(*EVAL, "--out", "whole")
         report, lines = self.read("whole/eval.json"), self.read("whole/trials.jsonl")

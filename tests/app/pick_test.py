@@ -4,7 +4,8 @@
 import csv
 import json
 
-from cli import BAD_INPUT, NO_SOLUTION, QUICK, STOPPED, CliTest, binary_stl, box_stl, main
+from cli import (BAD_INPUT, NO_SOLUTION, QUICK, STOPPED, USAGE, CliTest, binary_stl, box_stl,
+                 main)  # fmt: skip
 
 ESTIMATE_KEYS = {
     "object", "T_world_object", "weight", "probability", "rotation_error_deg", "translation_error_mm", "coverage",
@@ -95,6 +96,12 @@ class BadInput(CliTest):
         self.assert_bad_option(["--config", name], "key.toml", "lift.height")
         self.assert_bad_option(["--config", "missing.toml"], "missing.toml")
 
+    def test_a_place_and_a_mass_that_cannot_be(self):
+        for at in ["0.1", "0.1,0.2,0.3", "0.9,0", "here", "0.1,0,0.01,2"]:
+            self.assert_bad_option(["--at", at], "--at", at)
+        for command in ["pick", "eval"]:
+            self.assert_refused(USAGE, [command, "--mass", "-1", "--out", "new"], "--mass")
+
     def test_folder_that_cannot_be_made(self):
         self.write("file", "")
         for command in ["pick", "eval"]:
@@ -108,6 +115,20 @@ class BadInput(CliTest):
 
 
 class Results(CliTest):
+    def test_an_object_elsewhere_and_of_another_mass(self):
+        done = self.run_program("pick", "--object", "box", "--seed", "4", "--mass", "0.25", "--at",
+                                "0.2,-0.15,0.01", "--out", "run", "--json")  # fmt: skip
+        self.assertEqual(done.returncode, 0, done.stderr)
+        report = json.loads(done.stdout)
+        self.assertLess(report["estimate"]["translation_error_mm"], 10)
+        x, y = report["T_world_object_true"][3], report["T_world_object_true"][7]
+        self.assertLess(abs(x - 0.2) + abs(y + 0.15), 0.06)
+        lift = next(phase for phase in report["phases"] if phase["name"] == "lift")
+        self.assertIn("of 2.45 N", lift["outcome"])
+        again = self.run_program("replay", "run/recording.h5", "--json")
+        mode = json.loads(again.stdout)["modes"][0]
+        self.assertEqual(mode["T_world_object"], report["estimate"]["T_world_object"])
+
     def test_pick_reports_and_its_recording_gives_the_same_pose(self):
         report = self.run_json("pick", "--object", "box", "--seed", "3", "--out", "run", *QUICK)
         self.check_pick_report(report)

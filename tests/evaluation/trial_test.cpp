@@ -262,8 +262,8 @@ TEST(Evaluation, NumberOfThreadsDoesNotChangeTheSummary) {
   options.pick.lift.hold = 0.2;
   constexpr std::size_t kTrials = 3;
   std::vector<std::size_t> order;
-  const auto one = evaluate(box, options, 20, kTrials, 1);
-  const auto two = evaluate(box, options, 20, kTrials, 2,
+  const auto one = evaluate(box, options, 20, trial_numbers(kTrials), 1);
+  const auto two = evaluate(box, options, 20, trial_numbers(kTrials), 2,
                             [&](std::size_t done, const Trial&) { order.push_back(done); });
   EXPECT_EQ(one.trials, kTrials);
   expect_equal(one, two);

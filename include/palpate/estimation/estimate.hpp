@@ -9,6 +9,8 @@
 namespace palpate::estimation {
 
 struct EstimationOptions {
+  /// Rough place of the object on the table before it is touched, m. Not an option of the program.
+  Eigen::Vector2d place = Eigen::Vector2d::Zero();
   tactile::ContactErrorModel errors;
   double window = 0.5;                  ///< s of readings, before the mark, that are averaged
   double felt_sigma = 0.005;            ///< of the felt height, m

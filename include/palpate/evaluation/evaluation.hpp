@@ -62,17 +62,21 @@ struct ObjectSummary {
 
 void add_trial(const Trial& trial, ObjectSummary& summary);
 
-/// Told of each finished trial, in the order of the seeds.
-using TrialObserver = std::function<void(std::size_t done, const Trial& trial)>;
+/// Told of each finished trial by its number, in their order.
+using TrialObserver = std::function<void(std::size_t number, const Trial& trial)>;
 
-/// A trial that was finished before, by its number from 0; nothing if it is to be run.
-using TrialSource = std::function<std::optional<Trial>(std::size_t trial)>;
+/// A trial that was finished before, by its number; nothing if it is to be run.
+using TrialSource = std::function<std::optional<Trial>(std::size_t number)>;
 
-/// Repeats the pick of one object with the seeds first_seed, first_seed + 1, ...
+/// 0, 1, ... count - 1.
+std::vector<std::size_t> trial_numbers(std::size_t count);
+
+/// Repeats the pick of one object with the seeds first_seed + number.
 ///
 /// The result is the same for any number of threads, and however many trials were finished before.
 ObjectSummary evaluate(const geometry::ObjectModel& object, const TrialOptions& options,
-                       std::uint64_t first_seed, std::size_t trials, int threads,
-                       const TrialObserver& observer = {}, const TrialSource& finished = {});
+                       std::uint64_t first_seed, const std::vector<std::size_t>& numbers,
+                       int threads, const TrialObserver& observer = {},
+                       const TrialSource& finished = {});
 
 }  // namespace palpate::evaluation

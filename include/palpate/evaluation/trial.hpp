@@ -16,12 +16,15 @@ namespace palpate::evaluation {
 /// How the object starts; drawn at random where nothing is fixed.
 struct StartOptions {
   int stable_pose = -1;       ///< index into KnownObject::stable poses; -1: drawn by probability
-  double uncertainty = 0.02;  ///< m: its place is within +- of the origin
+  double x = 0, y = 0;        ///< m, of its rough place on the table
+  double uncertainty = 0.02;  ///< m: its centroid is within +- of there
 
   template <class Visitor>
   void visit(Visitor&& v) {
     v("stable_pose", stable_pose, -1, 1000, "resting pose; -1: drawn by its probability");
-    v("uncertainty", uncertainty, 0.0, 0.1, "m, the object's place is within +- of the origin");
+    v("uncertainty", uncertainty, 0.0, 0.1, "m, the object is within +- of its rough place");
+    v.expert("x", x, -0.5, 0.5, "m, of its rough place, as --at has it");
+    v.expert("y", y, -0.5, 0.5, "m, of its rough place, as --at has it");
   }
 };
 

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include "common.hpp"
+#include "eval_report.hpp"
+#include "palpate/core/error.hpp"
+#include "palpate/core/file.hpp"
+#include "trial_records.hpp"
+#include "trials_file.hpp"
+
+namespace palpate::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct MergeArguments {
+  CommonOptions common;
+  std::vector<std::string> parts;
+};
+
+/// The trials of a part: the folder of an evaluation, or the file in it.
+TrialRecords read_part(const fs::path& part) {
+  return TrialRecords::of(fs::is_directory(part) ? part / "trials.jsonl" : part);
+}
+
+/// @throws BadInput for parts of different evaluations
+TrialRecords merged(const std::vector<std::string>& parts) {
+  TrialRecords all = read_part(parts.front());
+  for (std::size_t i = 1; i < parts.size(); ++i) {
+    const TrialRecords part = read_part(parts[i]);
+    if (part.plan() != all.plan()) {
+      throw BadInput(
+          fmt::format("{} and {} are of evaluations with other settings", parts.front(), parts[i]));
+    }
+    all.add_all(part);
+  }
+  return all;
+}
+
+/// @throws BadInput unless all trials are there
+void check_whole(const TrialRecords& records) {
+  const EvalPlan& plan = records.plan();
+  std::size_t missing = 0;
+  std::string first;
+  for (const std::string& object : plan.objects) {
+    for (std::size_t number = 0; number < plan.trials; ++number) {
+      if (records.find(object, plan.seed + number)) continue;
+      if (missing++ == 0) first = fmt::format("{} with seed {}", object, plan.seed + number);
+    }
+  }
+  if (missing == 0) return;
+  throw BadInput(fmt::format("{} of {} trials are missing, the first of them {}", missing,
+                             plan.objects.size() * plan.trials, first));
+}
+
+int merge(const MergeArguments& arguments) {
+  const CommonOptions& common = arguments.common;
+  const TrialRecords records = merged(arguments.parts);
+  check_whole(records);
+  const EvalPlan& plan = records.plan();
+  std::optional<OutputFolder> folder;
+  std::optional<TrialRecords> lines;
+  std::optional<TrialsFile> table;
+  if (!common.out.empty()) {
+    folder.emplace(common.out, std::vector<std::string>{"trials.jsonl", "trials.csv", "eval.json"},
+                   common.force);
+    lines.emplace(folder->path() / "trials.jsonl", plan);
+    table.emplace(folder->path() / "trials.csv", plan.place);
+  }
+  EvalReport report(plan, common.json);
+  for (std::size_t i = 0; i < plan.objects.size(); ++i) {
+    evaluation::ObjectSummary summary;
+    summary.symmetry_order = plan.symmetry_orders.at(i);
+    for (std::uint64_t seed = plan.seed; seed < plan.seed + plan.trials; ++seed) {
+      const evaluation::Trial trial = records.find(plan.objects[i], seed).value();
+      evaluation::add_trial(trial, summary);
+      report.add(trial);
+      if (lines) lines->add(plan.objects[i], seed, trial);
+      if (table) table->add(plan.objects[i], seed, trial);
+    }
+    report.end_object(std::move(summary));
+  }
+  const auto summary = report.finish();
+  if (table) table->write();
+  if (folder) write_file_atomically(folder->path() / "eval.json", summary.dump(2) + "\n");
+  return kDone;
+}
+
+}  // namespace
+
+void add_merge(CLI::App& program, Command& chosen) {
+  auto arguments = std::make_shared<MergeArguments>();
+  auto& command = *program.add_subcommand(
+      "merge", "Put the shares of an evaluation together: the same report as of one run");
+  command
+      .add_option("part", arguments->parts,
+                  "folders that `palpate eval --shard` wrote, or their trials.jsonl")
+      ->required();
+  add_common_options(command, arguments->common, kOut);
+  command.footer(
+      "The report, and eval.json and trials.csv in DIR, are those of the evaluation in one run, "
+      "bit\n"
+      "for bit. Exit code 3: parts of different evaluations, or trials are missing.\n\n"
+      "Examples:\n"
+      "  palpate merge part1 part2 part3 --json\n"
+      "  palpate merge part*/trials.jsonl --out whole");
+  command.callback([arguments, &chosen] { chosen = [arguments] { return merge(*arguments); }; });
+}
+
+}  // namespace palpate::app

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "object_option.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstdio>
+
+#include "palpate/core/error.hpp"
+
+namespace palpate::app {
+namespace {
+
+constexpr double kReach = 0.5;     // m of a rough place along x and y
+constexpr double kRoughest = 0.1;  // m
+
+}  // namespace
+
+void add_object_options(CLI::App& command, ObjectArguments& arguments) {
+  command
+      .add_option("--mass", arguments.mass,
+                  "kg, of the object (default: from its volume, within 0.05 and 0.6)")
+      ->check(CLI::Range(0.001, 5.0));
+  command
+      .add_option("--at", arguments.at,
+                  "where the object is on the table, m, within +- R (default: 0,0,0.02)")
+      ->option_text("X,Y[,R]");
+}
+
+geometry::KnownObject load_object(const std::string& name, const ObjectArguments& arguments) {
+  geometry::KnownObject object = geometry::load_known_object(name);
+  if (!arguments.mass) return object;
+  object.mass = *arguments.mass;
+  object.mass_properties = geometry::mass_properties(object.mesh, object.mass);
+  return object;
+}
+
+void apply_place(const ObjectArguments& arguments, evaluation::StartOptions& start) {
+  if (arguments.at.empty()) return;
+  char end = 0;
+  double x = 0, y = 0, r = start.uncertainty;
+  const char* const text = arguments.at.c_str();
+  const bool read = std::sscanf(text, "%lf,%lf%c", &x, &y, &end) == 2 ||
+                    std::sscanf(text, "%lf,%lf,%lf%c", &x, &y, &r, &end) == 3;
+  const bool within = std::abs(x) <= kReach && std::abs(y) <= kReach && r >= 0 && r <= kRoughest;
+  if (!read || !within) {
+    throw BadInput(
+        fmt::format("--at {}: it is X,Y or X,Y,R in metres, X and Y within +-{}, R "
+                    "from 0 to {}",
+                    arguments.at, kReach, kRoughest));
+  }
+  start.x = x;
+  start.y = y;
+  start.uncertainty = r;
+}
+
+}  // namespace palpate::app

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <optional>
+#include <string>
+
+#include "palpate/evaluation/trial.hpp"
+#include "palpate/geometry/objects/known_object.hpp"
+
+namespace palpate::app {
+
+/// What is told of an object beside its shape.
+struct ObjectArguments {
+  std::optional<double> mass;  ///< kg
+  std::string at;              ///< X,Y[,R], m
+};
+
+void add_object_options(CLI::App& command, ObjectArguments& arguments);
+
+/// The object of that name or file, of the mass that was told.
+/// @throws BadInput as geometry::load_known_object
+geometry::KnownObject load_object(const std::string& name, const ObjectArguments& arguments);
+
+/// Puts the rough place that was told into the options.
+/// @throws BadInput for a text that is no place, or one out of reach
+void apply_place(const ObjectArguments& arguments, evaluation::StartOptions& start);
+
+}  // namespace palpate::app
