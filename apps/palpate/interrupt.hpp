@@ -1,27 +1,36 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <atomic>
+#include <chrono>
 #include <csignal>
-#include <ctime>
 #include <stop_token>
 #include <thread>
 
 namespace palpate::app {
 
-/// Turns SIGINT and SIGTERM into a request to stop, while it lives. To be made before the threads
-/// that are to run undisturbed. A second signal ends the program at once.
+/// Turns SIGINT and SIGTERM into a request to stop, while it lives. A second signal ends the
+/// program at once. One at a time. Handled, not blocked: threads of libraries that were started
+/// before (OpenMP's) would take a signal that is only blocked here.
 class Interrupt {
  public:
   Interrupt() {
-    sigemptyset(&signals_);
-    sigaddset(&signals_, SIGINT);
-    sigaddset(&signals_, SIGTERM);
-    pthread_sigmask(SIG_BLOCK, &signals_, &before_);
+    received() = 0;
+    struct sigaction action = {};
+    action.sa_handler = [](int signal) {
+      if (received().exchange(signal) == 0) return;
+      std::signal(signal, SIG_DFL);
+      std::raise(signal);
+    };
+    action.sa_flags = SA_RESTART;
+    sigaction(SIGINT, &action, &before_[0]);
+    sigaction(SIGTERM, &action, &before_[1]);
     thread_ = std::jthread([this](const std::stop_token& end) { wait(end); });
   }
   ~Interrupt() {
     thread_ = {};
-    pthread_sigmask(SIG_SETMASK, &before_, nullptr);
+    sigaction(SIGINT, &before_[0], nullptr);
+    sigaction(SIGTERM, &before_[1], nullptr);
   }
   Interrupt(const Interrupt&) = delete;
   Interrupt& operator=(const Interrupt&) = delete;
@@ -29,17 +38,19 @@ class Interrupt {
   [[nodiscard]] std::stop_token token() const { return source_.get_token(); }
 
  private:
+  static std::atomic<int>& received() {
+    static std::atomic<int> signal = 0;
+    return signal;
+  }
+
   void wait(const std::stop_token& end) {
-    constexpr timespec kPoll = {0, 100'000'000};
     while (!end.stop_requested()) {
-      const int signal = sigtimedwait(&signals_, nullptr, &kPoll);
-      if (signal < 0 || source_.request_stop()) continue;
-      pthread_sigmask(SIG_UNBLOCK, &signals_, nullptr);
-      raise(signal);
+      if (received() != 0) source_.request_stop();
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
     }
   }
 
-  sigset_t signals_{}, before_{};
+  struct sigaction before_[2] = {};
   std::stop_source source_;
   std::jthread thread_;
 };

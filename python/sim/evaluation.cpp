@@ -30,8 +30,9 @@ ObjectSummary evaluate(nb::object object, const std::string& hand, int trials, s
   options.world.hand = hand;
   const SharedModel model = object_from(std::move(object));
   return interruptible([&](const std::stop_token& stop) {
-    return evaluation::evaluate(*model, options, seed, evaluation::trial_numbers(static_cast<std::size_t>(trials)), threads,
-                                [&](std::size_t, const evaluation::Trial&) {
+    return evaluation::evaluate(*model, options, seed,
+                                evaluation::trial_numbers(static_cast<std::size_t>(trials)),
+                                threads, [&](std::size_t, const evaluation::Trial&) {
                                   if (stop.stop_requested()) throw std::runtime_error("stopped");
                                 });
   });

@@ -5,6 +5,7 @@
 
 #include "palpate/core/error.hpp"
 #include "palpate/core/plausible.hpp"
+#include "palpate/hand/nearest_base.hpp"
 #include "palpate/ros2/cdr.hpp"
 #include "palpate/ros2/robot_messages.hpp"
 
@@ -57,7 +58,7 @@ HandCommands::Effect HandCommands::take_mount(std::string_view cdr) {
     const std::uint64_t stamp = ros2::nanoseconds_of(target.header.stamp);
     if (mount_at_ && stamp < *mount_at_) return Effect::none;
     mount_at_ = stamp;
-    if (stamp > done_) command_.base = hand::BasePosition::at(T_world_mount);
+    if (stamp > done_) command_.base = hand::nearest_base(T_world_mount, command_.base);
     return stamp > done_ ? complete() : Effect::none;
   });
 }

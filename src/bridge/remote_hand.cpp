@@ -7,12 +7,15 @@
 #include "bridge/wall_clock.hpp"
 #include "palpate/bridge/hand_peer.hpp"
 #include "palpate/core/error.hpp"
+#include "palpate/hand/nearest_base.hpp"
 #include "palpate/ros2/messages/trajectory_msgs.hpp"
 
 namespace palpate::bridge {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+
+constexpr double kSettle = 0.25;  // s between first commands, and in which first readings come in
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
@@ -112,6 +115,16 @@ struct RemoteHand::Impl {
     }
     return std::nullopt;
   }
+
+  /// The newest reading of those that still come. A hand that waits for commands tells where it
+  /// starts, too: taken for the answer to the first command it would put all answers one late.
+  hand::HandReading settle(hand::HandReading reading) {
+    const auto start = Clock::now();
+    for (double left = kSettle; left > 0; left = kSettle - seconds_since(start)) {
+      if (auto newer = await(left)) reading = std::move(*newer);
+    }
+    return reading;
+  }
 };
 
 RemoteHand::RemoteHand(Participant& participant, const hand::Description& hand,
@@ -126,10 +139,10 @@ hand::HandReading RemoteHand::step(const hand::HandCommand& command) {
   impl.stamp += static_cast<std::uint64_t>(1e9 * hand::kTick);
   impl.send(command);
   const auto start = Clock::now();
-  auto reading = impl.await(impl.options.timeout);
+  auto reading = impl.await(impl.last ? impl.options.timeout : kSettle);
   while (!reading && !impl.last && seconds_since(start) < impl.options.connect) {
-    impl.send(command);
-    reading = impl.await(impl.options.timeout);
+    impl.send(command);  // what was sent before the peers found each other is lost
+    reading = impl.await(kSettle);
   }
   if (!reading && !impl.last) {
     throw BadInput(
@@ -143,8 +156,9 @@ hand::HandReading RemoteHand::step(const hand::HandCommand& command) {
     impl.send(command);
     return *impl.last;
   }
-  impl.last = reading;
-  return *reading;
+  impl.last = impl.last ? std::move(*reading) : impl.settle(std::move(*reading));
+  impl.last->base = hand::nearest_base(impl.last->base.pose(), command.base);
+  return *impl.last;
 }
 
 const ros2::StreamCounts& RemoteHand::counts() const { return impl_->stream.counts(); }

@@ -87,7 +87,7 @@ class Output(CliTest):
             self.assertEqual(self.read(f"all/{name}"), self.read(f"whole/{name}"), name)
         self.assertEqual(merged.stdout.encode(), self.read("whole/eval.json"))
 
-        self.assert_refused(BAD_INPUT, ["merge", "part1", "part2"], "2 of 6 trials are missing")
+        self.assert_refused(BAD_INPUT, ["merge", "part1", "part2"], "3 of 9 trials are missing")
         self.run_program(*EVAL, "--out", "other")
         self.assert_refused(BAD_INPUT, ["merge", "part1", "other"], "other settings")
         self.assert_refused(BAD_INPUT, [*both, "--shard", "4/3", "--out", "new"], "4/3")

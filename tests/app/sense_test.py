@@ -62,13 +62,12 @@ class Sense(CliTest):
     def test_what_would_have_no_effect_is_refused(self):
         self.write("slide.csv", csv(slide()[:3]))
         self.write("options.toml", "lag = 0.1\n")
-        for extra, named in (
-            (["--set", "lag=0.1"], "lag"),
-            (["--config", "options.toml"], "lag"),
-            (["--config", "none.toml"], "none.toml"),
-            (["--model", "some.model"], "some.model"),
+        for code, extra, named in (
+            (USAGE, ["--set", "lag=0.1"], "--set"),
+            (USAGE, ["--config", "options.toml"], "--config"),
+            (BAD_INPUT, ["--model", "some.model"], "some.model"),
         ):
-            self.assert_refused(BAD_INPUT, ["sense", "slide.csv", *extra], named)
+            self.assert_refused(code, ["sense", "slide.csv", *extra], named)
 
 
 if __name__ == "__main__":

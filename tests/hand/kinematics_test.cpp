@@ -8,6 +8,7 @@
 #include "palpate/core/random.hpp"
 #include "palpate/core/se3.hpp"
 #include "palpate/hand/hand.hpp"
+#include "palpate/hand/nearest_base.hpp"
 #include "palpate/hand/shadow.hpp"
 
 namespace palpate::hand {
@@ -95,6 +96,25 @@ TEST(BasePosition, PoseTurnsByYawThenPitchThenRoll) {
   base.ypr = {M_PI / 2, 0, M_PI / 2};
   const Eigen::Vector3d p = base.pose() * Eigen::Vector3d(0, 1, 0);
   EXPECT_TRUE(p.isApprox(Eigen::Vector3d(1, 2, 4), 1e-12));
+}
+
+TEST(BasePosition, IsFoundAgainFromItsPoseAndOneNearIt) {
+  RandomStream rng(3);
+  for (int i = 0; i < 2000; ++i) {
+    BasePosition base, near;
+    for (int k = 0; k < 3; ++k) {
+      base.ypr[k] = rng.uniform(-9, 9);
+      near.ypr[k] = base.ypr[k] + rng.uniform(-0.3, 0.3);
+    }
+    const BasePosition found = nearest_base(base.pose(), near);
+    EXPECT_TRUE(found.pose().isApprox(base.pose(), 1e-9));
+    if (std::abs(std::cos(base.ypr[1])) > 0.5) {
+      EXPECT_LT((found.ypr - base.ypr).norm(), 1e-9);
+    }
+    base.ypr[1] = M_PI / 2;
+    const BasePosition up = nearest_base(base.pose(), base);
+    EXPECT_LT((up.ypr - base.ypr).norm(), 1e-6);
+  }
 }
 
 TEST(BasePosition, IsFoundAgainFromItsPose) {

@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kDownSpeed = 0.10;          // m/s
 constexpr double kUpSpeed = 0.30;            // m/s
+constexpr double kTouchdown = 10.0;          // N, from below: what slipped meets the table first
 constexpr double kReleaseSeconds = 0.6;      // s
 constexpr double kReleaseRestSeconds = 0.3;  // s
 
@@ -41,7 +42,10 @@ PhaseEnd ReleasePhase::run(Executor& robot, PickState& state) {
   if (const auto closed = robot.log().at(estimation::TouchEvent::closed)) {
     const double height = robot.log().readings[*closed].base.xyz.z();
     const auto& base = robot.command().base;
-    if (base.xyz.z() > height) robot.move_base(at_height(base, height), kDownSpeed);
+    const auto touchdown = [](const hand::HandReading& reading) {
+      return reading.base_force.z() < -kTouchdown;
+    };
+    if (base.xyz.z() > height) robot.move_base(at_height(base, height), kDownSpeed, touchdown);
   }
   robot.set_grip(std::nullopt);
   robot.move_fingers(opened(robot), kReleaseSeconds);
