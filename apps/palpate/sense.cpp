@@ -93,7 +93,10 @@ void add_sense(CLI::App& program, Command& chosen) {
   add_common_options(command, arguments->common, kOut);
   command.footer(
       "A CSV of contacts has the columns finger,t,px,py,pz (or x,y,z),fx,fy,fz and, optionally,\n"
-      "nx,ny,nz; one of a BioTac has t_s,pdc,e1..e19 and, optionally, nx,ny,nz.\n"
+      "nx,ny,nz (the true normal, to compare with) and tnx,tny,tnz (the object's outward normal "
+      "as\n"
+      "the fingertip's own shape tells it); one of a BioTac has t_s,pdc,e1..e19 and, optionally, "
+      "nx,ny,nz.\n"
       "For a recording with BioTac channels the contacts inferred from these are reported, too.\n"
       "Errors in a recording are relative to the surface nearest to the believed tip, which is\n"
       "uncertain itself at edges.\n"

@@ -22,8 +22,23 @@ def slide(count=300):
     return rows
 
 
+def corner(tip_normals, count=300):
+    """Rows of a finger that slides along x over an edge and down the face behind it."""
+    stream = random.Random(2)
+    rows = []
+    for i in range(count):
+        over = i >= count // 2
+        s = 0.0003 * (i - count // 2)
+        point, n, along = ([0, 0, -s], (1, 0, 0), (0, 0, -1)) if over else ([s, 0, 0], (0, 0, 1), (1, 0, 0))
+        force = [a + stream.gauss(0, 0.05) - 2.0 * b for a, b in zip(along, n)]
+        noisy = [b + stream.gauss(0, 0.1) for b in n]
+        row = ["FF", round(0.01 * i, 2), *[x + stream.gauss(0, 2e-4) for x in point], *force, *n]
+        rows.append(row + noisy if tip_normals else row)
+    return rows
+
+
 def csv(rows):
-    return "\n".join([HEADER] + [",".join(map(str, row)) for row in rows]) + "\n"
+    return "\n".join([HEADER if len(rows[0]) == 11 else HEADER + ",tnx,tny,tnz"] + [",".join(map(str, row)) for row in rows]) + "\n"
 
 
 class Sense(CliTest):
@@ -50,6 +65,13 @@ class Sense(CliTest):
         self.assertTrue(header.startswith("finger,t,x,y,z,nx,ny,nz,normal_sigma"), header)
         self.assertGreater(len(rows), 200)
         self.assertNotIn("nan", "".join(rows))
+
+    def test_normals_of_the_tip_help_at_an_edge(self):
+        p95 = []
+        for name, tip_normals in (("with", True), ("without", False)):
+            self.write(f"{name}.csv", csv(corner(tip_normals)))
+            p95.append(self.run_json("sense", f"{name}.csv")["streams"]["FF"]["error_deg"]["p95"])
+        self.assertLess(p95[0], p95[1])
 
     def test_bad_input_is_refused_in_one_line(self):
         self.write("cell.csv", csv(slide()[:3]).replace("FF,0.01", "FF,soon"))

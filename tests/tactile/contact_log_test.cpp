@@ -47,6 +47,20 @@ TEST_F(ContactLogTest, GroupsRowsIntoFramesOfFingers) {
   EXPECT_EQ(logs[1].frames[0].contacts[0].f.x(), -1);
 }
 
+TEST_F(ContactLogTest, TheTipsOwnNormalIsReadWhereThereIsOne) {
+  const auto contacts =
+      read_contact_log(write("finger,t,px,py,pz,fx,fy,fz,tnx,tny,tnz\n"
+                             "FF,0.0,0,0,0,0,0,-1,0,0,3\n"
+                             "FF,0.0,0,0,0,0,0,-1,0,0,0\n"
+                             "FF,0.0,0,0,0,0,0,-1,nan,0,1\n"))[0]
+          .frames[0]
+          .contacts;
+  ASSERT_EQ(contacts.size(), 3u);
+  EXPECT_TRUE(contacts[0].tip_normal->isApprox(Eigen::Vector3d::UnitZ()));
+  EXPECT_FALSE(contacts[1].tip_normal || contacts[2].tip_normal);
+  EXPECT_NE(error("finger,t,px,py,pz,fx,fy,fz,tnx,tny\n").find("tnz"), std::string::npos);
+}
+
 TEST_F(ContactLogTest, WholeTimesAreTicks) {
   const std::string text =
       ",finger,t,px,py,pz,fx,fy,fz\n0,FF,0,0,0,0,0,0,-1\n1,FF,1,0,0,0,0,0,-1\n";

@@ -29,10 +29,11 @@ struct Layout {
         p(table.require_xyz(table.find("px") ? "p" : "")),
         f(table.require_xyz("f")) {
     if (table.find("nx")) n = table.require_xyz("n");
+    if (table.find("tnx")) tip = table.require_xyz("tn");
   }
   std::size_t finger, t;
   Columns p, f;
-  std::optional<Columns> n;
+  std::optional<Columns> n, tip;
 };
 
 FingerLog& log_of(std::vector<FingerLog>& logs, std::string_view finger) {
@@ -40,6 +41,14 @@ FingerLog& log_of(std::vector<FingerLog>& logs, std::string_view finger) {
                                   [&](const FingerLog& log) { return log.finger == finger; });
   if (found != logs.end()) return *found;
   return logs.emplace_back(FingerLog{.finger = std::string(finger), .frames = {}, .normals = {}});
+}
+
+/// None where there is no column, or the row has zeros or what is not finite.
+std::optional<Eigen::Vector3d> tip_normal(const palpate::CsvTable& table, const Layout& layout) {
+  if (!layout.tip) return std::nullopt;
+  const Eigen::Vector3d n = vector_of(table, *layout.tip);
+  if (!n.allFinite() || n.norm() < 1e-6) return std::nullopt;
+  return n.normalized();
 }
 
 void add_row(const palpate::CsvTable& table, const Layout& layout, FingerLog& log) {
@@ -53,7 +62,7 @@ void add_row(const palpate::CsvTable& table, const Layout& layout, FingerLog& lo
     log.frames.push_back({.time = time, .contacts = {}});
     log.normals.emplace_back();
   }
-  log.frames.back().contacts.push_back({.p = p, .f = f, .tip_normal = {}});
+  log.frames.back().contacts.push_back({.p = p, .f = f, .tip_normal = tip_normal(table, layout)});
   if (!layout.n) return;
   const Eigen::Vector3d n = vector_of(table, *layout.n);
   auto& normal = log.normals.back();

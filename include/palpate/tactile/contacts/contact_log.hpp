@@ -20,8 +20,10 @@ struct FingerLog {
 };
 
 /// Reads a CSV of contacts, one a row: columns finger, t and the vectors p, f and, optionally, n
-/// (px,py,pz or x,y,z; fx,fy,fz; nx,ny,nz); others are ignored. Rows of one finger that follow each
-/// other with the same t are one frame. A t of whole numbers only counts ticks.
+/// (px,py,pz or x,y,z; fx,fy,fz; nx,ny,nz) and tn (tnx,tny,tnz: outward normal of the object as the
+/// fingertip's own shape has it; zero where the tip tells none); others are ignored. Rows of one
+/// finger that follow each other with the same t are one frame. A t of whole numbers only counts
+/// ticks.
 ///
 /// @param tick  s, of one tick
 /// @throws BadInput, naming the file and line, for a file that cannot be read, a missing column or
