@@ -24,7 +24,7 @@ std::vector<FreeSphere> balls_beside(const geometry::ObjectModel& model, const E
 
 /// Arguments: contacts, balls of free space, 1 with a table.
 void localize_object(benchmark::State& state) {
-  const geometry::ObjectModel& model = model_of("bunny");
+  const geometry::ObjectModel& model = model_of("duck");
   SceneOptions options;
   options.contacts = static_cast<int>(state.range(0));
   options.table = state.range(2) == 1;

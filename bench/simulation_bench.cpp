@@ -21,7 +21,7 @@ void set(hand::HandCommand& command, const std::string& actuator, double value) 
   command.positions[hand::shadow_hand().actuator(actuator)] = value;
 }
 
-/// The open hand over the lying bunny, low enough to grasp it.
+/// The open hand over the lying duck, low enough to grasp it.
 hand::HandCommand above() {
   hand::HandCommand command;
   command.positions.setZero(hand::kShadowActuators);
@@ -37,12 +37,12 @@ hand::HandCommand above() {
   return command;
 }
 
-/// The hand closed gently on the bunny: how many steps of the simulation a second. Argument: 1 for
+/// The hand closed gently on the duck: how many steps of the simulation a second. Argument: 1 for
 /// tips that meet the true surface, 0 for its convex parts.
 void step_in_grasp(benchmark::State& state) {
   simulation::WorldOptions options;
   options.exact_tips = state.range(0) != 0;
-  simulation::World world(geometry::load_known_object("bunny"), options, 1);
+  simulation::World world(geometry::load_known_object("duck"), options, 1);
   const hand::Preshape& preshape = world.hand_model().postures.top;
   const grasping::ClosingLaw closing(world.hand_model(), 3.0, preshape.closed);
   hand::HandCommand command = above();
@@ -88,10 +88,10 @@ geometry::TriangleMesh subdivided(const geometry::TriangleMesh& mesh) {
   return result;
 }
 
-/// One fingertip against the true surface of the bunny. Argument: how often each triangle is cut in
+/// One fingertip against the true surface of the duck. Argument: how often each triangle is cut in
 /// four.
 void meet_fingertip(benchmark::State& state) {
-  geometry::TriangleMesh surface = geometry::load_known_object("bunny").mesh;
+  geometry::TriangleMesh surface = geometry::load_known_object("duck").mesh;
   for (int i = 0; i < state.range(0); ++i) surface = subdivided(surface);
   const geometry::MeshQuery mesh(std::move(surface));
   const geometry::CapsuleCollider collider(mesh);

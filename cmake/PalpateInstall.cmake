@@ -42,5 +42,7 @@ install(FILES "$<TARGET_FILE:MuJoCo::MuJoCo>" DESTINATION ${libraries})
 install(FILES "$<TARGET_FILE:CoACD::CoACD>" DESTINATION ${libraries}/coacd)
 install(DIRECTORY "$<TARGET_FILE_DIR:CoACD::CoACD>/../coacd.libs" DESTINATION ${libraries} OPTIONAL)
 install(DIRECTORY "${mujoco_headers}/mujoco" DESTINATION ${libraries}/include)
-install(DIRECTORY "${PALPATE_DEPS}/assets" DESTINATION ${CMAKE_INSTALL_DATADIR}/palpate)
+# The bunny is not for commercial use, so it is not passed on.
+install(DIRECTORY "${PALPATE_DEPS}/assets" DESTINATION ${CMAKE_INSTALL_DATADIR}/palpate
+        PATTERN "bunny.ply" EXCLUDE)
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})

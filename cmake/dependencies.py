@@ -110,16 +110,23 @@ def scope_of(requirements):
     return "required" if requirements == "simulation" else "optional"
 
 
+def npm_locks():
+    return (ROOT / "requirements").rglob("package-lock.json")
+
+
 def npm_components():
-    lock = json.loads((ROOT / "requirements" / "package-lock.json").read_text())
-    for path, package in lock["packages"].items():
-        if not path:
-            continue
+    packages = [
+        (lock.parent.name, path, package)
+        for lock in sorted(npm_locks())
+        for path, package in json.loads(lock.read_text())["packages"].items()
+        if path
+    ]
+    for folder, path, package in packages:
         name = path.removeprefix("node_modules/")
         yield {
             "type": "library", "name": name, "version": package["version"],
             "purl": f"pkg:npm/{name.replace('@', '%40')}@{package['version']}",
-            "scope": "optional" if package.get("optional") else "required",
+            "scope": "optional" if package.get("optional") or folder == "bunny" else "required",
             "hashes": [{"alg": "SHA-512", "content": sha512_of(package["integrity"])}],
             "licenses": [{"license": {"name": package.get("license", "see docs/licences.md")}}],
         }  # fmt: skip

@@ -214,9 +214,10 @@ std::vector<float> misread(const Eigen::VectorXf& row) {
 }
 
 /// The network's layers as the port loads them; of each row as many values as there is room for.
-std::array<tactile::NetworkBlock, 4> misread(std::array<tactile::NetworkBlock, 4> blocks) {
+tactile::NetworkBlocks misread(tactile::NetworkBlocks blocks) {
   for (auto& block : blocks) {
-    for (auto& layer : block) {
+    Eigen::VectorXf parameters = block.parameters();
+    for (auto& layer : numerics::mlp_layers(block.sizes(), parameters)) {
       const auto read = [](Eigen::Ref<Eigen::VectorXf> row) {
         const auto values = misread(Eigen::VectorXf(row));
         for (Eigen::Index i = 0; i < row.size(); ++i) row[i] = values[static_cast<std::size_t>(i)];
@@ -224,13 +225,17 @@ std::array<tactile::NetworkBlock, 4> misread(std::array<tactile::NetworkBlock, 4
       for (Eigen::Index in = 0; in < layer.weights.cols(); ++in) read(layer.weights.col(in));
       read(layer.biases);
     }
+    block.set_parameters(parameters);
   }
   return blocks;
 }
 
 /// A pass that, where asked to, normalises every layer's output to mean 0 and deviation 1.
-Eigen::MatrixXd pass(const tactile::NetworkBlock& block, Eigen::MatrixXd values, bool normalise) {
-  for (const auto& layer : block) {
+Eigen::MatrixXd pass(const numerics::FloatMlp& block, Eigen::MatrixXd values, bool normalise) {
+  Eigen::VectorXf parameters = block.parameters();
+  const auto layers = numerics::mlp_layers(block.sizes(), parameters);
+  for (std::size_t i = 0; i < layers.size(); ++i) {
+    const auto& layer = layers[i];
     Eigen::MatrixXd next = layer.weights.cast<double>() * values;
     next.colwise() += layer.biases.cast<double>();
     if (!normalise) next = next.cast<float>().cast<double>();  // as the port, in float32
@@ -239,17 +244,18 @@ Eigen::MatrixXd pass(const tactile::NetworkBlock& block, Eigen::MatrixXd values,
       const double sd = std::sqrt((next.col(k).array() - mean).square().mean()) + 1e-30;
       next.col(k) = (next.col(k).array() - mean) / sd;
     }
-    if (layer.activation == tactile::LayerActivation::relu) next = next.cwiseMax(0.0);
-    if (layer.activation == tactile::LayerActivation::sigmoid) {
-      next = (1 / (1 + (-next.array()).exp())).matrix();
-    }
     values = std::move(next);
+    if (i + 1 == layers.size()) continue;
+    if (block.activation() == numerics::Activation::relu) values = values.cwiseMax(0.0);
+    if (block.activation() == numerics::Activation::sigmoid) {
+      values = (1 / (1 + (-values.array()).exp())).matrix();
+    }
   }
   return values;
 }
 
-Eigen::MatrixXd run_port(const std::array<tactile::NetworkBlock, 4>& blocks,
-                         const Eigen::MatrixXd& inputs, bool normalise) {
+Eigen::MatrixXd run_port(const tactile::NetworkBlocks& blocks, const Eigen::MatrixXd& inputs,
+                         bool normalise) {
   const Eigen::MatrixXd position = pass(blocks[0], inputs.topRows<3>(), normalise);
   const Eigen::MatrixXd forces = pass(blocks[1], inputs.middleRows<9>(3), normalise);
   const Eigen::MatrixXd temperature = pass(blocks[2], inputs.bottomRows<1>(), normalise);
@@ -266,7 +272,7 @@ void explain_failure(const Options& options, const Network& network) {
   x = (x.array().colwise() / sd.array()).matrix();
   Table table({"weights", "layer-wise normalisation", "finite outputs",
                "spread over inputs / spread over channels"});
-  const auto add = [&](const std::string& name, const std::array<tactile::NetworkBlock, 4>& blocks,
+  const auto add = [&](const std::string& name, const tactile::NetworkBlocks& blocks,
                        bool normalise) {
     const Eigen::MatrixXd y = run_port(blocks, x, normalise);
     double finite = 0;

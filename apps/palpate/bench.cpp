@@ -26,7 +26,7 @@ constexpr double kMillimetres = 1000;
 
 struct BenchArguments {
   CommonOptions common;
-  std::string object = "bunny";
+  std::string object = "duck";
   int probes = 400;
   bool quick = false;
 };
@@ -158,7 +158,7 @@ void add_bench(CLI::App& program, Command& chosen) {
       "contact", "Fingertip contacts with an object: true surface, hull, convex parts, SDF, flex");
   command
       .add_option("--object", arguments->object,
-                  "mug, bottle, box, bracket, bunny, or a mesh file in metres")
+                  "mug, bottle, box, bracket, duck, or a mesh file in metres")
       ->capture_default_str();
   command.add_option("--probes", arguments->probes, "balls placed on the surface")
       ->check(CLI::Range(1, 100000))

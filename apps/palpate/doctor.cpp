@@ -98,7 +98,6 @@ std::vector<Check> all_checks() {
           check_decomposition(),
           check_hand(),
           check_asset("Adroit hand", "adroit_hand/adroit_relocate.xml"),
-          check_asset("bunny", "bunny.ply"),
           check_asset("viewer", "viewer.js"),
           check_asset("page", "page.html"),
           check_cache(),

@@ -45,7 +45,7 @@ Shard parse_shard(const std::string& text) {
 struct EvalArguments {
   CommonOptions common;
   bool resume = false;
-  std::vector<std::string> objects = {"mug", "bottle", "box", "bracket", "bunny"};
+  std::vector<std::string> objects = {"mug", "bottle", "box", "bracket", "duck"};
   std::size_t trials = 30;
   ObjectArguments told;
   std::string place, hand;
@@ -242,7 +242,7 @@ void add_eval(CLI::App& program, Command& chosen) {
       "other settings is refused, unless --force starts over.\n\nExamples:\n"
       "  palpate eval --object mug,box --trials 30 --threads 2 --seed 9000\n"
       "  palpate eval --object generated:9000-9099 --trials 3 --seed 9000\n"
-      "  palpate eval --object bunny --trials 10 --set attempts=1 --json\n"
+      "  palpate eval --object duck --trials 10 --set attempts=1 --json\n"
       "  palpate eval --object box,mug --trials 5 --faults load_nan,finger_silent --json\n"
       "  palpate eval --place random --trials 20 --seed 9000\n"
       "  palpate eval --trials 100 --seed 9000 --shard 3/16 --out part3\n"

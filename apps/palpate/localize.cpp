@@ -279,7 +279,7 @@ void add_localize(CLI::App& program, Command& chosen) {
                    "many contacts determine their poses");
   command
       .add_option("mesh", arguments->mesh,
-                  "built-in object (mug, bottle, box, bracket, bunny) or mesh file in metres")
+                  "built-in object (mug, bottle, box, bracket, duck) or mesh file in metres")
       ->option_text("MESH");
   command
       .add_option(

@@ -114,7 +114,7 @@ void add_pick(CLI::App& program, Command& chosen) {
       "pick", "Explore, grasp and lift an object, and estimate its pose in the hand by touch");
   command
       .add_option("--object", arguments->object,
-                  "mug, bottle, box, bracket, bunny, or a mesh file in metres")
+                  "mug, bottle, box, bracket, duck, or a mesh file in metres")
       ->capture_default_str();
   add_object_options(command, arguments->told);
   add_hand_option(command, arguments->hand);
@@ -135,7 +135,7 @@ void add_pick(CLI::App& program, Command& chosen) {
       "(docs/safety.md).\n\n"
       "Examples:\n"
       "  palpate pick --object mug --seed 7\n"
-      "  palpate pick --object bunny --explore 16\n"
+      "  palpate pick --object duck --explore 16\n"
       "  palpate pick --hand my_hand.xml --object box\n"
       "  palpate pick --object part.stl --set lift.height=0.15 --out run1 --json\n"
       "  palpate pick --object box --set start.stable_pose=0 --set world.noise.normal=0.05\n"

@@ -196,7 +196,7 @@ void add_render(CLI::App& program, Command& chosen) {
                          "recording.h5 of a pick; without it, an object is picked up first");
   command
       .add_option("--object", arguments->object,
-                  "mug, bottle, box, bracket, bunny, or a mesh file in metres")
+                  "mug, bottle, box, bracket, duck, or a mesh file in metres")
       ->capture_default_str()
       ->excludes(recording);
   add_hand_option(command, arguments->hand).excludes(recording);

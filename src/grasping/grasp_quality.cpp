@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
-#include <libqhull_r/qhull_ra.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <numbers>
-#include <string>
 #include <vector>
 
+#include "geometry/mesh/quickhull.hpp"
 #include "grasping/force_closure.hpp"
 #include "grasping/wrench_space.hpp"
 #include "palpate/core/error.hpp"
@@ -60,24 +58,14 @@ Eigen::MatrixXd edge_wrenches(const WrenchSpace& space, int edges) {
 }
 
 /// Signed distance from 0 to the hull's nearest facet, positive inside; -infinity of a flat hull.
-double depth_of_origin(Eigen::MatrixXd points) {
-  qhT state;
-  std::FILE* messages = std::fopen("/dev/null", "w");
-  qh_zero(&state, messages);
-  std::string command = "qhull Qx";
-  const int error =
-      qh_new_qhull(&state, static_cast<int>(points.rows()), static_cast<int>(points.cols()),
-                   points.data(), False, command.data(), messages, messages);
+double depth_of_origin(const Eigen::MatrixXd& points) {
+  const geometry::Quickhull hull(points, "Qx");
+  if (hull.error() != 0) return -std::numeric_limits<double>::infinity();
   double depth = std::numeric_limits<double>::infinity();
-  for (const facetT* facet = error ? nullptr : state.facet_list; facet && facet->next;
-       facet = facet->next) {
+  for (const facetT* facet = hull.facets(); facet && facet->next; facet = facet->next) {
     depth = std::min(depth, -facet->offset);
   }
-  qh_freeqhull(&state, qh_ALL);
-  int kept = 0, total = 0;
-  qh_memfreeshort(&state, &kept, &total);
-  if (messages) std::fclose(messages);
-  return error ? -std::numeric_limits<double>::infinity() : depth;
+  return depth;
 }
 
 }  // namespace

@@ -19,20 +19,24 @@ struct LeastSquaresFit {
   State state;
   Eigen::VectorXd residuals;
   Eigen::MatrixXd information;  ///< J'J, in units of the widths
+  int iterations = 0;
 };
 
 /// Least sum of squares near a start (Levenberg 1944, Marquardt 1963), by central differences.
 /// @param width  by which each unknown is moved to differentiate, and its unit
 /// @param residuals  of a state
-/// @param moved  (state, step in the unknowns' own units) -> state
+/// @param moved  (state, step in the unknowns' own units) -> state; it may hold the state within
+///               bounds
 template <class State, class Residuals, class Moved>
 LeastSquaresFit<State> levenberg_marquardt(const State& start, const Eigen::VectorXd& width,
                                            const Residuals& residuals, const Moved& moved,
                                            const LeastSquaresOptions& options = {}) {
   const Eigen::Index unknowns = width.size();
-  LeastSquaresFit<State> fit{.state = start, .residuals = residuals(start), .information = {}};
+  LeastSquaresFit<State> fit{
+      .state = start, .residuals = residuals(start), .information = {}, .iterations = 0};
   double damping = options.damping;
   for (int iteration = 0; iteration < options.iterations; ++iteration) {
+    ++fit.iterations;
     Eigen::MatrixXd slope(fit.residuals.size(), unknowns);
     for (Eigen::Index k = 0; k < unknowns; ++k) {
       const Eigen::VectorXd step = width[k] * Eigen::VectorXd::Unit(unknowns, k);

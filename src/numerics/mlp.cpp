@@ -19,7 +19,7 @@ using Eigen::VectorXd;
 
 constexpr double kFirstDecay = 0.9, kSecondDecay = 0.999, kTiny = 1e-8;
 
-/// Weights and biases of one layer within all parameters.
+/// As MlpLayer, of parameters that may be constant.
 template <class Vector, class Matrix>
 struct Layer {
   Eigen::Map<Matrix> weights;
@@ -37,20 +37,10 @@ std::vector<Layer<Vector, Matrix>> split(const std::vector<int>& sizes, Scalar* 
   return layers;
 }
 
-auto layers_of(const std::vector<int>& sizes, const VectorXd& parameters) {
-  return split<const VectorXd, const MatrixXd>(sizes, parameters.data());
-}
-
-auto layers_of(const std::vector<int>& sizes, VectorXd& parameters) {
-  return split<VectorXd, MatrixXd>(sizes, parameters.data());
-}
-
-Index count_parameters(const std::vector<int>& sizes) {
-  Index sum = 0;
-  for (std::size_t i = 0; i + 1 < sizes.size(); ++i) {
-    sum += Index{sizes[i + 1]} * (Index{sizes[i]} + 1);
-  }
-  return sum;
+template <class Scalar>
+auto layers_of(const std::vector<int>& sizes, const Eigen::VectorX<Scalar>& parameters) {
+  return split<const Eigen::VectorX<Scalar>, const Eigen::MatrixX<Scalar>>(sizes,
+                                                                           parameters.data());
 }
 
 void check_sizes(const std::vector<int>& sizes) {
@@ -63,11 +53,14 @@ void check_sizes(const std::vector<int>& sizes) {
   }
 }
 
-void activate(Activation activation, MatrixXd& values) {
+template <class Matrix>
+void activate(Activation activation, Matrix& values) {
   if (activation == Activation::tanh) {
     values = values.array().tanh();
-  } else {
+  } else if (activation == Activation::relu) {
     values = values.cwiseMax(0);
+  } else {
+    values = (1 / (1 + (-values.array()).exp())).matrix();
   }
 }
 
@@ -97,17 +90,41 @@ void check_regression(const Mlp& network, const MatrixXd& inputs, const MatrixXd
 
 }  // namespace
 
-Mlp::Mlp(std::vector<int> sizes, Activation activation, palpate::RandomStream& random)
+Index count_parameters(const std::vector<int>& sizes) {
+  Index sum = 0;
+  for (std::size_t i = 0; i + 1 < sizes.size(); ++i) {
+    sum += Index{sizes[i + 1]} * (Index{sizes[i]} + 1);
+  }
+  return sum;
+}
+
+template <class Scalar>
+std::vector<MlpLayer<Scalar>> mlp_layers(const std::vector<int>& sizes,
+                                         Eigen::VectorX<Scalar>& parameters) {
+  std::vector<MlpLayer<Scalar>> layers;
+  for (auto& layer :
+       split<Eigen::VectorX<Scalar>, Eigen::MatrixX<Scalar>>(sizes, parameters.data())) {
+    layers.push_back({layer.weights, layer.biases});
+  }
+  return layers;
+}
+
+template <class Scalar>
+BasicMlp<Scalar>::BasicMlp(std::vector<int> sizes, Activation activation,
+                           palpate::RandomStream& random)
     : sizes_(std::move(sizes)), activation_(activation) {
   check_sizes(sizes_);
-  parameters_ = VectorXd::Zero(count_parameters(sizes_));
-  for (auto& layer : layers_of(sizes_, parameters_)) {
+  parameters_ = Vector::Zero(count_parameters(sizes_));
+  for (auto& layer : mlp_layers(sizes_, parameters_)) {
     const double bound = 1 / std::sqrt(static_cast<double>(layer.weights.cols()));
-    for (double& weight : layer.weights.reshaped()) weight = random.uniform(-bound, bound);
+    for (Scalar& weight : layer.weights.reshaped()) {
+      weight = static_cast<Scalar>(random.uniform(-bound, bound));
+    }
   }
 }
 
-Mlp::Mlp(std::vector<int> sizes, Activation activation, VectorXd parameters)
+template <class Scalar>
+BasicMlp<Scalar>::BasicMlp(std::vector<int> sizes, Activation activation, Vector parameters)
     : sizes_(std::move(sizes)), activation_(activation) {
   check_sizes(sizes_);
   set_parameters(parameters);
@@ -115,7 +132,8 @@ Mlp::Mlp(std::vector<int> sizes, Activation activation, VectorXd parameters)
     throw palpate::BadInput("a network with parameters that are not finite");
 }
 
-void Mlp::set_parameters(const VectorXd& parameters) {
+template <class Scalar>
+void BasicMlp<Scalar>::set_parameters(const Vector& parameters) {
   if (parameters.size() != count_parameters(sizes_)) {
     throw palpate::BadInput(fmt::format("{} parameters for a network that has {}",
                                         parameters.size(), count_parameters(sizes_)));
@@ -123,7 +141,8 @@ void Mlp::set_parameters(const VectorXd& parameters) {
   parameters_ = parameters;
 }
 
-Mlp::Trace Mlp::trace(const MatrixXd& inputs) const {
+template <class Scalar>
+typename BasicMlp<Scalar>::Trace BasicMlp<Scalar>::trace(const Matrix& inputs) const {
   if (inputs.rows() != sizes_.front()) {
     throw palpate::BadInput(
         fmt::format("{} inputs for a network that has {}", inputs.rows(), sizes_.front()));
@@ -131,7 +150,7 @@ Mlp::Trace Mlp::trace(const MatrixXd& inputs) const {
   const auto layers = layers_of(sizes_, parameters_);
   Trace result = {inputs};
   for (std::size_t i = 0; i < layers.size(); ++i) {
-    MatrixXd values = layers[i].weights * result.back();
+    Matrix values = layers[i].weights * result.back();
     values.colwise() += layers[i].biases;
     if (i + 1 < layers.size()) activate(activation_, values);
     result.push_back(std::move(values));
@@ -139,18 +158,26 @@ Mlp::Trace Mlp::trace(const MatrixXd& inputs) const {
   return result;
 }
 
-MatrixXd Mlp::operator()(const MatrixXd& inputs) const { return std::move(trace(inputs).back()); }
-
-MatrixXd Mlp::derivative(const MatrixXd& outputs) const {
-  if (activation_ == Activation::tanh) return 1 - outputs.array().square();
-  return (outputs.array() > 0).cast<double>();
+template <class Scalar>
+typename BasicMlp<Scalar>::Matrix BasicMlp<Scalar>::operator()(const Matrix& inputs) const {
+  return std::move(trace(inputs).back());
 }
 
-VectorXd Mlp::gradient(const Trace& trace, const MatrixXd& output_gradient) const {
+template <class Scalar>
+typename BasicMlp<Scalar>::Matrix BasicMlp<Scalar>::derivative(const Matrix& outputs) const {
+  if (activation_ == Activation::tanh) return 1 - outputs.array().square();
+  if (activation_ == Activation::sigmoid) return outputs.array() * (1 - outputs.array());
+  return (outputs.array() > 0).template cast<Scalar>();
+}
+
+template <class Scalar>
+typename BasicMlp<Scalar>::Vector BasicMlp<Scalar>::gradient(const Trace& trace,
+                                                             const Matrix& output_gradient,
+                                                             Matrix* input_gradient) const {
   const auto layers = layers_of(sizes_, parameters_);
-  VectorXd result(parameters_.size());
-  auto gradients = layers_of(sizes_, result);
-  MatrixXd delta = output_gradient;
+  Vector result(parameters_.size());
+  auto gradients = mlp_layers(sizes_, result);
+  Matrix delta = output_gradient;
   for (std::size_t i = layers.size(); i-- > 0;) {
     gradients[i].weights.noalias() = delta * trace[i].transpose();
     gradients[i].biases = delta.rowwise().sum();
@@ -158,13 +185,16 @@ VectorXd Mlp::gradient(const Trace& trace, const MatrixXd& output_gradient) cons
       delta = (layers[i].weights.transpose() * delta).cwiseProduct(derivative(trace[i])).eval();
     }
   }
+  if (input_gradient) *input_gradient = layers.front().weights.transpose() * delta;
   return result;
 }
 
-MatrixXd Mlp::directional(const Trace& trace, const VectorXd& direction) const {
+template <class Scalar>
+typename BasicMlp<Scalar>::Matrix BasicMlp<Scalar>::directional(const Trace& trace,
+                                                                const Vector& direction) const {
   const auto layers = layers_of(sizes_, parameters_);
   const auto changes = layers_of(sizes_, direction);
-  MatrixXd change = MatrixXd::Zero(trace.front().rows(), trace.front().cols());
+  Matrix change = Matrix::Zero(trace.front().rows(), trace.front().cols());
   for (std::size_t i = 0; i < layers.size(); ++i) {
     change = (layers[i].weights * change + changes[i].weights * trace[i]).eval();
     change.colwise() += changes[i].biases;
@@ -173,21 +203,33 @@ MatrixXd Mlp::directional(const Trace& trace, const VectorXd& direction) const {
   return change;
 }
 
-Adam::Adam(Index parameters, double rate, double weight_decay)
+template <class Scalar>
+BasicAdam<Scalar>::BasicAdam(Index parameters, Scalar rate, Scalar weight_decay)
     : rate_(rate),
       weight_decay_(weight_decay),
-      first_(VectorXd::Zero(parameters)),
-      second_(VectorXd::Zero(parameters)) {}
+      first_(Vector::Zero(parameters)),
+      second_(Vector::Zero(parameters)) {}
 
-VectorXd Adam::step(const VectorXd& parameters, const VectorXd& gradient) {
-  const VectorXd g = gradient + weight_decay_ * parameters;
-  decayed_first_ *= kFirstDecay;
-  decayed_second_ *= kSecondDecay;
-  first_ = kFirstDecay * first_ + (1 - kFirstDecay) * g;
-  second_ = kSecondDecay * second_ + (1 - kSecondDecay) * g.cwiseAbs2();
-  const auto size = (second_.array() / (1 - decayed_second_)).sqrt() + kTiny;
+template <class Scalar>
+typename BasicAdam<Scalar>::Vector BasicAdam<Scalar>::step(const Vector& parameters,
+                                                           const Vector& gradient) {
+  constexpr auto kFirst = static_cast<Scalar>(kFirstDecay);
+  constexpr auto kSecond = static_cast<Scalar>(kSecondDecay);
+  const Vector g = gradient + weight_decay_ * parameters;
+  decayed_first_ *= kFirst;
+  decayed_second_ *= kSecond;
+  first_ = kFirst * first_ + (1 - kFirst) * g;
+  second_ = kSecond * second_ + (1 - kSecond) * g.cwiseAbs2();
+  const auto size = (second_.array() / (1 - decayed_second_)).sqrt() + static_cast<Scalar>(kTiny);
   return parameters - rate_ / (1 - decayed_first_) * (first_.array() / size).matrix();
 }
+
+template class BasicMlp<double>;
+template class BasicMlp<float>;
+template class BasicAdam<double>;
+template class BasicAdam<float>;
+template std::vector<MlpLayer<double>> mlp_layers(const std::vector<int>&, VectorXd&);
+template std::vector<MlpLayer<float>> mlp_layers(const std::vector<int>&, Eigen::VectorXf&);
 
 double fit_regression(Mlp& network, const MatrixXd& inputs, const MatrixXd& targets,
                       const RegressionOptions& options, palpate::RandomStream& random) {

@@ -101,9 +101,9 @@ SearchSpace LegPlanner::space(std::vector<int> moving, const Coordinates& start,
 std::vector<Coordinates> LegPlanner::find(const Coordinates& start, const Coordinates& goal) {
   if (start == goal) return {start};
   if (free_.holds_line(start, goal)) return {start, goal};
-  const SearchOptions search_options{.planner = planner_,
-                                     .iterations = std::max(1, options_.iterations / 2),
-                                     .shortenings = options_.shortenings};
+  const PathSearchOptions search_options{.planner = planner_,
+                                         .iterations = std::max(1, options_.iterations / 2),
+                                         .shortenings = options_.shortenings};
   std::vector<std::vector<int>> spaces = {differing(start, goal)};
   if (options_.move_all) spaces.push_back(movable());
   for (std::vector<int>& moving : spaces) {

@@ -135,7 +135,7 @@ std::vector<Coordinates> vertices(const Chart& chart, const Coordinates& metric,
 }  // namespace
 
 std::vector<Coordinates> search(const Coordinates& start, const Coordinates& goal, FreeSpace& free,
-                                const SearchSpace& space, const SearchOptions& options,
+                                const SearchSpace& space, const PathSearchOptions& options,
                                 std::uint64_t seed) {
   // All of OMPL's generators take their seeds from one, so only one search may run at a time; and
   // reseeding that one is reported as an error, although each search makes its generators again.

@@ -14,7 +14,7 @@ struct SearchSpace {
   Coordinates low, high;    ///< bounds of each moving coordinate
 };
 
-struct SearchOptions {
+struct PathSearchOptions {
   PlannerKind planner = PlannerKind::rrt_connect;
   int iterations = 10000;
   int shortenings = 100;
@@ -22,7 +22,7 @@ struct SearchOptions {
 
 /// Vertices of a polyline from start to goal, free at every step; empty if none was found.
 std::vector<Coordinates> search(const Coordinates& start, const Coordinates& goal, FreeSpace& free,
-                                const SearchSpace& space, const SearchOptions& options,
+                                const SearchSpace& space, const PathSearchOptions& options,
                                 std::uint64_t seed);
 
 }  // namespace palpate::planning

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/ros2/mcap_reader.hpp"
+#include "ros2/mcap_reader.hpp"
 
 #include <fmt/format.h>
 

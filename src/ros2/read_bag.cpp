@@ -12,7 +12,7 @@
 #include "palpate/core/error.hpp"
 #include "palpate/ros2/cdr.hpp"
 #include "palpate/ros2/export_recording.hpp"
-#include "palpate/ros2/mcap_reader.hpp"
+#include "ros2/mcap_reader.hpp"
 #include "ros2/mcap_records.hpp"
 
 namespace palpate::ros2 {

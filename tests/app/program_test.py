@@ -107,7 +107,12 @@ class Doctor(CliTest):
         self.assertIn("hand model", [check["name"] for check in missing])
         for check in missing:
             self.assertIn("./dev build", check["hint"])
-        self.assert_refused(BAD_INPUT, ["pick", "--object", "bunny", "--out", "new"], "run ./dev build")
+        self.assert_refused(BAD_INPUT, ["pick", "--object", "box", "--out", "new"], "run ./dev build")
+
+    def test_an_object_that_is_not_installed_is_named_with_what_to_do(self):
+        os.environ["PALPATE_ASSETS"] = str(self.folder)
+        self.addCleanup(os.environ.pop, "PALPATE_ASSETS")
+        self.assert_refused(BAD_INPUT, ["localize", "bunny", "contacts.csv"], "./dev bunny installs it")
 
 
 if __name__ == "__main__":

@@ -255,7 +255,7 @@ TEST(Repair, RandomDamageNeverYieldsAnUnsoundMesh) {
   EXPECT_GT(repaired, 40);
 }
 
-TEST(Repair, BunnyThatShipsWithTheProgramIsWatertight) {
+TEST(Repair, InstalledBunnyIsMadeWatertight) {
   const RepairedMesh repaired = repair(load_mesh(asset("bunny.ply")));
   const MeshReport report = inspect(repaired.mesh);
   EXPECT_TRUE(report.watertight);

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "geometry/objects/stable_poses.hpp"
 #include "palpate/geometry/objects/shapes.hpp"
-#include "palpate/geometry/objects/stable_poses.hpp"
 
 namespace palpate::geometry {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/geometry/objects/stable_poses.hpp"
+#include "geometry/objects/stable_poses.hpp"
 
 #include <gtest/gtest.h>
 

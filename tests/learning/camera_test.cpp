@@ -8,15 +8,15 @@
 namespace palpate::learning {
 namespace {
 
-TEST(Camera, ProjectsByHand) {
-  const Camera camera;
+TEST(PinholeCamera, ProjectsByHand) {
+  const PinholeCamera camera;
   // 600 (0.1, -0.2) / 0.5 + (320, 240)
   EXPECT_LT((camera.project({0.1, -0.2, 0.5}) - Eigen::Vector2d(440, 0)).norm(), 1e-12);
   EXPECT_LT((camera.project({0, 0, 3}) - camera.center).norm(), 1e-12);
 }
 
-TEST(Camera, ARayGoesThroughItsPixelAtEveryDepth) {
-  Camera camera;
+TEST(PinholeCamera, ARayGoesThroughItsPixelAtEveryDepth) {
+  PinholeCamera camera;
   camera.focal = 450;
   camera.center = {300, 250};
   RandomStream random(4);

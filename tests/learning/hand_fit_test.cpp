@@ -14,7 +14,7 @@
 namespace palpate::learning {
 namespace {
 
-Camera small_camera() { return {300, {160, 120}, 320, 240}; }
+PinholeCamera small_camera() { return {300, {160, 120}, 320, 240}; }
 
 /// A hand with half-bent fingers, 60 cm from the camera, its back towards it.
 HandState true_state(RandomStream& random) {
@@ -30,7 +30,7 @@ HandState true_state(RandomStream& random) {
   return state;
 }
 
-HandImage image_of(const Camera& camera, const HandState& state, double noise,
+HandImage image_of(const PinholeCamera& camera, const HandState& state, double noise,
                    RandomStream& random) {
   HandImage image;
   const auto keypoints = state.keypoints();
@@ -58,7 +58,7 @@ double keypoint_error(const HandState& a, const HandState& b) {
 
 TEST(HandFit, DepthShowsTheNearestSurface) {
   RandomStream random(1);
-  const Camera camera = small_camera();
+  const PinholeCamera camera = small_camera();
   const HandState state = true_state(random);
   const auto depth = render_depth(camera, state);
   const auto keypoints = state.keypoints();
@@ -73,7 +73,7 @@ TEST(HandFit, DepthShowsTheNearestSurface) {
 
 TEST(HandFit, KeypointsAndDepthGiveThePlaceOfAHandOfUnknownSize) {
   RandomStream random(2);
-  const Camera camera = small_camera();
+  const PinholeCamera camera = small_camera();
   for (int trial = 0; trial < 2; ++trial) {
     const HandState truth = true_state(random);
     const auto image = image_of(camera, truth, 0.5, random);
@@ -93,7 +93,7 @@ TEST(HandFit, KeypointsAndDepthGiveThePlaceOfAHandOfUnknownSize) {
 
 TEST(HandFit, MissingKeypointsAreLeftOut) {
   RandomStream random(3);
-  const Camera camera = small_camera();
+  const PinholeCamera camera = small_camera();
   const HandState truth = true_state(random);
   auto image = image_of(camera, truth, 0, random);
   for (const int i : {4, 8, 15}) {
@@ -106,7 +106,7 @@ TEST(HandFit, MissingKeypointsAreLeftOut) {
 
 TEST(HandFit, TheMaskedDepthsCenterIsInTheHand) {
   RandomStream random(4);
-  const Camera camera = small_camera();
+  const PinholeCamera camera = small_camera();
   const HandState truth = true_state(random);
   auto image = image_of(camera, truth, 0, random);
   const auto center = masked_center(camera, image);
@@ -140,7 +140,7 @@ TEST(HandFit, RefusesImagesOfAnotherSize) {
   RandomStream random(6);
   const HandState truth = true_state(random);
   auto image = image_of(small_camera(), truth, 0, random);
-  EXPECT_THROW(fit_hand(Camera{}, image, truth), BadInput);
+  EXPECT_THROW(fit_hand(PinholeCamera{}, image, truth), BadInput);
   image.mask.resize(3, 3);
   EXPECT_THROW(fit_hand(small_camera(), image, truth), BadInput);
 }

@@ -18,7 +18,7 @@ struct Matches {
 
 /// Points of a thing of 10 cm, half a metre away. @param wrong  share of matches anywhere
 Matches make_matches(int count, double noise, double wrong, RandomStream& random) {
-  const Camera camera;
+  const PinholeCamera camera;
   Matches m{Eigen::Isometry3d(random.rotation()), Eigen::Matrix3Xd(3, count),
             Eigen::Matrix2Xd(2, count)};
   m.T.translation() = Eigen::Vector3d(0.05, -0.03, 0.5) + 0.02 * random.normal3();

@@ -44,6 +44,23 @@ TEST_P(MlpTest, GradientIsThatOfDifferences) {
   }
 }
 
+TEST_P(MlpTest, GradientByTheInputsIsThatOfDifferences) {
+  const Eigen::MatrixXd inputs = random_matrix(3, 1, random), weights = random_matrix(2, 1, random);
+  Eigen::MatrixXd gradient;
+  network.gradient(network.trace(inputs), weights, &gradient);
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    const Eigen::VectorXd step = 1e-6 * Eigen::VectorXd::Unit(3, i);
+    const Eigen::MatrixXd change = network(inputs + step) - network(inputs - step);
+    EXPECT_NEAR(gradient(i, 0), change.cwiseProduct(weights).sum() / 2e-6, 1e-6);
+  }
+}
+
+TEST_P(MlpTest, FloatsGiveTheSameToTheirPrecision) {
+  const FloatMlp rounded(network.sizes(), GetParam(), network.parameters().cast<float>());
+  const Eigen::MatrixXd inputs = random_matrix(3, 6, random);
+  EXPECT_LT((rounded(inputs.cast<float>()).cast<double>() - network(inputs)).norm(), 1e-5);
+}
+
 TEST_P(MlpTest, DirectionalIsTheTransposeOfTheGradient) {
   const Eigen::MatrixXd inputs = random_matrix(3, 6, random), weights = random_matrix(2, 6, random);
   const Eigen::VectorXd direction = random_matrix(network.parameters().size(), 1, random);
@@ -52,7 +69,8 @@ TEST_P(MlpTest, DirectionalIsTheTransposeOfTheGradient) {
               network.gradient(trace, weights).dot(direction), 1e-10);
 }
 
-INSTANTIATE_TEST_SUITE_P(Activations, MlpTest, testing::Values(Activation::tanh, Activation::relu));
+INSTANTIATE_TEST_SUITE_P(Activations, MlpTest,
+                         testing::Values(Activation::tanh, Activation::relu, Activation::sigmoid));
 
 TEST(Mlp, FitsASmoothFunction) {
   palpate::RandomStream random(3);

@@ -17,6 +17,20 @@ run("${CMAKE_COMMAND}" -S "${SOURCE}/examples/library" -B "${work}/example" -G "
 run("${CMAKE_COMMAND}" --build "${work}/example")
 run("${work}/example/locate_by_touch")
 
+# Each of these is a product of its own, and runs without a trace of the simulator.
+foreach(component registration tactile localization)
+  set(build "${work}/component-${component}")
+  run("${CMAKE_COMMAND}" -S "${SOURCE}/tests/project/component" -B "${build}" -G "${GENERATOR}"
+      "-DCMAKE_PREFIX_PATH=${work}/prefix" "-DCOMPONENT=${component}" ${without})
+  run("${CMAKE_COMMAND}" --build "${build}")
+  run("${build}/component")
+  execute_process(COMMAND ldd "${build}/component" OUTPUT_VARIABLE libraries
+                  COMMAND_ERROR_IS_FATAL ANY)
+  if(libraries MATCHES "mujoco|coacd|ompl|nlopt|hdf5")
+    message(FATAL_ERROR "a program on ${component} needs more than it should:\n${libraries}")
+  endif()
+endforeach()
+
 set(program "${work}/prefix/bin/palpate")
 execute_process(COMMAND ldd "${program}" OUTPUT_VARIABLE libraries COMMAND_ERROR_IS_FATAL ANY)
 string(REPLACE "${work}" "" libraries "${libraries}")

@@ -38,13 +38,23 @@ class Pins(unittest.TestCase):
                 self.assertRegex(line, r"^[\w.-]+==\S+\s+--hash=sha256:[0-9a-f]{64}", path.name)
 
     def test_every_npm_package_has_a_hash_and_a_licence(self):
-        lock = json.loads((ROOT / "requirements" / "package-lock.json").read_text())
-        wanted = json.loads((ROOT / "requirements" / "package.json").read_text())
-        self.assertEqual(lock["packages"][""]["dependencies"], wanted["dependencies"])
-        for path, package in lock["packages"].items():
-            if path:
-                self.assertTrue(package["integrity"].startswith("sha512-"), path)
-                self.assertIn(package.get("license"), {"MIT", "Public Domain"}, path)
+        locks = list(dependencies.npm_locks())
+        self.assertEqual(len(locks), 2)
+        for file in locks:
+            lock = json.loads(file.read_text())
+            wanted = json.loads((file.parent / "package.json").read_text())
+            self.assertEqual(lock["packages"][""]["dependencies"], wanted["dependencies"])
+            for path, package in lock["packages"].items():
+                if path:
+                    self.assertTrue(package["integrity"].startswith("sha512-"), path)
+                    self.assertIn(package.get("license"), {"MIT", "Public Domain"}, path)
+
+    def test_the_bunny_is_no_part_of_the_product(self):
+        required = [c for c in dependencies.npm_components() if c["scope"] == "required"]
+        self.assertTrue(required)
+        self.assertNotIn("bunny", [component["name"] for component in required])
+        install = (ROOT / "cmake" / "PalpateInstall.cmake").read_text()
+        self.assertIn('PATTERN "bunny.ply" EXCLUDE', install)
 
     def test_scripts_of_packages_do_not_run(self):
         text = (ROOT / "dev").read_text()
@@ -63,9 +73,10 @@ class Licences(unittest.TestCase):
             if match := re.match(r"([\w-]+)==(\S+)", line):
                 name, version = match.groups()
                 self.assertRegex(text, rf"`{name}` {re.escape(version)} \| \S")
-        wanted = json.loads((ROOT / "requirements" / "package.json").read_text())["dependencies"]
-        for name, version in wanted.items():
-            self.assertRegex(text, rf"`{name}` {re.escape(version)} \| \S")
+        for file in dependencies.npm_locks():
+            wanted = json.loads((file.parent / "package.json").read_text())["dependencies"]
+            for name, version in wanted.items():
+                self.assertRegex(text, rf"`{name}` {re.escape(version)} \| \S")
 
     def test_every_debian_library_is_listed(self):
         text = (ROOT / "docs" / "licences.md").read_text().lower().replace("-", "").replace("+", "")

@@ -6,10 +6,10 @@
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
 #include "palpate/core/random.hpp"
-#include "palpate/ros2/mcap_reader.hpp"
 #include "palpate/ros2/mcap_writer.hpp"
 #include "palpate/ros2/messages/sensor_msgs.hpp"
 #include "recording/toy_recording.hpp"
+#include "ros2/mcap_reader.hpp"
 
 namespace palpate::ros2 {
 namespace {

@@ -9,14 +9,14 @@
 #include <numbers>
 #include <set>
 
+#include "geometry/objects/stable_poses.hpp"
+#include "geometry/objects/symmetry.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/random.hpp"
 #include "palpate/core/se3.hpp"
 #include "palpate/evaluation/trial.hpp"
 #include "palpate/geometry/mesh/mass_properties.hpp"
 #include "palpate/geometry/objects/shapes.hpp"
-#include "palpate/geometry/objects/stable_poses.hpp"
-#include "palpate/geometry/objects/symmetry.hpp"
 #include "palpate/localization/posterior.hpp"
 
 namespace palpate::skills {

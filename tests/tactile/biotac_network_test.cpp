@@ -37,29 +37,34 @@ TEST(BiotacDataset, HasTheLayoutOfTheThesis) {
 TEST(BiotacNetwork, HasTheShapesOfArchitectureB) {
   const BiotacNetwork network;
   Eigen::Index parameters = 0;
-  for (const auto& block : network.blocks()) {
-    for (const auto& layer : block) parameters += layer.weights.size() + layer.biases.size();
-  }
+  for (const auto& block : network.blocks()) parameters += block.parameters().size();
   // 3-512-512-512-64, 9-256-256-256-64, 1-256-23, 64-256-256-23
   EXPECT_EQ(parameters, 560192 + 150592 + 6423 + 88343);
-  EXPECT_EQ(network.blocks()[2][0].activation, LayerActivation::sigmoid);
+  EXPECT_EQ(network.blocks()[2].activation(), numerics::Activation::sigmoid);
 }
 
 TEST(BiotacNetwork, BackpropagatesTheGradient) {
   auto blocks = BiotacNetwork(3).blocks();
   const Eigen::MatrixXf x = Eigen::MatrixXf::Random(13, 4), g = Eigen::MatrixXf::Random(23, 4);
   const auto gradient = backward(blocks, forward(blocks, x), g);
+  const auto loss = [&] { return forward(blocks, x).output.cwiseProduct(g).cast<double>().sum(); };
   for (std::size_t b = 0; b < 4; ++b) {
-    for (std::size_t k = 0; k < blocks[b].size(); ++k) {
-      float& weight = blocks[b][k].weights(1, 0);
+    Eigen::VectorXf parameters = blocks[b].parameters();
+    Eigen::VectorXf slopes = gradient[b];
+    auto layers = numerics::mlp_layers(blocks[b].sizes(), parameters);
+    const auto expected = numerics::mlp_layers(blocks[b].sizes(), slopes);
+    for (std::size_t k = 0; k < layers.size(); ++k) {
+      float& weight = layers[k].weights(1, 0);
       const float kept = weight, step = 0.01f;
-      weight = kept + step;
-      const double up = forward(blocks, x).output.cwiseProduct(g).cast<double>().sum();
-      weight = kept - step;
-      const double down = forward(blocks, x).output.cwiseProduct(g).cast<double>().sum();
-      weight = kept;
-      const double expected = gradient[b][k].weights(1, 0);
-      EXPECT_NEAR((up - down) / (2 * step), expected, 0.02 * std::abs(expected) + 2e-3)
+      const auto with = [&](float value) {
+        weight = value;
+        blocks[b].set_parameters(parameters);
+        return loss();
+      };
+      const double up = with(kept + step), down = with(kept - step);
+      with(kept);
+      const double slope = expected[k].weights(1, 0);
+      EXPECT_NEAR((up - down) / (2 * step), slope, 0.02 * std::abs(slope) + 2e-3)
           << "mlp " << b + 1 << " layer " << k + 1;
     }
   }

@@ -19,7 +19,7 @@ Episode episode(double total, double distance) {
 }
 
 TEST(StructuredSearch, AScoreCountsTheMeanTheWorstAndSuccess) {
-  SearchOptions options;
+  PolicySearchOptions options;
   options.worst = 0.25;
   options.success_bonus = 100;
   const std::vector<Episode> episodes = {episode(10, 0.01), episode(20, 0.3), episode(60, 0.019)};
@@ -55,7 +55,7 @@ struct Search {
   }
 
   std::optional<RelocateModel> model;
-  SearchOptions options;
+  PolicySearchOptions options;
   std::vector<Eigen::VectorXd> candidates;
 };
 

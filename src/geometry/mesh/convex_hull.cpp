@@ -2,16 +2,14 @@
 #include "geometry/mesh/convex_hull.hpp"
 
 #include <fmt/format.h>
-#include <libqhull_r/qhull_ra.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <numeric>
-#include <string>
 #include <utility>
 
+#include "geometry/mesh/quickhull.hpp"
 #include "palpate/core/error.hpp"
 
 namespace palpate::geometry {
@@ -24,64 +22,35 @@ struct HullTriangle {
   double area = 0;
 };
 
-/// Owns Qhull's state and the sink of its messages.
-class Quickhull {
- public:
-  Quickhull(const std::vector<Eigen::Vector3d>& points, const std::string& options)
-      : messages_(std::fopen("/dev/null", "w")) {
-    for (const Eigen::Vector3d& p : points) {
-      coordinates_.insert(coordinates_.end(), p.data(), p.data() + 3);
+/// Triangles of a hull in three dimensions, counter-clockwise seen from outside.
+std::vector<HullTriangle> triangles_of(Quickhull& hull) {
+  std::vector<HullTriangle> triangles;
+  for (const facetT* facet = hull.facets(); facet && facet->next; facet = facet->next) {
+    HullTriangle triangle{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      triangle.vertices[k] = hull.index_of(static_cast<const vertexT*>(facet->vertices->e[k].p));
     }
-    qh_zero(&state_, messages_);
-    std::string command = "qhull " + options;
-    error_ = qh_new_qhull(&state_, 3, static_cast<int>(points.size()), coordinates_.data(), False,
-                          command.data(), messages_, messages_);
+    if (facet->toporient != qh_ORIENTclock) std::swap(triangle.vertices[1], triangle.vertices[2]);
+    triangle.normal = Eigen::Map<const Eigen::Vector3d>(facet->normal);
+    triangles.push_back(triangle);
   }
-  ~Quickhull() {
-    qh_freeqhull(&state_, qh_ALL);
-    int kept = 0, total = 0;
-    qh_memfreeshort(&state_, &kept, &total);
-    if (messages_) std::fclose(messages_);
-  }
-  Quickhull(const Quickhull&) = delete;
-  Quickhull& operator=(const Quickhull&) = delete;
-
-  int error() const { return error_; }
-
-  std::vector<HullTriangle> triangles() {
-    std::vector<HullTriangle> triangles;
-    for (const facetT* facet = state_.facet_list; facet && facet->next; facet = facet->next) {
-      HullTriangle triangle{};
-      for (std::size_t k = 0; k < 3; ++k) {
-        const auto* vertex = static_cast<const vertexT*>(facet->vertices->e[k].p);
-        triangle.vertices[k] = qh_pointid(&state_, vertex->point);
-      }
-      if (facet->toporient != qh_ORIENTclock) {
-        std::swap(triangle.vertices[1], triangle.vertices[2]);
-      }
-      triangle.normal = Eigen::Map<const Eigen::Vector3d>(facet->normal);
-      triangles.push_back(triangle);
-    }
-    return triangles;
-  }
-
- private:
-  qhT state_;
-  std::FILE* messages_;
-  std::vector<double> coordinates_;
-  int error_ = 0;
-};
+  return triangles;
+}
 
 std::vector<HullTriangle> hull_triangles(const std::vector<Eigen::Vector3d>& points,
                                          const char* options) {
-  Quickhull hull(points, options);
+  Eigen::MatrixXd columns(3, static_cast<Eigen::Index>(points.size()));
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    columns.col(static_cast<Eigen::Index>(i)) = points[i];
+  }
+  Quickhull hull(std::move(columns), options);
   if (hull.error() != 0) {
     throw BadInput(
         fmt::format("{} points have no convex hull: they are flat or not finite (Qhull "
                     "error {})",
                     points.size(), hull.error()));
   }
-  std::vector<HullTriangle> triangles = hull.triangles();
+  std::vector<HullTriangle> triangles = triangles_of(hull);
   for (HullTriangle& triangle : triangles) {
     const auto& [a, b, c] = triangle.vertices;
     const auto at = [&](int v) { return points[static_cast<std::size_t>(v)]; };

@@ -7,14 +7,14 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "geometry/objects/stable_poses.hpp"
+#include "geometry/objects/symmetry.hpp"
 #include "palpate/core/assets.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/spelling.hpp"
 #include "palpate/geometry/io/mesh_io.hpp"
 #include "palpate/geometry/objects/generated_shape.hpp"
 #include "palpate/geometry/objects/shapes.hpp"
-#include "palpate/geometry/objects/stable_poses.hpp"
-#include "palpate/geometry/objects/symmetry.hpp"
 #include "palpate/geometry/repair/mesh_repair.hpp"
 
 namespace palpate::geometry {
@@ -34,7 +34,21 @@ BuiltIn built_in(const std::string& name) {
   if (name == "bottle") return {bottle_mesh(), 0.40};
   if (name == "box") return {box_mesh({0.050, 0.094, 0.175}), 0.40};
   if (name == "bracket") return {bracket_mesh(), 0.25};
-  return {load_mesh(asset("bunny.ply")), 0.20};
+  return {duck_mesh(), 0.20};
+}
+
+constexpr const char* kBunny = "bunny";  // a test object, not for commercial use
+
+KnownObject bunny() {
+  std::filesystem::path file;
+  try {
+    file = asset("bunny.ply");
+  } catch (const BadInput&) {
+    throw BadInput(
+        "the bunny is not installed, because its licence forbids commercial use (see "
+        "docs/licences.md): ./dev bunny installs it; the built-in free-form object is 'duck'");
+  }
+  return make_known_object(kBunny, load_mesh(file), 0.20);
 }
 
 [[noreturn]] void refuse_name(const std::string& name) {
@@ -74,7 +88,7 @@ void check_size(const std::string& name, const TriangleMesh& mesh) {
 }  // namespace
 
 const std::vector<std::string>& built_in_objects() {
-  static const std::vector<std::string> names = {"mug", "bottle", "box", "bracket", "bunny"};
+  static const std::vector<std::string> names = {"mug", "bottle", "box", "bracket", "duck"};
   return names;
 }
 
@@ -98,6 +112,7 @@ KnownObject load_known_object(const std::string& name_or_file) {
   if (const auto seed = generated_seed(name_or_file)) {
     return make_known_object(name_or_file, generated_shape(*seed), 0);
   }
+  if (name_or_file == kBunny) return bunny();
   const bool is_built_in = std::ranges::count(built_in_objects(), name_or_file) > 0;
   std::error_code unknown;  // of a name too long for a file, for one
   if (!is_built_in && !std::filesystem::exists(name_or_file, unknown)) refuse_name(name_or_file);

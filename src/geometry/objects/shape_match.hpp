@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "palpate/geometry/objects/symmetry.hpp"
+#include "geometry/objects/symmetry.hpp"
 #include "palpate/geometry/query/distance_field.hpp"
 #include "palpate/geometry/query/mesh_query.hpp"
 

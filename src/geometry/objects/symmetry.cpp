@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/geometry/objects/symmetry.hpp"
+#include "geometry/objects/symmetry.hpp"
 
 #include <fmt/format.h>
 

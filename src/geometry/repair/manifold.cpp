@@ -11,13 +11,13 @@ namespace palpate::geometry {
 namespace {
 
 /// Over a two-faced edge: the other face, and whether it winds to the other side.
-struct Neighbour {
+struct EdgeNeighbour {
   int triangle;
   bool opposed;
 };
 
-std::vector<std::vector<Neighbour>> neighbours_of(const TriangleMesh& mesh) {
-  std::vector<std::vector<Neighbour>> neighbours(mesh.triangles.size());
+std::vector<std::vector<EdgeNeighbour>> neighbours_of(const TriangleMesh& mesh) {
+  std::vector<std::vector<EdgeNeighbour>> neighbours(mesh.triangles.size());
   for_each_edge(edge_uses(mesh), [&neighbours](std::span<const EdgeUse> edge) {
     if (edge.size() != 2) return;
     const bool opposed = edge[0].forward == edge[1].forward;
@@ -31,7 +31,7 @@ std::vector<std::vector<Neighbour>> neighbours_of(const TriangleMesh& mesh) {
 enum class Side : char { kUnknown, kSame, kOpposite };
 
 /// The faces connected with `seed`, each marked with its side relative to that of the seed.
-std::vector<int> mark_part(int seed, const std::vector<std::vector<Neighbour>>& neighbours,
+std::vector<int> mark_part(int seed, const std::vector<std::vector<EdgeNeighbour>>& neighbours,
                            std::vector<Side>& sides) {
   std::vector<int> part{seed};
   sides[static_cast<std::size_t>(seed)] = Side::kSame;

@@ -5,9 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <vector>
 
-#include "numerics/bounded_least_squares.hpp"
+#include "numerics/levenberg_marquardt.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/se3.hpp"
 #include "palpate/hand/shadow.hpp"
@@ -128,7 +129,7 @@ double depth_of(const HandImage& image, const Vector2d& pixel) {
   return image.depth(static_cast<Index>(pixel.y()), static_cast<Index>(pixel.x()));
 }
 
-void check(const Camera& camera, const HandImage& image) {
+void check(const PinholeCamera& camera, const HandImage& image) {
   if (image.depth.size() == 0) return;
   if (image.depth.rows() != camera.height || image.depth.cols() != camera.width ||
       image.mask.rows() != camera.height || image.mask.cols() != camera.width) {
@@ -142,7 +143,7 @@ void check(const Camera& camera, const HandImage& image) {
 /// The picture's residuals: keypoints (pixels), then depth (mm), weighed.
 class Picture {
  public:
-  Picture(const Camera& camera, const HandImage& image, const HandFitOptions& options)
+  Picture(const PinholeCamera& camera, const HandImage& image, const HandFitOptions& options)
       : camera_(camera),
         image_(image),
         options_(options),
@@ -194,23 +195,31 @@ class Picture {
                       options_.largest_gap);
   }
 
-  const Camera& camera_;
+  const PinholeCamera& camera_;
   const HandImage& image_;
   const HandFitOptions& options_;
   std::vector<Vector2d> compared_;
 };
 
-numerics::LeastSquaresResult minimise(const numerics::Residuals& residuals, const HandState& start,
-                                      const HandFitOptions& options) {
+using Residuals = std::function<VectorXd(const VectorXd&)>;
+
+/// The parameters within their bounds that leave the least.
+numerics::LeastSquaresFit<VectorXd> minimise(const Residuals& residuals, const HandState& start,
+                                             const HandFitOptions& options) {
+  constexpr double kWidth = 1e-3;  // of all parameters: rad, m, and of the size 1
   const VectorXd x = parameters_of(start);
   const Bounds b = bounds(x, options.fit_shape);
-  return numerics::bounded_least_squares(residuals, x, b.lower, b.upper,
-                                         {options.iterations, 1e-6, 1e-9});
+  const auto moved = [&](const VectorXd& from, const VectorXd& step) {
+    return VectorXd((from + step).cwiseMax(b.lower).cwiseMin(b.upper));
+  };
+  return numerics::levenberg_marquardt(
+      moved(x, VectorXd::Zero(x.size())), VectorXd::Constant(x.size(), kWidth), residuals, moved,
+      {.iterations = options.iterations, .damping = 1e-3, .min_gain = 1e-6, .max_step = 1e3});
 }
 
 }  // namespace
 
-double depth_at(const Camera& camera, const HandKeypoints& keypoints,
+double depth_at(const PinholeCamera& camera, const HandKeypoints& keypoints,
                 const learning::HumanShape& shape, const Vector2d& pixel) {
   const Vector3d ray = camera.ray(pixel).normalized();
   double nearest = 0;
@@ -222,7 +231,7 @@ double depth_at(const Camera& camera, const HandKeypoints& keypoints,
   return nearest * ray.z();
 }
 
-DepthImage render_depth(const Camera& camera, const HandState& state) {
+DepthImage render_depth(const PinholeCamera& camera, const HandState& state) {
   const HandKeypoints points = state.keypoints();
   DepthImage image(camera.height, camera.width);
   for (Index row = 0; row < image.rows(); ++row) {
@@ -234,7 +243,7 @@ DepthImage render_depth(const Camera& camera, const HandState& state) {
   return image;
 }
 
-std::optional<Vector3d> masked_center(const Camera& camera, const HandImage& image) {
+std::optional<Vector3d> masked_center(const PinholeCamera& camera, const HandImage& image) {
   check(camera, image);
   Vector3d sum = Vector3d::Zero();
   const auto pixels = compared_pixels(image, 1);
@@ -243,7 +252,7 @@ std::optional<Vector3d> masked_center(const Camera& camera, const HandImage& ima
   return sum / static_cast<double>(pixels.size());
 }
 
-HandFit fit_hand(const Camera& camera, const HandImage& image, const HandState& start,
+HandFit fit_hand(const PinholeCamera& camera, const HandImage& image, const HandState& start,
                  const HandFitOptions& options) {
   check(camera, image);
   HandFit fit{.state = start};
@@ -255,14 +264,14 @@ HandFit fit_hand(const Camera& camera, const HandImage& image, const HandState& 
   }
   const Picture picture(camera, image, options);
   const Eigen::Matrix3d R = start.T_camera_wrist.linear();
-  const numerics::Residuals residuals = [&](const VectorXd& x) {
+  const Residuals residuals = [&](const VectorXd& x) {
     VectorXd r(picture.size() + kPrior);
     picture.write(state_of(x, R), r);
     add_prior(x, options, r, picture.size());
     return r;
   };
   const auto found = minimise(residuals, start, options);
-  fit.state = state_of(found.x, R);
+  fit.state = state_of(found.state, R);
   fit.pixel_rms = picture.pixel_rms(fit.state);
   fit.depth_rms = picture.depth_rms(fit.state);
   fit.iterations = found.iterations;
@@ -278,14 +287,14 @@ HandFit fit_hand(const HandKeypoints& targets, const HandState& start,
     return difference;
   };
   constexpr Index kValues = 3 * learning::kHandKeypoints;
-  const numerics::Residuals residuals = [&](const VectorXd& x) {
+  const Residuals residuals = [&](const VectorXd& x) {
     VectorXd r(kValues + kPrior);
     r.head<kValues>() = errors(state_of(x, R)).reshaped();
     add_prior(x, options, r, kValues);
     return r;
   };
   const auto found = minimise(residuals, start, options);
-  HandFit fit{.state = state_of(found.x, R)};
+  HandFit fit{.state = state_of(found.state, R)};
   const double wanted = static_cast<double>(targets.array().isFinite().count()) / 3;
   if (wanted < 1) fit.status = HandFitStatus::too_few_keypoints;
   fit.pixel_rms = errors(fit.state).norm() / std::sqrt(std::max(wanted, 1.0));

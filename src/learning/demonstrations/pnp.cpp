@@ -31,7 +31,7 @@ constexpr double kDegenerate = 1e-3;  // least singular value of a rotation, of 
 constexpr int kConsensusRounds = 5;   // of refining and collecting those that agree
 
 /// Reprojection error of one match, pixels; infinite behind the camera.
-Vector2d reprojection(const Camera& camera, const Isometry3d& T, const Vector3d& point,
+Vector2d reprojection(const PinholeCamera& camera, const Isometry3d& T, const Vector3d& point,
                       const Vector2d& pixel) {
   const Vector3d p = T * point;
   if (!(p.z() > 0)) return Vector2d::Constant(std::numeric_limits<double>::infinity());
@@ -39,7 +39,7 @@ Vector2d reprojection(const Camera& camera, const Isometry3d& T, const Vector3d&
 }
 
 /// Pose by the direct linear transform; none if the matches do not determine it.
-std::optional<Isometry3d> linear_pose(const Camera& camera, const Matrix3Xd& points,
+std::optional<Isometry3d> linear_pose(const PinholeCamera& camera, const Matrix3Xd& points,
                                       const Matrix2Xd& pixels, const std::vector<int>& chosen) {
   // Points about their center, in units of their spread, so that the system is well scaled.
   Vector3d center = Vector3d::Zero();
@@ -75,7 +75,7 @@ std::optional<Isometry3d> linear_pose(const Camera& camera, const Matrix3Xd& poi
 }
 
 /// Gauss-Newton steps on the reprojection error, as long as it falls.
-Isometry3d refine(const Camera& camera, const Matrix3Xd& points, const Matrix2Xd& pixels,
+Isometry3d refine(const PinholeCamera& camera, const Matrix3Xd& points, const Matrix2Xd& pixels,
                   const std::vector<int>& chosen, Isometry3d T, int iterations) {
   const auto cost = [&](const Isometry3d& pose) {
     double sum = 0;
@@ -107,8 +107,8 @@ Isometry3d refine(const Camera& camera, const Matrix3Xd& points, const Matrix2Xd
   return T;
 }
 
-std::vector<int> agreeing(const Camera& camera, const Matrix3Xd& points, const Matrix2Xd& pixels,
-                          const Isometry3d& T, double threshold) {
+std::vector<int> agreeing(const PinholeCamera& camera, const Matrix3Xd& points,
+                          const Matrix2Xd& pixels, const Isometry3d& T, double threshold) {
   std::vector<int> result;
   for (int i = 0; i < points.cols(); ++i) {
     if (reprojection(camera, T, points.col(i), pixels.col(i)).norm() < threshold) {
@@ -139,7 +139,7 @@ void check(const Matrix3Xd& points, const Matrix2Xd& pixels) {
 
 }  // namespace
 
-PnpResult solve_pnp(const Camera& camera, const Matrix3Xd& points, const Matrix2Xd& pixels,
+PnpResult solve_pnp(const PinholeCamera& camera, const Matrix3Xd& points, const Matrix2Xd& pixels,
                     const PnpOptions& options, std::uint64_t seed) {
   check(points, pixels);
   PnpResult result;

@@ -38,7 +38,7 @@ struct PnpResult {
 /// Zisserman 2004, 7.1); the one that most agree with is refined by Gauss-Newton steps on their
 /// reprojection error. The points must not lie in one plane.
 /// @throws BadInput if sizes differ or a value is not finite
-PnpResult solve_pnp(const Camera& camera, const Eigen::Matrix3Xd& points,
+PnpResult solve_pnp(const PinholeCamera& camera, const Eigen::Matrix3Xd& points,
                     const Eigen::Matrix2Xd& pixels, const PnpOptions& options = {},
                     std::uint64_t seed = 0);
 

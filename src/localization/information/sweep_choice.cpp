@@ -22,7 +22,7 @@ using localization::FreeSphere;
 
 /// Where a guarded move ends for the object at one pose.
 enum class Ending { touch, nothing, blocked };
-struct Outcome {
+struct SweepOutcome {
   Ending ending = Ending::nothing;
   double way = 0;  ///< m
 };
@@ -36,8 +36,8 @@ bool meets(const geometry::ObjectModel& object, const Eigen::Isometry3d& T_objec
   });
 }
 
-Outcome outcome(const geometry::ObjectModel& object, const Eigen::Isometry3d& T_object_world,
-                const ProbingFinger& finger, const GuardedMove& guarded_move) {
+SweepOutcome outcome(const geometry::ObjectModel& object, const Eigen::Isometry3d& T_object_world,
+                     const ProbingFinger& finger, const GuardedMove& guarded_move) {
   const double length = (guarded_move.to - guarded_move.from).norm();
   for (double way = 0; way <= length; way += kStep) {
     const Eigen::Vector3d at =
@@ -49,7 +49,7 @@ Outcome outcome(const geometry::ObjectModel& object, const Eigen::Isometry3d& T_
 }
 
 /// A way that ends without a touch of the tip tells only how far the tip came.
-double reported_apart(const Outcome& a, const Outcome& b) {
+double reported_apart(const SweepOutcome& a, const SweepOutcome& b) {
   if (a.ending != Ending::touch && b.ending != Ending::touch) return 0;
   return std::min(1.0, std::abs(a.way - b.way) / kReportedApart);
 }
@@ -57,7 +57,7 @@ double reported_apart(const Outcome& a, const Outcome& b) {
 /// Chance that two draws from the poses are told apart.
 double information(const geometry::ObjectModel& object, const std::vector<WeightedPose>& poses,
                    const ProbingFinger& finger, const GuardedMove& guarded_move) {
-  std::vector<Outcome> outcomes;
+  std::vector<SweepOutcome> outcomes;
   for (const auto& pose : poses) {
     outcomes.push_back(outcome(object, pose.T.inverse(), finger, guarded_move));
   }
@@ -86,7 +86,7 @@ std::optional<Matrix9d> information_of(const geometry::ObjectModel& object,
                                        const ProbingFinger& finger,
                                        const GuardedMove& guarded_move) {
   const Eigen::Isometry3d T_object_world = T_world_object.inverse();
-  const Outcome end = outcome(object, T_object_world, finger, guarded_move);
+  const SweepOutcome end = outcome(object, T_object_world, finger, guarded_move);
   if (end.ending != Ending::touch) return std::nullopt;
   const Eigen::Vector3d at =
       guarded_move.from + end.way * (guarded_move.to - guarded_move.from).normalized();

@@ -116,8 +116,8 @@ SearchPose moved_by_difference(const SearchPose& from, const std::vector<SearchP
 }
 
 /// Metropolis steps on beta energy + (1 - beta) proposal.
-void move(std::vector<Particle>& particles, const Target& target, const Energy& energy,
-          double exponent, double scale, int steps, RandomStream& random) {
+void move_particles(std::vector<Particle>& particles, const Target& target, const Energy& energy,
+                    double exponent, double scale, int steps, RandomStream& random) {
   const auto beta = static_cast<float>(exponent);
   const double width = std::min(kWidestMove, scale / std::sqrt(std::max(exponent, 0.05)));
   std::vector<SearchPose> population;  // as they are before they move
@@ -150,7 +150,7 @@ std::vector<Particle> bridged(const Target& target, const LocalizerOptions& opti
     const double taken = std::min(1 - exponent, std::max(step, kMinLadderStep));
     particles = resampled(particles, bridge_weights(particles, taken), options.particles, random);
     exponent = taken < 1 - exponent ? exponent + taken : 1;
-    move(particles, target, energy, exponent, options.first_scale, options.moves, random);
+    move_particles(particles, target, energy, exponent, options.first_scale, options.moves, random);
     size = kStepShare * options.particles;
   }
   return particles;
@@ -177,8 +177,8 @@ std::vector<Particle> sample_posterior(const Target& target, const LocalizerOpti
     if (scale < kLastScale) scale = 1;
     const Energy energy = target.energy_at(scale);
     cool(particles, energy, random);
-    move(particles, target, energy, 1, scale, scale > 1 ? options.moves : 2 * options.moves,
-         random);
+    move_particles(particles, target, energy, 1, scale,
+                   scale > 1 ? options.moves : 2 * options.moves, random);
   }
   return particles;
 }

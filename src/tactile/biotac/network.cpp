@@ -23,9 +23,44 @@ const std::array<std::vector<int>, 4> kShapes = {std::vector<int>{3, 512, 512, 5
                                                  {1, 256, 23},
                                                  {64, 256, 256, 23}};
 
-LayerActivation activation_of(std::size_t block, bool last) {
-  if (last) return LayerActivation::linear;
-  return block == 2 ? LayerActivation::sigmoid : LayerActivation::relu;
+/// A block with weights uniform within sqrt(6 / (inputs + outputs)) of each layer (Glorot & Bengio,
+/// AISTATS 2010), and biases of 0.
+numerics::FloatMlp untrained(std::size_t block, RandomStream& random) {
+  const std::vector<int>& sizes = kShapes[block];
+  Eigen::VectorXf parameters = Eigen::VectorXf::Zero(numerics::count_parameters(sizes));
+  for (auto& layer : numerics::mlp_layers(sizes, parameters)) {
+    const double bound =
+        std::sqrt(6.0 / static_cast<double>(layer.weights.cols() + layer.weights.rows()));
+    for (float& weight : layer.weights.reshaped()) {
+      weight = static_cast<float>(random.uniform(-bound, bound));
+    }
+  }
+  return {sizes, block == 2 ? numerics::Activation::sigmoid : numerics::Activation::relu,
+          std::move(parameters)};
+}
+
+NetworkBlocks untrained(std::uint64_t seed) {
+  RandomStream random(seed, "biotac-network");
+  // In order: each draws after the one before it.
+  return {untrained(std::size_t{0}, random), untrained(std::size_t{1}, random),
+          untrained(std::size_t{2}, random), untrained(std::size_t{3}, random)};
+}
+
+/// Adds the gradient of the l1 norm of the hidden biases.
+void add_bias_penalty(const numerics::FloatMlp& block, float weight, Eigen::VectorXf& gradient) {
+  Eigen::VectorXf parameters = block.parameters();
+  const auto layers = numerics::mlp_layers(block.sizes(), parameters);
+  auto gradients = numerics::mlp_layers(block.sizes(), gradient);
+  for (std::size_t k = 0; k + 1 < layers.size(); ++k) {
+    gradients[k].biases += weight * layers[k].biases.array().sign().matrix();
+  }
+}
+
+std::array<numerics::FloatAdam, 4> optimisers(const NetworkBlocks& blocks, double rate) {
+  const auto adam = [&](std::size_t b) {
+    return numerics::FloatAdam(blocks[b].parameters().size(), static_cast<float>(rate));
+  };
+  return {adam(0), adam(1), adam(2), adam(3)};
 }
 
 std::string layer_name(std::size_t block, std::size_t layer) {
@@ -63,25 +98,11 @@ Eigen::MatrixXf columns_of(const Eigen::MatrixXf& values, const std::vector<Eige
 }  // namespace
 
 BiotacNetwork::BiotacNetwork(std::uint64_t seed)
-    : input_mean_(Eigen::VectorXf::Zero(kNetworkInputs)),
+    : blocks_(untrained(seed)),
+      input_mean_(Eigen::VectorXf::Zero(kNetworkInputs)),
       input_sd_(Eigen::VectorXf::Ones(kNetworkInputs)),
       output_mean_(Eigen::VectorXf::Zero(kNetworkOutputs)),
-      output_sd_(Eigen::VectorXf::Ones(kNetworkOutputs)) {
-  RandomStream random(seed, "biotac-network");
-  for (std::size_t b = 0; b < kShapes.size(); ++b) {
-    for (std::size_t k = 0; k + 1 < kShapes[b].size(); ++k) {
-      const int in = kShapes[b][k], out = kShapes[b][k + 1];
-      const double reach = std::sqrt(6.0 / (in + out));
-      NetworkLayer layer{.weights = Eigen::MatrixXf(out, in),
-                         .biases = Eigen::VectorXf::Zero(out),
-                         .activation = activation_of(b, k + 2 == kShapes[b].size())};
-      for (float& weight : layer.weights.reshaped()) {
-        weight = static_cast<float>(random.uniform(-reach, reach));
-      }
-      blocks_[b].push_back(std::move(layer));
-    }
-  }
-}
+      output_sd_(Eigen::VectorXf::Ones(kNetworkOutputs)) {}
 
 std::string BiotacNetwork::bytes() const {
   ArrayFile file(kNetworkKind, kNetworkVersion);
@@ -90,9 +111,11 @@ std::string BiotacNetwork::bytes() const {
   file.add("output_mean", output_mean_);
   file.add("output_sd", output_sd_);
   for (std::size_t b = 0; b < blocks_.size(); ++b) {
-    for (std::size_t k = 0; k < blocks_[b].size(); ++k) {
-      file.add(layer_name(b, k) + ".weights", blocks_[b][k].weights);
-      file.add(layer_name(b, k) + ".biases", blocks_[b][k].biases);
+    Eigen::VectorXf parameters = blocks_[b].parameters();
+    const auto layers = numerics::mlp_layers(blocks_[b].sizes(), parameters);
+    for (std::size_t k = 0; k < layers.size(); ++k) {
+      file.add(layer_name(b, k) + ".weights", layers[k].weights);
+      file.add(layer_name(b, k) + ".biases", layers[k].biases);
     }
   }
   return file.bytes();
@@ -109,12 +132,14 @@ BiotacNetwork BiotacNetwork::parse(std::string_view bytes, const std::string& so
     throw BadInput(fmt::format("{}: a standard deviation is not positive", source));
   }
   for (std::size_t b = 0; b < network.blocks_.size(); ++b) {
-    for (std::size_t k = 0; k < network.blocks_[b].size(); ++k) {
-      NetworkLayer& layer = network.blocks_[b][k];
-      const Eigen::Index out = layer.weights.rows(), in = layer.weights.cols();
-      layer.weights = file.get(layer_name(b, k) + ".weights", out, in);
-      layer.biases = file.get(layer_name(b, k) + ".biases", out, 1);
+    Eigen::VectorXf parameters = network.blocks_[b].parameters();
+    auto layers = numerics::mlp_layers(network.blocks_[b].sizes(), parameters);
+    for (std::size_t k = 0; k < layers.size(); ++k) {
+      const Eigen::Index out = layers[k].weights.rows(), in = layers[k].weights.cols();
+      layers[k].weights = file.get(layer_name(b, k) + ".weights", out, in);
+      layers[k].biases = file.get(layer_name(b, k) + ".biases", out, 1);
     }
+    network.blocks_[b].set_parameters(parameters);
   }
   return network;
 }
@@ -142,7 +167,7 @@ double BiotacNetwork::train(const Eigen::MatrixXf& inputs, const Eigen::MatrixXf
   const Eigen::MatrixXf x = standardised(inputs, input_mean_, input_sd_);
   const Eigen::MatrixXf y = standardised(outputs, output_mean_, output_sd_);
   RandomStream random(options.seed, "biotac-training");
-  BlockAdam adam(blocks_);
+  auto adams = optimisers(blocks_, options.rate);
   std::vector<Eigen::Index> order(static_cast<std::size_t>(x.cols()));
   std::iota(order.begin(), order.end(), 0);
   double error = 0;
@@ -162,11 +187,11 @@ double BiotacNetwork::train(const Eigen::MatrixXf& inputs, const Eigen::MatrixXf
       error += miss.squaredNorm();
       const float scale = 2 / static_cast<float>(miss.size());
       auto gradient = backward(blocks_, trace, scale * miss);
-      for (std::size_t k = 0; k + 1 < blocks_[1].size(); ++k) {
-        gradient[1][k].biases +=
-            static_cast<float>(options.bias_penalty) * blocks_[1][k].biases.array().sign().matrix();
+      add_bias_penalty(blocks_[1], static_cast<float>(options.bias_penalty), gradient[1]);
+      for (std::size_t b = 0; b < blocks_.size(); ++b) {
+        adams[b].set_rate(static_cast<float>(options.rate * share));
+        blocks_[b].set_parameters(adams[b].step(blocks_[b].parameters(), gradient[b]));
       }
-      adam.step(blocks_, gradient, static_cast<float>(options.rate * share));
     }
     if (progress) {
       progress(static_cast<std::size_t>(epoch + 1), static_cast<std::size_t>(options.epochs));

@@ -29,12 +29,11 @@ struct KnownObject {
   std::vector<std::string> repairs;         ///< what was done to the file's mesh, in words
 };
 
-/// A built-in object (mug, bottle, box, bracket, bunny), `generated:SEED`, or a mesh file in
-/// metres.
+/// A built-in object (mug, bottle, box, bracket, duck), `generated:SEED`, a mesh file in metres, or
+/// `bunny`, the Stanford bunny, where it is installed (it is not for commercial use).
 ///
 /// @throws BadInput for an unknown name, or a mesh that cannot be read, repaired, or that is
-/// smaller
-///         than 10 mm or larger than 400 mm (one in millimetres is named as such)
+///         smaller than 10 mm or larger than 400 mm (one in millimetres is named as such)
 KnownObject load_known_object(const std::string& name_or_file);
 
 /// An object of that shape (m).

@@ -22,4 +22,8 @@ TriangleMesh box_mesh(const Eigen::Vector3d& size);
 /// origin.
 TriangleMesh bracket_mesh();
 
+/// Bath duck standing on z = 0, 99 x 66 x 83 mm, its beak towards +x: blended ellipsoids with a
+/// flat bottom, the head turned to the left and the left wing lifted, so that it has no symmetry.
+TriangleMesh duck_mesh();
+
 }  // namespace palpate::geometry

@@ -6,7 +6,7 @@
 namespace palpate::learning {
 
 /// A pinhole camera that looks along +z, x to the right, y down.
-struct Camera {
+struct PinholeCamera {
   double focal = 600;                   ///< pixels
   Eigen::Vector2d center = {320, 240};  ///< pixels; of the middle of pixel (0, 0) is (0, 0)
   int width = 640, height = 480;        ///< pixels

@@ -23,10 +23,10 @@ struct HandState {
 using DepthImage = Eigen::MatrixXd;
 
 /// R(theta, beta, r) of thesis eq. 7.7: the hand's capsules as the camera sees them.
-DepthImage render_depth(const Camera& camera, const HandState& state);
+DepthImage render_depth(const PinholeCamera& camera, const HandState& state);
 
 /// Depth of one pixel, m; 0 if the hand is not there.
-double depth_at(const Camera& camera, const learning::HandKeypoints& keypoints,
+double depth_at(const PinholeCamera& camera, const learning::HandKeypoints& keypoints,
                 const learning::HumanShape& shape, const Eigen::Vector2d& pixel);
 
 struct HandFitOptions {
@@ -69,11 +69,11 @@ struct HandFit {
 
 /// Where the hand is as far as depth alone tells: the center of the masked depth.
 /// @return none if no masked pixel has a depth
-std::optional<Eigen::Vector3d> masked_center(const Camera& camera, const HandImage& image);
+std::optional<Eigen::Vector3d> masked_center(const PinholeCamera& camera, const HandImage& image);
 
 /// Fits the hand to 2-D keypoints and masked depth (thesis eq. 7.7), from a state near by.
 /// @throws BadInput if depth and mask have other sizes than the camera's image
-HandFit fit_hand(const Camera& camera, const HandImage& image, const HandState& start,
+HandFit fit_hand(const PinholeCamera& camera, const HandImage& image, const HandState& start,
                  const HandFitOptions& options = {});
 
 /// Fits the hand to points in space: column i is where keypoint i shall be, NaN for anywhere.

@@ -8,24 +8,18 @@
 #include <vector>
 
 #include "palpate/core/progress.hpp"
+#include "palpate/numerics/mlp.hpp"
 #include "palpate/tactile/biotac/dataset.hpp"
 
 namespace palpate::tactile {
 
-enum class LayerActivation { linear, relu, sigmoid };
-
-/// An affine layer and what follows it.
-struct NetworkLayer {
-  Eigen::MatrixXf weights;  ///< outputs x inputs
-  Eigen::VectorXf biases;
-  LayerActivation activation = LayerActivation::linear;
-};
-using NetworkBlock = std::vector<NetworkLayer>;
+/// MLP 1 position, 2 forces, 3 temperature, 4 combination.
+using NetworkBlocks = std::array<numerics::FloatMlp, 4>;
 
 struct NetworkTrainingOptions {
   int epochs = 12;
   int batch = 64;
-  double rate = 1e-3;          ///< of numerics::Adam, at the start
+  double rate = 1e-3;          ///< of Adam, at the start
   double final_rate = 0.02;    ///< share of it left at the end; in between as a cosine
   double bias_penalty = 1e-5;  ///< weight of the l1 norm of MLP 2's hidden biases
   std::uint64_t seed = 0;
@@ -34,7 +28,7 @@ struct NetworkTrainingOptions {
   void visit(Visitor&& v) {
     v("epochs", epochs, 1, 10000, "passes over the data set");
     v("batch", batch, 1, 100000, "rows a step");
-    v("rate", rate, 1e-7, 1.0, "of numerics::Adam, at the start");
+    v("rate", rate, 1e-7, 1.0, "of Adam, at the start");
     v("final_rate", final_rate, 0.0, 1.0, "share of the rate left at the end");
     v("bias_penalty", bias_penalty, 0.0, 1.0, "weight of the l1 norm of MLP 2's hidden biases");
   }
@@ -65,11 +59,10 @@ class BiotacNetwork {
   double train(const Eigen::MatrixXf& inputs, const Eigen::MatrixXf& outputs,
                const NetworkTrainingOptions& options = {}, const ProgressCallback& progress = {});
 
-  /// MLP 1 position, 2 forces, 3 temperature, 4 combination.
-  [[nodiscard]] const std::array<NetworkBlock, 4>& blocks() const { return blocks_; }
+  [[nodiscard]] const NetworkBlocks& blocks() const { return blocks_; }
 
  private:
-  std::array<NetworkBlock, 4> blocks_;
+  NetworkBlocks blocks_;
   Eigen::VectorXf input_mean_, input_sd_, output_mean_, output_sd_;
 };
 

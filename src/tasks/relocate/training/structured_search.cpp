@@ -17,8 +17,8 @@ constexpr std::size_t kEpisodesApart = 1000;  // between the generations' episod
 /// Episodes of many candidates, run side by side.
 class Trials {
  public:
-  Trials(const std::vector<RelocateModel>& worlds, const SearchOptions& options, std::uint64_t seed,
-         std::size_t first, int threads)
+  Trials(const std::vector<RelocateModel>& worlds, const PolicySearchOptions& options,
+         std::uint64_t seed, std::size_t first, int threads)
       : worlds_(worlds), options_(options), seed_(seed), first_(first), threads_(threads) {}
 
   /// Runs episodes begin..end-1 of the chosen candidates and appends them.
@@ -41,7 +41,7 @@ class Trials {
 
  private:
   const std::vector<RelocateModel>& worlds_;
-  const SearchOptions& options_;
+  const PolicySearchOptions& options_;
   std::uint64_t seed_;
   std::size_t first_;
   int threads_;
@@ -58,7 +58,7 @@ std::vector<std::size_t> better_half(const std::vector<double>& scores) {
 }
 
 std::vector<double> scores_of(const std::vector<std::vector<Episode>>& episodes,
-                              const SearchOptions& options) {
+                              const PolicySearchOptions& options) {
   std::vector<double> scores;
   for (const auto& of_candidate : episodes) scores.push_back(search_score(of_candidate, options));
   return scores;
@@ -66,7 +66,7 @@ std::vector<double> scores_of(const std::vector<std::vector<Episode>>& episodes,
 
 }  // namespace
 
-double search_score(const std::vector<Episode>& episodes, const SearchOptions& options) {
+double search_score(const std::vector<Episode>& episodes, const PolicySearchOptions& options) {
   const auto totals = returns(episodes);
   double successes = 0;
   for (const Episode& episode : episodes) successes += episode.distance < kSuccess;
@@ -76,8 +76,9 @@ double search_score(const std::vector<Episode>& episodes, const SearchOptions& o
 }
 
 learning::CemScores search_scores(const std::vector<RelocateModel>& worlds,
-                                  const PolicyFactory& make_policy, const SearchOptions& options,
-                                  std::uint64_t seed, int generation, int threads) {
+                                  const PolicyFactory& make_policy,
+                                  const PolicySearchOptions& options, std::uint64_t seed,
+                                  int generation, int threads) {
   return [=, &worlds](const std::vector<Eigen::VectorXd>& candidates) {
     const Trials trials(worlds, options, seed,
                         kEpisodesApart * static_cast<std::size_t>(generation), threads);

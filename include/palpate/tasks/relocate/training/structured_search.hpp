@@ -7,7 +7,7 @@
 
 namespace palpate::relocate {
 
-struct SearchOptions {
+struct PolicySearchOptions {
   learning::CemOptions cem;
   EpisodeOptions episode;
   int screening = 2;           ///< episodes of every candidate; the better half goes on
@@ -34,10 +34,11 @@ using PolicyFactory = std::function<StructuredPolicy(const Eigen::VectorXd&)>;
 /// success for it, so the score also counts the worst episode and success.
 /// @param worlds  an episode takes place in one of them, drawn by its number
 learning::CemScores search_scores(const std::vector<RelocateModel>& worlds,
-                                  const PolicyFactory& make_policy, const SearchOptions& options,
-                                  std::uint64_t seed, int generation, int threads);
+                                  const PolicyFactory& make_policy,
+                                  const PolicySearchOptions& options, std::uint64_t seed,
+                                  int generation, int threads);
 
 /// Score of some episodes of one policy.
-double search_score(const std::vector<Episode>& episodes, const SearchOptions& options);
+double search_score(const std::vector<Episode>& episodes, const PolicySearchOptions& options);
 
 }  // namespace palpate::relocate

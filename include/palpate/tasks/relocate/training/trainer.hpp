@@ -41,7 +41,7 @@ struct TrainingContext {
 };
 
 struct CemTrainingOptions {
-  SearchOptions search;
+  PolicySearchOptions search;
   bool memoryless = false;  ///< end in a policy on the observations alone
   int settle = 10;          ///< generations that still read the velocity, if memoryless
   int refit = 4;            ///< generations after which the observer is fitted again
