@@ -240,8 +240,7 @@ nlohmann::json report_of(const LocalizeArguments& arguments, const Result& resul
     further.push_back(to_json(T * result.T_object_mesh));
   auto objects = nlohmann::json::array();
   for (std::size_t i = 0; i < result.names.size(); ++i) {
-    objects.push_back(
-        {{"name", result.names[i]}, {"probability", result.objects.candidates[i]}});
+    objects.push_back({{"name", result.names[i]}, {"probability", result.objects.candidates[i]}});
   }
   return {{"status", status_of(result.posterior, arguments.ignore_spin)},
           {"object", result.names[result.objects.best]},
