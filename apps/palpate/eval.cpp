@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdio>
 
 #include "common.hpp"
@@ -47,6 +48,7 @@ struct EvalArguments {
   bool resume = false;
   std::vector<std::string> objects = {"mug", "bottle", "box", "bracket", "duck"};
   std::size_t trials = 30;
+  std::vector<std::string> candidates;
   ObjectArguments told;
   std::string place, hand;
   std::vector<std::string> faults;
@@ -60,6 +62,7 @@ std::string configuration_of(const EvalArguments& arguments,
                              const evaluation::TrialOptions& options,
                              const std::vector<geometry::KnownObject>& objects) {
   std::string text = config_header(arguments.common) + to_toml(options);
+  for (const auto& name : arguments.candidates) text += fmt::format("candidate {}\n", name);
   for (std::size_t i = 0; i < objects.size(); ++i) {
     const auto& vertices = objects[i].mesh.vertices;
     text += fmt::format("{}:{} {}\n", arguments.objects[i].size(), arguments.objects[i],
@@ -135,8 +138,9 @@ struct EvalOutput {
 int eval(EvalArguments arguments) {
   if (arguments.campaign) {
     if (arguments.resume || !arguments.place.empty() || !arguments.shard_text.empty() ||
-        arguments.told.mass || !arguments.told.at.empty()) {
-      throw BadInput("--faults goes with none of --resume, --place, --shard, --mass and --at");
+        arguments.told.mass || !arguments.told.at.empty() || !arguments.candidates.empty()) {
+      throw BadInput(
+          "--faults goes with none of --resume, --place, --shard, --mass, --at and --candidates");
     }
     return eval_faults(resolve_trial(arguments.common, arguments.hand), arguments.common,
                        arguments.objects, arguments.trials, arguments.faults);
@@ -174,9 +178,14 @@ int eval(EvalArguments arguments) {
   const EvalPlan plan = plan_of(arguments, options, objects);
   if (!folder.empty()) output.emplace(arguments, options, plan);
 
+  const ToldObjects told = load_objects(arguments.candidates, arguments.told);
   EvalReport report(plan, arguments.common.json);
   for (std::size_t i = 0; i < objects.size(); ++i) {
-    const geometry::ObjectModel model(objects[i]);
+    const auto same = std::find(told.names.begin(), told.names.end(), arguments.objects[i]);
+    const bool is_told = same != told.names.end();
+    const auto own = is_told ? std::nullopt : std::make_optional<geometry::ObjectModel>(objects[i]);
+    const auto& model =
+        own ? *own : told.models[static_cast<std::size_t>(same - told.names.begin())];
     const auto numbers = own_trials(arguments, i);
     const ProgressBar bar(arguments.objects[i], numbers.size(), arguments.common.quiet);
     std::size_t done = 0;
@@ -191,7 +200,8 @@ int eval(EvalArguments arguments) {
         [&](std::size_t number) {
           return output ? output->records.find(arguments.objects[i], arguments.common.seed + number)
                         : std::nullopt;
-        }));
+        },
+        told.candidates()));
   }
   const json summary = report.finish();
   if (output) {
@@ -229,6 +239,12 @@ void add_eval(CLI::App& program, Command& chosen) {
           ->delimiter(',')
           ->expected(0, 100);
   add_place_option(command, arguments->place);
+  command
+      .add_option("--candidates", arguments->candidates,
+                  "objects of which the robot is told that it may be any, or none, up to 10; which "
+                  "one is estimated, too (default: the object itself)")
+      ->delimiter(',')
+      ->option_text("O,O2..");
   add_object_options(command, arguments->told);
   add_hand_option(command, arguments->hand);
   add_common_options(command, arguments->common);
@@ -242,6 +258,7 @@ void add_eval(CLI::App& program, Command& chosen) {
       "other settings is refused, unless --force starts over.\n\nExamples:\n"
       "  palpate eval --object mug,box --trials 30 --threads 2 --seed 9000\n"
       "  palpate eval --object generated:9000-9099 --trials 3 --seed 9000\n"
+      "  palpate eval --object mug,duck --candidates mug,box,bottle --trials 10 --seed 9000\n"
       "  palpate eval --object duck --trials 10 --set attempts=1 --json\n"
       "  palpate eval --object box,mug --trials 5 --faults load_nan,finger_silent --json\n"
       "  palpate eval --place random --trials 20 --seed 9000\n"

@@ -1,5 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <vector>
 
 #include "common.hpp"
 #include "palpate/core/error.hpp"
@@ -25,7 +29,31 @@ fs::path target_of(const ExportArguments& arguments) {
   return target;
 }
 
+/// By the Python package, which has the libraries for it: becomes its command.
+int export_by_python(const ExportArguments& arguments) {
+  constexpr const char* kProgram =
+      "import sys\n"
+      "try:\n"
+      "    from palpate.export import main\n"
+      "except ImportError as problem:\n"
+      "    print(f\"palpate export: {problem}: it needs pip install 'palpate[export]'\", "
+      "file=sys.stderr)\n"
+      "    sys.exit(3)\n"
+      "sys.exit(main())\n";
+  std::vector<const char*> line = {"python3", "-c", kProgram, arguments.format.c_str(),
+                                   arguments.recording.c_str()};
+  if (!arguments.out.empty()) line.insert(line.end(), {"--out", arguments.out.c_str()});
+  if (arguments.force) line.push_back("--force");
+  if (arguments.json) line.push_back("--json");
+  line.push_back(nullptr);
+  std::fflush(nullptr);
+  execvp(line.front(), const_cast<char* const*>(line.data()));
+  throw BadInput(fmt::format("{}: there is no python3, whose package palpate[export] writes it",
+                             arguments.format));
+}
+
 int export_recording(const ExportArguments& arguments) {
+  if (arguments.format != "mcap") return export_by_python(arguments);
   const auto recording = recording::read_recording(arguments.recording);
   const fs::path target = target_of(arguments);
   const std::uint64_t messages = ros2::export_mcap(recording, target);
@@ -43,26 +71,35 @@ void add_export(CLI::App& program, Command& chosen) {
   auto arguments = std::make_shared<ExportArguments>();
   auto& command =
       *program.add_subcommand("export", "Write a recording in a format that other programs read");
-  command.add_option("format", arguments->format, "mcap: messages of ROS 2")
+  command
+      .add_option("format", arguments->format,
+                  "mcap: messages of ROS 2; lerobot, minari: data sets to learn from")
       ->option_text("FORMAT")
-      ->check(CLI::IsMember({"mcap"}))
+      ->check(CLI::IsMember({"mcap", "lerobot", "minari"}))
       ->required();
   command.add_option("recording", arguments->recording, "recording.h5 of a pick")
       ->option_text("RECORDING")
       ->required();
   command
-      .add_option("--out", arguments->out,
-                  "file to write (default: beside the recording, with the format's ending)")
-      ->option_text("FILE");
-  command.add_flag("--force", arguments->force, "overwrite FILE");
+      .add_option(
+          "--out", arguments->out,
+          "file or, of a data set, folder to write (default: beside the recording, with the "
+          "format's ending)")
+      ->option_text("PATH");
+  command.add_flag("--force", arguments->force, "overwrite PATH");
   command.add_flag("--json", arguments->json, "print one JSON object on stdout");
   command.footer(
       "An MCAP of the profile ros2: joint states, contacts, transforms, wrench, estimates and\n"
       "events, without the truth. Foxglove, ros2 bag and the mcap and rosbags packages of Python\n"
-      "read it; configs/foxglove.json is a layout for it (docs/ros2.md).\n\n"
+      "read it; configs/foxglove.json is a layout for it (docs/ros2.md).\n"
+      "Data sets of LeRobot (version 3) and Minari, one episode, one step a tick, are written by\n"
+      "the Python package: pip install 'palpate[export]'. With --json, messages are their steps.\n"
+      "python3 -m palpate.export makes one data set of several recordings (docs/python.md).\n\n"
       "Examples:\n"
       "  palpate export mcap out/pick-mug-7/recording.h5\n"
-      "  palpate export mcap out/pick-mug-7/recording.h5 --out mug.mcap --json");
+      "  palpate export mcap out/pick-mug-7/recording.h5 --out mug.mcap --json\n"
+      "  palpate export lerobot out/pick-mug-7/recording.h5 --out mug-lerobot\n"
+      "  palpate export minari out/pick-mug-7/recording.h5 --out mug-minari");
   command.callback(
       [arguments, &chosen] { chosen = [arguments] { return export_recording(*arguments); }; });
 }

@@ -16,7 +16,7 @@
 #include "palpate/core/file.hpp"
 #include "palpate/core/se3.hpp"
 #include "palpate/localization/contacts_io.hpp"
-#include "palpate/localization/localizer.hpp"
+#include "palpate/localization/identification.hpp"
 #include "terminal.hpp"
 
 namespace palpate::app {
@@ -30,6 +30,7 @@ constexpr double kCertain = 0.95;      // probability, as of the search's own st
 struct LocalizeOptions {
   lo::LocalizerOptions search;
   lo::FastOptions fast;
+  lo::IdentificationOptions identify;
   double false_contacts = 0.02;
   double noise_scale_prior = 0.4;
   double size_prior = 0.25;
@@ -46,6 +47,7 @@ struct LocalizeOptions {
     v("hand_offset", hand_offset, 0.0, 0.02, "m rms, by which contacts of one time are displaced");
     v.section("search", search);
     v.section("fast", fast);
+    v.section("identify", identify);
   }
 };
 
@@ -60,7 +62,9 @@ struct LocalizeArguments {
 };
 
 struct Result {
-  lo::Posterior posterior;
+  std::vector<std::string> names;   // of the objects
+  lo::ObjectProbabilities objects;  // which one it is
+  lo::Posterior posterior;          // of the most probable one
   Eigen::Isometry3d T_object_mesh;  // the search's object frame is at the centroid, the file's not
   std::vector<std::string> repairs;
   std::string hint;
@@ -100,37 +104,86 @@ std::vector<lo::CommonModeBias> offsets_of_grasps(const std::vector<tactile::Con
   return offsets;
 }
 
-Result solve(const LocalizeArguments& arguments, const LocalizeOptions& options) {
-  const Notice notice("preparing " + arguments.mesh + " and searching", arguments.common.quiet);
-  const auto start = std::chrono::steady_clock::now();
-  const geometry::ObjectModel model(geometry::load_known_object(arguments.mesh));
-  const std::chrono::duration<double> prepared = std::chrono::steady_clock::now() - start;
+/// MESH or MESH,MESH..; a file may have commas in its name.
+std::vector<std::string> names_of(const std::string& meshes) {
+  if (std::filesystem::exists(meshes)) return {meshes};
+  return CLI::detail::split(meshes, ',');
+}
+
+lo::Evidence evidence_of(const LocalizeArguments& arguments, const LocalizeOptions& options,
+                         const geometry::KnownObject& object) {
   lo::Evidence evidence;
   evidence.contacts = lo::read_contacts(
       arguments.contacts, {arguments.point_noise, arguments.normal_noise_deg * kDegree});
-  if (arguments.table) {
-    evidence.table = table_at(*arguments.table, evidence.contacts, model.object());
-  }
+  if (arguments.table) evidence.table = table_at(*arguments.table, evidence.contacts, object);
   if (!arguments.free.empty()) evidence.free_space = lo::read_free_spheres(arguments.free);
   if (!arguments.prior.empty()) {
-    evidence.prior = read_prior(arguments.prior, model.object().T_mesh_object);
+    evidence.prior = read_prior(arguments.prior, object.T_mesh_object);
   }
   evidence.false_contact_share = options.false_contacts;
   evidence.noise_scale_prior = options.noise_scale_prior;
   evidence.size_prior = options.size_prior;
   evidence.surface_sigma = options.surface_sigma;
   evidence.offsets = offsets_of_grasps(evidence.contacts, options.hand_offset);
-  Result result;
-  result.prepare_seconds = prepared.count();
-  result.T_object_mesh = model.object().T_mesh_object.inverse();
-  result.repairs = model.object().repairs;
+  return evidence;
+}
+
+/// The pose of the one object.
+lo::Posterior search(const geometry::ObjectModel& model, const LocalizeArguments& arguments,
+                     const LocalizeOptions& options, Result& result) {
+  const lo::Evidence evidence = evidence_of(arguments, options, model.object());
   const RandomStream random(arguments.common.seed, "localize");
-  result.posterior = arguments.method == "fast"
-                         ? lo::localize_fast(model, evidence, random, options.search, options.fast)
-                         : lo::localize(model, evidence, random, options.search);
-  if (result.posterior.status == lo::PoseStatus::no_pose) {
+  auto posterior = arguments.method == "fast"
+                       ? lo::localize_fast(model, evidence, random, options.search, options.fast)
+                       : lo::localize(model, evidence, random, options.search);
+  if (posterior.status == lo::PoseStatus::no_pose) {
     result.hint = hint_for(model, evidence, random, options);
   }
+  result.objects.candidates = {1};
+  return posterior;
+}
+
+/// Which object it is, and its pose.
+lo::Posterior identify(const std::vector<geometry::ObjectModel>& models,
+                       const LocalizeArguments& arguments, const LocalizeOptions& options,
+                       Result& result) {
+  double area = 0, seconds = 0;
+  for (const auto& model : models) area += model.area() / static_cast<double>(models.size());
+  std::vector<lo::ObjectHypothesis> hypotheses;
+  for (const auto& model : models) {
+    lo::Evidence evidence = evidence_of(arguments, options, model.object());
+    evidence.contact_area = area;
+    hypotheses.push_back(lo::hypothesis_of(model, evidence,
+                                           RandomStream(arguments.common.seed, "localize"),
+                                           options.search, options.identify));
+    seconds += hypotheses.back().posterior.seconds;
+  }
+  result.objects = lo::object_probabilities(hypotheses, options.identify);
+  const std::size_t best = result.objects.best;
+  auto posterior =
+      lo::weighted(std::move(hypotheses[best].posterior), result.objects.candidates[best]);
+  posterior.seconds = seconds;
+  return posterior;
+}
+
+Result solve(const LocalizeArguments& arguments, const LocalizeOptions& options) {
+  const Notice notice("preparing " + arguments.mesh + " and searching", arguments.common.quiet);
+  const auto start = std::chrono::steady_clock::now();
+  Result result;
+  result.names = names_of(arguments.mesh);
+  if (result.names.size() > 1 && !arguments.prior.empty()) {
+    throw BadInput(fmt::format("--prior {} is of one MESH, {} are given", arguments.prior,
+                               result.names.size()));
+  }
+  std::vector<geometry::ObjectModel> models;
+  for (const auto& name : result.names) models.emplace_back(geometry::load_known_object(name));
+  const std::chrono::duration<double> prepared = std::chrono::steady_clock::now() - start;
+  result.prepare_seconds = prepared.count();
+  result.posterior = models.size() == 1 ? search(models.front(), arguments, options, result)
+                                        : identify(models, arguments, options, result);
+  const auto& object = models[result.objects.best].object();
+  result.T_object_mesh = object.T_mesh_object.inverse();
+  result.repairs = object.repairs;
   return result;
 }
 
@@ -185,7 +238,14 @@ nlohmann::json report_of(const LocalizeArguments& arguments, const Result& resul
   auto further = nlohmann::json::array();
   for (const auto& T : result.posterior.further)
     further.push_back(to_json(T * result.T_object_mesh));
+  auto objects = nlohmann::json::array();
+  for (std::size_t i = 0; i < result.names.size(); ++i) {
+    objects.push_back({{"name", result.names[i]}, {"probability", result.objects.candidates[i]}});
+  }
   return {{"status", status_of(result.posterior, arguments.ignore_spin)},
+          {"object", result.names[result.objects.best]},
+          {"objects", objects},
+          {"other_object", result.objects.other},
           {"probability", best_probability(result.posterior, arguments.ignore_spin)},
           {"modes", modes},
           {"unlisted", result.posterior.unlisted()},
@@ -220,6 +280,10 @@ void print_result(const Result& result, bool ignore_spin) {
              colored_status(status_of(result.posterior, ignore_spin)),
              result.posterior.modes.size(), result.posterior.modes.size() == 1 ? "" : "s",
              1e3 * result.posterior.seconds, result.prepare_seconds);
+  for (std::size_t i = 0; result.names.size() > 1 && i < result.names.size(); ++i) {
+    fmt::print("{:6.3f}  {}\n", result.objects.candidates[i], result.names[i]);
+  }
+  if (result.names.size() > 1) fmt::print("{:6.3f}  another object\n", result.objects.other);
   for (const auto& repair : result.repairs) fmt::print("mesh repaired: {}\n", repair);
   if (!result.hint.empty()) fmt::print("{}\n", result.hint);
   if (result.posterior.modes.empty()) return;
@@ -279,8 +343,9 @@ void add_localize(CLI::App& program, Command& chosen) {
                    "many contacts determine their poses");
   command
       .add_option("mesh", arguments->mesh,
-                  "built-in object (mug, bottle, box, bracket, duck) or mesh file in metres")
-      ->option_text("MESH");
+                  "built-in object (mug, bottle, box, bracket, duck) or mesh file in metres; of "
+                  "several, with commas between, it may be any: which one is estimated, too")
+      ->option_text("MESH[,MESH..]");
   command
       .add_option(
           "contacts", arguments->contacts,
@@ -328,6 +393,7 @@ void add_localize(CLI::App& program, Command& chosen) {
       "turns about that axis by up to its extent to either side.\n\n"
       "Examples:\n"
       "  palpate localize mug contacts.csv\n"
+      "  palpate localize mug,box,part.ply contacts.csv\n"
       "  palpate localize part.ply contacts.csv --method full --json\n"
       "  palpate localize box contacts.csv --point-noise 0.002 --normal-noise-deg 15\n"
       "  palpate localize mug contacts.csv --set hand_offset=0.002   # contacts of one t: one "

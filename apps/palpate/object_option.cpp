@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
@@ -11,6 +12,7 @@
 namespace palpate::app {
 namespace {
 
+constexpr std::size_t kMaxCandidates = 10;
 constexpr double kReach = 0.5;     // m of a rough place along x and y
 constexpr double kRoughest = 0.1;  // m
 
@@ -33,6 +35,31 @@ geometry::KnownObject load_object(const std::string& name, const ObjectArguments
   object.mass = *arguments.mass;
   object.mass_properties = geometry::mass_properties(object.mesh, object.mass);
   return object;
+}
+
+estimation::Candidates ToldObjects::candidates() const {
+  estimation::Candidates candidates;
+  for (const auto& model : models) candidates.push_back(&model);
+  return candidates;
+}
+
+ToldObjects load_objects(const std::vector<std::string>& names, const ObjectArguments& arguments) {
+  if (names.size() > kMaxCandidates) {
+    throw BadInput(fmt::format("{} objects of which one may stand there, at most {} are compared",
+                               names.size(), kMaxCandidates));
+  }
+  if (names.size() > 1 && arguments.mass) {
+    throw BadInput(fmt::format("--mass {} is of one object, not of {} objects", *arguments.mass,
+                               names.size()));
+  }
+  ToldObjects objects{names, {}};
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (std::count(names.begin(), names.end(), names[i]) > 1) {
+      throw BadInput(fmt::format("{} is told twice", names[i]));
+    }
+    objects.models.emplace_back(load_object(names[i], arguments));
+  }
+  return objects;
 }
 
 void apply_place(const ObjectArguments& arguments, evaluation::StartOptions& start) {

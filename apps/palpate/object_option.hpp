@@ -4,7 +4,9 @@
 #include <CLI/CLI.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "palpate/estimation/estimate.hpp"
 #include "palpate/evaluation/trial.hpp"
 #include "palpate/geometry/objects/known_object.hpp"
 
@@ -21,6 +23,17 @@ void add_object_options(CLI::App& command, ObjectArguments& arguments);
 /// The object of that name or file, of the mass that was told.
 /// @throws BadInput as geometry::load_known_object
 geometry::KnownObject load_object(const std::string& name, const ObjectArguments& arguments);
+
+/// Objects by their names, of which one may be what the hand feels.
+struct ToldObjects {
+  std::vector<std::string> names;
+  std::vector<geometry::ObjectModel> models;
+
+  [[nodiscard]] estimation::Candidates candidates() const;
+};
+
+/// @throws BadInput as load_object, for more than kMaxCandidates, and for one that is told twice
+ToldObjects load_objects(const std::vector<std::string>& names, const ObjectArguments& arguments);
 
 /// Puts the rough place that was told into the options.
 /// @throws BadInput for a text that is no place, or one out of reach

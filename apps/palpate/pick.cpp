@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <optional>
 
@@ -9,7 +11,9 @@
 #include "hand_option.hpp"
 #include "interrupt.hpp"
 #include "object_option.hpp"
+#include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
+#include "palpate/core/random.hpp"
 #include "palpate/core/version.hpp"
 #include "palpate/evaluation/trial.hpp"
 #include "pick_report.hpp"
@@ -24,7 +28,8 @@ namespace fs = std::filesystem;
 
 struct PickArguments {
   CommonOptions common;
-  std::string object = "mug";
+  std::vector<std::string> objects = {"mug"};
+  std::string true_object;
   ObjectArguments told;
   std::string hand;
   std::optional<int> explore;
@@ -33,8 +38,23 @@ struct PickArguments {
 
 fs::path output_folder(const PickArguments& arguments) {
   if (!arguments.common.out.empty()) return arguments.common.out;
-  return fs::path("out") / fmt::format("pick-{}-{}", fs::path(arguments.object).stem().string(),
-                                       arguments.common.seed);
+  std::string name;
+  for (const auto& object : arguments.objects) {
+    name += fmt::format("{}{}", name.empty() ? "" : "+", fs::path(object).stem().string());
+  }
+  return fs::path("out") / fmt::format("pick-{}-{}", name, arguments.common.seed);
+}
+
+/// Index of the object that stands there: the one of that name, or drawn by the seed. One that is
+/// none of those told comes after them.
+std::size_t true_index(const PickArguments& arguments) {
+  const auto& names = arguments.objects;
+  if (names.size() > 1 && arguments.true_object.empty()) {
+    return RandomStream(arguments.common.seed, "object").index(names.size());
+  }
+  if (arguments.true_object.empty()) return 0;
+  return static_cast<std::size_t>(std::find(names.begin(), names.end(), arguments.true_object) -
+                                  names.begin());
 }
 
 /// Prints the phases as they end, and on a terminal the one that runs.
@@ -60,15 +80,26 @@ int pick(const PickArguments& arguments) {
   }
   if (!arguments.place.empty()) options.place.target = place_text(arguments.place);
   apply_place(arguments.told, options.start);
-  std::optional<Notice> notice(std::in_place, "preparing " + arguments.object, common.quiet);
-  const geometry::ObjectModel object(load_object(arguments.object, arguments.told));
+  if (arguments.objects.size() > 1 && !options.place.target.empty()) {
+    throw BadInput(fmt::format("--place {}: it needs one object, {} are told", options.place.target,
+                               arguments.objects.size()));
+  }
+  const std::string told = fmt::format("{}", fmt::join(arguments.objects, ","));
+  std::optional<Notice> notice(std::in_place, "preparing " + told, common.quiet);
+  const ToldObjects objects = load_objects(arguments.objects, arguments.told);
+  const std::size_t truth = true_index(arguments);
+  std::optional<geometry::ObjectModel> other;
+  if (truth == objects.names.size()) {
+    other.emplace(load_object(arguments.true_object, arguments.told));
+  }
+  const geometry::ObjectModel& object = other ? *other : objects.models[truth];
   // Bad ones are named first.
   const auto start = evaluation::draw_start(object.object(), options.start, common.seed);
   evaluation::place_target(object.object(), options.place, common.seed,
                            static_cast<std::size_t>(start.stable_pose));
   const bool own_errors = options.touch.from_biotacs();
   const std::string config =
-      config_header(common) + fmt::format("# object {}\n", arguments.object) + to_toml(options);
+      config_header(common) + fmt::format("# object {}\n", told) + to_toml(options);
   const Interrupt interrupt;
   // First, so that nothing is left behind where the simulator refuses something.
   const simulation::World world(object.object(), options.world, common.seed);
@@ -80,22 +111,21 @@ int pick(const PickArguments& arguments) {
   recording::Writer writer(folder / "recording.h5",
                            {std::string(version()), common.seed, object.object(),
                             world.hand_model(), config, own_errors});
-  const auto trial = evaluation::run_trial(object, options, common.seed, &writer,
-                                           phase_printer(common), interrupt.token());
+  const auto trial = evaluation::run_trial(object, objects.candidates(), options, common.seed,
+                                           &writer, phase_printer(common), interrupt.token());
   writer.finish();
   write_file_atomically(folder / "config.toml", config);
-  auto report = trial_json(trial, arguments.object);
-  report.update({{"object", arguments.object}, {"seed", common.seed}, {"version", version()}});
+  auto report = trial_json(trial, objects.names);
+  report.update({{"object", told}, {"seed", common.seed}, {"version", version()}});
   write_file_atomically(folder / "report.json", report.dump(2) + "\n");
-  const auto title =
-      fmt::format("palpate pick --object {} --seed {}{}", arguments.object, common.seed,
-                  arguments.place.empty() ? "" : " --place " + arguments.place);
+  const auto title = fmt::format("palpate pick --object {} --seed {}{}", told, common.seed,
+                                 arguments.place.empty() ? "" : " --place " + arguments.place);
   write_file_atomically(folder / "replay.html", replay_html(folder / "recording.h5", title));
   if (common.json) {
     fmt::print("{}\n", report.dump(2));
   } else {
     fmt::print("{}\n{}wrote {}: recording.h5, config.toml, report.json, replay.html\n",
-               outcome_text(trial), place_text(trial), folder.string());
+               outcome_text(trial, objects.names), place_text(trial), folder.string());
     print_next(common, fmt::format("open {0}/replay.html in a browser, or palpate view "
                                    "{0}/recording.h5",
                                    folder.string()));
@@ -113,9 +143,17 @@ void add_pick(CLI::App& program, Command& chosen) {
   auto& command = *program.add_subcommand(
       "pick", "Explore, grasp and lift an object, and estimate its pose in the hand by touch");
   command
-      .add_option("--object", arguments->object,
-                  "mug, bottle, box, bracket, duck, or a mesh file in metres")
+      .add_option("--object", arguments->objects,
+                  "mug, bottle, box, bracket, duck, generated:SEED, or a mesh file in metres; of "
+                  "several, up to 10, it may be any: which one is estimated, too")
+      ->delimiter(',')
+      ->option_text("O[,O2..]")
       ->capture_default_str();
+  command
+      .add_option("--true-object", arguments->true_object,
+                  "which of several objects stands there, or one that is none of them (default: "
+                  "drawn by the seed); the robot is not told")
+      ->option_text("O");
   add_object_options(command, arguments->told);
   add_hand_option(command, arguments->hand);
   command
@@ -136,6 +174,8 @@ void add_pick(CLI::App& program, Command& chosen) {
       "Examples:\n"
       "  palpate pick --object mug --seed 7\n"
       "  palpate pick --object duck --explore 16\n"
+      "  palpate pick --object mug,box,bottle --seed 7\n"
+      "  palpate pick --object mug,box,bottle --true-object bracket --seed 7\n"
       "  palpate pick --hand my_hand.xml --object box\n"
       "  palpate pick --object part.stl --set lift.height=0.15 --out run1 --json\n"
       "  palpate pick --object box --set start.stable_pose=0 --set world.noise.normal=0.05\n"

@@ -32,19 +32,36 @@ json modes_json(const localization::Posterior& posterior) {
   return modes;
 }
 
-json estimate_json(const evaluation::Trial& trial, const std::string& object) {
+/// An orientation of another object has no error.
+json error_json(const evaluation::TrialMetrics& metrics, double error) {
+  return metrics.object_ok ? json(error) : json();
+}
+
+json objects_json(const localization::ObjectProbabilities& objects,
+                  const std::vector<std::string>& names) {
+  json all = json::array();
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    all.push_back({{"name", names[i]}, {"probability", objects.candidates[i]}});
+  }
+  return all;
+}
+
+json estimate_json(const evaluation::Trial& trial, const std::vector<std::string>& names) {
   const auto& posterior = trial.result.estimate.posterior;
   const auto& metrics = trial.metrics;
   if (posterior.modes.empty()) return nullptr;
   return {{"status", localization::to_string(posterior.status)},
-          {"object", object},
+          {"object", names[trial.result.objects.best]},
+          {"objects", objects_json(trial.result.objects, names)},
+          {"other_object", trial.result.objects.other},
+          {"object_ok", metrics.object_ok},
           {"T_world_object", to_json(posterior.modes[0].T_frame_object)},
           {"weight", posterior.modes[0].weight},
           {"probability", localization::pose_probability(posterior.modes[0])},
-          {"rotation_error_deg", kDegreesPerRadian * metrics.error.rotation},
+          {"rotation_error_deg", error_json(metrics, kDegreesPerRadian * metrics.error.rotation)},
           {"translation_error_mm", 1e3 * metrics.error.translation},
           {"rotation_error_without_symmetry_deg",
-           kDegreesPerRadian * metrics.error_no_symmetry.rotation},
+           error_json(metrics, kDegreesPerRadian * metrics.error_no_symmetry.rotation)},
           {"coverage", metrics.covered},
           {"modes", modes_json(posterior)},
           {"seconds", posterior.seconds}};
@@ -127,17 +144,30 @@ std::string estimate_text(const evaluation::Trial& trial) {
   return text;
 }
 
-std::string outcome_text(const evaluation::Trial& trial) {
+/// Which of several objects it is, the most probable first.
+std::string objects_text(const evaluation::Trial& trial, const std::vector<std::string>& names) {
+  const localization::ObjectProbabilities& objects = trial.result.objects;
+  if (names.size() < 2 || !trial.metrics.has_pose) return "";
+  std::string text =
+      fmt::format("object: {} ({:.2f}), which is {}", names[objects.best],
+                  objects.candidates[objects.best], trial.metrics.object_ok ? "right" : "WRONG");
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (i != objects.best) text += fmt::format("; {} {:.2f}", names[i], objects.candidates[i]);
+  }
+  return fmt::format("{}; another one {:.2f}\n", text, objects.other);
+}
+
+std::string outcome_text(const evaluation::Trial& trial, const std::vector<std::string>& names) {
   const skills::FaultReport& fault = trial.result.fault;
   if (fault) {
     return fmt::format("stopped after {:.2f} s: {}: {}", fault.time, to_string(fault.fault),
                        fault.detail);
   }
   if (!trial.result.held) return "gave up: " + trial.result.failed_phase + " failed";
-  return estimate_text(trial);
+  return objects_text(trial, names) + estimate_text(trial);
 }
 
-nlohmann::json trial_json(const evaluation::Trial& trial, const std::string& object) {
+nlohmann::json trial_json(const evaluation::Trial& trial, const std::vector<std::string>& names) {
   const bool put = !trial.place || trial.place->status == skills::PlaceStatus::placed;
   const skills::FaultReport& fault = trial.result.fault;
   const bool ok = trial.result.held && trial.metrics.has_pose && put && !fault;
@@ -173,7 +203,7 @@ nlohmann::json trial_json(const evaluation::Trial& trial, const std::string& obj
           {"probes", trial.metrics.probes},
           {"regrasps", trial.result.regrasps},
           {"stable_pose", trial.start.stable_pose},
-          {"estimate", estimate_json(trial, object)},
+          {"estimate", estimate_json(trial, names)},
           {"T_world_object_true", to_json(trial.metrics.T_world_object)},
           {"phases", phases}};
 }

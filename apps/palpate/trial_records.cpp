@@ -17,7 +17,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr const char* kFormat = "palpate-trials 2";
+constexpr const char* kFormat = "palpate-trials 3";
 
 std::string header_line(const EvalPlan& plan) {
   return json{{"format", kFormat},

@@ -22,11 +22,13 @@ std::string pick_cells(const evaluation::Trial& trial) {
   const evaluation::TrialMetrics& metrics = trial.metrics;
   const auto& modes = trial.result.estimate.posterior.modes;
   return fmt::format(
-      "{},{:d},{},{},{:d},{:d},{:d},{:d},{:d},{:.3f},{:d},{},{},{:.4f},{:.1f},{},{},{:.3f},{:.3f},"
+      "{},{:d},{},{},{:d},{:.4f},{:.4f},{:d},{:d},{:d},{:d},{:d},{:.3f},{:d},{},{},{:.4f},{:.1f},{}"
+      ",{},{:.3f},{:.3f},"
       "{:.3f},{}",
       trial.start.stable_pose, metrics.lifted, trial.result.attempts, trial.result.regrasps,
-      metrics.pose_ok, metrics.pose_tight, metrics.pose_ok_before_lift,
-      metrics.pose_ok_before_probe, metrics.pose_ok_tracked, metrics.tracked_share, metrics.covered,
+      metrics.object_ok, metrics.object_probability, metrics.other_probability, metrics.pose_ok,
+      metrics.pose_tight, metrics.pose_ok_before_lift, metrics.pose_ok_before_probe,
+      metrics.pose_ok_tracked, metrics.tracked_share, metrics.covered,
       modes.empty() ? "" : fmt::format("{:.4f}", modes[0].weight), to_string(metrics.status),
       metrics.probability, kDegreesPerRadian * metrics.free_extent, metrics.probes,
       error_cells(metrics.has_pose, metrics.error), 1e3 * metrics.slip,
@@ -47,7 +49,8 @@ std::string place_cells(const evaluation::Trial& trial) {
 TrialsFile::TrialsFile(std::filesystem::path path, bool place)
     : path_(std::move(path)), place_(place) {
   text_ =
-      "object,seed,stance,lifted,attempts,regrasps,pose_ok,pose_tight,pose_ok_before_lift,"
+      "object,seed,stance,lifted,attempts,regrasps,object_ok,object_probability,other_probability,"
+      "pose_ok,pose_tight,pose_ok_before_lift,"
       "pose_ok_before_probe,pose_ok_tracked,tracked_share,covered,weight,"
       "pose_status,probability,free_axis_deg,probes,"
       "rotation_error_deg,translation_error_mm,slip_mm,explored_motion_mm,tip_force,failed_phase";

@@ -10,6 +10,7 @@
 #include "estimation/fallen.hpp"
 #include "estimation/in_hand_motion.hpp"
 #include "estimation/log_evidence.hpp"
+#include "palpate/core/error.hpp"
 #include "palpate/estimation/height_probe.hpp"
 #include "palpate/localization/pose_prior.hpp"
 
@@ -25,6 +26,10 @@ constexpr double kStirred = 3.0;     // so many times as far, where it was rolle
 /// rest: a touch may have moved the object.
 constexpr std::array<double, 3> kForgotten = {0, 0.35, 0.55};
 constexpr std::size_t kMinTouches = 4;  // that are then left
+constexpr double kRuledOut = 1e-6;      // probability of a candidate that is not looked at again
+
+const localization::ObjectHypothesis kImpossible{
+    {}, -std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
 
 using geometry::KnownObject;
 using localization::Evidence;
@@ -122,10 +127,24 @@ TableSupport table_at_closing(const KnownObject& object, const hand::Description
   return table;
 }
 
-double total_weight(const localization::Posterior& posterior) {
+/// Whether some pose of it explains what was felt.
+bool has_pose(const localization::ObjectHypothesis& hypothesis) {
   double sum = 0;
-  for (const auto& mode : posterior.modes) sum += mode.weight;
-  return sum;
+  for (const auto& mode : hypothesis.posterior.modes) sum += mode.weight;
+  return sum > 0;
+}
+
+/// What the felt height says for the object itself, beside its stable poses.
+void add_height(const KnownObject& object, std::optional<double> felt_height,
+                const EstimationOptions& options, localization::ObjectHypothesis& hypothesis) {
+  if (!felt_height) return;
+  double likelihood = options.other_stable_pose;
+  for (const auto& stable_pose : object.stable_poses) {
+    likelihood += (1 - options.other_stable_pose) * stable_pose.probability *
+                  felt_likelihood(*felt_height, top_of(object, stable_pose), options);
+  }
+  hypothesis.log_evidence += std::log(likelihood);
+  hypothesis.log_evidence_other += std::log(likelihood);
 }
 
 /// How far the fingertips say that the object has moved in the hand.
@@ -207,23 +226,76 @@ void move(const Eigen::Isometry3d& T_new_old, localization::Posterior& posterior
   for (auto& T_frame_object : posterior.further) T_frame_object = T_new_old * T_frame_object;
 }
 
+PoseEstimator::PoseEstimator(Candidates candidates, const EstimationOptions& options,
+                             std::uint64_t seed)
+    : candidates_(std::move(candidates)),
+      options_(options),
+      seed_(seed),
+      ruled_out_(candidates_.size(), false) {
+  if (candidates_.empty()) throw BadInput("an estimator of 0 candidates");
+  const auto count = static_cast<double>(candidates_.size());
+  for (const auto* model : candidates_) area_ += model->area() / count;
+  probabilities_.candidates.assign(candidates_.size(), 1 / count);
+}
+
+/// One object is not weighed against others.
+localization::ObjectHypothesis PoseEstimator::search(std::size_t candidate,
+                                                     const Evidence& evidence,
+                                                     std::string_view stream) const {
+  const auto& model = *candidates_[candidate];
+  const RandomStream random(seed_, stream);
+  if (one()) return {localization::localize(model, evidence, random, options_.search)};
+  return localization::hypothesis_of(model, evidence, random, options_.search, options_.identify);
+}
+
+std::vector<localization::Posterior> PoseEstimator::posteriors() const {
+  std::vector<localization::Posterior> all;
+  for (std::size_t i = 0; i < last_.size(); ++i) {
+    all.push_back(localization::weighted(last_[i].posterior, probabilities_.candidates[i]));
+  }
+  return all;
+}
+
+/// Weighs the candidates against each other.
+/// @return of the most probable one
+localization::Posterior PoseEstimator::conclude(const Hypotheses& hypotheses) {
+  last_ = hypotheses;
+  if (one()) {
+    probabilities_.candidates = {1};
+    return last_.front().posterior;
+  }
+  const auto probabilities = localization::object_probabilities(last_, options_.identify);
+  const bool explained = std::any_of(last_.begin(), last_.end(), has_pose);
+  if (explained) probabilities_ = probabilities;
+  for (std::size_t i = 0; explained && i < last_.size(); ++i) {
+    ruled_out_[i] = probabilities_.candidates[i] < kRuledOut;
+  }
+  const std::size_t best = probabilities_.best;
+  return localization::weighted(last_[best].posterior, probabilities_.candidates[best]);
+}
+
 localization::Posterior PoseEstimator::resting(const hand::Description& hand, const EventLog& log) {
   auto moments = moments_of_resting(log);
   if (moments != moments_ || moments.empty()) {
+    const bool released = log.since_release().size() < log.moments.size();
+    if (released) ruled_out_.assign(candidates_.size(), false);
     resting_ = search_resting(hand, log);
     moments_ = std::move(moments);
   }
-  return resting_;
+  return conclude(resting_);
 }
 
-localization::Posterior PoseEstimator::search_resting(const hand::Description& hand,
-                                                      const EventLog& log) {
+PoseEstimator::Hypotheses PoseEstimator::search_resting(const hand::Description& hand,
+                                                        const EventLog& log) {
   if (const auto before = log.before_opening()) {
-    return PoseEstimator(*this).held(hand, *before, before->at(TouchEvent::placed)).posterior;
+    PoseEstimator past(*this);
+    past.held(hand, *before, before->at(TouchEvent::placed));
+    return past.last_;
   }
   const std::size_t guarded_moves =
       log.all(TouchEvent::touched).size() + log.all(TouchEvent::missed).size();
-  localization::Posterior posterior;
+  const EstimationOptions lay = as_it_lay(hand, log, options_);
+  Hypotheses hypotheses(candidates_.size());
   for (const double forgotten : kForgotten) {
     const auto skipped = static_cast<std::size_t>(forgotten * static_cast<double>(guarded_moves));
     Evidence evidence = evidence_of_guarded_moves(hand, log, options_, skipped);
@@ -231,26 +303,53 @@ localization::Posterior PoseEstimator::search_resting(const hand::Description& h
     evidence.false_contact_share = options_.false_contacts;
     evidence.surface_sigma = options_.surface_sigma;
     evidence.penetration_sigma = options_.swept_sigma;
-    evidence.table = resting_table(object_.object(), hand, log, as_it_lay(hand, log, options_));
-    posterior = localization::localize(object_, evidence, RandomStream(seed_, "locate resting"),
-                                       options_.search);
-    if (total_weight(posterior) > 0) break;
+    if (!one()) evidence.contact_area = area_;
+    for (std::size_t i = 0; i < candidates_.size(); ++i) {
+      const KnownObject& object = candidates_[i]->object();
+      evidence.table = resting_table(object, hand, log, lay);
+      hypotheses[i] = ruled_out_[i] ? kImpossible : search(i, evidence, "locate resting");
+      add_height(object, felt_height(hand, log), options_, hypotheses[i]);
+    }
+    if (std::any_of(hypotheses.begin(), hypotheses.end(), has_pose)) break;
   }
-  return posterior;
+  return hypotheses;
 }
 
 HeldPoseEstimate PoseEstimator::held(const hand::Description& hand, const EventLog& log,
                                      std::optional<std::size_t> at) {
   HeldPoseEstimate estimate;
   if (!at) return estimate;
-  Evidence evidence =
-      evidence_in_hand(hand, log, {*at, log.hangs_at(*at)}, object_.object().mass, options_);
+  const bool closed = !log.all(TouchEvent::closed).empty();
+  if (closed) resting(hand, log);
+  Hypotheses hypotheses;
+  for (std::size_t i = 0; i < candidates_.size(); ++i) {
+    hypotheses.push_back(ruled_out_[i] ? kImpossible : hold(i, hand, log, *at, estimate.contacts));
+  }
+  const Eigen::Isometry3d T_world_base = log.readings[*at].base.pose();
+  for (auto& hypothesis : hypotheses) move(T_world_base, hypothesis.posterior);
+  estimate.posterior = conclude(hypotheses);
+  for (auto& contact : estimate.contacts) move(T_world_base, contact);
+  return estimate;
+}
+
+/// The pose in the hand if it is a candidate, in the hand's base.
+localization::ObjectHypothesis PoseEstimator::hold(std::size_t candidate,
+                                                   const hand::Description& hand,
+                                                   const EventLog& log, std::size_t at,
+                                                   std::vector<tactile::Contact>& contacts) const {
+  const KnownObject& object = candidates_[candidate]->object();
+  Evidence evidence = evidence_in_hand(hand, log, {at, log.hangs_at(at)}, object.mass, options_);
+  if (!one()) evidence.contact_area = area_;
+  localization::ObjectHypothesis before;
   if (const auto closed = log.all(TouchEvent::closed); !closed.empty()) {
-    auto resting = this->resting(hand, log);
-    if (total_weight(resting) <= 0) {
-      evidence.table = table_at_closing(object_.object(), hand, log, options_);
+    before = resting_[candidate];
+    auto& resting = before.posterior;
+    const bool any = std::any_of(resting_.begin(), resting_.end(), has_pose);
+    if (any && !has_pose(before)) return kImpossible;
+    if (!any) {
+      evidence.table = table_at_closing(object, hand, log, options_);
     } else {
-      const auto motion = in_hand_motion(hand, log, closed.front(), *at, options_.errors);
+      const auto motion = in_hand_motion(hand, log, closed.front(), at, options_.errors);
       move(log.readings[closed.front()].base.pose().inverse(), resting);
       const auto told = told_motion(motion, resting.modes.front().T_frame_object.translation());
       move(motion, resting);
@@ -258,13 +357,11 @@ HeldPoseEstimate PoseEstimator::held(const hand::Description& hand, const EventL
       evidence.prior = prior_after_grasp(resting, told, options_, stirred ? kStirred : 1.0);
     }
   }
-  estimate.posterior =
-      localization::localize(object_, evidence, RandomStream(seed_, "locate"), options_.search);
-  estimate.contacts = evidence.contacts;
-  const Eigen::Isometry3d T_world_base = log.readings[*at].base.pose();
-  move(T_world_base, estimate.posterior);
-  for (auto& contact : estimate.contacts) move(T_world_base, contact);
-  return estimate;
+  auto hypothesis = search(candidate, evidence, "locate");
+  hypothesis.log_evidence += before.log_evidence;
+  hypothesis.log_evidence_other += before.log_evidence_other;
+  contacts = std::move(evidence.contacts);
+  return hypothesis;
 }
 
 }  // namespace palpate::estimation

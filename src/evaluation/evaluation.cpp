@@ -11,6 +11,7 @@ namespace palpate::evaluation {
 namespace {
 
 constexpr double kSure = 0.9;
+constexpr double kCertainObject = 0.95;
 
 std::string failed_phase(const Trial& trial) {
   return trial.result.held ? "slip" : trial.result.failed_phase;
@@ -72,6 +73,10 @@ void add_trial(const Trial& trial, ObjectSummary& summary) {
     ++summary.failures["pose"];
     return;
   }
+  summary.object_ok += metrics.object_ok;
+  const bool sure_of_object = metrics.object_probability > kCertainObject;
+  summary.object_certain += sure_of_object;
+  summary.object_certain_ok += sure_of_object && metrics.object_ok;
   summary.pose_ok += metrics.pose_ok;
   summary.pose_tight += metrics.pose_tight;
   summary.pose_ok_before_lift += metrics.pose_ok_before_lift;
@@ -94,14 +99,17 @@ std::vector<std::size_t> trial_numbers(std::size_t count) {
 
 ObjectSummary evaluate(const geometry::ObjectModel& object, const TrialOptions& options,
                        std::uint64_t first_seed, const std::vector<std::size_t>& numbers,
-                       int threads, const TrialObserver& observer, const TrialSource& finished) {
+                       int threads, const TrialObserver& observer, const TrialSource& finished,
+                       const estimation::Candidates& candidates) {
   ObjectSummary summary;
   summary.symmetry_order = object.object().symmetries.size();
+  const auto told = candidates.empty() ? estimation::Candidates{&object} : candidates;
   parallel_ordered(
       numbers.size(), threads,
       [&](std::size_t i) {
         auto known = finished ? finished(numbers[i]) : std::nullopt;
-        return known ? std::move(*known) : run_trial(object, options, first_seed + numbers[i]);
+        return known ? std::move(*known)
+                     : run_trial(object, told, options, first_seed + numbers[i]);
       },
       [&](std::size_t i, const Trial& trial) {
         add_trial(trial, summary);

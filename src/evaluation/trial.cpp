@@ -57,6 +57,28 @@ void check_clear(const planning::Fixture& fixture, const geometry::KnownObject& 
   }
 }
 
+void check_candidates(const geometry::ObjectModel& object, const estimation::Candidates& candidates,
+                      const TrialOptions& options) {
+  if (candidates.empty()) throw BadInput("a trial with 0 candidates");
+  const bool known = candidates.size() == 1 && candidates.front() == &object;
+  if (known || options.place.target.empty()) return;
+  throw BadInput(fmt::format("placing at {:?} needs one candidate, the object itself; there are {}",
+                             options.place.target, candidates.size()));
+}
+
+/// The pose of another object is never right.
+void identify(const geometry::ObjectModel& object, const estimation::Candidates& candidates,
+              const localization::ObjectProbabilities& objects, TrialMetrics& metrics) {
+  if (!metrics.has_pose) return;
+  metrics.object_ok = candidates[objects.best] == &object;
+  metrics.object_probability = objects.candidates[objects.best];
+  metrics.other_probability = objects.other;
+  if (metrics.object_ok) return;
+  metrics.pose_ok = metrics.pose_tight = metrics.covered = metrics.pose_ok_tracked = false;
+  metrics.pose_ok_before_lift = metrics.pose_ok_before_probe = false;
+  metrics.error.rotation = metrics.error_no_symmetry.rotation = std::numbers::pi;
+}
+
 }  // namespace
 
 simulation::Start draw_start(const geometry::KnownObject& object, const StartOptions& options,
@@ -155,6 +177,13 @@ std::vector<TrialEvent> trial_events(const estimation::EventLog& log) {
 Trial run_trial(const geometry::ObjectModel& object, const TrialOptions& options,
                 std::uint64_t seed, recording::Writer* writer,
                 const skills::PhaseObserver& observer, std::stop_token stop) {
+  return run_trial(object, {&object}, options, seed, writer, observer, std::move(stop));
+}
+
+Trial run_trial(const geometry::ObjectModel& object, const estimation::Candidates& candidates,
+                const TrialOptions& options, std::uint64_t seed, recording::Writer* writer,
+                const skills::PhaseObserver& observer, std::stop_token stop) {
+  check_candidates(object, candidates, options);
   Trial trial;
   trial.start = draw_start(object.object(), options.start, seed);
   const auto target = place_target(object.object(), options.place, seed,
@@ -188,6 +217,7 @@ Trial run_trial(const geometry::ObjectModel& object, const TrialOptions& options
     recorder.estimate(robot.time(), picked.estimate);
     trial.metrics =
         evaluator.verdict(picked, robot.log(), pick_options.lift, object.object().symmetries);
+    identify(object, candidates, picked.objects, trial.metrics);
     if (observer.on_picked) observer.on_picked(picked);
   };
   told.on_placed = [&](const skills::PlaceResult& placed) {
@@ -204,7 +234,7 @@ Trial run_trial(const geometry::ObjectModel& object, const TrialOptions& options
       trial.place = std::move(course.place);
       trial.strategy = std::move(course.strategy);
     } else {
-      trial.result = skills::pick(robot, object, pick_options, seed, told);
+      trial.result = skills::pick(robot, candidates, pick_options, seed, told);
     }
   } catch (const std::exception&) {
     if (!world.diverged()) throw;

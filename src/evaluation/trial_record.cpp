@@ -95,6 +95,9 @@ constexpr auto kJudgement = [](TrialMetrics& metrics, const auto& v) {
   v("lifted", metrics.lifted);
   v("slip", metrics.slip);
   v("has_pose", metrics.has_pose);
+  v("object_ok", metrics.object_ok);
+  v("object_probability", metrics.object_probability);
+  v("other_probability", metrics.other_probability);
   v("pose_ok", metrics.pose_ok);
   v("pose_tight", metrics.pose_tight);
   v("covered", metrics.covered);

@@ -18,9 +18,9 @@ namespace palpate::localization {
 namespace {
 
 constexpr PoseTolerance kLoose{1.7 * kDegree,
-                               0.0033};  // a standard deviation: a third of the tolerance
-constexpr int kMinStarts = 3;            // that must have led to the best pose
-constexpr double kNegligible = 1e-4;     // weight of a pose not worth reporting
+                               0.0033};   // a standard deviation: a third of the tolerance
+constexpr int kMinStarts = 3;             // that must have led to the best pose
+constexpr double kNegligibleMode = 1e-4;  // weight of a pose not worth reporting
 
 using Symmetries = PoseFamily::Symmetries;
 
@@ -36,7 +36,7 @@ std::vector<Mode> modes_of(const std::vector<Basin>& basins, const Symmetries& s
     });
     if (same != modes.end()) {
       same->weight += shares[i];
-    } else if (modes.size() < most && shares[i] > kNegligible) {
+    } else if (modes.size() < most && shares[i] > kNegligibleMode) {
       modes.push_back({pose.isometry(), shares[i], covariance_of(basins[i].best), std::nullopt});
     }
   }

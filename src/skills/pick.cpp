@@ -36,13 +36,12 @@ GraspChooser once(const grasping::GraspPlan& grasp) {
 /// Picks one object: the phases, and when which of them comes.
 class Picking {
  public:
-  Picking(Executor& robot, const geometry::ObjectModel& object, const PickOptions& options,
+  Picking(Executor& robot, const estimation::Candidates& candidates, const PickOptions& options,
           std::uint64_t seed, const PhaseObserver& observer, const GraspChooser& choose)
       : robot_(robot),
-        object_(object),
         options_(options),
         seed_(seed),
-        estimator_(object, options.estimation, seed),
+        estimator_(candidates, options.estimation, seed),
         choose_(choose),
         sequence_(robot, state_, result_.phases, result_.failed_phase, observer) {
     state_.place = options.estimation.place;
@@ -84,9 +83,12 @@ class Picking {
       release();  // nothing is left hanging
     }
     result_.estimate = state_.estimate;
+    result_.objects = estimator_.probabilities();
   }
 
-  [[nodiscard]] double weight() const { return object_.object().mass * kGravity; }
+  /// The most probable one.
+  [[nodiscard]] const geometry::ObjectModel& object() const { return estimator_.object(); }
+  [[nodiscard]] double weight() const { return object().object().mass * kGravity; }
 
   /// What was known of the object's pose no longer holds.
   void release() {
@@ -102,7 +104,7 @@ class Picking {
     explore();
     GraspChooser choose = choose_;
     while (true) {
-      if (!sequence_.run(GraspPhase(options_.grasp, object_, choose))) return false;
+      if (!sequence_.run(GraspPhase(options_.grasp, object(), choose))) return false;
       estimate_closed();
       if (!state_.next_grasp) {
         if (!sequence_.run(LiftPhase(options_.lift, weight())) || !estimate_held()) return false;
@@ -136,7 +138,7 @@ class Picking {
   bool estimate_held() {
     result_.tracked.reset();
     if (result_.before_lift &&
-        sequence_.run(TrackPhase(object_, options_.track, options_.estimation.errors, seed_))) {
+        sequence_.run(TrackPhase(object(), options_.track, options_.estimation.errors, seed_))) {
       result_.tracked = state_.tracked;
     }
     if (!sequence_.run(PosePhase(estimator_))) return true;
@@ -173,7 +175,6 @@ class Picking {
   }
 
   Executor& robot_;
-  const geometry::ObjectModel& object_;
   PickOptions options_;
   std::uint64_t seed_;
   estimation::PoseEstimator estimator_;
@@ -187,7 +188,13 @@ class Picking {
 
 PickResult pick(Executor& robot, const geometry::ObjectModel& object, const PickOptions& options,
                 std::uint64_t seed, const PhaseObserver& observer, const GraspChooser& choose) {
-  PickResult result = Picking(robot, object, options, seed, observer, choose).run();
+  return pick(robot, estimation::Candidates{&object}, options, seed, observer, choose);
+}
+
+PickResult pick(Executor& robot, const estimation::Candidates& candidates,
+                const PickOptions& options, std::uint64_t seed, const PhaseObserver& observer,
+                const GraspChooser& choose) {
+  PickResult result = Picking(robot, candidates, options, seed, observer, choose).run();
   if (observer.on_picked) observer.on_picked(result);
   return result;
 }

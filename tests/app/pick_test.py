@@ -102,6 +102,16 @@ class BadInput(CliTest):
         for command in ["pick", "eval"]:
             self.assert_refused(USAGE, [command, "--mass", "-1", "--out", "new"], "--mass")
 
+    def test_candidates_that_cannot_be(self):
+        many = ",".join(f"generated:{seed}" for seed in range(11))
+        for arguments, words in [
+            ([many], ["11 objects", "at most 10"]),
+            (["box,mug,box"], ["box", "twice"]),
+            (["box,mug", "--mass", "0.2"], ["--mass", "2 objects"]),
+            (["box,mug", "--place", "random"], ["random", "one object"]),
+        ]:
+            self.assert_refused(BAD_INPUT, ["pick", "--object", *arguments, "--out", "new"], *words)
+
     def test_folder_that_cannot_be_made(self):
         self.write("file", "")
         for command in ["pick", "eval"]:
@@ -128,6 +138,20 @@ class Results(CliTest):
         again = self.run_program("replay", "run/recording.h5", "--json")
         mode = json.loads(again.stdout)["modes"][0]
         self.assertEqual(mode["T_world_object"], report["estimate"]["T_world_object"])
+
+    def test_which_of_several_objects_it_is(self):
+        report = self.run_json("pick", "--object", "box,mug,bracket", "--true-object", "mug",
+                               "--seed", "3", "--out", "run", *QUICK)  # fmt: skip
+        estimate = report["estimate"]
+        self.assertEqual([each["name"] for each in estimate["objects"]], ["box", "mug", "bracket"])
+        total = sum(each["probability"] for each in estimate["objects"])
+        self.assertAlmostEqual(total + estimate["other_object"], 1, places=6)
+        self.assertEqual(estimate["object"], "mug")
+        self.assertTrue(estimate["object_ok"])
+        mug = estimate["objects"][1]["probability"]
+        self.assertLessEqual(estimate["probability"], mug)
+        for mode in estimate["modes"]:
+            self.assertLessEqual(mode["weight"], mug)
 
     def test_pick_reports_and_its_recording_gives_the_same_pose(self):
         report = self.run_json("pick", "--object", "box", "--seed", "3", "--out", "run", *QUICK)

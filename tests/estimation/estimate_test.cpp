@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "estimation/fallen.hpp"
+#include "palpate/core/error.hpp"
 #include "palpate/evaluation/trial.hpp"
 #include "palpate/skills/explore/height_probe_phase.hpp"
 
@@ -221,6 +222,42 @@ TEST(EstimateHeldPose, BalancedForcesChangeTheEstimateALittle) {
   const auto same = held_pose(s.log, options, 1, TouchEvent::closed);
   EXPECT_EQ(same.posterior.modes[0].T_frame_object.matrix(),
             closed.posterior.modes[0].T_frame_object.matrix());
+}
+
+TEST(Candidates, AreToldApartByTheTouchesAndInTheHand) {
+  ASSERT_TRUE(scene().picked.held);
+  const geometry::ObjectModel mug(geometry::load_known_object("mug"));
+  const PickedBox& s = scene();
+  PoseEstimator alone(s.object, s.locate_options, PickedBox::kSeed);
+  PoseEstimator estimator(Candidates{&mug, &s.object}, s.locate_options, PickedBox::kSeed);
+  EXPECT_EQ(&estimator.object(), &mug);  // the first, before anything is known
+  const auto resting = estimator.resting(s.model, s.log);
+  ASSERT_EQ(&estimator.object(), &s.object);
+  ASSERT_EQ(estimator.posteriors().size(), 2u);
+  EXPECT_NEAR(resting.modes[0].weight / alone.resting(s.model, s.log).modes[0].weight,
+              estimator.probabilities().candidates[1], 0.05);
+  const auto held = estimator.held(s.model, s.log, s.log.at(TouchEvent::held));
+  const auto truth = alone.held(s.model, s.log, s.log.at(TouchEvent::held));
+  EXPECT_GT(estimator.probabilities().candidates[1], 0.95);
+  EXPECT_EQ(estimator.probabilities().best, 1u);
+  const auto error = localization::pose_error(held.posterior.modes[0].T_frame_object,
+                                              truth.posterior.modes[0].T_frame_object,
+                                              s.object.object().symmetries);
+  EXPECT_LT(error.rotation, 0.05);
+  EXPECT_LT(error.translation, 0.003);
+}
+
+TEST(Candidates, OfWhichTheObjectIsNoneAreNotCertain) {
+  const geometry::ObjectModel mug(geometry::load_known_object("mug"));
+  const geometry::ObjectModel bracket(geometry::load_known_object("bracket"));
+  const PickedBox& s = scene();
+  PoseEstimator estimator(Candidates{&mug, &bracket}, s.locate_options, PickedBox::kSeed);
+  const auto held = estimator.held(s.model, s.log, s.log.at(TouchEvent::held));
+  EXPECT_LT(localization::best_probability(held.posterior), 0.5);
+}
+
+TEST(Candidates, ThatAreNoneAreRefused) {
+  EXPECT_THROW(PoseEstimator(Candidates{}, {}, 1), BadInput);
 }
 
 }  // namespace

@@ -3,7 +3,7 @@
 
 #include "palpate/estimation/event_log.hpp"
 #include "palpate/hand/kinematics.hpp"
-#include "palpate/localization/localizer.hpp"
+#include "palpate/localization/identification.hpp"
 #include "palpate/tactile/contacts/contact_window.hpp"
 
 namespace palpate::estimation {
@@ -36,6 +36,7 @@ struct EstimationOptions {
   bool free_space = true;         ///< use that the hand's links do not penetrate the object
   double penetration_sigma = 0.004;  ///< m
   localization::LocalizerOptions search;
+  localization::IdentificationOptions identify;  ///< which of several objects it is
 
   template <class Visitor>
   void visit(Visitor&& v) {
@@ -72,6 +73,7 @@ struct EstimationOptions {
     v.expert("penetration_sigma", penetration_sigma, 1e-4, 0.05, "m, error of the hand's surface");
     v.section("errors", errors);
     v.section("search", search);
+    v.section("identify", identify);
   }
 };
 
@@ -84,13 +86,21 @@ struct HeldPoseEstimate {
   std::vector<tactile::Contact> contacts;  ///< it was made from, in the world
 };
 
-/// Estimates an object's pose from what a hand has felt, and from nothing else.
+/// Objects of which the one that is felt may be any; kept by reference.
+using Candidates = std::vector<const geometry::ObjectModel*>;
+
+/// Estimates an object's pose from what a hand has felt, and from nothing else. Where it may be one
+/// of several objects, the estimate is the posterior of the most probable one, its weights times
+/// the probability that it is that object: all that the poses lack of 1 is elsewhere or of others.
 class PoseEstimator {
  public:
   /// @param object  kept by reference
   PoseEstimator(const geometry::ObjectModel& object, const EstimationOptions& options,
                 std::uint64_t seed)
-      : object_(object), options_(options), seed_(seed) {}
+      : PoseEstimator(Candidates{&object}, options, seed) {}
+
+  /// @throws BadInput for no candidates
+  PoseEstimator(Candidates candidates, const EstimationOptions& options, std::uint64_t seed);
 
   /// How the object lies on the table: from the felt height and the touches of a fingertip, or,
   /// where the hand has opened around it since, from the grasp before. Searched for once as long as
@@ -107,18 +117,42 @@ class PoseEstimator {
   HeldPoseEstimate held(const hand::Description& hand, const EventLog& log,
                         std::optional<std::size_t> at);
 
-  [[nodiscard]] const geometry::ObjectModel& object() const { return object_; }
+  /// The most probable object by the last estimate; before any, the first candidate.
+  [[nodiscard]] const geometry::ObjectModel& object() const {
+    return *candidates_[probabilities_.best];
+  }
+  [[nodiscard]] const Candidates& candidates() const { return candidates_; }
+  /// Which object it is, by the last estimate; equally probable before any.
+  [[nodiscard]] const localization::ObjectProbabilities& probabilities() const {
+    return probabilities_;
+  }
+  /// The posterior of each candidate by the last estimate, its weights times the object's
+  /// probability; resting() in the world, of held() too.
+  [[nodiscard]] std::vector<localization::Posterior> posteriors() const;
   [[nodiscard]] const EstimationOptions& options() const { return options_; }
   [[nodiscard]] std::uint64_t seed() const { return seed_; }
 
  private:
-  localization::Posterior search_resting(const hand::Description& hand, const EventLog& log);
+  using Hypotheses = std::vector<localization::ObjectHypothesis>;
 
-  const geometry::ObjectModel& object_;
+  Hypotheses search_resting(const hand::Description& hand, const EventLog& log);
+  localization::ObjectHypothesis search(std::size_t candidate,
+                                        const localization::Evidence& evidence,
+                                        std::string_view stream) const;
+  localization::ObjectHypothesis hold(std::size_t candidate, const hand::Description& hand,
+                                      const EventLog& log, std::size_t at,
+                                      std::vector<tactile::Contact>& contacts) const;
+  localization::Posterior conclude(const Hypotheses& hypotheses);
+  [[nodiscard]] bool one() const { return candidates_.size() == 1; }
+
+  Candidates candidates_;
   EstimationOptions options_;
   std::uint64_t seed_;
+  double area_ = 0;                        // of the candidates' surfaces, on average, m^2
   std::vector<EventLog::Moment> moments_;  // that the last resting pose is from
-  localization::Posterior resting_;
+  Hypotheses resting_, last_;              // last: of the last estimate, in the world
+  std::vector<bool> ruled_out_;            // candidates that are not searched for any more
+  localization::ObjectProbabilities probabilities_;
 };
 
 }  // namespace palpate::estimation

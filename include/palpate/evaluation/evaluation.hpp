@@ -38,6 +38,9 @@ struct PhaseSummary {
 struct ObjectSummary {
   std::size_t trials = 0;
   std::size_t lifted = 0;
+  std::size_t object_ok = 0;             ///< lifted, and the best pose of the right object
+  std::size_t object_certain = 0;        ///< lifted, which object stated with more than 0.95
+  std::size_t object_certain_ok = 0;     ///< these, and right
   std::size_t pose_ok = 0;               ///< lifted, and the best pose within 5 deg and 10 mm
   std::size_t lifted_at_once = 0;        ///< at the first attempt
   std::size_t pose_tight = 0;            ///< lifted, and the best pose within 2.5 deg and 3.5 mm
@@ -74,9 +77,11 @@ std::vector<std::size_t> trial_numbers(std::size_t count);
 /// Repeats the pick of one object with the seeds first_seed + number.
 ///
 /// The result is the same for any number of threads, and however many trials were finished before.
+/// @param candidates  that the robot is told, of which the object may be one; empty: the object
 ObjectSummary evaluate(const geometry::ObjectModel& object, const TrialOptions& options,
                        std::uint64_t first_seed, const std::vector<std::size_t>& numbers,
                        int threads, const TrialObserver& observer = {},
-                       const TrialSource& finished = {});
+                       const TrialSource& finished = {},
+                       const estimation::Candidates& candidates = {});
 
 }  // namespace palpate::evaluation

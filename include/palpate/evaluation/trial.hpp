@@ -106,6 +106,9 @@ struct TrialMetrics {
   bool lifted = false;  ///< 5 cm above the table for the whole hold, slipped less than 10 mm
   double slip = 0;      ///< m, of the object in the hand during the hold
   bool has_pose = false;
+  bool object_ok = false;  ///< the pose is of the object that it is; else it is never right
+  /// Probabilities that it is the object of the pose, and that it is none of the candidates.
+  double object_probability = 0, other_probability = 0;
   localization::PoseError error;              ///< modulo symmetry
   localization::PoseError error_no_symmetry;  ///< every pose of a symmetric object distinct
   bool pose_ok = false;                       ///< within 5 deg and 10 mm
@@ -172,6 +175,14 @@ simulation::Start draw_start(const geometry::KnownObject& object, const StartOpt
 Trial run_trial(const geometry::ObjectModel& object, const TrialOptions& options,
                 std::uint64_t seed, recording::Writer* writer = nullptr,
                 const skills::PhaseObserver& observer = {}, std::stop_token stop = {});
+
+/// The same where the robot is not told which object it is, only that it may be one of some
+/// candidates, of which it may also be none.
+/// @throws BadInput for a target of placing where there are several candidates, or another one
+Trial run_trial(const geometry::ObjectModel& object, const estimation::Candidates& candidates,
+                const TrialOptions& options, std::uint64_t seed,
+                recording::Writer* writer = nullptr, const skills::PhaseObserver& observer = {},
+                std::stop_token stop = {});
 
 /// The target and the fixture that options ask for; none, an empty one.
 /// @param start_stable_pose  in which the object starts, for the target "stable pose"

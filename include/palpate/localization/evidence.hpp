@@ -83,7 +83,10 @@ struct Evidence {
   std::vector<tactile::Contact> contacts;
   std::vector<CommonModeBias> offsets;  ///< a contact is in one of them at most
   double false_contact_share = 0.02;    ///< prior share of contacts with something else
-  double surface_sigma = 0.0003;        ///< m by which the mesh's surface is off the object's
+  /// m^2 of surface over which a contact may lie, the same for all objects that are compared by
+  /// this evidence: the hand, not the object, decides where it touches. None: the object's own.
+  std::optional<double> contact_area;
+  double surface_sigma = 0.0003;  ///< m by which the mesh's surface is off the object's
   /// Prior chance that the noise of all contacts is not as stated, but half to twice as much. Of
   /// each contact an eighth of that is the chance that its normal alone is three times as noisy.
   double noise_scale_prior = 0.4;

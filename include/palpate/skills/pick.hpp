@@ -53,6 +53,8 @@ struct PickOptions {
 /// What became of a pick, as the robot itself knows it.
 struct PickResult {
   bool held = false;  ///< the object hangs in the hand
+  /// Which candidate the estimate is of, and the probabilities of all; of one alone, 1.
+  localization::ObjectProbabilities objects;
   int attempts = 0;
   int regrasps = 0;     ///< from other sides, to tell poses apart
   bool fallen = false;  ///< before this grasp, or an attempt failed: it may rest in no stable pose
@@ -87,6 +89,12 @@ struct PhaseObserver {
 /// @param choose  chooses the grasp, if given
 PickResult pick(Executor& robot, const geometry::ObjectModel& object, const PickOptions& options,
                 std::uint64_t seed, const PhaseObserver& observer = {},
+                const GraspChooser& choose = {});
+
+/// The same where the object is one of several, or none of them. Probabilities are of object and
+/// pose; what depends on the object (masses, grasps) is that of the most probable one at the time.
+PickResult pick(Executor& robot, const estimation::Candidates& candidates,
+                const PickOptions& options, std::uint64_t seed, const PhaseObserver& observer = {},
                 const GraspChooser& choose = {});
 
 }  // namespace palpate::skills

@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kStep = 0.003;           // m of a way between places that are looked at
 constexpr double kReportedApart = 0.010;  // m between ends that are surely told apart
+constexpr double kMinWeight = 0.002;      // of a pose of one of several objects that is looked at
 constexpr double kGuard = 0.002;          // m that the rest of the finger is to stay away
 
 // Of the errors that a refining sweep is chosen by; angles in rad, lengths in m.
@@ -54,12 +55,30 @@ double reported_apart(const SweepOutcome& a, const SweepOutcome& b) {
   return std::min(1.0, std::abs(a.way - b.way) / kReportedApart);
 }
 
+/// An object at a pose that it may have.
+struct WeightedObject {
+  const geometry::ObjectModel* object;
+  Eigen::Isometry3d T_object_world;
+  double weight;
+};
+
+std::vector<WeightedObject> weighted_objects(const std::vector<PosedObject>& objects) {
+  std::vector<WeightedObject> all;
+  for (const PosedObject& posed : objects) {
+    for (const WeightedPose& pose : poses_of(posed.posterior)) {
+      if (objects.size() > 1 && pose.weight < kMinWeight) continue;
+      all.push_back({posed.object, pose.T.inverse(), pose.weight});
+    }
+  }
+  return all;
+}
+
 /// Chance that two draws from the poses are told apart.
-double information(const geometry::ObjectModel& object, const std::vector<WeightedPose>& poses,
-                   const ProbingFinger& finger, const GuardedMove& guarded_move) {
+double information(const std::vector<WeightedObject>& poses, const ProbingFinger& finger,
+                   const GuardedMove& guarded_move) {
   std::vector<SweepOutcome> outcomes;
   for (const auto& pose : poses) {
-    outcomes.push_back(outcome(object, pose.T.inverse(), finger, guarded_move));
+    outcomes.push_back(outcome(*pose.object, pose.T_object_world, finger, guarded_move));
   }
   double sum = 0;
   for (std::size_t i = 0; i < outcomes.size(); ++i) {
@@ -120,10 +139,16 @@ double spread_of(const Matrix9d& information) {
 std::optional<InformativeMove> most_informative_move(
     const geometry::ObjectModel& object, const localization::Posterior& posterior,
     const ProbingFinger& finger, const std::vector<GuardedMove>& guarded_moves) {
+  return most_informative_move({{&object, posterior}}, finger, guarded_moves);
+}
+
+std::optional<InformativeMove> most_informative_move(
+    const std::vector<PosedObject>& objects, const ProbingFinger& finger,
+    const std::vector<GuardedMove>& guarded_moves) {
   std::optional<InformativeMove> best;
-  const auto poses = poses_of(posterior);
+  const auto poses = weighted_objects(objects);
   for (std::size_t i = 0; i < guarded_moves.size(); ++i) {
-    const double told = information(object, poses, finger, guarded_moves[i]);
+    const double told = information(poses, finger, guarded_moves[i]);
     if (told > (best ? best->information : 0.0)) best = {guarded_moves[i], i, told};
   }
   return best;

@@ -26,6 +26,10 @@ void check_positive(const std::string& what, double value) {
   }
 }
 
+void check_area(const Evidence& evidence) {
+  if (evidence.contact_area) check_positive("contact_area", *evidence.contact_area);
+}
+
 void check_not_negative(const std::string& what, double value) {
   if (!(std::isfinite(value) && value >= 0)) {
     throw BadInput(fmt::format("{} is {}, not finite and >= 0", what, value));
@@ -183,6 +187,7 @@ void check_extent(const std::vector<tactile::Contact>& contacts,
 void check_evidence(const geometry::ObjectModel& model, const Evidence& evidence) {
   for (std::size_t k = 0; k < evidence.contacts.size(); ++k) check_contact(evidence.contacts[k], k);
   check_extent(evidence.contacts, model.object().mesh);
+  check_area(evidence);
   check_offsets(evidence);
   check_doubt("noise_scale_prior", evidence.noise_scale_prior);
   check_doubt("size_prior", evidence.size_prior);

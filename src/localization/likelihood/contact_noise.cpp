@@ -50,6 +50,7 @@ NoiseLevels make_noise(const geometry::ObjectModel& model, const Evidence& evide
                        const tactile::Contact& contact, const std::vector<Assumption>& levels,
                        double scale) {
   const auto count = static_cast<Eigen::Index>(levels.size());
+  const double area = evidence.contact_area.value_or(model.area());
   NoiseLevels noise{NoiseArray::Zero(count), NoiseArray::Zero(count), NoiseArray::Zero(count),
                     NoiseArray::Zero(count)};
   if (contact.has_normal()) {
@@ -60,7 +61,7 @@ NoiseLevels make_noise(const geometry::ObjectModel& model, const Evidence& evide
     const Assumption& level = levels[static_cast<std::size_t>(j)];
     const double sp = scale * level.point_noise * contact.point_sigma;
     const double sn = informative_sigma(scale * level.normal_noise * normal_sigma_of(contact));
-    const double odds = true_to_false_odds(evidence.false_contact_share, model.area(), sp, sn);
+    const double odds = true_to_false_odds(evidence.false_contact_share, area, sp, sn);
     noise.half_point_precision[j] = static_cast<float>(0.5 / (sp * sp));
     noise.normal_precision[j] = static_cast<float>(1 / (sn * sn));
     noise.curvature_widening[j] = static_cast<float>(sp * sp / (sn * sn));

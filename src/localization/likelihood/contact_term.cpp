@@ -83,6 +83,15 @@ std::size_t ContactTerm::size() const {
   return count;
 }
 
+double ContactTerm::log_peak() const {
+  double sum = 0;
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    if (!is_candidate(k)) sum += static_cast<double>(noise_[k].cap);
+  }
+  for (const CandidateSet& set : sets_) sum += static_cast<double>(set.cap);
+  return sum;
+}
+
 void ContactTerm::Product::multiply(const Levels& factor) {
   likelihood *= factor;
   const float most = likelihood.maxCoeff();

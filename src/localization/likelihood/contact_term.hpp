@@ -49,6 +49,10 @@ class ContactTerm : public EvidenceTerm {
   /// explains them better.
   float misfit(const SearchPose& pose) const;
 
+  /// ln of the greatest ratio of the contacts' likelihood to that of contacts that are all false:
+  /// what the energy lacks to compare objects, or noise of one size with noise of another.
+  double log_peak() const;
+
   /// Contacts, a set of candidates counting as one.
   std::size_t size() const;
 

@@ -17,6 +17,9 @@ class PriorTerm : public EvidenceTerm {
   float energy(const SearchPose& pose, float bound) const override;
   void linearize(const SearchPose& pose, NormalEquations& equations) const override;
 
+  /// ln of what scales e^-E to the density of the prior (per rad^3 m^3), its floor aside.
+  double log_peak() const { return log_highest_ + mixture_->log_peak(); }
+
  private:
   std::shared_ptr<const PoseMixture> mixture_;
   double floor_;

@@ -13,7 +13,7 @@ constexpr double kScaleStep = 0.6;
 constexpr int kStepsPerScale = 2, kLastSteps = 4;
 constexpr int kTries = 3;  // of shorter steps
 constexpr double kFirstDamping = 1e-3, kMinDamping = 1e-4, kMoreDamping = 20, kLessDamping = 0.3;
-constexpr double kLongestTurn = 0.3, kLongestStep = 0.02;  // rad, m
+constexpr double kLongestRefineTurn = 0.3, kLongestRefineStep = 0.02;  // rad, m
 constexpr double kConverged = 0.01;  // fall of the energy below which a scale is done with
 /// Weak prior that keeps the information regular: 1 rad and 50 mm.
 constexpr double kWeakestRotation = 1.0, kWeakestTranslation = 400.0;
@@ -27,8 +27,8 @@ Matrix6d weak_prior() {
 
 SearchPose stepped(const SearchPose& from, const Vector6d& step) {
   Eigen::Vector3d w = step.head<3>(), v = step.tail<3>();
-  if (w.norm() > kLongestTurn) w *= kLongestTurn / w.norm();
-  if (v.norm() > kLongestStep) v *= kLongestStep / v.norm();
+  if (w.norm() > kLongestRefineTurn) w *= kLongestRefineTurn / w.norm();
+  if (v.norm() > kLongestRefineStep) v *= kLongestRefineStep / v.norm();
   return {turn_by(w.cast<float>()) * from.R, from.t + v.cast<float>()};
 }
 

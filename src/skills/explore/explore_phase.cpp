@@ -118,6 +118,16 @@ bool settled(const localization::Posterior& posterior, double certain) {
   return localization::best_probability(posterior) > certain;
 }
 
+std::vector<localization::PosedObject> possible_objects(
+    const estimation::PoseEstimator& estimator) {
+  std::vector<localization::PosedObject> objects;
+  auto posteriors = estimator.posteriors();
+  for (std::size_t i = 0; i < posteriors.size(); ++i) {
+    objects.push_back({estimator.candidates()[i], std::move(posteriors[i])});
+  }
+  return objects;
+}
+
 /// The probing finger's balls around the centre of its tip.
 localization::ProbingFinger sweeping_finger(const Executor& robot,
                                             const hand::PointingHand& pointing, double yaw) {
@@ -253,7 +263,7 @@ int ExplorePhase::tell_apart(Executor& robot, PickState& state) {
     std::size_t turn = 0;
     for (const std::size_t other : {1, 0}) {
       const auto best = localization::most_informative_move(
-          estimator_.object(), *state.resting, sweeping_finger(robot, pointing(robot), yaw(other)),
+          possible_objects(estimator_), sweeping_finger(robot, pointing(robot), yaw(other)),
           left[other]);
       if (!best || (choice && best->information <= choice->information)) continue;
       choice = best;

@@ -26,12 +26,23 @@ struct InformativeMove {
   double information = 0;  ///< chance, 0..1, that two draws from the poses are told apart
 };
 
+/// An object that it may be, and its poses, which weigh as much as it is probable.
+struct PosedObject {
+  const geometry::ObjectModel* object = nullptr;
+  localization::Posterior posterior;
+};
+
 /// The one of some sweeps whose end differs most between the poses that a posterior holds for
 /// credible (poses_of: a mode with a free axis is several along it). Where another part of the hand
 /// touches first, the guarded move ends, too.
 /// @return nothing if there is no sweep that tells anything
 std::optional<InformativeMove> most_informative_move(const geometry::ObjectModel& object,
                                                      const localization::Posterior& posterior,
+                                                     const ProbingFinger& finger,
+                                                     const std::vector<GuardedMove>& guarded_moves);
+
+/// The same where it may be one of several objects.
+std::optional<InformativeMove> most_informative_move(const std::vector<PosedObject>& objects,
                                                      const ProbingFinger& finger,
                                                      const std::vector<GuardedMove>& guarded_moves);
 
