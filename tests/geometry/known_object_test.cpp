@@ -79,6 +79,17 @@ TEST(KnownObject, UnknownNamesAreAnsweredWithTheBuiltIns) {
   EXPECT_TRUE(contains(complaint(std::string(300, 'x')), "xxx' is neither"));
 }
 
+TEST_F(KnownObjectFile, TheBunnyIsNoBuiltInAndSaysHowItIsInstalled) {
+  const char* const before = std::getenv("PALPATE_ASSETS");
+  const std::string kept = before ? before : "";
+  ::setenv("PALPATE_ASSETS", folder_.c_str(), 1);
+  const std::string message = complaint("bunny");
+  EXPECT_TRUE(contains(message, "./dev bunny installs it")) << message;
+  EXPECT_TRUE(contains(message, "duck")) << message;
+  EXPECT_EQ(complaint("duck"), "accepted");  // it needs no file
+  before ? ::setenv("PALPATE_ASSETS", kept.c_str(), 1) : ::unsetenv("PALPATE_ASSETS");
+}
+
 TEST_F(KnownObjectFile, ComesBackInItsOwnFrame) {
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
   T.translation() = Eigen::Vector3d(0.3, -0.2, 0.1);

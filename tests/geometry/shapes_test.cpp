@@ -3,12 +3,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <map>
 #include <utility>
 
 #include "palpate/core/angle.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/geometry/mesh/mass_properties.hpp"
+#include "palpate/geometry/query/mesh_query.hpp"
 
 namespace palpate::geometry {
 namespace {
@@ -70,6 +72,24 @@ TEST(Shapes, MugsHandleIsFiftyFiveMillimetresHigh) {
 TEST(Shapes, BracketIsTwoPlates) {
   EXPECT_NEAR(mass_properties(bracket_mesh(), 1).volume, 0.040 * (0.12 * 0.02 + 0.06 * 0.02),
               1e-12);
+}
+
+TEST(Shapes, DuckStandsHasConcavitiesAndIsNoMirrorImageOfItself) {
+  const TriangleMesh duck = duck_mesh();
+  EXPECT_TRUE(closed_and_consistent(duck));
+  EXPECT_EQ(euler_characteristic(duck), 2);
+  EXPECT_LE(duck.triangles.size(), 8000u);
+  EXPECT_LT((bounds(duck).sizes() - Eigen::Vector3d(0.099, 0.066, 0.083)).norm(), 1e-3);
+  EXPECT_NEAR(bounds(duck).min().z(), 0, 1e-9);
+  double deepest = 0, farthest = 0;
+  const MeshQuery query(duck);
+  for (const Eigen::Vector3d& v : duck.vertices) {
+    // Between head and tail there is nothing, and a mirrored head or wing is elsewhere.
+    deepest = std::max(deepest, query.signed_distance((v + duck.vertices.front()) / 2));
+    farthest = std::max(farthest, query.signed_distance({v.x(), -v.y(), v.z()}));
+  }
+  EXPECT_GT(deepest, 0.005);
+  EXPECT_GT(farthest, 0.005);
 }
 
 TEST(Shapes, BoxRefusesAnEdgeThatIsNotPositive) {
