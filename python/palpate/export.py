@@ -317,6 +317,9 @@ def main(arguments=None):
     out = chosen.out or pathlib.Path(chosen.recording[0]).with_suffix("." + chosen.format)
     try:
         messages = export(chosen.format, chosen.recording, out, chosen.force)
+    except ImportError as problem:
+        print(f"palpate export: {problem}: pip install 'palpate[export]'", file=sys.stderr)
+        return BAD_INPUT
     except (ValueError, OSError, KeyError) as problem:
         print(f"palpate export: {problem}", file=sys.stderr)
         return BAD_INPUT
