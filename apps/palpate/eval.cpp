@@ -50,7 +50,7 @@ struct EvalArguments {
   std::size_t trials = 30;
   std::vector<std::string> candidates;
   ObjectArguments told;
-  std::string place, hand;
+  std::string place, hand, arm;
   std::vector<std::string> faults;
   bool campaign = false;
   std::string shard_text;
@@ -142,8 +142,8 @@ int eval(EvalArguments arguments) {
       throw BadInput(
           "--faults goes with none of --resume, --place, --shard, --mass, --at and --candidates");
     }
-    return eval_faults(resolve_trial(arguments.common, arguments.hand), arguments.common,
-                       arguments.objects, arguments.trials, arguments.faults);
+    return eval_faults(resolve_trial(arguments.common, arguments.hand, arguments.arm),
+                       arguments.common, arguments.objects, arguments.trials, arguments.faults);
   }
   if (!arguments.shard_text.empty()) arguments.shard = parse_shard(arguments.shard_text);
   if (arguments.shard.count > 1 && arguments.common.out.empty()) {
@@ -157,7 +157,7 @@ int eval(EvalArguments arguments) {
     throw BadInput(fmt::format("{}: there is no evaluation to go on with", records.string()));
   }
   arguments.objects = geometry::expand_object_names(arguments.objects);
-  auto options = resolve_trial(arguments.common, arguments.hand);
+  auto options = resolve_trial(arguments.common, arguments.hand, arguments.arm);
   if (!arguments.place.empty()) options.place.target = place_text(arguments.place);
   apply_place(arguments.told, options.start);
   std::optional<Notice> notice(std::in_place, "preparing the objects", arguments.common.quiet);
@@ -247,6 +247,7 @@ void add_eval(CLI::App& program, Command& chosen) {
       ->option_text("O,O2..");
   add_object_options(command, arguments->told);
   add_hand_option(command, arguments->hand);
+  add_arm_option(command, arguments->arm);
   add_common_options(command, arguments->common);
   command.footer(
       "Trial i of every object has the seed SEED + i. With --out it writes eval.json, config.toml "
@@ -262,6 +263,7 @@ void add_eval(CLI::App& program, Command& chosen) {
       "  palpate eval --object duck --trials 10 --set attempts=1 --json\n"
       "  palpate eval --object box,mug --trials 5 --faults load_nan,finger_silent --json\n"
       "  palpate eval --place random --trials 20 --seed 9000\n"
+      "  palpate eval --arm ur10 --object mug,box --trials 5 --seed 9000\n"
       "  palpate eval --trials 100 --seed 9000 --shard 3/16 --out part3\n"
       "  palpate eval --object box --place stable_pose --trials 10 --seed 9000");
   command.callback([arguments, faults, &chosen] {

@@ -2,6 +2,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
+
 #include "common.hpp"
 #include "hand_option.hpp"
 #include "palpate/core/error.hpp"
@@ -130,21 +132,36 @@ int check(const CheckArguments& arguments) {
   return kDone;
 }
 
-int list(const CommonOptions& common) {
-  auto hands = nlohmann::json::array();
-  if (!common.json) fmt::print("{:<14} {:<36} {:<14} {}\n", "hand", "model", "licence", "file");
-  for (const auto& hand : simulation::stored_hands()) {
-    const bool there = !hand.file.empty();
-    hands.push_back({{"name", hand.name},
-                     {"model", hand.maker},
-                     {"licence", hand.licence},
-                     {"installed", there},
-                     {"path", hand.file.string()}});
-    if (common.json) continue;
-    fmt::print("{:<14} {:<36} {:<14} {}\n", hand.name, hand.maker, hand.licence,
-               there ? hand.file.string() : "palpate hand install " + hand.name);
+nlohmann::json stored_json(const std::vector<simulation::StoredHand>& models) {
+  auto result = nlohmann::json::array();
+  for (const auto& model : models) {
+    result.push_back({{"name", model.name},
+                      {"model", model.maker},
+                      {"licence", model.licence},
+                      {"installed", !model.file.empty()},
+                      {"path", model.file.string()}});
   }
-  if (common.json) fmt::print("{}\n", nlohmann::json{{"hands", hands}}.dump(2));
+  return result;
+}
+
+void print_stored(const char* kind, const std::vector<simulation::StoredHand>& models) {
+  fmt::print("{:<14} {:<36} {:<14} {}\n", kind, "model", "licence", "file");
+  for (const auto& model : models) {
+    fmt::print("{:<14} {:<36} {:<14} {}\n", model.name, model.maker, model.licence,
+               model.file.empty() ? "palpate hand install " + model.name : model.file.string());
+  }
+}
+
+int list(const CommonOptions& common) {
+  const auto hands = simulation::stored_hands(), arms = simulation::stored_arms();
+  if (common.json) {
+    const nlohmann::json report = {{"hands", stored_json(hands)}, {"arms", stored_json(arms)}};
+    fmt::print("{}\n", report.dump(2));
+    return kDone;
+  }
+  print_stored("hand", hands);
+  fmt::print("\n");
+  print_stored("arm", arms);
   return kDone;
 }
 
@@ -153,14 +170,18 @@ int install(const CommonOptions& common, const std::string& name) {
   if (common.json) {
     fmt::print("{}\n", nlohmann::json{{"path", file.string()}}.dump(2));
   } else {
-    fmt::print("{}\nNext: palpate hand check {} --render out/{}\n", file.string(), name, name);
+    const auto arms = simulation::stored_arms();
+    const bool arm = std::ranges::find(arms, name, &simulation::StoredHand::name) != arms.end();
+    fmt::print("{}\nNext: {}\n", file.string(),
+               arm ? fmt::format("palpate pick --arm {} --object box", name)
+                   : fmt::format("palpate hand check {0} --render out/{0}", name));
   }
   return kDone;
 }
 
 void add_list(CLI::App& group, Command& chosen) {
   auto common = std::make_shared<CommonOptions>();
-  auto& command = *group.add_subcommand("list", "List the hands that are known by name");
+  auto& command = *group.add_subcommand("list", "List the hands and arms that are known by name");
   command.add_flag("--json", common->json, "print one JSON object");
   command.callback([common, &chosen] { chosen = [common] { return list(*common); }; });
 }
@@ -169,11 +190,14 @@ void add_install(CLI::App& group, Command& chosen) {
   auto common = std::make_shared<CommonOptions>();
   auto name = std::make_shared<std::string>();
   auto& command = *group.add_subcommand(
-      "install", "Fetch the model of a hand of `palpate hand list` into the cache, with pip");
-  command.add_option("NAME", *name, "allegro, allegro-left, leap, leap-left or barrett")
+      "install",
+      "Fetch the model of a hand or arm of `palpate hand list` into the cache, with pip");
+  command
+      .add_option("NAME", *name,
+                  "allegro, allegro-left, leap, leap-left, barrett, ur10, ur5 or panda")
       ->required();
   command.add_flag("--json", common->json, "print one JSON object");
-  command.footer("Example:\n  palpate hand install leap");
+  command.footer("Examples:\n  palpate hand install leap\n  palpate hand install ur10");
   command.callback(
       [common, name, &chosen] { chosen = [common, name] { return install(*common, *name); }; });
 }

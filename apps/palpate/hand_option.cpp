@@ -17,6 +17,14 @@ CLI::Option& add_hand_option(CLI::App& command, std::string& hand) {
               ->option_text("HAND");
 }
 
+CLI::Option& add_arm_option(CLI::App& command, std::string& arm) {
+  return *command
+              .add_option("--arm", arm,
+                          "what carries the hand: ur10, ur5, panda, floating, or an arm's MJCF "
+                          "(default: floating)")
+              ->option_text("ARM");
+}
+
 simulation::DescribedHand load_hand_with_progress(const std::string& hand, bool quiet) {
   std::optional<ProgressBar> bar;
   return simulation::load_described_hand(hand, 4.0, [&](std::size_t done, std::size_t total) {
@@ -25,9 +33,11 @@ simulation::DescribedHand load_hand_with_progress(const std::string& hand, bool 
   });
 }
 
-evaluation::TrialOptions resolve_trial(const CommonOptions& common, const std::string& hand) {
+evaluation::TrialOptions resolve_trial(const CommonOptions& common, const std::string& hand,
+                                       const std::string& arm) {
   auto options = resolve<evaluation::TrialOptions>(common);
   if (!hand.empty()) options.world.hand = hand;
+  if (!arm.empty()) options.world.arm.name = arm;
   load_hand_with_progress(options.world.hand, common.quiet);  // known to the process from now on
   return options;
 }

@@ -15,8 +15,12 @@ CLI::Option& add_hand_option(CLI::App& command, std::string& hand);
 /// A hand of a name or file, with a progress bar while its postures are searched for.
 simulation::DescribedHand load_hand_with_progress(const std::string& hand, bool quiet);
 
-/// Options of a pick from --config, --set and --hand, with the hand loaded.
+CLI::Option& add_arm_option(CLI::App& command, std::string& arm);
+
+/// Options of a pick from --config, --set, --hand and --arm, with the hand loaded.
 /// @param hand  of --hand; empty: that of the option world.hand
-evaluation::TrialOptions resolve_trial(const CommonOptions& common, const std::string& hand);
+/// @param arm  of --arm; empty: that of the option arm.name
+evaluation::TrialOptions resolve_trial(const CommonOptions& common, const std::string& hand,
+                                       const std::string& arm = {});
 
 }  // namespace palpate::app

@@ -13,7 +13,7 @@ namespace palpate::app {
 namespace {
 
 constexpr std::size_t kMaxCandidates = 10;
-constexpr double kReach = 0.5;     // m of a rough place along x and y
+constexpr double kReach = 3;       // m of a rough place along x and y
 constexpr double kRoughest = 0.1;  // m
 
 }  // namespace

@@ -31,7 +31,7 @@ struct PickArguments {
   std::vector<std::string> objects = {"mug"};
   std::string true_object;
   ObjectArguments told;
-  std::string hand;
+  std::string hand, arm;
   std::optional<int> explore;
   std::string place;
 };
@@ -73,7 +73,7 @@ skills::PhaseObserver phase_printer(const CommonOptions& common) {
 
 int pick(const PickArguments& arguments) {
   const CommonOptions& common = arguments.common;
-  auto options = resolve_trial(common, arguments.hand);
+  auto options = resolve_trial(common, arguments.hand, arguments.arm);
   if (arguments.explore) {
     options.pick.explore.touches = *arguments.explore;
     options.pick.explore.max_touches = *arguments.explore;
@@ -156,6 +156,7 @@ void add_pick(CLI::App& program, Command& chosen) {
       ->option_text("O");
   add_object_options(command, arguments->told);
   add_hand_option(command, arguments->hand);
+  add_arm_option(command, arguments->arm);
   command
       .add_option("--explore", arguments->explore,
                   "touches of the resting object before the grasp, in at most twice as many "
@@ -177,6 +178,7 @@ void add_pick(CLI::App& program, Command& chosen) {
       "  palpate pick --object mug,box,bottle --seed 7\n"
       "  palpate pick --object mug,box,bottle --true-object bracket --seed 7\n"
       "  palpate pick --hand my_hand.xml --object box\n"
+      "  palpate pick --arm ur10 --object box --seed 7\n"
       "  palpate pick --object part.stl --set lift.height=0.15 --out run1 --json\n"
       "  palpate pick --object box --set start.stable_pose=0 --set world.noise.normal=0.05\n"
       "  palpate pick --object can.ply --mass 0.349 --at 0.1,-0.05,0.03\n"

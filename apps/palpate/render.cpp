@@ -28,7 +28,7 @@ constexpr double kVideoDistance = 1.3;  // times that of a picture: the hand mov
 struct RenderArguments {
   CommonOptions common;
   std::string object = "mug";
-  std::string hand;
+  std::string hand, arm;
   std::string recording;
   std::string size = "1200x800";
   bool video = false, posterior = false;
@@ -67,7 +67,7 @@ fs::path output_folder(const RenderArguments& arguments) {
 /// Picks the object up and records it. Whether that succeeds does not matter to a picture.
 fs::path record_pick(const RenderArguments& arguments, const fs::path& folder) {
   const CommonOptions& common = arguments.common;
-  const auto options = resolve_trial(common, arguments.hand);
+  const auto options = resolve_trial(common, arguments.hand, arguments.arm);
   const bool own_errors = options.touch.from_biotacs();  // bad ones are named first
   const geometry::ObjectModel object(geometry::load_known_object(arguments.object));
   const simulation::World world(object.object(), options.world, common.seed);
@@ -200,6 +200,7 @@ void add_render(CLI::App& program, Command& chosen) {
       ->capture_default_str()
       ->excludes(recording);
   add_hand_option(command, arguments->hand).excludes(recording);
+  add_arm_option(command, arguments->arm).excludes(recording);
   command.add_option("--size", arguments->size, "of a picture, pixels")
       ->option_text("WxH")
       ->check(size_error)
@@ -226,6 +227,7 @@ void add_render(CLI::App& program, Command& chosen) {
       "Examples:\n"
       "  palpate render --object mug --seed 7\n"
       "  palpate render --object box --hand allegro\n"
+      "  palpate render --object box --arm ur10\n"
       "  palpate render out/pick-mug-7/recording.h5 --size 640x480 --azimuth 90 --out pictures\n"
       "  palpate render out/pick-mug-7/recording.h5 --size 400x300 --video\n"
       "  palpate render out/pick-mug-7/recording.h5 --size 480x360 --posterior --elevation -30");

@@ -60,6 +60,10 @@ void SpeedProfile::limit(double way, double max_speed, double max_acceleration) 
   ramp_way_ = std::max(ramp_way_, way / max_acceleration);
 }
 
+void SpeedProfile::stretch(double times) {
+  if (times > 1) steady_ = static_cast<int>(std::ceil(steady_ * times));
+}
+
 int SpeedProfile::ramp() const {
   return std::max(1, ticks_at_least(ramp_way_ / (steady_ * hand::kTick)));
 }

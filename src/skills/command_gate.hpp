@@ -17,6 +17,9 @@ class SpeedProfile {
   /// @param way  m or rad, of something that moves along
   void limit(double way, double max_speed, double max_acceleration);
 
+  /// Takes that many times as long at full speed, if more than 1.
+  void stretch(double times);
+
   [[nodiscard]] int ticks() const { return steady_ + ramp() - 1; }
   /// Share of the way after that many ticks, 0..1.
   [[nodiscard]] double share(int tick) const;

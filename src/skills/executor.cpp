@@ -25,6 +25,7 @@ constexpr int kLoadedTicks = 3;
 constexpr double kLeverArm = 0.2;  // m: what a turn of 1 rad counts as a way of the hand
 constexpr int kSteadyReadings = 10, kSteadyWindows = 10;  // that are averaged; at most
 constexpr double kSteadyLoad = 0.15;                      // N between two windows
+constexpr int kCheckedSteps = 100;                        // of a way that is asked about
 constexpr int kEasingTicks = 30;                          // in which a stopped hand gives way
 
 int ticks(double seconds) {
@@ -210,6 +211,25 @@ MotionEnd Executor::wait(double seconds, const StopCondition& stop) {
   return MotionEnd::reached;
 }
 
+/// Of a way in the world whose z = 0 is the table.
+hand::MountWay Executor::judge(std::vector<hand::BasePosition> way) const {
+  for (hand::BasePosition& base : way) base.xyz.z() += table_height_;
+  return hand_.judge_way(way);
+}
+
+std::string Executor::obstacle(const hand::BasePosition& target) const {
+  const double reach = target.xyz.norm(), workspace = safety_.options.workspace;
+  if (reach > workspace) {
+    return fmt::format("the mount would be {:.3f} m from the origin, {:.3f} m are allowed", reach,
+                       workspace);
+  }
+  std::vector<hand::BasePosition> way;
+  for (int i = 1; i <= kCheckedSteps; ++i) {
+    way.push_back(between(command_.base, target, static_cast<double>(i) / kCheckedSteps));
+  }
+  return judge(std::move(way)).obstacle;
+}
+
 MotionEnd Executor::move_base(const hand::BasePosition& target, double speed,
                               const StopCondition& stop) {
   const SafetyOptions& limits = safety_.options;
@@ -219,6 +239,13 @@ MotionEnd Executor::move_base(const hand::BasePosition& target, double speed,
   SpeedProfile profile(std::max(slide, kLeverArm * turn.cwiseAbs().maxCoeff()) / speed);
   profile.limit(slide, limits.base_speed, limits.base_acceleration);
   profile.limit(turn.norm(), limits.turn_speed, limits.turn_acceleration);
+  std::vector<hand::BasePosition> way;
+  for (int i = 1; i <= profile.ticks(); ++i) {
+    way.push_back(between(from, target, profile.share(i)));
+  }
+  const hand::MountWay judged = judge(std::move(way));
+  if (!judged.obstacle.empty()) throw Unreachable(judged.obstacle);
+  profile.stretch(judged.stretch);
   for (int i = 1; i <= profile.ticks(); ++i) {
     command_.base = between(from, target, profile.share(i));
     if (const auto end = tick_until(stop); end != MotionEnd::reached) return end;
@@ -227,6 +254,10 @@ MotionEnd Executor::move_base(const hand::BasePosition& target, double speed,
 }
 
 MotionEnd Executor::follow(std::span<const hand::HandCommand> way, const StopCondition& stop) {
+  std::vector<hand::BasePosition> bases;
+  for (const auto& command : way) bases.push_back(command.base);
+  const hand::MountWay judged = judge(std::move(bases));
+  if (!judged.obstacle.empty()) throw Unreachable(judged.obstacle);
   for (const auto& command : way) {
     command_ = command;
     if (const auto end = tick_until(stop); end != MotionEnd::reached) return end;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <limits>
+#include <string>
 
 #include "palpate/hand/tip_forces.hpp"
 
@@ -26,6 +27,8 @@ PhaseEnd run_safely(Phase& phase, Executor& robot, PickState& state) {
     return phase.run(robot, state);
   } catch (const SafetyStop& stop) {
     return {false, stop.what()};
+  } catch (const Unreachable& error) {
+    return {false, std::string("unreachable: ") + error.what()};
   } catch (const std::exception& error) {
     robot.make_safe(Fault::exception, error.what());
     throw;

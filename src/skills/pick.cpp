@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <numbers>
+#include <string>
 #include <utility>
 
 #include "estimation/mean_load.hpp"
@@ -32,6 +33,41 @@ GraspChooser once(const grasping::GraspPlan& grasp) {
     return std::exchange(next, std::nullopt);
   };
 }
+
+constexpr double kLowest = 0.1;  // m, of the mount where an object is to be grasped
+
+/// Why the mount cannot come to a place in any of the directions from which grasps are tried.
+std::string place_obstacle(const Executor& robot, const Eigen::Vector2d& place) {
+  hand::BasePosition there = robot.command().base;
+  there.xyz.head<2>() = place;
+  if (std::string obstacle = robot.obstacle(there); !obstacle.empty()) return obstacle;
+  const auto& attitudes = robot.model().postures.top.attitudes;
+  if (attitudes.empty()) return {};
+  std::string first;
+  for (int side = 0; side < 3; ++side) {
+    there.xyz.z() = kLowest;
+    there.ypr << side * kNextSide, attitudes.front().pitch, attitudes.front().roll;
+    const std::string obstacle = robot.obstacle(there);
+    if (obstacle.empty()) return {};
+    if (first.empty()) first = obstacle;
+  }
+  return first;
+}
+
+/// Ends a pick before anything moves.
+class ReachPhase final : public Phase {
+ public:
+  explicit ReachPhase(std::string obstacle) : obstacle_(std::move(obstacle)) {}
+  std::string_view name() const override { return "reach"; }
+  double time_limit() const override { return 1; }
+  PhaseEnd run(Executor& robot, PickState& state) override {
+    static_cast<void>(robot), static_cast<void>(state);
+    return {false, "unreachable: " + obstacle_};
+  }
+
+ private:
+  std::string obstacle_;
+};
 
 /// Picks one object: the phases, and when which of them comes.
 class Picking {
@@ -64,6 +100,10 @@ class Picking {
 
  private:
   void run_phases() {
+    if (std::string obstacle = place_obstacle(robot_, state_.place); !obstacle.empty()) {
+      sequence_.run(ReachPhase(std::move(obstacle)));
+      return;
+    }
     if (options_.calibrate.touches > 0 && robot_.model().kinematic_error > 0 &&
         !has(robot_.log(), estimation::TouchEvent::on_table)) {
       sequence_.run(CalibratePhase(options_.calibrate));

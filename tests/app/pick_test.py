@@ -97,7 +97,7 @@ class BadInput(CliTest):
         self.assert_bad_option(["--config", "missing.toml"], "missing.toml")
 
     def test_a_place_and_a_mass_that_cannot_be(self):
-        for at in ["0.1", "0.1,0.2,0.3", "0.9,0", "here", "0.1,0,0.01,2"]:
+        for at in ["0.1", "0.1,0.2,0.3", "9,0", "here", "0.1,0,0.01,2"]:
             self.assert_bad_option(["--at", at], "--at", at)
         for command in ["pick", "eval"]:
             self.assert_refused(USAGE, [command, "--mass", "-1", "--out", "new"], "--mass")

@@ -23,8 +23,8 @@ struct StartOptions {
   void visit(Visitor&& v) {
     v("stable_pose", stable_pose, -1, 1000, "resting pose; -1: drawn by its probability");
     v("uncertainty", uncertainty, 0.0, 0.1, "m, the object is within +- of its rough place");
-    v.expert("x", x, -0.5, 0.5, "m, of its rough place, as --at has it");
-    v.expert("y", y, -0.5, 0.5, "m, of its rough place, as --at has it");
+    v.expert("x", x, -3.0, 3.0, "m, of its rough place, as --at has it");
+    v.expert("y", y, -3.0, 3.0, "m, of its rough place, as --at has it");
   }
 };
 
@@ -91,6 +91,7 @@ struct TrialOptions {
     v.section("safety", safety);
     v.expert_section("fault", fault);
     v.section("world", world);
+    v.section("arm", world.arm);
     v.expert_section("forward_model", forward_model);
   }
 

@@ -85,6 +85,9 @@ class FaultyHand : public Hand {
   FaultyHand(Hand& hand, const FaultSchedule& schedule);
 
   HandReading step(const HandCommand& command) override;
+  [[nodiscard]] MountWay judge_way(std::span<const BasePosition> way) const override {
+    return hand_.judge_way(way);
+  }
 
   /// Largest load of the mount so far, N.
   double peak_load() const { return peak_load_; }

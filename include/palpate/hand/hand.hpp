@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <span>
+#include <string>
 #include <vector>
 
 #include "palpate/core/se3.hpp"
@@ -51,13 +53,27 @@ struct HandCommand {
   BasePosition base;
 };
 
-/// A hand with tactile fingertips on a 6-DoF base, simulated or real.
+/// Whether what carries the hand can take its mount along a way.
+struct MountWay {
+  std::string obstacle;  ///< why it cannot, in words; empty: it can
+  double stretch = 1;    ///< times as long as wanted it takes, at least; 1: not longer
+};
+
+/// A hand with tactile fingertips on a 6-DoF base, simulated or real. What carries the base is the
+/// hand's own matter: a floating mount, or an arm (hand::ArmFollower).
 class Hand {
  public:
   virtual ~Hand() = default;
 
   /// Applies the command for one tick of kTick and returns what was sensed at its end.
   virtual HandReading step(const HandCommand& command) = 0;
+
+  /// Whether the mount can be moved from where it is told to be along this way, one position a
+  /// tick. A floating mount can be moved anywhere.
+  [[nodiscard]] virtual MountWay judge_way(std::span<const BasePosition> way) const {
+    static_cast<void>(way);
+    return {};
+  }
 };
 
 }  // namespace palpate::hand

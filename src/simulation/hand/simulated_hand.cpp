@@ -64,9 +64,29 @@ void SimulatedHand::apply(const hand::HandCommand& command) {
   for (Index i = 0; i < scene_.actuators.size(); ++i) {
     data_.ctrl[scene_.actuators[i]] = command.positions[static_cast<int>(i)];
   }
-  for (Index i = 0; i < scene_.base_actuators.size(); ++i) {
-    data_.ctrl[scene_.base_actuators[i]] = base[static_cast<int>(i)];
+  carry_to(errors_.in_world(command.base));
+}
+
+void SimulatedHand::carry_to(const hand::BasePosition& base) {
+  told_ = base;
+  const auto tell = [&](const auto& positions) {
+    for (Index i = 0; i < scene_.base_actuators.size(); ++i) {
+      data_.ctrl[scene_.base_actuators[i]] = positions[static_cast<int>(i)];
+    }
+  };
+  if (follower_) {
+    tell(follower_->follow(base.pose()));
+  } else {
+    tell(base_vector(base));
   }
+}
+
+hand::MountWay SimulatedHand::judge_way(std::span<const hand::BasePosition> way) const {
+  if (!follower_) return {};
+  std::vector<hand::BasePosition> in_world;
+  in_world.reserve(way.size());
+  for (const hand::BasePosition& base : way) in_world.push_back(errors_.in_world(base));
+  return follower_->judge(in_world);
 }
 
 /// The servos give P and D; the integral moves their setpoint by what makes up its torque.
@@ -95,8 +115,10 @@ void SimulatedHand::step_physics() {
 }
 
 hand::HandReading SimulatedHand::step(const hand::HandCommand& command) {
+  const hand::ArmVector from = follower_ ? follower_->joints() : hand::ArmVector();
   apply(command);
   for (int i = 0; i < steps_a_tick_; ++i) {
+    if (follower_) interpolate(from, static_cast<double>(i + 1) / steps_a_tick_);
     integrate(command);
     step_physics();
   }
@@ -104,15 +126,25 @@ hand::HandReading SimulatedHand::step(const hand::HandCommand& command) {
   return read();
 }
 
+/// An arm's controller moves its setpoints within a tick, so that they do not jump.
+void SimulatedHand::interpolate(const hand::ArmVector& from, double share) {
+  const hand::ArmVector now = from + share * (follower_->joints() - from);
+  for (Index i = 0; i < scene_.base_actuators.size(); ++i) {
+    data_.ctrl[scene_.base_actuators[i]] = now[static_cast<int>(i)];
+  }
+}
+
 void SimulatedHand::reset(const hand::HandCommand& command) {
+  if (follower_) {
+    follower_->reset(errors_.in_world(command.base).pose(), hand::working_tour(hand_));
+  }
   apply(command);
   const hand::JointVector joints = hand::joints_in_free_flexion(hand_, command.positions);
   for (Index i = 0; i < scene_.joint_positions.size(); ++i) {
     data_.qpos[scene_.joint_positions[i]] = joints[static_cast<int>(i)];
   }
-  const Vector6d base = base_vector(errors_.in_world(command.base));
-  for (Index i = 0; i < scene_.base_positions.size(); ++i) {
-    data_.qpos[scene_.base_positions[i]] = base[static_cast<int>(i)];
+  for (Index i = 0; i < scene_.base_positions.size(); ++i) {  // there already, and at rest
+    data_.qpos[scene_.base_positions[i]] = data_.ctrl[scene_.base_actuators[i]];
   }
   integral_.reset();
   errors_.reset();
@@ -134,12 +166,7 @@ hand::HandReading SimulatedHand::read() {
   for (int i = 0; i < hand_.actuator_count(); ++i) {
     reading.torques[i] = data_.actuator_force[scene_.actuators[static_cast<Index>(i)]];
   }
-  for (int i = 0; i < 3; ++i) {
-    const auto k = static_cast<Index>(i);
-    reading.base.xyz[i] = data_.qpos[scene_.base_positions[k]];
-    reading.base.ypr[i] = data_.qpos[scene_.base_positions[k + 3]];
-    reading.base_force[i] = data_.actuator_force[scene_.base_actuators[k]];
-  }
+  read_base(reading);
   RandomStream loads = random_.fork("load", tick_);
   reading.base_force += noise_.load * loads.normal3();
   errors_.misread(reading);
@@ -148,6 +175,32 @@ hand::HandReading SimulatedHand::read() {
   RandomStream mount = random_.fork("mount", tick_);
   errors_.delay(reading, mount);
   return reading;
+}
+
+/// Of a floating base its drives tell; of an arm the encoders, and a sensor at the flange.
+void SimulatedHand::read_base(hand::HandReading& reading) {
+  if (follower_) {
+    hand::ArmVector joints(follower_->arm().joint_count());
+    for (Index i = 0; i < scene_.base_positions.size(); ++i) {
+      joints[static_cast<int>(i)] = data_.qpos[scene_.base_positions[i]];
+    }
+    reading.base = hand::position_near(hand::mount_pose(follower_->arm(), joints), told_);
+    reading.base_force = flange_force();
+    return;
+  }
+  for (int i = 0; i < 3; ++i) {
+    const auto k = static_cast<Index>(i);
+    reading.base.xyz[i] = data_.qpos[scene_.base_positions[k]];
+    reading.base.ypr[i] = data_.qpos[scene_.base_positions[k + 3]];
+    reading.base_force[i] = data_.actuator_force[scene_.base_actuators[k]];
+  }
+}
+
+/// Force that the flange exerts on the hand, beyond the hand's weight.
+Eigen::Vector3d SimulatedHand::flange_force() const {
+  mj_rnePostConstraint(scene_.model.get(), &data_);
+  const Eigen::Vector3d force = vector3(data_.cfrc_int + 6 * scene_.root + 3);
+  return force + scene_.model->body_subtreemass[scene_.root] * vector3(scene_.model->opt.gravity);
 }
 
 void SimulatedHand::read_contacts(hand::HandReading& reading, RandomStream& random) {

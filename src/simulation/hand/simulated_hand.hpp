@@ -2,9 +2,11 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "palpate/core/random.hpp"
+#include "palpate/hand/arm_follower.hpp"
 #include "palpate/hand/hand.hpp"
 #include "simulation/hand/sensor_errors.hpp"
 #include "simulation/hand/simulated_biotacs.hpp"
@@ -21,6 +23,11 @@ class SimulatedHand : public hand::Hand {
 
   hand::HandReading step(const hand::HandCommand& command) override;
 
+  [[nodiscard]] hand::MountWay judge_way(std::span<const hand::BasePosition> way) const override;
+
+  /// The scene's arm carries the hand, instead of a floating base.
+  void mount_on(const hand::ArmDescription& arm) { follower_.emplace(arm); }
+
   /// Puts the hand, at rest, where the command wants it, and starts the noise again. The coupled
   /// joints J1 and J2 share J0 as in free flexion.
   void reset(const hand::HandCommand& command);
@@ -34,7 +41,11 @@ class SimulatedHand : public hand::Hand {
  private:
   void apply(const hand::HandCommand& command);
   void integrate(const hand::HandCommand& command);
+  void interpolate(const hand::ArmVector& from, double share);
   void step_physics();
+  void carry_to(const hand::BasePosition& base);
+  void read_base(hand::HandReading& reading);
+  [[nodiscard]] Eigen::Vector3d flange_force() const;
   hand::HandReading read();
   void read_contacts(hand::HandReading& reading, RandomStream& random);
 
@@ -49,6 +60,8 @@ class SimulatedHand : public hand::Hand {
   std::uint64_t tick_ = 0;
   int steps_a_tick_;
   StepObserver observer_;
+  std::optional<hand::ArmFollower> follower_;
+  hand::BasePosition told_;  // in the world
   std::optional<SimulatedBiotacs> biotacs_;
 };
 

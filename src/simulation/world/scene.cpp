@@ -11,6 +11,7 @@
 #include "palpate/core/error.hpp"
 #include "simulation/contact/exact_contact.hpp"
 #include "simulation/contact/table_contact.hpp"
+#include "simulation/hand/arm_spec.hpp"
 #include "simulation/hand/hand_joints.hpp"
 #include "simulation/hand/hand_model.hpp"
 #include "simulation/hand/hand_spec.hpp"
@@ -257,7 +258,26 @@ void add_object(mjSpec& spec, const SolidObject& solid, const WorldOptions& opti
   }
 }
 
-void locate(const hand::Description& hand, Scene& scene) {
+/// Names of the joints and actuators that carry the hand.
+struct Carrier {
+  std::vector<std::string> joints, actuators;
+};
+
+Carrier carrier(const hand::ArmDescription* arm) {
+  Carrier names;
+  if (!arm) {
+    for (const BaseAxis& axis : kBaseAxes) {
+      names.joints.emplace_back(axis.name);
+      names.actuators.emplace_back(axis.name);
+    }
+    return names;
+  }
+  for (const hand::ArmJoint& joint : arm->joints) names.joints.push_back(kArmPrefix + joint.name);
+  for (const std::string& name : arm->file.actuators) names.actuators.push_back(kArmPrefix + name);
+  return names;
+}
+
+void locate(const hand::Description& hand, const hand::ArmDescription* arm, Scene& scene) {
   const mjModel& m = *scene.model;
   scene.root = find_id(m, mjOBJ_BODY, hand.file.root);
   scene.links = links_of_bodies(m, scene.root);
@@ -268,9 +288,10 @@ void locate(const hand::Description& hand, Scene& scene) {
   for (const hand::Actuator& actuator : hand.actuators) {
     scene.actuators.push_back(find_id(m, mjOBJ_ACTUATOR, file_actuator(hand, actuator.name)));
   }
-  for (std::size_t i = 0; i < kBaseAxes.size(); ++i) {
-    scene.base_positions[i] = m.jnt_qposadr[find_id(m, mjOBJ_JOINT, kBaseAxes[i].name)];
-    scene.base_actuators[i] = find_id(m, mjOBJ_ACTUATOR, kBaseAxes[i].name);
+  const Carrier names = carrier(arm);
+  for (std::size_t i = 0; i < names.joints.size(); ++i) {
+    scene.base_positions.push_back(m.jnt_qposadr[find_id(m, mjOBJ_JOINT, names.joints[i])]);
+    scene.base_actuators.push_back(find_id(m, mjOBJ_ACTUATOR, names.actuators[i]));
   }
   for (int finger = 0; finger < hand.finger_count(); ++finger) {
     scene.tips.push_back(find_id(m, mjOBJ_GEOM, tip_geom(hand, finger)));
@@ -303,17 +324,20 @@ Scene compose_scene(const hand::Description& hand, const SolidObject& solid,
                     const Surroundings& surroundings) {
   check(options);
   const Eigen::Isometry3d T_world_table(surroundings.R_world_table);
-  const SpecHandle spec = parse_hand(hand);
-  prepare_hand(*spec, hand, options);
+  const SpecHandle hand_spec = parse_hand(hand);
+  prepare_hand(*hand_spec, hand, options);
+  const hand::ArmDescription* const arm = surroundings.arm;
+  if (!arm) add_base(*hand_spec, hand);
+  const SpecHandle carried = arm ? arm_with_hand(*arm, hand, *hand_spec) : SpecHandle();
+  mjSpec* const spec = arm ? carried.get() : hand_spec.get();
   set_solver(*spec, options);
   const Eigen::Vector3d up = surroundings.R_world_table.col(2);
   Eigen::Vector3d::Map(spec->option.gravity) = spec->option.gravity[2] * up;
   add_table(*spec, options.table_friction, options.exact_tips, T_world_table);
   add_fixture(*spec, surroundings.fixture, options.table_friction, T_world_table);
-  add_base(*spec, hand);
   add_object(*spec, solid, options);
   Scene scene{.model = compile(*spec), .T_world_table = T_world_table};
-  locate(hand, scene);
+  locate(hand, arm, scene);
   if (options.exact_tips) {
     const int geom = find_id(*scene.model, mjOBJ_GEOM, kSurface);
     use_exact_surface(*scene.model, geom, surface);

@@ -6,6 +6,7 @@
 
 #include "palpate/geometry/objects/known_object.hpp"
 #include "palpate/geometry/query/capsule_collider.hpp"
+#include "palpate/hand/arm.hpp"
 #include "palpate/hand/description.hpp"
 #include "palpate/simulation/world/world.hpp"
 #include "simulation/world/drawn_errors.hpp"
@@ -17,6 +18,7 @@ namespace palpate::simulation {
 struct Surroundings {
   Eigen::Matrix3d R_world_table = Eigen::Matrix3d::Identity();  ///< through the world's origin
   planning::Fixture fixture = {};                               ///< in the table's frame
+  const hand::ArmDescription* arm = nullptr;                    ///< none: a floating base
 };
 
 /// The model of table, hand and object, and where in it each thing is.
@@ -26,8 +28,8 @@ struct Scene {
   std::vector<int> links = {};            ///< of the hand, by body; -1 for other bodies
   std::vector<int> joint_positions = {};  ///< addresses in qpos
   std::vector<int> actuators = {};        ///< ids
-  std::array<int, 6> base_positions{};    ///< addresses in qpos: x y z yaw pitch roll
-  std::array<int, 6> base_actuators{};    ///< ids, in that order
+  std::vector<int> base_positions = {};   ///< addresses in qpos: x y z yaw pitch roll, or the arm's
+  std::vector<int> base_actuators = {};   ///< ids, in that order
   std::vector<int> tips = {};             ///< geoms, one a finger
   int table = -1;                         ///< geom
   std::vector<int> fixture = {};          ///< geoms
@@ -40,8 +42,8 @@ struct Scene {
 };
 
 /// Composes the scene: the options of the solver, the table with the fixture, the hand on its
-/// driven base and the object: its true surface for the fingertips, convex parts for all else.
-/// Gravity is along the table's normal.
+/// driven base or arm and the object: its true surface for the fingertips, convex parts for all
+/// else. Gravity is along the table's normal.
 /// @param surface  of the object, in its frame; must outlive the scene
 /// @throws BadInput for options that are not positive, or if the hand or the object cannot be used
 Scene compose_scene(const hand::Description& hand, const SolidObject& solid,

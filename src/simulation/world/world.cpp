@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "palpate/core/error.hpp"
@@ -34,11 +35,13 @@ struct World::Impl {
         mesh(solid.object.mesh),
         surface(mesh),
         drawn(load_hand(options.hand, options.stiffness_scale)),
+        arm(load_arm(options.arm, drawn)),
         scene(compose_scene(drawn, solid, surface, options,
-                            {drawn_tilt(options.error, random), fixture})),
+                            {drawn_tilt(options.error, random), fixture, arm ? &*arm : nullptr})),
         data(make_data(*scene.model)),
         believed(told_hand(drawn, options, random)),
         hand(scene, *data, drawn, options, random.fork("readers")) {
+    if (arm) hand.mount_on(*arm);
     if (options.biotacs) hand.wear(SimulatedBiotacs(mesh, believed, random.fork("biotacs")));
   }
 
@@ -49,6 +52,7 @@ struct World::Impl {
   geometry::MeshQuery mesh;
   geometry::CapsuleCollider surface;
   hand::Description drawn;  // as its file has it, and the physics
+  std::optional<hand::ArmDescription> arm;
   Scene scene;
   DataHandle data;
   hand::Description believed;

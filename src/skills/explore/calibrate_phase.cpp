@@ -227,6 +227,14 @@ void touch_table(Executor& robot, const Attitude& attitude, const CalibrateOptio
   rise(robot, kTravelHeight, options.travel_speed);
 }
 
+/// Whether the mount can come to the table in this attitude.
+bool is_reachable(const Executor& robot, const Attitude& attitude,
+                  const CalibrateOptions& options) {
+  const double seat = -lowest(robot.model(), attitude);
+  return robot.obstacle(attitude.base(options, seat + kTravelHeight)).empty() &&
+         robot.obstacle(attitude.base(options, seat)).empty();
+}
+
 hand::BasePosition mean_base_of(std::span<const hand::HandReading> window) {
   hand::BasePosition mean;
   for (const auto& reading : window) {
@@ -328,6 +336,7 @@ PhaseEnd CalibratePhase::run(Executor& robot, PickState&) {
   const hand::Description before = robot.model();
   TableSearch search;
   for (const auto& attitude : telling_attitudes(before, options_)) {
+    if (!is_reachable(robot, attitude, options_)) continue;
     if (robot.trusted(attitude.finger)) touch_table(robot, attitude, options_, search);
   }
   const hand::HandCommand& now = robot.command();

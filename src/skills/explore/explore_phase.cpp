@@ -311,6 +311,9 @@ ExplorePhase::GuardedMoveEnd ExplorePhase::guarded_move(Executor& robot, const P
       base_for_probe(robot, pointing(robot), yaw(turned.turn), guarded_move.to);
   hand::BasePosition above = start;
   above.xyz.z() += std::max(0.0, state.height + kClearanceAbove - guarded_move.from.z());
+  for (const hand::BasePosition& base : {above, start, end}) {  // not begun: it tells nothing
+    if (!robot.obstacle(base).empty()) return GuardedMoveEnd::missed;
+  }
   robot.move_base(above, options_.travel_speed);
   robot.move_base(start, options_.travel_speed / 2);
   robot.wait(0.15);

@@ -36,6 +36,7 @@ constexpr double kSetOut =
 constexpr std::size_t kTouchReadings = 15;
 constexpr double kTouchSeconds = kTouchReadings * hand::kTick;
 constexpr int kStillTicks = 12;
+constexpr int kPlans = 6;              // tried for one that can be reached
 constexpr double kStillStep = 0.0003;  // rad a tick
 
 /// Position of the base that puts it at `ahead`, `left` of a place, seen along the yaw.
@@ -144,6 +145,18 @@ class FingersDone {
   hand::PerFinger<double> last_{};
 };
 
+/// The first plan to which the mount can be brought, of those that avoid the others' yaws.
+std::optional<grasping::GraspPlan> reachable_plan(
+    const Executor& robot, std::vector<double> avoided,
+    const std::function<std::optional<grasping::GraspPlan>(const std::vector<double>&)>& plan) {
+  for (int i = 0; i < kPlans; ++i) {
+    const auto found = plan(avoided);
+    if (!found || robot.obstacle(found->base).empty()) return found;
+    avoided.push_back(found->base.ypr.x());
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 double pressure(const GraspOptions& options, const geometry::KnownObject& object) {
@@ -216,8 +229,10 @@ std::optional<grasping::GraspPlan> GraspPhase::plan(const Executor& robot, const
   options.press = pressure(options_, object_.object());
   std::optional<grasping::GraspPlan> best;
   for (const hand::Attitude& attitude : preshape.attitudes) {
-    const auto plan = grasping::plan_grasp(object_, state.resting->modes.front().T_frame_object,
-                                           path, attitude, options, tried_yaws);
+    const auto plan = reachable_plan(robot, tried_yaws, [&](const std::vector<double>& avoided) {
+      return grasping::plan_grasp(object_, state.resting->modes.front().T_frame_object, path,
+                                  attitude, options, avoided);
+    });
     if (plan && (!best || plan->cost < best->cost)) best = plan;
     if (best && best->cost < options_.good_cost) break;
   }

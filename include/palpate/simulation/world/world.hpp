@@ -11,6 +11,7 @@
 #include "palpate/hand/visuals.hpp"
 #include "palpate/planning/fixture.hpp"
 #include "palpate/simulation/hand/integral_action.hpp"
+#include "palpate/simulation/hand/load_arm.hpp"
 #include "palpate/simulation/world/object_step.hpp"
 #include "palpate/simulation/world/world_errors.hpp"
 
@@ -60,6 +61,7 @@ struct WorldOptions {
   simulation::IntegralOptions integral;
   SensorNoise noise;
   WorldErrors error;  ///< none unless asked for: see realistic()
+  ArmOptions arm;     ///< visited where a world is the robot's own, not a forward model's
 
   /// A world like that of a real robot: nothing of it is exactly as told or as read.
   static WorldOptions realistic();
@@ -97,7 +99,7 @@ struct Truth {
   Eigen::Isometry3d T_world_table = Eigen::Isometry3d::Identity();  ///< z = 0: its surface
 };
 
-/// A table, perhaps a fixture on it, a hand on its base and one free object, in MuJoCo.
+/// A table, perhaps a fixture on it, a hand on its base or arm and one free object, in MuJoCo.
 class World {
  public:
   World(const geometry::KnownObject& object, const WorldOptions& options, std::uint64_t seed,

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+
+#include "palpate/hand/arm.hpp"
+#include "palpate/hand/hand.hpp"
+
+namespace palpate::hand {
+
+/// Turns what the mount of a hand is told into what an arm's joints are told, tick by tick: by
+/// inverse kinematics from the joints of the tick before, within the joints' ranges, speeds and
+/// accelerations. The one place where these limits are applied.
+class ArmFollower {
+ public:
+  explicit ArmFollower(ArmDescription arm) : arm_(std::move(arm)) {}
+
+  [[nodiscard]] const ArmDescription& arm() const { return arm_; }
+  /// The joints as they were told last.
+  [[nodiscard]] const ArmVector& joints() const { return joints_; }
+
+  /// Starts at a pose of the mount, in the branch of the inverse kinematics from which most of the
+  /// tour can be followed.
+  /// @throws BadInput if the arm cannot hold the mount there
+  const ArmVector& reset(const Eigen::Isometry3d& T_world_mount,
+                         std::span<const BasePosition> tour = {});
+
+  /// The joints for the next tick. Where the arm cannot follow, it comes as near as it can.
+  const ArmVector& follow(const Eigen::Isometry3d& T_world_mount);
+
+  /// Whether the arm can follow a way that starts where it is told to be, one position a tick.
+  [[nodiscard]] MountWay judge(std::span<const BasePosition> way) const;
+
+ private:
+  [[nodiscard]] std::size_t followed(ArmVector joints, std::span<const BasePosition> tour) const;
+
+  ArmDescription arm_;
+  ArmVector joints_, speeds_;  // as told
+};
+
+/// The position, of those that stand for the same pose, that is nearest to another one: angles are
+/// not wound back there.
+BasePosition position_near(const Eigen::Isometry3d& T_world_mount, const BasePosition& near);
+
+/// A tour through the attitudes in which skills use a hand: each from all sides, above the
+/// workspace's middle and above the table.
+std::vector<BasePosition> working_tour(const Description& hand);
+
+}  // namespace palpate::hand

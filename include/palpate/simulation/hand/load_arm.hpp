@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "palpate/hand/arm.hpp"
+
+namespace palpate::simulation {
+
+inline constexpr const char* kFloating = "floating";
+
+/// Which arm carries the hand, where it stands and how the hand is fixed to it.
+struct ArmOptions {
+  std::string name = kFloating;  ///< "floating", or an installed arm, or its MJCF
+  double x = -0.35, y = -0.35;   ///< m, of its stand; it faces the workspace's middle
+  double z = 0;                  ///< m, of its stand above the table
+  bool hanging = false;          ///< upside down
+  /// Of the adapter between flange and hand: rad from the hand's axis behind it to above it.
+  double adapter = 0.7853981633974483;
+
+  template <class Visitor>
+  void visit(Visitor&& v) {
+    v("name", name, "what carries the hand: floating, ur10, ur5, panda, or an arm's MJCF");
+    v("x", x, -3.0, 3.0, "m, of the arm's stand");
+    v("y", y, -3.0, 3.0, "m, of the arm's stand");
+    v("z", z, -1.0, 3.0, "m, of the arm's stand above the table");
+    v("hanging", hanging, "the arm's stand is upside down");
+    v("adapter", adapter, 0.0, 1.5707963267948966,
+      "rad, from a flange behind the hand (0) to one above it");
+  }
+};
+
+/// The arm of an MJCF, with this hand fixed to its flange; none for "floating".
+///
+/// The chain goes from the file's first body to one called "attachment", else to the last. Limits
+/// of speed and acceleration, of which an MJCF tells nothing, are those of the maker for the arms
+/// that are known by name, else 2 rad/s and 40 rad/s^2.
+/// @throws BadInput for an unknown name, one that is not installed, or a file that is no chain of
+/// hinges with a position-controlled actuator each
+std::optional<hand::ArmDescription> load_arm(const ArmOptions& options,
+                                             const hand::Description& hand);
+
+}  // namespace palpate::simulation

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/hand/arm_follower.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "palpate/core/error.hpp"
+
+namespace palpate::hand {
+namespace {
+
+constexpr double kRelativeSlack = 1e-9;  // of speeds that are differences of positions
+constexpr double kLargestStretch = 10;   // beyond it a way passes a singularity
+constexpr double kTurn = 2 * std::numbers::pi;
+
+/// Of the tour, m: heights of the mount and how far it is from the middle.
+constexpr double kHigh = 0.3, kLow = 0.12, kAside = 0.1;
+constexpr double kTourStep = 0.05;  // rad
+
+std::string place_text(const BasePosition& base) {
+  return fmt::format(
+      "with the mount at ({:.3f}, {:.3f}, {:.3f}) m, yaw {:.0f} deg, pitch {:.0f}, "
+      "roll {:.0f}",
+      base.xyz.x(), base.xyz.y(), base.xyz.z(), base.ypr[0] * 360 / kTurn,
+      base.ypr[1] * 360 / kTurn, base.ypr[2] * 360 / kTurn);
+}
+
+/// Times as long as a tick that a step of the joints takes at full speed.
+double ticks_of(const ArmDescription& arm, const ArmVector& step) {
+  double ticks = 0;
+  for (Eigen::Index i = 0; i < step.size(); ++i) {
+    const double fastest = arm.joints[static_cast<std::size_t>(i)].max_speed * kTick;
+    ticks = std::max(ticks, std::abs(step[i]) / fastest);
+  }
+  return ticks;
+}
+
+double nearest_turn(double angle, double near) {
+  return angle + kTurn * std::round((near - angle) / kTurn);
+}
+
+BasePosition wound(BasePosition base, const BasePosition& near) {
+  for (int i = 0; i < 3; ++i) base.ypr[i] = nearest_turn(base.ypr[i], near.ypr[i]);
+  return base;
+}
+
+BasePosition between(const BasePosition& a, const BasePosition& b, double share) {
+  return {a.xyz + share * (b.xyz - a.xyz), a.ypr + share * (b.ypr - a.ypr)};
+}
+
+void append_line(std::vector<BasePosition>& way, const BasePosition& to) {
+  const BasePosition from = way.back();
+  const double turn = (to.ypr - from.ypr).cwiseAbs().maxCoeff();
+  const double slide = (to.xyz - from.xyz).norm() / 0.2;
+  const int steps = 1 + static_cast<int>(std::max(turn, slide) / kTourStep);
+  for (int i = 1; i <= steps; ++i) {
+    way.push_back(between(from, to, static_cast<double>(i) / steps));
+  }
+}
+
+}  // namespace
+
+const ArmVector& ArmFollower::reset(const Eigen::Isometry3d& T_world_mount,
+                                    std::span<const BasePosition> tour) {
+  std::size_t most = 0;
+  bool any = false;
+  for (const ArmVector& branch : inverse_kinematics_branches(arm_, T_world_mount)) {
+    if (!arm_collision(arm_, branch).empty()) continue;
+    const std::size_t length = followed(branch, tour);
+    if (any && length <= most) continue;
+    any = true, most = length, joints_ = branch;
+  }
+  if (!any) {
+    throw BadInput(fmt::format("the arm {} cannot hold the hand {}", arm_.name,
+                               place_text(BasePosition::at(T_world_mount))));
+  }
+  speeds_.setZero(joints_.size());
+  return joints_;
+}
+
+/// How many positions of a tour can be taken, one after the other; those that cannot are left out.
+std::size_t ArmFollower::followed(ArmVector joints, std::span<const BasePosition> tour) const {
+  std::size_t count = 0;
+  for (const BasePosition& base : tour) {
+    const auto next = inverse_kinematics(arm_, base.pose(), joints);
+    if (!next || ticks_of(arm_, *next - joints) > kLargestStretch) continue;
+    joints = *next;
+    if (arm_collision(arm_, joints).empty()) ++count;
+  }
+  return count;
+}
+
+const ArmVector& ArmFollower::follow(const Eigen::Isometry3d& T_world_mount) {
+  ArmVector wanted = joints_;
+  if (const auto found = inverse_kinematics(arm_, T_world_mount, joints_)) wanted = *found;
+  for (Eigen::Index i = 0; i < joints_.size(); ++i) {
+    const ArmJoint& joint = arm_.joints[static_cast<std::size_t>(i)];
+    // To slow down is always allowed at once.
+    const double fastest =
+        std::min(joint.max_speed, std::abs(speeds_[i]) + joint.max_acceleration * kTick);
+    const double step = kTick * (1 + kRelativeSlack) * fastest;
+    const double to = std::clamp(wanted[i], joints_[i] - step, joints_[i] + step);
+    speeds_[i] = (to - joints_[i]) / kTick;
+    joints_[i] = to;
+  }
+  return joints_;
+}
+
+MountWay ArmFollower::judge(std::span<const BasePosition> way) const {
+  MountWay result;
+  ArmVector joints = joints_;
+  const std::string collides = arm_collision(arm_, joints);  // before it moves: may be left
+  for (const BasePosition& base : way) {
+    const auto next = inverse_kinematics(arm_, base.pose(), joints);
+    if (!next) {
+      result.obstacle = fmt::format("out of reach of the arm {}", place_text(base));
+      return result;
+    }
+    const double ticks = ticks_of(arm_, *next - joints);
+    if (ticks > kLargestStretch) {
+      result.obstacle = fmt::format("the arm is singular {}", place_text(base));
+      return result;
+    }
+    result.stretch = std::max(result.stretch, ticks);
+    joints = *next;
+    const std::string meets = arm_collision(arm_, joints);
+    if (meets.empty() || !collides.empty()) continue;
+    result.obstacle = fmt::format("{} {}", meets, place_text(base));
+    return result;
+  }
+  return result;
+}
+
+BasePosition position_near(const Eigen::Isometry3d& T_world_mount, const BasePosition& near) {
+  const BasePosition one = BasePosition::at(T_world_mount);
+  constexpr double kHalf = std::numbers::pi;
+  const BasePosition other = {one.xyz,
+                              {one.ypr[0] + kHalf, kHalf - one.ypr[1], one.ypr[2] + kHalf}};
+  const BasePosition a = wound(one, near), b = wound(other, near);
+  return (a.ypr - near.ypr).norm() <= (b.ypr - near.ypr).norm() ? a : b;
+}
+
+std::vector<BasePosition> working_tour(const Description& hand) {
+  const Postures& postures = hand.postures;
+  std::vector<Attitude> attitudes = {postures.flat.attitude};
+  for (const Preshape* preshape : {&postures.top, &postures.side}) {
+    attitudes.insert(attitudes.end(), preshape->attitudes.begin(), preshape->attitudes.end());
+  }
+  for (const PointingHand& pointing : postures.pointing) attitudes.push_back(pointing.attitude);
+  std::vector<BasePosition> way = {{{0, 0, kHigh}, {0, 0, 0}}};
+  for (const Attitude& attitude : attitudes) {
+    for (const double third : {0.0, 1.0, 2.0, 3.0}) {
+      const Eigen::Vector3d ypr(third * kTurn / 4, attitude.pitch, attitude.roll);
+      const Eigen::Vector3d aside =
+          kAside * Eigen::Vector3d(-std::cos(ypr[0]), -std::sin(ypr[0]), 0);
+      append_line(way, {{0, 0, kHigh}, ypr});
+      append_line(way, {aside + Eigen::Vector3d(0, 0, kLow), ypr});
+      append_line(way, {{0, 0, kHigh}, ypr});
+    }
+    append_line(way, {{0, 0, kHigh}, {0, attitude.pitch, attitude.roll}});
+  }
+  return way;
+}
+
+}  // namespace palpate::hand

@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/hand/arm.hpp"
+
+#include <gtest/gtest.h>
+#include <mujoco/mujoco.h>
+
+#include <filesystem>
+#include <numbers>
+#include <vector>
+
+#include "palpate/core/error.hpp"
+#include "palpate/core/random.hpp"
+#include "palpate/core/se3.hpp"
+#include "palpate/hand/arm_follower.hpp"
+#include "palpate/simulation/hand/hand_store.hpp"
+#include "palpate/simulation/hand/load_arm.hpp"
+#include "palpate/simulation/hand/load_hand.hpp"
+#include "simulation/hand/hand_spec.hpp"
+#include "simulation/scenes.hpp"
+
+namespace palpate::simulation {
+namespace {
+
+std::string example_arm() {
+  const auto root = std::filesystem::path(__FILE__).parent_path().parent_path().parent_path();
+  return (root / "examples/arms/six_axes.xml").string();
+}
+
+/// The arm of the examples, and those that are installed.
+std::vector<std::string> arms() {
+  std::vector<std::string> names = {example_arm()};
+  for (const StoredHand& arm : stored_arms()) {
+    if (!arm.file.empty()) names.push_back(arm.name);
+  }
+  return names;
+}
+
+hand::ArmDescription arm_named(const std::string& name) {
+  return *load_arm({.name = name}, load_hand("shadow"));
+}
+
+hand::ArmVector random_joints(const hand::ArmDescription& arm, RandomStream& random) {
+  hand::ArmVector joints(arm.joint_count());
+  for (Eigen::Index i = 0; i < joints.size(); ++i) {
+    const hand::Range& range = arm.joints[static_cast<std::size_t>(i)].range;
+    joints[i] = random.uniform(std::max(range.low, -3.0), std::min(range.high, 3.0));
+  }
+  return joints;
+}
+
+WorldOptions with_arm(const std::string& name) {
+  WorldOptions options = without_noise();
+  options.arm.name = name;
+  return options;
+}
+
+hand::HandCommand waiting(const hand::Description& hand) {
+  hand::HandCommand command;
+  command.positions.setZero(hand.actuator_count());
+  command.base.xyz = {0, 0, 0.34};
+  return command;
+}
+
+TEST(Arm, AFloatingHandHasNone) { EXPECT_FALSE(load_arm({}, load_hand("shadow")).has_value()); }
+
+TEST(Arm, WhatIsNoArmIsNamed) {
+  const hand::Description hand = load_hand("shadow");
+  try {
+    (void)load_arm({.name = "crane"}, hand);
+    FAIL();
+  } catch (const BadInput& error) {
+    EXPECT_NE(std::string(error.what()).find("crane"), std::string::npos);
+  }
+  EXPECT_THROW((void)load_arm({.name = hand.file.path.string()}, hand), BadInput);
+}
+
+TEST(Arm, LinksAreWhereTheSimulatorHasThem) {
+  for (const std::string& name : arms()) {
+    const hand::ArmDescription arm = arm_named(name);
+    const SpecHandle spec = parse_model(arm.file.path);
+    const ModelHandle model = compile(*spec);
+    const DataHandle data = make_data(*model);
+    RandomStream random(1, name);
+    for (int i = 0; i < 20; ++i) {
+      const hand::ArmVector joints = random_joints(arm, random);
+      for (int k = 0; k < model->nq; ++k) data->qpos[k] = joints[k];
+      mj_kinematics(model.get(), data.get());
+      const int flange = find_id(*model, mjOBJ_BODY, arm.file.flange);
+      const Eigen::Isometry3d expected =
+          arm.T_world_stand * body_pose(*data, flange) * arm.T_flange_mount;
+      EXPECT_TRUE(hand::mount_pose(arm, joints).isApprox(expected, 1e-9)) << name;
+    }
+  }
+}
+
+TEST(Arm, TheJacobianIsTheDerivative) {
+  const hand::ArmDescription arm = arm_named(example_arm());
+  RandomStream random(2, "jacobian");
+  const hand::ArmVector joints = random_joints(arm, random);
+  const hand::ArmJacobian J = hand::mount_jacobian(arm, joints);
+  constexpr double kStep = 1e-6;
+  for (Eigen::Index i = 0; i < joints.size(); ++i) {
+    hand::ArmVector moved = joints;
+    moved[i] += kStep;
+    const Eigen::Isometry3d a = hand::mount_pose(arm, joints), b = hand::mount_pose(arm, moved);
+    const Eigen::Vector3d w = log_so3(b.linear() * a.linear().transpose()) / kStep;
+    const Eigen::Vector3d v = (b.translation() - a.translation()) / kStep;
+    EXPECT_LT((J.col(i).head<3>() - w).norm(), 1e-5);
+    EXPECT_LT((J.col(i).tail<3>() - v).norm(), 1e-5);
+  }
+}
+
+TEST(Arm, InverseKinematicsLeadsBackToThePose) {
+  for (const std::string& name : arms()) {
+    const hand::ArmDescription arm = arm_named(name);
+    RandomStream random(3, name);
+    int found = 0;
+    for (int i = 0; i < 100; ++i) {
+      const hand::ArmVector joints = random_joints(arm, random);
+      const Eigen::Isometry3d T = hand::mount_pose(arm, joints);
+      const hand::ArmVector near = joints.array() + 0.2 * random.normal();
+      const auto solution = hand::inverse_kinematics(arm, T, near);
+      if (!solution) continue;  // it has met a limit
+      ++found;
+      EXPECT_LT((hand::mount_pose(arm, *solution).matrix() - T.matrix()).norm(), 1e-4) << name;
+      for (Eigen::Index k = 0; k < solution->size(); ++k) {
+        const hand::Range& range = arm.joints[static_cast<std::size_t>(k)].range;
+        EXPECT_GE((*solution)[k], range.low);
+        EXPECT_LE((*solution)[k], range.high);
+      }
+    }
+    EXPECT_GE(found, 80) << name;
+  }
+}
+
+TEST(Arm, BranchesAreDifferentSolutions) {
+  const hand::ArmDescription arm = arm_named(example_arm());
+  const Eigen::Isometry3d T(Eigen::Translation3d(0, 0, 0.3));
+  const auto branches = hand::inverse_kinematics_branches(arm, T);
+  EXPECT_GE(branches.size(), 4u);
+  for (std::size_t i = 0; i < branches.size(); ++i) {
+    EXPECT_LT((hand::mount_pose(arm, branches[i]).matrix() - T.matrix()).norm(), 1e-4);
+    for (std::size_t k = 0; k < i; ++k) {
+      EXPECT_GT((branches[i] - branches[k]).cwiseAbs().maxCoeff(), 0.1);
+    }
+  }
+}
+
+TEST(Arm, WhatLiesBelowTheTableOrInItselfIsACollision) {
+  const hand::ArmDescription arm = arm_named(example_arm());
+  hand::ArmVector joints = hand::ArmVector::Zero(6);
+  joints[1] = -0.5 * std::numbers::pi;  // straight up
+  EXPECT_EQ(hand::arm_collision(arm, joints), "");
+  joints[1] = 0.6;
+  EXPECT_NE(hand::arm_collision(arm, joints).find("the table"), std::string::npos);
+  joints[1] = -0.5 * std::numbers::pi;
+  joints[2] = 3.05;  // folded back
+  EXPECT_NE(hand::arm_collision(arm, joints), "");
+}
+
+TEST(ArmFollower, KeepsLimitsOfSpeedAndAcceleration) {
+  const hand::ArmDescription arm = arm_named(example_arm());
+  hand::ArmFollower follower(arm);
+  hand::BasePosition base{{0, 0, 0.3}, {0, 0, 0}};
+  hand::ArmVector before = follower.reset(base.pose());
+  hand::ArmVector speeds = hand::ArmVector::Zero(6);
+  base.xyz.x() += 0.1;  // at once
+  for (int i = 0; i < 200; ++i) {
+    const hand::ArmVector joints = follower.follow(base.pose());
+    for (Eigen::Index k = 0; k < 6; ++k) {
+      const hand::ArmJoint& joint = arm.joints[static_cast<std::size_t>(k)];
+      const double speed = (joints[k] - before[k]) / hand::kTick;
+      EXPECT_LE(std::abs(speed), joint.max_speed * (1 + 1e-6));
+      EXPECT_LE(std::abs(speed) - std::abs(speeds[k]),
+                joint.max_acceleration * hand::kTick * (1 + 1e-6));
+      speeds[k] = speed;
+    }
+    before = joints;
+  }
+  EXPECT_LT((hand::mount_pose(arm, before).matrix() - base.pose().matrix()).norm(), 1e-3);
+}
+
+TEST(ArmFollower, JudgesAWayBeforeItBegins) {
+  hand::ArmFollower follower(arm_named(example_arm()));
+  const hand::BasePosition start{{0, 0, 0.3}, {0, 0, 0}};
+  follower.reset(start.pose());
+  std::vector<hand::BasePosition> slow, fast, far;
+  for (int i = 1; i <= 100; ++i) {
+    slow.push_back({start.xyz + Eigen::Vector3d(0.001 * i, 0, 0), start.ypr});
+    fast.push_back({start.xyz, start.ypr + Eigen::Vector3d(0.05 * i, 0, 0)});
+    far.push_back({start.xyz + Eigen::Vector3d(0.03 * i, 0, 0), start.ypr});
+  }
+  const hand::MountWay easy = follower.judge(slow);
+  EXPECT_EQ(easy.obstacle, "");
+  EXPECT_EQ(easy.stretch, 1);
+  EXPECT_GT(follower.judge(std::span(fast).first(20)).stretch, 1);
+  EXPECT_NE(follower.judge(far).obstacle.find("out of reach"), std::string::npos);
+}
+
+TEST(ArmFollower, WhatItCannotHoldAtTheStartIsBadInput) {
+  hand::ArmFollower follower(arm_named(example_arm()));
+  EXPECT_THROW(follower.reset(Eigen::Isometry3d(Eigen::Translation3d(3, 0, 0.3))), BadInput);
+}
+
+TEST(Arm, PositionsAreWoundLikeTheNearOne) {
+  RandomStream random(4, "wound");
+  for (int i = 0; i < 100; ++i) {
+    hand::BasePosition base;
+    for (double& angle : base.ypr) angle = random.uniform(-9, 9);
+    hand::BasePosition near = base;
+    for (double& angle : near.ypr) angle += random.uniform(-0.1, 0.1);
+    const hand::BasePosition found = hand::position_near(base.pose(), near);
+    EXPECT_TRUE(found.pose().isApprox(base.pose(), 1e-9));
+    EXPECT_LT((found.ypr - base.ypr).norm(), 1e-6);
+  }
+}
+
+TEST(World, AnArmCarriesTheHandToWhereItIsTold) {
+  World world(block(), with_arm(example_arm()), 1);
+  hand::HandCommand command = waiting(world.hand_model());
+  world.reset({}, command);
+  hand::HandReading reading = world.hand().step(command);
+  EXPECT_LT((reading.base.xyz - command.base.xyz).norm(), 1e-3);
+  for (int i = 0; i < 100; ++i) {
+    command.base.xyz.z() -= 0.001;
+    command.base.ypr[0] += 0.005;
+    reading = world.hand().step(command);
+  }
+  for (int i = 0; i < 100; ++i) reading = world.hand().step(command);
+  EXPECT_LT((reading.base.xyz - command.base.xyz).norm(), 1e-3);
+  EXPECT_LT((reading.base.ypr - command.base.ypr).norm(), 2e-3);
+  EXPECT_LT(reading.base_force.norm(), 0.5) << "the hand hangs free";
+}
+
+TEST(World, AnArmFeelsWhatTheHandStandsOn) {
+  World world(block(), with_arm(example_arm()), 1);
+  hand::HandCommand command = waiting(world.hand_model());
+  world.reset({.xy = {0.4, 0.4}}, command);
+  hand::HandReading reading;
+  for (int i = 0; i < 400 && reading.base_force.z() > -5; ++i) {
+    command.base.xyz.z() -= 0.001;
+    reading = world.hand().step(command);
+  }
+  EXPECT_LT(reading.base_force.z(), -5) << "the flange presses the hand onto the table";
+}
+
+}  // namespace
+}  // namespace palpate::simulation
