@@ -7,11 +7,11 @@
 namespace palpate::hand {
 namespace {
 
-constexpr double kTurn = 2 * std::numbers::pi;
+constexpr double kWholeTurn = 2 * std::numbers::pi;
 constexpr double kQuarterTurn = 1e-6;  // rad from a pitch of a quarter turn
 
 Eigen::Vector3d unwrapped(Eigen::Vector3d ypr, const Eigen::Vector3d& near) {
-  for (int i = 0; i < 3; ++i) ypr[i] += kTurn * std::round((near[i] - ypr[i]) / kTurn);
+  for (int i = 0; i < 3; ++i) ypr[i] += kWholeTurn * std::round((near[i] - ypr[i]) / kWholeTurn);
   return ypr;
 }
 
@@ -19,9 +19,9 @@ Eigen::Vector3d unwrapped(Eigen::Vector3d ypr, const Eigen::Vector3d& near) {
 Eigen::Vector3d at_quarter_turn(const Eigen::Matrix3d& R, const Eigen::Vector3d& near) {
   const double sign = R(2, 0) < 0 ? 1 : -1;
   const double known = std::atan2(-R(0, 1), R(1, 1));
-  const double half = std::remainder(known - (near[0] - sign * near[2]), kTurn) / 2;
-  const double pitch = sign * kTurn / 4;
-  return {near[0] + half, pitch + kTurn * std::round((near[1] - pitch) / kTurn),
+  const double half = std::remainder(known - (near[0] - sign * near[2]), kWholeTurn) / 2;
+  const double pitch = sign * kWholeTurn / 4;
+  return {near[0] + half, pitch + kWholeTurn * std::round((near[1] - pitch) / kWholeTurn),
           near[2] - sign * half};
 }
 
