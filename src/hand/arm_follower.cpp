@@ -115,6 +115,7 @@ MountWay ArmFollower::judge(std::span<const BasePosition> way) const {
   ArmVector joints = joints_;
   const std::string collides = arm_collision(arm_, joints);  // before it moves: may be left
   for (const BasePosition& base : way) {
+    if (base.xyz.z() < 0) break;  // a guarded move, which the table ends before
     const auto next = inverse_kinematics(arm_, base.pose(), joints);
     if (!next) {
       result.obstacle = fmt::format("out of reach of the arm {}", place_text(base));
