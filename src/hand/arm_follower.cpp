@@ -39,15 +39,6 @@ double ticks_of(const ArmDescription& arm, const ArmVector& step) {
   return ticks;
 }
 
-double nearest_turn(double angle, double near) {
-  return angle + kTurn * std::round((near - angle) / kTurn);
-}
-
-BasePosition wound(BasePosition base, const BasePosition& near) {
-  for (int i = 0; i < 3; ++i) base.ypr[i] = nearest_turn(base.ypr[i], near.ypr[i]);
-  return base;
-}
-
 BasePosition between(const BasePosition& a, const BasePosition& b, double share) {
   return {a.xyz + share * (b.xyz - a.xyz), a.ypr + share * (b.ypr - a.ypr)};
 }
@@ -99,11 +90,12 @@ const ArmVector& ArmFollower::follow(const Eigen::Isometry3d& T_world_mount) {
   if (const auto found = inverse_kinematics(arm_, T_world_mount, joints_)) wanted = *found;
   for (Eigen::Index i = 0; i < joints_.size(); ++i) {
     const ArmJoint& joint = arm_.joints[static_cast<std::size_t>(i)];
-    // To slow down is always allowed at once.
-    const double fastest =
-        std::min(joint.max_speed, std::abs(speeds_[i]) + joint.max_acceleration * kTick);
-    const double step = kTick * (1 + kRelativeSlack) * fastest;
-    const double to = std::clamp(wanted[i], joints_[i] - step, joints_[i] + step);
+    // To slow down to rest is always allowed at once.
+    const double gain = joint.max_acceleration * kTick;
+    const double low = std::max(-joint.max_speed, std::min(speeds_[i], 0.0) - gain);
+    const double high = std::min(joint.max_speed, std::max(speeds_[i], 0.0) + gain);
+    const double tick = kTick * (1 + kRelativeSlack);
+    const double to = std::clamp(wanted[i], joints_[i] + tick * low, joints_[i] + tick * high);
     speeds_[i] = (to - joints_[i]) / kTick;
     joints_[i] = to;
   }
@@ -115,7 +107,6 @@ MountWay ArmFollower::judge(std::span<const BasePosition> way) const {
   ArmVector joints = joints_;
   const std::string collides = arm_collision(arm_, joints);  // before it moves: may be left
   for (const BasePosition& base : way) {
-    if (base.xyz.z() < 0) break;  // a guarded move, which the table ends before
     const auto next = inverse_kinematics(arm_, base.pose(), joints);
     if (!next) {
       result.obstacle = fmt::format("out of reach of the arm {}", place_text(base));
@@ -126,23 +117,16 @@ MountWay ArmFollower::judge(std::span<const BasePosition> way) const {
       result.obstacle = fmt::format("the arm is singular {}", place_text(base));
       return result;
     }
-    result.stretch = std::max(result.stretch, ticks);
     joints = *next;
     const std::string meets = arm_collision(arm_, joints);
-    if (meets.empty() || !collides.empty()) continue;
-    result.obstacle = fmt::format("{} {}", meets, place_text(base));
-    return result;
+    if (!meets.empty() && collides.empty()) {
+      result.obstacle = fmt::format("{} {}", meets, place_text(base));
+      return result;
+    }
+    result.stretch = std::max(result.stretch, ticks);
+    ++result.feasible;
   }
   return result;
-}
-
-BasePosition position_near(const Eigen::Isometry3d& T_world_mount, const BasePosition& near) {
-  const BasePosition one = BasePosition::at(T_world_mount);
-  constexpr double kHalf = std::numbers::pi;
-  const BasePosition other = {one.xyz,
-                              {one.ypr[0] + kHalf, kHalf - one.ypr[1], one.ypr[2] + kHalf}};
-  const BasePosition a = wound(one, near), b = wound(other, near);
-  return (a.ypr - near.ypr).norm() <= (b.ypr - near.ypr).norm() ? a : b;
 }
 
 std::vector<BasePosition> working_tour(const Description& hand) {

@@ -244,12 +244,16 @@ MotionEnd Executor::move_base(const hand::BasePosition& target, double speed,
     way.push_back(between(from, target, profile.share(i)));
   }
   const hand::MountWay judged = judge(std::move(way));
-  if (!judged.obstacle.empty()) throw Unreachable(judged.obstacle);
+  // A guarded move goes as far as it can: what it is to meet may end it before.
+  const bool whole = judged.obstacle.empty();
+  if (!whole && (!stop || judged.feasible == 0)) throw Unreachable(judged.obstacle);
+  const double last = whole ? 1 : profile.share(static_cast<int>(judged.feasible));
   profile.stretch(judged.stretch);
-  for (int i = 1; i <= profile.ticks(); ++i) {
+  for (int i = 1; i <= profile.ticks() && (whole || profile.share(i) <= last); ++i) {
     command_.base = between(from, target, profile.share(i));
     if (const auto end = tick_until(stop); end != MotionEnd::reached) return end;
   }
+  if (!whole) throw Unreachable(judged.obstacle);
   return MotionEnd::reached;
 }
 

@@ -202,19 +202,6 @@ TEST(ArmFollower, WhatItCannotHoldAtTheStartIsBadInput) {
   EXPECT_THROW(follower.reset(Eigen::Isometry3d(Eigen::Translation3d(3, 0, 0.3))), BadInput);
 }
 
-TEST(Arm, PositionsAreWoundLikeTheNearOne) {
-  RandomStream random(4, "wound");
-  for (int i = 0; i < 100; ++i) {
-    hand::BasePosition base;
-    for (double& angle : base.ypr) angle = random.uniform(-9, 9);
-    hand::BasePosition near = base;
-    for (double& angle : near.ypr) angle += random.uniform(-0.1, 0.1);
-    const hand::BasePosition found = hand::position_near(base.pose(), near);
-    EXPECT_TRUE(found.pose().isApprox(base.pose(), 1e-9));
-    EXPECT_LT((found.ypr - base.ypr).norm(), 1e-6);
-  }
-}
-
 TEST(World, AnArmCarriesTheHandToWhereItIsTold) {
   World world(block(), with_arm(example_arm()), 1);
   hand::HandCommand command = waiting(world.hand_model());

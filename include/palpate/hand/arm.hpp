@@ -23,7 +23,7 @@ struct ArmJoint {
   std::string name;
   Range range;
   double max_speed = 2;          ///< rad/s
-  double max_acceleration = 40;  ///< rad/s^2
+  double max_acceleration = 15;  ///< rad/s^2
 };
 
 /// Where a simulator finds the arm.

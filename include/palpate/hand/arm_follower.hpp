@@ -38,10 +38,6 @@ class ArmFollower {
   ArmVector joints_, speeds_;  // as told
 };
 
-/// The position, of those that stand for the same pose, that is nearest to another one: angles are
-/// not wound back there.
-BasePosition position_near(const Eigen::Isometry3d& T_world_mount, const BasePosition& near);
-
 /// A tour through the attitudes in which skills use a hand: each from all sides, above the
 /// workspace's middle and above the table.
 std::vector<BasePosition> working_tour(const Description& hand);

@@ -55,8 +55,9 @@ struct HandCommand {
 
 /// Whether what carries the hand can take its mount along a way.
 struct MountWay {
-  std::string obstacle;  ///< why it cannot, in words; empty: it can
-  double stretch = 1;    ///< times as long as wanted it takes, at least; 1: not longer
+  std::string obstacle;      ///< why it cannot, in words; empty: it can
+  std::size_t feasible = 0;  ///< positions before the obstacle, if there is one
+  double stretch = 1;        ///< times as long as wanted these take, at least; 1: not longer
 };
 
 /// A hand with tactile fingertips on a 6-DoF base, simulated or real. What carries the base is the

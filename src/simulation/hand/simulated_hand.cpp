@@ -10,6 +10,7 @@
 #include "palpate/core/error.hpp"
 #include "palpate/core/se3.hpp"
 #include "palpate/hand/kinematics.hpp"
+#include "palpate/hand/nearest_base.hpp"
 #include "simulation/contact/fingertip_touch.hpp"
 #include "simulation/world/object_step.hpp"
 
@@ -184,7 +185,7 @@ void SimulatedHand::read_base(hand::HandReading& reading) {
     for (Index i = 0; i < scene_.base_positions.size(); ++i) {
       joints[static_cast<int>(i)] = data_.qpos[scene_.base_positions[i]];
     }
-    reading.base = hand::position_near(hand::mount_pose(follower_->arm(), joints), told_);
+    reading.base = hand::nearest_base(hand::mount_pose(follower_->arm(), joints), told_);
     reading.base_force = flange_force();
     return;
   }

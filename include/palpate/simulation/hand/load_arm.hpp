@@ -33,9 +33,9 @@ struct ArmOptions {
 
 /// The arm of an MJCF, with this hand fixed to its flange; none for "floating".
 ///
-/// The chain goes from the file's first body to one called "attachment", else to the last. Limits
-/// of speed and acceleration, of which an MJCF tells nothing, are those of the maker for the arms
-/// that are known by name, else 2 rad/s and 40 rad/s^2.
+/// The chain goes from the file's first body to one called "attachment", else to the last. Of
+/// limits of speed an MJCF tells nothing: they are those of the maker for the arms that are known
+/// by name, else 2 rad/s; accelerations are limited to 15 rad/s^2.
 /// @throws BadInput for an unknown name, one that is not installed, or a file that is no chain of
 /// hinges with a position-controlled actuator each
 std::optional<hand::ArmDescription> load_arm(const ArmOptions& options,
