@@ -18,7 +18,9 @@ int main() {
   const skills::PhaseReport report = skills::run_phase(phase, robot, state);
   std::printf("%s: %s\n", report.name.c_str(), report.outcome.c_str());
   // Nothing stands on this table; what matters is that the whole pick and place is linked.
-  auto* volatile pick = &skills::pick;
+  skills::PickResult (*volatile pick)(
+      skills::Executor&, const estimation::Candidates&, const skills::PickOptions&, std::uint64_t,
+      const skills::PhaseObserver&, const skills::GraspChooser&) = &skills::pick;
   auto* volatile pick_and_place = &skills::pick_and_place;
   const auto volatile estimate = &estimation::PoseEstimator::held;
   auto* volatile log_of = &recording::event_log;
