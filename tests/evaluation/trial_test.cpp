@@ -264,10 +264,10 @@ TEST(Evaluation, NumberOfThreadsDoesNotChangeTheSummary) {
   std::vector<std::size_t> order;
   const auto one = evaluate(box, options, 20, trial_numbers(kTrials), 1);
   const auto two = evaluate(box, options, 20, trial_numbers(kTrials), 2,
-                            [&](std::size_t done, const Trial&) { order.push_back(done); });
+                            [&](std::size_t number, const Trial&) { order.push_back(number); });
   EXPECT_EQ(one.trials, kTrials);
   expect_equal(one, two);
-  EXPECT_EQ(order, (std::vector<std::size_t>{1, 2, 3}));
+  EXPECT_EQ(order, trial_numbers(kTrials));
 }
 
 TEST(TrialOptions, TheExampleOfAConfigurationNamesTheDefaults) {
