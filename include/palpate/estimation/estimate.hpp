@@ -73,7 +73,7 @@ struct EstimationOptions {
     v.expert("penetration_sigma", penetration_sigma, 1e-4, 0.05, "m, error of the hand's surface");
     v.section("errors", errors);
     v.section("search", search);
-    v.section("identify", identify);
+    v.expert_section("identify", identify);
   }
 };
 

@@ -91,7 +91,7 @@ struct TrialOptions {
     v.section("safety", safety);
     v.expert_section("fault", fault);
     v.section("world", world);
-    v.section("arm", world.arm);
+    v.expert_section("arm", world.arm);
     v.expert_section("forward_model", forward_model);
   }
 
