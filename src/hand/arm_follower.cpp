@@ -13,8 +13,7 @@
 namespace palpate::hand {
 namespace {
 
-constexpr double kRelativeSlack = 1e-9;  // of speeds that are differences of positions
-constexpr double kLargestStretch = 10;   // beyond it a way passes a singularity
+constexpr double kLargestStretch = 10;  // beyond it a way passes a singularity
 constexpr double kTurn = 2 * std::numbers::pi;
 
 /// Of the tour, m: heights of the mount and how far it is from the middle.
@@ -38,6 +37,43 @@ double ticks_of(const ArmDescription& arm, const ArmVector& step) {
   }
   return ticks;
 }
+
+/// The speed of a joint in the next tick with which it comes to a target, and comes to move as the
+/// target does, without passing it: within the joint's speed and acceleration.
+/// @param error  rad, from the joint to where the target will be
+double speed_towards(const ArmJoint& joint, double error, double target_speed, double speed) {
+  const double gain = joint.max_acceleration * kTick;
+  const double distance = std::abs(error - target_speed * kTick);
+  // The fastest approach that can still be braked within the distance, in whole ticks.
+  const double braking =
+      std::sqrt(gain * gain / 4 + 2 * joint.max_acceleration * distance) - gain / 2;
+  const double approach = std::min(distance / kTick, braking);
+  const double wish = target_speed + std::copysign(approach, error - target_speed * kTick);
+  const double limited = std::clamp(wish, speed - gain, speed + gain);
+  return std::clamp(limited, -joint.max_speed, joint.max_speed);
+}
+
+/// Times as long as wanted that a way of the joints must take, from one tick to the next.
+class Stretch {
+ public:
+  explicit Stretch(const ArmDescription& arm)
+      : arm_(arm), last_(ArmVector::Zero(arm.joint_count())) {}
+
+  double of(const ArmVector& step) {
+    double times = ticks_of(arm_, step);
+    for (Eigen::Index i = 0; i < step.size(); ++i) {
+      const double largest =
+          arm_.joints[static_cast<std::size_t>(i)].max_acceleration * kTick * kTick;
+      times = std::max(times, std::sqrt(std::abs(step[i] - last_[i]) / largest));
+    }
+    last_ = step;
+    return times;
+  }
+
+ private:
+  const ArmDescription& arm_;
+  ArmVector last_;
+};
 
 BasePosition between(const BasePosition& a, const BasePosition& b, double share) {
   return {a.xyz + share * (b.xyz - a.xyz), a.ypr + share * (b.ypr - a.ypr)};
@@ -69,6 +105,7 @@ const ArmVector& ArmFollower::reset(const Eigen::Isometry3d& T_world_mount,
     throw BadInput(fmt::format("the arm {} cannot hold the hand {}", arm_.name,
                                place_text(BasePosition::at(T_world_mount))));
   }
+  wanted_ = joints_;
   speeds_.setZero(joints_.size());
   return joints_;
 }
@@ -86,25 +123,22 @@ std::size_t ArmFollower::followed(ArmVector joints, std::span<const BasePosition
 }
 
 const ArmVector& ArmFollower::follow(const Eigen::Isometry3d& T_world_mount) {
-  ArmVector wanted = joints_;
+  ArmVector wanted = wanted_;
   if (const auto found = inverse_kinematics(arm_, T_world_mount, joints_)) wanted = *found;
   for (Eigen::Index i = 0; i < joints_.size(); ++i) {
-    const ArmJoint& joint = arm_.joints[static_cast<std::size_t>(i)];
-    // To slow down to rest is always allowed at once.
-    const double gain = joint.max_acceleration * kTick;
-    const double low = std::max(-joint.max_speed, std::min(speeds_[i], 0.0) - gain);
-    const double high = std::min(joint.max_speed, std::max(speeds_[i], 0.0) + gain);
-    const double tick = kTick * (1 + kRelativeSlack);
-    const double to = std::clamp(wanted[i], joints_[i] + tick * low, joints_[i] + tick * high);
-    speeds_[i] = (to - joints_[i]) / kTick;
-    joints_[i] = to;
+    const double target_speed = (wanted[i] - wanted_[i]) / kTick;
+    speeds_[i] = speed_towards(arm_.joints[static_cast<std::size_t>(i)], wanted[i] - joints_[i],
+                               target_speed, speeds_[i]);
+    joints_[i] += kTick * speeds_[i];
   }
+  wanted_ = wanted;
   return joints_;
 }
 
 MountWay ArmFollower::judge(std::span<const BasePosition> way) const {
   MountWay result;
-  ArmVector joints = joints_;
+  ArmVector joints = wanted_;
+  Stretch stretch(arm_);
   const std::string collides = arm_collision(arm_, joints);  // before it moves: may be left
   for (const BasePosition& base : way) {
     const auto next = inverse_kinematics(arm_, base.pose(), joints);
@@ -112,8 +146,8 @@ MountWay ArmFollower::judge(std::span<const BasePosition> way) const {
       result.obstacle = fmt::format("out of reach of the arm {}", place_text(base));
       return result;
     }
-    const double ticks = ticks_of(arm_, *next - joints);
-    if (ticks > kLargestStretch) {
+    const ArmVector step = *next - joints;
+    if (ticks_of(arm_, step) > kLargestStretch) {
       result.obstacle = fmt::format("the arm is singular {}", place_text(base));
       return result;
     }
@@ -123,7 +157,7 @@ MountWay ArmFollower::judge(std::span<const BasePosition> way) const {
       result.obstacle = fmt::format("{} {}", meets, place_text(base));
       return result;
     }
-    result.stretch = std::max(result.stretch, ticks);
+    result.stretch = std::max(result.stretch, stretch.of(step));
     ++result.feasible;
   }
   return result;

@@ -61,7 +61,9 @@ void SpeedProfile::limit(double way, double max_speed, double max_acceleration) 
 }
 
 void SpeedProfile::stretch(double times) {
-  if (times > 1) steady_ = static_cast<int>(std::ceil(steady_ * times));
+  if (times <= 1) return;
+  steady_ = static_cast<int>(std::ceil(steady_ * times));
+  ramp_way_ *= times * times;
 }
 
 int SpeedProfile::ramp() const {

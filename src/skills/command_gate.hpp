@@ -17,7 +17,7 @@ class SpeedProfile {
   /// @param way  m or rad, of something that moves along
   void limit(double way, double max_speed, double max_acceleration);
 
-  /// Takes that many times as long at full speed, if more than 1.
+  /// Takes that many times as long, if more than 1, with accelerations smaller by its square.
   void stretch(double times);
 
   [[nodiscard]] int ticks() const { return steady_ + ramp() - 1; }

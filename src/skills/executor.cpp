@@ -233,12 +233,15 @@ std::string Executor::obstacle(const hand::BasePosition& target) const {
 MotionEnd Executor::move_base(const hand::BasePosition& target, double speed,
                               const StopCondition& stop) {
   const SafetyOptions& limits = safety_.options;
+  const hand::MountLimits gentle = hand_.mount_limits();
+  if (stop) speed = std::min(speed, gentle.guarded_speed);
   const hand::BasePosition from = command_.base;
   const double slide = (target.xyz - from.xyz).norm();
   const Eigen::Vector3d turn = target.ypr - from.ypr;
   SpeedProfile profile(std::max(slide, kLeverArm * turn.cwiseAbs().maxCoeff()) / speed);
-  profile.limit(slide, limits.base_speed, limits.base_acceleration);
-  profile.limit(turn.norm(), limits.turn_speed, limits.turn_acceleration);
+  profile.limit(slide, limits.base_speed, std::min(limits.base_acceleration, gentle.acceleration));
+  profile.limit(turn.norm(), limits.turn_speed,
+                std::min(limits.turn_acceleration, gentle.turn_acceleration));
   std::vector<hand::BasePosition> way;
   for (int i = 1; i <= profile.ticks(); ++i) {
     way.push_back(between(from, target, profile.share(i)));

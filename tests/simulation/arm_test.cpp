@@ -171,13 +171,36 @@ TEST(ArmFollower, KeepsLimitsOfSpeedAndAcceleration) {
       const hand::ArmJoint& joint = arm.joints[static_cast<std::size_t>(k)];
       const double speed = (joints[k] - before[k]) / hand::kTick;
       EXPECT_LE(std::abs(speed), joint.max_speed * (1 + 1e-6));
-      EXPECT_LE(std::abs(speed) - std::abs(speeds[k]),
-                joint.max_acceleration * hand::kTick * (1 + 1e-6));
+      EXPECT_LE(std::abs(speed - speeds[k]), joint.max_acceleration * hand::kTick * (1 + 1e-6));
       speeds[k] = speed;
     }
     before = joints;
   }
   EXPECT_LT((hand::mount_pose(arm, before).matrix() - base.pose().matrix()).norm(), 1e-3);
+}
+
+TEST(ArmFollower, ComesToRestWithinTheBrakingDistance) {
+  hand::ArmFollower follower(arm_named(example_arm()));
+  Eigen::Isometry3d T(Eigen::Translation3d(0, 0, 0.3));
+  hand::ArmVector before = follower.reset(T);
+  for (int i = 0; i < 40; ++i) {  // to 0.5 m/s, which then stops at once
+    before = follower.joints();
+    T.translation().x() += 0.005;
+    follower.follow(T);
+  }
+  const hand::ArmVector speeds = (follower.joints() - before) / hand::kTick;
+  std::vector<hand::ArmVector> way;
+  for (int i = 0; i < 300; ++i) way.push_back(follower.follow(T));
+  EXPECT_TRUE(hand::mount_pose(follower.arm(), way.back()).isApprox(T, 1e-4));
+  for (Eigen::Index k = 0; k < 6; ++k) {
+    const double speed = std::abs(speeds[k]);
+    const double braking =
+        speed * speed / (2 * follower.arm().joints[static_cast<std::size_t>(k)].max_acceleration);
+    for (const hand::ArmVector& joints : way) {
+      const double passed = std::copysign(1.0, speeds[k]) * (joints[k] - way.back()[k]);
+      EXPECT_LE(passed, braking + 2 * speed * hand::kTick + 1e-4) << k;
+    }
+  }
 }
 
 TEST(ArmFollower, JudgesAWayBeforeItBegins) {
@@ -186,7 +209,9 @@ TEST(ArmFollower, JudgesAWayBeforeItBegins) {
   follower.reset(start.pose());
   std::vector<hand::BasePosition> slow, fast, far;
   for (int i = 1; i <= 100; ++i) {
-    slow.push_back({start.xyz + Eigen::Vector3d(0.001 * i, 0, 0), start.ypr});
+    const double share = 0.01 * i;
+    const double eased = 0.1 * share * share * (3 - 2 * share);
+    slow.push_back({start.xyz + Eigen::Vector3d(eased, 0, 0), start.ypr});
     fast.push_back({start.xyz, start.ypr + Eigen::Vector3d(0.05 * i, 0, 0)});
     far.push_back({start.xyz + Eigen::Vector3d(0, 0, 0.03 * i), start.ypr});
   }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "palpate/hand/description.hpp"
+#include "palpate/hand/hand.hpp"
 
 namespace palpate::hand {
 
@@ -44,6 +45,8 @@ struct ArmDescription {
   Eigen::Isometry3d T_flange_mount = Eigen::Isometry3d::Identity();  ///< of the hand's mount
   /// What the hand has before its first joint, in the mount's frame.
   std::vector<LinkSphere> carried = {};
+  /// A hand of 4 kg then loads its mount by its own inertia by some 15 N.
+  MountLimits limits = {3, 10, 0.02};
   ArmFile file = {};
 
   [[nodiscard]] Eigen::Index joint_count() const { return std::ssize(joints); }

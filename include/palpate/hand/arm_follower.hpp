@@ -35,6 +35,7 @@ class ArmFollower {
   [[nodiscard]] std::size_t followed(ArmVector joints, std::span<const BasePosition> tour) const;
 
   ArmDescription arm_;
+  ArmVector wanted_;           // for the mount's pose
   ArmVector joints_, speeds_;  // as told
 };
 

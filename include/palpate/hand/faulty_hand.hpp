@@ -88,6 +88,7 @@ class FaultyHand : public Hand {
   [[nodiscard]] MountWay judge_way(std::span<const BasePosition> way) const override {
     return hand_.judge_way(way);
   }
+  [[nodiscard]] MountLimits mount_limits() const override { return hand_.mount_limits(); }
 
   /// Largest load of the mount so far, N.
   double peak_load() const { return peak_load_; }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <limits>
 #include <span>
 #include <string>
 #include <vector>
@@ -60,6 +61,14 @@ struct MountWay {
   double stretch = 1;        ///< times as long as wanted these take, at least; 1: not longer
 };
 
+/// How gently the mount must be moved, where what carries the hand is stiff: its own inertia then
+/// loads the sensor of the mount's load, and a touch is an impact.
+struct MountLimits {
+  double acceleration = std::numeric_limits<double>::infinity();       ///< m/s^2
+  double turn_acceleration = std::numeric_limits<double>::infinity();  ///< rad/s^2
+  double guarded_speed = std::numeric_limits<double>::infinity();      ///< m/s, towards a touch
+};
+
 /// A hand with tactile fingertips on a 6-DoF base, simulated or real. What carries the base is the
 /// hand's own matter: a floating mount, or an arm (hand::ArmFollower).
 class Hand {
@@ -75,6 +84,8 @@ class Hand {
     static_cast<void>(way);
     return {};
   }
+
+  [[nodiscard]] virtual MountLimits mount_limits() const { return {}; }
 };
 
 }  // namespace palpate::hand

@@ -204,7 +204,7 @@ void read_links(const mjModel& model, int root, const std::string& palm, const J
     if (body < root || body >= end || model.geom_contype[geom] == 0) continue;
     const int link = links[static_cast<std::size_t>(body)];
     add_spheres(model, geom, link, hand.spheres);
-    if (!hand.file.own_servos) add_corners(model, geom, link, hand.spheres);
+    if (!hand.file.own_servos || link == 0) add_corners(model, geom, link, hand.spheres);
   }
 }
 

@@ -82,6 +82,10 @@ void SimulatedHand::carry_to(const hand::BasePosition& base) {
   }
 }
 
+hand::MountLimits SimulatedHand::mount_limits() const {
+  return follower_ ? follower_->arm().limits : hand::MountLimits{};
+}
+
 hand::MountWay SimulatedHand::judge_way(std::span<const hand::BasePosition> way) const {
   if (!follower_) return {};
   std::vector<hand::BasePosition> in_world;

@@ -22,6 +22,7 @@ class BiotacHand : public hand::Hand {
   [[nodiscard]] hand::MountWay judge_way(std::span<const hand::BasePosition> way) const override {
     return hand_.judge_way(way);
   }
+  [[nodiscard]] hand::MountLimits mount_limits() const override { return hand_.mount_limits(); }
 
  private:
   hand::Hand& hand_;
