@@ -30,6 +30,7 @@ constexpr std::size_t kSamples = 160;  // of preshapes, at random
 constexpr std::size_t kSteps = 120;    // of the best one, at random
 constexpr double kNoGrasp = 2.0;       // cost of an object that cannot be grasped
 constexpr double kMissing = 0.25;      // cost of a finger whose tip does not meet the object
+constexpr double kClaw = 0.5;          // of the way to closed that a claw's fingers bend back
 constexpr double kFullWay = 2.0;       // rad that an actuator of speed 1 closes in the time of all
 
 /// Where an actuator stands in a closed finger.
@@ -159,10 +160,24 @@ class Trials {
   std::vector<std::pair<geometry::ObjectModel, Eigen::Isometry3d>> objects_;
 };
 
+/// Share of the way to closed at which the hand is opened widest: 0, straight, or less where all
+/// fingers can bend back far, as those of a claw.
+double widest_share(const hand::Description& hand) {
+  for (int finger = 0; finger < hand.finger_count(); ++finger) {
+    const int first = hand::closing_actuators(hand, finger).front();
+    const hand::Actuator& actuator = hand.actuators[static_cast<std::size_t>(first)];
+    const double back = actuator.closing > 0 ? actuator.command.low : actuator.command.high;
+    const double start = start_of(actuator);
+    if (std::abs(back - start) < kClaw * std::abs(end_of(actuator) - start)) return 0;
+  }
+  return -kClaw;
+}
+
 HandPosture draw(const hand::Description& hand, RandomStream& random) {
   HandPosture tried;
+  const double widest = widest_share(hand);
   for (auto* shares : {&tried.fingers, &tried.thumb}) {
-    for (double& share : *shares) share = random.uniform(0, 0.4);
+    for (double& share : *shares) share = random.uniform(widest, 0.4);
   }
   tried.curl = random.uniform(0.2, 1);
   tried.opposition.resize(hand.actuator_count());
@@ -171,12 +186,13 @@ HandPosture draw(const hand::Description& hand, RandomStream& random) {
   return tried;
 }
 
-HandPosture shaken(HandPosture tried, RandomStream& random) {
+HandPosture shaken(const hand::Description& hand, HandPosture tried, RandomStream& random) {
+  const double widest = widest_share(hand);
   const auto shake = [&](double& value, double sigma, double low, double high) {
     value = std::clamp(value + sigma * random.normal(), low, high);
   };
   for (auto* shares : {&tried.fingers, &tried.thumb}) {
-    for (double& share : *shares) shake(share, 0.06, 0, 0.6);
+    for (double& share : *shares) shake(share, 0.06, widest, 0.6);
   }
   shake(tried.curl, 0.1, 0.1, 1.5);
   for (double& share : tried.opposition) shake(share, 0.08, 0, 1);
@@ -233,6 +249,7 @@ std::string fingerprint(const hand::Description& hand) {
     add(sphere.radius);
     text += fmt::format(" {}", sphere.link);
   }
+  if (widest_share(hand) < 0) text += " claw";
   return text + fmt::format(" {} {}", hand.thumb, hand.palm);
 }
 
@@ -281,7 +298,7 @@ void search_preshape(const hand::Description& detailed, const ProgressCallback& 
   const Trials trials;
   RandomStream random(1, "preshape");
   for (std::size_t i = 0; i < kSamples + kSteps; ++i) {
-    HandPosture tried = i < kSamples ? draw(hand, random) : shaken(best, random);
+    HandPosture tried = i < kSamples ? draw(hand, random) : shaken(hand, best, random);
     tried.cost = trials.cost(hand, tried);
     if (tried.cost < best.cost) best = tried;
     if (progress) progress(i + 1, kSamples + kSteps);
@@ -307,7 +324,9 @@ double start_of(const hand::Actuator& actuator) {
 }
 
 double bent(const hand::Actuator& actuator, double share) {
-  return start_of(actuator) + share * (end_of(actuator) - start_of(actuator));
+  const double start = start_of(actuator);
+  return std::clamp(start + share * (end_of(actuator) - start), actuator.command.low,
+                    actuator.command.high);
 }
 
 hand::Preshape find_preshape(hand::Description& hand, const ProgressCallback& progress) {

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/simulation/hand/describe_hand.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <numbers>
 
 #include "hand_files.hpp"
@@ -93,6 +95,45 @@ TEST(DescribeHand, FeelsTheCornersOfALinkWithItsBalls) {
     farthest = std::max(farthest, sphere.center.x() + sphere.radius);
   }
   EXPECT_NEAR(farthest, 0.04, 0.0015);
+}
+
+/// Three fingers on a circle that point down. Their joints' ranges are the same to both sides, and
+/// every second axis points the other way.
+std::string claw() {
+  std::string text =
+      "<mujoco><compiler angle=\"radian\"/><worldbody><body name=\"palm\">"
+      "<geom type=\"cylinder\" size=\"0.06 0.01\"/>";
+  for (int i = 0; i < 3; ++i) {
+    text += fmt::format(
+        "<body name=\"f{0}\" pos=\"{1} {2} -0.02\" euler=\"0 0 {3}\">"
+        "<joint name=\"f{0}_1\" axis=\"0 {4} 0\" range=\"-1.5 1.5\"/>"
+        "<geom type=\"capsule\" size=\"0.01\" fromto=\"0 0 -0.01 0 0 -0.05\"/>"
+        "<body name=\"f{0}_tip\" pos=\"0 0 -0.06\">"
+        "<joint name=\"f{0}_2\" axis=\"0 {5} 0\" range=\"-1.5 1.5\"/>"
+        "<geom type=\"capsule\" size=\"0.01\" fromto=\"0 0 -0.01 0 0 -0.05\"/></body></body>",
+        i, 0.04 * std::cos(2.0944 * i), 0.04 * std::sin(2.0944 * i), 2.0944 * i, i == 1 ? -1 : 1,
+        i == 2 ? -1 : 1);
+  }
+  return text + "</body></worldbody></mujoco>";
+}
+
+TEST(DescribeHand, AClawClosesInwards) {
+  const auto hand = described("claw.xml", claw());
+  ASSERT_EQ(hand.actuator_count(), 6);
+  const Eigen::Vector3d middle = (tip_of(hand, 0, 0) + tip_of(hand, 1, 0) + tip_of(hand, 2, 0)) / 3;
+  const auto from_middle = [&](int actuator, double by) {
+    auto positions = hand::ActuatorVector::Zero(hand.actuator_count()).eval();
+    positions[actuator] = by;
+    const auto T = hand::forward_kinematics(hand, hand::joints_in_free_flexion(hand, positions));
+    const hand::Actuator& one = hand.actuators[static_cast<std::size_t>(actuator)];
+    const hand::Finger& finger = hand.fingers[static_cast<std::size_t>(one.finger)];
+    return (T[static_cast<std::size_t>(finger.link)] * finger.tip.b - middle).norm();
+  };
+  for (int i = 0; i < 6; ++i) {
+    const hand::Actuator& one = hand.actuators[static_cast<std::size_t>(i)];
+    ASSERT_NE(one.closing, 0) << one.name;
+    EXPECT_LT(from_middle(i, std::copysign(0.2, one.closing)), from_middle(i, 0)) << one.name;
+  }
 }
 
 TEST(DescribeHand, NotesOverrideWhatIsDerived) {

@@ -13,6 +13,7 @@ namespace palpate::simulation {
 namespace {
 
 constexpr double kAlike = 0.7;  // cosine between axes of joints that close a finger
+constexpr double kTried = 0.3;  // rad
 
 /// Axis of the first joint that an actuator moves, in the mount's frame.
 Eigen::Vector3d axis_of(const hand::Description& hand, const hand::Actuator& actuator) {
@@ -25,23 +26,64 @@ Eigen::Vector3d axis_of(const hand::Description& hand, const hand::Actuator& act
   return Eigen::Vector3d::Zero();
 }
 
+std::vector<Eigen::Vector3d> tips_at(const hand::Description& hand,
+                                     const hand::ActuatorVector& positions) {
+  const auto T = hand::forward_kinematics(hand, hand::joints_in_free_flexion(hand, positions));
+  std::vector<Eigen::Vector3d> tips;
+  for (const hand::Finger& finger : hand.fingers) {
+    tips.push_back(T[static_cast<std::size_t>(finger.link)] * finger.tip.b);
+  }
+  return tips;
+}
+
+/// Which way an actuator whose range does not tell closes its finger: towards the thumb's tip; that
+/// of a thumb towards the middle of the others. All else is straight.
+double towards_others(const hand::Description& hand, int actuator) {
+  hand::ActuatorVector positions(hand.actuator_count());
+  for (int i = 0; i < hand.actuator_count(); ++i) {
+    const auto& [low, high] = hand.actuators[static_cast<std::size_t>(i)].command;
+    positions[i] = std::clamp(0.0, low, high);
+  }
+  const int finger = hand.actuators[static_cast<std::size_t>(actuator)].finger;
+  const auto straight = tips_at(hand, positions);
+  Eigen::Vector3d goal = Eigen::Vector3d::Zero();
+  for (int other = 0; other < hand.finger_count(); ++other) {
+    const double fingers = hand.finger_count() - 1;
+    const bool thumb = other == hand.thumb;
+    const double share = finger == hand.thumb ? (thumb ? 0 : 1 / fingers) : thumb;
+    goal += share * straight[static_cast<std::size_t>(other)];
+  }
+  const auto distance = [&](double by) {
+    hand::ActuatorVector moved = positions;
+    moved[actuator] += by;
+    return (tips_at(hand, moved)[static_cast<std::size_t>(finger)] - goal).norm();
+  };
+  return distance(kTried) <= distance(-kTried) ? 1 : -1;
+}
+
+std::vector<int> actuators_of(const hand::Description& hand, int finger) {
+  std::vector<int> own;
+  for (int i = 0; i < hand.actuator_count(); ++i) {
+    if (hand.actuators[static_cast<std::size_t>(i)].finger == finger) own.push_back(i);
+  }
+  return own;
+}
+
 }  // namespace
 
 void derive_closing(hand::Description& hand) {
   for (int finger = 0; finger < hand.finger_count(); ++finger) {
-    std::vector<hand::Actuator*> own;
-    for (auto& actuator : hand.actuators) {
-      if (actuator.finger == finger) own.push_back(&actuator);
-    }
+    const std::vector<int> own = actuators_of(hand, finger);
     if (own.empty()) continue;
-    const bool thumb = finger == hand.thumb;
-    const Eigen::Vector3d last = axis_of(hand, *own.back());
+    const auto one = [&](std::size_t i) -> hand::Actuator& {
+      return hand.actuators[static_cast<std::size_t>(own[i])];
+    };
+    const Eigen::Vector3d last = axis_of(hand, one(own.size() - 1));
     for (std::size_t i = 0; i < own.size(); ++i) {
-      const bool alike = std::abs(axis_of(hand, *own[i]).dot(last)) > kAlike;
-      const bool outer = i + 1 == own.size() || (thumb && alike && i + 2 == own.size());
-      const auto& [low, high] = own[i]->command;
-      if (outer && own[i]->closing == 0) own[i]->closing = high + low >= 0 ? 1 : -1;
-      if (!outer && (thumb || !alike)) own[i]->closing = 0;
+      const bool alike = std::abs(axis_of(hand, one(i)).dot(last)) > kAlike;
+      const bool bends = finger == hand.thumb ? alike && i + 2 >= own.size() : alike;
+      if (!bends) one(i).closing = 0;
+      if (bends && one(i).closing == 0) one(i).closing = towards_others(hand, own[i]);
     }
   }
 }

@@ -8,8 +8,9 @@
 
 namespace palpate::simulation {
 
-/// Every finger's last actuator closes it, and those before that turn about an axis like its, one
-/// way mainly. Of a thumb the last two at most do; those before set it against the fingers.
+/// Every finger's last actuator closes it, and those before that turn about an axis like its. Of a
+/// thumb the last two at most do; those before set it against the fingers. They close the way that
+/// their ranges mainly go, or else towards the other fingers.
 void derive_closing(hand::Description& hand);
 
 /// The joints that a user says close the fingers, and no others; "-joint" closes towards its lower

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 
 #include "palpate/core/error.hpp"
@@ -80,12 +81,9 @@ class Describer {
     add_drives(*model);
     measure(anatomy, *model);
     find_thumb();
+    if (!ranges_tell()) set_closing();
     place_mount();
-    if (notes_.closing.empty()) {
-      derive_closing(hand());
-    } else {
-      set_closing(listed(notes_.closing), hand());
-    }
+    set_closing();
     set_gains(*model);
     exclude_overlaps();
     return std::move(result_);
@@ -96,6 +94,23 @@ class Describer {
   void guess(std::string text) { result_.guesses.push_back(std::move(text)); }
   void problem(std::string what, std::string hint) {
     result_.problems.push_back({std::move(what), std::move(hint)});
+  }
+
+  /// Whether every finger has a joint whose range goes mainly one way.
+  bool ranges_tell() const {
+    std::vector<bool> told(static_cast<std::size_t>(result_.hand.finger_count()));
+    for (const hand::Actuator& one : result_.hand.actuators) {
+      if (one.finger >= 0 && one.closing != 0) told[static_cast<std::size_t>(one.finger)] = true;
+    }
+    return std::ranges::all_of(told, std::identity());
+  }
+
+  void set_closing() {
+    if (notes_.closing.empty()) {
+      derive_closing(hand());
+    } else {
+      simulation::set_closing(listed(notes_.closing), hand());
+    }
   }
 
   void read_joints(const mjModel& model, const Anatomy& anatomy);
