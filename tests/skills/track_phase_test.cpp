@@ -73,7 +73,8 @@ struct Standing {
 
 TEST(Track, StaysInTheHandThatRises) {
   const Standing scene(60);
-  const auto tracked = track(box(), scene.hand, scene.log, {}, scene.start, 0, 59, {}, kSeed);
+  const auto tracked =
+      estimation::track(box(), scene.hand, scene.log, {}, scene.start, 0, 59, {}, kSeed);
   ASSERT_EQ(tracked.looks.size(), 4u);  // the first needs readings before it
   for (const auto& look : tracked.looks) {
     EXPECT_LT(look.T_base_object.translation().norm(), 1e-6);
@@ -83,14 +84,15 @@ TEST(Track, StaysInTheHandThatRises) {
 
 TEST(Track, DoesNotLookWhereThereIsNoTime) {
   const Standing scene(60);
-  const auto tracked = track(box(), scene.hand, scene.log, {}, scene.start, 50, 55, {}, kSeed);
+  const auto tracked =
+      estimation::track(box(), scene.hand, scene.log, {}, scene.start, 50, 55, {}, kSeed);
   EXPECT_TRUE(tracked.looks.empty());
 }
 
 TEST(Track, RefusesReadingsThatAreNotThere) {
   const Standing scene(60);
   const auto from_to = [&](std::size_t first, std::size_t last) {
-    return track(box(), scene.hand, scene.log, {}, scene.start, first, last, {}, kSeed);
+    return estimation::track(box(), scene.hand, scene.log, {}, scene.start, first, last, {}, kSeed);
   };
   EXPECT_THROW(from_to(10, 60), BadInput);
   EXPECT_THROW(from_to(20, 10), BadInput);

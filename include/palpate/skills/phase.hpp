@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "palpate/estimation/estimate.hpp"
+#include "palpate/estimation/track.hpp"
 #include "palpate/grasping/grasp_plan.hpp"
 #include "palpate/skills/executor.hpp"
 
@@ -32,17 +33,6 @@ struct PhaseReport {
   double peak_force = 0;  ///< largest force of a fingertip contact during it, N
 };
 
-/// How an object was followed in the hand.
-struct Tracked {
-  struct Look {
-    std::size_t reading;              ///< index into the log
-    Eigen::Isometry3d T_base_object;  ///< heaviest pose
-  };
-  std::vector<Look> looks;
-  localization::Posterior posterior;  ///< at the last look, in the hand's base
-  int slips = 0;                      ///< that were noticed
-};
-
 /// What the phases hand on to each other: how the object is to be held, and how the hand holds it.
 struct PickState {
   double height = 0;                               ///< of the object, as felt, m
@@ -52,7 +42,7 @@ struct PickState {
   std::vector<double> tried_yaws;                  ///< of grasps that have been tried, rad
   double held_load = 0;                            ///< weight felt after the lift, N
   estimation::HeldPoseEstimate estimate;           ///< of the held object, in the world
-  std::optional<Tracked> tracked;                  ///< how it went from the closed hand on
+  std::optional<estimation::Tracked> tracked;      ///< how it went from the closed hand on
   std::optional<grasping::GraspPlan> next_grasp;   ///< that is to tell what this one has left open
 };
 

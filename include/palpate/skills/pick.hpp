@@ -30,7 +30,7 @@ struct PickOptions {
   LiftOptions lift;
   LowerOptions lower;        ///< putting it down to grasp it from another side
   WithdrawOptions withdraw;  ///< then
-  TrackOptions track;
+  estimation::TrackOptions track;
   palpate::estimation::EstimationOptions estimation;
 
   template <class Visitor>
@@ -66,7 +66,7 @@ struct PickResult {
   std::optional<estimation::HeldPoseEstimate>
       before_probe;  ///< in the closed hand, still on the table
   std::optional<estimation::HeldPoseEstimate> before_lift;  ///< there, with what probing told
-  std::optional<Tracked> tracked;                           ///< from there through the lift
+  std::optional<estimation::Tracked> tracked;               ///< from there through the lift
   estimation::HeldPoseEstimate estimate;
 };
 
