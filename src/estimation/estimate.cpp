@@ -5,23 +5,17 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "estimation/fallen.hpp"
-#include "estimation/in_hand_motion.hpp"
 #include "estimation/log_evidence.hpp"
+#include "estimation/prior_after_grasp.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/estimation/height_probe.hpp"
-#include "palpate/localization/pose_prior.hpp"
 
 namespace palpate::estimation {
 namespace {
 
-constexpr int kSlides = 2;             // how often a grasp may slide, each time
-constexpr double kFarther = 3.0;       // so many times as far
 constexpr double kBesideTheTop = 0.1;  // chance
-constexpr double kToldError = 0.25;  // of the motion in the hand that the fingertips tell of, sigma
-constexpr double kStirred = 3.0;     // so many times as far, where it was rolled or grasped again
 /// Shares of the guarded moves that are forgotten, one after the other, while no pose explains the
 /// rest: a touch may have moved the object.
 constexpr std::array<double, 3> kForgotten = {0, 0.35, 0.55};
@@ -33,7 +27,6 @@ const localization::ObjectHypothesis kImpossible{
 
 using geometry::KnownObject;
 using localization::Evidence;
-using localization::PosePrior;
 using localization::TableSupport;
 
 double top_of(const KnownObject& object, const geometry::StablePose& stable_pose) {
@@ -145,57 +138,6 @@ void add_height(const KnownObject& object, std::optional<double> felt_height,
   }
   hypothesis.log_evidence += std::log(likelihood);
   hypothesis.log_evidence_other += std::log(likelihood);
-}
-
-/// How far the fingertips say that the object has moved in the hand.
-struct ToldMotion {
-  double turn = 0, way = 0;  ///< rad, m
-};
-
-ToldMotion told_motion(const Eigen::Isometry3d& motion, const Eigen::Vector3d& p) {
-  return {Eigen::AngleAxisd(motion.linear()).angle(), (motion * p - p).norm()};
-}
-
-/// By how much closing, pressing and lifting move the object in the hand, times `scale`, beside
-/// what the fingertips tell of that motion, which is off by a share of itself.
-Matrix6d motion_covariance(const EstimationOptions& options, const ToldMotion& told, double scale) {
-  const double turn = scale * std::hypot(options.motion_angle_sigma, kToldError * told.turn);
-  const double way = scale * std::hypot(options.motion_sigma, kToldError * told.way);
-  Vector6d variance;
-  variance << Eigen::Vector3d::Constant(turn * turn), Eigen::Vector3d::Constant(way * way);
-  return variance.asDiagonal();
-}
-
-/// Share of the peak density that spreads the probability `elsewhere` over all poses.
-double floor_density(const PosePrior& prior, double elsewhere) {
-  constexpr double kPoses = 8 * std::numbers::pi * std::numbers::pi * 1e-3;  // 1 dm^3, rad^3 m^3
-  double peak = 0;
-  for (const auto& component : prior.components) {
-    const double volume =
-        std::sqrt(std::pow(2 * std::numbers::pi, 6) * component.covariance.determinant());
-    peak = std::max(peak, component.weight / volume);
-  }
-  return std::min(0.5, elsewhere / kPoses / peak);
-}
-
-/// The resting pose seen from the hand, after a grasp that mostly moved the object a little.
-/// @param scale  of that motion
-PosePrior prior_after_grasp(const localization::Posterior& resting, const ToldMotion& told,
-                            const EstimationOptions& options, double scale) {
-  PosePrior prior;
-  double share = 1;
-  for (int slides = 0; slides <= kSlides; ++slides) {
-    PosePrior part = localization::prior_from(resting, motion_covariance(options, told, scale));
-    const double stays = slides < kSlides ? 1 - options.slide_share : 1;
-    for (auto& component : part.components) component.weight *= share * stays;
-    prior.components.insert(prior.components.end(), part.components.begin(), part.components.end());
-    share *= options.slide_share;
-    scale *= kFarther;
-  }
-  std::stable_sort(prior.components.begin(), prior.components.end(),
-                   [](const auto& a, const auto& b) { return a.weight > b.weight; });
-  prior.floor = floor_density(prior, options.elsewhere);
-  return prior;
 }
 
 /// All moments up to the last one that tells how the object rests.
@@ -349,12 +291,8 @@ localization::ObjectHypothesis PoseEstimator::hold(std::size_t candidate,
     if (!any) {
       evidence.table = table_at_closing(object, hand, log, options_);
     } else {
-      const auto motion = in_hand_motion(hand, log, closed.front(), at, options_.errors);
-      move(log.readings[closed.front()].base.pose().inverse(), resting);
-      const auto told = told_motion(motion, resting.modes.front().T_frame_object.translation());
-      move(motion, resting);
-      const bool stirred = log.has_opened() || log.at(TouchEvent::rolled);
-      evidence.prior = prior_after_grasp(resting, told, options_, stirred ? kStirred : 1.0);
+      evidence.prior = prior_after_grasp(
+          {*candidates_[candidate], hand, log, closed.front(), at, options_, seed_}, resting);
     }
   }
   auto hypothesis = search(candidate, evidence, "locate");

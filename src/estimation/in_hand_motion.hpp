@@ -4,9 +4,11 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <span>
+#include <vector>
 
 #include "palpate/estimation/event_log.hpp"
 #include "palpate/hand/kinematics.hpp"
+#include "palpate/localization/posterior.hpp"
 #include "palpate/tactile/contacts/contact_window.hpp"
 
 namespace palpate::estimation {
@@ -17,12 +19,19 @@ using Fingers = hand::PerFinger<bool>;
 std::span<const hand::HandReading> window_before(const EventLog& log, std::size_t index,
                                                  double seconds);
 
-/// How the object has moved in the hand's base between two readings. Contacts roll along the
-/// fingertips while they carry it, so that the way is followed step by step.
+/// How the object has moved in the hand's base between two readings.
+struct InHandMotion {
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  /// Axes (m, in the base) about which it may have turned by its own weight, and no fingertip tells
+  /// of it: through the contacts, where only one or two carried it. Empty: three or more did.
+  std::vector<localization::FreeAxis> loose = {};
+};
+
+/// Contacts roll along the fingertips while they carry the object, so that the way is followed step
+/// by step.
 /// @param ignored  fingers that do not hold it
-Eigen::Isometry3d in_hand_motion(const hand::Description& hand, const EventLog& log,
-                                 std::size_t first, std::size_t last,
-                                 const tactile::ContactErrorModel& errors,
-                                 const Fingers& ignored = {});
+InHandMotion in_hand_motion(const hand::Description& hand, const EventLog& log, std::size_t first,
+                            std::size_t last, const tactile::ContactErrorModel& errors,
+                            const Fingers& ignored = {});
 
 }  // namespace palpate::estimation

@@ -149,7 +149,7 @@ void add_probe(const hand::Description& hand, const EventLog& log, std::size_t p
   const auto probed = window_before(log, probe, kClosedWindow);
   const auto holding = window_before(log, holding_before(log, probe), kClosedWindow);
   const auto moved = moved_fingers(hand, holding, probed);
-  const auto motion = in_hand_motion(hand, log, probe, present, options.errors, moved);
+  const auto motion = in_hand_motion(hand, log, probe, present, options.errors, moved).T;
   add_carried(felt_contacts(probed, hand, options.errors), moved, motion, options, evidence);
   if (!options.free_space) return;
   const auto T_base_link = hand::forward_kinematics(hand, tactile::mean_joints(probed));
@@ -169,7 +169,7 @@ void add_rolled(const hand::Description& hand, const EventLog& log, std::size_t 
   Fingers all;
   all.fill(true);
   add_carried(felt_contacts(window_before(log, rolled, kClosedWindow), hand, options.errors), all,
-              in_hand_motion(hand, log, rolled, present, options.errors), options, evidence);
+              in_hand_motion(hand, log, rolled, present, options.errors).T, options, evidence);
 }
 
 /// What the fingertips do to the object that hangs in them, in the hand's base.

@@ -37,7 +37,12 @@ struct BendingWrist {
   }
   Eigen::Isometry3d carried(std::size_t first, std::size_t last,
                             const Fingers& ignored = {}) const {
-    return in_hand_motion(hand, log, first, last, {}, ignored);
+    return in_hand_motion(hand, log, first, last, {}, ignored).T;
+  }
+  /// Of an object that hangs in the hand.
+  std::vector<localization::FreeAxis> loose() {
+    log.moments = {{TouchEvent::held, 5}};
+    return in_hand_motion(hand, log, 10, 50, {}).loose;
   }
   hand::Description hand;
   EventLog log;
@@ -52,6 +57,28 @@ TEST(CarriedMotion, IsThatOfTheHandThatHoldsWhereverItsContactsWander) {
   EXPECT_GT(rotation_distance(carried.linear(), Eigen::Matrix3d::Identity()), 0.19);
   const Eigen::Vector3d held = scene.palm(10) * Eigen::Vector3d(0, 0, 0.1);
   EXPECT_LT((carried * held - motion * held).norm(), 0.01 * (motion * held - held).norm() + 0.002);
+}
+
+TEST(CarriedMotion, NamesTheAxisAboutWhichAnObjectSwingsInTwoFingertips) {
+  BendingWrist scene(2);
+  EXPECT_TRUE(in_hand_motion(scene.hand, scene.log, 10, 50, {}).loose.empty()) << "it stands";
+  const auto axes = scene.loose();
+  ASSERT_EQ(axes.size(), 1u);
+  const auto& reading = scene.log.readings[50];
+  const auto T = hand::forward_kinematics(scene.hand, reading.joints);
+  std::vector<Eigen::Vector3d> contacts;
+  for (std::size_t finger = 0; finger < 2; ++finger) {
+    const auto link = static_cast<std::size_t>(scene.hand.fingers[finger].link);
+    contacts.push_back(T[link] * reading.contacts[finger].front().p);
+  }
+  const Eigen::Vector3d along = (contacts[1] - contacts[0]).normalized();
+  EXPECT_NEAR(std::abs(axes[0].direction.dot(along)), 1, 0.01);
+  EXPECT_LT((axes[0].point - contacts[0]).cross(along).norm(), 0.005) << "on the line";
+}
+
+TEST(CarriedMotion, ThreeFingertipsLetNothingSwingAndOneAllWays) {
+  EXPECT_TRUE(BendingWrist(3).loose().empty());
+  EXPECT_EQ(BendingWrist(1).loose().size(), 3u);
 }
 
 TEST(CarriedMotion, TwoContactsTellOnlyTheWay) {

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "estimation/prior_after_grasp.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "estimation/in_hand_motion.hpp"
+#include "palpate/estimation/track.hpp"
+#include "palpate/localization/pose_prior.hpp"
+
+namespace palpate::estimation {
+namespace {
+
+constexpr int kSlides = 2;           // how often a grasp may slide, each time
+constexpr double kFarther = 3.0;     // so many times as far
+constexpr double kToldError = 0.25;  // of the motion in the hand that the fingertips tell of, sigma
+constexpr double kSwing =
+    0.02;  // rad, that following misses of a turn in one or two fingertips, sigma
+constexpr double kStirred = 3.0;  // so many times as far, where it was rolled or grasped again
+
+using localization::PosePrior;
+
+/// The last lift up to the instant.
+std::optional<std::size_t> lifted(const HeldObject& held) {
+  std::optional<std::size_t> last;
+  for (const std::size_t reading : held.log.all(TouchEvent::held)) {
+    if (reading > held.closed && reading <= held.at) last = reading;
+  }
+  return last;
+}
+
+/// How the object has moved from the closed hand to the lifted one, in the hand's base, as its
+/// contacts wander over it.
+/// @param posterior  at the closed hand, in the base
+Eigen::Isometry3d followed(const HeldObject& held, std::size_t lifted,
+                           const localization::Posterior& posterior) {
+  localization::Posterior start;
+  start.modes = {posterior.modes.front()};
+  move(held.log.readings[held.closed].base.pose(), start);
+  const Tracked tracked = track(held.model, held.hand, held.log, held.options.errors, start,
+                                held.closed, lifted, {}, held.seed);
+  return tracked.posterior.modes.front().T_frame_object *
+         posterior.modes.front().T_frame_object.inverse();
+}
+
+/// What the fingertips say of how the object has moved in the hand.
+struct ToldMotion {
+  InHandMotion motion;
+  double turn = 0, way = 0;  ///< rad, m
+  double swing = 0;          ///< rad, about the loose axes
+};
+
+/// @param posterior  at the closed hand, in the base
+ToldMotion told_motion(const HeldObject& held, const localization::Posterior& posterior) {
+  const auto move_from = [&](std::size_t first) {
+    return in_hand_motion(held.hand, held.log, first, held.at, held.options.errors);
+  };
+  ToldMotion told{move_from(held.closed)};
+  const auto last = lifted(held);
+  const Eigen::Vector3d p = posterior.modes.front().T_frame_object.translation();
+  told.turn = Eigen::AngleAxisd(told.motion.T.linear()).angle();
+  told.way = (told.motion.T * p - p).norm();
+  if (!told.motion.loose.empty() && last) {
+    const Eigen::Isometry3d swing = followed(held, *last, posterior);
+    told.swing = Eigen::AngleAxisd(swing.linear()).angle();
+    told.motion.T = move_from(*last).T * swing;
+  }
+  return told;
+}
+
+/// By how much closing, pressing and lifting move the object in the hand, times `scale`, beside
+/// what the fingertips tell of that motion, which is off by a share of itself.
+Matrix6d motion_covariance(const EstimationOptions& options, const ToldMotion& told, double scale) {
+  const double turn = scale * std::hypot(options.motion_angle_sigma, kToldError * told.turn);
+  const double way = scale * std::hypot(options.motion_sigma, kToldError * told.way);
+  Vector6d variance;
+  variance << Eigen::Vector3d::Constant(turn * turn), Eigen::Vector3d::Constant(way * way);
+  return variance.asDiagonal();
+}
+
+/// By how much it may have turned about an axis, unfelt.
+void loosen(const localization::FreeAxis& axis, double sigma, PosePrior& prior) {
+  for (auto& component : prior.components) {
+    Vector6d turn;
+    turn.head<3>() = axis.direction;
+    turn.tail<3>() = axis.direction.cross(component.T_frame_object.translation() - axis.point);
+    component.covariance += sigma * sigma * turn * turn.transpose();
+  }
+}
+
+/// Share of the peak density that spreads the probability `elsewhere` over all poses.
+double floor_density(const PosePrior& prior, double elsewhere) {
+  constexpr double kPoses = 8 * std::numbers::pi * std::numbers::pi * 1e-3;  // 1 dm^3, rad^3 m^3
+  double peak = 0;
+  for (const auto& component : prior.components) {
+    const double volume =
+        std::sqrt(std::pow(2 * std::numbers::pi, 6) * component.covariance.determinant());
+    peak = std::max(peak, component.weight / volume);
+  }
+  return std::min(0.5, elsewhere / kPoses / peak);
+}
+
+}  // namespace
+
+PosePrior prior_after_grasp(const HeldObject& held, localization::Posterior resting) {
+  move(held.log.readings[held.closed].base.pose().inverse(), resting);
+  const ToldMotion told = told_motion(held, resting);
+  move(told.motion.T, resting);
+  const bool stirred = held.log.has_opened() || held.log.at(TouchEvent::rolled);
+  const EstimationOptions& options = held.options;
+  PosePrior prior;
+  double share = 1, scale = stirred ? kStirred : 1.0;
+  for (int slides = 0; slides <= kSlides; ++slides) {
+    PosePrior part = localization::prior_from(resting, motion_covariance(options, told, scale));
+    const double stays = slides < kSlides ? 1 - options.slide_share : 1;
+    for (auto& component : part.components) component.weight *= share * stays;
+    prior.components.insert(prior.components.end(), part.components.begin(), part.components.end());
+    share *= options.slide_share;
+    scale *= kFarther;
+  }
+  const double swing = std::hypot(kSwing, kToldError * told.swing);
+  for (const auto& axis : told.motion.loose) loosen(axis, swing, prior);
+  std::stable_sort(prior.components.begin(), prior.components.end(),
+                   [](const auto& a, const auto& b) { return a.weight > b.weight; });
+  prior.floor = floor_density(prior, options.elsewhere);
+  return prior;
+}
+
+}  // namespace palpate::estimation

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "palpate/estimation/estimate.hpp"
+
+namespace palpate::estimation {
+
+/// An object in the closed hand, up to an instant.
+struct HeldObject {
+  const geometry::ObjectModel& model;
+  const hand::Description& hand;
+  const EventLog& log;
+  std::size_t closed, at;  ///< readings
+  const EstimationOptions& options;
+  std::uint64_t seed;
+};
+
+/// Where the object is in the hand's base at the instant, by how it rested: after a grasp that
+/// mostly moved it a little, and by what the fingertips tell of that motion.
+/// @param resting  in the world, with modes
+localization::PosePrior prior_after_grasp(const HeldObject& held, localization::Posterior resting);
+
+}  // namespace palpate::estimation
