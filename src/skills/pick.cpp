@@ -19,7 +19,8 @@
 namespace palpate::skills {
 namespace {
 
-constexpr double kLeft = 0.25;  // of the object's weight, in the hand: it has not been let go
+constexpr double kLeft = 0.25;      // of the object's weight, in the hand: it has not been let go
+constexpr double kSmoother = 0.65;  // of the friction that is believed, once an object has slipped
 constexpr double kNextSide = 2 * std::numbers::pi / 3;  // rad between attempts
 
 bool has(const estimation::EventLog& log, estimation::TouchEvent mark) {
@@ -147,12 +148,25 @@ class Picking {
       if (!sequence_.run(GraspPhase(options_.grasp, object(), choose))) return false;
       estimate_closed();
       if (!state_.next_grasp) {
-        if (!sequence_.run(LiftPhase(options_.lift, weight())) || !estimate_held()) return false;
+        if (!sequence_.run(LiftPhase(options_.lift, weight()))) {
+          doubt_friction();
+          return false;
+        }
+        if (!estimate_held()) return false;
       }
       if (!state_.next_grasp) return true;
       choose = once(*state_.next_grasp);
       if (!put_back()) return false;
     }
+  }
+
+  /// What slipped out of the hand is smoother than believed: later grasps count on less friction,
+  /// and press harder.
+  void doubt_friction() {
+    options_.grasp.friction *= kSmoother;
+    options_.grasp.plan.friction *= kSmoother;
+    options_.palpation.friction *= kSmoother;
+    options_.grasp.press_per_weight /= kSmoother;
   }
 
   /// Without a pose to aim by, the grasp goes for the rough place.

@@ -15,6 +15,9 @@ constexpr double kDownSpeed = 0.10;          // m/s
 constexpr double kUpSpeed = 0.30;            // m/s
 constexpr double kTouchdown = 10.0;          // N, from below: what slipped meets the table first
 constexpr double kReleaseSeconds = 0.6;      // s
+constexpr int kReleaseSteps = 12;            // after each of which the hand may give way
+constexpr double kYield = 0.01;              // m
+constexpr double kFeltWeight = 0.5;          // N
 constexpr double kReleaseRestSeconds = 0.3;  // s
 
 hand::BasePosition at_height(hand::BasePosition base, double height) {
@@ -35,11 +38,28 @@ hand::ActuatorVector opened(const Executor& robot) {
   return open;
 }
 
+bool holds_something(const Executor& robot) {
+  return hand::count_contacts(robot.reading()) > 0 || robot.reading().base_force.z() > kFeltWeight;
+}
+
+/// Opens the hand, which gives way where the opening fingers push it off the table.
+void open_yielding(Executor& robot) {
+  const hand::ActuatorVector from = robot.command().positions, to = opened(robot);
+  for (int i = 1; i <= kReleaseSteps; ++i) {
+    const double share = static_cast<double>(i) / kReleaseSteps;
+    robot.move_fingers(from + share * (to - from), kReleaseSeconds / kReleaseSteps);
+    if (robot.reading().base_force.z() > -kTouchdown) continue;
+    const hand::BasePosition& base = robot.command().base;
+    robot.move_base(at_height(base, base.xyz.z() + kYield), kUpSpeed);
+  }
+}
+
 }  // namespace
 
 PhaseEnd ReleasePhase::run(Executor& robot, PickState& state) {
   state.place = place_of_last_contacts(robot).value_or(state.place);
-  if (const auto closed = robot.log().at(estimation::TouchEvent::closed)) {
+  const auto closed = robot.log().at(estimation::TouchEvent::closed);
+  if (closed && holds_something(robot)) {
     const double height = robot.log().readings[*closed].base.xyz.z();
     const auto& base = robot.command().base;
     const auto touchdown = [](const hand::HandReading& reading) {
@@ -48,7 +68,7 @@ PhaseEnd ReleasePhase::run(Executor& robot, PickState& state) {
     if (base.xyz.z() > height) robot.move_base(at_height(base, height), kDownSpeed, touchdown);
   }
   robot.set_grip(std::nullopt);
-  robot.move_fingers(opened(robot), kReleaseSeconds);
+  open_yielding(robot);
   robot.move_base(at_height(robot.command().base, kFreeHeight), kUpSpeed);
   robot.mark(estimation::TouchEvent::released);
   return {true, fmt::format("next try at ({:.0f}, {:.0f}) mm", 1e3 * state.place.x(),

@@ -9,7 +9,7 @@ namespace palpate::skills {
 struct CalibrateOptions {
   int touches = 40;           ///< of the bare table, one fingertip each; 0: none
   double x = -0.35, y = 0;    ///< where the table is bare, m; the forearm lies further towards -x
-  double speed = 0.04;        ///< downwards, m/s
+  double speed = 0.06;        ///< downwards, m/s
   double travel_speed = 0.5;  ///< through the air, m/s
   double touch_force = 0.1;   ///< N at the fingertip
   double rest = 0.25;         ///< s that the fingertip rests and is averaged

@@ -14,7 +14,7 @@ struct ExploreOptions {
   double turn = 3.14159265;   ///< of the hand for every other one of them, rad
   double radius = 0.135;      ///< of the circle from which they start, m
   double past = 0.05;         ///< how far they go past the object's place, m
-  double speed = 0.02;        ///< of a guarded move, m/s
+  double speed = 0.06;        ///< of a guarded move, m/s
   double touch_force = 0.1;   ///< N at the fingertip
   double travel_speed = 0.4;  ///< m/s
   double reach = 0.013;       ///< below the object's top, where only the fingertip touches, m

@@ -8,7 +8,7 @@ namespace palpate::skills {
 
 struct HeightProbeOptions {
   double start_height = 0.26;  ///< of the hand's base, m
-  double speed = 0.05;         ///< downwards, m/s
+  double speed = 0.10;         ///< downwards, m/s
   double touch_force = 0.7;    ///< N of load on the base
   double clearance = 0.012;    ///< stop this far above the table, m
   double travel_speed = 0.5;   ///< through the air, m/s
