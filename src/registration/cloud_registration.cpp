@@ -83,17 +83,18 @@ std::optional<Eigen::Isometry3d> match_features(FeatureCloud from, const Feature
     }
     if (registration.result.false_alarms < kClearFalseAlarms) return std::nullopt;
   }
-  if (!fpfh) return std::nullopt;
+  if (!fpfh || !search.turns().all()) return std::nullopt;
   const Correspondences matches = matched(mirrored(std::move(kept)), to, options.threads);
   return register_correspondences(matches, search).T_target_source;
 }
 
 /// @return whether either cloud can be slid along itself, which no pose can tell
-bool is_degenerate(const PointCloud& from, const PointCloud& to, int threads,
-                   RegistrationResult& result) {
+bool is_degenerate(const PointCloud& from, const PointCloud& to, const AllowedTurns& turns,
+                   int threads, RegistrationResult& result) {
   std::vector<FreeMotion> motions[2];
-  parallel_for(2, threads,
-               [&](std::size_t k) { motions[k] = free_surface_motions(k == 0 ? to : from); });
+  parallel_for(2, threads, [&](std::size_t k) {
+    motions[k] = free_surface_motions(k == 0 ? to : from, turns);
+  });
   result.free_motions = std::move(motions[motions[0].empty() ? 1 : 0]);
   result.rank = 6 - static_cast<int>(result.free_motions.size());
   return !result.free_motions.empty();
@@ -109,10 +110,9 @@ void check_options(const CloudOptions& options) {
     throw BadInput(fmt::format("noise bound {} m is not positive", *options.noise_bound));
   }
   const auto& registration = options.registration;
-  if (registration.estimate_scale || registration.rotation_axis || registration.translation_only ||
-      registration.instances > 1) {
-    throw BadInput(
-        "scale, limits to rotation and instances go with correspondences, not with clouds");
+  check(registration);
+  if (registration.estimate_scale || registration.instances > 1) {
+    throw BadInput("an unknown scale and instances go with correspondences, not with clouds");
   }
 }
 
@@ -140,7 +140,8 @@ CloudRegistration register_prepared(const PreparedCloud& from, const PreparedClo
   registration.noise_bound = noise_bound_of(options, voxel);
   registration.result.false_alarms = 1;
   if (std::min(from.described.cloud.size(), to.described.cloud.size()) < 3 ||
-      is_degenerate(from.dense, to.dense, options.threads, registration.result)) {
+      is_degenerate(from.dense, to.dense, options.registration.turns(), options.threads,
+                    registration.result)) {
     registration.result.status = RegistrationStatus::kDegenerate;
     return registration;
   }
