@@ -222,7 +222,7 @@ PointCloud mirror_image(PointCloud cloud) {
 void refuse_if_mirrored(const PointCloud& source, const PointCloud& target,
                         const Eigen::Isometry3d& T_mirrored, const CloudOptions& options,
                         CloudRegistration& registration) {
-  constexpr double kDeviations = 4;
+  constexpr double kDeviations = 3;
   RegistrationResult& result = registration.result;
   if (result.status == RegistrationStatus::kDegenerate) return;
   const double start = now(), reach = registration.noise_bound;

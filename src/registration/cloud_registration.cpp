@@ -100,6 +100,21 @@ bool is_degenerate(const PointCloud& from, const PointCloud& to, const AllowedTu
   return !result.free_motions.empty();
 }
 
+/// Mean distance of the points that a cell leaves to their neighbours, of some of them; 0 for fewer
+/// than three.
+double spacing(const PointCloud& cloud, double cell) {
+  constexpr std::size_t kLooked = 400;
+  const PointCloud sampled = cell > 0 ? geometry::voxel_sampled(cloud, cell) : cloud;
+  if (sampled.size() < 3) return 0;
+  const geometry::KdTree tree(sampled.points);
+  const std::size_t step = cell > 0 ? std::max<std::size_t>(1, sampled.size() / kLooked) : 1;
+  double sum = 0, looked = 0;
+  for (std::size_t i = 0; i < sampled.size(); i += step, ++looked) {
+    sum += std::sqrt(tree.nearest(sampled.points[i], 2)[1].squared_distance);
+  }
+  return sum / looked;
+}
+
 double noise_bound_of(const CloudOptions& options, double voxel) {
   return options.noise_bound.value_or(1.5 * voxel);
 }
@@ -169,17 +184,11 @@ double suggested_voxel(const PointCloud& source, const PointCloud& target, int m
   double cells[2];
   parallel_for(2, threads,
                [&](std::size_t k) { cells[k] = voxel_cell_for(k == 0 ? source : target, most); });
-  double cell = std::max(cells[0], cells[1]);
-  if (cell > 0) return cell;
-  // Small clouds stay as they are; their spacing gives the features' scale.
-  for (const PointCloud* cloud : {&source, &target}) {
-    if (cloud->size() < 3) continue;
-    const geometry::KdTree tree(cloud->points);
-    double sum = 0;
-    for (const auto& p : cloud->points) sum += std::sqrt(tree.nearest(p, 2)[1].squared_distance);
-    cell = std::max(cell, sum / static_cast<double>(cloud->size()));
-  }
-  return cell;
+  const double cell = std::max(cells[0], cells[1]);
+  // Where the points are hardly more, or copies, a small cell does: their spacing is the scale.
+  parallel_for(2, threads,
+               [&](std::size_t k) { cells[k] = spacing(k == 0 ? source : target, cell); });
+  return std::max({cell, cells[0], cells[1]});
 }
 
 FeatureCloud describe(const PointView& cloud, double voxel, const FeatureOptions& options,

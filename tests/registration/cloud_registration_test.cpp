@@ -94,6 +94,24 @@ TEST(RegisterClouds, EmptyTinyAndDegenerateClouds) {
   EXPECT_THROW(register_clouds(cloud, cloud, {.noise_bound = -1.0}), BadInput);
 }
 
+// A small cell is enough for so few too many, or for copies, and too small for features.
+TEST(RegisterClouds, FewPointsMoreThanTheGridKeepsOrCopies) {
+  for (const bool copied : {false, true}) {
+    PointCloud clouds[] = {bunny_cloud(1510, 2), bunny_cloud(1510, 1)};
+    for (auto& cloud : clouds) {
+      cloud.normals.clear();
+      if (copied) cloud.points.insert(cloud.points.end(), 1500, cloud.points[0]);
+      for (std::size_t i = 0; copied && i < 1500; ++i) cloud.points[1510 + i] = cloud.points[i];
+    }
+    const double few = suggested_voxel(bunny_cloud(1500, 2), bunny_cloud(1500, 1), 1500);
+    EXPECT_NEAR(suggested_voxel(clouds[0], clouds[1], 1500) / few, 1, 0.2);
+    const auto found =
+        register_clouds(geometry::transformed(pose_of(2).inverse(), clouds[0]), clouds[1], kCoarse);
+    ASSERT_TRUE(found.result.T_target_source) << copied;
+    EXPECT_LT(rotation_error_deg(*found.result.T_target_source, pose_of(2)), 3);
+  }
+}
+
 TEST(RegisterClouds, RefusesAMirroredCloud) {
   PointCloud mirrored = bunny_cloud(4000, 2);
   for (auto* list : {&mirrored.points, &mirrored.normals}) {

@@ -33,8 +33,8 @@ struct FeatureOptions {
   }
 };
 
-/// The cell with which both clouds keep at most `most_points`, at least 1e-9 of their size; 0 if
-/// neither has two different points.
+/// The cell with which both clouds keep at most `most_points`, at least the mean distance between
+/// the points that are left; 0 if neither has two different points.
 /// @param threads  the result does not depend on them
 double suggested_voxel(const geometry::PointCloud& source, const geometry::PointCloud& target,
                        int most_points, int threads = 1);
