@@ -153,8 +153,12 @@ def run_fgr(problem, bound):
     return result.transformation, time.process_time() - start
 
 
-def run_teaser(problem, bound):
+def run_teaser(problem, setting):
+    bound, exact = setting
     params = teaserpp_python.RobustRegistrationSolver.Params()
+    modes = teaserpp_python.InlierSelectionMode
+    params.inlier_selection_mode = modes.PMC_EXACT if exact else modes.PMC_HEU
+    params.max_clique_time_limit = 1  # s; without it dense graphs take minutes
     params.noise_bound, params.cbar2, params.estimate_scaling = bound, 1, False
     params.rotation_gnc_factor, params.rotation_max_iterations = 1.4, 100
     params.rotation_cost_threshold = 1e-12
@@ -196,11 +200,13 @@ PEERS = {
     "open3d FGR": (run_fgr, [0.001, 0.002, 0.004, 0.008, 0.016]),
 }
 # Neither has a wheel; they take part where their own build put the module on the path.
-for module, name, run_peer in (("teaserpp_python", "TEASER++", run_teaser),
-                               ("clipperpy", "CLIPPER", run_clipper)):
+for module, name, run_peer, settings in (
+        ("teaserpp_python", "TEASER++", run_teaser,
+         [(0.002, False), (0.004, False), (0.006, False), (0.003, True), (0.004, True)]),
+        ("clipperpy", "CLIPPER", run_clipper, [0.001, 0.002, 0.003, 0.004, 0.006])):
     try:
         globals()[module] = importlib.import_module(module)
-        PEERS[name] = (run_peer, [0.001, 0.002, 0.003, 0.004, 0.006])
+        PEERS[name] = (run_peer, settings)
     except ImportError:
         print(f"{name} is not installed ({module}): it has no wheel on PyPI", file=sys.stderr)
 

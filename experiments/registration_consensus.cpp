@@ -146,11 +146,47 @@ void hostile(const experiment::Options& options) {
   table.publish(options, "hostile", "Small and hostile input");
 }
 
+/// Of 300 pairs, some agree with a pose and others with a reflection of the source.
+void reflections(const experiment::Options& options) {
+  Table table({"right", "mirrored", "runs", "flagged", "right poses", "wrong poses", "median ms"});
+  for (const auto& [right, mirrored] :
+       {std::pair{20, 200}, {60, 200}, {20, 60}, {60, 60}, {200, 20}, {0, 200}, {0, 30}}) {
+    int flagged = 0, right_poses = 0, wrong_poses = 0;
+    std::vector<double> milliseconds;
+    const std::uint64_t count = runs(options, 50);
+    for (std::uint64_t k = 0; k < count; ++k) {
+      auto p = make_problem({.pairs = 300, .outliers = 1, .noise = 0.001, .box_outliers = true},
+                            RandomStream(options.seed + k, "reflection"));
+      RandomStream random(options.seed + k, "other pose");
+      const Eigen::Isometry3d other = testing::random_pose(random);
+      auto& c = p.correspondences;
+      for (int i = 0; i < right + mirrored; ++i) {
+        Eigen::Vector3d at = c.source[static_cast<std::size_t>(i)];
+        if (i >= right) at.x() = -at.x();
+        c.target[static_cast<std::size_t>(i)] =
+            (i < right ? p.truth : other) * at + 0.001 * random.normal3();
+      }
+      const double start = experiment::processor_seconds();
+      const auto result = register_correspondences(c);
+      milliseconds.push_back(1e3 * (experiment::processor_seconds() - start));
+      flagged += result.mirrored;
+      if (!result.T_target_source) continue;
+      ++(is_right(result.T_target_source, p.truth) ? right_poses : wrong_poses);
+    }
+    table.add_row({fmt::format("{}", right), fmt::format("{}", mirrored), fmt::format("{}", count),
+                   fmt::format("{}", flagged), fmt::format("{}", right_poses),
+                   fmt::format("{}", wrong_poses),
+                   fmt::format("{:.3g}", quantile(milliseconds, 0.5))});
+  }
+  table.publish(options, "reflections", "Pairs that agree with a reflection among 300");
+}
+
 void experiment_consensus(const experiment::Options& options) {
   two_poses(options);
   copies(options);
   consistency(options);
   hostile(options);
+  reflections(options);
 }
 
 }  // namespace

@@ -22,7 +22,8 @@ struct RegisterArguments {
   std::string correspondences;
   std::string method = "clique+gnc", cost = "tls", initial;
   std::optional<std::string> primitive;
-  std::optional<double> noise_bound, normal_noise_deg;
+  std::optional<double> noise_bound, normal_noise_deg, known_scale;
+  std::vector<double> gravity;
   bool filter = false, yaw_only = false, translation_only = false, scale = false,
        best_effort = false;
   int repeats = 1, instances = 1;
@@ -57,6 +58,9 @@ RegisterOptions options_of(const RegisterArguments& arguments) {
                                                                           : rg::Primitive::kPoint;
   if (!arguments.initial.empty()) registration.initial = parse_pose(arguments.initial);
   if (arguments.yaw_only) registration.rotation_axis = Eigen::Vector3d::UnitZ();
+  if (!arguments.gravity.empty()) {
+    registration.rotation_axis = Eigen::Vector3d::Map(arguments.gravity.data());
+  }
   registration.translation_only = arguments.translation_only;
   registration.estimate_scale = arguments.scale;
   registration.instances = arguments.instances;
@@ -83,6 +87,10 @@ geometry::PointCloud load(const std::string& path, const RegisterArguments& argu
   return geometry::subset(cloud, geometry::statistical_inliers(cloud, options.filter));
 }
 
+void apply_known_scale(std::vector<Eigen::Vector3d>& points, const RegisterArguments& arguments) {
+  for (auto& p : points) p *= arguments.known_scale.value_or(1);
+}
+
 Outcome find_pose(const RegisterArguments& arguments, const RegisterOptions& options) {
   const Notice notice("registering", arguments.common.quiet);
   Outcome outcome;
@@ -90,6 +98,7 @@ Outcome find_pose(const RegisterArguments& arguments, const RegisterOptions& opt
   auto& correspondences = outcome.registration.correspondences;
   if (!arguments.correspondences.empty()) {
     correspondences = rg::read_correspondences(arguments.correspondences);
+    apply_known_scale(correspondences.source, arguments);
     result = rg::register_correspondences(correspondences, options.registration);
     for (int k = 1; k < arguments.repeats; ++k) {
       auto again = rg::register_correspondences(correspondences, options.registration);
@@ -101,6 +110,7 @@ Outcome find_pose(const RegisterArguments& arguments, const RegisterOptions& opt
   }
   outcome.clouds = true;
   outcome.source = load(arguments.source, arguments, options);
+  apply_known_scale(outcome.source.points, arguments);
   const geometry::PointCloud target = load(arguments.target, arguments, options);
   outcome.registration = rg::register_clouds(outcome.source, target,
                                              {.features = options.features,
@@ -148,7 +158,8 @@ void write_results(const CommonOptions& common, const RegisterOptions& options,
 
 int register_command(const RegisterArguments& arguments) {
   const auto options = options_of(arguments);
-  const Outcome outcome = find_pose(arguments, options);
+  Outcome outcome = find_pose(arguments, options);
+  outcome.registration.result.scale *= arguments.known_scale.value_or(1);
   const rg::RegistrationResult& result = outcome.registration.result;
   write_results(arguments.common, options, outcome);
   if (arguments.common.json) {
@@ -189,12 +200,24 @@ void add_problem(CLI::App& command, RegisterArguments& arguments) {
                   "start from this T_target_source instead of a search: 16 numbers, row-major, or "
                   "a file of them")
       ->option_text("POSE");
-  command.add_flag("--yaw-only", arguments.yaw_only,
-                   "turn about z alone; both frames have z along gravity (correspondences)");
+  auto* yaw = command.add_flag("--yaw-only", arguments.yaw_only,
+                               "turn about z alone; both frames have z along gravity");
+  command
+      .add_option("--gravity", arguments.gravity,
+                  "turn about this direction alone, which is the same in both frames")
+      ->option_text("X Y Z")
+      ->expected(3)
+      ->excludes(yaw);
   command.add_flag("--translation-only", arguments.translation_only,
-                   "shift alone; both frames are turned alike (correspondences)");
-  command.add_flag("--scale", arguments.scale,
-                   "estimate the scale of the source, too (correspondences)");
+                   "shift alone; both frames are turned alike");
+  auto* estimated = command.add_flag("--scale", arguments.scale,
+                                     "estimate the scale of the source, too (correspondences)");
+  command
+      .add_option("--known-scale", arguments.known_scale,
+                  "multiply the source's coordinates by this first")
+      ->option_text("S")
+      ->check(CLI::PositiveNumber)
+      ->excludes(estimated);
   command
       .add_option("--instances", arguments.instances,
                   "poses looked for, each in the pairs left over (correspondences)")
@@ -254,6 +277,8 @@ void add_register(CLI::App& program, Command& chosen) {
       "Examples:\n"
       "  palpate register scan.ply model.stl --out out/scan\n"
       "  palpate register scan.ply model.stl --initial pose.txt\n"
+      "  palpate register scan.ply map.ply --gravity 0 0 -1\n"
+      "  palpate register scan_mm.ply model.stl --known-scale 0.001\n"
       "  palpate register --correspondences pairs.csv --noise-bound 0.004\n"
       "  palpate register --correspondences pairs.csv --method gnc --cost gm --json");
   command.callback([arguments, &chosen] {

@@ -6,6 +6,7 @@
 #include <nanobind/stl/vector.h>
 
 #include "arrays.hpp"
+#include "palpate/geometry/cloud/normals.hpp"
 #include "palpate/geometry/io/point_cloud_io.hpp"
 #include "palpate/registration/cloud_registration.hpp"
 #include "rooms.hpp"
@@ -75,17 +76,55 @@ Cloud cloud_from(nb::handle points, nb::handle normals) {
   return cloud;
 }
 
-re::CloudRegistration register_clouds(const Cloud& source, const Cloud& target,
-                                      std::optional<double> noise_bound, double voxel,
-                                      nb::object initial, std::uint64_t seed, int threads) {
+re::CloudOptions cloud_options(std::optional<double> noise_bound, nb::handle initial,
+                               nb::handle rotation_axis, bool translation_only, std::uint64_t seed,
+                               int threads) {
   re::CloudOptions options;
   options.noise_bound = noise_bound;
-  options.features.voxel = voxel;
   if (is_given(initial)) options.registration.initial = pose_from(initial, "initial");
+  if (is_given(rotation_axis)) {
+    options.registration.rotation_axis = vector_from(rotation_axis, "rotation_axis");
+  }
+  options.registration.translation_only = translation_only;
   options.registration.seed = seed;
   options.threads = threads;
+  return options;
+}
+
+re::CloudRegistration register_clouds(const Cloud& source, const Cloud& target,
+                                      std::optional<double> noise_bound, double voxel,
+                                      nb::object initial, nb::object rotation_axis,
+                                      bool translation_only, std::uint64_t seed, int threads) {
+  auto options =
+      cloud_options(noise_bound, initial, rotation_axis, translation_only, seed, threads);
+  options.features.voxel = voxel;
   const nb::gil_scoped_release release;
   return re::register_clouds(source, target, options);
+}
+
+re::FeatureCloud described(const Cloud& cloud, nb::handle features, std::string_view what,
+                           const re::CloudOptions& options) {
+  re::FeatureCloud result;
+  result.features = matrix_from(features, what).transpose().cast<float>();
+  result.cloud = cloud;
+  if (!cloud.has_normals() && cloud.size() >= 3) {
+    result.cloud = geometry::with_normals(std::move(result.cloud),
+                                          options.features.normal_neighbours, options.threads);
+  }
+  return result;
+}
+
+re::CloudRegistration register_described(const Cloud& source, nb::object source_features,
+                                         const Cloud& target, nb::object target_features,
+                                         double voxel, std::optional<double> noise_bound,
+                                         nb::object rotation_axis, bool translation_only,
+                                         std::uint64_t seed, int threads) {
+  const auto options =
+      cloud_options(noise_bound, nb::none(), rotation_axis, translation_only, seed, threads);
+  const auto from = described(source, source_features, "source_features", options),
+             to = described(target, target_features, "target_features", options);
+  const nb::gil_scoped_release release;
+  return re::register_described(from, to, voxel, options);
 }
 
 re::PoseEstimate certify(nb::object T, nb::object source, nb::object target, nb::object weights) {
@@ -120,6 +159,26 @@ void bind_result(nb::module_& module) {
                            self.robust ? fmt::format("at most {} inliers", self.robust->max_inliers)
                                        : "no robust bound");
       });
+  nb::class_<re::RunnerUp>(module, "RunnerUp", "Another pose that many pairs agree with.")
+      .def_ro("inliers", &re::RunnerUp::inliers, "Pairs that agree with it.")
+      .def_prop_ro(
+          "T_target_source", [](const re::RunnerUp& self) { return pose(self.T_target_source); },
+          "(4, 4).")
+      .def_ro("false_alarms", &re::RunnerUp::false_alarms, "As of the answer.")
+      .def("__repr__", [](const re::RunnerUp& self) {
+        return fmt::format("RunnerUp({} inliers)", self.inliers);
+      });
+  using Motion = re::FreeMotion;
+  nb::class_<Motion>(module, "FreeMotion", "A motion of the source that changes no residual.")
+      .def_prop_ro(
+          "kind", [](const Motion& self) { return std::string(re::to_string(self.kind)); },
+          "'rotation', 'translation' or 'screw'.")
+      .def_ro("direction", &Motion::direction, "(3,), unit, target frame.")
+      .def_ro("point", &Motion::point, "(3,), on the axis, m.")
+      .def_ro("pitch", &Motion::pitch, "Of a screw, m/rad.")
+      .def("__repr__", [](const Motion& self) {
+        return fmt::format("FreeMotion({})", re::to_string(self.kind));
+      });
   nb::class_<Result>(module, "RegistrationResult",
                      "Pose of source in target, with what is known of its quality.")
       .def_prop_ro(
@@ -135,6 +194,11 @@ void bind_result(nb::module_& module) {
       .def_ro("false_alarms", &Result::false_alarms,
               "Expected poses as good as this among wrong pairs alone (a contrario).")
       .def_ro("certificate", &Result::certificate, "What is proven.")
+      .def_ro("runner_up", &Result::runner_up, "Largest other consensus that came up, or None.")
+      .def_ro("instances", &Result::instances, "Further poses, largest first, if asked for.")
+      .def_ro("free_motions", &Result::free_motions, "Of 'degenerate'.")
+      .def_ro("false_inliers", &Result::false_inliers,
+              "Wrong pairs to be expected among the inliers.")
       .def_ro("mirrored", &Result::mirrored,
               "More pairs agree with a mirror image: the answer is refused.")
       .def_prop_ro(
@@ -203,15 +267,31 @@ void bind_clouds(nb::module_& module) {
              "Read PLY, PCD, XYZ or OBJ; a mesh is sampled at so many points.\n\nRaises "
              "ValueError, naming file and line.");
   module.def("register_clouds", &register_clouds, "source"_a, "target"_a, nb::kw_only(),
-             "noise_bound"_a = nb::none(), "voxel"_a = 0.0, "initial"_a = nb::none(), "seed"_a = 0,
+             "noise_bound"_a = nb::none(), "voxel"_a = 0.0, "initial"_a = nb::none(),
+             "rotation_axis"_a = nb::none(), "translation_only"_a = false, "seed"_a = 0,
              "threads"_a = 1,
              nb::sig("def register_clouds(source: PointCloud, target: PointCloud, *, noise_bound: "
                      "float | None = None, voxel: float = 0.0, initial: numpy.typing.ArrayLike | "
-                     "None = None, seed: int = 0, threads: int = 1) -> CloudRegistration"),
+                     "None = None, rotation_axis: numpy.typing.ArrayLike | None = None, "
+                     "translation_only: bool = False, seed: int = 0, threads: int = 1) -> "
+                     "CloudRegistration"),
              "Pose of one cloud in another without given pairs: mutual matches of FPFH, outliers "
              "rejected, then nearest neighbours and pose in turn (thesis 6.1-6.2).\n\nnoise_bound, "
              "voxel: m, chosen by the clouds if not given. initial (4, 4): replaces the "
-             "features.\n\nRaises ValueError for clouds or options that cannot be used.");
+             "features. rotation_axis (3,): turn about it alone, the same in both frames, as "
+             "gravity is.\n\nRaises ValueError for clouds or options that cannot be used.");
+  module.def(
+      "register_described", &register_described, "source"_a, "source_features"_a, "target"_a,
+      "target_features"_a, nb::kw_only(), "voxel"_a, "noise_bound"_a = nb::none(),
+      "rotation_axis"_a = nb::none(), "translation_only"_a = false, "seed"_a = 0, "threads"_a = 1,
+      nb::sig("def register_described(source: PointCloud, source_features: "
+              "numpy.typing.ArrayLike, target: PointCloud, target_features: "
+              "numpy.typing.ArrayLike, *, voxel: float, noise_bound: float | None = None, "
+              "rotation_axis: numpy.typing.ArrayLike | None = None, translation_only: bool = "
+              "False, seed: int = 0, threads: int = 1) -> CloudRegistration"),
+      "register_clouds() by features of any kind, (N, D), one row a point, that are nearest for "
+      "like places.\n\nvoxel: distance between the points, m. Mirrored clouds are not told from "
+      "others.\n\nRaises ValueError for another number of features than points.");
 }
 
 }  // namespace

@@ -113,6 +113,35 @@ class Registration(unittest.TestCase):
         self.assertLess(result.false_alarms, 1e-6)
         self.assertEqual(result.covariance.shape, (6, 6))
 
+    def test_runner_up_and_instances(self):
+        second = self.truth.copy()
+        second[:3, 3] = [-1, 2, 0]
+        self.target[20:32] = self.source[20:32] @ second[:3, :3].T + second[:3, 3]
+        result = palpate.register_correspondences(self.source, self.target, instances=2)
+        self.assertEqual(len(result.instances), 1)
+        np.testing.assert_allclose(result.instances[0].T_target_source, second, atol=1e-9)
+        self.assertGreaterEqual(result.runner_up.inliers, 12)
+
+    def test_free_motions(self):
+        line = np.outer(np.linspace(0, 0.1, 30), [1, 0, 0])
+        result = palpate.register_correspondences(line, line)
+        self.assertEqual(result.status, "degenerate")
+        self.assertEqual([m.kind for m in result.free_motions], ["rotation"])
+        self.assertAlmostEqual(abs(result.free_motions[0].direction[0]), 1, places=6)
+
+    def test_clouds_by_features_of_ones_own(self):
+        random = np.random.default_rng(5)
+        points = random.uniform(-0.1, 0.1, (800, 3)) * [1, 0.7, 0.4]
+        moved = points @ self.truth[:3, :3].T + self.truth[:3, 3]
+        source, target = palpate.PointCloud(points), palpate.PointCloud(moved)
+        found = palpate.register_described(source, points, target, points, voxel=0.01)
+        np.testing.assert_allclose(found.result.T_target_source, self.truth, atol=1e-6)
+        upright = palpate.register_described(source, points, target, points, voxel=0.01,
+                                             rotation_axis=[0, 0, 2])
+        np.testing.assert_allclose(upright.result.T_target_source, self.truth, atol=1e-6)
+        with self.assertRaisesRegex(ValueError, "10 features"):
+            palpate.register_described(source, points[:10], target, points, voxel=0.01)
+
     def test_no_consensus_is_a_status(self):
         result = palpate.register_correspondences(self.source[20:], self.target[20:])
         self.assertEqual(result.status, "no_consensus")

@@ -184,7 +184,7 @@ bool CliqueSearch::propose(const std::vector<int>& clique, Consensus& best) {
   ++best.hypotheses;
   Eigen::Isometry3d T = pose_of(clique);
   const double rough = scorer_.gain(T);
-  consider_mirror(clique, rough);
+  consider_mirror(clique, T);
   // The first pose of a clique is rough: half of the best gain is worth a refinement.
   if (rough < 0.5 * best_.gain) {
     consider_runner_up(T, rough);
@@ -198,14 +198,16 @@ bool CliqueSearch::propose(const std::vector<int>& clique, Consensus& best) {
   return better;
 }
 
-/// A clique that no rotation fits may fit a reflection, which keeps lengths too.
-void CliqueSearch::consider_mirror(const std::vector<int>& clique, double gain) {
+/// A clique may fit a reflection better than any rotation, as that keeps lengths, too.
+/// @param T  of the clique
+void CliqueSearch::consider_mirror(const std::vector<int>& clique, const Eigen::Isometry3d& T) {
   constexpr std::size_t kTells = 5;
-  const auto size = static_cast<double>(clique.size());
-  if (clique.size() < kTells || gain >= 0.5 * size || !options_.turns.all()) return;
-  const Eigen::Isometry3d T = scorer_.align_mirrored(clique);
-  const double mirrored = scorer_.gain(T);
-  if (mirrored > mirrored_.gain && mirrored > gain) mirrored_ = {T, mirrored, 0};
+  if (clique.size() < kTells || !options_.turns.all()) return;
+  Eigen::Isometry3d reflection = scorer_.align_mirrored(clique);
+  if (scorer_.gain_of(clique, reflection) <= scorer_.gain_of(clique, T)) return;
+  if (scorer_.gain(reflection) < 0.5 * mirrored_.gain) return;
+  const double gain = scorer_.descend(reflection);
+  if (gain > mirrored_.gain) mirrored_ = {reflection, gain, 0};
 }
 
 /// Whether chance explains neither the reflection nor its surplus over the best pose.

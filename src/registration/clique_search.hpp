@@ -47,7 +47,7 @@ class CliqueSearch {
   bool shows_larger(std::size_t sample_size) const;
   bool is_largest() const;
   bool propose(const std::vector<int>& clique, Consensus& best);
-  void consider_mirror(const std::vector<int>& clique, double gain);
+  void consider_mirror(const std::vector<int>& clique, const Eigen::Isometry3d& T);
   bool is_mirrored();
   void consider_runner_up(const Eigen::Isometry3d& T, double gain);
   bool keep_if_best(const Eigen::Isometry3d& T, double gain);

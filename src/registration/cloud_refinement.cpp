@@ -95,11 +95,12 @@ std::optional<Refined> refine_in_stages(NeighbourRounds& rounds, const Eigen::Is
 /// the best of several starts about it.
 /// @return nothing if that is the pose given
 std::optional<Eigen::Isometry3d> turned_about_weak_axis(NeighbourRounds& rounds,
-                                                        const Eigen::Isometry3d& T, double bound) {
+                                                        const Eigen::Isometry3d& T, double bound,
+                                                        const AllowedTurns& turns) {
   constexpr int kStarts = 12, kRounds = 10;
   constexpr std::size_t kPoints = 1000;
   constexpr double kBetter = 0.9;
-  const auto axis = weak_rotation(rounds.pairs(), T);
+  const auto axis = weak_rotation(rounds.pairs(), T, turns);
   if (!axis) return std::nullopt;
   const std::size_t stride = std::max<std::size_t>(1, rounds.source_size() / kPoints);
   const auto cost_at = [&](const Eigen::Isometry3d& at) {
@@ -132,14 +133,15 @@ void report(const PoseEstimate& best, const NeighbourRounds& rounds, const Cloud
   result.inliers.clear();
   for (std::size_t i = 0; i < count; ++i) result.inliers.push_back(static_cast<int>(i));
   PoseEstimate estimate = best;
-  auto free = free_motions_of_overlap(registration.correspondences, best.T_target_source);
+  auto free = free_motions_of_overlap(registration.correspondences, best.T_target_source,
+                                      options.registration.turns());
   if (!free.empty()) {
     estimate.status = Status::kDegenerate;
     estimate.rank = 6 - static_cast<int>(free.size());
     estimate.free_motions = std::move(free);
   }
   report_final_solve(estimate, registration.correspondences, options.registration.primitive,
-                     result);
+                     options.registration.turns(), result);
   registration.rms_error =
       std::sqrt(best.cost / static_cast<double>(std::max<std::size_t>(1, count)));
 }
@@ -191,11 +193,12 @@ void add_normals(PointCloud& cloud, const FeatureOptions& options, int threads) 
 void refine_clouds(const PointCloud& source, const PointCloud& target, const CloudOptions& options,
                    CloudRegistration& registration) {
   const double start = now();
-  NeighbourRounds rounds(source, target, options.registration.primitive, options.threads);
+  const AllowedTurns turns = options.registration.turns();
+  NeighbourRounds rounds(source, target, options.registration.primitive, turns, options.threads);
   auto refined =
       refine_in_stages(rounds, *registration.result.T_target_source, options, registration);
   if (refined) {
-    const auto T = turned_about_weak_axis(rounds, refined->T, registration.noise_bound);
+    const auto T = turned_about_weak_axis(rounds, refined->T, registration.noise_bound, turns);
     if (T) refined = refine_in_stages(rounds, *T, options, registration);
   }
   if (refined) {
@@ -219,14 +222,14 @@ PointCloud mirror_image(PointCloud cloud) {
 void refuse_if_mirrored(const PointCloud& source, const PointCloud& target,
                         const Eigen::Isometry3d& T_mirrored, const CloudOptions& options,
                         CloudRegistration& registration) {
-  constexpr double kDeviations = 4;
+  constexpr double kDeviations = 3;
   RegistrationResult& result = registration.result;
   if (result.status == RegistrationStatus::kDegenerate) return;
   const double start = now(), reach = registration.noise_bound;
   const double bound = kStages[std::size(kStages) - 1].narrowing * reach;
   const PointCloud mirrored = mirror_image(source);
   const Primitive primitive = options.registration.primitive;
-  NeighbourRounds rounds(mirrored, target, primitive, options.threads);
+  NeighbourRounds rounds(mirrored, target, primitive, {}, options.threads);
   CloudRegistration other;
   other.noise_bound = reach;
   const auto refined = refine_in_stages(rounds, T_mirrored, options, other);
@@ -234,7 +237,7 @@ void refuse_if_mirrored(const PointCloud& source, const PointCloud& target,
     const std::vector<double> costs = rounds.truncated_costs(refined->T, reach, bound);
     std::vector<double> own(source.size(), 1);
     if (result.T_target_source) {
-      own = NeighbourRounds(source, target, primitive, options.threads)
+      own = NeighbourRounds(source, target, primitive, {}, options.threads)
                 .truncated_costs(*result.T_target_source, reach, bound);
     }
     result.mirrored = standard_errors(own, costs, options.features.normal_neighbours) > kDeviations;

@@ -23,7 +23,7 @@ geometry::PointCloud mirror_image(geometry::PointCloud cloud);
 
 /// Refuses the result as `mirrored` if the source's mirror image, refined from T_mirrored, fits the
 /// target better than the source at the result's pose (or any, without one): if the truncated cost
-/// of its points, at a quarter of the bound, is less by four standard errors of their paired
+/// of its points, at a quarter of the bound, is less by three standard errors of their paired
 /// differences.
 void refuse_if_mirrored(const geometry::PointCloud& source, const geometry::PointCloud& target,
                         const Eigen::Isometry3d& T_mirrored, const CloudOptions& options,

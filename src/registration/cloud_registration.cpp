@@ -83,20 +83,36 @@ std::optional<Eigen::Isometry3d> match_features(FeatureCloud from, const Feature
     }
     if (registration.result.false_alarms < kClearFalseAlarms) return std::nullopt;
   }
-  if (!fpfh) return std::nullopt;
+  if (!fpfh || !search.turns().all()) return std::nullopt;
   const Correspondences matches = matched(mirrored(std::move(kept)), to, options.threads);
   return register_correspondences(matches, search).T_target_source;
 }
 
 /// @return whether either cloud can be slid along itself, which no pose can tell
-bool is_degenerate(const PointCloud& from, const PointCloud& to, int threads,
-                   RegistrationResult& result) {
+bool is_degenerate(const PointCloud& from, const PointCloud& to, const AllowedTurns& turns,
+                   int threads, RegistrationResult& result) {
   std::vector<FreeMotion> motions[2];
-  parallel_for(2, threads,
-               [&](std::size_t k) { motions[k] = free_surface_motions(k == 0 ? to : from); });
+  parallel_for(2, threads, [&](std::size_t k) {
+    motions[k] = free_surface_motions(k == 0 ? to : from, turns);
+  });
   result.free_motions = std::move(motions[motions[0].empty() ? 1 : 0]);
   result.rank = 6 - static_cast<int>(result.free_motions.size());
   return !result.free_motions.empty();
+}
+
+/// Mean distance of the points that a cell leaves to their neighbours, of some of them; 0 for fewer
+/// than three.
+double spacing(const PointCloud& cloud, double cell) {
+  constexpr std::size_t kLooked = 400;
+  const PointCloud sampled = cell > 0 ? geometry::voxel_sampled(cloud, cell) : cloud;
+  if (sampled.size() < 3) return 0;
+  const geometry::KdTree tree(sampled.points);
+  const std::size_t step = cell > 0 ? std::max<std::size_t>(1, sampled.size() / kLooked) : 1;
+  double sum = 0, looked = 0;
+  for (std::size_t i = 0; i < sampled.size(); i += step, ++looked) {
+    sum += std::sqrt(tree.nearest(sampled.points[i], 2)[1].squared_distance);
+  }
+  return sum / looked;
 }
 
 double noise_bound_of(const CloudOptions& options, double voxel) {
@@ -109,10 +125,9 @@ void check_options(const CloudOptions& options) {
     throw BadInput(fmt::format("noise bound {} m is not positive", *options.noise_bound));
   }
   const auto& registration = options.registration;
-  if (registration.estimate_scale || registration.rotation_axis || registration.translation_only ||
-      registration.instances > 1) {
-    throw BadInput(
-        "scale, limits to rotation and instances go with correspondences, not with clouds");
+  check(registration);
+  if (registration.estimate_scale || registration.instances > 1) {
+    throw BadInput("an unknown scale and instances go with correspondences, not with clouds");
   }
 }
 
@@ -140,7 +155,8 @@ CloudRegistration register_prepared(const PreparedCloud& from, const PreparedClo
   registration.noise_bound = noise_bound_of(options, voxel);
   registration.result.false_alarms = 1;
   if (std::min(from.described.cloud.size(), to.described.cloud.size()) < 3 ||
-      is_degenerate(from.dense, to.dense, options.threads, registration.result)) {
+      is_degenerate(from.dense, to.dense, options.registration.turns(), options.threads,
+                    registration.result)) {
     registration.result.status = RegistrationStatus::kDegenerate;
     return registration;
   }
@@ -168,17 +184,11 @@ double suggested_voxel(const PointCloud& source, const PointCloud& target, int m
   double cells[2];
   parallel_for(2, threads,
                [&](std::size_t k) { cells[k] = voxel_cell_for(k == 0 ? source : target, most); });
-  double cell = std::max(cells[0], cells[1]);
-  if (cell > 0) return cell;
-  // Small clouds stay as they are; their spacing gives the features' scale.
-  for (const PointCloud* cloud : {&source, &target}) {
-    if (cloud->size() < 3) continue;
-    const geometry::KdTree tree(cloud->points);
-    double sum = 0;
-    for (const auto& p : cloud->points) sum += std::sqrt(tree.nearest(p, 2)[1].squared_distance);
-    cell = std::max(cell, sum / static_cast<double>(cloud->size()));
-  }
-  return cell;
+  const double cell = std::max(cells[0], cells[1]);
+  // Where the points are hardly more, or copies, a small cell does: their spacing is the scale.
+  parallel_for(2, threads,
+               [&](std::size_t k) { cells[k] = spacing(k == 0 ? source : target, cell); });
+  return std::max({cell, cells[0], cells[1]});
 }
 
 FeatureCloud describe(const PointView& cloud, double voxel, const FeatureOptions& options,

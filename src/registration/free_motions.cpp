@@ -42,6 +42,10 @@ std::string_view to_string(FreeMotion::Kind kind) {
   return "screw";
 }
 
+void exclude_turns(CentredInformation& about, const Eigen::Matrix3d& excluded) {
+  about.information.topLeftCorner<3, 3>() += about.weight_sum * about.squared_arm * excluded;
+}
+
 std::vector<FreeMotion> free_motions(const CentredInformation& about, double tolerance) {
   // A point's arm is none: its scale only has to be a number.
   const double arm = about.squared_arm > 0 ? std::sqrt(about.squared_arm) : 1;

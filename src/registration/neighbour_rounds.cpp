@@ -19,11 +19,12 @@ void append_pair(Correspondences& pairs, const PointCloud& source, std::size_t i
 }
 
 NeighbourRounds::NeighbourRounds(const PointCloud& source, const PointCloud& target,
-                                 Primitive primitive, int threads)
+                                 Primitive primitive, const AllowedTurns& turns, int threads)
     : source_(source),
       target_(target),
       tree_(target.points),
       primitive_(primitive),
+      turns_(turns),
       threads_(threads),
       nearest_(source.size(), -1),
       partners_(source.size(), -1) {}

@@ -19,7 +19,7 @@ class NeighbourRounds {
  public:
   /// @param source, target  with normals, of either sign; they must outlive this
   NeighbourRounds(const geometry::PointCloud& source, const geometry::PointCloud& target,
-                  Primitive primitive, int threads);
+                  Primitive primitive, const AllowedTurns& turns, int threads);
 
   /// Pairs every stride-th source point, moved, with its nearest target point, where that is within
   /// the bound and their normals do not part by more than 60 deg, of whichever sign.
@@ -27,7 +27,7 @@ class NeighbourRounds {
 
   const Correspondences& pairs() const { return pairs_; }
   std::size_t source_size() const { return source_.size(); }
-  PoseEstimate solve() const { return solve_pose(pairs_, {}, primitive_); }
+  PoseEstimate solve() const { return solve_pose(pairs_, {}, primitive_, turns_); }
 
   /// Share of the source's points that have a partner.
   double overlap() const {
@@ -50,6 +50,7 @@ class NeighbourRounds {
   const geometry::PointCloud& target_;
   geometry::KdTree tree_;
   Primitive primitive_;
+  AllowedTurns turns_;
   int threads_;
   std::vector<int> nearest_, partners_;  // of every source point, with normals alike or not; or -1
   std::size_t looked_ = 0;

@@ -8,6 +8,7 @@
 #include "palpate/core/error.hpp"
 #include "registration/certificate.hpp"
 #include "registration/check_weights.hpp"
+#include "registration/limited_rotation.hpp"
 #include "registration/nearest_rotation.hpp"
 
 namespace palpate::registration {
@@ -40,9 +41,26 @@ struct Problem {
   }
 };
 
+/// Of a twist [w; v] about the origin, [w; v + w x center].
+Matrix6d about_origin(const Matrix6d& about_center, const Eigen::Vector3d& center) {
+  Matrix6d shift = Matrix6d::Identity();
+  shift.bottomLeftCorner<3, 3>() = -skew(center);
+  return shift.transpose() * about_center * shift;
+}
+
+/// The status that follows from bound and rank.
+void conclude(PoseEstimate& estimate, double trace, const PoseOptions& options) {
+  estimate.reference = std::max(estimate.cost, trace / 10);
+  const bool proven = estimate.bound <= options.rotation.relative_gap * estimate.reference;
+  estimate.status = estimate.rank < 6 ? Status::kDegenerate
+                    : proven          ? Status::kCertified
+                                      : Status::kUncertified;
+}
+
 /// Information, rank and the status that follows from bound and rank.
 void assess(PoseEstimate& estimate, const Problem& problem, const Correspondences& correspondences,
-            const std::vector<double>& weights, Primitive primitive, const PoseOptions& options) {
+            const std::vector<double>& weights, Primitive primitive, const AllowedTurns& turns,
+            const PoseOptions& options) {
   const Eigen::Isometry3d& T = estimate.T_target_source;
   const Eigen::Vector3d center = T * problem.origins.source;
   double sum = 0, squared_arm = 0, squared_size = 0;
@@ -55,21 +73,15 @@ void assess(PoseEstimate& estimate, const Problem& problem, const Correspondence
   const Matrix6d about_center = information_matrix(correspondences, weights, primitive, T, center);
   // Arms that are only rounding errors of the coordinates are none.
   const bool point = squared_arm <= 1e-24 * squared_size;
-  estimate.free_motions = free_motions({.information = about_center,
-                                        .center = center,
-                                        .squared_arm = point || !(sum > 0) ? 0 : squared_arm / sum,
-                                        .weight_sum = sum},
-                                       options.rank_tolerance);
+  CentredInformation about{.information = about_center,
+                           .center = center,
+                           .squared_arm = point || !(sum > 0) ? 0 : squared_arm / sum,
+                           .weight_sum = sum};
+  exclude_turns(about, excluded_turns(turns));
+  estimate.free_motions = free_motions(about, options.rank_tolerance);
   estimate.rank = 6 - static_cast<int>(estimate.free_motions.size());
-  // A twist [w; v] about the origin is [w; v + w x center] about the center.
-  Matrix6d shift = Matrix6d::Identity();
-  shift.bottomLeftCorner<3, 3>() = -skew(center);
-  estimate.information = shift.transpose() * about_center * shift;
-  estimate.reference = std::max(estimate.cost, problem.marginal.objective.trace() / 10);
-  const bool proven = estimate.bound <= options.rotation.relative_gap * estimate.reference;
-  estimate.status = estimate.rank < 6 ? Status::kDegenerate
-                    : proven          ? Status::kCertified
-                                      : Status::kUncertified;
+  estimate.information = about_origin(about_center, center);
+  conclude(estimate, problem.marginal.objective.trace(), options);
 }
 
 }  // namespace
@@ -96,7 +108,22 @@ PoseEstimate solve_pose(const Correspondences& correspondences, const std::vecto
   estimate.T_target_source = problem.uncentred(rotation.R);
   estimate.cost = std::max(0.0, rotation.certificate.cost);
   estimate.bound = rotation.certificate.bound;
-  assess(estimate, problem, correspondences, weights, primitive, options);
+  assess(estimate, problem, correspondences, weights, primitive, {}, options);
+  return estimate;
+}
+
+PoseEstimate solve_pose(const Correspondences& correspondences, const std::vector<double>& weights,
+                        Primitive primitive, const AllowedTurns& turns,
+                        const PoseOptions& options) {
+  if (turns.all()) return solve_pose(correspondences, weights, primitive, options);
+  check(correspondences, primitive);
+  check_weights(weights, correspondences.size());
+  const Problem problem(correspondences, weights, primitive);
+  PoseEstimate estimate;
+  estimate.T_target_source =
+      problem.uncentred(solve_limited_rotation(problem.marginal.objective, turns));
+  estimate.cost = problem.cost(estimate.T_target_source);
+  assess(estimate, problem, correspondences, weights, primitive, turns, options);
   return estimate;
 }
 
@@ -111,7 +138,7 @@ PoseEstimate certify(const Eigen::Isometry3d& T_target_source,
   estimate.T_target_source = T_target_source;
   estimate.cost = problem.cost(T_target_source);
   estimate.bound = std::max(0.0, estimate.cost - best.cost) + best.bound;
-  assess(estimate, problem, correspondences, weights, primitive, options);
+  assess(estimate, problem, correspondences, weights, primitive, {}, options);
   return estimate;
 }
 

@@ -17,6 +17,7 @@
 #include "registration/clock.hpp"
 #include "registration/consensus.hpp"
 #include "registration/final_solve.hpp"
+#include "registration/limited_rotation.hpp"
 #include "registration/scale.hpp"
 #include "registration/settle.hpp"
 #include "registration/usable_pairs.hpp"
@@ -40,12 +41,14 @@ void check_motion(const RegistrationOptions& options) {
   if (options.rotation_axis && options.translation_only) {
     throw BadInput("a rotation axis and translation only exclude one another");
   }
-  if (options.method == Method::kGnc || options.primitive == Primitive::kPlane) {
-    throw BadInput("limits to rotation go with cliques and points, not with gnc or planes");
+  if (options.method == Method::kGnc) {
+    throw BadInput("limits to rotation go with cliques, not with gnc");
   }
 }
 
-void check_options(const RegistrationOptions& options) {
+}  // namespace
+
+void check(const RegistrationOptions& options) {
   if (!(options.noise_bound > 0) || !std::isfinite(options.noise_bound)) {
     throw BadInput(fmt::format("noise bound {} m is not positive", options.noise_bound));
   }
@@ -59,6 +62,8 @@ void check_options(const RegistrationOptions& options) {
   }
   check_motion(options);
 }
+
+namespace {
 
 /// Share of the information below which a direction is free: what noise alone gives to lever arms
 /// (twice its standard deviation, a quarter of the bound) and to normals.
@@ -78,26 +83,6 @@ double rank_tolerance(const Correspondences& inliers, const RegistrationOptions&
   return tolerance;
 }
 
-AllowedTurns allowed_turns(const RegistrationOptions& options) {
-  return {options.rotation_axis, options.translation_only};
-}
-
-/// The pose of an allowed turn, with the information that its limits are.
-PoseEstimate solve_limited(const AllowedTurns& turns, const Correspondences& inliers,
-                           const std::vector<double>& weights, const PoseOptions& options) {
-  const Eigen::Isometry3d T = align_points(inliers, weights, turns);
-  PoseEstimate estimate = certify(T, inliers, weights, Primitive::kPoint, options);
-  estimate.bound = 0;  // in closed form, among such poses
-  const auto is_allowed = [&](const FreeMotion& motion) {
-    return motion.kind == FreeMotion::Kind::kTranslation ||
-           (turns.axis && std::abs(motion.direction.dot(turns.axis->normalized())) > 0.99);
-  };
-  std::erase_if(estimate.free_motions, std::not_fn(is_allowed));
-  estimate.rank = 6 - static_cast<int>(estimate.free_motions.size());
-  estimate.status = estimate.rank < 6 ? Status::kDegenerate : Status::kCertified;
-  return estimate;
-}
-
 /// Fills in the final solve for the inliers.
 void solve(const Correspondences& correspondences, const RegistrationOptions& options,
            RegistrationResult& result) {
@@ -108,11 +93,9 @@ void solve(const Correspondences& correspondences, const RegistrationOptions& op
   for (const int i : result.inliers) {
     weights.push_back(result.weights[static_cast<std::size_t>(i)]);
   }
-  const AllowedTurns turns = allowed_turns(options);
-  const PoseEstimate estimate = turns.all()
-                                    ? solve_pose(inliers, weights, options.primitive, pose_options)
-                                    : solve_limited(turns, inliers, weights, pose_options);
-  report_final_solve(estimate, correspondences, options.primitive, result);
+  const PoseEstimate estimate =
+      solve_pose(inliers, weights, options.primitive, options.turns(), pose_options);
+  report_final_solve(estimate, correspondences, options.primitive, options.turns(), result);
 }
 
 ConsensusOptions consensus_options(const Correspondences& correspondences,
@@ -122,7 +105,7 @@ ConsensusOptions consensus_options(const Correspondences& correspondences,
           .max_false_alarms = options.max_false_alarms,
           .best_effort = options.best_effort,
           .support_radius = options.support_radius,
-          .turns = allowed_turns(options)};
+          .turns = options.turns()};
 }
 
 /// Weights and inliers of a consensus among all pairs.
@@ -233,16 +216,20 @@ void find_more(const Correspondences& correspondences, const RegistrationOptions
 /// Residuals are taken to be normal with one variance, which the inliers tell. Wrong pairs near the
 /// bound, uniform in its ball, leave and join the inliers as the pose moves, which on average
 /// undoes their pull: of the information only the right ones' share counts.
-Matrix6d covariance_of(const RegistrationResult& result, Primitive primitive) {
+Matrix6d covariance_of(const RegistrationResult& result, Primitive primitive,
+                       const AllowedTurns& turns) {
+  const auto twists = allowed_twists(turns);
   const double residuals =
       (primitive == Primitive::kPoint ? 3 : 1) * static_cast<double>(result.inliers.size());
-  const double freedom = residuals - 6;
+  const double freedom = residuals - static_cast<double>(twists.cols());
   // That of Student's distribution: with few residuals their variance is itself uncertain.
   if (!(freedom > 2)) return Matrix6d::Constant(std::numeric_limits<double>::infinity());
   constexpr double kLeastShare = 0.25;
   const double right = 1 - result.false_inliers / static_cast<double>(result.inliers.size());
   const double share = std::max(kLeastShare, right);
-  return result.cost / (freedom - 2) / (share * share) * result.information.inverse();
+  const Eigen::MatrixXd information = twists.transpose() * result.information * twists;
+  return result.cost / (freedom - 2) / (share * share) * twists * information.inverse() *
+         twists.transpose();
 }
 
 /// Of a turn, the translation following, against a cost that differs by `bound`.
@@ -279,7 +266,8 @@ std::string_view to_string(RegistrationStatus status) {
 }
 
 void report_final_solve(const PoseEstimate& estimate, const Correspondences& correspondences,
-                        Primitive primitive, RegistrationResult& result) {
+                        Primitive primitive, const AllowedTurns& turns,
+                        RegistrationResult& result) {
   const bool free = estimate.status == Status::kDegenerate;
   result.status = free ? RegistrationStatus::kDegenerate : RegistrationStatus::kFound;
   result.certificate.least_squares = estimate.status == Status::kCertified;
@@ -296,7 +284,7 @@ void report_final_solve(const PoseEstimate& estimate, const Correspondences& cor
   }
   result.T_target_source = estimate.T_target_source;
   result.certificate.resolution_deg = resolution_deg(estimate.information, estimate.bound);
-  result.covariance = covariance_of(result, primitive);
+  result.covariance = covariance_of(result, primitive, turns);
   result.residuals =
       squared_residuals(correspondences, estimate.T_target_source, Primitive::kPoint);
   for (double& r : result.residuals) r = std::sqrt(r);
@@ -304,7 +292,7 @@ void report_final_solve(const PoseEstimate& estimate, const Correspondences& cor
 
 RegistrationResult register_correspondences(const Correspondences& correspondences,
                                             const RegistrationOptions& options) {
-  check_options(options);
+  check(options);
   check(correspondences, options.primitive);
   if (options.estimate_scale) return register_scaled(correspondences, options);
   const double start = now();

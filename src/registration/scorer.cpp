@@ -90,6 +90,16 @@ double Scorer::gain(const Eigen::Isometry3d& T) const {
   return sum;
 }
 
+double Scorer::gain_of(const std::vector<int>& indices, const Eigen::Isometry3d& T) const {
+  double sum = 0;
+  for (const int i : indices) {
+    float off = 0;
+    squares(T, i, i + 1, 0, &off);
+    sum += std::max(0.0, 1 - static_cast<double>(off));
+  }
+  return sum;
+}
+
 Score Scorer::score(const Eigen::Isometry3d& T) const {
   const Eigen::ArrayXf all = gains(T);
   Score score;
@@ -159,20 +169,21 @@ std::vector<int> Scorer::near(const Eigen::Isometry3d& T, float reach) const {
   return indices;
 }
 
-Eigen::Isometry3d Scorer::align_inliers(const Eigen::ArrayXf& gains) const {
+Eigen::Isometry3d Scorer::align_inliers(const Eigen::ArrayXf& gains, double sign) const {
   std::vector<int> inliers;
   for (Eigen::Index i = 0; i < gains.size(); ++i) {
     if (gains[i] > 0) inliers.push_back(static_cast<int>(i));
   }
-  return align(inliers);
+  return align(inliers, sign);
 }
 
 double Scorer::descend(Eigen::Isometry3d& T, float reach) const {
   constexpr int kMaxSteps = 10;
+  const double sign = T.linear().determinant() < 0 ? -1 : 1;
   Eigen::ArrayXf current = gains(T, reach);
   auto best = static_cast<double>(current.sum());
   for (int step = 0; step < kMaxSteps; ++step) {
-    const Eigen::Isometry3d next = align_inliers(current);
+    const Eigen::Isometry3d next = align_inliers(current, sign);
     current = gains(next, reach);
     const auto reached = static_cast<double>(current.sum());
     if (!(reached > best)) break;

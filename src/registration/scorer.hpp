@@ -34,6 +34,8 @@ class Scorer {
   const PairColumns& columns() const { return *columns_; }
 
   double gain(const Eigen::Isometry3d& T) const;
+  /// Of some correspondences alone.
+  double gain_of(const std::vector<int>& indices, const Eigen::Isometry3d& T) const;
   Score score(const Eigen::Isometry3d& T) const;
   /// Counts correspondences of equal points once; of more than some hundred inliers all.
   Score score_of_distinct(const Eigen::Isometry3d& T) const;
@@ -48,7 +50,8 @@ class Scorer {
   /// The correspondences whose residuals are at most `reach` times the bounds, ascending.
   std::vector<int> near(const Eigen::Isometry3d& T, float reach) const;
 
-  /// Alternates inliers and least squares, from T until the gain grows no more.
+  /// Alternates inliers and least squares, from T until the gain grows no more. From a reflection
+  /// it leads to reflections.
   /// @param reach  times the bounds are those meant by inliers and gain
   /// @return gain reached
   double descend(Eigen::Isometry3d& T, float reach = 1) const;
@@ -72,7 +75,7 @@ class Scorer {
   Eigen::ArrayXf squares(const Eigen::Isometry3d& T, int from, int to, int shift) const;
   void squares(const Eigen::Isometry3d& T, int from, int to, int shift, float* result) const;
   Eigen::ArrayXf gains(const Eigen::Isometry3d& T, float reach = 1) const;
-  Eigen::Isometry3d align_inliers(const Eigen::ArrayXf& gains) const;
+  Eigen::Isometry3d align_inliers(const Eigen::ArrayXf& gains, double sign) const;
   Eigen::Isometry3d align(const std::vector<int>& indices, double sign) const;
 
   double unit_ = 1;

@@ -7,6 +7,7 @@
 
 #include "palpate/geometry/cloud/kd_tree.hpp"
 #include "palpate/geometry/cloud/normals.hpp"
+#include "registration/limited_rotation.hpp"
 
 namespace palpate::registration {
 namespace {
@@ -32,7 +33,7 @@ Vector6d twist_row(const Eigen::Vector3d& arm, const Eigen::Vector3d& normal) {
   return row;
 }
 
-CentredInformation shared_information(const NormalPairs& pairs) {
+CentredInformation shared_information(const NormalPairs& pairs, const AllowedTurns& turns = {}) {
   CentredInformation result;
   result.weight_sum = static_cast<double>(pairs.points.size());
   for (const auto& p : pairs.points) result.center += p / result.weight_sum;
@@ -42,6 +43,7 @@ CentredInformation shared_information(const NormalPairs& pairs) {
     result.information.noalias() += 0.5 * (a * b.transpose() + b * a.transpose());
     result.squared_arm += arm.squaredNorm() / result.weight_sum;
   }
+  exclude_turns(result, excluded_turns(turns));
   return result;
 }
 
@@ -72,12 +74,12 @@ double standard_error(const NormalPairs& pairs, const CentredInformation& about,
   return std::sqrt(2 * copies * squares) / about.weight_sum;
 }
 
-std::vector<FreeMotion> free_motions_of(const NormalPairs& pairs) {
+std::vector<FreeMotion> free_motions_of(const NormalPairs& pairs, const AllowedTurns& turns) {
   // Facets of a mesh and the error of a scan give about this share to motions that slide it.
   constexpr double kSurfaceError = 1e-3;
   constexpr double kDeviations = 4;
   if (pairs.points.empty()) return {};
-  const CentredInformation about = shared_information(pairs);
+  const CentredInformation about = shared_information(pairs, turns);
   const Vector6d weakest = scale_of(about).asDiagonal() * eigen_of(about).eigenvectors().col(0);
   return free_motions(about,
                       std::max(kSurfaceError, kDeviations * standard_error(pairs, about, weakest)));
@@ -121,22 +123,26 @@ NormalPairs normals_of_overlap(const Correspondences& pairs, const Eigen::Isomet
 
 }  // namespace
 
-std::vector<FreeMotion> free_surface_motions(const geometry::PointCloud& cloud) {
+std::vector<FreeMotion> free_surface_motions(const geometry::PointCloud& cloud,
+                                             const AllowedTurns& turns) {
   // Noise adds to the shares that one estimate gives: what is large with it needs no second look.
   constexpr double kClear = 0.1;
   if (cloud.has_normals() && least_share(cloud) > kClear) return {};
-  return free_motions_of(normals_of_halves(cloud));
+  return free_motions_of(normals_of_halves(cloud), turns);
 }
 
 std::vector<FreeMotion> free_motions_of_overlap(const Correspondences& pairs,
-                                                const Eigen::Isometry3d& T_target_source) {
-  return free_motions_of(normals_of_overlap(pairs, T_target_source));
+                                                const Eigen::Isometry3d& T_target_source,
+                                                const AllowedTurns& turns) {
+  return free_motions_of(normals_of_overlap(pairs, T_target_source), turns);
 }
 
 std::optional<FreeMotion> weak_rotation(const Correspondences& pairs,
-                                        const Eigen::Isometry3d& T_target_source) {
+                                        const Eigen::Isometry3d& T_target_source,
+                                        const AllowedTurns& turns) {
   constexpr double kWeak = 0.02, kRounding = 1e-9;
-  const CentredInformation about = shared_information(normals_of_overlap(pairs, T_target_source));
+  const CentredInformation about =
+      shared_information(normals_of_overlap(pairs, T_target_source), turns);
   const double least = eigen_of(about).eigenvalues()[0] / about.weight_sum;
   if (least > kWeak) return std::nullopt;
   const FreeMotion weakest = free_motions(about, least + kRounding).front();

@@ -106,6 +106,18 @@ class Register(CliTest):
             self.assertGreater(report["feature_matches"], 20)
             self.assert_quarter_turn(report["T_target_source"], 0.05)
 
+    def test_clouds_of_known_scale_and_gravity(self):
+        small = [[1000 * c for c in p] for p in lump(2)]
+        clouds = [self.write("mm.xyz", xyz(small)),
+                  self.write("t.xyz", xyz([moved(p) for p in lump(1)]))]
+        for limit in ([], ["--yaw-only"], ["--gravity", "0", "0", "-9.81"]):
+            report = self.run_json("register", *clouds, "--known-scale", "0.001", *limit)
+            self.assertEqual((report["status"], report["scale"]), ("found", 0.001))
+            self.assert_quarter_turn(report["T_target_source"], 0.05)
+            if limit:
+                self.assertAlmostEqual(report["T_target_source"][10], 1, delta=1e-12)
+                self.assertEqual(report["covariance"][0], [0.0] * 6)
+
     def test_several_instances_and_the_runner_up(self):
         source = random.Random(9)
         rows = ["sx,sy,sz,tx,ty,tz"]
@@ -235,7 +247,11 @@ class Register(CliTest):
             (["register", "--correspondences", file, "--initial", MIRROR], BAD_INPUT),
             (["register", "--correspondences", file, "--instances", "0"], USAGE),
             (["register", "box.stl", "box.stl", "--scale"], BAD_INPUT),
-            (["register", "box.stl", "box.stl", "--yaw-only"], BAD_INPUT),
+            (["register", "box.stl", "box.stl", "--instances", "2"], BAD_INPUT),
+            (["register", "box.stl", "box.stl", "--gravity", "0", "0", "0"], BAD_INPUT),
+            (["register", "box.stl", "box.stl", "--gravity", "0", "1"], USAGE),
+            (["register", "box.stl", "box.stl", "--known-scale", "-1"], USAGE),
+            (["register", "box.stl", "box.stl", "--known-scale", "2", "--scale"], USAGE),
             (["certify", "1,2,3", "--correspondences", file], BAD_INPUT),
             (["certify", MIRROR, "--correspondences", file], BAD_INPUT),
             (["certify", IDENTITY, "--correspondences", file, "--noise-bound", "0"], BAD_INPUT),

@@ -94,6 +94,24 @@ TEST(RegisterClouds, EmptyTinyAndDegenerateClouds) {
   EXPECT_THROW(register_clouds(cloud, cloud, {.noise_bound = -1.0}), BadInput);
 }
 
+// A small cell is enough for so few too many, or for copies, and too small for features.
+TEST(RegisterClouds, FewPointsMoreThanTheGridKeepsOrCopies) {
+  for (const bool copied : {false, true}) {
+    PointCloud clouds[] = {bunny_cloud(1510, 2), bunny_cloud(1510, 1)};
+    for (auto& cloud : clouds) {
+      cloud.normals.clear();
+      if (copied) cloud.points.insert(cloud.points.end(), 1500, cloud.points[0]);
+      for (std::size_t i = 0; copied && i < 1500; ++i) cloud.points[1510 + i] = cloud.points[i];
+    }
+    const double few = suggested_voxel(bunny_cloud(1500, 2), bunny_cloud(1500, 1), 1500);
+    EXPECT_NEAR(suggested_voxel(clouds[0], clouds[1], 1500) / few, 1, 0.2);
+    const auto found =
+        register_clouds(geometry::transformed(pose_of(2).inverse(), clouds[0]), clouds[1], kCoarse);
+    ASSERT_TRUE(found.result.T_target_source) << copied;
+    EXPECT_LT(rotation_error_deg(*found.result.T_target_source, pose_of(2)), 3);
+  }
+}
+
 TEST(RegisterClouds, RefusesAMirroredCloud) {
   PointCloud mirrored = bunny_cloud(4000, 2);
   for (auto* list : {&mirrored.points, &mirrored.normals}) {
@@ -137,6 +155,53 @@ TEST(RegisterClouds, TakesFeaturesOfOnesOwn) {
   EXPECT_LT(rotation_error_deg(*found.result.T_target_source, pose_of(3)), 1);
   described[0].features.conservativeResize(3, 10);
   EXPECT_THROW(register_described(described[0], described[1], kVoxel), BadInput);
+}
+
+TEST(RegisterClouds, TurnsAboutGravityAloneOrNotAtAll) {
+  const Eigen::Vector3d gravity(0, 0.6, -0.8);
+  Eigen::Isometry3d turned(Eigen::Translation3d(0.02, -0.3, 0.1)), shifted = turned;
+  turned.rotate(Eigen::AngleAxisd(2.5, gravity));
+  const PointCloud target = bunny_cloud(8000, 1), scan = bunny_cloud(8000, 2);
+  for (const auto primitive : {Primitive::kPlane, Primitive::kPoint}) {
+    CloudOptions options = kCoarse;
+    options.registration.primitive = primitive;
+    options.registration.rotation_axis = 3 * gravity;
+    const auto found =
+        register_clouds(geometry::transformed(turned.inverse(), scan), target, options);
+    ASSERT_TRUE(found.result.T_target_source);
+    EXPECT_LT(rotation_error_deg(*found.result.T_target_source, turned), 0.5);
+    EXPECT_NEAR((found.result.T_target_source->linear() * gravity - gravity).norm(), 0, 1e-12);
+    options.registration.rotation_axis = std::nullopt;
+    options.registration.translation_only = true;
+    const auto moved =
+        register_clouds(geometry::transformed(shifted.inverse(), scan), target, options);
+    ASSERT_TRUE(moved.result.T_target_source);
+    EXPECT_EQ(moved.result.T_target_source->linear(), Eigen::Matrix3d::Identity());
+    EXPECT_LT((moved.result.T_target_source->translation() - shifted.translation()).norm(), 5e-4);
+  }
+}
+
+// Turns that gravity excludes are not free; those about it are.
+TEST(RegisterClouds, ASphereIsDegenerateByItsAllowedTurns) {
+  RandomStream random(1, "sphere");
+  PointCloud spheres[2];
+  for (auto& sphere : spheres) {
+    for (int i = 0; i < 4000; ++i) sphere.points.push_back(0.05 * random.unit_vector());
+  }
+  CloudOptions options = kCoarse;
+  options.registration.rotation_axis = Eigen::Vector3d(1, 1, 0);
+  const auto found = register_clouds(spheres[0], spheres[1], options).result;
+  EXPECT_EQ(found.status, RegistrationStatus::kDegenerate);
+  ASSERT_EQ(found.free_motions.size(), 1u);
+  EXPECT_EQ(found.free_motions[0].kind, FreeMotion::Kind::kRotation);
+  EXPECT_GT(std::abs(found.free_motions[0].direction.dot(Eigen::Vector3d(1, 1, 0).normalized())),
+            0.99);
+  options.registration.rotation_axis = std::nullopt;
+  options.registration.translation_only = true;
+  options.registration.initial = Eigen::Isometry3d(Eigen::Translation3d(0.004, -0.003, 0.002));
+  const auto shifted = register_clouds(spheres[0], spheres[1], options).result;
+  ASSERT_TRUE(shifted.T_target_source);
+  EXPECT_LT(shifted.T_target_source->translation().norm(), 2e-4);
 }
 
 TEST(RegisterClouds, RefusesAPoseThatDoesNotFit) {

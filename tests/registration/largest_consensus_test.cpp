@@ -138,6 +138,17 @@ TEST(Register, AReflectionMustHaveASignificantSurplus) {
   }
 }
 
+// A rotation fits part of what a reflection explains: its cliques are looked at as reflections,
+// too.
+TEST(Register, AReflectionIsFoundBesideASmallerConsensus) {
+  for (std::uint64_t seed = 0; seed < 10; ++seed) {
+    const auto result = with_reflection(20, 200, seed);
+    EXPECT_TRUE(result.mirrored) << seed;
+    EXPECT_FALSE(result.T_target_source) << seed;
+    EXPECT_FALSE(with_reflection(200, 20, seed).mirrored) << seed;
+  }
+}
+
 TEST(Register, OneHugeCoordinateSpoilsNothing) {
   for (std::uint64_t seed = 0; seed < 5; ++seed) {
     auto problem =
@@ -203,6 +214,11 @@ TEST(Register, TurnsAboutAnAxisAlone) {
   ASSERT_TRUE(result.T_target_source);
   EXPECT_LT(rotation_error_deg(*result.T_target_source, truth), 0.5);
   EXPECT_NEAR((result.T_target_source->linear() * axis - axis).norm(), 0, 1e-12);
+  // Turns about other axes are no part of the answer, nor of its covariance.
+  Vector6d across = Vector6d::Zero();
+  across.head<3>() = axis.cross(Eigen::Vector3d::UnitX());
+  EXPECT_NEAR((result.covariance * across).norm(), 0, 1e-12);
+  EXPECT_GT(result.covariance.trace(), 0);
 }
 
 TEST(Register, ShiftsAlone) {

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <numbers>
+#include <numeric>
 
 #include "palpate/core/error.hpp"
 #include "registration/problems.hpp"
@@ -16,6 +18,10 @@ using testing::rotation_error_deg;
 using testing::translation_error_mm;
 
 constexpr Primitive kBoth[] = {Primitive::kPoint, Primitive::kPlane};
+
+double sum_of(const std::vector<double>& squares) {
+  return std::accumulate(squares.begin(), squares.end(), 0.0);
+}
 
 TEST(Pose, RecoversTheExactPose) {
   for (const Primitive primitive : kBoth) {
@@ -109,6 +115,27 @@ TEST(Pose, FreeDirectionsOfCylinderSphereAndCorner) {
   EXPECT_EQ(solve_pose(sphere, {}, Primitive::kPlane).rank, 3);
   EXPECT_EQ(solve_pose(cylinder, {}, Primitive::kPlane).rank, 4);
   EXPECT_EQ(solve_pose(cylinder, {}, Primitive::kPlane).status, Status::kDegenerate);
+}
+
+// Against every angle about the axis, each with the shift that is best for it.
+TEST(Pose, NoTurnAboutTheAxisIsBetter) {
+  const Eigen::Vector3d axis(1, -2, 0.5);
+  for (const Primitive primitive : kBoth) {
+    for (std::uint64_t seed = 0; seed < 10; ++seed) {
+      const auto problem =
+          make_problem({.pairs = 30, .outliers = 0.5, .noise = 0.005}, RandomStream(seed, "axis"));
+      const Correspondences& c = problem.correspondences;
+      const auto best = solve_pose(c, {}, primitive, AllowedTurns{.axis = axis});
+      EXPECT_NEAR(best.cost, sum_of(squared_residuals(c, best.T_target_source, primitive)), 1e-12);
+      for (int k = 0; k < 720; ++k) {
+        Correspondences turned = c;
+        const Eigen::AngleAxisd turn(k * std::numbers::pi / 360, axis.normalized());
+        for (auto& p : turned.source) p = turn * p;
+        const auto shifted = solve_pose(turned, {}, primitive, AllowedTurns{.none = true});
+        EXPECT_GE(shifted.cost, best.cost * (1 - 1e-9));
+      }
+    }
+  }
 }
 
 TEST(Pose, MirroredPointsGiveARotation) {

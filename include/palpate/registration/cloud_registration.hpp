@@ -33,8 +33,8 @@ struct FeatureOptions {
   }
 };
 
-/// The cell with which both clouds keep at most `most_points`, at least 1e-9 of their size; 0 if
-/// neither has two different points.
+/// The cell with which both clouds keep at most `most_points`, at least the mean distance between
+/// the points that are left; 0 if neither has two different points.
 /// @param threads  the result does not depend on them
 double suggested_voxel(const geometry::PointCloud& source, const geometry::PointCloud& target,
                        int most_points, int threads = 1);
@@ -71,7 +71,8 @@ struct CloudRegistration {
 ///
 /// Clouds of fewer than three points after sampling are kDegenerate; so are surfaces that can be
 /// slid along themselves (sphere, cylinder, cone, torus, plane), with their `free_motions`. An
-/// initial pose starts the refinement alone. Large clouds are read where they are, and not copied.
+/// initial pose starts the refinement alone, a rotation axis or translation_only limits it and the
+/// search. Large clouds are read where they are, and not copied.
 /// @throws BadInput as check_cloud(), with_normals() and register_correspondences()
 CloudRegistration register_clouds(const geometry::PointView& source,
                                   const geometry::PointView& target,

@@ -30,6 +30,10 @@ struct CentredInformation {
   double weight_sum = 0;
 };
 
+/// Tells of turns that are not allowed as if each had the whole information: what is free after it
+/// is free among the others.
+void exclude_turns(CentredInformation& about, const Eigen::Matrix3d& excluded);
+
 /// Directions of motion that are free: those with less than `tolerance` of the information that one
 /// unit residual a pair gives, lever arms in units of their root mean square so that turning and
 /// shifting compare. Shifts first, then axes at right angles to them.

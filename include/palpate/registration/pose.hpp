@@ -19,6 +19,14 @@ enum class Status {
 /// "certified", "uncertified" or "degenerate".
 std::string_view to_string(Status status);
 
+/// The rotations among which a pose is looked for; its shift is always free.
+struct AllowedTurns {
+  std::optional<Eigen::Vector3d> axis = std::nullopt;  ///< those about it alone, as gravity; not 0
+  bool none = false;                                   ///< the identity alone
+
+  bool all() const { return !axis && !none; }
+};
+
 struct PoseOptions {
   RotationOptions rotation;
   /// A direction of motion (lever arms over their root mean square, so that turning and shifting
@@ -32,7 +40,7 @@ struct PoseEstimate {
   double cost = 0;       ///< sum of weighted squared residuals, m^2
   double bound = 0;      ///< cost - least cost is at most this, m^2
   double reference = 0;  ///< max(cost, tr(Q~)/10), what the bound is small against, m^2
-  int rank = 0;          ///< of the information matrix, 0..6
+  int rank = 0;          ///< of the information matrix, 0..6; motions that are not allowed count
   Matrix6d information = Matrix6d::Zero();  ///< at the pose, of twists [w; v] in the target frame
   std::vector<FreeMotion> free_motions;     ///< 6 - rank of them
 };
@@ -57,15 +65,14 @@ PoseEstimate certify(const Eigen::Isometry3d& T_target_source,
 Eigen::Isometry3d align_points(const Correspondences& correspondences,
                                const std::vector<double>& weights);
 
-/// The rotations among which a pose is looked for; its shift is always free.
-struct AllowedTurns {
-  std::optional<Eigen::Vector3d> axis = std::nullopt;  ///< those about it alone, as gravity; not 0
-  bool none = false;                                   ///< the identity alone
+/// solve_pose() among the allowed turns, the best of them all: about an axis the cost is a
+/// trigonometric polynomial of second degree of the angle, without turns it is quadratic. The free
+/// motions are those that the limits leave.
+PoseEstimate solve_pose(const Correspondences& correspondences, const std::vector<double>& weights,
+                        Primitive primitive, const AllowedTurns& turns,
+                        const PoseOptions& options = {});
 
-  bool all() const { return !axis && !none; }
-};
-
-/// The same among the allowed turns.
+/// align_points() among the allowed turns.
 Eigen::Isometry3d align_points(const Correspondences& correspondences,
                                const std::vector<double>& weights, const AllowedTurns& turns);
 

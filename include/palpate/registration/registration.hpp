@@ -59,6 +59,8 @@ struct RegistrationOptions {
   std::uint64_t seed = 0;
   bool keep_history = false;  ///< of weights, kGnc
 
+  AllowedTurns turns() const { return {rotation_axis, translation_only}; }
+
   template <class Visitor>
   void visit(Visitor&& v) {
     v("noise_bound", noise_bound, 1e-9, 1e9, "largest position error of an inlier, m");
@@ -118,13 +120,17 @@ struct RegistrationResult {
   int rank = 0;                             ///< of the information matrix
   std::vector<FreeMotion> free_motions;     ///< of kDegenerate
   Matrix6d information = Matrix6d::Zero();  ///< of the inliers, of twists [w; v], target frame
-  /// Of twists [w; v] in the target frame, rad and m: the inverse information times the residuals'
-  /// variance, estimated from the inliers, over the squared share of them that are right. Pairs
-  /// that agree by accident add to the information what the cut at the bound takes away again.
+  /// Of twists [w; v] in the target frame, rad and m, 0 along those not allowed: the inverse
+  /// information times the residuals' variance, estimated from the inliers, over the squared share
+  /// of them that are right. Pairs that agree by accident add to the information what the cut at
+  /// the bound takes away again.
   Matrix6d covariance = Matrix6d::Zero();
   std::vector<GncIteration> history;                          ///< if asked for, kGnc
   double search_seconds = 0, solve_seconds = 0, seconds = 0;  ///< rejection, final solve, all
 };
+
+/// @throws BadInput for options out of range or that exclude one another
+void check(const RegistrationOptions& options);
 
 /// Pose of source in target from correspondences most of which may be wrong, with what is known of
 /// its quality.
