@@ -63,13 +63,12 @@ def experiment_set(name, seed, *figures):
 
 def training_set(seed):
     curves = {"evaluation", "return", "surrogate_gain"}
-    name = "relocate-dapg" if seed == 200 else f"relocate-dapg-{seed}"
-    pictures = {f"{name}-{curve}.svg": f"dapg/{curve}.svg" for curve in curves}
+    pictures = {f"relocate-dapg-{curve}.svg": f"dapg/{curve}.svg" for curve in curves}
     for phase, i in {"reach": 1, "carry": 2, "hold": 3}.items():
-        pictures[f"relocate-dapg-{seed}-{phase}.png"] = f"drawn/{i}-{phase}.png"
-    pictures[f"relocate-dapg-{seed}-video.png"] = "drawn/video.png"
+        pictures[f"relocate-dapg-{phase}.png"] = f"drawn/{i}-{phase}.png"
+    pictures["relocate-dapg-video.png"] = "drawn/video.png"
     for figure in ("histogram", "normal-plot"):
-        pictures[f"{name}-{figure}.svg"] = f"compared/{figure}.svg"
+        pictures[f"relocate-dapg-{figure}.svg"] = f"compared/{figure}.svg"
     return Set(
         (
             "palpate train relocate --config configs/relocate_dapg.toml --method dapg --expert "
@@ -113,8 +112,7 @@ SETS = {
     "localization_tables": experiment_set("localization_tables", 29000, "calibration", "success"),
     "localization_tracking": experiment_set("localization_tracking", 28700, "tracking"),
     "localization_probes": experiment_set("localization_probes", 9000, "probes"),
-    "relocate-dapg-200": training_set(200),
-    "relocate-dapg-201": training_set(201),
+    "relocate-dapg": training_set(200),
     "relocate-published": Set(
         (
             "palpate rollout {data}/relocate_mug_published_policy.json --episodes 1 --record 1 "
