@@ -19,8 +19,8 @@ function(palpate_module name)
   target_link_libraries(palpate_${name} PUBLIC ${module_UNPARSED_ARGUMENTS}
                         PRIVATE $<BUILD_INTERFACE:palpate_warnings>)
   palpate_precompile(palpate_${name})
-  install(TARGETS palpate_${name} EXPORT palpate-${name})
+  install(TARGETS palpate_${name} EXPORT palpate-${name} COMPONENT development)
   install(DIRECTORY "${PROJECT_SOURCE_DIR}/include/palpate/${module_FOLDER}"
-          DESTINATION include/palpate)
+          DESTINATION include/palpate COMPONENT development)
   set(PALPATE_ROOMS ${PALPATE_ROOMS} ${name} PARENT_SCOPE)
 endfunction()

@@ -98,13 +98,23 @@ function onKey(event) {
   actions[event.key]();
 }
 
-/** Time asked for as #t=3.2 in the address. */
+/** Value of a key in an address like #t=3.2&view=side. */
+function inAddress(key) {
+  return new URLSearchParams(location.hash.slice(1)).get(key);
+}
+
 function timeInAddress() {
-  const t = new URLSearchParams(location.hash.slice(1)).get('t');
+  const t = inAddress('t');
   return t === null || Number.isNaN(Number(t)) ? undefined : Number(t);
 }
 
+function lookAsAddressed() {
+  const view = inAddress('view');
+  if (document.querySelector(`[data-view="${CSS.escape(view ?? '')}"]`)) scene?.look(view);
+}
+
 function seekAddress() {
+  lookAsAddressed();
   const t = timeInAddress();
   if (t === undefined) return;
   setPlaying(false);
@@ -122,6 +132,7 @@ addEventListener('hashchange', seekAddress);
 for (const button of document.querySelectorAll('[data-view]')) {
   button.addEventListener('click', () => scene?.look(button.dataset.view));
 }
+lookAsAddressed();
 seek(timeInAddress() ?? recording.begin);
 if (timeInAddress() === undefined && !matchMedia('(prefers-reduced-motion: reduce)').matches)
   setPlaying(true);

@@ -190,12 +190,12 @@ export class Panel {
   #fillLayers() {
     const r = this.recording;
     const layers = [
-      ['hand', 'Hand, from the joints it sensed', '#8d98a6', true],
-      ['seeThrough', 'Hand see-through', '', true],
-      ['truth', 'Object, where it truly was', 'var(--truth)', r.hasObject.some((x) => x)],
-      ['estimate', 'Object, where it was felt to be', modeColor(0), r.estimates.length > 0],
-      ['contacts', 'Contacts, arrows as long as the force', FINGER_COLORS[0], true],
-      ['evidence', 'Contacts behind the estimate', FINGER_COLORS[2], r.estimates.length > 0],
+      ['hand', 'Hand, at its measured joint angles', '#8d98a6', true],
+      ['seeThrough', 'Hand transparent', '', true],
+      ['truth', 'Object, true pose', 'var(--truth)', r.hasObject.some((x) => x)],
+      ['estimate', 'Object, estimated poses', modeColor(0), r.estimates.length > 0],
+      ['contacts', 'Contacts, arrows by force', FINGER_COLORS[0], true],
+      ['evidence', 'Contacts used by the estimate', FINGER_COLORS[2], r.estimates.length > 0],
     ];
     for (const [key, text, color, there] of layers) {
       if (!there) continue;

@@ -91,7 +91,9 @@ void add_certify(CLI::App& program, Command& chosen) {
                   "CSV with sx,sy,sz,tx,ty,tz[,snx,sny,snz,tnx,tny,tnz] in metres")
       ->option_text("FILE")
       ->required();
-  command.add_option("--primitive", arguments->primitive, "what residuals are: point or plane")
+  command
+      .add_option("--primitive", arguments->primitive,
+                  "residuals: distances of points (point) or along target normals (plane)")
       ->check(CLI::IsMember({"point", "plane"}))
       ->capture_default_str();
   add_common_options(command, arguments->common, kOut);

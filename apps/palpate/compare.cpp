@@ -224,18 +224,21 @@ void add_compare(CLI::App& program, Command& chosen) {
   auto arguments = std::make_shared<CompareArguments>();
   auto& command = *program.add_subcommand("compare", "Test whether two policies differ");
   const char* const kind =
-      "policy file, name of a shipped policy, or episodes.csv of a rollout; several trainings of "
-      "one method with commas between";
+      "policy file, name of a shipped policy, or episodes.csv of a rollout; for several "
+      "trainings of one method, separate them by commas";
   command.add_option("A", arguments->a, kind)->required();
   command.add_option("B", arguments->b, kind)->required();
-  command.add_option("--episodes", arguments->episodes, "of each policy, on the same starts")
+  command
+      .add_option("--episodes", arguments->episodes,
+                  "episodes of each policy, from the same start states")
       ->check(CLI::Range(3, 5000))
       ->capture_default_str();
   add_task_option(command);
   add_common_options(command, arguments->common);
   command.footer(
-      "Says which of the tests may be believed, and why. Of several trainings of each method, the\n"
-      "mean return of each training is one value. With --out the histograms and normal plots go "
+      "Reports which of the tests is valid, and why. With several trainings of each method, the "
+      "mean\n"
+      "return of a training is one sample. With --out the histograms and normal plots go "
       "to\n"
       "DIR.\n\n"
       "Examples:\n"

@@ -225,10 +225,10 @@ void add_eval(CLI::App& program, Command& chosen) {
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
   command.add_flag("--resume", arguments->resume,
-                   "continue the evaluation in DIR; never start one");
+                   "continue the evaluation in DIR, and refuse to start a new one");
   command
       .add_option("--shard", arguments->shard_text,
-                  "run only the Ith of N shares of the trials, for `palpate merge`")
+                  "run only shard I of N of the trials, for `palpate merge`")
       ->option_text("I/N");
   auto* const faults =
       command
@@ -241,8 +241,8 @@ void add_eval(CLI::App& program, Command& chosen) {
   add_place_option(command, arguments->place);
   command
       .add_option("--candidates", arguments->candidates,
-                  "objects of which the robot is told that it may be any, or none, up to 10; which "
-                  "one is estimated, too (default: the object itself)")
+                  "up to 10 objects among which the robot identifies the one present, or none "
+                  "(default: the object is known)")
       ->delimiter(',')
       ->option_text("O,O2..");
   add_object_options(command, arguments->told);

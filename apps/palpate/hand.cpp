@@ -216,7 +216,7 @@ void add_hand(CLI::App& program, Command& chosen) {
   add_install(group, chosen);
   auto arguments = std::make_shared<CheckArguments>();
   auto& command = *group.add_subcommand(
-      "check", "Report what is derived from a hand's file, what is guessed, what is wrong");
+      "check", "Report what is derived from a hand's file, what is assumed, and what is wrong");
   command.add_option("HAND", arguments->hand, "name of a hand, or an MJCF, URDF or TOML file")
       ->required();
   command.add_option("--render", arguments->render, "folder for a picture of each posture")

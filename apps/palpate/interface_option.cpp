@@ -4,10 +4,10 @@
 namespace palpate::app {
 
 void add_interface_options(CLI::App& command, ros2::RobotInterface& interface) {
-  command.add_option("--world-frame", interface.world, "frame of ROS 2 in which poses are")
+  command.add_option("--world-frame", interface.world, "ROS 2 frame in which poses are given")
       ->option_text("FRAME")
       ->capture_default_str();
-  command.add_option("--mount-frame", interface.mount, "frame of ROS 2 that is the hand's mount")
+  command.add_option("--mount-frame", interface.mount, "ROS 2 frame of the hand's mount")
       ->option_text("FRAME")
       ->capture_default_str();
   command.add_option("--joint-states", interface.joint_states, "topic of the joint states")
@@ -15,7 +15,7 @@ void add_interface_options(CLI::App& command, ros2::RobotInterface& interface) {
       ->capture_default_str();
   command
       .add_option("--contacts", interface.contacts,
-                  "topic of the contacts, before the finger's name")
+                  "prefix of the contact topics; the finger's name follows")
       ->option_text("TOPIC")
       ->capture_default_str();
 }

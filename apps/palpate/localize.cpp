@@ -212,31 +212,33 @@ void add_localize(CLI::App& program, Command& chosen) {
   auto& command = *program.add_subcommand(
       "localize", "Estimate the pose of a known object from contacts, with a posterior");
   command.add_flag("--demo", arguments->demo,
-                   "grasp the built-in objects with a kinematic hand instead, and report how "
+                   "instead, grasp the built-in objects with a kinematic hand and report how "
                    "many contacts determine their poses");
   command
       .add_option("mesh", arguments->mesh,
                   "built-in object (mug, bottle, box, bracket, duck) or mesh file in metres; of "
-                  "several, with commas between, it may be any: which one is estimated, too")
+                  "several, separated by commas, the most probable one is identified as well")
       ->option_text("MESH[,MESH..]");
   command
       .add_option(
           "contacts", arguments->contacts,
           "CSV with x,y,z[,nx,ny,nz,point_sigma,normal_sigma,group,finger,t,fx,fy,fz] in metres, "
-          "normals out of the object; of a group at least one contact touches")
+          "normals pointing out of the object; at least one contact of a group touches")
       ->option_text("CONTACTS");
   command
       .add_option("--method", arguments->method,
-                  "fast (which turns to full where several poses fit) or full")
+                  "fast (falls back to full if several poses fit) or full")
       ->check(CLI::IsMember({"fast", "full"}))
       ->capture_default_str();
-  command.add_option("--point-noise", arguments->point_noise, "of contact points per axis, m")
+  command
+      .add_option("--point-noise", arguments->point_noise,
+                  "standard deviation of contact points per axis, m")
       ->option_text("M")
       ->check(CLI::Range(1e-5, 0.1))
       ->capture_default_str();
   command
       .add_option("--normal-noise-deg", arguments->normal_noise_deg,
-                  "of contact normals per tangent axis, deg")
+                  "standard deviation of contact normals per tangent axis, deg")
       ->option_text("DEG")
       ->check(CLI::Range(0.1, 90.0))
       ->capture_default_str();
@@ -251,10 +253,10 @@ void add_localize(CLI::App& program, Command& chosen) {
       ->option_text("FILE");
   command
       .add_option("--prior", arguments->prior,
-                  "prior: an earlier result of localize --json for the same MESH")
+                  "use the posterior of an earlier localize --json for the same MESH as prior")
       ->option_text("FILE");
   command.add_flag("--ignore-spin", arguments->ignore_spin,
-                   "turns about a mode's free axis do not matter: its probability is its weight");
+                   "ignore turns about a mode's free axis: its probability is then its weight");
   add_common_options(command, arguments->common);
   command.footer(
       "Statuses: certain (the probability of one pose is above 0.95), ambiguous (the modes list "

@@ -91,7 +91,7 @@ int merge(const MergeArguments& arguments) {
 void add_merge(CLI::App& program, Command& chosen) {
   auto arguments = std::make_shared<MergeArguments>();
   auto& command = *program.add_subcommand(
-      "merge", "Put the shares of an evaluation together: the same report as of one run");
+      "merge", "Merge the shards of an evaluation into the report of a single run");
   command
       .add_option("part", arguments->parts,
                   "folders that `palpate eval --shard` wrote, or their trials.jsonl")

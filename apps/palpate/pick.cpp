@@ -145,14 +145,15 @@ void add_pick(CLI::App& program, Command& chosen) {
   command
       .add_option("--object", arguments->objects,
                   "mug, bottle, box, bracket, duck, generated:SEED, or a mesh file in metres; of "
-                  "several, up to 10, it may be any: which one is estimated, too")
+                  "several candidates, up to 10, the one present is identified as well")
       ->delimiter(',')
       ->option_text("O[,O2..]")
       ->capture_default_str();
   command
       .add_option("--true-object", arguments->true_object,
-                  "which of several objects stands there, or one that is none of them (default: "
-                  "drawn by the seed); the robot is not told")
+                  "object that is simulated, if several are candidates: one of them or another one "
+                  "(default: "
+                  "drawn by the seed)")
       ->option_text("O");
   add_object_options(command, arguments->told);
   add_hand_option(command, arguments->hand);

@@ -191,12 +191,13 @@ void add_plan(CLI::App& program, Command& chosen) {
       ->required();
   command
       .add_option("--object", arguments->object,
-                  "built-in object or mesh file in metres, to keep clear of; without --pose it "
+                  "built-in object or mesh file in metres, as an obstacle; without --pose it "
                   "stands at the origin")
       ->option_text("O");
   command
-      .add_option("--pose", arguments->pose,
-                  "of the object's mesh in the world: 16 numbers, row-major, or a file of them")
+      .add_option(
+          "--pose", arguments->pose,
+          "pose of the object's mesh in the world: 16 numbers, row-major, or a file of them")
       ->option_text("POSE");
   command.add_flag("--held", arguments->held,
                    "the hand holds the object, which is at its pose at the first waypoint");

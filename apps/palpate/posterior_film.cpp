@@ -5,9 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "palpate/core/error.hpp"
 #include "palpate/core/options.hpp"
+#include "palpate/core/random.hpp"
 #include "palpate/estimation/posterior_history.hpp"
 #include "palpate/evaluation/trial.hpp"
 #include "palpate/recording/touch_log.hpp"
@@ -21,6 +23,7 @@ using simulation::Ghost;
 
 constexpr double kLookAbove = 0.03;  // m, above the object: the hand comes from there
 constexpr int kTurns = 9;            // ghosts of a mode with a free axis
+constexpr int kPriorGhosts = 40;     // before the first touch, about
 constexpr double kFaint = 0.003;     // probability below which a pose is not drawn
 constexpr std::size_t kMaxGhosts = 120;
 
@@ -55,9 +58,36 @@ std::vector<Ghost> ghosts_of(const localization::Posterior& posterior) {
   return ghosts;
 }
 
-std::vector<PosteriorStep> history_of(const recording::Recording& recording) {
+/// What is believed before the first touch: any stable pose with any yaw, near the rough place.
+std::vector<Ghost> prior_ghosts(const geometry::KnownObject& object,
+                                const estimation::EstimationOptions& options,
+                                const Eigen::Isometry3d& T_world_table) {
+  RandomStream random(0, "prior ghosts");
+  std::vector<Ghost> ghosts;
+  for (const geometry::StablePose& stable : object.stable_poses) {
+    const int count = static_cast<int>(std::lround(kPriorGhosts * stable.probability));
+    for (int i = 0; i < count; ++i) {
+      Eigen::Vector3d place(options.place.x(), options.place.y(), stable.height);
+      place.x() += random.uniform(-1, 1) * options.resting_half_width;
+      place.y() += random.uniform(-1, 1) * options.resting_half_width;
+      Ghost ghost{T_world_table * Eigen::Translation3d(place),
+                  std::sqrt(stable.probability / count)};
+      const Eigen::AngleAxisd yaw(2 * std::numbers::pi * i / count, Eigen::Vector3d::UnitZ());
+      ghost.T_world_object.linear() = T_world_table.linear() * yaw * stable.R_table_object;
+      ghosts.push_back(ghost);
+    }
+  }
+  return ghosts;
+}
+
+evaluation::TrialOptions options_of(const recording::Recording& recording) {
   evaluation::TrialOptions options;
   parse_toml(recording.header.config_toml, "the recording", options, Renamed::accepted);
+  return options;
+}
+
+std::vector<PosteriorStep> history_of(const recording::Recording& recording,
+                                      const evaluation::TrialOptions& options) {
   auto log = recording::event_log(recording);
   const auto hand = skills::calibrated_hand(recording.header.hand, log, options.pick.calibrate);
   const geometry::ObjectModel object(recording.header.object);
@@ -73,7 +103,7 @@ std::string caption_of(const PosteriorStep& step, std::size_t touches, std::size
                                : fmt::format("touch {}", touches);
   const auto& modes = step.posterior.modes;
   const double best = modes.empty() ? 0 : localization::pose_probability(modes.front());
-  return fmt::format("{}\n{} pose{}, the best {:.2f}", what, poses, poses == 1 ? "" : "s", best);
+  return fmt::format("{}\n{} pose{}, best {:.2f}", what, poses, poses == 1 ? "" : "s", best);
 }
 
 /// What a film shows from a reading on, until the next scene.
@@ -81,11 +111,12 @@ struct Scene {
   std::size_t from = 0;  ///< reading
   bool in_hand = false;  ///< the poses go with the hand
   std::vector<Ghost> ghosts;
-  std::string caption = "touch 0";
+  std::string caption;
 };
 
-std::vector<Scene> scenes_of(const std::vector<PosteriorStep>& history) {
-  std::vector<Scene> scenes(1);
+std::vector<Scene> scenes_of(const std::vector<PosteriorStep>& history, std::vector<Ghost> prior) {
+  std::vector<Scene> scenes{
+      {0, false, std::move(prior), "before the first touch\nany stable pose, any yaw"}};
   std::size_t touches = 0;
   for (const PosteriorStep& step : history) {
     const bool in_hand =
@@ -121,9 +152,12 @@ std::vector<simulation::Image> film_posterior(const recording::Recording& record
                                               const FilmOptions& options) {
   auto log = recording::event_log(recording);
   const auto starts = log.all(TouchEvent::guarded_move);
-  const auto history = history_of(recording);
+  const auto trial = options_of(recording);
+  const auto history = history_of(recording, trial);
   if (starts.empty() || history.empty()) throw BadInput("the recording has no touch of the object");
-  const auto scenes = scenes_of(history);
+  const auto scenes = scenes_of(
+      history,
+      prior_ghosts(recording.header.object, trial.pick_options().estimation, log.T_world_table));
   simulation::Camera camera = options.camera;
   camera.lookat = recording.frames[starts.front()].truth->T_world_object.translation();
   camera.lookat.z() += kLookAbove;

@@ -187,11 +187,13 @@ void add_inputs(CLI::App& command, RegisterArguments& arguments) {
           ->option_text("FILE");
   source->needs(target);
   correspondences->excludes(source);
-  command.add_option("--features", arguments.features, "what clouds are matched by")
+  command
+      .add_option("--features", arguments.features,
+                  "descriptor by which points of clouds are matched")
       ->check(CLI::IsMember({"fpfh"}))
       ->capture_default_str();
   command.add_flag("--filter", arguments.filter,
-                   "drop points far from their neighbours first (1000 neighbours, ratio 0.5)");
+                   "first remove statistical outliers of clouds (1000 neighbours, ratio 0.5)");
 }
 
 void add_problem(CLI::App& command, RegisterArguments& arguments) {
@@ -201,17 +203,17 @@ void add_problem(CLI::App& command, RegisterArguments& arguments) {
                   "a file of them")
       ->option_text("POSE");
   auto* yaw = command.add_flag("--yaw-only", arguments.yaw_only,
-                               "turn about z alone; both frames have z along gravity");
+                               "estimate rotation about z only; both frames have z along gravity");
   command
       .add_option("--gravity", arguments.gravity,
-                  "turn about this direction alone, which is the same in both frames")
+                  "estimate rotation about this direction only, the same in both frames")
       ->option_text("X Y Z")
       ->expected(3)
       ->excludes(yaw);
   command.add_flag("--translation-only", arguments.translation_only,
-                   "shift alone; both frames are turned alike");
+                   "estimate translation only; both frames have the same orientation");
   auto* estimated = command.add_flag("--scale", arguments.scale,
-                                     "estimate the scale of the source, too (correspondences)");
+                                     "estimate the scale of the source as well (correspondences)");
   command
       .add_option("--known-scale", arguments.known_scale,
                   "multiply the source's coordinates by this first")
@@ -220,11 +222,11 @@ void add_problem(CLI::App& command, RegisterArguments& arguments) {
       ->excludes(estimated);
   command
       .add_option("--instances", arguments.instances,
-                  "poses looked for, each in the pairs left over (correspondences)")
+                  "number of poses, each found among the remaining pairs (correspondences)")
       ->option_text("N")
       ->check(CLI::Range(1, 1000));
   command.add_flag("--best-effort", arguments.best_effort,
-                   "give the best pose even where wrong pairs explain it; false_alarms says so");
+                   "report the best pose even if chance explains it (see false_alarms)");
 }
 
 void add_method(CLI::App& command, RegisterArguments& arguments) {
@@ -235,19 +237,20 @@ void add_method(CLI::App& command, RegisterArguments& arguments) {
           "1.5 times the distance between points)")
       ->option_text("M");
   command
-      .add_option("--normal-noise-deg", arguments.normal_noise_deg,
-                  "noise of normals per axis, deg; uses them to find inliers (0: not)")
+      .add_option(
+          "--normal-noise-deg", arguments.normal_noise_deg,
+          "standard deviation of normals per axis, deg, to find inliers by them, too (0: do not)")
       ->option_text("DEG");
   command
       .add_option("--primitive", arguments.primitive,
-                  "what residuals of the last solve are: point or plane (point; clouds: plane)")
+                  "residuals of the final solve: point or plane (default: point; clouds: plane)")
       ->check(CLI::IsMember({"point", "plane"}));
   command.add_option("--method", arguments.method, "how inliers are found")
       ->check(CLI::IsMember({"clique+gnc", "gnc"}))
       ->capture_default_str();
   command
       .add_option("--repeats", arguments.repeats,
-                  "solve given correspondences so many times and report the shortest times")
+                  "repeat the solution of given correspondences and report the shortest times")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   command.add_option("--cost", arguments.cost, "robust cost of gnc")
@@ -269,10 +272,10 @@ void add_register(CLI::App& program, Command& chosen) {
   add_common_options(command, arguments->common);
   command.footer(
       "Statuses: found, degenerate (the motions in free_motions change nothing), no_consensus\n"
-      "(wrong pairs explain the agreement). The last two have no pose and exit with 4.\n"
+      "(chance explains the agreement). The last two have no pose and exit with 4.\n"
       "certificate.least_squares: no pose fits the chosen inliers better;\n"
       "certificate.robust_bound: no pose has more inliers than that.\n"
-      " --out receives report.json, config.toml, correspondences.csv,\n"
+      "--out receives report.json, config.toml, correspondences.csv,\n"
       "weights.csv (the history of gnc's weights) and, for clouds, source_in_target.ply.\n\n"
       "Examples:\n"
       "  palpate register scan.ply model.stl --out out/scan\n"

@@ -201,23 +201,27 @@ void add_render(CLI::App& program, Command& chosen) {
       ->excludes(recording);
   add_hand_option(command, arguments->hand).excludes(recording);
   add_arm_option(command, arguments->arm).excludes(recording);
-  command.add_option("--size", arguments->size, "of a picture, pixels")
+  command.add_option("--size", arguments->size, "size of a picture, pixels")
       ->option_text("WxH")
       ->check(size_error)
       ->capture_default_str();
-  command.add_option("--azimuth", arguments->camera.azimuth_deg, "of the view about z, deg")
+  command
+      .add_option("--azimuth", arguments->camera.azimuth_deg,
+                  "azimuth of the view direction about z, deg")
       ->capture_default_str();
   command
       .add_option("--elevation", arguments->camera.elevation_deg,
-                  "of the view, deg; negative: from above")
+                  "elevation of the view direction, deg; negative: from above")
       ->capture_default_str();
-  command.add_option("--distance", arguments->camera.distance, "from the hand, m")
+  command.add_option("--distance", arguments->camera.distance, "distance of the camera, m")
       ->capture_default_str();
   command.add_flag("--video", arguments->video,
-                   "also an animated picture of the whole, video.png, which browsers play");
-  command.add_flag("--posterior", arguments->posterior,
-                   "also posterior.png, animated: the poses that are credible after each touch");
-  command.add_option("--speed", arguments->speed, "of what is animated, times the pick's")
+                   "also video.png, an animated PNG of the whole pick");
+  command.add_flag(
+      "--posterior", arguments->posterior,
+      "also posterior.png, an animated PNG of the poses that are credible after each touch");
+  command
+      .add_option("--speed", arguments->speed, "speed of animations relative to the robot's time")
       ->check(CLI::Range(0.1, 100.0))
       ->capture_default_str();
   add_common_options(command, arguments->common, kConfig | kSeed | kOut);

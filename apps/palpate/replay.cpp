@@ -110,8 +110,9 @@ void add_replay(CLI::App& program, Command& chosen) {
   add_bag_options(command, arguments->bag);
   add_common_options(command, arguments->common, kConfig);
   command.footer(
-      "Uses the recording's own configuration and seed, so that it gives the pose that the pick\n"
-      "gave, bit for bit; --set changes the estimator's options.\n\n"
+      "Uses the recording's own configuration and seed, and so reproduces the pose of the pick "
+      "bit\n"
+      "for bit; --set changes the estimator's options.\n\n"
       "Of an MCAP file of ROS 2 messages, of anyone's hand, it uses the joint states, the "
       "contacts\n"
       "of each finger and the transforms from the world to the mount (docs/ros2.md). One that\n"

@@ -161,7 +161,7 @@ CLI::App& add_job(CLI::App& ros2, Command& chosen, const std::shared_ptr<Ros2Arg
   command.add_option("--object", arguments->object, "built-in object or mesh file in metres")
       ->capture_default_str();
   add_hand_option(command, arguments->hand);
-  command.add_option("--domain", arguments->domain, "of DDS (default: ROS_DOMAIN_ID, or 0)")
+  command.add_option("--domain", arguments->domain, "DDS domain (default: ROS_DOMAIN_ID, or 0)")
       ->option_text("N")
       ->check(CLI::Range(0, 232));
   add_interface_options(command, arguments->interface);
@@ -178,28 +178,31 @@ void add_ros2(CLI::App& program, Command& chosen) {
       "ros2", "Speak with ROS 2 nodes, without an installation of ROS (docs/ros2.md)");
   ros2.require_subcommand(1);
   auto arguments = std::make_shared<Ros2Arguments>();
-  auto& estimator = add_job(ros2, chosen, arguments, "estimate",
-                            "Estimate the pose of what somebody's hand holds", &estimate);
+  auto& estimator =
+      add_job(ros2, chosen, arguments, "estimate",
+              "Estimate the pose of the object in a hand that others control", &estimate);
   estimator.footer(
       "Takes /joint_states, /contacts/FINGER and /tf, gives /palpate/estimate, modes, status,\n"
       "markers and /tf until interrupted; /palpate/command takes start, stop and estimate.\n\n"
       "Examples:\n"
       "  palpate ros2 estimate --object mug --hand shadow\n"
       "  palpate ros2 estimate --object part.stl --hand my_hand.xml --mount-frame wrist_3_link");
-  auto& robot = add_job(ros2, chosen, arguments, "robot", "Be a simulated hand beside an object",
-                        &serve_robot);
+  auto& robot = add_job(ros2, chosen, arguments, "robot",
+                        "Run a simulated hand and object behind ROS 2 topics", &serve_robot);
   robot.add_flag("--real-time", arguments->real_time,
-                 "a tick of 10 ms takes 10 ms; else one passes with every command");
+                 "run in real time (10 ms per tick); otherwise one tick per command");
   robot.footer(
       "Examples:\n"
       "  palpate ros2 robot --object mug --hand shadow --seed 3 --real-time");
-  auto& picker = add_job(ros2, chosen, arguments, "pick", "Pick with a hand behind ROS 2", &pick);
-  picker.add_option("--timeout", arguments->timeout, "s that a tick waits for its reading")
+  auto& picker =
+      add_job(ros2, chosen, arguments, "pick", "Pick with a hand behind ROS 2 topics", &pick);
+  picker.add_option("--timeout", arguments->timeout, "time that a tick waits for its reading, s")
       ->option_text("S")
       ->check(CLI::Range(0.01, 60.0))
       ->capture_default_str();
-  picker.add_flag("--perturb-links", arguments->perturb_links,
-                  "for a simulated hand: believe its links off by world.noise.link, as pick does");
+  picker.add_flag(
+      "--perturb-links", arguments->perturb_links,
+      "for a simulated hand: perturb the assumed links by world.noise.link, as pick does");
   picker.footer(
       "Examples:\n"
       "  palpate ros2 pick --object mug --hand shadow --seed 3   # beside palpate ros2 robot");

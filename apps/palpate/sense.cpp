@@ -78,12 +78,14 @@ void add_sense(CLI::App& program, Command& chosen) {
                   "recording.h5, a CSV of contacts, or a CSV of a BioTac")
       ->option_text("RECORDING")
       ->required();
-  command.add_option("--estimator", arguments->estimator, "of contact normals from contacts")
+  command
+      .add_option("--estimator", arguments->estimator,
+                  "estimator of normals from contact forces and motion")
       ->check(CLI::IsMember(tactile::normal_estimators()))
       ->capture_default_str();
   command
       .add_option("--tick", arguments->tick,
-                  "seconds per tick, if the t of a CSV counts ticks (whole numbers only)")
+                  "seconds per tick, if t in the CSV counts ticks (integers)")
       ->check(CLI::Range(1e-5, 10.0))
       ->capture_default_str();
   command

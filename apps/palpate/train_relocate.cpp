@@ -356,23 +356,25 @@ void add_train_relocate(CLI::App& train_command, Command& chosen) {
       ->check(CLI::IsMember({"cem", "dagger", "bc", "npg", "dapg"}))
       ->capture_default_str();
   command
-      .add_option("--iterations", arguments->iterations,
-                  fmt::format("of cem, npg and dapg ({} without it); dagger has dagger.rounds",
-                              kIterations))
+      .add_option(
+          "--iterations", arguments->iterations,
+          fmt::format("iterations of cem, npg and dapg (default: {}); for dagger see dagger.rounds",
+                      kIterations))
       ->check(CLI::Range(1, 1000000));
   command.add_option("--from", arguments->from, "policy to start from (cem, npg, dapg)");
   command.add_option("--expert", arguments->expert,
-                     "policy that shows the task (dagger, bc, dapg); without it the best that "
-                     "ships");
+                     "policy that demonstrates the task (dagger, bc, dapg; default: "
+                     "the best shipped one)");
   command.add_option("--demos", arguments->demos,
-                     "folder of demonstrations (bc, dapg) instead of an expert's");
+                     "folder of demonstrations (bc, dapg), in place of an expert");
   command
-      .add_option("--demonstrations", arguments->demonstrations,
-                  fmt::format("episodes that the expert shows (bc, dapg; {} without it); successes "
-                              "are kept",
-                              kDemonstrations))
+      .add_option(
+          "--demonstrations", arguments->demonstrations,
+          fmt::format("episodes by the expert (bc, dapg; default: {}), of which the successful "
+                      "ones are kept",
+                      kDemonstrations))
       ->check(CLI::Range(1, 100000));
-  command.add_option("--episodes", arguments->episodes, "of the evaluation at the end")
+  command.add_option("--episodes", arguments->episodes, "episodes of the final evaluation")
       ->check(CLI::Range(2, 1000000))
       ->capture_default_str();
   add_task_option(command);

@@ -63,13 +63,12 @@ def experiment_set(name, seed, *figures):
 
 def training_set(seed):
     curves = {"evaluation", "return", "surrogate_gain"}
-    name = "relocate-dapg" if seed == 200 else f"relocate-dapg-{seed}"
-    pictures = {f"{name}-{curve}.svg": f"dapg/{curve}.svg" for curve in curves}
+    pictures = {f"relocate-dapg-{curve}.svg": f"dapg/{curve}.svg" for curve in curves}
     for phase, i in {"reach": 1, "carry": 2, "hold": 3}.items():
-        pictures[f"relocate-dapg-{seed}-{phase}.png"] = f"drawn/{i}-{phase}.png"
-    pictures[f"relocate-dapg-{seed}-video.png"] = "drawn/video.png"
+        pictures[f"relocate-dapg-{phase}.png"] = f"drawn/{i}-{phase}.png"
+    pictures["relocate-dapg-video.png"] = "drawn/video.png"
     for figure in ("histogram", "normal-plot"):
-        pictures[f"{name}-{figure}.svg"] = f"compared/{figure}.svg"
+        pictures[f"relocate-dapg-{figure}.svg"] = f"compared/{figure}.svg"
     return Set(
         (
             "palpate train relocate --config configs/relocate_dapg.toml --method dapg --expert "
@@ -92,8 +91,8 @@ SETS = {
     "posterior": Set(
         (
             "palpate pick --object mug --seed 7 --force --out {work}/mug",
-            "palpate render {work}/mug/recording.h5 --posterior --size 480x360 --azimuth 300 "
-            "--elevation -35 --distance 0.55 --speed 14 --out {work}/drawn",
+            "palpate render {work}/mug/recording.h5 --posterior --size 416x312 --azimuth 300 "
+            "--elevation -35 --distance 0.6 --speed 10 --out {work}/drawn",
         ),
         {"posterior.png": "drawn/posterior.png"},
         RENDERER,
@@ -102,7 +101,7 @@ SETS = {
         (
             "palpate pick --object mug --seed 7 --force --out {work}/mug",
             "palpate pick --object box --seed 7 --place 0.15,0.1,0.5 --force --out {work}/box",
-            BROWSER % ("replay.png", "mug", "end"),
+            BROWSER % ("replay.png", "mug", "end&view=side"),
             BROWSER % ("place.png", "box", "end"),
         ),
         {"replay.png": "replay.png", "place.png": "place.png"},
@@ -113,8 +112,7 @@ SETS = {
     "localization_tables": experiment_set("localization_tables", 29000, "calibration", "success"),
     "localization_tracking": experiment_set("localization_tracking", 28700, "tracking"),
     "localization_probes": experiment_set("localization_probes", 9000, "probes"),
-    "relocate-dapg-200": training_set(200),
-    "relocate-dapg-201": training_set(201),
+    "relocate-dapg": training_set(200),
     "relocate-published": Set(
         (
             "palpate rollout {data}/relocate_mug_published_policy.json --episodes 1 --record 1 "
@@ -144,9 +142,8 @@ def hash_of_sources(patterns):
 
 
 def last_time(page):
-    """Of a pick, s, shown half a second before its end."""
-    report = json.loads((page / "report.json").read_text())
-    return max(0.0, report["robot_seconds"] - 0.5)
+    """Of a pick, s, when its last estimate was made."""
+    return json.loads((page / "report.json").read_text())["robot_seconds"]
 
 
 def run(command, program, work):
@@ -154,7 +151,7 @@ def run(command, program, work):
     words = shlex.split(text)
     if words[0] == "palpate":
         words[0] = program
-    if words[-1].endswith("#t=end"):
+    if "#t=end" in words[-1]:
         page = pathlib.Path(words[-1].removeprefix("file://").split("#")[0]).parent
         words[-1] = words[-1].replace("#t=end", f"#t={last_time(page):.2f}")
     print("==>", shlex.join(words), file=sys.stderr)

@@ -10,17 +10,17 @@
 namespace palpate {
 namespace {
 
-/// The folder beside an installed program, of the build, or of an installation where it was meant
-/// to be; the first that exists.
+/// The folder beside an installed program, of the build, of an installation where it was meant to
+/// be, or of the Debian package; the first that exists.
 std::filesystem::path assets_folder() {
   std::error_code error;
   const auto program = std::filesystem::read_symlink("/proc/self/exe", error);
   const auto beside = program.parent_path().parent_path() / "share/palpate/assets";
-  for (const std::filesystem::path& folder :
-       {beside, std::filesystem::path(PALPATE_BUILT_ASSETS)}) {
+  for (const std::filesystem::path& folder : {beside, std::filesystem::path(PALPATE_BUILT_ASSETS),
+                                              std::filesystem::path(PALPATE_INSTALLED_ASSETS)}) {
     if (std::filesystem::is_directory(folder, error)) return folder;
   }
-  return PALPATE_INSTALLED_ASSETS;
+  return "/usr/share/palpate/assets";
 }
 
 }  // namespace

@@ -2,7 +2,6 @@
 """Demonstrations of the relocate task: made, kept as Minari reads them, and learnt from."""
 
 import json
-import os
 import pathlib
 
 import cli
@@ -51,9 +50,7 @@ class DemosTest(cli.CliTest):
         self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
 
     def test_retarget(self):
-        if "PALPATE_DATA" not in os.environ:
-            self.skipTest("PALPATE_DATA is unset")
-        data = pathlib.Path(os.environ["PALPATE_DATA"]) / "human_relocate" / "hand_joints.csv"
+        data = pathlib.Path(__file__).parent.parent / "data" / "hand_joints.csv"
         report = self.run_json("demos", "retarget", str(data), "--out", "r")
         self.assertLessEqual(report["tip_error_mm"], 5)
         self.assertLessEqual(report["middle_error_mm"], 7)

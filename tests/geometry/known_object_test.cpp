@@ -7,7 +7,9 @@
 #include <filesystem>
 #include <map>
 
+#include "data.hpp"
 #include "palpate/core/error.hpp"
+#include "palpate/core/random.hpp"
 #include "palpate/geometry/io/mesh_io.hpp"
 #include "palpate/geometry/objects/shapes.hpp"
 #include "palpate/geometry/repair/mesh_repair.hpp"
@@ -138,15 +140,25 @@ TEST_F(KnownObjectFile, DefectsAreRepairedAndReported) {
   EXPECT_TRUE(load_known_object(file_of(bottle_mesh())).repairs.empty());
 }
 
+TEST_F(KnownObjectFile, ARoughScanHasTheSymmetriesOfWhatWasScanned) {
+  RandomStream random(8);
+  for (const auto& [mesh, symmetries] :
+       {std::pair(mug_mesh(), 1U), std::pair(box_mesh({0.05, 0.09, 0.17}), 4U)}) {
+    TriangleMesh scan = mesh;
+    for (auto& vertex : scan.vertices) vertex += 1e-4 * random.unit_vector();
+    const KnownObject object = load_known_object(file_of(scan));
+    EXPECT_EQ(object.symmetries.size(), symmetries);
+    EXPECT_NEAR(object.mass_properties.volume, inspect(mesh).volume, 0.02 * inspect(mesh).volume);
+  }
+}
+
 TEST(KnownObject, ScannedMugAndMustardBottle) {
-  const char* data = std::getenv("PALPATE_DATA");
-  if (!data) GTEST_SKIP() << "PALPATE_DATA is not set";
-  const KnownObject mug = load_known_object((fs::path(data) / "ycb/025_mug.ply").string());
+  PALPATE_NEEDS_REAL_DATA("ycb");
+  const KnownObject mug = load_known_object(real_data("ycb/025_mug.ply")->string());
   EXPECT_EQ(mug.symmetries.size(), 1u);
   EXPECT_EQ(mug.stable_poses.size(), 4u);
   EXPECT_NEAR(mug.mass, 300 * mug.mass_properties.volume, 0.02);
-  const KnownObject mustard =
-      load_known_object((fs::path(data) / "ycb/006_mustard_bottle.ply").string());
+  const KnownObject mustard = load_known_object(real_data("ycb/006_mustard_bottle.ply")->string());
   EXPECT_EQ(mustard.symmetries.size(), 2u);
   EXPECT_GE(mustard.stable_poses.size(), 4u);
 }

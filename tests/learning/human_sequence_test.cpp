@@ -7,7 +7,7 @@
 
 #include "core/error_message.hpp"
 #include "core/temporary_folder.hpp"
-#include "learning/human_data.hpp"
+#include "data.hpp"
 #include "palpate/core/file.hpp"
 #include "palpate/core/random.hpp"
 #include "palpate/hand/shadow.hpp"
@@ -57,11 +57,20 @@ TEST(HumanSequence, SmoothsNoise) {
   EXPECT_LT(after, 0.6 * before);
 }
 
-TEST(HumanSequence, ReadsTheHumanSequence) {
-  const auto folder = human_folder();
-  if (!folder) GTEST_SKIP() << "PALPATE_DATA is unset";
-  EXPECT_EQ(read_keypoints(*folder / "hand_joints.csv").size(), 122U);
-  EXPECT_EQ(read_poses(*folder / "object_pose.csv").size(), 123U);
+TEST(HumanSequence, ReadsAHumanSequence) {
+  for (const auto& file : made_up_and_real("hand_joints.csv", "human_relocate/hand_joints.csv")) {
+    EXPECT_EQ(read_keypoints(file).size(), 122U) << file;
+  }
+  for (const auto& file : made_up_and_real("object_pose.csv", "human_relocate/object_pose.csv")) {
+    EXPECT_EQ(read_poses(file).size(), 123U) << file;
+  }
+}
+
+TEST(HumanSequence, FillsTheGapsOfATracker) {
+  const auto hand = filter_hand(read_keypoints(made_up_data("hand_joints.csv")), 30);
+  EXPECT_EQ(hand.hand.size(), 112U);
+  EXPECT_EQ(hand.replaced, 3);
+  for (const auto& frame : hand.hand) EXPECT_TRUE(frame.allFinite());
 }
 
 TEST(HumanSequence, RejectsBadFiles) {

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "core/error_message.hpp"
-#include "learning/human_data.hpp"
+#include "data.hpp"
 #include "palpate/core/assets.hpp"
 #include "palpate/learning/demonstrations/human_sequence.hpp"
 
@@ -64,10 +64,8 @@ TEST(Retargeting, NoJointJumps) {
   EXPECT_LE((second.joints - first.joints).cwiseAbs().maxCoeff(), options.largest_step + 1e-12);
 }
 
-TEST(Retargeting, TheHumanSequenceIsMetWithinTheTargets) {
-  const auto folder = human_folder();
-  if (!folder) GTEST_SKIP() << "PALPATE_DATA is unset";
-  const auto hand = filter_hand(read_keypoints(*folder / "hand_joints.csv"), 30).hand;
+void expect_retargeted_within_the_targets(const std::filesystem::path& file) {
+  const auto hand = filter_hand(read_keypoints(file), 30).hand;
   Retargeter retargeter(adroit(), adroit_points());
   double tip = 0, middle = 0, jump = 0;
   Eigen::VectorXd before;
@@ -81,6 +79,13 @@ TEST(Retargeting, TheHumanSequenceIsMetWithinTheTargets) {
   EXPECT_LE(tip, 0.005);
   EXPECT_LE(middle, 0.007);
   EXPECT_LE(jump, 0.3);
+}
+
+TEST(Retargeting, AHumanSequenceIsMetWithinTheTargets) {
+  for (const auto& file : made_up_and_real("hand_joints.csv", "human_relocate/hand_joints.csv")) {
+    SCOPED_TRACE(file);
+    expect_retargeted_within_the_targets(file);
+  }
 }
 
 TEST(Retargeting, RefusesATipInTheMiddleOfItsLink) {

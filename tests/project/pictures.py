@@ -15,7 +15,7 @@ import re
 import struct
 import sys
 
-LARGEST = 4 << 20  # bytes of an animation in the readme
+LARGEST = 3 << 20  # bytes of an animation in the readme
 CLIP_SECONDS = (8, 16)
 
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One version everywhere: CMake, the Python package, the citation, the readme and the changelog's
-newest release, whose date the citation has too.
+"""One version everywhere: CMake, the Python and ROS 2 packages, the Dockerfile, the citation, the
+readme and the changelog's newest release, whose date the citation has too.
 
 usage: versions.py REPOSITORY
 """
@@ -12,6 +12,8 @@ import sys
 PLACES = {
     "CMakeLists.txt": r"project\(palpate VERSION (\S+)",
     "pyproject.toml": r'(?m)^version = "([^"]+)"',
+    "ros2/palpate_ros2/package.xml": r"<version>([^<]+)</version>",
+    "Dockerfile": r"palpate_([^_]+)_amd64\.deb",
     "CITATION.cff": r"(?m)^version: (\S+)",
     "README.md": r"version = \{([^}]+)\}",
     "CHANGELOG.md": r"(?m)^## \[(\d[^\]]*)\] - \d{4}-\d\d-\d\d$",

@@ -122,12 +122,10 @@ TEST(ElectrodeModel, IsRefusedWhereItIsNone) {
 }
 
 TEST(ElectrodeModel, MeetsTheTargetOnTouchesOfRealLogsThatItHasNotSeen) {
-  const auto folder = real_logs();
-  if (!folder) GTEST_SKIP() << "PALPATE_DATA names no folder with the real logs";
+  PALPATE_NEEDS_REAL_DATA(kRealLog);
   ElectrodeFitOptions fit;
   fit.samples = 40;
-  const auto errors =
-      cross_validate_electrodes({read_biotac_log(*folder / "trial_15330.csv")}, fit);
+  const auto errors = cross_validate_electrodes({read_biotac_log(*real_data(kRealLog))}, fit);
   ASSERT_TRUE(errors);
   EXPECT_LT(errors->model.mean(), 0.33);
   EXPECT_LT(errors->fit.mean(), 0.6);  // 0.72 without a look at the contact

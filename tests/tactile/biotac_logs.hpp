@@ -3,10 +3,7 @@
 
 #include <fmt/format.h>
 
-#include <cstdlib>
-#include <filesystem>
-#include <optional>
-
+#include "data.hpp"
 #include "palpate/core/random.hpp"
 #include "palpate/tactile/biotac/log.hpp"
 
@@ -46,14 +43,8 @@ inline BiotacLog made_up_log(std::uint64_t seed, int touches, double drift_a_sec
   return log;
 }
 
-/// Folder of the real logs, if PALPATE_DATA names the data.
-inline std::optional<std::filesystem::path> real_logs() {
-  const char* data = std::getenv("PALPATE_DATA");
-  if (!data) return std::nullopt;
-  const auto folder = std::filesystem::path(data) / "biotac_robotic_finger";
-  if (!std::filesystem::is_directory(folder)) return std::nullopt;
-  return folder;
-}
+/// Of a real sensor, in the real data.
+inline constexpr const char* kRealLog = "biotac_robotic_finger/trial_15330.csv";
 
 /// The log as a CSV text.
 inline std::string csv_of(const BiotacLog& log) {

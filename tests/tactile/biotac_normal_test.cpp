@@ -105,9 +105,8 @@ TEST(BiotacNormal, ValidatesOnTouchesItDidNotLearn) {
 }
 
 TEST(BiotacNormal, MeetsItsTargetOnRealTouchesLeftOut) {
-  const auto folder = real_logs();
-  if (!folder) GTEST_SKIP() << "PALPATE_DATA does not name the data";
-  const auto log = read_biotac_log(*folder / "trial_15330.csv");
+  PALPATE_NEEDS_REAL_DATA(kRealLog);
+  const auto log = read_biotac_log(*real_data(kRealLog));
   const auto errors = cross_validate_biotac_normal({log});
   EXPECT_GT(errors.size(), 3000u);
   EXPECT_LE(median(errors), 5);

@@ -4,10 +4,10 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <filesystem>
 
 #include "core/error_message.hpp"
+#include "data.hpp"
 #include "palpate/core/file.hpp"
 #include "tasks/policies.hpp"
 
@@ -84,7 +84,7 @@ TEST_F(PolicyIo, RejectsJsonOfAnyDepthWithAShortMessage) {
     EXPECT_NE(message.find("deeper"), std::string::npos);
     EXPECT_LT(message.size(), 500u);
   }
-  EXPECT_LT(error_with("\"mlp\"", "[\"" + std::string(100000, 'x') + "\"]").size(), 500u);
+  EXPECT_LT(error_with("\"mlp\"", fmt::format("[\"{}\"]", std::string(100000, 'x'))).size(), 500u);
 }
 
 TEST_F(PolicyIo, RejectsADamagedOrForeignPolicy) {
@@ -116,12 +116,10 @@ TEST_F(PolicyIo, AnyTruncationIsAnError) {
   }
 }
 
-TEST_F(PolicyIo, ReadsThePublishedPolicy) {
-  const char* data = std::getenv("PALPATE_DATA");
-  if (!data) GTEST_SKIP() << "PALPATE_DATA is not set";
-  const auto record =
-      read_policy(std::filesystem::path(data) / "relocate_mug_published_policy.json");
-  EXPECT_EQ(record.sizes, (std::vector<int>{39, 32, 32, 30}));
+TEST_F(PolicyIo, ReadsThePublishedFormat) {
+  for (const auto& file : made_up_and_real("policy.json", "relocate_mug_published_policy.json")) {
+    EXPECT_EQ(read_policy(file).sizes, (std::vector<int>{39, 32, 32, 30})) << file;
+  }
 }
 
 }  // namespace

@@ -4,17 +4,18 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdlib>
-#include <filesystem>
 #include <limits>
 #include <string>
 
+#include "data.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/tasks/relocate/policies/policy_io.hpp"
 #include "tasks/policies.hpp"
 
 namespace palpate::relocate {
 namespace {
+
+constexpr const char* kPublishedPolicy = "relocate_mug_published_policy.json";
 
 TaskOptions fast_task() {
   TaskOptions options;
@@ -118,25 +119,24 @@ TEST(Rollout, KnowsItsObjects) {
 
 /// That this is the published task shows in what its authors' policy earns in it: 3744 +- 595, of
 /// which 3600 is two standard errors of 60 episodes below, and hardly a start is failed.
-void expect_the_published_return(const std::filesystem::path& data, const TaskOptions& task) {
-  const auto policy = load_policy(data / "relocate_mug_published_policy.json");
+void expect_the_published_return(const TaskOptions& task) {
+  const auto policy = load_policy(*real_data(kPublishedPolicy));
   const auto summary = summarize(rollout(make_model(task), *policy, {}, 9000, 60, 1));
   EXPECT_GE(summary.mean, 3600) << task.object;
   EXPECT_GE(summary.success_5cm, 0.98) << task.object;
 }
 
 TEST(Rollout, ThePublishedPolicyEarnsWhatItEarnedWhereItWasTrained) {
-  const char* data = std::getenv("PALPATE_DATA");
-  if (!data) GTEST_SKIP() << "PALPATE_DATA is not set";
-  expect_the_published_return(data, {});
+  PALPATE_NEEDS_REAL_DATA(kPublishedPolicy);
+  expect_the_published_return({});
 }
 
 TEST(Rollout, ThePublishedPolicyEarnsTheSameOnTheMeshOfTheMug) {
-  const char* data = std::getenv("PALPATE_DATA");
-  if (!data) GTEST_SKIP() << "PALPATE_DATA is not set";
+  PALPATE_NEEDS_REAL_DATA(kPublishedPolicy);
+  PALPATE_NEEDS_REAL_DATA("ycb/025_mug.ply");
   TaskOptions task;
-  task.object = "ycb-mug:" + (std::filesystem::path(data) / "ycb/025_mug.ply").string();
-  expect_the_published_return(data, task);
+  task.object = "ycb-mug:" + real_data("ycb/025_mug.ply")->string();
+  expect_the_published_return(task);
 }
 
 TEST(Rollout, ErrorsOfTheSensorsLeaveTheStartsAsTheyAre) {

@@ -17,7 +17,7 @@ constexpr double kTableThickness = 0.02;  // m
 using Color = Eigen::Vector3f;
 
 const Color kObjectColor(0.93f, 0.46f, 0.16f);
-const Color kHandColor(0.25f, 0.27f, 0.31f);
+const Color kHandColor(0.42f, 0.45f, 0.50f);
 const Color kTableColor(0.80f, 0.74f, 0.66f);
 const Color kSkyTop(0.96f, 0.97f, 0.98f);
 const Color kSkyBottom(0.62f, 0.69f, 0.77f);
