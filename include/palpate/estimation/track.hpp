@@ -5,6 +5,7 @@
 
 #include "palpate/estimation/event_log.hpp"
 #include "palpate/localization/tracking/tracker.hpp"
+#include "palpate/tactile/contacts/contact_window.hpp"
 
 namespace palpate::estimation {
 
