@@ -16,6 +16,7 @@ from ._core import (
     Contacts,
     Finger,
     FreeAxis,
+    FreeMotion,
     Hand,
     HandCommand,
     HandDescription,
@@ -36,6 +37,7 @@ from ._core import (
     RegistrationCertificate,
     RegistrationResult,
     RobustBound,
+    RunnerUp,
     StablePose,
     TableSupport,
     TipContact,
@@ -59,6 +61,7 @@ from ._core import (
     read_contacts,
     register_clouds,
     register_correspondences,
+    register_described,
 )
 
 __all__ = [name for name in dir() if not name.startswith("_")]

@@ -40,8 +40,36 @@ struct Holding {
   PickState state;
 };
 
-TEST(ReleasePhase, LetsGoWhereTheHandHadClosedAndGoesAway) {
+/// What hangs in the hand weighs 2 N.
+void feel_weight(hand::HandReading& reading) { reading.base_force.z() += 2; }
+
+TEST(ReleasePhase, AnEmptyHandDoesNotGoDown) {
   Holding holding;
+  const double height = holding.robot.command().base.xyz.z();
+  const std::size_t before = holding.robot.log().readings.size();
+  ASSERT_TRUE(ReleasePhase().run(holding.robot, holding.state).ok);
+  for (std::size_t i = before; i < holding.robot.log().readings.size(); ++i) {
+    EXPECT_GT(holding.robot.log().readings[i].base.xyz.z(), height - 0.001);
+  }
+}
+
+TEST(ReleasePhase, GivesWayWhereTheOpeningFingersPushItOff) {
+  bool pushed = false;
+  Holding holding([&](hand::HandReading& reading) {
+    if (pushed) reading.base_force.z() -= 15;
+  });
+  const double height = holding.robot.command().base.xyz.z();
+  pushed = true;
+  ASSERT_TRUE(ReleasePhase().run(holding.robot, holding.state).ok);
+  double opened_at = 0;  // where the last finger was still bent
+  for (const auto& reading : holding.robot.log().readings) {
+    if (reading.joints[hand::shadow_hand().joint("FFJ3")] > 0.2) opened_at = reading.base.xyz.z();
+  }
+  EXPECT_GT(opened_at, height + 0.03);
+}
+
+TEST(ReleasePhase, LetsGoWhereTheHandHadClosedAndGoesAway) {
+  Holding holding(feel_weight);
   ASSERT_TRUE(ReleasePhase().run(holding.robot, holding.state).ok);
   // The fingers open no higher than they had closed: what hangs in them does not fall.
   double opened_at = 1;

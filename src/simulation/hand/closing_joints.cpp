@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "palpate/core/error.hpp"
 #include "palpate/hand/kinematics.hpp"
@@ -70,6 +71,14 @@ std::vector<int> actuators_of(const hand::Description& hand, int finger) {
 }
 
 }  // namespace
+
+bool ranges_tell_closing(const hand::Description& hand) {
+  std::vector<bool> told(static_cast<std::size_t>(hand.finger_count()));
+  for (const hand::Actuator& one : hand.actuators) {
+    if (one.finger >= 0 && one.closing != 0) told[static_cast<std::size_t>(one.finger)] = true;
+  }
+  return std::ranges::all_of(told, std::identity());
+}
 
 void derive_closing(hand::Description& hand) {
   for (int finger = 0; finger < hand.finger_count(); ++finger) {

@@ -8,6 +8,9 @@
 
 namespace palpate::simulation {
 
+/// Whether every finger has an actuator whose range goes mainly one way, by which it closes.
+bool ranges_tell_closing(const hand::Description& hand);
+
 /// Every finger's last actuator closes it, and those before that turn about an axis like its. Of a
 /// thumb the last two at most do; those before set it against the fingers. They close the way that
 /// their ranges mainly go, or else towards the other fingers.

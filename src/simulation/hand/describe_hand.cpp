@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <numbers>
 
 #include "palpate/core/error.hpp"
@@ -81,7 +80,7 @@ class Describer {
     add_drives(*model);
     measure(anatomy, *model);
     find_thumb();
-    if (!ranges_tell()) set_closing();
+    if (!ranges_tell_closing(hand())) set_closing();
     place_mount();
     set_closing();
     set_gains(*model);
@@ -94,15 +93,6 @@ class Describer {
   void guess(std::string text) { result_.guesses.push_back(std::move(text)); }
   void problem(std::string what, std::string hint) {
     result_.problems.push_back({std::move(what), std::move(hint)});
-  }
-
-  /// Whether every finger has a joint whose range goes mainly one way.
-  bool ranges_tell() const {
-    std::vector<bool> told(static_cast<std::size_t>(result_.hand.finger_count()));
-    for (const hand::Actuator& one : result_.hand.actuators) {
-      if (one.finger >= 0 && one.closing != 0) told[static_cast<std::size_t>(one.finger)] = true;
-    }
-    return std::ranges::all_of(told, std::identity());
   }
 
   void set_closing() {
