@@ -151,9 +151,8 @@ void add_pick(CLI::App& program, Command& chosen) {
       ->capture_default_str();
   command
       .add_option("--true-object", arguments->true_object,
-                  "object that is simulated, if several are candidates: one of them or another one "
-                  "(default: "
-                  "drawn by the seed)")
+                  "object that is simulated, if several are candidates: one of them or another "
+                  "one (default: drawn by the seed)")
       ->option_text("O");
   add_object_options(command, arguments->told);
   add_hand_option(command, arguments->hand);

@@ -16,9 +16,8 @@ namespace {
 constexpr int kSlides = 2;           // how often a grasp may slide, each time
 constexpr double kFarther = 3.0;     // so many times as far
 constexpr double kToldError = 0.25;  // of the motion in the hand that the fingertips tell of, sigma
-constexpr double kSwing =
-    0.02;  // rad, that following misses of a turn in one or two fingertips, sigma
-constexpr double kStirred = 3.0;  // so many times as far, where it was rolled or grasped again
+constexpr double kSwing = 0.02;      // rad, sigma of a turn that was followed in two fingertips
+constexpr double kStirred = 3.0;     // so many times as far, where it was rolled or grasped again
 
 using localization::PosePrior;
 

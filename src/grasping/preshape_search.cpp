@@ -164,8 +164,10 @@ class Trials {
 /// fingers can bend back far, as those of a claw.
 double widest_share(const hand::Description& hand) {
   for (int finger = 0; finger < hand.finger_count(); ++finger) {
-    const int first = hand::closing_actuators(hand, finger).front();
-    const hand::Actuator& actuator = hand.actuators[static_cast<std::size_t>(first)];
+    const auto closing = hand::closing_actuators(hand, finger);
+    if (closing.empty()) continue;
+    const auto first = static_cast<std::size_t>(closing.front());
+    const hand::Actuator& actuator = hand.actuators[first];
     const double back = actuator.closing > 0 ? actuator.command.low : actuator.command.high;
     const double start = start_of(actuator);
     if (std::abs(back - start) < kClaw * std::abs(end_of(actuator) - start)) return 0;

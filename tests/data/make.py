@@ -92,8 +92,8 @@ def object_pose():
 
 
 def contacts(rng):
-    """A log of four fingers that slide on a plate, 10 Hz: rows without a touch hold a placeholder of
-    force (0, -1, 0), and the first finger's readings are repeated, for it was read too fast."""
+    """A log of four fingers that slide on a plate, 10 Hz: rows without a touch hold the force
+    (0, -1, 0), and the first finger's readings are repeated, for it was read too fast."""
     rows = [",finger,t,px,py,pz,fx,fy,fz"]
     for number, name in enumerate(("FF", "MF", "RF", "TH")):
         last = None

@@ -180,6 +180,15 @@ TEST(Trial, GraspsAnewFromAnotherSideAndKeepsWhatItKnew) {
   expect_equal(trial.result.estimate, replayed(recording, options.pick.estimation));
 }
 
+TEST(Trial, WhatHasSlippedIsPressedHarder) {
+  TrialOptions options = quick_options();
+  options.world.hand_friction = 0.35;  // 0.5 is believed
+  const Trial trial = run_trial(model("box"), options, kSeed);
+  EXPECT_TRUE(trial.metrics.lifted);
+  EXPECT_GT(trial.result.attempts, 1) << "the first grasp was to slip";
+  EXPECT_TRUE(trial.result.held);
+}
+
 TEST(Trial, PutsDownWhatHangsToGraspItAnew) {
   TrialOptions options = quick_options();
   options.pick.estimate_before_lift = false;

@@ -83,6 +83,20 @@ TEST(DerivePostures, AFoldedHandDoesNotPressOnItself) {
                   .is_clear(joints(hand.postures.folded)));
 }
 
+TEST(DerivePostures, AFingerMayBeToldNotToClose) {
+  simulation::HandNotes notes;
+  notes.closing = "index_1,index_2,thumb_1,thumb_2";
+  hand::Description hand =
+      simulation::describe_hand(simulation::write_hand("idle.xml", simulation::kHandMjcf), notes)
+          .hand;
+  derive_postures(hand);
+  for (int i = 0; i < hand.actuator_count(); ++i) {
+    const hand::Actuator& one = hand.actuators[static_cast<std::size_t>(i)];
+    if (hand.fingers[static_cast<std::size_t>(one.finger)].name != "ring") continue;
+    EXPECT_EQ(hand.postures.top.open[i], hand.postures.top.closed[i]) << one.name;
+  }
+}
+
 TEST(DerivePostures, WhatWasFoundIsKept) {
   hand::Description again =
       simulation::describe_hand(simulation::write_hand("derived.xml", simulation::kHandMjcf)).hand;

@@ -46,7 +46,7 @@ struct ArmDescription {
   /// What the hand has before its first joint, in the mount's frame.
   std::vector<LinkSphere> carried = {};
   /// A hand of 4 kg then loads its mount by its own inertia by some 15 N.
-  MountLimits limits = {3, 10, 0.02};
+  MountLimits limits = {.acceleration = 3, .turn_acceleration = 10, .guarded_speed = 0.02};
   ArmFile file = {};
 
   [[nodiscard]] Eigen::Index joint_count() const { return std::ssize(joints); }

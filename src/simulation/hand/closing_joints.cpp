@@ -27,16 +27,6 @@ Eigen::Vector3d axis_of(const hand::Description& hand, const hand::Actuator& act
   return Eigen::Vector3d::Zero();
 }
 
-std::vector<Eigen::Vector3d> tips_at(const hand::Description& hand,
-                                     const hand::ActuatorVector& positions) {
-  const auto T = hand::forward_kinematics(hand, hand::joints_in_free_flexion(hand, positions));
-  std::vector<Eigen::Vector3d> tips;
-  for (const hand::Finger& finger : hand.fingers) {
-    tips.push_back(T[static_cast<std::size_t>(finger.link)] * finger.tip.b);
-  }
-  return tips;
-}
-
 /// Which way an actuator whose range does not tell closes its finger: towards the thumb's tip; that
 /// of a thumb towards the middle of the others. All else is straight.
 double towards_others(const hand::Description& hand, int actuator) {
@@ -46,7 +36,7 @@ double towards_others(const hand::Description& hand, int actuator) {
     positions[i] = std::clamp(0.0, low, high);
   }
   const int finger = hand.actuators[static_cast<std::size_t>(actuator)].finger;
-  const auto straight = tips_at(hand, positions);
+  const auto straight = fingertips(hand, positions);
   Eigen::Vector3d goal = Eigen::Vector3d::Zero();
   for (int other = 0; other < hand.finger_count(); ++other) {
     const double fingers = hand.finger_count() - 1;
@@ -57,7 +47,7 @@ double towards_others(const hand::Description& hand, int actuator) {
   const auto distance = [&](double by) {
     hand::ActuatorVector moved = positions;
     moved[actuator] += by;
-    return (tips_at(hand, moved)[static_cast<std::size_t>(finger)] - goal).norm();
+    return (fingertips(hand, moved)[static_cast<std::size_t>(finger)] - goal).norm();
   };
   return distance(kTried) <= distance(-kTried) ? 1 : -1;
 }
@@ -71,6 +61,16 @@ std::vector<int> actuators_of(const hand::Description& hand, int finger) {
 }
 
 }  // namespace
+
+std::vector<Eigen::Vector3d> fingertips(const hand::Description& hand,
+                                        const hand::ActuatorVector& positions) {
+  const auto T = hand::forward_kinematics(hand, hand::joints_in_free_flexion(hand, positions));
+  std::vector<Eigen::Vector3d> tips;
+  for (const hand::Finger& finger : hand.fingers) {
+    tips.push_back(T[static_cast<std::size_t>(finger.link)] * finger.tip.b);
+  }
+  return tips;
+}
 
 bool ranges_tell_closing(const hand::Description& hand) {
   std::vector<bool> told(static_cast<std::size_t>(hand.finger_count()));

@@ -8,6 +8,10 @@
 
 namespace palpate::simulation {
 
+/// Outer end of every fingertip in the mount's frame, m, in free flexion.
+std::vector<Eigen::Vector3d> fingertips(const hand::Description& hand,
+                                        const hand::ActuatorVector& positions);
+
 /// Whether every finger has an actuator whose range goes mainly one way, by which it closes.
 bool ranges_tell_closing(const hand::Description& hand);
 

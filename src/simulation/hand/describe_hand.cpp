@@ -249,13 +249,7 @@ hand::ActuatorVector Describer::posture(double share) const {
 }
 
 std::vector<Eigen::Vector3d> Describer::tips_at(double share) const {
-  const hand::Description& hand = result_.hand;
-  const auto T = hand::forward_kinematics(hand, hand::joints_in_free_flexion(hand, posture(share)));
-  std::vector<Eigen::Vector3d> tips;
-  for (const hand::Finger& finger : hand.fingers) {
-    tips.push_back(T[static_cast<std::size_t>(finger.link)] * finger.tip.b);
-  }
-  return tips;
+  return fingertips(result_.hand, posture(share));
 }
 
 /// The finger that closes against the others: it points and moves least like them.
