@@ -263,6 +263,7 @@ HeldPoseEstimate PoseEstimator::held(const hand::Description& hand, const EventL
   if (!at) return estimate;
   const bool closed = !log.all(TouchEvent::closed).empty();
   if (closed) resting(hand, log);
+  if (closed && log.hangs_at(*at)) look_before_lift(hand, log);
   Hypotheses hypotheses;
   for (std::size_t i = 0; i < candidates_.size(); ++i) {
     hypotheses.push_back(ruled_out_[i] ? kImpossible : hold(i, hand, log, *at, estimate.contacts));
@@ -272,6 +273,19 @@ HeldPoseEstimate PoseEstimator::held(const hand::Description& hand, const EventL
   estimate.posterior = conclude(hypotheses);
   for (auto& contact : estimate.contacts) move(T_world_base, contact);
   return estimate;
+}
+
+/// In the hand that had closed, with what was felt of it until the lift.
+void PoseEstimator::look_before_lift(const hand::Description& hand, const EventLog& log) {
+  const std::size_t closed = log.all(TouchEvent::closed).back();
+  if (closed_at_ == closed) return;
+  const EventLog past = log.until(TouchEvent::closed);
+  before_lift_.clear();
+  std::vector<tactile::Contact> contacts;
+  for (std::size_t i = 0; i < candidates_.size(); ++i) {
+    before_lift_.push_back(ruled_out_[i] ? kImpossible : hold(i, hand, past, closed, contacts));
+  }
+  closed_at_ = closed;
 }
 
 /// The pose in the hand if it is a candidate, in the hand's base.
@@ -291,8 +305,13 @@ localization::ObjectHypothesis PoseEstimator::hold(std::size_t candidate,
     if (!any) {
       evidence.table = table_at_closing(object, hand, log, options_);
     } else {
-      evidence.prior = prior_after_grasp(
-          {*candidates_[candidate], hand, log, closed.front(), at, options_, seed_}, resting);
+      HeldObject held{*candidates_[candidate], hand, log, closed.front(), at, options_, seed_};
+      evidence.prior = prior_after_grasp(held, resting);
+      if (log.hangs_at(at) && has_pose(before_lift_[candidate])) {
+        held.closed = closed.back();
+        evidence.prior =
+            either_of(*evidence.prior, prior_after_lift(held, before_lift_[candidate].posterior));
+      }
     }
   }
   auto hypothesis = search(candidate, evidence, "locate");

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <vector>
 
 #include "estimation/in_hand_motion.hpp"
 #include "palpate/estimation/track.hpp"
@@ -17,7 +18,9 @@ constexpr int kSlides = 2;           // how often a grasp may slide, each time
 constexpr double kFarther = 3.0;     // so many times as far
 constexpr double kToldError = 0.25;  // of the motion in the hand that the fingertips tell of, sigma
 constexpr double kSwing = 0.02;      // rad, sigma of a turn that was followed in two fingertips
-constexpr double kStirred = 3.0;     // so many times as far, where it was rolled or grasped again
+constexpr double kUnfollowed = 0.05;  // rad, sigma of a turn in two fingertips that was not
+constexpr double kSteadyMass = 0.2;   // kg, of an object that closing fingers do not push
+constexpr double kStirred = 3.0;      // so many times as far, where it was rolled or grasped again
 
 using localization::PosePrior;
 
@@ -47,26 +50,31 @@ Eigen::Isometry3d followed(const HeldObject& held, std::size_t lifted,
 /// What the fingertips say of how the object has moved in the hand.
 struct ToldMotion {
   InHandMotion motion;
-  double turn = 0, way = 0;  ///< rad, m
-  double swing = 0;          ///< rad, about the loose axes
+  double turn = 0, way = 0;     ///< rad, m
+  double share = 1, swing = 0;  ///< that it is so; rad, sigma about the loose axes
 };
 
+/// Where two fingertips hold it, it may have swung as it was followed, or not at all.
 /// @param posterior  at the closed hand, in the base
-ToldMotion told_motion(const HeldObject& held, const localization::Posterior& posterior) {
+std::vector<ToldMotion> told_motions(const HeldObject& held,
+                                     const localization::Posterior& posterior) {
   const auto move_from = [&](std::size_t first) {
     return in_hand_motion(held.hand, held.log, first, held.at, held.options.errors);
   };
   ToldMotion told{move_from(held.closed)};
-  const auto last = lifted(held);
   const Eigen::Vector3d p = posterior.modes.front().T_frame_object.translation();
   told.turn = Eigen::AngleAxisd(told.motion.T.linear()).angle();
   told.way = (told.motion.T * p - p).norm();
-  if (!told.motion.loose.empty() && last) {
-    const Eigen::Isometry3d swing = followed(held, *last, posterior);
-    told.swing = Eigen::AngleAxisd(swing.linear()).angle();
-    told.motion.T = move_from(*last).T * swing;
-  }
-  return told;
+  const auto last = lifted(held);
+  if (told.motion.loose.empty() || !last) return {told};
+  const Eigen::Isometry3d swing = followed(held, *last, posterior);
+  const double angle = Eigen::AngleAxisd(swing.linear()).angle();
+  ToldMotion swung = told;
+  swung.motion.T = move_from(*last).T * swing;
+  swung.share = told.share = 0.5;
+  swung.swing = std::hypot(kSwing, kToldError * angle);
+  told.swing = std::hypot(kUnfollowed, kToldError * angle);
+  return {swung, told};
 }
 
 /// By how much closing, pressing and lifting move the object in the hand, times `scale`, beside
@@ -101,29 +109,79 @@ double floor_density(const PosePrior& prior, double elsewhere) {
   return std::min(0.5, elsewhere / kPoses / peak);
 }
 
+void append(const PosePrior& part, double share, PosePrior& prior) {
+  for (auto component : part.components) {
+    component.weight *= share;
+    prior.components.push_back(component);
+  }
+}
+
+void sort_heaviest_first(PosePrior& prior) {
+  std::stable_sort(prior.components.begin(), prior.components.end(),
+                   [](const auto& a, const auto& b) { return a.weight > b.weight; });
+}
+
+/// What closing does to a light object besides, which slides over the table until a second finger
+/// meets it; in the hand's base.
+Matrix6d pushed_covariance(const HeldObject& held) {
+  const double times = std::clamp(kSteadyMass / held.model.object().mass, 1.0, kFarther);
+  const double more = times * times - 1;
+  const EstimationOptions& options = held.options;
+  const Eigen::Vector3d up = held.log.readings[held.closed].base.pose().linear().row(2);
+  const Eigen::Matrix3d vertical = up * up.transpose();
+  Matrix6d covariance = Matrix6d::Zero();
+  covariance.topLeftCorner<3, 3>() = more * std::pow(options.motion_angle_sigma, 2) * vertical;
+  covariance.bottomRightCorner<3, 3>() =
+      more * std::pow(options.motion_sigma, 2) * (Eigen::Matrix3d::Identity() - vertical);
+  return covariance;
+}
+
+/// @param before  at the reading `closed`, in the hand's base
+/// @param scale   of the motions that the fingertips do not tell of
+/// @param pushed  covariance of such a motion besides
+PosePrior after_motion(const HeldObject& held, const localization::Posterior& before, double scale,
+                       const Matrix6d& pushed) {
+  const EstimationOptions& options = held.options;
+  PosePrior prior;
+  for (const ToldMotion& told : told_motions(held, before)) {
+    localization::Posterior moved = before;
+    move(told.motion.T, moved);
+    double share = told.share, farther = 1;
+    for (int slides = 0; slides <= kSlides; ++slides) {
+      const Matrix6d covariance =
+          motion_covariance(options, told, scale * farther) + farther * farther * pushed;
+      PosePrior part = localization::prior_from(moved, covariance);
+      for (const auto& axis : told.motion.loose) loosen(axis, told.swing, part);
+      append(part, slides < kSlides ? share * (1 - options.slide_share) : share, prior);
+      share *= options.slide_share;
+      farther *= kFarther;
+    }
+  }
+  sort_heaviest_first(prior);
+  prior.floor = floor_density(prior, options.elsewhere);
+  return prior;
+}
+
+bool rolled(const HeldObject& held) { return held.log.at(TouchEvent::rolled).has_value(); }
+
 }  // namespace
 
 PosePrior prior_after_grasp(const HeldObject& held, localization::Posterior resting) {
   move(held.log.readings[held.closed].base.pose().inverse(), resting);
-  const ToldMotion told = told_motion(held, resting);
-  move(told.motion.T, resting);
-  const bool stirred = held.log.has_opened() || held.log.at(TouchEvent::rolled);
-  const EstimationOptions& options = held.options;
+  const bool stirred = held.log.has_opened() || rolled(held);
+  return after_motion(held, resting, stirred ? kStirred : 1.0, pushed_covariance(held));
+}
+
+PosePrior prior_after_lift(const HeldObject& held, const localization::Posterior& before_lift) {
+  return after_motion(held, before_lift, rolled(held) ? kStirred : 1.0, Matrix6d::Zero());
+}
+
+PosePrior either_of(const PosePrior& one, const PosePrior& other) {
   PosePrior prior;
-  double share = 1, scale = stirred ? kStirred : 1.0;
-  for (int slides = 0; slides <= kSlides; ++slides) {
-    PosePrior part = localization::prior_from(resting, motion_covariance(options, told, scale));
-    const double stays = slides < kSlides ? 1 - options.slide_share : 1;
-    for (auto& component : part.components) component.weight *= share * stays;
-    prior.components.insert(prior.components.end(), part.components.begin(), part.components.end());
-    share *= options.slide_share;
-    scale *= kFarther;
-  }
-  const double swing = std::hypot(kSwing, kToldError * told.swing);
-  for (const auto& axis : told.motion.loose) loosen(axis, swing, prior);
-  std::stable_sort(prior.components.begin(), prior.components.end(),
-                   [](const auto& a, const auto& b) { return a.weight > b.weight; });
-  prior.floor = floor_density(prior, options.elsewhere);
+  append(one, 0.5, prior);
+  append(other, 0.5, prior);
+  sort_heaviest_first(prior);
+  prior.floor = std::max(one.floor, other.floor);
   return prior;
 }
 

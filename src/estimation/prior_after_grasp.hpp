@@ -20,4 +20,13 @@ struct HeldObject {
 /// @param resting  in the world, with modes
 localization::PosePrior prior_after_grasp(const HeldObject& held, localization::Posterior resting);
 
+/// The same, by where it was in the closed hand before that lifted it.
+/// @param before_lift  at the reading `closed`, in the hand's base, with modes
+localization::PosePrior prior_after_lift(const HeldObject& held,
+                                         const localization::Posterior& before_lift);
+
+/// One of two priors holds, each as likely.
+localization::PosePrior either_of(const localization::PosePrior& one,
+                                  const localization::PosePrior& other);
+
 }  // namespace palpate::estimation

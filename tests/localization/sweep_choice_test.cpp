@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 namespace palpate::localization {
 namespace {
 
@@ -60,6 +62,33 @@ TEST(MostInformativeMove, BlockedByAnotherPartOfTheHandTellsNothing) {
   ProbingFinger blocked = kBall;
   blocked.rest.push_back({{0, 0, 0}, 0.02});
   EXPECT_FALSE(most_informative_move(box(), posterior, blocked, {kAlongX}));
+}
+
+/// m along x until the ball meets the box.
+double way_to_box() {
+  double half = 0;
+  for (const auto& vertex : box().object().mesh.vertices) half = std::max(half, vertex.x());
+  return kAlongX.from.x() - half - kBall.tip[0].radius;
+}
+
+TEST(ClearWay, EndsWhereTheNearestCrediblePoseIsTouched) {
+  localization::Posterior posterior;
+  posterior.modes = {mode_at({0, 0, 0}, 0.6), mode_at({0.02, 0, 0}, 0.4)};
+  EXPECT_NEAR(clear_way({{&box(), posterior}}, kBall, kAlongX), way_to_box() - 0.02, 0.004);
+}
+
+TEST(ClearWay, DoesNotReckonWithPosesThatTogetherAreUnlikely) {
+  localization::Posterior posterior;
+  posterior.modes = {mode_at({0, 0, 0}, 0.99), mode_at({0.05, 0, 0}, 0.01)};
+  const std::vector<PosedObject> objects = {{&box(), posterior}};
+  EXPECT_NEAR(clear_way(objects, kBall, kAlongX), way_to_box(), 0.004);
+  EXPECT_NEAR(clear_way(objects, kBall, kAlongX, 0.005), way_to_box() - 0.05, 0.004);
+}
+
+TEST(ClearWay, IsAllOfAWayThatMeetsNothing) {
+  localization::Posterior posterior;
+  posterior.modes = {mode_at({0, 0.3, 0}, 1)};
+  EXPECT_NEAR(clear_way({{&box(), posterior}}, kBall, kAlongX), 0.4, 1e-9);
 }
 
 ProbingFinger turned_ball(double yaw) {

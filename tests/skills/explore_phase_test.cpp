@@ -112,6 +112,28 @@ TEST(ExplorePhase, GivesUpWhereNothingIsFelt) {
   EXPECT_EQ(exploring.marked(estimation::TouchEvent::missed), 8u);
 }
 
+TEST(ExplorePhase, IsSlowWhereTheObjectMayBe) {
+  Exploring exploring([](std::size_t) { return false; });
+  exploring.options.touches = exploring.options.max_touches = 2;
+  exploring.options.radius = 0.25;  // far from the box
+  exploring.explore();
+  const auto& log = exploring.robot.log();
+  const auto sets_out = log.all(estimation::TouchEvent::guarded_move);
+  const auto misses = log.all(estimation::TouchEvent::missed);
+  ASSERT_EQ(sets_out.size(), misses.size());
+  for (std::size_t k = 0; k < misses.size(); ++k) {
+    double fastest = 0, last = 0;  // m/s; in its second half
+    for (std::size_t i = sets_out[k] + 1; i <= misses[k]; ++i) {
+      const double speed =
+          (log.readings[i].base.xyz - log.readings[i - 1].base.xyz).norm() / hand::kTick;
+      fastest = std::max(fastest, speed);
+      if (2 * i > sets_out[k] + misses[k]) last = std::max(last, speed);
+    }
+    EXPECT_GT(fastest, 2 * exploring.options.touch_speed);
+    EXPECT_NEAR(last, exploring.options.touch_speed, 0.1 * exploring.options.touch_speed);
+  }
+}
+
 TEST(ExplorePhase, MakesUpForNoMissWhereMoreTouchesMayFollow) {
   Exploring exploring([](std::size_t) { return false; });
   exploring.options.touches = 4;
@@ -134,7 +156,7 @@ TEST(ExplorePhase, TellsPosesApartByGuardedMovesNotMadeYet) {
 TEST(ExplorePhase, AGuardedMoveCutShortByTimeMissedNothing) {
   Exploring exploring([](std::size_t) { return false; });
   exploring.options.touches = exploring.options.max_touches = 2;
-  exploring.options.speed = 0.001;  // 185 s a guarded move
+  exploring.options.speed = exploring.options.touch_speed = 0.001;  // 185 s a guarded move
   EXPECT_EQ(exploring.explore().status, PhaseStatus::timed_out);
   EXPECT_GE(exploring.guarded_moves, 1u);
   EXPECT_EQ(exploring.marked(estimation::TouchEvent::missed), 0u);

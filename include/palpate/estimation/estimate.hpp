@@ -142,6 +142,7 @@ class PoseEstimator {
   localization::ObjectHypothesis hold(std::size_t candidate, const hand::Description& hand,
                                       const EventLog& log, std::size_t at,
                                       std::vector<tactile::Contact>& contacts) const;
+  void look_before_lift(const hand::Description& hand, const EventLog& log);
   localization::Posterior conclude(const Hypotheses& hypotheses);
   [[nodiscard]] bool one() const { return candidates_.size() == 1; }
 
@@ -150,6 +151,8 @@ class PoseEstimator {
   std::uint64_t seed_;
   double area_ = 0;                        // of the candidates' surfaces, on average, m^2
   std::vector<EventLog::Moment> moments_;  // that the last resting pose is from
+  std::optional<std::size_t> closed_at_;   // reading that before_lift_ is of
+  Hypotheses before_lift_;                 // in the closed hand, in its base
   Hypotheses resting_, last_;              // last: of the last estimate, in the world
   std::vector<bool> ruled_out_;            // candidates that are not searched for any more
   localization::ObjectProbabilities probabilities_;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "palpate/localization/consensus.hpp"
 
@@ -152,6 +153,22 @@ std::optional<InformativeMove> most_informative_move(
     if (told > (best ? best->information : 0.0)) best = {guarded_moves[i], i, told};
   }
   return best;
+}
+
+double clear_way(const std::vector<PosedObject>& objects, const ProbingFinger& finger,
+                 const GuardedMove& guarded_move, double neglected) {
+  std::map<double, double> weights;  // of the poses, by the way after which they are touched
+  double total = 0;
+  for (const auto& pose : weighted_objects(objects)) {
+    weights[outcome(*pose.object, pose.T_object_world, finger, guarded_move).way] += pose.weight;
+    total += pose.weight;
+  }
+  double nearer = 0;
+  for (const auto& [way, weight] : weights) {
+    nearer += weight;
+    if (nearer >= neglected * total) return way;
+  }
+  return 0;
 }
 
 std::optional<RefiningMove> most_refining_move(const geometry::ObjectModel& object,

@@ -11,6 +11,7 @@
 #include "palpate/hand/tip_forces.hpp"
 #include "skills/motion_constants.hpp"
 #include "skills/take_posture.hpp"
+#include "skills/touch_detector.hpp"
 
 namespace palpate::skills {
 namespace {
@@ -30,6 +31,8 @@ constexpr double kHighest = 0.018;    // m, of all of these together
 constexpr double kGoodSpread = 0.35;  // of the resting pose, where no more guarded moves are needed
 constexpr double kWorthwhile = 0.93;  // of the spread that a guarded move may leave
 constexpr double kBackOff = 0.03;     // m
+constexpr double kFeltError = 0.015;  // m, of the height that was felt
+constexpr double kEarlier = 0.015;    // m before the expected touch, from where a sweep is slow
 constexpr double kGuardedMoveTime = 9;  // s that a guarded move takes with its travel, amply
 constexpr double kMinTime = 180;        // s, of the whole phase
 
@@ -50,8 +53,8 @@ hand::BasePosition base_for_probe(const Executor& robot, const hand::PointingHan
 }
 
 Executor::StopCondition tip_touches(int finger, double force) {
-  return [finger, force](const hand::HandReading& reading) {
-    return hand::tip_force(reading, finger) > force;
+  return [finger, detector = TouchDetector(force)](const hand::HandReading& reading) mutable {
+    return detector.update(hand::tip_force(reading, finger));
   };
 }
 
@@ -128,6 +131,22 @@ std::vector<localization::PosedObject> possible_objects(
   return objects;
 }
 
+/// m from an object's place to its farthest point, over the table, in any stable pose in which it
+/// is as tall as it was felt to be.
+double reach_of(const geometry::KnownObject& object, double height) {
+  double reach = 0;
+  for (const auto& stable_pose : object.stable_poses) {
+    double top = 0, far = 0;
+    for (const auto& vertex : object.mesh.vertices) {
+      const Eigen::Vector3d p = stable_pose.R_table_object * vertex;
+      top = std::max(top, p.z() + stable_pose.height);
+      far = std::max(far, p.head<2>().norm());
+    }
+    if (top > height - kFeltError) reach = std::max(reach, far);
+  }
+  return reach;
+}
+
 /// The probing finger's balls around the centre of its tip.
 localization::ProbingFinger sweeping_finger(const Executor& robot,
                                             const hand::PointingHand& pointing, double yaw) {
@@ -192,9 +211,10 @@ PhaseEnd ExplorePhase::run(Executor& robot, PickState& state) {
 }
 
 /// Level guarded moves from all sides, half of them with the hand turned round.
-int ExplorePhase::touch_around(Executor& robot, const PickState& state) {
+int ExplorePhase::touch_around(Executor& robot, PickState& state) {
   int touches = 0;
   for (const int i : every_other_first(options_.touches)) {
+    if (i == 1 && touches > 0) state.resting = estimator_.resting(robot.model(), robot.log());
     const double angle = 2 * std::numbers::pi * i / options_.touches;
     touches += touch_from(robot, state, angle, i % 2 == 0 ? 0 : 1) == GuardedMoveEnd::touched;
   }
@@ -202,7 +222,7 @@ int ExplorePhase::touch_around(Executor& robot, const PickState& state) {
 }
 
 /// Once more, for the hand was blocked and the fingertip felt nothing: it may be numb.
-int ExplorePhase::touch_with_another(Executor& robot, const PickState& state) {
+int ExplorePhase::touch_with_another(Executor& robot, PickState& state) {
   robot.distrust(pointing(robot).finger);
   probe_ = first_trusted(robot);
   if (!robot.trusted(pointing(robot).finger)) {
@@ -301,6 +321,22 @@ int ExplorePhase::refine(Executor& robot, PickState& state) {
   return touches;
 }
 
+/// m of a sweep along which the object cannot be met, as far as is known.
+double ExplorePhase::clear_way(const Executor& robot, const PickState& state,
+                               const localization::TurnedMove& turned) const {
+  const localization::GuardedMove& move = turned.guarded_move;
+  if (state.resting && !state.resting->modes.empty()) {
+    const auto finger = sweeping_finger(robot, pointing(robot), yaw(turned.turn));
+    return localization::clear_way(possible_objects(estimator_), finger, move) - kEarlier;
+  }
+  double reach = 0;
+  for (const auto* candidate : estimator_.candidates()) {
+    reach = std::max(reach, reach_of(candidate->object(), state.height));
+  }
+  const double out = (move.from.head<2>() - state.place).norm();
+  return out - reach - estimator_.options().resting_half_width - kEarlier;
+}
+
 ExplorePhase::GuardedMoveEnd ExplorePhase::guarded_move(Executor& robot, const PickState& state,
                                                         const localization::TurnedMove& turned) {
   const localization::GuardedMove& guarded_move = turned.guarded_move;
@@ -318,14 +354,19 @@ ExplorePhase::GuardedMoveEnd ExplorePhase::guarded_move(Executor& robot, const P
   robot.move_base(start, options_.travel_speed / 2);
   robot.wait(0.15);
   robot.mark(estimation::TouchEvent::guarded_move);
-  const auto tip = tip_touches(pointing(robot).finger, options_.touch_force);
-  const auto blocked = rising_load(robot, forward, kBlockedLoad);
   bool touched = false;
-  const auto stop = [&](const hand::HandReading& reading) {
-    touched = tip(reading);
-    return touched || blocked(reading);
+  const auto sweep_to = [&](const hand::BasePosition& base, double speed) {
+    const auto tip = tip_touches(pointing(robot).finger, options_.touch_force);
+    const auto blocked = rising_load(robot, forward, kBlockedLoad);
+    return robot.move_base(base, speed, [&](const hand::HandReading& reading) {
+      touched = tip(reading);
+      return touched || blocked(reading);
+    });
   };
-  const MotionEnd motion = robot.move_base(end, options_.speed, stop);
+  hand::BasePosition near = start;
+  near.xyz += std::max(0.0, clear_way(robot, state, turned)) * forward;
+  MotionEnd motion = sweep_to(near, options_.speed);
+  if (motion == MotionEnd::reached) motion = sweep_to(end, options_.touch_speed);
   if (motion == MotionEnd::timed_out) return GuardedMoveEnd::timed_out;  // it missed nothing
   if (touched) {
     stop_here(robot, options_.travel_speed);

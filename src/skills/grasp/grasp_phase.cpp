@@ -16,6 +16,7 @@
 #include "skills/lowest_part.hpp"
 #include "skills/motion_constants.hpp"
 #include "skills/take_posture.hpp"
+#include "skills/touch_detector.hpp"
 
 namespace palpate::skills {
 namespace {
@@ -99,7 +100,8 @@ hand::ActuatorVector relaxed(const Executor& robot, const hand::PerFinger<bool>&
 /// the torque limit allows, has stood still for a while. One that has lost touch closes on.
 class FingersDone {
  public:
-  explicit FingersDone(const hand::Description& hand) {
+  explicit FingersDone(const hand::Description& hand)
+      : detectors_(hand.fingers.size(), TouchDetector(kTipContact)) {
     for (int finger = 0; finger < hand.finger_count(); ++finger) {
       const auto closing = hand::closing_actuators(hand, finger);
       drives_.push_back(closing.empty() ? -1 : closing.front());
@@ -112,7 +114,8 @@ class FingersDone {
       const bool still = std::abs(position - last_[finger]) < kStillStep;
       still_[finger] = still && !touches_[finger] ? still_[finger] + 1 : 0;
       last_[finger] = position;
-      const bool touches = hand::tip_force(reading, static_cast<int>(finger)) > kTipContact;
+      const bool touches =
+          detectors_[finger].update(hand::tip_force(reading, static_cast<int>(finger)));
       apart_[finger] = touches ? 0 : apart_[finger] + 1;
       touches_[finger] = touches || (touches_[finger] && apart_[finger] < kLostTicks);
       stuck_[finger] = stuck_[finger] || still_[finger] > kStillTicks;
@@ -139,6 +142,7 @@ class FingersDone {
     return count;
   }
 
+  std::vector<TouchDetector> detectors_;
   std::vector<int> drives_;  // the first actuator of each finger that closes; -1: none does
   hand::PerFinger<bool> touches_{}, stuck_{};
   hand::PerFinger<int> still_{}, apart_{};

@@ -46,6 +46,11 @@ std::optional<InformativeMove> most_informative_move(const std::vector<PosedObje
                                                      const ProbingFinger& finger,
                                                      const std::vector<GuardedMove>& guarded_moves);
 
+/// How far a sweep goes, m, before it would touch the object at one of its credible poses; the
+/// nearest of them that together weigh less than `neglected` of all do not count.
+double clear_way(const std::vector<PosedObject>& objects, const ProbingFinger& finger,
+                 const GuardedMove& guarded_move, double neglected = 0.02);
+
 /// A sweep with the hand turned in one of several ways.
 struct TurnedMove {
   GuardedMove guarded_move;

@@ -14,7 +14,8 @@ struct ExploreOptions {
   double turn = 3.14159265;   ///< of the hand for every other one of them, rad
   double radius = 0.135;      ///< of the circle from which they start, m
   double past = 0.05;         ///< how far they go past the object's place, m
-  double speed = 0.06;        ///< of a guarded move, m/s
+  double speed = 0.10;        ///< of a guarded move where no touch is expected, m/s
+  double touch_speed = 0.02;  ///< of a guarded move where one is, m/s
   double touch_force = 0.1;   ///< N at the fingertip
   double travel_speed = 0.4;  ///< m/s
   double reach = 0.013;       ///< below the object's top, where only the fingertip touches, m
@@ -28,7 +29,8 @@ struct ExploreOptions {
     v.expert("turn", turn, -3.2, 3.2, "rad, of the hand for every other one of these");
     v("radius", radius, 0.02, 0.3, "m, of the circle from which they start");
     v.expert("past", past, 0.0, 0.2, "m, how far they go past the object's place");
-    v("speed", speed, 0.001, 0.2, "m/s, of a sweep");
+    v("speed", speed, 0.001, 0.2, "m/s, of a sweep where no touch is expected");
+    v("touch_speed", touch_speed, 0.001, 0.2, "m/s, of a sweep where one is");
     v("touch_force", touch_force, 0.02, 5.0, "N at the fingertip");
     v.expert("travel_speed", travel_speed, 0.01, 2.0, "m/s, between sweeps");
     v("reach", reach, 0.005, 0.07, "m, below the object's top");
@@ -39,7 +41,8 @@ struct ExploreOptions {
 /// and estimates how it lies. The hand keeps its posture and only travels, so that what is wrong
 /// with the model of the finger shifts all contacts alike and leaves their shape. For every other
 /// touch it is turned round, which turns that shift round, too, and so tells it from the object's
-/// place.
+/// place. A sweep is fast where the object cannot be yet, by its size at first and by its possible
+/// poses as soon as some touches tell of them, and slow from there on: a fast one pushes it.
 ///
 /// Where no touches are left to tell poses apart (max_touches <= touches), the number of touches
 /// is asked for: for guarded moves that felt nothing it guarded moves from in between, at most once
@@ -56,10 +59,12 @@ class ExplorePhase : public Phase {
   enum class GuardedMoveEnd { touched, missed, blocked, timed_out };
   GuardedMoveEnd guarded_move(Executor& robot, const PickState& state,
                               const localization::TurnedMove& turned);
+  double clear_way(const Executor& robot, const PickState& state,
+                   const localization::TurnedMove& turned) const;
   const hand::PointingHand& pointing(const Executor& robot) const;
   double yaw(std::size_t turn) const { return turn == 0 ? 0 : options_.turn; }
-  int touch_around(Executor& robot, const PickState& state);
-  int touch_with_another(Executor& robot, const PickState& state);
+  int touch_around(Executor& robot, PickState& state);
+  int touch_with_another(Executor& robot, PickState& state);
   int make_up(Executor& robot, const PickState& state, int touches);
   GuardedMoveEnd touch_from(Executor& robot, const PickState& state, double angle,
                             std::size_t turn);
