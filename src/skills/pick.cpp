@@ -21,6 +21,7 @@ namespace {
 
 constexpr double kLeft = 0.25;      // of the object's weight, in the hand: it has not been let go
 constexpr double kSmoother = 0.65;  // of the friction that is believed, once an object has slipped
+constexpr double kMoreThanOthers = 0.5;  // probability of a pose that is worth being held
 constexpr double kNextSide = 2 * std::numbers::pi / 3;  // rad between attempts
 
 bool has(const estimation::EventLog& log, estimation::TouchEvent mark) {
@@ -116,6 +117,10 @@ class Picking {
         state_.yaw += kNextSide;
       }
       result_.held = attempt();
+      if (result_.held && unknown() && result_.attempts < options_.attempts) {
+        result_.held = false;
+        put_back();
+      }
     }
     result_.resting = state_.resting;
     if (result_.held) {
@@ -131,6 +136,11 @@ class Picking {
   [[nodiscard]] const geometry::ObjectModel& object() const { return estimator_.object(); }
   [[nodiscard]] double weight() const { return object().object().mass * kGravity; }
 
+  /// Whether no pose in the hand is more probable than all others.
+  [[nodiscard]] bool unknown() const {
+    return localization::best_probability(state_.estimate.posterior) < kMoreThanOthers;
+  }
+
   /// What was known of the object's pose no longer holds.
   void release() {
     sequence_.run(ReleasePhase());
@@ -138,7 +148,7 @@ class Picking {
     state_.next_grasp.reset();
   }
 
-  /// Holds and lifts the object, from other sides too while that tells more of its pose.
+  /// Feels, holds and lifts the object, from other sides too while that tells more of its pose.
   bool attempt() {
     if (!sequence_.run(HeightProbePhase(options_.height_probe))) return false;
     if (result_.fallen) robot_.mark(estimation::TouchEvent::fallen);
