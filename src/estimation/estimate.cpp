@@ -153,7 +153,7 @@ std::vector<EventLog::Moment> moments_of_resting(const EventLog& log) {
 
 }  // namespace
 
-void move(const Eigen::Isometry3d& T_new_old, localization::Posterior& posterior) {
+void transform(const Eigen::Isometry3d& T_new_old, localization::Posterior& posterior) {
   Matrix6d turn = Matrix6d::Zero();
   turn.topLeftCorner<3, 3>() = T_new_old.linear();
   turn.bottomRightCorner<3, 3>() = T_new_old.linear();
@@ -269,9 +269,9 @@ HeldPoseEstimate PoseEstimator::held(const hand::Description& hand, const EventL
     hypotheses.push_back(ruled_out_[i] ? kImpossible : hold(i, hand, log, *at, estimate.contacts));
   }
   const Eigen::Isometry3d T_world_base = log.readings[*at].base.pose();
-  for (auto& hypothesis : hypotheses) move(T_world_base, hypothesis.posterior);
+  for (auto& hypothesis : hypotheses) transform(T_world_base, hypothesis.posterior);
   estimate.posterior = conclude(hypotheses);
-  for (auto& contact : estimate.contacts) move(T_world_base, contact);
+  for (auto& contact : estimate.contacts) transform(T_world_base, contact);
   return estimate;
 }
 

@@ -75,7 +75,7 @@ localization::PosePrior HeldPoseFollower::prior() const {
   variance << Eigen::Vector3d::Constant(std::pow(options_.turn_sigma, 2)),
       Eigen::Vector3d::Constant(std::pow(options_.way_sigma, 2));
   localization::Posterior moved = known_;
-  move(last.base.pose().inverse() * carried(), moved);
+  transform(last.base.pose().inverse() * carried(), moved);
   const Matrix6d covariance = (periods * variance).asDiagonal();
   return localization::prior_from(moved, covariance);
 }
@@ -101,8 +101,8 @@ HeldPoseEstimate HeldPoseFollower::estimate(const Task& task) const {
                              task.prior ? options_.estimation.search : options_.first);
   estimate.contacts = std::move(evidence.contacts);
   const Eigen::Isometry3d T_world_base = task.log.readings[present].base.pose();
-  move(T_world_base, estimate.posterior);
-  for (auto& contact : estimate.contacts) move(T_world_base, contact);
+  transform(T_world_base, estimate.posterior);
+  for (auto& contact : estimate.contacts) transform(T_world_base, contact);
   return estimate;
 }
 
@@ -115,7 +115,7 @@ void HeldPoseFollower::accept(const Task& task, HeldPoseEstimate estimate) {
 
 localization::Posterior HeldPoseFollower::posterior() const {
   localization::Posterior now = known_;
-  move(carried(), now);
+  transform(carried(), now);
   return now;
 }
 

@@ -125,7 +125,7 @@ void add_carried(std::vector<tactile::Contact> contacts, const Fingers& fingers,
                  Evidence& evidence) {
   for (auto& contact : contacts) {
     if (!fingers[static_cast<std::size_t>(contact.finger)]) continue;
-    move(motion, contact);
+    transform(motion, contact);
     contact.point_sigma = std::hypot(contact.point_sigma, options.probe_motion);
     evidence.contacts.push_back(contact);
   }
@@ -186,7 +186,7 @@ localization::ForceBalance balance_of(const std::vector<tactile::Contact>& conta
 
 }  // namespace
 
-void move(const Eigen::Isometry3d& T_new_old, tactile::Contact& contact) {
+void transform(const Eigen::Isometry3d& T_new_old, tactile::Contact& contact) {
   contact.p = T_new_old * contact.p;
   contact.n = T_new_old.linear() * contact.n;
   contact.f = T_new_old.linear() * contact.f;
@@ -210,7 +210,7 @@ Evidence evidence_of_guarded_moves(const hand::Description& hand, const EventLog
     const Eigen::Isometry3d T_world_base = log.readings[moment.reading].base.pose();
     const auto window = window_before(log, moment.reading, kTouchWindow);
     for (auto contact : felt_contacts(window, hand, options.errors)) {
-      move(T_world_base, contact);
+      transform(T_world_base, contact);
       offset.members.push_back({evidence.contacts.size(), T_world_base.linear()});
       evidence.contacts.push_back(contact);
     }

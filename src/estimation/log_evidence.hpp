@@ -25,6 +25,6 @@ localization::Evidence evidence_in_hand(const hand::Description& hand, const Eve
                                         const EstimationOptions& options);
 
 /// Expresses a contact in another frame.
-void move(const Eigen::Isometry3d& T_new_old, tactile::Contact& contact);
+void transform(const Eigen::Isometry3d& T_new_old, tactile::Contact& contact);
 
 }  // namespace palpate::estimation

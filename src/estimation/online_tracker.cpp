@@ -82,7 +82,7 @@ localization::PosePrior OnlineTracker::expected() const {
   for (const Eigen::Isometry3d& motion :
        {Eigen::Isometry3d::Identity(), palm_.back() * palm_[since].inverse()}) {
     localization::Posterior moved = coming_.posterior;
-    move(T_base_world * motion, moved);
+    transform(T_base_world * motion, moved);
     for (auto& component : localization::prior_from(moved, covariance).components) {
       component.weight /= 2;
       prior.components.push_back(component);
@@ -105,7 +105,7 @@ void OnlineTracker::estimate() {
       object_, evidence, random_.fork("estimate", static_cast<std::uint64_t>(present)),
       options_.estimation.search);
   if (posterior.unlisted() < 1) {  // else the contacts leave the pose open
-    move(T_world_base, posterior);
+    transform(T_world_base, posterior);
     coming_ = {std::move(posterior), present};
     ++estimates_;
   }

@@ -40,7 +40,7 @@ Eigen::Isometry3d followed(const HeldObject& held, std::size_t lifted,
                            const localization::Posterior& posterior) {
   localization::Posterior start;
   start.modes = {posterior.modes.front()};
-  move(held.log.readings[held.closed].base.pose(), start);
+  transform(held.log.readings[held.closed].base.pose(), start);
   const Tracked tracked = track(held.model, held.hand, held.log, held.options.errors, start,
                                 held.closed, lifted, {}, held.seed);
   return tracked.posterior.modes.front().T_frame_object *
@@ -145,7 +145,7 @@ PosePrior after_motion(const HeldObject& held, const localization::Posterior& be
   PosePrior prior;
   for (const ToldMotion& told : told_motions(held, before)) {
     localization::Posterior moved = before;
-    move(told.motion.T, moved);
+    transform(told.motion.T, moved);
     double share = told.share, farther = 1;
     for (int slides = 0; slides <= kSlides; ++slides) {
       const Matrix6d covariance =
@@ -167,7 +167,7 @@ bool rolled(const HeldObject& held) { return held.log.at(TouchEvent::rolled).has
 }  // namespace
 
 PosePrior prior_after_grasp(const HeldObject& held, localization::Posterior resting) {
-  move(held.log.readings[held.closed].base.pose().inverse(), resting);
+  transform(held.log.readings[held.closed].base.pose().inverse(), resting);
   const bool stirred = held.log.has_opened() || rolled(held);
   return after_motion(held, resting, stirred ? kStirred : 1.0, pushed_covariance(held));
 }

@@ -47,7 +47,7 @@ Tracked track(const geometry::ObjectModel& object, const hand::Description& hand
   }
   Tracked tracked;
   tracked.posterior = start;
-  move(log.readings[first].base.pose().inverse(), tracked.posterior);
+  transform(log.readings[first].base.pose().inverse(), tracked.posterior);
   localization::Tracker tracker(object, tracked.posterior, options.tracker,
                                 RandomStream(seed, "track"));
   const auto step = static_cast<std::size_t>(std::lround(options.look / hand::kTick));

@@ -22,7 +22,7 @@ const std::array<double, 7> kHeights = {0, 0.012, 0.024, 0.036, 0.05, 0.065, 0.0
 const std::array<float, 5> kDescent = {0, 0.01f, 0.03f, 0.06f, 0.1f};                // m
 
 bool comes_down_freely(const PlacedObject& target, const ClosingTrajectory& path,
-                       const PlanOptions& options, const Eigen::Vector3f& up) {
+                       const GraspPlanOptions& options, const Eigen::Vector3f& up) {
   const auto clearance = static_cast<float>(options.clearance);
   for (const auto& sphere : path.open_spheres) {
     if (target.height(sphere.head<3>()) - sphere.w() < options.table_clearance) return false;
@@ -44,12 +44,12 @@ class Candidate {
         T_world_base_(base.pose()),
         target_(object, T_world_object, T_world_base_) {}
 
-  bool free(const ClosingTrajectory& path, const PlanOptions& options) const {
+  bool free(const ClosingTrajectory& path, const GraspPlanOptions& options) const {
     const Eigen::Vector3d up = T_world_base_.linear().row(2).transpose();
     return comes_down_freely(target_, path, options, up.cast<float>());
   }
 
-  GraspPlan judge(const ClosingTrajectory& path, const PlanOptions& options) const {
+  GraspPlan judge(const ClosingTrajectory& path, const GraspPlanOptions& options) const {
     GraspPlan plan;
     plan.base = base_;
     plan.cost = std::numeric_limits<double>::infinity();
@@ -109,7 +109,8 @@ bool was_tried(double yaw, const std::vector<double>& avoid) {
 
 std::vector<hand::BasePosition> places(const ClosingTrajectory& path,
                                        const Eigen::Vector3d& centroid,
-                                       const hand::Attitude& attitude, const PlanOptions& options,
+                                       const hand::Attitude& attitude,
+                                       const GraspPlanOptions& options,
                                        const std::vector<double>& avoid) {
   std::vector<hand::BasePosition> result;
   const Eigen::Vector3d center = closing_center(path);
@@ -136,7 +137,7 @@ std::vector<hand::BasePosition> places(const ClosingTrajectory& path,
 }  // namespace
 
 double grasp_cost(const geometry::ObjectModel& object, const GraspPlan& plan,
-                  const PlanOptions& options, const Eigen::Vector3d& gravity,
+                  const GraspPlanOptions& options, const Eigen::Vector3d& gravity,
                   const Eigen::Vector3d& p_base_object) {
   const double weight = object.object().mass * kGravity;
   const auto balance = distribute_forces(plan.contacts, options.friction, options.press,
@@ -145,7 +146,8 @@ double grasp_cost(const geometry::ObjectModel& object, const GraspPlan& plan,
 }
 
 double mean_cost(const geometry::ObjectModel& object, const Eigen::Isometry3d& T_world_object,
-                 const ClosingTrajectory& path, const PlanOptions& options, const GraspPlan& plan) {
+                 const ClosingTrajectory& path, const GraspPlanOptions& options,
+                 const GraspPlan& plan) {
   double sum = plan.cost;
   for (int side = 0; side < 4; ++side) {
     Eigen::Isometry3d moved = T_world_object;
@@ -160,7 +162,7 @@ std::optional<GraspPlan> close_virtually(const geometry::ObjectModel& object,
                                          const Eigen::Isometry3d& T_world_object,
                                          const ClosingTrajectory& path,
                                          const hand::BasePosition& base,
-                                         const PlanOptions& options) {
+                                         const GraspPlanOptions& options) {
   const Candidate candidate(object, T_world_object, base);
   if (!candidate.free(path, options)) return std::nullopt;
   return candidate.judge(path, options);
@@ -169,7 +171,8 @@ std::optional<GraspPlan> close_virtually(const geometry::ObjectModel& object,
 std::vector<GraspPlan> find_grasps(const geometry::ObjectModel& object,
                                    const Eigen::Isometry3d& T_world_object,
                                    const ClosingTrajectory& path, const hand::Attitude& attitude,
-                                   const PlanOptions& options, const std::vector<double>& avoid) {
+                                   const GraspPlanOptions& options,
+                                   const std::vector<double>& avoid) {
   std::vector<GraspPlan> plans;
   for (const auto& base : places(path, T_world_object.translation(), attitude, options, avoid)) {
     auto plan = close_virtually(object, T_world_object, path, base, options);
@@ -181,7 +184,8 @@ std::vector<GraspPlan> find_grasps(const geometry::ObjectModel& object,
 std::optional<GraspPlan> plan_grasp(const geometry::ObjectModel& object,
                                     const Eigen::Isometry3d& T_world_object,
                                     const ClosingTrajectory& path, const hand::Attitude& attitude,
-                                    const PlanOptions& options, const std::vector<double>& avoid) {
+                                    const GraspPlanOptions& options,
+                                    const std::vector<double>& avoid) {
   auto plans = find_grasps(object, T_world_object, path, attitude, options, avoid);
   if (plans.empty()) return std::nullopt;
   const auto cheaper = [](const GraspPlan& a, const GraspPlan& b) { return a.cost < b.cost; };

@@ -135,7 +135,7 @@ class Trials {
     const auto path = closing_trajectory(hand, open, law);
     double sum = 0;
     for (const auto& [object, T_world_object] : objects_) {
-      PlanOptions options;
+      GraspPlanOptions options;
       options.press = kPress;
       options.missing_finger = kMissing;
       options.yaws = 8;

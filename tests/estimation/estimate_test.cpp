@@ -55,7 +55,7 @@ TEST(EstimateHeldPose, MovesAllOfAPosterior) {
   localization::Posterior posterior;
   posterior.modes.push_back({first, 0.5, Matrix6d::Identity(), {}});
   posterior.further = {first, second};
-  move(by, posterior);
+  transform(by, posterior);
   EXPECT_TRUE(posterior.modes[0].T_frame_object.isApprox(by * first));
   ASSERT_EQ(posterior.further.size(), 2u);
   EXPECT_TRUE(posterior.further[0].isApprox(by * first));

@@ -47,7 +47,7 @@ struct BoxScene {
 
 TEST(PlanGrasp, HoldsALyingBoxWhereverItLies) {
   const BoxScene scene;
-  PlanOptions options;
+  GraspPlanOptions options;
   options.press = 3 * 9.81 * scene.object.object().mass;
   for (const double yaw : {0.0, 1.1, 2.5}) {
     const Eigen::Vector2d xy(0.03 * std::cos(3 * yaw), -0.02);

@@ -78,7 +78,7 @@ struct EstimationOptions {
 };
 
 /// Expresses a posterior in another frame.
-void move(const Eigen::Isometry3d& T_new_old, localization::Posterior& posterior);
+void transform(const Eigen::Isometry3d& T_new_old, localization::Posterior& posterior);
 
 /// What is known of the object's pose when it hangs in the hand.
 struct HeldPoseEstimate {

@@ -9,7 +9,7 @@
 
 namespace palpate::grasping {
 
-struct PlanOptions {
+struct GraspPlanOptions {
   double clearance = 0.004;        ///< of the opened hand from the object, m
   double table_clearance = 0.005;  ///< of the hand from the table, m
   double press = 6.0;              ///< N, of all fingertips together; whoever plans sets it
@@ -49,25 +49,26 @@ std::optional<GraspPlan> close_virtually(const geometry::ObjectModel& object,
                                          const Eigen::Isometry3d& T_world_object,
                                          const ClosingTrajectory& path,
                                          const hand::BasePosition& base,
-                                         const PlanOptions& options);
+                                         const GraspPlanOptions& options);
 
 /// All places where the opened hand can come down freely and its thumb and another finger then meet
 /// the object, in a fixed order. Their costs are for the object just where it is.
 std::vector<GraspPlan> find_grasps(const geometry::ObjectModel& object,
                                    const Eigen::Isometry3d& T_world_object,
                                    const ClosingTrajectory& path, const hand::Attitude& attitude,
-                                   const PlanOptions& options,
+                                   const GraspPlanOptions& options,
                                    const std::vector<double>& avoid = {});
 
-/// Mean cost of a grasp over the displacements that PlanOptions::pose_error tells.
+/// Mean cost of a grasp over the displacements that GraspPlanOptions::pose_error tells.
 double mean_cost(const geometry::ObjectModel& object, const Eigen::Isometry3d& T_world_object,
-                 const ClosingTrajectory& path, const PlanOptions& options, const GraspPlan& plan);
+                 const ClosingTrajectory& path, const GraspPlanOptions& options,
+                 const GraspPlan& plan);
 
 /// Cost of a grasp of these contacts: how badly its forces balance when gravity pulls that way.
 /// @param gravity  unit, in the base's frame
 /// @param p_base_object  the object's centroid in the base's frame, m
 double grasp_cost(const geometry::ObjectModel& object, const GraspPlan& plan,
-                  const PlanOptions& options, const Eigen::Vector3d& gravity,
+                  const GraspPlanOptions& options, const Eigen::Vector3d& gravity,
                   const Eigen::Vector3d& p_base_object);
 
 /// Closes the hand virtually, at many places around the object's pose, and takes the one where the
@@ -80,7 +81,7 @@ double grasp_cost(const geometry::ObjectModel& object, const GraspPlan& plan,
 std::optional<GraspPlan> plan_grasp(const geometry::ObjectModel& object,
                                     const Eigen::Isometry3d& T_world_object,
                                     const ClosingTrajectory& path, const hand::Attitude& attitude,
-                                    const PlanOptions& options,
+                                    const GraspPlanOptions& options,
                                     const std::vector<double>& avoid = {});
 
 }  // namespace palpate::grasping

@@ -229,7 +229,7 @@ std::optional<grasping::GraspPlan> GraspPhase::plan(const Executor& robot, const
   const hand::Preshape& preshape = robot.model().postures.top;
   const grasping::ClosingLaw law(robot.model(), kPlannedRate, preshape.closed);
   const auto path = grasping::closing_trajectory(robot.model(), preshape.open, law);
-  grasping::PlanOptions options = options_.plan;
+  grasping::GraspPlanOptions options = options_.plan;
   options.press = pressure(options_, object_.object());
   std::optional<grasping::GraspPlan> best;
   for (const hand::Attitude& attitude : preshape.attitudes) {

@@ -137,7 +137,7 @@ class Probing {
     options.seconds = kRegraspSeconds + (hangs() ? kLiftSeconds : 0);
     localization::Posterior standing = posterior();
     if (hangs()) {  // where it comes to stand when the hand goes back to where it closed
-      estimation::move(
+      estimation::transform(
           robot_.log().readings[*closed].base.pose() * robot_.reading().base.pose().inverse(),
           standing);
     }

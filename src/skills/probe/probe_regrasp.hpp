@@ -17,7 +17,7 @@ struct InformativeGrasp {
 
 /// How safe and how different a grasp must be that is made for what it tells.
 struct InformativeGraspOptions {
-  grasping::PlanOptions plan = many_grasps();
+  grasping::GraspPlanOptions plan = many_grasps();
   double worst_cost = 0.3;    ///< of a grasp that holds
   double likely = 0.6;        ///< share of the poses in question for which it must hold
   std::vector<double> avoid;  ///< yaws (rad) of grasps made before

@@ -128,8 +128,8 @@ FeltEpisode Relocation::run(const Policy& policy, const EpisodeOptions& episode,
   if (options_.explore) resting = explored(from_rough, random.fork("explore").bits());
   result.explored = resting.unlisted() < 1;
   if (!result.explored) resting = rough(random.fork("rough"));
-  estimation::move(Eigen::Isometry3d(Eigen::Translation3d(rough_place.x(), rough_place.y(), 0)),
-                   resting);
+  estimation::transform(
+      Eigen::Isometry3d(Eigen::Translation3d(rough_place.x(), rough_place.y(), 0)), resting);
 
   RelocateTask task(model_);
   task.reset(start);

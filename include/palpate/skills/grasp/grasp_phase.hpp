@@ -40,7 +40,7 @@ struct GraspOptions {
   double press_per_weight = 3.0;  ///< of all fingertips together, by the object's weight
   double min_press = 5.0;         ///< N
   double good_cost = 0.1;         ///< of a plan with which the search ends
-  grasping::PlanOptions plan;
+  grasping::GraspPlanOptions plan;
   double friction = 0.5;             ///< that the balance of forces counts on
   int closings = 3;                  ///< from other sides, at most, until the forces balance
   double max_wrench_residual = 0.3;  ///< of the forces with which the fingers would press

@@ -35,8 +35,8 @@ struct Holding {
 };
 
 /// A coarser search for grasps than where only one is wanted.
-inline grasping::PlanOptions many_grasps() {
-  grasping::PlanOptions options;
+inline grasping::GraspPlanOptions many_grasps() {
+  grasping::GraspPlanOptions options;
   options.yaws = 16;
   options.places = 2;
   options.spacing = 0.014;
@@ -55,7 +55,7 @@ struct RegraspOptions {
   int max_transfers = 3;         ///< on one way
   double done_angle = 0.02;      ///< rad from the target that need no motion
   double done_distance = 0.002;  ///< m
-  grasping::PlanOptions grasp = many_grasps();
+  grasping::GraspPlanOptions grasp = many_grasps();
 
   template <class Visitor>
   void visit(Visitor&& v) {
