@@ -85,6 +85,13 @@ TEST(ClearWay, DoesNotReckonWithPosesThatTogetherAreUnlikely) {
   EXPECT_NEAR(clear_way(objects, kBall, kAlongX, 0.005), way_to_box() - 0.05, 0.004);
 }
 
+TEST(ClearWay, IsNoneWhereThePosesAreFarFromAll) {
+  localization::Posterior posterior;
+  posterior.modes = {mode_at({0, 0, 0}, 0.5), mode_at({0.02, 0, 0}, 0.4)};
+  EXPECT_EQ(clear_way({{&box(), posterior}}, kBall, kAlongX), 0);
+  EXPECT_GT(clear_way({{&box(), posterior}}, kBall, kAlongX, 0.11), 0.05);
+}
+
 TEST(ClearWay, IsAllOfAWayThatMeetsNothing) {
   localization::Posterior posterior;
   posterior.modes = {mode_at({0, 0.3, 0}, 1)};

@@ -163,12 +163,14 @@ double clear_way(const std::vector<PosedObject>& objects, const ProbingFinger& f
     weights[outcome(*pose.object, pose.T_object_world, finger, guarded_move).way] += pose.weight;
     total += pose.weight;
   }
-  double nearer = 0;
+  double nearer = 1 - total;  // of poses that are not among them
+  double clear = 0;
   for (const auto& [way, weight] : weights) {
+    if (nearer > neglected) break;
     nearer += weight;
-    if (nearer >= neglected * total) return way;
+    clear = way;
   }
-  return 0;
+  return clear;
 }
 
 std::optional<RefiningMove> most_refining_move(const geometry::ObjectModel& object,

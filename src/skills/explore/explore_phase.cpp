@@ -31,7 +31,7 @@ constexpr double kHighest = 0.018;    // m, of all of these together
 constexpr double kGoodSpread = 0.35;  // of the resting pose, where no more guarded moves are needed
 constexpr double kWorthwhile = 0.93;  // of the spread that a guarded move may leave
 constexpr double kBackOff = 0.03;     // m
-constexpr double kFeltError = 0.015;  // m, of the height that was felt
+constexpr double kFeltError = 0.03;   // m, of the height that was felt, amply
 constexpr double kEarlier = 0.015;    // m before the expected touch, from where a sweep is slow
 constexpr double kGuardedMoveTime = 9;  // s that a guarded move takes with its travel, amply
 constexpr double kMinTime = 180;        // s, of the whole phase
@@ -131,10 +131,10 @@ std::vector<localization::PosedObject> possible_objects(
   return objects;
 }
 
-/// m from an object's place to its farthest point, over the table, in any stable pose in which it
-/// is as tall as it was felt to be.
+/// m from an object's place to its farthest point, over the table, in the stable poses that are as
+/// tall as it was felt to be; in any where none is.
 double reach_of(const geometry::KnownObject& object, double height) {
-  double reach = 0;
+  double reach = 0, reach_of_any = 0;
   for (const auto& stable_pose : object.stable_poses) {
     double top = 0, far = 0;
     for (const auto& vertex : object.mesh.vertices) {
@@ -142,9 +142,10 @@ double reach_of(const geometry::KnownObject& object, double height) {
       top = std::max(top, p.z() + stable_pose.height);
       far = std::max(far, p.head<2>().norm());
     }
+    reach_of_any = std::max(reach_of_any, far);
     if (top > height - kFeltError) reach = std::max(reach, far);
   }
-  return reach;
+  return reach > 0 ? reach : reach_of_any;
 }
 
 /// The probing finger's balls around the centre of its tip.
@@ -329,6 +330,7 @@ double ExplorePhase::clear_way(const Executor& robot, const PickState& state,
     const auto finger = sweeping_finger(robot, pointing(robot), yaw(turned.turn));
     return localization::clear_way(possible_objects(estimator_), finger, move) - kEarlier;
   }
+  if (robot.log().at(estimation::TouchEvent::fallen)) return 0;  // it may be anywhere
   double reach = 0;
   for (const auto* candidate : estimator_.candidates()) {
     reach = std::max(reach, reach_of(candidate->object(), state.height));

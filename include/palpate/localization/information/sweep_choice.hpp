@@ -46,10 +46,11 @@ std::optional<InformativeMove> most_informative_move(const std::vector<PosedObje
                                                      const ProbingFinger& finger,
                                                      const std::vector<GuardedMove>& guarded_moves);
 
-/// How far a sweep goes, m, before it would touch the object at one of its credible poses; the
-/// nearest of them that together weigh less than `neglected` of all do not count.
+/// How far a sweep goes, m, before it would touch the object at one of its credible poses. The
+/// nearest of them do not count as long as they and what the posterior's modes lack of 1 together
+/// are no more than `neglected`; 0 where the modes alone lack more.
 double clear_way(const std::vector<PosedObject>& objects, const ProbingFinger& finger,
-                 const GuardedMove& guarded_move, double neglected = 0.02);
+                 const GuardedMove& guarded_move, double neglected = 0.05);
 
 /// A sweep with the hand turned in one of several ways.
 struct TurnedMove {
