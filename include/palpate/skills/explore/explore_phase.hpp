@@ -27,7 +27,7 @@ struct ExploreOptions {
     v("refining", refining, 0, 64, "at most, that make the best pose exact");
     v("certain", certain, 0.0, 1.0, "weight of a pose that needs no more touches");
     v.expert("turn", turn, -3.2, 3.2, "rad, of the hand for every other one of these");
-    v("radius", radius, 0.02, 0.3, "m, of the circle from which they start");
+    v.expert("radius", radius, 0.02, 0.3, "m, of the circle from which they start");
     v.expert("past", past, 0.0, 0.2, "m, how far they go past the object's place");
     v("speed", speed, 0.001, 0.2, "m/s, of a sweep where no touch is expected");
     v("touch_speed", touch_speed, 0.001, 0.2, "m/s, of a sweep where one is");
