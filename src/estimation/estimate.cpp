@@ -29,12 +29,11 @@ using geometry::KnownObject;
 using localization::Evidence;
 using localization::TableSupport;
 
-double top_of(const KnownObject& object, const geometry::StablePose& stable_pose) {
-  double top = -std::numeric_limits<double>::infinity();
-  for (const auto& vertex : object.mesh.vertices) {
-    top = std::max(top, stable_pose.R_table_object.row(2).dot(vertex));
-  }
-  return top + stable_pose.height;
+/// kg
+double lightest(const Candidates& candidates) {
+  double mass = std::numeric_limits<double>::infinity();
+  for (const auto* candidate : candidates) mass = std::min(mass, candidate->object().mass);
+  return mass;
 }
 
 /// Likelihood of a felt height (m) where the object's top is `top`: the flat hand may have come
@@ -53,7 +52,8 @@ std::vector<double> stable_pose_weights(const KnownObject& object,
   double sum = 0;
   for (const auto& stable_pose : object.stable_poses) {
     const double felt =
-        felt_height ? felt_likelihood(*felt_height, top_of(object, stable_pose), options) : 1.0;
+        felt_height ? felt_likelihood(*felt_height, geometry::top_of(object, stable_pose), options)
+                    : 1.0;
     weights.push_back(stable_pose.probability * felt);
     sum += weights.back();
   }
@@ -134,7 +134,7 @@ void add_height(const KnownObject& object, std::optional<double> felt_height,
   double likelihood = options.other_stable_pose;
   for (const auto& stable_pose : object.stable_poses) {
     likelihood += (1 - options.other_stable_pose) * stable_pose.probability *
-                  felt_likelihood(*felt_height, top_of(object, stable_pose), options);
+                  felt_likelihood(*felt_height, geometry::top_of(object, stable_pose), options);
   }
   hypothesis.log_evidence += std::log(likelihood);
   hypothesis.log_evidence_other += std::log(likelihood);
@@ -240,7 +240,8 @@ PoseEstimator::Hypotheses PoseEstimator::search_resting(const hand::Description&
   Hypotheses hypotheses(candidates_.size());
   for (const double forgotten : kForgotten) {
     const auto skipped = static_cast<std::size_t>(forgotten * static_cast<double>(guarded_moves));
-    Evidence evidence = evidence_of_guarded_moves(hand, log, options_, skipped);
+    Evidence evidence =
+        evidence_of_guarded_moves(hand, log, options_, lightest(candidates_), skipped);
     if (evidence.contacts.size() < (skipped > 0 ? kMinTouches : 1)) break;
     evidence.false_contact_share = options_.false_contacts;
     evidence.surface_sigma = options_.surface_sigma;

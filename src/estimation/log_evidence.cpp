@@ -22,6 +22,8 @@ constexpr double kTouchMargin = 0.004;   // m before a touch that do not count a
 constexpr double kElsewhere = 0.004;     // m that a fingertip has gone when it probes
 constexpr double kSweptSpacing = 0.008;  // m between the places of a swept fingertip
 constexpr double kForceSigma = 0.02;     // N, of a mean force
+constexpr double kPush = 0.0004;         // m by which a touch pushes an object of kPushedMass
+constexpr double kPushedMass = 0.05;     // kg; heavier ones move by less, in proportion
 
 std::vector<localization::FreeSphere> hand_spheres(const hand::Description& hand,
                                                    const hand::HandReading& reading) {
@@ -193,7 +195,9 @@ void transform(const Eigen::Isometry3d& T_new_old, tactile::Contact& contact) {
 }
 
 Evidence evidence_of_guarded_moves(const hand::Description& hand, const EventLog& log,
-                                   const EstimationOptions& options, std::size_t skipped) {
+                                   const EstimationOptions& options, double mass,
+                                   std::size_t skipped) {
+  const double push = kPush * std::min(1.0, kPushedMass / mass);
   Evidence evidence;
   auto offset = finger_offset(hand, hand.thumb == 0 ? 1 : 0);
   std::size_t guarded_move = 0, count = 0;
@@ -211,6 +215,7 @@ Evidence evidence_of_guarded_moves(const hand::Description& hand, const EventLog
     const auto window = window_before(log, moment.reading, kTouchWindow);
     for (auto contact : felt_contacts(window, hand, options.errors)) {
       transform(T_world_base, contact);
+      contact.point_sigma = std::hypot(contact.point_sigma, push);
       offset.members.push_back({evidence.contacts.size(), T_world_base.linear()});
       evidence.contacts.push_back(contact);
     }

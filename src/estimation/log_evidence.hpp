@@ -6,9 +6,10 @@
 namespace palpate::estimation {
 
 /// Contacts and free space of the guarded moves around the resting object, in the world.
+/// @param mass  kg, of the object: a light one is pushed by what touches it
 /// @param skipped  guarded moves that are left out, the first ones
 localization::Evidence evidence_of_guarded_moves(const hand::Description& hand, const EventLog& log,
-                                                 const EstimationOptions& options,
+                                                 const EstimationOptions& options, double mass,
                                                  std::size_t skipped);
 
 /// A reading of a log, and whether the object hangs in the hand then or stands on the table.

@@ -36,6 +36,23 @@ hand::BasePosition between(const hand::BasePosition& a, const hand::BasePosition
   return {a.xyz + share * (b.xyz - a.xyz), a.ypr + share * (b.ypr - a.ypr)};
 }
 
+/// s that the way takes at a speed (m/s).
+double seconds_of(const hand::BasePosition& from, const hand::BasePosition& target, double speed) {
+  const double turn = kLeverArm * (target.ypr - from.ypr).cwiseAbs().maxCoeff();
+  return std::max((target.xyz - from.xyz).norm(), turn) / speed;
+}
+
+/// A tick after the other.
+std::vector<hand::BasePosition> way_to(const hand::BasePosition& from,
+                                       const hand::BasePosition& target,
+                                       const SpeedProfile& profile) {
+  std::vector<hand::BasePosition> way;
+  for (int i = 1; i <= profile.ticks(); ++i) {
+    way.push_back(between(from, target, profile.share(i)));
+  }
+  return way;
+}
+
 /// What a hand would read that stands where it is commanded and feels nothing.
 hand::HandReading at_rest(const hand::Description& hand, const hand::HandCommand& command) {
   return {.joints = hand::joints_in_free_flexion(hand, command.positions),
@@ -232,21 +249,11 @@ std::string Executor::obstacle(const hand::BasePosition& target) const {
 
 MotionEnd Executor::move_base(const hand::BasePosition& target, double speed,
                               const StopCondition& stop) {
-  const SafetyOptions& limits = safety_.options;
-  const hand::MountLimits gentle = hand_.mount_limits();
-  if (stop) speed = std::min(speed, gentle.guarded_speed);
+  if (stop) speed = std::min(speed, hand_.mount_limits().guarded_speed);
   const hand::BasePosition from = command_.base;
-  const double slide = (target.xyz - from.xyz).norm();
-  const Eigen::Vector3d turn = target.ypr - from.ypr;
-  SpeedProfile profile(std::max(slide, kLeverArm * turn.cwiseAbs().maxCoeff()) / speed);
-  profile.limit(slide, limits.base_speed, std::min(limits.base_acceleration, gentle.acceleration));
-  profile.limit(turn.norm(), limits.turn_speed,
-                std::min(limits.turn_acceleration, gentle.turn_acceleration));
-  std::vector<hand::BasePosition> way;
-  for (int i = 1; i <= profile.ticks(); ++i) {
-    way.push_back(between(from, target, profile.share(i)));
-  }
-  const hand::MountWay judged = judge(std::move(way));
+  SpeedProfile profile(seconds_of(from, target, speed));
+  limit_base(target, profile);
+  const hand::MountWay judged = judge(way_to(from, target, profile));
   // A guarded move goes as far as it can: what it is to meet may end it before.
   const bool whole = judged.obstacle.empty();
   if (!whole && (!stop || judged.feasible == 0)) throw Unreachable(judged.obstacle);
@@ -273,20 +280,49 @@ MotionEnd Executor::follow(std::span<const hand::HandCommand> way, const StopCon
 }
 
 MotionEnd Executor::move_fingers(const hand::ActuatorVector& posture, double seconds) {
-  const SafetyOptions& limits = safety_.options;
-  const hand::ActuatorVector from = command_.positions;
-  if (posture.size() != from.size()) {
-    stop_for(Fault::invalid_command, fmt::format("a posture of {} actuators, the hand has {}",
-                                                 posture.size(), from.size()));
-  }
   SpeedProfile profile(seconds);
-  profile.limit((posture - from).cwiseAbs().maxCoeff(), limits.finger_speed,
-                limits.finger_acceleration);
+  limit_fingers(posture, profile);
+  const hand::ActuatorVector from = command_.positions;
   for (int i = 1; i <= profile.ticks(); ++i) {
     command_.positions = from + profile.share(i) * (posture - from);
     if (const auto end = tick_until({}); end != MotionEnd::reached) return end;
   }
   return MotionEnd::reached;
+}
+
+MotionEnd Executor::move_hand(const hand::HandCommand& target, double speed, double seconds) {
+  const hand::HandCommand from = command_;
+  SpeedProfile profile(std::max(seconds, seconds_of(from.base, target.base, speed)));
+  limit_base(target.base, profile);
+  limit_fingers(target.positions, profile);
+  const hand::MountWay judged = judge(way_to(from.base, target.base, profile));
+  if (!judged.obstacle.empty()) throw Unreachable(judged.obstacle);
+  profile.stretch(judged.stretch);
+  for (int i = 1; i <= profile.ticks(); ++i) {
+    command_.base = between(from.base, target.base, profile.share(i));
+    command_.positions = from.positions + profile.share(i) * (target.positions - from.positions);
+    if (const auto end = tick_until({}); end != MotionEnd::reached) return end;
+  }
+  return MotionEnd::reached;
+}
+
+void Executor::limit_base(const hand::BasePosition& target, SpeedProfile& profile) const {
+  const SafetyOptions& limits = safety_.options;
+  const hand::MountLimits gentle = hand_.mount_limits();
+  profile.limit((target.xyz - command_.base.xyz).norm(), limits.base_speed,
+                std::min(limits.base_acceleration, gentle.acceleration));
+  profile.limit((target.ypr - command_.base.ypr).norm(), limits.turn_speed,
+                std::min(limits.turn_acceleration, gentle.turn_acceleration));
+}
+
+void Executor::limit_fingers(const hand::ActuatorVector& posture, SpeedProfile& profile) {
+  const hand::ActuatorVector& from = command_.positions;
+  if (posture.size() != from.size()) {
+    stop_for(Fault::invalid_command, fmt::format("a posture of {} actuators, the hand has {}",
+                                                 posture.size(), from.size()));
+  }
+  profile.limit((posture - from).cwiseAbs().maxCoeff(), safety_.options.finger_speed,
+                safety_.options.finger_acceleration);
 }
 
 Executor::StopCondition lasting_load(const Executor& robot, const Eigen::Vector3d& direction,

@@ -15,8 +15,6 @@ class LoadCalibration {
   /// @param load  of a hand that stands free, N
   void add(const hand::BasePosition& base, const Eigen::Vector3d& load);
 
-  [[nodiscard]] int attitudes() const { return attitudes_; }
-
   /// @return no error before add()
   [[nodiscard]] LoadError error() const;
 

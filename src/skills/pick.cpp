@@ -12,6 +12,7 @@
 #include "palpate/skills/grasp/track_phase.hpp"
 #include "palpate/skills/place/place_phase.hpp"
 #include "palpate/skills/probe/probe_phase.hpp"
+#include "skills/explore/felt_size.hpp"
 #include "skills/grasp/pose_phase.hpp"
 #include "skills/grasp/release_phase.hpp"
 #include "skills/phase_sequence.hpp"
@@ -150,7 +151,8 @@ class Picking {
 
   /// Feels, holds and lifts the object, from other sides too while that tells more of its pose.
   bool attempt() {
-    if (!sequence_.run(HeightProbePhase(options_.height_probe))) return false;
+    if (!sequence_.run(HeightProbePhase(options_.height_probe, tallest(estimator_.candidates()))))
+      return false;
     if (result_.fallen) robot_.mark(estimation::TouchEvent::fallen);
     explore();
     GraspChooser choose = choose_;

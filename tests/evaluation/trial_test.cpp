@@ -190,6 +190,24 @@ TEST(Trial, WhatHasSlippedIsPressedHarder) {
   EXPECT_TRUE(trial.result.held);
 }
 
+TEST(Trial, WhatIsHeldInAnUnknownPoseIsPutDownAndFeltAnew) {
+  TrialOptions options = quick_options();
+  options.pick.explore.touches = 1;
+  options.pick.explore.max_touches = 1;
+  options.pick.explore.refining = 0;
+  options.pick.palpation.max = 0;
+  options.pick.attempts = 2;
+  const Trial trial = run_trial(model("mug"), options, kSeed);
+  ASSERT_EQ(trial.result.attempts, 2);
+  EXPECT_TRUE(trial.result.held);
+  std::vector<std::string> names;
+  for (const auto& phase : trial.result.phases) names.push_back(phase.name);
+  const auto lift = std::find(names.begin(), names.end(), "lift");
+  const auto down = std::find(lift, names.end(), "put-down");
+  EXPECT_NE(std::find(down, names.end(), "explore"), names.end());
+  EXPECT_NE(std::find(down, names.end(), "lift"), names.end());
+}
+
 TEST(Trial, PutsDownWhatHangsToGraspItAnew) {
   TrialOptions options = quick_options();
   options.pick.estimate_before_lift = false;

@@ -102,6 +102,28 @@ TEST(Executor, FingersComeToThePostureInTheGivenTime) {
   EXPECT_EQ(scene.robot.reading().joints[hand::shadow_hand().joint("FFJ3")], 0.7);
 }
 
+TEST(Executor, BaseAndFingersArriveTogether) {
+  for (const double seconds : {0.1, 2.0}) {
+    Scene scene;
+    const hand::ActuatorVector from = scene.robot.command().positions;
+    hand::HandCommand target{from, at({0.2, 0, 0})};
+    target.positions.setConstant(0.5);
+    EXPECT_EQ(scene.robot.move_hand(target, 0.2, seconds), MotionEnd::reached);
+    EXPECT_EQ(scene.robot.command().positions, target.positions);
+    EXPECT_LT((scene.robot.reading().base.xyz - target.base.xyz).norm(), 1e-12);
+    EXPECT_NEAR(scene.robot.time(), std::max(1.0, seconds), 0.2)
+        << "the slower of both sets the pace";
+    EXPECT_EQ(scene.robot.limited_commands(), 0);
+  }
+}
+
+TEST(Executor, APostureOfAnotherHandIsAFault) {
+  Scene scene;
+  const hand::HandCommand target{hand::ActuatorVector::Zero(3), at({0.1, 0, 0})};
+  EXPECT_THROW(scene.robot.move_hand(target, 0.2, 0.3), SafetyStop);
+  EXPECT_EQ(scene.robot.fault().fault, Fault::invalid_command);
+}
+
 TEST(Executor, TellsOfEveryTickAndMark) {
   int ticks = 0;
   std::vector<estimation::TouchEvent> marks;

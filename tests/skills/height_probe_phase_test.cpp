@@ -49,6 +49,30 @@ TEST(HeightProbePhase, FeelsHowTallTheObjectIs) {
   }
 }
 
+/// m/s downwards in the ticks in which the lowest part is between two heights.
+double greatest_speed(const Executor& robot, double low, double high) {
+  double speed = 0;
+  const auto& readings = robot.log().readings;
+  for (std::size_t i = 1; i < readings.size(); ++i) {
+    const double height = estimation::lowest_of_hand(shadow(), readings[i]);
+    if (height < low || height > high) continue;
+    speed =
+        std::max(speed, (readings[i - 1].base.xyz.z() - readings[i].base.xyz.z()) / hand::kTick);
+  }
+  return speed;
+}
+
+TEST(HeightProbePhase, ComesDownSlowlyWhereTheObjectMayBe) {
+  const HeightProbeOptions options;
+  for (const double tallest : {0.04, 0.10}) {
+    OverABlock scene(0.04, {0, 0}, 0.03);
+    ASSERT_TRUE(HeightProbePhase(options, tallest).run(scene.robot, scene.state).ok);
+    EXPECT_NEAR(scene.state.height, 0.04, 0.003);
+    EXPECT_LT(greatest_speed(scene.robot, 0, tallest), options.touch_speed + 0.001);
+    EXPECT_NEAR(greatest_speed(scene.robot, tallest + 0.04, 0.18), options.speed, 0.001);
+  }
+}
+
 TEST(HeightProbePhase, LooksBesideWhereNothingStands) {
   OverABlock scene(0.08, {0, 0.1}, 0.05);
   const auto end = HeightProbePhase({}).run(scene.robot, scene.state);

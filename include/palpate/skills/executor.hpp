@@ -20,6 +20,7 @@ namespace palpate::skills {
 
 class ReadingGate;
 class CommandGate;
+class SpeedProfile;
 class Watchdog;
 
 /// How a motion ended.
@@ -135,6 +136,10 @@ class Executor {
   /// Moves all actuators to a posture in a given time.
   MotionEnd move_fingers(const hand::ActuatorVector& posture, double seconds);
 
+  /// Both at once, each in proportion to the other: the base as move_base() does, through the air,
+  /// the fingers in no less than `seconds`. @throws Unreachable
+  MotionEnd move_hand(const hand::HandCommand& target, double speed, double seconds);
+
  private:
   void tick();
   MotionEnd tick_until(const StopCondition& stop);
@@ -143,6 +148,8 @@ class Executor {
   hand::HandReading step();
   void ease();
   [[nodiscard]] hand::MountWay judge(std::vector<hand::BasePosition> way) const;
+  void limit_base(const hand::BasePosition& target, SpeedProfile& profile) const;
+  void limit_fingers(const hand::ActuatorVector& posture, SpeedProfile& profile);
 
   hand::Hand& hand_;
   hand::Description model_;

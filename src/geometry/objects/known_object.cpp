@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <limits>
 
 #include "geometry/objects/stable_poses.hpp"
 #include "geometry/objects/symmetry.hpp"
@@ -86,6 +87,14 @@ void check_size(const std::string& name, const TriangleMesh& mesh) {
 }
 
 }  // namespace
+
+double top_of(const KnownObject& object, const StablePose& stable_pose) {
+  double top = -std::numeric_limits<double>::infinity();
+  for (const auto& vertex : object.mesh.vertices) {
+    top = std::max(top, stable_pose.R_table_object.row(2).dot(vertex));
+  }
+  return top + stable_pose.height;
+}
 
 const std::vector<std::string>& built_in_objects() {
   static const std::vector<std::string> names = {"mug", "bottle", "box", "bracket", "duck"};

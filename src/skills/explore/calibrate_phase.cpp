@@ -8,12 +8,11 @@
 #include <limits>
 #include <optional>
 
-#include "palpate/core/random.hpp"
-#include "palpate/hand/self_clearance.hpp"
 #include "palpate/hand/tip_forces.hpp"
 #include "palpate/skills/grasp/grasp_phase.hpp"
 #include "palpate/tactile/calibration/link_calibration.hpp"
 #include "palpate/tactile/contacts/contact_window.hpp"
+#include "skills/explore/table_touches.hpp"
 #include "skills/load_calibration.hpp"
 #include "skills/lowest_part.hpp"
 #include "skills/motion_constants.hpp"
@@ -22,14 +21,8 @@
 namespace palpate::skills {
 namespace {
 
-constexpr int kAttitudes = 3000;         // drawn, of which those count that can touch the table
-constexpr int kUses = 24;                // grasps for which the hand is to be known
-constexpr std::uint64_t kDesign = 1;     // seed of what is drawn: the same for every hand
-constexpr double kSteepest = 1.4;        // rad of pitch; at pi/2 yaw and roll are one
-constexpr double kAlone = 0.008;         // m by which all else is higher than the fingertip
 constexpr double kFirstReach = 0.035;    // m over and under the table that nobody has measured
 constexpr double kSearchReach = 0.014;   // m over and under where the last touch found it
-constexpr double kSpread = 0.08;         // m to all sides over which the table is touched
 constexpr double kTravelHeight = 0.02;   // m of the hand's lowest part while it changes posture
 constexpr double kPostureSeconds = 0.3;  // s
 constexpr double kSettling = 0.1;        // s
@@ -40,110 +33,6 @@ constexpr double kUnfeltLoad = 4.0;      // N at which the table is there, felt 
 constexpr int kPressedTicks = 3;         // of it in a row
 constexpr int kNumbTouches = 3;  // in a row that a fingertip must miss to be believed no more
 constexpr double kContradiction = 3.0;  // sigmas, rms, that touches leave unexplained
-
-/// One fingertip is the lowest part of the hand.
-struct Attitude {
-  int finger = 0;
-  hand::ActuatorVector posture;
-  double pitch = 0, roll = 0;                       ///< of the base, rad
-  Eigen::Vector2d aside = Eigen::Vector2d::Zero();  ///< of the place where the table is bare, m
-
-  hand::BasePosition base(const CalibrateOptions& options, double height) const {
-    return {{options.x + aside.x(), options.y + aside.y(), height}, {0, pitch, roll}};
-  }
-};
-
-/// Puts a finger somewhere on its way from the open to the closed hand.
-void bend_finger(const hand::Description& hand, int finger, RandomStream& random,
-                 hand::ActuatorVector& posture) {
-  for (int i = 0; i < hand.actuator_count(); ++i) {
-    const hand::Actuator& actuator = hand.actuators[static_cast<std::size_t>(i)];
-    const hand::Range& bend = actuator.bend;
-    if (actuator.finger == finger && bend.high > bend.low) {
-      posture[i] = random.uniform(bend.low, bend.high);
-    }
-  }
-}
-
-Attitude draw_attitude(const hand::Description& hand, int finger, RandomStream& random) {
-  Attitude attitude;
-  attitude.finger = finger;
-  attitude.posture = random.uniform() < 0.5 ? hand.postures.folded : hand.postures.stretched;
-  bend_finger(hand, finger, random, attitude.posture);
-  attitude.pitch = random.uniform(-0.3, kSteepest);
-  attitude.roll = random.uniform(-1.6, 1.6);
-  attitude.aside = {random.uniform(-kSpread, kSpread), random.uniform(-kSpread, kSpread)};
-  return attitude;
-}
-
-hand::Attitude of_mount(const Attitude& attitude) { return {attitude.pitch, attitude.roll}; }
-
-double lowest(const hand::Description& hand, const Attitude& attitude) {
-  return lowest_part(hand, attitude.posture, of_mount(attitude));
-}
-
-/// By how much the fingertip is lower than all else of the hand, m.
-double stands_out(const hand::Description& hand, const Attitude& attitude) {
-  const int tip = hand.fingers[static_cast<std::size_t>(attitude.finger)].link;
-  const auto is_tip = [tip](int link) { return link == tip; };
-  const auto is_other = [tip](int link) { return link != tip; };
-  return lowest_part(hand, attitude.posture, of_mount(attitude), is_other) -
-         lowest_part(hand, attitude.posture, of_mount(attitude), is_tip);
-}
-
-std::vector<Attitude> possible_attitudes(const hand::Description& hand) {
-  RandomStream random(kDesign, "attitudes");
-  const hand::SelfClearance clearance(hand,
-                                      hand::joints_in_free_flexion(hand, hand.postures.stretched));
-  std::vector<Attitude> attitudes;
-  for (int i = 0; i < kAttitudes; ++i) {
-    Attitude attitude = draw_attitude(hand, i % hand.finger_count(), random);
-    const auto joints = hand::joints_in_free_flexion(hand, attitude.posture);
-    if (!clearance.is_clear(joints)) continue;
-    if (stands_out(hand, attitude) > kAlone) {
-      attitudes.push_back(attitude);
-    }
-  }
-  return attitudes;
-}
-
-tactile::MountPrior prior(const CalibrateOptions& options) {
-  return {options.mount, options.mount_angle, options.table_height, options.table_tilt};
-}
-
-/// Fingertips in grasps: each finger somewhere on its way from the open to the closed hand.
-std::vector<tactile::TipPosture> fingertips_in_grasps(const hand::Description& hand) {
-  RandomStream random(kDesign, "grasps");
-  std::vector<tactile::TipPosture> tips;
-  for (int i = 0; i < kUses; ++i) {
-    hand::ActuatorVector posture = hand.postures.top.open;
-    for (int finger = 0; finger < hand.finger_count(); ++finger) {
-      bend_finger(hand, finger, random, posture);
-    }
-    const auto joints = hand::joints_in_free_flexion(hand, posture);
-    for (int finger = 0; finger < hand.finger_count(); ++finger) tips.push_back({finger, joints});
-  }
-  return tips;
-}
-
-std::vector<Attitude> telling_attitudes(const hand::Description& hand,
-                                        const CalibrateOptions& options) {
-  const auto attitudes = possible_attitudes(hand);
-  std::vector<tactile::TipOnPlane> touches;
-  for (const Attitude& attitude : attitudes) {
-    touches.push_back({{attitude.finger, hand::joints_in_free_flexion(hand, attitude.posture)},
-                       Eigen::Vector3d::Zero(),
-                       attitude.base(options, 0).pose().inverse(),
-                       options.sigma});
-  }
-  std::vector<Attitude> chosen;
-  for (const std::size_t i :
-       tactile::choose_touches(hand, touches, static_cast<std::size_t>(options.touches),
-                               fingertips_in_grasps(hand), prior(options))) {
-    chosen.push_back(attitudes[i]);
-  }
-  return chosen;
-}
 
 void rise(Executor& robot, double way, double speed) {
   hand::BasePosition up = robot.command().base;
@@ -171,24 +60,30 @@ Executor::StopCondition pressing_down() {
   };
 }
 
-/// Takes an attitude well above the table: first it rises, then turns, then moves its fingers.
-void take_attitude(Executor& robot, const Attitude& attitude, const CalibrateOptions& options) {
-  const hand::Description& hand = robot.model();
-  const hand::ActuatorVector& from = robot.command().positions;
-  const hand::BasePosition& base = robot.command().base;
-  const hand::Attitude there = of_mount(attitude);
-  double low = lowest_on_way(hand, from, attitude_of(base), from, there);
-  if (fingers_meet(robot, attitude.posture)) {  // by the stretched hand then
-    const hand::ActuatorVector& stretched = hand.postures.stretched;
-    low = std::min({low, lowest_on_way(hand, from, there, stretched, there),
-                    lowest_on_way(hand, stretched, there, attitude.posture, there)});
-  } else {
-    low = std::min(low, lowest_on_way(hand, from, there, attitude.posture, there));
+double lowest(const hand::Description& hand, const TableTouch& touch) {
+  return lowest_part(hand, touch.posture, touch.attitude);
+}
+
+/// Goes to an attitude and a posture at once, above the table.
+void move_above(Executor& robot, const TableTouch& touch, const CalibrateOptions& options) {
+  const hand::HandCommand& now = robot.command();
+  const double low = lowest_on_way(robot.model(), now.positions, attitude_of(now.base),
+                                   touch.posture, touch.attitude);
+  const double high = std::max(now.base.xyz.z(), kTravelHeight - low);
+  rise(robot, high - now.base.xyz.z(), options.travel_speed);
+  robot.move_hand({touch.posture, touch.base(options, high)}, options.travel_speed,
+                  kPostureSeconds);
+}
+
+/// Takes an attitude well above the table; where fingers would meet one another on the way, by the
+/// stretched hand.
+void take_attitude(Executor& robot, const TableTouch& touch, const CalibrateOptions& options) {
+  if (fingers_meet(robot, touch.posture)) {
+    TableTouch stretched = touch;
+    stretched.posture = robot.model().postures.stretched;
+    move_above(robot, stretched, options);
   }
-  const double high = std::max(base.xyz.z(), kTravelHeight - low);
-  rise(robot, high - base.xyz.z(), options.travel_speed);
-  robot.move_base(attitude.base(options, high), options.travel_speed);
-  take_posture(robot, attitude.posture, kPostureSeconds);
+  move_above(robot, touch, options);
 }
 
 /// What the touches so far have told of the table and of the sensor of the mount's load.
@@ -196,43 +91,44 @@ struct TableSearch {
   UnfeltTouches unfelt{};
   std::optional<double> height;  ///< where the last touch found the table, m
   LoadCalibration load;
+  int next_load = 0;  ///< attitudes till the load is read again
 };
 
-void touch_table(Executor& robot, const Attitude& attitude, const CalibrateOptions& options,
+void touch_table(Executor& robot, const TableTouch& touch, const CalibrateOptions& options,
                  TableSearch& search) {
-  take_attitude(robot, attitude, options);
+  take_attitude(robot, touch, options);
   const double reach = search.height ? kSearchReach : kFirstReach;
-  const double seat = search.height.value_or(0) - lowest(robot.model(), attitude);
-  robot.move_base(attitude.base(options, seat + reach), options.travel_speed);
-  if (search.load.attitudes() < kLoadAttitudes) {
+  const double seat = search.height.value_or(0) - lowest(robot.model(), touch);
+  robot.move_base(touch.base(options, seat + reach), options.travel_speed);
+  if (search.next_load-- == 0) {
     search.load.add(robot.command().base, robot.steady_load());
+    search.next_load = options.touches / kLoadAttitudes;
   } else {
     robot.wait(kSettling);
   }
   bool felt = false;
   const auto loaded = pressing_down();
   const auto stop = [&](const hand::HandReading& reading) {
-    felt = hand::tip_force(reading, attitude.finger) > options.touch_force;
+    felt = hand::tip_force(reading, touch.finger) > options.touch_force;
     return felt || loaded(reading);
   };
-  const auto end = robot.move_base(attitude.base(options, seat - reach), options.speed, stop);
-  const auto finger = static_cast<std::size_t>(attitude.finger);
+  const auto end = robot.move_base(touch.base(options, seat - reach), options.speed, stop);
+  const auto finger = static_cast<std::size_t>(touch.finger);
   int& times = search.unfelt[finger];
   if (end == MotionEnd::stopped) times = felt ? 0 : times + 1;
-  if (times >= kNumbTouches) robot.distrust(attitude.finger);
+  if (times >= kNumbTouches) robot.distrust(touch.finger);
   if (felt && end == MotionEnd::stopped) {
-    search.height = lowest(robot.model(), attitude) + robot.reading().base.xyz.z();
+    search.height = lowest(robot.model(), touch) + robot.reading().base.xyz.z();
     rest(robot, options);
   }
   rise(robot, kTravelHeight, options.travel_speed);
 }
 
 /// Whether the mount can come to the table in this attitude.
-bool is_reachable(const Executor& robot, const Attitude& attitude,
-                  const CalibrateOptions& options) {
-  const double seat = -lowest(robot.model(), attitude);
-  return robot.obstacle(attitude.base(options, seat + kTravelHeight)).empty() &&
-         robot.obstacle(attitude.base(options, seat)).empty();
+bool is_reachable(const Executor& robot, const TableTouch& touch, const CalibrateOptions& options) {
+  const double seat = -lowest(robot.model(), touch);
+  return robot.obstacle(touch.base(options, seat + kTravelHeight)).empty() &&
+         robot.obstacle(touch.base(options, seat)).empty();
 }
 
 hand::BasePosition mean_base_of(std::span<const hand::HandReading> window) {
@@ -318,7 +214,7 @@ tactile::HandCalibration calibration(const hand::Description& hand, const estima
                                      const CalibrateOptions& options) {
   const auto touches = table_touches(log, options);
   tactile::HandCalibration found =
-      tactile::calibrate_links(hand, touches, fingertips_in_grasps(hand), prior(options));
+      tactile::calibrate_links(hand, touches, fingertips_in_grasps(hand), mount_prior(options));
   if (unexplained(found, touches) < kContradiction) return found;
   return {hand};
 }
@@ -335,9 +231,9 @@ double CalibratePhase::time_limit() const { return 20 + kSecondsATouch * options
 PhaseEnd CalibratePhase::run(Executor& robot, PickState&) {
   const hand::Description before = robot.model();
   TableSearch search;
-  for (const auto& attitude : telling_attitudes(before, options_)) {
-    if (!is_reachable(robot, attitude, options_)) continue;
-    if (robot.trusted(attitude.finger)) touch_table(robot, attitude, options_, search);
+  for (const auto& touch : telling_touches(before, options_)) {
+    if (!is_reachable(robot, touch, options_)) continue;
+    if (robot.trusted(touch.finger)) touch_table(robot, touch, options_, search);
   }
   const hand::HandCommand& now = robot.command();
   const double free =

@@ -9,6 +9,8 @@
 #include <numbers>
 
 #include "palpate/hand/tip_forces.hpp"
+#include "skills/explore/felt_size.hpp"
+#include "skills/lowest_part.hpp"
 #include "skills/motion_constants.hpp"
 #include "skills/take_posture.hpp"
 #include "skills/touch_detector.hpp"
@@ -16,7 +18,7 @@
 namespace palpate::skills {
 namespace {
 
-constexpr double kClearanceAbove = 0.03;  // m over the object's top while travelling
+constexpr double kClearanceAbove = 0.02;  // m of the hand over the object while travelling
 constexpr double kMinDepth = 0.014;       // m of the fingertip's centre over the table
 constexpr double kContactSeconds = 0.12;  // s of contact that are averaged
 constexpr double kBlockedLoad = 0.15;     // N more on the base: something but the fingertip touches
@@ -31,7 +33,6 @@ constexpr double kHighest = 0.018;    // m, of all of these together
 constexpr double kGoodSpread = 0.35;  // of the resting pose, where no more guarded moves are needed
 constexpr double kWorthwhile = 0.93;  // of the spread that a guarded move may leave
 constexpr double kBackOff = 0.03;     // m
-constexpr double kFeltError = 0.03;   // m, of the height that was felt, amply
 constexpr double kEarlier = 0.015;    // m before the expected touch, from where a sweep is slow
 constexpr double kGuardedMoveTime = 9;  // s that a guarded move takes with its travel, amply
 constexpr double kMinTime = 180;        // s, of the whole phase
@@ -91,8 +92,10 @@ void add_level_guarded_moves(const PickState& state, const ExploreOptions& optio
 }
 
 /// Level ones from the least height of the fingertip up to the object's top, and downward ones.
+/// @param above  m above the table, of a fingertip over the object
 std::vector<localization::GuardedMove> telling_guarded_moves(const PickState& state,
-                                                             const ExploreOptions& options) {
+                                                             const ExploreOptions& options,
+                                                             double above) {
   std::vector<localization::GuardedMove> guarded_moves;
   for (double depth = first_depth(state, options); depth > kMinDepth - 0.5 * kDepthStep;
        depth -= kDepthStep) {
@@ -101,8 +104,7 @@ std::vector<localization::GuardedMove> telling_guarded_moves(const PickState& st
   for (int x = -kOffsets; x <= kOffsets; ++x) {
     for (int y = -kOffsets; y <= kOffsets; ++y) {
       const Eigen::Vector2d xy = state.place + kSpacing * Eigen::Vector2d(x, y);
-      guarded_moves.push_back(
-          {{xy.x(), xy.y(), state.height + kClearanceAbove}, {xy.x(), xy.y(), kMinDepth}});
+      guarded_moves.push_back({{xy.x(), xy.y(), above}, {xy.x(), xy.y(), kMinDepth}});
     }
   }
   return guarded_moves;
@@ -131,21 +133,11 @@ std::vector<localization::PosedObject> possible_objects(
   return objects;
 }
 
-/// m from an object's place to its farthest point, over the table, in the stable poses that are as
-/// tall as it was felt to be; in any where none is.
-double reach_of(const geometry::KnownObject& object, double height) {
-  double reach = 0, reach_of_any = 0;
-  for (const auto& stable_pose : object.stable_poses) {
-    double top = 0, far = 0;
-    for (const auto& vertex : object.mesh.vertices) {
-      const Eigen::Vector3d p = stable_pose.R_table_object * vertex;
-      top = std::max(top, p.z() + stable_pose.height);
-      far = std::max(far, p.head<2>().norm());
-    }
-    reach_of_any = std::max(reach_of_any, far);
-    if (top > height - kFeltError) reach = std::max(reach, far);
-  }
-  return reach > 0 ? reach : reach_of_any;
+/// m from the lowest part of the hand that points up to the centre of its fingertip.
+double tip_above_lowest(const Executor& robot, const hand::PointingHand& pointing) {
+  const hand::Attitude attitude{pointing.attitude.pitch, pointing.attitude.roll};
+  const double tip = -base_for_probe(robot, pointing, 0, Eigen::Vector3d::Zero()).xyz.z();
+  return tip - lowest_part(robot.model(), pointing.positions, attitude);
 }
 
 /// The probing finger's balls around the centre of its tip.
@@ -276,7 +268,7 @@ int ExplorePhase::tell_apart(Executor& robot, PickState& state) {
   int touches = 0;
   std::array<std::vector<localization::GuardedMove>, 2>
       left;  // for each turn of the hand: what was not tried yet
-  left.fill(telling_guarded_moves(state, options_));
+  left.fill(telling_guarded_moves(state, options_, travel_height(robot, state)));
   if (options_.touches <= 1) left[1].clear();
   for (int i = options_.touches; i < options_.max_touches; ++i) {
     if (state.resting->modes.empty() || settled(*state.resting, options_.certain)) break;
@@ -322,6 +314,12 @@ int ExplorePhase::refine(Executor& robot, PickState& state) {
   return touches;
 }
 
+/// m above the table of the probing fingertip's centre, while the hand travels over the object.
+double ExplorePhase::travel_height(const Executor& robot, const PickState& state) const {
+  return likely_top(estimator_.candidates(), state.height) + kClearanceAbove +
+         tip_above_lowest(robot, pointing(robot));
+}
+
 /// m of a sweep along which the object cannot be met, as far as is known.
 double ExplorePhase::clear_way(const Executor& robot, const PickState& state,
                                const localization::TurnedMove& turned) const {
@@ -331,10 +329,7 @@ double ExplorePhase::clear_way(const Executor& robot, const PickState& state,
     return localization::clear_way(possible_objects(estimator_), finger, move) - kEarlier;
   }
   if (robot.log().at(estimation::TouchEvent::fallen)) return 0;  // it may be anywhere
-  double reach = 0;
-  for (const auto* candidate : estimator_.candidates()) {
-    reach = std::max(reach, reach_of(candidate->object(), state.height));
-  }
+  const double reach = likely_reach(estimator_.candidates(), state.height);
   const double out = (move.from.head<2>() - state.place).norm();
   return out - reach - estimator_.options().resting_half_width - kEarlier;
 }
@@ -348,7 +343,7 @@ ExplorePhase::GuardedMoveEnd ExplorePhase::guarded_move(Executor& robot, const P
   const hand::BasePosition end =
       base_for_probe(robot, pointing(robot), yaw(turned.turn), guarded_move.to);
   hand::BasePosition above = start;
-  above.xyz.z() += std::max(0.0, state.height + kClearanceAbove - guarded_move.from.z());
+  above.xyz.z() += std::max(0.0, travel_height(robot, state) - guarded_move.from.z());
   for (const hand::BasePosition& base : {above, start, end}) {  // not begun: it tells nothing
     if (!robot.obstacle(base).empty()) return GuardedMoveEnd::missed;
   }

@@ -15,6 +15,8 @@ namespace palpate::skills {
 namespace {
 
 constexpr double kRetreat = 0.06;  // m, up from the touch
+constexpr double kSlowAbove =
+    0.025;  // m above what may stand there, from where it comes down slowly
 
 /// Where to feel for the object, as shares of the search's width from its rough place.
 const std::array<Eigen::Vector2d, 5> kSearch = {
@@ -60,14 +62,7 @@ bool HeightProbePhase::lower(Executor& robot, PickState& state,
   robot.move_base(above, options_.travel_speed);
   robot.tare();
 
-  hand::BasePosition low = above;
-  low.xyz.z() = -options_.start_height;
-  const auto touched = lasting_load(robot, -Eigen::Vector3d::UnitZ(), options_.touch_force);
-  bool found = false;
-  robot.move_base(low, options_.speed, [&](const hand::HandReading& reading) {
-    found = touched(reading);
-    return found || estimation::lowest_of_hand(robot.model(), reading) < options_.clearance;
-  });
+  const bool found = descend(robot);
   if (found) {
     robot.mark(estimation::TouchEvent::felt);
     state.height = estimation::lowest_of_hand(robot.model(), robot.reading());
@@ -75,6 +70,28 @@ bool HeightProbePhase::lower(Executor& robot, PickState& state,
   hand::BasePosition up = robot.command().base;
   up.xyz.z() += kRetreat;
   robot.move_base(up, options_.travel_speed);
+  return found;
+}
+
+/// Down, until something bears the hand or it is close to the table. @return whether it was borne
+bool HeightProbePhase::descend(Executor& robot) const {
+  bool found = false;
+  const auto down_to = [&](double height, double speed) {
+    hand::BasePosition low = robot.command().base;
+    low.xyz.z() = height;
+    const auto touched = lasting_load(robot, -Eigen::Vector3d::UnitZ(), options_.touch_force);
+    return robot.move_base(low, speed, [&](const hand::HandReading& reading) {
+      found = touched(reading);
+      return found || estimation::lowest_of_hand(robot.model(), reading) < options_.clearance;
+    });
+  };
+  const double height = robot.command().base.xyz.z();
+  const double lowest = estimation::lowest_of_hand(robot.model(), robot.reading());
+  const double clear_way = lowest - std::max(options_.clearance, tallest_ + kSlowAbove);
+  if (clear_way > 0 && down_to(height - clear_way, options_.speed) != MotionEnd::reached) {
+    return found;
+  }
+  down_to(-options_.start_height, options_.touch_speed);
   return found;
 }
 

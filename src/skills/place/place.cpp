@@ -59,7 +59,7 @@ class VerifyPhase : public Phase {
   std::string_view name() const override { return "verify"; }
   double time_limit() const override { return 30.0; }
   PhaseEnd run(Executor& robot, PickState& state) override {
-    const PhaseEnd felt = HeightProbePhase(options_).run(robot, state);
+    const PhaseEnd felt = HeightProbePhase(options_, expected_top_).run(robot, state);
     if (!felt.ok) return {false, "felt nothing where the object was put"};
     const double off = state.height - expected_top_;
     return {std::abs(off) < kWrongHeight,

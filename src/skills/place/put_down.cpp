@@ -11,7 +11,7 @@
 namespace palpate::skills {
 namespace {
 
-constexpr std::size_t kFinalists = 12;
+constexpr std::size_t kCompared = 12;
 constexpr std::array<double, 4> kRise = {0.1, 0.3, 0.6, 1.0};  // shares of the retreat
 constexpr float kFree = 0.002f;  // m, between the rising hand and the object
 
@@ -148,7 +148,7 @@ std::optional<Transfer> PutDown::cheapest(const std::vector<Hold>& holds) {
   if (choices.empty()) return std::nullopt;
   const auto cheaper = [](const Choice& a, const Choice& b) { return a.cost < b.cost; };
   std::stable_sort(choices.begin(), choices.end(), cheaper);
-  choices.resize(std::min(choices.size(), kFinalists));
+  choices.resize(std::min(choices.size(), kCompared));
   for (Choice& choice : choices) {
     if (!choice.hold->grasp) continue;
     const grasping::GraspPlan& grasp = *choice.hold->grasp;

@@ -75,7 +75,9 @@ localization::Posterior Relocation::explored(const Eigen::Vector2d& place,
                          evaluation::waiting_command(world.hand_model()));
   skills::PickState state;
   try {
-    skills::HeightProbePhase height_probe(options_.height_probe);
+    skills::HeightProbePhase height_probe(
+        options_.height_probe,
+        geometry::top_of(object_.object(), object_.object().stable_poses[standing_.stable_pose]));
     estimation::PoseEstimator estimator(object_, options_.resting, seed);
     skills::ExplorePhase explore(estimator, options_.exploring);
     if (skills::run_phase(height_probe, robot, state).status == skills::PhaseStatus::ok)

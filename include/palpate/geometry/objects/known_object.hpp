@@ -29,6 +29,9 @@ struct KnownObject {
   std::vector<std::string> repairs;         ///< what was done to the file's mesh, in words
 };
 
+/// m above the table of its highest point in a stable pose.
+double top_of(const KnownObject& object, const StablePose& stable_pose);
+
 /// A built-in object (mug, bottle, box, bracket, duck), `generated:SEED`, a mesh file in metres, or
 /// `bunny`, the Stanford bunny, where it is installed (it is not for commercial use).
 ///

@@ -59,6 +59,7 @@ class ExplorePhase : public Phase {
   enum class GuardedMoveEnd { touched, missed, blocked, timed_out };
   GuardedMoveEnd guarded_move(Executor& robot, const PickState& state,
                               const localization::TurnedMove& turned);
+  double travel_height(const Executor& robot, const PickState& state) const;
   double clear_way(const Executor& robot, const PickState& state,
                    const localization::TurnedMove& turned) const;
   const hand::PointingHand& pointing(const Executor& robot) const;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <limits>
+
 #include "palpate/estimation/height_probe.hpp"
 #include "palpate/skills/phase.hpp"
 
@@ -8,7 +10,8 @@ namespace palpate::skills {
 
 struct HeightProbeOptions {
   double start_height = 0.26;  ///< of the hand's base, m
-  double speed = 0.10;         ///< downwards, m/s
+  double speed = 0.10;         ///< downwards above anything that can stand there, m/s
+  double touch_speed = 0.05;   ///< downwards below that, m/s
   double touch_force = 0.7;    ///< N of load on the base
   double clearance = 0.012;    ///< stop this far above the table, m
   double travel_speed = 0.5;   ///< through the air, m/s
@@ -18,7 +21,8 @@ struct HeightProbeOptions {
   void visit(Visitor&& v) {
     v("start_height", start_height, 0.1, 0.5,
       "m, of the hand's base above the table; more where the hand is lower than that");
-    v("speed", speed, 0.001, 0.5, "m/s, downwards");
+    v("speed", speed, 0.001, 0.5, "m/s, downwards, above the object's tallest stable pose");
+    v.expert("touch_speed", touch_speed, 0.001, 0.5, "m/s, downwards, from there on");
     v("touch_force", touch_force, 0.05, 20.0, "N, load on the base that counts as touch");
     v.expert("clearance", clearance, 0.0, 0.1, "m, nearest approach to the table");
     v.expert("search", search, 0.0, 0.3, "m, to the sides of a place where nothing is felt");
@@ -29,7 +33,10 @@ struct HeightProbeOptions {
 /// Lowers the flat hand onto the object to feel how tall it is.
 class HeightProbePhase : public Phase {
  public:
-  explicit HeightProbePhase(const HeightProbeOptions& options) : options_(options) {}
+  /// @param tallest  m above the table: what stands there is no taller. By default unknown
+  explicit HeightProbePhase(const HeightProbeOptions& options,
+                            double tallest = std::numeric_limits<double>::infinity())
+      : options_(options), tallest_(tallest) {}
   std::string_view name() const override { return "feel"; }
   double time_limit() const override { return 60.0; }
   PhaseEnd run(Executor& robot, PickState& state) override;
@@ -37,8 +44,10 @@ class HeightProbePhase : public Phase {
  private:
   double start_height(const hand::Description& hand) const;
   bool lower(Executor& robot, PickState& state, const Eigen::Vector2d& place) const;
+  bool descend(Executor& robot) const;
 
   HeightProbeOptions options_;
+  double tallest_;
 };
 
 }  // namespace palpate::skills

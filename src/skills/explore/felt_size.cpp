@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "skills/explore/felt_size.hpp"
+
+#include <algorithm>
+
+namespace palpate::skills {
+namespace {
+
+constexpr double kTooHigh = 0.01;  // m that the felt height may be over the object's
+constexpr double kTooLow = 0.03;   // m that it may be under it, amply
+
+double reach_of(const geometry::KnownObject& object, const geometry::StablePose& stable_pose) {
+  double reach = 0;
+  for (const auto& vertex : object.mesh.vertices) {
+    reach = std::max(reach, (stable_pose.R_table_object * vertex).head<2>().norm());
+  }
+  return reach;
+}
+
+/// In the stable poses that are as tall as was felt; in any where none is.
+double reach_of(const geometry::KnownObject& object, double felt) {
+  double reach = 0, reach_of_any = 0;
+  for (const auto& stable_pose : object.stable_poses) {
+    const double far = reach_of(object, stable_pose);
+    reach_of_any = std::max(reach_of_any, far);
+    if (geometry::top_of(object, stable_pose) > felt - kTooLow) reach = std::max(reach, far);
+  }
+  return reach > 0 ? reach : reach_of_any;
+}
+
+}  // namespace
+
+double tallest(const estimation::Candidates& candidates) {
+  double top = 0;
+  for (const auto* candidate : candidates) {
+    for (const auto& stable_pose : candidate->object().stable_poses) {
+      top = std::max(top, geometry::top_of(candidate->object(), stable_pose));
+    }
+  }
+  return top;
+}
+
+double likely_top(const estimation::Candidates& candidates, double felt) {
+  double likely = felt;
+  for (const auto* candidate : candidates) {
+    for (const auto& stable_pose : candidate->object().stable_poses) {
+      const double top = geometry::top_of(candidate->object(), stable_pose);
+      if (top > felt - kTooHigh && top < felt + kTooLow) likely = std::max(likely, top);
+    }
+  }
+  return likely;
+}
+
+double likely_reach(const estimation::Candidates& candidates, double felt) {
+  double reach = 0;
+  for (const auto* candidate : candidates) {
+    reach = std::max(reach, reach_of(candidate->object(), felt));
+  }
+  return reach;
+}
+
+}  // namespace palpate::skills
