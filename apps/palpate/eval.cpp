@@ -49,7 +49,7 @@ struct EvalArguments {
   std::vector<std::string> objects = {"mug", "bottle", "box", "bracket", "duck"};
   std::size_t trials = 30;
   std::vector<std::string> candidates;
-  ObjectArguments told;
+  ObjectArguments known;
   std::string place, hand, arm;
   std::vector<std::string> faults;
   bool campaign = false;
@@ -138,7 +138,7 @@ struct EvalOutput {
 int eval(EvalArguments arguments) {
   if (arguments.campaign) {
     if (arguments.resume || !arguments.place.empty() || !arguments.shard_text.empty() ||
-        arguments.told.mass || !arguments.told.at.empty() || !arguments.candidates.empty()) {
+        arguments.known.mass || !arguments.known.at.empty() || !arguments.candidates.empty()) {
       throw BadInput(
           "--faults goes with none of --resume, --place, --shard, --mass, --at and --candidates");
     }
@@ -159,10 +159,10 @@ int eval(EvalArguments arguments) {
   arguments.objects = geometry::expand_object_names(arguments.objects);
   auto options = resolve_trial(arguments.common, arguments.hand, arguments.arm);
   if (!arguments.place.empty()) options.place.target = place_text(arguments.place);
-  apply_place(arguments.told, options.start);
+  apply_place(arguments.known, options.start);
   std::optional<Notice> notice(std::in_place, "preparing the objects", arguments.common.quiet);
   std::vector<geometry::KnownObject> objects;
-  for (const auto& name : arguments.objects) objects.push_back(load_object(name, arguments.told));
+  for (const auto& name : arguments.objects) objects.push_back(load_object(name, arguments.known));
   // A source or target that cannot be is named before anything moves.
   static_cast<void>(options.touch.from_biotacs());
   for (const auto& object : objects) {
@@ -178,14 +178,15 @@ int eval(EvalArguments arguments) {
   const EvalPlan plan = plan_of(arguments, options, objects);
   if (!folder.empty()) output.emplace(arguments, options, plan);
 
-  const ToldObjects told = load_objects(arguments.candidates, arguments.told);
+  const CandidateObjects known = load_objects(arguments.candidates, arguments.known);
   EvalReport report(plan, arguments.common.json);
   for (std::size_t i = 0; i < objects.size(); ++i) {
-    const auto same = std::find(told.names.begin(), told.names.end(), arguments.objects[i]);
-    const bool is_told = same != told.names.end();
-    const auto own = is_told ? std::nullopt : std::make_optional<geometry::ObjectModel>(objects[i]);
+    const auto same = std::find(known.names.begin(), known.names.end(), arguments.objects[i]);
+    const bool is_candidate = same != known.names.end();
+    const auto own =
+        is_candidate ? std::nullopt : std::make_optional<geometry::ObjectModel>(objects[i]);
     const auto& model =
-        own ? *own : told.models[static_cast<std::size_t>(same - told.names.begin())];
+        own ? *own : known.models[static_cast<std::size_t>(same - known.names.begin())];
     const auto numbers = own_trials(arguments, i);
     const ProgressBar bar(arguments.objects[i], numbers.size(), arguments.common.quiet);
     std::size_t done = 0;
@@ -201,7 +202,7 @@ int eval(EvalArguments arguments) {
           return output ? output->records.find(arguments.objects[i], arguments.common.seed + number)
                         : std::nullopt;
         },
-        told.candidates()));
+        known.candidates()));
   }
   const json summary = report.finish();
   if (output) {
@@ -245,7 +246,7 @@ void add_eval(CLI::App& program, Command& chosen) {
                   "(default: the object is known)")
       ->delimiter(',')
       ->option_text("O,O2..");
-  add_object_options(command, arguments->told);
+  add_object_options(command, arguments->known);
   add_hand_option(command, arguments->hand);
   add_arm_option(command, arguments->arm);
   add_common_options(command, arguments->common);

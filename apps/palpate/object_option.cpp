@@ -37,13 +37,14 @@ geometry::KnownObject load_object(const std::string& name, const ObjectArguments
   return object;
 }
 
-estimation::Candidates ToldObjects::candidates() const {
+estimation::Candidates CandidateObjects::candidates() const {
   estimation::Candidates candidates;
   for (const auto& model : models) candidates.push_back(&model);
   return candidates;
 }
 
-ToldObjects load_objects(const std::vector<std::string>& names, const ObjectArguments& arguments) {
+CandidateObjects load_objects(const std::vector<std::string>& names,
+                              const ObjectArguments& arguments) {
   if (names.size() > kMaxCandidates) {
     throw BadInput(fmt::format("{} objects of which one may stand there, at most {} are compared",
                                names.size(), kMaxCandidates));
@@ -52,7 +53,7 @@ ToldObjects load_objects(const std::vector<std::string>& names, const ObjectArgu
     throw BadInput(fmt::format("--mass {} is of one object, not of {} objects", *arguments.mass,
                                names.size()));
   }
-  ToldObjects objects{names, {}};
+  CandidateObjects objects{names, {}};
   for (std::size_t i = 0; i < names.size(); ++i) {
     if (std::count(names.begin(), names.end(), names[i]) > 1) {
       throw BadInput(fmt::format("{} is told twice", names[i]));

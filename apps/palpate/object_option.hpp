@@ -25,7 +25,7 @@ void add_object_options(CLI::App& command, ObjectArguments& arguments);
 geometry::KnownObject load_object(const std::string& name, const ObjectArguments& arguments);
 
 /// Objects by their names, of which one may be what the hand feels.
-struct ToldObjects {
+struct CandidateObjects {
   std::vector<std::string> names;
   std::vector<geometry::ObjectModel> models;
 
@@ -33,7 +33,8 @@ struct ToldObjects {
 };
 
 /// @throws BadInput as load_object, for more than kMaxCandidates, and for one that is told twice
-ToldObjects load_objects(const std::vector<std::string>& names, const ObjectArguments& arguments);
+CandidateObjects load_objects(const std::vector<std::string>& names,
+                              const ObjectArguments& arguments);
 
 /// Puts the rough place that was told into the options.
 /// @throws BadInput for a text that is no place, or one out of reach

@@ -30,7 +30,7 @@ struct PickArguments {
   CommonOptions common;
   std::vector<std::string> objects = {"mug"};
   std::string true_object;
-  ObjectArguments told;
+  ObjectArguments known;
   std::string hand, arm;
   std::optional<int> explore;
   std::string place;
@@ -79,18 +79,18 @@ int pick(const PickArguments& arguments) {
     options.pick.explore.max_touches = *arguments.explore;
   }
   if (!arguments.place.empty()) options.place.target = place_text(arguments.place);
-  apply_place(arguments.told, options.start);
+  apply_place(arguments.known, options.start);
   if (arguments.objects.size() > 1 && !options.place.target.empty()) {
     throw BadInput(fmt::format("--place {}: it needs one object, {} are told", options.place.target,
                                arguments.objects.size()));
   }
-  const std::string told = fmt::format("{}", fmt::join(arguments.objects, ","));
-  std::optional<Notice> notice(std::in_place, "preparing " + told, common.quiet);
-  const ToldObjects objects = load_objects(arguments.objects, arguments.told);
+  const std::string names = fmt::format("{}", fmt::join(arguments.objects, ","));
+  std::optional<Notice> notice(std::in_place, "preparing " + names, common.quiet);
+  const CandidateObjects objects = load_objects(arguments.objects, arguments.known);
   const std::size_t truth = true_index(arguments);
   std::optional<geometry::ObjectModel> other;
   if (truth == objects.names.size()) {
-    other.emplace(load_object(arguments.true_object, arguments.told));
+    other.emplace(load_object(arguments.true_object, arguments.known));
   }
   const geometry::ObjectModel& object = other ? *other : objects.models[truth];
   // Bad ones are named first.
@@ -99,7 +99,7 @@ int pick(const PickArguments& arguments) {
                            static_cast<std::size_t>(start.stable_pose));
   const bool own_errors = options.touch.from_biotacs();
   const std::string config =
-      config_header(common) + fmt::format("# object {}\n", told) + to_toml(options);
+      config_header(common) + fmt::format("# object {}\n", names) + to_toml(options);
   const Interrupt interrupt;
   // First, so that nothing is left behind where the simulator refuses something.
   const simulation::World world(object.object(), options.world, common.seed);
@@ -116,9 +116,9 @@ int pick(const PickArguments& arguments) {
   writer.finish();
   write_file_atomically(folder / "config.toml", config);
   auto report = trial_json(trial, objects.names);
-  report.update({{"object", told}, {"seed", common.seed}, {"version", version()}});
+  report.update({{"object", names}, {"seed", common.seed}, {"version", version()}});
   write_file_atomically(folder / "report.json", report.dump(2) + "\n");
-  const auto title = fmt::format("palpate pick --object {} --seed {}{}", told, common.seed,
+  const auto title = fmt::format("palpate pick --object {} --seed {}{}", names, common.seed,
                                  arguments.place.empty() ? "" : " --place " + arguments.place);
   write_file_atomically(folder / "replay.html", replay_html(folder / "recording.h5", title));
   if (common.json) {
@@ -154,7 +154,7 @@ void add_pick(CLI::App& program, Command& chosen) {
                   "object that is simulated, if several are candidates: one of them or another "
                   "one (default: drawn by the seed)")
       ->option_text("O");
-  add_object_options(command, arguments->told);
+  add_object_options(command, arguments->known);
   add_hand_option(command, arguments->hand);
   add_arm_option(command, arguments->arm);
   command

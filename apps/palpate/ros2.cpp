@@ -66,13 +66,13 @@ int estimate(const Ros2Arguments& arguments) {
                              arguments.common.seed);
   say_ready(arguments, fmt::format("estimating the pose of {} in {}", arguments.object, hand.name));
   node.run(interrupt.token());
-  const bridge::NodeReport told = node.report();
-  auto report = report_of(told.messages);
-  report.update({{"received", counts_json(told.received)},
-                 {"lost", told.lost},
-                 {"poses", told.poses},
-                 {"estimates", told.estimates},
-                 {"commands", told.commands}});
+  const bridge::NodeReport node_report = node.report();
+  auto report = report_of(node_report.messages);
+  report.update({{"received", counts_json(node_report.received)},
+                 {"lost", node_report.lost},
+                 {"poses", node_report.poses},
+                 {"estimates", node_report.estimates},
+                 {"commands", node_report.commands}});
   print_report(arguments, report);
   return kDone;
 }

@@ -69,7 +69,7 @@ struct EstimatorNode::Impl {
   Writer<ros2::TFMessage> tf;
   Writer<ros2::DiagnosticArray> diagnostics;
   std::optional<Pending> pending;
-  NodeReport told;
+  NodeReport report;
   bool running = true;
   std::uint64_t diagnosed_at = 0, readings_before = 0;
 
@@ -101,7 +101,7 @@ struct EstimatorNode::Impl {
       command = ros2::deserialize<ros2::String>(cdr).data;
     } catch (const BadInput&) {
     }
-    told.commands += command == "start" || command == "stop" || command == "estimate" ? 1 : 0;
+    report.commands += command == "start" || command == "stop" || command == "estimate" ? 1 : 0;
     if (command == "start") running = true;
     if (command == "stop") running = false;
     if (command == "stop" || command == "estimate") follower.forget();
@@ -109,12 +109,12 @@ struct EstimatorNode::Impl {
 
   void receive() {
     commands.take([this](std::string_view cdr, std::uint64_t) {
-      ++told.messages;
+      ++report.messages;
       obey(cdr);
     });
     for (RawReader& reader : readers) {
       reader.take([&](std::string_view cdr, std::uint64_t now) {
-        ++told.messages;
+        ++report.messages;
         const auto reading = stream.take(reader.topic(), reader.type(), cdr, now);
         if (reading && running) feel(*reading);
       });
@@ -129,7 +129,7 @@ struct EstimatorNode::Impl {
     follower.feel(reading);
     const auto messages =
         ros2::messages_of(follower.posterior(), {}, bounds, interface, time_of(reading));
-    for (const auto& message : messages.pose) told.poses += pose.write(message) ? 1 : 0;
+    for (const auto& message : messages.pose) report.poses += pose.write(message) ? 1 : 0;
     if (!messages.tf.transforms.empty()) tf.write(messages.tf);
     if (pending || !follower.due()) return;
     Task task = follower.task();
@@ -150,7 +150,7 @@ struct EstimatorNode::Impl {
     weights.write(messages.weights);
     status.write(messages.status);
     markers.write(messages.markers);
-    ++told.estimates;
+    ++report.estimates;
   }
 
   void diagnose() {
@@ -180,7 +180,7 @@ void EstimatorNode::run(const std::stop_token& stop) {
 }
 
 NodeReport EstimatorNode::report() const {
-  NodeReport report = impl_->told;
+  NodeReport report = impl_->report;
   report.received = impl_->stream.counts();
   for (const RawReader& reader : impl_->readers) report.lost += reader.lost();
   report.messages += impl_->pose.written() + impl_->modes.written() + impl_->weights.written() +

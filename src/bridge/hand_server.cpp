@@ -52,12 +52,12 @@ struct HandServer::Impl {
   /// Joint states last, as readings are made of what came before them.
   void publish(const hand::HandReading& reading) {
     const std::uint64_t time = start_time + ros2::nanoseconds_of(reading.time);
-    const auto told = ros2::messages_of(reading, description, interface, time);
-    tf.write(told.tf);
-    for (std::size_t i = 0; i < contacts.size(); ++i) contacts[i].write(told.contacts[i]);
-    wrench.write(told.wrench);
-    actuators.write(told.actuators);
-    joints.write(told.joints);
+    const auto outgoing = ros2::messages_of(reading, description, interface, time);
+    tf.write(outgoing.tf);
+    for (std::size_t i = 0; i < contacts.size(); ++i) contacts[i].write(outgoing.contacts[i]);
+    wrench.write(outgoing.wrench);
+    actuators.write(outgoing.actuators);
+    joints.write(outgoing.joints);
     messages += 4 + contacts.size();
   }
 

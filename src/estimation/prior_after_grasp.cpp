@@ -14,13 +14,14 @@
 namespace palpate::estimation {
 namespace {
 
-constexpr int kSlides = 2;           // how often a grasp may slide, each time
-constexpr double kFarther = 3.0;     // so many times as far
-constexpr double kToldError = 0.25;  // of the motion in the hand that the fingertips tell of, sigma
+constexpr int kSlides = 2;        // how often a grasp may slide, each time
+constexpr double kFarther = 3.0;  // so many times as far
+constexpr double kMotionError =
+    0.25;                            // of the motion in the hand that the fingertips tell of, sigma
 constexpr double kSwing = 0.02;      // rad, sigma of a turn that was followed in two fingertips
-constexpr double kUnfollowed = 0.05;  // rad, sigma of a turn in two fingertips that was not
-constexpr double kSteadyMass = 0.2;   // kg, of an object that closing fingers do not push
-constexpr double kStirred = 3.0;      // so many times as far, where it was rolled or grasped again
+constexpr double kUntracked = 0.05;  // rad, sigma of a turn in two fingertips that was not
+constexpr double kSteadyMass = 0.2;  // kg, of an object that closing fingers do not push
+constexpr double kStirred = 3.0;     // so many times as far, where it was rolled or grasped again
 
 using localization::PosePrior;
 
@@ -48,7 +49,7 @@ Eigen::Isometry3d followed(const HeldObject& held, std::size_t lifted,
 }
 
 /// What the fingertips say of how the object has moved in the hand.
-struct ToldMotion {
+struct MeasuredMotion {
   InHandMotion motion;
   double turn = 0, way = 0;     ///< rad, m
   double share = 1, swing = 0;  ///< that it is so; rad, sigma about the loose axes
@@ -56,32 +57,33 @@ struct ToldMotion {
 
 /// Where two fingertips hold it, it may have swung as it was followed, or not at all.
 /// @param posterior  at the closed hand, in the base
-std::vector<ToldMotion> told_motions(const HeldObject& held,
-                                     const localization::Posterior& posterior) {
+std::vector<MeasuredMotion> measured_motions(const HeldObject& held,
+                                             const localization::Posterior& posterior) {
   const auto move_from = [&](std::size_t first) {
     return in_hand_motion(held.hand, held.log, first, held.at, held.options.errors);
   };
-  ToldMotion told{move_from(held.closed)};
+  MeasuredMotion measured{move_from(held.closed)};
   const Eigen::Vector3d p = posterior.modes.front().T_frame_object.translation();
-  told.turn = Eigen::AngleAxisd(told.motion.T.linear()).angle();
-  told.way = (told.motion.T * p - p).norm();
+  measured.turn = Eigen::AngleAxisd(measured.motion.T.linear()).angle();
+  measured.way = (measured.motion.T * p - p).norm();
   const auto last = lifted(held);
-  if (told.motion.loose.empty() || !last) return {told};
+  if (measured.motion.loose.empty() || !last) return {measured};
   const Eigen::Isometry3d swing = followed(held, *last, posterior);
   const double angle = Eigen::AngleAxisd(swing.linear()).angle();
-  ToldMotion swung = told;
+  MeasuredMotion swung = measured;
   swung.motion.T = move_from(*last).T * swing;
-  swung.share = told.share = 0.5;
-  swung.swing = std::hypot(kSwing, kToldError * angle);
-  told.swing = std::hypot(kUnfollowed, kToldError * angle);
-  return {swung, told};
+  swung.share = measured.share = 0.5;
+  swung.swing = std::hypot(kSwing, kMotionError * angle);
+  measured.swing = std::hypot(kUntracked, kMotionError * angle);
+  return {swung, measured};
 }
 
 /// By how much closing, pressing and lifting move the object in the hand, times `scale`, beside
 /// what the fingertips tell of that motion, which is off by a share of itself.
-Matrix6d motion_covariance(const EstimationOptions& options, const ToldMotion& told, double scale) {
-  const double turn = scale * std::hypot(options.motion_angle_sigma, kToldError * told.turn);
-  const double way = scale * std::hypot(options.motion_sigma, kToldError * told.way);
+Matrix6d motion_covariance(const EstimationOptions& options, const MeasuredMotion& measured,
+                           double scale) {
+  const double turn = scale * std::hypot(options.motion_angle_sigma, kMotionError * measured.turn);
+  const double way = scale * std::hypot(options.motion_sigma, kMotionError * measured.way);
   Vector6d variance;
   variance << Eigen::Vector3d::Constant(turn * turn), Eigen::Vector3d::Constant(way * way);
   return variance.asDiagonal();
@@ -143,15 +145,15 @@ PosePrior after_motion(const HeldObject& held, const localization::Posterior& be
                        const Matrix6d& pushed) {
   const EstimationOptions& options = held.options;
   PosePrior prior;
-  for (const ToldMotion& told : told_motions(held, before)) {
+  for (const MeasuredMotion& measured : measured_motions(held, before)) {
     localization::Posterior moved = before;
-    transform(told.motion.T, moved);
-    double share = told.share, farther = 1;
+    transform(measured.motion.T, moved);
+    double share = measured.share, farther = 1;
     for (int slides = 0; slides <= kSlides; ++slides) {
       const Matrix6d covariance =
-          motion_covariance(options, told, scale * farther) + farther * farther * pushed;
+          motion_covariance(options, measured, scale * farther) + farther * farther * pushed;
       PosePrior part = localization::prior_from(moved, covariance);
-      for (const auto& axis : told.motion.loose) loosen(axis, told.swing, part);
+      for (const auto& axis : measured.motion.loose) loosen(axis, measured.swing, part);
       append(part, slides < kSlides ? share * (1 - options.slide_share) : share, prior);
       share *= options.slide_share;
       farther *= kFarther;

@@ -103,13 +103,13 @@ ObjectSummary evaluate(const geometry::ObjectModel& object, const TrialOptions& 
                        const estimation::Candidates& candidates) {
   ObjectSummary summary;
   summary.symmetry_order = object.object().symmetries.size();
-  const auto told = candidates.empty() ? estimation::Candidates{&object} : candidates;
+  const auto believed = candidates.empty() ? estimation::Candidates{&object} : candidates;
   parallel_ordered(
       numbers.size(), threads,
       [&](std::size_t i) {
         auto known = finished ? finished(numbers[i]) : std::nullopt;
         return known ? std::move(*known)
-                     : run_trial(object, told, options, first_seed + numbers[i]);
+                     : run_trial(object, believed, options, first_seed + numbers[i]);
       },
       [&](std::size_t i, const Trial& trial) {
         add_trial(trial, summary);

@@ -212,15 +212,15 @@ Trial run_trial(const geometry::ObjectModel& object, const estimation::Candidate
                           },
                           [&](estimation::TouchEvent mark) { recorder.mark(mark); }},
                          &models, {options.safety, std::move(stop)});
-  skills::PhaseObserver told = recorder.phases_and(observer);
-  told.on_picked = [&](const skills::PickResult& picked) {
+  skills::PhaseObserver observers = recorder.phases_and(observer);
+  observers.on_picked = [&](const skills::PickResult& picked) {
     recorder.estimate(robot.time(), picked.estimate);
     trial.metrics =
         evaluator.verdict(picked, robot.log(), pick_options.lift, object.object().symmetries);
     identify(object, candidates, picked.objects, trial.metrics);
     if (observer.on_picked) observer.on_picked(picked);
   };
-  told.on_placed = [&](const skills::PlaceResult& placed) {
+  observers.on_placed = [&](const skills::PlaceResult& placed) {
     const bool dropped = trial.place_metrics.dropped;  // before, on the way
     trial.place_metrics = evaluator.place_metrics(placed, *target, robot.log(), object.object());
     trial.place_metrics.dropped |= dropped;
@@ -229,12 +229,12 @@ Trial run_trial(const geometry::ObjectModel& object, const estimation::Candidate
   try {
     if (target) {
       skills::PickAndPlaceResult course = skills::pick_and_place(
-          robot, object, *target, fixture, pick_options, options.place_options(), seed, told);
+          robot, object, *target, fixture, pick_options, options.place_options(), seed, observers);
       trial.result = std::move(course.picked);
       trial.place = std::move(course.place);
       trial.strategy = std::move(course.strategy);
     } else {
-      trial.result = skills::pick(robot, candidates, pick_options, seed, told);
+      trial.result = skills::pick(robot, candidates, pick_options, seed, observers);
     }
   } catch (const std::exception&) {
     if (!world.diverged()) throw;

@@ -58,7 +58,7 @@ HandReading FaultyHand::step(const HandCommand& command) {
     return reading;
   }
   if (!began_) began_ = reading.time;
-  return told(reading);
+  return falsified(reading);
 }
 
 void FaultyHand::measure(const HandReading& reading) {
@@ -85,7 +85,7 @@ void FaultyHand::begin_with_nothing(const HandReading& reading) {
   before_.contacts.resize(reading.contacts.size());
 }
 
-HandReading FaultyHand::told(const HandReading& reading) {
+HandReading FaultyHand::falsified(const HandReading& reading) {
   begin_with_nothing(reading);
   HandReading result = spoil_link(reading);
   if (is_of_load(schedule_.fault)) spoil_load(result);

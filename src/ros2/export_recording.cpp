@@ -22,10 +22,10 @@ class Exporter {
   /// Everything in the order of time, which is that of the frames.
   void write() {
     for (const auto& frame : recording_.frames) {
-      write_told_until(frame.reading.time);
+      write_events_until(frame.reading.time);
       write_frame(frame.reading);
     }
-    write_told_until(std::numeric_limits<double>::infinity());
+    write_events_until(std::numeric_limits<double>::infinity());
   }
 
   void write_header() {
@@ -59,7 +59,7 @@ class Exporter {
   }
 
   /// Events and estimates of before a time, s.
-  void write_told_until(double time) {
+  void write_events_until(double time) {
     const auto& events = recording_.events;
     for (; event_ < events.size() && events[event_].time < time; ++event_) {
       const auto& event = events[event_];

@@ -35,12 +35,12 @@ std::optional<recording::Event> event_of(std::string_view text, double time) {
   return std::nullopt;
 }
 
-using Told = std::vector<std::pair<std::uint64_t, std::string>>;  // texts by time, ns
+using EventTexts = std::vector<std::pair<std::uint64_t, std::string>>;  // texts by time, ns
 
 /// What is no text tells nothing.
-void take_event(const McapMessage& message, Told& told) {
+void take_event(const McapMessage& message, EventTexts& events) {
   try {
-    told.emplace_back(message.log_time, deserialize<String>(message.data).data);
+    events.emplace_back(message.log_time, deserialize<String>(message.data).data);
   } catch (const BadInput&) {
   }
 }
@@ -85,12 +85,12 @@ Bag read_bag(const std::filesystem::path& path, const hand::Description& hand,
   Bag bag;
   ReadingStream stream(hand, interface, options);
   std::set<std::string, std::less<>> topics;
-  Told told;
+  EventTexts events;
   const auto contents = read_mcap(path, [&](const McapMessage& message) {
     if (!topics.contains(message.topic)) topics.emplace(message.topic);
     if (message.encoding != "cdr") return;
     if (message.type == String::kType && message.topic == interface.palpate + "/events") {
-      take_event(message, told);
+      take_event(message, events);
     }
     auto reading = stream.take(message.topic, message.type, message.data, message.log_time);
     if (reading) bag.readings.push_back(std::move(*reading));
@@ -103,7 +103,7 @@ Bag read_bag(const std::filesystem::path& path, const hand::Description& hand,
                                why_none(bag.counts, interface, hand), list_of(topics)));
   }
   const auto start = static_cast<double>(*stream.start());
-  for (const auto& [time, text] : told) {
+  for (const auto& [time, text] : events) {
     auto event = event_of(text, 1e-9 * (static_cast<double>(time) - start));
     if (event) bag.events.push_back(std::move(*event));
   }

@@ -90,13 +90,13 @@ CommandGate::CommandGate(const std::vector<hand::Actuator>& actuators,
 hand::HandCommand CommandGate::limited(const hand::HandCommand& wanted) {
   require_size(wanted.positions, actuators_.size());
   require_finite(wanted);
-  hand::HandCommand told = wanted;
-  limit_base(told.base);
-  limit_fingers(told.positions);
-  changed_ += told.positions != wanted.positions || told.base.xyz != wanted.base.xyz ||
-              told.base.ypr != wanted.base.ypr;
-  last_ = told;
-  return told;
+  hand::HandCommand allowed = wanted;
+  limit_base(allowed.base);
+  limit_fingers(allowed.positions);
+  changed_ += allowed.positions != wanted.positions || allowed.base.xyz != wanted.base.xyz ||
+              allowed.base.ypr != wanted.base.ypr;
+  last_ = allowed;
+  return allowed;
 }
 
 void CommandGate::limit_base(hand::BasePosition& base) {

@@ -127,9 +127,9 @@ void Executor::tare() {
 
 /// One step of the hand, in the world whose z = 0 is the table.
 hand::HandReading Executor::step() {
-  hand::HandCommand told = command_;
-  told.base.xyz.z() += table_height_;
-  hand::HandReading reading = hand_.step(told);
+  hand::HandCommand in_world = command_;
+  in_world.base.xyz.z() += table_height_;
+  hand::HandReading reading = hand_.step(in_world);
   reading.base.xyz.z() -= table_height_;
   reading.base_force -= reading.base.pose().linear() * load_error_.bias;
   reading.base_force.z() -= load_error_.weight;

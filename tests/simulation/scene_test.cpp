@@ -21,7 +21,7 @@ double min_inertia(double pitch) {
   const geometry::MeshQuery mesh(object.mesh);
   const geometry::CapsuleCollider surface(mesh);
   const Scene scene =
-      compose_scene(load_hand("shadow"), told_object(object), surface, without_noise());
+      compose_scene(load_hand("shadow"), believed_object(object), surface, without_noise());
   mjModel& model = *scene.model;
   const DataHandle data(mj_makeData(&model));
   data->qpos[scene.base_positions[2]] = 0.5;

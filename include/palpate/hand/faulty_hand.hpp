@@ -101,7 +101,7 @@ class FaultyHand : public Hand {
   void measure(const HandReading& reading);
   HandCommand obeyed(const HandCommand& command);
   void begin_with_nothing(const HandReading& reading);
-  HandReading told(const HandReading& reading);
+  HandReading falsified(const HandReading& reading);
   void spoil_load(HandReading& reading) const;
   void spoil_contacts(HandReading& reading);
   void spoil_finger(std::vector<TipContact>& contacts);

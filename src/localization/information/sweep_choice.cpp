@@ -149,8 +149,8 @@ std::optional<InformativeMove> most_informative_move(
   std::optional<InformativeMove> best;
   const auto poses = weighted_objects(objects);
   for (std::size_t i = 0; i < guarded_moves.size(); ++i) {
-    const double told = information(poses, finger, guarded_moves[i]);
-    if (told > (best ? best->information : 0.0)) best = {guarded_moves[i], i, told};
+    const double gained = information(poses, finger, guarded_moves[i]);
+    if (gained > (best ? best->information : 0.0)) best = {guarded_moves[i], i, gained};
   }
   return best;
 }
@@ -180,17 +180,17 @@ std::optional<RefiningMove> most_refining_move(const geometry::ObjectModel& obje
                                                const std::vector<TurnedMove>& done) {
   Matrix9d known = information_before();
   for (const TurnedMove& guarded_move : done) {
-    const auto told = information_of(object, T_world_object, fingers[guarded_move.turn],
-                                     guarded_move.guarded_move);
-    if (told) known += *told;
+    const auto gained = information_of(object, T_world_object, fingers[guarded_move.turn],
+                                       guarded_move.guarded_move);
+    if (gained) known += *gained;
   }
   const double before = spread_of(known);
   std::optional<RefiningMove> best;
   for (std::size_t turn = 0; turn < fingers.size(); ++turn) {
     for (const GuardedMove& guarded_move : guarded_moves) {
-      const auto told = information_of(object, T_world_object, fingers[turn], guarded_move);
-      if (!told) continue;
-      const double after = spread_of(known + *told);
+      const auto gained = information_of(object, T_world_object, fingers[turn], guarded_move);
+      if (!gained) continue;
+      const double after = spread_of(known + *gained);
       if (!best || after < best->after) best = {{guarded_move, turn}, before, after};
     }
   }

@@ -47,7 +47,7 @@ struct CollisionScene::Impl {
         has_object(object_known),
         mesh(known.mesh),
         surface(mesh),
-        scene(compose_scene(believed, told_object(known), surface, {}, {.fixture = fixture})),
+        scene(compose_scene(believed, believed_object(known), surface, {}, {.fixture = fixture})),
         data(make_data(*scene.model)),
         palm(find_id(*scene.model, mjOBJ_BODY, palm_body(believed))) {
     place_links(believed, *scene.model);

@@ -33,7 +33,7 @@ struct SimulatedForwardModel::Impl {
         drawn(believed),
         mesh(known.mesh),
         surface(mesh),
-        scene(compose_scene(drawn, told_object(known), surface, options)),
+        scene(compose_scene(drawn, believed_object(known), surface, options)),
         data(make_data(*scene.model)),
         hand(scene, *data, drawn, options, RandomStream(0, "rehearsal")) {
     place_links(believed, *scene.model);

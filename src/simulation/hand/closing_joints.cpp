@@ -73,11 +73,12 @@ std::vector<Eigen::Vector3d> fingertips(const hand::Description& hand,
 }
 
 bool ranges_tell_closing(const hand::Description& hand) {
-  std::vector<bool> told(static_cast<std::size_t>(hand.finger_count()));
+  std::vector<bool> has_closing(static_cast<std::size_t>(hand.finger_count()));
   for (const hand::Actuator& one : hand.actuators) {
-    if (one.finger >= 0 && one.closing != 0) told[static_cast<std::size_t>(one.finger)] = true;
+    if (one.finger >= 0 && one.closing != 0)
+      has_closing[static_cast<std::size_t>(one.finger)] = true;
   }
-  return std::ranges::all_of(told, std::identity());
+  return std::ranges::all_of(has_closing, std::identity());
 }
 
 void derive_closing(hand::Description& hand) {

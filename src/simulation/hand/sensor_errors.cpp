@@ -53,9 +53,9 @@ void SensorErrors::reset() {
   contacts_.clear();
 }
 
-hand::BasePosition SensorErrors::in_world(hand::BasePosition told) const {
-  told.xyz.z() += table_height_;
-  return told;
+hand::BasePosition SensorErrors::in_world(hand::BasePosition base) const {
+  base.xyz.z() += table_height_;
+  return base;
 }
 
 void SensorErrors::misread(hand::HandReading& reading) {

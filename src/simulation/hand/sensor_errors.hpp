@@ -18,7 +18,7 @@ class SensorErrors {
                const RandomStream& random);
 
   /// Where the base comes that the arm is told to bring there: it does not know the table's height.
-  [[nodiscard]] hand::BasePosition in_world(hand::BasePosition told) const;
+  [[nodiscard]] hand::BasePosition in_world(hand::BasePosition base) const;
 
   /// Makes a reading of the true load and torques, the true base and joints into what is read.
   void misread(hand::HandReading& reading);

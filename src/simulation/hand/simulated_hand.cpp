@@ -69,7 +69,7 @@ void SimulatedHand::apply(const hand::HandCommand& command) {
 }
 
 void SimulatedHand::carry_to(const hand::BasePosition& base) {
-  told_ = base;
+  commanded_ = base;
   const auto tell = [&](const auto& positions) {
     for (Index i = 0; i < scene_.base_actuators.size(); ++i) {
       data_.ctrl[scene_.base_actuators[i]] = positions[static_cast<int>(i)];
@@ -189,7 +189,7 @@ void SimulatedHand::read_base(hand::HandReading& reading) {
     for (Index i = 0; i < scene_.base_positions.size(); ++i) {
       joints[static_cast<int>(i)] = data_.qpos[scene_.base_positions[i]];
     }
-    reading.base = hand::nearest_base(hand::mount_pose(follower_->arm(), joints), told_);
+    reading.base = hand::nearest_base(hand::mount_pose(follower_->arm(), joints), commanded_);
     reading.base_force = flange_force();
     return;
   }

@@ -62,7 +62,7 @@ class SimulatedHand : public hand::Hand {
   int steps_a_tick_;
   StepObserver observer_;
   std::optional<hand::ArmFollower> follower_;
-  hand::BasePosition told_;  // in the world
+  hand::BasePosition commanded_;  // in the world
   std::optional<SimulatedBiotacs> biotacs_;
 };
 

@@ -117,18 +117,18 @@ WorldOptions WorldOptions::realistic() {
   return options;
 }
 
-SolidObject told_object(const geometry::KnownObject& told) {
-  return {told, convex_parts(told.mesh)};
+SolidObject believed_object(const geometry::KnownObject& known) {
+  return {known, convex_parts(known.mesh)};
 }
 
-SolidObject differing_object(const geometry::KnownObject& told, const WorldErrors& error,
+SolidObject differing_object(const geometry::KnownObject& known, const WorldErrors& error,
                              const RandomStream& random) {
-  SolidObject solid = told_object(told);
+  SolidObject solid = believed_object(known);
   RandomStream shape = random.fork("shape"), load = random.fork("mass");
   if (error.scale > 0 || error.surface > 0) {
     const double scale = 1 + up_to(error.scale, shape);
     Dents dents(error.surface, shape);
-    dents.align(told.mesh);
+    dents.align(known.mesh);
     deform(solid.object.mesh, scale, dents);
     for (geometry::TriangleMesh& part : solid.parts) deform(part, scale, dents);
   }
@@ -157,8 +157,8 @@ Eigen::Matrix3d drawn_tilt(const WorldErrors& error, const RandomStream& random)
   return Eigen::AngleAxisd(error.table_tilt * draw.uniform(), axis).toRotationMatrix();
 }
 
-hand::Description told_hand(hand::Description hand, const WorldOptions& options,
-                            const RandomStream& random) {
+hand::Description believed_hand(hand::Description hand, const WorldOptions& options,
+                                const RandomStream& random) {
   if (options.noise.link > 0) {
     RandomStream links = random.fork("links");
     hand = hand::with_perturbed_links(std::move(hand), options.noise.link, links);
@@ -167,11 +167,11 @@ hand::Description told_hand(hand::Description hand, const WorldOptions& options,
   if (error.mount == 0 && error.mount_angle == 0) return hand;
   RandomStream mount = random.fork("mount");
   const Eigen::Vector3d turn = of_rms(error.mount_angle, mount);
-  Eigen::Isometry3d T_true_told = Eigen::Isometry3d::Identity();
-  T_true_told.translation() = of_rms(error.mount, mount);
-  T_true_told.rotate(Eigen::AngleAxisd(turn.norm(), turn.stableNormalized()));
+  Eigen::Isometry3d T_true_believed = Eigen::Isometry3d::Identity();
+  T_true_believed.translation() = of_rms(error.mount, mount);
+  T_true_believed.rotate(Eigen::AngleAxisd(turn.norm(), turn.stableNormalized()));
   for (hand::Link& link : hand.links) {
-    if (link.parent < 0) link.T_parent_link = T_true_told * link.T_parent_link;
+    if (link.parent < 0) link.T_parent_link = T_true_believed * link.T_parent_link;
   }
   return hand;
 }

@@ -17,11 +17,11 @@ struct SolidObject {
 };
 
 /// The object as it was told.
-SolidObject told_object(const geometry::KnownObject& told);
+SolidObject believed_object(const geometry::KnownObject& known);
 
 /// The object where it is not as it was told: of another size, dented, of another mass. Its frame,
 /// stable poses and symmetries are those that were told.
-SolidObject differing_object(const geometry::KnownObject& told, const WorldErrors& error,
+SolidObject differing_object(const geometry::KnownObject& known, const WorldErrors& error,
                              const RandomStream& random);
 
 /// The options with frictions drawn.
@@ -31,7 +31,7 @@ WorldOptions with_drawn_friction(WorldOptions options, const RandomStream& rando
 Eigen::Matrix3d drawn_tilt(const WorldErrors& error, const RandomStream& random);
 
 /// The hand as the robot is told that it is: its links are off, and so is where the arm carries it.
-hand::Description told_hand(hand::Description hand, const WorldOptions& options,
-                            const RandomStream& random);
+hand::Description believed_hand(hand::Description hand, const WorldOptions& options,
+                                const RandomStream& random);
 
 }  // namespace palpate::simulation

@@ -28,10 +28,10 @@ double lowest_point(const geometry::TriangleMesh& mesh, const Eigen::Isometry3d&
 }  // namespace
 
 struct World::Impl {
-  Impl(const geometry::KnownObject& told, const WorldOptions& given, const RandomStream& random,
+  Impl(const geometry::KnownObject& known, const WorldOptions& given, const RandomStream& random,
        const planning::Fixture& fixture)
       : options(with_drawn_friction(given, random)),
-        solid(differing_object(told, options.error, random)),
+        solid(differing_object(known, options.error, random)),
         mesh(solid.object.mesh),
         surface(mesh),
         drawn(load_hand(options.hand, options.stiffness_scale)),
@@ -39,7 +39,7 @@ struct World::Impl {
         scene(compose_scene(drawn, solid, surface, options,
                             {drawn_tilt(options.error, random), fixture, arm ? &*arm : nullptr})),
         data(make_data(*scene.model)),
-        believed(told_hand(drawn, options, random)),
+        believed(believed_hand(drawn, options, random)),
         hand(scene, *data, drawn, options, random.fork("readers")) {
     if (arm) hand.mount_on(*arm);
     if (options.biotacs) hand.wear(SimulatedBiotacs(mesh, believed, random.fork("biotacs")));

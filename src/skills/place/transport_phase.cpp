@@ -15,7 +15,7 @@ namespace palpate::skills {
 namespace {
 
 /// What the base is told for a configuration that it is to reach, by what its drives give way.
-hand::BasePosition told(const hand::BasePosition& wanted, const hand::BasePosition& yielded) {
+hand::BasePosition commanded(const hand::BasePosition& wanted, const hand::BasePosition& yielded) {
   return {wanted.xyz + yielded.xyz, wanted.ypr + yielded.ypr};
 }
 
@@ -43,7 +43,7 @@ std::vector<hand::HandCommand> TransportPhase::commands(const Executor& robot,
                                                         const hand::BasePosition& yielded) const {
   std::vector<hand::HandCommand> way(motion_.samples.size(), robot.command());
   for (std::size_t i = 0; i < way.size(); ++i) {
-    way[i].base = told(motion_.samples[i].base, yielded);
+    way[i].base = commanded(motion_.samples[i].base, yielded);
   }
   if (!options_.bear_weight) return way;
   const WeightBearing bearing(robot, goal_.T_base_object.translation(),

@@ -82,19 +82,20 @@ std::optional<Roll> most_informative_roll(const Executor& robot,
   const auto poses = localization::poses_of(held);
   std::vector<double> weights;
   for (const localization::WeightedPose& pose : poses) weights.push_back(pose.weight);
-  const auto told = [&](const Eigen::Vector3d& turn) {
+  const auto information_of = [&](const Eigen::Vector3d& turn) {
     std::vector<PredictedTouches> feels;
     for (const localization::WeightedPose& pose : poses) {
       feels.push_back(feel_after(object, T_base_world * pose.T, contacts, robot, turn));
     }
     return localization::information_bound(feels, weights, touches_of_modes());
   };
-  const double already = told(Eigen::Vector3d::Zero());  // poses that do not fit what is felt
+  const double already =
+      information_of(Eigen::Vector3d::Zero());  // poses that do not fit what is felt
   std::optional<Roll> best;
   for (int axis = 0; axis < 3; ++axis) {
     for (const double sign : {1.0, -1.0}) {
       const Eigen::Vector3d turn = sign * kTurn * Eigen::Vector3d::Unit(axis);
-      const ExpectedGain expected_gain{std::max(0.0, told(turn) - already), kSeconds};
+      const ExpectedGain expected_gain{std::max(0.0, information_of(turn) - already), kSeconds};
       if (!best || expected_gain.information > best->expected_gain.information)
         best = Roll{turn, expected_gain};
     }

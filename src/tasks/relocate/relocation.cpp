@@ -46,7 +46,8 @@ simulation::Start standing(const geometry::KnownObject& object,
 }
 
 /// What the policy meets if the object is at that place.
-PolicyInput told(PolicyInput input, const Eigen::Vector3d& place, const RelocateStart& start) {
+PolicyInput with_place(PolicyInput input, const Eigen::Vector3d& place,
+                       const RelocateStart& start) {
   auto& o = input.observation;
   const Eigen::Vector3d palm = o.segment<3>(kPalmFromTarget) + start.target;
   o.segment<3>(kPalmFromObject) = palm - place;
@@ -149,7 +150,7 @@ FeltEpisode Relocation::run(const Policy& policy, const EpisodeOptions& episode,
       run_episode(task, start, episode.horizon, [&](int step, const PolicyInput& input) {
         felt.feel(touch.read(task, step));
         result.reported_error = error().norm();
-        return policy.act(told(input, reported_place(), start));
+        return policy.act(with_place(input, reported_place(), start));
       });
   result.estimates = felt.estimates();
   if (felt.estimates() > 0) result.estimate_seconds = felt.seconds() / felt.estimates();
