@@ -7,8 +7,8 @@
 #include <optional>
 #include <vector>
 
+#include "estimation/followed_pose.hpp"
 #include "estimation/in_hand_motion.hpp"
-#include "palpate/estimation/track.hpp"
 #include "palpate/localization/pose_prior.hpp"
 
 namespace palpate::estimation {
@@ -39,12 +39,7 @@ std::optional<std::size_t> lifted(const HeldObject& held) {
 /// @param posterior  at the closed hand, in the base
 Eigen::Isometry3d followed(const HeldObject& held, std::size_t lifted,
                            const localization::Posterior& posterior) {
-  localization::Posterior start;
-  start.modes = {posterior.modes.front()};
-  transform(held.log.readings[held.closed].base.pose(), start);
-  const Tracked tracked = track(held.model, held.hand, held.log, held.options.errors, start,
-                                held.closed, lifted, {}, held.seed);
-  return tracked.posterior.modes.front().T_frame_object *
+  return follow(held, lifted, posterior).T_frame_object *
          posterior.modes.front().T_frame_object.inverse();
 }
 
