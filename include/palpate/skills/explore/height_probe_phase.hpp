@@ -17,9 +17,9 @@ struct HeightProbeOptions {
   template <class Visitor>
   void visit(Visitor&& v) {
     v("start_height", start_height, 0.1, 0.5,
-      "m, of the hand's base above the table; more where the hand is lower than that");
-    v("speed", speed, 0.001, 0.5, "m/s, downwards");
-    v("touch_force", touch_force, 0.05, 20.0, "N, load on the base that counts as touch");
+      "m, initial height of the mount above the table; more for hands that reach lower");
+    v("speed", speed, 0.001, 0.5, "m/s, downward speed");
+    v("touch_force", touch_force, 0.05, 20.0, "N, load on the mount that counts as a touch");
     v.expert("clearance", clearance, 0.0, 0.1, "m, nearest approach to the table");
     v.expert("search", search, 0.0, 0.3, "m, to the sides of a place where nothing is felt");
     v.expert("travel_speed", travel_speed, 0.01, 2.0, "m/s, through the air");
@@ -30,7 +30,7 @@ struct HeightProbeOptions {
 class HeightProbePhase : public Phase {
  public:
   explicit HeightProbePhase(const HeightProbeOptions& options) : options_(options) {}
-  std::string_view name() const override { return "feel"; }
+  std::string_view name() const override { return "height_probe"; }
   double time_limit() const override { return 60.0; }
   PhaseEnd run(Executor& robot, PickState& state) override;
 
