@@ -134,6 +134,13 @@ std::string HelpFormatter::make_option_desc(const CLI::Option* option) const {
   return wrapped(option->get_description() + (more.empty() ? "" : fmt::format(" ({})", more)));
 }
 
+std::string HelpFormatter::make_subcommand(const CLI::App* command) const {
+  std::ostringstream line;
+  CLI::detail::format_help(line, command->get_name(), wrapped(command->get_description()),
+                           column_width_);
+  return line.str();
+}
+
 CLI::Validator in_range(double min, double max) {
   return {[min, max](const std::string& text) { return range_error(text, min, max, "a number"); },
           fmt::format("{} to {}", min, max)};
