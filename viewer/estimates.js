@@ -43,6 +43,29 @@ function axisLine(axis, i) {
   return new THREE.Line(geometry, material).computeLineDistances();
 }
 
+const FAINTEST = 0.05; // opacity
+
+/** The credible poses of the resting object: copies in the world, the more probable the more opaque. */
+export class PosteriorView extends THREE.Group {
+  constructor(posterior, geometry) {
+    super();
+    for (const { probability, T_world_object } of posterior.poses) {
+      const material = new THREE.MeshStandardMaterial({
+        color: modeColor(0),
+        transparent: true,
+        opacity: Math.max(FAINTEST, 0.6 * Math.sqrt(probability)),
+        depthWrite: false,
+        roughness: 0.8,
+      });
+      const mesh = new THREE.Mesh(geometry, material);
+      mesh.matrix.set(...T_world_object);
+      mesh.matrixAutoUpdate = false;
+      mesh.renderOrder = 4;
+      this.add(mesh);
+    }
+  }
+}
+
 /** One estimate: a group in the world as it was when the estimate was made. */
 export class EstimateView extends THREE.Group {
   constructor(estimate, geometry, edges) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The replay page: a clock that moves the scene, the time bar and the panel.
 import { Panel } from './panel.js';
-import { Recording } from './recording.js';
+import { phaseLabel, Recording } from './recording.js';
 import { Scene } from './scene.js';
 import { Timeline } from './timeline.js';
 
@@ -47,7 +47,7 @@ function show() {
   panel.show(now);
   const phase = recording.phases[recording.phaseAt(now)];
   const [name, outcome] = byId('caption').children;
-  name.textContent = phase?.name ?? '';
+  name.textContent = phaseLabel(phase?.name ?? '');
   outcome.textContent = phase && now >= phase.end - 0.02 ? phase.outcome.replace(/^ok: /, '') : '';
   const clock = document.createElement('small');
   clock.textContent = ` / ${recording.end.toFixed(2)} s`;
@@ -132,7 +132,13 @@ addEventListener('hashchange', seekAddress);
 for (const button of document.querySelectorAll('[data-view]')) {
   button.addEventListener('click', () => scene?.look(button.dataset.view));
 }
+/** The calibration on the bare table is long and shows nothing of the object. */
+function firstOfInterest() {
+  const first = recording.phases[0];
+  return first?.name === 'calibrate' ? first.end : recording.begin;
+}
+
 lookAsAddressed();
-seek(timeInAddress() ?? recording.begin);
+seek(timeInAddress() ?? firstOfInterest());
 if (timeInAddress() === undefined && !matchMedia('(prefers-reduced-motion: reduce)').matches)
   setPlaying(true);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The panel at the side: what the recording is, forces, phases, the estimate and what is shown.
 import { FINGER_COLORS, modeColor, phaseColors } from './colors.js';
-import { FINGERS, modeShown } from './recording.js';
+import { FINGERS, modeShown, phaseLabel } from './recording.js';
 
 const FULL_FORCE = 20; // N, a full meter
 
@@ -97,7 +97,7 @@ export class Panel {
         'button',
         { className: 'row', onclick: () => this.actions.seek(phase.begin) },
         swatch(colors[i]),
-        make('span', { className: 'grow' }, phase.name, outcome(phase.outcome)),
+        make('span', { className: 'grow' }, phaseLabel(phase.name), outcome(phase.outcome)),
         make('span', { className: 'quiet' }, `${(phase.end - phase.begin).toFixed(1)} s`),
       ),
     );
@@ -106,9 +106,49 @@ export class Panel {
       byId('phases').append(make('span', { className: 'quiet' }, 'none recorded'));
   }
 
-  /** The estimate drawn at t, else the next to come. */
+  #fillPosterior(posterior) {
+    const best = posterior.poses[0]?.probability ?? 0;
+    const count = posterior.poses.length;
+    byId('estimate').replaceChildren(
+      make(
+        'div',
+        { className: 'row' },
+        make('span', { className: `badge ${count === 1 ? 'good' : 'warn'}` }, 'exploring'),
+        make(
+          'span',
+          { className: 'grow' },
+          count
+            ? `${count} credible pose${count === 1 ? '' : 's'}, best ${best.toFixed(2)}`
+            : 'no pose explains the touches',
+        ),
+      ),
+      make(
+        'div',
+        { className: 'quiet' },
+        'Poses that agree with the touches so far, more opaque where more probable.',
+      ),
+    );
+  }
+
+  /** The posterior or estimate drawn at t, else the estimate to come. */
   #fillEstimate(t) {
-    const { estimates } = this.recording;
+    const { estimates, posteriors } = this.recording;
+    const explored = this.recording.posteriorAt(t);
+    if (explored >= 0) {
+      if (this.posteriorShown !== explored) this.#fillPosterior(posteriors[explored]);
+      this.posteriorShown = explored;
+      this.estimateShown = undefined;
+      return;
+    }
+    this.posteriorShown = undefined;
+    if (posteriors.length && t < posteriors[0].time) {
+      if (this.estimateShown !== 'none yet')
+        byId('estimate').replaceChildren(
+          make('span', { className: 'quiet' }, 'none yet'),
+        );
+      this.estimateShown = 'none yet';
+      return;
+    }
     let index = this.recording.estimateAt(t);
     if (index < 0) index = estimates.findIndex((estimate) => estimate.time >= t);
     if (index < 0) index = estimates.length - 1;
@@ -123,7 +163,7 @@ export class Panel {
     const head = make(
       'tr',
       {},
-      ...['pose', 'weight', 'rotation', 'place'].map((text) => make('th', {}, text)),
+      ...['pose', 'weight', 'rotation', 'position'].map((text) => make('th', {}, text)),
     );
     const rows = estimate.modes.map((mode, i) => this.#modeRow(estimate, i));
     const lighter = rows.slice(MODES_LISTED);
@@ -137,7 +177,7 @@ export class Panel {
           more.hidden = true;
         },
       },
-      `${lighter.length} lighter poses`,
+      `${lighter.length} less probable poses`,
     );
     const judged = estimate.modes.some((mode) => mode.rotation_error_deg !== undefined);
     const state = estimate.status === 'certain' ? 'good' : 'warn';
@@ -159,8 +199,8 @@ export class Panel {
         'div',
         { className: 'quiet' },
         judged
-          ? 'Rotation and place: how far each pose is from the truth, modulo symmetry. '
-          : 'The truth was not recorded. ',
+          ? 'Rotation and position: error against the true pose, modulo symmetry. '
+          : 'The true pose was not recorded. ',
         'At other times the poses move with the palm.',
       ),
     );
@@ -193,8 +233,8 @@ export class Panel {
       ['hand', 'Hand, at its measured joint angles', '#8d98a6', true],
       ['seeThrough', 'Hand transparent', '', true],
       ['truth', 'Object, true pose', 'var(--truth)', r.hasObject.some((x) => x)],
-      ['estimate', 'Object, estimated poses', modeColor(0), r.estimates.length > 0],
-      ['contacts', 'Contacts, arrows by force', FINGER_COLORS[0], true],
+      ['estimate', 'Object, credible poses', modeColor(0), r.estimates.length + r.posteriors.length > 0],
+      ['contacts', 'Contacts; arrows show the force', FINGER_COLORS[0], true],
       ['evidence', 'Contacts used by the estimate', FINGER_COLORS[2], r.estimates.length > 0],
     ];
     for (const [key, text, color, there] of layers) {

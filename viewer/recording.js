@@ -17,6 +17,9 @@ function bytes(text) {
 export const floats = (text) => new Float32Array(bytes(text).buffer);
 export const uints = (text) => new Uint32Array(bytes(text).buffer);
 
+/** A phase's name as it is shown. */
+export const phaseLabel = (name) => name.replaceAll('_', ' ');
+
 /** Light modes are off until asked for. */
 export function modeShown(shown, estimate, i) {
   return shown.modes[i] ?? (i === 0 || estimate.modes[i].weight >= LEAST_WEIGHT);
@@ -39,6 +42,7 @@ export class Recording {
     uints(f.contact_counts).forEach((n, i) => {
       this.contactStart[i + 1] = this.contactStart[i] + n;
     });
+    this.posteriors ??= [];
     this.begin = this.count ? this.time[0] : 0;
     this.end = this.count ? this.time[this.count - 1] : 0;
     this.forces = this.#forces();
@@ -104,6 +108,17 @@ export class Recording {
     const index = this.estimates.findLastIndex((estimate) => estimate.time <= t + 1e-3);
     if (index >= 0 || !this.estimates.length) return index;
     return t + 1e-3 >= this.heldSince(this.estimates[0]) ? 0 : -1;
+  }
+
+  /**
+   * Index of the posterior of the resting object to draw at time t, or -1: none once the pose in
+   * the hand has been estimated from a later grasp.
+   */
+  posteriorAt(t) {
+    const index = this.posteriors.findLastIndex((posterior) => posterior.time <= t + 1e-3);
+    const estimate = this.estimateAt(t);
+    if (index < 0 || estimate < 0) return index;
+    return this.posteriors[index].time > this.estimates[estimate].time ? index : -1;
   }
 
   /** Force of each finger in each frame, N. */

@@ -4,7 +4,7 @@ import * as THREE from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import { mergeVertices, toCreasedNormals } from 'three/examples/jsm/utils/BufferGeometryUtils.js';
 import { onThemeChange, theme } from './colors.js';
-import { EstimateView } from './estimates.js';
+import { EstimateView, PosteriorView } from './estimates.js';
 import { ContactMarks } from './marks.js';
 import { PlacementView } from './placement.js';
 import { floats, modeShown, POSE, uints } from './recording.js';
@@ -148,6 +148,10 @@ export class Scene {
       (estimate) => new EstimateView(estimate, geometry, edges),
     );
     this.estimates.forEach((view) => this.scene.add(view));
+    this.posteriors = this.recording.posteriors.map(
+      (posterior) => new PosteriorView(posterior, geometry),
+    );
+    this.posteriors.forEach((view) => this.scene.add(view));
     this.scene.add(new PlacementView(this.recording.placement, geometry, edges));
   }
 
@@ -212,7 +216,9 @@ export class Scene {
     this.#pose(this.object, r.objectPoses, 1, 0, frame, smooth ? share : 0);
     this.marks.visible = shown.contacts;
     this.marks.show(r.contacts(frame));
-    const current = r.estimateAt(t);
+    const explored = r.posteriorAt(t);
+    this.posteriors.forEach((view, i) => (view.visible = shown.estimate && i === explored));
+    const current = explored < 0 ? r.estimateAt(t) : -1;
     this.estimates.forEach((view, i) => {
       view.visible = i === current;
       if (view.visible) this.#placeEstimate(view, r.estimates[i], frame, shown);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The time bar: phases, the fingers' forces, estimates and where we are.
 import { FINGER_COLORS, onThemeChange, phaseColors, theme } from './colors.js';
-import { FINGERS } from './recording.js';
+import { FINGERS, phaseLabel } from './recording.js';
 
 const PHASES = 22; // heights, px
 const TICKS = 16;
@@ -67,6 +67,7 @@ export class Timeline {
   #drawPhases(c) {
     c.textBaseline = 'middle';
     this.recording.phases.forEach((phase, i) => {
+      const name = phaseLabel(phase.name);
       const x = this.#x(phase.begin);
       const width = Math.max(2, this.#x(phase.end) - x - 1);
       c.globalAlpha = phase.begin <= this.now && this.now <= phase.end ? 1 : 0.72;
@@ -75,9 +76,9 @@ export class Timeline {
       c.roundRect(x, 2, width, PHASES - 4, 3);
       c.fill();
       c.globalAlpha = 1;
-      if (c.measureText(phase.name).width + 12 > width) return;
+      if (c.measureText(name).width + 12 > width) return;
       c.fillStyle = '#ffffff';
-      c.fillText(phase.name, x + 6, PHASES / 2 + 0.5);
+      c.fillText(name, x + 6, PHASES / 2 + 0.5);
     });
   }
 
@@ -139,6 +140,11 @@ export class Timeline {
   #drawEstimates(c) {
     c.fillStyle = '#2f7bf6';
     c.strokeStyle = theme('surface');
+    for (const posterior of this.recording.posteriors) {
+      c.beginPath();
+      c.arc(this.#x(posterior.time), PHASES + 9, 3, 0, 2 * Math.PI);
+      c.fill();
+    }
     for (const estimate of this.recording.estimates) {
       const x = this.#x(estimate.time);
       const y = PHASES + 9;

@@ -161,13 +161,12 @@ void add_bench(CLI::App& program, Command& chosen) {
                   "mug, bottle, box, bracket, duck, or a mesh file in metres")
       ->capture_default_str();
   command.add_option("--probes", arguments->probes, "balls placed on the surface")
-      ->check(CLI::Range(1, 100000))
+      ->check(in_range(1, 100000))
       ->capture_default_str();
-  command.add_flag("--quick", arguments->quick,
-                   "few balls and a short grasp, to see that it works");
+  command.add_flag("--quick", arguments->quick, "few balls and a short grasp, as a smoke test");
   add_common_options(command, arguments->common, kSeed | kOut);
   command.footer(
-      "Times are of the processor, so that other programs do not count.\n\n"
+      "Times are processor times.\n\n"
       "Examples:\n"
       "  palpate bench contact\n"
       "  palpate bench contact --object mug --json --out out/bench");

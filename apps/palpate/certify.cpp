@@ -68,9 +68,9 @@ int certify(const CertifyArguments& arguments) {
   if (arguments.common.json) {
     fmt::print("{}\n", report.dump(2));
   } else {
-    fmt::print("{}: cost {:.6g} m^2 of {} correspondences, at most {:.2g} m^2 above the least\n",
-               rg::to_string(estimate.status), estimate.cost, correspondences.size(),
-               estimate.bound);
+    fmt::print(
+        "{}: cost {:.6g} m^2 of {} correspondences, at most {:.2g} m^2 above the global optimum\n",
+        rg::to_string(estimate.status), estimate.cost, correspondences.size(), estimate.bound);
     if (!certified && !hint.empty()) fmt::print("{}\n", hint);
   }
   return certified ? kDone : kNoSolution;

@@ -27,7 +27,7 @@ void add_config(CLI::App& command, CommonOptions& options) {
 
 void add_seed(CLI::App& command, CommonOptions& options) {
   command.add_option("--seed", options.seed, "seed of all randomness")
-      ->check(CLI::Range(std::int64_t{0}, std::numeric_limits<std::int64_t>::max()))
+      ->check(at_least(0))
       ->type_name("N")
       ->capture_default_str();
 }
@@ -35,7 +35,7 @@ void add_seed(CLI::App& command, CommonOptions& options) {
 void add_threads(CLI::App& command, CommonOptions& options) {
   command
       .add_option("--threads", options.threads, "threads; the results are the same for any number")
-      ->check(CLI::Range(1, 1024))
+      ->check(in_range(1, 1024))
       ->capture_default_str();
 }
 

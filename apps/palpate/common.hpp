@@ -13,6 +13,7 @@
 
 #include "palpate/core/options.hpp"
 #include "palpate/core/output_folder.hpp"
+#include "usage.hpp"
 
 namespace palpate::app {
 

@@ -231,7 +231,7 @@ void add_compare(CLI::App& program, Command& chosen) {
   command
       .add_option("--episodes", arguments->episodes,
                   "episodes of each policy, from the same start states")
-      ->check(CLI::Range(3, 5000))
+      ->check(in_range(3, 5000))
       ->capture_default_str();
   add_task_option(command);
   add_common_options(command, arguments->common);

@@ -159,7 +159,7 @@ void add_make(CLI::App& demos, Command& chosen) {
   auto& command = *demos.add_subcommand(
       "make", "Generate demonstrations by a synthetic human hand that the robot can repeat");
   command.add_option("--count", arguments->count, "demonstrations to keep")
-      ->check(CLI::Range(1, 100000))
+      ->check(in_range(1, 100000))
       ->capture_default_str();
   add_common_options(command, arguments->common);
   command.footer(
@@ -177,7 +177,7 @@ void add_retarget(CLI::App& demos, Command& chosen) {
   command.add_option("KEYPOINTS", arguments->keypoints, "CSV: frame,j0_x,j0_y,j0_z,...,j20_z; m")
       ->required();
   command.add_option("--rate", arguments->rate, "frames per second")
-      ->check(CLI::Range(0.1, 1e5))
+      ->check(in_range(0.1, 1e5))
       ->capture_default_str();
   add_common_options(command, arguments->common, kConfig | kOut);
   command.footer(

@@ -223,7 +223,7 @@ void add_eval(CLI::App& program, Command& chosen) {
       ->delimiter(',')
       ->capture_default_str();
   command.add_option("--trials", arguments->trials, "picks per object")
-      ->check(CLI::Range(1, 1000000))
+      ->check(in_range(1, 1000000))
       ->capture_default_str();
   command.add_flag("--resume", arguments->resume,
                    "continue the evaluation in DIR, and refuse to start a new one");

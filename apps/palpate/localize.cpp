@@ -12,6 +12,7 @@
 #include "localize_demo.hpp"
 #include "localize_evidence.hpp"
 #include "localize_report.hpp"
+#include "object_option.hpp"
 #include "palpate/core/angle.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
@@ -165,6 +166,7 @@ LocalizeResult solve(const LocalizeArguments& arguments, const LocalizeOptions& 
     throw BadInput(fmt::format("--prior {} is of one MESH, {} are given", arguments.prior,
                                result.names.size()));
   }
+  require_distinct(result.names);
   std::vector<geometry::ObjectModel> models;
   for (const auto& name : result.names) models.emplace_back(geometry::load_known_object(name));
   const std::chrono::duration<double> prepared = std::chrono::steady_clock::now() - start;
@@ -234,19 +236,19 @@ void add_localize(CLI::App& program, Command& chosen) {
       .add_option("--point-noise", arguments->point_noise,
                   "standard deviation of contact points per axis, m")
       ->option_text("M")
-      ->check(CLI::Range(1e-5, 0.1))
+      ->check(in_range(1e-5, 0.1))
       ->capture_default_str();
   command
       .add_option("--normal-noise-deg", arguments->normal_noise_deg,
                   "standard deviation of contact normals per tangent axis, deg")
       ->option_text("DEG")
-      ->check(CLI::Range(0.1, 90.0))
+      ->check(in_range(0.1, 90.0))
       ->capture_default_str();
   command
       .add_option("--table", arguments->table,
                   "the object rests on a table at this height in the contacts' frame, z up, m")
       ->option_text("Z")
-      ->check(CLI::Range(-100.0, 100.0));
+      ->check(in_range(-100.0, 100.0));
   command
       .add_option("--free", arguments->free,
                   "CSV with x,y,z,radius of balls that are known to be free of the object, m")

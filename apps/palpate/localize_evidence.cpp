@@ -69,9 +69,9 @@ lo::PosePrior read_prior(const std::filesystem::path& path,
       before.modes.push_back(mode_of(entry, T_mesh_object));
     }
     return lo::prior_from(before, Matrix6d::Zero());
-  } catch (const nlohmann::json::exception& error) {
-    throw BadInput(
-        fmt::format("{} is no report of palpate localize --json: {}", path.string(), error.what()));
+  } catch (const nlohmann::json::exception&) {
+    throw BadInput(fmt::format(
+        "{} is not a report that palpate localize --json wrote, or it is damaged", path.string()));
   } catch (const BadInput& error) {
     throw BadInput(fmt::format("{}: {}", path.string(), error.what()));
   }

@@ -7,39 +7,24 @@
 #include "palpate/core/error.hpp"
 #include "palpate/core/unknown_option.hpp"
 #include "palpate/core/version.hpp"
+#include "usage.hpp"
 
 namespace {
 
-/// The command that was chosen, with those it belongs to: "train relocate".
-const CLI::App* innermost(const CLI::App* program) {
-  while (!program->get_subcommands().empty()) program = program->get_subcommands().front();
-  return program;
-}
-
-std::string name_of(const CLI::App* command) {
-  const CLI::App* const parent = command->get_parent();
-  return parent ? name_of(parent) + " " + command->get_name() : command->get_name();
-}
-
-/// One line; names an unknown command, of which CLI11 says only that one is required.
-std::string usage_error(const CLI::App* program, const CLI::Error& error) {
-  const auto unknown = program->remaining();
-  const std::string what = program->get_subcommands().empty() && !unknown.empty()
-                               ? fmt::format("there is no command '{}'", unknown.front())
-                               : error.what();
-  return fmt::format("palpate: {}; {} --help shows what there is\n", what,
-                     name_of(innermost(program)));
-}
-
-/// A command's own option is not one of a configuration; who writes it there is told so.
+/// Names the command's own option for a key of that name, or the list of options.
 int run_command(const CLI::App& program, const palpate::app::Command& chosen) {
   try {
     return chosen();
   } catch (const palpate::UnknownOption& error) {
     const std::string own = "--" + error.key();
-    if (!innermost(&program)->get_option_no_throw(own)) throw;
-    throw palpate::BadInput(
-        fmt::format("{} is no option of a configuration; {} sets it", error.key(), own));
+    const CLI::App* const command = palpate::app::innermost(&program);
+    if (command->get_option_no_throw(own)) {
+      throw palpate::BadInput(
+          fmt::format("{} is no option of a configuration; {} sets it", error.key(), own));
+    }
+    const std::string what = error.what();
+    if (what.find("did you mean") != what.npos) throw;
+    throw palpate::BadInput(what + "; palpate options lists the options of each command");
   }
 }
 
@@ -49,6 +34,7 @@ int run(int argc, char** argv) {
   program.set_version_flag("--version", std::string(palpate::version()));
   program.require_subcommand(1);
   program.failure_message(usage_error);
+  program.formatter(std::make_shared<HelpFormatter>());
   program.footer(
       "palpate COMMAND --help shows a command's options and examples.\n"
       "Exit codes: 0 done, 2 usage, 3 bad input, 4 no solution, 5 the robot was stopped by a "

@@ -8,6 +8,7 @@
 #include <cstdio>
 
 #include "palpate/core/error.hpp"
+#include "usage.hpp"
 
 namespace palpate::app {
 namespace {
@@ -22,7 +23,7 @@ void add_object_options(CLI::App& command, ObjectArguments& arguments) {
   command
       .add_option("--mass", arguments.mass,
                   "kg, of the object (default: from its volume, within 0.05 and 0.6)")
-      ->check(CLI::Range(0.001, 5.0));
+      ->check(in_range(0.001, 5.0));
   command
       .add_option("--at", arguments.at,
                   "where the object is on the table, m, within +- R (default: 0,0,0.02)")
@@ -43,6 +44,14 @@ estimation::Candidates CandidateObjects::candidates() const {
   return candidates;
 }
 
+void require_distinct(const std::vector<std::string>& names) {
+  for (const auto& name : names) {
+    if (std::count(names.begin(), names.end(), name) > 1) {
+      throw BadInput(fmt::format("{} is given twice", name));
+    }
+  }
+}
+
 CandidateObjects load_objects(const std::vector<std::string>& names,
                               const ObjectArguments& arguments) {
   if (names.size() > kMaxCandidates) {
@@ -54,12 +63,8 @@ CandidateObjects load_objects(const std::vector<std::string>& names,
                                names.size()));
   }
   CandidateObjects objects{names, {}};
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    if (std::count(names.begin(), names.end(), names[i]) > 1) {
-      throw BadInput(fmt::format("{} is told twice", names[i]));
-    }
-    objects.models.emplace_back(load_object(names[i], arguments));
-  }
+  require_distinct(names);
+  for (const auto& name : names) objects.models.emplace_back(load_object(name, arguments));
   return objects;
 }
 

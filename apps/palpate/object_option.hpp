@@ -24,6 +24,9 @@ void add_object_options(CLI::App& command, ObjectArguments& arguments);
 /// @throws BadInput as geometry::load_known_object
 geometry::KnownObject load_object(const std::string& name, const ObjectArguments& arguments);
 
+/// @throws BadInput for a name that is given twice
+void require_distinct(const std::vector<std::string>& names);
+
 /// Objects by their names, of which one may be what the hand feels.
 struct CandidateObjects {
   std::vector<std::string> names;
@@ -32,7 +35,7 @@ struct CandidateObjects {
   [[nodiscard]] estimation::Candidates candidates() const;
 };
 
-/// @throws BadInput as load_object, for more than kMaxCandidates, and for one that is told twice
+/// @throws BadInput as load_object, for more than kMaxCandidates, and as require_distinct
 CandidateObjects load_objects(const std::vector<std::string>& names,
                               const ObjectArguments& arguments);
 

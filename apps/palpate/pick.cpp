@@ -162,16 +162,15 @@ void add_pick(CLI::App& program, Command& chosen) {
                   "touches of the resting object before the grasp, in at most twice as many "
                   "guarded moves; 0: none (default: 8 moves, and up to 16 while the pose is "
                   "ambiguous)")
-      ->check(CLI::Range(0, 64));
+      ->check(in_range(0, 64));
   add_place_option(command, arguments->place);
   add_common_options(command, arguments->common, kConfig | kSeed | kOut);
   command.footer(
       "Writes recording.h5, config.toml, report.json and replay.html (open it in a browser) into\n"
       "DIR, by default out/pick-OBJECT-SEED. Exit code 4: grasp or placement failed; 3: the "
       "target\n"
-      "is impossible, and nothing has moved. A fault of the hand, or\n"
-      "Ctrl-C, stops the robot in a safe state: exit code 5, and the report names the fault\n"
-      "(docs/safety.md).\n\n"
+      "is impossible, and nothing has moved. A fault of the hand, or Ctrl-C, stops the robot in a\n"
+      "safe state: exit code 5, and the report names the fault (docs/safety.md).\n\n"
       "Examples:\n"
       "  palpate pick --object mug --seed 7\n"
       "  palpate pick --object duck --explore 16\n"

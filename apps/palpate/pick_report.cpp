@@ -108,7 +108,7 @@ std::string weights_of_others(const std::vector<localization::Mode>& modes) {
 }  // namespace
 
 std::string phase_heading() {
-  return fmt::format("{:<10} {:>9} {:>9} {:>9} {:>8}  {}", "phase", "robot", "wall", "contacts",
+  return fmt::format("{:<12} {:>9} {:>9} {:>9} {:>8}  {}", "phase", "robot", "wall", "contacts",
                      "force", "outcome");
 }
 
@@ -117,14 +117,14 @@ std::string phase_row(const skills::PhaseReport& report) {
       report.status == skills::PhaseStatus::ok
           ? report.outcome
           : fmt::format("{}: {}", colored_status(skills::to_string(report.status)), report.outcome);
-  return fmt::format("{:<10} {:>7.1f} s {:>7.2f} s {:>9} {:>6.1f} N  {}", report.name,
+  return fmt::format("{:<12} {:>7.1f} s {:>7.2f} s {:>9} {:>6.1f} N  {}", report.name,
                      report.robot_seconds, report.wall_seconds, report.contacts, report.peak_force,
                      outcome);
 }
 
 std::string estimate_text(const evaluation::Trial& trial) {
   const auto& posterior = trial.result.estimate.posterior;
-  if (posterior.modes.empty()) return "no pose explains what was felt";
+  if (posterior.modes.empty()) return "no pose explains the contacts";
   const auto& best = posterior.modes[0];
   std::string text =
       fmt::format("pose: {} ({:.2f}){}: {:.1f} deg, {:.1f} mm from the truth; searched {:.2f} s",

@@ -11,6 +11,7 @@
 #include "palpate/core/options.hpp"
 #include "palpate/core/random.hpp"
 #include "palpate/estimation/posterior_history.hpp"
+#include "palpate/evaluation/credible_poses.hpp"
 #include "palpate/evaluation/trial.hpp"
 #include "palpate/recording/touch_log.hpp"
 
@@ -22,39 +23,16 @@ using estimation::TouchEvent;
 using simulation::Ghost;
 
 constexpr double kLookAbove = 0.03;  // m, above the object: the hand comes from there
-constexpr int kTurns = 9;            // ghosts of a mode with a free axis
 constexpr int kPriorGhosts = 40;     // before the first touch, about
-constexpr double kFaint = 0.003;     // probability below which a pose is not drawn
 constexpr std::size_t kMaxGhosts = 120;
-
-/// The poses of a mode: its own or, with a free axis, some along it, of equal shares.
-void add_mode(const localization::Mode& mode, std::vector<Ghost>& ghosts) {
-  const int turns = mode.free_axis ? kTurns : 1;
-  for (int i = 0; i < turns; ++i) {
-    Ghost ghost{mode.T_frame_object, mode.weight / turns};
-    if (mode.free_axis) {
-      const double angle = mode.free_axis->extent * (2.0 * i / (turns - 1) - 1);
-      const Eigen::Translation3d to_line(mode.free_axis->point);
-      ghost.T_world_object = to_line * Eigen::AngleAxisd(angle, mode.free_axis->direction) *
-                             to_line.inverse() * ghost.T_world_object;
-    }
-    ghosts.push_back(ghost);
-  }
-}
 
 /// What is seen of a posterior. A ghost's opacity is the root of its probability, for many share
 /// it.
 std::vector<Ghost> ghosts_of(const localization::Posterior& posterior) {
   std::vector<Ghost> ghosts;
-  for (const auto& mode : posterior.modes) add_mode(mode, ghosts);
-  for (const auto& T : posterior.further) {
-    ghosts.push_back({T, posterior.unlisted() / static_cast<double>(posterior.further.size())});
+  for (const auto& pose : evaluation::credible_poses(posterior, kMaxGhosts)) {
+    ghosts.push_back({pose.T_frame_object, std::min(1.0, std::sqrt(pose.probability))});
   }
-  std::erase_if(ghosts, [](const Ghost& ghost) { return ghost.opacity < kFaint; });
-  std::stable_sort(ghosts.begin(), ghosts.end(),
-                   [](const Ghost& a, const Ghost& b) { return a.opacity > b.opacity; });
-  ghosts.resize(std::min(ghosts.size(), kMaxGhosts));
-  for (Ghost& ghost : ghosts) ghost.opacity = std::min(1.0, std::sqrt(ghost.opacity));
   return ghosts;
 }
 

@@ -191,9 +191,12 @@ void add_inputs(CLI::App& command, RegisterArguments& arguments) {
       .add_option("--features", arguments.features,
                   "descriptor by which points of clouds are matched")
       ->check(CLI::IsMember({"fpfh"}))
+      ->excludes(correspondences)
       ->capture_default_str();
-  command.add_flag("--filter", arguments.filter,
-                   "first remove statistical outliers of clouds (1000 neighbours, ratio 0.5)");
+  command
+      .add_flag("--filter", arguments.filter,
+                "first remove statistical outliers of clouds (1000 neighbours, ratio 0.5)")
+      ->excludes(correspondences);
 }
 
 void add_problem(CLI::App& command, RegisterArguments& arguments) {
@@ -218,13 +221,13 @@ void add_problem(CLI::App& command, RegisterArguments& arguments) {
       .add_option("--known-scale", arguments.known_scale,
                   "multiply the source's coordinates by this first")
       ->option_text("S")
-      ->check(CLI::PositiveNumber)
+      ->check(in_range(1e-9, 1e9))
       ->excludes(estimated);
   command
       .add_option("--instances", arguments.instances,
                   "number of poses, each found among the remaining pairs (correspondences)")
       ->option_text("N")
-      ->check(CLI::Range(1, 1000));
+      ->check(in_range(1, 1000));
   command.add_flag("--best-effort", arguments.best_effort,
                    "report the best pose even if chance explains it (see false_alarms)");
 }
@@ -251,7 +254,7 @@ void add_method(CLI::App& command, RegisterArguments& arguments) {
   command
       .add_option("--repeats", arguments.repeats,
                   "repeat the solution of given correspondences and report the shortest times")
-      ->check(CLI::Range(1, 1000))
+      ->check(in_range(1, 1000))
       ->capture_default_str();
   command.add_option("--cost", arguments.cost, "robust cost of gnc")
       ->check(CLI::IsMember({"tls", "gm"}))

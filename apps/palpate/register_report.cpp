@@ -106,11 +106,11 @@ void print_report(const rg::RegistrationResult& result) {
   if (!result.T_target_source) return;
   fmt::print("target from source: {}\n", motion_text(*result.T_target_source));
   if (result.scale != 1) fmt::print("scale of the source: {:.6g}\n", result.scale);
-  fmt::print("cost {:.3g} m^2, at most {:.1g} m^2 above the least for these inliers\n", result.cost,
-             result.bound);
-  fmt::print("{:.1g} such poses expected of wrong correspondences alone\n", result.false_alarms);
+  fmt::print("cost {:.3g} m^2, at most {:.1g} m^2 above the global optimum for these inliers\n",
+             result.cost, result.bound);
+  fmt::print("false alarms: {:.1g} such poses expected by chance\n", result.false_alarms);
   if (const auto& bound = result.certificate.robust) {
-    fmt::print("no pose has more than {} inliers\n", bound->max_inliers);
+    fmt::print("upper bound: no pose has more than {} inliers\n", bound->max_inliers);
   }
   if (result.runner_up) {
     fmt::print("runner-up: {} other inliers, {}\n", result.runner_up->inliers,

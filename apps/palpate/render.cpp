@@ -222,7 +222,7 @@ void add_render(CLI::App& program, Command& chosen) {
       "also posterior.png, an animated PNG of the poses that are credible after each touch");
   command
       .add_option("--speed", arguments->speed, "speed of animations relative to the robot's time")
-      ->check(CLI::Range(0.1, 100.0))
+      ->check(in_range(0.1, 100.0))
       ->capture_default_str();
   add_common_options(command, arguments->common, kConfig | kSeed | kOut);
   command.footer(

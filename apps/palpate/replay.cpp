@@ -76,6 +76,16 @@ Replayed replay_bag(const ReplayArguments& arguments) {
   return {std::move(answer.estimate), answer.messages};
 }
 
+/// A recording names its object, hand and instant itself.
+void refuse_bag_options(const CLI::App& command, const std::string& recording) {
+  for (const char* const name : {"--object", "--hand", "--at", "--world-frame", "--mount-frame",
+                                 "--joint-states", "--contacts"}) {
+    if (command.count(name) == 0) continue;
+    throw BadInput(
+        fmt::format("{} is an option of MCAP files, and {} is not one", name, recording));
+  }
+}
+
 int replay(const ReplayArguments& arguments) {
   std::optional<Notice> notice(std::in_place, "estimating", arguments.common.quiet);
   const auto replayed =
@@ -113,17 +123,21 @@ void add_replay(CLI::App& program, Command& chosen) {
       "Uses the recording's own configuration and seed, and so reproduces the pose of the pick "
       "bit\n"
       "for bit; --set changes the estimator's options.\n\n"
-      "Of an MCAP file of ROS 2 messages, of anyone's hand, it uses the joint states, the "
-      "contacts\n"
-      "of each finger and the transforms from the world to the mount (docs/ros2.md). One that\n"
-      "`palpate export mcap` wrote says which object and hand; of others the pose is that of the\n"
-      "last instant at which two fingers touch, or of --at.\n\n"
+      "From an MCAP file of ROS 2 messages it uses the joint states, the contacts of each finger\n"
+      "and the transforms from the world to the mount (docs/ros2.md). A file that `palpate export\n"
+      "mcap` wrote names its object and hand; for others the pose is that of the last instant at\n"
+      "which two fingers touch, or of --at.\n\n"
       "Examples:\n"
       "  palpate replay out/pick-mug-7/recording.h5\n"
       "  palpate replay out/pick-mug-7/recording.h5 --set estimation.free_space=false --json\n"
       "  palpate replay run.mcap --object part.stl --hand my_hand.xml --mount-frame wrist\n"
       "  palpate replay run.mcap --object mug --at 12.5 --json");
-  command.callback([arguments, &chosen] { chosen = [arguments] { return replay(*arguments); }; });
+  command.callback([arguments, &command, &chosen] {
+    chosen = [arguments, &command] {
+      if (!ros2::is_mcap(arguments->recording)) refuse_bag_options(command, arguments->recording);
+      return replay(*arguments);
+    };
+  });
 }
 
 }  // namespace palpate::app

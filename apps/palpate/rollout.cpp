@@ -219,12 +219,12 @@ void add_rollout(CLI::App& program, Command& chosen) {
       .add_option("--episodes", arguments->episodes,
                   "episodes; number i starts the same for "
                   "every policy")
-      ->check(CLI::Range(1, 1000000))
+      ->check(in_range(1, 1000000))
       ->capture_default_str();
   command
       .add_option("--record", arguments->record,
                   "number of first episodes to record as DIR/episode-N.h5, for view and render")
-      ->check(CLI::Range(0, 1000))
+      ->check(in_range(0, 1000))
       ->capture_default_str();
   command.add_flag("--touch", arguments->touch,
                    "give the policy the pose estimated by touch instead of the true one");

@@ -163,7 +163,7 @@ CLI::App& add_job(CLI::App& ros2, Command& chosen, const std::shared_ptr<Ros2Arg
   add_hand_option(command, arguments->hand);
   command.add_option("--domain", arguments->domain, "DDS domain (default: ROS_DOMAIN_ID, or 0)")
       ->option_text("N")
-      ->check(CLI::Range(0, 232));
+      ->check(in_range(0, 232));
   add_interface_options(command, arguments->interface);
   add_common_options(command, arguments->common);
   command.callback(
@@ -175,7 +175,7 @@ CLI::App& add_job(CLI::App& ros2, Command& chosen, const std::shared_ptr<Ros2Arg
 
 void add_ros2(CLI::App& program, Command& chosen) {
   auto& ros2 = *program.add_subcommand(
-      "ros2", "Speak with ROS 2 nodes, without an installation of ROS (docs/ros2.md)");
+      "ros2", "Exchange messages with ROS 2 nodes, without an installation of ROS (docs/ros2.md)");
   ros2.require_subcommand(1);
   auto arguments = std::make_shared<Ros2Arguments>();
   auto& estimator =
@@ -198,7 +198,7 @@ void add_ros2(CLI::App& program, Command& chosen) {
       add_job(ros2, chosen, arguments, "pick", "Pick with a hand behind ROS 2 topics", &pick);
   picker.add_option("--timeout", arguments->timeout, "time that a tick waits for its reading, s")
       ->option_text("S")
-      ->check(CLI::Range(0.01, 60.0))
+      ->check(in_range(0.01, 60.0))
       ->capture_default_str();
   picker.add_flag(
       "--perturb-links", arguments->perturb_links,

@@ -7,7 +7,7 @@ namespace palpate::app {
 
 void add_ros2(CLI::App& program, Command& chosen) {
   auto& command = *program.add_subcommand(
-      "ros2", "Speak with ROS 2 nodes: not in this build, which found no Cyclone DDS");
+      "ros2", "Exchange messages with ROS 2 nodes: not in this build, which found no Cyclone DDS");
   command.allow_extras();
   command.callback([&chosen] {
     chosen = []() -> int {

@@ -20,7 +20,7 @@ enum class Format { recording, contacts, biotac };
 std::string first_line(const std::string& path) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) {
-    throw BadInput(fmt::format("{} is no file", path));
+    throw BadInput(fmt::format("{} is not a file", path));
   }
   std::ifstream in(path, std::ios::binary);
   std::string head(4096, '\0');
@@ -86,7 +86,7 @@ void add_sense(CLI::App& program, Command& chosen) {
   command
       .add_option("--tick", arguments->tick,
                   "seconds per tick, if t in the CSV counts ticks (integers)")
-      ->check(CLI::Range(1e-5, 10.0))
+      ->check(in_range(1e-5, 10.0))
       ->capture_default_str();
   command
       .add_option("--model", arguments->model,
@@ -95,9 +95,8 @@ void add_sense(CLI::App& program, Command& chosen) {
   add_common_options(command, arguments->common, kOut);
   command.footer(
       "A CSV of contacts has the columns finger,t,px,py,pz (or x,y,z),fx,fy,fz and, optionally,\n"
-      "nx,ny,nz (the true normal, to compare with) and tnx,tny,tnz (the object's outward normal "
-      "as\n"
-      "the fingertip's own shape tells it); one of a BioTac has t_s,pdc,e1..e19 and, optionally, "
+      "nx,ny,nz (the true normal, for comparison) and tnx,tny,tnz (the object's outward normal as\n"
+      "inferred from the fingertip's shape); one of a BioTac has t_s,pdc,e1..e19 and, optionally,\n"
       "nx,ny,nz.\n"
       "For a recording with BioTac channels the contacts inferred from these are reported, too.\n"
       "Errors in a recording are relative to the surface nearest to the believed tip, which is\n"

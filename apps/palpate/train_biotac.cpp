@@ -308,9 +308,9 @@ void add_simulated(CLI::App& train, Command& chosen, const std::string& name,
                   "also write the data set as CSV, in the layout of thesis eq. 5.11")
       ->option_text("FILE");
   command.footer(
-      fmt::format("--out names the file of the model. The touches are simulated anew; those to "
-                  "judge by are of\n"
-                  "the seed 9000 beyond.\n\n"
+      fmt::format("--out names the file of the model. The touches are simulated; those of the "
+                  "evaluation have\n"
+                  "the seed plus 9000.\n\n"
                   "Examples:\n"
                   "  palpate train {0} --out {0}.model\n"
                   "  palpate train {0} --out {0}.model --set data.trajectories=50",

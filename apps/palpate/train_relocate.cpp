@@ -360,7 +360,7 @@ void add_train_relocate(CLI::App& train_command, Command& chosen) {
           "--iterations", arguments->iterations,
           fmt::format("iterations of cem, npg and dapg (default: {}); for dagger see dagger.rounds",
                       kIterations))
-      ->check(CLI::Range(1, 1000000));
+      ->check(in_range(1, 1000000));
   command.add_option("--from", arguments->from, "policy to start from (cem, npg, dapg)");
   command.add_option("--expert", arguments->expert,
                      "policy that demonstrates the task (dagger, bc, dapg; default: "
@@ -373,9 +373,9 @@ void add_train_relocate(CLI::App& train_command, Command& chosen) {
           fmt::format("episodes by the expert (bc, dapg; default: {}), of which the successful "
                       "ones are kept",
                       kDemonstrations))
-      ->check(CLI::Range(1, 100000));
+      ->check(in_range(1, 100000));
   command.add_option("--episodes", arguments->episodes, "episodes of the final evaluation")
-      ->check(CLI::Range(2, 1000000))
+      ->check(in_range(2, 1000000))
       ->capture_default_str();
   add_task_option(command);
   add_common_options(command, arguments->common);

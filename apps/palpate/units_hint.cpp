@@ -36,6 +36,10 @@ std::string units_hint(const std::vector<Eigen::Vector3d>& source,
         "the points spread over {:.3g} m, but the noise bound is {:g} m; are they in millimetres?",
         std::max(from, to), noise_bound);
   }
+  if (std::min(from, to) > 0 && noise_bound > std::min(from, to)) {
+    return fmt::format("the noise bound is {:g} m, but the points spread over {:.3g} m only",
+                       noise_bound, std::min(from, to));
+  }
   return "";
 }
 

@@ -56,8 +56,8 @@ void add_view(CLI::App& program, Command& chosen) {
   auto& command =
       *program.add_subcommand("view", "Serve the replay page of a recording to a browser");
   command.add_option("recording", arguments->recording, "recording.h5 of a pick")->required();
-  command.add_option("--port", arguments->port, "to serve on; 0 takes a free one")
-      ->check(CLI::Range(0, 65535))
+  command.add_option("--port", arguments->port, "port to serve on; 0: any free port")
+      ->check(in_range(0, 65535))
       ->capture_default_str();
   add_common_options(command, arguments->common, kOut);
   command.footer(

@@ -124,8 +124,10 @@ SETS = {
         long=True,
     ),
 }
-# Drawn by hand: sketches of a concept, which show nothing that the program computes.
-SKETCHES = {f"concept-{n}.svg" for n in ("likelihood", "free-space", "bias", "certificate")}
+# Drawn by hand: sketches of a concept and badges, which show nothing that the program computes.
+SKETCHES = {f"concept-{n}.svg" for n in ("likelihood", "free-space", "bias", "certificate")} | {
+    f"badge-{n}.svg" for n in ("licence", "version", "languages", "evaluated")
+}
 
 
 def hash_of(*files):

@@ -8,12 +8,14 @@
 #include <span>
 
 #include "palpate/core/error.hpp"
+#include "palpate/evaluation/credible_poses.hpp"
 #include "palpate/skills/place/place.hpp"
 
 namespace palpate::evaluation {
 namespace {
 
 constexpr std::string_view kMarkPrefix = "mark ";
+constexpr std::size_t kMaxPoses = 60;  // of a posterior, in a note
 
 recording::PoseModeRecord to_record(const localization::Mode& mode) {
   recording::PoseModeRecord record;
@@ -52,6 +54,16 @@ void Recorder::mark(estimation::TouchEvent mark) {
   writer_->event({time_, recording::EventKind::note, phase_,
                   std::string(kMarkPrefix)
                       .append(estimation::kTouchEventNames[static_cast<std::size_t>(mark)])});
+}
+
+void Recorder::posterior(const localization::Posterior& posterior) {
+  if (!writer_) return;
+  std::string text = "credible";
+  for (const auto& pose : credible_poses(posterior, kMaxPoses)) {
+    text += fmt::format(" {:.4g} {:.6g}", pose.probability,
+                        fmt::join(pose_to_row_major(pose.T_frame_object), " "));
+  }
+  writer_->event({time_, recording::EventKind::note, phase_, text});
 }
 
 void Recorder::estimate(double time, const estimation::HeldPoseEstimate& estimate) {

@@ -210,7 +210,8 @@ Trial run_trial(const geometry::ObjectModel& object, const estimation::Candidate
                             evaluator.observe(reading);
                             recorder.frame(reading, command);
                           },
-                          [&](estimation::TouchEvent mark) { recorder.mark(mark); }},
+                          [&](estimation::TouchEvent mark) { recorder.mark(mark); },
+                          [&](const auto& posterior) { recorder.posterior(posterior); }},
                          &models, {options.safety, std::move(stop)});
   skills::PhaseObserver observers = recorder.phases_and(observer);
   observers.on_picked = [&](const skills::PickResult& picked) {

@@ -41,7 +41,7 @@ std::string_view to_string(InjectedFault fault) {
 InjectedFault injected_fault(std::string_view name) {
   const auto found = std::find(kInjectedFaultNames.begin(), kInjectedFaultNames.end(), name);
   if (found == kInjectedFaultNames.end()) {
-    throw BadInput(fmt::format("there is no fault {:?}: there are {}", name,
+    throw BadInput(fmt::format("there is no fault {:?}; the faults are: {}", name,
                                fmt::join(kInjectedFaultNames, ", ")));
   }
   return static_cast<InjectedFault>(found - kInjectedFaultNames.begin());

@@ -35,7 +35,8 @@ json phases_to_json(const Recording& recording) {
   return phases;
 }
 
-constexpr std::string_view kTarget = "target ", kFixture = "fixture ", kPath = "path ";
+constexpr std::string_view kTarget = "target ", kFixture = "fixture ", kPath = "path ",
+                           kCredible = "credible";
 constexpr std::string_view kLetGo = "mark placed";
 constexpr std::size_t kPoseNumbers = 16, kBoxNumbers = kPoseNumbers + 3;
 
@@ -75,10 +76,29 @@ json placement_to_json(const std::vector<Event>& events) {
   return placement;
 }
 
+/// What the notes tell of the resting object while it was explored: its credible poses, each with
+/// its probability.
+json posteriors_to_json(const std::vector<Event>& events) {
+  constexpr std::size_t kStride = 1 + kPoseNumbers;
+  json posteriors = json::array();
+  for (const Event& event : events) {
+    if (event.kind != EventKind::note || !event.text.starts_with(kCredible)) continue;
+    const auto values = numbers_after(kCredible, event.text);
+    json poses = json::array();
+    for (std::size_t i = 0; i + kStride <= values.size(); i += kStride) {
+      const auto first = values.begin() + static_cast<std::ptrdiff_t>(i);
+      poses.push_back({{"probability", *first},
+                       {"T_world_object", std::vector<double>(first + 1, first + kStride)}});
+    }
+    posteriors.push_back({{"time", event.time}, {"poses", poses}});
+  }
+  return posteriors;
+}
+
 json notes_to_json(const std::vector<Event>& events) {
   json notes = json::array();
   for (const Event& event : events) {
-    if (event.kind != EventKind::note) continue;
+    if (event.kind != EventKind::note || event.text.starts_with(kCredible)) continue;
     notes.push_back({{"time", event.time}, {"phase", event.phase}, {"text", event.text}});
   }
   return notes;
@@ -175,6 +195,7 @@ json page_story(const Recording& recording) {
   return {{"phases", phases_to_json(recording)},
           {"placement", placement_to_json(recording.events)},
           {"notes", notes_to_json(recording.events)},
+          {"posteriors", posteriors_to_json(recording.events)},
           {"estimates", estimates}};
 }
 

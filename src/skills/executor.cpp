@@ -141,6 +141,10 @@ void Executor::mark(estimation::TouchEvent mark) {
   if (observer_.on_event) observer_.on_event(mark);
 }
 
+void Executor::show(const localization::Posterior& posterior) const {
+  if (observer_.on_posterior) observer_.on_posterior(posterior);
+}
+
 void Executor::tick() {
   require_running();
   if (safety_.stop.stop_requested()) stop_for(Fault::stop_requested, "a stop was requested");

@@ -39,7 +39,7 @@ class Hand(CliTest):
             self.assertIn("my_hand.toml:2: unknown option thum; did you mean thumb?",
                           self.refused(*command, "my_hand.toml"))
             self.assertIn("palpate hand install leap", self.refused(*command, "leap"))
-            self.assertIn("'nobody' is no hand", self.refused(*command, "nobody"))
+            self.assertIn("'nobody' is neither a hand", self.refused(*command, "nobody"))
 
     def test_a_hand_is_installed_by_its_name_only(self):
         self.assertIn("no hand named 'nobody'", self.refused("hand", "install", "nobody"))

@@ -211,6 +211,7 @@ class Localize(CliTest):
             self.assert_refused(USAGE, ["localize", "box.stl", "contacts.csv", *wrong], wrong[1])
         for option in (["--set", "x.y=1"], ["--config", "x"], ["--method", "full"], ["--table", "0"]):
             self.assert_refused(USAGE, ["localize", "--demo", *option], option[0])
+        self.assert_refused(BAD_INPUT, ["localize", "mug,mug", "contacts.csv"], "mug is given twice")
         self.assert_refused(USAGE, ["localize", "box.stl", "x.csv", "--threads", "2"], "--demo")
 
 

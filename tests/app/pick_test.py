@@ -166,6 +166,10 @@ class Results(CliTest):
         picked = report["estimate"]["modes"]
         self.assertEqual(poses, [(mode["T_world_object"], mode["weight"]) for mode in picked])
 
+        self.assertIn('"posteriors":[{"poses":[{"', (self.folder / "run/replay.html").read_text())
+        for option in (["--at", "5"], ["--object", "box"], ["--hand", "shadow"]):
+            self.assert_refused(BAD_INPUT, ["replay", "run/recording.h5", *option], option[0], "MCAP")
+
         # It holds the solver's contacts, and no others.
         other = ["replay", "run/recording.h5", "--set", "touch.source=biotac"]
         self.assert_refused(BAD_INPUT, other, "touch.source", "solver")
@@ -224,7 +228,7 @@ class Results(CliTest):
         for mode in report["estimate"]["modes"]:
             self.assertLessEqual({"T_world_object", "weight", "free_axis"}, mode.keys())
         names = [phase["name"] for phase in report["phases"]]
-        self.assertEqual(names[:2], ["calibrate", "feel"])
+        self.assertEqual(names[:2], ["calibrate", "height_probe"])
         self.assertEqual(names[-1], "pose")
         for phase in report["phases"]:
             keys = {"name", "status", "robot_seconds", "wall_seconds", "contacts"}

@@ -27,6 +27,31 @@ class Usage(CliTest):
         self.assert_refused(USAGE, ["eval", "--trials", "0"], "0")
         self.assert_refused(USAGE, ["replay"], "recording")
 
+    def test_what_was_meant_is_suggested(self):
+        self.assert_refused(USAGE, ["pik"], "there is no command 'pik'", "did you mean 'pick'?")
+        self.assert_refused(USAGE, ["train", "relocat"], "'train relocat'", "'relocate'?")
+        self.assert_refused(USAGE, ["pick", "--objekt", "mug"], "no option --objekt", "'--object'?")
+        self.assert_refused(USAGE, ["pick", "mug"], "did you mean --object mug?")
+        self.assert_refused(USAGE, ["train"], "no command is given")
+        self.assert_refused(BAD_INPUT, ["pick", "--set", "x.y=1"], "palpate options lists")
+        self.assert_refused(BAD_INPUT, ["rollout", "relocate-bset"], "'relocate-best'?")
+
+    def test_values_out_of_range_are_named_with_the_range(self):
+        self.assert_refused(USAGE, ["pick", "--mass", "9"], "--mass: 9 is outside 0.001 to 5")
+        self.assert_refused(USAGE, ["pick", "--seed", "many"], "'many' is not a whole number")
+        self.assert_refused(USAGE, ["pick", "--seed", "-1"], "-1 is below 0")
+        self.assert_refused(USAGE, ["pick", "--explore", "1.5"], "'1.5' is not a whole number")
+        self.assert_refused(USAGE, ["view", "x", "--port", "99999"], "99999 is outside 0 to 65535")
+
+    def test_help_is_at_most_100_columns_wide_and_names_defaults(self):
+        for command in self.commands():
+            for line in self.run_program(command, "--help").stdout.splitlines():
+                if not line.startswith("  palpate "):  # examples are kept whole, to be copied
+                    self.assertLessEqual(len(line), 101, (command, line))
+        text = self.run_program("eval", "--help").stdout
+        self.assertIn("--trials N ", text)
+        self.assertIn("(default: 30; 1 to 1000000)", text)
+
     def test_version(self):
         done = self.run_program("--version")
         self.assertEqual(done.returncode, DONE)

@@ -237,6 +237,8 @@ class Register(CliTest):
             (["register", "box.stl"], USAGE),
             (["register", "box.stl", "box.stl", "--correspondences", file], USAGE),
             (["register", "box.stl", "box.stl", "--features", "sift"], USAGE),
+            (["register", "--correspondences", file, "--filter"], USAGE),
+            (["register", "--correspondences", file, "--features", "fpfh"], USAGE),
             (["register", "box.stl", "none.ply"], BAD_INPUT),
             (["register", "box.stl", "nan.xyz"], BAD_INPUT),
             (["register", "box.stl", "words.xyz"], BAD_INPUT),

@@ -16,6 +16,7 @@ PLACES = {
     "Dockerfile": r"palpate_([^_]+)_amd64\.deb",
     "CITATION.cff": r"(?m)^version: (\S+)",
     "README.md": r"version = \{([^}]+)\}",
+    "docs/images/badge-version.svg": r"version: (\d+\.\d+\.\d+)",
     "CHANGELOG.md": r"(?m)^## \[(\d[^\]]*)\] - \d{4}-\d\d-\d\d$",
 }
 DATES = {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/recording/replay_page.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -153,6 +154,24 @@ TEST(ReplayPageTest, TellsPhasesInOrder) {
   EXPECT_EQ(phases[0]["outcome"], "81 mm tall: side grasp");
   EXPECT_EQ(phases[2]["outcome"], "");
   EXPECT_GE(phases[2]["end"], 1.0);
+}
+
+TEST(ReplayPageTest, TellsWhereTheRestingObjectMayBe) {
+  Recording recording = toy_recording(100);
+  const auto pose = [](double x) { return fmt::format("1 0 0 {} 0 1 0 0 0 0 1 0 0 0 0 1", x); };
+  recording.events.push_back({0.6, EventKind::note, "explore",
+                              fmt::format("credible 0.75 {} 0.25 {}", pose(0.1), pose(0.2))});
+  recording.events.push_back({0.7, EventKind::note, "explore", "credible"});
+  const auto data = data_of(page_of(recording));
+  ASSERT_EQ(data["posteriors"].size(), 2u);
+  const auto& poses = data["posteriors"][0]["poses"];
+  EXPECT_EQ(data["posteriors"][0]["time"], 0.6);
+  ASSERT_EQ(poses.size(), 2u);
+  EXPECT_EQ(poses[1]["probability"], 0.25);
+  EXPECT_EQ(poses[1]["T_world_object"][3], 0.2);
+  EXPECT_TRUE(data["posteriors"][1]["poses"].empty());
+  for (const auto& note : data["notes"])
+    EXPECT_NE(note["text"].get<std::string>().find("cred"), 0u);
 }
 
 TEST(ReplayPageTest, NamesCannotBreakOut) {

@@ -106,12 +106,12 @@ TEST(Pick, OfNothingGivesUpAfterItsAttempts) {
   const PickResult result = pick(scene.robot, box(), options, 1, observer);
   EXPECT_FALSE(result.held);
   EXPECT_EQ(result.attempts, 2);
-  EXPECT_EQ(result.failed_phase, "feel");
+  EXPECT_EQ(result.failed_phase, "height_probe");
   EXPECT_TRUE(result.estimate.posterior.modes.empty());
   EXPECT_EQ(told, 1);
   std::vector<std::string> names;
   for (const auto& phase : result.phases) names.push_back(phase.name);
-  EXPECT_EQ(names, (std::vector<std::string>{"feel", "release", "feel"}));
+  EXPECT_EQ(names, (std::vector<std::string>{"height_probe", "release", "height_probe"}));
 }
 
 TEST(Regrasp, OfNothingEndsAfterTheFirstRound) {

@@ -45,7 +45,7 @@ TEST(PickAndPlace, WhatFellOnTheWayIsFeltForAndPickedAnew) {
                          [&](const auto& phase) { return phase.name == name; });
   };
   EXPECT_EQ(count("clear"), 1);
-  EXPECT_GE(count("feel"), 2);
+  EXPECT_GE(count("height_probe"), 2);
   ASSERT_TRUE(course.place);
   EXPECT_EQ(course.place->status, PlaceStatus::placed);
   EXPECT_LT(mishap.off(*course.place), 0.03);

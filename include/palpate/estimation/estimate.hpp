@@ -40,14 +40,14 @@ struct EstimationOptions {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("window", window, 0.01, 10.0, "s of readings that are averaged");
+    v("window", window, 0.01, 10.0, "s, window over which readings are averaged");
     v.expert("probed_height_sigma", felt_sigma, 1e-4, 0.1, "m, error of the felt height");
     v.expert("resting_height_sigma", resting_height_sigma, 1e-4, 0.1, "m, of the resting object");
     v.expert("resting_tilt_sigma", resting_tilt_sigma, 1e-4, 1.0,
              "rad, of the object from its stable pose");
     v.expert("free_space_sigma", swept_sigma, 1e-4, 0.1, "m, of the space that a sweep found free");
     v.expert("resting_half_width", resting_half_width, 0.0, 0.3,
-             "m, resting object within +- of its place");
+             "m, half width of the prior on the resting object's position");
     v.expert("slide_share", slide_share, 0.0, 0.9,
              "chance that the object slid three times as far");
     v.expert("probe_motion", probe_motion, 0.0, 0.05,
@@ -64,7 +64,7 @@ struct EstimationOptions {
              "m, by which the closing hand raises the object");
     v.expert("surface_sigma", surface_sigma, 0.0, 0.01,
              "m by which the mesh's surface is off the object's");
-    v("half_width", half_width, 0.0, 0.3, "m, object within +- of its rough place");
+    v("half_width", half_width, 0.0, 0.3, "m, half width of the prior on the object's position");
     v("false_contacts", false_contacts, 1e-6, 0.9, "prior share of contacts with something else");
     v("balance", balance, "use that the fingers' forces balance the weight of the held object");
     v.expert("torsional_friction_radius", twist, 0.0, 0.1,

@@ -33,7 +33,7 @@ struct TrackOptions {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("look", look, 0.01, 5.0, "s between two looks at the contacts");
+    v("look", look, 0.01, 5.0, "s between two updates from the contacts");
     v.expert_section("tracker", tracker);
   }
 };

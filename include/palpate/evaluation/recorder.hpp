@@ -15,6 +15,8 @@ class Recorder {
 
   void frame(const hand::HandReading& reading, const hand::HandCommand& command);
   void mark(estimation::TouchEvent mark);
+  /// Notes the credible poses of the resting object, for the page.
+  void posterior(const localization::Posterior& posterior);
   void estimate(double time, const estimation::HeldPoseEstimate& estimate);
 
   /// Notes where the object was to come, the way planned there, and the fixture, for the page.

@@ -83,7 +83,8 @@ struct TrialOptions {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("friction", friction, 0.05, 2.0, "of the fingertips on the object, as the robot believes it");
+    v("friction", friction, 0.05, 2.0,
+      "friction coefficient of the fingertips on the object that planning assumes");
     pick.visit(v);
     v.section("place", place);
     v.section("start", start);

@@ -20,8 +20,8 @@ struct LocalizerOptions {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("proposals", proposals, 1000, 10000000, "poses screened");
-    v("particles", particles, 50, 1000000, "poses carried through the tempering");
+    v("proposals", proposals, 1000, 10000000, "poses proposed and screened");
+    v("particles", particles, 50, 1000000, "particles of the annealed search");
     v.expert("moves", moves, 1, 1000, "Metropolis moves a particle and level");
     v.expert("starts", starts, 0, 100000, "best proposals that are refined before the sampling");
     v("modes", modes, 1, 1000, "modes reported at most");
@@ -38,7 +38,7 @@ struct FastOptions {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("proposals", proposals, 100, 10000000, "poses screened");
+    v("proposals", proposals, 100, 10000000, "poses proposed and screened");
     v.expert("starts", starts, 4, 100000, "best of these, which are refined");
     v("certainty", certainty, 0.5, 1.0, "weight of the best below which the full search decides");
   }

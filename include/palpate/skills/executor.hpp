@@ -13,6 +13,7 @@
 #include "palpate/grasping/closing_law.hpp"
 #include "palpate/hand/hand.hpp"
 #include "palpate/hand/kinematics.hpp"
+#include "palpate/localization/posterior.hpp"
 #include "palpate/skills/forward_model.hpp"
 #include "palpate/skills/safety.hpp"
 
@@ -61,6 +62,7 @@ class Executor {
   struct Observer {
     std::function<void(const hand::HandReading&, const hand::HandCommand&)> on_tick;
     std::function<void(estimation::TouchEvent)> on_event;
+    std::function<void(const localization::Posterior&)> on_posterior;  ///< of the resting object
   };
 
   /// @param start  where the hand is commanded now
@@ -115,6 +117,9 @@ class Executor {
 
   /// Remembers the present reading under a name that the estimator looks for.
   void mark(estimation::TouchEvent mark);
+
+  /// Shows the observer where the resting object may be, by the touches so far; in the world.
+  void show(const localization::Posterior& posterior) const;
 
   /// From now on every tick advances this grip; nothing releases it.
   void set_grip(std::optional<Grip> grip) { grip_ = std::move(grip); }

@@ -35,7 +35,7 @@ struct PickOptions {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("attempts", attempts, 1, 20, "grasps tried at most");
+    v("attempts", attempts, 1, 20, "grasp attempts at most");
     v("estimate_before_lift", estimate_before_lift, "estimate the pose in the closed hand, too");
     v.section("calibrate", calibrate);
     v.section("height_probe", height_probe);

@@ -42,7 +42,7 @@ fs::path arm_file(const std::string& name) {
   std::error_code error;
   if (fs::is_regular_file(name, error)) return name;
   throw BadInput(fmt::format(
-      "'{}' is no arm: neither floating, ur10, ur5 or panda nor a file that exists", name));
+      "'{}' is neither an arm (floating, ur10, ur5, panda) nor a file that exists", name));
 }
 
 std::string body_name(const mjModel& model, int body) {

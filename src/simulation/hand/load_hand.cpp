@@ -27,8 +27,8 @@ std::filesystem::path file_of(const std::string& name) {
   }
   std::error_code error;
   if (!std::filesystem::exists(name, error)) {
-    throw BadInput(fmt::format(
-        "'{}' is no hand: neither a name of palpate hand list nor a file that exists", name));
+    throw BadInput(
+        fmt::format("'{}' is neither a hand of `palpate hand list` nor a file that exists", name));
   }
   return name;
 }

@@ -246,7 +246,7 @@ PhaseEnd CalibratePhase::run(Executor& robot, PickState&) {
   robot.set_table(found.T_believed_plane);
   robot.set_load_error(search.load.error());
   const bool better = robot.model().kinematic_error < before.kinematic_error;
-  return {better, fmt::format("{} touches of the table, links known to {:.2f} mm", touches.size(),
+  return {better, fmt::format("{} touches of the table, kinematic error {:.2f} mm", touches.size(),
                               1e3 * robot.model().kinematic_error)};
 }
 

@@ -191,23 +191,28 @@ PhaseEnd ExplorePhase::run(Executor& robot, PickState& state) {
   int touches = touch_around(robot, state);
   while (touches == 0 && blocked_ >= kBlockedMoves) touches = touch_with_another(robot, state);
   if (options_.max_touches <= options_.touches) touches += make_up(robot, state, touches);
-  state.resting = estimator_.resting(robot.model(), robot.log());
+  estimate(robot, state);
   touches += tell_apart(robot, state);
   touches += refine(robot, state);
   if (state.resting->modes.empty()) {
     state.resting.reset();
-    return {false, fmt::format("{} touches that no pose explains", touches)};
+    return {false, fmt::format("no pose explains the {} touches", touches)};
   }
   return {true, fmt::format("{} touches, {} ({:.2f})", touches,
                             localization::to_string(state.resting->status),
                             localization::best_probability(*state.resting))};
 }
 
+void ExplorePhase::estimate(Executor& robot, PickState& state) {
+  state.resting = estimator_.resting(robot.model(), robot.log());
+  robot.show(*state.resting);
+}
+
 /// Level guarded moves from all sides, half of them with the hand turned round.
 int ExplorePhase::touch_around(Executor& robot, PickState& state) {
   int touches = 0;
   for (const int i : every_other_first(options_.touches)) {
-    if (i == 1 && touches > 0) state.resting = estimator_.resting(robot.model(), robot.log());
+    if (i == 1 && touches > 0) estimate(robot, state);
     const double angle = 2 * std::numbers::pi * i / options_.touches;
     touches += touch_from(robot, state, angle, i % 2 == 0 ? 0 : 1) == GuardedMoveEnd::touched;
   }
@@ -285,7 +290,7 @@ int ExplorePhase::tell_apart(Executor& robot, PickState& state) {
     if (!choice || choice->information < kMinInformation) break;
     touches += guarded_move(robot, state, {choice->guarded_move, turn}) == GuardedMoveEnd::touched;
     left[turn].erase(left[turn].begin() + static_cast<std::ptrdiff_t>(choice->index));
-    state.resting = estimator_.resting(robot.model(), robot.log());
+    estimate(robot, state);
   }
   return touches;
 }
@@ -309,7 +314,7 @@ int ExplorePhase::refine(Executor& robot, PickState& state) {
     touches += guarded_move(robot, state, choice->guarded_move) == GuardedMoveEnd::touched;
   }
   if (touches > 0) {
-    state.resting = estimator_.resting(robot.model(), robot.log());
+    estimate(robot, state);
   }
   return touches;
 }

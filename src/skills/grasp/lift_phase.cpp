@@ -50,7 +50,7 @@ PhaseEnd LiftPhase::run(Executor& robot, PickState& state) {
                               : slipping  ? "slipping"
                                           : "held";
   return {!light && !untouched && !slipping,
-          fmt::format("{}: {:.2f} N of {:.2f} N hang in the hand, {} fingers touch, slip {:.1f} mm",
+          fmt::format("{}: carries {:.2f} N of {:.2f} N, {} fingers in contact, slip {:.1f} mm",
                       verdict, state.held_load, weight_, fingers, 1e3 * slip)};
 }
 

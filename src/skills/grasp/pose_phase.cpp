@@ -8,7 +8,7 @@ namespace palpate::skills {
 PhaseEnd PosePhase::run(Executor& robot, PickState& state) {
   state.estimate = estimator_.held(robot.model(), robot.log(), robot.log().at(instant_));
   const auto& posterior = state.estimate.posterior;
-  if (posterior.modes.empty()) return {false, "no pose explains what was felt"};
+  if (posterior.modes.empty()) return {false, "no pose explains the contacts"};
   return {
       true,
       fmt::format("{} ({:.2f}), {} mode{}, {} contacts", localization::to_string(posterior.status),

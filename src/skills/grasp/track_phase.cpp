@@ -20,7 +20,7 @@ PhaseEnd TrackPhase::run(Executor& robot, PickState& state) {
   const Eigen::Isometry3d& T_base_end = state.tracked->posterior.modes.front().T_frame_object;
   const double turn = rotation_distance(T_base_start.linear(), T_base_end.linear());
   const double way = (T_base_end.translation() - T_base_start.translation()).norm();
-  return {true, fmt::format("{:.1f} deg, {:.1f} mm moved in the hand, {} slip{}",
+  return {true, fmt::format("in-hand motion {:.1f} deg, {:.1f} mm, {} slip{}",
                             180 / std::numbers::pi * turn, 1e3 * way, state.tracked->slips,
                             state.tracked->slips == 1 ? "" : "s")};
 }

@@ -64,9 +64,9 @@ void check_pose(const geometry::KnownObject& object, const Eigen::Isometry3d& T)
 
 void check_reach(const Eigen::Vector2d& xy, double reach) {
   if (xy.allFinite() && xy.norm() <= reach) return;
-  throw BadInput(
-      fmt::format("the target at ({:.3f}, {:.3f}) m is out of reach, {:.3f} m from the origin",
-                  xy.x(), xy.y(), reach));
+  throw BadInput(fmt::format(
+      "the target at ({:.3f}, {:.3f}) m is out of reach: at most {:.3f} m from the origin", xy.x(),
+      xy.y(), reach));
 }
 
 double tilt_between(const Eigen::Matrix3d& R_a, const Eigen::Matrix3d& R_b) {

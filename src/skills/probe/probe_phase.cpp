@@ -92,7 +92,7 @@ class Probing {
       carry_out(next);
     }
     return {!lost() && !slipped_,
-            fmt::format("{} touch{}, {} roll{}, certainty {:.2f} -> {:.2f}{}", touches_,
+            fmt::format("{} touch{}, {} roll{}, probability {:.2f} -> {:.2f}{}", touches_,
                         touches_ == 1 ? "" : "es", rolls_, rolls_ == 1 ? "" : "s", before,
                         probability(), state_.next_grasp ? "; another grasp tells more" : "")};
   }

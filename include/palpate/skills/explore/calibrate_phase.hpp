@@ -22,12 +22,12 @@ struct CalibrateOptions {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("touches", touches, 0, 1000, "of the bare table, one fingertip each; 0: none");
-    v("x", x, -0.8, 0.8, "m, where the table is bare");
-    v("y", y, -0.8, 0.8, "m, where the table is bare");
-    v("speed", speed, 0.001, 0.5, "m/s, downwards");
+    v("touches", touches, 0, 1000, "touches of the bare table, each by one fingertip; 0: none");
+    v("x", x, -0.8, 0.8, "m, position on the table without objects");
+    v("y", y, -0.8, 0.8, "m, position on the table without objects");
+    v("speed", speed, 0.001, 0.5, "m/s, downward speed");
     v.expert("travel_speed", travel_speed, 0.01, 2.0, "m/s, through the air");
-    v("touch_force", touch_force, 0.02, 5.0, "N at the fingertip");
+    v("touch_force", touch_force, 0.02, 5.0, "N, force at the fingertip that counts as a touch");
     v.expert("rest", rest, 0.02, 5.0, "s that the fingertip rests and is averaged");
     v.expert("sigma", sigma, 1e-5, 0.02,
              "m, error of a resting tip's height but for the links, at least");

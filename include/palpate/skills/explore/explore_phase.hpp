@@ -22,16 +22,18 @@ struct ExploreOptions {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("touches", touches, 0, 64, "sweeps around the object; 0: none");
-    v("max_touches", max_touches, 0, 64, "with those that tell apart what the first left open");
-    v("refining", refining, 0, 64, "at most, that make the best pose exact");
-    v("certain", certain, 0.0, 1.0, "weight of a pose that needs no more touches");
+    v("touches", touches, 0, 64, "guarded moves around the object; 0: none");
+    v("max_touches", max_touches, 0, 64,
+      "guarded moves at most, with those that distinguish the remaining poses");
+    v("refining", refining, 0, 64, "further guarded moves at most, which refine the best pose");
+    v("certain", certain, 0.0, 1.0,
+      "probability of the best pose above which no more touches are made");
     v.expert("turn", turn, -3.2, 3.2, "rad, of the hand for every other one of these");
     v.expert("radius", radius, 0.02, 0.3, "m, of the circle from which they start");
     v.expert("past", past, 0.0, 0.2, "m, how far they go past the object's place");
     v("speed", speed, 0.001, 0.2, "m/s, of a sweep where no touch is expected");
     v("touch_speed", touch_speed, 0.001, 0.2, "m/s, of a sweep where one is");
-    v("touch_force", touch_force, 0.02, 5.0, "N at the fingertip");
+    v("touch_force", touch_force, 0.02, 5.0, "N, force at the fingertip that counts as a touch");
     v.expert("travel_speed", travel_speed, 0.01, 2.0, "m/s, between sweeps");
     v("reach", reach, 0.005, 0.07, "m, below the object's top");
   }
@@ -64,6 +66,8 @@ class ExplorePhase : public Phase {
                    const localization::TurnedMove& turned) const;
   const hand::PointingHand& pointing(const Executor& robot) const;
   double yaw(std::size_t turn) const { return turn == 0 ? 0 : options_.turn; }
+  /// Estimates the resting pose from all touches so far, and shows it.
+  void estimate(Executor& robot, PickState& state);
   int touch_around(Executor& robot, PickState& state);
   int touch_with_another(Executor& robot, PickState& state);
   int make_up(Executor& robot, const PickState& state, int touches);

@@ -20,10 +20,10 @@ struct HeightProbeOptions {
   template <class Visitor>
   void visit(Visitor&& v) {
     v("start_height", start_height, 0.1, 0.5,
-      "m, of the hand's base above the table; more where the hand is lower than that");
-    v("speed", speed, 0.001, 0.5, "m/s, downwards, above the object's tallest stable pose");
-    v.expert("touch_speed", touch_speed, 0.001, 0.5, "m/s, downwards, from there on");
-    v("touch_force", touch_force, 0.05, 20.0, "N, load on the base that counts as touch");
+      "m, initial height of the mount above the table; more for hands that reach lower");
+    v("speed", speed, 0.001, 0.5, "m/s, downward speed above the tallest stable pose");
+    v.expert("touch_speed", touch_speed, 0.001, 0.5, "m/s, downward speed below it");
+    v("touch_force", touch_force, 0.05, 20.0, "N, load on the mount that counts as a touch");
     v.expert("clearance", clearance, 0.0, 0.1, "m, nearest approach to the table");
     v.expert("search", search, 0.0, 0.3, "m, to the sides of a place where nothing is felt");
     v.expert("travel_speed", travel_speed, 0.01, 2.0, "m/s, through the air");
@@ -37,7 +37,7 @@ class HeightProbePhase : public Phase {
   explicit HeightProbePhase(const HeightProbeOptions& options,
                             double tallest = std::numeric_limits<double>::infinity())
       : options_(options), tallest_(tallest) {}
-  std::string_view name() const override { return "feel"; }
+  std::string_view name() const override { return "height_probe"; }
   double time_limit() const override { return 60.0; }
   PhaseEnd run(Executor& robot, PickState& state) override;
 

@@ -55,12 +55,13 @@ struct GraspOptions {
     v.expert("travel_speed", travel_speed, 0.01, 2.0, "m/s, through the air");
     v.expert("longest_close", longest_close, 0.1, 30.0, "s until all fingers have met the object");
     v.expert("ramp_seconds", ramp_seconds, 0.01, 10.0, "s, from touching to pressing");
-    v("press_per_weight", press_per_weight, 0.0, 100.0, "of all fingertips, by the weight");
+    v("press_per_weight", press_per_weight, 0.0, 100.0,
+      "total grasp force of the fingertips, relative to the object's weight");
     v.expert("good_cost", good_cost, 0.0, 2.0, "of a plan with which the search ends");
     v("min_press", min_press, 0.1, 100.0, "N, of all fingertips together");
-    v("closings", closings, 1, 20, "from other sides, until the forces balance");
+    v("closings", closings, 1, 20, "closings from other sides at most, until the forces balance");
     v("max_wrench_residual", max_wrench_residual, 0.0, 10.0,
-      "of the forces with which the fingers would press");
+      "largest wrench residual of the planned grasp forces, relative to them");
     v("min_contacts", min_contacts, 0, 20, "fingertip contacts that count as a grasp");
     v.expert_section("plan", plan);
     v.expert_section("side", side);

@@ -17,12 +17,14 @@ struct LiftOptions {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("height", height, 0.01, 0.3, "m, upwards");
+    v("height", height, 0.01, 0.3, "m, height of the lift");
     v("speed", speed, 0.001, 0.5, "m/s");
     v.expert("settle", settle, 0.0, 10.0, "s of rest before the hold is judged");
     v("hold", hold, 0.1, 60.0, "s");
-    v("min_weight", min_weight, 0.0, 1.0, "share of the object's weight that must hang");
-    v("min_fingers", min_fingers, 0, 5, "that touch at the end of the hold");
+    v("min_weight", min_weight, 0.0, 1.0,
+      "least share of the object's weight that the hand must carry");
+    v("min_fingers", min_fingers, 0, 5,
+      "least number of fingers in contact at the end of the hold");
     v.expert("touch_force", touch_force, 0.0, 5.0, "N, of a fingertip that touches, in the mean");
     v("max_slip", max_slip, 1e-3, 0.1, "m, of a fingertip's contact along it during the hold");
   }

@@ -43,7 +43,7 @@ struct PlaceOptions {
     v("strategy", strategy,
       "wrist (one hold), fingers (turn in the hand first), regrasp (planned grasps), auto (the "
       "first that does)");
-    v("picks", picks, 1, 10, "at most, where the object had to be put back");
+    v("picks", picks, 1, 10, "picks at most, if the object had to be put back");
     v.expert("reach", reach, 0.05, 1.0, "m, how far from the origin a target may be");
     v("turn_press", turn_press, 0.0, 100.0,
       "grasp.press_per_weight at least, for targets that may be in another stable pose");

@@ -25,11 +25,11 @@ struct LowerOptions {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("speed", speed, 0.001, 0.5, "m/s, down to near the target");
+    v("speed", speed, 0.001, 0.5, "m/s, speed down to just above the target");
     v.expert("near", near, 0.0, 0.1, "m over the target from where it goes slowly");
     v.expert("slow_speed", slow_speed, 0.0005, 0.1, "m/s, from there");
-    v("contact_load", contact_load, 0.05, 20.0, "N that the table must bear");
-    v("press", press, 0.0, 20.0, "N beyond the weight that lay the object flat");
+    v("contact_load", contact_load, 0.05, 20.0, "N, load that counts as contact with the table");
+    v("press", press, 0.0, 20.0, "N beyond the weight, with which the object is pressed flat");
     v.expert("beyond", beyond, 0.0, 0.05, "m below the target at which it gives up");
     v.expert("early", early, 0.0, 0.1, "m over the target where a contact means refusal");
     v.expert("max_press", max_press, 0.0, 0.05, "m of way from the contact to lying flat");
@@ -108,10 +108,10 @@ struct WithdrawOptions {
     v("speed", speed, 0.001, 0.5, "m/s, out of the object's reach");
     v.expert("distance", distance, 0.01, 0.5, "m, out of the object's reach");
     v.expert("caught", caught, 0.05, 10.0, "N on the base that mean the object comes along");
-    v("height", height, 0.1, 1.0, "m, where the base then waits");
+    v("height", height, 0.1, 1.0, "m, height at which the mount waits afterwards");
     v.expert("far_speed", far_speed, 0.01, 1.0, "m/s, up there");
     v.expert("empty", empty, 0.0, 1.0,
-             "share of the object's weight that must not hang in the hand");
+             "share of the object's weight above which it counts as still held");
   }
 };
 

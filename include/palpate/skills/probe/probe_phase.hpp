@@ -29,10 +29,11 @@ struct PalpationOptions {
   template <class Visitor>
   void visit(Visitor&& v) {
     v("max", max, 0, 64, "touches of single fingers at most; 0: none");
-    v("rolls", rolls, 0, 64, "of the object between the fingers at most, once it hangs");
-    v("regrasps", regrasps, 0, 16, "from other sides at most, to tell poses apart");
-    v("certain", certain, 0.0, 1.0, "weight of a pose that needs none");
-    v("min_gain_rate", min_gain_rate, 0.0, 10.0, "nats/s that are expected to be told, at least");
+    v("rolls", rolls, 0, 64, "rolls of the lifted object between the fingers at most");
+    v("regrasps", regrasps, 0, 16, "regrasps from other sides at most, to distinguish poses");
+    v("certain", certain, 0.0, 1.0, "probability of the best pose above which nothing is probed");
+    v("min_gain_rate", min_gain_rate, 0.0, 10.0,
+      "nats/s, least expected information gain of an action");
     v.expert("opening", opening, 0.1, 1.5, "rad, of J3 before a finger moves to another spot");
     v.expert("spread", spread, 0.0, 0.35, "rad, of J4 to either side, at most");
     v.expert("bend", bend, 0.0, 1.5, "rad, of J0, at most");
@@ -40,7 +41,7 @@ struct PalpationOptions {
     v.expert("likely", likely, 0.0, 1.0, "chance that a move must have of a touch at another spot");
     v.expert("closing_rate", closing_rate, 0.05, 5.0, "rad/s, of J3");
     v.expert("torque", torque, 0.01, 1.0, "N m at J3 while closing");
-    v("touch_force", touch_force, 0.02, 5.0, "N at the fingertip");
+    v("touch_force", touch_force, 0.02, 5.0, "N, force at the fingertip that counts as a touch");
     v.expert("balance", balance, 0.0, 2.0,
              "wrench residual that the other fingers' forces may have");
   }

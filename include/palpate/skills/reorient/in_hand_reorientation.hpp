@@ -74,7 +74,7 @@ struct ReorientOptions {
   void visit(Visitor&& v) {
     v("speed", speed, 0.001, 5.0, "rad/s, of the object");
     v("linear_speed", way_speed, 1e-4, 0.5, "m/s, of the object");
-    v("period", period, 0.05, 5.0, "s of motion between two looks");
+    v("period", period, 0.05, 5.0, "s of motion between two updates");
     v("pause", pause, 0.01, 1.0, "s of rest before a look");
     v("longest", longest, 0.1, 600.0, "s in all");
     v("patience", patience, 1, 1000, "looks in which it may come no nearer to the goal");

@@ -24,8 +24,10 @@ struct ContactErrorModel {
     v("point", point, 0.0, 0.05, "m, error of a contact point, per axis and reading");
     v("normal", normal, 0.0, 1.0, "rad, error of a contact normal, per tangent axis and reading");
     v("joint", joint, 0.0, 0.2, "rad, error of a joint angle, per reading");
-    v("point_floor", point_floor, 1e-5, 0.05, "m, what averaging cannot remove");
-    v("normal_floor", normal_floor, 1e-4, 1.0, "rad, what averaging cannot remove");
+    v("point_floor", point_floor, 1e-5, 0.05,
+      "m, error of a contact point that averaging does not reduce");
+    v("normal_floor", normal_floor, 1e-4, 1.0,
+      "rad, error of a contact normal that averaging does not reduce");
   }
 };
 

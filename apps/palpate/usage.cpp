@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "usage.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <sstream>
+
+#include "palpate/core/spelling.hpp"
+
+namespace palpate::app {
+namespace {
+
+constexpr std::string_view kProgramName = "palpate";
+constexpr std::size_t kTextWidth = 70;  // columns of a description, right of the options' names
+
+/// A type's name as CLI11 composes it, "FLOAT:0.001 to 5", at its colon.
+struct TypeName {
+  std::string type, limits;
+};
+
+TypeName type_name_of(const CLI::Option* option) {
+  const std::string whole = option->get_type_name();
+  const auto colon = whole.find(':');
+  if (colon == std::string::npos) return {whole, ""};
+  return {whole.substr(0, colon), whole.substr(colon + 1)};
+}
+
+bool is_choice(const std::string& limits) { return limits.starts_with('{'); }
+
+std::string placeholder(const CLI::Option* option) {
+  if (!option->get_option_text().empty()) return option->get_option_text();
+  auto [type, limits] = type_name_of(option);
+  if (is_choice(limits)) {
+    std::replace(limits.begin(), limits.end(), ',', '|');
+    return limits.substr(1, limits.size() - 2);
+  }
+  if (type == "INT" || type == "UINT") return "N";
+  return type == "FLOAT" ? "X" : type;
+}
+
+/// "default: 40; 1 to 64", without what the description says itself.
+std::string default_and_range(const CLI::Option* option) {
+  std::string value = option->get_default_str();
+  if (value.starts_with('[')) value = value.substr(1, value.size() - 2);
+  if (option->get_type_size() == 0 ||
+      option->get_description().find("default") != std::string::npos) {
+    value.clear();
+  }
+  const std::string limits = type_name_of(option).limits;
+  const std::string range = is_choice(limits) ? "" : limits;
+  if (value.empty()) return range;
+  return fmt::format("default: {}{}{}", value, range.empty() ? "" : "; ", range);
+}
+
+std::string wrapped(const std::string& text) {
+  std::istringstream words(text);
+  std::string lines, word;
+  for (std::size_t column = 0; words >> word; column += word.size()) {
+    if (column > 0 && column + 1 + word.size() > kTextWidth) {
+      lines += '\n';
+      column = 0;
+    } else if (column > 0) {
+      lines += ' ';
+      ++column;
+    }
+    lines += word;
+  }
+  return lines;
+}
+
+template <class Number>
+std::string range_error(const std::string& text, Number min, Number max, std::string_view kind) {
+  Number value{};
+  const char* const end = text.data() + text.size();
+  const auto [rest, error] = std::from_chars(text.data(), end, value);
+  if (error != std::errc() || rest != end) return fmt::format("'{}' is not {}", text, kind);
+  if (value >= min && value <= max) return "";
+  if (max == std::numeric_limits<Number>::max()) return fmt::format("{} is below {}", text, min);
+  return fmt::format("{} is outside {} to {}", text, min, max);
+}
+
+std::string command_path(const CLI::App* command) {
+  const CLI::App* const parent = command->get_parent();
+  return parent ? command_path(parent) + " " + command->get_name() : command->get_name();
+}
+
+std::vector<std::string> command_names(const CLI::App* app) {
+  std::vector<std::string> names;
+  for (const auto* command : app->get_subcommands([](const CLI::App*) { return true; })) {
+    names.push_back(command->get_name());
+  }
+  return names;
+}
+
+std::vector<std::string> option_names(const CLI::App* app) {
+  std::vector<std::string> names;
+  for (const auto* option : app->get_options()) {
+    if (option->nonpositional()) names.push_back(option->get_name());
+  }
+  return names;
+}
+
+/// What is wrong with the first argument that a command does not know.
+std::string unexpected(const CLI::App* command, const std::string& argument) {
+  const std::string name = command_path(command);
+  if (command->get_subcommands([](const CLI::App*) { return true; }).empty()) {
+    if (argument.starts_with("-")) {
+      return fmt::format("{} has no option {}{}", name, argument,
+                         did_you_mean(argument, option_names(command)));
+    }
+    const bool has_object = command->get_option_no_throw("--object") != nullptr;
+    return fmt::format("{} takes no argument '{}'{}", name, argument,
+                       has_object ? fmt::format("; did you mean --object {}?", argument) : "");
+  }
+  const std::string whole = name + " " + argument;
+  return fmt::format("there is no command '{}'{}", whole.substr(kProgramName.size() + 1),
+                     did_you_mean(argument, command_names(command)));
+}
+
+}  // namespace
+
+std::string HelpFormatter::make_option_opts(const CLI::Option* option) const {
+  if (option->get_type_size() == 0) return "";
+  const std::string text = placeholder(option);
+  const bool many = option->get_expected_max() == CLI::detail::expected_max_vector_size;
+  return (text.empty() ? "" : " " + text) +
+         (many && option->get_option_text().empty() ? "..." : "");
+}
+
+std::string HelpFormatter::make_option_desc(const CLI::Option* option) const {
+  const std::string more = default_and_range(option);
+  return wrapped(option->get_description() + (more.empty() ? "" : fmt::format(" ({})", more)));
+}
+
+std::string HelpFormatter::make_subcommand(const CLI::App* command) const {
+  std::ostringstream line;
+  CLI::detail::format_help(line, command->get_name(), wrapped(command->get_description()),
+                           column_width_);
+  return line.str();
+}
+
+CLI::Validator in_range(double min, double max) {
+  return {[min, max](const std::string& text) { return range_error(text, min, max, "a number"); },
+          fmt::format("{} to {}", min, max)};
+}
+
+CLI::Validator in_range(int min, int max) {
+  return {[min, max](const std::string& text) {
+            return range_error<std::int64_t>(text, min, max, "a whole number");
+          },
+          fmt::format("{} to {}", min, max)};
+}
+
+CLI::Validator at_least(std::int64_t min) {
+  return {[min](const std::string& text) {
+            return range_error(text, min, std::numeric_limits<std::int64_t>::max(),
+                               "a whole number");
+          },
+          fmt::format("at least {}", min)};
+}
+
+std::string did_you_mean(const std::string& given, const std::vector<std::string>& names) {
+  const auto distance = [&](const std::string& name) { return spelling_distance(given, name); };
+  const auto nearest = std::ranges::min_element(names, {}, distance);
+  if (nearest == names.end() || distance(*nearest) > kLikelyMeant) return "";
+  return fmt::format("; did you mean '{}'?", *nearest);
+}
+
+const CLI::App* innermost(const CLI::App* program) {
+  while (!program->get_subcommands().empty()) program = program->get_subcommands().front();
+  return program;
+}
+
+std::string usage_error(const CLI::App* program, const CLI::Error& error) {
+  const CLI::App* const command = innermost(program);
+  const auto unknown = program->remaining(true);
+  std::string what = error.what();
+  const bool needs_command =
+      dynamic_cast<const CLI::RequiredError*>(&error) && !command_names(command).empty();
+  if (needs_command || dynamic_cast<const CLI::ExtrasError*>(&error)) {
+    const auto option =
+        std::ranges::find_if(unknown, [](const auto& a) { return a.starts_with("-"); });
+    if (unknown.empty()) {
+      what = "no command is given";
+    } else {
+      what = unexpected(command, option == unknown.end() ? unknown.front() : *option);
+    }
+  }
+  return fmt::format("palpate: {}; see {} --help\n", what, command_path(command));
+}
+
+}  // namespace palpate::app

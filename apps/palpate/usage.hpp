@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace palpate::app {
+
+/// Help as text of at most 100 columns: each option with its placeholder, and after its
+/// description its default and its range.
+class HelpFormatter : public CLI::Formatter {
+ public:
+  std::string make_option_opts(const CLI::Option* option) const override;
+  std::string make_option_desc(const CLI::Option* option) const override;
+  std::string make_subcommand(const CLI::App* command) const override;
+};
+
+/// Accepts a number within limits, else says which number is outside which limits.
+CLI::Validator in_range(double min, double max);
+/// The same for whole numbers.
+CLI::Validator in_range(int min, int max);
+/// Whole numbers from a least one on.
+CLI::Validator at_least(std::int64_t min);
+
+/// "; did you mean 'pick'?" for what resembles one of the names, else empty.
+std::string did_you_mean(const std::string& given, const std::vector<std::string>& names);
+
+/// One line on stderr for a command line that cannot be read.
+std::string usage_error(const CLI::App* program, const CLI::Error& error);
+
+/// The command that was chosen, with those it belongs to: "train relocate".
+const CLI::App* innermost(const CLI::App* program);
+
+}  // namespace palpate::app

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "palpate/localization/posterior.hpp"
+
+namespace palpate::evaluation {
+
+struct CrediblePose {
+  Eigen::Isometry3d T_frame_object = Eigen::Isometry3d::Identity();
+  double probability = 0;  ///< share of the posterior mass that it stands for
+};
+
+/// A posterior as single poses, for drawing: each mode, some along its free axis if it has one,
+/// and the further credible poses.
+/// @param most  poses returned at most
+/// @return most probable first; poses of less than 0.003 are left out
+std::vector<CrediblePose> credible_poses(const localization::Posterior& posterior,
+                                         std::size_t most);
+
+}  // namespace palpate::evaluation

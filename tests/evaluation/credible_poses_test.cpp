@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/evaluation/credible_poses.hpp"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+namespace palpate::evaluation {
+namespace {
+
+localization::Mode mode_at(double x, double weight) {
+  localization::Mode mode;
+  mode.T_frame_object.translation().x() = x;
+  mode.weight = weight;
+  return mode;
+}
+
+TEST(CrediblePosesTest, AreSortedAndKeepTheirShares) {
+  localization::Posterior posterior;
+  posterior.modes = {mode_at(1, 0.2), mode_at(2, 0.6), mode_at(3, 0.001)};
+  posterior.further = {mode_at(4, 0).T_frame_object, mode_at(5, 0).T_frame_object};
+  const auto poses = credible_poses(posterior, 10);
+  ASSERT_EQ(poses.size(), 4u);
+  EXPECT_EQ(poses[0].T_frame_object.translation().x(), 2);
+  EXPECT_EQ(poses[0].probability, 0.6);
+  EXPECT_EQ(poses[1].probability, 0.2);
+  EXPECT_NEAR(poses[2].probability, posterior.unlisted() / 2, 1e-12);
+  EXPECT_EQ(credible_poses(posterior, 1).size(), 1u);
+}
+
+TEST(CrediblePosesTest, GoAlongAFreeAxis) {
+  localization::Posterior posterior;
+  posterior.modes = {mode_at(0.1, 0.9)};
+  posterior.modes[0].free_axis = {Eigen::Vector3d::Zero(), Eigen::Vector3d::UnitZ(),
+                                  std::numbers::pi / 2};
+  const auto poses = credible_poses(posterior, 100);
+  ASSERT_GT(poses.size(), 2u);
+  double total = 0;
+  for (const auto& pose : poses) {
+    total += pose.probability;
+    EXPECT_NEAR(pose.T_frame_object.translation().norm(), 0.1, 1e-12);
+    EXPECT_GE(pose.T_frame_object.translation().x(), -1e-12);
+  }
+  EXPECT_NEAR(total, 0.9, 1e-12);
+  EXPECT_NEAR(poses.front().T_frame_object.translation().y(), -0.1, 1e-12);
+  EXPECT_NEAR(poses.back().T_frame_object.translation().y(), 0.1, 1e-12);
+}
+
+}  // namespace
+}  // namespace palpate::evaluation
