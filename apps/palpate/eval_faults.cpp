@@ -47,20 +47,22 @@ json summary_json(const FaultSummary& summary) {
           {"crashed", summary.crashed},
           {"peak_load", summary.peak_load},
           {"peak_tip_force", summary.peak_tip_force},
+          {"longest_stop", summary.longest_stop},
           {"stopped", summary.stopped}};
 }
 
 void print_heading() {
-  fmt::print("{:<17} {:>6}  {:<18} {:<18} {:>6} {:>7} {:>7} {:>8} {:>8}   {}\n", "fault", "trials",
-             "lifted", "pose right", "wrong*", "crashed", "crushed", "mount N", "tip N",
-             "the robot stopped for");
+  fmt::print("{:<17} {:>6}  {:<18} {:<18} {:>6} {:>7} {:>7} {:>8} {:>8} {:>8}   {}\n", "fault",
+             "trials", "lifted", "pose right", "wrong*", "crashed", "crushed", "mount N", "tip N",
+             "after s", "the robot stopped for");
 }
 
 void print_row(std::string_view name, const FaultSummary& summary) {
-  fmt::print("{:<17} {:>6}  {:<18} {:<18} {:>6} {:>7} {:>7} {:>8.1f} {:>8.1f}   {}\n", name,
-             summary.trials, rate_text(summary.lifted, summary),
+  fmt::print("{:<17} {:>6}  {:<18} {:<18} {:>6} {:>7} {:>7} {:>8.1f} {:>8.1f} {:>8.2f}   {}\n",
+             name, summary.trials, rate_text(summary.lifted, summary),
              rate_text(summary.pose_ok, summary), summary.confident_wrong, summary.crashed,
-             summary.crushed, summary.peak_load, summary.peak_tip_force, stopped_text(summary));
+             summary.crushed, summary.peak_load, summary.peak_tip_force, summary.longest_stop,
+             stopped_text(summary));
   std::fflush(stdout);
 }
 

@@ -19,7 +19,8 @@ int draw_index(RandomStream& random, int count) {
   return std::min(count - 1, static_cast<int>(random.uniform() * count));
 }
 
-FaultSummary summary_of(const std::optional<Trial>& trial) {
+/// @param from  s at which the fault set in
+FaultSummary summary_of(const std::optional<Trial>& trial, double from) {
   FaultSummary summary;
   summary.trials = 1;
   summary.crashed = !trial;
@@ -35,7 +36,10 @@ FaultSummary summary_of(const std::optional<Trial>& trial) {
   summary.peak_tip_force = metrics.peak_tip_force;
   summary.overloaded = metrics.peak_load > kMaxLoad;
   summary.crushed = metrics.peak_tip_force > kCrushingForce;
-  if (trial->result.fault) ++summary.stopped[std::string(to_string(trial->result.fault.fault))];
+  if (const auto& fault = trial->result.fault) {
+    ++summary.stopped[std::string(to_string(fault.fault))];
+    summary.longest_stop = std::max(0.0, fault.time - from);
+  }
   return summary;
 }
 
@@ -62,9 +66,9 @@ FaultSummary evaluate_fault(const geometry::ObjectModel& object, const TrialOpti
     TrialOptions faulty = options;
     faulty.fault = draw_fault(hand, fault, first_seed + i);
     try {
-      return summary_of(run_trial(object, faulty, first_seed + i));
+      return summary_of(run_trial(object, faulty, first_seed + i), faulty.fault.from);
     } catch (const std::exception&) {
-      return summary_of(std::nullopt);
+      return summary_of(std::nullopt, 0);
     }
   };
   parallel_ordered(trials, threads, run, [&](std::size_t i, const FaultSummary& summary) {
@@ -84,6 +88,7 @@ void add(const FaultSummary& other, FaultSummary& sum) {
   sum.crashed += other.crashed;
   sum.peak_load = std::max(sum.peak_load, other.peak_load);
   sum.peak_tip_force = std::max(sum.peak_tip_force, other.peak_tip_force);
+  sum.longest_stop = std::max(sum.longest_stop, other.longest_stop);
   for (const auto& [name, count] : other.stopped) sum.stopped[name] += count;
 }
 

@@ -188,6 +188,7 @@ Judgement ReadingGate::judge_touch(hand::HandReading& reading) {
     const bool ok =
         possible && same_contacts_[finger] < options_.max_repeats && !distrusted_[finger];
     if (!ok) contacts.clear();
+    flicker_.filter(static_cast<int>(finger), contacts);
     usable += ok;
   }
   touchless_ = usable == 0 ? touchless_ + 1 : 0;

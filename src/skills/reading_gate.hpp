@@ -7,6 +7,7 @@
 
 #include "palpate/hand/hand.hpp"
 #include "palpate/skills/safety.hpp"
+#include "skills/flicker_filter.hpp"
 
 namespace palpate::skills {
 
@@ -60,6 +61,7 @@ class ReadingGate {
   hand::PerFinger<int> same_contacts_{};
   hand::PerFinger<std::vector<hand::TipContact>> last_contacts_;
   hand::PerFinger<bool> distrusted_{};
+  FlickerFilter flicker_;
   hand::ActuatorVector rest_positions_;  // where a joint has stood
   std::vector<int> astray_;              // ticks for which it has, off its command
 };

@@ -77,6 +77,18 @@ TEST(Faults, ANumbFingertipIsNotBelievedAndTheObjectIsPicked) {
   EXPECT_GE(lifted, 2);
 }
 
+/// A tenth of the readings of each fingertip, which once ended every pick.
+TEST(Faults, FalseContactsAreNotBelievedAndTheObjectIsPicked) {
+  int lifted = 0;
+  for (std::uint64_t i = 0; i < 3; ++i) {
+    const Trial trial = run_trial(box(), options_with(InjectedFault::false_contacts, 56), 703 + i);
+    EXPECT_FALSE(trial.result.fault) << trial.result.fault.detail;
+    EXPECT_LT(trial.metrics.peak_load, kMaxLoad);
+    lifted += trial.metrics.lifted;
+  }
+  EXPECT_GE(lifted, 2);
+}
+
 TEST(Faults, NominalPickNeedsNoLimit) {
   TrialOptions options;
   options.pick.explore.touches = options.pick.explore.max_touches = 4;
@@ -108,6 +120,8 @@ TEST(Faults, ACampaignCountsWhatTheRobotNamed) {
   EXPECT_EQ(summary.crashed, 0u);
   EXPECT_EQ(summary.lifted, 0u);
   EXPECT_EQ(summary.stopped.at("not_finite"), 2u);
+  EXPECT_GT(summary.longest_stop, 0);
+  EXPECT_LT(summary.longest_stop, 0.051);
 }
 
 TEST(Faults, AreDrawnByTheSeed) {

@@ -24,6 +24,7 @@ struct FaultSummary {
   std::size_t crashed = 0;          ///< an exception ended the trial
   double peak_load = 0;             ///< N, of the mount
   double peak_tip_force = 0;        ///< N, of a fingertip
+  double longest_stop = 0;          ///< s from a fault to the last reading before the robot stops
   std::map<std::string, std::size_t> stopped;  ///< by the fault that the robot named
 };
 
