@@ -35,10 +35,18 @@ struct MakeOptions {
   }
 };
 
+/// Steps of the longest episode.
+Eigen::Index longest(const relocate::MinariDataset& dataset) {
+  Eigen::Index most = 1;
+  for (const auto& episode : dataset.episodes) most = std::max(most, episode.actions.cols());
+  return most;
+}
+
 int make(const MakeArguments& arguments) {
   const auto& common = arguments.common;
   if (common.out.empty()) throw BadInput("--out DIR is missing: where the data set is to be kept");
   const auto options = resolve<MakeOptions>(common);
+  (void)relocate::episode_seed(common.seed, 0);  // refuses what no data set can hold, at once
   const auto output =
       claim_output(common, {"data/metadata.json", "data/main_data.hdf5", "config.toml"});
   const auto model = relocate::make_model(options.task);
@@ -56,7 +64,11 @@ int make(const MakeArguments& arguments) {
     return kNoSolution;
   }
   const std::filesystem::path folder = common.out;
-  relocate::write_minari(folder, relocate::dataset_of(set.kept, kDatasetId, common.seed));
+  auto dataset = relocate::dataset_of(set.kept, kDatasetId, common.seed);
+  relocate::EpisodeOptions episode = options.demonstration.episode;
+  episode.horizon = static_cast<int>(longest(dataset));
+  dataset.env_spec = relocate::environment_spec(options.task, episode);
+  relocate::write_minari(folder, dataset);
   write_file_atomically(folder / "config.toml", config_header(common) + to_toml(options));
   std::vector<relocate::Episode> episodes;
   for (const auto& d : set.kept) episodes.push_back(d.episode);

@@ -4,7 +4,10 @@
 Palpate knows nothing of it but what HandInSapien.step() returns: joints, torques, load and
 contacts, with the noise of real sensors, of a hand whose links are 2 mm off its description.
 
-usage: hand_in_sapien.py [--hand FILE] [--object NAME] [--trials N] [--seed N]
+usage: hand_in_sapien.py [--hand HAND] [--object NAME] [--trials N] [--seed N]
+
+HAND: a model file, or a name of `palpate hand list`, as allegro after `palpate hand install
+allegro`; without it a hand of three fingers.
 """
 
 import argparse

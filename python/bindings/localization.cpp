@@ -289,6 +289,19 @@ void bind_localization(nb::module_& module) {
   bind_posterior(module);
   bind_evidence(module);
   bind_tracker(module);
+  module.def(
+      "pose_error",
+      [](nb::object model, nb::object estimate, nb::object truth) {
+        const auto error =
+            lo::pose_error(pose_from(estimate, "estimate"), pose_from(truth, "truth"),
+                           model_from(std::move(model))->object().symmetries);
+        return std::pair{error.rotation, error.translation};
+      },
+      "model"_a, "estimate"_a, "truth"_a,
+      nb::sig("def pose_error(model: ObjectModel, estimate: numpy.typing.ArrayLike, truth: "
+              "numpy.typing.ArrayLike) -> tuple[float, float]"),
+      "How far a pose (4, 4), T_frame_object, is from the true one, modulo the object's "
+      "symmetries: rad, and m of the volume centroid.\n\nRaises ValueError unless both are poses.");
   const lo::Evidence evidence;
   const lo::LocalizerOptions options;
   module.def(

@@ -56,6 +56,7 @@ from ._core import (
     localize,
     make_known_object,
     normal_estimators,
+    pose_error,
     predict_touch,
     prior_from,
     read_contacts,
@@ -63,8 +64,9 @@ from ._core import (
     register_correspondences,
     register_described,
 )
+from .free_space import free_space_of_voxels
 
-__all__ = [name for name in dir() if not name.startswith("_")]
+__all__ = [name for name in dir() if not name.startswith("_") and name != "free_space"]
 
 if "gymnasium" in _sys.modules:  # importing it here would cost more than all the rest
     from . import envs

@@ -14,6 +14,9 @@ _TOLERANCE_DEG, _TOLERANCE_MM = 5.0, 10.0  # of a pose that is correct
 _CERTAIN = 0.95  # probability that ends an episode
 _HALF_WIDTH = 0.02  # m, by which the object's place is known beforehand
 _CLEARANCE = 0.05  # m, from which a touch starts, beyond the object's reach
+_PICTURE = 240  # pixels, of each of the two views
+_GREY, _BLUE, _RED = (190, 190, 190), (40, 90, 220), (220, 40, 40)
+_DRAWN = 4000  # points of the object's surface
 
 
 def _yaw(angle):
@@ -36,9 +39,11 @@ class TouchEnv(gymnasium.Env):
     probability exceeds 0.95 and is truncated after `max_touches`.
     Info: `truth` (4, 4), `hit`, and with a pose `correct`, `rotation_error_deg`,
     `translation_error_mm`.
+    `render_mode="rgb_array"`: from above and from the side (240, 480, 3): the object grey, at the
+    best pose blue, contacts red.
     """
 
-    metadata = {"render_modes": []}
+    metadata = {"render_modes": ["rgb_array"], "render_fps": 2}
 
     def __init__(
         self, object="mug", *, max_touches=12, cost=0.01, tip_radius=0.0075, point_noise=0.001,
@@ -79,6 +84,35 @@ class TouchEnv(gymnasium.Env):
         truncated = not terminated and self.touches >= self.max_touches
         info = self._info(result.hit)
         return self._observation(), gain - self.cost, terminated, truncated, info
+
+    def render(self):
+        """A picture of what is there and what is believed, uint8; None without a render mode."""
+        if self.render_mode != "rgb_array":
+            return None
+        picture = np.full((_PICTURE, 2 * _PICTURE, 3), 255, np.uint8)
+        self._draw(picture, self._surface(), self.truth, _GREY)
+        if self._best():
+            self._draw(picture, self._surface()[::3], self._best().T_frame_object, _BLUE)
+        felt = self.felt[np.any(self.felt[:, 3:], axis=1), :3]
+        around = np.array([[x, y, z] for x in (-1, 0, 1) for y in (-1, 0, 1) for z in (-1, 0, 1)])
+        self._draw(picture, (felt[:, None] + 0.001 * around).reshape(-1, 3), np.eye(4), _RED)
+        return picture
+
+    def _surface(self):
+        """Points of the object's surface, (N, 3), m, in its frame."""
+        near = np.random.default_rng(0).uniform(-self.radius, self.radius, (_DRAWN, 3))
+        return self.model.object.mesh.closest_points(near).points
+
+    def _draw(self, picture, points, T, colour):
+        """Points as pixels, from above in the left half, from the side in the right."""
+        x, y, z = T[:3, :3] @ points.T + T[:3, 3:]
+        half = self.radius + 2 * _HALF_WIDTH
+        scale, middle = (_PICTURE / 2 - 1) / half, _PICTURE / 2
+        for across, up, left in ((x, y, 0), (x, z - half + _HALF_WIDTH, _PICTURE)):
+            columns = np.round(middle + scale * across).astype(int)
+            rows = np.round(middle - scale * up).astype(int)
+            inside = (rows >= 0) & (rows < _PICTURE) & (columns >= 0) & (columns < _PICTURE)
+            picture[rows[inside], left + columns[inside]] = colour
 
     def touch(self, action):
         """The palpate.TouchAction that an action stands for."""
@@ -157,12 +191,23 @@ class TouchEnv(gymnasium.Env):
         return info
 
 
+_ENTRIES = {
+    "Touch-v0": "palpate.envs:TouchEnv",
+    "Pick-v0": "palpate.pick_env:PickEnv",
+    "Place-v0": "palpate.place_env:PlaceEnv",
+    "Reorient-v0": "palpate.place_env:ReorientEnv",
+    "Relocate-v2": "palpate.relocate_env:RelocateEnv",
+}
+_VECTORS = {"Relocate-v2": "palpate.relocate_env:RelocateVectorEnv"}
+
+
 def register_envs():
     """Makes the environments known to gymnasium; importing palpate after gymnasium does so."""
-    entries = {"Touch": "palpate.envs:TouchEnv", "Pick": "palpate.pick_env:PickEnv"}
-    for name, entry in entries.items():
-        if f"Palpate/{name}-v0" not in gymnasium.registry:
-            gymnasium.register(id=f"Palpate/{name}-v0", entry_point=entry)
+    for name, entry in _ENTRIES.items():
+        if f"Palpate/{name}" not in gymnasium.registry:
+            gymnasium.register(
+                id=f"Palpate/{name}", entry_point=entry, vector_entry_point=_VECTORS.get(name)
+            )
 
 
 register_envs()

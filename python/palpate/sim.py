@@ -1,29 +1,40 @@
 # SPDX-License-Identifier: Apache-2.0
 """Picks in simulation, and with hands of your own: subclass palpate.Hand and give it to pick().
 
-Built where the simulator is (`./dev build`); the base wheel does not hold it.
+`pip install palpate[sim]` adds it, or `./dev build` in a checkout; the base wheel does without.
 """
+
+import os as _os
+import pathlib as _pathlib
+
+_assets = _pathlib.Path(__file__).parent / "assets"  # of an installed palpate-sim
+if _assets.is_dir():
+    _os.environ.setdefault("PALPATE_ASSETS", str(_assets))
 
 try:
     from ._sim import (
         EvaluationResult,
         PhaseReport,
         PickResult,
+        RelocateTasks,
         World,
         evaluate,
+        install_hand,
         load_hand,
         pick,
         waiting_command,
     )
 except ImportError as error:
-    raise ImportError(f"palpate.sim needs a build with the simulator: {error}") from error
+    raise ImportError(f"palpate.sim needs palpate[sim] or a build with the simulator: {error}") from error
 
 __all__ = [
     "EvaluationResult",
     "PhaseReport",
     "PickResult",
+    "RelocateTasks",
     "World",
     "evaluate",
+    "install_hand",
     "load_hand",
     "pick",
     "waiting_command",

@@ -4,13 +4,19 @@
 #include <fmt/format.h>
 #include <nanobind/stl/string.h>
 
+#include <array>
+#include <optional>
+#include <stdexcept>
 #include <string>
 #include <utility>
 
 #include "bindings/arrays.hpp"
 #include "bindings/python_hand.hpp"
-#include "palpate/core/options.hpp"
+#include "palpate/core/random.hpp"
+#include "palpate/simulation/hand/hand_store.hpp"
 #include "palpate/simulation/hand/load_hand.hpp"
+#include "palpate/simulation/hand/open_loop_grasp.hpp"
+#include "palpate/simulation/rendering/renderer.hpp"
 #include "rooms.hpp"
 
 namespace palpate::python {
@@ -18,13 +24,21 @@ namespace {
 
 using namespace nb::literals;
 
+constexpr int kGrasps = 20;             ///< that are tried
+constexpr double kCentred = 0.25;       ///< share of the start's spread under a blind grasp
+constexpr double kGraspYaw = 3;         ///< rad, of the object, about which it is drawn
+constexpr double kAboveMiddle = 0.015;  ///< m, of the base above the object's middle
+
 /// The world's hand, as Python knows hands.
 class WorldHand final : public DescribedHand {
  public:
   explicit WorldHand(simulation::World& world) : DescribedHand(world.hand_model()), world_(world) {}
   hand::HandReading step(const hand::HandCommand& command) override {
+    base = command.base;
     return world_.hand().step(command);
   }
+
+  hand::BasePosition base;  ///< as it was commanded last
 
  private:
   simulation::World& world_;
@@ -41,15 +55,59 @@ struct SimulatedWorld {
   }
 
   void reset(std::uint64_t seed) {
-    world.reset(evaluation::draw_start(model->object(), start, seed),
-                evaluation::waiting_command(world.hand_model()));
+    const auto waiting = evaluation::waiting_command(world.hand_model());
+    world.reset(evaluation::draw_start(model->object(), start, seed), waiting);
+    hand.base = waiting.base;
+  }
+
+  /// Grasps from above, at starts that the seed draws, until the object hangs in the hand.
+  hand::HandCommand grasp(std::uint64_t seed) {
+    hand::HandCommand command;
+    for (int attempt = 0; attempt < kGrasps; ++attempt) {
+      simulation::OpenLoopGrasp grasp;
+      grasp.start = evaluation::draw_start(
+          model->object(), start,
+          RandomStream(seed, "grasp").fork("attempt", static_cast<std::uint64_t>(attempt)).bits());
+      grasp.start.xy *= kCentred;
+      grasp.start.yaw = kGraspYaw + kCentred * grasp.start.yaw;
+      grasp.side = false;
+      const auto& rest =
+          model->object().stable_poses.at(static_cast<std::size_t>(grasp.start.stable_pose));
+      grasp.height = rest.height + kAboveMiddle;
+      const bool held = simulation::run_open_loop_grasp(world, grasp, &command);
+      hand.base = command.base;
+      if (held) return command;
+    }
+    throw std::runtime_error(fmt::format("'{}' fell in {} grasps", model->object().name, kGrasps));
+  }
+
+  const simulation::Image& render(int width, int height) {
+    if (!renderer || image.width != width || image.height != height) {
+      renderer.emplace(world.hand_model(), model->object(), width, height);
+    }
+    const simulation::Truth truth = world.truth();
+    image = renderer->render({truth.T_world_object, truth.joints, hand.base});
+    return image;
   }
 
   SharedModel model;
   evaluation::StartOptions start;
   simulation::World world;
   WorldHand hand;
+  std::optional<simulation::Renderer> renderer;
+  simulation::Image image;
 };
+
+nb::object picture(SimulatedWorld& self, int width, int height) {
+  const auto& image = [&]() -> const simulation::Image& {
+    const nb::gil_scoped_release release;
+    return self.render(width, height);
+  }();
+  const std::array<std::size_t, 3> shape = {static_cast<std::size_t>(height),
+                                            static_cast<std::size_t>(width), 3};
+  return nb::cast(nb::ndarray<nb::numpy, const std::uint8_t>(image.rgb.data(), 3, shape.data(), {}),
+                  nb::rv_policy::copy);
+}
 
 void make_world(SimulatedWorld* self, nb::object object, const std::string& hand,
                 std::uint64_t seed, const nb::dict& settings) {
@@ -64,11 +122,7 @@ void make_world(SimulatedWorld* self, nb::object object, const std::string& hand
 
 evaluation::TrialOptions trial_options(const nb::dict& settings) {
   evaluation::TrialOptions options;
-  for (const auto& [key, value] : settings) {
-    nb::str text = nb::str(value);
-    if (nb::isinstance<nb::bool_>(value)) text = nb::str(nb::cast<bool>(value) ? "true" : "false");
-    apply_setting(fmt::format("{}={}", nb::cast<std::string>(key), text.c_str()), options);
-  }
+  apply_settings(settings, options);
   return options;
 }
 
@@ -95,12 +149,22 @@ void bind_world(nb::module_& module) {
       "The description of a hand of `palpate hand list`, or of an MJCF or URDF file. Deriving its "
       "postures takes about a minute; they are kept in the cache.\n\nRaises ValueError if there "
       "is no such hand or its file cannot be used.");
+  module.def(
+      "install_hand",
+      [](const std::string& name) {
+        const nb::gil_scoped_release release;
+        return simulation::install_hand(name).string();
+      },
+      "name"_a,
+      "Download the model of a hand of `palpate hand list`, once; returns its file.\n\nRaises "
+      "ValueError for a name that is not there, and where it cannot be downloaded.");
   module.def("waiting_command", &evaluation::waiting_command, "description"_a,
              nb::sig("def waiting_command(description: palpate._core.HandDescription) -> "
                      "palpate._core.HandCommand"),
              "Where a hand waits before a pick: open, 0.34 m above the table.");
-  nb::class_<SimulatedWorld>(module, "World",
-                             "A table, an object at its start on it, and a simulated hand above.")
+  nb::class_<SimulatedWorld> world(
+      module, "World", "A table, an object at its start on it, and a simulated hand above.");
+  world
       .def("__init__", &make_world, "object"_a, nb::kw_only(), "hand"_a = "shadow", "seed"_a = 0,
            "options"_a = nb::dict(),
            nb::sig("def __init__(self, object: str | palpate._core.ObjectModel, *, hand: str = "
@@ -118,6 +182,18 @@ void bind_world(nb::module_& module) {
           "truth",
           [](const SimulatedWorld& self) { return pose(self.world.truth().T_world_object); },
           "T_world_object now, (4, 4): what no hand knows; for judging alone.")
+      .def_prop_ro(
+          "T_world_base", [](const SimulatedWorld& self) { return pose(self.hand.base.pose()); },
+          "The hand's base as it was commanded last, (4, 4).")
+      .def("grasp", &SimulatedWorld::grasp, "seed"_a, nb::call_guard<nb::gil_scoped_release>(),
+           "Puts the object, at a start that the seed draws, into the Shadow hand by a grasp from "
+           "above, lifted by 10 cm; returns the command that holds it.\n\nRaises ValueError for a "
+           "hand with other actuators, RuntimeError where the object falls again and again.")
+      .def("render", &picture, "width"_a = 480, "height"_a = 360,
+           nb::sig("def render(self, width: int = 480, height: int = 360) -> "
+                   "numpy.typing.NDArray[numpy.uint8]"),
+           "A picture of the scene as it is, (height, width, 3).\n\nRaises ValueError for a size "
+           "outside 16 to 4096, and where OpenGL does not work.")
       .def("__repr__", [](const SimulatedWorld& self) {
         return fmt::format("World('{}', hand '{}')", self.model->object().name,
                            self.hand.description().name);

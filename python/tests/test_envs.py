@@ -54,6 +54,23 @@ class Touch(unittest.TestCase):
             found += info.get("correct", False)
         self.assertGreaterEqual(found, 3)
 
+    def test_a_picture_shows_truth_estimate_and_contacts(self):
+        env = gymnasium.make("palpate:Palpate/Touch-v0", render_mode="rgb_array", **QUICK)
+        env.reset(seed=1)
+        first = env.render()
+        self.assertEqual((first.shape, first.dtype), ((240, 480, 3), np.uint8))
+        *_, info = env.step(np.array([0.0, -0.7, 0.0]))
+        self.assertTrue(info["hit"])
+        second = env.render()
+
+        def pixels(picture, colour):
+            return np.all(picture == colour, axis=2).sum()
+
+        self.assertGreater(pixels(first, (190, 190, 190)), 500)
+        self.assertEqual(pixels(first, (220, 40, 40)), 0)
+        self.assertGreater(pixels(second, (220, 40, 40)), 3)
+        self.assertGreater(pixels(second, (40, 90, 220)), 200)
+
     def test_observations_hold_no_truth(self):
         env = gymnasium.make("palpate:Palpate/Touch-v0", **QUICK)
         observation, info = env.reset(seed=1)
@@ -91,6 +108,21 @@ class Pick(unittest.TestCase):
         self.assertEqual(set(observation), sensed)
         self.assertEqual(observation["contacts"].max(), 0)
 
+    def test_a_picture_is_of_its_size_and_shows_something(self):
+        env = gymnasium.make("palpate:Palpate/Pick-v0", max_steps=5, render_mode="rgb_array")
+        env.reset(seed=1)
+        try:
+            first = env.render()
+        except ValueError as error:
+            self.skipTest(str(error))
+        self.assertEqual((first.shape, first.dtype), ((360, 480, 3), np.uint8))
+        self.assertGreater(first.std(), 5)
+        down = np.zeros(env.action_space.shape)
+        down[2] = -1.0
+        for _ in range(4):
+            env.step(down)
+        self.assertTrue((env.render() != first).any())
+
     def test_lifting_is_rewarded_and_ends_the_episode(self):
         self.env.reset(seed=1)
         at_rest = self.env.world.truth()
@@ -110,6 +142,127 @@ class Pick(unittest.TestCase):
         self.assertAlmostEqual(steps[0][1], 0.1, delta=0.002)
         self.assertEqual([step[2] for step in steps], [False] * 9 + [True])
         self.assertTrue(steps[0][4]["lifted"])
+
+
+@unittest.skipUnless(gymnasium and palpate, "gymnasium is not installed, or built without simulator")
+class Goals(unittest.TestCase):
+    """Place-v0 and Reorient-v0: the object is to be at a target."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.place = gymnasium.make("palpate:Palpate/Place-v0", object="box", max_steps=15).unwrapped
+        cls.turn = gymnasium.make("palpate:Palpate/Reorient-v0", max_steps=15).unwrapped
+
+    def put(self, env, pose):
+        """The environment with its object somewhere else."""
+
+        class Moved:
+            hand, T_world_base = env.world.hand, env.world.T_world_base
+
+            def truth(self):
+                return pose
+
+        world, env.world = env.world, Moved()
+        self.addCleanup(setattr, env, "world", world)
+
+    def test_check_env_is_clean(self):
+        for env in (self.place, self.turn):
+            with warnings.catch_warnings():
+                warnings.simplefilter("error")
+                check_env(env, skip_render_check=True)
+
+    def test_the_target_is_some_way_off_and_upright(self):
+        for seed in range(5):
+            observation, info = self.place.reset(seed=seed)
+            self.assertGreater(info["translation_error_mm"], 79)
+            self.assertLess(info["translation_error_mm"], 151)
+            target = observation["target"]
+            self.assertAlmostEqual(target[2, 3], info["truth"][2, 3], delta=1e-3)
+            np.testing.assert_allclose(target[2, :3], info["truth"][2, :3], atol=1e-12)
+
+    def test_an_object_at_its_target_ends_the_episode(self):
+        self.place.reset(seed=2)
+        self.put(self.place, self.place.target)
+        still = np.zeros(self.place.action_space.shape)
+        steps = [self.place.step(still) for _ in range(10)]
+        self.assertGreater(steps[0][1], 0.079)  # m nearer
+        self.assertEqual([step[2] for step in steps], [False] * 9 + [True])
+        self.assertTrue(steps[-1][4]["reached"])
+
+    def test_reorienting_starts_with_the_object_in_the_hand(self):
+        observation, info = self.turn.reset(seed=4)
+        self.assertGreater(info["truth"][2, 3], 0.08)
+        self.assertGreater(np.count_nonzero(observation["contacts"][:, 6:].any(axis=1)), 1)
+        self.assertLess(info["translation_error_mm"], 1)
+        self.assertTrue(5 < info["rotation_error_deg"] <= 40.1, info)
+        still = np.zeros(self.turn.action_space.shape)
+        for _ in range(5):
+            *_, terminated, truncated, info = self.turn.step(still)
+        self.assertFalse(info["dropped"])
+
+    def test_what_falls_ends_the_episode(self):
+        self.turn.reset(seed=5)
+        fallen = self.turn.world.truth()
+        fallen[2, 3] -= 0.06
+        self.put(self.turn, fallen)
+        *_, terminated, truncated, info = self.turn.step(np.zeros(self.turn.action_space.shape))
+        self.assertTrue(terminated and info["dropped"] and not info["reached"])
+
+
+@unittest.skipUnless(gymnasium and palpate, "gymnasium is not installed, or built without simulator")
+class Relocate(unittest.TestCase):
+    ID, QUICK = "palpate:Palpate/Relocate-v2", {"solver": "fast", "horizon": 8}
+
+    def test_check_env_is_clean(self):
+        for flat in (False, True):
+            env = gymnasium.make(self.ID, flat=flat, **self.QUICK)
+            with warnings.catch_warnings():
+                warnings.simplefilter("error")
+                check_env(env.unwrapped, skip_render_check=True)
+
+    def test_a_vector_is_as_many_environments_bit_for_bit(self):
+        def vector(mode):
+            return gymnasium.make_vec(self.ID, 3, vectorization_mode=mode, **self.QUICK)
+
+        ours, theirs = vector("vector_entry_point"), vector("sync")
+        for env in (ours, theirs):
+            env.action_space.seed(1)
+        rows = [(env.reset(seed=11)) for env in (ours, theirs)]
+        for step in range(20):  # two ends of episodes are among them
+            for name in ("joints", "palm_from_object", "object_from_target", "velocities"):
+                np.testing.assert_array_equal(rows[0][0][name], rows[1][0][name])
+            for name in ("truth", "distance", "contact"):
+                np.testing.assert_array_equal(rows[0][-1][name], rows[1][-1][name])
+            if step:
+                for mine, other in zip(rows[0][1:4], rows[1][1:4]):
+                    np.testing.assert_array_equal(mine, other)
+            actions = ours.action_space.sample()
+            rows = [env.step(actions) for env in (ours, theirs)]
+
+    def test_the_start_can_be_given(self):
+        env = gymnasium.make(self.ID, **self.QUICK)
+        start = {"object": [-0.05, 0.02], "target": [-0.1, 0.0, 0.2]}
+        observation, info = env.reset(seed=1, options=start)
+        np.testing.assert_allclose(info["target"], start["target"])
+        offset = observation["object_from_target"]
+        self.assertAlmostEqual(np.linalg.norm(offset), info["distance"])
+        other, _ = env.reset(seed=2, options=start)
+        np.testing.assert_array_equal(other["object_from_target"], offset)
+
+    def test_refuses_with_the_value(self):
+        with self.assertRaisesRegex(ValueError, "no_solver"):
+            gymnasium.make(self.ID, solver="no_solver")
+        tasks = palpate.sim.RelocateTasks(2, options={"solver": "fast"})
+        with self.assertRaisesRegex(ValueError, r"actions has shape \(2, 29\), not \(2, 30\)"):
+            tasks.step(np.zeros((2, 29)))
+        with self.assertRaises(IndexError):
+            tasks.reset(2, 0)
+
+    def test_an_action_that_is_not_finite_ends_the_episode(self):
+        env = gymnasium.make(self.ID, **self.QUICK).unwrapped
+        env.reset(seed=1)
+        *_, terminated, truncated, info = env.step(np.full(30, np.nan))
+        self.assertTrue(terminated and not truncated)
 
 
 if __name__ == "__main__":

@@ -3,11 +3,17 @@
 
 import inspect
 import pathlib
+import tempfile
 import unittest
 
 import numpy as np
 import palpate
 from palpate import _core
+
+try:
+    from palpate import sim as _sim
+except ImportError:
+    _sim = None
 
 BOX = (0.05, 0.094, 0.175)
 
@@ -51,18 +57,56 @@ class Documentation(unittest.TestCase):
                 documented += 1
         self.assertGreater(documented, 10)
 
+    @unittest.skipUnless(_sim, "built without the simulator")
+    def test_the_simulators_names_say_what_they_are_and_refuse(self):
+        for name in _sim.__all__:
+            value = getattr(_sim, name)
+            self.assertTrue((inspect.getdoc(value) or "").strip(), name)
+            members = vars(value).items() if inspect.isclass(value) else []
+            for member, attribute in members:
+                if not member.startswith("_"):
+                    self.assertTrue((attribute.__doc__ or "").strip(), f"{name}.{member}")
+                    self.says_errors(f"{name}.{member}", attribute)
+            self.says_errors(name, value)
+        stub = (pathlib.Path(palpate.__file__).parent / "_sim.pyi").read_text()
+        for name in _sim.__all__:
+            self.assertRegex(stub, rf"(class|def) {name}\b")
+
+    def says_errors(self, name, value):
+        text = f"{inspect.getdoc(value) or ''} {getattr(value, '__nb_signature__', '')}"
+        if "ArrayLike" in text or "options" in text:
+            self.assertRegex(text, r"Raises \w+Error", name)
+
+    def test_numbers_have_units(self):
+        """What of a result holds numbers says in which unit, but for what has none."""
+        unit = r"\b(m|mm|rad|deg|s|N|kg|kg m\^2|m\^2|m\^3|N m/rad|N m s/rad|m/s|nats?)\b"
+        without = {
+            "probability", "weight", "weights", "unlisted", "scale", "false_alarms",
+            "false_inliers", "direction", "normal", "R_table_object", "symmetries",
+        }  # fmt: skip
+        poses = {"T_frame_object", "T_parent_link", "T_target_source", "further"}
+        several = {"joints", "resolution_deg"}  # a matrix of ratios; the name says it
+        found = 0
+        for name, value in self.public():
+            for member, attribute in vars(value).items() if inspect.isclass(value) else []:
+                signature = str(getattr(getattr(attribute, "fget", None), "__nb_signature__", ""))
+                if "float" in signature and member not in without | poses | several:
+                    self.assertRegex(attribute.__doc__ or "", unit, f"{name}.{member}")
+                    found += 1
+        self.assertGreater(found, 40)
+
     def test_stub_and_marker_are_there(self):
         folder = pathlib.Path(palpate.__file__).parent
         self.assertTrue((folder / "py.typed").exists())
         stub = (folder / "_core.pyi").read_text()
         for name in palpate.__all__:
-            if name != "envs":
+            if name not in ("envs", "free_space_of_voxels"):
                 self.assertRegex(stub, rf"(class|def) {name}\b|{name}:")
         self.assertIn("numpy.typing.ArrayLike", stub)
 
     def test_all_public_names_of_the_core_are_exported(self):
         core = {name for name in dir(_core) if not name.startswith("_")}
-        self.assertEqual(core, set(palpate.__all__) - {"envs"})
+        self.assertEqual(core, set(palpate.__all__) - {"envs", "free_space_of_voxels"})
 
 
 class Geometry(unittest.TestCase):
@@ -194,6 +238,61 @@ class Localization(unittest.TestCase):
         self.assertLess(np.degrees(rotation), 5)
         self.assertLess(translation, 0.010)
 
+    def test_a_file_without_normals_is_localized_with_its_own_errors(self):
+        points = palpate.Contacts(box_points(40)[0]).transformed(self.truth).points
+        rows = [f"{x},{y},{z},{0.001 + 0.0001 * i}" for i, (x, y, z) in enumerate(points)]
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "touched.csv"
+            path.write_text("\n".join(["x,y,z,point_sigma", *rows]))
+            contacts = palpate.read_contacts(path)
+        self.assertIsNone(contacts.normals)
+        np.testing.assert_allclose(contacts.points, points, atol=1e-12)
+        np.testing.assert_allclose(contacts.point_sigma, 0.001 + 0.0001 * np.arange(40))
+        rotation, translation = palpate.localize(self.model, contacts).error(self.truth)
+        self.assertLess(np.degrees(rotation), 5)
+        self.assertLess(translation, 0.010)
+
+    def test_pose_error_is_modulo_symmetry(self):
+        half_turn = self.truth @ np.diag([1.0, -1, -1, 1])
+        half_turn[:3, 3] += [0.003, 0, -0.004]
+        rotation, translation = palpate.pose_error(self.model, half_turn, self.truth)
+        self.assertAlmostEqual(rotation, 0, places=6)
+        self.assertAlmostEqual(translation, 0.005)
+        with self.assertRaisesRegex(ValueError, "estimate"):
+            palpate.pose_error(self.model, np.eye(3), self.truth)
+
+    def test_free_voxels_are_balls_inside_them(self):
+        free = np.zeros((5, 4, 4), bool)
+        free[:4] = True
+        free[4, 0, 0] = True
+        balls = palpate.free_space_of_voxels(free, 0.01, self.truth)
+        np.testing.assert_allclose(sorted(balls[:, 3]), [0.005, 0.02])
+        at_origin = palpate.free_space_of_voxels(free, 0.01)
+        largest = at_origin[np.argmax(at_origin[:, 3])]
+        np.testing.assert_allclose(largest, [0.02, 0.02, 0.02, 0.02])
+        np.testing.assert_allclose(at_origin[0], [0.045, 0.005, 0.005, 0.005])
+        moved = at_origin[:, :3] @ self.truth[:3, :3].T + self.truth[:3, 3]
+        np.testing.assert_allclose(balls[:, :3], moved)
+        for wrong, word in (((free[0], 0.01), r"\(4, 4\), not"), ((free, 0.0), "0.0 m")):
+            with self.assertRaisesRegex(ValueError, word):
+                palpate.free_space_of_voxels(*wrong)
+
+    def test_free_voxels_rule_out_what_would_stand_in_them(self):
+        """A box on a table may stand upright, but not where the air above it was seen."""
+        T_frame_grid = np.eye(4)
+        T_frame_grid[:3, 3] = [-0.1, -0.1, 0.12]
+        air = palpate.free_space_of_voxels(np.ones((20, 20, 8), bool), 0.01, T_frame_grid)
+        touch = palpate.Contacts([[0.03, 0, 0.02]], [[1, 0, 0]])
+        upright = [
+            sum(mode.weight for mode in palpate.localize(
+                self.model, touch, table=palpate.TableSupport(np.eye(4)), free_space=free,
+                proposals=8000, particles=200).modes
+                if mode.T_frame_object[2, 3] > 0.08)
+            for free in (None, air)
+        ]  # fmt: skip
+        self.assertGreater(upright[0], 0.01)
+        self.assertEqual(upright[1], 0)
+
     def test_candidates_of_which_one_touches(self):
         contacts = palpate.Contacts(np.empty((0, 3)))
         random = np.random.default_rng(5)
@@ -308,6 +407,17 @@ class Contacts(unittest.TestCase):
 
 
 class Results(unittest.TestCase):
+    def test_everything_shows_itself(self):
+        contacts = palpate.Contacts(*box_points(3))
+        self.assertEqual(repr(contacts), "Contacts(3 points, 3 with normals)")
+        touch = palpate.TouchAction([0.2, 0, 0], [-1, 0, 0])
+        model = palpate.ObjectModel(palpate.load_known_object("box"))
+        met = palpate.predict_touch(model, np.eye(4), touch)
+        for shown in (touch, met, model, model.object, model.object.mesh):
+            self.assertIn(type(shown).__name__, repr(shown))
+        stub = (pathlib.Path(palpate.__file__).parent / "_core.pyi").read_text()
+        self.assertNotIn("std::", stub)
+
     def test_results_are_frozen_and_show_themselves(self):
         model = palpate.ObjectModel(palpate.load_known_object("box"))
         posterior = palpate.localize(model, palpate.Contacts(*box_points(18)))

@@ -49,6 +49,30 @@ TEST(Minari, IsReadBackAsItWasWritten) {
   EXPECT_EQ(frames.observations.col(1), written.episodes[1].observations.col(0));
 }
 
+TEST(Minari, KeepsInfosAndTheEnvironment) {
+  const TemporaryFolder folder;
+  auto dataset = random_dataset();
+  dataset.episodes[1].infos["target"] = Eigen::MatrixXd::Constant(3, 6, 0.25);
+  dataset.env_spec = environment_spec({}, {});
+  write_minari(folder.path(), dataset);
+  const H5::H5File file((folder.path() / "data/main_data.hdf5").string(), H5F_ACC_RDONLY);
+  const auto target = file.openGroup("episode_1/infos").openDataSet("target");
+  hsize_t size[2] = {};
+  target.getSpace().getSimpleExtentDims(size);
+  EXPECT_EQ(size[0], 6U);
+  EXPECT_EQ(size[1], 3U);
+  const auto head = nlohmann::json::parse(read_file(folder.path() / "data/metadata.json"));
+  const auto spec = nlohmann::json::parse(head["env_spec"].get<std::string>());
+  EXPECT_EQ(spec["id"], "Palpate/Relocate-v2");
+  EXPECT_EQ(spec["kwargs"]["object"], "mug");
+  EXPECT_EQ(spec["kwargs"]["horizon"], 99);
+  dataset.episodes[1].infos["target"] = Eigen::MatrixXd::Zero(3, 5);
+  EXPECT_NE(error_message([&] {
+              write_minari(folder.path(), dataset);
+            }).find("episode_1: info 'target' is not 6 columns"),
+            std::string::npos);
+}
+
 /// The layout of Minari 0.5, as that library's own files have it.
 TEST(Minari, HasTheLayoutThatMinariReads) {
   const TemporaryFolder folder;

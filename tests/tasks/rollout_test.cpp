@@ -43,6 +43,32 @@ TEST(Rollout, IsTheSameForAnyNumberOfThreads) {
   EXPECT_NE(returns(rollout(model, policy, options, 8, 6, 1)), one);
 }
 
+TEST(Rollout, OneSeedStandsForAnEpisodeOfASeed) {
+  EpisodeOptions options;
+  options.scale_high = 1;
+  const std::uint64_t seed = episode_seed(9, 4);
+  EXPECT_EQ(seed, 9 * 1048576U + 4);
+  const auto start = episode_start(options, 9, 4), again = episode_start(options, seed);
+  EXPECT_EQ(again.object, start.object);
+  EXPECT_EQ(again.target, start.target);
+  EXPECT_NE(episode_start(options, seed + 1).target, start.target);
+  EXPECT_THROW(episode_seed(9, std::size_t{1} << 20), BadInput);
+  EXPECT_THROW(episode_seed(std::uint64_t{1} << 43, 0), BadInput);
+}
+
+TEST(Rollout, APathHoldsTheTruthFromTheStartOn) {
+  const auto model = make_model(fast_task());
+  RelocateTask task(model);
+  const auto start = episode_start({}, 3, 0);
+  Path path;
+  run_episode(
+      task, start, 5, [](int, const PolicyInput&) { return RelocateAction::Constant(0.1).eval(); },
+      &path);
+  ASSERT_EQ(path.positions.cols(), 6);
+  EXPECT_EQ(path.positions.topRows(kRelocateJoints), path.observations.topRows(kRelocateJoints));
+  EXPECT_EQ(path.positions.col(5), task.positions());
+}
+
 TEST(Rollout, ADivergingEpisodeEndsFlaggedAndTheOthersGoOn) {
   const auto model = make_model(fast_task());
   EpisodeOptions options;

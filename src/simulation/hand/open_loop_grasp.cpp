@@ -88,7 +88,7 @@ hand::HandReading approach(World& world, hand::HandCommand& command, bool side) 
 
 }  // namespace
 
-bool run_open_loop_grasp(World& world, const OpenLoopGrasp& grasp) {
+bool run_open_loop_grasp(World& world, const OpenLoopGrasp& grasp, hand::HandCommand* last) {
   const hand::Description& hand = world.hand_model();
   hand::HandCommand command = opened(hand, grasp);
   world.reset(grasp.start, command);
@@ -106,6 +106,7 @@ bool run_open_loop_grasp(World& world, const OpenLoopGrasp& grasp) {
     if (tick >= held && tick < lifted) command.base.xyz.z() += kLift / (lifted - held);
     reading = world.hand().step(command);
   }
+  if (last) *last = command;
   return !world.diverged() && world.truth().lowest_point > kHangs;
 }
 

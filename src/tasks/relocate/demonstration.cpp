@@ -140,7 +140,9 @@ Demonstration synthetic_demonstration(const RelocateModel& model,
                                   learning::adroit_points(), options.translation.retarget);
   RelocateDynamics dynamics(model);
   const auto motion = translate(sequence, retargeter, dynamics, options.translation);
-  return replay(model, motion, dynamics, start, options.translation);
+  Demonstration result = replay(model, motion, dynamics, start, options.translation);
+  result.index = index;
+  return result;
 }
 
 DemonstrationSet make_demonstrations(const RelocateModel& model,

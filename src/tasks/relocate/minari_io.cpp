@@ -38,6 +38,11 @@ void check(const MinariEpisode& e, std::size_t number) {
   if (!e.observations.allFinite() || !e.actions.allFinite()) {
     throw BadInput(fmt::format("{} holds a value that is not finite", name_of(number)));
   }
+  for (const auto& [name, values] : e.infos) {
+    if (values.cols() == steps + 1 && values.allFinite()) continue;
+    throw BadInput(fmt::format("{}: info '{}' is not {} columns of finite values", name_of(number),
+                               name, steps + 1));
+  }
   for (Index t = 0; t < steps; ++t) {
     if (!std::isfinite(e.rewards[t])) {
       throw BadInput(fmt::format("{}: reward {} is {}", name_of(number), t, e.rewards[t]));
@@ -105,7 +110,11 @@ void write_episode(H5::H5File& file, const MinariEpisode& e, std::size_t number)
   (e.terminated ? ended : cut).back() = 1;
   write_table(group, "terminations", ended.data(), steps, 0, boolean());
   write_table(group, "truncations", cut.data(), steps, 0, boolean());
-  group.createGroup("infos");
+  H5::Group infos = group.createGroup("infos");
+  for (const auto& [name, values] : e.infos) {
+    write_table(infos, name.c_str(), values.data(), steps + 1, static_cast<hsize_t>(values.rows()),
+                number_type);
+  }
 }
 
 json box(Index size, const json& low, const json& high) {
@@ -132,13 +141,15 @@ json metadata(const MinariDataset& dataset) {
   std::uint64_t steps = 0;
   for (const auto& e : dataset.episodes) steps += static_cast<std::uint64_t>(e.actions.cols());
   const MinariEpisode& first = dataset.episodes.front();
-  return {{"total_episodes", dataset.episodes.size()},
-          {"total_steps", steps},
-          {"data_format", "hdf5"},
-          {"dataset_id", dataset.id},
-          {"minari_version", kMinariVersion},
-          {"observation_space", endless_box(first.observations.rows())},
-          {"action_space", box(first.actions.rows(), -1.0, 1.0).dump()}};
+  json head = {{"total_episodes", dataset.episodes.size()},
+               {"total_steps", steps},
+               {"data_format", "hdf5"},
+               {"dataset_id", dataset.id},
+               {"minari_version", kMinariVersion},
+               {"observation_space", endless_box(first.observations.rows())},
+               {"action_space", box(first.actions.rows(), -1.0, 1.0).dump()}};
+  if (!dataset.env_spec.empty()) head["env_spec"] = dataset.env_spec;
+  return head;
 }
 
 /// A table of numbers as a matrix of `rank` 2 (width x rows) or a column (rows x 1) of rank 1.
@@ -268,10 +279,36 @@ MinariDataset dataset_of(const std::vector<Demonstration>& demonstrations, const
   MinariDataset dataset;
   dataset.id = id;
   for (const auto& d : demonstrations) {
-    dataset.episodes.push_back({d.path.observations, d.path.actions.cwiseMax(-1).cwiseMin(1),
-                                d.path.rewards, false, seed});
+    const Index columns = d.path.observations.cols();
+    dataset.episodes.push_back(
+        {d.path.observations,
+         d.path.actions.cwiseMax(-1).cwiseMin(1),
+         d.path.rewards,
+         false,
+         episode_seed(seed, d.index),
+         {{"truth", d.path.positions}, {"target", d.start.target.replicate(1, columns)}}});
   }
   return dataset;
+}
+
+std::string environment_spec(const TaskOptions& task, const EpisodeOptions& episode) {
+  json arguments = {{"flat", true}};
+  const auto note = [&](const char* name, const auto& value, const auto&...) {
+    arguments[name] = value;
+  };
+  TaskOptions(task).visit(note);
+  EpisodeOptions(episode).visit(note);
+  return json{{"id", "Palpate/Relocate-v2"},
+              {"entry_point", "palpate.relocate_env:RelocateEnv"},
+              {"reward_threshold", nullptr},
+              {"nondeterministic", false},
+              {"max_episode_steps", nullptr},
+              {"order_enforce", true},
+              {"disable_env_checker", false},
+              {"kwargs", arguments},
+              {"additional_wrappers", json::array()},
+              {"vector_entry_point", "palpate.relocate_env:RelocateVectorEnv"}}
+      .dump();
 }
 
 Demonstrations frames_of(const MinariDataset& dataset) {

@@ -14,10 +14,13 @@ namespace palpate::relocate {
 namespace {
 
 constexpr int kSteadySteps = 25;
+constexpr int kIndexBits = 20;  // of an episode's seed
+constexpr int kSeedBits = 43;
 
 /// A path with room for every step of the horizon.
-Path make_path(int horizon) {
+Path make_path(int horizon, Eigen::Index positions) {
   Path path;
+  path.positions.resize(positions, horizon + 1);
   path.observations.resize(kRelocateObservations, horizon + 1);
   path.velocities.resize(kRelocateJoints, horizon + 1);
   path.biases.resize(kRelocateJoints, horizon + 1);
@@ -26,7 +29,8 @@ Path make_path(int horizon) {
   return path;
 }
 
-void note_input(Path& path, int step, const PolicyInput& input) {
+void note_input(Path& path, int step, const RelocateTask& task, const PolicyInput& input) {
+  path.positions.col(step) = task.positions();
   path.observations.col(step) = input.observation;
   path.velocities.col(step) = input.proprioception.velocity;
   path.biases.col(step) = input.proprioception.bias;
@@ -36,6 +40,7 @@ void shorten(Path& path, int steps) {
   path.observations.conservativeResize(Eigen::NoChange, steps + 1);
   path.velocities.conservativeResize(Eigen::NoChange, steps + 1);
   path.biases.conservativeResize(Eigen::NoChange, steps + 1);
+  path.positions.conservativeResize(Eigen::NoChange, steps + 1);
   path.actions.conservativeResize(Eigen::NoChange, steps);
   path.rewards.conservativeResize(steps);
 }
@@ -71,17 +76,30 @@ RelocateStart episode_start(const EpisodeOptions& options, std::uint64_t seed, s
   return start;
 }
 
+std::uint64_t episode_seed(std::uint64_t seed, std::size_t index) {
+  if (seed >> kSeedBits != 0 || index >> kIndexBits != 0) {
+    throw BadInput(fmt::format("episode {} of seed {}: below 2^{} and 2^{} are one seed", index,
+                               seed, kIndexBits, kSeedBits));
+  }
+  return (seed << kIndexBits) | index;
+}
+
+RelocateStart episode_start(const EpisodeOptions& options, std::uint64_t episode_seed) {
+  constexpr std::uint64_t kIndex = (std::uint64_t{1} << kIndexBits) - 1;
+  return episode_start(options, episode_seed >> kIndexBits, episode_seed & kIndex);
+}
+
 Episode run_episode(RelocateTask& task, const RelocateStart& start, int horizon, const Agent& agent,
                     Path* path) {
   task.reset(start);
-  if (path) *path = make_path(horizon);
+  if (path) *path = make_path(horizon, task.positions().size());
   Episode episode;
   while (episode.steps < horizon && !episode.diverged) {
     const PolicyInput input = input_of(task);
     const auto action = agent(episode.steps, input);
+    if (path) note_input(*path, episode.steps, task, input);
     const auto step = task.step(action);
     if (path) {
-      note_input(*path, episode.steps, input);
       path->actions.col(episode.steps) = action;
       path->rewards[episode.steps] = step.reward;
     }
@@ -92,7 +110,7 @@ Episode run_episode(RelocateTask& task, const RelocateStart& start, int horizon,
     episode.steps_within_5cm += episode.distance < 0.05;
   }
   if (path) {
-    note_input(*path, episode.steps, input_of(task));
+    note_input(*path, episode.steps, task, input_of(task));
     shorten(*path, episode.steps);
   }
   return episode;

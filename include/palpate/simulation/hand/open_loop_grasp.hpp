@@ -19,7 +19,9 @@ struct OpenLoopGrasp {
 };
 
 /// Approaches, closes with limited torque, lifts by 10 cm and holds.
+/// @param last  if not null, gets the command that holds the object at the end
 /// @return whether the object hangs in the hand at the end
-bool run_open_loop_grasp(World& world, const OpenLoopGrasp& grasp);
+bool run_open_loop_grasp(World& world, const OpenLoopGrasp& grasp,
+                         hand::HandCommand* last = nullptr);
 
 }  // namespace palpate::simulation

@@ -54,6 +54,7 @@ RobotMotion translate(const learning::HumanSequence& sequence, learning::Retarge
 
 /// One replayed demonstration, as the task saw it.
 struct Demonstration {
+  std::size_t index = 0;  ///< of the episode of its seed
   RelocateStart start;
   Path path;
   Episode episode;

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -17,13 +18,15 @@ struct MinariEpisode {
   Eigen::MatrixXd actions;       ///< a x T
   Eigen::VectorXd rewards;       ///< T
   bool terminated = false;       ///< how it ended; otherwise it was cut off
-  std::uint64_t seed = 0;
+  std::uint64_t seed = 0;        ///< with which the environment starts it again
+  std::map<std::string, Eigen::MatrixXd> infos = {};  ///< n x (T + 1) each, written only
 };
 
 /// Episodes as the Minari library keeps them (format of version 0.5, HDF5).
 struct MinariDataset {
   std::string id;  ///< as in "palpate/relocate-human-v0"
   std::vector<MinariEpisode> episodes;
+  std::string env_spec = {};  ///< of gymnasium, JSON, by which Minari recovers the environment
 };
 
 /// Writes FOLDER/data/main_data.hdf5 and FOLDER/data/metadata.json, each atomically. Boxes without
@@ -38,9 +41,16 @@ void write_minari(const std::filesystem::path& folder, const MinariDataset& data
 ///         episodes, or with an episode that write_minari would refuse
 MinariDataset read_minari(const std::filesystem::path& folder);
 
-/// The demonstrations as a dataset, and a dataset's frames to learn from.
+/// The demonstrations as a dataset, and a dataset's frames to learn from. An episode's seed is its
+/// episode_seed(); its infos are those of the Python package's environment: "truth" (37), whose
+/// first row is the start, and "target" (3).
+/// @throws BadInput for a seed that episode_seed() refuses
 MinariDataset dataset_of(const std::vector<Demonstration>& demonstrations, const std::string& id,
                          std::uint64_t seed);
+
+/// gymnasium's spec of the environment Palpate/Relocate-v2 with this task and these episodes.
+std::string environment_spec(const TaskOptions& task, const EpisodeOptions& episode);
+
 /// @throws BadInput unless observations and actions have the relocate task's sizes
 Demonstrations frames_of(const MinariDataset& dataset);
 

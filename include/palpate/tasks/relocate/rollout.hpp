@@ -74,10 +74,18 @@ struct Path {
   Eigen::MatrixXd biases;        ///< 30 x (steps + 1), forces that hold the joints at rest
   Eigen::MatrixXd actions;       ///< 30 x steps, as the policy chose them
   Eigen::VectorXd rewards;       ///< steps
+  Eigen::MatrixXd positions;     ///< 37 x (steps + 1): joints, object's place and quaternion
 };
 
 /// Where episode i of a seed starts. @throws BadInput if scale_low > scale_high
 RelocateStart episode_start(const EpisodeOptions& options, std::uint64_t seed, std::size_t index);
+
+/// One seed that stands for episode i of a seed, in data sets and environments: seed * 2^20 + i.
+/// @throws BadInput if it does not fit into 63 bits, or i into 20
+std::uint64_t episode_seed(std::uint64_t seed, std::size_t index);
+
+/// Where the episode of such a seed starts. @throws BadInput if scale_low > scale_high
+RelocateStart episode_start(const EpisodeOptions& options, std::uint64_t episode_seed);
 
 /// What an agent does in step t, given what it meets; may explore.
 using Agent = std::function<RelocateAction(int step, const PolicyInput& input)>;

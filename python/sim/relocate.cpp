@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "bindings/arrays.hpp"
+#include "palpate/core/error.hpp"
+#include "palpate/core/parallel.hpp"
+#include "palpate/tasks/relocate/rollout.hpp"
+#include "rooms.hpp"
+
+namespace palpate::python {
+namespace {
+
+using namespace nb::literals;
+using relocate::kRelocateJoints;
+using relocate::kRelocateObservations;
+using relocate::RelocateStep;
+
+/// What can be set of the task and of how its episodes start.
+struct RelocateOptions {
+  relocate::TaskOptions task;
+  relocate::EpisodeOptions episode;
+
+  template <class Visitor>
+  void visit(Visitor&& v) {
+    task.visit(v);
+    episode.visit(v);
+  }
+};
+
+/// Copies of the relocate task that are stepped together, on several threads.
+class RelocateTasks {
+ public:
+  RelocateTasks(std::size_t count, int threads, const RelocateOptions& options)
+      : options_(options), model_(relocate::make_model(options.task)), threads_(threads) {
+    for (std::size_t i = 0; i < count; ++i) tasks_.emplace_back(model_);
+    starts_.resize(count);
+    steps_.resize(count);
+  }
+  RelocateTasks(const RelocateTasks&) = delete;
+  RelocateTasks& operator=(const RelocateTasks&) = delete;
+
+  void reset(std::size_t index, std::uint64_t seed) {
+    start(index, relocate::episode_start(options_.episode, seed));
+  }
+
+  void place(std::size_t index, const Eigen::Vector2d& object, const Eigen::Vector3d& target) {
+    relocate::RelocateStart placed = starts_.at(index);
+    placed.object = object;
+    placed.target = target;
+    start(index, placed);
+  }
+
+  /// @param skipped  tasks that stay as they are
+  void step(const Matrix& actions, const std::vector<bool>& skipped) {
+    parallel_for(tasks_.size(), threads_, [&](std::size_t i) {
+      if (skipped[i]) {
+        steps_[i].reward = 0;
+      } else {
+        steps_[i] = tasks_[i].step(actions.row(static_cast<Eigen::Index>(i)));
+      }
+    });
+  }
+
+  /// One row a task of what `of` tells of it.
+  template <class Of>
+  Matrix rows_of(int width, const Of& of) const {
+    Matrix result(static_cast<Eigen::Index>(tasks_.size()), width);
+    for (std::size_t i = 0; i < tasks_.size(); ++i) {
+      result.row(static_cast<Eigen::Index>(i)) = of(i).transpose();
+    }
+    return result;
+  }
+
+  [[nodiscard]] const std::vector<relocate::RelocateTask>& tasks() const { return tasks_; }
+  [[nodiscard]] const std::vector<relocate::RelocateStart>& starts() const { return starts_; }
+  [[nodiscard]] const std::vector<RelocateStep>& steps() const { return steps_; }
+  [[nodiscard]] const relocate::TaskOptions& task_options() const { return options_.task; }
+  [[nodiscard]] int horizon() const { return options_.episode.horizon; }
+  [[nodiscard]] int threads() const { return threads_; }
+
+ private:
+  void start(std::size_t index, const relocate::RelocateStart& start) {
+    tasks_.at(index).reset(start);
+    starts_[index] = start;
+    steps_[index] = {};
+    steps_[index].distance = (tasks_[index].observation().tail<3>() - start.object_bias).norm();
+  }
+
+  RelocateOptions options_;
+  relocate::RelocateModel model_;
+  int threads_;
+  std::vector<relocate::RelocateTask> tasks_;
+  std::vector<relocate::RelocateStart> starts_;
+  std::vector<RelocateStep> steps_;
+};
+
+void make(RelocateTasks* self, int count, int threads, const nb::dict& settings) {
+  if (count < 1) throw BadInput(fmt::format("count must be at least 1, not {}", count));
+  if (threads < 1) throw BadInput(fmt::format("threads must be at least 1, not {}", threads));
+  RelocateOptions options;
+  apply_settings(settings, options);
+  const nb::gil_scoped_release release;
+  new (self) RelocateTasks(static_cast<std::size_t>(count), threads, options);
+}
+
+void step(RelocateTasks& self, nb::object actions, nb::object skipped) {
+  const Matrix rows = matrix_from(actions, "actions");
+  const auto count = self.tasks().size();
+  if (rows.rows() != static_cast<Eigen::Index>(count) || rows.cols() != kRelocateJoints) {
+    throw BadInput(fmt::format("actions has shape ({}, {}), not ({}, {})", rows.rows(), rows.cols(),
+                               count, kRelocateJoints));
+  }
+  std::vector<bool> idle(count, false);
+  if (is_given(skipped)) {
+    const auto values = numbers_from(skipped, count, "skipped");
+    for (std::size_t i = 0; i < count; ++i) idle[i] = values[i] != 0;
+  }
+  const nb::gil_scoped_release release;
+  self.step(rows, idle);
+}
+
+/// A number of each task's last step.
+template <class Number>
+auto of_steps(Number RelocateStep::*member) {
+  return [member](const RelocateTasks& self) {
+    Eigen::Vector<Number, Eigen::Dynamic> result(static_cast<Eigen::Index>(self.steps().size()));
+    for (Eigen::Index i = 0; i < result.size(); ++i) {
+      result[i] = self.steps()[static_cast<std::size_t>(i)].*member;
+    }
+    return result;
+  };
+}
+
+void bind_states(nb::class_<RelocateTasks>& tasks) {
+  tasks
+      .def_prop_ro(
+          "observations",
+          [](const RelocateTasks& self) {
+            return self.rows_of(kRelocateObservations,
+                                [&](std::size_t i) { return self.tasks()[i].observation(); });
+          },
+          "(N, 39): 30 joint positions (m, rad); palm - object; palm - target; object - target, m, "
+          "world axes. The object's place is off by object_bias.")
+      .def_prop_ro(
+          "velocities",
+          [](const RelocateTasks& self) {
+            return self.rows_of(kRelocateJoints, [&](std::size_t i) {
+              return self.tasks()[i].proprioception().velocity;
+            });
+          },
+          "Of the joints, (N, 30), m/s and rad/s.")
+      .def_prop_ro(
+          "positions",
+          [](const RelocateTasks& self) {
+            return self.rows_of(static_cast<int>(self.tasks()[0].positions().size()),
+                                [&](std::size_t i) { return self.tasks()[i].positions(); });
+          },
+          "The truth, (N, 37): joints, then the object's place (m) and quaternion (w, x, y, z).")
+      .def_prop_ro(
+          "targets",
+          [](const RelocateTasks& self) {
+            return self.rows_of(3, [&](std::size_t i) { return self.starts()[i].target; });
+          },
+          "Where the objects are to go, (N, 3), m.")
+      .def_prop_ro("rewards", of_steps(&RelocateStep::reward), "Of the last step, (N,).")
+      .def_prop_ro("distances", of_steps(&RelocateStep::distance),
+                   "Of the object from its target after the last step, (N,), m.")
+      .def_prop_ro("contacts", of_steps(&RelocateStep::contact),
+                   "Whether hand and object touched in the last step, (N,).")
+      .def_prop_ro("diverged", of_steps(&RelocateStep::diverged),
+                   "Whether the physics failed in the last step, (N,).");
+}
+
+}  // namespace
+
+void bind_relocate(nb::module_& module) {
+  nb::class_<RelocateTasks> tasks(
+      module, "RelocateTasks",
+      "Copies of the relocate task, stepped together on several threads without the GIL: the "
+      "Adroit hand brings an object from a table to a target in the air.");
+  tasks
+      .def("__init__", &make, "count"_a = 1, nb::kw_only(), "threads"_a = 1,
+           "options"_a = nb::dict(),
+           nb::sig("def __init__(self, count: int = 1, *, threads: int = 1, options: dict[str, "
+                   "object] = {}) -> None"),
+           "options: those of `palpate options rollout` about the task and its episodes, as "
+           "{'object': 'box', 'solver': 'fast', 'scale_high': 1.0}.\n\nRaises ValueError for a "
+           "count or threads below 1, for what there is not, and values out of their range.")
+      .def("reset", &RelocateTasks::reset, "index"_a, "seed"_a,
+           nb::call_guard<nb::gil_scoped_release>(),
+           "Starts a task as the episode seed % 2^20 of the rollouts' seed seed / 2^20.\n\nRaises "
+           "IndexError for no task of that index.")
+      .def(
+          "place",
+          [](RelocateTasks& self, std::size_t index, nb::object object, nb::object target) {
+            const auto xy = numbers_from(object, 2, "object");
+            self.place(index, {xy[0], xy[1]}, vector_from(target, "target"));
+          },
+          "index"_a, nb::kw_only(), "object"_a, "target"_a,
+          nb::sig("def place(self, index: int, *, object: numpy.typing.ArrayLike, target: "
+                  "numpy.typing.ArrayLike) -> None"),
+          "Starts a task with the object's frame at (2,), m on the table, and its target at (3,), "
+          "m.\n\nRaises ValueError for values that are not finite, IndexError for no such task.")
+      .def("step", &step, "actions"_a, "skipped"_a = nb::none(),
+           nb::sig("def step(self, actions: numpy.typing.ArrayLike, skipped: "
+                   "numpy.typing.ArrayLike | None = None) -> None"),
+           "One control step of 10 ms of each task: actions (N, 30), -1..1 over the actuators' "
+           "ranges; skipped (N,): true where a task stays as it is.\n\nRaises ValueError for "
+           "another shape. An action that is not finite makes its task diverge.")
+      .def_prop_ro("horizon", &RelocateTasks::horizon, "Steps of an episode.")
+      .def("__len__", [](const RelocateTasks& self) { return self.tasks().size(); })
+      .def("__repr__", [](const RelocateTasks& self) {
+        return fmt::format("RelocateTasks({} of '{}', {} threads)", self.tasks().size(),
+                           self.task_options().object, self.threads());
+      });
+  bind_states(tasks);
+}
+
+}  // namespace palpate::python
