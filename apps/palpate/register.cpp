@@ -215,8 +215,8 @@ void add_problem(CLI::App& command, RegisterArguments& arguments) {
       ->excludes(yaw);
   command.add_flag("--translation-only", arguments.translation_only,
                    "estimate translation only; both frames have the same orientation");
-  auto* estimated = command.add_flag("--scale", arguments.scale,
-                                     "estimate the scale of the source as well (correspondences)");
+  auto* estimated =
+      command.add_flag("--scale", arguments.scale, "estimate the scale of the source as well");
   command
       .add_option("--known-scale", arguments.known_scale,
                   "multiply the source's coordinates by this first")
@@ -225,7 +225,7 @@ void add_problem(CLI::App& command, RegisterArguments& arguments) {
       ->excludes(estimated);
   command
       .add_option("--instances", arguments.instances,
-                  "number of poses, each found among the remaining pairs (correspondences)")
+                  "number of poses, each found in the pairs or points that remain")
       ->option_text("N")
       ->check(in_range(1, 1000));
   command.add_flag("--best-effort", arguments.best_effort,
@@ -285,6 +285,8 @@ void add_register(CLI::App& program, Command& chosen) {
       "  palpate register scan.ply model.stl --initial pose.txt\n"
       "  palpate register scan.ply map.ply --gravity 0 0 -1\n"
       "  palpate register scan_mm.ply model.stl --known-scale 0.001\n"
+      "  palpate register photos.ply model.stl --scale\n"
+      "  palpate register mug.stl table.ply --instances 5\n"
       "  palpate register --correspondences pairs.csv --noise-bound 0.004\n"
       "  palpate register --correspondences pairs.csv --method gnc --cost gm --json");
   command.callback([arguments, &chosen] {

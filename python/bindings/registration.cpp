@@ -94,10 +94,13 @@ re::CloudOptions cloud_options(std::optional<double> noise_bound, nb::handle ini
 re::CloudRegistration register_clouds(const Cloud& source, const Cloud& target,
                                       std::optional<double> noise_bound, double voxel,
                                       nb::object initial, nb::object rotation_axis,
-                                      bool translation_only, std::uint64_t seed, int threads) {
+                                      bool translation_only, bool estimate_scale, int instances,
+                                      std::uint64_t seed, int threads) {
   auto options =
       cloud_options(noise_bound, initial, rotation_axis, translation_only, seed, threads);
   options.features.voxel = voxel;
+  options.registration.estimate_scale = estimate_scale;
+  options.registration.instances = instances;
   const nb::gil_scoped_release release;
   return re::register_clouds(source, target, options);
 }
@@ -172,7 +175,7 @@ void bind_result(nb::module_& module) {
   nb::class_<Motion>(module, "FreeMotion", "A motion of the source that changes no residual.")
       .def_prop_ro(
           "kind", [](const Motion& self) { return std::string(re::to_string(self.kind)); },
-          "'rotation', 'translation' or 'screw'.")
+          "'rotation', 'translation', 'screw' or 'scaling'.")
       .def_ro("direction", &Motion::direction, "(3,), unit, target frame.")
       .def_ro("point", &Motion::point, "(3,), on the axis, m.")
       .def_ro("pitch", &Motion::pitch, "Of a screw, m/rad.")
@@ -266,20 +269,23 @@ void bind_clouds(nb::module_& module) {
              nb::call_guard<nb::gil_scoped_release>(),
              "Read PLY, PCD, XYZ or OBJ; a mesh is sampled at so many points.\n\nRaises "
              "ValueError, naming file and line.");
-  module.def("register_clouds", &register_clouds, "source"_a, "target"_a, nb::kw_only(),
-             "noise_bound"_a = nb::none(), "voxel"_a = 0.0, "initial"_a = nb::none(),
-             "rotation_axis"_a = nb::none(), "translation_only"_a = false, "seed"_a = 0,
-             "threads"_a = 1,
-             nb::sig("def register_clouds(source: PointCloud, target: PointCloud, *, noise_bound: "
-                     "float | None = None, voxel: float = 0.0, initial: numpy.typing.ArrayLike | "
-                     "None = None, rotation_axis: numpy.typing.ArrayLike | None = None, "
-                     "translation_only: bool = False, seed: int = 0, threads: int = 1) -> "
-                     "CloudRegistration"),
-             "Pose of one cloud in another without given pairs: mutual matches of FPFH, outliers "
-             "rejected, then nearest neighbours and pose in turn (thesis 6.1-6.2).\n\nnoise_bound, "
-             "voxel: m, chosen by the clouds if not given. initial (4, 4): replaces the "
-             "features. rotation_axis (3,): turn about it alone, the same in both frames, as "
-             "gravity is.\n\nRaises ValueError for clouds or options that cannot be used.");
+  module.def(
+      "register_clouds", &register_clouds, "source"_a, "target"_a, nb::kw_only(),
+      "noise_bound"_a = nb::none(), "voxel"_a = 0.0, "initial"_a = nb::none(),
+      "rotation_axis"_a = nb::none(), "translation_only"_a = false, "estimate_scale"_a = false,
+      "instances"_a = 1, "seed"_a = 0, "threads"_a = 1,
+      nb::sig("def register_clouds(source: PointCloud, target: PointCloud, *, noise_bound: "
+              "float | None = None, voxel: float = 0.0, initial: numpy.typing.ArrayLike | "
+              "None = None, rotation_axis: numpy.typing.ArrayLike | None = None, "
+              "translation_only: bool = False, estimate_scale: bool = False, instances: int = "
+              "1, seed: int = 0, threads: int = 1) -> CloudRegistration"),
+      "Pose of one cloud in another without given pairs: mutual matches of FPFH, outliers "
+      "rejected, then nearest neighbours and pose in turn (thesis 6.1-6.2).\n\nnoise_bound, "
+      "voxel: m, chosen by the clouds if not given. initial (4, 4): replaces the "
+      "features. rotation_axis (3,): turn about it alone, the same in both frames, as "
+      "gravity is. estimate_scale: the target is a scaled source. instances: poses looked "
+      "for, each in the points that remain.\n\nRaises ValueError for clouds or options that cannot "
+      "be used.");
   module.def(
       "register_described", &register_described, "source"_a, "source_features"_a, "target"_a,
       "target_features"_a, nb::kw_only(), "voxel"_a, "noise_bound"_a = nb::none(),

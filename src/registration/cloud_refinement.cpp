@@ -7,6 +7,7 @@
 #include <numbers>
 #include <optional>
 
+#include "palpate/core/statistics.hpp"
 #include "palpate/geometry/cloud/kd_tree.hpp"
 #include "palpate/geometry/cloud/normals.hpp"
 #include "registration/clock.hpp"
@@ -169,6 +170,23 @@ double standard_errors(const std::vector<double>& costs, const std::vector<doubl
   return variance > 0 ? mean / std::sqrt(variance * neighbours / count) : 0;
 }
 
+/// Of a thousand points or so.
+std::size_t sample_stride(const geometry::PointView& cloud) {
+  constexpr std::size_t kLooked = 1000;
+  return std::max<std::size_t>(1, cloud.size() / kLooked);
+}
+
+Eigen::Vector3d median_point(const geometry::PointView& cloud) {
+  const std::size_t stride = sample_stride(cloud);
+  Eigen::Vector3d center;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<double> values;
+    for (std::size_t i = 0; i < cloud.size(); i += stride) values.push_back(cloud.point(i)[axis]);
+    center[axis] = median(values);
+  }
+  return center;
+}
+
 /// Withdraws the pose.
 void refuse(RegistrationResult& result) {
   result.status = RegistrationStatus::kNoConsensus;
@@ -178,6 +196,32 @@ void refuse(RegistrationResult& result) {
 
 }  // namespace
 
+std::optional<PointCloud> without_far_points(const geometry::PointView& cloud) {
+  constexpr double kFar = 1000;
+  if (cloud.size() < 3) return std::nullopt;
+  const Eigen::Vector3d center = median_point(cloud);
+  const std::size_t stride = sample_stride(cloud);
+  std::vector<double> distances;
+  for (std::size_t i = 0; i < cloud.size(); i += stride) {
+    distances.push_back((cloud.point(i) - center).lpNorm<Eigen::Infinity>());
+  }
+  const double limit = kFar * median(distances);
+  if (!(limit > 0)) return std::nullopt;
+  const auto is_far = [&](std::size_t i) {
+    return (cloud.point(i) - center).lpNorm<Eigen::Infinity>() > limit;
+  };
+  std::size_t first = 0;
+  while (first < cloud.size() && !is_far(first)) ++first;
+  if (first == cloud.size()) return std::nullopt;
+  PointCloud kept;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    if (is_far(i)) continue;
+    kept.points.push_back(cloud.point(i));
+    if (cloud.has_normals()) kept.normals.push_back(cloud.normal(i));
+  }
+  return kept;
+}
+
 PointCloud thinned(const geometry::PointView& cloud) {
   constexpr std::size_t kMost = 10000;
   const double cell = voxel_cell_for(cloud, kMost);
@@ -186,8 +230,8 @@ PointCloud thinned(const geometry::PointView& cloud) {
 
 void add_normals(PointCloud& cloud, const FeatureOptions& options, int threads) {
   if (cloud.has_normals() || cloud.size() < 3) return;
-  cloud.normals =
-      geometry::plane_normals(geometry::KdTree(cloud.points), options.normal_neighbours, threads);
+  cloud = geometry::with_plane_normals(std::move(cloud), options.normal_neighbours, threads,
+                                       geometry::CollinearPoints::kDrop);
 }
 
 void refine_clouds(const PointCloud& source, const PointCloud& target, const CloudOptions& options,

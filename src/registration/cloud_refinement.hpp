@@ -1,9 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
+
 #include "palpate/registration/cloud_registration.hpp"
 
 namespace palpate::registration {
+
+/// The points that are at most a thousand times as far out as half of them are; nothing if those
+/// are all. One far point would make every grid too coarse.
+std::optional<geometry::PointCloud> without_far_points(const geometry::PointView& cloud);
 
 /// The cloud itself, or so many of its points that nearest neighbours are found soon.
 geometry::PointCloud thinned(const geometry::PointView& cloud);

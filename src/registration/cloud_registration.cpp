@@ -12,7 +12,9 @@
 #include "palpate/geometry/cloud/kd_tree.hpp"
 #include "palpate/geometry/cloud/normals.hpp"
 #include "registration/clock.hpp"
+#include "registration/cloud_instances.hpp"
 #include "registration/cloud_refinement.hpp"
+#include "registration/cloud_scale.hpp"
 #include "registration/neighbour_rounds.hpp"
 #include "registration/surface_motions.hpp"
 
@@ -23,15 +25,6 @@ using geometry::PointCloud;
 using geometry::PointView;
 
 constexpr int kFeatureNeighbours = 100;
-
-Correspondences matched(const FeatureCloud& source, const FeatureCloud& target, int threads) {
-  Correspondences pairs;
-  for (const auto& match : geometry::mutual_matches(source.features, target.features, threads)) {
-    append_pair(pairs, source.cloud, static_cast<std::size_t>(match.source), target.cloud,
-                static_cast<std::size_t>(match.target));
-  }
-  return pairs;
-}
 
 FeatureCloud turned_inside_out(FeatureCloud described) {
   for (auto& n : described.cloud.normals) n = -n;
@@ -73,7 +66,7 @@ std::optional<Eigen::Isometry3d> match_features(FeatureCloud from, const Feature
   const int tries = fpfh && (from.estimated_normals || to.estimated_normals) ? 2 : 1;
   for (int attempt = 0; attempt < tries; ++attempt) {
     if (attempt > 0) from = turned_inside_out(std::move(from));
-    Correspondences matches = matched(from, to, options.threads);
+    Correspondences matches = matched_features(from, to, options.threads);
     RegistrationResult found = register_correspondences(matches, search);
     if (attempt == 0 || found.false_alarms < registration.result.false_alarms) {
       registration.feature_matches = matches.size();
@@ -84,7 +77,7 @@ std::optional<Eigen::Isometry3d> match_features(FeatureCloud from, const Feature
     if (registration.result.false_alarms < kClearFalseAlarms) return std::nullopt;
   }
   if (!fpfh || !search.turns().all()) return std::nullopt;
-  const Correspondences matches = matched(mirrored(std::move(kept)), to, options.threads);
+  const Correspondences matches = matched_features(mirrored(std::move(kept)), to, options.threads);
   return register_correspondences(matches, search).T_target_source;
 }
 
@@ -126,8 +119,8 @@ void check_options(const CloudOptions& options) {
   }
   const auto& registration = options.registration;
   check(registration);
-  if (registration.estimate_scale || registration.instances > 1) {
-    throw BadInput("an unknown scale and instances go with correspondences, not with clouds");
+  if (registration.estimate_scale && (registration.instances > 1 || registration.initial)) {
+    throw BadInput("of clouds, an unknown scale excludes instances and an initial pose");
   }
 }
 
@@ -154,7 +147,8 @@ CloudRegistration register_prepared(const PreparedCloud& from, const PreparedClo
   registration.voxel = voxel;
   registration.noise_bound = noise_bound_of(options, voxel);
   registration.result.false_alarms = 1;
-  if (std::min(from.described.cloud.size(), to.described.cloud.size()) < 3 ||
+  if (std::min({from.described.cloud.size(), to.described.cloud.size(), from.dense.size(),
+                to.dense.size()}) < 3 ||
       is_degenerate(from.dense, to.dense, options.registration.turns(), options.threads,
                     registration.result)) {
     registration.result.status = RegistrationStatus::kDegenerate;
@@ -197,9 +191,10 @@ FeatureCloud describe(const PointView& cloud, double voxel, const FeatureOptions
   result.cloud = geometry::voxel_sampled(cloud, voxel);
   if (result.cloud.size() < 3) return result;
   if (!result.cloud.has_normals()) {
-    result.cloud =
-        geometry::with_normals(std::move(result.cloud), options.normal_neighbours, threads);
+    result.cloud = geometry::with_normals(std::move(result.cloud), options.normal_neighbours,
+                                          threads, geometry::CollinearPoints::kDrop);
     result.estimated_normals = true;
+    if (result.cloud.size() < 3) return result;
   }
   result.features = geometry::fpfh(result.cloud, options.feature_radius_voxels * voxel,
                                    kFeatureNeighbours, threads);
@@ -210,6 +205,9 @@ FeatureCloud describe(const PointView& cloud, double voxel, const FeatureOptions
 CloudRegistration register_described(const FeatureCloud& source, const FeatureCloud& target,
                                      double voxel, const CloudOptions& options) {
   check_options(options);
+  if (options.registration.estimate_scale || options.registration.instances > 1) {
+    throw BadInput("an unknown scale and instances do not go with features of one's own");
+  }
   if (!(voxel > 0)) throw BadInput(fmt::format("voxel {} m is not positive", voxel));
   for (const FeatureCloud* cloud : {&source, &target}) check_described(*cloud);
   const double start = now();
@@ -219,15 +217,17 @@ CloudRegistration register_described(const FeatureCloud& source, const FeatureCl
   return registration;
 }
 
-CloudRegistration register_clouds(const PointView& source, const PointView& target,
-                                  const CloudOptions& options) {
+namespace {
+
+/// One pose at the source's own scale.
+CloudRegistration register_once(const PointView& source, const PointView& target,
+                                const CloudOptions& options) {
   const double start = now();
-  check_options(options);
   const PointView* clouds[] = {&source, &target};
-  for (const auto* cloud : clouds) geometry::check_cloud(*cloud);
   PointCloud dense[2];
   parallel_for(2, options.threads, [&](std::size_t k) { dense[k] = thinned(*clouds[k]); });
   const bool given = options.features.voxel > 0;
+  const bool initial = options.registration.initial.has_value();  // needs no features
   const double voxel =
       given ? options.features.voxel
             : suggested_voxel(dense[0], dense[1], options.features.most_points, options.threads);
@@ -239,8 +239,9 @@ CloudRegistration register_clouds(const PointView& source, const PointView& targ
   FeatureCloud described[2];
   const int threads_each = (options.threads + 1) / 2;
   parallel_for(2, options.threads, [&](std::size_t k) {
-    described[k] =
-        describe(given ? *clouds[k] : PointView(dense[k]), voxel, options.features, threads_each);
+    described[k] = initial ? FeatureCloud{dense[k], {}}
+                           : describe(given ? *clouds[k] : PointView(dense[k]), voxel,
+                                      options.features, threads_each);
     if (described[k].cloud.size() >= 3) add_normals(dense[k], options.features, threads_each);
   });
   const double described_at = now();
@@ -249,6 +250,19 @@ CloudRegistration register_clouds(const PointView& source, const PointView& targ
   registration.feature_seconds += described_at - start;
   registration.result.seconds = now() - start;
   return registration;
+}
+
+}  // namespace
+
+CloudRegistration register_clouds(const PointView& source, const PointView& target,
+                                  const CloudOptions& options) {
+  check_options(options);
+  for (const auto* cloud : {&source, &target}) geometry::check_cloud(*cloud);
+  if (const auto kept = without_far_points(source)) return register_clouds(*kept, target, options);
+  if (const auto kept = without_far_points(target)) return register_clouds(source, *kept, options);
+  if (options.registration.estimate_scale) return register_scaled_clouds(source, target, options);
+  if (options.registration.instances > 1) return register_instances(source, target, options);
+  return register_once(source, target, options);
 }
 
 }  // namespace palpate::registration

@@ -36,6 +36,8 @@ std::string_view to_string(FreeMotion::Kind kind) {
       return "rotation";
     case FreeMotion::Kind::kTranslation:
       return "translation";
+    case FreeMotion::Kind::kScaling:
+      return "scaling";
     case FreeMotion::Kind::kScrew:
       break;
   }

@@ -18,6 +18,16 @@ void append_pair(Correspondences& pairs, const PointCloud& source, std::size_t i
   pairs.target_normals.push_back(target.normals[j]);
 }
 
+Correspondences matched_features(const FeatureCloud& source, const FeatureCloud& target,
+                                 int threads) {
+  Correspondences pairs;
+  for (const auto& match : geometry::mutual_matches(source.features, target.features, threads)) {
+    append_pair(pairs, source.cloud, static_cast<std::size_t>(match.source), target.cloud,
+                static_cast<std::size_t>(match.target));
+  }
+  return pairs;
+}
+
 NeighbourRounds::NeighbourRounds(const PointCloud& source, const PointCloud& target,
                                  Primitive primitive, const AllowedTurns& turns, int threads)
     : source_(source),

@@ -5,6 +5,7 @@
 
 #include "palpate/geometry/cloud/kd_tree.hpp"
 #include "palpate/geometry/cloud/point_cloud.hpp"
+#include "palpate/registration/cloud_registration.hpp"
 #include "palpate/registration/pose.hpp"
 
 namespace palpate::registration {
@@ -12,6 +13,10 @@ namespace palpate::registration {
 /// Adds point i of the source with point j of the target, both with normals.
 void append_pair(Correspondences& pairs, const geometry::PointCloud& source, std::size_t i,
                  const geometry::PointCloud& target, std::size_t j);
+
+/// Mutual matches of features, with the points' normals.
+Correspondences matched_features(const FeatureCloud& source, const FeatureCloud& target,
+                                 int threads);
 
 /// Nearest neighbours of one cloud in another, round after round; the lists' memory is used again,
 /// and a round looks no farther than the partners of the one before.

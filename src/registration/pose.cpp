@@ -81,6 +81,8 @@ void assess(PoseEstimate& estimate, const Problem& problem, const Correspondence
   estimate.free_motions = free_motions(about, options.rank_tolerance);
   estimate.rank = 6 - static_cast<int>(estimate.free_motions.size());
   estimate.information = about_origin(about_center, center);
+  estimate.centred_information = about_center;
+  estimate.center = center;
   conclude(estimate, problem.marginal.objective.trace(), options);
 }
 

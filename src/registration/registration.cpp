@@ -216,8 +216,8 @@ void find_more(const Correspondences& correspondences, const RegistrationOptions
 /// Residuals are taken to be normal with one variance, which the inliers tell. Wrong pairs near the
 /// bound, uniform in its ball, leave and join the inliers as the pose moves, which on average
 /// undoes their pull: of the information only the right ones' share counts.
-Matrix6d covariance_of(const RegistrationResult& result, Primitive primitive,
-                       const AllowedTurns& turns) {
+Matrix6d covariance_of(const PoseEstimate& estimate, const RegistrationResult& result,
+                       Primitive primitive, const AllowedTurns& turns) {
   const auto twists = allowed_twists(turns);
   const double residuals =
       (primitive == Primitive::kPoint ? 3 : 1) * static_cast<double>(result.inliers.size());
@@ -227,9 +227,12 @@ Matrix6d covariance_of(const RegistrationResult& result, Primitive primitive,
   constexpr double kLeastShare = 0.25;
   const double right = 1 - result.false_inliers / static_cast<double>(result.inliers.size());
   const double share = std::max(kLeastShare, right);
-  const Eigen::MatrixXd information = twists.transpose() * result.information * twists;
-  return result.cost / (freedom - 2) / (share * share) * twists * information.inverse() *
-         twists.transpose();
+  const Eigen::MatrixXd information = twists.transpose() * estimate.centred_information * twists;
+  Matrix6d to_origin = Matrix6d::Identity();
+  to_origin.bottomLeftCorner<3, 3>() = skew(estimate.center);
+  const Eigen::MatrixXd moved = to_origin * twists;
+  return result.cost / (freedom - 2) / (share * share) * moved * information.inverse() *
+         moved.transpose();
 }
 
 /// Of a turn, the translation following, against a cost that differs by `bound`.
@@ -283,8 +286,8 @@ void report_final_solve(const PoseEstimate& estimate, const Correspondences& cor
     return;
   }
   result.T_target_source = estimate.T_target_source;
-  result.certificate.resolution_deg = resolution_deg(estimate.information, estimate.bound);
-  result.covariance = covariance_of(result, primitive, turns);
+  result.certificate.resolution_deg = resolution_deg(estimate.centred_information, estimate.bound);
+  result.covariance = covariance_of(estimate, result, primitive, turns);
   result.residuals =
       squared_residuals(correspondences, estimate.T_target_source, Primitive::kPoint);
   for (double& r : result.residuals) r = std::sqrt(r);

@@ -118,6 +118,21 @@ class Register(CliTest):
                 self.assertAlmostEqual(report["T_target_source"][10], 1, delta=1e-12)
                 self.assertEqual(report["covariance"][0], [0.0] * 6)
 
+    def test_clouds_of_unknown_scale_and_several_instances(self):
+        target = [moved(p) for p in lump(1)]
+        clouds = [self.write("mm.xyz", xyz([[1000 * c for c in p] for p in lump(2)])),
+                  self.write("t.xyz", xyz(target))]
+        report = self.run_json("register", *clouds, "--scale")
+        self.assertEqual(report["status"], "found")
+        self.assertAlmostEqual(report["scale"], 0.001, delta=1e-5)
+        self.assert_quarter_turn(report["T_target_source"], 0.05)
+        both = target + [(p[0] + 0.4, p[1], p[2]) for p in lump(3)]
+        clouds = [self.write("s.xyz", xyz(lump(2))), self.write("both.xyz", xyz(both))]
+        report = self.run_json("register", *clouds, "--instances", "3")
+        self.assertEqual(len(report["instances"]), 1)
+        shifts = sorted(pose["T_target_source"][3] for pose in (report, *report["instances"]))
+        self.assertAlmostEqual(shifts[1], 0.4, delta=0.005)
+
     def test_several_instances_and_the_runner_up(self):
         source = random.Random(9)
         rows = ["sx,sy,sz,tx,ty,tz"]
@@ -248,8 +263,8 @@ class Register(CliTest):
             (["register", "--correspondences", file, "--primitive", "plane"], BAD_INPUT),
             (["register", "--correspondences", file, "--initial", MIRROR], BAD_INPUT),
             (["register", "--correspondences", file, "--instances", "0"], USAGE),
-            (["register", "box.stl", "box.stl", "--scale"], BAD_INPUT),
-            (["register", "box.stl", "box.stl", "--instances", "2"], BAD_INPUT),
+            (["register", "box.stl", "box.stl", "--scale", "--initial", IDENTITY], BAD_INPUT),
+            (["register", "box.stl", "box.stl", "--scale", "--instances", "2"], BAD_INPUT),
             (["register", "box.stl", "box.stl", "--gravity", "0", "0", "0"], BAD_INPUT),
             (["register", "box.stl", "box.stl", "--gravity", "0", "1"], USAGE),
             (["register", "box.stl", "box.stl", "--known-scale", "-1"], USAGE),

@@ -314,5 +314,19 @@ TEST(Register, ManyCorrespondences) {
   EXPECT_NEAR(static_cast<double>(result.inliers.size()), 5000, 150);
 }
 
+// Far from the origin, as in maps, the information about it drowns all but the arms to it.
+TEST(RegisterCorrespondences, CovarianceFarFromTheOrigin) {
+  auto problem = make_problem({.pairs = 100, .noise = 0.001}, RandomStream(5, "far"));
+  const auto near = register_correspondences(problem.correspondences);
+  const Eigen::Vector3d shift(1e7, -2e7, 3e6);
+  for (auto& p : problem.correspondences.target) p += shift;
+  const auto far = register_correspondences(problem.correspondences);
+  ASSERT_TRUE(near.T_target_source && far.T_target_source);
+  const Eigen::Matrix3d turn = near.covariance.topLeftCorner<3, 3>();
+  EXPECT_LT((far.covariance.topLeftCorner<3, 3>() - turn).norm(), 1e-3 * turn.norm());
+  const Eigen::Matrix3d moved = skew(shift) * turn * skew(shift).transpose();
+  EXPECT_LT((far.covariance.bottomRightCorner<3, 3>() - moved).norm(), 1e-3 * moved.norm());
+}
+
 }  // namespace
 }  // namespace palpate::registration

@@ -73,7 +73,13 @@ struct CloudRegistration {
 /// slid along themselves (sphere, cylinder, cone, torus, plane), with their `free_motions`. An
 /// initial pose starts the refinement alone, a rotation axis or translation_only limits it and the
 /// search. Large clouds are read where they are, and not copied.
-/// @throws BadInput as check_cloud(), with_normals() and register_correspondences()
+///
+/// With `estimate_scale` the target is T_target_source of `scale` times the source; the covariance
+/// takes the scale as exact. Pairs that leave the scale free, as those of three planes do, are
+/// kDegenerate with a scaling among the `free_motions`. With several `instances` each further pose
+/// is found in the points of the target farther than the noise bound from the ones before.
+/// @throws BadInput as check_cloud(), with_normals() and register_correspondences(), and for an
+///         unknown scale with instances or an initial pose
 CloudRegistration register_clouds(const geometry::PointView& source,
                                   const geometry::PointView& target,
                                   const CloudOptions& options = {});
@@ -81,7 +87,8 @@ CloudRegistration register_clouds(const geometry::PointView& source,
 /// The same for clouds with features of any kind, one column a point, that are nearest for like
 /// places; both of the same voxel. Mirrored clouds are told from others by FPFH alone.
 /// @param voxel  m, distance between the points
-/// @throws BadInput also for another number of features or normals than points
+/// @throws BadInput also for another number of features or normals than points, an unknown scale
+///         and instances
 CloudRegistration register_described(const FeatureCloud& source, const FeatureCloud& target,
                                      double voxel, const CloudOptions& options = {});
 

@@ -10,15 +10,16 @@ namespace palpate::registration {
 
 /// A motion of the source that the residuals do not notice, in the target's frame.
 struct FreeMotion {
-  enum class Kind { kRotation, kTranslation, kScrew };
+  enum class Kind { kRotation, kTranslation, kScrew, kScaling };
 
   Kind kind = Kind::kTranslation;
   Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();  ///< of the axis or shift, unit
-  Eigen::Vector3d point = Eigen::Vector3d::Zero();       ///< m, on the axis; of a shift the centre
-  double pitch = 0;                                      ///< m/rad, of a screw
+  /// m, on the axis; of a shift the centre, of a scaling the point that stays
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();
+  double pitch = 0;  ///< m/rad, of a screw
 };
 
-/// "rotation", "translation" or "screw".
+/// "rotation", "translation", "screw" or "scaling", where the scale is unknown, too.
 std::string_view to_string(FreeMotion::Kind kind);
 
 /// What residuals tell of a motion about their centre.

@@ -42,7 +42,10 @@ struct PoseEstimate {
   double reference = 0;  ///< max(cost, tr(Q~)/10), what the bound is small against, m^2
   int rank = 0;          ///< of the information matrix, 0..6; motions that are not allowed count
   Matrix6d information = Matrix6d::Zero();  ///< at the pose, of twists [w; v] in the target frame
-  std::vector<FreeMotion> free_motions;     ///< 6 - rank of them
+  /// The same about the points' centre, in digits that do not depend on how far off that is.
+  Matrix6d centred_information = Matrix6d::Zero();
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();  ///< m, target frame
+  std::vector<FreeMotion> free_motions;              ///< 6 - rank of them
 };
 
 /// Pose that minimises the sum of weighted squared residuals, with its certificate.

@@ -66,18 +66,22 @@ std::optional<Eigen::Vector3d> fitted_normal(const std::vector<Eigen::Vector3d>&
   return eigen.eigenvectors().col(0);
 }
 
+/// 0 where the neighbours are collinear.
 std::vector<Eigen::Vector3d> fitted_normals(const std::vector<Eigen::Vector3d>& points,
                                             const Lists& lists, int threads) {
   std::vector<Eigen::Vector3d> normals(points.size());
   parallel_blocks(points.size(), threads, [&](std::size_t i) {
-    const auto normal = fitted_normal(points, lists[i]);
-    if (!normal) {
-      throw BadInput(fmt::format("no normal at point {}: its {} neighbours are collinear", i,
-                                 lists[i].size()));
-    }
-    normals[i] = *normal;
+    normals[i] = fitted_normal(points, lists[i]).value_or(Eigen::Vector3d::Zero());
   });
   return normals;
+}
+
+void check_fitted(const std::vector<Eigen::Vector3d>& normals, const Lists& lists) {
+  for (std::size_t i = 0; i < normals.size(); ++i) {
+    if (!normals[i].isZero(0)) continue;
+    throw BadInput(
+        fmt::format("no normal at point {}: its {} neighbours are collinear", i, lists[i].size()));
+  }
 }
 
 /// Prim's spanning tree from `start`, flipping every normal that turns against its parent's.
@@ -130,14 +134,47 @@ std::optional<Eigen::Vector3d> plane_normal(const KdTree& tree, const Eigen::Vec
 }
 
 std::vector<Eigen::Vector3d> plane_normals(const KdTree& tree, int neighbours, int threads) {
-  return fitted_normals(tree.points(), nearest_lists(tree, neighbours, threads), threads);
+  const Lists lists = nearest_lists(tree, neighbours, threads);
+  auto normals = fitted_normals(tree.points(), lists, threads);
+  check_fitted(normals, lists);
+  return normals;
 }
 
-PointCloud with_normals(PointCloud cloud, int neighbours, int threads) {
+namespace {
+
+/// Fits the normals, of either sign; without points that have none, the others' neighbours change.
+/// @return the neighbours
+Lists fit_normals(PointCloud& cloud, int neighbours, int threads, CollinearPoints collinear) {
   cloud.normals.clear();
   check_cloud(cloud);
-  const Lists lists = nearest_lists(KdTree(cloud.points), neighbours, threads);
-  cloud.normals = fitted_normals(cloud.points, lists, threads);
+  for (;;) {
+    const Lists lists = nearest_lists(KdTree(cloud.points), neighbours, threads);
+    auto normals = fitted_normals(cloud.points, lists, threads);
+    if (collinear == CollinearPoints::kRefuse) check_fitted(normals, lists);
+    std::vector<int> kept;
+    for (std::size_t i = 0; i < normals.size(); ++i) {
+      if (!normals[i].isZero(0)) kept.push_back(static_cast<int>(i));
+    }
+    if (kept.size() == normals.size()) {
+      cloud.normals = std::move(normals);
+      return lists;
+    }
+    cloud = subset(cloud, kept);
+    if (cloud.size() < 3) return {};
+  }
+}
+
+}  // namespace
+
+PointCloud with_plane_normals(PointCloud cloud, int neighbours, int threads,
+                              CollinearPoints collinear) {
+  fit_normals(cloud, neighbours, threads, collinear);
+  return cloud.has_normals() ? cloud : PointCloud{};
+}
+
+PointCloud with_normals(PointCloud cloud, int neighbours, int threads, CollinearPoints collinear) {
+  const Lists lists = fit_normals(cloud, neighbours, threads, collinear);
+  if (!cloud.has_normals()) return {};
   orient_consistently(cloud.points, graph_of(lists), cloud.normals);
   return cloud;
 }
