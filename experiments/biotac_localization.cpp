@@ -99,7 +99,8 @@ Result pick_and_locate_twice(const geometry::ObjectModel& object, const Inverse&
   skills::Executor robot(world.hand(), world.hand_model(),
                          evaluation::waiting_command(world.hand_model()),
                          {[&](const auto& reading, const auto&) { evaluator.observe(reading); },
-                          [](estimation::TouchEvent) {}});
+                          [](estimation::TouchEvent) {},
+                          {}});
   const auto picked = skills::pick(robot, object, options.pick, seed);
   const auto& symmetries = object.object().symmetries;
   Result result;

@@ -110,7 +110,8 @@ Outcome Watch::run(const geometry::ObjectModel& model) {
          const auto truth = world_.truth();
          ticks_.push_back({reading.base.pose(), truth.T_world_object, truth.lowest_point});
        },
-       [&](TouchEvent mark) { marks[mark] = ticks_.size() - 1; }},
+       [&](TouchEvent mark) { marks[mark] = ticks_.size() - 1; },
+       {}},
       &models);
   PhaseObserver observer{
       [&](std::string_view phase, double) { begins[std::string(phase)] = ticks_.size() - 1; },

@@ -25,7 +25,7 @@ skills::Executor HandScene::make_robot(const geometry::KnownObject& object, std:
   return {world_.hand(),
           world_.hand_model(),
           evaluation::waiting_command(world_.hand_model()),
-          {note, {}}};
+          {note, {}, {}}};
 }
 
 }  // namespace palpate::experiment

@@ -128,7 +128,8 @@ TEST(Executor, TellsOfEveryTickAndMark) {
   int ticks = 0;
   std::vector<estimation::TouchEvent> marks;
   Scene scene({}, {[&](const HandReading&, const hand::HandCommand&) { ++ticks; },
-                   [&](estimation::TouchEvent mark) { marks.push_back(mark); }});
+                   [&](estimation::TouchEvent mark) { marks.push_back(mark); },
+                   {}});
   scene.robot.mark(estimation::TouchEvent::felt);
   scene.robot.wait(0.2);
   scene.robot.mark(estimation::TouchEvent::closed);

@@ -30,13 +30,15 @@ struct Exploring {
           last = reading.base.xyz;
         }),
         robot(hand, model, hand::resting_command(),
-              {{}, [this](estimation::TouchEvent mark) {
+              {{},
+               [this](estimation::TouchEvent mark) {
                  sweeping = mark == estimation::TouchEvent::guarded_move;
                  if (!sweeping) return;
                  start = last;
                  starts.push_back(robot.command().base);
                  ++guarded_moves;
-               }}) {
+               },
+               {}}) {
     locate.search.proposals = 2000;
     locate.search.particles = 100;
     options.refining = 0;

@@ -5,6 +5,7 @@
 
 #include <set>
 
+#include "hand/descriptions.hpp"
 #include "palpate/core/assets.hpp"
 #include "palpate/simulation/hand/load_hand.hpp"
 #include "skills/lowest_part.hpp"

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "palpate/hand/tip_forces.hpp"
 #include "skills/last_contacts.hpp"
 #include "skills/motion_constants.hpp"
 
