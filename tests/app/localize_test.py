@@ -174,7 +174,7 @@ class Localize(CliTest):
         self.write("contacts.csv", csv(contacts_on_box(3)))
         self.write("free.csv", "x,y,z,radius\n0,0,0,-1\n")
         self.write("prior.json", "{}")
-        for option, name, word in (("--free", "free.csv", "radius"), ("--prior", "prior.json", "modes")):
+        for option, name, word in (("--free", "free.csv", "radius"), ("--prior", "prior.json", "report")):
             self.assert_refused(
                 BAD_INPUT, ["localize", "box.stl", "contacts.csv", option, name], name, word
             )
