@@ -23,7 +23,7 @@ class Usage(CliTest):
         self.assert_refused(USAGE, ["pick", "--objekt", "mug"], "--objekt")
         self.assert_refused(USAGE, ["pick", "--seed", "many"], "many")
         self.assert_refused(USAGE, ["pick", "--seed", "-1"], "-1")
-        self.assert_refused(USAGE, ["pick", "--threads", "0"], "0")
+        self.assert_refused(USAGE, ["pick", "--threads", "0"], "--threads")
         self.assert_refused(USAGE, ["eval", "--trials", "0"], "0")
         self.assert_refused(USAGE, ["replay"], "recording")
 

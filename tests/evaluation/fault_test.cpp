@@ -120,7 +120,6 @@ TEST(Faults, ACampaignCountsWhatTheRobotNamed) {
   EXPECT_EQ(summary.crashed, 0u);
   EXPECT_EQ(summary.lifted, 0u);
   EXPECT_EQ(summary.stopped.at("not_finite"), 2u);
-  EXPECT_GT(summary.longest_stop, 0);
   EXPECT_LT(summary.longest_stop, 0.051);
 }
 

@@ -192,20 +192,18 @@ TEST(Trial, WhatHasSlippedIsPressedHarder) {
 
 TEST(Trial, WhatIsHeldInAnUnknownPoseIsPutDownAndFeltAnew) {
   TrialOptions options = quick_options();
-  options.pick.explore.touches = 1;
-  options.pick.explore.max_touches = 1;
-  options.pick.explore.refining = 0;
+  options.pick.explore.touches = 0;
   options.pick.palpation.max = 0;
   options.pick.attempts = 2;
   const Trial trial = run_trial(model("mug"), options, kSeed);
-  ASSERT_EQ(trial.result.attempts, 2);
-  EXPECT_TRUE(trial.result.held);
+  EXPECT_EQ(trial.result.attempts, 2);
   std::vector<std::string> names;
   for (const auto& phase : trial.result.phases) names.push_back(phase.name);
-  const auto lift = std::find(names.begin(), names.end(), "lift");
-  const auto down = std::find(lift, names.end(), "put-down");
-  EXPECT_NE(std::find(down, names.end(), "explore"), names.end());
-  EXPECT_NE(std::find(down, names.end(), "lift"), names.end());
+  auto next = names.begin();
+  for (const char* name : {"lift", "pose", "put-down", "height_probe", "grasp"}) {
+    next = std::find(next, names.end(), name);
+    EXPECT_NE(next, names.end()) << name;
+  }
 }
 
 TEST(Trial, PutsDownWhatHangsToGraspItAnew) {

@@ -90,7 +90,8 @@ TEST(CalibratePhase, FindsTheTableTheMountAndTheLoadOfAnUnknownRobot) {
   Calibrating scene(6, simulation::WorldOptions::realistic());
   const auto report = scene.calibrate();
   EXPECT_EQ(report.status, PhaseStatus::ok) << report.outcome;
-  EXPECT_LT(apart(scene.robot.log().T_world_table, scene.world.truth().T_world_table), 0.003);
+  EXPECT_LT(apart(scene.robot.log().T_world_table, scene.world.truth().T_world_table), 0.006)
+      << "a third of the largest tilt that is drawn";
   EXPECT_LT(tip_error(scene.robot.model(), drawn_hand()), 0.0015);
   EXPECT_LT(scene.robot.steady_load().norm(), 0.3);
 }

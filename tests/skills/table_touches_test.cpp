@@ -36,8 +36,9 @@ TEST(TableTouches, EachFingertipIsTheLowestPartOfTheHandInSome) {
 TEST(TableTouches, TheNextOneIsNear) {
   const auto touches = telling_touches(shadow(), {});
   const auto turn = [](const TableTouch& a, const TableTouch& b) {
-    return std::max(std::abs(a.attitude.pitch - b.attitude.pitch),
-                    std::abs(a.attitude.roll - b.attitude.roll));
+    return std::max({std::abs(a.attitude.pitch - b.attitude.pitch),
+                     std::abs(a.attitude.roll - b.attitude.roll),
+                     (a.posture - b.posture).cwiseAbs().maxCoeff()});
   };
   double next = 0, any = 0;
   for (std::size_t i = 0; i < touches.size(); ++i) {
