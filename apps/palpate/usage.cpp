@@ -29,7 +29,7 @@ TypeName type_name_of(const CLI::Option* option) {
 
 bool is_choice(const std::string& limits) { return limits.starts_with('{'); }
 
-std::string placeholder(const CLI::Option* option) {
+std::string value_name(const CLI::Option* option) {
   if (!option->get_option_text().empty()) return option->get_option_text();
   auto [type, limits] = type_name_of(option);
   if (is_choice(limits)) {
@@ -123,7 +123,7 @@ std::string unexpected(const CLI::App* command, const std::string& argument) {
 
 std::string HelpFormatter::make_option_opts(const CLI::Option* option) const {
   if (option->get_type_size() == 0) return "";
-  const std::string text = placeholder(option);
+  const std::string text = value_name(option);
   const bool many = option->get_expected_max() == CLI::detail::expected_max_vector_size;
   return (text.empty() ? "" : " " + text) +
          (many && option->get_option_text().empty() ? "..." : "");

@@ -9,7 +9,7 @@
 
 namespace palpate::app {
 
-/// Help as text of at most 100 columns: each option with its placeholder, and after its
+/// Help as text of at most 100 columns: each option with the name of its value, and after its
 /// description its default and its range.
 class HelpFormatter : public CLI::Formatter {
  public:

@@ -7,9 +7,9 @@
 #include <limits>
 
 #include "estimation/fallen.hpp"
-#include "estimation/followed_pose.hpp"
 #include "estimation/log_evidence.hpp"
 #include "estimation/prior_after_grasp.hpp"
+#include "estimation/tracked_pose.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/estimation/height_probe.hpp"
 
@@ -156,16 +156,16 @@ std::vector<EventLog::Moment> moments_of_resting(const EventLog& log) {
 /// @param before_lift  in the hand's base
 /// @param probability  of the object
 /// @param posterior  in the world
-void compare_with_followed(const HeldObject& held, const localization::Posterior& before_lift,
-                           double probability, localization::Posterior& posterior) {
+void compare_with_tracked(const HeldObject& held, const localization::Posterior& before_lift,
+                          double probability, localization::Posterior& posterior) {
   const auto lifts = held.log.all(TouchEvent::held);
   const auto lift = std::upper_bound(lifts.begin(), lifts.end(), held.closed);
   if (lift == lifts.end() || *lift != held.at) return;
-  localization::Posterior followed;
-  followed.modes = {follow(held, held.at, before_lift)};
-  followed.modes.front().weight = probability;
-  transform(held.log.readings[held.at].base.pose(), followed);
-  add_followed_pose(followed.modes.front(), held.model.object().symmetries, posterior);
+  localization::Posterior tracked;
+  tracked.modes = {track_best_mode(held, held.at, before_lift)};
+  tracked.modes.front().weight = probability;
+  transform(held.log.readings[held.at].base.pose(), tracked);
+  add_tracked_pose(tracked.modes.front(), held.model.object().symmetries, posterior);
 }
 
 }  // namespace
@@ -291,9 +291,9 @@ HeldPoseEstimate PoseEstimator::held(const hand::Description& hand, const EventL
   estimate.posterior = conclude(hypotheses);
   const std::size_t best = probabilities_.best;
   if (closed && log.hangs_at(*at) && has_pose(before_lift_[best])) {
-    compare_with_followed({*candidates_[best], hand, log, *closed_at_, *at, options_, seed_},
-                          before_lift_[best].posterior, probabilities_.candidates[best],
-                          estimate.posterior);
+    compare_with_tracked({*candidates_[best], hand, log, *closed_at_, *at, options_, seed_},
+                         before_lift_[best].posterior, probabilities_.candidates[best],
+                         estimate.posterior);
   }
   for (auto& contact : estimate.contacts) transform(T_world_base, contact);
   return estimate;

@@ -7,8 +7,8 @@
 #include <optional>
 #include <vector>
 
-#include "estimation/followed_pose.hpp"
 #include "estimation/in_hand_motion.hpp"
+#include "estimation/tracked_pose.hpp"
 #include "palpate/localization/pose_prior.hpp"
 
 namespace palpate::estimation {
@@ -18,7 +18,7 @@ constexpr int kSlides = 2;        // how often a grasp may slide, each time
 constexpr double kFarther = 3.0;  // so many times as far
 constexpr double kMotionError =
     0.25;                            // of the motion in the hand that the fingertips tell of, sigma
-constexpr double kSwing = 0.02;      // rad, sigma of a turn that was followed in two fingertips
+constexpr double kSwing = 0.02;      // rad, sigma of a turn that was tracked in two fingertips
 constexpr double kUntracked = 0.05;  // rad, sigma of a turn in two fingertips that was not
 constexpr double kSteadyMass = 0.2;  // kg, of an object that closing fingers do not push
 constexpr double kStirred = 3.0;     // so many times as far, where it was rolled or grasped again
@@ -37,9 +37,9 @@ std::optional<std::size_t> lifted(const HeldObject& held) {
 /// How the object has moved from the closed hand to the lifted one, in the hand's base, as its
 /// contacts wander over it.
 /// @param posterior  at the closed hand, in the base
-Eigen::Isometry3d followed(const HeldObject& held, std::size_t lifted,
-                           const localization::Posterior& posterior) {
-  return follow(held, lifted, posterior).T_frame_object *
+Eigen::Isometry3d tracked_motion(const HeldObject& held, std::size_t lifted,
+                                 const localization::Posterior& posterior) {
+  return track_best_mode(held, lifted, posterior).T_frame_object *
          posterior.modes.front().T_frame_object.inverse();
 }
 
@@ -50,7 +50,7 @@ struct MeasuredMotion {
   double share = 1, swing = 0;  ///< that it is so; rad, sigma about the loose axes
 };
 
-/// Where two fingertips hold it, it may have swung as it was followed, or not at all.
+/// Where two fingertips hold it, it may have swung as it was tracked, or not at all.
 /// @param posterior  at the closed hand, in the base
 std::vector<MeasuredMotion> measured_motions(const HeldObject& held,
                                              const localization::Posterior& posterior) {
@@ -63,7 +63,7 @@ std::vector<MeasuredMotion> measured_motions(const HeldObject& held,
   measured.way = (measured.motion.T * p - p).norm();
   const auto last = lifted(held);
   if (measured.motion.loose.empty() || !last) return {measured};
-  const Eigen::Isometry3d swing = followed(held, *last, posterior);
+  const Eigen::Isometry3d swing = tracked_motion(held, *last, posterior);
   const double angle = Eigen::AngleAxisd(swing.linear()).angle();
   MeasuredMotion swung = measured;
   swung.motion.T = move_from(*last).T * swing;

@@ -6,7 +6,8 @@
 #include <cmath>
 
 #include "hand/descriptions.hpp"
-#include "palpate/hand/shadow.hpp"
+#include "palpate/core/assets.hpp"
+#include "palpate/simulation/hand/load_hand.hpp"
 
 namespace palpate::estimation {
 namespace {
@@ -25,7 +26,8 @@ EventLog one_touch() {
 }
 
 double touched_sigma(double mass) {
-  const auto evidence = evidence_of_guarded_moves(hand::shadow_hand(), one_touch(), {}, mass, 0);
+  static const auto hand = simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
+  const auto evidence = evidence_of_guarded_moves(hand, one_touch(), {}, mass, 0);
   EXPECT_EQ(evidence.contacts.size(), 1u);
   return evidence.contacts.at(0).point_sigma;
 }

@@ -4,21 +4,14 @@
 #include <gtest/gtest.h>
 
 #include "hand/fake_hand.hpp"
-#include "palpate/core/assets.hpp"
 #include "palpate/evaluation/trial.hpp"
-#include "palpate/simulation/hand/load_hand.hpp"
 #include "palpate/simulation/world/world.hpp"
 #include "palpate/skills/pick.hpp"
 #include "palpate/skills/reorient/regrasp.hpp"
+#include "skills/soft_shadow.hpp"
 
 namespace palpate::skills {
 namespace {
-
-const hand::Description& shadow() {
-  static const auto model =
-      hand::with_soft_actuators(simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml")));
-  return model;
-}
 
 /// A hand over a table on which a block of some height stands around a place, or nothing.
 struct OverABlock {
@@ -26,10 +19,10 @@ struct OverABlock {
       : hand([=](hand::HandReading& reading) {
           const Eigen::Vector2d away = reading.base.xyz.head<2>() + kLevelCenter - place;
           const bool over = away.cwiseAbs().maxCoeff() < half_width;
-          if (over && estimation::lowest_of_hand(shadow(), reading) < height)
+          if (over && estimation::lowest_of_hand(soft_shadow(), reading) < height)
             reading.base_force.z() = -2;
         }),
-        robot(hand, shadow(), evaluation::waiting_command(shadow())) {}
+        robot(hand, soft_shadow(), evaluation::waiting_command(soft_shadow())) {}
   /// Of the flat hand at yaw 0, from its base.
   inline static const Eigen::Vector2d kLevelCenter{0.072, -0.005};
 
@@ -45,7 +38,7 @@ TEST(HeightProbePhase, FeelsHowTallTheObjectIs) {
     ASSERT_TRUE(end.ok) << end.outcome;
     EXPECT_NEAR(scene.state.height, height, 0.003);  // some ticks of the way down
     EXPECT_TRUE(scene.robot.log().at(estimation::TouchEvent::felt));
-    EXPECT_GT(estimation::lowest_of_hand(shadow(), scene.robot.reading()), height + 0.05);
+    EXPECT_GT(estimation::lowest_of_hand(soft_shadow(), scene.robot.reading()), height + 0.05);
   }
 }
 
@@ -54,7 +47,7 @@ double greatest_speed(const Executor& robot, double low, double high) {
   double speed = 0;
   const auto& readings = robot.log().readings;
   for (std::size_t i = 1; i < readings.size(); ++i) {
-    const double height = estimation::lowest_of_hand(shadow(), readings[i]);
+    const double height = estimation::lowest_of_hand(soft_shadow(), readings[i]);
     if (height < low || height > high) continue;
     speed =
         std::max(speed, (readings[i - 1].base.xyz.z() - readings[i].base.xyz.z()) / hand::kTick);
@@ -86,7 +79,7 @@ TEST(HeightProbePhase, TheBareTableIsNotTouched) {
   EXPECT_FALSE(HeightProbePhase(options).run(scene.robot, scene.state).ok);
   EXPECT_FALSE(scene.robot.log().at(estimation::TouchEvent::felt));
   for (const auto& reading : scene.robot.log().readings) {
-    EXPECT_GT(estimation::lowest_of_hand(shadow(), reading), options.clearance - 0.002);
+    EXPECT_GT(estimation::lowest_of_hand(soft_shadow(), reading), options.clearance - 0.002);
   }
 }
 

@@ -4,24 +4,17 @@
 #include <gtest/gtest.h>
 
 #include "hand/fake_hand.hpp"
-#include "palpate/core/assets.hpp"
 #include "palpate/hand/shadow.hpp"
-#include "palpate/simulation/hand/load_hand.hpp"
 #include "palpate/simulation/world/world.hpp"
+#include "skills/soft_shadow.hpp"
 
 namespace palpate::skills {
 namespace {
 
-const hand::Description& shadow() {
-  static const auto model =
-      hand::with_soft_actuators(simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml")));
-  return model;
-}
-
 /// A closed hand, up in the air, that has closed below.
 struct Holding {
   explicit Holding(hand::FakeHand::Script script = {})
-      : hand(std::move(script)), robot(hand, shadow(), closed_command()) {
+      : hand(std::move(script)), robot(hand, soft_shadow(), closed_command()) {
     robot.mark(estimation::TouchEvent::closed);
     hand::BasePosition up = robot.command().base;
     up.xyz.z() += 0.1;
@@ -78,7 +71,7 @@ TEST(ReleasePhase, LetsGoWhereTheHandHadClosedAndGoesAway) {
   }
   EXPECT_NEAR(opened_at, Holding::kHeight, 1e-9);
   for (int i = 0; i < hand::kShadowActuators; ++i) {
-    if (shadow().actuators[static_cast<std::size_t>(i)].finger < 0) continue;
+    if (soft_shadow().actuators[static_cast<std::size_t>(i)].finger < 0) continue;
     EXPECT_LE(holding.robot.command().positions[i], 0.1);
   }
   EXPECT_GT(holding.robot.command().base.xyz.z(), Holding::kHeight + 0.1);
@@ -92,9 +85,9 @@ TEST(ReleasePhase, TheNextTryIsWhereTheFingersLastTouched) {
     if (!touching) return;
     for (auto& tip : reading.contacts) tip.push_back({{0, 0, 0.02}, {0, 1, 0}, {0, -1, 0}});
   });
-  const auto T_base_link = hand::forward_kinematics(shadow(), holding.robot.reading().joints);
+  const auto T_base_link = hand::forward_kinematics(soft_shadow(), holding.robot.reading().joints);
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  for (const auto& finger : shadow().fingers) {
+  for (const auto& finger : soft_shadow().fingers) {
     mean += T_base_link[static_cast<std::size_t>(finger.link)] * Eigen::Vector3d(0, 0, 0.02) / 5;
   }
   const Eigen::Vector2d expected = (holding.robot.reading().base.pose() * mean).head<2>();

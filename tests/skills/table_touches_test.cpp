@@ -5,36 +5,28 @@
 
 #include <set>
 
-#include "hand/descriptions.hpp"
-#include "palpate/core/assets.hpp"
-#include "palpate/simulation/hand/load_hand.hpp"
 #include "skills/lowest_part.hpp"
+#include "skills/soft_shadow.hpp"
 
 namespace palpate::skills {
 namespace {
 
-const hand::Description& shadow() {
-  static const auto model =
-      hand::with_soft_actuators(simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml")));
-  return model;
-}
-
 TEST(TableTouches, EachFingertipIsTheLowestPartOfTheHandInSome) {
-  const auto touches = telling_touches(shadow(), {});
+  const auto touches = telling_touches(soft_shadow(), {});
   ASSERT_EQ(touches.size(), 40);
   std::set<int> fingers;
   for (const TableTouch& touch : touches) {
     fingers.insert(touch.finger);
-    const int tip = shadow().fingers[static_cast<std::size_t>(touch.finger)].link;
-    EXPECT_EQ(lowest_part(shadow(), touch.posture, touch.attitude),
-              lowest_part(shadow(), touch.posture, touch.attitude,
+    const int tip = soft_shadow().fingers[static_cast<std::size_t>(touch.finger)].link;
+    EXPECT_EQ(lowest_part(soft_shadow(), touch.posture, touch.attitude),
+              lowest_part(soft_shadow(), touch.posture, touch.attitude,
                           [tip](int link) { return link == tip; }));
   }
-  EXPECT_EQ(fingers.size(), shadow().fingers.size());
+  EXPECT_EQ(fingers.size(), soft_shadow().fingers.size());
 }
 
 TEST(TableTouches, TheNextOneIsNear) {
-  const auto touches = telling_touches(shadow(), {});
+  const auto touches = telling_touches(soft_shadow(), {});
   const auto turn = [](const TableTouch& a, const TableTouch& b) {
     return std::max({std::abs(a.attitude.pitch - b.attitude.pitch),
                      std::abs(a.attitude.roll - b.attitude.roll),

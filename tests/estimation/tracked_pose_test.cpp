@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "estimation/followed_pose.hpp"
+#include "estimation/tracked_pose.hpp"
 
 #include <gtest/gtest.h>
 
@@ -26,17 +26,17 @@ Posterior one_pose(double angle, double weight) {
   return posterior;
 }
 
-TEST(FollowedPose, ThatAgreesChangesNothing) {
+TEST(TrackedPose, ThatAgreesChangesNothing) {
   Posterior posterior = one_pose(0.05, 0.98);
-  add_followed_pose(mode(0, 1), kNone, posterior);
+  add_tracked_pose(mode(0, 1), kNone, posterior);
   EXPECT_EQ(posterior.status, PoseStatus::certain);
   ASSERT_EQ(posterior.modes.size(), 1u);
   EXPECT_EQ(posterior.modes[0].weight, 0.98);
 }
 
-TEST(FollowedPose, ThatContradictsMayBeIt) {
+TEST(TrackedPose, ThatContradictsMayBeIt) {
   Posterior posterior = one_pose(0.2, 0.95);
-  add_followed_pose(mode(0, 0.9), kNone, posterior);
+  add_tracked_pose(mode(0, 0.9), kNone, posterior);
   EXPECT_EQ(posterior.status, PoseStatus::ambiguous);
   ASSERT_EQ(posterior.modes.size(), 2u);
   EXPECT_NEAR(posterior.modes[0].weight, 0.57, 1e-12);
@@ -44,23 +44,23 @@ TEST(FollowedPose, ThatContradictsMayBeIt) {
   EXPECT_TRUE(posterior.modes[1].T_frame_object.isApprox(turned(0), 1e-12));
 }
 
-TEST(FollowedPose, MaySurpassADoubtfulOne) {
+TEST(TrackedPose, MaySurpassADoubtfulOne) {
   Posterior posterior = one_pose(0.2, 0.3);
-  add_followed_pose(mode(0, 1), kNone, posterior);
+  add_tracked_pose(mode(0, 1), kNone, posterior);
   EXPECT_TRUE(posterior.modes[0].T_frame_object.isApprox(turned(0), 1e-12));
 }
 
-TEST(FollowedPose, OfASymmetricObjectAgreesInAnyOfItsCopies) {
+TEST(TrackedPose, OfASymmetricObjectAgreesInAnyOfItsCopies) {
   Posterior posterior = one_pose(std::numbers::pi, 0.98);
   const std::vector<Eigen::Matrix3d> half_turn = {Eigen::Matrix3d::Identity(),
                                                   turned(std::numbers::pi).linear()};
-  add_followed_pose(mode(0, 1), half_turn, posterior);
+  add_tracked_pose(mode(0, 1), half_turn, posterior);
   EXPECT_EQ(posterior.modes.size(), 1u);
 }
 
-TEST(FollowedPose, IsNoneWhereNothingIsKnown) {
+TEST(TrackedPose, IsNoneWhereNothingIsKnown) {
   Posterior nothing;
-  add_followed_pose(mode(0, 1), kNone, nothing);
+  add_tracked_pose(mode(0, 1), kNone, nothing);
   EXPECT_TRUE(nothing.modes.empty());
 }
 
