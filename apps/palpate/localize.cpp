@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <thread>
 
 #include "common.hpp"
 #include "localize_demo.hpp"
@@ -215,7 +216,7 @@ void add_localize(CLI::App& program, Command& chosen) {
       "localize", "Estimate the pose of a known object from contacts, with a posterior");
   command.add_flag("--demo", arguments->demo,
                    "instead, grasp the built-in objects with a kinematic hand and report how "
-                   "many contacts determine their poses");
+                   "many contacts determine their poses; on all processors, or --threads of them");
   command
       .add_option("mesh", arguments->mesh,
                   "built-in object (mug, bottle, box, bracket, duck) or mesh file in metres; of "
@@ -287,6 +288,10 @@ void add_localize(CLI::App& program, Command& chosen) {
       if (!arguments->demo && option->get_name() == "--threads") {
         throw CLI::RequiresError("--threads", "--demo");
       }
+    }
+    if (arguments->demo && command.count("--threads") == 0) {
+      arguments->common.threads =
+          std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
     }
     if (!arguments->demo && arguments->contacts.empty()) {
       throw CLI::RequiredError("MESH and CONTACTS, or --demo,");

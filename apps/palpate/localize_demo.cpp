@@ -43,30 +43,55 @@ Told told(const std::string& name, int contacts, bool normals, bool hand, bool s
   return result;
 }
 
-/// Success and stated probability of each scene.
-std::vector<Share> search_all(const geometry::ObjectModel& model,
-                              const std::vector<lo::GraspScene>& scenes, const Told& told,
-                              const CommonOptions& common) {
+/// The columns of the table: all evidence of a number of contacts.
+std::vector<Told> columns() {
+  std::vector<Told> all;
+  for (const int count : kCounts)
+    all.push_back(told(std::to_string(count), count, true, true, true));
+  return all;
+}
+
+/// What each kind of evidence adds, with ten contacts; with the last one it is all evidence, which
+/// the table has.
+std::vector<Told> ablation() {
+  return {told("points only", 10, false, false, false), told("+ normals", 10, true, false, false),
+          told("+ hand", 10, true, true, false)};
+}
+constexpr const char* kAllEvidence = "+ swept tips";
+constexpr std::size_t kTenContacts = 1;  // of kCounts
+
+/// Whether the pose found in a scene is right, and how probable it is stated to be.
+Share search(const geometry::ObjectModel& model, const lo::GraspScene& scene, const Told& told,
+             const RandomStream& random) {
   constexpr double kNothing = 100;  // rad of noise: the normal tells nothing
-  std::vector<Share> each(scenes.size());
-  parallel_for(scenes.size(), common.threads, [&](std::size_t i) {
-    const RandomStream random = RandomStream(common.seed, "demo").fork("evidence", i);
-    auto evidence = lo::scene_evidence(scenes[i], told.evidence, random);
-    for (auto& contact : evidence.contacts) {
-      if (!told.normals) contact.normal_sigma = kNothing;
-    }
-    const auto posterior = lo::localize_fast(model, evidence, random);
-    if (posterior.modes.empty()) return;
-    const auto& best = posterior.modes.front();
-    const auto error =
-        lo::pose_error(best.T_frame_object, scenes[i].truth, model.object().symmetries);
-    each[i].right = error.rotation < 5 * std::numbers::pi / 180 && error.translation < 0.01;
-    each[i].stated = lo::pose_probability(best);
+  auto evidence = lo::scene_evidence(scene, told.evidence, random);
+  for (auto& contact : evidence.contacts) {
+    if (!told.normals) contact.normal_sigma = kNothing;
+  }
+  const auto posterior = lo::localize_fast(model, evidence, random);
+  if (posterior.modes.empty()) return {};
+  const auto& best = posterior.modes.front();
+  const auto error = lo::pose_error(best.T_frame_object, scene.truth, model.object().symmetries);
+  const bool right = error.rotation < 5 * std::numbers::pi / 180 && error.translation < 0.01;
+  return {right ? 1.0 : 0.0, lo::pose_probability(best)};
+}
+
+using Shares = std::vector<Share>;  // one a scene
+
+/// The searches of all scenes with each kind of evidence.
+std::vector<Shares> search_all(const geometry::ObjectModel& model,
+                               const std::vector<lo::GraspScene>& scenes,
+                               const std::vector<Told>& kinds, const CommonOptions& common) {
+  std::vector<Shares> each(kinds.size(), Shares(scenes.size()));
+  parallel_for(kinds.size() * scenes.size(), common.threads, [&](std::size_t i) {
+    const std::size_t kind = i / scenes.size(), scene = i % scenes.size();
+    const RandomStream random = RandomStream(common.seed, "demo").fork("evidence", scene);
+    each[kind][scene] = search(model, scenes[scene], kinds[kind], random);
   });
   return each;
 }
 
-Share mean_of(const std::vector<Share>& shares) {
+Share mean_of(const Shares& shares) {
   Share mean;
   for (const Share& one : shares) {
     mean.right += one.right / static_cast<double>(shares.size());
@@ -110,7 +135,7 @@ std::string pose_rows(const Eigen::Isometry3d& T) {
 }
 
 /// Share right against stated probability, in bins of equal numbers of searches.
-plotting::Plot calibration_plot(std::vector<Share> searches) {
+plotting::Plot calibration_plot(Shares searches) {
   constexpr std::size_t kMarginalBins = 5;
   std::stable_sort(searches.begin(), searches.end(),
                    [](const Share& a, const Share& b) { return a.stated < b.stated; });
@@ -131,10 +156,68 @@ plotting::Plot calibration_plot(std::vector<Share> searches) {
   return plot;
 }
 
-/// What each kind of evidence adds, with ten contacts.
-std::vector<Told> ablation() {
-  return {told("points only", 10, false, false, false), told("+ normals", 10, true, false, false),
-          told("+ hand", 10, true, true, false), told("+ swept tips", 10, true, true, true)};
+/// The plots while they grow, an object at a time, and the same as JSON.
+struct Findings {
+  plotting::Plot success, ablation;
+  nlohmann::json objects = nlohmann::json::object();
+  Shares all;  // of the table
+};
+
+Findings no_findings() {
+  Findings none;
+  none.success.title = "Pose from contacts and what the hand does not touch";
+  none.success.x = {"contacts of fingertips", false, 0.0, 20.0};
+  none.success.y = {"share within 5 deg and 10 mm", false, 0.0, 1.0};
+  none.ablation.title = "What each kind of evidence brings to ten contacts";
+  none.ablation.x = {"1: points, 2: + normals, 3: + hand, 4: + swept tips", false, 1.0, 4.0};
+  none.ablation.y = none.success.y;
+  return none;
+}
+
+/// Adds the searches of an object. @return its row of the table
+std::string add_object(const geometry::ObjectModel& model,
+                       const std::vector<lo::GraspScene>& scenes, const CommonOptions& common,
+                       Findings& findings) {
+  const std::string& name = model.object().name;
+  auto kinds = columns();
+  const std::size_t in_table = kinds.size();
+  for (Told& kind : ablation()) kinds.push_back(std::move(kind));
+  auto searches = search_all(model, scenes, kinds, common);
+  kinds.push_back({kAllEvidence, {}, true});
+  searches.push_back(searches[kTenContacts]);
+
+  plotting::LineSeries line{name, {}, {}}, ablated{name, {}, {}};
+  std::string row = fmt::format("{:<14}", name);
+  for (std::size_t i = 0; i < kinds.size(); ++i) {
+    const Share share = mean_of(searches[i]);
+    findings.objects[name][kinds[i].name] = {{"right", share.right}, {"stated", share.stated}};
+    if (i < in_table) {
+      findings.all.insert(findings.all.end(), searches[i].begin(), searches[i].end());
+      line.x.push_back(kCounts[i]);
+      line.y.push_back(share.right);
+      row += fmt::format("  {:.2f} / {:.2f} ", share.right, share.stated);
+    } else {
+      ablated.x.push_back(static_cast<double>(ablated.x.size() + 1));
+      ablated.y.push_back(share.right);
+    }
+  }
+  findings.success.series.push_back(line);
+  findings.ablation.series.push_back(ablated);
+  return row;
+}
+
+void write_contacts(const std::filesystem::path& folder, const geometry::ObjectModel& model,
+                    const lo::GraspScene& scene, std::uint64_t seed) {
+  write_file_atomically(folder / "contacts.csv", contacts_csv(scene, seed));
+  write_file_atomically(folder / "truth.txt",
+                        pose_rows(scene.truth * model.object().T_mesh_object.inverse()));
+}
+
+void write_plots(const std::filesystem::path& folder, const Findings& findings) {
+  write_file_atomically(folder / "success.svg", plotting::to_svg(findings.success));
+  write_file_atomically(folder / "ablation.svg", plotting::to_svg(findings.ablation));
+  write_file_atomically(folder / "calibration.svg",
+                        plotting::to_svg(calibration_plot(findings.all)));
 }
 
 }  // namespace
@@ -145,54 +228,20 @@ int demonstrate_localize(const CommonOptions& common) {
       folder, {"success.svg", "ablation.svg", "calibration.svg", "contacts.csv", "truth.txt"},
       common.force);
   const auto hand = simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
-  plotting::Plot plot, ablated;
-  plot.title = "Pose from contacts and what the hand does not touch";
-  plot.x = {"contacts of fingertips", false, 0.0, 20.0};
-  plot.y = {"share within 5 deg and 10 mm", false, 0.0, 1.0};
-  ablated.title = "Ten contacts: points, + normals, + hand, + swept tips";
-  ablated.x = {"kinds of evidence", false, 1.0, 4.0};
-  ablated.y = plot.y;
-  auto objects = nlohmann::json::object();
-  std::vector<Share> all;
-  if (!common.json) {
-    fmt::print("right / stated  5 contacts    10            20\n");
-  }
+  Findings findings = no_findings();
+  if (!common.json) fmt::print("right / stated  5 contacts    10            20\n");
   for (const auto& name : geometry::built_in_objects()) {
+    const Notice notice(name, common.quiet);
     const geometry::ObjectModel model(geometry::load_known_object(name));
     const auto scenes = scenes_with(model, hand, common);
-    if (name == kInFile) {
-      write_file_atomically(folder / "contacts.csv", contacts_csv(scenes[0], common.seed));
-      write_file_atomically(folder / "truth.txt",
-                            pose_rows(scenes[0].truth * model.object().T_mesh_object.inverse()));
-    }
-    plotting::LineSeries line{name, {}, {}}, kinds{name, {}, {}};
-    std::string row = fmt::format("{:<14}", name);
-    const Notice notice(name, common.quiet);
-    for (const int count : kCounts) {
-      const auto each = search_all(model, scenes, told("", count, true, true, true), common);
-      all.insert(all.end(), each.begin(), each.end());
-      const Share share = mean_of(each);
-      line.x.push_back(count);
-      line.y.push_back(share.right);
-      row += fmt::format("  {:.2f} / {:.2f} ", share.right, share.stated);
-      objects[name][std::to_string(count)] = {{"right", share.right}, {"stated", share.stated}};
-    }
-    for (const Told& kind : ablation()) {
-      const Share share = mean_of(search_all(model, scenes, kind, common));
-      kinds.x.push_back(static_cast<double>(kinds.x.size() + 1));
-      kinds.y.push_back(share.right);
-      objects[name][kind.name] = {{"right", share.right}, {"stated", share.stated}};
-    }
-    plot.series.push_back(line);
-    ablated.series.push_back(kinds);
+    if (name == kInFile) write_contacts(folder, model, scenes[0], common.seed);
+    const std::string row = add_object(model, scenes, common, findings);
     if (!common.json) fmt::print("{}\n", row);
   }
-  write_file_atomically(folder / "success.svg", plotting::to_svg(plot));
-  write_file_atomically(folder / "ablation.svg", plotting::to_svg(ablated));
-  write_file_atomically(folder / "calibration.svg",
-                        plotting::to_svg(calibration_plot(std::move(all))));
+  write_plots(folder, findings);
   if (common.json) {
-    fmt::print("{}\n", nlohmann::json{{"objects", objects}, {"out", folder.string()}}.dump(2));
+    fmt::print("{}\n",
+               nlohmann::json{{"objects", findings.objects}, {"out", folder.string()}}.dump(2));
   } else {
     fmt::print(
         "wrote {1}: success.svg, ablation.svg, calibration.svg, contacts.csv (20 of the {0}), "

@@ -97,7 +97,7 @@ int pick(const PickArguments& arguments) {
   const auto start = evaluation::draw_start(object.object(), options.start, common.seed);
   evaluation::place_target(object.object(), options.place, common.seed,
                            static_cast<std::size_t>(start.stable_pose));
-  const bool own_errors = options.touch.from_biotacs();
+  const bool sensor_reported_errors = options.touch.from_biotacs();
   const std::string config =
       config_header(common) + fmt::format("# object {}\n", names) + to_toml(options);
   const Interrupt interrupt;
@@ -110,7 +110,7 @@ int pick(const PickArguments& arguments) {
                             common.force);
   recording::Writer writer(folder / "recording.h5",
                            {std::string(version()), common.seed, object.object(),
-                            world.hand_model(), config, own_errors});
+                            world.hand_model(), config, sensor_reported_errors});
   const auto trial = evaluation::run_trial(object, objects.candidates(), options, common.seed,
                                            &writer, phase_printer(common), interrupt.token());
   writer.finish();

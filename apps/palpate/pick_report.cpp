@@ -163,6 +163,9 @@ std::string outcome_text(const evaluation::Trial& trial, const std::vector<std::
     return fmt::format("stopped after {:.2f} s: {}: {}", fault.time, to_string(fault.fault),
                        fault.detail);
   }
+  if (trial.result.attempts == 0 && !trial.result.phases.empty()) {
+    return "refused: " + trial.result.phases.back().outcome;
+  }
   if (!trial.result.held) return "gave up: " + trial.result.failed_phase + " failed";
   return objects_text(trial, names) + estimate_text(trial);
 }

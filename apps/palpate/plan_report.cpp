@@ -101,7 +101,7 @@ std::string plot_motion(const pl::Plan& plan, const std::optional<pl::TrackingEr
   if (shown.empty()) shown = {0};
   shown.resize(std::min(shown.size(), tracking ? kLines / 2 : kLines));
   plotting::Plot plot;
-  plot.title = "planned motion";
+  plot.title = "Planned motion";
   plot.x.label = "time (s)";
   plot.y.label = "position (m, rad)";
   for (int k : shown) {

@@ -68,14 +68,14 @@ fs::path output_folder(const RenderArguments& arguments) {
 fs::path record_pick(const RenderArguments& arguments, const fs::path& folder) {
   const CommonOptions& common = arguments.common;
   const auto options = resolve_trial(common, arguments.hand, arguments.arm);
-  const bool own_errors = options.touch.from_biotacs();  // bad ones are named first
+  const bool sensor_reported_errors = options.touch.from_biotacs();  // bad ones are named first
   const geometry::ObjectModel object(geometry::load_known_object(arguments.object));
   const simulation::World world(object.object(), options.world, common.seed);
   const OutputFolder output(folder, {"recording.h5"}, common.force);
   const fs::path path = folder / "recording.h5";
   recording::Writer writer(
       path, {std::string(version()), common.seed, object.object(), world.hand_model(),
-             config_header(common) + to_toml(options), own_errors});
+             config_header(common) + to_toml(options), sensor_reported_errors});
   evaluation::run_trial(object, options, common.seed, &writer);
   writer.finish();
   return path;

@@ -196,7 +196,7 @@ struct SimulatedArguments {
   std::string write_data;
 };
 
-constexpr std::uint64_t kJudgeSeed = 9000;  // beyond that of what is learned
+constexpr std::uint64_t kTestSeed = 9000;  // beyond that of what is learned
 
 struct SimulatedTouches {
   std::vector<tactile::BiotacFrame> learn, evaluator;
@@ -211,7 +211,7 @@ SimulatedTouches simulate(const SimulatedArguments& arguments, const SimulatedOp
   if (!arguments.write_data.empty()) {
     write_file_atomically(arguments.write_data, tactile::dataset_csv(touches.learn));
   }
-  data.seed = arguments.common.seed + kJudgeSeed;
+  data.seed = arguments.common.seed + kTestSeed;
   data.trajectories = std::max(1, data.trajectories / 5);
   touches.evaluator = tactile::simulate_biotac(data, options.skin, options.sensor);
   return touches;

@@ -10,6 +10,7 @@ Without the Python package beside the program (build/*/python) its reference say
 """
 
 import pathlib
+import re
 import shutil
 import subprocess
 import sys
@@ -19,7 +20,8 @@ import reference
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 FOLDERS = ("docs", "models", "examples", "configs")
-PAGES = ("CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md", "LICENSE", "CITATION.cff")
+PAGES = ("CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md", "LICENSE", "CITATION.cff", "Dockerfile")
+FRONT_PAGE = re.compile(r"(\]\((?:\.\./)*)README\.md")  # a link to it; on the site it is index.md
 
 
 def copy_pages(source):
@@ -28,7 +30,11 @@ def copy_pages(source):
         shutil.copytree(ROOT / folder, source / folder, ignore=ignored)
     for page in PAGES:
         shutil.copy(ROOT / page, source / page)
+    (source / "packaging").mkdir()
+    shutil.copy(ROOT / "packaging" / "copyright", source / "packaging")
     shutil.copy(ROOT / "README.md", source / "index.md")
+    for page in source.rglob("*.md"):
+        page.write_text(FRONT_PAGE.sub(r"\1index.md", page.read_text()))
 
 
 def make_reference(source, program, has_doxygen):

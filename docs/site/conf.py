@@ -18,6 +18,11 @@ myst_heading_anchors = 4
 html_theme = "furo"
 html_title = "Palpate"
 html_copy_source = False
+html_static_path = [str(pathlib.Path(__file__).with_name("static"))]
+html_css_files = ["site.css"]
+MATH_FONT = pathlib.Path("/usr/share/fonts/truetype/dejavu/DejaVuMathTeXGyre.ttf")
+if MATH_FONT.exists():  # else equations have the font of the browser
+    html_static_path.append(str(MATH_FONT))
 html_math_renderer = "mathml"
 suppress_warnings = ["myst.header", "misc.highlighting_failure"]
 exclude_patterns = []

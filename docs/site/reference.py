@@ -37,11 +37,16 @@ def cell(text):
     return text.replace("|", "\\|").replace("\n", " ")
 
 
+def key_cell(key):
+    """A key that may be broken after a dot or an underscore, and is copied without the break."""
+    return "<code>" + key.replace(".", ".<wbr>").replace("_", "_<wbr>") + "</code>"
+
+
 def option_rows(options):
     yield "| key | default | range | what it is |"
     yield "|---|---|---|---|"
     for option in options:
-        yield (f"| `{option['key']}` | {cell(option['default'])} | {cell(option['range'])} "
+        yield (f"| {key_cell(option['key'])} | {cell(option['default'])} | {cell(option['range'])} "
                f"| {cell(option['help'])} |")  # fmt: skip
 
 

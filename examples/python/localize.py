@@ -1,17 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
 """Find the pose of an object from contacts of your own: points, with normals or without.
 
-usage: localize.py [OBJECT]   (a built-in name or a mesh file in metres; default bracket)
+usage: localize.py [OBJECT] [--figure FILE]   (OBJECT: a built-in name or a mesh file in metres)
 """
 
-import sys
+import argparse
 
 import numpy as np
 
 import palpate
 
-name = sys.argv[1] if len(sys.argv) > 1 else "bracket"
-model = palpate.ObjectModel(palpate.load_known_object(name))
+arguments = argparse.ArgumentParser()
+arguments.add_argument("object", nargs="?", default="bracket")
+arguments.add_argument("--figure", help="draw contacts and modes into this file, with matplotlib")
+given = arguments.parse_args()
+model = palpate.ObjectModel(palpate.load_known_object(given.object))
 
 # Contacts come from your sensor. Here they are made up: 20 points of the surface at a true pose.
 random = np.random.default_rng(7)
@@ -37,3 +40,22 @@ print(f"off the truth by {np.degrees(rotation):.1f} deg and {1e3 * translation:.
 # A sensor without normals: leave them out. It takes more contacts, and the posterior says so.
 bare = palpate.localize(model, palpate.Contacts(points), seed=0)
 print("without normals:", bare)
+
+# What the two posteriors look like: the object at its heaviest modes, and the contacts.
+if given.figure:
+    from matplotlib import pyplot
+
+    mesh = model.object.mesh
+    figure = pyplot.figure(figsize=(9, 4.5))
+    for place, (title, found) in enumerate({"with normals": posterior, "without": bare}.items()):
+        axes = figure.add_subplot(1, 2, place + 1, projection="3d")
+        for mode, color in zip(found.modes[:3], ("tab:blue", "tab:orange", "tab:green")):
+            T = mode.T_frame_object
+            x, y, z = 1e3 * (mesh.vertices @ T[:3, :3].T + T[:3, 3]).T
+            axes.plot_trisurf(x, y, z, triangles=mesh.triangles, color=color, alpha=0.15 + 0.35 * mode.weight)
+        axes.scatter(*(1e3 * points.T), color="black", s=12)
+        if place == 0:
+            axes.quiver(*(1e3 * points.T), *(15 * normals.T), color="black", linewidth=0.8)
+        axes.set(title=f"{title}: {found.status}, probability {found.probability:.2f}",
+                 xlabel="x, mm", ylabel="y, mm", zlabel="z, mm", aspect="equal")  # fmt: skip
+    figure.savefig(given.figure, dpi=120)

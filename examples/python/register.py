@@ -1,11 +1,19 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Register two scans whose correspondences are mostly wrong, and read the certificate."""
+"""Register two scans whose correspondences are mostly wrong, and read the certificate.
 
+usage: register.py [--figure FILE]
+"""
+
+import argparse
 import tempfile
 
 import numpy as np
 
 import palpate
+
+arguments = argparse.ArgumentParser()
+arguments.add_argument("--figure", help="draw pairs, bound and clouds into this file, with matplotlib")
+given = arguments.parse_args()
 
 # 100 pairs of points, 30 of them right: as feature matching of two scans gives them.
 random = np.random.default_rng(3)
@@ -36,8 +44,29 @@ print(palpate.certify(result.T_target_source, source[right], target[right]))
 with tempfile.TemporaryDirectory() as folder:
     scan = f"{folder}/scan.ply"
     palpate.load_known_object("bracket").mesh.save(scan)
-    source, target = palpate.load_cloud(scan, samples=6000), palpate.load_cloud(scan, samples=8000)
-moved = palpate.PointCloud(target.points @ truth[:3, :3].T + truth[:3, 3])
-clouds = palpate.register_clouds(palpate.PointCloud(source.points), moved)
+    first, second = palpate.load_cloud(scan, samples=6000), palpate.load_cloud(scan, samples=8000)
+moved = palpate.PointCloud(second.points @ truth[:3, :3].T + truth[:3, 3])
+clouds = palpate.register_clouds(palpate.PointCloud(first.points), moved)
 print(clouds)
 print(clouds.result.T_target_source)
+
+# The pairs by how far the pose leaves them apart, the bound on inliers, and the aligned clouds.
+if given.figure:
+    from matplotlib import pyplot
+
+    figure, (left, middle, last) = pyplot.subplots(1, 3, figsize=(13, 4), layout="constrained")
+    T = result.T_target_source
+    apart = 1e3 * np.linalg.norm(source @ T[:3, :3].T + T[:3, 3] - target, axis=1)
+    left.hist(apart, bins=np.geomspace(0.1, 500, 40))
+    left.axvline(3, color="tab:red", label="noise bound")
+    left.set(xscale="log", xlabel="distance of a pair under the pose, mm", ylabel="pairs")
+    left.legend()
+    middle.bar(["this pose", "any pose, at most"], [len(right), bound.max_inliers])
+    middle.set(ylabel="inliers", title=f"least squares: {result.certificate.least_squares}")
+    T = clouds.result.T_target_source
+    aligned = 1e3 * (first.points @ T[:3, :3].T + T[:3, 3])
+    last.plot(*(1e3 * moved.points.T[:2]), ".", markersize=1, label="target")
+    last.plot(*aligned.T[:2], ".", markersize=1, label="source, aligned")
+    last.set(xlabel="x, mm", ylabel="y, mm", aspect="equal")
+    last.legend()
+    figure.savefig(given.figure, dpi=120)

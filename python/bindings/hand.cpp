@@ -25,14 +25,6 @@ using hand::HandCommand;
 using hand::HandReading;
 using hand::TipContact;
 
-/// The first line of what a Python exception says, with its type.
-std::string one_line(const nb::python_error& error) {
-  const std::string type = nb::cast<std::string>(error.type().attr("__name__"));
-  std::string text = nb::cast<std::string>(nb::str(error.value()));
-  text.resize(std::min(text.find('\n'), text.size()));
-  return text.empty() ? type : fmt::format("{}: {}", type, text);
-}
-
 /// Numbers of joints or actuators.
 hand::JointVector joint_vector(nb::handle values, const char* what) {
   const auto numbers = numbers_from(values, what);
@@ -171,8 +163,7 @@ struct HandTrampoline final : PythonHand {
     try {
       NB_OVERRIDE_PURE(step, command);
     } catch (const nb::python_error& error) {
-      if (!raised.is_valid()) raised = nb::borrow(error.value());
-      throw std::runtime_error(one_line(error));
+      raised.keep(error);
     } catch (const std::bad_cast&) {
       throw std::runtime_error("step() returned something else than a HandReading");
     }

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "palpate/core/version.hpp"
+#include "robot_parts.hpp"
 #include "rooms.hpp"
 
 NB_MODULE(_core, module) {
@@ -16,6 +17,7 @@ NB_MODULE(_core, module) {
   bind_registration(module);
   bind_hand_description(module);
   bind_hand(module);
+  bind_robot_parts(module);
   bind_contacts(module);
   bind_sensors(module);
   bind_normals(module);

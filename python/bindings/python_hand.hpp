@@ -3,6 +3,7 @@
 
 #include <nanobind/nanobind.h>
 
+#include <string>
 #include <utility>
 
 #include "palpate/hand/hand.hpp"
@@ -19,13 +20,24 @@ class DescribedHand : public hand::Hand {
   hand::Description description_;
 };
 
+/// The first line of what a Python exception says, with its type. Needs the GIL.
+std::string one_line(const nanobind::python_error& error);
+
+/// What Python code raised while C++ code called it: the first exception. Needs the GIL.
+struct Raised {
+  nanobind::object first;
+
+  /// Keeps the exception, and @throws std::runtime_error with its text.
+  [[noreturn]] void keep(const nanobind::python_error& error);
+};
+
 /// A hand whose step() is Python's. What that raises, or answers wrongly, is thrown as a
 /// std::runtime_error, which the executor takes for a fault of the hand; the first exception is
 /// kept.
 struct PythonHand : DescribedHand {
   using DescribedHand::DescribedHand;
 
-  nanobind::object raised;  ///< the first that step() raised; to be touched with the GIL alone
+  Raised raised;
 };
 
 }  // namespace palpate::python

@@ -11,6 +11,9 @@ import sys as _sys
 
 from ._core import (
     Actuator,
+    Arm,
+    ArmReading,
+    BasePosition,
     ClosestPoints,
     CloudRegistration,
     Contacts,
@@ -38,6 +41,7 @@ from ._core import (
     RegistrationResult,
     RobustBound,
     RunnerUp,
+    Sensor,
     StablePose,
     TableSupport,
     TipContact,

@@ -4,12 +4,16 @@
 `pip install palpate[sim]` adds it, or `./dev build` in a checkout; the base wheel does without.
 """
 
+import importlib.util as _util
 import os as _os
 import pathlib as _pathlib
 
 _assets = _pathlib.Path(__file__).parent / "assets"  # of an installed palpate-sim
 if _assets.is_dir():
     _os.environ.setdefault("PALPATE_ASSETS", str(_assets))
+_hands = _util.find_spec("palpate_hands")  # models of palpate[hands]
+if _hands and _hands.submodule_search_locations:
+    _os.environ.setdefault("PALPATE_HANDS", _hands.submodule_search_locations[0])
 
 try:
     from ._sim import (

@@ -2,15 +2,22 @@
 #include "palpate/skills/pick.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
 
+#include <algorithm>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "bindings/arrays.hpp"
 #include "bindings/python_hand.hpp"
+#include "bindings/robot_parts.hpp"
 #include "interruptible.hpp"
+#include "palpate/core/error.hpp"
 #include "pick_result.hpp"
 
 namespace palpate::python {
@@ -27,48 +34,93 @@ PickResult pick_in_simulation(SharedModel model, const TrialOptions& options, st
           trial.metrics};
 }
 
-/// What step() raised. An exception that is no error, as Ctrl-C, goes on.
-nb::object taken(PythonHand& hand) {
-  nb::object raised = std::exchange(hand.raised, {});
-  if (!raised.is_valid()) return nb::none();
-  if (!PyObject_IsInstance(raised.ptr(), PyExc_Exception)) {
-    PyErr_SetObject(raised.type().ptr(), raised.ptr());
-    throw nb::python_error();
+/// A hand of the user's, and what else it is made of.
+struct Robot {
+  DescribedHand& hand;
+  PythonArm* arm = nullptr;
+  std::vector<PythonSensor*> sensors;
+};
+
+std::vector<Raised*> raised_of(const Robot& robot) {
+  std::vector<Raised*> all;
+  if (auto* const own = dynamic_cast<PythonHand*>(&robot.hand)) all.push_back(&own->raised);
+  if (robot.arm) all.push_back(&robot.arm->raised);
+  for (PythonSensor* const sensor : robot.sensors) all.push_back(&sensor->raised);
+  return all;
+}
+
+/// What was raised. An exception that is no error, as Ctrl-C, goes on.
+nb::object taken(const Robot& robot) {
+  nb::object first = nb::none();
+  for (Raised* const one : raised_of(robot)) {
+    nb::object raised = std::exchange(one->first, {});
+    if (!raised.is_valid()) continue;
+    if (!PyObject_IsInstance(raised.ptr(), PyExc_Exception)) {
+      PyErr_SetObject(raised.type().ptr(), raised.ptr());
+      throw nb::python_error();
+    }
+    if (first.is_none()) first = std::move(raised);
   }
-  return raised;
+  return first;
+}
+
+/// The sensors on their fingers. @throws BadInput for a finger that the hand has not
+std::vector<hand::MountedSensor> mounted(const Robot& robot) {
+  const auto& fingers = robot.hand.description().fingers;
+  std::vector<hand::MountedSensor> sensors;
+  for (PythonSensor* const sensor : robot.sensors) {
+    const auto on = std::ranges::find(fingers, sensor->finger(), &hand::Finger::name);
+    if (on == fingers.end()) {
+      std::vector<std::string> names;
+      for (const hand::Finger& finger : fingers) names.push_back(finger.name);
+      throw BadInput(fmt::format("no finger is called '{}' for a sensor; the hand has {}",
+                                 sensor->finger(), fmt::join(names, ", ")));
+    }
+    sensors.push_back({sensor, static_cast<int>(on - fingers.begin()), sensor->finger()});
+  }
+  return sensors;
 }
 
 /// In the caller's thread: what drives a robot may belong to it.
-PickResult pick_with(DescribedHand& hand, SharedModel model, const TrialOptions& options,
+PickResult pick_with(const Robot& parts, SharedModel model, const TrialOptions& options,
                      const std::optional<hand::HandCommand>& start, std::uint64_t seed) {
-  auto* const own = dynamic_cast<PythonHand*>(&hand);
-  if (own) own->raised = {};
+  for (Raised* const one : raised_of(parts)) one->first = {};
   PickResult result;
   result.model = std::move(model);
   {
     const nb::gil_scoped_release release;
-    const hand::HandCommand first =
-        start ? *start : evaluation::waiting_command(hand.description());
-    skills::Executor robot(hand, hand.description(), first, {}, nullptr, {options.safety, {}});
+    hand::AssembledHand hand(parts.hand, parts.arm, mounted(parts),
+                             {options.safety.watchdog, options.safety.max_gap});
+    const hand::Description& description = parts.hand.description();
+    const hand::HandCommand first = start ? *start : evaluation::waiting_command(description);
+    skills::Executor robot(hand, description, first, {}, nullptr, {options.safety, {}});
     result.picked = skills::pick(robot, *result.model, options.pick_options(), seed);
     result.events = evaluation::trial_events(robot.log());
     result.robot_seconds = robot.time();
   }
-  if (own) result.raised = taken(*own);
+  result.raised = taken(parts);
   return result;
 }
 
 PickResult pick(nb::object object, nb::object hand, std::uint64_t seed, const nb::dict& settings,
-                const std::optional<hand::HandCommand>& start) {
+                const std::optional<hand::HandCommand>& start, PythonArm* arm,
+                std::vector<PythonSensor*> sensors) {
   TrialOptions options = trial_options(settings);
   SharedModel model = object_from(std::move(object));
   if (nb::isinstance<DescribedHand>(hand)) {
-    return pick_with(nb::cast<DescribedHand&>(hand), std::move(model), options, start, seed);
+    return pick_with({nb::cast<DescribedHand&>(hand), arm, std::move(sensors)}, std::move(model),
+                     options, start, seed);
   }
   if (!nb::isinstance<nb::str>(hand)) {
     throw nb::type_error(
         fmt::format("hand is {}, not a name, a file or a palpate.Hand", nb::repr(hand).c_str())
             .c_str());
+  }
+  if (arm || !sensors.empty()) {
+    throw BadInput(fmt::format(
+        "an arm and sensors of your own need a palpate.Hand of your own, not '{}', which is "
+        "simulated",
+        nb::cast<std::string>(hand)));
   }
   options.world.hand = nb::cast<std::string>(hand);
   return pick_in_simulation(std::move(model), options, seed);
@@ -80,16 +132,21 @@ void bind_pick(nb::module_& module) {
   bind_pick_result(module);
   module.def(
       "pick", &pick, "object"_a = "mug", "hand"_a = "shadow", nb::kw_only(), "seed"_a = 0,
-      "options"_a = nb::dict(), "start"_a = nb::none(),
-      nb::sig("def pick(object: str | palpate._core.ObjectModel = 'mug', hand: str | "
-              "palpate._core.Hand = 'shadow', *, seed: int = 0, options: dict[str, object] = {}, "
-              "start: palpate._core.HandCommand | None = None) -> PickResult"),
+      "options"_a = nb::dict(), "start"_a = nb::none(), "arm"_a = nb::none(),
+      "sensors"_a = nb::list(),
+      nb::sig(
+          "def pick(object: str | palpate._core.ObjectModel = 'mug', hand: str | "
+          "palpate._core.Hand = 'shadow', *, seed: int = 0, options: dict[str, object] = {}, "
+          "start: palpate._core.HandCommand | None = None, arm: palpate._core.Arm | None = None, "
+          "sensors: collections.abc.Sequence[palpate._core.Sensor] = []) -> PickResult"),
       "Calibrate, feel, explore, grasp, lift, and estimate the pose, by touch alone.\n\nobject: a "
       "name, a mesh file in metres, or a model; it is within 2 cm of the world's origin, on a "
       "table at height 0. hand: a name or a model file, which is simulated, as `palpate pick` "
       "does; or a Hand of your own, which stands at `start` (waiting_command() unless given) and "
-      "is stepped in the caller's thread. options: those of `palpate pick`, as {'lift.height': "
-      "0.15}.\n\nWhat fails as expected is in the result; so is a fault of the hand. Raises "
+      "is stepped in the caller's thread, with the arm that carries it and the sensors on its "
+      "fingertips, where they have connections of their own. options: those of `palpate pick`, as "
+      "{'lift.height': "
+      "0.15}.\n\nWhat fails as expected is in the result; so is a fault of the robot. Raises "
       "ValueError for what there is not, and values out of their range; KeyboardInterrupt once "
       "the hand has been stopped in a safe state.");
 }

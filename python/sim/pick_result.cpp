@@ -146,7 +146,7 @@ void bind_pick_result(nb::module_& module) {
           "One line with the values.")
       .def_ro("exception", &PickResult::raised,
               nb::sig("def exception(self) -> BaseException | None"),
-              "The first that the hand's step() raised.")
+              "The first that the hand, the arm or a sensor raised.")
       .def_prop_ro(
           "phases", [](const PickResult& self) { return self.picked.phases; },
           "Reports, in the order of time.")

@@ -18,7 +18,7 @@ struct PickResult {
   std::vector<evaluation::TrialEvent> events;
   double robot_seconds = 0;
   std::optional<evaluation::TrialMetrics> metrics;  ///< where the simulator's truth is known
-  nanobind::object raised = nanobind::none();       ///< by the hand's step()
+  nanobind::object raised = nanobind::none();       ///< by a hand, an arm or a sensor
 };
 
 std::string repr(const PickResult& result);

@@ -5,7 +5,13 @@ import os
 import pathlib
 import subprocess
 import sys
+import tempfile
 import unittest
+
+try:
+    from matplotlib import image
+except ImportError:
+    image = None
 
 FOLDER = pathlib.Path(
     os.environ.get("PALPATE_EXAMPLES", pathlib.Path(__file__).parents[2] / "examples" / "python")
@@ -19,21 +25,34 @@ class Examples(unittest.TestCase):
         if found.returncode != 0:
             self.skipTest(f"{module} is not there")
 
+    def run_and_draw(self, name):
+        """The script's output; where matplotlib is there, its figure must show something."""
+        if not image:
+            return self.run_example(name)
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder) / "figure.png"
+            text = self.run_example(name, "--figure", file)
+            pixels = image.imread(file)[:, :, :3]
+            self.assertGreater(pixels.shape[1], 800)
+            self.assertGreater((pixels.min(axis=2) < 0.9).mean(), 0.02)  # not white
+        return text
+
     def run_example(self, name, *arguments):
         done = subprocess.run(
-            [sys.executable, FOLDER / name, *arguments], capture_output=True, text=True, timeout=540
-        )
+            [sys.executable, FOLDER / name, *arguments], capture_output=True, text=True, timeout=540,
+            env={**os.environ, "MPLBACKEND": "agg"},
+        )  # fmt: skip
         self.assertEqual(done.returncode, 0, done.stderr)
         return done.stdout
 
     def test_localize(self):
-        text = self.run_example("localize.py")
+        text = self.run_and_draw("localize.py")
         self.assertRegex(text, r"Posterior\((certain|ambiguous)")
         self.assertIn("without normals:", text)
 
     def test_own_hand(self):
         self.require("palpate.sim")
-        text = self.run_example("own_hand.py")
+        text = self.run_and_draw("own_hand.py")
         self.assertRegex(text, r"PickResult\((held|failed)")
         self.assertRegex(text, r"largest force that a finger felt: [1-9]")
 
@@ -44,7 +63,7 @@ class Examples(unittest.TestCase):
         self.assertIn("1 of 1 lifted, 1 with the right pose", text)
 
     def test_register(self):
-        text = self.run_example("register.py")
+        text = self.run_and_draw("register.py")
         self.assertIn("RegistrationResult(found, 30 inliers", text)
         self.assertIn("PoseEstimate(certified", text)
         self.assertIn("CloudRegistration(", text)

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "estimation/fallen.hpp"
+#include "estimation/felt_height.hpp"
 #include "estimation/log_evidence.hpp"
 #include "estimation/prior_after_grasp.hpp"
 #include "estimation/tracked_pose.hpp"
@@ -16,7 +17,6 @@
 namespace palpate::estimation {
 namespace {
 
-constexpr double kBesideTheTop = 0.1;  // chance
 /// Shares of the guarded moves that are forgotten, one after the other, while no pose explains the
 /// rest: a touch may have moved the object.
 constexpr std::array<double, 3> kForgotten = {0, 0.35, 0.55};
@@ -37,35 +37,6 @@ double lightest(const Candidates& candidates) {
   return mass;
 }
 
-/// Likelihood of a felt height (m) where the object's top is `top`: the flat hand may have come
-/// down beside what is highest of it.
-double felt_likelihood(double felt, double top, const EstimationOptions& options) {
-  const double miss = (top - felt) / options.felt_sigma;
-  const double beside = miss > 0 ? kBesideTheTop : 0;
-  return (1 - kBesideTheTop) * std::exp(-0.5 * miss * miss) + beside;
-}
-
-/// Probability of each stable pose, given how tall the object felt.
-std::vector<double> stable_pose_weights(const KnownObject& object,
-                                        std::optional<double> felt_height,
-                                        const EstimationOptions& options) {
-  std::vector<double> weights;
-  double sum = 0;
-  for (const auto& stable_pose : object.stable_poses) {
-    const double felt =
-        felt_height ? felt_likelihood(*felt_height, geometry::top_of(object, stable_pose), options)
-                    : 1.0;
-    weights.push_back(stable_pose.probability * felt);
-    sum += weights.back();
-  }
-  for (std::size_t i = 0; i < weights.size(); ++i) {
-    const double felt = sum > 0 ? weights[i] / sum : object.stable_poses[i].probability;
-    weights[i] = (1 - options.other_stable_pose) * felt +
-                 options.other_stable_pose * object.stable_poses[i].probability;
-  }
-  return weights;
-}
-
 /// Latest reading of a kind since the hand let go for good.
 const hand::HandReading* reading_at(const EventLog& log, TouchEvent mark) {
   const hand::HandReading* reading = nullptr;
@@ -75,18 +46,39 @@ const hand::HandReading* reading_at(const EventLog& log, TouchEvent mark) {
   return reading;
 }
 
-std::optional<double> felt_height(const hand::Description& hand, const EventLog& log) {
-  const auto* const felt = reading_at(log, TouchEvent::felt);
-  if (!felt) return std::nullopt;
-  return lowest_of_hand(hand, *felt);
-}
-
 /// Those for an object that may have fallen before it was felt.
 EstimationOptions as_it_lay(const hand::Description& hand, const EventLog& log,
                             const EstimationOptions& options) {
   const auto* const felt = reading_at(log, TouchEvent::felt);
   if (!felt || !reading_at(log, TouchEvent::fallen)) return options;
   return of_fallen(options, place_under_hand(hand, *felt));
+}
+
+/// Likelihood of each stable pose by the height in which the hand felt the object; 1 if it did not.
+std::vector<double> height_likelihoods(const KnownObject& object, const hand::Description& hand,
+                                       const EventLog& log, const EstimationOptions& options) {
+  const auto* const felt = reading_at(log, TouchEvent::felt);
+  if (!felt) return std::vector<double>(object.stable_poses.size(), 1.0);
+  const EstimationOptions lay = as_it_lay(hand, log, options);
+  return felt_likelihoods(object, hand, *felt, {lay.place, lay.resting_half_width},
+                          options.felt_sigma);
+}
+
+/// Probability of each stable pose, given the height in which the hand felt the object.
+std::vector<double> stable_pose_weights(const KnownObject& object, const hand::Description& hand,
+                                        const EventLog& log, const EstimationOptions& options) {
+  std::vector<double> weights = height_likelihoods(object, hand, log, options);
+  double sum = 0;
+  for (std::size_t i = 0; i < weights.size(); ++i) {
+    weights[i] *= object.stable_poses[i].probability;
+    sum += weights[i];
+  }
+  for (std::size_t i = 0; i < weights.size(); ++i) {
+    const double before = object.stable_poses[i].probability;
+    weights[i] = (1 - options.other_stable_pose) * (sum > 0 ? weights[i] / sum : before) +
+                 options.other_stable_pose * before;
+  }
+  return weights;
 }
 
 /// The table's frame below the object's rough place.
@@ -100,7 +92,7 @@ TableSupport resting_table(const KnownObject& object, const hand::Description& h
                            const EventLog& log, const EstimationOptions& options) {
   TableSupport table;
   table.T_frame_table = table_at_place(log, options);
-  table.stable_pose_weights = stable_pose_weights(object, felt_height(hand, log), options);
+  table.stable_pose_weights = stable_pose_weights(object, hand, log, options);
   table.tilt_sigma = options.resting_tilt_sigma;
   table.height_sigma = options.resting_height_sigma;
   table.half_width = options.resting_half_width;
@@ -113,7 +105,7 @@ TableSupport table_at_closing(const KnownObject& object, const hand::Description
   TableSupport table;
   const auto& closed = log.readings[*log.at(TouchEvent::closed)];
   table.T_frame_table = closed.base.pose().inverse() * table_at_place(log, options);
-  table.stable_pose_weights = stable_pose_weights(object, felt_height(hand, log), options);
+  table.stable_pose_weights = stable_pose_weights(object, hand, log, options);
   table.tilt_sigma = options.tilt_sigma;
   table.height_sigma = options.height_sigma;
   table.half_width = options.half_width;
@@ -129,13 +121,13 @@ bool has_pose(const localization::ObjectHypothesis& hypothesis) {
 }
 
 /// What the felt height says for the object itself, beside its stable poses.
-void add_height(const KnownObject& object, std::optional<double> felt_height,
+void add_height(const KnownObject& object, const hand::Description& hand, const EventLog& log,
                 const EstimationOptions& options, localization::ObjectHypothesis& hypothesis) {
-  if (!felt_height) return;
+  const auto likelihoods = height_likelihoods(object, hand, log, options);
   double likelihood = options.other_stable_pose;
-  for (const auto& stable_pose : object.stable_poses) {
-    likelihood += (1 - options.other_stable_pose) * stable_pose.probability *
-                  felt_likelihood(*felt_height, geometry::top_of(object, stable_pose), options);
+  for (std::size_t i = 0; i < likelihoods.size(); ++i) {
+    likelihood +=
+        (1 - options.other_stable_pose) * object.stable_poses[i].probability * likelihoods[i];
   }
   hypothesis.log_evidence += std::log(likelihood);
   hypothesis.log_evidence_other += std::log(likelihood);
@@ -268,7 +260,7 @@ PoseEstimator::Hypotheses PoseEstimator::search_resting(const hand::Description&
       const KnownObject& object = candidates_[i]->object();
       evidence.table = resting_table(object, hand, log, lay);
       hypotheses[i] = ruled_out_[i] ? kImpossible : search(i, evidence, "locate resting");
-      add_height(object, felt_height(hand, log), options_, hypotheses[i]);
+      add_height(object, hand, log, options_, hypotheses[i]);
     }
     if (std::any_of(hypotheses.begin(), hypotheses.end(), has_pose)) break;
   }

@@ -135,8 +135,8 @@ const ArmVector& ArmFollower::follow(const Eigen::Isometry3d& T_world_mount) {
   return joints_;
 }
 
-MountWay ArmFollower::judge(std::span<const BasePosition> way) const {
-  MountWay result;
+PathFeasibility ArmFollower::check_path(std::span<const BasePosition> way) const {
+  PathFeasibility result;
   ArmVector joints = wanted_;
   Stretch stretch(arm_);
   const std::string collides = arm_collision(arm_, joints);  // before it moves: may be left

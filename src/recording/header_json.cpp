@@ -62,7 +62,7 @@ json to_json(const Header& header) {
             {"config_toml", header.config_toml},
             {"object", object_to_json(header.object)},
             {"hand", hand_to_json(header.hand)}};
-  if (header.own_errors) j["own_errors"] = true;
+  if (header.sensor_reported_errors) j["own_errors"] = true;
   return j;
 }
 
@@ -72,7 +72,7 @@ Header header_from_json(const json& j) {
           .object = object_from_json(j.at("object")),
           .hand = hand_from_json(j.at("hand")),
           .config_toml = j.at("config_toml").get<std::string>(),
-          .own_errors = j.value("own_errors", false)};
+          .sensor_reported_errors = j.value("own_errors", false)};
 }
 
 }  // namespace palpate::recording

@@ -18,7 +18,8 @@ namespace {
 /// Whether the contacts tell of their errors: from version 4 on the header says so.
 bool has_errors(const Seal& seal, const Header& header) {
   constexpr int kErrorsByVersion = 3;
-  return seal.version == kErrorsByVersion || (seal.version > kErrorsByVersion && header.own_errors);
+  return seal.version == kErrorsByVersion ||
+         (seal.version > kErrorsByVersion && header.sensor_reported_errors);
 }
 
 /// A dataset of text, one record a line; a last line without its end was never wholly written.
@@ -131,16 +132,16 @@ std::vector<std::int16_t> read_biotacs(const H5::H5File& file, const Seal& seal,
 
 std::vector<Frame> read_frames(const H5::H5File& file, const Seal& seal, const Header& header) {
   const hand::Description& hand = header.hand;
-  const bool own_errors = has_errors(seal, header);
+  const bool sensor_reported_errors = has_errors(seal, header);
   const std::size_t fingers = hand.fingers.size();
   const auto fields = frame_fields(hand);
   const auto counts = read_rows<int>(file, kContactCounts, fingers);
   const auto contacts = read_rows<double>(file, kContacts, kContactWidth);
   check_finite(contacts, kContacts, kContactWidth);
   check_contacts(contacts);
-  const auto errors = own_errors ? read_contact_errors(file) : std::vector<double>{};
+  const auto errors = sensor_reported_errors ? read_contact_errors(file) : std::vector<double>{};
   std::size_t whole = contacts.size() / kContactWidth;
-  if (own_errors) {
+  if (sensor_reported_errors) {
     whole = std::min(whole, errors.size() / kContactErrorWidth);
   }
   std::size_t frames = complete_frames(counts, fingers, whole);

@@ -57,7 +57,7 @@ void write_mesh(hid_t file, const geometry::TriangleMesh& mesh) {
   append_rows(file, kTriangles, triangles.data(), mesh.triangles.size(), 3, native_type<int>());
 }
 
-void create_datasets(hid_t file, const hand::Description& hand, bool own_errors) {
+void create_datasets(hid_t file, const hand::Description& hand, bool sensor_reported_errors) {
   for (const char* group : {"header", "frames", "events", "estimates"}) create_group(file, group);
   for (const char* text : {kHeaderText, kEvents, kEstimates}) {
     create_growing(file, text, hdf5_type<char>(), 1, kTextChunk);
@@ -70,7 +70,7 @@ void create_datasets(hid_t file, const hand::Description& hand, bool own_errors)
   }
   create_growing(file, kContactCounts, hdf5_type<int>(), hand.fingers.size(), kFramesPerChunk);
   create_growing(file, kContacts, hdf5_type<double>(), kContactWidth, kContactsPerChunk);
-  if (own_errors) {
+  if (sensor_reported_errors) {
     create_growing(file, kContactErrors, hdf5_type<double>(), kContactErrorWidth,
                    kContactsPerChunk);
   }
@@ -85,7 +85,7 @@ void create_file(const std::filesystem::path& path, const Header& header) {
   H5Pset_obj_track_times(properties.getId(), false);  // of the root group
   const Handle file(
       H5Fcreate(path.c_str(), H5F_ACC_TRUNC, properties.getId(), file_access().getId()), &H5Fclose);
-  create_datasets(file, header.hand, header.own_errors);
+  create_datasets(file, header.hand, header.sensor_reported_errors);
   append_text(file, kHeaderText, dump(to_json(header)));
   write_mesh(file, header.object.mesh);
 }
@@ -141,7 +141,7 @@ void append_contact(const hand::TipContact& contact, std::vector<double>& rows) 
 
 struct Writer::Impl {
   std::filesystem::path path, partial;
-  bool own_errors = false;
+  bool sensor_reported_errors = false;
   hand::Description hand;
   std::size_t fingers = 0;
   std::vector<FrameField> fields;
@@ -183,7 +183,7 @@ struct Writer::Impl {
       }
     }
     append(kContacts, rows, kContactWidth);
-    if (own_errors) append(kContactErrors, errors, kContactErrorWidth);
+    if (sensor_reported_errors) append(kContactErrors, errors, kContactErrorWidth);
     append_rows(*file, kContactCounts, counts.data(), pending.size(), fingers, native_type<int>());
   }
 
@@ -218,7 +218,7 @@ struct Writer::Impl {
 };
 
 Writer::Writer(std::filesystem::path path, const Header& header) : impl_(new Impl) {
-  impl_->own_errors = header.own_errors;
+  impl_->sensor_reported_errors = header.sensor_reported_errors;
   impl_->hand = header.hand;
   impl_->fingers = header.hand.fingers.size();
   impl_->fields = frame_fields(header.hand);
@@ -259,7 +259,7 @@ void Writer::frame(const Frame& frame) {
                                frame.reading.time, has_channels ? "has" : "lacks"));
   }
   impl_->has_channels = has_channels;
-  if (impl_->own_errors) {
+  if (impl_->sensor_reported_errors) {
     check_errors(frame.reading);
   } else {
     check_silent(frame.reading);

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "palpate/core/error.hpp"
+#include "palpate/hand/assembled_hand.hpp"
 #include "skills/command_gate.hpp"
 #include "skills/reading_gate.hpp"
 #include "skills/safe_posture.hpp"
@@ -169,6 +170,8 @@ bool Executor::read_once() {
   try {
     const Watchdog::Guard guard(watchdog_.get());
     reading = step();
+  } catch (const hand::LateAnswer& late) {
+    stop_for(Fault::silent, late.what());
   } catch (const std::exception& error) {
     stop_for(Fault::exception, fmt::format("the hand: {}", error.what()));
   }
@@ -233,9 +236,9 @@ MotionEnd Executor::wait(double seconds, const StopCondition& stop) {
 }
 
 /// Of a way in the world whose z = 0 is the table.
-hand::MountWay Executor::judge(std::vector<hand::BasePosition> way) const {
+hand::PathFeasibility Executor::check_path(std::vector<hand::BasePosition> way) const {
   for (hand::BasePosition& base : way) base.xyz.z() += table_height_;
-  return hand_.judge_way(way);
+  return hand_.check_path(way);
 }
 
 std::string Executor::obstacle(const hand::BasePosition& target) const {
@@ -248,7 +251,7 @@ std::string Executor::obstacle(const hand::BasePosition& target) const {
   for (int i = 1; i <= kCheckedSteps; ++i) {
     way.push_back(between(command_.base, target, static_cast<double>(i) / kCheckedSteps));
   }
-  return judge(std::move(way)).obstacle;
+  return check_path(std::move(way)).obstacle;
 }
 
 MotionEnd Executor::move_base(const hand::BasePosition& target, double speed,
@@ -257,25 +260,25 @@ MotionEnd Executor::move_base(const hand::BasePosition& target, double speed,
   const hand::BasePosition from = command_.base;
   SpeedProfile profile(seconds_of(from, target, speed));
   limit_base(target, profile);
-  const hand::MountWay judged = judge(way_to(from, target, profile));
+  const hand::PathFeasibility checked = check_path(way_to(from, target, profile));
   // A guarded move goes as far as it can: what it is to meet may end it before.
-  const bool whole = judged.obstacle.empty();
-  if (!whole && (!stop || judged.feasible == 0)) throw Unreachable(judged.obstacle);
-  const double last = whole ? 1 : profile.share(static_cast<int>(judged.feasible));
-  profile.stretch(judged.stretch);
+  const bool whole = checked.obstacle.empty();
+  if (!whole && (!stop || checked.feasible == 0)) throw Unreachable(checked.obstacle);
+  const double last = whole ? 1 : profile.share(static_cast<int>(checked.feasible));
+  profile.stretch(checked.stretch);
   for (int i = 1; i <= profile.ticks() && (whole || profile.share(i) <= last); ++i) {
     command_.base = between(from, target, profile.share(i));
     if (const auto end = tick_until(stop); end != MotionEnd::reached) return end;
   }
-  if (!whole) throw Unreachable(judged.obstacle);
+  if (!whole) throw Unreachable(checked.obstacle);
   return MotionEnd::reached;
 }
 
 MotionEnd Executor::follow(std::span<const hand::HandCommand> way, const StopCondition& stop) {
   std::vector<hand::BasePosition> bases;
   for (const auto& command : way) bases.push_back(command.base);
-  const hand::MountWay judged = judge(std::move(bases));
-  if (!judged.obstacle.empty()) throw Unreachable(judged.obstacle);
+  const hand::PathFeasibility checked = check_path(std::move(bases));
+  if (!checked.obstacle.empty()) throw Unreachable(checked.obstacle);
   for (const auto& command : way) {
     command_ = command;
     if (const auto end = tick_until(stop); end != MotionEnd::reached) return end;
@@ -299,9 +302,9 @@ MotionEnd Executor::move_hand(const hand::HandCommand& target, double speed, dou
   SpeedProfile profile(std::max(seconds, seconds_of(from.base, target.base, speed)));
   limit_base(target.base, profile);
   limit_fingers(target.positions, profile);
-  const hand::MountWay judged = judge(way_to(from.base, target.base, profile));
-  if (!judged.obstacle.empty()) throw Unreachable(judged.obstacle);
-  profile.stretch(judged.stretch);
+  const hand::PathFeasibility checked = check_path(way_to(from.base, target.base, profile));
+  if (!checked.obstacle.empty()) throw Unreachable(checked.obstacle);
+  profile.stretch(checked.stretch);
   for (int i = 1; i <= profile.ticks(); ++i) {
     command_.base = between(from.base, target.base, profile.share(i));
     command_.positions = from.positions + profile.share(i) * (target.positions - from.positions);

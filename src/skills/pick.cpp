@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/skills/pick.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <numbers>
 #include <string>
@@ -8,6 +10,7 @@
 
 #include "estimation/mean_load.hpp"
 #include "palpate/core/gravity.hpp"
+#include "palpate/grasping/holdable.hpp"
 #include "palpate/skills/explore/explore_phase.hpp"
 #include "palpate/skills/grasp/track_phase.hpp"
 #include "palpate/skills/place/place_phase.hpp"
@@ -23,6 +26,7 @@ namespace {
 constexpr double kLeft = 0.25;      // of the object's weight, in the hand: it has not been let go
 constexpr double kSmoother = 0.65;  // of the friction that is believed, once an object has slipped
 constexpr double kMoreThanOthers = 0.5;  // probability of a pose that is worth being held
+constexpr double kHanging = 0.9;         // of the load that the mount may bear, while it moves
 constexpr double kNextSide = 2 * std::numbers::pi / 3;  // rad between attempts
 
 bool has(const estimation::EventLog& log, estimation::TouchEvent mark) {
@@ -37,7 +41,8 @@ GraspChooser once(const grasping::GraspPlan& grasp) {
   };
 }
 
-constexpr double kLowest = 0.1;  // m, of the mount where an object is to be grasped
+constexpr double kClearOver = 0.03;  // m of the hand over what may stand, while it travels
+constexpr double kLowest = 0.1;      // m, of the mount where an object is to be grasped
 
 /// Why the mount cannot come to a place in any of the directions from which grasps are tried.
 std::string place_obstacle(const Executor& robot, const Eigen::Vector2d& place) {
@@ -57,19 +62,40 @@ std::string place_obstacle(const Executor& robot, const Eigen::Vector2d& place) 
   return first;
 }
 
+std::string why_not_holdable(const Executor& robot, const geometry::ObjectModel& object) {
+  const double weight = object.object().mass * kGravity, most = kHanging * robot.limits().max_load;
+  if (weight > most) {
+    return fmt::format("too heavy: it weighs {:.1f} N, and the mount may bear {:.0f} N", weight,
+                       most);
+  }
+  return grasping::why_not_holdable(object, robot.model());
+}
+
+/// Why the hand can hold none of the candidates: of the first, that is.
+std::string why_not_holdable(const Executor& robot, const estimation::Candidates& candidates) {
+  std::string first;
+  for (const auto* candidate : candidates) {
+    const std::string reason = why_not_holdable(robot, *candidate);
+    if (reason.empty()) return {};
+    if (first.empty()) first = reason;
+  }
+  return first;
+}
+
 /// Ends a pick before anything moves.
-class ReachPhase final : public Phase {
+class Refusal final : public Phase {
  public:
-  explicit ReachPhase(std::string obstacle) : obstacle_(std::move(obstacle)) {}
-  std::string_view name() const override { return "reach"; }
+  Refusal(std::string_view name, std::string reason) : name_(name), reason_(std::move(reason)) {}
+  std::string_view name() const override { return name_; }
   double time_limit() const override { return 1; }
   PhaseEnd run(Executor& robot, PickState& state) override {
     static_cast<void>(robot), static_cast<void>(state);
-    return {false, "unreachable: " + obstacle_};
+    return {false, reason_};
   }
 
  private:
-  std::string obstacle_;
+  std::string_view name_;
+  std::string reason_;
 };
 
 /// Picks one object: the phases, and when which of them comes.
@@ -84,6 +110,8 @@ class Picking {
         choose_(choose),
         sequence_(robot, state_, result_.phases, result_.failed_phase, observer) {
     state_.place = options.estimation.place;
+    state_.clear_height =
+        std::max(state_.clear_height, tallest(estimator_.candidates()) + kClearOver);
     if (!options.fallen_at) return;
     state_.place = *options.fallen_at;
     result_.fallen = true;
@@ -104,7 +132,11 @@ class Picking {
  private:
   void run_phases() {
     if (std::string obstacle = place_obstacle(robot_, state_.place); !obstacle.empty()) {
-      sequence_.run(ReachPhase(std::move(obstacle)));
+      sequence_.run(Refusal("reach", "unreachable: " + obstacle));
+      return;
+    }
+    if (std::string reason = why_not_holdable(robot_, estimator_.candidates()); !reason.empty()) {
+      sequence_.run(Refusal("refuse", std::move(reason)));
       return;
     }
     if (options_.calibrate.touches > 0 && robot_.model().kinematic_error > 0 &&

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "palpate/hand/kinematics.hpp"
 #include "palpate/hand/tip_forces.hpp"
 
 namespace palpate::skills {

@@ -215,6 +215,24 @@ class Results(CliTest):
         self.assertEqual(files, ["config.toml", "recording.h5", "replay.html", "report.json"])
         self.run_json("view", "run/recording.h5", "--out", "pages")
 
+    def assert_not_tried(self, report, reason):
+        self.assertEqual((report["status"], report["failed_phase"]), ("failed", "refuse"))
+        self.assertEqual([phase["name"] for phase in report["phases"]], ["refuse"])
+        self.assertIn(reason, report["phases"][0]["outcome"])
+        self.assertEqual(report["attempts"], 0)
+
+    def test_what_the_hand_cannot_hold_is_not_tried(self):
+        self.write("cube.stl", box_stl(0.15, 0.15, 0.15))
+        for options, reason in [(["--object", "cube.stl", "--mass", "0.4"], "too wide: 150 mm"),
+                                (["--object", "box", "--mass", "3.2"], "too heavy: it weighs 31.4 N"),
+                                (["--object", "box", "--mass", "5"], "the mount may bear 36 N")]:  # fmt: skip
+            with self.subTest(reason):
+                done = self.run_program("pick", *options, "--out", "run", "--force", "--json")
+                self.assertEqual(done.returncode, NO_SOLUTION, done.stderr)
+                self.assert_not_tried(json.loads(done.stdout), reason)
+        done = self.run_program("pick", "--object", "box", "--mass", "5", "--out", "again")
+        self.assertIn("refused: too heavy", done.stdout)
+
     def check_pick_report(self, report):
         self.assertEqual(report["status"], "ok")
         self.assertEqual((report["object"], report["seed"]), ("box", 3))

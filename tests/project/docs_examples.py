@@ -7,6 +7,8 @@ Of the fenced ```console and ```sh blocks, every line that begins with `palpate 
 (after an optional `$ `) is run. All lines of one file share a temporary folder, in order, so that a
 line may use what an earlier one wrote; the repository's examples/ and configs/ are there too. Of a
 line that ends in `# long`, and of the pages of results, only the help of its command is run.
+
+A ```cpp block of CONTRIBUTING.md must be an excerpt of a file in examples/extend, whose tests run.
 """
 
 import pathlib
@@ -22,6 +24,7 @@ COMMAND = re.compile(r"^(?:\$ )?(?:\./dev )?palpate (.*)$")
 EXPERIMENT = re.compile(r"^(?:\$ )?\./dev experiment ([\w-]+)", re.MULTILINE)
 FENCE = re.compile(r"^```(?:console|sh)\n(.*?)^```", re.MULTILINE | re.DOTALL)
 ANY_FENCE = re.compile(r"^```.*?^```", re.MULTILINE | re.DOTALL)
+EXCERPT = re.compile(r"^```cpp\n(.*?)^```", re.MULTILINE | re.DOTALL)
 LINK = re.compile(r"\]\(([^)\s]+)\)")
 NO_SOLUTION = 4  # exit code of a pick that fails
 
@@ -58,10 +61,24 @@ def faults_of_links(document, text):
             yield f"no such file: {target}"
 
 
+def lines_of(text):
+    """A program's lines without their indentation, as one text."""
+    return "\n".join(line.strip() for line in text.strip().splitlines()) + "\n"
+
+
+def faults_of_excerpts(text, repository):
+    sources = [lines_of(file.read_text()) for file in (repository / "examples/extend").glob("*.?pp")]
+    for excerpt in EXCERPT.findall(text):
+        if not any(lines_of(excerpt) in source for source in sources):
+            yield f"no file of examples/extend contains: {excerpt.strip().splitlines()[0]}"
+
+
 def faults_of(document, repository, program):
     text = document.read_text()
     yield from faults_of_links(document, text)
     yield from faults_of_experiments(text, repository)
+    if document.name == "CONTRIBUTING.md":
+        yield from faults_of_excerpts(text, repository)
     is_result = "results" in (*document.parts, document.stem)
     with tempfile.TemporaryDirectory() as folder:
         for name in ("examples", "configs"):

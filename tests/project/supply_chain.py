@@ -37,6 +37,15 @@ class Pins(unittest.TestCase):
             for line in filter(lambda line: line and not line.startswith("#"), lines):
                 self.assertRegex(line, r"^[\w.-]+==\S+\s+--hash=sha256:[0-9a-f]{64}", path.name)
 
+    def test_the_hands_are_of_the_same_package(self):
+        """The wheel of palpate[hands] passes on what `palpate hand install` downloads."""
+        source = (ROOT / "src" / "simulation" / "hand" / "hand_store.cpp").read_text()
+        pinned = (ROOT / "requirements" / "hands.txt").read_text()
+        (package,) = re.findall(r'kPackage = "(.*)"', source)
+        (digest,) = re.findall(r'kHash = "(.*)"', source)
+        self.assertIn(f"\n{package} ", pinned)
+        self.assertEqual(re.findall(r"sha256:(\w+)", pinned), [digest])
+
     def test_every_npm_package_has_a_hash_and_a_licence(self):
         locks = list(dependencies.npm_locks())
         self.assertEqual(len(locks), 2)

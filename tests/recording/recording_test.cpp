@@ -119,7 +119,7 @@ TEST(RecordingTest, TheFirstVersionWithoutBiotacsIsStillRead) {
 TEST(RecordingTest, KeepsWhatContactsTellOfTheirErrors) {
   const TestFolder folder;
   Recording written = toy_recording(120);
-  written.header.own_errors = true;
+  written.header.sensor_reported_errors = true;
   RandomStream random(8, "errors");
   for (Frame& frame : written.frames) {
     for (auto& finger : frame.reading.contacts) {
@@ -131,7 +131,7 @@ TEST(RecordingTest, KeepsWhatContactsTellOfTheirErrors) {
   }
   write_recording(folder / "errors.h5", written);
   const Recording read = read_recording(folder / "errors.h5");
-  EXPECT_TRUE(read.header.own_errors);
+  EXPECT_TRUE(read.header.sensor_reported_errors);
   ASSERT_EQ(read.frames.size(), written.frames.size());
   std::size_t contacts = 0;
   for (std::size_t i = 0; i < read.frames.size(); ++i) {
@@ -159,10 +159,10 @@ TEST(RecordingTest, WritesTheNewestFormatWithAndWithoutErrorsOfContacts) {
   const TestFolder folder;
   for (const bool errors : {false, true}) {
     Recording recording = toy_recording(3);
-    recording.header.own_errors = errors;
+    recording.header.sensor_reported_errors = errors;
     write_recording(folder / "toy.h5", recording);
     EXPECT_EQ(first_line(folder / "toy.h5"), "PALPATE RECORDING 4");
-    EXPECT_EQ(read_recording(folder / "toy.h5").header.own_errors, errors);
+    EXPECT_EQ(read_recording(folder / "toy.h5").header.sensor_reported_errors, errors);
   }
 }
 
@@ -178,7 +178,7 @@ TEST(RecordingTest, RefusesErrorsOfContactsThatTheHeaderDoesNotAnnounce) {
 
 Recording one_contact_with_errors() {
   Recording recording = toy_recording(3);
-  recording.header.own_errors = true;
+  recording.header.sensor_reported_errors = true;
   for (Frame& frame : recording.frames) {
     for (auto& finger : frame.reading.contacts) finger.clear();
   }

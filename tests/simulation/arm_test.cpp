@@ -215,11 +215,11 @@ TEST(ArmFollower, JudgesAWayBeforeItBegins) {
     fast.push_back({start.xyz, start.ypr + Eigen::Vector3d(0.05 * i, 0, 0)});
     far.push_back({start.xyz + Eigen::Vector3d(0, 0, 0.03 * i), start.ypr});
   }
-  const hand::MountWay easy = follower.judge(slow);
+  const hand::PathFeasibility easy = follower.check_path(slow);
   EXPECT_EQ(easy.obstacle, "");
   EXPECT_EQ(easy.stretch, 1);
-  EXPECT_GT(follower.judge(std::span(fast).first(20)).stretch, 1);
-  const hand::MountWay reaching = follower.judge(far);
+  EXPECT_GT(follower.check_path(std::span(fast).first(20)).stretch, 1);
+  const hand::PathFeasibility reaching = follower.check_path(far);
   EXPECT_FALSE(reaching.obstacle.empty());
   EXPECT_GT(reaching.feasible, 0u);
   EXPECT_LT(reaching.feasible, 50u) << "1.5 m higher than it began";
@@ -241,7 +241,7 @@ TEST(World, AnArmCarriesTheHandToWhereItIsTold) {
     way.push_back({command.base.xyz - Eigen::Vector3d(0, 0, 0.0005 * i),
                    command.base.ypr + Eigen::Vector3d(0.001 * i, 0, 0)});
   }
-  ASSERT_EQ(world.hand().judge_way(way).obstacle, "");
+  ASSERT_EQ(world.hand().check_path(way).obstacle, "");
   for (const auto& base : way) {
     command.base = base;
     reading = world.hand().step(command);

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "hand/fake_hand.hpp"
 #include "palpate/core/assets.hpp"
 #include "palpate/simulation/hand/load_hand.hpp"
@@ -11,38 +13,40 @@
 namespace palpate::skills {
 namespace {
 
-constexpr double kMet = 0.1;       // m of a guarded move after which the finger touches
-constexpr double kObstacle = 5.0;  // N
-
-/// A hand that sweeps about a box, and touches something on the guarded moves that a rule names.
+/// A hand that sweeps about a box, and touches something on the level sweeps that a rule names.
 struct Exploring {
-  using Rule = std::function<bool(std::size_t guarded_move)>;  // numbered from 0
+  using Rule = std::function<bool(std::size_t sweep)>;  // numbered from 0
 
   explicit Exploring(Rule touches)
       : hand([this, touches = std::move(touches)](hand::HandReading& reading) {
-          if (sweeping && touches(guarded_moves - 1) && (reading.base.xyz - start).norm() > kMet) {
-            touch(reading);
-          }
-          if (sweeping && blocks && blocks(guarded_moves - 1) &&
-              (reading.base.xyz - start).norm() > kMet) {
-            reading.base_force = kObstacle * (reading.base.xyz - start).normalized();
-          }
           last = reading.base.xyz;
+          if (!sweeping || way() < met || (!is_level() && !meets_on_the_way_down)) return;
+          if (touches(sweeps)) touch(reading);
+          if (blocks && blocks(sweeps)) reading.base_force = obstacle * (last - start).normalized();
         }),
         robot(hand, model, hand::resting_command(),
-              {{},
-               [this](estimation::TouchEvent mark) {
-                 sweeping = mark == estimation::TouchEvent::guarded_move;
-                 if (!sweeping) return;
-                 start = last;
-                 starts.push_back(robot.command().base);
-                 ++guarded_moves;
-               },
-               {}}) {
+              {{}, [this](estimation::TouchEvent mark) { count(mark); }, {}}) {
     locate.search.proposals = 2000;
     locate.search.particles = 100;
     options.refining = 0;
+    options.radius = 0.2;  // so that sweeps begin where the box cannot be
     state.height = 0.05;
+  }
+
+  [[nodiscard]] double way() const { return (last - start).norm(); }
+  [[nodiscard]] bool is_level() const { return std::abs(last.z() - start.z()) < 0.1 * way(); }
+
+  void count(estimation::TouchEvent mark) {
+    if (mark == estimation::TouchEvent::guarded_move) {
+      sweeping = true;
+      start = last;
+      begun = robot.command().base;
+    } else if (sweeping) {
+      sweeping = false;
+      if (!is_level()) return;
+      ++sweeps;
+      starts.push_back(begun);
+    }
   }
 
   /// The fingertip meets a face that looks against the guarded move.
@@ -75,10 +79,14 @@ struct Exploring {
     return count;
   }
 
-  Rule blocks;                             // where another part of the hand meets something
-  std::vector<hand::BasePosition> starts;  // of the sweeps
-  std::size_t guarded_moves = 0;
+  double met = 0.1;       // m of a guarded move after which something is met
+  double obstacle = 5.0;  // N, of what blocks the hand
+  Rule blocks;            // where another part of the hand meets something
+  bool meets_on_the_way_down = false;
+  std::vector<hand::BasePosition> starts;  // of the level sweeps
+  std::size_t sweeps = 0;                  // level ones that have ended
   bool sweeping = false;
+  hand::BasePosition begun;
   Eigen::Vector3d start{0, 0, 0}, last{0, 0, 0};
   hand::Description model =
       hand::with_soft_actuators(simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml")));
@@ -91,26 +99,25 @@ struct Exploring {
 };
 
 TEST(ExplorePhase, GoesOnTillAsManyHaveTouchedAsWereAskedFor) {
-  Exploring exploring([](std::size_t guarded_move) { return guarded_move % 2 == 0; });
+  Exploring exploring([](std::size_t sweep) { return sweep % 2 == 0; });
   exploring.options.touches = exploring.options.max_touches = 4;
   exploring.explore();
   EXPECT_EQ(exploring.marked(estimation::TouchEvent::touched), 4u);
-  EXPECT_EQ(exploring.guarded_moves, 7u);
-  EXPECT_EQ(exploring.marked(estimation::TouchEvent::missed), 3u);
+  EXPECT_EQ(exploring.sweeps, 7u);
 }
 
 TEST(ExplorePhase, MakesNoMoreGuardedMovesThanItsTouchesNeed) {
   Exploring exploring([](std::size_t) { return true; });
   exploring.options.touches = exploring.options.max_touches = 4;
   exploring.explore();
-  EXPECT_EQ(exploring.guarded_moves, 4u);
+  EXPECT_EQ(exploring.sweeps, 4u);
 }
 
 TEST(ExplorePhase, GivesUpWhereNothingIsFelt) {
   Exploring exploring([](std::size_t) { return false; });
   exploring.options.touches = exploring.options.max_touches = 4;
   EXPECT_EQ(exploring.explore().status, PhaseStatus::failed);
-  EXPECT_EQ(exploring.guarded_moves, 8u);
+  EXPECT_EQ(exploring.sweeps, 8u);
   EXPECT_EQ(exploring.marked(estimation::TouchEvent::missed), 8u);
 }
 
@@ -136,22 +143,84 @@ TEST(ExplorePhase, IsSlowWhereTheObjectMayBe) {
   }
 }
 
+/// Speed of the hand between two readings of a log, m/s; the fastest of them.
+double fastest_between(const estimation::EventLog& log, std::size_t from, std::size_t to) {
+  double fastest = 0;
+  for (std::size_t i = from + 1; i <= to; ++i) {
+    const Eigen::Vector3d way = log.readings[i].base.xyz - log.readings[i - 1].base.xyz;
+    fastest = std::max(fastest, way.norm() / hand::kTick);
+  }
+  return fastest;
+}
+
+TEST(ExplorePhase, ComesDownSlowlyWhereTheObjectMayBe) {
+  Exploring exploring([](std::size_t) { return false; });
+  exploring.options.touches = exploring.options.max_touches = 2;
+  exploring.options.radius = 0.1;  // a box that lies reaches 99 mm
+  exploring.explore();
+  const auto& log = exploring.robot.log();
+  const auto sets_out = log.all(estimation::TouchEvent::guarded_move);
+  const auto misses = log.all(estimation::TouchEvent::missed);
+  ASSERT_EQ(sets_out.size(), misses.size());
+  ASSERT_GE(sets_out.size(), 4u) << "a way down and a sweep, twice";
+  std::size_t down = 0;
+  for (std::size_t k = 0; k < misses.size(); ++k) {
+    const auto& from = log.readings[sets_out[k]].base.xyz;
+    const auto& to = log.readings[misses[k]].base.xyz;
+    if ((from - to).head<2>().norm() > 1e-3) continue;
+    ++down;
+    EXPECT_GT(from.z() - to.z(), 0.02);
+    EXPECT_LT(fastest_between(log, sets_out[k], misses[k]), 0.6 * exploring.options.speed);
+  }
+  EXPECT_EQ(2 * down, misses.size());
+}
+
+TEST(ExplorePhase, WhatTheFingertipMeetsOnTheWayDownIsATouch) {
+  Exploring exploring([](std::size_t) { return true; });
+  exploring.met = 0.02;
+  exploring.meets_on_the_way_down = true;
+  exploring.options.touches = exploring.options.max_touches = 2;
+  exploring.options.radius = 0.1;
+  exploring.explore();
+  EXPECT_EQ(exploring.sweeps, 0u);
+  ASSERT_EQ(exploring.marked(estimation::TouchEvent::touched), 2u);
+  const auto& log = exploring.robot.log();
+  for (std::size_t k = 0; k < 2; ++k) {
+    const auto& from = log.readings[log.all(estimation::TouchEvent::guarded_move)[k]].base.xyz;
+    const auto& to = log.readings[log.all(estimation::TouchEvent::touched)[k]].base.xyz;
+    EXPECT_LT((from - to).head<2>().norm(), 1e-3);
+  }
+}
+
+TEST(ExplorePhase, AHardImpactEndsASweepBeforeItsLoadHasSettled) {
+  Exploring exploring([](std::size_t) { return false; });
+  exploring.blocks = [](std::size_t) { return true; };
+  exploring.met = 0.015;  // 0.15 s after a sweep has set out
+  exploring.obstacle = 25;
+  exploring.options.touches = exploring.options.max_touches = 1;
+  exploring.explore();
+  const auto& log = exploring.robot.log();
+  const auto from = log.all(estimation::TouchEvent::guarded_move).front();
+  const auto to = log.all(estimation::TouchEvent::missed).front();
+  EXPECT_LT((log.readings[to].base.xyz - log.readings[from].base.xyz).norm(), 0.025);
+}
+
 TEST(ExplorePhase, MakesUpForNoMissWhereMoreTouchesMayFollow) {
   Exploring exploring([](std::size_t) { return false; });
   exploring.options.touches = 4;
   exploring.options.max_touches = 8;
   exploring.explore();
-  EXPECT_EQ(exploring.guarded_moves, 4u);  // without a pose there is none to tell apart
+  EXPECT_EQ(exploring.sweeps, 4u);  // without a pose there is none to tell apart
 }
 
 TEST(ExplorePhase, TellsPosesApartByGuardedMovesNotMadeYet) {
   // The first touches leave the box's yaw open; then something else is always in the way.
-  Exploring exploring([](std::size_t guarded_move) { return guarded_move < 2; });
-  exploring.blocks = [](std::size_t guarded_move) { return guarded_move >= 2; };
+  Exploring exploring([](std::size_t sweep) { return sweep < 2; });
+  exploring.blocks = [](std::size_t sweep) { return sweep >= 2; };
   exploring.options.touches = 2;
   exploring.options.max_touches = 10;
   exploring.explore();
-  EXPECT_GT(exploring.guarded_moves, 5u);
+  EXPECT_GT(exploring.sweeps, 5u);
   EXPECT_EQ(exploring.repeated(), 0u);
 }
 
@@ -160,7 +229,7 @@ TEST(ExplorePhase, AGuardedMoveCutShortByTimeMissedNothing) {
   exploring.options.touches = exploring.options.max_touches = 2;
   exploring.options.speed = exploring.options.touch_speed = 0.001;  // 185 s a guarded move
   EXPECT_EQ(exploring.explore().status, PhaseStatus::timed_out);
-  EXPECT_GE(exploring.guarded_moves, 1u);
+  EXPECT_GE(exploring.marked(estimation::TouchEvent::guarded_move), 1u);
   EXPECT_EQ(exploring.marked(estimation::TouchEvent::missed), 0u);
 }
 

@@ -29,10 +29,10 @@ TEST(FeltSize, TheTallestIsThatOfAnyCandidate) {
 }
 
 TEST(FeltSize, WhatIsFeltBesideItsTopIsTaller) {
-  EXPECT_NEAR(likely_top({&box()}, 0.052), 0.052, 1e-6) << "felt a little too high";
-  EXPECT_NEAR(likely_top({&box()}, 0.040), 0.050, 1e-6);
+  EXPECT_NEAR(likely_top({&box()}, 0.098), 0.098, 1e-6) << "felt a little too high";
+  EXPECT_NEAR(likely_top({&box()}, 0.030), 0.050, 1e-6);
   EXPECT_NEAR(likely_top({&box()}, 0.075), 0.094, 1e-6);
-  EXPECT_NEAR(likely_top({&box()}, 0.120), 0.120, 1e-6) << "as tall as no stable pose";
+  EXPECT_NEAR(likely_top({&box()}, 0.190), 0.190, 1e-6) << "taller than any stable pose";
 }
 
 TEST(FeltSize, AnObjectThatStandsUpReachesLessFar) {

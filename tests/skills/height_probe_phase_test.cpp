@@ -66,6 +66,21 @@ TEST(HeightProbePhase, ComesDownSlowlyWhereTheObjectMayBe) {
   }
 }
 
+TEST(HeightProbePhase, TravelsOverWhateverMayStandThere) {
+  OverABlock scene(0.04, {0, 0}, 0.03);
+  scene.state.clear_height = 0.31;
+  scene.robot.move_base({{0.3, 0, 0.3}, {0, 0, 0}}, 1.0);  // beside, and low
+  const std::size_t first = scene.robot.log().readings.size();
+  ASSERT_TRUE(HeightProbePhase({}).run(scene.robot, scene.state).ok);
+  const auto& readings = scene.robot.log().readings;
+  for (std::size_t i = first; i < readings.size(); ++i) {
+    const Eigen::Vector2d way =
+        readings[i].base.xyz.head<2>() - readings[i - 1].base.xyz.head<2>();
+    if (way.norm() < 1e-5) continue;  // up or down
+    EXPECT_GT(estimation::lowest_of_hand(soft_shadow(), readings[i]), 0.305);
+  }
+}
+
 TEST(HeightProbePhase, LooksBesideWhereNothingStands) {
   OverABlock scene(0.08, {0, 0.1}, 0.05);
   const auto end = HeightProbePhase({}).run(scene.robot, scene.state);

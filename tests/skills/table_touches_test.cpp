@@ -12,7 +12,7 @@ namespace palpate::skills {
 namespace {
 
 TEST(TableTouches, EachFingertipIsTheLowestPartOfTheHandInSome) {
-  const auto touches = telling_touches(soft_shadow(), {});
+  const auto touches = calibration_touches(soft_shadow(), {});
   ASSERT_EQ(touches.size(), 40);
   std::set<int> fingers;
   for (const TableTouch& touch : touches) {
@@ -26,7 +26,7 @@ TEST(TableTouches, EachFingertipIsTheLowestPartOfTheHandInSome) {
 }
 
 TEST(TableTouches, TheNextOneIsNear) {
-  const auto touches = telling_touches(soft_shadow(), {});
+  const auto touches = calibration_touches(soft_shadow(), {});
   const auto turn = [](const TableTouch& a, const TableTouch& b) {
     return std::max({std::abs(a.attitude.pitch - b.attitude.pitch),
                      std::abs(a.attitude.roll - b.attitude.roll),

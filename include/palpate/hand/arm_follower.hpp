@@ -29,7 +29,7 @@ class ArmFollower {
   const ArmVector& follow(const Eigen::Isometry3d& T_world_mount);
 
   /// Whether the arm can follow a way that starts where it is told to be, one position a tick.
-  [[nodiscard]] MountWay judge(std::span<const BasePosition> way) const;
+  [[nodiscard]] PathFeasibility check_path(std::span<const BasePosition> way) const;
 
  private:
   [[nodiscard]] std::size_t followed(ArmVector joints, std::span<const BasePosition> tour) const;

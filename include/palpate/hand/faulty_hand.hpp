@@ -85,8 +85,8 @@ class FaultyHand : public Hand {
   FaultyHand(Hand& hand, const FaultSchedule& schedule);
 
   HandReading step(const HandCommand& command) override;
-  [[nodiscard]] MountWay judge_way(std::span<const BasePosition> way) const override {
-    return hand_.judge_way(way);
+  [[nodiscard]] PathFeasibility check_path(std::span<const BasePosition> way) const override {
+    return hand_.check_path(way);
   }
   [[nodiscard]] MountLimits mount_limits() const override { return hand_.mount_limits(); }
 

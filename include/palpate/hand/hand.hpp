@@ -54,8 +54,8 @@ struct HandCommand {
   BasePosition base;
 };
 
-/// Whether what carries the hand can take its mount along a way.
-struct MountWay {
+/// Whether what carries the hand can take its mount along a path.
+struct PathFeasibility {
   std::string obstacle;      ///< why it cannot, in words; empty: it can
   std::size_t feasible = 0;  ///< positions before the obstacle, if there is one
   double stretch = 1;        ///< times as long as wanted these take, at least; 1: not longer
@@ -78,10 +78,10 @@ class Hand {
   /// Applies the command for one tick of kTick and returns what was sensed at its end.
   virtual HandReading step(const HandCommand& command) = 0;
 
-  /// Whether the mount can be moved from where it is told to be along this way, one position a
-  /// tick. A floating mount can be moved anywhere.
-  [[nodiscard]] virtual MountWay judge_way(std::span<const BasePosition> way) const {
-    static_cast<void>(way);
+  /// Whether the mount can be moved from where it is commanded to be along this path, one position
+  /// a tick. A floating mount can be moved anywhere.
+  [[nodiscard]] virtual PathFeasibility check_path(std::span<const BasePosition> path) const {
+    static_cast<void>(path);
     return {};
   }
 

@@ -28,7 +28,7 @@ struct Header {
   std::string config_toml;  ///< resolved configuration
   /// Contacts carry what the sensors say of their errors. Such a recording has format version 3;
   /// without, it is 2.
-  bool own_errors = false;
+  bool sensor_reported_errors = false;
 };
 
 /// What only a simulator knows. For judging and drawing; never for estimating.

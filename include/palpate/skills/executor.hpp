@@ -109,6 +109,7 @@ class Executor {
   void distrust(int finger);
   bool trusted(int finger) const;
 
+  const SafetyOptions& limits() const { return safety_.options; }
   /// Commands that a limit has changed, so far. Skills ask for none that needs it.
   std::size_t limited_commands() const;
 
@@ -152,7 +153,7 @@ class Executor {
   void keep(hand::HandReading reading);
   hand::HandReading step();
   void ease();
-  [[nodiscard]] hand::MountWay judge(std::vector<hand::BasePosition> way) const;
+  [[nodiscard]] hand::PathFeasibility check_path(std::vector<hand::BasePosition> way) const;
   void limit_base(const hand::BasePosition& target, SpeedProfile& profile) const;
   void limit_fingers(const hand::ActuatorVector& posture, SpeedProfile& profile);
 

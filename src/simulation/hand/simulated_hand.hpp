@@ -23,7 +23,8 @@ class SimulatedHand : public hand::Hand {
 
   hand::HandReading step(const hand::HandCommand& command) override;
 
-  [[nodiscard]] hand::MountWay judge_way(std::span<const hand::BasePosition> way) const override;
+  [[nodiscard]] hand::PathFeasibility check_path(
+      std::span<const hand::BasePosition> way) const override;
   [[nodiscard]] hand::MountLimits mount_limits() const override;
 
   /// The scene's arm carries the hand, instead of a floating base.

@@ -228,17 +228,17 @@ hand::Description calibrated_hand(const hand::Description& hand, estimation::Eve
 
 double CalibratePhase::time_limit() const { return 20 + kSecondsATouch * options_.touches; }
 
-PhaseEnd CalibratePhase::run(Executor& robot, PickState&) {
+PhaseEnd CalibratePhase::run(Executor& robot, PickState& state) {
   const hand::Description before = robot.model();
   TableSearch search;
-  for (const auto& touch : telling_touches(before, options_)) {
+  for (const auto& touch : calibration_touches(before, options_)) {
     if (!is_reachable(robot, touch, options_)) continue;
     if (robot.trusted(touch.finger)) touch_table(robot, touch, options_, search);
   }
   const hand::HandCommand& now = robot.command();
   const double free =
-      std::max(kFreeHeight,
-               kClearOfObjects - lowest_part(robot.model(), now.positions, attitude_of(now.base)));
+      std::max(kFreeHeight, state.clear_height -
+                                lowest_part(robot.model(), now.positions, attitude_of(now.base)));
   rise(robot, std::max(0.0, free - now.base.xyz.z()), options_.travel_speed);
   const auto touches = table_touches(robot.log(), options_);
   const tactile::HandCalibration found = calibration(before, robot.log(), options_);

@@ -10,6 +10,8 @@
 
 #include "palpate/hand/tip_forces.hpp"
 #include "skills/explore/felt_size.hpp"
+#include "skills/explore/pointing_finger.hpp"
+#include "skills/explore/sweep_plan.hpp"
 #include "skills/lowest_part.hpp"
 #include "skills/motion_constants.hpp"
 #include "skills/take_posture.hpp"
@@ -19,14 +21,11 @@ namespace palpate::skills {
 namespace {
 
 constexpr double kClearanceAbove = 0.02;  // m of the hand over the object while travelling
-constexpr double kMinDepth = 0.014;       // m of the fingertip's centre over the table
 constexpr double kContactSeconds = 0.12;  // s of contact that are averaged
 constexpr double kBlockedLoad = 0.15;     // N more on the base: something but the fingertip touches
-constexpr int kDirections = 16;           // of further sweeps
-constexpr int kOffsets = 3;               // to either side of the object's place
-constexpr double kSpacing = 0.015;        // m between them
-constexpr double kDepthStep = 0.02;       // m between heights of further sweeps
 constexpr int kBlockedMoves = 2;  // of a hand that felt nothing, after which its finger is changed
+constexpr double kImpact = 15;    // N on the base: something is met, and hard
+constexpr double kSettledAfter = 0.1;  // s of a motion in which the load is that of setting out
 constexpr double kMinInformation = 0.03;
 constexpr double kHigher = 0.006;     // m, of another try where the hand was blocked
 constexpr double kHighest = 0.018;    // m, of all of these together
@@ -37,26 +36,35 @@ constexpr double kEarlier = 0.015;    // m before the expected touch, from where
 constexpr double kGuardedMoveTime = 9;  // s that a guarded move takes with its travel, amply
 constexpr double kMinTime = 180;        // s, of the whole phase
 
-/// Centre of the probing fingertip in the base's frame, by the posture read.
-Eigen::Vector3d probe_in_base(const Executor& robot, const hand::PointingHand& pointing) {
-  const auto T_base_link = hand::forward_kinematics(robot.model(), robot.reading().joints);
-  const hand::Finger& finger = robot.model().fingers[static_cast<std::size_t>(pointing.finger)];
-  return T_base_link[static_cast<std::size_t>(finger.link)] * finger.tip.b;
-}
-
-/// Base position, turned by a yaw, that brings the probing fingertip to p (world).
-hand::BasePosition base_for_probe(const Executor& robot, const hand::PointingHand& pointing,
-                                  double yaw, const Eigen::Vector3d& p) {
-  hand::BasePosition base;
-  base.ypr = {yaw, pointing.attitude.pitch, pointing.attitude.roll};
-  base.xyz = p - base.pose().linear() * probe_in_base(robot, pointing);
-  return base;
-}
-
 Executor::StopCondition tip_touches(int finger, double force) {
   return [finger, detector = TouchDetector(force)](const hand::HandReading& reading) mutable {
     return detector.update(hand::tip_force(reading, finger));
   };
+}
+
+/// The base has pushed along a direction (unit, world) with more than any motion at a sweep's speed
+/// takes: sooner than a small load that rises can be told from the motion's own.
+Executor::StopCondition impact(const Executor& robot, const Eigen::Vector3d& direction) {
+  return [direction, from = robot.time() + kSettledAfter,
+          loaded = 0](const hand::HandReading& reading) mutable {
+    const bool now = reading.time > from && direction.dot(reading.base_force) > kImpact;
+    loaded = now ? loaded + 1 : 0;
+    return loaded >= 2;
+  };
+}
+
+/// m above the table of the highest point of objects at any of their poses.
+double highest_of(const std::vector<localization::PosedObject>& objects) {
+  double top = 0;
+  for (const auto& [object, posterior] : objects) {
+    for (const auto& mode : posterior.modes) {
+      const Eigen::RowVector3d up = mode.T_frame_object.linear().row(2);
+      for (const auto& vertex : object->object().mesh.vertices) {
+        top = std::max(top, mode.T_frame_object.translation().z() + up.dot(vertex));
+      }
+    }
+  }
+  return top;
 }
 
 /// Takes back most of the lead that the base's command has on the base, which would go on pushing.
@@ -64,50 +72,6 @@ void stop_here(Executor& robot, double speed) {
   hand::BasePosition here = robot.command().base;
   here.xyz += kLeadTakenBack * (robot.reading().base.xyz - here.xyz);
   robot.move_base(here, speed);
-}
-
-double first_depth(const PickState& state, const ExploreOptions& options) {
-  return std::max(kMinDepth, state.height - options.reach);
-}
-
-/// Level towards the object's place from an angle, passing it to the left by an offset.
-localization::GuardedMove level_guarded_move(const PickState& state, const ExploreOptions& options,
-                                             double angle, double offset, double depth) {
-  const Eigen::Vector3d out(std::cos(angle), std::sin(angle), 0);
-  const Eigen::Vector3d middle = Eigen::Vector3d(state.place.x(), state.place.y(), depth) +
-                                 offset * Eigen::Vector3d::UnitZ().cross(out);
-  return {middle + options.radius * out, middle - options.past * out};
-}
-
-/// Level guarded moves from all sides, and past the object's place on both of them.
-void add_level_guarded_moves(const PickState& state, const ExploreOptions& options, double depth,
-                             std::vector<localization::GuardedMove>& guarded_moves) {
-  for (int i = 0; i < kDirections; ++i) {
-    for (int side = -kOffsets; side <= kOffsets; ++side) {
-      guarded_moves.push_back(level_guarded_move(state, options,
-                                                 2 * std::numbers::pi * i / kDirections,
-                                                 kSpacing * side, std::max(kMinDepth, depth)));
-    }
-  }
-}
-
-/// Level ones from the least height of the fingertip up to the object's top, and downward ones.
-/// @param above  m above the table, of a fingertip over the object
-std::vector<localization::GuardedMove> telling_guarded_moves(const PickState& state,
-                                                             const ExploreOptions& options,
-                                                             double above) {
-  std::vector<localization::GuardedMove> guarded_moves;
-  for (double depth = first_depth(state, options); depth > kMinDepth - 0.5 * kDepthStep;
-       depth -= kDepthStep) {
-    add_level_guarded_moves(state, options, depth, guarded_moves);
-  }
-  for (int x = -kOffsets; x <= kOffsets; ++x) {
-    for (int y = -kOffsets; y <= kOffsets; ++y) {
-      const Eigen::Vector2d xy = state.place + kSpacing * Eigen::Vector2d(x, y);
-      guarded_moves.push_back({{xy.x(), xy.y(), above}, {xy.x(), xy.y(), kMinDepth}});
-    }
-  }
-  return guarded_moves;
 }
 
 /// The even numbers below a count, then the odd ones.
@@ -131,31 +95,6 @@ std::vector<localization::PosedObject> possible_objects(
     objects.push_back({estimator.candidates()[i], std::move(posteriors[i])});
   }
   return objects;
-}
-
-/// m from the lowest part of the hand that points up to the centre of its fingertip.
-double tip_above_lowest(const Executor& robot, const hand::PointingHand& pointing) {
-  const hand::Attitude attitude{pointing.attitude.pitch, pointing.attitude.roll};
-  const double tip = -base_for_probe(robot, pointing, 0, Eigen::Vector3d::Zero()).xyz.z();
-  return tip - lowest_part(robot.model(), pointing.positions, attitude);
-}
-
-/// The probing finger's balls around the centre of its tip.
-localization::ProbingFinger sweeping_finger(const Executor& robot,
-                                            const hand::PointingHand& pointing, double yaw) {
-  const auto& hand = robot.model();
-  const auto T_base_link = hand::forward_kinematics(hand, robot.reading().joints);
-  const Eigen::Matrix3d R_world_base =
-      base_for_probe(robot, pointing, yaw, Eigen::Vector3d::Zero()).pose().linear();
-  const Eigen::Vector3d tip_center = probe_in_base(robot, pointing);
-  localization::ProbingFinger finger;
-  finger.R_world_base = R_world_base;
-  for (const auto& sphere : hand.spheres) {
-    const Eigen::Vector3d p = T_base_link[static_cast<std::size_t>(sphere.link)] * sphere.center;
-    const bool tip = sphere.link == hand.fingers[static_cast<std::size_t>(pointing.finger)].link;
-    (tip ? finger.tip : finger.rest).push_back({R_world_base * (p - tip_center), sphere.radius});
-  }
-  return finger;
 }
 
 /// How to probe: with the first finger that can point and whose fingertip can be believed.
@@ -182,17 +121,24 @@ PhaseEnd ExplorePhase::run(Executor& robot, PickState& state) {
   done_.clear();
   raised_ = 0;
   blocked_ = 0;
+  top_ = 0;
   hand::BasePosition up = robot.command().base;
   up.xyz.z() = std::max(up.xyz.z(), state.height + 0.2);
-  robot.move_base(up, options_.travel_speed);
   probe_ = first_trusted(robot);
+  const auto& hand = pointing(robot);
+  const double low =
+      lowest_on_way(robot.model(), robot.command().positions, attitude_of(robot.command().base),
+                    hand.positions, {hand.attitude.pitch, hand.attitude.roll});
+  up.xyz.z() = std::max(up.xyz.z(),
+                        likely_top(estimator_.candidates(), state.height) + kClearanceAbove - low);
+  robot.move_base(up, options_.travel_speed);
   take_posture(robot, pointing(robot).positions, 0.5);
   robot.wait(0.1);
   int touches = touch_around(robot, state);
   while (touches == 0 && blocked_ >= kBlockedMoves) touches = touch_with_another(robot, state);
-  if (options_.max_touches <= options_.touches) touches += make_up(robot, state, touches);
+  if (options_.max_touches <= options_.touches) touches += touch_between(robot, state, touches);
   estimate(robot, state);
-  touches += tell_apart(robot, state);
+  touches += disambiguate(robot, state);
   touches += refine(robot, state);
   if (state.resting->modes.empty()) {
     state.resting.reset();
@@ -205,6 +151,7 @@ PhaseEnd ExplorePhase::run(Executor& robot, PickState& state) {
 
 void ExplorePhase::estimate(Executor& robot, PickState& state) {
   state.resting = estimator_.resting(robot.model(), robot.log());
+  top_ = highest_of(possible_objects(estimator_));
   robot.show(*state.resting);
 }
 
@@ -236,7 +183,7 @@ int ExplorePhase::touch_with_another(Executor& robot, PickState& state) {
 }
 
 /// Level guarded moves from in between the first ones, till as many have touched as were asked for.
-int ExplorePhase::make_up(Executor& robot, const PickState& state, int touches) {
+int ExplorePhase::touch_between(Executor& robot, const PickState& state, int touches) {
   int made_up = 0;
   for (const int i : every_other_first(options_.touches)) {
     if (touches + made_up >= options_.touches) break;
@@ -269,11 +216,11 @@ ExplorePhase::GuardedMoveEnd ExplorePhase::touch_from(Executor& robot, const Pic
 }
 
 /// Touches where the modes differ most, one after the other, till one of them is left.
-int ExplorePhase::tell_apart(Executor& robot, PickState& state) {
+int ExplorePhase::disambiguate(Executor& robot, PickState& state) {
   int touches = 0;
   std::array<std::vector<localization::GuardedMove>, 2>
       left;  // for each turn of the hand: what was not tried yet
-  left.fill(telling_guarded_moves(state, options_, travel_height(robot, state)));
+  left.fill(disambiguating_moves(state, options_, travel_height(robot, state)));
   if (options_.touches <= 1) left[1].clear();
   for (int i = options_.touches; i < options_.max_touches; ++i) {
     if (state.resting->modes.empty() || settled(*state.resting, options_.certain)) break;
@@ -321,54 +268,89 @@ int ExplorePhase::refine(Executor& robot, PickState& state) {
 
 /// m above the table of the probing fingertip's centre, while the hand travels over the object.
 double ExplorePhase::travel_height(const Executor& robot, const PickState& state) const {
-  return likely_top(estimator_.candidates(), state.height) + kClearanceAbove +
-         tip_above_lowest(robot, pointing(robot));
+  const double top = top_ > 0 ? top_ : likely_top(estimator_.candidates(), state.height);
+  return top + kClearanceAbove + tip_above_lowest(robot, pointing(robot));
 }
 
-/// m of a sweep along which the object cannot be met, as far as is known.
+/// m of a motion along which the object cannot be met, as far as is known; all of it where it meets
+/// none.
 double ExplorePhase::clear_way(const Executor& robot, const PickState& state,
                                const localization::TurnedMove& turned) const {
   const localization::GuardedMove& move = turned.guarded_move;
+  const double length = (move.to - move.from).norm();
   if (state.resting && !state.resting->modes.empty()) {
     const auto finger = sweeping_finger(robot, pointing(robot), yaw(turned.turn));
-    return localization::clear_way(possible_objects(estimator_), finger, move) - kEarlier;
+    const double clear = localization::clear_way(possible_objects(estimator_), finger, move);
+    return clear < length ? clear - kEarlier : clear;
   }
   if (robot.log().at(estimation::TouchEvent::fallen)) return 0;  // it may be anywhere
   const double reach = likely_reach(estimator_.candidates(), state.height);
   const double out = (move.from.head<2>() - state.place).norm();
-  return out - reach - estimator_.options().resting_half_width - kEarlier;
+  const double clear = out - reach - estimator_.options().resting_half_width - kEarlier;
+  const bool down = move.to.head<2>() == move.from.head<2>();
+  return down && clear > 0 ? length : clear;
 }
 
+/// Travels over the object, comes down to where the guarded move begins, makes it, and goes back.
 ExplorePhase::GuardedMoveEnd ExplorePhase::guarded_move(Executor& robot, const PickState& state,
                                                         const localization::TurnedMove& turned) {
-  const localization::GuardedMove& guarded_move = turned.guarded_move;
-  const Eigen::Vector3d forward = (guarded_move.to - guarded_move.from).normalized();
-  const hand::BasePosition start =
-      base_for_probe(robot, pointing(robot), yaw(turned.turn), guarded_move.from);
-  const hand::BasePosition end =
-      base_for_probe(robot, pointing(robot), yaw(turned.turn), guarded_move.to);
-  hand::BasePosition above = start;
-  above.xyz.z() += std::max(0.0, travel_height(robot, state) - guarded_move.from.z());
-  for (const hand::BasePosition& base : {above, start, end}) {  // not begun: it tells nothing
-    if (!robot.obstacle(base).empty()) return GuardedMoveEnd::missed;
+  const localization::GuardedMove& move = turned.guarded_move;
+  const auto base_at = [&](const Eigen::Vector3d& tip) {
+    return base_for_probe(robot, pointing(robot), yaw(turned.turn), tip);
+  };
+  Eigen::Vector3d above = move.from;
+  above.z() = std::max(above.z(), travel_height(robot, state));
+  for (const Eigen::Vector3d& tip : {above, move.from, move.to}) {
+    if (!robot.obstacle(base_at(tip)).empty()) return GuardedMoveEnd::missed;  // it tells nothing
   }
-  robot.move_base(above, options_.travel_speed);
-  robot.move_base(start, options_.travel_speed / 2);
+  robot.move_base(base_at(above), options_.travel_speed);
+  const localization::TurnedMove descent{{above, move.from}, turned.turn};
+  GuardedMoveEnd end = come_down(robot, state, descent);
+  const bool there = end == GuardedMoveEnd::missed;
+  if (there) end = sweep(robot, turned, clear_way(robot, state, turned), options_.touch_speed);
+  if (end == GuardedMoveEnd::timed_out) return end;
+  go_back(robot, there ? move : descent.guarded_move, base_at(above).xyz.z());
+  return end;
+}
+
+/// Fast as far as the object cannot be there, and from there on as a sweep. One that meets nothing
+/// has missed.
+ExplorePhase::GuardedMoveEnd ExplorePhase::come_down(Executor& robot, const PickState& state,
+                                                     const localization::TurnedMove& descent) {
+  const localization::GuardedMove& move = descent.guarded_move;
+  const double length = move.from.z() - move.to.z();
+  const double clear = std::clamp(clear_way(robot, state, descent), 0.0, length);
+  hand::BasePosition near = base_for_probe(robot, pointing(robot), yaw(descent.turn), move.from);
+  near.xyz.z() -= clear;
+  robot.move_base(near, options_.travel_speed / 2);
   robot.wait(0.15);
+  if (clear >= length) return GuardedMoveEnd::missed;
+  const Eigen::Vector3d from(move.from.x(), move.from.y(), move.from.z() - clear);
+  return sweep(robot, {{from, move.to}, descent.turn}, 0, options_.speed / 2);
+}
+
+/// Along a guarded move at whose start the fingertip is, until something is met: fast at first, and
+/// with the speed of a touch from `clear` (m) on.
+ExplorePhase::GuardedMoveEnd ExplorePhase::sweep(Executor& robot,
+                                                 const localization::TurnedMove& turned,
+                                                 double clear, double touch_speed) {
+  const localization::GuardedMove& move = turned.guarded_move;
+  const Eigen::Vector3d forward = (move.to - move.from).normalized();
   robot.mark(estimation::TouchEvent::guarded_move);
   bool touched = false;
-  const auto sweep_to = [&](const hand::BasePosition& base, double speed) {
+  const auto sweep_to = [&](const Eigen::Vector3d& to, double speed) {
     const auto tip = tip_touches(pointing(robot).finger, options_.touch_force);
-    const auto blocked = rising_load(robot, forward, kBlockedLoad);
-    return robot.move_base(base, speed, [&](const hand::HandReading& reading) {
-      touched = tip(reading);
-      return touched || blocked(reading);
-    });
+    return robot.move_base(
+        base_for_probe(robot, pointing(robot), yaw(turned.turn), to), speed,
+        [&, blocked = rising_load(robot, forward, kBlockedLoad),
+         hit = impact(robot, forward)](const hand::HandReading& reading) mutable {
+          touched = tip(reading);
+          const bool stopped = blocked(reading);
+          return hit(reading) || touched || stopped;
+        });
   };
-  hand::BasePosition near = start;
-  near.xyz += std::max(0.0, clear_way(robot, state, turned)) * forward;
-  MotionEnd motion = sweep_to(near, options_.speed);
-  if (motion == MotionEnd::reached) motion = sweep_to(end, options_.touch_speed);
+  MotionEnd motion = sweep_to(move.from + std::max(0.0, clear) * forward, options_.speed);
+  if (motion == MotionEnd::reached) motion = sweep_to(move.to, touch_speed);
   if (motion == MotionEnd::timed_out) return GuardedMoveEnd::timed_out;  // it missed nothing
   if (touched) {
     stop_here(robot, options_.travel_speed);
@@ -376,13 +358,18 @@ ExplorePhase::GuardedMoveEnd ExplorePhase::guarded_move(Executor& robot, const P
     done_.push_back(turned);
   }
   robot.mark(touched ? estimation::TouchEvent::touched : estimation::TouchEvent::missed);
-  hand::BasePosition back = robot.command().base;
-  back.xyz -= kBackOff * forward;
-  robot.move_base(back, options_.travel_speed / 4);
-  back.xyz.z() = std::max(back.xyz.z(), above.xyz.z());
-  robot.move_base(back, options_.travel_speed);
   if (touched) return GuardedMoveEnd::touched;
   return motion == MotionEnd::stopped ? GuardedMoveEnd::blocked : GuardedMoveEnd::missed;
+}
+
+/// Back from where a guarded move has ended, and up.
+void ExplorePhase::go_back(Executor& robot, const localization::GuardedMove& move,
+                           double height) const {
+  hand::BasePosition back = robot.command().base;
+  back.xyz -= kBackOff * (move.to - move.from).normalized();
+  robot.move_base(back, options_.travel_speed / 4);
+  back.xyz.z() = std::max(back.xyz.z(), height);
+  robot.move_base(back, options_.travel_speed);
 }
 
 }  // namespace palpate::skills

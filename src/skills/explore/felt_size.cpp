@@ -7,7 +7,7 @@ namespace palpate::skills {
 namespace {
 
 constexpr double kTooHigh = 0.01;  // m that the felt height may be over the object's
-constexpr double kTooLow = 0.03;   // m that it may be under it, amply
+constexpr double kTooLow = 0.06;   // m that it may be under it, amply: hands have gaps
 
 double reach_of(const geometry::KnownObject& object, const geometry::StablePose& stable_pose) {
   double reach = 0;

@@ -30,8 +30,8 @@ PhaseEnd HeightProbePhase::run(Executor& robot, PickState& state) {
   const double low = lowest_on_way(robot.model(), flat.positions, attitude_of(robot.command().base),
                                    flat.positions, flat.attitude);
   hand::BasePosition high = robot.command().base;
-  if (high.xyz.z() < kClearOfObjects - low) {
-    high.xyz.z() = kClearOfObjects - low;
+  if (high.xyz.z() < state.clear_height - low) {
+    high.xyz.z() = state.clear_height - low;
     robot.move_base(high, options_.travel_speed);
   }
   take_posture(robot, flat.positions, 0.4);
@@ -45,10 +45,10 @@ PhaseEnd HeightProbePhase::run(Executor& robot, PickState& state) {
 }
 
 /// Height of the mount from which it comes down: nothing of the flat hand is over an object then.
-double HeightProbePhase::start_height(const hand::Description& hand) const {
+double HeightProbePhase::start_height(const hand::Description& hand, double clear_height) const {
   const hand::FlatHand& flat = hand.postures.flat;
   return std::max(options_.start_height,
-                  kClearOfObjects - lowest_part(hand, flat.positions, flat.attitude));
+                  clear_height - lowest_part(hand, flat.positions, flat.attitude));
 }
 
 /// Comes down flat over a place. @return whether there was something above the table
@@ -57,7 +57,7 @@ bool HeightProbePhase::lower(Executor& robot, PickState& state,
   const hand::FlatHand& flat = robot.model().postures.flat;
   const Eigen::Vector2d xy = place - Eigen::Rotation2Dd(state.yaw) * flat.center;
   hand::BasePosition above;
-  above.xyz = {xy.x(), xy.y(), start_height(robot.model())};
+  above.xyz = {xy.x(), xy.y(), start_height(robot.model(), state.clear_height)};
   above.ypr = {state.yaw, flat.attitude.pitch, flat.attitude.roll};
   robot.move_base(above, options_.travel_speed);
   robot.tare();
@@ -68,7 +68,7 @@ bool HeightProbePhase::lower(Executor& robot, PickState& state,
     state.height = estimation::lowest_of_hand(robot.model(), robot.reading());
   }
   hand::BasePosition up = robot.command().base;
-  up.xyz.z() += kRetreat;
+  up.xyz.z() = found ? up.xyz.z() + kRetreat : above.xyz.z();
   robot.move_base(up, options_.travel_speed);
   return found;
 }

@@ -135,8 +135,8 @@ std::vector<tactile::TipPosture> fingertips_in_grasps(const hand::Description& h
   return tips;
 }
 
-std::vector<TableTouch> telling_touches(const hand::Description& hand,
-                                        const CalibrateOptions& options) {
+std::vector<TableTouch> calibration_touches(const hand::Description& hand,
+                                            const CalibrateOptions& options) {
   const auto possible = possible_touches(hand);
   std::vector<tactile::TipOnPlane> tips;
   for (const TableTouch& touch : possible) {

@@ -20,8 +20,8 @@ struct TableTouch {
 
 /// The touches that tell most of where fingertips are in grasps, in an order in which it does not
 /// take long from one to the next.
-std::vector<TableTouch> telling_touches(const hand::Description& hand,
-                                        const CalibrateOptions& options);
+std::vector<TableTouch> calibration_touches(const hand::Description& hand,
+                                            const CalibrateOptions& options);
 
 /// Fingertips in grasps: each finger somewhere on its way from the open to the closed hand.
 std::vector<tactile::TipPosture> fingertips_in_grasps(const hand::Description& hand);

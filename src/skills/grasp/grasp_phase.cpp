@@ -191,7 +191,7 @@ PhaseEnd GraspPhase::run(Executor& robot, PickState& state) {
 GraspPhase::Hold GraspPhase::close_as_planned(Executor& robot, PickState& state,
                                               const grasping::GraspPlan& plan) const {
   state.yaw = plan.base.ypr.x();
-  approach(robot, plan);
+  approach(robot, plan, state.clear_height);
   close(robot, robot.model().postures.top, options_.top.closing_rate);
   return balance(robot, state);
 }
@@ -243,10 +243,11 @@ std::optional<grasping::GraspPlan> GraspPhase::plan(const Executor& robot, const
   return best;
 }
 
-void GraspPhase::approach(Executor& robot, const grasping::GraspPlan& plan) const {
+void GraspPhase::approach(Executor& robot, const grasping::GraspPlan& plan,
+                          double clear_height) const {
   hand::BasePosition above = plan.base;
   above.xyz.z() += kTopDistance;
-  travel_to(robot, above, robot.model().postures.top);
+  travel_to(robot, above, robot.model().postures.top, clear_height);
   const auto loaded = lasting_load(robot, -Eigen::Vector3d::UnitZ(), options_.top.contact_load);
   robot.move_base(plan.base, options_.top.approach_speed, [&](const hand::HandReading& reading) {
     return loaded(reading) || estimation::lowest_of_hand(robot.model(), reading) < kTopClearance;
@@ -255,13 +256,13 @@ void GraspPhase::approach(Executor& robot, const grasping::GraspPlan& plan) cons
 }
 
 void GraspPhase::travel_to(Executor& robot, const hand::BasePosition& start,
-                           const hand::Preshape& preshape) const {
+                           const hand::Preshape& preshape, double clear_height) const {
   hand::BasePosition up = robot.command().base;
   const hand::Attitude now = attitude_of(up), then = attitude_of(start);
   const double low =
       std::min(lowest_on_way(robot.model(), robot.command().positions, now, preshape.open, now),
                lowest_on_way(robot.model(), preshape.open, now, preshape.open, then));
-  const double safe = std::max(kSafeHeight, kClearOfObjects - low);
+  const double safe = std::max(kSafeHeight, clear_height - low);
   up.xyz.z() = std::max(up.xyz.z(), safe);
   robot.move_base(up, options_.travel_speed);
   take_posture(robot, preshape.open, 0.4);
@@ -275,7 +276,8 @@ void GraspPhase::travel_to(Executor& robot, const hand::BasePosition& start,
 void GraspPhase::approach_from_side(Executor& robot, const PickState& state) const {
   const hand::Preshape& preshape = robot.model().postures.side;
   const double ahead = preshape.offset.x();
-  travel_to(robot, base_at(state, preshape, ahead, -kSideDistance, preshape.height), preshape);
+  travel_to(robot, base_at(state, preshape, ahead, -kSideDistance, preshape.height), preshape,
+            state.clear_height);
   const Eigen::Vector3d forward(-std::sin(state.yaw), std::cos(state.yaw), 0);
   const ApproachOptions& how = options_.side;
   robot.move_base(base_at(state, preshape, ahead, kSideOvershoot, preshape.height),
@@ -290,7 +292,7 @@ void GraspPhase::approach_from_above(Executor& robot, PickState& state) const {
   const hand::Preshape& preshape = robot.model().postures.top;
   const Eigen::Vector2d& offset = preshape.offset;
   travel_to(robot, base_at(state, preshape, offset.x(), offset.y(), state.height + kTopDistance),
-            preshape);
+            preshape, state.clear_height);
   for (int turn = 0; turn < options_.turns; ++turn) {
     descend(robot, state);
     const bool beside = estimation::lowest_of_hand(robot.model(), robot.reading()) <

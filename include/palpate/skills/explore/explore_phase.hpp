@@ -44,7 +44,8 @@ struct ExploreOptions {
 /// with the model of the finger shifts all contacts alike and leaves their shape. For every other
 /// touch it is turned round, which turns that shift round, too, and so tells it from the object's
 /// place. A sweep is fast where the object cannot be yet, by its size at first and by its possible
-/// poses as soon as some touches tell of them, and slow from there on: a fast one pushes it.
+/// poses as soon as some touches tell of them, and slow from there on: a fast one pushes it. So is
+/// the way down to a sweep's start, and what stops that is a touch, too.
 ///
 /// Where no touches are left to tell poses apart (max_touches <= touches), the number of touches
 /// is asked for: for guarded moves that felt nothing it guarded moves from in between, at most once
@@ -61,6 +62,11 @@ class ExplorePhase : public Phase {
   enum class GuardedMoveEnd { touched, missed, blocked, timed_out };
   GuardedMoveEnd guarded_move(Executor& robot, const PickState& state,
                               const localization::TurnedMove& turned);
+  GuardedMoveEnd come_down(Executor& robot, const PickState& state,
+                           const localization::TurnedMove& descent);
+  GuardedMoveEnd sweep(Executor& robot, const localization::TurnedMove& turned, double clear,
+                       double touch_speed);
+  void go_back(Executor& robot, const localization::GuardedMove& move, double height) const;
   double travel_height(const Executor& robot, const PickState& state) const;
   double clear_way(const Executor& robot, const PickState& state,
                    const localization::TurnedMove& turned) const;
@@ -70,10 +76,10 @@ class ExplorePhase : public Phase {
   void estimate(Executor& robot, PickState& state);
   int touch_around(Executor& robot, PickState& state);
   int touch_with_another(Executor& robot, PickState& state);
-  int make_up(Executor& robot, const PickState& state, int touches);
+  int touch_between(Executor& robot, const PickState& state, int touches);
   GuardedMoveEnd touch_from(Executor& robot, const PickState& state, double angle,
                             std::size_t turn);
-  int tell_apart(Executor& robot, PickState& state);
+  int disambiguate(Executor& robot, PickState& state);
   int refine(Executor& robot, PickState& state);
 
   estimation::PoseEstimator& estimator_;
@@ -81,6 +87,7 @@ class ExplorePhase : public Phase {
   std::vector<localization::TurnedMove> done_;  // that touched
   std::size_t probe_ = 0;                       // which of Postures::pointing touches
   int blocked_ = 0;    // moves that ended against something that its fingertip did not feel
+  double top_ = 0;     // m above the table, of the credible poses; 0: none is known
   double raised_ = 0;  // m, of the level sweeps, where a lower hand was blocked
 };
 

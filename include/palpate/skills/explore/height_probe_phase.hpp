@@ -38,11 +38,11 @@ class HeightProbePhase : public Phase {
                             double tallest = std::numeric_limits<double>::infinity())
       : options_(options), tallest_(tallest) {}
   std::string_view name() const override { return "height_probe"; }
-  double time_limit() const override { return 60.0; }
+  double time_limit() const override { return 90.0; }
   PhaseEnd run(Executor& robot, PickState& state) override;
 
  private:
-  double start_height(const hand::Description& hand) const;
+  double start_height(const hand::Description& hand, double clear_height) const;
   bool lower(Executor& robot, PickState& state, const Eigen::Vector2d& place) const;
   bool descend(Executor& robot) const;
 

@@ -101,12 +101,12 @@ class GraspPhase : public Phase {
   Hold close_as_planned(Executor& robot, PickState& state, const grasping::GraspPlan& plan) const;
   PhaseEnd grasp_unplanned(Executor& robot, PickState& state);
   PhaseEnd end(const Executor& robot, const Hold& hold, std::string_view grasp) const;
-  void approach(Executor& robot, const grasping::GraspPlan& plan) const;
+  void approach(Executor& robot, const grasping::GraspPlan& plan, double clear_height) const;
   void approach_from_side(Executor& robot, const PickState& state) const;
   void approach_from_above(Executor& robot, PickState& state) const;
   void descend(Executor& robot, const PickState& state) const;
-  void travel_to(Executor& robot, const hand::BasePosition& start,
-                 const hand::Preshape& preshape) const;
+  void travel_to(Executor& robot, const hand::BasePosition& start, const hand::Preshape& preshape,
+                 double clear_height) const;
   void close(Executor& robot, const hand::Preshape& preshape, double rate) const;
   Hold balance(const Executor& robot, const PickState& state) const;
   void press(Executor& robot, const Hold& hold) const;

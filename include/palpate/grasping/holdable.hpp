@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "palpate/geometry/objects/object_model.hpp"
+#include "palpate/hand/description.hpp"
+
+namespace palpate::grasping {
+
+/// m between the thumb's tip and the farthest other fingertip, surface to surface, in the widest of
+/// the postures from which the hand closes.
+double opening(const hand::Description& hand);
+
+/// N of all fingertips together, with which the thumb and the other fingers can press against one
+/// another: each finger by the weakest of its closing actuators (torque over lever).
+double greatest_press(const hand::Description& hand);
+
+/// m, the least distance through an object that lies on the table, from a point of its surface that
+/// looks more to the side than up or down to the opposite one along the normal, over all stable
+/// poses.
+double least_width(const geometry::KnownObject& object);
+
+/// Why a hand cannot hold an object, wherever it grasps it from above.
+///
+/// Too wide: it is wider than half the hand's opening, and in no stable pose there is a place where
+/// the opened hand comes down beside it and the fingers' forces then balance any of its weight
+/// (GraspPlan::cost below 1). Too heavy: it weighs more than the fingers bear by a friction of 1.
+///
+/// @return empty if it may hold it
+std::string why_not_holdable(const geometry::ObjectModel& object, const hand::Description& hand);
+
+}  // namespace palpate::grasping

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "skills/explore/pointing_finger.hpp"
+
+#include "skills/lowest_part.hpp"
+
+namespace palpate::skills {
+namespace {
+
+/// Centre of the probing fingertip in the base's frame, by the posture read.
+Eigen::Vector3d probe_in_base(const Executor& robot, const hand::PointingHand& pointing) {
+  const auto T_base_link = hand::forward_kinematics(robot.model(), robot.reading().joints);
+  const hand::Finger& finger = robot.model().fingers[static_cast<std::size_t>(pointing.finger)];
+  return T_base_link[static_cast<std::size_t>(finger.link)] * finger.tip.b;
+}
+
+}  // namespace
+
+hand::BasePosition base_for_probe(const Executor& robot, const hand::PointingHand& pointing,
+                                  double yaw, const Eigen::Vector3d& p) {
+  hand::BasePosition base;
+  base.ypr = {yaw, pointing.attitude.pitch, pointing.attitude.roll};
+  base.xyz = p - base.pose().linear() * probe_in_base(robot, pointing);
+  return base;
+}
+
+double tip_above_lowest(const Executor& robot, const hand::PointingHand& pointing) {
+  const hand::Attitude attitude{pointing.attitude.pitch, pointing.attitude.roll};
+  const double tip = -base_for_probe(robot, pointing, 0, Eigen::Vector3d::Zero()).xyz.z();
+  return tip - lowest_part(robot.model(), pointing.positions, attitude);
+}
+
+localization::ProbingFinger sweeping_finger(const Executor& robot,
+                                            const hand::PointingHand& pointing, double yaw) {
+  const auto& hand = robot.model();
+  const auto T_base_link = hand::forward_kinematics(hand, robot.reading().joints);
+  const Eigen::Matrix3d R_world_base =
+      base_for_probe(robot, pointing, yaw, Eigen::Vector3d::Zero()).pose().linear();
+  const Eigen::Vector3d tip_center = probe_in_base(robot, pointing);
+  localization::ProbingFinger finger;
+  finger.R_world_base = R_world_base;
+  for (const auto& sphere : hand.spheres) {
+    const Eigen::Vector3d p = T_base_link[static_cast<std::size_t>(sphere.link)] * sphere.center;
+    const bool tip = sphere.link == hand.fingers[static_cast<std::size_t>(pointing.finger)].link;
+    (tip ? finger.tip : finger.rest).push_back({R_world_base * (p - tip_center), sphere.radius});
+  }
+  return finger;
+}
+
+}  // namespace palpate::skills

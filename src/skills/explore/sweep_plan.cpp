@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "skills/explore/sweep_plan.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace palpate::skills {
+namespace {
+
+constexpr double kMinDepth = 0.014;  // m of the fingertip's centre over the table
+constexpr int kDirections = 16;      // of further sweeps
+constexpr int kOffsets = 3;          // to either side of the object's place
+constexpr double kSpacing = 0.015;   // m between them
+constexpr double kDepthStep = 0.02;  // m between heights of further sweeps
+
+}  // namespace
+
+double first_depth(const PickState& state, const ExploreOptions& options) {
+  return std::max(kMinDepth, state.height - options.reach);
+}
+
+localization::GuardedMove level_guarded_move(const PickState& state, const ExploreOptions& options,
+                                             double angle, double offset, double depth) {
+  const Eigen::Vector3d out(std::cos(angle), std::sin(angle), 0);
+  const Eigen::Vector3d middle = Eigen::Vector3d(state.place.x(), state.place.y(), depth) +
+                                 offset * Eigen::Vector3d::UnitZ().cross(out);
+  return {middle + options.radius * out, middle - options.past * out};
+}
+
+void add_level_guarded_moves(const PickState& state, const ExploreOptions& options, double depth,
+                             std::vector<localization::GuardedMove>& guarded_moves) {
+  for (int i = 0; i < kDirections; ++i) {
+    for (int side = -kOffsets; side <= kOffsets; ++side) {
+      guarded_moves.push_back(level_guarded_move(state, options,
+                                                 2 * std::numbers::pi * i / kDirections,
+                                                 kSpacing * side, std::max(kMinDepth, depth)));
+    }
+  }
+}
+
+std::vector<localization::GuardedMove> disambiguating_moves(const PickState& state,
+                                                            const ExploreOptions& options,
+                                                            double above) {
+  std::vector<localization::GuardedMove> guarded_moves;
+  for (double depth = first_depth(state, options); depth > kMinDepth - 0.5 * kDepthStep;
+       depth -= kDepthStep) {
+    add_level_guarded_moves(state, options, depth, guarded_moves);
+  }
+  for (int x = -kOffsets; x <= kOffsets; ++x) {
+    for (int y = -kOffsets; y <= kOffsets; ++y) {
+      const Eigen::Vector2d xy = state.place + kSpacing * Eigen::Vector2d(x, y);
+      guarded_moves.push_back({{xy.x(), xy.y(), above}, {xy.x(), xy.y(), kMinDepth}});
+    }
+  }
+  return guarded_moves;
+}
+
+}  // namespace palpate::skills

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "palpate/skills/explore/explore_phase.hpp"
+
+namespace palpate::skills {
+
+/// m above the table of the fingertip's centre in the first sweeps.
+double first_depth(const PickState& state, const ExploreOptions& options);
+
+/// Level towards the object's place from an angle, passing it to the left by an offset.
+localization::GuardedMove level_guarded_move(const PickState& state, const ExploreOptions& options,
+                                             double angle, double offset, double depth);
+
+/// Level guarded moves from all sides, and past the object's place on both of them.
+void add_level_guarded_moves(const PickState& state, const ExploreOptions& options, double depth,
+                             std::vector<localization::GuardedMove>& guarded_moves);
+
+/// Level ones from the least height of the fingertip up to the object's top, and downward ones.
+/// @param above  m above the table, of a fingertip over the object
+std::vector<localization::GuardedMove> disambiguating_moves(const PickState& state,
+                                                            const ExploreOptions& options,
+                                                            double above);
+
+}  // namespace palpate::skills
