@@ -7,7 +7,9 @@
 #include <optional>
 #include <vector>
 
+#include "estimation/closing_push.hpp"
 #include "estimation/in_hand_motion.hpp"
+#include "estimation/rocking.hpp"
 #include "estimation/tracked_pose.hpp"
 #include "palpate/localization/pose_prior.hpp"
 
@@ -21,6 +23,8 @@ constexpr double kMotionError =
 constexpr double kSwing = 0.02;      // rad, sigma of a turn that was tracked in two fingertips
 constexpr double kUntracked = 0.05;  // rad, sigma of a turn in two fingertips that was not
 constexpr double kSteadyMass = 0.2;  // kg, of an object that closing fingers do not push
+constexpr double kPushShare = 0.6;   // of the way that a fingertip pushed it, sigma
+constexpr double kPushArm = 0.04;    // m, of a push that turns it
 constexpr double kStirred = 3.0;     // so many times as far, where it was rolled or grasped again
 
 using localization::PosePrior;
@@ -118,18 +122,33 @@ void sort_heaviest_first(PosePrior& prior) {
                    [](const auto& a, const auto& b) { return a.weight > b.weight; });
 }
 
-/// What closing does to a light object besides, which slides over the table until a second finger
-/// meets it; in the hand's base.
+/// In the hand's base, when it closed.
+Eigen::Vector3d up_at_closing(const HeldObject& held) {
+  return held.log.readings[held.closed].base.pose().linear().row(2);
+}
+
+/// Fingers that close one after the other rock what lies on a round side.
+void rock(const HeldObject& held, localization::Posterior& resting) {
+  const Eigen::Vector3d up = up_at_closing(held);
+  for (auto& mode : resting.modes) {
+    mode.covariance += rocking_covariance(held.model.object(), mode.T_frame_object, up);
+  }
+}
+
+/// What closing does besides to an object that slides over the table until a second finger meets
+/// it, for it is light, or fingertips have pushed it; in the hand's base.
 Matrix6d pushed_covariance(const HeldObject& held) {
   const double times = std::clamp(kSteadyMass / held.model.object().mass, 1.0, kFarther);
   const double more = times * times - 1;
+  const double push = kPushShare * closing_push(held.hand, held.log, held.closed);
   const EstimationOptions& options = held.options;
-  const Eigen::Vector3d up = held.log.readings[held.closed].base.pose().linear().row(2);
+  const Eigen::Vector3d up = up_at_closing(held);
   const Eigen::Matrix3d vertical = up * up.transpose();
   Matrix6d covariance = Matrix6d::Zero();
-  covariance.topLeftCorner<3, 3>() = more * std::pow(options.motion_angle_sigma, 2) * vertical;
-  covariance.bottomRightCorner<3, 3>() =
-      more * std::pow(options.motion_sigma, 2) * (Eigen::Matrix3d::Identity() - vertical);
+  covariance.topLeftCorner<3, 3>() =
+      (more * std::pow(options.motion_angle_sigma, 2) + std::pow(push / kPushArm, 2)) * vertical;
+  covariance.bottomRightCorner<3, 3>() = (more * std::pow(options.motion_sigma, 2) + push * push) *
+                                         (Eigen::Matrix3d::Identity() - vertical);
   return covariance;
 }
 
@@ -165,6 +184,7 @@ bool rolled(const HeldObject& held) { return held.log.at(TouchEvent::rolled).has
 
 PosePrior prior_after_grasp(const HeldObject& held, localization::Posterior resting) {
   transform(held.log.readings[held.closed].base.pose().inverse(), resting);
+  rock(held, resting);
   const bool stirred = held.log.has_opened() || rolled(held);
   return after_motion(held, resting, stirred ? kStirred : 1.0, pushed_covariance(held));
 }

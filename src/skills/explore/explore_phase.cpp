@@ -31,8 +31,10 @@ constexpr double kHigher = 0.006;     // m, of another try where the hand was bl
 constexpr double kHighest = 0.018;    // m, of all of these together
 constexpr double kGoodSpread = 0.35;  // of the resting pose, where no more guarded moves are needed
 constexpr double kWorthwhile = 0.93;  // of the spread that a guarded move may leave
-constexpr double kBackOff = 0.03;     // m
+constexpr double kBackOff = 0.015;    // m
 constexpr double kEarlier = 0.015;    // m before the expected touch, from where a sweep is slow
+constexpr double kRunUp = 0.02;       // m of a sweep before that, which is fast
+constexpr double kSettle = 0.08;      // s of standing still before a sweep
 constexpr double kGuardedMoveTime = 9;  // s that a guarded move takes with its travel, amply
 constexpr double kMinTime = 180;        // s, of the whole phase
 
@@ -291,10 +293,21 @@ double ExplorePhase::clear_way(const Executor& robot, const PickState& state,
   return down && clear > 0 ? length : clear;
 }
 
+/// Without most of the way along which it can meet none of the credible poses.
+localization::GuardedMove ExplorePhase::shortened(const Executor& robot, const PickState& state,
+                                                  const localization::TurnedMove& turned) const {
+  localization::GuardedMove move = turned.guarded_move;
+  const Eigen::Vector3d way = move.to - move.from;
+  if (!state.resting || state.resting->modes.empty() || way.z() != 0) return move;
+  const double clear = clear_way(robot, state, turned) - kRunUp;
+  if (clear > 0 && clear < way.norm() - kRunUp - kEarlier) move.from += clear * way.normalized();
+  return move;
+}
+
 /// Travels over the object, comes down to where the guarded move begins, makes it, and goes back.
 ExplorePhase::GuardedMoveEnd ExplorePhase::guarded_move(Executor& robot, const PickState& state,
                                                         const localization::TurnedMove& turned) {
-  const localization::GuardedMove& move = turned.guarded_move;
+  const localization::GuardedMove move = shortened(robot, state, turned);
   const auto base_at = [&](const Eigen::Vector3d& tip) {
     return base_for_probe(robot, pointing(robot), yaw(turned.turn), tip);
   };
@@ -307,7 +320,8 @@ ExplorePhase::GuardedMoveEnd ExplorePhase::guarded_move(Executor& robot, const P
   const localization::TurnedMove descent{{above, move.from}, turned.turn};
   GuardedMoveEnd end = come_down(robot, state, descent);
   const bool there = end == GuardedMoveEnd::missed;
-  if (there) end = sweep(robot, turned, clear_way(robot, state, turned), options_.touch_speed);
+  const localization::TurnedMove shorter{move, turned.turn};
+  if (there) end = sweep(robot, shorter, clear_way(robot, state, shorter), options_.touch_speed);
   if (end == GuardedMoveEnd::timed_out) return end;
   go_back(robot, there ? move : descent.guarded_move, base_at(above).xyz.z());
   return end;
@@ -323,7 +337,7 @@ ExplorePhase::GuardedMoveEnd ExplorePhase::come_down(Executor& robot, const Pick
   hand::BasePosition near = base_for_probe(robot, pointing(robot), yaw(descent.turn), move.from);
   near.xyz.z() -= clear;
   robot.move_base(near, options_.travel_speed / 2);
-  robot.wait(0.15);
+  robot.wait(kSettle);
   if (clear >= length) return GuardedMoveEnd::missed;
   const Eigen::Vector3d from(move.from.x(), move.from.y(), move.from.z() - clear);
   return sweep(robot, {{from, move.to}, descent.turn}, 0, options_.speed / 2);

@@ -62,6 +62,8 @@ class ExplorePhase : public Phase {
   enum class GuardedMoveEnd { touched, missed, blocked, timed_out };
   GuardedMoveEnd guarded_move(Executor& robot, const PickState& state,
                               const localization::TurnedMove& turned);
+  localization::GuardedMove shortened(const Executor& robot, const PickState& state,
+                                      const localization::TurnedMove& turned) const;
   GuardedMoveEnd come_down(Executor& robot, const PickState& state,
                            const localization::TurnedMove& descent);
   GuardedMoveEnd sweep(Executor& robot, const localization::TurnedMove& turned, double clear,
