@@ -67,7 +67,7 @@ class Watch {
   Watch(const geometry::KnownObject& object, std::uint64_t seed, bool again)
       : object_(object), seed_(seed), world_(object, options_.world, seed) {
     options_.place.target = "random";
-    options_.place.again = again;
+    options_.place.reestimate = again;
   }
   Outcome run(const geometry::ObjectModel& model);
 

@@ -17,7 +17,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr const char* kFormat = "palpate-trials 3";
+constexpr const char* kFormat = "palpate-trials 4";
 
 std::string header_line(const EvalPlan& plan) {
   return json{{"format", kFormat},

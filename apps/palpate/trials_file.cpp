@@ -49,13 +49,14 @@ std::string place_cells(const evaluation::Trial& trial) {
 TrialsFile::TrialsFile(std::filesystem::path path, bool place)
     : path_(std::move(path)), place_(place) {
   text_ =
-      "object,seed,stance,lifted,attempts,regrasps,object_ok,object_probability,other_probability,"
+      "object,seed,stable_pose,lifted,attempts,regrasps,object_ok,object_probability,other_"
+      "probability,"
       "pose_ok,pose_tight,pose_ok_before_lift,"
       "pose_ok_before_probe,pose_ok_tracked,tracked_share,covered,weight,"
       "pose_status,probability,free_axis_deg,probes,"
       "rotation_error_deg,translation_error_mm,slip_mm,explored_motion_mm,tip_force,failed_phase";
   if (place_)
-    text_ += ",place_status,certain,placed,tight,wrong,dropped,place_deg,place_mm,in_stance";
+    text_ += ",place_status,certain,placed,tight,wrong,dropped,place_deg,place_mm,in_stable_pose";
   text_ += '\n';
 }
 

@@ -13,7 +13,9 @@ using Rename = std::pair<std::string_view, std::string_view>;
 constexpr Rename kMovedSection{"place.fingers.reorient.world.", "forward_model."};
 
 constexpr std::string_view kFriction = "friction";
-constexpr std::array<Rename, 9> kRenamedKeys{{
+constexpr std::array<Rename, 11> kRenamedKeys{{
+    {"track.look", "track.period"},
+    {"place.again", "place.reestimate"},
     {"lift.way", "lift.height"},
     {"withdraw.way", "withdraw.distance"},
     {"place.withdraw.way", "place.withdraw.distance"},

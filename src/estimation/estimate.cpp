@@ -49,7 +49,7 @@ const hand::HandReading* reading_at(const EventLog& log, TouchEvent mark) {
 /// Those for an object that may have fallen before it was felt.
 EstimationOptions as_it_lay(const hand::Description& hand, const EventLog& log,
                             const EstimationOptions& options) {
-  const auto* const felt = reading_at(log, TouchEvent::felt);
+  const auto* const felt = reading_at(log, TouchEvent::height_probed);
   if (!felt || !reading_at(log, TouchEvent::fallen)) return options;
   return of_fallen(options, place_under_hand(hand, *felt));
 }
@@ -57,7 +57,7 @@ EstimationOptions as_it_lay(const hand::Description& hand, const EventLog& log,
 /// Likelihood of each stable pose by the height in which the hand felt the object; 1 if it did not.
 std::vector<double> height_likelihoods(const KnownObject& object, const hand::Description& hand,
                                        const EventLog& log, const EstimationOptions& options) {
-  const auto* const felt = reading_at(log, TouchEvent::felt);
+  const auto* const felt = reading_at(log, TouchEvent::height_probed);
   if (!felt) return std::vector<double>(object.stable_poses.size(), 1.0);
   const EstimationOptions lay = as_it_lay(hand, log, options);
   return felt_likelihoods(object, hand, *felt, {lay.place, lay.resting_half_width},
@@ -136,7 +136,7 @@ void add_height(const KnownObject& object, const hand::Description& hand, const 
 /// All moments up to the last one that tells how the object rests.
 std::vector<EventLog::Moment> moments_of_resting(const EventLog& log) {
   const auto tells = [](const EventLog::Moment& moment) {
-    return moment.mark == TouchEvent::felt || moment.mark == TouchEvent::touched ||
+    return moment.mark == TouchEvent::height_probed || moment.mark == TouchEvent::touched ||
            moment.mark == TouchEvent::missed || moment.mark == TouchEvent::fallen ||
            moment.mark == TouchEvent::opened || moment.mark == TouchEvent::released;
   };

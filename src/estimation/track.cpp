@@ -50,7 +50,7 @@ Tracked track(const geometry::ObjectModel& object, const hand::Description& hand
   transform(log.readings[first].base.pose().inverse(), tracked.posterior);
   localization::Tracker tracker(object, tracked.posterior, options.tracker,
                                 RandomStream(seed, "track"));
-  const auto step = static_cast<std::size_t>(std::lround(options.look / hand::kTick));
+  const auto step = static_cast<std::size_t>(std::lround(options.period / hand::kTick));
   const std::span readings(log.readings);
   for (std::size_t i = std::max(first + step, 2 * step); i <= last; i += step) {
     tracked.posterior = tracker.update(look_at(hand, readings.subspan(i - 2 * step, step),

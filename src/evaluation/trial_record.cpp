@@ -91,7 +91,7 @@ constexpr auto kPick = [](skills::PickResult& result, const auto& v) {
   v.part("fault", result.fault, kFault);
 };
 
-constexpr auto kJudgement = [](TrialMetrics& metrics, const auto& v) {
+constexpr auto kMetrics = [](TrialMetrics& metrics, const auto& v) {
   v("lifted", metrics.lifted);
   v("slip", metrics.slip);
   v("has_pose", metrics.has_pose);
@@ -116,7 +116,7 @@ constexpr auto kJudgement = [](TrialMetrics& metrics, const auto& v) {
   v.part("error", metrics.error, kError);
 };
 
-constexpr auto kPlaceJudgement = [](PlaceMetrics& metrics, const auto& v) {
+constexpr auto kPlaceMetrics = [](PlaceMetrics& metrics, const auto& v) {
   v("placed", metrics.placed);
   v("tight", metrics.tight);
   v("wrong", metrics.wrong);
@@ -137,8 +137,8 @@ constexpr auto kTrial = [](Trial& trial, const auto& v) {
   v("stable_pose", trial.start.stable_pose);
   v("robot_seconds", trial.robot_seconds);
   v.part("pick", trial.result, kPick);
-  v.part("judgement", trial.metrics, kJudgement);
-  v.part("place_judgement", trial.place_metrics, kPlaceJudgement);
+  v.part("metrics", trial.metrics, kMetrics);
+  v.part("place_metrics", trial.place_metrics, kPlaceMetrics);
 };
 
 json phases_to_json(const std::vector<skills::PhaseReport>& phases) {

@@ -27,7 +27,7 @@ json object_to_json(const geometry::KnownObject& object) {
           {"volume", object.mass_properties.volume},
           {"centroid", matrix_to_json(object.mass_properties.centroid)},
           {"inertia", matrix_to_json(object.mass_properties.inertia)},
-          {"stances", stable_poses},
+          {"stable_poses", stable_poses},
           {"symmetries", symmetries},
           {"repairs", object.repairs}};
 }
@@ -40,7 +40,7 @@ geometry::KnownObject object_from_json(const json& j) {
   object.mass_properties.volume = plausible_from_json(j.at("volume"), 0, kMaxMass, "a volume");
   object.mass_properties.centroid = vector_from_json(j.at("centroid"));
   object.mass_properties.inertia = matrix_from_json<Eigen::Matrix3d>(j.at("inertia"));
-  for (const auto& stable_pose : j.at("stances")) {
+  for (const auto& stable_pose : j.at(j.contains("stances") ? "stances" : "stable_poses")) {
     object.stable_poses.push_back(
         {rotation_from_json(stable_pose.at("R_table_object")),
          plausible_from_json(stable_pose.at("height"), 0, kMaxLength, "a height"),
@@ -62,7 +62,7 @@ json to_json(const Header& header) {
             {"config_toml", header.config_toml},
             {"object", object_to_json(header.object)},
             {"hand", hand_to_json(header.hand)}};
-  if (header.sensor_reported_errors) j["own_errors"] = true;
+  if (header.sensor_reported_errors) j["sensor_reported_errors"] = true;
   return j;
 }
 
@@ -72,7 +72,8 @@ Header header_from_json(const json& j) {
           .object = object_from_json(j.at("object")),
           .hand = hand_from_json(j.at("hand")),
           .config_toml = j.at("config_toml").get<std::string>(),
-          .sensor_reported_errors = j.value("own_errors", false)};
+          .sensor_reported_errors =
+              j.value("own_errors", false) || j.value("sensor_reported_errors", false)};
 }
 
 }  // namespace palpate::recording

@@ -4,7 +4,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <string>
 #include <string_view>
+#include <utility>
 
 #include "palpate/core/error.hpp"
 
@@ -13,9 +16,20 @@ namespace {
 
 constexpr std::string_view kMarkPrefix = "mark ";
 
+/// Names until 2026-11-23.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 2> kFormerNames = {
+    {{"felt", "height_probed"}, {"sweep", "guarded_move"}}};
+
+std::string present_name(std::string name) {
+  for (const auto& [former, present] : kFormerNames) {
+    if (name == former) return std::string(present);
+  }
+  return name;
+}
+
 std::optional<estimation::TouchEvent> mark_of(const Event& event) {
   if (!event.text.starts_with(kMarkPrefix)) return std::nullopt;
-  const std::string name = event.text.substr(kMarkPrefix.size());
+  const std::string name = present_name(event.text.substr(kMarkPrefix.size()));
   const auto found =
       std::find(estimation::kTouchEventNames.begin(), estimation::kTouchEventNames.end(), name);
   if (found == estimation::kTouchEventNames.end()) {

@@ -61,8 +61,8 @@ class Results(CliTest):
         self.assertEqual(report["status"], "ok")
         names = [phase["name"] for phase in report["phases"]]
         self.assertEqual(names[-3:], ["place", "withdraw", "verify"])
-        aimed = [name for name in names[:-3] if name in ("aim", "transport", "aim-again", "mend")]
-        self.assertEqual(aimed[:3], ["aim", "transport", "aim-again"])
+        aimed = [name for name in names[:-3] if name in ("plan-goal", "transport", "replan-goal", "correct")]
+        self.assertEqual(aimed[:3], ["plan-goal", "transport", "replan-goal"])
         place = report["place"]
         self.assertEqual(place["status"], "placed")
         self.assertEqual(place["plan"]["status"], "ok")

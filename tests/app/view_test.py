@@ -149,7 +149,7 @@ class Render(RecordingTest):
         # The contacts tell of their errors, which the recording then must say.
         recording = (self.folder / "pictures/recording.h5").read_bytes()
         self.assertEqual(recording[:20], b"PALPATE RECORDING 4\n")
-        self.assertIn(b'"own_errors":true', recording)
+        self.assertIn(b'"sensor_reported_errors":true', recording)
 
     def test_refuses_what_it_cannot_draw(self):
         for size in ["big", "640", "640x480x3", "x480"]:

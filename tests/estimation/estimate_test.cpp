@@ -107,7 +107,7 @@ TEST(EstimateHeldPose, WhatMayHaveFallenRestsAsTheLogTells) {
   ASSERT_TRUE(s.picked.held);
   EventLog log = s.log;
   const auto felt = std::find_if(log.moments.begin(), log.moments.end(), [](const auto& moment) {
-    return moment.mark == TouchEvent::felt;
+    return moment.mark == TouchEvent::height_probed;
   });
   ASSERT_NE(felt, log.moments.end());
   const Eigen::Vector2d place = estimation::place_under_hand(s.model, log.readings[felt->reading]);

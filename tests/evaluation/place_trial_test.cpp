@@ -35,7 +35,7 @@ TEST(PlaceTrial, PutsTheBoxDownAtItsTarget) {
 /// Where the box ends, from its target, if it was estimated too far to one side when it was lifted.
 double error_after_a_shift(const Eigen::Vector3d& shift, bool again) {
   TrialOptions options = quick_place_options();
-  options.place.again = again;
+  options.place.reestimate = again;
   options.place.verify = false;
   simulation::World world(box().object(), options.world, kSeed);
   world.reset(draw_start(box().object(), options.start, kSeed),
@@ -120,7 +120,7 @@ TEST(PlaceTrial, WhatIsAmbiguousIsPutBackWhereItCameFrom) {
   const auto placed =
       skills::place(robot, box(), picked, *target, {}, options.pick, options.place, kSeed);
   EXPECT_EQ(placed.status, skills::PlaceStatus::ambiguous);
-  EXPECT_EQ(placed.failed_phase, "aim");
+  EXPECT_EQ(placed.failed_phase, "plan-goal");
   EXPECT_FALSE(placed.certain);
   EXPECT_EQ(placed.phases.back().name, "withdraw");
   EXPECT_EQ(placed.phases.back().status, skills::PhaseStatus::ok) << placed.phases.back().outcome;
@@ -153,9 +153,9 @@ TEST(PlaceTrial, GraspsAnewWhatOneHoldCannotStandUp) {
   // The phases of all rounds, but those of the last placing are its own.
   const auto& before = trial.result.phases;
   EXPECT_EQ(count(before, "lift"), 1 + trial.strategy.rounds.size());
-  EXPECT_EQ(count(before, "aim"), trial.strategy.rounds.size());
+  EXPECT_EQ(count(before, "plan-goal"), trial.strategy.rounds.size());
   EXPECT_GE(count(before, "put-back"), 1u);
-  EXPECT_EQ(count(trial.place->phases, "aim"), 1u);
+  EXPECT_EQ(count(trial.place->phases, "plan-goal"), 1u);
   EXPECT_EQ(trial.place->status, skills::PlaceStatus::placed) << trial.place->phases.back().outcome;
   EXPECT_EQ(trial.strategy.regrasp, skills::RegraspStatus::done);
   // Judged against the target itself: the bottle stands, and stands there.

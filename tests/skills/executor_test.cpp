@@ -130,14 +130,14 @@ TEST(Executor, TellsOfEveryTickAndMark) {
   Scene scene({}, {[&](const HandReading&, const hand::HandCommand&) { ++ticks; },
                    [&](estimation::TouchEvent mark) { marks.push_back(mark); },
                    {}});
-  scene.robot.mark(estimation::TouchEvent::felt);
+  scene.robot.mark(estimation::TouchEvent::height_probed);
   scene.robot.wait(0.2);
   scene.robot.mark(estimation::TouchEvent::closed);
   EXPECT_EQ(ticks, 21);
-  EXPECT_EQ(marks, (std::vector<estimation::TouchEvent>{estimation::TouchEvent::felt,
+  EXPECT_EQ(marks, (std::vector<estimation::TouchEvent>{estimation::TouchEvent::height_probed,
                                                         estimation::TouchEvent::closed}));
   EXPECT_EQ(scene.robot.log().readings.size(), 21u);
-  EXPECT_EQ(scene.robot.log().at(estimation::TouchEvent::felt), 0u);
+  EXPECT_EQ(scene.robot.log().at(estimation::TouchEvent::height_probed), 0u);
   EXPECT_EQ(scene.robot.log().at(estimation::TouchEvent::closed), 20u);
 }
 
@@ -224,11 +224,11 @@ TEST(RisingLoad, NothingStopsTheFirstHalfSecond) {
 TEST(EventLog, ForgetsWhatWasBeforeTheLastRelease) {
   estimation::EventLog log;
   EXPECT_TRUE(log.since_release().empty());
-  EXPECT_FALSE(log.at(estimation::TouchEvent::felt));
-  log.moments = {{estimation::TouchEvent::felt, 1},
+  EXPECT_FALSE(log.at(estimation::TouchEvent::height_probed));
+  log.moments = {{estimation::TouchEvent::height_probed, 1},
                  {estimation::TouchEvent::closed, 2},
-                 {estimation::TouchEvent::felt, 3}};
-  EXPECT_EQ(log.at(estimation::TouchEvent::felt), 3u);
+                 {estimation::TouchEvent::height_probed, 3}};
+  EXPECT_EQ(log.at(estimation::TouchEvent::height_probed), 3u);
   EXPECT_EQ(log.since_release().size(), 3u);
   log.moments.push_back({estimation::TouchEvent::released, 4});
   EXPECT_TRUE(log.since_release().empty());
@@ -244,7 +244,7 @@ TEST(EventLog, ForgetsWhatWasBeforeTheLastRelease) {
 TEST(EventLog, AnOpenedHandFeelsAnewButKnowsTheGraspBefore) {
   estimation::EventLog log;
   log.readings.resize(12);
-  log.moments = {{estimation::TouchEvent::felt, 1},
+  log.moments = {{estimation::TouchEvent::height_probed, 1},
                  {estimation::TouchEvent::touched, 2},
                  {estimation::TouchEvent::closed, 3},
                  {estimation::TouchEvent::placed, 5}};

@@ -37,7 +37,7 @@ TEST(HeightProbePhase, FeelsHowTallTheObjectIs) {
     const auto end = HeightProbePhase({}).run(scene.robot, scene.state);
     ASSERT_TRUE(end.ok) << end.outcome;
     EXPECT_NEAR(scene.state.height, height, 0.003);  // some ticks of the way down
-    EXPECT_TRUE(scene.robot.log().at(estimation::TouchEvent::felt));
+    EXPECT_TRUE(scene.robot.log().at(estimation::TouchEvent::height_probed));
     EXPECT_GT(estimation::lowest_of_hand(soft_shadow(), scene.robot.reading()), height + 0.05);
   }
 }
@@ -91,7 +91,7 @@ TEST(HeightProbePhase, TheBareTableIsNotTouched) {
   OverABlock scene(0, {0, 0}, 0.5);
   const HeightProbeOptions options;
   EXPECT_FALSE(HeightProbePhase(options).run(scene.robot, scene.state).ok);
-  EXPECT_FALSE(scene.robot.log().at(estimation::TouchEvent::felt));
+  EXPECT_FALSE(scene.robot.log().at(estimation::TouchEvent::height_probed));
   for (const auto& reading : scene.robot.log().readings) {
     EXPECT_GT(estimation::lowest_of_hand(soft_shadow(), reading), options.clearance - 0.002);
   }

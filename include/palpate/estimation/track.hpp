@@ -28,12 +28,12 @@ inline localization::TrackerOptions tracking_in_lift() {
 }
 
 struct TrackOptions {
-  double look = 0.1;  ///< s between two looks at the contacts; the readings between are averaged
+  double period = 0.1;  ///< s between two looks at the contacts; the readings between are averaged
   localization::TrackerOptions tracker = tracking_in_lift();
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("look", look, 0.01, 5.0, "s between two updates from the contacts");
+    v("period", period, 0.01, 5.0, "s between two updates from the contacts");
     v.expert_section("tracker", tracker);
   }
 };

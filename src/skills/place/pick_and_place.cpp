@@ -26,7 +26,7 @@ void add(PickAndPlaceResult& course, PickResult picked) {
 
 /// What the phase said that failed first, or else the one that found the goal.
 std::string outcome_of(const PlaceResult& place) {
-  const std::string name = place.failed_phase.empty() ? "aim" : place.failed_phase;
+  const std::string name = place.failed_phase.empty() ? "plan-goal" : place.failed_phase;
   const auto phase = std::find_if(place.phases.begin(), place.phases.end(),
                                   [&](const PhaseReport& report) { return report.name == name; });
   return phase == place.phases.end() ? std::string(to_string(place.status)) : phase->outcome;

@@ -38,17 +38,17 @@ double top_of(const geometry::TriangleMesh& mesh, const Eigen::Isometry3d& T) {
 }
 
 /// A phase made of a function.
-class ThinkPhase : public Phase {
+class ComputePhase : public Phase {
  public:
-  ThinkPhase(std::string_view name, std::function<PhaseEnd()> think)
-      : name_(name), think_(std::move(think)) {}
+  ComputePhase(std::string_view name, std::function<PhaseEnd()> compute)
+      : name_(name), compute_(std::move(compute)) {}
   std::string_view name() const override { return name_; }
   double time_limit() const override { return 1.0; }
-  PhaseEnd run(Executor&, PickState&) override { return think_(); }
+  PhaseEnd run(Executor&, PickState&) override { return compute_(); }
 
  private:
   std::string_view name_;
-  std::function<PhaseEnd()> think_;
+  std::function<PhaseEnd()> compute_;
 };
 
 /// Feels from above whether the object stands where it was put.
@@ -141,7 +141,7 @@ bool Placement::aim(const PlaceTarget& target) {
       held_object(object_, picked_.estimate.posterior, robot_.log(),
                   robot_.log().at(estimation::TouchEvent::held), options_.same, picked_.fallen);
   PlaceStatus status = PlaceStatus::ambiguous;
-  const bool ok = sequence_.run(ThinkPhase("aim", [&]() -> PhaseEnd {
+  const bool ok = sequence_.run(ComputePhase("plan-goal", [&]() -> PhaseEnd {
     if (!held) return {false, "no pose of the held object"};
     result_.held = *held;
     result_.T_world_target = target_pose(target, object_, held->found_stable_pose);
@@ -184,7 +184,7 @@ bool Placement::turn() {
 }
 
 bool Placement::aim_turned() {
-  const bool ok = sequence_.run(ThinkPhase("aim-turned", [&]() -> PhaseEnd {
+  const bool ok = sequence_.run(ComputePhase("plan-turned-goal", [&]() -> PhaseEnd {
     const estimation::EventLog& log = robot_.log();
     const double certainty = result_.held.certainty;
     const auto held = held_object(object_, state_.estimate.posterior, log, log.readings.size() - 1,
@@ -223,7 +223,7 @@ bool Placement::carry(std::string name) {
 /// is less certain than what was known before, it is left alone. What the fingers have turned is
 /// known from tracking them: the estimate counts on an object that has hardly moved in the hand.
 bool Placement::aim_again() {
-  if (!options_.again || result_.turn) return true;
+  if (!options_.reestimate || result_.turn) return true;
   const estimation::EventLog& log = robot_.log();
   const std::size_t now = log.readings.size() - 1;
   const double least = std::min(options_.certain, result_.held.certainty);
@@ -233,7 +233,7 @@ bool Placement::aim_again() {
     options.motion_angle_sigma *= options_.turned_motion;
   }
   std::optional<PlaceGoal> goal;
-  const bool ok = sequence_.run(ThinkPhase("aim-again", [&]() -> PhaseEnd {
+  const bool ok = sequence_.run(ComputePhase("replan-goal", [&]() -> PhaseEnd {
     state_.estimate =
         estimation::PoseEstimator(model_, options, seed_).held(robot_.model(), log, now);
     const auto held =
@@ -254,7 +254,7 @@ bool Placement::aim_again() {
   }
   if (!goal) return ok;
   result_.goal = goal;
-  return carry("mend");
+  return carry("correct");
 }
 
 /// Sets down at the goal under the hand and lets go.

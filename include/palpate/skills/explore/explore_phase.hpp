@@ -31,10 +31,10 @@ struct ExploreOptions {
     v.expert("turn", turn, -3.2, 3.2, "rad, of the hand for every other one of these");
     v.expert("radius", radius, 0.02, 0.3, "m, of the circle from which they start");
     v.expert("past", past, 0.0, 0.2, "m, how far they go past the object's place");
-    v("speed", speed, 0.001, 0.2, "m/s, of a sweep where no touch is expected");
-    v("touch_speed", touch_speed, 0.001, 0.2, "m/s, of a sweep where one is");
+    v("speed", speed, 0.001, 0.2, "m/s, of a guarded move where no touch is expected");
+    v("touch_speed", touch_speed, 0.001, 0.2, "m/s, of a guarded move where one is");
     v("touch_force", touch_force, 0.02, 5.0, "N, force at the fingertip that counts as a touch");
-    v.expert("travel_speed", travel_speed, 0.01, 2.0, "m/s, between sweeps");
+    v.expert("travel_speed", travel_speed, 0.01, 2.0, "m/s, between guarded moves");
     v("reach", reach, 0.005, 0.07, "m, below the object's top");
   }
 };

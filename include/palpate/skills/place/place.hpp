@@ -22,7 +22,7 @@ struct PlaceOptions {
   double reach = 0.5;             ///< m, how far from the origin a target may be
   double turn_press = 6.0;  ///< as GraspOptions::press_per_weight, if the object may be turned over
   double certain = 0.85;  ///< share of the estimate that must agree on where the object would stand
-  bool again = true;      ///< estimate the pose once more over the target
+  bool reestimate = true;      ///< estimate the pose once more over the target
   double turned_motion = 3.0;  ///< of a turned-over object in the hand, times that of the grasp
   bool verify = true;          ///< feel afterwards whether it stands there
   localization::SamePose same;
@@ -48,7 +48,7 @@ struct PlaceOptions {
     v("turn_press", turn_press, 0.0, 100.0,
       "grasp.press_per_weight at least, for targets that may be in another stable pose");
     v("certain", certain, 0.0, 1.0, "share of the estimate that must agree on the place");
-    v("again", again, "estimate the pose once more over the target");
+    v("reestimate", reestimate, "estimate the pose once more over the target");
     v.expert(
         "turned_motion", turned_motion, 1.0, 100.0,
         "motion in the hand that is expected of a turned-over object, times that of the grasp");
