@@ -3,11 +3,13 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <utility>
@@ -111,7 +113,8 @@ PickResult pick(nb::object object, nb::object hand, std::uint64_t seed, const nb
     return pick_with({nb::cast<DescribedHand&>(hand), arm, std::move(sensors)}, std::move(model),
                      options, start, seed);
   }
-  if (!nb::isinstance<nb::str>(hand)) {
+  std::filesystem::path name;
+  if (!nb::try_cast(hand, name)) {
     throw nb::type_error(
         fmt::format("hand is {}, not a name, a file or a palpate.Hand", nb::repr(hand).c_str())
             .c_str());
@@ -120,9 +123,9 @@ PickResult pick(nb::object object, nb::object hand, std::uint64_t seed, const nb
     throw BadInput(fmt::format(
         "an arm and sensors of your own need a palpate.Hand of your own, not '{}', which is "
         "simulated",
-        nb::cast<std::string>(hand)));
+        name.string()));
   }
-  options.world.hand = nb::cast<std::string>(hand);
+  options.world.hand = name.string();
   return pick_in_simulation(std::move(model), options, seed);
 }
 
@@ -135,7 +138,8 @@ void bind_pick(nb::module_& module) {
       "options"_a = nb::dict(), "start"_a = nb::none(), "arm"_a = nb::none(),
       "sensors"_a = nb::list(),
       nb::sig(
-          "def pick(object: str | palpate._core.ObjectModel = 'mug', hand: str | "
+          "def pick(object: str | os.PathLike | palpate._core.ObjectModel = 'mug', hand: str | "
+          "os.PathLike | "
           "palpate._core.Hand = 'shadow', *, seed: int = 0, options: dict[str, object] = {}, "
           "start: palpate._core.HandCommand | None = None, arm: palpate._core.Arm | None = None, "
           "sensors: collections.abc.Sequence[palpate._core.Sensor] = []) -> PickResult"),

@@ -74,8 +74,7 @@ TEST(HeightProbePhase, TravelsOverWhateverMayStandThere) {
   ASSERT_TRUE(HeightProbePhase({}).run(scene.robot, scene.state).ok);
   const auto& readings = scene.robot.log().readings;
   for (std::size_t i = first; i < readings.size(); ++i) {
-    const Eigen::Vector2d way =
-        readings[i].base.xyz.head<2>() - readings[i - 1].base.xyz.head<2>();
+    const Eigen::Vector2d way = readings[i].base.xyz.head<2>() - readings[i - 1].base.xyz.head<2>();
     if (way.norm() < 1e-5) continue;  // up or down
     EXPECT_GT(estimation::lowest_of_hand(soft_shadow(), readings[i]), 0.305);
   }
