@@ -23,10 +23,21 @@ QUICK = {"object": "box", "max_touches": 6, "proposals": 2000, "particles": 60}
 @unittest.skipUnless(gymnasium, "gymnasium is not installed")
 class Touch(unittest.TestCase):
     def test_check_env_is_clean(self):
-        env = gymnasium.make("palpate:Palpate/Touch-v0", **QUICK)
-        with warnings.catch_warnings():
-            warnings.simplefilter("error")
-            check_env(env.unwrapped, skip_render_check=True)
+        for mode in (None, "rgb_array"):
+            env = gymnasium.make("palpate:Palpate/Touch-v0", render_mode=mode, **QUICK)
+            with warnings.catch_warnings():
+                warnings.simplefilter("error")
+                check_env(env.unwrapped)
+
+    def test_what_cannot_be_done_is_refused(self):
+        for name, value in {"tip_radius": -1, "point_noise": 0, "max_touches": 0}.items():
+            with self.assertRaisesRegex(ValueError, f"{name} is {value}, not positive"):
+                gymnasium.make("palpate:Palpate/Touch-v0", object="box", **{name: value})
+        env = gymnasium.make("palpate:Palpate/Touch-v0", **QUICK).unwrapped
+        env.reset(seed=1)
+        for action in (np.full(3, np.nan), np.zeros(2), np.zeros((1, 3))):
+            with self.assertRaisesRegex(ValueError, "is not three finite numbers"):
+                env.step(action)
 
     def test_the_same_seed_and_actions_give_the_same(self):
         def play():
@@ -100,6 +111,12 @@ class Pick(unittest.TestCase):
         self.assertFalse(terminated)
         np.testing.assert_allclose(observation["command"][[0, 2]], [0.3, 0.04], atol=1e-9)
         self.assertLess(abs(observation["base"][0] - 0.3), 0.03)
+
+    def test_what_cannot_be_done_is_refused(self):
+        self.env.reset(seed=1)
+        for action in (np.full(self.env.action_space.shape, np.nan), np.zeros(2)):
+            with self.assertRaisesRegex(ValueError, r"action of shape .*, not \(26,\)"):
+                self.env.step(action)
 
     def test_observations_hold_no_truth(self):
         observation, info = self.env.reset(seed=1)
