@@ -52,7 +52,10 @@ def _infos(tasks):
 
 
 def _row(values, index):
-    return {name: rows[index] for name, rows in values.items()}
+    """Of one task; numbers and truths as Python's own, of which gymnasium makes arrays."""
+    return {
+        name: rows[index] if rows.ndim > 1 else rows[index].item() for name, rows in values.items()
+    }
 
 
 class RelocateEnv(gymnasium.Env):

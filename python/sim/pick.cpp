@@ -104,12 +104,25 @@ PickResult pick_with(const Robot& parts, SharedModel model, const TrialOptions& 
   return result;
 }
 
+/// @throws TypeError for a subclass of palpate.Hand that is not finished
+void check_written(nb::handle hand) {
+  if (!nb::inst_ready(hand)) {
+    throw nb::type_error("the hand's __init__ has to call super().__init__(description)");
+  }
+  const nb::handle base = nb::type<DescribedHand>();
+  const bool own = dynamic_cast<PythonHand*>(nb::inst_ptr<DescribedHand>(hand)) != nullptr;
+  if (own && hand.type().attr("step").is(base.attr("step"))) {
+    throw nb::type_error("a Hand's step(command) has to be written");
+  }
+}
+
 PickResult pick(nb::object object, nb::object hand, std::uint64_t seed, const nb::dict& settings,
                 const std::optional<hand::HandCommand>& start, PythonArm* arm,
                 std::vector<PythonSensor*> sensors) {
   TrialOptions options = trial_options(settings);
   SharedModel model = object_from(std::move(object));
   if (nb::isinstance<DescribedHand>(hand)) {
+    check_written(hand);
     return pick_with({nb::cast<DescribedHand&>(hand), arm, std::move(sensors)}, std::move(model),
                      options, start, seed);
   }

@@ -7,6 +7,7 @@
 
 #include <array>
 #include <filesystem>
+#include <mutex>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -38,11 +39,13 @@ class WorldHand final : public DescribedHand {
  public:
   explicit WorldHand(simulation::World& world) : DescribedHand(world.hand_model()), world_(world) {}
   hand::HandReading step(const hand::HandCommand& command) override {
+    const std::lock_guard lock(busy);
     base = command.base;
     return world_.hand().step(command);
   }
 
   hand::BasePosition base;  ///< as it was commanded last
+  std::mutex busy;          ///< threads take turns with the world
 
  private:
   simulation::World& world_;
@@ -59,6 +62,7 @@ struct SimulatedWorld {
   }
 
   void reset(std::uint64_t seed) {
+    const std::lock_guard lock(hand.busy);
     const auto waiting = evaluation::waiting_command(world.hand_model());
     world.reset(evaluation::draw_start(model->object(), start, seed), waiting);
     hand.base = waiting.base;
@@ -66,6 +70,7 @@ struct SimulatedWorld {
 
   /// Grasps from above, at starts that the seed draws, until the object hangs in the hand.
   hand::HandCommand grasp(std::uint64_t seed) {
+    const std::lock_guard lock(hand.busy);
     hand::HandCommand command;
     for (int attempt = 0; attempt < kGrasps; ++attempt) {
       simulation::OpenLoopGrasp grasp;
@@ -86,6 +91,7 @@ struct SimulatedWorld {
   }
 
   const simulation::Image& render(int width, int height) {
+    const std::lock_guard lock(hand.busy);
     if (!renderer || image.width != width || image.height != height) {
       renderer.emplace(world.hand_model(), model->object(), width, height);
     }
@@ -203,7 +209,7 @@ void bind_world(nb::module_& module) {
            "object: a name, a mesh file in metres, or a model; hand: as load_hand() takes it; "
            "options: those of `palpate pick`, as {'start.stable_pose': 0}.\n\nRaises ValueError "
            "for what there is not, and values out of their range.")
-      .def("reset", &SimulatedWorld::reset, "seed"_a,
+      .def("reset", &SimulatedWorld::reset, "seed"_a, nb::call_guard<nb::gil_scoped_release>(),
            "Puts hand and object, at a start that the seed draws, at rest, at time 0.")
       .def_prop_ro(
           "hand", [](SimulatedWorld& self) -> DescribedHand& { return self.hand; },

@@ -250,6 +250,7 @@ class Relocate(unittest.TestCase):
                 np.testing.assert_array_equal(rows[0][0][name], rows[1][0][name])
             for name in ("truth", "distance", "contact"):
                 np.testing.assert_array_equal(rows[0][-1][name], rows[1][-1][name])
+                self.assertEqual(rows[0][-1][name].dtype, rows[1][-1][name].dtype)
             if step:
                 for mine, other in zip(rows[0][1:4], rows[1][1:4]):
                     np.testing.assert_array_equal(mine, other)
@@ -272,7 +273,7 @@ class Relocate(unittest.TestCase):
         tasks = palpate.sim.RelocateTasks(2, options={"solver": "fast"})
         with self.assertRaisesRegex(ValueError, r"actions has shape \(2, 29\), not \(2, 30\)"):
             tasks.step(np.zeros((2, 29)))
-        with self.assertRaises(IndexError):
+        with self.assertRaisesRegex(IndexError, "no task 2 of 2"):
             tasks.reset(2, 0)
 
     def test_an_action_that_is_not_finite_ends_the_episode(self):
