@@ -30,7 +30,7 @@ def in_decimetres(observation):
 
 def make(given):
     env = gymnasium.make(
-        "palpate:Palpate/Touch-v0", object=given.object, max_touches=given.touches, **SEARCH
+        "palpate.envs:Palpate/Touch-v0", object=given.object, max_touches=given.touches, **SEARCH
     )
     space = env.observation_space
     return gymnasium.wrappers.TransformObservation(env, in_decimetres, space)

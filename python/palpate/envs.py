@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Gymnasium environments (`pip install palpate[gym]`): `gymnasium.make("palpate:Palpate/Touch-v0")`.
+"""Gymnasium environments (`pip install palpate[gym]`): `gymnasium.make("palpate.envs:Palpate/Touch-v0")`.
 
 Observations hold only what is sensed or estimated from it; the truth is in `info`.
 """
