@@ -81,6 +81,7 @@ std::vector<int> integers_from(nb::handle values, std::string_view what) {
 
 Matrix matrix_from(nb::handle values, std::string_view what) {
   const Array array = array_from(values, what);
+  if (array.size() == 0) return {};
   if (array.ndim() != 2) refuse(array, what, "(rows, columns)");
   return Eigen::Map<const Matrix>(array.data(), static_cast<Eigen::Index>(array.shape(0)),
                                   static_cast<Eigen::Index>(array.shape(1)));

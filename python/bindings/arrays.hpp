@@ -41,7 +41,7 @@ std::vector<double> numbers_from(nb::handle values, std::string_view what);
 /// Integers (N,).
 std::vector<int> integers_from(nb::handle values, std::string_view what);
 
-/// Any two-dimensional array.
+/// Any two-dimensional array; (0, 0) for one without elements.
 Matrix matrix_from(nb::handle values, std::string_view what);
 
 /// A rigid motion (4, 4). @throws BadInput unless it is one to 1e-6

@@ -5,6 +5,7 @@
 
 #include "arrays.hpp"
 #include "palpate/core/error.hpp"
+#include "palpate/hand/nearest_base.hpp"
 #include "robot_parts.hpp"
 #include "rooms.hpp"
 
@@ -29,10 +30,16 @@ void bind_base_position(nb::module_& module) {
           "xyz (3,), m; ypr (3,): yaw, pitch, roll, rad; T_world_base = Trans(xyz) Rz(yaw) "
           "Ry(pitch) Rx(roll).\n\nRaises ValueError for other shapes.")
       .def_static(
-          "at", [](nb::object T) { return BasePosition::at(pose_from(T, "T_world_base")); },
-          "T_world_base"_a, nb::sig("def at(T_world_base: numpy.typing.ArrayLike) -> BasePosition"),
-          "Of a pose (4, 4), with a pitch of at most a quarter turn.\n\nRaises ValueError unless "
-          "it is a rigid motion.")
+          "at",
+          [](nb::object T, const BasePosition* near) {
+            const Eigen::Isometry3d pose = pose_from(T, "T_world_base");
+            return near ? hand::nearest_base(pose, *near) : BasePosition::at(pose);
+          },
+          "T_world_base"_a, nb::kw_only(), "near"_a = nb::none(),
+          nb::sig("def at(T_world_base: numpy.typing.ArrayLike, *, near: BasePosition | None = "
+                  "None) -> BasePosition"),
+          "Of a pose (4, 4): with a pitch of at most a quarter turn, or with the yaw, pitch and "
+          "roll that are nearest to another's.\n\nRaises ValueError unless it is a rigid motion.")
       .def_ro("xyz", &BasePosition::xyz, "(3,), m.")
       .def_ro("ypr", &BasePosition::ypr, "Yaw, pitch, roll, (3,), rad.")
       .def_prop_ro(
@@ -114,9 +121,14 @@ void bind_arm(nb::module_& module) {
            "newer than the last answer, for 0.25 s at most.\n\nRaises NotImplementedError.")
       .def(
           "check_path",
-          [](const PythonArm&, const std::vector<BasePosition>&) { return std::string(); }, "way"_a,
+          [](const PythonArm&, const std::vector<BasePosition>&) -> nb::object {
+            return nb::str("");
+          },
+          "way"_a,
+          nb::sig("def check_path(self, way: list[BasePosition]) -> str | PathFeasibility"),
           "May be written: why the arm cannot bring the base along this way, one position a tick "
-          "of 10 ms, in words; empty if it can. Called before each motion.")
+          "of 10 ms, in words, empty if it can; or what ArmFollower.check_path() answers. Called "
+          "before each motion.")
       .def("__repr__", [](const PythonArm& self) { return fmt::format("Arm('{}')", self.name()); });
 }
 
@@ -144,6 +156,7 @@ void bind_sensor(nb::module_& module) {
 void bind_robot_parts(nb::module_& module) {
   bind_base_position(module);
   bind_arm_reading(module);
+  bind_arm_kinematics(module);
   bind_arm(module);
   bind_sensor(module);
 }

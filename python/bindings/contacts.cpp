@@ -3,9 +3,12 @@
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
 
 #include <algorithm>
 #include <limits>
+#include <tuple>
+#include <vector>
 
 #include "arrays.hpp"
 #include "palpate/core/angle.hpp"
@@ -38,6 +41,12 @@ Eigen::Vector3d unit_or_none(const Eigen::Vector3d& n, std::size_t index) {
   return n.normalized();
 }
 
+void check_finite(const Eigen::Vector3d& v, const char* what, std::size_t index) {
+  if (v.allFinite()) return;
+  throw BadInput(
+      fmt::format("contact {}: {} is ({}, {}, {}), not finite", index, what, v.x(), v.y(), v.z()));
+}
+
 void check_sigma(double sigma, const char* what, std::size_t index) {
   if (sigma > 0 && std::isfinite(sigma)) return;
   throw BadInput(fmt::format("contact {}: {} is {}, not positive", index, what, sigma));
@@ -48,10 +57,7 @@ Contacts make_contacts(nb::handle points, nb::handle normals, nb::handle forces,
   const auto p = points_from(points, "points");
   Contacts contacts{std::vector<tactile::Contact>(p.size())};
   for (std::size_t k = 0; k < p.size(); ++k) {
-    if (!p[k].allFinite()) {
-      throw BadInput(fmt::format("contact {}: point is ({}, {}, {}), not finite", k, p[k].x(),
-                                 p[k].y(), p[k].z()));
-    }
+    check_finite(p[k], "point", k);
     contacts.list[k].p = p[k];
   }
   if (is_given(normals)) {
@@ -60,7 +66,10 @@ Contacts make_contacts(nb::handle points, nb::handle normals, nb::handle forces,
   }
   if (is_given(forces)) {
     const auto f = as_many(forces, p.size(), "forces");
-    for (std::size_t k = 0; k < f.size(); ++k) contacts.list[k].f = f[k];
+    for (std::size_t k = 0; k < f.size(); ++k) {
+      check_finite(f[k], "force", k);
+      contacts.list[k].f = f[k];
+    }
   }
   const auto sp = is_given(sigma) ? numbers_from(sigma, p.size(), "point_sigma")
                                   : std::vector<double>(p.size(), kPointSigma);
@@ -137,6 +146,30 @@ Contacts moved(const Contacts& contacts, nb::handle pose) {
   return result;
 }
 
+/// For pickle: points, normals (zeros: not known), forces, sigmas, groups.
+using State = std::tuple<Rows3, Rows3, Rows3, Eigen::VectorXd, Eigen::VectorXd, Eigen::VectorXi>;
+
+State state_of(const Contacts& contacts) {
+  using tactile::Contact;
+  return {column(contacts, &Contact::p),
+          column(contacts, &Contact::n),
+          column(contacts, &Contact::f),
+          column(contacts, &Contact::point_sigma),
+          column(contacts, &Contact::normal_sigma),
+          groups_of(contacts)};
+}
+
+Contacts contacts_of(const State& state) {
+  const auto& [p, n, f, point_sigma, normal_sigma, group] = state;
+  Contacts contacts{std::vector<tactile::Contact>(static_cast<std::size_t>(p.rows()))};
+  for (Eigen::Index k = 0; k < p.rows(); ++k) {
+    tactile::Contact& one = contacts.list[static_cast<std::size_t>(k)];
+    one.p = p.row(k), one.n = n.row(k), one.f = f.row(k);
+    one.point_sigma = point_sigma[k], one.normal_sigma = normal_sigma[k], one.group = group[k];
+  }
+  return contacts;
+}
+
 std::string repr(const Contacts& contacts) {
   const auto known = std::count_if(contacts.list.begin(), contacts.list.end(),
                                    [](const auto& contact) { return contact.has_normal(); });
@@ -189,6 +222,9 @@ void bind_contacts(nb::module_& module) {
            nb::sig("def transformed(self, T: numpy.typing.ArrayLike) -> Contacts"),
            "Moved by T_new_old (4, 4).\n\nRaises ValueError unless T is a rigid motion.")
       .def("__add__", &joined, "other"_a)
+      .def("__getstate__", &state_of)
+      .def("__setstate__",
+           [](Contacts* self, const State& state) { new (self) Contacts(contacts_of(state)); })
       .def("__repr__", &repr);
   module.def(
       "read_contacts",

@@ -3,7 +3,11 @@
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
+
+#include <cmath>
+#include <filesystem>
 
 #include "arrays.hpp"
 #include "palpate/core/error.hpp"
@@ -25,7 +29,8 @@ Mesh make_mesh(nb::handle vertices, nb::handle triangles) {
   mesh.vertices = points_from(vertices, "vertices");
   const auto count = static_cast<double>(mesh.vertices.size());
   for (const Eigen::Vector3d& t : points_from(triangles, "triangles")) {
-    if (!(t.minCoeff() >= 0 && t.maxCoeff() < count)) {
+    const bool whole = t.allFinite() && t == t.array().floor().matrix();
+    if (!(whole && t.minCoeff() >= 0 && t.maxCoeff() < count)) {
       throw BadInput(fmt::format("triangle {} names vertices {}, {}, {} of {}",
                                  mesh.triangles.size(), t[0], t[1], t[2], mesh.vertices.size()));
     }
@@ -115,6 +120,14 @@ void bind_mesh(nb::module_& module) {
             ge::save_ply(path, self.triangles());
           },
           "path"_a, "Write a binary PLY in full precision, atomically.")
+      .def("__getstate__",
+           [](const Mesh& self) {
+             return std::tuple(rows(self.triangles().vertices), triangles_of(self));
+           })
+      .def("__setstate__",
+           [](Mesh* self, const std::tuple<nb::object, nb::object>& state) {
+             new (self) Mesh(make_mesh(std::get<0>(state), std::get<1>(state)));
+           })
       .def("__repr__", [](const Mesh& self) {
         const Eigen::Vector3d size = 1e3 * ge::bounds(self.triangles()).sizes();
         return fmt::format("Mesh({} vertices, {} triangles, {:.0f} x {:.0f} x {:.0f} mm)",
@@ -178,14 +191,18 @@ void bind_object(nb::module_& module) {
       });
   module.def("built_in_objects", &ge::built_in_objects, "Names of the built-in objects.");
   module.def(
-      "load_known_object", &ge::load_known_object, "name_or_file"_a,
-      nb::call_guard<nb::gil_scoped_release>(),
+      "load_known_object",
+      [](const std::filesystem::path& name) { return ge::load_known_object(name.string()); },
+      "name_or_file"_a, nb::call_guard<nb::gil_scoped_release>(),
       "A built-in object, 'generated:SEED', or a mesh file in metres.\n\nRaises ValueError "
       "for an unknown name, or a mesh that cannot be read, repaired, or that is smaller than "
       "10 mm or larger than 400 mm.");
   module.def(
       "make_known_object",
       [](const std::string& name, const Mesh& mesh, double mass) {
+        if (!(mass >= 0 && std::isfinite(mass))) {
+          throw BadInput(fmt::format("mass is {} kg", mass));
+        }
         return ge::make_known_object(name, mesh.triangles(), mass);
       },
       "name"_a, "mesh"_a, nb::kw_only(), "mass"_a = 0.0, nb::call_guard<nb::gil_scoped_release>(),

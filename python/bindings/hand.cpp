@@ -148,6 +148,9 @@ void bind_command(nb::module_& module) {
       .def_prop_ro(
           "base_ypr", [](const HandCommand& self) { return self.base.ypr; },
           "Yaw, pitch, roll, (3,), rad.")
+      .def_prop_ro(
+          "T_world_base", [](const HandCommand& self) { return pose(self.base.pose()); },
+          "The base's pose, (4, 4), m.")
       .def("__repr__", [](const HandCommand& self) {
         return fmt::format("HandCommand({} actuators, base at ({:.3f}, {:.3f}, {:.3f}) m)",
                            self.positions.size(), self.base.xyz.x(), self.base.xyz.y(),

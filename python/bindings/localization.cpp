@@ -5,9 +5,12 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include <mutex>
+
 #include "arrays.hpp"
 #include "palpate/core/angle.hpp"
 #include "palpate/core/error.hpp"
+#include "palpate/core/option_check.hpp"
 #include "palpate/localization/pose_prior.hpp"
 #include "palpate/localization/tracking/tracker.hpp"
 #include "rooms.hpp"
@@ -23,6 +26,7 @@ std::vector<lo::FreeSphere> spheres_from(nb::handle free_space) {
   std::vector<lo::FreeSphere> spheres;
   if (!is_given(free_space)) return spheres;
   const Matrix rows = matrix_from(free_space, "free_space");
+  if (rows.size() == 0) return spheres;
   if (rows.cols() != 4) {
     throw BadInput(fmt::format("free_space has shape ({}, {}), not (N, 4): x, y, z, radius",
                                rows.rows(), rows.cols()));
@@ -66,6 +70,7 @@ Posterior localize(nb::object model, const Contacts& contacts, const std::string
   options.proposals = proposals;
   options.particles = particles;
   options.modes = modes;
+  options = checked(options);
   const nb::gil_scoped_release release;
   const RandomStream random(seed, "localize");
   return {method == "fast" ? lo::localize_fast(*shared, evidence, random, options)
@@ -244,6 +249,7 @@ void bind_evidence(nb::module_& module) {
 struct Tracker {
   SharedModel model;
   lo::Tracker filter;
+  std::mutex busy = {};
 };
 
 void bind_tracker(nb::module_& module) {
@@ -266,6 +272,7 @@ void bind_tracker(nb::module_& module) {
           [](Tracker& self, double time, const Contacts& contacts, nb::object velocities) {
             const lo::TrackFrame frame{time, contacts.list, points_from(velocities, "velocities")};
             const nb::gil_scoped_release release;
+            const std::lock_guard lock(self.busy);
             return Posterior{self.filter.update(frame), self.model};
           },
           "time"_a, "contacts"_a, "velocities"_a,

@@ -5,6 +5,7 @@
 #include <nanobind/stl/vector.h>
 
 #include "arrays.hpp"
+#include "palpate/core/error.hpp"
 #include "palpate/tactile/normals/normal_estimator.hpp"
 #include "rooms.hpp"
 
@@ -21,8 +22,11 @@ class NormalEstimator {
 
   tactile::NormalEstimate update(double time, nb::object points, nb::object forces) {
     const auto p = points_from(points, "points"), f = points_from(forces, "forces");
+    if (p.size() != f.size()) {
+      throw BadInput(fmt::format("forces: {} for {} points", f.size(), p.size()));
+    }
     tactile::FingerFrame frame{time, {}};
-    for (std::size_t i = 0; i < std::min(p.size(), f.size()); ++i) {
+    for (std::size_t i = 0; i < p.size(); ++i) {
       frame.contacts.push_back({p[i], f[i], std::nullopt});
     }
     return estimator_->update(maker_.next(frame));
@@ -66,7 +70,7 @@ void bind_normals(nb::module_& module) {
                    "numpy.typing.ArrayLike) -> NormalEstimate"),
            "Take what the fingertip touches at a time (s): points (N, 3), m, and forces on the "
            "object (N, 3), N, in a frame that does not move; N may be 0.\n\nRaises ValueError for "
-           "other shapes.")
+           "other shapes and another number of forces.")
       .def("__repr__", [](const NormalEstimator&) { return "NormalEstimator()"; });
   module.def("normal_estimators", &tactile::normal_estimators,
              "Names of all estimators: recursive least squares ('rls', 'rls-literal'), plane fits "

@@ -3,6 +3,7 @@
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
 #include "arrays.hpp"
@@ -249,6 +250,12 @@ void bind_clouds(nb::module_& module) {
             return rows(self.normals);
           },
           "(N, 3), unit; None without.")
+      .def("__getstate__",
+           [](const Cloud& self) { return std::tuple(rows(self.points), rows(self.normals)); })
+      .def("__setstate__",
+           [](Cloud* self, const std::tuple<nb::object, nb::object>& state) {
+             new (self) Cloud(cloud_from(std::get<0>(state), std::get<1>(state)));
+           })
       .def("__repr__", [](const Cloud& self) {
         return fmt::format("PointCloud({} points, {} normals)", self.size(),
                            self.has_normals() ? "with" : "without");

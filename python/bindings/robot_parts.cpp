@@ -82,8 +82,13 @@ std::optional<ArmReading> PythonArm::read() {
 
 hand::PathFeasibility PythonArm::check_path(std::span<const BasePosition> way) const {
   const auto convert = [](const nb::object& answer) -> hand::PathFeasibility {
+    if (nb::isinstance<hand::PathFeasibility>(answer)) {
+      return nb::cast<hand::PathFeasibility>(answer);
+    }
     std::string obstacle;
-    if (!nb::try_cast(answer, obstacle)) refuse("check_path", "a string", answer);
+    if (!nb::try_cast(answer, obstacle)) {
+      refuse("check_path", "a string or a PathFeasibility", answer);
+    }
     return {.obstacle = std::move(obstacle)};
   };
   return answer_of(*this, raised, "check_path", convert,

@@ -50,5 +50,7 @@ class PythonSensor : public hand::Sensor {
 };
 
 void bind_robot_parts(nanobind::module_& module);
+/// Arms as data, their kinematics, and what follows the mount in joint space.
+void bind_arm_kinematics(nanobind::module_& module);
 
 }  // namespace palpate::python

@@ -5,7 +5,13 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+
 #include "arrays.hpp"
+#include "palpate/core/error.hpp"
 #include "palpate/localization/information/next_touch.hpp"
 #include "rooms.hpp"
 
@@ -15,9 +21,19 @@ namespace {
 namespace lo = localization;
 using namespace nb::literals;
 
+void check_positive(const char* what, double value) {
+  if (value > 0 && std::isfinite(value)) return;
+  throw BadInput(fmt::format("{} is {}, not positive", what, value));
+}
+
 lo::TouchAction make_action(nb::object start, nb::object direction, double reach, double seconds) {
-  return {vector_from(start, "start"), vector_from(direction, "direction").normalized(), reach,
-          seconds};
+  const lo::TouchAction action{vector_from(start, "start"),
+                               vector_from(direction, "direction").normalized(), reach, seconds};
+  if (!action.start.allFinite()) throw BadInput("start is not finite");
+  if (!(std::abs(action.direction.norm() - 1) < 1e-6)) throw BadInput("direction has no direction");
+  check_positive("reach", reach);
+  check_positive("seconds", seconds);
+  return action;
 }
 
 }  // namespace
@@ -36,7 +52,8 @@ void bind_touches(nb::module_& module) {
           nb::sig("def __init__(self, start: numpy.typing.ArrayLike, direction: "
                   "numpy.typing.ArrayLike, *, reach: float = 0.3, seconds: float = 1.0) -> None"),
           "start (3,): of the ball's centre, m; direction (3,), any length; reach, m; seconds: "
-          "what it costs.\n\nRaises ValueError for other shapes.")
+          "what it costs.\n\nRaises ValueError for other shapes, no direction, and numbers that "
+          "are not positive.")
       .def_ro("start", &Action::start, "(3,), m.")
       .def_ro("direction", &Action::direction, "(3,), unit.")
       .def_ro("reach", &Action::reach, "m.")
@@ -61,6 +78,7 @@ void bind_touches(nb::module_& module) {
       "predict_touch",
       [](const geometry::ObjectModel& model, nb::object T, const Action& action,
          double tip_radius) {
+        check_positive("tip_radius", tip_radius);
         return lo::predict_touch(model, pose_from(T, "T_frame_object"), action, tip_radius);
       },
       "model"_a, "T_frame_object"_a, "action"_a, nb::kw_only(), "tip_radius"_a = 0.0075,
@@ -68,11 +86,12 @@ void bind_touches(nb::module_& module) {
               "numpy.typing.ArrayLike, action: TouchAction, *, tip_radius: float = 0.0075) "
               "-> PredictedTouch"),
       "Where a ball of tip_radius (m) meets the object at a pose (4, 4).\n\nRaises "
-      "ValueError unless it is a pose.");
+      "ValueError unless it is a pose and the radius positive.");
   module.def(
       "choose_touch",
       [](const geometry::ObjectModel& model, const Posterior& posterior,
          const std::vector<Action>& actions, double tip_radius, std::uint64_t seed) {
+        check_positive("tip_radius", tip_radius);
         lo::NextTouchOptions options;
         options.tip_radius = tip_radius;
         const auto choice = lo::choose_touch(model, posterior.found, actions,

@@ -12,6 +12,9 @@ import sys as _sys
 from ._core import (
     Actuator,
     Arm,
+    ArmDescription,
+    ArmFollower,
+    ArmJoint,
     ArmReading,
     BasePosition,
     ClosestPoints,
@@ -32,6 +35,7 @@ from ._core import (
     NormalEstimate,
     NormalEstimator,
     ObjectModel,
+    PathFeasibility,
     PointCloud,
     PoseEstimate,
     PosePrior,
@@ -67,6 +71,7 @@ from ._core import (
     register_clouds,
     register_correspondences,
     register_described,
+    working_tour,
 )
 from .free_space import free_space_of_voxels
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Gymnasium environments (`pip install palpate[gym]`): `gymnasium.make("palpate:Palpate/Touch-v0")`.
+"""Gymnasium environments (`pip install palpate[gym]`): `gymnasium.make("palpate.envs:Palpate/Touch-v0")`.
 
 Observations hold only what is sensed or estimated from it; the truth is in `info`.
 """
@@ -41,6 +41,8 @@ class TouchEnv(gymnasium.Env):
     `translation_error_mm`.
     `render_mode="rgb_array"`: from above and from the side (240, 480, 3): the object grey, at the
     best pose blue, contacts red.
+
+    Raises ValueError for an object that there is not, and for sizes that are not positive.
     """
 
     metadata = {"render_modes": ["rgb_array"], "render_fps": 2}
@@ -49,6 +51,10 @@ class TouchEnv(gymnasium.Env):
         self, object="mug", *, max_touches=12, cost=0.01, tip_radius=0.0075, point_noise=0.001,
         normal_noise_deg=10.0, proposals=6000, particles=200, render_mode=None,
     ):  # fmt: skip
+        for name, value in (("tip_radius", tip_radius), ("point_noise", point_noise),
+                            ("normal_noise_deg", normal_noise_deg), ("max_touches", max_touches)):  # fmt: skip
+            if not value > 0:
+                raise ValueError(f"{name} is {value}, not positive")
         self.model = _core.ObjectModel(_core.load_known_object(object))
         self.max_touches, self.cost, self.tip_radius = max_touches, cost, tip_radius
         self.point_noise, self.normal_noise = point_noise, np.radians(normal_noise_deg)
@@ -116,7 +122,10 @@ class TouchEnv(gymnasium.Env):
 
     def touch(self, action):
         """The palpate.TouchAction that an action stands for."""
-        azimuth, height, offset = np.clip(np.asarray(action, np.float64), -1, 1)
+        action = np.asarray(action, np.float64)
+        if action.shape != (3,) or not np.isfinite(action).all():
+            raise ValueError(f"action {action.tolist()} is not three finite numbers")
+        azimuth, height, offset = np.clip(action, -1, 1)
         R = _yaw(np.pi * azimuth)
         reach = self.radius + _HALF_WIDTH + _CLEARANCE
         z = self.tip_radius + (height + 1) * self.radius

@@ -61,7 +61,10 @@ class HandEnv(gymnasium.Env):
 
     def move(self, action):
         """Moves the command by an action in 50 ms; returns what the hand senses then."""
-        change = self.rates * np.clip(np.asarray(action, np.float64), -1, 1)
+        action = np.asarray(action, np.float64)
+        if action.shape != self.rates.shape or not np.isfinite(action).all():
+            raise ValueError(f"action of shape {action.shape}, not {self.rates.shape}, or not finite")
+        change = self.rates * np.clip(action, -1, 1)
         first = self.command
         self.command = np.clip(first + change, self.low, self.high)
         for share in np.arange(1, _TICKS + 1) / _TICKS:

@@ -52,7 +52,10 @@ def _infos(tasks):
 
 
 def _row(values, index):
-    return {name: rows[index] for name, rows in values.items()}
+    """Of one task; numbers and truths as Python's own, of which gymnasium makes arrays."""
+    return {
+        name: rows[index] if rows.ndim > 1 else rows[index].item() for name, rows in values.items()
+    }
 
 
 class RelocateEnv(gymnasium.Env):
@@ -108,7 +111,7 @@ class RelocateEnv(gymnasium.Env):
 class RelocateVectorEnv(VectorEnv):
     """Many of Palpate/Relocate-v2, stepped by the C++ library on `threads` threads (all cores).
 
-    `gymnasium.make_vec("palpate:Palpate/Relocate-v2", 8, vectorization_mode="vector_entry_point")`.
+    `gymnasium.make_vec("palpate.envs:Palpate/Relocate-v2", 8, vectorization_mode="vector_entry_point")`.
     The same as gymnasium's SyncVectorEnv of as many, bit for bit: an episode that has ended starts
     anew in the next step, which ignores its action.
     """

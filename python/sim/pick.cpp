@@ -3,11 +3,13 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <utility>
@@ -102,16 +104,30 @@ PickResult pick_with(const Robot& parts, SharedModel model, const TrialOptions& 
   return result;
 }
 
+/// @throws TypeError for a subclass of palpate.Hand that is not finished
+void check_written(nb::handle hand) {
+  if (!nb::inst_ready(hand)) {
+    throw nb::type_error("the hand's __init__ has to call super().__init__(description)");
+  }
+  const nb::handle base = nb::type<DescribedHand>();
+  const bool own = dynamic_cast<PythonHand*>(nb::inst_ptr<DescribedHand>(hand)) != nullptr;
+  if (own && hand.type().attr("step").is(base.attr("step"))) {
+    throw nb::type_error("a Hand's step(command) has to be written");
+  }
+}
+
 PickResult pick(nb::object object, nb::object hand, std::uint64_t seed, const nb::dict& settings,
                 const std::optional<hand::HandCommand>& start, PythonArm* arm,
                 std::vector<PythonSensor*> sensors) {
   TrialOptions options = trial_options(settings);
   SharedModel model = object_from(std::move(object));
   if (nb::isinstance<DescribedHand>(hand)) {
+    check_written(hand);
     return pick_with({nb::cast<DescribedHand&>(hand), arm, std::move(sensors)}, std::move(model),
                      options, start, seed);
   }
-  if (!nb::isinstance<nb::str>(hand)) {
+  std::filesystem::path name;
+  if (!nb::try_cast(hand, name)) {
     throw nb::type_error(
         fmt::format("hand is {}, not a name, a file or a palpate.Hand", nb::repr(hand).c_str())
             .c_str());
@@ -120,9 +136,9 @@ PickResult pick(nb::object object, nb::object hand, std::uint64_t seed, const nb
     throw BadInput(fmt::format(
         "an arm and sensors of your own need a palpate.Hand of your own, not '{}', which is "
         "simulated",
-        nb::cast<std::string>(hand)));
+        name.string()));
   }
-  options.world.hand = nb::cast<std::string>(hand);
+  options.world.hand = name.string();
   return pick_in_simulation(std::move(model), options, seed);
 }
 
@@ -135,7 +151,8 @@ void bind_pick(nb::module_& module) {
       "options"_a = nb::dict(), "start"_a = nb::none(), "arm"_a = nb::none(),
       "sensors"_a = nb::list(),
       nb::sig(
-          "def pick(object: str | palpate._core.ObjectModel = 'mug', hand: str | "
+          "def pick(object: str | os.PathLike | palpate._core.ObjectModel = 'mug', hand: str | "
+          "os.PathLike | "
           "palpate._core.Hand = 'shadow', *, seed: int = 0, options: dict[str, object] = {}, "
           "start: palpate._core.HandCommand | None = None, arm: palpate._core.Arm | None = None, "
           "sensors: collections.abc.Sequence[palpate._core.Sensor] = []) -> PickResult"),

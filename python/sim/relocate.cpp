@@ -3,6 +3,7 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include <stdexcept>
 #include <string>
 #include <thread>
 #include <vector>
@@ -46,11 +47,13 @@ class RelocateTasks {
   RelocateTasks& operator=(const RelocateTasks&) = delete;
 
   void reset(std::size_t index, std::uint64_t seed) {
+    check_index(index);
     start(index, relocate::episode_start(options_.episode, seed));
   }
 
   void place(std::size_t index, const Eigen::Vector2d& object, const Eigen::Vector3d& target) {
-    relocate::RelocateStart placed = starts_.at(index);
+    check_index(index);
+    relocate::RelocateStart placed = starts_[index];
     placed.object = object;
     placed.target = target;
     start(index, placed);
@@ -85,8 +88,13 @@ class RelocateTasks {
   [[nodiscard]] int threads() const { return threads_; }
 
  private:
+  void check_index(std::size_t index) const {
+    if (index < tasks_.size()) return;
+    throw std::out_of_range(fmt::format("there is no task {} of {}", index, tasks_.size()));
+  }
+
   void start(std::size_t index, const relocate::RelocateStart& start) {
-    tasks_.at(index).reset(start);
+    tasks_[index].reset(start);
     starts_[index] = start;
     steps_[index] = {};
     steps_[index].distance = (tasks_[index].observation().tail<3>() - start.object_bias).norm();

@@ -21,6 +21,9 @@ void bind_relocate(nanobind::module_& module);
 template <class Options>
 void apply_settings(const nanobind::dict& settings, Options& options) {
   for (const auto& [key, value] : settings) {
+    if (!nanobind::isinstance<nanobind::str>(key)) {
+      throw nanobind::type_error("options are named by strings, as {'lift.height': 0.15}");
+    }
     nanobind::str text = nanobind::str(value);
     if (nanobind::isinstance<nanobind::bool_>(value)) {
       text = nanobind::str(nanobind::cast<bool>(value) ? "true" : "false");

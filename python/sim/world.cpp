@@ -2,9 +2,12 @@
 #include "palpate/simulation/world/world.hpp"
 
 #include <fmt/format.h>
+#include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/string.h>
 
 #include <array>
+#include <filesystem>
+#include <mutex>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -12,8 +15,10 @@
 
 #include "bindings/arrays.hpp"
 #include "bindings/python_hand.hpp"
+#include "palpate/core/error.hpp"
 #include "palpate/core/random.hpp"
 #include "palpate/simulation/hand/hand_store.hpp"
+#include "palpate/simulation/hand/load_arm.hpp"
 #include "palpate/simulation/hand/load_hand.hpp"
 #include "palpate/simulation/hand/open_loop_grasp.hpp"
 #include "palpate/simulation/rendering/renderer.hpp"
@@ -34,11 +39,13 @@ class WorldHand final : public DescribedHand {
  public:
   explicit WorldHand(simulation::World& world) : DescribedHand(world.hand_model()), world_(world) {}
   hand::HandReading step(const hand::HandCommand& command) override {
+    const std::lock_guard lock(busy);
     base = command.base;
     return world_.hand().step(command);
   }
 
   hand::BasePosition base;  ///< as it was commanded last
+  std::mutex busy;          ///< threads take turns with the world
 
  private:
   simulation::World& world_;
@@ -55,6 +62,7 @@ struct SimulatedWorld {
   }
 
   void reset(std::uint64_t seed) {
+    const std::lock_guard lock(hand.busy);
     const auto waiting = evaluation::waiting_command(world.hand_model());
     world.reset(evaluation::draw_start(model->object(), start, seed), waiting);
     hand.base = waiting.base;
@@ -62,6 +70,7 @@ struct SimulatedWorld {
 
   /// Grasps from above, at starts that the seed draws, until the object hangs in the hand.
   hand::HandCommand grasp(std::uint64_t seed) {
+    const std::lock_guard lock(hand.busy);
     hand::HandCommand command;
     for (int attempt = 0; attempt < kGrasps; ++attempt) {
       simulation::OpenLoopGrasp grasp;
@@ -82,6 +91,7 @@ struct SimulatedWorld {
   }
 
   const simulation::Image& render(int width, int height) {
+    const std::lock_guard lock(hand.busy);
     if (!renderer || image.width != width || image.height != height) {
       renderer.emplace(world.hand_model(), model->object(), width, height);
     }
@@ -118,34 +128,24 @@ void make_world(SimulatedWorld* self, nb::object object, const std::string& hand
   new (self) SimulatedWorld(std::move(model), options, seed);
 }
 
-}  // namespace
-
-evaluation::TrialOptions trial_options(const nb::dict& settings) {
-  evaluation::TrialOptions options;
-  apply_settings(settings, options);
-  return options;
+hand::ArmDescription load_arm(const std::string& name, const hand::Description& hand,
+                              const nb::kwargs& mounting) {
+  simulation::ArmOptions options;
+  apply_settings(mounting, options);
+  options.name = name;
+  const auto arm = simulation::load_arm(options, hand);
+  if (!arm) throw BadInput(fmt::format("'{}' is no arm", name));
+  return *arm;
 }
 
-SharedModel object_from(nb::object object) {
-  if (nb::isinstance<geometry::ObjectModel>(object)) return model_from(std::move(object));
-  if (!nb::isinstance<nb::str>(object)) {
-    throw nb::type_error(fmt::format("object is {}, not a name, a file or a palpate.ObjectModel",
-                                     nb::repr(object).c_str())
-                             .c_str());
-  }
-  const auto name = nb::cast<std::string>(object);
-  const nb::gil_scoped_release release;
-  return std::make_shared<const geometry::ObjectModel>(geometry::load_known_object(name));
-}
-
-void bind_world(nb::module_& module) {
+void bind_models(nb::module_& module) {
   module.def(
       "load_hand",
-      [](const std::string& name) {
+      [](const std::filesystem::path& name) {
         const nb::gil_scoped_release release;
-        return simulation::load_hand(name);
+        return simulation::load_hand(name.string());
       },
-      "name"_a, nb::sig("def load_hand(name: str) -> palpate._core.HandDescription"),
+      "name"_a, nb::sig("def load_hand(name: str | os.PathLike) -> palpate._core.HandDescription"),
       "The description of a hand of `palpate hand list`, or of an MJCF or URDF file. Deriving its "
       "postures takes about a minute; they are kept in the cache.\n\nRaises ValueError if there "
       "is no such hand or its file cannot be used.");
@@ -158,6 +158,42 @@ void bind_world(nb::module_& module) {
       "name"_a,
       "Download the model of a hand of `palpate hand list`, once; returns its file.\n\nRaises "
       "ValueError for a name that is not there, and where it cannot be downloaded.");
+  module.def(
+      "load_arm", &load_arm, "name"_a, "hand"_a, "mounting"_a,
+      nb::sig(
+          "def load_arm(name: str, hand: palpate._core.HandDescription, *, x: float = -0.35, y: "
+          "float = -0.35, z: float = 0.0, hanging: bool = False, adapter: float = "
+          "0.7853981633974483) -> palpate._core.ArmDescription"),
+      "The description of an arm, ur10, ur5 or panda once installed, or of an MJCF file, that "
+      "carries this hand. x, y, z: m, of its stand, which faces the origin, upside down if "
+      "hanging; "
+      "adapter: rad, from a flange behind the hand (0) to one above it.\n\nRaises ValueError for "
+      "what there is not, a file that is no chain of hinges with a position-controlled actuator "
+      "each, and values out of their range.");
+}
+
+}  // namespace
+
+evaluation::TrialOptions trial_options(const nb::dict& settings) {
+  evaluation::TrialOptions options;
+  apply_settings(settings, options);
+  return options;
+}
+
+SharedModel object_from(nb::object object) {
+  if (nb::isinstance<geometry::ObjectModel>(object)) return model_from(std::move(object));
+  std::filesystem::path name;
+  if (!nb::try_cast(object, name)) {
+    throw nb::type_error(fmt::format("object is {}, not a name, a file or a palpate.ObjectModel",
+                                     nb::repr(object).c_str())
+                             .c_str());
+  }
+  const nb::gil_scoped_release release;
+  return std::make_shared<const geometry::ObjectModel>(geometry::load_known_object(name.string()));
+}
+
+void bind_world(nb::module_& module) {
+  bind_models(module);
   module.def("waiting_command", &evaluation::waiting_command, "description"_a,
              nb::sig("def waiting_command(description: palpate._core.HandDescription) -> "
                      "palpate._core.HandCommand"),
@@ -167,12 +203,13 @@ void bind_world(nb::module_& module) {
   world
       .def("__init__", &make_world, "object"_a, nb::kw_only(), "hand"_a = "shadow", "seed"_a = 0,
            "options"_a = nb::dict(),
-           nb::sig("def __init__(self, object: str | palpate._core.ObjectModel, *, hand: str = "
+           nb::sig("def __init__(self, object: str | os.PathLike | palpate._core.ObjectModel, *, "
+                   "hand: str = "
                    "'shadow', seed: int = 0, options: dict[str, object] = {}) -> None"),
            "object: a name, a mesh file in metres, or a model; hand: as load_hand() takes it; "
            "options: those of `palpate pick`, as {'start.stable_pose': 0}.\n\nRaises ValueError "
            "for what there is not, and values out of their range.")
-      .def("reset", &SimulatedWorld::reset, "seed"_a,
+      .def("reset", &SimulatedWorld::reset, "seed"_a, nb::call_guard<nb::gil_scoped_release>(),
            "Puts hand and object, at a start that the seed draws, at rest, at time 0.")
       .def_prop_ro(
           "hand", [](SimulatedWorld& self) -> DescribedHand& { return self.hand; },

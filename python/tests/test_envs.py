@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The environments, where gymnasium is installed."""
 
+import subprocess
+import sys
 import unittest
 import warnings
 
@@ -21,16 +23,40 @@ QUICK = {"object": "box", "max_touches": 6, "proposals": 2000, "particles": 60}
 
 
 @unittest.skipUnless(gymnasium, "gymnasium is not installed")
+class Names(unittest.TestCase):
+    def test_environments_are_found_in_whatever_order_is_imported(self):
+        for imports, prefix in [
+            ("import palpate, gymnasium", "palpate.envs:"),
+            ("import gymnasium", "palpate.envs:"),
+            ("import gymnasium", "palpate:"),
+            ("import palpate.envs, gymnasium", ""),
+        ]:
+            make = f"{imports}; gymnasium.make('{prefix}Palpate/Touch-v0', object='box')"
+            subprocess.run([sys.executable, "-c", make], check=True, timeout=300)
+
+
+@unittest.skipUnless(gymnasium, "gymnasium is not installed")
 class Touch(unittest.TestCase):
     def test_check_env_is_clean(self):
-        env = gymnasium.make("palpate:Palpate/Touch-v0", **QUICK)
-        with warnings.catch_warnings():
-            warnings.simplefilter("error")
-            check_env(env.unwrapped, skip_render_check=True)
+        for mode in (None, "rgb_array"):
+            env = gymnasium.make("palpate.envs:Palpate/Touch-v0", render_mode=mode, **QUICK)
+            with warnings.catch_warnings():
+                warnings.simplefilter("error")
+                check_env(env.unwrapped)
+
+    def test_what_cannot_be_done_is_refused(self):
+        for name, value in {"tip_radius": -1, "point_noise": 0, "max_touches": 0}.items():
+            with self.assertRaisesRegex(ValueError, f"{name} is {value}, not positive"):
+                gymnasium.make("palpate.envs:Palpate/Touch-v0", object="box", **{name: value})
+        env = gymnasium.make("palpate.envs:Palpate/Touch-v0", **QUICK).unwrapped
+        env.reset(seed=1)
+        for action in (np.full(3, np.nan), np.zeros(2), np.zeros((1, 3))):
+            with self.assertRaisesRegex(ValueError, "is not three finite numbers"):
+                env.step(action)
 
     def test_the_same_seed_and_actions_give_the_same(self):
         def play():
-            env = gymnasium.make("palpate:Palpate/Touch-v0", **QUICK)
+            env = gymnasium.make("palpate.envs:Palpate/Touch-v0", **QUICK)
             rows = [env.reset(seed=5)[0]["contacts"]]
             for azimuth in (0.0, 0.5, -0.5):
                 observation, reward, *_ = env.step(np.array([azimuth, -0.5, 0.0]))
@@ -44,7 +70,7 @@ class Touch(unittest.TestCase):
         """Touches from all sides at half height are enough for a box on a table."""
         found = 0
         for seed in range(5):
-            env = gymnasium.make("palpate:Palpate/Touch-v0", object="box", max_touches=8)
+            env = gymnasium.make("palpate.envs:Palpate/Touch-v0", object="box", max_touches=8)
             env.reset(seed=seed)
             for step in range(8):
                 side = 0.3 * (-1) ** (step // 4)
@@ -55,7 +81,7 @@ class Touch(unittest.TestCase):
         self.assertGreaterEqual(found, 3)
 
     def test_a_picture_shows_truth_estimate_and_contacts(self):
-        env = gymnasium.make("palpate:Palpate/Touch-v0", render_mode="rgb_array", **QUICK)
+        env = gymnasium.make("palpate.envs:Palpate/Touch-v0", render_mode="rgb_array", **QUICK)
         env.reset(seed=1)
         first = env.render()
         self.assertEqual((first.shape, first.dtype), ((240, 480, 3), np.uint8))
@@ -72,7 +98,7 @@ class Touch(unittest.TestCase):
         self.assertGreater(pixels(second, (40, 90, 220)), 200)
 
     def test_observations_hold_no_truth(self):
-        env = gymnasium.make("palpate:Palpate/Touch-v0", **QUICK)
+        env = gymnasium.make("palpate.envs:Palpate/Touch-v0", **QUICK)
         observation, info = env.reset(seed=1)
         np.testing.assert_array_equal(observation["T_table_object"], np.eye(4))
         self.assertNotIn("truth", observation)
@@ -83,7 +109,7 @@ class Touch(unittest.TestCase):
 class Pick(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.env = gymnasium.make("palpate:Palpate/Pick-v0", object="box", max_steps=20).unwrapped
+        cls.env = gymnasium.make("palpate.envs:Palpate/Pick-v0", object="box", max_steps=20).unwrapped
 
     def test_check_env_is_clean(self):
         with warnings.catch_warnings():
@@ -101,6 +127,12 @@ class Pick(unittest.TestCase):
         np.testing.assert_allclose(observation["command"][[0, 2]], [0.3, 0.04], atol=1e-9)
         self.assertLess(abs(observation["base"][0] - 0.3), 0.03)
 
+    def test_what_cannot_be_done_is_refused(self):
+        self.env.reset(seed=1)
+        for action in (np.full(self.env.action_space.shape, np.nan), np.zeros(2)):
+            with self.assertRaisesRegex(ValueError, r"action of shape .*, not \(26,\)"):
+                self.env.step(action)
+
     def test_observations_hold_no_truth(self):
         observation, info = self.env.reset(seed=1)
         self.assertEqual(info["truth"].shape, (4, 4))
@@ -109,7 +141,7 @@ class Pick(unittest.TestCase):
         self.assertEqual(observation["contacts"].max(), 0)
 
     def test_a_picture_is_of_its_size_and_shows_something(self):
-        env = gymnasium.make("palpate:Palpate/Pick-v0", max_steps=5, render_mode="rgb_array")
+        env = gymnasium.make("palpate.envs:Palpate/Pick-v0", max_steps=5, render_mode="rgb_array")
         env.reset(seed=1)
         try:
             first = env.render()
@@ -150,8 +182,8 @@ class Goals(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls):
-        cls.place = gymnasium.make("palpate:Palpate/Place-v0", object="box", max_steps=15).unwrapped
-        cls.turn = gymnasium.make("palpate:Palpate/Reorient-v0", max_steps=15).unwrapped
+        cls.place = gymnasium.make("palpate.envs:Palpate/Place-v0", object="box", max_steps=15).unwrapped
+        cls.turn = gymnasium.make("palpate.envs:Palpate/Reorient-v0", max_steps=15).unwrapped
 
     def put(self, env, pose):
         """The environment with its object somewhere else."""
@@ -211,7 +243,7 @@ class Goals(unittest.TestCase):
 
 @unittest.skipUnless(gymnasium and palpate, "gymnasium is not installed, or built without simulator")
 class Relocate(unittest.TestCase):
-    ID, QUICK = "palpate:Palpate/Relocate-v2", {"solver": "fast", "horizon": 8}
+    ID, QUICK = "palpate.envs:Palpate/Relocate-v2", {"solver": "fast", "horizon": 8}
 
     def test_check_env_is_clean(self):
         for flat in (False, True):
@@ -233,6 +265,7 @@ class Relocate(unittest.TestCase):
                 np.testing.assert_array_equal(rows[0][0][name], rows[1][0][name])
             for name in ("truth", "distance", "contact"):
                 np.testing.assert_array_equal(rows[0][-1][name], rows[1][-1][name])
+                self.assertEqual(rows[0][-1][name].dtype, rows[1][-1][name].dtype)
             if step:
                 for mine, other in zip(rows[0][1:4], rows[1][1:4]):
                     np.testing.assert_array_equal(mine, other)
@@ -255,7 +288,7 @@ class Relocate(unittest.TestCase):
         tasks = palpate.sim.RelocateTasks(2, options={"solver": "fast"})
         with self.assertRaisesRegex(ValueError, r"actions has shape \(2, 29\), not \(2, 30\)"):
             tasks.step(np.zeros((2, 29)))
-        with self.assertRaises(IndexError):
+        with self.assertRaisesRegex(IndexError, "no task 2 of 2"):
             tasks.reset(2, 0)
 
     def test_an_action_that_is_not_finite_ends_the_episode(self):

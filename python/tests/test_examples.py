@@ -62,6 +62,12 @@ class Examples(unittest.TestCase):
         text = self.run_example("hand_in_sapien.py", "--trials", "1", "--seed", "1")
         self.assertIn("1 of 1 lifted, 1 with the right pose", text)
 
+    def test_learn_touch(self):
+        self.require("stable_baselines3")
+        text = self.run_example("learn_touch.py", "--minutes", "0.05", "--episodes", "2")
+        self.assertRegex(text, r"chance: return .* of 2 poses right")
+        self.assertRegex(text, r"learnt: return .* of 2 poses right")
+
     def test_register(self):
         text = self.run_and_draw("register.py")
         self.assertIn("RegistrationResult(found, 30 inliers", text)

@@ -68,7 +68,7 @@ class Documentation(unittest.TestCase):
         unit = r"\b(m|mm|rad|deg|s|N|kg|kg m\^2|m\^2|m\^3|N m/rad|N m s/rad|m/s|nats?)\b"
         without = {
             "probability", "weight", "weights", "unlisted", "scale", "false_alarms",
-            "false_inliers", "direction", "normal", "R_table_object", "symmetries",
+            "false_inliers", "stretch", "direction", "normal", "R_table_object", "symmetries",
         }  # fmt: skip
         poses = {"T_frame_object", "T_world_base", "T_parent_link", "T_target_source", "further"}
         several = {"joints", "resolution_deg"}  # a matrix of ratios; the name says it

@@ -4,6 +4,8 @@
 Its faults are faults of the pick, and no exception of it is lost.
 """
 
+import pathlib
+import threading
 import time
 import unittest
 
@@ -153,13 +155,33 @@ class PickInSimulation(unittest.TestCase):
         self.assertEqual(result.fault, "silent")
         self.assertIn("0.5 s", result.fault_detail)
 
-    def test_a_hand_without_step_is_a_fault(self):
+    def test_a_hand_that_is_not_finished_is_refused(self):
         class Nothing(palpate.Hand):
             pass
 
-        result = self.pick(Nothing(self.world().hand.description))
-        self.assertEqual(result.fault, "exception")
-        self.assertIn("step", result.fault_detail)
+        class Unmade(Rewritten):
+            def __init__(self):
+                self.ticks = 0
+
+        with self.assertRaisesRegex(TypeError, r"step\(command\) has to be written"):
+            self.pick(Nothing(self.world().hand.description))
+        with self.assertRaisesRegex(TypeError, r"super\(\).__init__\(description\)"):
+            self.pick(Unmade())
+
+    def test_threads_take_turns_with_a_world(self):
+        world = self.world()
+        command = sim.waiting_command(world.hand.description)
+
+        def step():
+            for _ in range(30):
+                world.hand.step(command)
+
+        threads = [threading.Thread(target=step) for _ in range(3)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        self.assertAlmostEqual(world.hand.step(command).time, 0.91)
 
     def test_the_description_is_the_hand_s(self):
         hand = self.world().hand.description
@@ -191,6 +213,10 @@ class PickInSimulation(unittest.TestCase):
             sim.pick("box", 7)
         with self.assertRaisesRegex(TypeError, "object is 7, not a name"):
             sim.World(7)
+        with self.assertRaisesRegex(TypeError, "options are named by strings"):
+            sim.World("box", options={7: 1})
+        with self.assertRaisesRegex(ValueError, "hand.xml"):
+            sim.pick("box", pathlib.Path("nothing") / "hand.xml")
 
 
 if __name__ == "__main__":

@@ -1,0 +1,159 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What cannot be used is refused by an exception that names it; what numpy knows is taken."""
+
+import copy
+import pathlib
+import pickle
+import threading
+import unittest
+
+import numpy as np
+import palpate
+from box_contacts import box_points
+
+NAN = float("nan")
+
+
+class BadInput(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.box = palpate.load_known_object("box")
+        cls.model = palpate.ObjectModel(cls.box)
+        cls.points, cls.normals = box_points(18)
+        cls.contacts = palpate.Contacts(cls.points, cls.normals)
+
+    def refuses(self, cases):
+        for text, call in cases:
+            with self.assertRaisesRegex(ValueError, text):
+                call()
+
+    def test_contacts(self):
+        one = [[0, 0, 0]]
+        self.refuses(
+            [
+                (r"points has shape \(3,\), not \(N, 3\)", lambda: palpate.Contacts([0, 0, 1])),
+                ("could not convert string", lambda: palpate.Contacts("abc")),
+                ("contact 0: point is .nan", lambda: palpate.Contacts([[NAN, 0, 0]])),
+                ("contact 0: force is .nan", lambda: palpate.Contacts(one, forces=[[NAN, 0, 0]])),
+                ("normal 0 is .nan", lambda: palpate.Contacts(one, [[NAN, 0, 1]])),
+                ("normals: 3 for 18", lambda: palpate.Contacts(self.points, self.normals[:3])),
+                ("point_sigma is -1", lambda: palpate.Contacts(one, point_sigma=-1)),
+                ("normal_sigma is 0", lambda: palpate.Contacts(one, normal_sigma=0)),
+                (r"shape \(2,\), not \(\) or \(1,\)",
+                 lambda: palpate.Contacts(one, point_sigma=[1, 2])),
+            ]
+        )  # fmt: skip
+
+    def test_localization(self):
+        def localize(**options):
+            return lambda: palpate.localize(self.model, self.contacts, **options)
+
+        self.refuses(
+            [
+                ("'best', not 'fast' or 'full'", localize(method="best")),
+                ("modes must be within 1..1000, not 0", localize(modes=0)),
+                ("proposals must be", localize(proposals=-5)),
+                ("particles must be", localize(particles=0)),
+                ("false_contact_share is nan", localize(false_contacts=NAN)),
+                (r"shape \(1, 3\), not \(N, 4\)", localize(free_space=[[0, 0, 1]])),
+                ("radius is -1", localize(free_space=[[0, 0, 1, -1]])),
+            ]
+        )
+        self.assertEqual(localize(free_space=[])().status, "certain")
+
+    def test_what_is_no_model_is_shown(self):
+        for other in ("box", self.box):
+            with self.assertRaisesRegex(TypeError, r"model is .*box.*, not an ObjectModel"):
+                palpate.localize(other, self.contacts)
+
+    def test_touches(self):
+        def predict(radius):
+            touch = palpate.TouchAction([0.2, 0, 0], [-1, 0, 0])
+            return palpate.predict_touch(self.model, np.eye(4), touch, tip_radius=radius)
+
+        self.refuses(
+            [
+                ("no direction", lambda: palpate.TouchAction([0.2, 0, 0], [0, 0, 0])),
+                ("start is not finite", lambda: palpate.TouchAction([NAN, 0, 0], [1, 0, 0])),
+                ("reach is -1", lambda: palpate.TouchAction([0] * 3, [1, 0, 0], reach=-1)),
+                ("seconds is 0", lambda: palpate.TouchAction([0] * 3, [1, 0, 0], seconds=0)),
+                ("tip_radius is nan", lambda: predict(NAN)),
+            ]
+        )
+
+    def test_meshes_and_masses(self):
+        corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
+        mesh = self.box.mesh
+        self.refuses(
+            [
+                ("no triangles", lambda: palpate.Mesh([], [])),
+                ("names vertices 0, 1, 1.5 of 3", lambda: palpate.Mesh(corners, [[0, 1, 1.5]])),
+                ("names vertices 0, 1, nan of 3", lambda: palpate.Mesh(corners, [[0, 1, NAN]])),
+                ("vertex 0 .* not finite", lambda: palpate.Mesh([[NAN, 0, 0]] * 3, [[0, 1, 2]])),
+                ("mass is -1 kg", lambda: palpate.make_known_object("b", mesh, mass=-1)),
+                ("mass is nan kg", lambda: palpate.make_known_object("b", mesh, mass=NAN)),
+            ]
+        )
+
+    def test_forces_for_other_points(self):
+        with self.assertRaisesRegex(ValueError, "forces: 2 for 18 points"):
+            palpate.NormalEstimator().update(0.0, self.points, self.normals[:2])
+
+    def test_arrays_of_any_kind(self):
+        wide = np.repeat(self.points, 2, axis=0)[::2]
+        locked = self.points.copy()
+        locked.setflags(write=False)
+        for other in (np.asfortranarray(self.points), wide, self.points.astype(">f8"), locked,
+                      self.points.tolist()):  # fmt: skip
+            np.testing.assert_array_equal(palpate.Contacts(other).points, self.points)
+        single = palpate.Contacts(self.points.astype(np.float32)).points
+        self.assertEqual(single.dtype, np.float64)
+        np.testing.assert_allclose(single, self.points, atol=1e-7)
+
+    def test_an_object_s_file_may_be_a_path(self):
+        missing = pathlib.Path("nothing") / "like_it.stl"
+        with self.assertRaisesRegex(ValueError, "like_it.stl"):
+            palpate.load_known_object(missing)
+
+
+class Copies(unittest.TestCase):
+    def test_contacts_are_pickled_and_copied(self):
+        points, normals = box_points(5)
+        normals[2] = NAN
+        some = palpate.Contacts(points, normals, np.ones((5, 3)), point_sigma=0.002)
+        both = some + palpate.Contacts(points).candidates()
+        for other in (pickle.loads(pickle.dumps(both)), copy.deepcopy(both)):
+            for name in ("points", "normals", "forces", "point_sigma", "normal_sigma", "groups"):
+                np.testing.assert_array_equal(getattr(other, name), getattr(both, name))
+
+    def test_meshes_and_clouds_are_pickled(self):
+        mesh = palpate.load_known_object("box").mesh
+        other = pickle.loads(pickle.dumps(mesh))
+        np.testing.assert_array_equal(other.vertices, mesh.vertices)
+        np.testing.assert_array_equal(other.triangles, mesh.triangles)
+        for cloud in (palpate.PointCloud(*box_points(9)), palpate.PointCloud(box_points(9)[0])):
+            again = pickle.loads(pickle.dumps(cloud))
+            np.testing.assert_array_equal(again.points, cloud.points)
+            self.assertEqual(again.normals is None, cloud.normals is None)
+
+
+class Threads(unittest.TestCase):
+    def test_threads_may_share_a_tracker(self):
+        model = palpate.ObjectModel(palpate.load_known_object("box"))
+        contacts = palpate.Contacts(*box_points(18))
+        tracker = palpate.Tracker(model, palpate.localize(model, contacts))
+
+        def follow():
+            for tick in range(20):
+                tracker.update(0.01 * tick, contacts, np.zeros((18, 3)))
+
+        threads = [threading.Thread(target=follow) for _ in range(4)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        self.assertEqual(len(tracker.update(1.0, contacts, np.zeros((18, 3))).modes), 1)
+
+
+if __name__ == "__main__":
+    unittest.main()
