@@ -112,7 +112,11 @@ void print_report(const rg::RegistrationResult& result) {
   if (const auto& bound = result.certificate.robust) {
     fmt::print("upper bound: no pose has more than {} inliers\n", bound->max_inliers);
   }
-  if (result.runner_up) {
+  for (const auto& instance : result.instances) {
+    fmt::print("another instance: {} inliers, {}\n", instance.inliers,
+               motion_text(instance.T_target_source));
+  }
+  if (result.runner_up && result.instances.empty()) {
     fmt::print("runner-up: {} other inliers, {}\n", result.runner_up->inliers,
                motion_text(result.runner_up->T_target_source));
   }

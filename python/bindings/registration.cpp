@@ -48,15 +48,23 @@ re::Correspondences pairs_from(nb::handle source, nb::handle target, nb::handle 
   return pairs;
 }
 
+re::Primitive primitive_of(const std::string& name) {
+  if (name == "point") return re::Primitive::kPoint;
+  if (name == "plane") return re::Primitive::kPlane;
+  throw BadInput(fmt::format("primitive '{}' is neither 'point' nor 'plane'", name));
+}
+
 Result register_pairs(nb::object source, nb::object target, nb::object source_normals,
                       nb::object target_normals, nb::object weights, double noise_bound,
-                      double normal_noise_deg, double max_false_alarms, bool best_effort,
-                      nb::object initial, nb::object rotation_axis, bool translation_only,
-                      bool estimate_scale, int instances, int bound_nodes, std::uint64_t seed) {
+                      double normal_noise_deg, const std::string& primitive,
+                      double max_false_alarms, bool best_effort, nb::object initial,
+                      nb::object rotation_axis, bool translation_only, bool estimate_scale,
+                      int instances, int bound_nodes, std::uint64_t seed) {
   const auto pairs = pairs_from(source, target, source_normals, target_normals, weights);
   re::RegistrationOptions options;
   options.noise_bound = noise_bound;
   options.normal_noise_deg = normal_noise_deg;
+  options.primitive = primitive_of(primitive);
   options.max_false_alarms = max_false_alarms;
   options.best_effort = best_effort;
   if (is_given(initial)) options.initial = pose_from(initial, "initial");
@@ -96,10 +104,14 @@ re::CloudRegistration register_clouds(const Cloud& source, const Cloud& target,
                                       std::optional<double> noise_bound, double voxel,
                                       nb::object initial, nb::object rotation_axis,
                                       bool translation_only, bool estimate_scale, int instances,
-                                      std::uint64_t seed, int threads) {
+                                      const std::string& primitive, double max_false_alarms,
+                                      bool best_effort, std::uint64_t seed, int threads) {
   auto options =
       cloud_options(noise_bound, initial, rotation_axis, translation_only, seed, threads);
   options.features.voxel = voxel;
+  options.registration.primitive = primitive_of(primitive);
+  options.registration.max_false_alarms = max_false_alarms;
+  options.registration.best_effort = best_effort;
   options.registration.estimate_scale = estimate_scale;
   options.registration.instances = instances;
   const nb::gil_scoped_release release;
@@ -268,6 +280,14 @@ void bind_clouds(nb::module_& module) {
       .def_ro("rms_error", &Registration::rms_error, "Of the refined pairs, m.")
       .def_ro("noise_bound", &Registration::noise_bound, "That was used, m.")
       .def_ro("voxel", &Registration::voxel, "That was used, m.")
+      .def_ro("feature_matches", &Registration::feature_matches, "Mutual matches of features.")
+      .def_ro("refinements", &Registration::refinements, "Rounds of nearest neighbours.")
+      .def_prop_ro(
+          "source", [](const Registration& self) { return rows(self.correspondences.source); },
+          "Points of the pairs that result.inliers counts, (N, 3), m; of the scaled source.")
+      .def_prop_ro(
+          "target", [](const Registration& self) { return rows(self.correspondences.target); },
+          "Their nearest points, (N, 3), m.")
       .def("__repr__", [](const Registration& self) {
         return fmt::format("CloudRegistration({}, overlap {:.2f}, rms error {:.2f} mm)",
                            re::to_string(self.result.status), self.overlap, 1e3 * self.rms_error);
@@ -280,18 +300,21 @@ void bind_clouds(nb::module_& module) {
       "register_clouds", &register_clouds, "source"_a, "target"_a, nb::kw_only(),
       "noise_bound"_a = nb::none(), "voxel"_a = 0.0, "initial"_a = nb::none(),
       "rotation_axis"_a = nb::none(), "translation_only"_a = false, "estimate_scale"_a = false,
-      "instances"_a = 1, "seed"_a = 0, "threads"_a = 1,
+      "instances"_a = 1, "primitive"_a = "plane", "max_false_alarms"_a = 0.01,
+      "best_effort"_a = false, "seed"_a = 0, "threads"_a = 1,
       nb::sig("def register_clouds(source: PointCloud, target: PointCloud, *, noise_bound: "
               "float | None = None, voxel: float = 0.0, initial: numpy.typing.ArrayLike | "
               "None = None, rotation_axis: numpy.typing.ArrayLike | None = None, "
               "translation_only: bool = False, estimate_scale: bool = False, instances: int = "
-              "1, seed: int = 0, threads: int = 1) -> CloudRegistration"),
+              "1, primitive: str = 'plane', max_false_alarms: float = 0.01, best_effort: bool = "
+              "False, seed: int = 0, threads: int = 1) -> CloudRegistration"),
       "Pose of one cloud in another without given pairs: mutual matches of FPFH, outliers "
       "rejected, then nearest neighbours and pose in turn (thesis 6.1-6.2).\n\nnoise_bound, "
       "voxel: m, chosen by the clouds if not given. initial (4, 4): replaces the "
       "features. rotation_axis (3,): turn about it alone, the same in both frames, as "
       "gravity is. estimate_scale: the target is a scaled source. instances: poses looked "
-      "for, each in the points that remain.\n\nRaises ValueError for clouds or options that cannot "
+      "for, each in the points that remain. primitive: 'plane' or 'point', residuals of the "
+      "refinement.\n\nRaises ValueError for clouds or options that cannot "
       "be used.");
   module.def(
       "register_described", &register_described, "source"_a, "source_features"_a, "target"_a,
@@ -315,21 +338,23 @@ void bind_registration(nb::module_& module) {
   module.def(
       "register_correspondences", &register_pairs, "source"_a, "target"_a, nb::kw_only(),
       "source_normals"_a = nb::none(), "target_normals"_a = nb::none(), "weights"_a = nb::none(),
-      "noise_bound"_a = 0.004, "normal_noise_deg"_a = 0.0, "max_false_alarms"_a = 0.01,
-      "best_effort"_a = false, "initial"_a = nb::none(), "rotation_axis"_a = nb::none(),
-      "translation_only"_a = false, "estimate_scale"_a = false, "instances"_a = 1,
-      "bound_nodes"_a = 0, "seed"_a = 0,
+      "noise_bound"_a = 0.004, "normal_noise_deg"_a = 0.0, "primitive"_a = "point",
+      "max_false_alarms"_a = 0.01, "best_effort"_a = false, "initial"_a = nb::none(),
+      "rotation_axis"_a = nb::none(), "translation_only"_a = false, "estimate_scale"_a = false,
+      "instances"_a = 1, "bound_nodes"_a = 0, "seed"_a = 0,
       nb::sig("def register_correspondences(source: numpy.typing.ArrayLike, target: "
               "numpy.typing.ArrayLike, *, source_normals: numpy.typing.ArrayLike | None = None, "
               "target_normals: numpy.typing.ArrayLike | None = None, weights: "
               "numpy.typing.ArrayLike | None = None, noise_bound: float = 0.004, normal_noise_deg: "
-              "float = 0.0, max_false_alarms: float = 0.01, best_effort: bool = False, initial: "
+              "float = 0.0, primitive: str = 'point', max_false_alarms: float = 0.01, best_effort: "
+              "bool = False, initial: "
               "numpy.typing.ArrayLike | None = None, rotation_axis: numpy.typing.ArrayLike | None "
               "= None, translation_only: bool = False, estimate_scale: bool = False, instances: "
               "int = 1, bound_nodes: int = 0, seed: int = 0) -> RegistrationResult"),
       "Pose of source in target from pairs most of which may be wrong.\n\nsource, target (N, 3), "
-      "m. noise_bound: largest position error of an inlier, m. bound_nodes > 0 also bounds the "
-      "inliers of any pose. The pose is that of the largest consensus; false_alarms says whether "
+      "m. noise_bound: largest position error of an inlier, m. primitive: 'point' or 'plane', "
+      "residuals of the final solve. bound_nodes > 0 also bounds the inliers of any pose. The pose "
+      "is that of the largest consensus; false_alarms says whether "
       "chance explains it (thesis 6.2).\n\nRaises ValueError, naming the pair.");
   module.def("certify", &certify, "T_target_source"_a, "source"_a, "target"_a, nb::kw_only(),
              "weights"_a = nb::none(),

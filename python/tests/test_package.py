@@ -3,6 +3,7 @@
 
 import inspect
 import pathlib
+import tempfile
 import unittest
 
 import numpy as np
@@ -172,6 +173,27 @@ class Registration(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "10 features"):
             palpate.register_described(source, points[:10], target, points, voxel=0.01)
 
+    def test_unknown_scale(self):
+        result = palpate.register_correspondences(2.5 * self.source, self.target)
+        self.assertEqual(result.status, "no_consensus")
+        result = palpate.register_correspondences(2.5 * self.source, self.target,
+                                                  estimate_scale=True)
+        self.assertAlmostEqual(result.scale, 0.4, places=9)
+        np.testing.assert_allclose(result.T_target_source, self.truth, atol=1e-9)
+
+    def test_primitive(self):
+        plane = self.source.copy()
+        plane[:, 2] = 0
+        normals = np.tile([0.0, 0, 1], (len(plane), 1))
+        arguments = {"source_normals": normals, "target_normals": normals}
+        result = palpate.register_correspondences(plane, plane, **arguments)
+        self.assertEqual(result.status, "found")
+        result = palpate.register_correspondences(plane, plane, primitive="plane", **arguments)
+        self.assertEqual(result.status, "degenerate")
+        self.assertEqual(len(result.free_motions), 3)
+        with self.assertRaisesRegex(ValueError, "'line' is neither 'point' nor 'plane'"):
+            palpate.register_correspondences(plane, plane, primitive="line", **arguments)
+
     def test_no_consensus_is_a_status(self):
         result = palpate.register_correspondences(self.source[20:], self.target[20:])
         self.assertEqual(result.status, "no_consensus")
@@ -194,6 +216,68 @@ class Registration(unittest.TestCase):
         self.target[3, 1] = np.nan
         with self.assertRaisesRegex(ValueError, "3"):
             palpate.register_correspondences(self.source, self.target)
+
+
+class Clouds(unittest.TestCase):
+    """Of the bracket, whose poses are told by how far they put its points from its surface."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.mesh = palpate.load_known_object("bracket").mesh
+        with tempfile.TemporaryDirectory() as folder:
+            cls.mesh.save(f"{folder}/bracket.ply")
+            first, second = (palpate.load_cloud(f"{folder}/bracket.ply", samples=n).points
+                             for n in (6000, 8000))
+        cls.turn = np.array([[0.0, -1, 0], [1, 0, 0], [0, 0, 1]])
+        cls.source = palpate.PointCloud(first)
+        cls.target = palpate.PointCloud(second @ cls.turn.T + [0.3, 0.2, -0.1])
+
+    def gaps(self, T, scale, source, at):
+        """Of the placed source's points from the bracket whose origin is there, m."""
+        placed = scale * source.points @ T[:3, :3].T + T[:3, 3]
+        return self.mesh.closest_points((placed - at) @ self.turn).distances
+
+    def test_pose_and_pairs(self):
+        found = palpate.register_clouds(self.source, self.target)
+        self.assertEqual(found.result.status, "found")
+        T = found.result.T_target_source
+        self.assertLess(self.gaps(T, 1, self.source, [0.3, 0.2, -0.1]).mean(), 0.001)
+        self.assertGreater(found.feature_matches, 50)
+        self.assertGreater(found.refinements, 0)
+        apart = np.linalg.norm(found.source @ T[:3, :3].T + T[:3, 3] - found.target, axis=1)
+        np.testing.assert_allclose(apart, found.result.residuals, atol=1e-9)
+        none = palpate.register_clouds(self.source, self.target, max_false_alarms=1e-300)
+        self.assertEqual(none.result.status, "no_consensus")
+        best = palpate.register_clouds(self.source, self.target, max_false_alarms=1e-300,
+                                       best_effort=True, primitive="point")
+        self.assertEqual(best.result.status, "found")
+
+    def test_unknown_scale(self):
+        small = palpate.PointCloud(0.02 * self.source.points)
+        self.assertIsNone(palpate.register_clouds(small, self.target).result.T_target_source)
+        result = palpate.register_clouds(small, self.target, estimate_scale=True).result
+        self.assertAlmostEqual(result.scale, 50, delta=0.1)
+        gaps = self.gaps(result.T_target_source, result.scale, small, [0.3, 0.2, -0.1])
+        self.assertLess(gaps.mean(), 0.001)
+        with self.assertRaisesRegex(ValueError, "scale excludes instances"):
+            palpate.register_clouds(small, self.target, estimate_scale=True, instances=2)
+
+    def test_instances(self):
+        places = ([0.3, 0.2, -0.1], [0.3, 0.5, -0.1])
+        scene = palpate.PointCloud(np.concatenate(
+            [self.target.points, self.target.points + [0, 0.3, 0]]))
+        result = palpate.register_clouds(self.source, scene, instances=3).result
+        self.assertEqual(len(result.instances), 1)
+        poses = [result.T_target_source, result.instances[0].T_target_source]
+        fits = [[bool(self.gaps(T, 1, self.source, at).mean() < 0.001) for at in places]
+                for T in poses]
+        self.assertIn(fits, ([[True, False], [False, True]], [[False, True], [True, False]]))
+
+    def test_refuses_with_the_value(self):
+        with self.assertRaisesRegex(ValueError, "0 instances"):
+            palpate.register_clouds(self.source, self.target, instances=0)
+        with self.assertRaisesRegex(ValueError, "noise bound"):
+            palpate.register_clouds(self.source, self.target, noise_bound=np.nan)
 
 
 class Contacts(unittest.TestCase):
