@@ -219,21 +219,21 @@ class Registration(unittest.TestCase):
 
 
 class Clouds(unittest.TestCase):
-    """Of the bracket, whose poses are told by how far they put its points from its surface."""
+    """Of the duck, whose poses are told by how far they put its points from its surface."""
 
     @classmethod
     def setUpClass(cls):
-        cls.mesh = palpate.load_known_object("bracket").mesh
+        cls.mesh = palpate.load_known_object("duck").mesh
         with tempfile.TemporaryDirectory() as folder:
-            cls.mesh.save(f"{folder}/bracket.ply")
-            first, second = (palpate.load_cloud(f"{folder}/bracket.ply", samples=n).points
+            cls.mesh.save(f"{folder}/duck.ply")
+            first, second = (palpate.load_cloud(f"{folder}/duck.ply", samples=n).points
                              for n in (6000, 8000))
         cls.turn = np.array([[0.0, -1, 0], [1, 0, 0], [0, 0, 1]])
         cls.source = palpate.PointCloud(first)
         cls.target = palpate.PointCloud(second @ cls.turn.T + [0.3, 0.2, -0.1])
 
     def gaps(self, T, scale, source, at):
-        """Of the placed source's points from the bracket whose origin is there, m."""
+        """Of the placed source's points from the duck whose origin is there, m."""
         placed = scale * source.points @ T[:3, :3].T + T[:3, 3]
         return self.mesh.closest_points((placed - at) @ self.turn).distances
 

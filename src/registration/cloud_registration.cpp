@@ -32,6 +32,19 @@ FeatureCloud turned_inside_out(FeatureCloud described) {
   return described;
 }
 
+/// Every stride-th point.
+FeatureCloud some_of(const FeatureCloud& described, std::size_t stride) {
+  std::vector<int> kept;
+  for (std::size_t i = 0; i < described.cloud.size(); i += stride) {
+    kept.push_back(static_cast<int>(i));
+  }
+  FeatureCloud some = {geometry::subset(described.cloud, kept),
+                       described.features(Eigen::all, kept)};
+  some.estimated_normals = described.estimated_normals;
+  some.is_fpfh = described.is_fpfh;
+  return some;
+}
+
 FeatureCloud mirrored(FeatureCloud described) {
   described.cloud = mirror_image(std::move(described.cloud));
   described.features = geometry::mirrored(std::move(described.features));
@@ -60,6 +73,7 @@ std::optional<Eigen::Isometry3d> match_features(FeatureCloud from, const Feature
                                                 const CloudOptions& options,
                                                 CloudRegistration& registration) {
   constexpr double kClearFalseAlarms = 1e-30;
+  constexpr std::size_t kMirrorStride = 4;  // a pose to start from is all that is needed
   const RegistrationOptions search = feature_search(options, registration);
   FeatureCloud kept;
   const bool fpfh = from.is_fpfh && to.is_fpfh;
@@ -77,7 +91,8 @@ std::optional<Eigen::Isometry3d> match_features(FeatureCloud from, const Feature
     if (registration.result.false_alarms < kClearFalseAlarms) return std::nullopt;
   }
   if (!fpfh || !search.turns().all()) return std::nullopt;
-  const Correspondences matches = matched_features(mirrored(std::move(kept)), to, options.threads);
+  const FeatureCloud some = mirrored(some_of(kept, kMirrorStride));
+  const Correspondences matches = matched_features(some, to, options.threads);
   return register_correspondences(matches, search).T_target_source;
 }
 
@@ -237,16 +252,21 @@ CloudRegistration register_once(const PointView& source, const PointView& target
     return none;
   }
   FeatureCloud described[2];
+  PointCloud with_normals[2] = {dense[0], dense[1]};
   const int threads_each = (options.threads + 1) / 2;
-  parallel_for(2, options.threads, [&](std::size_t k) {
-    described[k] = initial ? FeatureCloud{dense[k], {}}
-                           : describe(given ? *clouds[k] : PointView(dense[k]), voxel,
-                                      options.features, threads_each);
-    if (described[k].cloud.size() >= 3) add_normals(dense[k], options.features, threads_each);
+  parallel_for(4, options.threads, [&](std::size_t task) {
+    const std::size_t k = task % 2;
+    if (task >= 2) {
+      add_normals(with_normals[k], options.features, threads_each);
+    } else {
+      described[k] = initial ? FeatureCloud{dense[k], {}}
+                             : describe(given ? *clouds[k] : PointView(dense[k]), voxel,
+                                        options.features, threads_each);
+    }
   });
   const double described_at = now();
-  CloudRegistration registration =
-      register_prepared({described[0], dense[0]}, {described[1], dense[1]}, voxel, options);
+  CloudRegistration registration = register_prepared(
+      {described[0], with_normals[0]}, {described[1], with_normals[1]}, voxel, options);
   registration.feature_seconds += described_at - start;
   registration.result.seconds = now() - start;
   return registration;

@@ -35,11 +35,42 @@ struct PointMoments {
   }
 };
 
-Vector13d plane_row(const Eigen::Vector3d& x, const Eigen::Vector3d& y, const Eigen::Vector3d& n) {
-  Vector13d row;
-  row << x[0] * n, x[1] * n, x[2] * n, n, -n.dot(y);
-  return row;
-}
+/// Sums that the plane form is made of: its rows are (x~ kron n, -n'y), x~ = (x, 1), so that it
+/// takes the products of x~ with those of n.
+struct PlaneMoments {
+  Eigen::Matrix<double, 6, 10> products = Eigen::Matrix<double, 6, 10>::Zero();  // upper triangles
+  Eigen::Matrix<double, 3, 4> mixed = Eigen::Matrix<double, 3, 4>::Zero();
+  double squares = 0;
+
+  void add(double w, const Eigen::Vector3d& x, const Eigen::Vector3d& y, const Eigen::Vector3d& n) {
+    const double distance = w * n.dot(y);
+    Eigen::Matrix<double, 6, 1> nn;
+    nn << n[0] * n[0], n[0] * n[1], n[0] * n[2], n[1] * n[1], n[1] * n[2], n[2] * n[2];
+    Eigen::Matrix<double, 1, 10> xx;
+    xx << x[0] * x[0], x[0] * x[1], x[0] * x[2], x[0], x[1] * x[1], x[1] * x[2], x[1], x[2] * x[2],
+        x[2], 1;
+    products.noalias() += nn * (w * xx).eval();
+    mixed.noalias() += n * (distance * Eigen::RowVector4d(x[0], x[1], x[2], 1)).eval();
+    squares += distance * n.dot(y);
+  }
+
+  Matrix13d form() const {
+    Matrix13d M;
+    for (int a = 0, ab = 0; a < 4; ++a) {
+      for (int b = a; b < 4; ++b, ++ab) {
+        Eigen::Matrix3d block;
+        for (int i = 0, ij = 0; i < 3; ++i) {
+          for (int j = i; j < 3; ++j, ++ij) block(i, j) = block(j, i) = products(ij, ab);
+        }
+        M.block<3, 3>(3 * a, 3 * b) = M.block<3, 3>(3 * b, 3 * a) = block;
+      }
+      M.block<3, 1>(3 * a, 12) = -mixed.col(a);
+    }
+    M.row(12).head<12>() = M.col(12).head<12>().transpose();
+    M(12, 12) = squares;
+    return M;
+  }
+};
 
 }  // namespace
 
@@ -74,22 +105,20 @@ Vector13d homogeneous(const Eigen::Isometry3d& T) {
 
 Matrix13d quadratic_form(const Correspondences& correspondences, const std::vector<double>& weights,
                          Primitive primitive, const Origins& origins) {
-  Matrix13d M = Matrix13d::Zero();
-  PointMoments moments;
+  PointMoments points;
+  PlaneMoments planes;
   for (std::size_t i = 0; i < correspondences.size(); ++i) {
     const double w = weight_of(weights, i);
     if (w == 0) continue;
     const Eigen::Vector3d x = correspondences.source[i] - origins.source;
     const Eigen::Vector3d y = correspondences.target[i] - origins.target;
     if (primitive == Primitive::kPoint) {
-      moments.add(w, x, y);
+      points.add(w, x, y);
     } else {
-      M.selfadjointView<Eigen::Lower>().rankUpdate(
-          plane_row(x, y, correspondences.target_normals[i]), w);
+      planes.add(w, x, y, correspondences.target_normals[i]);
     }
   }
-  if (primitive == Primitive::kPoint) return moments.form();
-  return M.selfadjointView<Eigen::Lower>();
+  return primitive == Primitive::kPoint ? points.form() : planes.form();
 }
 
 MarginalForm marginalize(const Matrix13d& form) {

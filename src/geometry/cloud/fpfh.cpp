@@ -96,22 +96,31 @@ struct Neighbourhood {
   double squared_reach = 0;
 };
 
+/// Keeps the nearest `count` and those as near as the last of them.
+/// @return that distance, squared, or `squared_radius` if there are no more
+double keep_nearest(std::vector<Neighbour>& found, std::size_t count, double squared_radius) {
+  if (found.size() <= count) return squared_radius;
+  const auto last = found.begin() + static_cast<std::ptrdiff_t>(count - 1);
+  std::ranges::nth_element(found, last, {}, &Neighbour::squared_distance);
+  const double squared = last->squared_distance;
+  std::erase_if(found, [&](const Neighbour& n) { return n.squared_distance > squared; });
+  return squared;
+}
+
 /// Neighbours of every point within the radius: the nearest, and those as near as the last of them.
 std::vector<Neighbourhood> neighbourhoods(const PointCloud& cloud, double radius, int most,
                                           int threads) {
   const KdTree tree(cloud.points);
   std::vector<Neighbourhood> result(cloud.size());
   const auto count = static_cast<std::size_t>(std::max(1, most));
-  parallel_blocks(cloud.size(), threads, [&](std::size_t i) {
-    auto& [found, squared_reach] = result[i];
-    tree.find_within(cloud.points[i], radius, found);
-    std::erase_if(found, [&](const Neighbour& n) { return n.index == static_cast<int>(i); });
-    squared_reach = radius * radius;
-    if (found.size() <= count) return;
-    const auto last = found.begin() + static_cast<std::ptrdiff_t>(count - 1);
-    std::ranges::nth_element(found, last, {}, &Neighbour::squared_distance);
-    squared_reach = last->squared_distance;
-    std::erase_if(found, [&](const Neighbour& n) { return n.squared_distance > squared_reach; });
+  parallel_ranges(cloud.size(), threads, [&](std::size_t first, std::size_t end) {
+    std::vector<Neighbour> found;  // far more than are kept
+    for (std::size_t i = first; i < end; ++i) {
+      tree.find_within(cloud.points[i], radius, found);
+      std::erase_if(found, [&](const Neighbour& n) { return n.index == static_cast<int>(i); });
+      result[i].squared_reach = keep_nearest(found, count, radius * radius);
+      result[i].neighbours.assign(found.begin(), found.end());
+    }
   });
   return result;
 }
@@ -129,6 +138,7 @@ struct SeenPair {
 std::vector<SeenPair> pairs_of(const PointCloud& cloud, const std::vector<Neighbourhood>& around,
                                std::size_t i) {
   std::vector<SeenPair> pairs;
+  pairs.reserve(around[i].neighbours.size());
   for (const auto& n : around[i].neighbours) {
     const auto j = static_cast<std::size_t>(n.index);
     const bool mutual = n.squared_distance <= around[j].squared_reach;

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <nanoflann.hpp>
 #include <utility>
 
@@ -45,6 +46,26 @@ struct Collector {
   double worstDist() const { return squared_radius; }
 };
 
+/// The nearest ones so far, nearest first.
+struct NearestCollector {
+  std::size_t most;
+  std::vector<Neighbour>& found;
+
+  std::size_t size() const { return found.size(); }
+  bool full() const { return found.size() == most; }
+  bool addPoint(double squared, int index) {
+    if (squared >= worstDist()) return true;
+    if (!full()) found.emplace_back();
+    auto at = found.end() - 1;
+    for (; at != found.begin() && (at - 1)->squared_distance > squared; --at) *at = *(at - 1);
+    *at = {index, squared};
+    return true;
+  }
+  double worstDist() const {
+    return full() ? found.back().squared_distance : std::numeric_limits<double>::max();
+  }
+};
+
 }  // namespace
 
 struct KdTree::Index {
@@ -68,17 +89,19 @@ KdTree& KdTree::operator=(KdTree&&) noexcept = default;
 const std::vector<Eigen::Vector3d>& KdTree::points() const { return index_->points.list; }
 
 std::vector<Neighbour> KdTree::nearest(const Eigen::Vector3d& query, int k) const {
+  std::vector<Neighbour> found;
+  find_nearest(query, k, found);
+  return found;
+}
+
+void KdTree::find_nearest(const Eigen::Vector3d& query, int k,
+                          std::vector<Neighbour>& found) const {
+  found.clear();
   const auto most = std::min(static_cast<std::size_t>(std::max(0, k)), points().size());
-  if (most == 0) return {};
-  std::vector<int> indices(most);
-  std::vector<double> squared(most);
-  nanoflann::KNNResultSet<double, int> found(most);
-  found.init(indices.data(), squared.data());
-  index_->tree.findNeighbors(found, query.data(), nanoflann::SearchParams());
-  std::vector<Neighbour> result;
-  result.reserve(found.size());
-  for (std::size_t i = 0; i < found.size(); ++i) result.push_back({indices[i], squared[i]});
-  return result;
+  if (most == 0) return;
+  found.reserve(most);
+  NearestCollector collector{most, found};
+  index_->tree.findNeighbors(collector, query.data(), nanoflann::SearchParams());
 }
 
 Neighbour KdTree::nearest_within(const Eigen::Vector3d& query, double radius) const {

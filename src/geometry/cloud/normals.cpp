@@ -6,8 +6,10 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <queue>
+#include <span>
 #include <tuple>
 
 #include "geometry/cloud/parallel_blocks.hpp"
@@ -16,38 +18,61 @@
 namespace palpate::geometry {
 namespace {
 
-using Lists = std::vector<std::vector<int>>;
+/// Lists of points' indices, one after another.
+struct Lists {
+  std::span<const int> operator[](std::size_t i) const {
+    return {indices.data() + starts[i], indices.data() + starts[i + 1]};
+  }
+  std::size_t size() const { return starts.size() - 1; }
+
+  std::vector<int> indices;
+  std::vector<std::size_t> starts = {0};  // and the end
+};
 
 /// Of every point its nearest ones, itself among them.
 Lists nearest_lists(const KdTree& tree, int neighbours, int threads) {
-  if (neighbours < 3 || tree.points().size() < 3) {
-    throw BadInput(fmt::format("no normals from {} neighbours among {} points", neighbours,
-                               tree.points().size()));
+  const std::size_t points = tree.points().size();
+  if (neighbours < 3 || points < 3) {
+    throw BadInput(
+        fmt::format("no normals from {} neighbours among {} points", neighbours, points));
   }
-  Lists lists(tree.points().size());
-  parallel_blocks(lists.size(), threads, [&](std::size_t i) {
-    const auto found = tree.nearest(tree.points()[i], neighbours);
-    lists[i].reserve(found.size());
-    for (const auto& n : found) lists[i].push_back(n.index);
+  const std::size_t each = std::min(points, static_cast<std::size_t>(neighbours));
+  Lists lists{std::vector<int>(each * points), std::vector<std::size_t>(points + 1)};
+  for (std::size_t i = 0; i <= points; ++i) lists.starts[i] = each * i;
+  parallel_ranges(points, threads, [&](std::size_t first, std::size_t end) {
+    std::vector<Neighbour> found;
+    for (std::size_t i = first; i < end; ++i) {
+      tree.find_nearest(tree.points()[i], neighbours, found);
+      found.resize(each, {static_cast<int>(i), 0});  // squares of distances may be too large
+      for (std::size_t k = 0; k < each; ++k) lists.indices[each * i + k] = found[k].index;
+    }
   });
   return lists;
 }
 
 /// Each edge in both directions.
 Lists graph_of(const Lists& lists) {
-  Lists graph(lists.size());
-  for (std::size_t i = 0; i < graph.size(); ++i) {
-    for (const int j : lists[i]) {
-      if (j == static_cast<int>(i)) continue;
-      graph[i].push_back(j);
-      graph[static_cast<std::size_t>(j)].push_back(static_cast<int>(i));
+  Lists graph;
+  graph.starts.assign(lists.size() + 1, 0);
+  const auto for_each_end = [&](const auto& visit) {
+    for (std::size_t i = 0; i < lists.size(); ++i) {
+      for (const int j : lists[i]) {
+        if (j == static_cast<int>(i)) continue;
+        visit(i, j);
+        visit(static_cast<std::size_t>(j), static_cast<int>(i));
+      }
     }
-  }
+  };
+  for_each_end([&](std::size_t from, int) { ++graph.starts[from + 1]; });
+  std::partial_sum(graph.starts.begin(), graph.starts.end(), graph.starts.begin());
+  graph.indices.resize(graph.starts.back());
+  std::vector<std::size_t> next = graph.starts;
+  for_each_end([&](std::size_t from, int to) { graph.indices[next[from]++] = to; });
   return graph;
 }
 
 std::optional<Eigen::Vector3d> fitted_normal(const std::vector<Eigen::Vector3d>& points,
-                                             const std::vector<int>& indices) {
+                                             std::span<const int> indices) {
   constexpr double kCollinear = 1e-12;  // of the squared extent along the line
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (const int i : indices) mean += points[static_cast<std::size_t>(i)];
@@ -85,15 +110,21 @@ void check_fitted(const std::vector<Eigen::Vector3d>& normals, const Lists& list
 }
 
 /// Prim's spanning tree from `start`, flipping every normal that turns against its parent's.
-void orient_part(const std::vector<std::vector<int>>& graph, std::size_t start,
-                 std::vector<Eigen::Vector3d>& normals, std::vector<bool>& done) {
+/// @param least  for each point weight and start of the least of the open edges to it, which alone
+///               matters
+void orient_part(const Lists& graph, std::size_t start, std::vector<Eigen::Vector3d>& normals,
+                 std::vector<bool>& done, std::vector<std::pair<double, int>>& least) {
   using Edge = std::tuple<double, int, int>;  // weight, from, to
   std::priority_queue<Edge, std::vector<Edge>, std::greater<>> open;
   const auto visit = [&](std::size_t i) {
     done[i] = true;
     for (const int j : graph[i]) {
       const auto to = static_cast<std::size_t>(j);
-      if (!done[to]) open.emplace(1 - std::abs(normals[i].dot(normals[to])), i, j);
+      if (done[to]) continue;
+      const std::pair edge(1 - std::abs(normals[i].dot(normals[to])), static_cast<int>(i));
+      if (edge >= least[to]) continue;
+      least[to] = edge;
+      open.emplace(edge.first, edge.second, j);
     }
   };
   visit(start);
@@ -117,10 +148,11 @@ void orient_consistently(const std::vector<Eigen::Vector3d>& points, const Lists
   std::ranges::stable_sort(
       by_height, [&](std::size_t a, std::size_t b) { return points[a].z() > points[b].z(); });
   std::vector<bool> done(normals.size(), false);
+  std::vector least(normals.size(), std::pair(std::numeric_limits<double>::infinity(), 0));
   for (const std::size_t top : by_height) {
     if (done[top]) continue;
     if (normals[top].z() < 0) normals[top] = -normals[top];
-    orient_part(graph, top, normals, done);
+    orient_part(graph, top, normals, done, least);
   }
 }
 

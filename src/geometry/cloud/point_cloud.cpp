@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <vector>
@@ -84,19 +85,47 @@ std::vector<std::size_t> cells_of(const PointView& cloud, double cell, std::size
   return result;
 }
 
+/// Counts cubes whose numbers along each axis are below 1024.
+class CellCounter {
+ public:
+  explicit CellCounter(std::size_t most) : slots_(std::bit_ceil(2 * most + 2)) {}
+
+  void clear() {
+    std::ranges::fill(slots_, kFree);
+    count_ = 0;
+  }
+
+  void add(const Cell& cell) {
+    const auto key = static_cast<std::uint32_t>(cell.x << 20 | cell.y << 10 | cell.z);
+    std::size_t slot = (key * 0x9e3779b97f4a7c15 >> 20) & (slots_.size() - 1);
+    while (slots_[slot] != kFree && slots_[slot] != key) slot = (slot + 1) & (slots_.size() - 1);
+    count_ += slots_[slot] == kFree;
+    slots_[slot] = key;
+  }
+
+  std::size_t count() const { return count_; }
+
+ private:
+  static constexpr std::uint32_t kFree = 0xffffffff;
+  std::vector<std::uint32_t> slots_;
+  std::size_t count_ = 0;
+};
+
 /// Smallest cell from `cell` on, to a few per cent, that leaves at most `most` of every stride-th
 /// point.
+/// @param cell  at least a thousandth of the box's diagonal
 double cell_from(const PointView& cloud, std::size_t stride, const Eigen::Vector3d& low,
                  std::size_t most, double cell) {
   constexpr double kLeastStep = 1.02;
+  CellCounter cells(cloud.size() / stride + 1);
   for (;;) {
-    CellNumbers numbers(cloud.size() / stride + 1);
+    cells.clear();
     for (std::size_t i = 0; i < cloud.size(); i += stride) {
-      numbers.number(cell_at(cloud.point(i), low, cell));
+      cells.add(cell_at(cloud.point(i), low, cell));
     }
-    if (numbers.count() <= most) return cell;
+    if (cells.count() <= most) return cell;
     // A surface: the number falls with the square of the cell.
-    const double excess = static_cast<double>(numbers.count()) / static_cast<double>(most);
+    const double excess = static_cast<double>(cells.count()) / static_cast<double>(most);
     cell *= std::max(kLeastStep, std::sqrt(excess));
   }
 }

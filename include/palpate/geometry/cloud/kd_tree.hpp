@@ -26,6 +26,9 @@ class KdTree {
   /// The k nearest points (all, if there are fewer), nearest first; of equally near ones any.
   std::vector<Neighbour> nearest(const Eigen::Vector3d& query, int k) const;
 
+  /// The same into a list whose memory is used again.
+  void find_nearest(const Eigen::Vector3d& query, int k, std::vector<Neighbour>& found) const;
+
   /// The nearest point, if it is closer than the radius; else index -1. Allocates nothing.
   Neighbour nearest_within(const Eigen::Vector3d& query, double radius) const;
 
