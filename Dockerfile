@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # The program from its Debian package: ./dev deb && docker build -t palpate .
-# docker run --rm -v "$PWD/out:/data/out" palpate pick --object mug --seed 7
+# docker run --rm -v "$PWD/out:/data/out" palpate pick --object mug --seed 2
 # packaging/try_packages.py runs these lines without Docker.
 FROM debian:bookworm-slim
 COPY build/deb/palpate_0.1.0_amd64.deb /tmp/palpate.deb

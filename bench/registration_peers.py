@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Registration by palpate and by its peers on the same problems, in one run.
 
-usage: registration_peers.py PALPATE BUNNY_PLY [--runs N] [--scans [SOURCE TARGET ...]]
+usage: registration_peers.py PALPATE BUNNY_PLY [--runs N] [--shares [SHARE ...]]
+       [--scans [SOURCE TARGET ...]]
 
 Each peer runs with five settings and is reported at its best: most successes, then least error.
 Times are of the registration alone: palpate's own, the peers' by the processor time of their calls,
@@ -225,12 +226,12 @@ def summary(results, problems):
             float(np.median([seconds for _, seconds in results])))
 
 
-def compare_correspondences(program, bunny, runs):
+def compare_correspondences(program, bunny, runs, shares):
     print(f"\n{PAIRS} correspondences, {runs} problems a row; time: median ms; "
           "ratio: the peer's time over palpate's\n")
     print("| outliers | program | best setting | success | median deg | ms | ratio |")
     print("|---|---|---|---|---|---|---|")
-    for share in SHARES:
+    for share in shares:
         problems = [problem_of(bunny, 9000 + k, share) for k in range(runs)]
         ours = {}
         for name, options in (("palpate", []), ("palpate, normals", ["--normal-noise-deg", "5"])):
@@ -378,6 +379,8 @@ def main():
     parser.add_argument("palpate")
     parser.add_argument("bunny")
     parser.add_argument("--runs", type=int, default=20)
+    parser.add_argument("--shares", nargs="*", type=float,
+                        help="of wrong pairs, compared alone; none: all but correspondences")
     parser.add_argument("--scans", nargs="*", metavar="FILE",
                         help="pairs of clouds, source and target, and a room of boxes: compare "
                              "these alone")
@@ -385,7 +388,10 @@ def main():
     if arguments.scans is not None:
         registration_scans.compare(arguments.palpate, arguments.scans)
         return
-    compare_correspondences(arguments.palpate, arguments.bunny, arguments.runs)
+    shares = SHARES if arguments.shares is None else arguments.shares
+    compare_correspondences(arguments.palpate, arguments.bunny, arguments.runs, shares)
+    if arguments.shares:
+        return
     compare_dual(arguments.palpate, arguments.bunny, arguments.runs)
     compare_local(arguments.palpate, arguments.bunny, arguments.runs)
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """How long `palpate ros2 estimate` takes from a joint state to the pose, and what it loses.
 
-usage: ros2_latency.py PALPATE BAG.mcap [--object O] [--seconds N] [--joint-rate HZ]
+usage: ros2_latency.py PALPATE BAG.mcap [--object O] [--seconds N] [--joint-rate HZ] [--set K=V]
 
 BAG is of `palpate export mcap`, of a pick that ends with the object in the hand. Its last messages
 are told again and again: contacts and transforms at 100 Hz, joint states at --joint-rate. The peer
@@ -69,12 +69,13 @@ def main():
     parser.add_argument("--object", default="box")
     parser.add_argument("--seconds", type=float, default=60)
     parser.add_argument("--joint-rate", type=float, default=100)
+    parser.add_argument("--set", action="append", default=[], help="option of palpate ros2 estimate")
     arguments = parser.parse_args()
     os.environ["CYCLONEDDS_URI"] = ros2_peer.LOOPBACK
     domain = random.SystemRandom().randrange(1, 230)
     node = subprocess.Popen(
         [arguments.palpate, "ros2", "estimate", "--object", arguments.object, "--domain", str(domain),
-         "--json", "--quiet"], stdout=subprocess.PIPE, text=True)  # fmt: skip
+         "--json", "--quiet", *(f"--set={value}" for value in arguments.set)], stdout=subprocess.PIPE, text=True)  # fmt: skip
     stream, peer = ros2_stream.HeldStream(arguments.bag), ros2_peer.Peer(domain)
     stream.advertise(peer)
     peer.listen("/palpate/estimate", ros2_peer.PoseWithCovarianceStamped)
@@ -87,11 +88,14 @@ def main():
     node.send_signal(signal.SIGINT)
     report = json.loads(node.communicate(timeout=60)[0])
     latencies = [1e3 * (at - sent[stamp]) for stamp, at in listener.came.items() if stamp in sent]
+    first = min(listener.came, default=0)
     print(json.dumps({
         "joint_states_sent": len(sent),
         "joint_states_received": report["received"]["joint_states"],
         "lost": report["lost"],
+        "readings": report["received"]["readings"],
         "poses": len(latencies),
+        "sent_before_the_first_pose": sum(stamp < first for stamp in sent),
         "estimates": report["estimates"],
         "latency_ms": {name: round(quantile(latencies, share), 2)
                        for name, share in (("median", 0.5), ("p99", 0.99), ("max", 1.0))},

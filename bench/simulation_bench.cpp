@@ -1,14 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <benchmark/benchmark.h>
 
-#include <algorithm>
-#include <array>
-#include <map>
 #include <string>
-#include <utility>
 
 #include "palpate/geometry/objects/known_object.hpp"
-#include "palpate/geometry/query/capsule_collider.hpp"
 #include "palpate/grasping/closing_law.hpp"
 #include "palpate/hand/shadow.hpp"
 #include "palpate/simulation/world/world.hpp"
@@ -64,51 +59,5 @@ void step_in_grasp(benchmark::State& state) {
   state.counters["contacts"] = contacts / ticks;
 }
 BENCHMARK(step_in_grasp)->ArgName("exact")->Arg(1)->Arg(0)->Unit(benchmark::kMicrosecond);
-
-/// The same surface of four times as many triangles.
-geometry::TriangleMesh subdivided(const geometry::TriangleMesh& mesh) {
-  geometry::TriangleMesh result{mesh.vertices, {}};
-  std::map<std::pair<int, int>, int> middles;
-  const auto middle = [&](int a, int b) {
-    const auto [found, added] =
-        middles.try_emplace(std::minmax(a, b), static_cast<int>(result.vertices.size()));
-    if (added) {
-      result.vertices.push_back(0.5 * (mesh.vertices[static_cast<std::size_t>(a)] +
-                                       mesh.vertices[static_cast<std::size_t>(b)]));
-    }
-    return found->second;
-  };
-  for (const auto& [a, b, c] : mesh.triangles) {
-    const int ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);
-    for (const auto& t : {std::array{a, ab, ca}, std::array{b, bc, ab}, std::array{c, ca, bc},
-                          std::array{ab, bc, ca}}) {
-      result.triangles.push_back(t);
-    }
-  }
-  return result;
-}
-
-/// One fingertip against the true surface of the duck. Argument: how often each triangle is cut in
-/// four.
-void meet_fingertip(benchmark::State& state) {
-  geometry::TriangleMesh surface = geometry::load_known_object("duck").mesh;
-  for (int i = 0; i < state.range(0); ++i) surface = subdivided(surface);
-  const geometry::MeshQuery mesh(std::move(surface));
-  const geometry::CapsuleCollider collider(mesh);
-  RandomStream random(1);
-  std::vector<geometry::Capsule> capsules;
-  for (int i = 0; i < 256; ++i) {
-    const geometry::ClosestPoint near = mesh.closest_point(0.1 * random.unit_vector());
-    const Eigen::Vector3d middle = near.point + 0.0068 * near.normal;
-    const Eigen::Vector3d half = 0.009 * near.normal.cross(random.unit_vector()).normalized();
-    capsules.push_back({middle - half, middle + half, 0.007});
-  }
-  std::size_t i = 0;
-  for (auto _ : state) {
-    benchmark::DoNotOptimize(collider.contacts(capsules[i++ % capsules.size()], 0, 2));
-  }
-  state.counters["triangles"] = static_cast<double>(mesh.mesh().triangles.size());
-}
-BENCHMARK(meet_fingertip)->ArgName("cuts")->Arg(0)->Arg(1)->Arg(2)->Unit(benchmark::kMicrosecond);
 
 }  // namespace

@@ -31,7 +31,7 @@ set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
     "libeigen3-dev, libfmt-dev, libtomlplusplus-dev, libqhull-dev")
 # A component beyond estimation asks for more, and links what the program's package brings.
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SUGGESTS "palpate (= ${PROJECT_VERSION}), libhdf5-dev, \
-nlohmann-json3-dev, libompl-dev, libnlopt-dev, libpng-dev, cyclonedds-dev")
+nlohmann-json3-dev, libompl-dev, libnlopt-dev, libpng-dev, cyclonedds-dev, libzstd-dev, liblz4-dev")
 set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION
     "Static libraries, headers and find_package(palpate COMPONENTS ...) for
 registration, localization, tactile sensing and what is built upon them.")

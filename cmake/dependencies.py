@@ -91,7 +91,8 @@ def choose(requirements, *packages):
 
 def pin(wheel):
     path = pathlib.Path(wheel).resolve()
-    print(f"palpate @ {path.as_uri()} --hash=sha256:{hash_of_file(path)}")
+    name = path.name.split("-")[0].replace("_", "-")
+    print(f"{name} @ {path.as_uri()} --hash=sha256:{hash_of_file(path)}")
 
 
 def python_components():
@@ -139,7 +140,7 @@ def sha512_of(integrity):
 
 
 def debian_packages():
-    text = (ROOT / "dev").read_text()
+    text = (ROOT / "requirements" / "install.sh").read_text()
     return re.search(r"debian_packages=\(([^)]*)\)", text).group(1).split()
 
 

@@ -104,7 +104,7 @@ Result pick_and_locate_twice(const geometry::ObjectModel& object, const Inverse&
   const auto picked = skills::pick(robot, object, options.pick, seed);
   const auto& symmetries = object.object().symmetries;
   Result result;
-  result.outcome.solver = evaluator.verdict(picked, robot.log(), options.pick.lift, symmetries);
+  result.outcome.solver = evaluator.metrics(picked, robot.log(), options.pick.lift, symmetries);
   result.outcome.lifted = result.outcome.solver.lifted;
   if (!result.outcome.lifted) return result;
   options.touch.source = "biotac";
@@ -112,7 +112,7 @@ Result pick_and_locate_twice(const geometry::ObjectModel& object, const Inverse&
   again.estimate = estimation::PoseEstimator(object, options.pick_options().estimation, seed)
                        .held(robot.model(), inferred(robot.log(), robot.model(), inverse),
                              robot.log().at(estimation::TouchEvent::held));
-  result.outcome.biotac = evaluator.verdict(again, robot.log(), options.pick.lift, symmetries);
+  result.outcome.biotac = evaluator.metrics(again, robot.log(), options.pick.lift, symmetries);
   const geometry::MeshQuery mesh(object.object().mesh);
   const auto T_world_object = world.truth().T_world_object;
   add_errors(picked.estimate, mesh, T_world_object, result.solver);

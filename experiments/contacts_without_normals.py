@@ -5,10 +5,10 @@ Contacts lie anywhere on the surface, 1 mm and 10 deg off; the pose is any. Each
 points, up to 12 mm from the contact. Prints, for each number of contacts, how many poses are within
 5 deg and 10 mm (95 % Wilson interval), and how many were stated with more than .9 and wrong.
 
-usage: contacts_without_normals.py [TRIALS] [OBJECT...]
+usage: contacts_without_normals.py [--contacts N...] [TRIALS] [OBJECT...]
 """
 
-import sys
+import argparse
 
 import numpy as np
 
@@ -66,10 +66,10 @@ def wilson(successes, trials, z=1.96):
     return f"{p:.2f} [{max(0, middle - half):.2f}, {min(1, middle + half):.2f}]"
 
 
-def main(trials=30, objects=("mug", "bottle", "box", "bracket")):
+def main(trials, objects, counts):
     models = [palpate.ObjectModel(palpate.load_known_object(name)) for name in objects]
     print(f"{'contacts':>8} {'kind':>8}  within 5 deg and 10 mm   sure and wrong")
-    for count in (5, 10, 20, 40):
+    for count in counts:
         for kind in ("normals", "points", "groups"):
             right = wrong = 0
             for model in models:
@@ -89,4 +89,9 @@ def main(trials=30, objects=("mug", "bottle", "box", "bracket")):
 
 
 if __name__ == "__main__":
-    main(*(int(a) for a in sys.argv[1:2]), *([tuple(sys.argv[2:])] if sys.argv[2:] else []))
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("trials", nargs="?", type=int, default=30)
+    parser.add_argument("objects", nargs="*", default=["mug", "bottle", "box", "bracket"])
+    parser.add_argument("--contacts", nargs="+", type=int, default=[5, 10, 20, 40])
+    given = parser.parse_args()
+    main(given.trials, given.objects, given.contacts)

@@ -34,8 +34,13 @@ const std::vector<Job> kJobs = {
     {"slippery", "bottle", {"world.hand_friction=0.3"}},
 };
 
+/// Few touches: whether an option has an effect shows in a short pick, too.
+const std::vector<std::string> kShort = {"calibrate.touches=6", "explore.touches=4",
+                                         "explore.max_touches=6", "explore.refining=1"};
+
 TrialOptions options_of(const Job& job) {
   TrialOptions options;
+  for (const std::string& setting : kShort) apply_setting(setting, options);
   for (const std::string& setting : job.settings) apply_setting(setting, options);
   return options;
 }

@@ -13,7 +13,7 @@
 namespace {
 
 using namespace palpate;
-using relocate::FeltEpisode;
+using relocate::TouchEpisode;
 
 struct Case {
   std::string name;
@@ -24,7 +24,7 @@ struct Subject {
   std::string object, policy;
 };
 
-double median_mm(const std::vector<FeltEpisode>& episodes, double FeltEpisode::*value) {
+double median_mm(const std::vector<TouchEpisode>& episodes, double TouchEpisode::*value) {
   std::vector<double> values;
   for (const auto& episode : episodes) values.push_back(1e3 * episode.*value);
   return median(values);
@@ -44,16 +44,17 @@ std::vector<std::string> row(const Subject& subject, const std::string& name,
 }
 
 std::vector<std::string> felt_row(const Subject& subject, const std::string& name,
-                                  const std::vector<FeltEpisode>& felt) {
+                                  const std::vector<TouchEpisode>& by_touch) {
   std::vector<relocate::Episode> episodes;
-  for (const auto& episode : felt) episodes.push_back(episode.episode);
+  for (const auto& episode : by_touch) episodes.push_back(episode.episode);
   auto cells = row(subject, name, episodes);
-  cells.push_back(fmt::format("{:.1f}", median_mm(felt, &FeltEpisode::resting_error)));
-  cells.push_back(fmt::format("{:.1f}", median_mm(felt, &FeltEpisode::reported_error)));
-  cells.push_back(fmt::format("{}", std::ranges::count_if(felt, &FeltEpisode::explored)));
-  cells.push_back(felt.front().estimates == 0
-                      ? ""
-                      : fmt::format("{:.0f}", median_mm(felt, &FeltEpisode::estimate_seconds)));
+  cells.push_back(fmt::format("{:.1f}", median_mm(by_touch, &TouchEpisode::resting_error)));
+  cells.push_back(fmt::format("{:.1f}", median_mm(by_touch, &TouchEpisode::reported_error)));
+  cells.push_back(fmt::format("{}", std::ranges::count_if(by_touch, &TouchEpisode::explored)));
+  cells.push_back(
+      by_touch.front().estimates == 0
+          ? ""
+          : fmt::format("{:.0f}", median_mm(by_touch, &TouchEpisode::estimate_seconds)));
   return cells;
 }
 
@@ -80,10 +81,10 @@ void relocate_estimated(const experiment::Options& options) {
     for (const Case& what : options.quick ? std::vector<Case>{cases[2]} : cases) {
       relocate::RelocationOptions relocation;
       relocation.explore = what.explore;
-      relocation.felt.estimate = what.estimate;
-      const auto felt = relocate::Relocation(task, relocation)
-                            .run_all(*policy, {}, options.seed, count, options.threads);
-      table.add_row(felt_row(subject, what.name, felt));
+      relocation.tracking.estimate = what.estimate;
+      const auto by_touch = relocate::Relocation(task, relocation)
+                                .run_all(*policy, {}, options.seed, count, options.threads);
+      table.add_row(felt_row(subject, what.name, by_touch));
     }
   }
   table.publish(options, "relocate_estimated", "Relocation by touch, faithful solver");

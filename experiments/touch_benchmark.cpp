@@ -56,7 +56,7 @@ std::string figure(const std::map<std::string, std::vector<double>>& medians,
   plot.y.logarithmic = true;
   for (auto name : kSurfaceNames) plot.categories.emplace_back(name);
   for (const std::string& name : normal_estimators()) {
-    plot.series.emplace_back(plotting::BarSeries{name, medians.at(name), {}, {}});
+    plot.series.emplace_back(plotting::BarSeries{name, medians.at(name)});
   }
   return plotting::to_svg(plot);
 }

@@ -22,7 +22,7 @@ using namespace palpate::experiment;
 
 constexpr int kFinger = static_cast<int>(hand::FingerName::first);
 constexpr std::size_t kClusterTicks = 10;
-constexpr double kSettle = 1;  // s from the start that are not judged
+constexpr double kSettle = 1;  // s from the start that are left out
 
 /// Normals of one kind, with their errors (deg) where the truth is known.
 struct Normals {
@@ -37,8 +37,8 @@ struct Slide {
   std::size_t samples = 0, flagged = 0;
 };
 
-void judge(const tactile::NormalAt& felt, const std::vector<Eigen::Vector3d>& truth,
-           const std::optional<Eigen::Matrix3d>& covariance, Normals& normals) {
+void add_error(const tactile::NormalAt& felt, const std::vector<Eigen::Vector3d>& truth,
+               const std::optional<Eigen::Matrix3d>& covariance, Normals& normals) {
   if (truth.empty()) return;
   const Eigen::Vector3d& n = felt.n;
   const auto& nearest =
@@ -51,9 +51,9 @@ void judge(const tactile::NormalAt& felt, const std::vector<Eigen::Vector3d>& tr
   }
 }
 
-class SlideJudge {
+class SlideErrors {
  public:
-  explicit SlideJudge(const hand::Description& hand) : hand_(hand) {}
+  explicit SlideErrors(const hand::Description& hand) : hand_(hand) {}
 
   void take(const SlideTick& tick) {
     const auto& reading = tick.frame.reading;
@@ -80,11 +80,11 @@ class SlideJudge {
       slide_.forces.push_back(f);
       slide_.torques.push_back((T * contact.p - T * hand_.fingers[finger].tip.b).cross(f));
       recent_.push_back({T * contact.p, T.linear() * contact.n});
-      judge(recent_.back(), truth_.back(), {}, slide_.normals["raw"]);
+      add_error(recent_.back(), truth_.back(), {}, slide_.normals["raw"]);
     }
     if (++ticks_ % kClusterTicks != 0) return;
     for (const auto& cluster : tactile::cluster_normals(recent_)) {
-      judge({cluster.p, cluster.n}, truth_.back(), {}, slide_.normals["clustered"]);
+      add_error({cluster.p, cluster.n}, truth_.back(), {}, slide_.normals["clustered"]);
     }
     recent_.clear();
   }
@@ -92,8 +92,8 @@ class SlideJudge {
   void take_estimate(const std::string& name, const tactile::NormalEstimate& estimate) {
     if (estimate.status != tactile::NormalStatus::tracked || estimate.time < kSettle) return;
     const auto tick = static_cast<std::size_t>(std::lround(estimate.time / hand::kTick)) - 1;
-    judge({points_.at(tick), estimate.n}, truth_.at(tick), estimate.covariance,
-          slide_.normals[name]);
+    add_error({points_.at(tick), estimate.n}, truth_.at(tick), estimate.covariance,
+              slide_.normals[name]);
   }
 
   const hand::Description& hand_;
@@ -169,14 +169,14 @@ std::string face_list(const std::vector<tactile::Face>& faces,
   return text;
 }
 
-/// The finger's way over the surface, judged.
+/// The finger's errors on its way over the surface.
 Slide slide_over(const TouchedSurface& surface, const Options& options) {
   SlidingFinger finger(surface.object, sliding_world(), options.seed,
                        straight_finger(hand::FingerName::first));
-  SlideJudge judge(finger.believed_hand());
+  SlideErrors errors(finger.believed_hand());
   const auto path = path_over(surface, finger.tip_radius(), options.quick ? 4 : 100);
-  for (const auto& tick : finger.follow(path, surface.start, kPress)) judge.take(tick);
-  return judge.finish();
+  for (const auto& tick : finger.follow(path, surface.start, kPress)) errors.take(tick);
+  return errors.finish();
 }
 
 std::vector<std::string> error_row(const std::string& name, Slide& slide) {
@@ -196,10 +196,7 @@ void experiment_surfaces(const Options& options) {
   Table honesty({"surface", "s2", "s2-lag"});
   Table faces(
       {"surface", "faces crossed", "faces found by s2-lag: normal, share of the time, error"});
-  plotting::Plot density_plot;
-  density_plot.title = "P(angle error) of the sensed normals, s2-lag";
-  density_plot.x.label = "angle error (deg)";
-  density_plot.y.label = "share a degree";
+  std::map<std::string, plotting::Plot> densities;
   for (const std::string name : {"flat", "edge", "smooth", "corner"}) {
     const auto surface = touched_surface(name);
     Slide slide = slide_over(surface, options);
@@ -208,13 +205,20 @@ void experiment_surfaces(const Options& options) {
                      fmt::format("{:.2f}", mean(slide.normals["s2-lag"].nees))});
     faces.add_row({name, std::to_string(surface.faces.size()),
                    face_list(tactile::find_faces(slide.normals["s2-lag"].felt), surface.faces)});
-    density_plot.series.emplace_back(density(name, slide.normals["s2-lag"].error_deg));
+    for (const auto& [kind, normals] : slide.normals) {
+      densities[kind].series.emplace_back(density(name, normals.error_deg));
+    }
     if (name == "edge") draw_edge(slide, options);
   }
   errors.publish(options, "errors", "Angle error against the surface met, median / p95 deg");
   honesty.publish(options, "nees", "Normalised error squared, mean (honest: 2)");
   faces.publish(options, "faces", "Faces reported");
-  publish_figure(options, "angle_error", plotting::to_svg(density_plot));
+  for (auto& [kind, plot] : densities) {
+    plot.title = fmt::format("P(angle error) of the sensed normals, {}", kind);
+    plot.x.label = "angle error (deg)";
+    plot.y.label = "share a degree";
+    publish_figure(options, "angle_error_" + kind, plotting::to_svg(plot));
+  }
 }
 
 }  // namespace

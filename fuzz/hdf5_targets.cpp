@@ -29,6 +29,9 @@ constexpr std::array<const char*, 12> kTables = {
     "frames/joints",     "frames/base_force",    "frames/true_joints",
     "events/json_lines", "estimates/json_lines", "frames/true_T_world_object"};
 
+constexpr std::array<const char*, 4> kSetTables = {"episode_0/observations", "episode_0/actions",
+                                                   "episode_1/observations", "episode_1/actions"};
+
 std::string sample_recording(const fs::path& folder) {
   recording::write_recording(folder / "sample.h5", recording::toy_recording(12));
   return read_file(folder / "sample.h5");
@@ -63,21 +66,28 @@ void change_numbers(const H5::DataSet& table, RandomStream& random) {
   table.write(values.data(), H5::PredType::NATIVE_DOUBLE);
 }
 
-/// Changes what is in the tables, through HDF5, and seals the file again. Where its bytes were
-/// changed so that HDF5 cannot open it, it is only sealed.
-void change_and_seal(const fs::path& path, RandomStream& random) {
+/// Changes up to two of some tables, through HDF5.
+template <std::size_t N>
+void change_tables(const fs::path& path, const std::array<const char*, N>& tables,
+                   RandomStream& random) {
   try {
     recording::with_hdf5(path, "damaged", [&] {
       H5::H5File file(path.string(), H5F_ACC_RDWR);
       for (std::size_t i = random.index(3); i > 0; --i) {
-        const auto table = file.openDataSet(kTables[random.index(kTables.size())]);
+        const auto table = file.openDataSet(tables[random.index(N)]);
         const bool text = table.getTypeClass() == H5T_INTEGER && table.getIntType().getSize() == 1;
         text ? change_text(table, random) : change_numbers(table, random);
       }
     });
   } catch (const BadInput&) {
   }
-  recording::write_closed_seal(path, recording::kFormatVersion - 1);
+}
+
+/// Changes what is in the tables, through HDF5, and seals the file again. Where its bytes were
+/// changed so that HDF5 cannot open it, it is only sealed.
+void change_and_seal(const fs::path& path, RandomStream& random) {
+  change_tables(path, kTables, random);
+  recording::write_closed_seal(path, recording::kFormatVersion);
 }
 
 std::string sample_dataset(const fs::path& folder) {
@@ -101,7 +111,8 @@ void load_dataset(const fs::path& file) {
   relocate::read_minari(folder);
 }
 
-void change_metadata(const fs::path& file, RandomStream& random) {
+void change_set(const fs::path& file, RandomStream& random) {
+  change_tables(file, kSetTables, random);
   const fs::path folder = file.parent_path();
   if (random.index(3) > 0) {
     fs::remove(folder / "set/data/metadata.json");
@@ -125,7 +136,7 @@ std::vector<Target> hdf5_targets() {
   return {
       {"recording", "", "input.h5", [](const fs::path& file) { recording::read_recording(file); },
        sample_recording, change_and_seal},
-      {"minari", "", "input.hdf5", load_dataset, sample_dataset, change_metadata},
+      {"minari", "", "input.hdf5", load_dataset, sample_dataset, change_set, true},
       {"mcap", "", "input.mcap", load_bag, sample_bag, {}}};
 }
 

@@ -26,6 +26,8 @@ using Clock = std::chrono::steady_clock;
 constexpr unsigned kMaxSeconds = 20;  // for one input
 constexpr rlim_t kMaxMemory = rlim_t{4} << 30;
 
+constexpr std::size_t kFewRuns = 100;  // of which none may be accepted
+
 struct Budget {
   double seconds = 1e9;
   std::size_t runs = static_cast<std::size_t>(-1);
@@ -35,7 +37,8 @@ struct Budget {
 /// Inputs for a target: sentences of its grammar, its corpus, and mutations of both.
 class Inputs {
  public:
-  Inputs(const Target& target, const fs::path& source, const fs::path& work) {
+  Inputs(const Target& target, const fs::path& source, const fs::path& work)
+      : keep_bytes_(target.keep_bytes) {
     const fs::path corpus = source / "corpus" / target.name;
     if (fs::exists(corpus)) {
       for (const auto& entry : fs::directory_iterator(corpus)) paths_.push_back(entry.path());
@@ -53,10 +56,12 @@ class Inputs {
     if (count_ < seeds_.size()) return seeds_[count_++];
     const bool write = grammar_ && (seeds_.empty() || random.index(2) == 0);
     std::string input = write ? grammar_->sentence(random) : seeds_[random.index(seeds_.size())];
+    if (keep_bytes_) return input;
     return random.index(3) > 0 ? mutated(std::move(input), random) : input;
   }
 
  private:
+  bool keep_bytes_;
   std::vector<fs::path> paths_;
   std::vector<std::string> seeds_;
   std::optional<Grammar> grammar_;
@@ -100,6 +105,9 @@ void run(const Target& target, const Budget& budget, const fs::path& source, con
   }
   fmt::print("{:<11} {:>9} inputs, {:>8} accepted\n", target.name, runs, accepted);
   std::fflush(stdout);
+  if (accepted > 0 || runs < kFewRuns) return;
+  fmt::print(stderr, "{}: not even the inputs that are whole were accepted\n", target.name);
+  std::abort();
 }
 
 int main(int argc, char** argv) {

@@ -9,7 +9,9 @@
 #include "palpate/geometry/io/point_cloud_io.hpp"
 #include "palpate/learning/training/checkpoint.hpp"
 #include "palpate/localization/contacts_io.hpp"
+#include "palpate/localization/free_space.hpp"
 #include "palpate/registration/correspondences_io.hpp"
+#include "palpate/simulation/hand/describe_hand.hpp"
 #include "palpate/tactile/biotac/log.hpp"
 #include "palpate/tactile/contacts/contact_log.hpp"
 #include "palpate/tasks/relocate/policies/policy_io.hpp"
@@ -86,11 +88,12 @@ std::vector<Target> all_targets() {
   const Load mesh = [](const fs::path& file) { geometry::load_mesh(file); };
   const Load cloud = [](const fs::path& file) { geometry::load_cloud(file, 100); };
   const Load contacts = [](const fs::path& file) { localization::read_contacts(file, {}); };
-  const Load spheres = [](const fs::path& file) { localization::read_free_spheres(file); };
+  const Load spheres = [](const fs::path& file) { localization::read_free_space(file); };
   const Load log = [](const fs::path& file) { tactile::read_contact_log(file, 0.01); };
   const Load biotac = [](const fs::path& file) { tactile::read_biotac_log(file); };
   const Load pairs = [](const fs::path& file) { registration::read_correspondences(file); };
   const Load policy = [](const fs::path& file) { relocate::load_policy(file); };
+  const Load hand = [](const fs::path& file) { simulation::describe_hand(file, {}); };
   const Load checkpoint = [](const fs::path& file) { learning::load_checkpoint(file); };
   std::vector<Target> targets = {
       {"ply", "ply", "input.ply", each_of({mesh, cloud})},
@@ -101,6 +104,8 @@ std::vector<Target> all_targets() {
       {"toml", "toml", "input.toml", load_options},
       {"policy", "json", "input.json", policy, sample_policy},
       {"csv", "csv", "input.csv", each_of({contacts, spheres, log, biotac, pairs})},
+      {"mjcf", "mjcf", "input.xml", hand},
+      {"urdf", "urdf", "input.urdf", hand},
       {"checkpoint", "json", "input", checkpoint, sample_checkpoint},
   };
   for (auto& target : hdf5_targets()) targets.push_back(std::move(target));

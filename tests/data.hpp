@@ -32,8 +32,3 @@ inline std::vector<std::filesystem::path> made_up_and_real(const std::string& ma
 }
 
 }  // namespace palpate
-
-/// Skips a test of a figure that only real data can show.
-#define PALPATE_NEEDS_REAL_DATA(name) \
-  if (!::palpate::real_data(name))    \
-  GTEST_SKIP() << "measures real data, and PALPATE_DATA names no folder with " << (name)

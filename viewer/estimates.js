@@ -14,6 +14,7 @@ function ghost(geometry, edges, mode, i) {
     roughness: 0.8,
     polygonOffset: true,
     polygonOffsetFactor: -1,
+    polygonOffsetUnits: -4,
   });
   // Outlines show through everything, so that a pose inside the hand or the true object is seen.
   const stroke = new THREE.LineBasicMaterial({
@@ -44,25 +45,48 @@ function axisLine(axis, i) {
 }
 
 const FAINTEST = 0.05; // opacity
+const GHOSTS = 64; // at most
 
-/** The credible poses of the resting object: copies in the world, the more probable the more opaque. */
-export class PosteriorView extends THREE.Group {
-  constructor(posterior, geometry) {
+/** A belief: copies of the object at its credible poses, the more probable the more opaque. */
+export class BeliefView extends THREE.Group {
+  constructor(geometry, edges) {
     super();
-    for (const { probability, T_world_object } of posterior.poses) {
-      const material = new THREE.MeshStandardMaterial({
-        color: modeColor(0),
-        transparent: true,
-        opacity: Math.max(FAINTEST, 0.6 * Math.sqrt(probability)),
-        depthWrite: false,
-        roughness: 0.8,
-      });
-      const mesh = new THREE.Mesh(geometry, material);
-      mesh.matrix.set(...T_world_object);
-      mesh.matrixAutoUpdate = false;
-      mesh.renderOrder = 4;
-      this.add(mesh);
-    }
+    this.matrixAutoUpdate = false;
+    for (let i = 0; i < GHOSTS; ++i) this.add(BeliefView.#ghost(geometry, edges));
+  }
+
+  static #ghost(geometry, edges) {
+    const fill = new THREE.MeshStandardMaterial({
+      color: modeColor(0),
+      transparent: true,
+      depthWrite: false,
+      roughness: 0.8,
+      polygonOffset: true,
+      polygonOffsetFactor: -1,
+      polygonOffsetUnits: -4,
+    });
+    const stroke = new THREE.LineBasicMaterial({ color: modeColor(0), transparent: true });
+    const ghost = new THREE.Group();
+    ghost.add(new THREE.Mesh(geometry, fill), new THREE.LineSegments(edges, stroke));
+    ghost.children.forEach((child) => (child.renderOrder = 4));
+    ghost.matrixAutoUpdate = false;
+    ghost.visible = false;
+    return ghost;
+  }
+
+  /** Shows a belief, in the world as it was then. */
+  show(belief) {
+    if (belief === this.shown) return;
+    this.shown = belief;
+    this.children.forEach((ghost, i) => {
+      const pose = belief.poses[i];
+      ghost.visible = pose !== undefined && pose.probability > 0;
+      if (!ghost.visible) return;
+      ghost.matrix.set(...pose.T_world_object);
+      const [fill, stroke] = ghost.children;
+      fill.material.opacity = Math.max(FAINTEST, 0.6 * pose.probability ** 0.7);
+      stroke.material.opacity = Math.max(FAINTEST, 0.8 * pose.probability);
+    });
   }
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The panel at the side: what the recording is, forces, phases, the estimate and what is shown.
 import { FINGER_COLORS, modeColor, phaseColors } from './colors.js';
-import { FINGERS, modeShown, phaseLabel } from './recording.js';
+import { modeShown, phaseLabel } from './recording.js';
 
 const FULL_FORCE = 20; // N, a full meter
 
@@ -33,7 +33,7 @@ function outcome(text) {
 
 const swatch = (color) => make('span', { className: 'swatch', color });
 const byId = (id) => document.getElementById(id);
-const known = (value, unit) => (value === undefined ? '–' : `${value.toFixed(1)}${unit}`);
+const known = (value, unit) => (value === undefined || value === null ? '–' : `${value.toFixed(1)}${unit}`);
 
 export class Panel {
   /** @param shown what is switched on, changed in place @param actions {seek(t), changed()} */
@@ -74,7 +74,7 @@ export class Panel {
   }
 
   #fillForces() {
-    this.meters = FINGERS.map((name, finger) => {
+    this.meters = this.recording.fingers.map((name, finger) => {
       const bar = make('i', { color: FINGER_COLORS[finger] });
       const text = make('span', { className: 'newton quiet' });
       byId('forces').append(
@@ -91,6 +91,9 @@ export class Panel {
   }
 
   #fillPhases() {
+    const told = JSON.stringify(this.recording.phases);
+    if (told === this.phasesTold) return;
+    this.phasesTold = told;
     const colors = phaseColors(this.recording.phases);
     this.phaseRows = this.recording.phases.map((phase, i) =>
       make(
@@ -101,19 +104,32 @@ export class Panel {
         make('span', { className: 'quiet' }, `${(phase.end - phase.begin).toFixed(1)} s`),
       ),
     );
-    byId('phases').append(...this.phaseRows);
-    if (!this.phaseRows.length)
-      byId('phases').append(make('span', { className: 'quiet' }, 'none recorded'));
+    const none = make('span', { className: 'quiet' }, 'none recorded');
+    byId('phases').replaceChildren(...(this.phaseRows.length ? this.phaseRows : [none]));
   }
 
-  #fillPosterior(posterior) {
-    const best = posterior.poses[0]?.probability ?? 0;
-    const count = posterior.poses.length;
+  /** Takes up what the recording has got since. */
+  update() {
+    this.#fillPhases();
+  }
+
+  #fillBelief(belief) {
+    const count = belief.poses.length;
+    const best = belief.poses[0]?.probability ?? 0;
+    const error = belief.rotation_error_deg;
+    const words = {
+      prior: 'Before the first touch: any stable pose, any yaw.',
+      touch: 'Poses that agree with the touches so far, more opaque where more probable.',
+    };
     byId('estimate').replaceChildren(
       make(
         'div',
         { className: 'row' },
-        make('span', { className: `badge ${count === 1 ? 'good' : 'warn'}` }, 'exploring'),
+        make(
+          'span',
+          { className: `badge ${count === 1 ? 'good' : 'warn'}` },
+          belief.in_hand ? 'in hand' : 'exploring',
+        ),
         make(
           'span',
           { className: 'grow' },
@@ -125,38 +141,29 @@ export class Panel {
       make(
         'div',
         { className: 'quiet' },
-        'Poses that agree with the touches so far, more opaque where more probable.',
+        this.shown.truth && error !== undefined && error !== null
+          ? `Best pose: ${known(error, '°')}, ${known(belief.translation_error_mm, ' mm')} from the true one.`
+          : (words[belief.source] ?? 'Poses that agree with what the fingers feel.'),
       ),
     );
   }
 
-  /** The posterior or estimate drawn at t, else the estimate to come. */
+  /** The belief or estimate drawn at t. */
   #fillEstimate(t) {
-    const { estimates, posteriors } = this.recording;
-    const explored = this.recording.posteriorAt(t);
-    if (explored >= 0) {
-      if (this.posteriorShown !== explored) this.#fillPosterior(posteriors[explored]);
-      this.posteriorShown = explored;
-      this.estimateShown = undefined;
-      return;
-    }
-    this.posteriorShown = undefined;
-    if (posteriors.length && t < posteriors[0].time) {
-      if (this.estimateShown !== 'none yet')
-        byId('estimate').replaceChildren(
-          make('span', { className: 'quiet' }, 'none yet'),
-        );
-      this.estimateShown = 'none yet';
-      return;
-    }
-    let index = this.recording.estimateAt(t);
-    if (index < 0) index = estimates.findIndex((estimate) => estimate.time >= t);
-    if (index < 0) index = estimates.length - 1;
-    if (index === this.estimateShown) return;
-    this.estimateShown = index;
-    if (index < 0)
-      byId('estimate').replaceChildren(make('span', { className: 'quiet' }, 'none recorded'));
-    else this.#fillModes(estimates[index]);
+    const { estimates, beliefs } = this.recording;
+    const believed = this.recording.beliefAt(t);
+    const index = believed < 0 ? this.recording.estimateAt(t) : -1;
+    const item = beliefs[believed] ?? estimates[index];
+    const key = item ?? 'none';
+    if (key === this.estimateShown && this.truthShown === this.shown.truth) return;
+    this.estimateShown = key;
+    this.truthShown = this.shown.truth;
+    if (believed >= 0) this.#fillBelief(item);
+    else if (index >= 0) this.#fillModes(item);
+    else
+      byId('estimate').replaceChildren(
+        make('span', { className: 'quiet' }, estimates.length ? 'none yet' : 'none recorded'),
+      );
   }
 
   #fillModes(estimate) {
@@ -179,7 +186,8 @@ export class Panel {
       },
       `${lighter.length} less probable poses`,
     );
-    const judged = estimate.modes.some((mode) => mode.rotation_error_deg !== undefined);
+    const recorded = estimate.modes.some((mode) => mode.rotation_error_deg !== undefined);
+    const judged = recorded && this.shown.truth;
     const state = estimate.status === 'certain' ? 'good' : 'warn';
     byId('estimate').replaceChildren(
       make(
@@ -200,7 +208,9 @@ export class Panel {
         { className: 'quiet' },
         judged
           ? 'Rotation and position: error against the true pose, modulo symmetry. '
-          : 'The true pose was not recorded. ',
+          : recorded
+            ? 'Key T shows the true pose and the errors. '
+            : 'The true pose was not recorded. ',
         'At other times the poses move with the palm.',
       ),
     );
@@ -222,21 +232,26 @@ export class Panel {
       {},
       make('td', {}, make('label', {}, box, swatch(modeColor(i)), `${i + 1}${free}`)),
       make('td', {}, `${(100 * mode.weight).toFixed(0)} %`),
-      make('td', {}, known(mode.rotation_error_deg, '°')),
-      make('td', {}, known(mode.translation_error_mm, ' mm')),
+      make('td', {}, known(this.shown.truth ? mode.rotation_error_deg : undefined, '°')),
+      make('td', {}, known(this.shown.truth ? mode.translation_error_mm : undefined, ' mm')),
     );
   }
 
   #fillLayers() {
     const r = this.recording;
+    const has = (items) => r.live || items.some((x) => x);
     const layers = [
-      ['hand', 'Hand, at its measured joint angles', '#8d98a6', true],
-      ['seeThrough', 'Hand transparent', '', true],
-      ['truth', 'Object, true pose', 'var(--truth)', r.hasObject.some((x) => x)],
-      ['estimate', 'Object, credible poses', modeColor(0), r.estimates.length + r.posteriors.length > 0],
+      ['truth', 'Object, true pose (T)', 'var(--truth)', has(Array.from(r.hasObject))],
+      ['estimate', 'Object, credible poses', modeColor(0), has([...r.estimates, ...r.beliefs])],
+      ['touches', 'Touches so far', FINGER_COLORS[0], true],
       ['contacts', 'Contacts; arrows show the force', FINGER_COLORS[0], true],
-      ['evidence', 'Contacts used by the estimate', FINGER_COLORS[2], r.estimates.length > 0],
+      ['evidence', 'Contacts used by the estimate', FINGER_COLORS[2], has(r.estimates)],
+      ['hand', 'Hand, at its measured joint angles', '#8d98a6', true],
+      ['seeThrough', 'Hand transparent (H)', '', true],
+      ['follow', 'Follow the hand (F)', '', true],
+      ['skip', 'Skip what is quiet (D)', '', true],
     ];
+    this.boxes = {};
     for (const [key, text, color, there] of layers) {
       if (!there) continue;
       const box = make('input', {
@@ -247,6 +262,7 @@ export class Panel {
           this.actions.changed();
         },
       });
+      this.boxes[key] = box;
       byId('layers').append(
         make(
           'label',
@@ -257,5 +273,10 @@ export class Panel {
         ),
       );
     }
+  }
+
+  /** Sets the boxes to what is shown. */
+  showLayers() {
+    for (const [key, box] of Object.entries(this.boxes)) box.checked = this.shown[key];
   }
 }

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// The recording as the page embeds it (src/recording/page_data.cpp), decoded.
+// The recording as the page embeds it (src/recording/page_data.cpp), decoded. A live one grows.
 
 export const POSE = 7; // x, y, z, qx, qy, qz, qw
 const CONTACT = 7; // point, outward normal, force along it
 const LEAST_WEIGHT = 0.05; // of a mode shown unasked
+const MAX_FRAMES = 60000; // of a live recording; then the older half is dropped
 
-export const FINGERS = ['thumb', 'first', 'middle', 'ring', 'little'];
+const FINGER_NAMES = { TH: 'thumb', FF: 'first', MF: 'middle', RF: 'ring', LF: 'little' };
 
 function bytes(text) {
   const raw = atob(text);
@@ -18,34 +19,106 @@ export const floats = (text) => new Float32Array(bytes(text).buffer);
 export const uints = (text) => new Uint32Array(bytes(text).buffer);
 
 /** A phase's name as it is shown. */
-export const phaseLabel = (name) => name.replaceAll('_', ' ');
+export const phaseLabel = (name) => name.replaceAll(/[_-]/g, ' ');
 
 /** Light modes are off until asked for. */
 export function modeShown(shown, estimate, i) {
   return shown.modes[i] ?? (i === 0 || estimate.modes[i].weight >= LEAST_WEIGHT);
 }
 
+/** Numbers to which more are added. */
+class Series {
+  constructor(Kind) {
+    this.room = new Kind(0);
+    this.length = 0;
+  }
+
+  get values() {
+    return this.room.subarray(0, this.length);
+  }
+
+  add(values) {
+    const length = this.length + values.length;
+    if (length > this.room.length) {
+      const room = new this.room.constructor(this.length ? 2 * length : length);
+      room.set(this.values);
+      this.room = room;
+    }
+    this.room.set(values, this.length);
+    this.length = length;
+  }
+
+  dropFirst(count) {
+    this.room = this.room.slice(count, this.length);
+    this.length -= count;
+  }
+}
+
 export class Recording {
   constructor(data) {
-    const f = data.frames;
     Object.assign(this, data);
-    this.count = f.count;
-    this.links = f.links;
-    this.palm = f.palm;
-    this.time = floats(f.time);
-    this.linkPoses = floats(f.link_poses);
-    this.objectPoses = floats(f.object_poses);
-    this.hasObject = bytes(f.has_object);
-    this.contactValues = floats(f.contacts);
-    this.contactFingers = bytes(f.contact_fingers);
-    this.contactStart = new Uint32Array(f.count + 1);
-    uints(f.contact_counts).forEach((n, i) => {
-      this.contactStart[i + 1] = this.contactStart[i] + n;
-    });
-    this.posteriors ??= [];
+    this.fingers = data.fingers.map((name) => FINGER_NAMES[name] ?? name);
+    this.series = {
+      time: new Series(Float32Array),
+      links: new Series(Float32Array),
+      object: new Series(Float32Array),
+      hasObject: new Series(Uint8Array),
+      contacts: new Series(Float32Array),
+      contactFingers: new Series(Uint8Array),
+      contactStart: new Series(Uint32Array),
+    };
+    this.series.contactStart.add([0]);
+    this.forceSeries = this.fingers.map(() => new Series(Float32Array));
+    this.addFrames(data.frames);
+  }
+
+  /** Appends frames as page_data.cpp writes them. */
+  addFrames(f) {
+    if (this.time?.length > MAX_FRAMES) this.#dropHalf();
+    const s = this.series;
+    const first = s.time.length;
+    s.time.add(floats(f.time));
+    s.links.add(floats(f.link_poses));
+    s.object.add(floats(f.object_poses));
+    s.hasObject.add(bytes(f.has_object));
+    s.contacts.add(floats(f.contacts));
+    s.contactFingers.add(bytes(f.contact_fingers));
+    let end = s.contactStart.values[s.contactStart.length - 1];
+    s.contactStart.add(uints(f.contact_counts).map((n) => (end += n)));
+    this.#refresh();
+    this.#addForces(first);
+  }
+
+  #refresh() {
+    const s = this.series;
+    this.count = s.time.length;
+    this.time = s.time.values;
+    this.linkPoses = s.links.values;
+    this.objectPoses = s.object.values;
+    this.hasObject = s.hasObject.values;
     this.begin = this.count ? this.time[0] : 0;
     this.end = this.count ? this.time[this.count - 1] : 0;
-    this.forces = this.#forces();
+  }
+
+  #dropHalf() {
+    const s = this.series;
+    const drop = this.count >> 1;
+    const contacts = s.contactStart.values[drop];
+    s.time.dropFirst(drop);
+    s.links.dropFirst(drop * this.links * POSE);
+    s.object.dropFirst(drop * POSE);
+    s.hasObject.dropFirst(drop);
+    s.contacts.dropFirst(contacts * CONTACT);
+    s.contactFingers.dropFirst(contacts);
+    s.contactStart.dropFirst(drop);
+    s.contactStart.room = s.contactStart.values.map((at) => at - contacts);
+    for (const forces of this.forceSeries) forces.dropFirst(drop);
+    this.beliefs = this.beliefs.filter((belief) => belief.time >= this.time[drop]);
+  }
+
+  addBelief(belief) {
+    const after = this.beliefs.findLastIndex((known) => known.time <= belief.time);
+    this.beliefs.splice(after + 1, 0, belief);
   }
 
   /** Index of the last frame up to time t. */
@@ -70,10 +143,11 @@ export class Recording {
 
   contacts(frame) {
     const list = [];
-    for (let i = this.contactStart[frame]; i < this.contactStart[frame + 1]; ++i) {
-      const v = this.contactValues.subarray(i * CONTACT, (i + 1) * CONTACT);
+    const start = this.series.contactStart.room;
+    for (let i = start[frame]; i < start[frame + 1]; ++i) {
+      const v = this.series.contacts.room.subarray(i * CONTACT, (i + 1) * CONTACT);
       list.push({
-        finger: this.contactFingers[i],
+        finger: this.series.contactFingers.room[i],
         p: v.subarray(0, 3),
         n: v.subarray(3, 6),
         force: v[6],
@@ -83,11 +157,7 @@ export class Recording {
   }
 
   phaseAt(t) {
-    let found = -1;
-    this.phases.forEach((phase, i) => {
-      if (phase.begin <= t + 1e-6) found = i;
-    });
-    return found;
+    return this.phases.findLastIndex((phase) => phase.begin <= t + 1e-6);
   }
 
   /**
@@ -98,36 +168,78 @@ export class Recording {
     const phase = this.phaseAt(estimate.time);
     const earliest = phase > 0 ? this.phases[phase - 1].begin : estimate.time;
     let frame = this.frameAt(estimate.time);
-    const touching = (f) => this.forces.filter((finger) => finger[f] > 0).length >= 2;
-    while (frame > 0 && this.time[frame - 1] >= earliest && touching(frame - 1)) --frame;
+    while (frame > 0 && this.time[frame - 1] >= earliest && this.touching(frame - 1) >= 2) --frame;
     return this.count ? Math.min(estimate.time, this.time[frame]) : estimate.time;
+  }
+
+  /** Time since which the object is held at t, as far as phases and estimates tell. */
+  heldFrom(t) {
+    const first = this.estimates.find((estimate) => estimate.time <= t + 1e-3);
+    const inHand = this.beliefs.find((belief) => belief.in_hand && belief.time <= t + 1e-3);
+    const times = [first?.time, inHand?.time].filter((time) => time !== undefined);
+    return times.length ? Math.min(...times) : undefined;
+  }
+
+  /** Time from which touches are shown at t: those of the bare table are none of the object. */
+  touchesFrom(t) {
+    const calibrated = this.phases.findLast((p) => p.name === 'calibrate' && p.begin <= t);
+    return calibrated && calibrated.end <= t ? calibrated.end : this.begin;
+  }
+
+  /** Fingers that touch in a frame. */
+  touching(frame) {
+    return this.forces.filter((finger) => finger[frame] > 0).length;
   }
 
   /** Index of the estimate to draw at time t, or -1. */
   estimateAt(t) {
     const index = this.estimates.findLastIndex((estimate) => estimate.time <= t + 1e-3);
-    if (index >= 0 || !this.estimates.length) return index;
+    if (index >= 0 || !this.estimates.length || this.live) return index;
     return t + 1e-3 >= this.heldSince(this.estimates[0]) ? 0 : -1;
   }
 
   /**
-   * Index of the posterior of the resting object to draw at time t, or -1: none once the pose in
-   * the hand has been estimated from a later grasp.
+   * Index of the belief to draw at time t, or -1: none once the pose in the hand has been estimated
+   * later than it.
    */
-  posteriorAt(t) {
-    const index = this.posteriors.findLastIndex((posterior) => posterior.time <= t + 1e-3);
+  beliefAt(t) {
+    const index = this.beliefs.findLastIndex((belief) => belief.time <= t + 1e-3);
     const estimate = this.estimateAt(t);
     if (index < 0 || estimate < 0) return index;
-    return this.posteriors[index].time > this.estimates[estimate].time ? index : -1;
+    return this.beliefs[index].time > this.estimates[estimate].time ? index : -1;
   }
 
-  /** Force of each finger in each frame, N. */
-  #forces() {
-    const forces = FINGERS.map(() => new Float32Array(this.count));
-    for (let frame = 0; frame < this.count; ++frame) {
+  /** Adds the force of each finger in each frame from this one on, N. */
+  #addForces(first) {
+    const added = this.fingers.map(() => new Float32Array(this.count - first));
+    for (let frame = first; frame < this.count; ++frame) {
       for (const contact of this.contacts(frame))
-        forces[contact.finger][frame] += Math.max(0, contact.force);
+        if (added[contact.finger]) added[contact.finger][frame - first] += Math.max(0, contact.force);
     }
-    return forces;
+    added.forEach((forces, finger) => this.forceSeries[finger].add(forces));
+    this.forces = this.forceSeries.map((forces) => forces.values);
+  }
+
+  /** Stretches of time in which the hand touches nothing and nothing new is believed. */
+  deadTimes() {
+    if (this.deadOf === this.count) return this.deadFound;
+    const busy = this.beliefs.map((belief) => belief.time);
+    for (let f = 0; f < this.count; ++f) if (this.touching(f) > 0) busy.push(this.time[f]);
+    for (const phase of this.phases) busy.push(phase.begin, phase.end);
+    const times = [this.begin, ...busy, this.end].sort((a, b) => a - b);
+    const dead = [];
+    const skipped = this.phases.filter((phase) => phase.name === 'calibrate');
+    for (const phase of skipped) dead.push([phase.begin, phase.end]);
+    for (let i = 1; i < times.length; ++i) {
+      const from = times[i - 1] + QUIET_MARGIN;
+      const to = times[i] - QUIET_MARGIN;
+      if (to - from > QUIET_MARGIN && !skipped.some((p) => from >= p.begin && to <= p.end))
+        dead.push([from, to]);
+    }
+    this.deadOf = this.count;
+    this.deadFound = dead;
+    return dead;
   }
 }
+
+const QUIET_MARGIN = 0.4; // s before and after something happens

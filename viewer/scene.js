@@ -4,10 +4,11 @@ import * as THREE from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import { mergeVertices, toCreasedNormals } from 'three/examples/jsm/utils/BufferGeometryUtils.js';
 import { onThemeChange, theme } from './colors.js';
-import { EstimateView, PosteriorView } from './estimates.js';
+import { BeliefView, EstimateView } from './estimates.js';
 import { ContactMarks } from './marks.js';
 import { PlacementView } from './placement.js';
 import { floats, modeShown, POSE, uints } from './recording.js';
+import { TouchMarks } from './touches.js';
 
 const VIEWS = {
   corner: [0.62, -0.76, 0.4],
@@ -26,10 +27,12 @@ function meshGeometry(mesh) {
 }
 
 export class Scene {
-  constructor(element, recording) {
+  /** @param touches  of the recording */
+  constructor(element, recording, touches) {
     this.recording = recording;
+    this.touches = touches;
     this.element = element;
-    this.renderer = new THREE.WebGLRenderer({ antialias: true });
+    this.renderer = new THREE.WebGLRenderer({ antialias: true, preserveDrawingBuffer: true });
     this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
     this.renderer.shadowMap.enabled = true;
     element.prepend(this.renderer.domElement);
@@ -47,7 +50,9 @@ export class Scene {
     this.#addHand();
     this.#addObject();
     this.marks = new ContactMarks();
-    this.scene.add(this.marks);
+    this.touchMarks = new TouchMarks();
+    this.touchMarks.matrixAutoUpdate = false;
+    this.scene.add(this.marks, this.touchMarks);
     this.look('corner');
     this.#applyTheme();
     onThemeChange(() => this.#applyTheme());
@@ -81,12 +86,19 @@ export class Scene {
   #addTable() {
     this.table = new THREE.Mesh(
       new THREE.BoxGeometry(2 * TABLE, 2 * TABLE, 0.02),
-      new THREE.MeshStandardMaterial({ roughness: 0.95 }),
+      // Drawn as if a little farther away than the grid and what stands on it.
+      new THREE.MeshStandardMaterial({
+        roughness: 0.95,
+        polygonOffset: true,
+        polygonOffsetFactor: 1,
+        polygonOffsetUnits: 8,
+      }),
     );
-    this.table.position.z = -0.0105;
+    this.table.position.z = -0.011;
     this.table.receiveShadow = true;
     this.grid = new THREE.GridHelper(2 * TABLE, 18);
     this.grid.rotation.x = Math.PI / 2;
+    this.grid.position.z = -0.0005;
     this.grid.material.vertexColors = false;
     this.grid.material.transparent = true;
     this.grid.material.opacity = 0.8;
@@ -140,19 +152,35 @@ export class Scene {
 
   #addObject() {
     const geometry = this.geometries[this.recording.object_mesh];
-    this.object = new THREE.Mesh(geometry, new THREE.MeshStandardMaterial({ roughness: 0.7 }));
+    // Drawn as if a little farther away than the poses that are believed, which lie in it.
+    const style = { polygonOffset: true, polygonOffsetFactor: 3, polygonOffsetUnits: 200 };
+    this.object = new THREE.Mesh(
+      geometry,
+      new THREE.MeshStandardMaterial({ roughness: 0.7, ...style }),
+    );
     this.object.castShadow = this.object.receiveShadow = true;
     this.scene.add(this.object);
     const edges = new THREE.EdgesGeometry(geometry, 35);
-    this.estimates = this.recording.estimates.map(
-      (estimate) => new EstimateView(estimate, geometry, edges),
-    );
-    this.estimates.forEach((view) => this.scene.add(view));
-    this.posteriors = this.recording.posteriors.map(
-      (posterior) => new PosteriorView(posterior, geometry),
-    );
-    this.posteriors.forEach((view) => this.scene.add(view));
-    this.scene.add(new PlacementView(this.recording.placement, geometry, edges));
+    this.shape = { geometry, edges };
+    this.estimates = [];
+    this.belief = new BeliefView(geometry, edges);
+    this.scene.add(this.belief);
+    this.update();
+  }
+
+  /** Takes up what the recording has got since. */
+  update() {
+    const { geometry, edges } = this.shape;
+    for (const estimate of this.recording.estimates.slice(this.estimates.length)) {
+      this.estimates.push(new EstimateView(estimate, geometry, edges));
+      this.scene.add(this.estimates.at(-1));
+    }
+    const placement = JSON.stringify(this.recording.placement ?? null);
+    if (placement === this.placementShown) return;
+    this.placementShown = placement;
+    if (this.placement) this.scene.remove(this.placement);
+    this.placement = new PlacementView(this.recording.placement, geometry, edges);
+    this.scene.add(this.placement);
   }
 
   #applyTheme() {
@@ -176,15 +204,38 @@ export class Scene {
 
   /** Looks at the place of the object from one of VIEWS. */
   look(name) {
-    const center = new THREE.Vector3(0, 0, 0.19);
-    if (this.recording.count && this.recording.hasObject[0]) {
-      center.x = this.recording.objectPoses[0];
-      center.y = this.recording.objectPoses[1];
-    }
+    const center = this.followed ? this.#handCenter() : this.#objectCenter();
     this.controls.target.copy(center);
     this.camera.position.copy(center).add(new THREE.Vector3(...VIEWS[name]));
     this.controls.update();
     this.redraw();
+  }
+
+  /** Where the object stood at first, and some way up. */
+  #objectCenter() {
+    const center = new THREE.Vector3(0, 0, 0.19);
+    const r = this.recording;
+    if (r.count && r.hasObject[0]) [center.x, center.y] = r.objectPoses;
+    else if (r.live && r.count) center.copy(this.#handCenter());
+    return center;
+  }
+
+  #handCenter() {
+    return this.links[this.recording.palm]?.position.clone() ?? new THREE.Vector3(0, 0, 0.19);
+  }
+
+  /** The camera goes along with the hand, or stays. */
+  follow(on) {
+    this.followed = on ? this.#handCenter() : undefined;
+  }
+
+  #moveAlong() {
+    if (!this.followed) return;
+    const center = this.#handCenter();
+    const way = center.clone().sub(this.followed);
+    this.camera.position.add(way);
+    this.controls.target.add(way);
+    this.followed = center;
   }
 
   #setSeeThrough(on) {
@@ -211,29 +262,57 @@ export class Scene {
     const r = this.recording;
     const { frame, share } = r.between(t);
     this.links.forEach((link, i) => this.#pose(link, r.linkPoses, r.links, i, frame, share));
+    this.#moveAlong();
     this.object.visible = shown.truth && r.hasObject[frame] > 0;
     const smooth = share > 0 && r.hasObject[frame + 1] > 0;
     this.#pose(this.object, r.objectPoses, 1, 0, frame, smooth ? share : 0);
     this.marks.visible = shown.contacts;
     this.marks.show(r.contacts(frame));
-    const explored = r.posteriorAt(t);
-    this.posteriors.forEach((view, i) => (view.visible = shown.estimate && i === explored));
-    const current = explored < 0 ? r.estimateAt(t) : -1;
+    const believed = r.beliefAt(t);
+    this.belief.visible = shown.estimate && believed >= 0;
+    if (this.belief.visible) this.#placeBelief(r.beliefs[believed], frame);
+    const current = believed < 0 ? r.estimateAt(t) : -1;
     this.estimates.forEach((view, i) => {
       view.visible = i === current;
       if (view.visible) this.#placeEstimate(view, r.estimates[i], frame, shown);
     });
+    this.#placeTouches(t, frame, shown);
+  }
+
+  #placeBelief(belief, frame) {
+    this.belief.show(belief);
+    if (belief.in_hand) this.belief.matrix.copy(this.#motionOfPalm(belief.time, frame));
+    else this.belief.matrix.identity();
+  }
+
+  /** Touches stay where they were felt; those until the object is held go with the palm then. */
+  #placeTouches(t, frame, shown) {
+    const r = this.recording;
+    const held = r.heldFrom(t);
+    this.touchMarks.visible = shown.touches;
+    this.touchMarks.show(this.touches.list, r.touchesFrom(t), Math.min(t, held ?? t));
+    if (held === undefined) this.touchMarks.matrix.identity();
+    else this.touchMarks.matrix.copy(this.#motionOfPalm(held, frame));
   }
 
   /** The object sits in the hand: what was found of it moves with the palm. */
   #placeEstimate(view, estimate, frame, shown) {
+    view.matrix.copy(this.#motionOfPalm(estimate.time, frame));
+    view.modes.forEach(
+      (mode, i) => (mode.visible = shown.estimate && modeShown(shown, estimate, i)),
+    );
+    view.evidence.visible = shown.evidence;
+  }
+
+  /** How the palm has moved in the world from a time to a frame. */
+  #motionOfPalm(time, frame) {
     const r = this.recording;
     const then = new THREE.Group();
-    this.#pose(then, r.linkPoses, r.links, r.palm, r.frameAt(estimate.time), 0);
+    this.#pose(then, r.linkPoses, r.links, r.palm, r.frameAt(time), 0);
     then.updateMatrix();
     const palm = new THREE.Group();
     // Once the hand has let go, the object stays where it stood then.
-    const letGo = r.placement?.let_go.find((time) => time > estimate.time) ?? Infinity;
+    const letGo = r.placement?.let_go.find((at) => at > time) ?? Infinity;
     if (r.time[frame] > letGo) {
       this.#pose(palm, r.linkPoses, r.links, r.palm, r.frameAt(letGo), 0);
     } else {
@@ -241,11 +320,7 @@ export class Scene {
       palm.quaternion.copy(this.links[r.palm].quaternion);
     }
     palm.updateMatrix();
-    view.matrix.copy(palm.matrix).multiply(then.matrix.invert());
-    view.modes.forEach(
-      (mode, i) => (mode.visible = shown.estimate && modeShown(shown, estimate, i)),
-    );
-    view.evidence.visible = shown.evidence;
+    return palm.matrix.multiply(then.matrix.invert());
   }
 
   #pose(target, values, stride, index, frame, share) {
@@ -269,5 +344,6 @@ export class Scene {
   #draw() {
     this.controls.update();
     this.renderer.render(this.scene, this.camera);
+    this.onDrawn?.(this.renderer.domElement);
   }
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The time bar: phases, the fingers' forces, estimates and where we are.
 import { FINGER_COLORS, onThemeChange, phaseColors, theme } from './colors.js';
-import { FINGERS, phaseLabel } from './recording.js';
+import { phaseLabel } from './recording.js';
 
 const PHASES = 22; // heights, px
 const TICKS = 16;
@@ -11,7 +11,6 @@ export class Timeline {
   constructor(canvas, recording, onSeek) {
     this.canvas = canvas;
     this.recording = recording;
-    this.colors = phaseColors(recording.phases);
     this.now = recording.begin;
     const seek = (event) => onSeek(this.#timeAt(event.offsetX));
     canvas.addEventListener('pointerdown', (event) => {
@@ -66,12 +65,13 @@ export class Timeline {
 
   #drawPhases(c) {
     c.textBaseline = 'middle';
+    const colors = phaseColors(this.recording.phases);
     this.recording.phases.forEach((phase, i) => {
       const name = phaseLabel(phase.name);
       const x = this.#x(phase.begin);
       const width = Math.max(2, this.#x(phase.end) - x - 1);
       c.globalAlpha = phase.begin <= this.now && this.now <= phase.end ? 1 : 0.72;
-      c.fillStyle = this.colors[i];
+      c.fillStyle = colors[i];
       c.beginPath();
       c.roundRect(x, 2, width, PHASES - 4, 3);
       c.fill();
@@ -84,38 +84,45 @@ export class Timeline {
 
   /** Stacked over the fingers: the height is the sum of the normal forces. */
   #drawForces(c) {
-    const { count, time, forces } = this.recording;
+    const { time, forces } = this.recording;
+    const columns = this.#columns();
+    const count = columns.length;
     const bottom = this.height - TICKS;
     const room = bottom - PHASES - 4;
     const below = new Float32Array(count);
-    let most = 1;
-    for (let f = 0; f < count; ++f)
-      most = Math.max(
-        most,
-        forces.reduce((sum, finger) => sum + finger[f], 0),
-      );
+    const total = (f) => forces.reduce((sum, finger) => sum + finger[f], 0);
+    const most = columns.reduce((largest, f) => Math.max(largest, total(f)), 1);
     const y = (value) => bottom - (value / most) * room;
-    FINGERS.forEach((_, finger) => {
+    forces.forEach((force, finger) => {
       c.beginPath();
-      for (let f = 0; f < count; ++f) c.lineTo(this.#x(time[f]), y(below[f] + forces[finger][f]));
-      for (let f = count - 1; f >= 0; --f) c.lineTo(this.#x(time[f]), y(below[f]));
+      columns.forEach((f, i) => c.lineTo(this.#x(time[f]), y(below[i] + force[f])));
+      for (let i = count - 1; i >= 0; --i) c.lineTo(this.#x(time[columns[i]]), y(below[i]));
       c.globalAlpha = 0.65;
       c.fillStyle = FINGER_COLORS[finger];
       c.fill();
       c.globalAlpha = 1;
-      for (let f = 0; f < count; ++f) below[f] += forces[finger][f];
+      columns.forEach((f, i) => (below[i] += force[f]));
     });
     c.fillStyle = theme('quiet');
     c.textBaseline = 'top';
     c.fillText(`${most.toFixed(0)} N`, PAD + 2, PHASES + 3);
   }
 
+  /** Frames that are drawn: no more than there is room for. */
+  #columns() {
+    const { count } = this.recording;
+    const step = Math.max(1, Math.floor(count / Math.max(1, 2 * this.width)));
+    const columns = [];
+    for (let f = 0; f < count; f += step) columns.push(f);
+    return columns;
+  }
+
   #drawTicks(c) {
     const { begin, end } = this.recording;
     const step =
-      [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 60, 120, 300].find(
+      [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 60, 120, 300, 600, 1800].find(
         (s) => ((end - begin) / s) * 56 < this.width,
-      ) ?? 600;
+      ) ?? 3600;
     c.fillStyle = theme('quiet');
     c.strokeStyle = theme('line');
     c.textBaseline = 'bottom';
@@ -140,9 +147,10 @@ export class Timeline {
   #drawEstimates(c) {
     c.fillStyle = '#2f7bf6';
     c.strokeStyle = theme('surface');
-    for (const posterior of this.recording.posteriors) {
+    for (const belief of this.recording.beliefs) {
+      if (belief.source === 'online') continue;
       c.beginPath();
-      c.arc(this.#x(posterior.time), PHASES + 9, 3, 0, 2 * Math.PI);
+      c.arc(this.#x(belief.time), PHASES + 9, 3, 0, 2 * Math.PI);
       c.fill();
     }
     for (const estimate of this.recording.estimates) {

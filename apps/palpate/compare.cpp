@@ -50,7 +50,10 @@ std::vector<double> episode_returns(const CompareArguments& arguments,
 std::vector<std::string> names_in(const std::string& list) {
   std::vector<std::string> names;
   std::istringstream words(list);
-  for (std::string name; std::getline(words, name, ',');) names.push_back(name);
+  for (std::string name; std::getline(words, name, ',');) {
+    if (name.empty()) throw BadInput(fmt::format("an empty name in '{}'", list));
+    names.push_back(name);
+  }
   if (names.empty()) throw BadInput("nothing to compare in ''");
   return names;
 }

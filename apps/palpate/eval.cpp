@@ -2,16 +2,21 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cstdio>
 
 #include "common.hpp"
 #include "eval_faults.hpp"
 #include "eval_report.hpp"
 #include "hand_option.hpp"
+#include "live_view.hpp"
+#include "manifest.hpp"
 #include "object_option.hpp"
 #include "palpate/core/cache.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
+#include "palpate/core/parallel.hpp"
+#include "palpate/core/version.hpp"
 #include "palpate/evaluation/evaluation.hpp"
 #include "palpate/geometry/objects/generated_shape.hpp"
 #include "place_report.hpp"
@@ -55,6 +60,33 @@ struct EvalArguments {
   bool campaign = false;
   std::string shard_text;
   Shard shard;
+  LiveOption live;
+};
+
+/// One trial at a time for those who watch: the next that begins once the one before has ended.
+class WatchedTrials {
+ public:
+  explicit WatchedTrials(std::unique_ptr<LiveView> view) : view_(std::move(view)) {}
+
+  /// @return none while another is watched, or where nobody can
+  std::shared_ptr<recording::Sink> begin(const geometry::KnownObject& object,
+                                         const evaluation::TrialOptions& options,
+                                         std::uint64_t seed) {
+    if (!view_ || busy_.exchange(true)) return nullptr;
+    const simulation::World world(object, options.world, seed);
+    auto page = view_->begin(
+        {std::string(version()), seed, object, world.hand_model(), to_toml(options), false},
+        fmt::format("palpate eval, {} with seed {}", object.name, seed));
+    return {page.release(), [this](recording::PageStream* stream) {
+              stream->end("the trial has ended; the next one follows");
+              delete stream;
+              busy_ = false;
+            }};
+  }
+
+ private:
+  std::unique_ptr<LiveView> view_;
+  std::atomic<bool> busy_ = false;
 };
 
 /// Fingerprint of all that decides how a trial goes, but for its number.
@@ -94,6 +126,35 @@ std::vector<std::size_t> own_trials(const EvalArguments& arguments, std::size_t 
   return numbers;
 }
 
+/// Shows how many trials of the present object have ended.
+class EvalProgress {
+ public:
+  EvalProgress(const std::vector<evaluation::EvaluatedObject>& objects,
+               const EvalArguments& arguments)
+      : objects_(objects), arguments_(arguments) {
+    begin(0);
+  }
+
+  void count() { bar_->show(++done_); }
+
+  /// The object has ended. Nothing is shown until the next one begins.
+  void end() { bar_.reset(); }
+
+  void begin(std::size_t object) {
+    if (object >= objects_.size()) return;
+    done_ = 0;
+    bar_.emplace(arguments_.objects[object], objects_[object].numbers.size(),
+                 arguments_.common.quiet);
+    bar_->show(0);
+  }
+
+ private:
+  const std::vector<evaluation::EvaluatedObject>& objects_;
+  const EvalArguments& arguments_;
+  std::optional<ProgressBar> bar_;
+  std::size_t done_ = 0;
+};
+
 /// What an evaluation keeps in its folder, from which it goes on where it was interrupted.
 struct EvalOutput {
   EvalOutput(const EvalArguments& arguments, const evaluation::TrialOptions& options,
@@ -104,6 +165,14 @@ struct EvalOutput {
     write_file_atomically(folder.path() / "config.toml",
                           config_header(arguments.common) + to_toml(options));
     std::filesystem::remove(folder.path() / "eval.json");  // of fewer trials
+    nlohmann::json made = manifest();
+    made.update({{"configuration", plan.configuration},
+                 {"seed", plan.seed},
+                 {"objects", plan.objects},
+                 {"trials", plan.trials},
+                 {"shard", fmt::format("{}/{}", arguments.shard.number, arguments.shard.count)},
+                 {"threads", arguments.common.threads}});
+    write_file_atomically(folder.path() / "manifest.json", made.dump(2) + "\n");
   }
 
   void add(const std::string& object, std::uint64_t seed, const evaluation::Trial& trial) {
@@ -121,7 +190,7 @@ struct EvalOutput {
   /// Without --force an evaluation goes on, so that nothing is in its way.
   static std::vector<std::string> kept_by_force(const EvalArguments& arguments) {
     if (!arguments.common.force) return {};
-    return {"trials.jsonl", "trials.csv", "eval.json", "config.toml"};
+    return {"trials.jsonl", "trials.csv", "eval.json", "config.toml", "manifest.json"};
   }
 
   std::filesystem::path begin() const {
@@ -135,15 +204,31 @@ struct EvalOutput {
   }
 };
 
+/// What to do after an evaluation: put its shards together, or look at one of its trials.
+std::string next_of(const EvalArguments& arguments) {
+  if (!arguments.shard_text.empty()) {
+    return fmt::format("palpate merge {} ... with the folders of the other shards",
+                       arguments.common.out);
+  }
+  return fmt::format("palpate pick --object {} --seed {} repeats the first trial, and draws it",
+                     arguments.objects.front(), arguments.common.seed);
+}
+
 int eval(EvalArguments arguments) {
   if (arguments.campaign) {
-    if (arguments.resume || !arguments.place.empty() || !arguments.shard_text.empty() ||
-        arguments.known.mass || !arguments.known.at.empty() || !arguments.candidates.empty()) {
+    if (!arguments.place.empty() || !arguments.shard_text.empty() || arguments.known.mass ||
+        !arguments.known.at.empty() || !arguments.candidates.empty() ||
+        arguments.live.option->count() > 0) {
       throw BadInput(
-          "--faults goes with none of --resume, --place, --shard, --mass, --at and --candidates");
+          "--faults goes with none of --place, --shard, --mass, --at, --candidates and --live");
     }
+    if (arguments.resume && (arguments.common.out.empty() || arguments.common.force)) {
+      throw BadInput("--resume needs the --out of a campaign, and no --force");
+    }
+    std::erase(arguments.faults, "");  // what CLI11 makes of an option without values
     return eval_faults(resolve_trial(arguments.common, arguments.hand, arguments.arm),
-                       arguments.common, arguments.objects, arguments.trials, arguments.faults);
+                       arguments.common, arguments.objects, arguments.trials, arguments.faults,
+                       arguments.resume);
   }
   if (!arguments.shard_text.empty()) arguments.shard = parse_shard(arguments.shard_text);
   if (arguments.shard.count > 1 && arguments.common.out.empty()) {
@@ -161,8 +246,10 @@ int eval(EvalArguments arguments) {
   if (!arguments.place.empty()) options.place.target = place_text(arguments.place);
   apply_place(arguments.known, options.start);
   std::optional<Notice> notice(std::in_place, "preparing the objects", arguments.common.quiet);
-  std::vector<geometry::KnownObject> objects;
-  for (const auto& name : arguments.objects) objects.push_back(load_object(name, arguments.known));
+  std::vector<geometry::KnownObject> objects(arguments.objects.size());
+  parallel_for(objects.size(), arguments.common.threads, [&](std::size_t i) {
+    objects[i] = load_object(arguments.objects[i], arguments.known);
+  });
   // A source or target that cannot be is named before anything moves.
   static_cast<void>(options.touch.from_biotacs());
   for (const auto& object : objects) {
@@ -179,36 +266,43 @@ int eval(EvalArguments arguments) {
   if (!folder.empty()) output.emplace(arguments, options, plan);
 
   const CandidateObjects known = load_objects(arguments.candidates, arguments.known);
+  WatchedTrials watched(arguments.live.open(arguments.common.quiet));
   EvalReport report(plan, arguments.common.json);
+  std::vector<evaluation::EvaluatedObject> evaluated;
   for (std::size_t i = 0; i < objects.size(); ++i) {
-    const auto same = std::find(known.names.begin(), known.names.end(), arguments.objects[i]);
-    const bool is_candidate = same != known.names.end();
-    const auto own =
-        is_candidate ? std::nullopt : std::make_optional<geometry::ObjectModel>(objects[i]);
-    const auto& model =
-        own ? *own : known.models[static_cast<std::size_t>(same - known.names.begin())];
-    const auto numbers = own_trials(arguments, i);
-    const ProgressBar bar(arguments.objects[i], numbers.size(), arguments.common.quiet);
-    std::size_t done = 0;
-    bar.show(done);
-    report.end_object(evaluation::evaluate(
-        model, options, arguments.common.seed, numbers, arguments.common.threads,
-        [&](std::size_t number, const evaluation::Trial& trial) {
-          bar.show(++done);
-          report.add(trial);
-          if (output) output->add(arguments.objects[i], arguments.common.seed + number, trial);
-        },
-        [&](std::size_t number) {
-          return output ? output->records.find(arguments.objects[i], arguments.common.seed + number)
-                        : std::nullopt;
-        },
-        known.candidates()));
+    evaluated.push_back({&objects[i], own_trials(arguments, i), known.find(arguments.objects[i])});
   }
+  EvalProgress progress(evaluated, arguments);
+  const std::uint64_t seed = arguments.common.seed;
+  evaluation::EvaluationHooks hooks;
+  hooks.finished = [&](evaluation::TrialId id) {
+    return output ? output->records.find(arguments.objects[id.object], seed + id.number)
+                  : std::nullopt;
+  };
+  hooks.sink = [&](evaluation::TrialId id) {
+    return watched.begin(objects[id.object], options, seed + id.number);
+  };
+  hooks.trial = [&](evaluation::TrialId id, const evaluation::Trial& trial) {
+    progress.count();
+    report.add(trial);
+    if (output) output->add(arguments.objects[id.object], seed + id.number, trial);
+  };
+  hooks.object = [&](std::size_t object, const auto& summary) {
+    progress.end();
+    report.end_object(summary);
+    progress.begin(object + 1);
+  };
+  evaluation::evaluate(evaluated, options, seed, arguments.common.threads, hooks,
+                       known.candidates());
   const json summary = report.finish();
   if (output) {
     output->table.write();
     write_file_atomically(folder / "eval.json", summary.dump(2) + "\n");
   }
+  if (output && !arguments.common.json) {
+    fmt::print("wrote {}: eval.json, config.toml, trials.csv, trials.jsonl\n", folder.string());
+  }
+  print_next(arguments.common, next_of(arguments));
   return kDone;
 }
 
@@ -221,6 +315,7 @@ void add_eval(CLI::App& program, Command& chosen) {
       .add_option("--object", arguments->objects,
                   "built-in objects, mesh files, generated:SEED or generated:A-B")
       ->delimiter(',')
+      ->type_name("O[,O2..]")
       ->capture_default_str();
   command.add_option("--trials", arguments->trials, "picks per object")
       ->check(in_range(1, 1000000))
@@ -238,6 +333,7 @@ void add_eval(CLI::App& program, Command& chosen) {
               "repeat the picks with each of these faults of the hand, injected at a random "
               "time, and with none; without a list, with all faults (docs/safety.md)")
           ->delimiter(',')
+          ->type_name("KIND[,KIND2..]")
           ->expected(0, 100);
   add_place_option(command, arguments->place);
   command
@@ -249,10 +345,11 @@ void add_eval(CLI::App& program, Command& chosen) {
   add_object_options(command, arguments->known);
   add_hand_option(command, arguments->hand);
   add_arm_option(command, arguments->arm);
+  add_live_option(command, arguments->live);
   add_common_options(command, arguments->common);
   command.footer(
-      "Trial i of every object has the seed SEED + i. With --out it writes eval.json, config.toml "
-      "and,\n"
+      "Trial i of every object has the seed SEED + i. With --out it writes eval.json, "
+      "config.toml,\nmanifest.json (program, commit, machine, configuration) and,\n"
       "as they finish, one row per trial in trials.csv and its details in trials.jsonl into DIR. "
       "The\n"
       "same command continues an interrupted run, with the same result bit for bit; a command "
@@ -263,6 +360,7 @@ void add_eval(CLI::App& program, Command& chosen) {
       "  palpate eval --object mug,duck --candidates mug,box,bottle --trials 10 --seed 9000\n"
       "  palpate eval --object duck --trials 10 --set attempts=1 --json\n"
       "  palpate eval --object box,mug --trials 5 --faults load_nan,finger_silent --json\n"
+      "  palpate eval --object mug --trials 10 --threads 2 --live   # one trial at a time\n"
       "  palpate eval --place random --trials 20 --seed 9000\n"
       "  palpate eval --arm ur10 --object mug,box --trials 5 --seed 9000\n"
       "  palpate eval --trials 100 --seed 9000 --shard 3/16 --out part3\n"

@@ -2,15 +2,23 @@
 #include "eval_faults.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
+#include <filesystem>
+#include <map>
 #include <utility>
 
+#include "earlier_results.hpp"
+#include "palpate/core/cache.hpp"
+#include "palpate/core/durable_file.hpp"
 #include "palpate/core/file.hpp"
 #include "palpate/core/statistics.hpp"
 #include "palpate/evaluation/fault_campaign.hpp"
 #include "palpate/geometry/objects/generated_shape.hpp"
+#include "palpate/recording/json_text.hpp"
 #include "progress_bar.hpp"
 
 namespace palpate::app {
@@ -29,9 +37,9 @@ std::string rate_text(std::size_t count, const FaultSummary& summary) {
   return fmt::format("{:.2f} [{:.2f}, {:.2f}]", rate(count, summary), interval.low, interval.high);
 }
 
-std::string stopped_text(const FaultSummary& summary) {
+std::string counts_text(const std::map<std::string, std::size_t>& counts) {
   std::string text;
-  for (const auto& [name, count] : summary.stopped) {
+  for (const auto& [name, count] : counts) {
     text += fmt::format("{}{} {}", text.empty() ? "" : ", ", name, count);
   }
   return text.empty() ? "-" : text;
@@ -48,21 +56,54 @@ json summary_json(const FaultSummary& summary) {
           {"peak_load", summary.peak_load},
           {"peak_tip_force", summary.peak_tip_force},
           {"longest_stop", summary.longest_stop},
-          {"stopped", summary.stopped}};
+          {"stopped", summary.stopped},
+          {"survived", summary.survived}};
+}
+
+/// What summary_json() made.
+FaultSummary summary_from(const json& row) {
+  FaultSummary summary;
+  summary.trials = row.at("trials").get<std::size_t>();
+  const auto count = [&](const char* key) {
+    return static_cast<std::size_t>(
+        std::lround(row.at(key).get<double>() * static_cast<double>(summary.trials)));
+  };
+  summary.lifted = count("lifted");
+  summary.pose_ok = count("pose_ok");
+  summary.confident_wrong = count("confident_wrong");
+  row.at("overloaded").get_to(summary.overloaded);
+  row.at("crushed").get_to(summary.crushed);
+  row.at("crashed").get_to(summary.crashed);
+  row.at("peak_load").get_to(summary.peak_load);
+  row.at("peak_tip_force").get_to(summary.peak_tip_force);
+  row.at("longest_stop").get_to(summary.longest_stop);
+  row.at("stopped").get_to(summary.stopped);
+  row.at("survived").get_to(summary.survived);
+  return summary;
+}
+
+/// The rows that an interrupted campaign of the same configuration has finished.
+json finished_rows(const std::filesystem::path& path, const std::string& configuration) {
+  return read_earlier(path, [&] {
+    const json report = recording::parse_json(read_file(path));
+    expect_same_settings(path, report.at("configuration") == configuration);
+    return report.at("faults");
+  });
 }
 
 void print_heading() {
-  fmt::print("{:<17} {:>6}  {:<18} {:<18} {:>6} {:>7} {:>7} {:>8} {:>8} {:>8}   {}\n", "fault",
-             "trials", "lifted", "pose right", "wrong*", "crashed", "crushed", "mount N", "tip N",
-             "after s", "the robot stopped for");
+  fmt::print("{:<17} {:>6}  {:<18} {:<18} {:>6} {:>7} {:>7} {:>8} {:>8} {:>8}   {:<24} {}\n",
+             "fault", "trials", "lifted", "pose right", "wrong*", "crashed", "crushed", "mount N",
+             "tip N", "after s", "the robot stopped for", "it went on with");
 }
 
 void print_row(std::string_view name, const FaultSummary& summary) {
-  fmt::print("{:<17} {:>6}  {:<18} {:<18} {:>6} {:>7} {:>7} {:>8.1f} {:>8.1f} {:>8.2f}   {}\n",
-             name, summary.trials, rate_text(summary.lifted, summary),
-             rate_text(summary.pose_ok, summary), summary.confident_wrong, summary.crashed,
-             summary.crushed, summary.peak_load, summary.peak_tip_force, summary.longest_stop,
-             stopped_text(summary));
+  fmt::print(
+      "{:<17} {:>6}  {:<18} {:<18} {:>6} {:>7} {:>7} {:>8.1f} {:>8.1f} {:>8.2f}   {:<24} {}\n",
+      name, summary.trials, rate_text(summary.lifted, summary), rate_text(summary.pose_ok, summary),
+      summary.confident_wrong, summary.crashed, summary.crushed, summary.peak_load,
+      summary.peak_tip_force, summary.longest_stop, counts_text(summary.stopped),
+      counts_text(summary.survived));
   std::fflush(stdout);
 }
 
@@ -84,17 +125,30 @@ std::vector<InjectedFault> campaign_of(const std::vector<std::string>& names) {
 
 int eval_faults(const evaluation::TrialOptions& options, const CommonOptions& common,
                 const std::vector<std::string>& objects, std::size_t trials,
-                const std::vector<std::string>& faults) {
+                const std::vector<std::string>& faults, bool resume) {
   const auto campaign = campaign_of(faults);
   std::vector<geometry::ObjectModel> models;
   for (const auto& name : geometry::expand_object_names(objects)) {
     models.emplace_back(geometry::load_known_object(name));
   }
-  const auto output = claim_output(common, {"faults.json"});
-  json report = {{"trials", trials}, {"seed", common.seed}, {"faults", json::object()}};
+  const auto output =
+      resume ? std::make_unique<OutputFolder>(common.out, std::vector<std::string>(), false)
+             : claim_output(common, {"faults.json"});
+  const auto path = std::filesystem::path(common.out) / "faults.json";
+  const std::string configuration =
+      content_hash(fmt::format("{}{}{} {} {}", config_header(common), to_toml(options),
+                               fmt::join(objects, ","), trials, common.seed));
+  json report = {{"trials", trials},
+                 {"seed", common.seed},
+                 {"configuration", configuration},
+                 {"faults", resume ? finished_rows(path, configuration) : json::object()}};
   if (!common.json) print_heading();
   for (const InjectedFault fault : campaign) {
     const std::string name(hand::to_string(fault));
+    if (report["faults"].contains(name)) {
+      if (!common.json) print_row(name, summary_from(report["faults"][name]));
+      continue;
+    }
     const ProgressBar bar(name, trials * models.size(), common.quiet);
     FaultSummary sum;
     for (const auto& model : models) {
@@ -106,10 +160,10 @@ int eval_faults(const evaluation::TrialOptions& options, const CommonOptions& co
     }
     report["faults"][name] = summary_json(sum);
     if (!common.json) print_row(name, sum);
+    if (output) write_file_atomically(path, report.dump(2) + "\n");
   }
   if (common.json) fmt::print("{}\n", report.dump(2));
   if (!common.json) fmt::print("* wrong with a stated probability above 0.9\n");
-  if (output) write_file_atomically(output->path() / "faults.json", report.dump(2) + "\n");
   return kDone;
 }
 

@@ -14,6 +14,6 @@ namespace palpate::app {
 /// @param faults  hand::kInjectedFaultNames; empty: all of them
 int eval_faults(const evaluation::TrialOptions& options, const CommonOptions& common,
                 const std::vector<std::string>& objects, std::size_t trials,
-                const std::vector<std::string>& faults);
+                const std::vector<std::string>& faults, bool resume = false);
 
 }  // namespace palpate::app

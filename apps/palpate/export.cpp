@@ -96,10 +96,10 @@ void add_export(CLI::App& program, Command& chosen) {
       "the Python package: pip install 'palpate[export]'. With --json, messages are their steps.\n"
       "python3 -m palpate.export makes one data set of several recordings (docs/python.md).\n\n"
       "Examples:\n"
-      "  palpate export mcap out/pick-mug-7/recording.h5\n"
-      "  palpate export mcap out/pick-mug-7/recording.h5 --out mug.mcap --json\n"
-      "  palpate export lerobot out/pick-mug-7/recording.h5 --out mug-lerobot\n"
-      "  palpate export minari out/pick-mug-7/recording.h5 --out mug-minari");
+      "  palpate export mcap out/pick-mug-2/recording.h5\n"
+      "  palpate export mcap out/pick-mug-2/recording.h5 --out mug.mcap --json\n"
+      "  palpate export lerobot out/pick-mug-2/recording.h5 --out mug-lerobot\n"
+      "  palpate export minari out/pick-mug-2/recording.h5 --out mug-minari");
   command.callback(
       [arguments, &chosen] { chosen = [arguments] { return export_recording(*arguments); }; });
 }

@@ -11,11 +11,14 @@
 #include "palpate/simulation/hand/hand_store.hpp"
 #include "palpate/simulation/hand/load_hand.hpp"
 #include "palpate/simulation/rendering/renderer.hpp"
+#include "terminal.hpp"
 
 namespace palpate::app {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr const char* kHandHelp = "name of a hand, or an MJCF, URDF or TOML file";
 
 struct CheckArguments {
   CommonOptions common;
@@ -37,6 +40,24 @@ std::vector<std::string> joints_of(const hand::Description& hand, int finger) {
   return names;
 }
 
+/// A fingertip's surface in words.
+std::string shape_of(const hand::Finger& finger) {
+  if (!finger.hull) return fmt::format("capsule, radius {:.1f} mm", 1e3 * finger.tip.radius);
+  return fmt::format("convex, {} corners", finger.hull->core.size());
+}
+
+nlohmann::json tip_json(const hand::Description& hand, const hand::Finger& finger) {
+  nlohmann::json tip = {{"link", hand.links[static_cast<std::size_t>(finger.link)].name},
+                        {"shape", finger.hull ? "hull" : "capsule"},
+                        {"radius", finger.tip.radius},
+                        {"length", (finger.tip.b - finger.tip.a).norm()}};
+  if (finger.hull) {
+    tip["corners"] = finger.hull->core.size();
+    tip["edge_radius"] = finger.hull->radius;
+  }
+  return tip;
+}
+
 nlohmann::json hand_json(const simulation::DescribedHand& loaded) {
   const hand::Description& hand = loaded.hand;
   auto fingers = nlohmann::json::array(), actuators = nlohmann::json::array();
@@ -46,10 +67,7 @@ nlohmann::json hand_json(const simulation::DescribedHand& loaded) {
     fingers.push_back({{"name", finger.name},
                        {"thumb", i == hand.thumb},
                        {"joints", joints_of(hand, i)},
-                       {"tip",
-                        {{"link", hand.links[static_cast<std::size_t>(finger.link)].name},
-                         {"radius", finger.tip.radius},
-                         {"length", (finger.tip.b - finger.tip.a).norm()}}}});
+                       {"tip", tip_json(hand, finger)}});
   }
   for (const hand::Actuator& actuator : hand.actuators) {
     actuators.push_back({{"name", actuator.name},
@@ -70,11 +88,11 @@ void print_hand(const simulation::DescribedHand& loaded) {
   const hand::Description& hand = loaded.hand;
   fmt::print("{}: {} fingers, {} joints, {} actuators\n\n", hand.name, hand.finger_count(),
              hand.joint_count(), hand.actuator_count());
-  fmt::print("{:<10} {:<18} {:>11}  {}\n", "finger", "fingertip", "radius (mm)", "joints");
+  fmt::print("{:<10} {:<18} {:<22}  {}\n", "finger", "fingertip", "surface", "joints");
   for (int i = 0; i < hand.finger_count(); ++i) {
     const hand::Finger& finger = hand.fingers[static_cast<std::size_t>(i)];
-    fmt::print("{:<10} {:<18} {:>11.1f}  {}{}\n", finger.name,
-               hand.links[static_cast<std::size_t>(finger.link)].name, 1e3 * finger.tip.radius,
+    fmt::print("{:<10} {:<18} {:<22}  {}{}\n", finger.name,
+               hand.links[static_cast<std::size_t>(finger.link)].name, shape_of(finger),
                fmt::join(joints_of(hand, i), " "), i == hand.thumb ? "  (thumb)" : "");
   }
   fmt::print("\n{:<22} {:>15} {:>12} {:>10} {:>8}\n", "actuator", "range (rad)", "P (N m/rad)",
@@ -93,8 +111,10 @@ void print_hand(const simulation::DescribedHand& loaded) {
   if (loaded.problems.empty()) fmt::print("\nNo problems.\n");
 }
 
-void draw_postures(const hand::Description& hand, const fs::path& folder) {
+/// @return the pictures
+std::vector<fs::path> draw_postures(const hand::Description& hand, const fs::path& folder) {
   fs::create_directories(folder);
+  std::vector<fs::path> files;
   simulation::Renderer renderer(hand, geometry::load_known_object("box"), 640, 480);
   const auto picture = [&](const std::string& name, const hand::ActuatorVector& positions,
                            const hand::Attitude& attitude) {
@@ -105,7 +125,8 @@ void draw_postures(const hand::Description& hand, const fs::path& folder) {
     state.base.ypr << 0, attitude.pitch, attitude.roll;
     simulation::Camera camera;
     camera.lookat.z() = 0.18;
-    simulation::save_png(folder / (name + ".png"), renderer.render(state, camera));
+    files.push_back(folder / (name + ".png"));
+    simulation::save_png(files.back(), renderer.render(state, camera));
   };
   const hand::Postures& postures = hand.postures;
   picture("open", postures.top.open, postures.top.attitudes.front());
@@ -115,6 +136,7 @@ void draw_postures(const hand::Description& hand, const fs::path& folder) {
     picture("pointing-" + hand.fingers[static_cast<std::size_t>(pointing.finger)].name,
             pointing.positions, pointing.attitude);
   }
+  return files;
 }
 
 int check(const CheckArguments& arguments) {
@@ -124,10 +146,24 @@ int check(const CheckArguments& arguments) {
     fmt::print("{}\n", hand_json(loaded).dump(2));
   } else {
     print_hand(loaded);
-    if (!arguments.render.empty()) {
-      fmt::print("\nThe postures are drawn in {}.\nNext: palpate pick --hand {}\n",
-                 arguments.render, arguments.hand);
+    if (!arguments.render.empty())
+      fmt::print("\nThe postures are drawn in {}.\n", arguments.render);
+    if (loaded.problems.empty()) {
+      print_next(arguments.common, "palpate pick --object box --hand " + arguments.hand);
     }
+  }
+  return kDone;
+}
+
+int render(const CheckArguments& arguments) {
+  const auto loaded = load_hand_with_progress(arguments.hand, arguments.common.quiet);
+  const auto files = draw_postures(loaded.hand, arguments.render);
+  if (arguments.common.json) {
+    auto paths = nlohmann::json::array();
+    for (const fs::path& file : files) paths.push_back(file.string());
+    fmt::print("{}\n", nlohmann::json{{"pictures", paths}}.dump(2));
+  } else {
+    for (const fs::path& file : files) fmt::print("{}\n", file.string());
   }
   return kDone;
 }
@@ -202,23 +238,11 @@ void add_install(CLI::App& group, Command& chosen) {
       [common, name, &chosen] { chosen = [common, name] { return install(*common, *name); }; });
 }
 
-}  // namespace
-
-void add_hand(CLI::App& program, Command& chosen) {
-  auto& group = *program.add_subcommand("hand", "List, install and check hand models");
-  group.require_subcommand(1);
-  group.footer(
-      "Examples:\n"
-      "  palpate hand list\n"
-      "  palpate hand install leap\n"
-      "  palpate hand check my_hand.xml --render out/my-hand");
-  add_list(group, chosen);
-  add_install(group, chosen);
+void add_check(CLI::App& group, Command& chosen) {
   auto arguments = std::make_shared<CheckArguments>();
   auto& command = *group.add_subcommand(
       "check", "Report what is derived from a hand's file, what is assumed, and what is wrong");
-  command.add_option("HAND", arguments->hand, "name of a hand, or an MJCF, URDF or TOML file")
-      ->required();
+  command.add_option("HAND", arguments->hand, kHandHelp)->required();
   command.add_option("--render", arguments->render, "folder for a picture of each posture")
       ->option_text("DIR");
   command.add_flag("--json", arguments->common.json, "print one JSON object");
@@ -228,6 +252,35 @@ void add_hand(CLI::App& program, Command& chosen) {
       "  palpate hand check my_hand.xml --render out/my-hand\n"
       "  palpate pick --hand my_hand.xml --object box");
   command.callback([arguments, &chosen] { chosen = [arguments] { return check(*arguments); }; });
+}
+
+void add_postures_render(CLI::App& group, Command& chosen) {
+  auto arguments = std::make_shared<CheckArguments>();
+  auto& command = *group.add_subcommand(
+      "render", "Draw the postures that are derived for a hand: open, closed, flat, pointing");
+  command.add_option("HAND", arguments->hand, kHandHelp)->required();
+  command.add_option("--out", arguments->render, "folder for the pictures")
+      ->option_text("DIR")
+      ->required();
+  command.add_flag("--json", arguments->common.json, "print one JSON object");
+  command.footer("Examples:\n  palpate hand render shadow --out out/shadow");
+  command.callback([arguments, &chosen] { chosen = [arguments] { return render(*arguments); }; });
+}
+
+}  // namespace
+
+void add_hand(CLI::App& program, Command& chosen) {
+  auto& group = *program.add_subcommand("hand", "List, install, check and draw hand models");
+  group.require_subcommand(1);
+  group.footer(
+      "Examples:\n"
+      "  palpate hand list\n"
+      "  palpate hand install leap\n"
+      "  palpate hand check my_hand.xml --render out/my-hand");
+  add_list(group, chosen);
+  add_install(group, chosen);
+  add_check(group, chosen);
+  add_postures_render(group, chosen);
 }
 
 }  // namespace palpate::app

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -11,8 +12,8 @@ namespace palpate::app {
 /// What a page server looks at of a request.
 struct HttpRequest {
   bool well_formed = false;
-  std::string_view method, target;
-  std::optional<std::string_view> host, origin;
+  std::string_view method, path, query;
+  std::optional<std::string_view> host, origin, last_event_id;
 };
 
 struct HttpStatus {
@@ -20,14 +21,30 @@ struct HttpStatus {
   std::string_view reason;
 };
 
+/// What a request is judged by.
+struct ServerSide {
+  std::string host = "127.0.0.1";
+  int port = 0;
+  std::string token;     ///< that a request must have; empty: it must name this machine as its host
+  bool streams = false;  ///< "/events" is there
+};
+
 /// Reads the head of a request, whole with its empty line; views into it.
 HttpRequest parse_request(std::string_view head);
 
-/// How a server of the one page "/" on the loopback port answers: 200 for a GET or HEAD of it that
-/// names the server as its Host and, if any, as its Origin.
-HttpStatus status_of(const HttpRequest& request, int port);
+/// How a server answers: 200 for a GET or HEAD of "/" or, if it streams, GET of "/events" that may
+/// have it.
+HttpStatus status_of(const HttpRequest& request, const ServerSide& side);
+
+/// Number of the message after which a stream is to go on, as a browser that lost it tells.
+std::optional<std::uint64_t> last_message(const HttpRequest& request);
 
 /// The head of an answer. @param size  bytes of its body
 std::string answer_head(HttpStatus status, std::size_t size);
+/// The head of a stream.
+std::string stream_head();
+
+/// 128 random bits in hexadecimal.
+std::string random_token();
 
 }  // namespace palpate::app

@@ -18,6 +18,11 @@ void add_interface_options(CLI::App& command, ros2::RobotInterface& interface) {
                   "prefix of the contact topics; the finger's name follows")
       ->option_text("TOPIC")
       ->capture_default_str();
+  command
+      .add_option("--fingertip-wrenches", interface.fingertip_wrenches,
+                  "prefix of topics with the wrench on a fingertip, in the place of its contacts")
+      ->option_text("TOPIC")
+      ->capture_default_str();
 }
 
 }  // namespace palpate::app

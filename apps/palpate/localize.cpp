@@ -19,6 +19,7 @@
 #include "palpate/core/file.hpp"
 #include "palpate/core/se3.hpp"
 #include "palpate/localization/contacts_io.hpp"
+#include "palpate/localization/free_space.hpp"
 #include "palpate/localization/identification.hpp"
 #include "terminal.hpp"
 
@@ -106,7 +107,7 @@ lo::Evidence evidence_of(const LocalizeArguments& arguments, const LocalizeOptio
   evidence.contacts = lo::read_contacts(
       arguments.contacts, {arguments.point_noise, arguments.normal_noise_deg * kDegree});
   if (arguments.table) evidence.table = table_at(*arguments.table, evidence.contacts, object);
-  if (!arguments.free.empty()) evidence.free_space = lo::read_free_spheres(arguments.free);
+  if (!arguments.free.empty()) evidence.free_space = lo::read_free_space(arguments.free);
   if (!arguments.prior.empty()) {
     evidence.prior = read_prior(arguments.prior, object.T_mesh_object);
   }
@@ -252,7 +253,8 @@ void add_localize(CLI::App& program, Command& chosen) {
       ->check(in_range(-100.0, 100.0));
   command
       .add_option("--free", arguments->free,
-                  "CSV with x,y,z,radius of balls that are known to be free of the object, m")
+                  "CSV of what is known to be free of the object, m: balls x,y,z,radius, or the "
+                  "voxels x,y,z,size of a grid")
       ->option_text("FILE");
   command
       .add_option("--prior", arguments->prior,

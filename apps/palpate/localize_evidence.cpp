@@ -10,6 +10,7 @@
 #include "palpate/core/file.hpp"
 #include "palpate/core/se3.hpp"
 #include "palpate/localization/pose_prior.hpp"
+#include "palpate/recording/json_text.hpp"
 
 namespace palpate::app {
 namespace {
@@ -64,7 +65,7 @@ lo::PosePrior read_prior(const std::filesystem::path& path,
                          const Eigen::Isometry3d& T_mesh_object) {
   try {
     lo::Posterior before;
-    const auto report = nlohmann::json::parse(read_file(path));
+    const auto report = recording::parse_json(read_file(path));
     for (const auto& entry : report.at("modes")) {
       before.modes.push_back(mode_of(entry, T_mesh_object));
     }

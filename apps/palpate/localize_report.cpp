@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "common.hpp"
+#include "localize_evidence.hpp"
 #include "palpate/core/angle.hpp"
 #include "palpate/core/se3.hpp"
 #include "terminal.hpp"
@@ -88,9 +89,9 @@ nlohmann::json report_of(const LocalizeResult& result) {
                      {"covariance", row_major(mesh_covariance(mode, result.T_object_mesh))},
                      {"free_axis", axis_json(mode)}});
   }
-  auto further = nlohmann::json::array();
-  for (const auto& T : result.posterior.further)
-    further.push_back(to_json(T * result.T_object_mesh));
+  auto residual_set = nlohmann::json::array();
+  for (const auto& T : result.posterior.residual_set)
+    residual_set.push_back(to_json(T * result.T_object_mesh));
   auto objects = nlohmann::json::array();
   for (std::size_t i = 0; i < result.names.size(); ++i) {
     objects.push_back({{"name", result.names[i]}, {"probability", result.objects.candidates[i]}});
@@ -101,8 +102,8 @@ nlohmann::json report_of(const LocalizeResult& result) {
           {"other_object", result.objects.other},
           {"probability", best_probability(result.posterior, result.ignore_spin)},
           {"modes", modes},
-          {"unlisted", result.posterior.unlisted()},
-          {"further", further},
+          {"residual_mass", result.posterior.residual_mass()},
+          {"residual_set", residual_set},
           {"method", result.method},
           {"hint", result.hint},
           {"repairs", result.repairs},
@@ -133,10 +134,10 @@ void print_result(const LocalizeResult& result) {
     for (std::size_t i = shown; i < modes.size(); ++i) rest += modes[i].weight;
     fmt::print("{:6.3f}  in {} more (--json lists them)\n", rest, modes.size() - shown);
   }
-  const std::size_t further = result.posterior.further.size();
-  if (further == 0) return;
+  const std::size_t rest = result.posterior.residual_set.size();
+  if (rest == 0) return;
   fmt::print("{:6.3f}  elsewhere, most of it about {} poses (--json lists them)\n",
-             result.posterior.unlisted(), further);
+             result.posterior.residual_mass(), rest);
 }
 
 }  // namespace palpate::app

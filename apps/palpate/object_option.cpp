@@ -26,7 +26,7 @@ void add_object_options(CLI::App& command, ObjectArguments& arguments) {
       ->check(in_range(0.001, 5.0));
   command
       .add_option("--at", arguments.at,
-                  "where the object is on the table, m, within +- R (default: 0,0,0.02)")
+                  "where the object is on the table, m, within +- R (default: 0,0,0.04)")
       ->option_text("X,Y[,R]");
 }
 
@@ -42,6 +42,11 @@ estimation::Candidates CandidateObjects::candidates() const {
   estimation::Candidates candidates;
   for (const auto& model : models) candidates.push_back(&model);
   return candidates;
+}
+
+const geometry::ObjectModel* CandidateObjects::find(const std::string& name) const {
+  const auto found = std::find(names.begin(), names.end(), name);
+  return found == names.end() ? nullptr : &models[static_cast<std::size_t>(found - names.begin())];
 }
 
 void require_distinct(const std::vector<std::string>& names) {

@@ -33,6 +33,8 @@ struct CandidateObjects {
   std::vector<geometry::ObjectModel> models;
 
   [[nodiscard]] estimation::Candidates candidates() const;
+  /// @return none if it is not among them
+  [[nodiscard]] const geometry::ObjectModel* find(const std::string& name) const;
 };
 
 /// @throws BadInput as load_object, for more than kMaxCandidates, and as require_distinct

@@ -10,12 +10,15 @@
 #include "common.hpp"
 #include "hand_option.hpp"
 #include "interrupt.hpp"
+#include "live_view.hpp"
 #include "object_option.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
 #include "palpate/core/random.hpp"
 #include "palpate/core/version.hpp"
+#include "palpate/evaluation/belief_recorder.hpp"
 #include "palpate/evaluation/trial.hpp"
+#include "palpate/recording/writer.hpp"
 #include "pick_report.hpp"
 #include "place_report.hpp"
 #include "replay_file.hpp"
@@ -34,6 +37,8 @@ struct PickArguments {
   std::string hand, arm;
   std::optional<int> explore;
   std::string place;
+  LiveOption live;
+  bool no_belief = false;
 };
 
 fs::path output_folder(const PickArguments& arguments) {
@@ -101,6 +106,7 @@ int pick(const PickArguments& arguments) {
   const std::string config =
       config_header(common) + fmt::format("# object {}\n", names) + to_toml(options);
   const Interrupt interrupt;
+  const auto live = arguments.live.open(common.quiet);
   // First, so that nothing is left behind where the simulator refuses something.
   const simulation::World world(object.object(), options.world, common.seed);
   notice.reset();
@@ -108,18 +114,35 @@ int pick(const PickArguments& arguments) {
   const fs::path folder = output_folder(arguments);
   const OutputFolder output(folder, {"recording.h5", "config.toml", "report.json", "replay.html"},
                             common.force);
-  recording::Writer writer(folder / "recording.h5",
-                           {std::string(version()), common.seed, object.object(),
-                            world.hand_model(), config, sensor_reported_errors});
+  const recording::Header header{std::string(version()), common.seed, object.object(),
+                                 world.hand_model(),     config,      sensor_reported_errors};
+  const auto title = fmt::format("palpate pick --object {} --seed {}{}", names, common.seed,
+                                 arguments.place.empty() ? "" : " --place " + arguments.place);
+  recording::Writer writer(folder / "recording.h5", header);
+  const auto page = live ? live->begin(header, title) : nullptr;
+  std::vector<recording::Sink*> sinks{&writer};
+  if (page) sinks.push_back(page.get());
+  std::optional<evaluation::BeliefRecorder> beliefs;
+  if (objects.models.size() == 1 && !other && !arguments.no_belief) {
+    beliefs.emplace(object, header.hand,
+                    evaluation::BeliefRecorder::Options{options.pick_options(), {}}, common.seed,
+                    [&page](const recording::BeliefRecord& belief) {
+                      if (page) page->belief(belief);
+                    });
+    sinks.push_back(&*beliefs);
+  }
+  recording::Tee sink(std::move(sinks));
   const auto trial = evaluation::run_trial(object, objects.candidates(), options, common.seed,
-                                           &writer, phase_printer(common), interrupt.token());
+                                           &sink, phase_printer(common), interrupt.token());
+  if (beliefs) {
+    for (const auto& belief : beliefs->finish()) writer.belief(belief);
+  }
   writer.finish();
+  if (page) page->end(trial.result.held ? "picked" : "ended: " + trial.result.failed_phase);
   write_file_atomically(folder / "config.toml", config);
   auto report = trial_json(trial, objects.names);
   report.update({{"object", names}, {"seed", common.seed}, {"version", version()}});
   write_file_atomically(folder / "report.json", report.dump(2) + "\n");
-  const auto title = fmt::format("palpate pick --object {} --seed {}{}", names, common.seed,
-                                 arguments.place.empty() ? "" : " --place " + arguments.place);
   write_file_atomically(folder / "replay.html", replay_html(folder / "recording.h5", title));
   if (common.json) {
     fmt::print("{}\n", report.dump(2));
@@ -164,6 +187,9 @@ void add_pick(CLI::App& program, Command& chosen) {
                   "ambiguous)")
       ->check(in_range(0, 64));
   add_place_option(command, arguments->place);
+  add_live_option(command, arguments->live);
+  command.add_flag("--no-belief", arguments->no_belief,
+                   "do not compute and record the posterior of the pose after each touch");
   add_common_options(command, arguments->common, kConfig | kSeed | kOut);
   command.footer(
       "Writes recording.h5, config.toml, report.json and replay.html (open it in a browser) into\n"
@@ -172,7 +198,8 @@ void add_pick(CLI::App& program, Command& chosen) {
       "is impossible, and nothing has moved. A fault of the hand, or Ctrl-C, stops the robot in a\n"
       "safe state: exit code 5, and the report names the fault (docs/safety.md).\n\n"
       "Examples:\n"
-      "  palpate pick --object mug --seed 7\n"
+      "  palpate pick --object mug --seed 2\n"
+      "  palpate pick --object mug --live          # http://127.0.0.1:8080/ while it happens\n"
       "  palpate pick --object duck --explore 16\n"
       "  palpate pick --object mug,box,bottle --seed 7\n"
       "  palpate pick --object mug,box,bottle --true-object bracket --seed 7\n"

@@ -77,11 +77,18 @@ json phase_json(const skills::PhaseReport& report) {
           {"peak_force", report.peak_force}};
 }
 
-json faults_json(const skills::FaultReport& report) {
+json fault_json(const skills::FaultReport& report, bool stopped) {
+  return {{"name", to_string(report.fault)},
+          {"detail", report.detail},
+          {"time", report.time},
+          {"stopped", stopped}};
+}
+
+/// Those with which the pick went on, and the one that stopped it, if any did.
+json faults_json(const skills::PickResult& result) {
   json faults = json::array();
-  if (!report) return faults;
-  faults.push_back(
-      {{"name", to_string(report.fault)}, {"detail", report.detail}, {"time", report.time}});
+  for (const auto& report : result.survived) faults.push_back(fault_json(report, false));
+  if (result.fault) faults.push_back(fault_json(result.fault, true));
   return faults;
 }
 
@@ -185,7 +192,7 @@ nlohmann::json trial_json(const evaluation::Trial& trial, const std::vector<std:
   return {{"status", fault ? "fault"
                      : ok  ? "ok"
                            : "failed"},
-          {"faults", faults_json(fault)},
+          {"faults", faults_json(trial.result)},
           {"failed_phase", failed_phase},
           {"held", trial.result.held},
           {"lifted", trial.metrics.lifted},

@@ -143,7 +143,7 @@ void print_result(const pl::Plan& plan, const std::optional<pl::TrackingError>& 
              plan.arrivals.size(), plan.corners.size(), plan.duration(), 1e3 * plan.seconds,
              plan.checks);
   if (!tracking) return;
-  fmt::print("tracking error, rms (max): joints {:.2f} ({:.2f}) deg, base {:.2f} ({:.2f}) mm\n",
+  fmt::print("tracking error, rms (max): joints {:.2f} ({:.2f}) deg, mount {:.2f} ({:.2f}) mm\n",
              tracking->joint_rms * 180 / std::numbers::pi,
              tracking->joint_max * 180 / std::numbers::pi, 1e3 * tracking->base_rms,
              1e3 * tracking->base_max);
@@ -183,10 +183,11 @@ std::vector<OptionInfo> plan_option_list() { return list_options(PlanSettings{})
 void add_plan(CLI::App& program, Command& chosen) {
   auto arguments = std::make_shared<PlanArguments>();
   auto& command = *program.add_subcommand(
-      "plan", "Plan a collision-free motion of base and hand through waypoints");
+      "plan", "Plan a collision-free motion of mount and hand through waypoints");
   command
       .add_option("waypoints", arguments->waypoints,
-                  "CSV: the 24 joints (rad) by name, or x,y,z,yaw,pitch,roll (m, rad) and them")
+                  "CSV with the 24 joints (rad) by name and, optionally, the mount's "
+                  "x,y,z,yaw,pitch,roll (m, rad)")
       ->option_text("WAYPOINTS")
       ->required();
   command
@@ -212,7 +213,7 @@ void add_plan(CLI::App& program, Command& chosen) {
       "depth\n"
       "of contact that is allowed and the bounds of the search are options (--set, --config).\n"
       "J1 and J2 of a finger share one tendon as on the real hand, so that J1 + J2 is met, not\n"
-      "each; J1 may not exceed J2. Without a base in the file it rests at z = 0.3 m.\n"
+      "each; J1 may not exceed J2. Without a pose of the mount in the file it rests at z = 0.3 m.\n"
       "--out receives path.csv (100 samples per second), path.svg, report.json, config.toml.\n"
       "Exits with 3 for a waypoint beyond limits or in collision (named), 4 if there is no "
       "path.\n\n"

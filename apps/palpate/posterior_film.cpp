@@ -5,11 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "palpate/core/error.hpp"
 #include "palpate/core/options.hpp"
-#include "palpate/core/random.hpp"
 #include "palpate/estimation/posterior_history.hpp"
 #include "palpate/evaluation/credible_poses.hpp"
 #include "palpate/evaluation/trial.hpp"
@@ -23,37 +21,14 @@ using estimation::TouchEvent;
 using simulation::Ghost;
 
 constexpr double kLookAbove = 0.03;  // m, above the object: the hand comes from there
-constexpr int kPriorGhosts = 40;     // before the first touch, about
 constexpr std::size_t kMaxGhosts = 120;
 
 /// What is seen of a posterior. A ghost's opacity is the root of its probability, for many share
 /// it.
-std::vector<Ghost> ghosts_of(const localization::Posterior& posterior) {
+std::vector<Ghost> ghosts_of(const std::vector<evaluation::CrediblePose>& poses) {
   std::vector<Ghost> ghosts;
-  for (const auto& pose : evaluation::credible_poses(posterior, kMaxGhosts)) {
+  for (const auto& pose : poses) {
     ghosts.push_back({pose.T_frame_object, std::min(1.0, std::sqrt(pose.probability))});
-  }
-  return ghosts;
-}
-
-/// What is believed before the first touch: any stable pose with any yaw, near the rough place.
-std::vector<Ghost> prior_ghosts(const geometry::KnownObject& object,
-                                const estimation::EstimationOptions& options,
-                                const Eigen::Isometry3d& T_world_table) {
-  RandomStream random(0, "prior ghosts");
-  std::vector<Ghost> ghosts;
-  for (const geometry::StablePose& stable : object.stable_poses) {
-    const int count = static_cast<int>(std::lround(kPriorGhosts * stable.probability));
-    for (int i = 0; i < count; ++i) {
-      Eigen::Vector3d place(options.place.x(), options.place.y(), stable.height);
-      place.x() += random.uniform(-1, 1) * options.resting_half_width;
-      place.y() += random.uniform(-1, 1) * options.resting_half_width;
-      Ghost ghost{T_world_table * Eigen::Translation3d(place),
-                  std::sqrt(stable.probability / count)};
-      const Eigen::AngleAxisd yaw(2 * std::numbers::pi * i / count, Eigen::Vector3d::UnitZ());
-      ghost.T_world_object.linear() = T_world_table.linear() * yaw * stable.R_table_object;
-      ghosts.push_back(ghost);
-    }
   }
   return ghosts;
 }
@@ -81,7 +56,9 @@ std::string caption_of(const PosteriorStep& step, std::size_t touches, std::size
                                : fmt::format("touch {}", touches);
   const auto& modes = step.posterior.modes;
   const double best = modes.empty() ? 0 : localization::pose_probability(modes.front());
-  return fmt::format("{}\n{} pose{}, best {:.2f}", what, poses, poses == 1 ? "" : "s", best);
+  const std::string count = fmt::format("{} credible pose{}", poses, poses == 1 ? "" : "s");
+  if (best < 0.005) return fmt::format("{}\n{}", what, count);
+  return fmt::format("{}\n{}, best {:.2f}", what, count, best);
 }
 
 /// What a film shows from a reading on, until the next scene.
@@ -100,9 +77,13 @@ std::vector<Scene> scenes_of(const std::vector<PosteriorStep>& history, std::vec
     const bool in_hand =
         step.moment.mark == TouchEvent::closed || step.moment.mark == TouchEvent::held;
     touches += in_hand ? 0 : 1;
-    auto ghosts = ghosts_of(step.posterior);
-    const std::string caption = caption_of(step, touches, ghosts.size());
-    scenes.push_back({step.moment.reading, in_hand, std::move(ghosts), caption});
+    auto ghosts = ghosts_of(evaluation::credible_poses(step.posterior, kMaxGhosts));
+    std::string caption = caption_of(step, touches, ghosts.size());
+    if (ghosts.empty() && !in_hand) {  // as before
+      ghosts = scenes.back().ghosts;
+      caption = fmt::format("touch {}\nno estimate yet", touches);
+    }
+    scenes.push_back({step.moment.reading, in_hand, std::move(ghosts), std::move(caption)});
   }
   return scenes;
 }
@@ -134,8 +115,8 @@ std::vector<simulation::Image> film_posterior(const recording::Recording& record
   const auto history = history_of(recording, trial);
   if (starts.empty() || history.empty()) throw BadInput("the recording has no touch of the object");
   const auto scenes = scenes_of(
-      history,
-      prior_ghosts(recording.header.object, trial.pick_options().estimation, log.T_world_table));
+      history, ghosts_of(evaluation::prior_poses(
+                   recording.header.object, trial.pick_options().estimation, log.T_world_table)));
   simulation::Camera camera = options.camera;
   camera.lookat = recording.frames[starts.front()].truth->T_world_object.translation();
   camera.lookat.z() += kLookAbove;

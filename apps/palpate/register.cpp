@@ -76,8 +76,9 @@ RegisterOptions options_of(const RegisterArguments& arguments) {
 struct Outcome {
   rg::CloudRegistration registration;
   bool clouds = false;
-  geometry::PointCloud source;
-  std::string hint;  ///< why there may be no pose
+  geometry::PointCloud source;  ///< after a known scale
+  double estimated_scale = 1;   ///< of that
+  std::string hint;             ///< why there may be no pose
 };
 
 geometry::PointCloud load(const std::string& path, const RegisterArguments& arguments,
@@ -87,8 +88,12 @@ geometry::PointCloud load(const std::string& path, const RegisterArguments& argu
   return geometry::subset(cloud, geometry::statistical_inliers(cloud, options.filter));
 }
 
+void scale_points(std::vector<Eigen::Vector3d>& points, double scale) {
+  for (auto& p : points) p *= scale;
+}
+
 void apply_known_scale(std::vector<Eigen::Vector3d>& points, const RegisterArguments& arguments) {
-  for (auto& p : points) p *= arguments.known_scale.value_or(1);
+  scale_points(points, arguments.known_scale.value_or(1));
 }
 
 Outcome find_pose(const RegisterArguments& arguments, const RegisterOptions& options) {
@@ -127,6 +132,7 @@ nlohmann::json outcome_report(const Outcome& outcome) {
   if (!outcome.clouds) return report;
   report["correspondences"] = outcome.registration.correspondences.size();
   report["feature_matches"] = outcome.registration.feature_matches;
+  report["feature_inliers"] = outcome.registration.feature_inliers;
   report["voxel"] = outcome.registration.voxel;
   report["noise_bound"] = outcome.registration.noise_bound;
   report["refinements"] = outcome.registration.refinements;
@@ -140,8 +146,8 @@ void write_results(const CommonOptions& common, const RegisterOptions& options,
                    const Outcome& outcome) {
   if (common.out.empty()) return;
   const std::filesystem::path folder = common.out;
-  const auto output =
-      claim_output(common, {"report.json", "config.toml", "correspondences.csv", "weights.csv"});
+  const auto output = claim_output(common, {"report.json", "config.toml", "correspondences.csv",
+                                            "weights.csv", "source_in_target.ply"});
   const auto& result = outcome.registration.result;
   write_file_atomically(folder / "report.json", outcome_report(outcome).dump(2) + "\n");
   write_file_atomically(folder / "config.toml", config_header(common) + to_toml(options));
@@ -151,14 +157,17 @@ void write_results(const CommonOptions& common, const RegisterOptions& options,
     write_file_atomically(folder / "weights.csv", weight_history_csv(result.history));
   }
   if (outcome.clouds && result.T_target_source) {
+    geometry::PointCloud placed = outcome.source;
+    scale_points(placed.points, outcome.estimated_scale);
     geometry::save_cloud(folder / "source_in_target.ply",
-                         geometry::transformed(*result.T_target_source, outcome.source));
+                         geometry::transformed(*result.T_target_source, std::move(placed)));
   }
 }
 
 int register_command(const RegisterArguments& arguments) {
   const auto options = options_of(arguments);
   Outcome outcome = find_pose(arguments, options);
+  outcome.estimated_scale = outcome.registration.result.scale;
   outcome.registration.result.scale *= arguments.known_scale.value_or(1);
   const rg::RegistrationResult& result = outcome.registration.result;
   write_results(arguments.common, options, outcome);
@@ -166,11 +175,7 @@ int register_command(const RegisterArguments& arguments) {
     fmt::print("{}\n", outcome_report(outcome).dump(2));
   } else {
     print_report(result);
-    if (outcome.clouds) {
-      fmt::print("{} feature matches at {:.3g} m between points, {} rounds of nearest neighbours\n",
-                 outcome.registration.feature_matches, outcome.registration.voxel,
-                 outcome.registration.refinements);
-    }
+    outcome.clouds ? print_features(outcome.registration) : print_bound(result);
     if (!result.T_target_source && !outcome.hint.empty()) fmt::print("{}\n", outcome.hint);
   }
   return result.status == rg::RegistrationStatus::kFound ? kDone : kNoSolution;

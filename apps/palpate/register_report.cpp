@@ -109,9 +109,6 @@ void print_report(const rg::RegistrationResult& result) {
   fmt::print("cost {:.3g} m^2, at most {:.1g} m^2 above the global optimum for these inliers\n",
              result.cost, result.bound);
   fmt::print("false alarms: {:.1g} such poses expected by chance\n", result.false_alarms);
-  if (const auto& bound = result.certificate.robust) {
-    fmt::print("upper bound: no pose has more than {} inliers\n", bound->max_inliers);
-  }
   for (const auto& instance : result.instances) {
     fmt::print("another instance: {} inliers, {}\n", instance.inliers,
                motion_text(instance.T_target_source));
@@ -120,6 +117,25 @@ void print_report(const rg::RegistrationResult& result) {
     fmt::print("runner-up: {} other inliers, {}\n", result.runner_up->inliers,
                motion_text(result.runner_up->T_target_source));
   }
+}
+
+void print_bound(const rg::RegistrationResult& result) {
+  const auto& bound = result.certificate.robust;
+  if (!result.T_target_source || !bound) return;
+  fmt::print("upper bound: no pose has more than {} inliers\n", bound->max_inliers);
+}
+
+void print_features(const rg::CloudRegistration& registration) {
+  fmt::print("{} feature matches at {:.3g} m between points, {} of them within {:.3g} m",
+             registration.feature_matches, registration.voxel, registration.feature_inliers,
+             registration.noise_bound);
+  if (const auto& bound = registration.result.certificate.robust) {
+    fmt::print(" (of no pose more than {})", bound->max_inliers);
+  }
+  fmt::print("; {} rounds of nearest neighbours\n", registration.refinements);
+  if (!registration.result.T_target_source) return;
+  fmt::print("overlap: {:.0f} % of the source, residuals of {:.2g} m\n", 100 * registration.overlap,
+             registration.rms_error);
 }
 
 std::string correspondences_csv(const rg::Correspondences& c,

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "common.hpp"
-#include "palpate/registration/registration.hpp"
+#include "palpate/registration/cloud_registration.hpp"
 
 namespace palpate::app {
 
@@ -11,6 +11,12 @@ nlohmann::json report_of(const registration::RegistrationResult& result);
 
 /// What a person is told of it.
 void print_report(const registration::RegistrationResult& result);
+
+/// How many of the pairs any pose can have, if that is known.
+void print_bound(const registration::RegistrationResult& result);
+
+/// What the features of clouds, whose pairs then gave way to nearest neighbours, had to say.
+void print_features(const registration::CloudRegistration& registration);
 
 /// The correspondences with weight and residual, as a CSV that `--correspondences` reads.
 std::string correspondences_csv(const registration::Correspondences& correspondences,

@@ -12,6 +12,7 @@
 #include "palpate/core/version.hpp"
 #include "palpate/evaluation/trial.hpp"
 #include "palpate/recording/recording.hpp"
+#include "palpate/recording/writer.hpp"
 #include "palpate/simulation/hand/load_hand.hpp"
 #include "palpate/simulation/rendering/renderer.hpp"
 #include "posterior_film.hpp"
@@ -197,6 +198,7 @@ void add_render(CLI::App& program, Command& chosen) {
   command
       .add_option("--object", arguments->object,
                   "mug, bottle, box, bracket, duck, or a mesh file in metres")
+      ->type_name("O")
       ->capture_default_str()
       ->excludes(recording);
   add_hand_option(command, arguments->hand).excludes(recording);
@@ -229,12 +231,12 @@ void add_render(CLI::App& program, Command& chosen) {
       "Writes into DIR: by default where the recording is, else out/render-OBJECT-SEED. Needs no\n"
       "screen; palpate doctor tells whether it can draw.\n\n"
       "Examples:\n"
-      "  palpate render --object mug --seed 7\n"
+      "  palpate render --object mug --seed 2\n"
       "  palpate render --object box --hand allegro\n"
       "  palpate render --object box --arm ur10\n"
-      "  palpate render out/pick-mug-7/recording.h5 --size 640x480 --azimuth 90 --out pictures\n"
-      "  palpate render out/pick-mug-7/recording.h5 --size 400x300 --video\n"
-      "  palpate render out/pick-mug-7/recording.h5 --size 480x360 --posterior --elevation -30");
+      "  palpate render out/pick-mug-2/recording.h5 --size 640x480 --azimuth 90 --out pictures\n"
+      "  palpate render out/pick-mug-2/recording.h5 --size 400x300 --video\n"
+      "  palpate render out/pick-mug-2/recording.h5 --size 480x360 --posterior --elevation -30");
   command.callback([arguments, &chosen] { chosen = [arguments] { return render(*arguments); }; });
 }
 

@@ -128,8 +128,8 @@ void add_replay(CLI::App& program, Command& chosen) {
       "mcap` wrote names its object and hand; for others the pose is that of the last instant at\n"
       "which two fingers touch, or of --at.\n\n"
       "Examples:\n"
-      "  palpate replay out/pick-mug-7/recording.h5\n"
-      "  palpate replay out/pick-mug-7/recording.h5 --set estimation.free_space=false --json\n"
+      "  palpate replay out/pick-mug-2/recording.h5\n"
+      "  palpate replay out/pick-mug-2/recording.h5 --set estimation.free_space=false --json\n"
       "  palpate replay run.mcap --object part.stl --hand my_hand.xml --mount-frame wrist\n"
       "  palpate replay run.mcap --object mug --at 12.5 --json");
   command.callback([arguments, &command, &chosen] {

@@ -46,7 +46,7 @@ struct RolloutOptions : RelocateOptions {
 /// The episodes, and what touch knew in them, if the policy was told that.
 struct Rollout {
   std::vector<relocate::Episode> episodes;
-  std::vector<relocate::FeltEpisode> felt;
+  std::vector<relocate::TouchEpisode> by_touch;
 };
 
 /// Runs episodes: told the truth, or by touch.
@@ -71,10 +71,10 @@ class Runner {
     }
     const ProgressBar bar("relocate", arguments_.episodes, common.quiet);
     bar.show(0);
-    result.felt = relocation_->run_all(policy, options_.episode, common.seed, arguments_.episodes,
-                                       common.threads,
-                                       [&bar](std::size_t done, std::size_t) { bar.show(done); });
-    for (const auto& felt : result.felt) result.episodes.push_back(felt.episode);
+    result.by_touch = relocation_->run_all(
+        policy, options_.episode, common.seed, arguments_.episodes, common.threads,
+        [&bar](std::size_t done, std::size_t) { bar.show(done); });
+    for (const auto& one : result.by_touch) result.episodes.push_back(one.episode);
     return result;
   }
 
@@ -85,10 +85,10 @@ class Runner {
   std::optional<relocate::Relocation> relocation_;
 };
 
-double median_of(const std::vector<relocate::FeltEpisode>& felt,
-                 double relocate::FeltEpisode::*value) {
+double median_of(const std::vector<relocate::TouchEpisode>& by_touch,
+                 double relocate::TouchEpisode::*value) {
   std::vector<double> values;
-  for (const auto& episode : felt) values.push_back(episode.*value);
+  for (const auto& episode : by_touch) values.push_back(episode.*value);
   return median(values);
 }
 
@@ -133,27 +133,28 @@ void print_table(const relocate::RolloutSummary& s, double steps_per_second,
   fmt::print("observes    {}\n", fmt::join(observed, ", "));
 }
 
-json touch_json(const std::vector<relocate::FeltEpisode>& felt) {
-  using relocate::FeltEpisode;
+json touch_json(const std::vector<relocate::TouchEpisode>& by_touch) {
+  using relocate::TouchEpisode;
   double estimates = 0, seconds = 0;
-  for (const auto& episode : felt) {
+  for (const auto& episode : by_touch) {
     estimates += episode.estimates;
     seconds += episode.estimates * episode.estimate_seconds;
   }
-  return {{"explored", std::ranges::count_if(felt, &FeltEpisode::explored)},
-          {"resting_error_mm", 1e3 * median_of(felt, &FeltEpisode::resting_error)},
-          {"told_error_mm", 1e3 * median_of(felt, &FeltEpisode::reported_error)},
-          {"estimates", estimates / static_cast<double>(felt.size())},
+  return {{"explored", std::ranges::count_if(by_touch, &TouchEpisode::explored)},
+          {"resting_error_mm", 1e3 * median_of(by_touch, &TouchEpisode::resting_error)},
+          {"reported_error_mm", 1e3 * median_of(by_touch, &TouchEpisode::reported_error)},
+          {"estimates", estimates / static_cast<double>(by_touch.size())},
           {"estimate_seconds", estimates > 0 ? json(seconds / estimates) : json(nullptr)}};
 }
 
-void print_touch(const std::vector<relocate::FeltEpisode>& felt) {
-  const json touch = touch_json(felt);
+void print_touch(const std::vector<relocate::TouchEpisode>& by_touch) {
+  const json touch = touch_json(by_touch);
   fmt::print(
-      "by touch    {} explored; the place told was {:.1f} mm off at first (in x and y), {:.1f} mm "
+      "by touch    {} explored; the reported place was {:.1f} mm off at first (in x and y), {:.1f} "
+      "mm "
       "at the end (medians); {:.1f} estimates in the grasp\n",
       touch["explored"].get<int>(), touch["resting_error_mm"].get<double>(),
-      touch["told_error_mm"].get<double>(), touch["estimates"].get<double>());
+      touch["reported_error_mm"].get<double>(), touch["estimates"].get<double>());
 }
 
 /// What the policy looks at, as told.
@@ -180,7 +181,7 @@ int rollout(const RolloutArguments& arguments) {
   const auto output = claim_output(common, {"rollout.json", "episodes.csv", "config.toml"});
 
   const auto start = std::chrono::steady_clock::now();
-  const auto [episodes, felt] = runner.run(*policy);
+  const auto [episodes, by_touch] = runner.run(*policy);
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   double steps = 0;
@@ -190,14 +191,14 @@ int rollout(const RolloutArguments& arguments) {
   json report = summary_json(summary);
   report["steps_per_second"] = steps / seconds;
   report["observes"] = observes(*policy, arguments.touch);
-  if (arguments.touch) report["touch"] = touch_json(felt);
+  if (arguments.touch) report["touch"] = touch_json(by_touch);
   if (!common.out.empty()) write_results(arguments, options, episodes, report);
   write_recordings(arguments, options, *policy);
   if (common.json) {
     fmt::print("{}\n", report.dump(2));
   } else {
     print_table(summary, steps / seconds, observes(*policy, arguments.touch));
-    if (arguments.touch) print_touch(felt);
+    if (arguments.touch) print_touch(by_touch);
     if (arguments.record > 0) {
       print_next(common, fmt::format("palpate view {}/episode-0.h5", common.out));
     }

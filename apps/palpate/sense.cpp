@@ -92,6 +92,8 @@ void add_sense(CLI::App& program, Command& chosen) {
       .add_option("--model", arguments->model,
                   "trained model for a BioTac log, or for the BioTacs of a recording")
       ->option_text("FILE");
+  command.add_flag("--causal", arguments->causal,
+                   "of a BioTac log, use only the frames up to each, as in a stream");
   add_common_options(command, arguments->common, kOut);
   command.footer(
       "A CSV of contacts has the columns finger,t,px,py,pz (or x,y,z),fx,fy,fz and, optionally,\n"
@@ -105,7 +107,7 @@ void add_sense(CLI::App& program, Command& chosen) {
       "stream's series as CSV and its normals and forces as SVG figures, and the contacts of all\n"
       "streams as contacts.csv, which palpate localize reads.\n\n"
       "Examples:\n"
-      "  palpate sense out/pick-mug-7/recording.h5 --out out/sense-mug-7\n"
+      "  palpate sense out/pick-mug-2/recording.h5 --out out/sense-mug-2\n"
       "  palpate sense contacts.csv --estimator rls --json");
   command.callback([arguments, &chosen] { chosen = [arguments] { return sense(*arguments); }; });
 }

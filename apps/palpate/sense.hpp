@@ -16,6 +16,7 @@ struct SenseArguments {
   std::string model;             ///< trained BioTac model; empty: none given
   std::string estimator = "s2";  ///< of contacts' normals
   double tick = 0.1;             ///< s, where a CSV counts ticks instead of seconds
+  bool causal = false;           ///< a BioTac's log frame by frame, as it would come
 };
 
 /// What was sensed at one time; values that are not known are nan.

@@ -5,8 +5,9 @@
 
 #include <limits>
 #include <memory>
-#include <numbers>
+#include <optional>
 
+#include "palpate/core/angle.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
 #include "palpate/hand/kinematics.hpp"
@@ -31,15 +32,13 @@ SensedSample unfelt(double time, unsigned flags) {
           .flags = tactile::biotac_flag_names(flags)};
 }
 
-SensedSample sense_frame(const tactile::BiotacNormalModel& model, const tactile::BiotacLog& log,
-                         const tactile::BiotacSignals& signals, std::size_t i) {
-  SensedSample sample = unfelt(log.time[i], signals.flags[i]);
-  if (!tactile::biotac_usable(signals.flags[i])) return sample;
-  const auto felt = model.estimate(signals.changes[i]);
-  if (!felt) return sample;
-  sample.normal = felt->n;
-  sample.sigma_deg = felt->sigma * 180 / std::numbers::pi;
-  if (log.normals[i]) sample.error_deg = tactile::angle_between_deg(felt->n, *log.normals[i]);
+SensedSample sensed_frame(const tactile::BiotacLog& log, unsigned flags,
+                          const std::optional<tactile::BiotacNormal>& normal, std::size_t i) {
+  SensedSample sample = unfelt(log.time[i], flags);
+  if (!normal) return sample;
+  sample.normal = normal->n;
+  sample.sigma_deg = normal->sigma / kDegree;
+  if (log.normals[i]) sample.error_deg = tactile::angle_between_deg(normal->n, *log.normals[i]);
   return sample;
 }
 
@@ -77,7 +76,7 @@ std::vector<SensedStream> sense_channels(const SenseArguments& arguments,
         sample.point = T * contact.p;
         sample.force = T.linear() * contact.f;
         sample.normal = T.linear() * contact.n;
-        sample.sigma_deg = contact.normal_sigma * 180 / std::numbers::pi;
+        sample.sigma_deg = contact.normal_sigma / kDegree;
         const Eigen::Vector3d tip_center =
             sample.point + hand.fingers[i].tip.radius * sample.normal;
         if (const auto truth = true_normal(mesh, frame, tip_center)) {
@@ -99,10 +98,12 @@ std::vector<SensedStream> sense_biotac(const SenseArguments& arguments) {
   }
   const auto model = tactile::BiotacNormalModel::parse(read_file(arguments.model), arguments.model);
   const auto log = tactile::read_biotac_log(arguments.recording);
-  const auto signals = tactile::biotac_signals(log);
+  const auto rest = arguments.causal ? tactile::BiotacRest::causal : tactile::BiotacRest::whole_log;
+  const auto signals = tactile::biotac_signals(log, rest);
+  const auto normals = model.track(log, signals, rest);
   SensedStream stream{.name = "biotac", .samples = {}};
   for (std::size_t i = 0; i < log.time.size(); ++i) {
-    stream.samples.push_back(sense_frame(model, log, signals, i));
+    stream.samples.push_back(sensed_frame(log, signals.flags[i], normals[i], i));
   }
   return {stream};
 }

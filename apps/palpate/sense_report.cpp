@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "palpate/core/angle.hpp"
@@ -11,6 +12,8 @@
 
 namespace palpate::app {
 namespace {
+
+constexpr double kChiSquared95 = 5.991;  // of the two tangent axes
 
 struct StreamSummary {
   std::size_t samples = 0, flagged = 0;
@@ -45,7 +48,14 @@ nlohmann::json stream_json(const StreamSummary& summary) {
                            {"p95", quantile(summary.errors, 0.95)}};
   }
   stream["normalized_error_squared"] = nullptr;
-  if (!summary.normalized.empty()) stream["normalized_error_squared"] = mean(summary.normalized);
+  stream["coverage_95"] = nullptr;
+  if (!summary.normalized.empty()) {
+    stream["normalized_error_squared"] = mean(summary.normalized);
+    const auto within = std::count_if(summary.normalized.begin(), summary.normalized.end(),
+                                      [](double square) { return square < kChiSquared95; });
+    stream["coverage_95"] =
+        static_cast<double>(within) / static_cast<double>(summary.normalized.size());
+  }
   return stream;
 }
 

@@ -42,28 +42,66 @@ std::vector<tactile::BiotacLog> read_logs(const std::vector<std::string>& paths)
   return logs;
 }
 
+nlohmann::json normal_errors_json(const tactile::BiotacNormalErrors& errors) {
+  if (errors.error_deg.empty()) return nullptr;
+  return {{"frames", errors.error_deg.size()},
+          {"median_deg", median(errors.error_deg)},
+          {"p90_deg", quantile(errors.error_deg, 0.9)},
+          {"normalized_error_squared", mean(errors.normalised)},
+          {"coverage_95", errors.coverage_95()}};
+}
+
+/// Errors at each log of models that learned from the others.
+struct LogsLeftOut {
+  nlohmann::json logs = nlohmann::json::object();
+  tactile::BiotacNormalErrors errors;
+};
+
+LogsLeftOut leave_logs_out(const std::vector<tactile::BiotacLog>& logs,
+                           const tactile::BiotacNormalOptions& options) {
+  LogsLeftOut result;
+  for (std::size_t i = 0; i < logs.size(); ++i) {
+    auto others = logs;
+    others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
+    if (samples_of(others).size() < 10) continue;
+    const auto errors =
+        tactile::judge_biotac_normal(tactile::train_biotac_normal(others, options), logs[i]);
+    result.logs[logs[i].name] = normal_errors_json(errors);
+    result.errors.add(errors);
+  }
+  return result;
+}
+
+std::string said(const std::vector<double>& errors, const std::string& of) {
+  if (errors.empty()) return fmt::format("no {} to validate on", of);
+  return fmt::format("error at {} left out: median {:.2f} deg, p90 {:.2f} deg", of, median(errors),
+                     quantile(errors, 0.9));
+}
+
 int train_biotac_normal(const BiotacNormalArguments& arguments) {
   require_out(arguments.common);
-  auto options = resolve<tactile::BiotacNormalOptions>(arguments.common);
-  options.seed = arguments.common.seed;
+  const auto options = resolve<tactile::BiotacNormalOptions>(arguments.common);
   const auto logs = read_logs(arguments.logs);
-  const auto samples = samples_of(logs);
-  const auto model = tactile::BiotacNormalModel::train(samples, options);
+  const auto model = tactile::train_biotac_normal(logs, options);
   const auto errors = tactile::cross_validate_biotac_normal(logs, options);
   write_file_atomically(arguments.common.out, model.bytes());
-  nlohmann::json report = {{"samples", samples.size()}, {"logs", logs.size()}};
+  const std::size_t samples = samples_of(logs).size();
+  nlohmann::json report = {{"samples", samples}, {"logs", logs.size()}};
   report["validation_error_deg"] = nullptr;
-  std::string validation = "too few touches to validate";
   if (!errors.empty()) {
-    const double middle = median(errors), p90 = quantile(errors, 0.9);
-    report["validation_error_deg"] = {{"median", middle}, {"p90", p90}};
-    validation =
-        fmt::format("error at touches left out: median {:.2f} deg, p90 {:.2f} deg", middle, p90);
+    report["validation_error_deg"] = {{"median", median(errors)}, {"p90", quantile(errors, 0.9)}};
+  }
+  std::string text = said(errors, "touches");
+  if (logs.size() > 1) {
+    const auto left_out = leave_logs_out(logs, options);
+    report["logs_left_out"] = left_out.logs;
+    report["all_logs_left_out"] = normal_errors_json(left_out.errors);
+    text += "; " + said(left_out.errors.error_deg, "logs");
   }
   if (arguments.common.json) {
     fmt::print("{}\n", report.dump(2));
   } else {
-    fmt::print("{} samples of {} logs; {}\nwrote {}\n", samples.size(), logs.size(), validation,
+    fmt::print("{} samples of {} logs; {}\nwrote {}\n", samples, logs.size(), text,
                arguments.common.out);
   }
   return kDone;
@@ -76,9 +114,10 @@ void add_biotac_normal(CLI::App& train, Command& chosen) {
   command.add_option("logs", arguments->logs, "CSV with t_s,pdc,e1..e19,nx,ny,nz; raw counts")
       ->option_text("LOG...")
       ->required();
-  add_common_options(command, arguments->common, kConfig | kSeed | kOut);
+  add_common_options(command, arguments->common, kConfig | kOut);
   command.footer(
-      "--out names the file of the model. The validation leaves whole touches out.\n\n"
+      "--out names the file of the model. The validation leaves whole touches out and, if there\n"
+      "are several, whole logs.\n\n"
       "Examples:\n"
       "  palpate train biotac-normal day1.csv day2.csv --out biotac.model\n"
       "  palpate sense day3.csv --model biotac.model --json");

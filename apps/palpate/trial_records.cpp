@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "earlier_results.hpp"
 #include "palpate/core/durable_file.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
@@ -48,11 +49,7 @@ TrialRecords TrialRecords::of(const std::filesystem::path& path) {
   TrialRecords records;
   records.path_ = path;
   const std::string text = read_file(path);
-  try {
-    records.read(text.substr(0, text.rfind('\n') + 1));
-  } catch (const json::exception& problem) {
-    throw BadInput(fmt::format("{}: damaged: {}", path.string(), problem.what()));
-  }
+  read_earlier(path, [&] { records.read(text.substr(0, text.rfind('\n') + 1)); });
   if (records.plan_.objects.empty()) {
     throw BadInput(fmt::format("{} holds no trials of `palpate eval`", path.string()));
   }
@@ -79,16 +76,8 @@ TrialRecords::TrialRecords(std::filesystem::path path, const EvalPlan& plan)
     file.close();
     text.resize(whole);
   }
-  try {
-    read(text);
-  } catch (const json::exception& problem) {
-    throw BadInput(fmt::format("{}: damaged: {}", path_.string(), problem.what()));
-  }
-  if (plan_ != plan) {
-    throw BadInput(fmt::format(
-        "{} is of an evaluation with other settings: use another --out, or --force to lose it",
-        path_.string()));
-  }
+  read_earlier(path_, [&] { read(text); });
+  expect_same_settings(path_, plan_ == plan);
 }
 
 void TrialRecords::read(const std::string& text) {

@@ -25,6 +25,10 @@ double extent_of(const std::vector<Eigen::Vector3d>& points) {
 
 std::string units_hint(const std::vector<Eigen::Vector3d>& source,
                        const std::vector<Eigen::Vector3d>& target, double noise_bound) {
+  if (std::min(source.size(), target.size()) < 3) {
+    return fmt::format("the source has {} and the target {} points; three are the least",
+                       source.size(), target.size());
+  }
   const double from = extent_of(source), to = extent_of(target);
   if (std::min(from, to) > 0 && std::max(from, to) > kRatio * std::min(from, to)) {
     return fmt::format(

@@ -2,9 +2,12 @@
 #include "usage.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
+#include <regex>
 #include <sstream>
 
 #include "palpate/core/spelling.hpp"
@@ -49,7 +52,7 @@ std::string default_and_range(const CLI::Option* option) {
     value.clear();
   }
   const std::string limits = type_name_of(option).limits;
-  const std::string range = is_choice(limits) ? "" : limits;
+  std::string range = is_choice(limits) ? "" : limits;
   if (value.empty()) return range;
   return fmt::format("default: {}{}{}", value, range.empty() ? "" : "; ", range);
 }
@@ -102,6 +105,33 @@ std::vector<std::string> option_names(const CLI::App* app) {
   return names;
 }
 
+std::string in_capitals(std::string text) {
+  std::ranges::transform(text, text.begin(), [](unsigned char c) { return std::toupper(c); });
+  return text;
+}
+
+/// Positional arguments in a message are named as in the usage.
+std::string with_positionals_in_capitals(std::string text, const CLI::App* command) {
+  for (const auto* option : command->get_options()) {
+    if (option->nonpositional()) continue;
+    const std::string name = option->get_name();
+    text = std::regex_replace(text, std::regex("(^|\\s)" + name + "(?=\\s|:|$)"),
+                              "$1" + in_capitals(name));
+  }
+  return text;
+}
+
+/// "--method: quick not in {fast,full}" as a sentence, with the likeliest of them.
+std::string named_choices(const std::string& text) {
+  static const std::regex kPattern(R"((.*): (.*) not in \{(.*)\})");
+  std::smatch match;
+  if (!std::regex_match(text, match, kPattern)) return text;
+  const std::string list = match[3];
+  const std::vector<std::string> names = CLI::detail::split(list, ',');
+  return fmt::format("{}: '{}' is none of {}{}", match[1].str(), match[2].str(),
+                     fmt::join(names, ", "), did_you_mean(match[2], names));
+}
+
 /// What is wrong with the first argument that a command does not know.
 std::string unexpected(const CLI::App* command, const std::string& argument) {
   const std::string name = command_path(command);
@@ -121,10 +151,25 @@ std::string unexpected(const CLI::App* command, const std::string& argument) {
 
 }  // namespace
 
+std::string HelpFormatter::make_option_name(const CLI::Option* option, bool is_positional) const {
+  const std::string name = Formatter::make_option_name(option, is_positional);
+  return is_positional ? in_capitals(name) : name;
+}
+
+std::string HelpFormatter::make_option_usage(const CLI::Option* option) const {
+  std::string usage = Formatter::make_option_usage(option);
+  if (const auto count = usage.find("(0x)"); count != std::string::npos) {
+    usage.replace(count, 4, "...");  // CLI11's least number of what may be missing
+  }
+  const std::string name = option->get_name(true);
+  return std::regex_replace(usage, std::regex(name), in_capitals(name));
+}
+
 std::string HelpFormatter::make_option_opts(const CLI::Option* option) const {
   if (option->get_type_size() == 0) return "";
-  const std::string text = value_name(option);
   const bool many = option->get_expected_max() == CLI::detail::expected_max_vector_size;
+  if (!option->nonpositional()) return many ? "..." : "";
+  const std::string text = value_name(option);
   return (text.empty() ? "" : " " + text) +
          (many && option->get_option_text().empty() ? "..." : "");
 }
@@ -176,7 +221,7 @@ const CLI::App* innermost(const CLI::App* program) {
 std::string usage_error(const CLI::App* program, const CLI::Error& error) {
   const CLI::App* const command = innermost(program);
   const auto unknown = program->remaining(true);
-  std::string what = error.what();
+  std::string what = with_positionals_in_capitals(named_choices(error.what()), command);
   const bool needs_command =
       dynamic_cast<const CLI::RequiredError*>(&error) && !command_names(command).empty();
   if (needs_command || dynamic_cast<const CLI::ExtrasError*>(&error)) {

@@ -10,9 +10,11 @@
 namespace palpate::app {
 
 /// Help as text of at most 100 columns: each option with the name of its value, and after its
-/// description its default and its range.
+/// description its default and its range. Positional arguments are in capitals.
 class HelpFormatter : public CLI::Formatter {
  public:
+  std::string make_option_name(const CLI::Option* option, bool is_positional) const override;
+  std::string make_option_usage(const CLI::Option* option) const override;
   std::string make_option_opts(const CLI::Option* option) const override;
   std::string make_option_desc(const CLI::Option* option) const override;
   std::string make_subcommand(const CLI::App* command) const override;

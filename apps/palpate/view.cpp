@@ -4,9 +4,14 @@
 #include <cstdio>
 
 #include "common.hpp"
-#include "page_server.hpp"
+#include "hand_option.hpp"
+#include "interface_option.hpp"
+#include "live_view.hpp"
+#include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
+#include "palpate/recording/replay_page.hpp"
 #include "replay_file.hpp"
+#include "view_stream.hpp"
 
 namespace palpate::app {
 namespace {
@@ -15,8 +20,10 @@ namespace fs = std::filesystem;
 
 struct ViewArguments {
   CommonOptions common;
-  std::string recording;
-  int port = 8080;
+  std::vector<std::string> recordings;
+  ServerAddress address;
+  bool live = false;
+  StreamArguments stream;
 };
 
 void say_where(const ViewArguments& arguments, const std::string& key, const std::string& place) {
@@ -28,16 +35,37 @@ void say_where(const ViewArguments& arguments, const std::string& key, const std
   std::fflush(stdout);
 }
 
-/// Serves the page on this machine only, until the program is interrupted.
+/// Serves the page until the program is interrupted.
 void serve(const ViewArguments& arguments, const std::string& page) {
-  PageServer server(page, arguments.port);
-  say_where(arguments, "url", fmt::format("http://127.0.0.1:{}/", server.port()));
+  PageServer server(page, arguments.address);
+  say_where(arguments, "url", server.url());
   if (!arguments.common.quiet) fmt::print(stderr, "open it in a browser; Ctrl-C ends\n");
   server.run_until_interrupted();
 }
 
+/// The page of one recording, or of two beside one another.
+std::string page_of(const std::vector<std::string>& recordings) {
+  if (recordings.size() == 1) return replay_html(recordings[0], recordings[0]);
+  return recording::compare_page(replay_html(recordings[0], recordings[0]),
+                                 replay_html(recordings[1], recordings[1]),
+                                 fmt::format("{} and {}", recordings[0], recordings[1]));
+}
+
+int view_live(const ViewArguments& arguments) {
+  if (!arguments.recordings.empty() || !arguments.common.out.empty()) {
+    throw BadInput("--live shows a stream of ROS 2: it goes with no recording and no --out");
+  }
+  LiveView live(arguments.address, true);
+  say_where(arguments, "url", live.url());
+  StreamArguments stream = arguments.stream;
+  stream.common = arguments.common;
+  return view_stream(stream, live);
+}
+
 int view(const ViewArguments& arguments) {
-  const std::string page = replay_html(arguments.recording, arguments.recording);
+  if (arguments.live) return view_live(arguments);
+  if (arguments.recordings.empty()) throw BadInput("no recording to show, and no --live");
+  const std::string page = page_of(arguments.recordings);
   if (arguments.common.out.empty()) {
     serve(arguments, page);
     return kDone;
@@ -55,17 +83,41 @@ void add_view(CLI::App& program, Command& chosen) {
   auto arguments = std::make_shared<ViewArguments>();
   auto& command =
       *program.add_subcommand("view", "Serve the replay page of a recording to a browser");
-  command.add_option("recording", arguments->recording, "recording.h5 of a pick")->required();
-  command.add_option("--port", arguments->port, "port to serve on; 0: any free port")
+  command
+      .add_option("recording", arguments->recordings,
+                  "recording.h5 of a pick; two are shown beside one another")
+      ->expected(0, 2);
+  command.add_option("--port", arguments->address.port, "port to serve on; 0: any free port")
       ->check(in_range(0, 65535))
       ->capture_default_str();
+  command
+      .add_option("--host", arguments->address.host,
+                  "IPv4 address to serve on; beyond this machine only with the token of the "
+                  "address that is printed")
+      ->option_text("ADDRESS")
+      ->capture_default_str();
+  auto* const live =
+      command.add_flag("--live", arguments->live,
+                       "show a hand behind ROS 2 while it moves, and what is estimated beside it");
+  command.add_option("--object", arguments->stream.object, "with --live: object in the hand")
+      ->type_name("O")
+      ->capture_default_str()
+      ->needs(live);
+  add_hand_option(command, arguments->stream.hand).needs(live);
+  command.add_option("--domain", arguments->stream.domain, "with --live: DDS domain")
+      ->option_text("N")
+      ->check(in_range(0, 232))
+      ->needs(live);
+  add_interface_options(command, arguments->stream.interface);
   add_common_options(command, arguments->common, kOut);
   command.footer(
       "Serves the page that replays the recording, to this machine only, until interrupted. With\n"
       "--out it writes the page as DIR/replay.html and ends.\n\n"
       "Examples:\n"
-      "  palpate view out/pick-mug-7/recording.h5\n"
-      "  palpate view out/pick-mug-7/recording.h5 --out pages");
+      "  palpate view out/pick-mug-2/recording.h5\n"
+      "  palpate view out/pick-mug-2/recording.h5 out/pick-mug-8/recording.h5\n"
+      "  palpate view --live --object mug --hand shadow   # beside palpate ros2 estimate\n"
+      "  palpate view out/pick-mug-2/recording.h5 --out pages");
   command.callback([arguments, &chosen] { chosen = [arguments] { return view(*arguments); }; });
 }
 

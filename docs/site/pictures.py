@@ -90,8 +90,8 @@ def training_set(seed):
 SETS = {
     "posterior": Set(
         (
-            "palpate pick --object mug --seed 7 --force --out {work}/mug",
-            "palpate render {work}/mug/recording.h5 --posterior --size 416x312 --azimuth 300 "
+            "palpate pick --object mug --seed 2 --force --out {work}/mug",
+            "palpate render {work}/mug/recording.h5 --posterior --size 360x270 --azimuth 300 "
             "--elevation -35 --distance 0.6 --speed 6.6 --out {work}/drawn",
         ),
         {"posterior.png": "drawn/posterior.png"},
@@ -99,7 +99,7 @@ SETS = {
     ),
     "replay": Set(
         (
-            "palpate pick --object mug --seed 7 --force --out {work}/mug",
+            "palpate pick --object mug --seed 2 --force --out {work}/mug",
             "palpate pick --object box --seed 7 --place 0.15,0.1,0.5 --force --out {work}/box",
             BROWSER % ("replay.png", "mug", "end&view=side"),
             BROWSER % ("place.png", "box", "end"),
@@ -112,6 +112,10 @@ SETS = {
     "localization_tables": experiment_set("localization_tables", 29000, "calibration", "success"),
     "localization_tracking": experiment_set("localization_tracking", 28700, "tracking"),
     "localization_probes": experiment_set("localization_probes", 9000, "probes"),
+    "hand_figures": experiment_set("hand_figures", 9000, "hand_on_edge", "task_space_vectors",
+                                   "tree_shadow", "tree_human"),
+    "touch_surfaces": experiment_set("touch_surfaces", 9906, "angle_error_raw",
+                                     "angle_error_s2-lag"),
     "relocate-dapg": training_set(200),
     "relocate-published": Set(
         (

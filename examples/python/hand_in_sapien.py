@@ -26,6 +26,7 @@ THREE_FINGERS = pathlib.Path(__file__).parents[1] / "hands" / "three_fingers.xml
 STEP, STEPS = 0.002, 5  # s of the physics, and how many a tick of 10 ms
 SERVO_DAMPING = 0.01  # N m s/rad, of the fingers' controllers
 SLIDE, HINGE = (4000, 253, 200), (200, 12.6, 50)  # stiffness, damping, limit of the base's drives
+MOUNT = 4.0, [0.02] * 3  # kg, kg m^2, of hand and wrist, for which the drives are damped
 BASE = [("prismatic", axis, SLIDE) for axis in np.eye(3)]  # x, y, z; then yaw, pitch, roll
 BASE += [("revolute_unwrapped", axis, HINGE) for axis in np.eye(3)[::-1]]
 SOFT = 0.01  # m, radius of a fingertip's contact patch: it resists turning, as soft rubber does
@@ -61,6 +62,7 @@ class HandInSapien(palpate.Hand):
         super().__init__(believed)  # what the pick believes; the physics has the true links
         physx.set_shape_config(contact_offset=0.002)
         physx.set_body_config(solver_position_iterations=30, sleep_threshold=0)
+        physx.set_scene_config(enable_pcm=False)  # it can miss a capsule that is 7 mm in a hull
         self.system = physx.PhysxCpuSystem()
         self.scene = sapien.Scene([self.system])
         self.scene.timestep = STEP
@@ -122,6 +124,7 @@ class HandInSapien(palpate.Hand):
         for kind, axis, drive in BASE:
             link = self.add_joint(link, kind, np.eye(4), axis, [-10, 10], drive, 0.01)
         mount, links = link, []
+        mount.mass, mount.inertia = MOUNT
         servos = {a.joints[0][0]: a for a in description.actuators}  # one joint each: no couplings
         for one in description.links:
             parent = mount if one.parent < 0 else links[one.parent]
@@ -173,13 +176,14 @@ class HandInSapien(palpate.Hand):
     def step(self, command):
         """Applies the command for one tick of 10 ms and returns what was sensed at its end."""
         self.command(command)
+        load = np.zeros(3)  # the mean of the tick, as a load cell gives it
         for _ in range(STEPS):
             self.system.step()
+            q, v = self.hand.qpos[self.slots], self.hand.qvel[self.slots]
+            load += (SLIDE[0] * (self.wanted - q)[:3] - SLIDE[1] * v[:3]) / STEPS
         self.ticks += 1
         noisy = self.random.normal
-        q, v = self.hand.qpos[self.slots], self.hand.qvel[self.slots]
         torques = self.stiffness * (self.wanted - q)[self.order] - SERVO_DAMPING * v[self.order]
-        load = SLIDE[0] * (self.wanted - q)[:3] - SLIDE[1] * v[:3]
         return palpate.HandReading(
             0.01 * self.ticks, noisy(q[6:], NOISE["joint"]), noisy(torques, NOISE["torque"]),
             q[:3], q[3:6], noisy(load, NOISE["load"]), self.contacts(),

@@ -36,6 +36,19 @@ int run(int argc, char** argv, const std::string& name, const std::string& what,
   }
 }
 
+namespace {
+
+/// In quotes where it holds what separates cells or rows (RFC 4180).
+std::string csv_cell(std::string cell) {
+  if (cell.find_first_of(",\"\r\n") == std::string::npos) return cell;
+  for (std::size_t at = 0; (at = cell.find('"', at)) != std::string::npos; at += 2) {
+    cell.insert(at, 1, '"');
+  }
+  return '"' + cell + '"';
+}
+
+}  // namespace
+
 Table::Table(std::vector<std::string> columns) : rows_{std::move(columns)} {}
 
 void Table::add_row(std::vector<std::string> cells) {
@@ -56,7 +69,10 @@ std::string Table::markdown() const {
 
 std::string Table::csv() const {
   std::string text;
-  for (const auto& row : rows_) text += fmt::format("{}\n", fmt::join(row, ","));
+  for (auto row : rows_) {
+    for (auto& cell : row) cell = csv_cell(std::move(cell));
+    text += fmt::format("{}\n", fmt::join(row, ","));
+  }
   return text;
 }
 

@@ -33,6 +33,7 @@ class Table {
   void add_row(std::vector<std::string> cells);
 
   [[nodiscard]] std::string markdown() const;
+  /// Cells that hold commas, quotes or line ends are quoted (RFC 4180).
   [[nodiscard]] std::string csv() const;
 
   /// Prints the Markdown under the title and writes OUT/name.md and OUT/name.csv.

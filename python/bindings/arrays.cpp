@@ -9,6 +9,20 @@
 #include "palpate/core/error.hpp"
 
 namespace palpate::python {
+
+/// Of an array numpy drops imaginary parts and masks, counts the seconds of times, and reads text.
+void require_real(nb::handle array, std::string_view what) {
+  if (!nb::hasattr(array, "dtype")) return;
+  const nb::object type = array.attr("dtype");
+  const auto kind = nb::cast<std::string>(nb::str(type.attr("kind")));
+  if (kind.find_first_of("cmMVSU") != std::string::npos) {
+    throw BadInput(fmt::format("{}: {} is no real number", what, nb::str(type).c_str()));
+  }
+  if (nb::hasattr(array, "mask") && nb::cast<bool>(nb::bool_(array.attr("mask").attr("any")()))) {
+    throw BadInput(fmt::format("{}: some values are masked", what));
+  }
+}
+
 namespace {
 
 using Array = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;
@@ -25,6 +39,7 @@ std::string shape_of(const Array& array) {
 Array array_from(nb::handle values, std::string_view what, const char* type = "float64") {
   const nb::object numpy = nb::module_::import_("numpy");
   try {
+    require_real(values, what);
     nb::object array = numpy.attr("asarray")(values, nb::arg("dtype") = type);
     return nb::cast<Array>(
         numpy.attr("asarray")(array, nb::arg("dtype") = "float64", nb::arg("order") = "C"));

@@ -25,6 +25,10 @@ using Covariance6 = Eigen::Matrix<double, 6, 6, Eigen::RowMajor>;
 using Rotation3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
+/// @throws BadInput for an array of which numpy would make numbers or truths without a word:
+/// complex ones, times, text, and what is masked
+void require_real(nb::handle array, std::string_view what);
+
 /// Anything that numpy makes an array of (N, 3) of; its rows.
 /// @throws BadInput, naming `what` and the shape that was given
 std::vector<Eigen::Vector3d> points_from(nb::handle values, std::string_view what);

@@ -6,6 +6,7 @@
 #include <nanobind/stl/tuple.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <tuple>
 #include <vector>
@@ -80,6 +81,11 @@ Contacts make_contacts(nb::handle points, nb::handle normals, nb::handle forces,
     check_sigma(contacts.list[k].normal_sigma = sn[k], "normal_sigma", k);
   }
   return contacts;
+}
+
+void check_noise(const char* what, double value) {
+  if (value > 0 && std::isfinite(value)) return;
+  throw BadInput(fmt::format("{} is {}, not positive", what, value));
 }
 
 Rows3 column(const Contacts& contacts, Eigen::Vector3d tactile::Contact::*vector) {
@@ -229,13 +235,15 @@ void bind_contacts(nb::module_& module) {
   module.def(
       "read_contacts",
       [](const std::filesystem::path& path, double point_noise, double normal_noise) {
+        check_noise("point_noise", point_noise);
+        check_noise("normal_noise", normal_noise);
         return Contacts{localization::read_contacts(path, {point_noise, normal_noise})};
       },
       "path"_a, nb::kw_only(), "point_noise"_a = kPointSigma, "normal_noise"_a = kNormalSigma,
       nb::call_guard<nb::gil_scoped_release>(),
       "Contacts of a CSV with x,y,z and, optionally, nx,ny,nz,point_sigma,normal_sigma,"
       "group,finger,t,fx,fy,fz; point_noise (m) and normal_noise (rad) where the file states "
-      "none.\n\nRaises ValueError, naming file and line.");
+      "none.\n\nRaises ValueError, naming file and line, and for noise that is not positive.");
 }
 
 }  // namespace palpate::python

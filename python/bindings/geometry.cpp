@@ -12,6 +12,7 @@
 #include "arrays.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/geometry/io/mesh_io.hpp"
+#include "pickle.hpp"
 #include "rooms.hpp"
 
 namespace palpate::python {
@@ -20,11 +21,7 @@ namespace {
 namespace ge = geometry;
 using namespace nb::literals;
 
-Mesh mesh_of(ge::TriangleMesh triangles) {
-  return {std::make_shared<const ge::MeshQuery>(std::move(triangles))};
-}
-
-Mesh make_mesh(nb::handle vertices, nb::handle triangles) {
+ge::TriangleMesh triangles_from(nb::handle vertices, nb::handle triangles) {
   ge::TriangleMesh mesh;
   mesh.vertices = points_from(vertices, "vertices");
   const auto count = static_cast<double>(mesh.vertices.size());
@@ -37,11 +34,11 @@ Mesh make_mesh(nb::handle vertices, nb::handle triangles) {
     mesh.triangles.push_back(
         {static_cast<int>(t[0]), static_cast<int>(t[1]), static_cast<int>(t[2])});
   }
-  return mesh_of(std::move(mesh));
+  return mesh;
 }
 
-Triangles triangles_of(const Mesh& mesh) {
-  const auto& list = mesh.triangles().triangles;
+Triangles triangles_of(const ge::TriangleMesh& mesh) {
+  const auto& list = mesh.triangles;
   Triangles result(static_cast<Eigen::Index>(list.size()), 3);
   for (std::size_t i = 0; i < list.size(); ++i) {
     result.row(static_cast<Eigen::Index>(i)) << list[i][0], list[i][1], list[i][2];
@@ -49,10 +46,57 @@ Triangles triangles_of(const Mesh& mesh) {
   return result;
 }
 
+}  // namespace
+
+template <>
+struct Kept<geometry::TriangleMesh> {
+  static nb::object of(const geometry::TriangleMesh& mesh) {
+    return nb::make_tuple(rows(mesh.vertices), triangles_of(mesh));
+  }
+  static void into(nb::handle kept, geometry::TriangleMesh& mesh) {
+    const auto [vertices, triangles] = nb::cast<std::tuple<nb::object, nb::object>>(kept);
+    mesh = triangles_from(vertices, triangles);
+  }
+};
+template <>
+struct Fields<geometry::MassProperties> {
+  static auto of(geometry::MassProperties& it) {
+    return std::tie(it.volume, it.centroid, it.inertia);
+  }
+};
+template <>
+struct Fields<geometry::StablePose> {
+  static auto of(geometry::StablePose& it) {
+    return std::tie(it.R_table_object, it.height, it.probability);
+  }
+};
+template <>
+struct Fields<geometry::KnownObject> {
+  static auto of(geometry::KnownObject& it) {
+    return std::tie(it.name, it.mesh, it.T_mesh_object, it.mass, it.mass_properties,
+                    it.stable_poses, it.symmetries, it.repairs);
+  }
+};
+
+namespace {
+
+Mesh mesh_of(ge::TriangleMesh triangles) {
+  return {std::make_shared<const ge::MeshQuery>(std::move(triangles))};
+}
+
 struct ClosestPoints {
   Rows3 points, normals;
   Eigen::VectorXd distances;
 };
+
+}  // namespace
+
+template <>
+struct Fields<ClosestPoints> {
+  static auto of(ClosestPoints& it) { return std::tie(it.points, it.normals, it.distances); }
+};
+
+namespace {
 
 ClosestPoints closest_points(const Mesh& mesh, nb::handle at) {
   const auto asked = points_from(at, "points");
@@ -79,8 +123,10 @@ Eigen::VectorXd signed_distance(const Mesh& mesh, nb::handle at) {
 }
 
 void bind_mesh(nb::module_& module) {
-  nb::class_<ClosestPoints>(module, "ClosestPoints", "Closest points of a surface, one a query.")
-      .def_ro("points", &ClosestPoints::points, "On the surface, (N, 3), m.")
+  nb::class_<ClosestPoints> closest(module, "ClosestPoints",
+                                    "Closest points of a surface, one a query.");
+  bind_pickle(closest);
+  closest.def_ro("points", &ClosestPoints::points, "On the surface, (N, 3), m.")
       .def_ro("normals", &ClosestPoints::normals,
               "Outward pseudonormals of the face, edge or vertex, (N, 3), unit.")
       .def_ro("distances", &ClosestPoints::distances, "(N,), m, >= 0.")
@@ -92,7 +138,7 @@ void bind_mesh(nb::module_& module) {
       .def(
           "__init__",
           [](Mesh* self, nb::object vertices, nb::object triangles) {
-            new (self) Mesh(make_mesh(vertices, triangles));
+            new (self) Mesh(mesh_of(triangles_from(vertices, triangles)));
           },
           "vertices"_a, "triangles"_a,
           nb::sig("def __init__(self, vertices: numpy.typing.ArrayLike, triangles: "
@@ -102,7 +148,9 @@ void bind_mesh(nb::module_& module) {
       .def_prop_ro(
           "vertices", [](const Mesh& self) { return rows(self.triangles().vertices); },
           "(V, 3), m.")
-      .def_prop_ro("triangles", &triangles_of, "(T, 3), indices of vertices.")
+      .def_prop_ro(
+          "triangles", [](const Mesh& self) { return triangles_of(self.triangles()); },
+          "(T, 3), indices of vertices.")
       .def_prop_ro(
           "area", [](const Mesh& self) { return ge::area(self.triangles()); }, "Surface area, m^2.")
       .def("closest_points", &closest_points, "points"_a,
@@ -121,12 +169,12 @@ void bind_mesh(nb::module_& module) {
           },
           "path"_a, "Write a binary PLY in full precision, atomically.")
       .def("__getstate__",
-           [](const Mesh& self) {
-             return std::tuple(rows(self.triangles().vertices), triangles_of(self));
-           })
+           [](const Mesh& self) { return Kept<ge::TriangleMesh>::of(self.triangles()); })
       .def("__setstate__",
-           [](Mesh* self, const std::tuple<nb::object, nb::object>& state) {
-             new (self) Mesh(make_mesh(std::get<0>(state), std::get<1>(state)));
+           [](Mesh* self, nb::object state) {
+             ge::TriangleMesh triangles;
+             Kept<ge::TriangleMesh>::into(state, triangles);
+             new (self) Mesh(mesh_of(std::move(triangles)));
            })
       .def("__repr__", [](const Mesh& self) {
         const Eigen::Vector3d size = 1e3 * ge::bounds(self.triangles()).sizes();
@@ -142,8 +190,10 @@ void bind_mesh(nb::module_& module) {
 }
 
 void bind_stable_pose(nb::module_& module) {
-  nb::class_<ge::StablePose>(module, "StablePose",
-                             "A way the object rests on a plane, with its share of random drops.")
+  nb::class_<ge::StablePose> bound(
+      module, "StablePose", "A way the object rests on a plane, with its share of random drops.");
+  bind_pickle(bound);
+  bound
       .def_prop_ro(
           "R_table_object",
           [](const ge::StablePose& self) { return Rotation3(self.R_table_object); },
@@ -157,12 +207,22 @@ void bind_stable_pose(nb::module_& module) {
       });
 }
 
+std::string counted(std::size_t count, const char* what) {
+  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
+}
+
+/// The identity, which is always there, is no symmetry to speak of.
+std::string symmetry_words(std::size_t rotations) {
+  return rotations > 1 ? counted(rotations, "symmetric orientation") : "no symmetry";
+}
+
 void bind_object(nb::module_& module) {
   using Object = ge::KnownObject;
-  nb::class_<Object>(module, "KnownObject",
-                     "An object of known shape. Its frame is that of its mesh, moved so that the "
-                     "volume centroid is the origin.")
-      .def_ro("name", &Object::name, "As it was asked for.")
+  nb::class_<Object> bound(module, "KnownObject",
+                           "An object of known shape. Its frame is that of its mesh, moved so that "
+                           "the volume centroid is the origin.");
+  bind_pickle(bound);
+  bound.def_ro("name", &Object::name, "As it was asked for.")
       .def_prop_ro(
           "mesh", [](const Object& self) { return mesh_of(self.mesh); },
           "Watertight, in the object's frame.")
@@ -183,11 +243,10 @@ void bind_object(nb::module_& module) {
       .def_ro("repairs", &Object::repairs, "What was done to the file's mesh, in words.")
       .def("__repr__", [](const Object& self) {
         const Eigen::Vector3d size = 1e3 * ge::bounds(self.mesh).sizes();
-        return fmt::format(
-            "KnownObject('{}', {:.0f} x {:.0f} x {:.0f} mm, {:.3f} kg, {} symmetries, {} stable "
-            "poses)",
-            self.name, size.x(), size.y(), size.z(), self.mass, self.symmetries.size(),
-            self.stable_poses.size());
+        return fmt::format("KnownObject('{}', {:.0f} x {:.0f} x {:.0f} mm, {:.3f} kg, {}, {})",
+                           self.name, size.x(), size.y(), size.z(), self.mass,
+                           symmetry_words(self.symmetries.size()),
+                           counted(self.stable_poses.size(), "stable pose"));
       });
   module.def("built_in_objects", &ge::built_in_objects, "Names of the built-in objects.");
   module.def(
@@ -224,6 +283,15 @@ void bind_geometry(nb::module_& module) {
       .def_prop_ro(
           "object", [](const ge::ObjectModel& self) { return self.object(); }, "What was prepared.")
       .def_prop_ro("area", &ge::ObjectModel::area, "Of the surface, m^2.")
+      .def("__getstate__",
+           [](const ge::ObjectModel& self) { return Kept<ge::KnownObject>::of(self.object()); })
+      .def("__setstate__",
+           [](ge::ObjectModel* self, nb::object state) {
+             ge::KnownObject object;
+             Kept<ge::KnownObject>::into(state, object);
+             const nb::gil_scoped_release release;
+             new (self) ge::ObjectModel(std::move(object));
+           })
       .def("__repr__", [](const ge::ObjectModel& self) {
         return fmt::format("ObjectModel('{}')", self.object().name);
       });

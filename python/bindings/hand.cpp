@@ -13,11 +13,31 @@
 #include <utility>
 
 #include "arrays.hpp"
+#include "description_fields.hpp"
 #include "palpate/core/error.hpp"
 #include "python_hand.hpp"
 #include "rooms.hpp"
 
 namespace palpate::python {
+
+template <>
+struct Fields<hand::TipContact> {
+  static auto of(hand::TipContact& it) {
+    return std::tie(it.p, it.n, it.f, it.point_sigma, it.normal_sigma);
+  }
+};
+template <>
+struct Fields<hand::HandReading> {
+  static auto of(hand::HandReading& it) {
+    return std::tie(it.time, it.joints, it.torques, it.base.xyz, it.base.ypr, it.base_force,
+                    it.contacts);
+  }
+};
+template <>
+struct Fields<hand::HandCommand> {
+  static auto of(hand::HandCommand& it) { return std::tie(it.positions, it.base.xyz, it.base.ypr); }
+};
+
 namespace {
 
 using namespace nb::literals;
@@ -56,8 +76,10 @@ HandReading make_reading(double time, nb::handle joints, nb::handle torques, nb:
 }
 
 void bind_contact(nb::module_& module) {
-  nb::class_<TipContact>(module, "TipContact",
-                         "One contact of a fingertip, in the frame of that finger's link.")
+  nb::class_<TipContact> contact(module, "TipContact",
+                                 "One contact of a fingertip, in the frame of that finger's link.");
+  bind_pickle(contact);
+  contact
       .def(
           "__init__",
           [](TipContact* self, nb::object point, nb::object normal, nb::object force,
@@ -84,7 +106,10 @@ void bind_contact(nb::module_& module) {
 }
 
 void bind_reading(nb::module_& module) {
-  nb::class_<HandReading>(module, "HandReading", "What the hand senses in one tick of 10 ms.")
+  nb::class_<HandReading> reading(module, "HandReading",
+                                  "What the hand senses in one tick of 10 ms.");
+  bind_pickle(reading);
+  reading
       .def(
           "__init__",
           [](HandReading* self, double time, nb::object joints, nb::object torques,
@@ -127,8 +152,10 @@ void bind_reading(nb::module_& module) {
 }
 
 void bind_command(nb::module_& module) {
-  nb::class_<HandCommand>(module, "HandCommand",
-                          "Targets of the position controllers for the next tick.")
+  nb::class_<HandCommand> command(module, "HandCommand",
+                                  "Targets of the position controllers for the next tick.");
+  bind_pickle(command);
+  command
       .def(
           "__init__",
           [](HandCommand* self, nb::object positions, nb::object xyz, nb::object ypr) {

@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
+#include <optional>
 #include <string>
 #include <tuple>
 #include <utility>
 #include <vector>
 
 #include "arrays.hpp"
+#include "description_fields.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/random.hpp"
 #include "palpate/hand/description.hpp"
@@ -81,7 +84,7 @@ void bind_actuator(nb::module_& module) {
 }
 
 void bind_finger(nb::module_& module) {
-  nb::class_<hand::Finger>(module, "Finger", "A finger and its tip, a capsule.")
+  nb::class_<hand::Finger>(module, "Finger", "A finger and its tip.")
       .def_ro("name", &hand::Finger::name, "In the hand's file.")
       .def_ro("link", &hand::Finger::link, "Index of the fingertip's link.")
       .def_prop_ro(
@@ -91,6 +94,18 @@ void bind_finger(nb::module_& module) {
           },
           "Ends (3,) of the capsule's axis in the link's frame, the outer one second, m; radius, "
           "m.")
+      .def_prop_ro(
+          "hull",
+          [](const hand::Finger& self) -> std::optional<std::pair<Eigen::MatrixX3d, double>> {
+            if (!self.hull) return std::nullopt;
+            Eigen::MatrixX3d core(static_cast<Eigen::Index>(self.hull->core.size()), 3);
+            for (std::size_t i = 0; i < self.hull->core.size(); ++i) {
+              core.row(static_cast<Eigen::Index>(i)) = self.hull->core[i].transpose();
+            }
+            return std::pair(core, self.hull->radius);
+          },
+          "None where the tip is the capsule; else corners (n, 3) in the link's frame and radius, "
+          "m: the surface is all within the radius of their convex hull.")
       .def("__repr__",
            [](const hand::Finger& self) { return fmt::format("Finger('{}')", self.name); });
 }
@@ -101,10 +116,12 @@ void bind_hand_description(nb::module_& module) {
   bind_link(module);
   bind_actuator(module);
   bind_finger(module);
-  nb::class_<Description>(module, "HandDescription",
-                          "A hand as data: what moves, what feels, and what its surface is. The "
-                          "mount's frame: palm down, fingers along +x, z up.")
-      .def_ro("name", &Description::name, "Of the hand, or its file.")
+  nb::class_<Description> description(
+      module, "HandDescription",
+      "A hand as data: what moves, what feels, and what its surface is. The mount's frame: palm "
+      "down, fingers along +x, z up.");
+  bind_pickle(description);
+  description.def_ro("name", &Description::name, "Of the hand, or its file.")
       .def_ro("links", &Description::links, "Parents first.")
       .def_ro("joints", &Description::joints, "In the order of HandReading.joints.")
       .def_ro("actuators", &Description::actuators, "In the order of HandCommand.positions.")

@@ -5,12 +5,16 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include <limits>
 #include <mutex>
 
 #include "arrays.hpp"
+#include "evidence.hpp"
+#include "localization_fields.hpp"
 #include "palpate/core/angle.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/option_check.hpp"
+#include "palpate/core/plausible.hpp"
 #include "palpate/localization/pose_prior.hpp"
 #include "palpate/localization/tracking/tracker.hpp"
 #include "rooms.hpp"
@@ -22,23 +26,20 @@ namespace {
 namespace lo = localization;
 using namespace nb::literals;
 
-std::vector<lo::FreeSphere> spheres_from(nb::handle free_space) {
-  std::vector<lo::FreeSphere> spheres;
-  if (!is_given(free_space)) return spheres;
-  const Matrix rows = matrix_from(free_space, "free_space");
-  if (rows.size() == 0) return spheres;
-  if (rows.cols() != 4) {
-    throw BadInput(fmt::format("free_space has shape ({}, {}), not (N, 4): x, y, z, radius",
-                               rows.rows(), rows.cols()));
-  }
-  for (Eigen::Index i = 0; i < rows.rows(); ++i) {
-    spheres.push_back({rows.row(i).head<3>().transpose(), rows(i, 3)});
-  }
-  return spheres;
+constexpr double kLeast = std::numeric_limits<double>::min();  // that is positive
+
+void check_length(const char* what, double value, double least) {
+  if (value >= least && value <= kMaxLength) return;
+  throw BadInput(fmt::format("{} is {}, not {} and at most {}", what, value,
+                             least > 0 ? "positive" : ">= 0", kMaxLength));
 }
 
 lo::TableSupport make_table(nb::object T_frame_table, double half_width, double tilt_sigma,
                             double height_sigma, double edge_sigma) {
+  check_length("half_width", half_width, 0);
+  check_length("tilt_sigma", tilt_sigma, kLeast);
+  check_length("height_sigma", height_sigma, kLeast);
+  check_length("edge_sigma", edge_sigma, kLeast);
   lo::TableSupport table;
   table.T_frame_table = pose_from(T_frame_table, "T_frame_table");
   table.half_width = half_width;
@@ -57,15 +58,9 @@ Posterior localize(nb::object model, const Contacts& contacts, const std::string
     throw BadInput(fmt::format("method is '{}', not 'fast' or 'full'", method));
   }
   const SharedModel shared = model_from(model);
-  lo::Evidence evidence;
-  evidence.contacts = contacts.list;
-  evidence.table = table;
-  evidence.free_space = spheres_from(free_space);
+  lo::Evidence evidence = evidence_from(contacts, {std::move(table), free_space, false_contacts,
+                                                   noise_scale_prior, size_prior, surface_sigma});
   evidence.prior = std::move(prior);
-  evidence.false_contact_share = false_contacts;
-  evidence.noise_scale_prior = noise_scale_prior;
-  evidence.size_prior = size_prior;
-  evidence.surface_sigma = surface_sigma;
   lo::LocalizerOptions options;
   options.proposals = proposals;
   options.particles = particles;
@@ -109,17 +104,19 @@ std::string repr(const Posterior& posterior) {
 }
 
 void bind_mode(nb::module_& module) {
-  nb::class_<lo::FreeAxis>(module, "FreeAxis",
-                           "Equally credible poses: turns about a line by -extent..+extent.")
-      .def_ro("point", &lo::FreeAxis::point, "On the line, contacts' frame, (3,), m.")
+  nb::class_<lo::FreeAxis> free_axis(
+      module, "FreeAxis", "Equally credible poses: turns about a line by -extent..+extent.");
+  bind_pickle(free_axis);
+  free_axis.def_ro("point", &lo::FreeAxis::point, "On the line, contacts' frame, (3,), m.")
       .def_ro("direction", &lo::FreeAxis::direction, "(3,), unit.")
       .def_ro("extent", &lo::FreeAxis::extent, "rad to either side; pi: all round.")
       .def("__repr__", [](const lo::FreeAxis& self) {
         return fmt::format("FreeAxis(({:.3f}, {:.3f}, {:.3f}), +- {:.0f} deg)", self.direction.x(),
                            self.direction.y(), self.direction.z(), self.extent / kDegree);
       });
-  nb::class_<Mode>(module, "Mode", "A cluster of credible poses.")
-      .def_prop_ro(
+  nb::class_<Mode> mode(module, "Mode", "A cluster of credible poses.");
+  bind_pickle(mode);
+  mode.def_prop_ro(
           "T_frame_object", [](const Mode& self) { return pose(self.mode.T_frame_object); },
           "Object (origin at its volume centroid) to the contacts' frame, (4, 4).")
       .def_prop_ro(
@@ -142,8 +139,10 @@ void bind_mode(nb::module_& module) {
 }
 
 void bind_posterior(nb::module_& module) {
-  nb::class_<Posterior>(module, "Posterior",
-                        "What is known of the object's pose: modes, heaviest first.")
+  nb::class_<Posterior> posterior(module, "Posterior",
+                                  "What is known of the object's pose: modes, heaviest first.");
+  bind_pickle(posterior);
+  posterior
       .def_prop_ro(
           "status",
           [](const Posterior& self) { return std::string(lo::to_string(self.found.status)); },
@@ -160,16 +159,16 @@ void bind_posterior(nb::module_& module) {
           },
           "The heaviest mode; None where no pose explains the contacts.")
       .def_prop_ro(
-          "further",
+          "residual_set",
           [](const Posterior& self) {
             std::vector<Pose4> result;
-            for (const auto& T : self.found.further) result.push_back(pose(T));
+            for (const auto& T : self.found.residual_set) result.push_back(pose(T));
             return result;
           },
           "Where the modes hold less than 95 %: poses (4, 4) whose surroundings hold the "
           "rest up to there.")
       .def_prop_ro(
-          "unlisted", [](const Posterior& self) { return self.found.unlisted(); },
+          "residual_mass", [](const Posterior& self) { return self.found.residual_mass(); },
           "What the modes' weights lack of 1.")
       .def_prop_ro(
           "seconds", [](const Posterior& self) { return self.found.seconds; }, "s.")
@@ -200,6 +199,9 @@ void bind_posterior(nb::module_& module) {
 }
 
 lo::PosePrior prior_from(const Posterior& posterior, nb::object motion_covariance, double floor) {
+  if (!(floor > 0 && floor < 1)) {
+    throw BadInput(fmt::format("floor is {}, not between 0 and 1", floor));
+  }
   const bool moved = is_given(motion_covariance);
   lo::PosePrior prior = lo::prior_from(
       posterior.found,
@@ -209,8 +211,10 @@ lo::PosePrior prior_from(const Posterior& posterior, nb::object motion_covarianc
 }
 
 void bind_evidence(nb::module_& module) {
-  nb::class_<lo::TableSupport>(module, "TableSupport",
-                               "The object rests on a table in one of its stable poses.")
+  nb::class_<lo::TableSupport> table(module, "TableSupport",
+                                     "The object rests on a table in one of its stable poses.");
+  bind_pickle(table);
+  table
       .def(
           "__init__",
           [](lo::TableSupport* self, nb::object T, double half_width, double tilt_sigma,
@@ -224,14 +228,18 @@ void bind_evidence(nb::module_& module) {
                   "= 0.02, tilt_sigma: float = 0.02, height_sigma: float = 0.001, edge_sigma: "
                   "float = 0.002) -> None"),
           "T_frame_table (4, 4): z up, z = 0 the surface, x and y the rough place of the object's "
-          "centroid, known to +- half_width, m.\n\nRaises ValueError unless it is a pose.")
+          "centroid, known to +- half_width, m. tilt_sigma, rad; "
+          "height_sigma, m; edge_sigma, m: softness of half_width.\n\nRaises ValueError unless it "
+          "is "
+          "a pose, and for numbers that are negative or of no table.")
       .def("__repr__", [](const lo::TableSupport& self) {
         const Eigen::Vector3d t = self.T_frame_table.translation();
         return fmt::format("TableSupport(({:.3f}, {:.3f}, {:.3f}) m, +- {:.3f} m)", t.x(), t.y(),
                            t.z(), self.half_width);
       });
-  nb::class_<lo::PosePrior>(module, "PosePrior", "What was known of the pose before.")
-      .def("__len__", [](const lo::PosePrior& self) { return self.components.size(); })
+  nb::class_<lo::PosePrior> prior(module, "PosePrior", "What was known of the pose before.");
+  bind_pickle(prior);
+  prior.def("__len__", [](const lo::PosePrior& self) { return self.components.size(); })
       .def("__repr__", [](const lo::PosePrior& self) {
         return fmt::format("PosePrior({} components)", self.components.size());
       });
@@ -242,7 +250,8 @@ void bind_evidence(nb::module_& module) {
              "What an earlier posterior says after a motion known up to a normal error, (6, 6) of "
              "[rotation; translation], rad and m. floor: density that every pose keeps, of the "
              "peak's, so that touch can overrule the prior; with one or two contacts 1e-6 is "
-             "better.\n\nRaises ValueError without modes or for what is no covariance.");
+             "better.\n\nRaises ValueError without modes or for what is no covariance, and "
+             "for a floor that is not between 0 and 1.");
 }
 
 /// A tracker with the object that its posteriors show.

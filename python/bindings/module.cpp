@@ -22,5 +22,8 @@ NB_MODULE(_core, module) {
   bind_sensors(module);
   bind_normals(module);
   bind_localization(module);
+  bind_free_space(module);
+  bind_identification(module);
+  bind_estimation(module);
   bind_touches(module);
 }

@@ -4,12 +4,23 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include <cmath>
+
 #include "arrays.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/tactile/normals/normal_estimator.hpp"
+#include "pickle.hpp"
 #include "rooms.hpp"
 
 namespace palpate::python {
+
+template <>
+struct Fields<tactile::NormalEstimate> {
+  static auto of(tactile::NormalEstimate& it) {
+    return std::tie(it.time, it.status, it.n, it.covariance);
+  }
+};
+
 namespace {
 
 using namespace nb::literals;
@@ -25,8 +36,12 @@ class NormalEstimator {
     if (p.size() != f.size()) {
       throw BadInput(fmt::format("forces: {} for {} points", f.size(), p.size()));
     }
+    if (!std::isfinite(time)) throw BadInput(fmt::format("time is {}, not finite", time));
     tactile::FingerFrame frame{time, {}};
     for (std::size_t i = 0; i < p.size(); ++i) {
+      if (!(p[i].allFinite() && f[i].allFinite())) {
+        throw BadInput(fmt::format("contact {}: its point or force is not finite", i));
+      }
       frame.contacts.push_back({p[i], f[i], std::nullopt});
     }
     return estimator_->update(maker_.next(frame));
@@ -41,8 +56,10 @@ class NormalEstimator {
 
 void bind_normals(nb::module_& module) {
   using Estimate = tactile::NormalEstimate;
-  nb::class_<Estimate>(module, "NormalEstimate", "What is known of the surface at the contact.")
-      .def_ro("time", &Estimate::time, "s, of the contact that it describes.")
+  nb::class_<Estimate> bound(module, "NormalEstimate",
+                             "What is known of the surface at the contact.");
+  bind_pickle(bound);
+  bound.def_ro("time", &Estimate::time, "s, of the contact that it describes.")
       .def_prop_ro(
           "status",
           [](const Estimate& self) { return std::string(tactile::to_string(self.status)); },
@@ -70,7 +87,7 @@ void bind_normals(nb::module_& module) {
                    "numpy.typing.ArrayLike) -> NormalEstimate"),
            "Take what the fingertip touches at a time (s): points (N, 3), m, and forces on the "
            "object (N, 3), N, in a frame that does not move; N may be 0.\n\nRaises ValueError for "
-           "other shapes and another number of forces.")
+           "other shapes, another number of forces, and values that are not finite.")
       .def("__repr__", [](const NormalEstimator&) { return "NormalEstimator()"; });
   module.def("normal_estimators", &tactile::normal_estimators,
              "Names of all estimators: recursive least squares ('rls', 'rls-literal'), plane fits "

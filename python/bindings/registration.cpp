@@ -11,6 +11,7 @@
 #include "palpate/geometry/cloud/normals.hpp"
 #include "palpate/geometry/io/point_cloud_io.hpp"
 #include "palpate/registration/cloud_registration.hpp"
+#include "registration_fields.hpp"
 #include "rooms.hpp"
 
 namespace palpate::python {
@@ -144,16 +145,20 @@ re::CloudRegistration register_described(const Cloud& source, nb::object source_
   return re::register_described(from, to, voxel, options);
 }
 
-re::PoseEstimate certify(nb::object T, nb::object source, nb::object target, nb::object weights) {
+re::PoseEstimate certify(nb::object T, nb::object source, nb::object target,
+                         nb::object source_normals, nb::object target_normals, nb::object weights,
+                         const std::string& primitive) {
   const Eigen::Isometry3d T_target_source = pose_from(T, "T_target_source");
-  const auto pairs = pairs_from(source, target, nb::none(), nb::none(), weights);
+  const auto pairs = pairs_from(source, target, source_normals, target_normals, weights);
+  const re::Primitive residuals = primitive_of(primitive);
   const nb::gil_scoped_release release;
-  return re::certify(T_target_source, pairs, pairs.weights, re::Primitive::kPoint);
+  return re::certify(T_target_source, pairs, pairs.weights, residuals);
 }
 
 void bind_result(nb::module_& module) {
-  nb::class_<re::RobustBound>(module, "RobustBound", "What no rigid motion can exceed.")
-      .def_ro("max_inliers", &re::RobustBound::max_inliers, "No pose has more inliers.")
+  nb::class_<re::RobustBound> bound(module, "RobustBound", "What no rigid motion can exceed.");
+  bind_pickle(bound);
+  bound.def_ro("max_inliers", &re::RobustBound::max_inliers, "No pose has more inliers.")
       .def_ro("is_exhausted", &re::RobustBound::is_exhausted, "Branch and bound ran to its end.")
       .def_ro("seconds", &re::RobustBound::seconds, "s.")
       .def("__repr__", [](const re::RobustBound& self) {
@@ -161,9 +166,11 @@ void bind_result(nb::module_& module) {
                            self.is_exhausted ? "exhausted" : "stopped");
       });
   using Certificate = re::RegistrationCertificate;
-  nb::class_<Certificate>(module, "RegistrationCertificate",
-                          "What is proven of an answer; that there is one is what false_alarms "
-                          "says.")
+  nb::class_<Certificate> certificate(
+      module, "RegistrationCertificate",
+      "What is proven of an answer; that there is one is what false_alarms says.");
+  bind_pickle(certificate);
+  certificate
       .def_ro("least_squares", &Certificate::least_squares,
               "No pose has a smaller sum of squared residuals over the chosen inliers (thesis eqs "
               "6.24-6.34).")
@@ -176,8 +183,10 @@ void bind_result(nb::module_& module) {
                            self.robust ? fmt::format("at most {} inliers", self.robust->max_inliers)
                                        : "no robust bound");
       });
-  nb::class_<re::RunnerUp>(module, "RunnerUp", "Another pose that many pairs agree with.")
-      .def_ro("inliers", &re::RunnerUp::inliers, "Pairs that agree with it.")
+  nb::class_<re::RunnerUp> runner_up(module, "RunnerUp",
+                                     "Another pose that many pairs agree with.");
+  bind_pickle(runner_up);
+  runner_up.def_ro("inliers", &re::RunnerUp::inliers, "Pairs that agree with it.")
       .def_prop_ro(
           "T_target_source", [](const re::RunnerUp& self) { return pose(self.T_target_source); },
           "(4, 4).")
@@ -186,7 +195,10 @@ void bind_result(nb::module_& module) {
         return fmt::format("RunnerUp({} inliers)", self.inliers);
       });
   using Motion = re::FreeMotion;
-  nb::class_<Motion>(module, "FreeMotion", "A motion of the source that changes no residual.")
+  nb::class_<Motion> motion(module, "FreeMotion",
+                            "A motion of the source that changes no residual.");
+  bind_pickle(motion);
+  motion
       .def_prop_ro(
           "kind", [](const Motion& self) { return std::string(re::to_string(self.kind)); },
           "'rotation', 'translation', 'screw' or 'scaling'.")
@@ -196,8 +208,10 @@ void bind_result(nb::module_& module) {
       .def("__repr__", [](const Motion& self) {
         return fmt::format("FreeMotion({})", re::to_string(self.kind));
       });
-  nb::class_<Result>(module, "RegistrationResult",
-                     "Pose of source in target, with what is known of its quality.")
+  nb::class_<Result> result(module, "RegistrationResult",
+                            "Pose of source in target, with what is known of its quality.");
+  bind_pickle(result);
+  result
       .def_prop_ro(
           "status", [](const Result& self) { return std::string(re::to_string(self.status)); },
           "'found', 'no_consensus' or 'degenerate'.")
@@ -226,7 +240,10 @@ void bind_result(nb::module_& module) {
       .def("_repr_html_",
            [](const Result& self) { return fmt::format("<code>{}</code>", repr(self)); });
   using Estimate = re::PoseEstimate;
-  nb::class_<Estimate>(module, "PoseEstimate", "What is proven of a pose for given pairs.")
+  nb::class_<Estimate> estimate(module, "PoseEstimate",
+                                "What is proven of a pose for given pairs.");
+  bind_pickle(estimate);
+  estimate
       .def_prop_ro(
           "status", [](const Estimate& self) { return std::string(re::to_string(self.status)); },
           "'certified', 'uncertified' or 'degenerate'.")
@@ -237,7 +254,7 @@ void bind_result(nb::module_& module) {
       .def_ro("bound", &Estimate::bound, "cost less the least cost is at most this, m^2.")
       .def_ro("rank", &Estimate::rank, "Of the information matrix, 0..6.")
       .def("__repr__", [](const Estimate& self) {
-        return fmt::format("PoseEstimate({}, cost {:.3g} m^2, bound {:.3g} m^2)",
+        return fmt::format("PoseEstimate({}, cost {:.3g} m^2, at most {:.3g} m^2 above the least)",
                            re::to_string(self.status), self.cost, self.bound);
       });
 }
@@ -274,14 +291,19 @@ void bind_clouds(nb::module_& module) {
                            self.has_normals() ? "with" : "without");
       });
   using Registration = re::CloudRegistration;
-  nb::class_<Registration>(module, "CloudRegistration", "Pose of one cloud in another.")
-      .def_ro("result", &Registration::result, "Its inliers are pairs of nearest points.")
+  nb::class_<Registration> registration(module, "CloudRegistration",
+                                        "Pose of one cloud in another.");
+  bind_pickle(registration);
+  registration.def_ro("result", &Registration::result, "Its inliers are pairs of nearest points.")
       .def_ro("overlap", &Registration::overlap,
               "Share of the source's points that have a target point within the bound.")
       .def_ro("rms_error", &Registration::rms_error, "Of the refined pairs, m.")
       .def_ro("noise_bound", &Registration::noise_bound, "That was used, m.")
       .def_ro("voxel", &Registration::voxel, "That was used, m.")
       .def_ro("feature_matches", &Registration::feature_matches, "Mutual matches of features.")
+      .def_ro("feature_inliers", &Registration::feature_inliers,
+              "Of these, within the bound before the refinement; certificate.robust speaks of "
+              "them.")
       .def_ro("refinements", &Registration::refinements, "Rounds of nearest neighbours.")
       .def_prop_ro(
           "source", [](const Registration& self) { return rows(self.correspondences.source); },
@@ -358,13 +380,16 @@ void bind_registration(nb::module_& module) {
       "is that of the largest consensus; false_alarms says whether "
       "chance explains it (thesis 6.2).\n\nRaises ValueError, naming the pair.");
   module.def("certify", &certify, "T_target_source"_a, "source"_a, "target"_a, nb::kw_only(),
-             "weights"_a = nb::none(),
+             "source_normals"_a = nb::none(), "target_normals"_a = nb::none(),
+             "weights"_a = nb::none(), "primitive"_a = "point",
              nb::sig("def certify(T_target_source: numpy.typing.ArrayLike, source: "
-                     "numpy.typing.ArrayLike, target: numpy.typing.ArrayLike, *, weights: "
-                     "numpy.typing.ArrayLike | None = None) -> PoseEstimate"),
+                     "numpy.typing.ArrayLike, target: numpy.typing.ArrayLike, *, source_normals: "
+                     "numpy.typing.ArrayLike | None = None, target_normals: "
+                     "numpy.typing.ArrayLike | None = None, weights: numpy.typing.ArrayLike | None "
+                     "= None, primitive: str = 'point') -> PoseEstimate"),
              "What is proven of anyone's pose (4, 4) for pairs (N, 3), m: its cost against the "
-             "least that can be proven (Briales & Gonzalez-Jimenez 2017).\n\nRaises ValueError "
-             "unless the pose is rigid to 1e-6.");
+             "least that can be proven (Briales & Gonzalez-Jimenez 2017). primitive: 'point', or "
+             "'plane' with normals.\n\nRaises ValueError unless the pose is rigid to 1e-6.");
 }
 
 }  // namespace palpate::python

@@ -43,6 +43,9 @@ void bind_contacts(nanobind::module_& module);
 void bind_sensors(nanobind::module_& module);
 void bind_normals(nanobind::module_& module);
 void bind_localization(nanobind::module_& module);
+void bind_free_space(nanobind::module_& module);
+void bind_identification(nanobind::module_& module);
+void bind_estimation(nanobind::module_& module);
 void bind_touches(nanobind::module_& module);
 
 /// How a posterior draws itself in a notebook: a table of its modes, and the object's surface at

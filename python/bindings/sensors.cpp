@@ -68,8 +68,8 @@ void bind_sensors(nb::module_& module) {
       "is in the middle of the undeformed surface, x along the columns, y along the rows, z out of "
       "the gel. Each square of cell pixels that touches gives one contact: mean point and normal "
       "of "
-      "the plane that fits best.\n\nRaises ValueError for an empty map and values that are not "
-      "finite.");
+      "the plane that fits best.\n\nRaises ValueError for an empty map, one deeper than it "
+      "is long, and values that are not finite.");
   const tactile::TaxelOptions taxel;
   module.def(
       "contacts_of_taxels", &of_taxels, "points"_a, "normals"_a, "forces"_a,

@@ -13,9 +13,24 @@
 #include "arrays.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/localization/information/next_touch.hpp"
+#include "pickle.hpp"
 #include "rooms.hpp"
 
 namespace palpate::python {
+
+template <>
+struct Fields<localization::TouchAction> {
+  static auto of(localization::TouchAction& it) {
+    return std::tie(it.start, it.direction, it.reach, it.seconds);
+  }
+};
+template <>
+struct Fields<localization::PredictedTouch> {
+  static auto of(localization::PredictedTouch& it) {
+    return std::tie(it.hit, it.distance, it.normal);
+  }
+};
+
 namespace {
 
 namespace lo = localization;
@@ -40,9 +55,11 @@ lo::TouchAction make_action(nb::object start, nb::object direction, double reach
 
 void bind_touches(nb::module_& module) {
   using Action = lo::TouchAction;
-  nb::class_<Action>(module, "TouchAction",
-                     "A touch that could be made: a ball comes straight from its start until it "
-                     "meets the object or has gone its reach.")
+  nb::class_<Action> bound(module, "TouchAction",
+                           "A touch that could be made: a ball comes straight from its start until "
+                           "it meets the object or has gone its reach.");
+  bind_pickle(bound);
+  bound
       .def(
           "__init__",
           [](Action* self, nb::object start, nb::object direction, double reach, double seconds) {
@@ -66,8 +83,9 @@ void bind_touches(nb::module_& module) {
             self.direction.z(), self.reach);
       });
   using Predicted = lo::PredictedTouch;
-  nb::class_<Predicted>(module, "PredictedTouch", "How a touch ends at a pose.")
-      .def_ro("hit", &Predicted::hit, "Whether the ball meets the object.")
+  nb::class_<Predicted> predicted(module, "PredictedTouch", "How a touch ends at a pose.");
+  bind_pickle(predicted);
+  predicted.def_ro("hit", &Predicted::hit, "Whether the ball meets the object.")
       .def_ro("distance", &Predicted::distance, "Gone by the ball, m.")
       .def_ro("normal", &Predicted::normal, "Of the object there, (3,); zero after a miss.")
       .def("__repr__", [](const Predicted& self) {

@@ -29,6 +29,8 @@ from ._core import (
     HandJoint,
     HandLink,
     HandReading,
+    HeldPoseFollower,
+    Identification,
     KnownObject,
     Mesh,
     Mode,
@@ -58,6 +60,8 @@ from ._core import (
     contact_of_wrench,
     contacts_of_height_map,
     contacts_of_taxels,
+    free_space_of_voxels,
+    identify,
     load_cloud,
     load_known_object,
     load_mesh,
@@ -73,9 +77,8 @@ from ._core import (
     register_described,
     working_tour,
 )
-from .free_space import free_space_of_voxels
 
-__all__ = [name for name in dir() if not name.startswith("_") and name != "free_space"]
+__all__ = [name for name in dir() if not name.startswith("_")]
 
 if "gymnasium" in _sys.modules:  # importing it here would cost more than all the rest
     from . import envs

@@ -19,6 +19,20 @@ _GREY, _BLUE, _RED = (190, 190, 190), (40, 90, 220), (220, 40, 40)
 _DRAWN = 4000  # points of the object's surface
 
 
+def known_mode(environment, render_mode):
+    """The mode. Raises ValueError for one that the environment does not draw in."""
+    modes = environment.metadata["render_modes"]
+    if render_mode is not None and render_mode not in modes:
+        raise ValueError(f"render_mode {render_mode!r}: it is None or one of {modes}")
+    return render_mode
+
+
+def require_reset(state, call):
+    """Raises gymnasium.error.ResetNeeded where an environment has no state yet."""
+    if state is None:
+        raise gymnasium.error.ResetNeeded(f"{call}() before the first reset()")
+
+
 def _yaw(angle):
     c, s = np.cos(angle), np.sin(angle)
     return np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
@@ -53,13 +67,17 @@ class TouchEnv(gymnasium.Env):
     ):  # fmt: skip
         for name, value in (("tip_radius", tip_radius), ("point_noise", point_noise),
                             ("normal_noise_deg", normal_noise_deg), ("max_touches", max_touches)):  # fmt: skip
-            if not value > 0:
+            if not 0 < value < np.inf:
                 raise ValueError(f"{name} is {value}, not positive")
+        if max_touches != int(max_touches):
+            raise ValueError(f"max_touches is {max_touches}, not an integer")
+        if not np.isfinite(cost):
+            raise ValueError(f"cost is {cost}, not finite")
         self.model = _core.ObjectModel(_core.load_known_object(object))
         self.max_touches, self.cost, self.tip_radius = max_touches, cost, tip_radius
         self.point_noise, self.normal_noise = point_noise, np.radians(normal_noise_deg)
         self.search = {"proposals": proposals, "particles": particles}
-        self.render_mode = render_mode
+        self.render_mode, self.truth = known_mode(self, render_mode), None  # until the first reset
         vertices = self.model.object.mesh.vertices
         self.radius = float(np.linalg.norm(vertices, axis=1).max())
         self.action_space = spaces.Box(-1, 1, (3,), np.float64)
@@ -80,6 +98,7 @@ class TouchEnv(gymnasium.Env):
         return self._observation(), self._info(hit=False)
 
     def step(self, action):
+        require_reset(self.truth, "step")
         before = self._probability()
         touch = self.touch(action)
         result = _core.predict_touch(self.model, self.truth, touch, tip_radius=self.tip_radius)
@@ -95,6 +114,7 @@ class TouchEnv(gymnasium.Env):
         """A picture of what is there and what is believed, uint8; None without a render mode."""
         if self.render_mode != "rgb_array":
             return None
+        require_reset(self.truth, "render")
         picture = np.full((_PICTURE, 2 * _PICTURE, 3), 255, np.uint8)
         self._draw(picture, self._surface(), self.truth, _GREY)
         if self._best():

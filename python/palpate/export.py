@@ -10,7 +10,9 @@ tick. What the hand sensed and was commanded is written; of the simulator's trut
 
 import argparse
 import dataclasses
+import importlib
 import json
+import os
 import pathlib
 import shutil
 import sys
@@ -42,6 +44,14 @@ class Episode:
     names: dict
 
 
+def _needed(module):
+    """A package that only exports need. Raises ImportError that says how to get it."""
+    try:
+        return importlib.import_module(module)
+    except ImportError as error:
+        raise ImportError(f"{error}: pip install 'palpate[export]'") from error
+
+
 def _finger_sums(counts, contacts):
     """Per tick and finger the mean point and the summed force of its contacts, (T, 3 fingers)."""
     ticks, fingers = counts.shape
@@ -62,10 +72,9 @@ def _axes(names, axes="xyz"):
 def read_episode(path):
     """The recording.h5 of a pick as an Episode.
 
-    Raises ValueError for a file that is no finished recording.
+    Raises ValueError for a file that is no finished recording, ImportError without h5py.
     """
-    import h5py
-
+    h5py = _needed("h5py")
     path = pathlib.Path(path)
     with open(path, "rb") as file:
         first, second = (file.read(512).split(b"\n") + [b"", b""])[:2]
@@ -73,10 +82,13 @@ def read_episode(path):
         raise ValueError(f"{path} is no recording")
     if not second.startswith(b"finished"):
         raise ValueError(f"{path}: its writer was not done")
-    with h5py.File(path) as file:
-        header = json.loads(file["header/json"][:, 0].astype(np.uint8).tobytes())
-        frames = {name: table[:] for name, table in file["frames"].items()}
-    return _episode(path, header, frames)
+    try:
+        with h5py.File(path) as file:
+            header = json.loads(file["header/json"][:, 0].astype(np.uint8).tobytes())
+            frames = {name: table[:] for name, table in file["frames"].items()}
+        return _episode(path, header, frames)
+    except (KeyError, OSError) as error:
+        raise ValueError(f"{path} is damaged: {error}") from error
 
 
 def _episode(path, header, frames):
@@ -145,8 +157,7 @@ def _tables(episodes):
 
 
 def _column(values):
-    import pyarrow as pa
-
+    pa = _needed("pyarrow")
     if values.ndim == 1:
         return pa.array(values)
     return pa.FixedSizeListArray.from_arrays(pa.array(values.ravel()), values.shape[1])
@@ -198,8 +209,7 @@ def _episode_row(number, episode, table):
 
 def _task_table(tasks):
     """LeRobot looks tasks up by pandas' index, which is named in the metadata."""
-    import pyarrow as pa
-
+    pa = _needed("pyarrow")
     table = pa.table({"task_index": np.arange(len(tasks)), "task": tasks})
     described = [
         {"name": "task_index", "field_name": "task_index", "pandas_type": "int64",
@@ -212,9 +222,7 @@ def _task_table(tasks):
 
 
 def _write_lerobot(episodes, folder):
-    import pyarrow as pa
-    import pyarrow.parquet as pq
-
+    pa, pq = _needed("pyarrow"), _needed("pyarrow.parquet")
     tasks, tables = _tables(episodes)
     for part in ["meta/episodes/chunk-000", "data/chunk-000"]:
         (folder / part).mkdir(parents=True)
@@ -242,8 +250,7 @@ def _box(size):
 
 
 def _write_minari(episodes, folder):
-    import h5py
-
+    h5py = _needed("h5py")
     (folder / "data").mkdir()
     observed = [name for name in episodes[0].features if name != "action"]
     steps = [len(episode.time) - 1 for episode in episodes]
@@ -277,17 +284,20 @@ _WRITERS = {"lerobot": _write_lerobot, "minari": _write_minari}
 
 
 def export(format, recordings, out, force=False):
-    """Writes recordings as a data set of that format ("lerobot" or "minari") into the folder `out`.
+    """Writes one recording, or several, as a data set of that format ("lerobot" or "minari") into the
+    folder `out`.
 
     The folder is complete or absent. Returns the number of steps written. Raises ValueError for
     another format, for what is no recording of one hand, and for a folder that exists, unless
-    `force`.
+    `force`; ImportError without h5py, or pyarrow for LeRobot.
     """
     if format not in _WRITERS:
         raise ValueError(f"format {format!r}: it is one of {', '.join(_WRITERS)}")
     out = pathlib.Path(out)
     if out.exists() and not force:
         raise ValueError(f"{out} exists; --force overwrites it")
+    if isinstance(recordings, (str, os.PathLike)):
+        recordings = [recordings]
     episodes = [read_episode(path) for path in recordings]
     if not episodes:
         raise ValueError("0 recordings")
@@ -317,10 +327,7 @@ def main(arguments=None):
     out = chosen.out or pathlib.Path(chosen.recording[0]).with_suffix("." + chosen.format)
     try:
         messages = export(chosen.format, chosen.recording, out, chosen.force)
-    except ImportError as problem:
-        print(f"palpate export: {problem}: pip install 'palpate[export]'", file=sys.stderr)
-        return BAD_INPUT
-    except (ValueError, OSError, KeyError) as problem:
+    except (ImportError, ValueError, OSError, KeyError) as problem:
         print(f"palpate export: {problem}", file=sys.stderr)
         return BAD_INPUT
     report = {"path": str(out), "messages": messages}

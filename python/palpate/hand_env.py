@@ -9,6 +9,7 @@ import numpy as np
 from gymnasium import spaces
 
 from . import _core, sim
+from .envs import known_mode, require_reset
 
 _TICKS = 5  # of 10 ms, a step
 _RATES = np.array([0.015] * 3 + [0.075] * 3)  # m, rad: largest change of the base's command a step
@@ -30,8 +31,9 @@ class HandEnv(gymnasium.Env):
     metadata = {"render_modes": ["rgb_array"], "render_fps": 20}
 
     def __init__(self, object, hand, *, max_steps, render_mode, asked=None):
-        self.world = sim.World(object, hand=hand)
-        self.max_steps, self.render_mode = max_steps, render_mode
+        self.world = sim.World(object, hand=hand, options=sim.IDEAL)
+        self.max_steps, self.render_mode = max_steps, known_mode(self, render_mode)
+        self.command = None  # until the first reset
         description = self.world.hand.description
         self.start = sim.waiting_command(description)
         ranges = [actuator.command for actuator in description.actuators]
@@ -61,6 +63,7 @@ class HandEnv(gymnasium.Env):
 
     def move(self, action):
         """Moves the command by an action in 50 ms; returns what the hand senses then."""
+        require_reset(self.command, "step")
         action = np.asarray(action, np.float64)
         if action.shape != self.rates.shape or not np.isfinite(action).all():
             raise ValueError(f"action of shape {action.shape}, not {self.rates.shape}, or not finite")

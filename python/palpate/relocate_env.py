@@ -11,6 +11,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
 from . import sim
+from .envs import known_mode, require_reset
 
 _ACTIONS, _OBSERVATIONS = 30, 39
 _PARTS = {  # of the published observation
@@ -58,6 +59,13 @@ def _row(values, index):
     }
 
 
+def _place(tasks, index, options):
+    """Starts a task where the options of a reset say."""
+    if set(options) != {"object", "target"}:
+        raise ValueError(f"options of a reset are object and target, not {', '.join(options)}")
+    tasks.place(index, object=options["object"], target=options["target"])
+
+
 class RelocateEnv(gymnasium.Env):
     """Palpate/Relocate-v2: the Adroit hand brings an object from a table to a target in the air.
 
@@ -82,7 +90,8 @@ class RelocateEnv(gymnasium.Env):
 
     def __init__(self, object="mug", *, flat=False, render_mode=None, **task):
         self.tasks = sim.RelocateTasks(1, options={"object": object, **task})
-        self.flat, self.render_mode = flat, render_mode
+        self.flat, self.render_mode = flat, known_mode(self, render_mode)
+        self.steps = None  # until the first reset
         self.action_space = spaces.Box(-1, 1, (_ACTIONS,), np.float64)
         self.observation_space = _observation_space(flat)
 
@@ -91,11 +100,12 @@ class RelocateEnv(gymnasium.Env):
         drawn = int(self.np_random.integers(2**31))
         self.tasks.reset(0, drawn if seed is None else seed)
         if options:
-            self.tasks.place(0, object=options["object"], target=options["target"])
+            _place(self.tasks, 0, options)
         self.steps = 0
         return self._observation(), _row(_infos(self.tasks), 0)
 
     def step(self, action):
+        require_reset(self.steps, "step")
         self.tasks.step(np.asarray(action, np.float64)[None])
         self.steps += 1
         terminated = bool(self.tasks.diverged[0])
@@ -125,12 +135,14 @@ class RelocateVectorEnv(VectorEnv):
         self.tasks = sim.RelocateTasks(
             num_envs, threads=threads, options={"object": object, **task}
         )
-        self.num_envs, self.flat, self.render_mode = num_envs, flat, render_mode
+        self.num_envs, self.flat = num_envs, flat
+        self.render_mode = known_mode(self, render_mode)
         self.single_action_space = spaces.Box(-1, 1, (_ACTIONS,), np.float64)
         self.single_observation_space = _observation_space(flat)
         self.action_space = batch_space(self.single_action_space, num_envs)
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.randoms = [seeding.np_random()[0] for _ in range(num_envs)]
+        self.over = None  # before the first reset
 
     def reset(self, *, seed=None, options=None):
         if not isinstance(seed, (list, tuple)):
@@ -142,12 +154,13 @@ class RelocateVectorEnv(VectorEnv):
                 self.randoms[index] = seeding.np_random(one)[0]
             self._begin(index, one)
             if options:
-                self.tasks.place(index, object=options["object"], target=options["target"])
+                _place(self.tasks, index, options)
         self.steps = np.zeros(self.num_envs, int)
         self.over = np.zeros(self.num_envs, bool)
         return _observe(self.tasks, self.flat), self._infos()
 
     def step(self, actions):
+        require_reset(self.over, "step")
         for index in np.flatnonzero(self.over):
             self._begin(index, None)
         self.tasks.step(actions, self.over)

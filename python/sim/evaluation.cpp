@@ -12,11 +12,22 @@
 #include <string>
 
 #include "bindings/arrays.hpp"
+#include "bindings/pickle.hpp"
 #include "interruptible.hpp"
 #include "palpate/core/error.hpp"
 #include "rooms.hpp"
 
 namespace palpate::python {
+
+template <>
+struct Fields<evaluation::ObjectSummary> {  // what Python cannot see is left out
+  static auto of(evaluation::ObjectSummary& it) {
+    return std::tie(it.trials, it.lifted, it.pose_ok, it.pose_tight, it.covered, it.confident_wrong,
+                    it.robot_seconds, it.probability, it.rotation_error_deg,
+                    it.translation_error_mm, it.failures);
+  }
+};
+
 namespace {
 
 using namespace nb::literals;
@@ -30,11 +41,15 @@ ObjectSummary evaluate(nb::object object, const std::string& hand, int trials, s
   options.world.hand = hand;
   const SharedModel model = object_from(std::move(object));
   return interruptible([&](const std::stop_token& stop) {
-    return evaluation::evaluate(*model, options, seed,
-                                evaluation::trial_numbers(static_cast<std::size_t>(trials)),
-                                threads, [&](std::size_t, const evaluation::Trial&) {
-                                  if (stop.stop_requested()) throw std::runtime_error("stopped");
-                                });
+    ObjectSummary result;
+    const auto numbers = evaluation::trial_numbers(static_cast<std::size_t>(trials));
+    evaluation::EvaluationHooks hooks;
+    hooks.trial = [&](evaluation::TrialId, const evaluation::Trial&) {
+      if (stop.stop_requested()) throw std::runtime_error("stopped");
+    };
+    hooks.object = [&](std::size_t, const ObjectSummary& summary) { result = summary; };
+    evaluation::evaluate({{&model->object(), numbers, &*model}}, options, seed, threads, hooks);
+    return result;
   });
 }
 
@@ -47,9 +62,11 @@ double mean_probability(const ObjectSummary& summary) {
 }  // namespace
 
 void bind_evaluation(nb::module_& module) {
-  nb::class_<ObjectSummary>(module, "EvaluationResult",
-                            "What became of an object's trials; counts are of all trials started.")
-      .def_ro("trials", &ObjectSummary::trials, "Started.")
+  nb::class_<ObjectSummary> bound(
+      module, "EvaluationResult",
+      "What became of an object's trials; counts are of all trials started.");
+  bind_pickle(bound);
+  bound.def_ro("trials", &ObjectSummary::trials, "Started.")
       .def_ro("lifted", &ObjectSummary::lifted,
               "5 cm above the table for the whole hold, slipped less than 10 mm.")
       .def_ro("pose_ok", &ObjectSummary::pose_ok,

@@ -8,4 +8,5 @@ NB_MODULE(_sim, module) {
   palpate::python::bind_pick(module);
   palpate::python::bind_evaluation(module);
   palpate::python::bind_relocate(module);
+  palpate::python::bind_plan(module);
 }

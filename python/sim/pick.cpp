@@ -20,6 +20,8 @@
 #include "bindings/robot_parts.hpp"
 #include "interruptible.hpp"
 #include "palpate/core/error.hpp"
+#include "palpate/simulation/collision/forward_model.hpp"
+#include "palpate/skills/place/pick_and_place.hpp"
 #include "pick_result.hpp"
 
 namespace palpate::python {
@@ -32,8 +34,10 @@ PickResult pick_in_simulation(SharedModel model, const TrialOptions& options, st
   evaluation::Trial trial = interruptible([&](std::stop_token stop) {
     return evaluation::run_trial(*model, options, seed, nullptr, {}, std::move(stop));
   });
-  return {std::move(trial.result), std::move(model), std::move(trial.events), trial.robot_seconds,
-          trial.metrics};
+  PickResult result{std::move(trial.result), std::move(model), std::move(trial.events),
+                    trial.robot_seconds, trial.metrics};
+  if (trial.place) result.place = place_result(*trial.place, trial.strategy, trial.place_metrics);
+  return result;
 }
 
 /// A hand of the user's, and what else it is made of.
@@ -83,6 +87,34 @@ std::vector<hand::MountedSensor> mounted(const Robot& robot) {
   return sensors;
 }
 
+/// The target of placing. @throws BadInput as place_target(), and for one that is drawn by how the
+/// object starts, which nobody knows of a hand of the user's
+std::optional<skills::PlaceTarget> target_of(const geometry::KnownObject& object,
+                                             const TrialOptions& options, std::uint64_t seed) {
+  if (options.place.target == "stable_pose") {
+    throw BadInput(
+        "place 'stable_pose' asks how the object starts, which only a simulation knows: give the "
+        "pose (4, 4)");
+  }
+  return evaluation::place_target(object, options.place, seed, 0);
+}
+
+/// Picks, and places where there is a target.
+void run(skills::Executor& robot, const TrialOptions& options,
+         const std::optional<skills::PlaceTarget>& target, std::uint64_t seed, PickResult& result) {
+  const geometry::ObjectModel& object = *result.model;
+  const skills::PickOptions pick_options = options.pick_options();
+  if (!target) {
+    result.picked = skills::pick(robot, object, pick_options, seed);
+    return;
+  }
+  const auto fixture = evaluation::place_fixture(object.object(), options.place, target);
+  skills::PickAndPlaceResult course = skills::pick_and_place(
+      robot, object, *target, fixture, pick_options, options.place_options(), seed);
+  result.picked = std::move(course.picked);
+  if (course.place) result.place = place_result(*course.place, course.strategy, std::nullopt);
+}
+
 /// In the caller's thread: what drives a robot may belong to it.
 PickResult pick_with(const Robot& parts, SharedModel model, const TrialOptions& options,
                      const std::optional<hand::HandCommand>& start, std::uint64_t seed) {
@@ -91,12 +123,14 @@ PickResult pick_with(const Robot& parts, SharedModel model, const TrialOptions& 
   result.model = std::move(model);
   {
     const nb::gil_scoped_release release;
+    const auto target = target_of(result.model->object(), options, seed);
+    const simulation::SimulatedModels models(options.forward_model);
     hand::AssembledHand hand(parts.hand, parts.arm, mounted(parts),
                              {options.safety.watchdog, options.safety.max_gap});
     const hand::Description& description = parts.hand.description();
     const hand::HandCommand first = start ? *start : evaluation::waiting_command(description);
-    skills::Executor robot(hand, description, first, {}, nullptr, {options.safety, {}});
-    result.picked = skills::pick(robot, *result.model, options.pick_options(), seed);
+    skills::Executor robot(hand, description, first, {}, &models, {options.safety, {}});
+    run(robot, options, target, seed, result);
     result.events = evaluation::trial_events(robot.log());
     result.robot_seconds = robot.time();
   }
@@ -116,10 +150,29 @@ void check_written(nb::handle hand) {
   }
 }
 
+/// A target as `palpate pick --place` takes it: its text, (3,) x, y, yaw, or a pose (4, 4).
+std::string place_text(nb::handle place) {
+  if (nb::isinstance<nb::str>(place)) return nb::cast<std::string>(place);
+  const nb::object array =
+      nb::module_::import_("numpy").attr("asarray")(place, "dtype"_a = "float");
+  std::vector<double> values;
+  if (nb::cast<int>(array.attr("ndim")) == 2) {
+    const Eigen::Isometry3d T = pose_from(array, "place");
+    for (Eigen::Index i = 0; i < 16; ++i) values.push_back(T.matrix()(i / 4, i % 4));
+  } else {
+    values = numbers_from(array, "place");
+    if (values.size() != 3) {
+      throw BadInput(fmt::format("place has {} values, not 3: x, y, yaw", values.size()));
+    }
+  }
+  return fmt::format("{}", fmt::join(values, ","));
+}
+
 PickResult pick(nb::object object, nb::object hand, std::uint64_t seed, const nb::dict& settings,
                 const std::optional<hand::HandCommand>& start, PythonArm* arm,
-                std::vector<PythonSensor*> sensors) {
+                std::vector<PythonSensor*> sensors, nb::object place) {
   TrialOptions options = trial_options(settings);
+  if (is_given(place)) options.place.target = place_text(place);
   SharedModel model = object_from(std::move(object));
   if (nb::isinstance<DescribedHand>(hand)) {
     check_written(hand);
@@ -149,13 +202,14 @@ void bind_pick(nb::module_& module) {
   module.def(
       "pick", &pick, "object"_a = "mug", "hand"_a = "shadow", nb::kw_only(), "seed"_a = 0,
       "options"_a = nb::dict(), "start"_a = nb::none(), "arm"_a = nb::none(),
-      "sensors"_a = nb::list(),
+      "sensors"_a = nb::list(), "place"_a = nb::none(),
       nb::sig(
           "def pick(object: str | os.PathLike | palpate._core.ObjectModel = 'mug', hand: str | "
           "os.PathLike | "
           "palpate._core.Hand = 'shadow', *, seed: int = 0, options: dict[str, object] = {}, "
           "start: palpate._core.HandCommand | None = None, arm: palpate._core.Arm | None = None, "
-          "sensors: collections.abc.Sequence[palpate._core.Sensor] = []) -> PickResult"),
+          "sensors: collections.abc.Sequence[palpate._core.Sensor] = [], place: str | "
+          "numpy.typing.ArrayLike | None = None) -> PickResult"),
       "Calibrate, feel, explore, grasp, lift, and estimate the pose, by touch alone.\n\nobject: a "
       "name, a mesh file in metres, or a model; it is within 2 cm of the world's origin, on a "
       "table at height 0. hand: a name or a model file, which is simulated, as `palpate pick` "
@@ -163,7 +217,10 @@ void bind_pick(nb::module_& module) {
       "is stepped in the caller's thread, with the arm that carries it and the sensors on its "
       "fingertips, where they have connections of their own. options: those of `palpate pick`, as "
       "{'lift.height': "
-      "0.15}.\n\nWhat fails as expected is in the result; so is a fault of the robot. Raises "
+      "0.15}. place: where the object is put down afterwards: a pose (4, 4) of its frame in the "
+      "world, (3,) x, y (m) and yaw (rad) standing as it is found, 'random', 'fixture' or, in "
+      "simulation, 'stable_pose'.\n\nWhat fails as expected is in the result; so is a fault of the "
+      "robot. Raises "
       "ValueError for what there is not, and values out of their range; KeyboardInterrupt once "
       "the hand has been stopped in a safe state.");
 }

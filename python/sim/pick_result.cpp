@@ -5,6 +5,7 @@
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
 #include <array>
@@ -12,8 +13,10 @@
 #include <utility>
 
 #include "bindings/arrays.hpp"
+#include "bindings/html.hpp"
 #include "bindings/rooms.hpp"
 #include "palpate/core/angle.hpp"
+#include "pick_fields.hpp"
 
 namespace palpate::python {
 namespace {
@@ -29,19 +32,16 @@ Posterior posterior(const PickResult& result) {
   return {result.picked.estimate.posterior, result.model};
 }
 
-/// What stands in the text of a page.
-std::string escaped(std::string_view text) {
-  std::string result;
-  for (const char c : text) {
-    if (c == '<') {
-      result += "&lt;";
-    } else if (c == '&') {
-      result += "&amp;";
-    } else {
-      result += c;
-    }
-  }
-  return result;
+nb::object state(const PickResult& result) {
+  return nb::make_tuple(Kept<PickResult>::of(result), posterior(result));
+}
+
+void restore(PickResult* self, const std::tuple<nb::object, Posterior>& state) {
+  PickResult result;
+  Kept<PickResult>::into(std::get<0>(state), result);
+  result.picked.estimate.posterior = std::get<1>(state).found;
+  result.model = std::get<1>(state).model;
+  new (self) PickResult(std::move(result));
 }
 
 std::string row(const PhaseReport& phase) {
@@ -51,8 +51,9 @@ std::string row(const PhaseReport& phase) {
 }
 
 void bind_phase(nb::module_& module) {
-  nb::class_<PhaseReport>(module, "PhaseReport", "What became of a phase.")
-      .def_ro("name", &PhaseReport::name, "Of the phase.")
+  nb::class_<PhaseReport> bound(module, "PhaseReport", "What became of a phase.");
+  bind_pickle(bound);
+  bound.def_ro("name", &PhaseReport::name, "Of the phase.")
       .def_prop_ro(
           "status",
           [](const PhaseReport& self) { return std::string(skills::to_string(self.status)); },
@@ -96,17 +97,20 @@ auto with_truth(const Of& of) {
 
 std::string repr(const PickResult& result) {
   const auto& picked = result.picked;
+  const std::string attempts =
+      fmt::format("{} attempt{}", picked.attempts, picked.attempts == 1 ? "" : "s");
   if (picked.fault) {
     return fmt::format("PickResult(fault {}: {})", skills::to_string(picked.fault.fault),
                        picked.fault.detail);
   }
   if (!picked.held) {
-    return fmt::format("PickResult(failed in {}, {} attempts, {:.1f} s)", picked.failed_phase,
-                       picked.attempts, result.robot_seconds);
+    return fmt::format("PickResult(failed in {}, {}, {:.1f} s)", picked.failed_phase, attempts,
+                       result.robot_seconds);
   }
-  return fmt::format("PickResult(held, {} attempts, probability {:.3f}, {:.1f} s)", picked.attempts,
-                     localization::best_probability(picked.estimate.posterior),
-                     result.robot_seconds);
+  return fmt::format(
+      "PickResult(held, {}, probability {:.3f}, {:.1f} s{})", attempts,
+      localization::best_probability(picked.estimate.posterior), result.robot_seconds,
+      result.place ? fmt::format(", {}", skills::to_string(result.place->status)) : "");
 }
 
 std::string html(const PickResult& result) {
@@ -121,6 +125,7 @@ std::string html(const PickResult& result) {
 
 void bind_pick_result(nb::module_& module) {
   bind_phase(module);
+  bind_place_result(module);
   nb::class_<PickResult>(module, "PickResult", nb::type_slots(kSlots.data()),
                          "What became of a pick, as the robot itself knows it; what only the "
                          "simulator's truth tells is None for a hand of your own.")
@@ -181,6 +186,10 @@ void bind_pick_result(nb::module_& module) {
       .def_prop_ro("translation_error_mm",
                    with_truth([](const auto& metrics) { return 1e3 * metrics.error.translation; }),
                    "The same, mm.")
+      .def_ro("place", &PickResult::place,
+              "What became of placing; None where the object was not to be placed, or not held.")
+      .def("__getstate__", &state)
+      .def("__setstate__", &restore)
       .def("__repr__", &repr)
       .def("_repr_html_", &html);
 }

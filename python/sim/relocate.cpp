@@ -3,14 +3,17 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
+#include <chrono>
+#include <mutex>
+#include <numeric>
 #include <stdexcept>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "bindings/arrays.hpp"
 #include "palpate/core/error.hpp"
-#include "palpate/core/parallel.hpp"
+#include "palpate/core/worker_pool.hpp"
 #include "palpate/tasks/relocate/rollout.hpp"
 #include "rooms.hpp"
 
@@ -34,24 +37,32 @@ struct RelocateOptions {
   }
 };
 
-/// Copies of the relocate task that are stepped together, on several threads.
+/// Copies of the relocate task that are stepped together, on several threads. Python's threads take
+/// turns with them.
 class RelocateTasks {
  public:
   RelocateTasks(std::size_t count, int threads, const RelocateOptions& options)
-      : options_(options), model_(relocate::make_model(options.task)), threads_(threads) {
+      : options_(options),
+        model_(relocate::make_model(options.task)),
+        pool_(threads),
+        starts_(count),
+        steps_(count),
+        seconds_(count) {
     for (std::size_t i = 0; i < count; ++i) tasks_.emplace_back(model_);
-    starts_.resize(count);
-    steps_.resize(count);
+    order_.resize(count);
+    std::iota(order_.begin(), order_.end(), std::size_t{0});
   }
   RelocateTasks(const RelocateTasks&) = delete;
   RelocateTasks& operator=(const RelocateTasks&) = delete;
 
   void reset(std::size_t index, std::uint64_t seed) {
+    const std::lock_guard lock(busy_);
     check_index(index);
     start(index, relocate::episode_start(options_.episode, seed));
   }
 
   void place(std::size_t index, const Eigen::Vector2d& object, const Eigen::Vector3d& target) {
+    const std::lock_guard lock(busy_);
     check_index(index);
     relocate::RelocateStart placed = starts_[index];
     placed.object = object;
@@ -60,19 +71,30 @@ class RelocateTasks {
   }
 
   /// @param skipped  tasks that stay as they are
+  ///
+  /// What took longest in the step before is begun first, so that no thread has much left to do
+  /// where the others have ended.
   void step(const Matrix& actions, const std::vector<bool>& skipped) {
-    parallel_for(tasks_.size(), threads_, [&](std::size_t i) {
+    using Clock = std::chrono::steady_clock;
+    const std::lock_guard lock(busy_);
+    std::sort(order_.begin(), order_.end(),
+              [&](std::size_t a, std::size_t b) { return seconds_[a] > seconds_[b]; });
+    pool_.run(tasks_.size(), [&](std::size_t turn) {
+      const std::size_t i = order_[turn];
+      const Clock::time_point begin = Clock::now();
       if (skipped[i]) {
         steps_[i].reward = 0;
       } else {
         steps_[i] = tasks_[i].step(actions.row(static_cast<Eigen::Index>(i)));
       }
+      seconds_[i] = std::chrono::duration<double>(Clock::now() - begin).count();
     });
   }
 
   /// One row a task of what `of` tells of it.
   template <class Of>
   Matrix rows_of(int width, const Of& of) const {
+    const auto lock = turn();
     Matrix result(static_cast<Eigen::Index>(tasks_.size()), width);
     for (std::size_t i = 0; i < tasks_.size(); ++i) {
       result.row(static_cast<Eigen::Index>(i)) = of(i).transpose();
@@ -80,12 +102,15 @@ class RelocateTasks {
     return result;
   }
 
+  /// While it is held, no other thread steps the tasks.
+  [[nodiscard]] std::unique_lock<std::mutex> turn() const { return std::unique_lock(busy_); }
+
   [[nodiscard]] const std::vector<relocate::RelocateTask>& tasks() const { return tasks_; }
   [[nodiscard]] const std::vector<relocate::RelocateStart>& starts() const { return starts_; }
   [[nodiscard]] const std::vector<RelocateStep>& steps() const { return steps_; }
   [[nodiscard]] const relocate::TaskOptions& task_options() const { return options_.task; }
   [[nodiscard]] int horizon() const { return options_.episode.horizon; }
-  [[nodiscard]] int threads() const { return threads_; }
+  [[nodiscard]] int threads() const { return pool_.threads(); }
 
  private:
   void check_index(std::size_t index) const {
@@ -102,10 +127,13 @@ class RelocateTasks {
 
   RelocateOptions options_;
   relocate::RelocateModel model_;
-  int threads_;
+  WorkerPool pool_;
   std::vector<relocate::RelocateTask> tasks_;
   std::vector<relocate::RelocateStart> starts_;
   std::vector<RelocateStep> steps_;
+  std::vector<double> seconds_;     // that each took in its last step
+  std::vector<std::size_t> order_;  // in which they are begun
+  mutable std::mutex busy_;
 };
 
 void make(RelocateTasks* self, int count, int threads, const nb::dict& settings) {
@@ -137,6 +165,7 @@ void step(RelocateTasks& self, nb::object actions, nb::object skipped) {
 template <class Number>
 auto of_steps(Number RelocateStep::*member) {
   return [member](const RelocateTasks& self) {
+    const auto lock = self.turn();
     Eigen::Vector<Number, Eigen::Dynamic> result(static_cast<Eigen::Index>(self.steps().size()));
     for (Eigen::Index i = 0; i < result.size(); ++i) {
       result[i] = self.steps()[static_cast<std::size_t>(i)].*member;

@@ -15,6 +15,7 @@ void bind_world(nanobind::module_& module);
 void bind_pick(nanobind::module_& module);
 void bind_evaluation(nanobind::module_& module);
 void bind_relocate(nanobind::module_& module);
+void bind_plan(nanobind::module_& module);
 
 /// Sets options from {"lift.height": 0.15}.
 /// @throws BadInput for an option that there is not, or a value out of its range

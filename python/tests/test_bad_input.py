@@ -39,8 +39,16 @@ class BadInput(unittest.TestCase):
                 ("normals: 3 for 18", lambda: palpate.Contacts(self.points, self.normals[:3])),
                 ("point_sigma is -1", lambda: palpate.Contacts(one, point_sigma=-1)),
                 ("normal_sigma is 0", lambda: palpate.Contacts(one, normal_sigma=0)),
+                ("points: complex128 is no real", lambda: palpate.Contacts(np.full((1, 3), 1j))),
+                ("points: some values are masked",
+                 lambda: palpate.Contacts(np.ma.masked_less([[0, -1, 0]], 0))),
+                (r"points: datetime64\[s\] is no real",
+                 lambda: palpate.Contacts(np.zeros((1, 3), "datetime64[s]"))),
                 (r"shape \(2,\), not \(\) or \(1,\)",
                  lambda: palpate.Contacts(one, point_sigma=[1, 2])),
+                ("points: <U3 is no real number", lambda: palpate.Contacts(np.full((1, 3), "0.1"))),
+                ("point_noise is nan", lambda: palpate.read_contacts("x.csv", point_noise=NAN)),
+                ("normal_noise is -1", lambda: palpate.read_contacts("x.csv", normal_noise=-1)),
             ]
         )  # fmt: skip
 
@@ -57,9 +65,66 @@ class BadInput(unittest.TestCase):
                 ("false_contact_share is nan", localize(false_contacts=NAN)),
                 (r"shape \(1, 3\), not \(N, 4\)", localize(free_space=[[0, 0, 1]])),
                 ("radius is -1", localize(free_space=[[0, 0, 1, -1]])),
+                ("free sphere 0: a coordinate in m of 1e.20", localize(free_space=[[1e20] * 4])),
+                ("free sphere 0: its radius in m of 1e.20",
+                 localize(free_space=[[0, 0, 0, 1e20]])),
+                ("surface_sigma in m of 1e.300", localize(surface_sigma=1e300)),
+                ("contact 0: a coordinate in m of 1e.200",
+                 lambda: palpate.localize(self.model, palpate.Contacts([[1e200, 0, 0]]))),
             ]
         )
         self.assertEqual(localize(free_space=[])().status, "certain")
+
+    def test_what_is_known_beforehand(self):
+        found = palpate.localize(self.model, self.contacts)
+        some = np.ones((2, 2, 2))
+
+        def table(**numbers):
+            return lambda: palpate.TableSupport(np.eye(4), **numbers)
+
+        def free(voxels):
+            return lambda: palpate.free_space_of_voxels(voxels, 0.01)
+
+        self.refuses(
+            [
+                ("floor is nan", lambda: palpate.prior_from(found, floor=NAN)),
+                ("floor is 1", lambda: palpate.prior_from(found, floor=1)),
+                ("half_width is -1, not >= 0", table(half_width=-1)),
+                ("tilt_sigma is 0, not positive", table(tilt_sigma=0)),
+                ("height_sigma is nan", table(height_sigma=NAN)),
+                ("edge_sigma is 1e.300", table(edge_sigma=1e300)),
+                ("free holds float64, not bool", free(some * NAN)),
+                ("free: some values are masked",
+                 free(np.ma.masked_array(some.astype(bool), mask=some))),
+            ]
+        )  # fmt: skip
+
+    def test_sensors(self):
+        depth, tip = np.zeros((32, 32)), {"a": [0, 0, 0], "b": [0, 0, 0.02], "radius": 0.008}
+
+        def taxels(**options):
+            return lambda: palpate.contacts_of_taxels([[0] * 3], [[0, 0, 1]], [1], **options)
+
+        self.refuses(
+            [
+                ("height map: min_depth.* inf, ",
+                 lambda: palpate.contacts_of_height_map(depth, 5e-5, min_depth=np.inf)),
+                ("height map: .*not finite and positive",
+                 lambda: palpate.contacts_of_height_map(depth, 5e-5, slope_sigma=0)),
+                ("taxels: min_force.* are inf", taxels(min_force=np.inf)),
+                ("wrench: .* and inf, not all positive and finite",
+                 lambda: palpate.contact_of_wrench([0] * 3, [0] * 3, **tip, moment_sigma=np.inf)),
+                ("contact 0: its point or force is not finite",
+                 lambda: palpate.NormalEstimator().update(0, [[NAN, 0, 0]], [[0, 0, 1]])),
+                ("time is inf", lambda: palpate.NormalEstimator().update(np.inf, [], [])),
+            ]
+        )  # fmt: skip
+
+    def test_misspelt_arguments_are_named(self):
+        for call in (lambda: palpate.localize(self.model, self.contacts, sed=1),
+                     lambda: palpate.Contacts(point=self.points)):  # fmt: skip
+            with self.assertRaises(TypeError):
+                call()
 
     def test_what_is_no_model_is_shown(self):
         for other in ("box", self.box):
@@ -114,6 +179,12 @@ class BadInput(unittest.TestCase):
         missing = pathlib.Path("nothing") / "like_it.stl"
         with self.assertRaisesRegex(ValueError, "like_it.stl"):
             palpate.load_known_object(missing)
+
+
+class Words(unittest.TestCase):
+    def test_an_object_says_whether_it_is_symmetric(self):
+        self.assertIn("4 symmetric orientations", repr(palpate.load_known_object("box")))
+        self.assertIn("no symmetry, 5 stable", repr(palpate.load_known_object("bracket")))
 
 
 class Copies(unittest.TestCase):

@@ -3,6 +3,7 @@
 
 import subprocess
 import sys
+import threading
 import unittest
 import warnings
 
@@ -11,11 +12,13 @@ import numpy as np
 try:
     import gymnasium
     from gymnasium.utils.env_checker import check_env
+    from palpate import envs
 except ImportError:
     gymnasium = None
 
 try:
     import palpate.sim
+    from palpate.pick_env import PickEnv
 except ImportError:
     palpate = None
 
@@ -48,7 +51,13 @@ class Touch(unittest.TestCase):
         for name, value in {"tip_radius": -1, "point_noise": 0, "max_touches": 0}.items():
             with self.assertRaisesRegex(ValueError, f"{name} is {value}, not positive"):
                 gymnasium.make("palpate.envs:Palpate/Touch-v0", object="box", **{name: value})
-        env = gymnasium.make("palpate.envs:Palpate/Touch-v0", **QUICK).unwrapped
+        for name, value in {"max_touches": 2.5, "cost": np.nan, "render_mode": "human"}.items():
+            with self.assertRaisesRegex(ValueError, f"{name} .*{value}"):
+                envs.TouchEnv("box", **{name: value})
+        env = envs.TouchEnv(**QUICK, render_mode="rgb_array")
+        for call in (lambda: env.step(np.zeros(3)), env.render):
+            with self.assertRaisesRegex(gymnasium.error.ResetNeeded, "before the first reset"):
+                call()
         env.reset(seed=1)
         for action in (np.full(3, np.nan), np.zeros(2), np.zeros((1, 3))):
             with self.assertRaisesRegex(ValueError, "is not three finite numbers"):
@@ -128,6 +137,8 @@ class Pick(unittest.TestCase):
         self.assertLess(abs(observation["base"][0] - 0.3), 0.03)
 
     def test_what_cannot_be_done_is_refused(self):
+        with self.assertRaisesRegex(gymnasium.error.ResetNeeded, "before the first reset"):
+            PickEnv("box").step(np.zeros(26))
         self.env.reset(seed=1)
         for action in (np.full(self.env.action_space.shape, np.nan), np.zeros(2)):
             with self.assertRaisesRegex(ValueError, r"action of shape .*, not \(26,\)"):
@@ -285,11 +296,39 @@ class Relocate(unittest.TestCase):
     def test_refuses_with_the_value(self):
         with self.assertRaisesRegex(ValueError, "no_solver"):
             gymnasium.make(self.ID, solver="no_solver")
+        with self.assertRaisesRegex(ValueError, "are object and target, not objekt"):
+            gymnasium.make(self.ID, **self.QUICK).reset(options={"objekt": [0, 0]})
+        with self.assertRaisesRegex(gymnasium.error.ResetNeeded, "before the first reset"):
+            gymnasium.make(self.ID, **self.QUICK).unwrapped.step(np.zeros(30))
+        vector = gymnasium.make_vec(self.ID, 2, vectorization_mode="vector_entry_point", **self.QUICK)
+        with self.assertRaisesRegex(gymnasium.error.ResetNeeded, "before the first reset"):
+            vector.step(np.zeros((2, 30)))
         tasks = palpate.sim.RelocateTasks(2, options={"solver": "fast"})
         with self.assertRaisesRegex(ValueError, r"actions has shape \(2, 29\), not \(2, 30\)"):
             tasks.step(np.zeros((2, 29)))
         with self.assertRaisesRegex(IndexError, "no task 2 of 2"):
             tasks.reset(2, 0)
+
+    def test_threads_take_turns_with_the_tasks(self):
+        tasks = palpate.sim.RelocateTasks(3, threads=2, options={"solver": "fast"})
+        alone = palpate.sim.RelocateTasks(3, options={"solver": "fast"})
+        for one in (tasks, alone):
+            for index in range(3):
+                one.reset(index, 7 + index)
+
+        def step():
+            for _ in range(10):
+                tasks.step(np.full((3, 30), 0.1))
+                self.assertEqual(tasks.observations.shape, (3, 39))
+
+        threads = [threading.Thread(target=step) for _ in range(3)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        for _ in range(30):
+            alone.step(np.full((3, 30), 0.1))
+        np.testing.assert_array_equal(tasks.positions, alone.positions)
 
     def test_an_action_that_is_not_finite_ends_the_episode(self):
         env = gymnasium.make(self.ID, **self.QUICK).unwrapped

@@ -6,8 +6,10 @@ import importlib.util
 import io
 import json
 import pathlib
+import sys
 import tempfile
 import unittest
+from unittest import mock
 
 import numpy as np
 from palpate import export
@@ -56,6 +58,16 @@ def write_recording(path, seal="finished 0123456789abcdef", joints=JOINTS):
 def needs(*names):
     missing = [name for name in names if importlib.util.find_spec(name) is None]
     return unittest.skipIf(missing, f"{', '.join(missing)} not installed")
+
+
+class Missing(unittest.TestCase):
+    def test_what_has_to_be_installed_is_named(self):
+        with mock.patch.dict(sys.modules, {"h5py": None}):
+            with self.assertRaisesRegex(ImportError, "h5py.*: pip install 'palpate.export.'"):
+                export.read_episode("recording.h5")
+            with contextlib.redirect_stderr(io.StringIO()) as errors:
+                self.assertEqual(export.main(["minari", "recording.h5"]), export.BAD_INPUT)
+        self.assertIn("pip install", errors.getvalue())
 
 
 @needs("h5py")
@@ -131,6 +143,20 @@ class Export(unittest.TestCase):
             path = write_recording(self.folder / "other.h5", seal)
             with self.assertRaisesRegex(ValueError, "was not done"):
                 export.read_episode(path)
+
+    def test_a_damaged_recording_is_refused(self):
+        import h5py
+
+        with h5py.File(self.recording, "r+") as file:
+            del file["frames/joints"]
+        with self.assertRaisesRegex(ValueError, "is damaged: .*joints"):
+            export.read_episode(self.recording)
+        self.recording.write_bytes(self.recording.read_bytes()[:2000])
+        with self.assertRaisesRegex(ValueError, "is damaged"):
+            export.read_episode(self.recording)
+
+    def test_one_recording_may_be_a_path(self):
+        self.assertEqual(export.export("minari", str(self.recording), self.out), TICKS)
 
     def test_bad_input_is_named_and_leaves_nothing(self):
         text = self.folder / "text.h5"

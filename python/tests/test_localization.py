@@ -73,7 +73,7 @@ class Localization(unittest.TestCase):
         np.testing.assert_allclose(at_origin[0], [0.045, 0.005, 0.005, 0.005])
         moved = at_origin[:, :3] @ self.truth[:3, :3].T + self.truth[:3, 3]
         np.testing.assert_allclose(balls[:, :3], moved)
-        for wrong, word in (((free[0], 0.01), r"\(4, 4\), not"), ((free, 0.0), "0.0 m")):
+        for wrong, word in (((free[0], 0.01), r"\(4, 4\), not"), ((free, 0.0), "pitch is 0 m")):
             with self.assertRaisesRegex(ValueError, word):
                 palpate.free_space_of_voxels(*wrong)
 

@@ -7,6 +7,7 @@ Its faults are faults of the pick, and no exception of it is lost.
 import pathlib
 import threading
 import time
+import tomllib
 import unittest
 
 import numpy as np
@@ -17,7 +18,8 @@ try:
 except ImportError:
     sim = None
 
-QUICK = {
+IDEAL = sim.IDEAL if sim else {}
+QUICK = IDEAL | {
     "calibrate.touches": 4, "explore.touches": 2, "explore.max_touches": 2, "attempts": 1,
     "estimation.search.proposals": 20000, "estimation.search.particles": 400,
 }  # fmt: skip
@@ -78,7 +80,7 @@ class PickInSimulation(unittest.TestCase):
         cls.model = palpate.ObjectModel(palpate.load_known_object("box"))
 
     def world(self):
-        return sim.World(self.model, seed=3)
+        return sim.World(self.model, seed=3, options=IDEAL)
 
     def pick(self, hand, **options):
         return sim.pick(self.model, hand, seed=3, options={**QUICK, **options})
@@ -168,6 +170,42 @@ class PickInSimulation(unittest.TestCase):
         with self.assertRaisesRegex(TypeError, r"super\(\).__init__\(description\)"):
             self.pick(Unmade())
 
+    def test_a_hand_in_python_places(self):
+        world = self.world()
+        result = sim.pick(self.model, Rewritten(world.hand), seed=3, options=QUICK,
+                          place=[0.15, 0.1, 0.5])  # fmt: skip
+        self.assertEqual(result.status, "held")
+        self.assertEqual((result.place.status, result.place.placed), ("placed", None))
+        np.testing.assert_allclose(result.place.T_world_target[:2, 3], [0.15, 0.1])
+        self.assertLess(np.linalg.norm(world.truth()[:2, 3] - [0.15, 0.1]), 0.01)
+        self.assertIn("PlaceResult(placed by wrist", repr(result.place))
+
+    def test_targets_that_cannot_be_are_refused(self):
+        hand = self.world().hand
+        for place, words in (
+            ([1, 2], "place has 2 values, not 3"),
+            ("nowhere", "'nowhere' is no place"),
+            (np.eye(3), r"place has shape \(3, 3\), not \(4, 4\)"),
+            (np.eye(4), "inside the table"),
+            ([5, 5, 0], "out of reach"),
+            ("stable_pose", "only a simulation knows"),
+        ):
+            with self.assertRaisesRegex(ValueError, words):
+                sim.pick(self.model, hand, place=place)
+
+    def test_the_ideal_world_is_that_of_the_configuration(self):
+        file = pathlib.Path(__file__).parents[2] / "configs" / "ideal.toml"
+        told = tomllib.loads(file.read_text())
+
+        def flat(section, prefix):
+            for key, value in section.items():
+                if isinstance(value, dict):
+                    yield from flat(value, f"{prefix}{key}.")
+                else:
+                    yield prefix + key, value
+
+        self.assertEqual(sim.IDEAL, dict(flat(told, "")))
+
     def test_threads_take_turns_with_a_world(self):
         world = self.world()
         command = sim.waiting_command(world.hand.description)
@@ -182,6 +220,35 @@ class PickInSimulation(unittest.TestCase):
         for thread in threads:
             thread.join()
         self.assertAlmostEqual(world.hand.step(command).time, 0.91)
+
+    def test_a_plan_keeps_clear_of_the_object(self):
+        rest = self.model.object.stable_poses[0]
+        T = np.eye(4)
+        T[:3, :3], T[2, 3] = rest.R_table_object, rest.height
+        scene = sim.CollisionScene("shadow", self.model)
+        way = np.zeros((2, 30))
+        way[:, 0], way[:, 2], way[:, 1] = 0.2, 0.16, (-0.35, 0.35)
+        free = sim.plan(way, scene, seed=3)
+        self.assertEqual((free.status, len(free.corners), free.faults), ("ok", 2, []))
+        T[2, 3] += 0.1  # in the way
+        scene.place(T)
+        around = sim.plan(way, scene, seed=3)
+        self.assertEqual((around.status, around.unreachable), ("ok", None))
+        self.assertGreater(len(around.corners), 2)
+        self.assertGreaterEqual(around.duration, free.duration)
+        self.assertEqual(len(around.commands), len(around.samples))
+        self.assertEqual(around.arrivals, [0, len(around.samples) - 1])
+        np.testing.assert_allclose(around.commands[-1].base_xyz, way[1, :3], atol=1e-9)
+        again = sim.plan(way, scene, seed=3)
+        np.testing.assert_array_equal(again.samples, around.samples)
+        inside = sim.plan(np.vstack([way[0], [0.2, 0, 0.16] + [0] * 27]), scene)
+        self.assertEqual((inside.status, inside.faults[0][0]), ("invalid", 1))
+        self.assertIn("object", scene.deepest_collision([0.2, 0, 0.16] + [0] * 27)[:2])
+        for wrong, words in ((way[:1], "two waypoints"), (way[:, :6], r"not \(N, 30\)")):
+            with self.assertRaisesRegex(ValueError, words):
+                sim.plan(wrong, scene)
+        with self.assertRaisesRegex(ValueError, "no object"):
+            sim.CollisionScene().place(T)
 
     def test_the_description_is_the_hand_s(self):
         hand = self.world().hand.description

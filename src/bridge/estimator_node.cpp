@@ -116,7 +116,7 @@ struct EstimatorNode::Impl {
       reader.take([&](std::string_view cdr, std::uint64_t now) {
         ++report.messages;
         const auto reading = stream.take(reader.topic(), reader.type(), cdr, now);
-        if (reading && running) feel(*reading);
+        if (reading && running) update(*reading);
       });
     }
   }
@@ -125,8 +125,8 @@ struct EstimatorNode::Impl {
     return *stream.start() + ros2::nanoseconds_of(reading.time);
   }
 
-  void feel(const hand::HandReading& reading) {
-    follower.feel(reading);
+  void update(const hand::HandReading& reading) {
+    follower.update(reading);
     const auto messages =
         ros2::messages_of(follower.posterior(), {}, bounds, interface, time_of(reading));
     for (const auto& message : messages.pose) report.poses += pose.write(message) ? 1 : 0;

@@ -18,6 +18,7 @@ void add_stream_readers(Participant& participant, const hand::Description& hand,
   add(interface.tf, ros2::TFMessage::kType, sensor_qos());
   for (const auto& finger : hand.fingers) {
     add(interface.contacts_of(finger), ros2::PointCloud2::kType, sensor_qos());
+    add(interface.fingertip_wrench_of(finger), ros2::WrenchStamped::kType, sensor_qos());
   }
   add(interface.wrench, ros2::WrenchStamped::kType, sensor_qos());
   add(interface.actuator_states, ros2::JointState::kType, sensor_qos());

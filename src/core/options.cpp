@@ -69,13 +69,18 @@ class Assigner {
   const std::string& where_;
 };
 
-/// Users also write only the section or only what stands in it: "way" for "lift.way".
+std::string_view last_part(std::string_view key) { return key.substr(key.rfind('.') + 1); }
+
+/// Users also write only the section or only what stands in it, "height" for "lift.height", or an
+/// option in a section where it does not stand, "grasp.friction" for "friction".
 double key_distance(std::string_view key, std::string_view known) {
+  constexpr double kOtherSection = 0.1;  // so that one of the section that was given comes first
   const double whole = spelling_distance(key, known);
-  const std::size_t dot = known.rfind('.');
-  if (dot == std::string_view::npos || key.find('.') != std::string_view::npos) return whole;
-  return std::min({whole, spelling_distance(key, known.substr(0, dot)),
-                   spelling_distance(key, known.substr(dot + 1))});
+  if (key.find('.') != std::string_view::npos) {
+    return std::min(whole, kOtherSection + spelling_distance(last_part(key), last_part(known)));
+  }
+  return std::min({whole, spelling_distance(key, known.substr(0, known.rfind('.'))),
+                   spelling_distance(key, last_part(known))});
 }
 
 std::string suggestion(std::string_view key, const std::vector<OptionField>& fields) {

@@ -28,7 +28,8 @@ constexpr std::array<Rename, 11> kRenamedKeys{{
 }};
 
 /// Parts of keys, between dots.
-constexpr std::array<Rename, 38> kRenamedParts{{
+constexpr std::array<Rename, 39> kRenamedParts{{
+    {"felt", "tracking"},
     {"feel", "height_probe"},
     {"locate", "estimation"},
     {"probe", "palpation"},

@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "estimation/fallen.hpp"
-#include "estimation/felt_height.hpp"
+#include "estimation/height_likelihood.hpp"
 #include "estimation/log_evidence.hpp"
 #include "estimation/prior_after_grasp.hpp"
 #include "estimation/tracked_pose.hpp"
@@ -46,25 +46,25 @@ const hand::HandReading* reading_at(const EventLog& log, TouchEvent mark) {
   return reading;
 }
 
-/// Those for an object that may have fallen before it was felt.
+/// Those for an object that may have fallen before it was touched.
 EstimationOptions as_it_lay(const hand::Description& hand, const EventLog& log,
                             const EstimationOptions& options) {
-  const auto* const felt = reading_at(log, TouchEvent::height_probed);
-  if (!felt || !reading_at(log, TouchEvent::fallen)) return options;
-  return of_fallen(options, place_under_hand(hand, *felt));
+  const auto* const probed = reading_at(log, TouchEvent::height_probed);
+  if (!probed || !reading_at(log, TouchEvent::fallen)) return options;
+  return of_fallen(options, place_under_hand(hand, *probed));
 }
 
-/// Likelihood of each stable pose by the height in which the hand felt the object; 1 if it did not.
+/// Likelihood of each stable pose by the measured height of the object; 1 if none was measured.
 std::vector<double> height_likelihoods(const KnownObject& object, const hand::Description& hand,
                                        const EventLog& log, const EstimationOptions& options) {
-  const auto* const felt = reading_at(log, TouchEvent::height_probed);
-  if (!felt) return std::vector<double>(object.stable_poses.size(), 1.0);
+  const auto* const probed = reading_at(log, TouchEvent::height_probed);
+  if (!probed) return std::vector<double>(object.stable_poses.size(), 1.0);
   const EstimationOptions lay = as_it_lay(hand, log, options);
-  return felt_likelihoods(object, hand, *felt, {lay.place, lay.resting_half_width},
-                          options.felt_sigma);
+  return probed_height_likelihoods(object, hand, *probed, {lay.place, lay.resting_half_width},
+                                   options.probed_height_sigma);
 }
 
-/// Probability of each stable pose, given the height in which the hand felt the object.
+/// Probability of each stable pose, given the measured height of the object.
 std::vector<double> stable_pose_weights(const KnownObject& object, const hand::Description& hand,
                                         const EventLog& log, const EstimationOptions& options) {
   std::vector<double> weights = height_likelihoods(object, hand, log, options);
@@ -87,7 +87,7 @@ Eigen::Isometry3d table_at_place(const EventLog& log, const EstimationOptions& o
 }
 
 /// The table under the object that nobody has moved yet. Misplaced links of the hand shift all that
-/// it feels, so that height and place are uncertain by that much.
+/// it touches, so that height and place are uncertain by that much.
 TableSupport resting_table(const KnownObject& object, const hand::Description& hand,
                            const EventLog& log, const EstimationOptions& options) {
   TableSupport table;
@@ -113,14 +113,14 @@ TableSupport table_at_closing(const KnownObject& object, const hand::Description
   return table;
 }
 
-/// Whether some pose of it explains what was felt.
+/// Whether some pose of it explains what was sensed.
 bool has_pose(const localization::ObjectHypothesis& hypothesis) {
   double sum = 0;
   for (const auto& mode : hypothesis.posterior.modes) sum += mode.weight;
   return sum > 0;
 }
 
-/// What the felt height says for the object itself, beside its stable poses.
+/// What the measured height says for the object itself, beside its stable poses.
 void add_height(const KnownObject& object, const hand::Description& hand, const EventLog& log,
                 const EstimationOptions& options, localization::ObjectHypothesis& hypothesis) {
   const auto likelihoods = height_likelihoods(object, hand, log, options);
@@ -133,18 +133,18 @@ void add_height(const KnownObject& object, const hand::Description& hand, const 
   hypothesis.log_evidence_other += std::log(likelihood);
 }
 
-/// All moments up to the last one that tells how the object rests.
+/// All moments up to the last one that bears on how the object rests.
 std::vector<EventLog::Moment> moments_of_resting(const EventLog& log) {
-  const auto tells = [](const EventLog::Moment& moment) {
+  const auto bears = [](const EventLog::Moment& moment) {
     return moment.mark == TouchEvent::height_probed || moment.mark == TouchEvent::touched ||
            moment.mark == TouchEvent::missed || moment.mark == TouchEvent::fallen ||
            moment.mark == TouchEvent::opened || moment.mark == TouchEvent::released;
   };
-  const auto last = std::find_if(log.moments.rbegin(), log.moments.rend(), tells);
+  const auto last = std::find_if(log.moments.rbegin(), log.moments.rend(), bears);
   return {log.moments.begin(), last.base()};
 }
 
-/// At the end of the lift only: what is felt later decides.
+/// At the end of the lift only: what is sensed later decides.
 /// @param before_lift  in the hand's base
 /// @param probability  of the object
 /// @param posterior  in the world
@@ -174,7 +174,7 @@ void transform(const Eigen::Isometry3d& T_new_old, localization::Posterior& post
       mode.free_axis->direction = T_new_old.linear() * mode.free_axis->direction;
     }
   }
-  for (auto& T_frame_object : posterior.further) T_frame_object = T_new_old * T_frame_object;
+  for (auto& T_frame_object : posterior.residual_set) T_frame_object = T_new_old * T_frame_object;
 }
 
 PoseEstimator::PoseEstimator(Candidates candidates, const EstimationOptions& options,
@@ -291,7 +291,7 @@ HeldPoseEstimate PoseEstimator::held(const hand::Description& hand, const EventL
   return estimate;
 }
 
-/// In the hand that had closed, with what was felt of it until the lift.
+/// In the hand that had closed, with what was sensed of it until the lift.
 void PoseEstimator::look_before_lift(const hand::Description& hand, const EventLog& log) {
   const std::size_t closed = log.all(TouchEvent::closed).back();
   if (closed_at_ == closed) return;

@@ -6,20 +6,37 @@
 #include <utility>
 
 #include "estimation/log_evidence.hpp"
+#include "estimation/prior_after_grasp.hpp"
 #include "palpate/hand/kinematics.hpp"
 #include "palpate/localization/pose_prior.hpp"
 
 namespace palpate::estimation {
 namespace {
 
-constexpr std::size_t kKept = 100;       // readings
-constexpr std::size_t kFewContacts = 2;  // which cannot overrule what is expected
-constexpr double kFloorOfFewContacts = 1e-6;
-constexpr double kNever = -1e9;  // s
+constexpr std::size_t kKept = 100;    // readings
+constexpr double kUnfollowed = 1e-3;  // probability that what was known does not hold
+constexpr double kSamePlace = 0.003;  // m between contacts of which one tells nothing new
+constexpr double kSameNormal = 0.9;   // cosine between their normals
+constexpr double kNever = -1e9;       // s
 
 int fingers_that_touch(const hand::HandReading& reading) {
   return static_cast<int>(std::count_if(reading.contacts.begin(), reading.contacts.end(),
                                         [](const auto& finger) { return !finger.empty(); }));
+}
+
+/// Of a motion with these standard deviations (rad, m) per axis.
+Matrix6d motion_covariance(double turn, double way) {
+  Vector6d variance;
+  variance << Eigen::Vector3d::Constant(turn * turn), Eigen::Vector3d::Constant(way * way);
+  return variance.asDiagonal();
+}
+
+/// Whether a contact is of the same finger as one of those, at the same place.
+bool known_among(const tactile::Contact& contact, const std::vector<tactile::Contact>& contacts) {
+  return std::any_of(contacts.begin(), contacts.end(), [&](const tactile::Contact& other) {
+    return other.finger == contact.finger && (other.p - contact.p).norm() < kSamePlace &&
+           (!contact.has_normal() || other.n.dot(contact.n) > kSameNormal);
+  });
 }
 
 }  // namespace
@@ -32,7 +49,7 @@ HeldPoseFollower::HeldPoseFollower(const geometry::ObjectModel& object, hand::De
       random_(seed, "held pose"),
       asked_at_(kNever) {}
 
-void HeldPoseFollower::feel(const hand::HandReading& reading) {
+void HeldPoseFollower::update(const hand::HandReading& reading) {
   auto& readings = log_.readings;
   readings.push_back(reading);
   if (readings.size() >= 2 * kKept) {
@@ -49,6 +66,13 @@ void HeldPoseFollower::feel(const hand::HandReading& reading) {
   } else {  // it stays where it is, whatever the palm does
     palm_of_estimate_ = before.inverse() * T_world_palm_;
   }
+}
+
+void HeldPoseFollower::begin(const localization::Posterior& posterior) {
+  known_ = posterior;
+  known_at_ = touched_at_ = log_.readings.back().time;
+  palm_of_estimate_ = T_world_palm_;
+  used_ = contacts();
 }
 
 void HeldPoseFollower::forget() {
@@ -71,46 +95,80 @@ Eigen::Isometry3d HeldPoseFollower::carried() const {
 localization::PosePrior HeldPoseFollower::prior() const {
   const hand::HandReading& last = log_.readings.back();
   const double periods = std::max(1.0, (last.time - known_at_) / options_.period);
-  Vector6d variance;
-  variance << Eigen::Vector3d::Constant(std::pow(options_.turn_sigma, 2)),
-      Eigen::Vector3d::Constant(std::pow(options_.way_sigma, 2));
   localization::Posterior moved = known_;
   transform(last.base.pose().inverse() * carried(), moved);
-  const Matrix6d covariance = (periods * variance).asDiagonal();
-  return localization::prior_from(moved, covariance);
+  const auto after = [&](double turn, double way) {
+    return localization::prior_from(moved, periods * motion_covariance(turn, way));
+  };
+  localization::PosePrior prior;
+  append(after(options_.turn_sigma, options_.way_sigma), 1 - options_.slip_share, prior);
+  append(after(options_.slip_turn, options_.slip_way), options_.slip_share, prior);
+  finish(kUnfollowed, prior);
+  return prior;
 }
 
 HeldPoseFollower::Task HeldPoseFollower::task() {
   asked_at_ = log_.readings.back().time;
-  Task task{log_, T_world_palm_, std::nullopt, ++tasks_, epoch_};
-  if (!known_.modes.empty()) task.prior = prior();
+  Task task{log_, T_world_palm_, std::nullopt, std::nullopt, ++tasks_, epoch_};
+  if (known_.modes.empty()) return task;
+  if (tells_more()) {
+    task.prior = prior();
+  } else {
+    task.known = posterior();
+  }
   return task;
+}
+
+std::vector<tactile::Contact> HeldPoseFollower::contacts() const {
+  return evidence_in_hand(hand_, log_, {log_.readings.size() - 1, true}, object_.object().mass,
+                          options_.estimation)
+      .contacts;
+}
+
+bool HeldPoseFollower::tells_more() const {
+  const auto now = contacts();
+  return std::any_of(now.begin(), now.end(),
+                     [&](const auto& contact) { return !known_among(contact, used_); });
 }
 
 HeldPoseEstimate HeldPoseFollower::estimate(const Task& task) const {
   const std::size_t present = task.log.readings.size() - 1;
   localization::Evidence evidence = evidence_in_hand(hand_, task.log, {present, true},
                                                      object_.object().mass, options_.estimation);
-  evidence.prior = task.prior;
-  if (evidence.prior && evidence.contacts.size() <= kFewContacts) {
-    evidence.prior->floor = kFloorOfFewContacts;
-  }
-  HeldPoseEstimate estimate;
-  estimate.posterior =
-      localization::localize(object_, evidence, random_.fork("estimate", task.number),
-                             task.prior ? options_.estimation.search : options_.first);
-  estimate.contacts = std::move(evidence.contacts);
   const Eigen::Isometry3d T_world_base = task.log.readings[present].base.pose();
-  transform(T_world_base, estimate.posterior);
+  HeldPoseEstimate estimate;
+  if (task.known) {
+    estimate.posterior = *task.known;
+  } else {
+    evidence.prior = task.prior;
+    estimate.posterior =
+        localization::localize(object_, evidence, random_.fork("estimate", task.number),
+                               task.prior ? options_.estimation.search : options_.first);
+    transform(T_world_base, estimate.posterior);
+  }
+  estimate.contacts = std::move(evidence.contacts);
   for (auto& contact : estimate.contacts) transform(T_world_base, contact);
   return estimate;
 }
 
 void HeldPoseFollower::accept(const Task& task, HeldPoseEstimate estimate) {
-  if (task.epoch != epoch_ || estimate.posterior.unlisted() >= 1) return;
+  if (task.known || task.epoch != epoch_ || estimate.posterior.residual_mass() >= 1) return;
+  use(estimate.contacts, task.log.readings.back().base.pose().inverse());
   known_ = std::move(estimate.posterior);
   known_at_ = task.log.readings.back().time;
   palm_of_estimate_ = task.T_world_palm;
+}
+
+/// Remembers where each finger touched last when that was reckoned with.
+void HeldPoseFollower::use(std::vector<tactile::Contact> contacts,
+                           const Eigen::Isometry3d& T_base_world) {
+  for (auto& contact : contacts) transform(T_base_world, contact);
+  std::erase_if(used_, [&](const tactile::Contact& before) {
+    return std::any_of(contacts.begin(), contacts.end(), [&](const tactile::Contact& contact) {
+      return contact.finger == before.finger;
+    });
+  });
+  used_.insert(used_.end(), contacts.begin(), contacts.end());
 }
 
 localization::Posterior HeldPoseFollower::posterior() const {

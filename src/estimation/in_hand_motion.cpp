@@ -2,8 +2,9 @@
 #include "estimation/in_hand_motion.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <vector>
+
+#include "estimation/event_window.hpp"
 
 namespace palpate::estimation {
 namespace {
@@ -22,7 +23,7 @@ std::vector<localization::FreeAxis> axes_through(const std::vector<Eigen::Vector
 }
 
 /// How an object moves in the hand's base from one window of readings to the next: as the
-/// fingertips do where they touch it. With less than three fingers only the way is told.
+/// fingertips do where they touch it. With less than three fingers only the displacement is known.
 InHandMotion carried_step(const hand::Description& hand, std::span<const hand::HandReading> before,
                           std::span<const hand::HandReading> after,
                           const tactile::ContactErrorModel& errors, const Fingers& ignored) {
@@ -58,13 +59,6 @@ InHandMotion carried_step(const hand::Description& hand, std::span<const hand::H
 }
 
 }  // namespace
-
-std::span<const hand::HandReading> window_before(const EventLog& log, std::size_t index,
-                                                 double seconds) {
-  const auto count =
-      std::min(index + 1, static_cast<std::size_t>(std::ceil(seconds / hand::kTick)));
-  return std::span(log.readings).subspan(index + 1 - count, count);
-}
 
 InHandMotion in_hand_motion(const hand::Description& hand, const EventLog& log, std::size_t first,
                             std::size_t last, const tactile::ContactErrorModel& errors,

@@ -3,7 +3,6 @@
 
 #include <Eigen/Geometry>
 #include <array>
-#include <span>
 #include <vector>
 
 #include "palpate/estimation/event_log.hpp"
@@ -15,15 +14,12 @@ namespace palpate::estimation {
 
 using Fingers = hand::PerFinger<bool>;
 
-/// The readings of the last `seconds` up to one of them, with it.
-std::span<const hand::HandReading> window_before(const EventLog& log, std::size_t index,
-                                                 double seconds);
-
 /// How the object has moved in the hand's base between two readings.
 struct InHandMotion {
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  /// Axes (m, in the base) about which it may have turned by its own weight, and no fingertip tells
-  /// of it: through the contacts, where only one or two carried it. Empty: three or more did.
+  /// Axes (m, in the base) about which it may have turned by its own weight without a fingertip
+  /// that measures it: through the contacts, where only one or two carried it. Empty: three or
+  /// more did.
   std::vector<localization::FreeAxis> loose = {};
 };
 

@@ -6,6 +6,7 @@
 #include <limits>
 #include <span>
 
+#include "estimation/event_window.hpp"
 #include "estimation/in_hand_motion.hpp"
 #include "estimation/mean_load.hpp"
 #include "palpate/core/gravity.hpp"
@@ -16,8 +17,6 @@ using localization::Evidence;
 
 namespace {
 
-constexpr double kTouchWindow = 0.1;     // s of a touch that are averaged
-constexpr double kClosedWindow = 0.15;   // s of touching before a mark, but for `held`
 constexpr double kTouchMargin = 0.004;   // m before a touch that do not count as free
 constexpr double kElsewhere = 0.004;     // m that a fingertip has gone when it probes
 constexpr double kSweptSpacing = 0.008;  // m between the places of a swept fingertip
@@ -77,7 +76,7 @@ void add_swept_tip(const hand::Description& hand, const EventLog& log, std::size
 }
 
 /// Lasting contacts without the error of the links, which all contacts of a finger share.
-std::vector<tactile::Contact> felt_contacts(std::span<const hand::HandReading> window,
+std::vector<tactile::Contact> mean_contacts(std::span<const hand::HandReading> window,
                                             const hand::Description& hand,
                                             const tactile::ContactErrorModel& errors) {
   auto contacts = tactile::lasting_contacts(window, hand, errors);
@@ -95,7 +94,7 @@ localization::CommonModeBias finger_offset(const hand::Description& hand, int fi
   return offset;
 }
 
-/// Groups contacts by the finger that felt them.
+/// Groups contacts by finger.
 void share_offsets(const hand::Description& hand, Evidence& evidence) {
   for (int finger = 0; finger < hand.finger_count(); ++finger) {
     auto offset = finger_offset(hand, finger);
@@ -148,11 +147,11 @@ std::size_t holding_before(const EventLog& log, std::size_t probe) {
 /// made one, and the space that it takes.
 void add_probe(const hand::Description& hand, const EventLog& log, std::size_t probe,
                std::size_t present, const EstimationOptions& options, Evidence& evidence) {
-  const auto probed = window_before(log, probe, kClosedWindow);
-  const auto holding = window_before(log, holding_before(log, probe), kClosedWindow);
+  const auto probed = event_window(log, TouchEvent::probed, probe, options);
+  const auto holding = event_window(log, TouchEvent::closed, holding_before(log, probe), options);
   const auto moved = moved_fingers(hand, holding, probed);
   const auto motion = in_hand_motion(hand, log, probe, present, options.errors, moved).T;
-  add_carried(felt_contacts(probed, hand, options.errors), moved, motion, options, evidence);
+  add_carried(mean_contacts(probed, hand, options.errors), moved, motion, options, evidence);
   if (!options.free_space) return;
   const auto T_base_link = hand::forward_kinematics(hand, tactile::mean_joints(probed));
   for (const auto& sphere : hand.spheres) {
@@ -170,7 +169,8 @@ void add_rolled(const hand::Description& hand, const EventLog& log, std::size_t 
                 std::size_t present, const EstimationOptions& options, Evidence& evidence) {
   Fingers all;
   all.fill(true);
-  add_carried(felt_contacts(window_before(log, rolled, kClosedWindow), hand, options.errors), all,
+  const auto window = event_window(log, TouchEvent::rolled, rolled, options);
+  add_carried(mean_contacts(window, hand, options.errors), all,
               in_hand_motion(hand, log, rolled, present, options.errors).T, options, evidence);
 }
 
@@ -212,8 +212,8 @@ Evidence evidence_of_guarded_moves(const hand::Description& hand, const EventLog
     const int finger = probing_finger(hand, log.readings[moment.reading]);
     if (offset.members.empty()) offset = finger_offset(hand, finger);
     const Eigen::Isometry3d T_world_base = log.readings[moment.reading].base.pose();
-    const auto window = window_before(log, moment.reading, kTouchWindow);
-    for (auto contact : felt_contacts(window, hand, options.errors)) {
+    const auto window = event_window(log, moment.mark, moment.reading, options);
+    for (auto contact : mean_contacts(window, hand, options.errors)) {
       transform(T_world_base, contact);
       contact.point_sigma = std::hypot(contact.point_sigma, push);
       offset.members.push_back({evidence.contacts.size(), T_world_base.linear()});
@@ -228,8 +228,9 @@ Evidence evidence_in_hand(const hand::Description& hand, const EventLog& log,
                           const Instant& instant, double mass, const EstimationOptions& options) {
   Evidence evidence;
   const std::size_t present = instant.reading;
-  const double window = instant.hangs ? options.window : kClosedWindow;
-  evidence.contacts = felt_contacts(window_before(log, present, window), hand, options.errors);
+  const TouchEvent mark = instant.hangs ? TouchEvent::held : TouchEvent::closed;
+  evidence.contacts =
+      mean_contacts(event_window(log, mark, present, options), hand, options.errors);
   evidence.false_contact_share = options.false_contacts;
   evidence.surface_sigma = options.surface_sigma;
   evidence.penetration_sigma = options.penetration_sigma;

@@ -18,7 +18,7 @@ struct Instant {
   bool hangs = false;
 };
 
-/// What the closed hand feels at an instant, with what probing and rolling have told since it
+/// Contacts of the closed hand at an instant, with those of probing and rolling since it
 /// closed, in its base.
 /// @param mass  of the object, kg
 localization::Evidence evidence_in_hand(const hand::Description& hand, const EventLog& log,

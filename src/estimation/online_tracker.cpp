@@ -32,11 +32,12 @@ OnlineTracker::OnlineTracker(const geometry::ObjectModel& object, const hand::De
                              const localization::Posterior& resting,
                              const OnlineTrackerOptions& options, std::uint64_t seed)
     : object_(object), hand_(hand), options_(options), random_(seed, "felt place") {
-  if (resting.unlisted() >= 1) throw BadInput("no pose from which an object could be followed");
+  if (resting.residual_mass() >= 1)
+    throw BadInput("no pose from which an object could be followed");
   known_.posterior = coming_.posterior = resting;
 }
 
-void OnlineTracker::feel(const hand::HandReading& reading) {
+void OnlineTracker::update(const hand::HandReading& reading) {
   log_.readings.push_back(reading);
   const auto T_base_link = hand::forward_kinematics(hand_, reading.joints);
   palm_.push_back(reading.base.pose() * T_base_link[static_cast<std::size_t>(hand_.palm)]);
@@ -104,7 +105,7 @@ void OnlineTracker::estimate() {
   auto posterior = localization::localize(
       object_, evidence, random_.fork("estimate", static_cast<std::uint64_t>(present)),
       options_.estimation.search);
-  if (posterior.unlisted() < 1) {  // else the contacts leave the pose open
+  if (posterior.residual_mass() < 1) {  // else the contacts leave the pose open
     transform(T_world_base, posterior);
     coming_ = {std::move(posterior), present};
     ++estimates_;

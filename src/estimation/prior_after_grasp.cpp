@@ -19,7 +19,7 @@ namespace {
 constexpr int kSlides = 2;        // how often a grasp may slide, each time
 constexpr double kFarther = 3.0;  // so many times as far
 constexpr double kMotionError =
-    0.25;                            // of the motion in the hand that the fingertips tell of, sigma
+    0.25;                            // of the motion in the hand that the fingertips measure, sigma
 constexpr double kSwing = 0.02;      // rad, sigma of a turn that was tracked in two fingertips
 constexpr double kUntracked = 0.05;  // rad, sigma of a turn in two fingertips that was not
 constexpr double kSteadyMass = 0.2;  // kg, of an object that closing fingers do not push
@@ -78,7 +78,7 @@ std::vector<MeasuredMotion> measured_motions(const HeldObject& held,
 }
 
 /// By how much closing, pressing and lifting move the object in the hand, times `scale`, beside
-/// what the fingertips tell of that motion, which is off by a share of itself.
+/// what the fingertips measure of that motion, which is off by a share of itself.
 Matrix6d motion_covariance(const EstimationOptions& options, const MeasuredMotion& measured,
                            double scale) {
   const double turn = scale * std::hypot(options.motion_angle_sigma, kMotionError * measured.turn);
@@ -110,13 +110,6 @@ double floor_density(const PosePrior& prior, double elsewhere) {
   return std::min(0.5, elsewhere / kPoses / peak);
 }
 
-void append(const PosePrior& part, double share, PosePrior& prior) {
-  for (auto component : part.components) {
-    component.weight *= share;
-    prior.components.push_back(component);
-  }
-}
-
 void sort_heaviest_first(PosePrior& prior) {
   std::stable_sort(prior.components.begin(), prior.components.end(),
                    [](const auto& a, const auto& b) { return a.weight > b.weight; });
@@ -127,16 +120,20 @@ Eigen::Vector3d up_at_closing(const HeldObject& held) {
   return held.log.readings[held.closed].base.pose().linear().row(2);
 }
 
-/// Fingers that close one after the other rock what lies on a round side.
-void rock(const HeldObject& held, localization::Posterior& resting) {
-  const Eigen::Vector3d up = up_at_closing(held);
-  for (auto& mode : resting.modes) {
-    mode.covariance += rocking_covariance(held.model.object(), mode.T_frame_object, up);
-  }
-}
+/// Motions that closing may cause besides, in one mode.
+struct Disturbance {
+  Matrix6d pushed, rocked;  ///< covariances
 
-/// What closing does besides to an object that slides over the table until a second finger meets
-/// it, for it is light, or fingertips have pushed it; in the hand's base.
+  /// Where it has moved so many times as far; what rocks ends where it is stopped by the hand.
+  [[nodiscard]] Matrix6d covariance(double times) const {
+    const double rocking = std::min(times, kFarther);
+    return times * times * pushed + rocking * rocking * rocked;
+  }
+};
+using Disturbances = std::vector<Disturbance>;
+
+/// An object slides over the table until a second finger meets it, for it is light, or fingertips
+/// have pushed it; in the hand's base.
 Matrix6d pushed_covariance(const HeldObject& held) {
   const double times = std::clamp(kSteadyMass / held.model.object().mass, 1.0, kFarther);
   const double more = times * times - 1;
@@ -152,29 +149,48 @@ Matrix6d pushed_covariance(const HeldObject& held) {
   return covariance;
 }
 
+/// Pushed it slides, and what lies on a round side rocks as fingers close one after the other.
+/// @param resting  at closing, in the hand's base
+Disturbances disturbances(const HeldObject& held, const localization::Posterior& resting) {
+  const Matrix6d pushed = pushed_covariance(held);
+  const Eigen::Vector3d up = up_at_closing(held);
+  Disturbances result;
+  for (const auto& mode : resting.modes) {
+    result.push_back({pushed, rocking_covariance(held.model.object(), mode.T_frame_object, up)});
+  }
+  return result;
+}
+
+/// @param disturbances  one a mode; empty: none
+localization::Posterior disturbed(localization::Posterior posterior,
+                                  const Disturbances& disturbances, double times) {
+  for (std::size_t i = 0; i < disturbances.size(); ++i) {
+    posterior.modes[i].covariance += disturbances[i].covariance(times);
+  }
+  return posterior;
+}
+
 /// @param before  at the reading `closed`, in the hand's base
-/// @param scale   of the motions that the fingertips do not tell of
-/// @param pushed  covariance of such a motion besides
+/// @param scale   of the motions that the fingertips do not measure
+/// @param disturbances  such motions besides
 PosePrior after_motion(const HeldObject& held, const localization::Posterior& before, double scale,
-                       const Matrix6d& pushed) {
+                       const Disturbances& disturbances) {
   const EstimationOptions& options = held.options;
   PosePrior prior;
   for (const MeasuredMotion& measured : measured_motions(held, before)) {
-    localization::Posterior moved = before;
-    transform(measured.motion.T, moved);
     double share = measured.share, farther = 1;
     for (int slides = 0; slides <= kSlides; ++slides) {
-      const Matrix6d covariance =
-          motion_covariance(options, measured, scale * farther) + farther * farther * pushed;
-      PosePrior part = localization::prior_from(moved, covariance);
+      localization::Posterior moved = disturbed(before, disturbances, farther);
+      transform(measured.motion.T, moved);
+      PosePrior part =
+          localization::prior_from(moved, motion_covariance(options, measured, scale * farther));
       for (const auto& axis : measured.motion.loose) loosen(axis, measured.swing, part);
       append(part, slides < kSlides ? share * (1 - options.slide_share) : share, prior);
       share *= options.slide_share;
       farther *= kFarther;
     }
   }
-  sort_heaviest_first(prior);
-  prior.floor = floor_density(prior, options.elsewhere);
+  finish(options.elsewhere, prior);
   return prior;
 }
 
@@ -184,13 +200,12 @@ bool rolled(const HeldObject& held) { return held.log.at(TouchEvent::rolled).has
 
 PosePrior prior_after_grasp(const HeldObject& held, localization::Posterior resting) {
   transform(held.log.readings[held.closed].base.pose().inverse(), resting);
-  rock(held, resting);
   const bool stirred = held.log.has_opened() || rolled(held);
-  return after_motion(held, resting, stirred ? kStirred : 1.0, pushed_covariance(held));
+  return after_motion(held, resting, stirred ? kStirred : 1.0, disturbances(held, resting));
 }
 
 PosePrior prior_after_lift(const HeldObject& held, const localization::Posterior& before_lift) {
-  return after_motion(held, before_lift, rolled(held) ? kStirred : 1.0, Matrix6d::Zero());
+  return after_motion(held, before_lift, rolled(held) ? kStirred : 1.0, {});
 }
 
 PosePrior either_of(const PosePrior& one, const PosePrior& other) {
@@ -200,6 +215,18 @@ PosePrior either_of(const PosePrior& one, const PosePrior& other) {
   sort_heaviest_first(prior);
   prior.floor = std::max(one.floor, other.floor);
   return prior;
+}
+
+void append(const PosePrior& part, double share, PosePrior& prior) {
+  for (auto component : part.components) {
+    component.weight *= share;
+    prior.components.push_back(component);
+  }
+}
+
+void finish(double elsewhere, PosePrior& prior) {
+  sort_heaviest_first(prior);
+  prior.floor = floor_density(prior, elsewhere);
 }
 
 }  // namespace palpate::estimation

@@ -16,7 +16,7 @@ struct HeldObject {
 };
 
 /// Where the object is in the hand's base at the instant, by how it rested: after a grasp that
-/// mostly moved it a little, and by what the fingertips tell of that motion.
+/// mostly moved it a little, and by what the fingertips measure of that motion.
 /// @param resting  in the world, with modes
 localization::PosePrior prior_after_grasp(const HeldObject& held, localization::Posterior resting);
 
@@ -28,5 +28,11 @@ localization::PosePrior prior_after_lift(const HeldObject& held,
 /// One of two priors holds, each as likely.
 localization::PosePrior either_of(const localization::PosePrior& one,
                                   const localization::PosePrior& other);
+
+/// Appends the components of a prior with their weights times `share`.
+void append(const localization::PosePrior& part, double share, localization::PosePrior& prior);
+
+/// Heaviest component first, and the floor that spreads the probability `elsewhere` over all poses.
+void finish(double elsewhere, localization::PosePrior& prior);
 
 }  // namespace palpate::estimation

@@ -2,12 +2,19 @@
 #include "palpate/evaluation/credible_poses.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "palpate/core/random.hpp"
 
 namespace palpate::evaluation {
 namespace {
 
 constexpr int kPosesOfAxis = 9;      // of a mode with a free axis
-constexpr double kNotDrawn = 0.003;  // probability below which a pose is left out
+constexpr int kPriorPoses = 40;      // before the first touch, about
+constexpr double kNotDrawn = 0.003;  // probability below which a pose is left out,
+constexpr double kAmongEqual =
+    0.3;  // or share of the most probable one's, where all are improbable
 
 /// The pose of a mode or, with a free axis, some along it, of equal shares.
 void add_poses_of_mode(const localization::Mode& mode, std::vector<CrediblePose>& poses) {
@@ -30,14 +37,37 @@ std::vector<CrediblePose> credible_poses(const localization::Posterior& posterio
                                          std::size_t most) {
   std::vector<CrediblePose> poses;
   for (const auto& mode : posterior.modes) add_poses_of_mode(mode, poses);
-  for (const auto& T : posterior.further) {
-    poses.push_back({T, posterior.unlisted() / static_cast<double>(posterior.further.size())});
+  for (const auto& T : posterior.residual_set) {
+    poses.push_back(
+        {T, posterior.residual_mass() / static_cast<double>(posterior.residual_set.size())});
   }
-  std::erase_if(poses, [](const CrediblePose& pose) { return pose.probability < kNotDrawn; });
   std::stable_sort(poses.begin(), poses.end(), [](const CrediblePose& a, const CrediblePose& b) {
     return a.probability > b.probability;
   });
+  const double least =
+      poses.empty() ? 0 : std::min(kNotDrawn, kAmongEqual * poses.front().probability);
+  std::erase_if(poses, [&](const CrediblePose& pose) { return pose.probability < least; });
   poses.resize(std::min(poses.size(), most));
+  return poses;
+}
+
+std::vector<CrediblePose> prior_poses(const geometry::KnownObject& object,
+                                      const estimation::EstimationOptions& options,
+                                      const Eigen::Isometry3d& T_world_table) {
+  RandomStream random(0, "prior ghosts");
+  std::vector<CrediblePose> poses;
+  for (const geometry::StablePose& stable : object.stable_poses) {
+    const int count = static_cast<int>(std::lround(kPriorPoses * stable.probability));
+    for (int i = 0; i < count; ++i) {
+      Eigen::Vector3d place(options.place.x(), options.place.y(), stable.height);
+      place.x() += random.uniform(-1, 1) * options.resting_half_width;
+      place.y() += random.uniform(-1, 1) * options.resting_half_width;
+      CrediblePose pose{T_world_table * Eigen::Translation3d(place), stable.probability / count};
+      const Eigen::AngleAxisd yaw(2 * std::numbers::pi * i / count, Eigen::Vector3d::UnitZ());
+      pose.T_frame_object.linear() = T_world_table.linear() * yaw * stable.R_table_object;
+      poses.push_back(pose);
+    }
+  }
   return poses;
 }
 

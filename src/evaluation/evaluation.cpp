@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/evaluation/evaluation.hpp"
 
+#include <mutex>
 #include <numeric>
+#include <utility>
 
 #include "palpate/core/angle.hpp"
 #include "palpate/core/parallel.hpp"
@@ -48,6 +50,57 @@ void count_place(const Trial& trial, PlaceSummary& summary) {
   add(metrics.estimate, summary.estimate_error);
   add(metrics.release, summary.release_motion);
 }
+
+/// An object's model, made when its first trial begins.
+class Preparation {
+ public:
+  std::shared_ptr<const geometry::ObjectModel> begin(const EvaluatedObject& object) {
+    const std::lock_guard lock(mutex_);
+    if (!model_) {
+      model_ = object.model
+                   ? std::shared_ptr<const geometry::ObjectModel>(object.model, [](auto*) {})
+                   : std::make_shared<const geometry::ObjectModel>(*object.known);
+    }
+    return model_;
+  }
+
+  void let_go() {
+    const std::lock_guard lock(mutex_);
+    model_.reset();
+  }
+
+ private:
+  std::mutex mutex_;
+  std::shared_ptr<const geometry::ObjectModel> model_;
+};
+
+/// Trials put together object after object.
+class SummariesInOrder {
+ public:
+  SummariesInOrder(const std::vector<EvaluatedObject>& objects, const EvaluationHooks& hooks)
+      : objects_(objects), hooks_(hooks) {}
+
+  /// The object that the next trial may be of.
+  [[nodiscard]] std::size_t next() const { return next_; }
+
+  void add(const TrialId& id, const Trial& trial) {
+    add_trial(trial, summary_);
+    if (hooks_.trial) hooks_.trial(id, trial);
+  }
+
+  void end_object() {
+    summary_.symmetry_order = objects_[next_].known->symmetries.size();
+    const ObjectSummary ended = std::exchange(summary_, {});
+    if (hooks_.object) hooks_.object(next_, ended);
+    ++next_;
+  }
+
+ private:
+  const std::vector<EvaluatedObject>& objects_;
+  const EvaluationHooks& hooks_;
+  ObjectSummary summary_;
+  std::size_t next_ = 0;
+};
 
 }  // namespace
 
@@ -97,25 +150,34 @@ std::vector<std::size_t> trial_numbers(std::size_t count) {
   return numbers;
 }
 
-ObjectSummary evaluate(const geometry::ObjectModel& object, const TrialOptions& options,
-                       std::uint64_t first_seed, const std::vector<std::size_t>& numbers,
-                       int threads, const TrialObserver& observer, const TrialSource& finished,
-                       const estimation::Candidates& candidates) {
-  ObjectSummary summary;
-  summary.symmetry_order = object.object().symmetries.size();
-  const auto believed = candidates.empty() ? estimation::Candidates{&object} : candidates;
+void evaluate(const std::vector<EvaluatedObject>& objects, const TrialOptions& options,
+              std::uint64_t first_seed, int threads, const EvaluationHooks& hooks,
+              const estimation::Candidates& candidates) {
+  std::vector<TrialId> trials;
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    for (const std::size_t number : objects[i].numbers) trials.push_back({i, number});
+  }
+  std::vector<Preparation> preparations(objects.size());
+  SummariesInOrder summaries(objects, hooks);
+  const auto summarize = [&](const TrialId& id, const Trial& trial) {
+    for (; summaries.next() < id.object; summaries.end_object()) {
+      preparations[summaries.next()].let_go();
+    }
+    summaries.add(id, trial);
+  };
   parallel_ordered(
-      numbers.size(), threads,
+      trials.size(), threads,
       [&](std::size_t i) {
-        auto known = finished ? finished(numbers[i]) : std::nullopt;
-        return known ? std::move(*known)
-                     : run_trial(object, believed, options, first_seed + numbers[i]);
+        const TrialId& id = trials[i];
+        auto known = hooks.finished ? hooks.finished(id) : std::nullopt;
+        if (known) return std::move(*known);
+        const auto model = preparations[id.object].begin(objects[id.object]);
+        const auto believed = candidates.empty() ? estimation::Candidates{model.get()} : candidates;
+        const auto sink = hooks.sink ? hooks.sink(id) : nullptr;
+        return run_trial(*model, believed, options, first_seed + id.number, sink.get());
       },
-      [&](std::size_t i, const Trial& trial) {
-        add_trial(trial, summary);
-        if (observer) observer(numbers[i], trial);
-      });
-  return summary;
+      [&](std::size_t i, const Trial& trial) { summarize(trials[i], trial); });
+  while (summaries.next() < objects.size()) summaries.end_object();
 }
 
 }  // namespace palpate::evaluation

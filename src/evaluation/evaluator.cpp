@@ -53,7 +53,7 @@ void Evaluator::observe(const hand::HandReading& reading) {
   moments_.push_back({reading.base.pose().inverse() * truth.T_world_object, truth.lowest_point});
 }
 
-TrialMetrics Evaluator::verdict(const skills::PickResult& result, const estimation::EventLog& log,
+TrialMetrics Evaluator::metrics(const skills::PickResult& result, const estimation::EventLog& log,
                                 const skills::LiftOptions& lift,
                                 const std::vector<Eigen::Matrix3d>& symmetries) const {
   TrialMetrics metrics;

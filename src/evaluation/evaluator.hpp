@@ -15,7 +15,7 @@ class Evaluator {
   /// Notes the truth of the tick that ended with this reading.
   void observe(const hand::HandReading& reading);
 
-  TrialMetrics verdict(const skills::PickResult& result, const estimation::EventLog& log,
+  TrialMetrics metrics(const skills::PickResult& result, const estimation::EventLog& log,
                        const skills::LiftOptions& lift,
                        const std::vector<Eigen::Matrix3d>& symmetries) const;
 

@@ -36,6 +36,9 @@ FaultSummary summary_of(const std::optional<Trial>& trial, double from) {
   summary.peak_tip_force = metrics.peak_tip_force;
   summary.overloaded = metrics.peak_load > kMaxLoad;
   summary.crushed = metrics.peak_tip_force > kCrushingForce;
+  for (const auto& fault : trial->result.survived) {
+    summary.survived[std::string(to_string(fault.fault))] = 1;
+  }
   if (const auto& fault = trial->result.fault) {
     ++summary.stopped[std::string(to_string(fault.fault))];
     summary.longest_stop = std::max(0.0, fault.time - from);
@@ -90,6 +93,7 @@ void add(const FaultSummary& other, FaultSummary& sum) {
   sum.peak_tip_force = std::max(sum.peak_tip_force, other.peak_tip_force);
   sum.longest_stop = std::max(sum.longest_stop, other.longest_stop);
   for (const auto& [name, count] : other.stopped) sum.stopped[name] += count;
+  for (const auto& [name, count] : other.survived) sum.survived[name] += count;
 }
 
 }  // namespace palpate::evaluation

@@ -44,43 +44,43 @@ std::vector<double> planned_path(const skills::PlaceResult& placed) {
 
 void Recorder::frame(const hand::HandReading& reading, const hand::HandCommand& command) {
   time_ = reading.time;
-  if (!writer_) return;
+  if (!sink_) return;
   const simulation::Truth truth = world_.truth();
-  writer_->frame({reading, command, recording::FrameTruth{truth.T_world_object, truth.joints}});
+  sink_->frame({reading, command, recording::FrameTruth{truth.T_world_object, truth.joints}});
 }
 
 void Recorder::mark(estimation::TouchEvent mark) {
-  if (!writer_) return;
-  writer_->event({time_, recording::EventKind::note, phase_,
-                  std::string(kMarkPrefix)
-                      .append(estimation::kTouchEventNames[static_cast<std::size_t>(mark)])});
+  if (!sink_) return;
+  sink_->event({time_, recording::EventKind::note, phase_,
+                std::string(kMarkPrefix)
+                    .append(estimation::kTouchEventNames[static_cast<std::size_t>(mark)])});
 }
 
 void Recorder::posterior(const localization::Posterior& posterior) {
-  if (!writer_) return;
+  if (!sink_) return;
   std::string text = "credible";
   for (const auto& pose : credible_poses(posterior, kMaxPoses)) {
     text += fmt::format(" {:.4g} {:.6g}", pose.probability,
                         fmt::join(pose_to_row_major(pose.T_frame_object), " "));
   }
-  writer_->event({time_, recording::EventKind::note, phase_, text});
+  sink_->event({time_, recording::EventKind::note, phase_, text});
 }
 
 void Recorder::estimate(double time, const estimation::HeldPoseEstimate& estimate) {
-  if (!writer_) return;
+  if (!sink_) return;
   recording::EstimateRecord record;
   record.time = time;
   record.status = localization::to_string(estimate.posterior.status);
   for (const auto& mode : estimate.posterior.modes) record.modes.push_back(to_record(mode));
   record.contacts = estimate.contacts;
-  writer_->estimate(record);
+  sink_->estimate(record);
 }
 
 void Recorder::placement(const skills::PlaceResult& placed, const planning::Fixture& fixture) {
-  if (!writer_) return;
+  if (!sink_) return;
   const auto note = [&](std::string_view what, std::span<const double> values) {
-    writer_->event({time_, recording::EventKind::note, phase_,
-                    fmt::format("{} {}", what, fmt::join(values, " "))});
+    sink_->event({time_, recording::EventKind::note, phase_,
+                  fmt::format("{} {}", what, fmt::join(values, " "))});
   };
   note("target", pose_to_row_major(placed.T_world_target));
   note("path", planned_path(placed));
@@ -95,13 +95,13 @@ void Recorder::placement(const skills::PlaceResult& placed, const planning::Fixt
 skills::PhaseObserver Recorder::phases_and(const skills::PhaseObserver& other) {
   const auto begin = [this, other](std::string_view phase, double time) {
     phase_ = phase;
-    if (writer_) writer_->event({time, recording::EventKind::begin, phase_, ""});
+    if (sink_) sink_->event({time, recording::EventKind::begin, phase_, ""});
     if (other.on_begin) other.on_begin(phase, time);
   };
   const auto end = [this, other](const skills::PhaseReport& report, double time) {
-    if (writer_) {
-      writer_->event({time, recording::EventKind::end, report.name,
-                      std::string(skills::to_string(report.status)) + ": " + report.outcome});
+    if (sink_) {
+      sink_->event({time, recording::EventKind::end, report.name,
+                    std::string(skills::to_string(report.status)) + ": " + report.outcome});
     }
     if (other.on_end) other.on_end(report, time);
   };

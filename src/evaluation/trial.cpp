@@ -22,6 +22,8 @@ namespace {
 /// Of the believed friction, that forces count on where the object may still move in the hand.
 constexpr double kPlannedShare = 0.8;
 
+constexpr double kPush = 0.01, kPushSeconds = 0.1;  // m, s, of an object that is pushed aside
+
 constexpr double kPlaceMargin = 0.005;  // m, that the object's start may be beside its rough place
 
 /// Farthest that any of an object is from its centroid, m.
@@ -31,7 +33,7 @@ double radius_of(const geometry::KnownObject& object) {
   return radius;
 }
 
-/// A trial in which the simulation became unstable: nothing that was felt means anything.
+/// A trial in which the simulation became unstable: nothing that was sensed means anything.
 Trial unstable(const simulation::Start& start) {
   Trial trial;
   trial.start = start;
@@ -79,6 +81,12 @@ void identify(const geometry::ObjectModel& object, const estimation::Candidates&
   metrics.error.rotation = metrics.error_no_symmetry.rotation = std::numbers::pi;
 }
 
+/// To any side.
+void push_aside(simulation::World& world, std::uint64_t seed) {
+  const double side = RandomStream(seed, "push").uniform(-std::numbers::pi, std::numbers::pi);
+  world.push_object(kPush * Eigen::Vector2d(std::cos(side), std::sin(side)), kPushSeconds);
+}
+
 }  // namespace
 
 simulation::Start draw_start(const geometry::KnownObject& object, const StartOptions& options,
@@ -108,6 +116,13 @@ bool TouchOptions::from_biotacs() const {
     throw BadInput(fmt::format("touch.source = {:?}: it is \"solver\" or \"biotac\"", source));
   }
   return source == "biotac";
+}
+
+TrialOptions TrialOptions::ideal() {
+  TrialOptions options;
+  options.start.uncertainty = 0.02;
+  options.world = {};
+  return options;
 }
 
 skills::PickOptions TrialOptions::pick_options() const {
@@ -175,13 +190,13 @@ std::vector<TrialEvent> trial_events(const estimation::EventLog& log) {
 }
 
 Trial run_trial(const geometry::ObjectModel& object, const TrialOptions& options,
-                std::uint64_t seed, recording::Writer* writer,
-                const skills::PhaseObserver& observer, std::stop_token stop) {
-  return run_trial(object, {&object}, options, seed, writer, observer, std::move(stop));
+                std::uint64_t seed, recording::Sink* sink, const skills::PhaseObserver& observer,
+                std::stop_token stop) {
+  return run_trial(object, {&object}, options, seed, sink, observer, std::move(stop));
 }
 
 Trial run_trial(const geometry::ObjectModel& object, const estimation::Candidates& candidates,
-                const TrialOptions& options, std::uint64_t seed, recording::Writer* writer,
+                const TrialOptions& options, std::uint64_t seed, recording::Sink* sink,
                 const skills::PhaseObserver& observer, std::stop_token stop) {
   check_candidates(object, candidates, options);
   Trial trial;
@@ -193,12 +208,16 @@ Trial run_trial(const geometry::ObjectModel& object, const estimation::Candidate
   const skills::PickOptions pick_options = options.pick_options();
   simulation::WorldOptions world_options = options.world;
   world_options.biotacs = world_options.biotacs || options.touch.from_biotacs();
+  const hand::FaultSchedule fault = options.fault.schedule(seed);
+  world_options.second_object |= fault.fault == hand::InjectedFault::second_object;
   simulation::World world(object.object(), world_options, seed, fixture);
   world.reset(trial.start, waiting_command(world.hand_model()));
 
   Evaluator evaluator(world);
-  Recorder recorder(writer, world);
-  hand::FaultyHand faulty(world.hand(), options.fault.schedule(seed));
+  Recorder recorder(sink, world);
+  hand::FaultyHand faulty(world.hand(), fault, [&] {
+    if (fault.fault == hand::InjectedFault::object_pushed) push_aside(world, seed);
+  });
   std::optional<tactile::BiotacHand> feeling;
   if (options.touch.from_biotacs()) {
     feeling.emplace(faulty, world.hand_model(), tactile::shipped_biotac_inverse());
@@ -217,7 +236,7 @@ Trial run_trial(const geometry::ObjectModel& object, const estimation::Candidate
   observers.on_picked = [&](const skills::PickResult& picked) {
     recorder.estimate(robot.time(), picked.estimate);
     trial.metrics =
-        evaluator.verdict(picked, robot.log(), pick_options.lift, object.object().symmetries);
+        evaluator.metrics(picked, robot.log(), pick_options.lift, object.object().symmetries);
     identify(object, candidates, picked.objects, trial.metrics);
     if (observer.on_picked) observer.on_picked(picked);
   };

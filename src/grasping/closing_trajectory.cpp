@@ -4,24 +4,44 @@
 #include <algorithm>
 #include <limits>
 
+#include "palpate/geometry/query/rounded_hull.hpp"
 #include "palpate/hand/kinematics.hpp"
 
 namespace palpate::grasping {
 namespace {
 
 constexpr int kTipPoints = 5;
+constexpr int kHullPoints = 24;
 constexpr int kStepTicks = 2;  // of the closing law between two shapes
 constexpr int kMaxSteps = 150;
 constexpr float kOverlap = 0.002f;  // m of a link that counts as stuck
 
-std::vector<Eigen::Vector3f> tip_points(const hand::TipCapsule& tip,
-                                        const Eigen::Isometry3d& T_base_link) {
-  std::vector<Eigen::Vector3f> points;
+/// Points that stand for a fingertip, in its link's frame: balls about them are its surface.
+std::vector<Eigen::Vector3d> tip_points(const hand::Finger& finger) {
+  if (finger.hull) {
+    const geometry::RoundedHull hull(finger.hull->core, finger.hull->radius);
+    auto points = hull.spread_over_core(kHullPoints, finger.tip.b);
+    points.push_back(finger.tip.b);
+    return points;
+  }
+  std::vector<Eigen::Vector3d> points;
   for (int i = 0; i < kTipPoints; ++i) {
     const double share = static_cast<double>(i) / (kTipPoints - 1);
-    points.emplace_back((T_base_link * ((1 - share) * tip.a + share * tip.b)).cast<float>());
+    points.emplace_back((1 - share) * finger.tip.a + share * finger.tip.b);
   }
   return points;
+}
+
+std::vector<Eigen::Vector3f> placed(const std::vector<Eigen::Vector3d>& points,
+                                    const Eigen::Isometry3d& T_base_link) {
+  std::vector<Eigen::Vector3f> result;
+  result.reserve(points.size());
+  for (const Eigen::Vector3d& p : points) result.emplace_back((T_base_link * p).cast<float>());
+  return result;
+}
+
+float tip_radius(const hand::Finger& finger) {
+  return static_cast<float>(finger.hull ? finger.hull->radius : finger.tip.radius);
 }
 
 Eigen::Vector4f in_base(const hand::LinkSphere& sphere,
@@ -61,16 +81,16 @@ ClosingTrajectory closing_trajectory(const hand::Description& hand,
   empty.torques = hand::ActuatorVector::Zero(hand.actuator_count());
   const auto unlimited = hand::ActuatorVector::Constant(hand.actuator_count(), 1e6).eval();
   const auto fingers = hand.fingers.size();
+  std::vector<std::vector<Eigen::Vector3d>> tips;
+  for (const hand::Finger& finger : hand.fingers) tips.push_back(tip_points(finger));
   for (int step = 0; step < kMaxSteps; ++step) {
     const auto T =
         hand::forward_kinematics(hand, hand::joints_in_free_flexion(hand, command.positions));
     for (std::size_t finger = 0; finger < fingers; ++finger) {
-      path.tip_radius[finger] = static_cast<float>(hand.fingers[finger].tip.radius);
+      path.tip_radius[finger] = tip_radius(hand.fingers[finger]);
       if (!closing[finger]) continue;
       path.fingers[finger].push_back(
-          {tip_points(hand.fingers[finger].tip,
-                      T[static_cast<std::size_t>(hand.fingers[finger].link)]),
-           {}});
+          {placed(tips[finger], T[static_cast<std::size_t>(hand.fingers[finger].link)]), {}});
     }
     for (const auto& sphere : hand.spheres) {
       if (step == 0) path.open_spheres.push_back(in_base(sphere, T));

@@ -74,11 +74,11 @@ Eigen::Matrix3d rotation(const hand::Attitude& attitude) {
       .linear();
 }
 
-template <class Judge>
-void for_each_attitude(double rolls, const Judge& judge) {
+template <class Evaluate>
+void for_each_attitude(double rolls, const Evaluate& evaluate) {
   constexpr double kStep = 0.1;
   for (double pitch = -1.4; pitch <= 1.41; pitch += kStep) {
-    for (double roll = -rolls; roll <= rolls + 1e-9; roll += kStep) judge({pitch, roll});
+    for (double roll = -rolls; roll <= rolls + 1e-9; roll += kStep) evaluate({pitch, roll});
   }
 }
 

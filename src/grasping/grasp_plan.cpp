@@ -49,7 +49,7 @@ class Candidate {
     return comes_down_freely(target_, path, options, up.cast<float>());
   }
 
-  GraspPlan judge(const ClosingTrajectory& path, const GraspPlanOptions& options) const {
+  GraspPlan evaluate(const ClosingTrajectory& path, const GraspPlanOptions& options) const {
     GraspPlan plan;
     plan.base = base_;
     plan.cost = std::numeric_limits<double>::infinity();
@@ -153,7 +153,7 @@ double mean_cost(const geometry::ObjectModel& object, const Eigen::Isometry3d& T
     Eigen::Isometry3d moved = T_world_object;
     moved.pretranslate(options.pose_error *
                        Eigen::Vector3d(std::cos(side * pi / 2), std::sin(side * pi / 2), 0));
-    sum += std::min(1.5, Candidate(object, moved, plan.base).judge(path, options).cost);
+    sum += std::min(1.5, Candidate(object, moved, plan.base).evaluate(path, options).cost);
   }
   return sum / 5;
 }
@@ -165,7 +165,7 @@ std::optional<GraspPlan> close_virtually(const geometry::ObjectModel& object,
                                          const GraspPlanOptions& options) {
   const Candidate candidate(object, T_world_object, base);
   if (!candidate.free(path, options)) return std::nullopt;
-  return candidate.judge(path, options);
+  return candidate.evaluate(path, options);
 }
 
 std::vector<GraspPlan> find_grasps(const geometry::ObjectModel& object,

@@ -244,6 +244,12 @@ std::string fingerprint(const hand::Description& hand) {
     for (const double value : finger.tip.a) add(value);
     for (const double value : finger.tip.b) add(value);
     add(finger.tip.radius);
+    if (finger.hull) {
+      for (const Eigen::Vector3d& p : finger.hull->core) {
+        for (const double value : p) add(value);
+      }
+      add(finger.hull->radius);
+    }
     text += fmt::format(" {}", finger.link);
   }
   for (const hand::LinkSphere& sphere : hand.spheres) {

@@ -16,7 +16,7 @@ struct TaxelGrasp {
 };
 TaxelGrasp taxel_grasp(const tactile::BiotacSkin& skin, const tactile::SkinState& state);
 
-/// Contact point (sensor frame) and force that all taxels together tell of, as the thesis has it
+/// Contact point (sensor frame) and force of all taxels together, as the thesis has it
 /// (section 5.1): the grasp matrix of the taxels' frames sums their forces up to one wrench
 /// (eq. 4.7); the contact is where its axis leaves the skin (Bicchi, Salisbury & Brock 1993,
 /// without a moment about the normal).

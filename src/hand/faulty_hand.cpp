@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 #include "palpate/core/error.hpp"
 #include "palpate/hand/tip_forces.hpp"
@@ -47,18 +48,27 @@ InjectedFault injected_fault(std::string_view name) {
   return static_cast<InjectedFault>(found - kInjectedFaultNames.begin());
 }
 
-FaultyHand::FaultyHand(Hand& hand, const FaultSchedule& schedule)
-    : hand_(hand), schedule_(schedule), random_(schedule.seed, "hand fault") {}
+FaultyHand::FaultyHand(Hand& hand, const FaultSchedule& schedule, std::function<void()> on_onset)
+    : hand_(hand),
+      schedule_(schedule),
+      on_onset_(std::move(on_onset)),
+      random_(schedule.seed, "hand fault") {}
 
 HandReading FaultyHand::step(const HandCommand& command) {
-  const HandReading reading = hand_.step(began_ ? obeyed(command) : command);
+  const HandReading reading = hand_.step(began_ && !ended_ ? obeyed(command) : command);
   measure(reading);
   if (schedule_.fault == InjectedFault::none || reading.time < schedule_.from) {
     before_ = reading;
     return reading;
   }
-  if (!began_) began_ = reading.time;
-  return falsified(reading);
+  if (!began_) set_in(reading.time);
+  ended_ = ended_ || reading.time >= *began_ + schedule_.length;
+  return ended_ ? reading : falsified(reading);
+}
+
+void FaultyHand::set_in(double time) {
+  began_ = time;
+  if (on_onset_) on_onset_();
 }
 
 void FaultyHand::measure(const HandReading& reading) {
@@ -70,10 +80,11 @@ void FaultyHand::measure(const HandReading& reading) {
 
 HandCommand FaultyHand::obeyed(const HandCommand& command) {
   HandCommand result = command;
-  if (schedule_.fault != InjectedFault::joint_stuck) return result;
-  double& position = result.positions[schedule_.actuator];
-  if (!stuck_at_) stuck_at_ = position;
-  position = *stuck_at_;
+  if (!stuck_at_) stuck_at_ = command;
+  if (schedule_.fault == InjectedFault::joint_stuck) {
+    result.positions[schedule_.actuator] = stuck_at_->positions[schedule_.actuator];
+  }
+  if (schedule_.fault == InjectedFault::mount_stuck) result.base = stuck_at_->base;
   return result;
 }
 

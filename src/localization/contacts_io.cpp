@@ -122,19 +122,4 @@ std::vector<tactile::Contact> read_contacts(const std::filesystem::path& path,
   return parse_contacts(read_file(path), path.string(), noise);
 }
 
-std::vector<FreeSphere> read_free_spheres(const std::filesystem::path& path) {
-  const std::string text = read_file(path);
-  CsvTable row(text, path.string());
-  const CsvTable::Columns center = row.require_xyz("");
-  const std::size_t radius = row.require("radius");
-  std::vector<FreeSphere> spheres;
-  while (row.next()) {
-    const FreeSphere sphere{row.finite(center), row.finite(radius)};
-    check_plausible(sphere.center, kMaxLength, row.where() + ": a coordinate in m");
-    plausible(sphere.radius, 0, kMaxLength, row.where() + ": a radius in m");
-    spheres.push_back(sphere);
-  }
-  return spheres;
-}
-
 }  // namespace palpate::localization

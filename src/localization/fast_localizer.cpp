@@ -6,8 +6,8 @@
 
 #include "localization/likelihood/check_evidence.hpp"
 #include "localization/likelihood/energy_maker.hpp"
+#include "localization/likelihood/goodness_of_fit.hpp"
 #include "localization/likelihood/surface_error.hpp"
-#include "localization/likelihood/verdict.hpp"
 #include "localization/search/descent.hpp"
 #include "localization/search/pose_family.hpp"
 #include "localization/search/proposal.hpp"
@@ -69,7 +69,7 @@ std::vector<Mode> settled_modes(const geometry::ObjectModel& model, const Eviden
   const Basin& best = basins.front();
   const bool trusted = best.starts >= kMinStarts && tight(modes.front().covariance) &&
                        pose_probability(modes.front()) > options.certainty &&
-                       !contradicted(model, evidence, best.best.pose, search.contact_offset);
+                       !fit_is_rejected(model, evidence, best.best.pose, search.contact_offset);
   return trusted ? modes : std::vector<Mode>{};
 }
 

@@ -9,10 +9,10 @@
 #include "localization/likelihood/check_evidence.hpp"
 #include "localization/likelihood/contact_term.hpp"
 #include "localization/likelihood/energy_maker.hpp"
+#include "localization/likelihood/goodness_of_fit.hpp"
 #include "localization/likelihood/prior_term.hpp"
 #include "localization/likelihood/surface_error.hpp"
 #include "localization/likelihood/table_term.hpp"
-#include "localization/likelihood/verdict.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/localization/pose_prior.hpp"
 
@@ -23,8 +23,8 @@ constexpr double kNever = -std::numeric_limits<double>::infinity();
 constexpr int kSamples = 3000;      // of the mixture
 constexpr double kWidened = 2;      // times the modes' covariances: the tails must be covered
 constexpr double kReference = 0.1;  // m from the centroid, of a surface that is off
-constexpr double kFurtherAngle = 0.05, kFurtherStep = 0.005;  // of poses beside the modes, rad, m
-constexpr double kMinUnlisted = 0.001;                        // share of poses worth covering
+constexpr double kResidualAngle = 0.05, kResidualStep = 0.005;  // of poses beside the modes, rad, m
+constexpr double kMinResidual = 0.001;                          // share of poses worth covering
 
 Matrix6d isotropic(double angle, double step) {
   Vector6d variance;
@@ -36,13 +36,13 @@ Matrix6d isotropic(double angle, double step) {
 PosePrior covering(const Posterior& posterior, double posed_off) {
   PosePrior mixture = prior_from(posterior, isotropic(posed_off / kReference, posed_off));
   for (auto& component : mixture.components) component.covariance *= kWidened;
-  const double unlisted = posterior.unlisted();
-  if (posterior.further.empty() || unlisted < kMinUnlisted) return mixture;
-  const Matrix6d covariance = isotropic(kFurtherAngle + posed_off / kReference,  //
-                                        kFurtherStep + posed_off);
-  for (const auto& pose : posterior.further) {
+  const double residual = posterior.residual_mass();
+  if (posterior.residual_set.empty() || residual < kMinResidual) return mixture;
+  const Matrix6d covariance = isotropic(kResidualAngle + posed_off / kReference,  //
+                                        kResidualStep + posed_off);
+  for (const auto& pose : posterior.residual_set) {
     mixture.components.push_back(
-        {pose, unlisted / static_cast<double>(posterior.further.size()), covariance});
+        {pose, residual / static_cast<double>(posterior.residual_set.size()), covariance});
   }
   return mixture;
 }

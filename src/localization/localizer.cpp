@@ -7,13 +7,13 @@
 
 #include "localization/likelihood/check_evidence.hpp"
 #include "localization/likelihood/energy_maker.hpp"
+#include "localization/likelihood/goodness_of_fit.hpp"
 #include "localization/likelihood/surface_error.hpp"
-#include "localization/likelihood/verdict.hpp"
 #include "localization/search/descent.hpp"
-#include "localization/search/further_poses.hpp"
 #include "localization/search/modes.hpp"
 #include "localization/search/moves.hpp"
 #include "localization/search/proposal.hpp"
+#include "localization/search/residual_set.hpp"
 #include "localization/search/tempering.hpp"
 
 namespace palpate::localization {
@@ -151,7 +151,7 @@ Posterior search(const geometry::ObjectModel& model, const Evidence& evidence,
   const auto basins = sample.basins(random.fork("descents"));
   const auto chosen_on = sample(basins, random.fork("choosing"), 1);
   if (chosen_on.empty() ||
-      contradicted(model, evidence, best_of(chosen_on), options.contact_offset)) {
+      fit_is_rejected(model, evidence, best_of(chosen_on), options.contact_offset)) {
     return {};
   }
   const auto weighed_on = sample(basins, random.fork("weighing"), kWeighingShare);
@@ -164,7 +164,7 @@ Posterior search(const geometry::ObjectModel& model, const Evidence& evidence,
     append(choosing, sample.more(basins, random.fork("more"), 1));
     append(weighing, sample.more(basins, random.fork("more weighing"), kWeighingShare));
   }
-  posterior.further = further_poses(posterior.modes, choosing, weighing, sample.symmetries());
+  posterior.residual_set = residual_set(posterior.modes, choosing, weighing, sample.symmetries());
   posterior.status = status_of(posterior.modes);
   return posterior;
 }

@@ -18,7 +18,7 @@ std::string_view to_string(PoseStatus status) {
   return "unknown";
 }
 
-double Posterior::unlisted() const {
+double Posterior::residual_mass() const {
   double listed = 0;
   for (const Mode& mode : modes) listed += mode.weight;
   return std::max(0.0, 1 - listed);
@@ -59,9 +59,9 @@ bool covers(const Posterior& posterior, const Eigen::Isometry3d& truth,
 bool truth_in_credible_set(const Posterior& posterior, const Eigen::Isometry3d& truth,
                            const std::vector<Eigen::Matrix3d>& symmetries) {
   if (covers(posterior, truth, symmetries)) return true;
-  if (posterior.unlisted() <= 1 - kCredible) return false;
+  if (posterior.residual_mass() <= 1 - kCredible) return false;
   const SymmetryGroup copies(symmetries);
-  return std::ranges::any_of(posterior.further, [&](const Eigen::Isometry3d& center) {
+  return std::ranges::any_of(posterior.residual_set, [&](const Eigen::Isometry3d& center) {
     return PoseFamily(PosePoint(center)).contains(PosePoint(truth), copies);
   });
 }

@@ -35,8 +35,6 @@ struct Checker {
   }
   void operator()(const BarSeries& s) const {
     need_equal(s.values.size(), plot.categories.size(), s.name, "bars", "categories");
-    need_equal(s.low.size(), s.high.size(), s.name, "low ends", "high ends");
-    if (!s.low.empty()) need_equal(s.low.size(), s.values.size(), s.name, "error bars", "bars");
   }
   void operator()(const BoxSeries& s) const {
     need_equal(s.samples.size(), plot.categories.size(), s.name, "boxes", "categories");
@@ -64,9 +62,6 @@ struct Includer {
       if (!drawable(plot.y, s.values[i])) continue;
       pair(x, s.values[i]);
       pair(x, 0);
-      if (s.low.empty()) continue;
-      pair(x, s.low[i]);
-      pair(x, s.high[i]);
     }
   }
   void operator()(const BoxSeries& s) const {
@@ -125,7 +120,6 @@ class Painter {
       const double x = center(i), half = 0.46 * width();
       svg_.rectangle(frame_.at(x - half, foot), frame_.at(x + half, s.values[i]),
                      fmt::format(R"(fill="{}" fill-opacity="0.85" {})", style_.color, clip_));
-      if (!s.low.empty()) error_bar(x, s.low[i], s.high[i]);
     }
   }
 
@@ -157,16 +151,6 @@ class Painter {
     if (run.size() < 2) return;
     svg_.polyline(run, fmt::format(R"(stroke="{}" stroke-width="2" stroke-linejoin="round" {} {})",
                                    style_.color, style_.dash, clip_));
-  }
-
-  void error_bar(double x, double low, double high) const {
-    if (!drawable(plot_.y, low) || !drawable(plot_.y, high)) return;
-    const std::string style = fmt::format(R"(stroke="#222222" stroke-width="1.3" {})", clip_);
-    const double cap = 0.12 * width();
-    svg_.line(frame_.at(x, low), frame_.at(x, high), style);
-    for (const double y : {low, high}) {
-      svg_.line(frame_.at(x - cap, y), frame_.at(x + cap, y), style);
-    }
   }
 
   void box(double x, const std::vector<double>& sorted) const {

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "palpate/core/error.hpp"
 #include "recording/matrix_json.hpp"
@@ -66,6 +68,11 @@ tactile::Contact contact_from_json(const json& j) {
   return contact;
 }
 
+CrediblePoseRecord pose_of(const json& j) {
+  return {plausible_from_json(j.at("probability"), 0, 1 + kRounding, "a probability"),
+          pose_from_json(j.at("T_world_object"))};
+}
+
 EventKind kind_from(std::string_view name) {
   for (const EventKind kind : kEventKinds) {
     if (to_string(kind) == name) return kind;
@@ -118,6 +125,38 @@ EstimateRecord estimate_from_json(const json& j) {
     estimate.contacts.push_back(contact_from_json(contact));
   }
   return estimate;
+}
+
+double entropy(const BeliefRecord& belief) {
+  double rest = 1, sum = 0;
+  const auto add = [&](double p) { sum -= p > 0 ? p * std::log(p) : 0; };
+  for (const auto& pose : belief.poses) {
+    add(pose.probability);
+    rest -= pose.probability;
+  }
+  add(rest);
+  return std::max(0.0, sum);
+}
+
+json to_json(const BeliefRecord& belief) {
+  json poses = json::array();
+  for (const auto& pose : belief.poses) {
+    poses.push_back(
+        {{"probability", pose.probability}, {"T_world_object", pose_to_json(pose.T_world_object)}});
+  }
+  return {{"time", belief.time},
+          {"source", belief.source},
+          {"in_hand", belief.in_hand},
+          {"poses", poses}};
+}
+
+BeliefRecord belief_from_json(const json& j) {
+  BeliefRecord belief{.time = finite_from_json(j.at("time")),
+                      .source = j.at("source").get<std::string>(),
+                      .in_hand = j.at("in_hand").get<bool>(),
+                      .poses = {}};
+  for (const auto& pose : j.at("poses")) belief.poses.push_back(pose_of(pose));
+  return belief;
 }
 
 }  // namespace palpate::recording

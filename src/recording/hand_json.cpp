@@ -195,6 +195,22 @@ hand::TipCapsule tip_from_json(const json& j) {
   return {vector_from_json(j.at("a")), vector_from_json(j.at("b")), radius_from_json(j)};
 }
 
+json hull_to_json(const hand::TipHull& hull) {
+  json core = json::array();
+  for (const Eigen::Vector3d& p : hull.core) core.push_back(matrix_to_json(p));
+  return {{"core", core}, {"radius", hull.radius}};
+}
+
+hand::TipHull hull_from_json(const json& j) {
+  hand::TipHull hull{{}, radius_from_json(j)};
+  for (const json& p : j.at("core")) hull.core.push_back(vector_from_json(p));
+  if (hull.core.size() < 4 || !(hull.radius > 0)) {
+    throw BadInput(fmt::format("a fingertip's hull of {} points and a radius of {} m",
+                               hull.core.size(), hull.radius));
+  }
+  return hull;
+}
+
 /// Joints, actuators and postures; of an older recording, those of the Shadow hand.
 hand::Description drives_from_json(const json& j) {
   if (!j.contains("actuators")) return hand::shadow_hand();
@@ -244,6 +260,7 @@ json hand_to_json(const hand::Description& hand) {
     tips.push_back({{"a", matrix_to_json(finger.tip.a)},
                     {"b", matrix_to_json(finger.tip.b)},
                     {"radius", finger.tip.radius}});
+    if (finger.hull) tips.back()["hull"] = hull_to_json(*finger.hull);
   }
   for (const auto& sphere : hand.spheres) {
     spheres.push_back({{"link", sphere.link},
@@ -269,7 +286,9 @@ hand::Description hand_from_json(const json& j) {
   hand.palm = index_from_json(j.at("palm"), -1, links, "palm link");
   for (std::size_t finger = 0; finger < hand.fingers.size(); ++finger) {
     hand.fingers[finger].link = index_from_json(j.at("distal").at(finger), 0, links, "distal link");
-    hand.fingers[finger].tip = tip_from_json(j.at("tips").at(finger));
+    const json& tip = j.at("tips").at(finger);
+    hand.fingers[finger].tip = tip_from_json(tip);
+    if (tip.contains("hull")) hand.fingers[finger].hull = hull_from_json(tip.at("hull"));
   }
   for (const auto& sphere : j.at("spheres")) {
     hand.spheres.push_back({index_from_json(sphere.at("link"), 0, links, "link of a sphere"),

@@ -70,14 +70,8 @@ void append_frame(const Frame& frame, const hand::Description& hand, Series& ser
   append_contacts(frame.reading, hand, T_world_links, series);
 }
 
-json series_to_json(const Recording& recording) {
-  Series series;
-  for (const std::size_t i : chosen_frames(recording.frames.size())) {
-    append_frame(recording.frames[i], recording.header.hand, series);
-  }
+json series_to_json(const Series& series) {
   return {{"count", series.time.size()},
-          {"links", recording.header.hand.links.size()},
-          {"palm", std::max(recording.header.hand.palm, 0)},
           {"time", base64<float>(series.time)},
           {"link_poses", base64<float>(series.links)},
           {"object_poses", base64<float>(series.object)},
@@ -87,7 +81,27 @@ json series_to_json(const Recording& recording) {
           {"contact_fingers", base64<std::uint8_t>(series.fingers)}};
 }
 
+json fingers_to_json(const hand::Description& hand) {
+  json names = json::array();
+  for (const auto& finger : hand.fingers) names.push_back(finger.name);
+  return names;
+}
+
+json chosen_to_json(const Recording& recording) {
+  Series series;
+  for (const std::size_t i : chosen_frames(recording.frames.size())) {
+    append_frame(recording.frames[i], recording.header.hand, series);
+  }
+  return series_to_json(series);
+}
+
 }  // namespace
+
+json frame_to_json(const Frame& frame, const hand::Description& hand) {
+  Series series;
+  append_frame(frame, hand, series);
+  return series_to_json(series);
+}
 
 json page_data(const Recording& recording, const hand::HandVisuals& visuals) {
   const Header& header = recording.header;
@@ -98,7 +112,10 @@ json page_data(const Recording& recording, const hand::HandVisuals& visuals) {
                {"mass", header.object.mass},
                {"symmetries", header.object.symmetries.size()},
                {"recorded_frames", recording.frames.size()},
-               {"frames", series_to_json(recording)}};
+               {"links", header.hand.links.size()},
+               {"palm", std::max(header.hand.palm, 0)},
+               {"fingers", fingers_to_json(header.hand)},
+               {"frames", chosen_to_json(recording)}};
   data.update(page_shapes(recording, visuals));
   data.update(page_story(recording));
   return data;

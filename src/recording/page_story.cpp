@@ -17,10 +17,9 @@ namespace {
 using nlohmann::json;
 
 /// Phases in order; one that never ended lasts to the last frame.
-json phases_to_json(const Recording& recording) {
+json phases_to_json(const std::vector<Event>& events, double last) {
   json phases = json::array();
-  const double last = recording.frames.empty() ? 0 : recording.frames.back().reading.time;
-  for (const Event& event : recording.events) {
+  for (const Event& event : events) {
     if (event.kind == EventKind::begin) {
       phases.push_back({{"name", event.phase},
                         {"begin", event.time},
@@ -74,34 +73,6 @@ json placement_to_json(const std::vector<Event>& events) {
     if (event.text == kLetGo) placement["let_go"].push_back(event.time);
   }
   return placement;
-}
-
-/// What the notes tell of the resting object while it was explored: its credible poses, each with
-/// its probability.
-json posteriors_to_json(const std::vector<Event>& events) {
-  constexpr std::size_t kStride = 1 + kPoseNumbers;
-  json posteriors = json::array();
-  for (const Event& event : events) {
-    if (event.kind != EventKind::note || !event.text.starts_with(kCredible)) continue;
-    const auto values = numbers_after(kCredible, event.text);
-    json poses = json::array();
-    for (std::size_t i = 0; i + kStride <= values.size(); i += kStride) {
-      const auto first = values.begin() + static_cast<std::ptrdiff_t>(i);
-      poses.push_back({{"probability", *first},
-                       {"T_world_object", std::vector<double>(first + 1, first + kStride)}});
-    }
-    posteriors.push_back({{"time", event.time}, {"poses", poses}});
-  }
-  return posteriors;
-}
-
-json notes_to_json(const std::vector<Event>& events) {
-  json notes = json::array();
-  for (const Event& event : events) {
-    if (event.kind != EventKind::note || event.text.starts_with(kCredible)) continue;
-    notes.push_back({{"time", event.time}, {"phase", event.phase}, {"text", event.text}});
-  }
-  return notes;
 }
 
 /// The truth in the last frame up to that time, if any.
@@ -166,13 +137,15 @@ json mode_with_sigmas(const PoseModeRecord& mode) {
   return j;
 }
 
-json estimate_to_json(const EstimateRecord& estimate, const Recording& recording) {
+}  // namespace
+
+json estimate_to_json(const EstimateRecord& estimate, const FrameTruth* truth,
+                      const std::vector<Eigen::Matrix3d>& symmetries) {
   json modes = json::array(), contacts = json::array();
-  const FrameTruth* truth = truth_at(recording.frames, estimate.time);
   for (const auto& mode : estimate.modes) {
     modes.push_back(mode_with_sigmas(mode));
     if (!truth) continue;
-    add_errors(mode, truth->T_world_object, recording.header.object.symmetries, modes.back());
+    add_errors(mode, truth->T_world_object, symmetries, modes.back());
   }
   for (const auto& contact : estimate.contacts) {
     contacts.push_back({{"finger", contact.finger},
@@ -185,18 +158,68 @@ json estimate_to_json(const EstimateRecord& estimate, const Recording& recording
           {"contacts", contacts}};
 }
 
-}  // namespace
+json belief_to_json(const BeliefRecord& belief, const FrameTruth* truth,
+                    const std::vector<Eigen::Matrix3d>& symmetries) {
+  json poses = json::array();
+  for (const auto& pose : belief.poses) {
+    poses.push_back(
+        {{"probability", pose.probability}, {"T_world_object", pose_to_json(pose.T_world_object)}});
+  }
+  json j = {{"time", belief.time},
+            {"source", belief.source},
+            {"in_hand", belief.in_hand},
+            {"entropy", entropy(belief)},
+            {"poses", poses}};
+  if (truth && !belief.poses.empty()) {
+    PoseModeRecord best;
+    best.T_world_object = belief.poses.front().T_world_object;
+    add_errors(best, truth->T_world_object, symmetries, j);
+  }
+  return j;
+}
+
+json events_to_json(const std::vector<Event>& events, double last) {
+  return {{"phases", phases_to_json(events, last)}, {"placement", placement_to_json(events)}};
+}
+
+bool tells_belief(const Event& event) {
+  return event.kind == EventKind::note && event.text.starts_with(kCredible);
+}
+
+BeliefRecord belief_of(const Event& event) {
+  constexpr std::size_t kStride = 1 + kPoseNumbers;
+  BeliefRecord belief{.time = event.time, .source = "touch", .in_hand = false, .poses = {}};
+  const auto values = numbers_after(kCredible, event.text);
+  for (std::size_t i = 0; i + kStride <= values.size(); i += kStride) {
+    // Rounded in the text, so that it is no rotation to the last digit.
+    Eigen::Matrix4d T =
+        Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(&values[i + 1]);
+    belief.poses.push_back({values[i], Eigen::Isometry3d(T)});
+  }
+  return belief;
+}
 
 json page_story(const Recording& recording) {
-  json estimates = json::array();
-  for (const auto& estimate : recording.estimates) {
-    estimates.push_back(estimate_to_json(estimate, recording));
+  const auto& symmetries = recording.header.object.symmetries;
+  std::vector<BeliefRecord> beliefs = recording.beliefs;
+  if (beliefs.empty()) {  // of before they were recorded
+    for (const Event& event : recording.events) {
+      if (tells_belief(event)) beliefs.push_back(belief_of(event));
+    }
   }
-  return {{"phases", phases_to_json(recording)},
-          {"placement", placement_to_json(recording.events)},
-          {"notes", notes_to_json(recording.events)},
-          {"posteriors", posteriors_to_json(recording.events)},
-          {"estimates", estimates}};
+  std::ranges::stable_sort(beliefs, {}, &BeliefRecord::time);
+  json estimates = json::array(), told = json::array();
+  for (const auto& estimate : recording.estimates) {
+    estimates.push_back(
+        estimate_to_json(estimate, truth_at(recording.frames, estimate.time), symmetries));
+  }
+  for (const auto& belief : beliefs) {
+    told.push_back(belief_to_json(belief, truth_at(recording.frames, belief.time), symmetries));
+  }
+  const double last = recording.frames.empty() ? 0 : recording.frames.back().reading.time;
+  json story = events_to_json(recording.events, last);
+  story.update({{"beliefs", told}, {"estimates", estimates}});
+  return story;
 }
 
 }  // namespace palpate::recording

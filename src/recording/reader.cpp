@@ -189,6 +189,8 @@ Recording read_contents(const std::filesystem::path& path, const Seal& seal) {
           .frames = std::move(frames),
           .events = read_lines(file, kEvents, &event_from_json),
           .estimates = read_lines(file, kEstimates, &estimate_from_json),
+          .beliefs = file.nameExists("beliefs") ? read_lines(file, kBeliefs, &belief_from_json)
+                                                : std::vector<BeliefRecord>{},
           .finished = seal.finished};
 }
 

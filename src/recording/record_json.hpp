@@ -19,4 +19,7 @@ Event event_from_json(const nlohmann::json& json);
 nlohmann::json to_json(const EstimateRecord& estimate);
 EstimateRecord estimate_from_json(const nlohmann::json& json);
 
+nlohmann::json to_json(const BeliefRecord& belief);
+BeliefRecord belief_from_json(const nlohmann::json& json);
+
 }  // namespace palpate::recording

@@ -4,33 +4,12 @@
 #include <fmt/format.h>
 
 #include "palpate/core/error.hpp"
+#include "palpate/recording/page_stream.hpp"
+#include "recording/html.hpp"
 #include "recording/page_data.hpp"
 
 namespace palpate::recording {
 namespace {
-
-std::string escaped_html(std::string_view text) {
-  std::string escaped;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        escaped += "&amp;";
-        break;
-      case '<':
-        escaped += "&lt;";
-        break;
-      case '>':
-        escaped += "&gt;";
-        break;
-      case '"':
-        escaped += "&quot;";
-        break;
-      default:
-        escaped += c;
-    }
-  }
-  return escaped;
-}
 
 std::string replaced(std::string_view text, std::string_view what, std::string_view by) {
   std::string result;
@@ -49,12 +28,9 @@ std::string_view cut_at(std::string_view mark, std::string_view& page) {
   return before;
 }
 
-}  // namespace
-
-std::string replay_page(const Recording& recording, const hand::HandVisuals& visuals,
-                        std::string_view page, std::string_view script, std::string_view title) {
-  const auto data =
-      page_data(recording, visuals).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+std::string page_of(const nlohmann::json& content, std::string_view page, std::string_view script,
+                    std::string_view title) {
+  const auto data = content.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
   // Cut before anything is filled in, so that a mark inside a name or the script means nothing.
   const auto before_title = cut_at("{{title}}", page);
   const auto before_recording = cut_at("{{recording}}", page);
@@ -63,6 +39,22 @@ std::string replay_page(const Recording& recording, const hand::HandVisuals& vis
   return fmt::format("{}{}{}{}{}{}{}", before_title, escaped_html(title), before_recording,
                      replaced(data, "<", "\\u003c"), before_script,
                      replaced(script, "</script", "<\\/script"), page);
+}
+
+}  // namespace
+
+std::string replay_page(const Recording& recording, const hand::HandVisuals& visuals,
+                        std::string_view page, std::string_view script, std::string_view title) {
+  return page_of(page_data(recording, visuals), page, script, title);
+}
+
+std::string live_page(const Header& header, const hand::HandVisuals& visuals, std::string_view page,
+                      std::string_view script, std::string_view title) {
+  Recording nothing_yet;
+  nothing_yet.header = header;
+  auto data = page_data(nothing_yet, visuals);
+  data["live"] = true;
+  return page_of(data, page, script, title);
 }
 
 }  // namespace palpate::recording

@@ -20,6 +20,7 @@ inline constexpr const char* kContactErrors = "frames/contact_errors";  // from 
 inline constexpr const char* kBiotacs = "frames/biotacs";               // from version 2 on
 inline constexpr const char* kEvents = "events/json_lines";
 inline constexpr const char* kEstimates = "estimates/json_lines";
+inline constexpr const char* kBeliefs = "beliefs/json_lines";  // absent in older files
 
 inline constexpr int kContactWidth = 9;       ///< p, n, f
 inline constexpr int kContactErrorWidth = 2;  ///< of the point, of the normal

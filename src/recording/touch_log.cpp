@@ -27,6 +27,8 @@ std::string present_name(std::string name) {
   return name;
 }
 
+}  // namespace
+
 std::optional<estimation::TouchEvent> mark_of(const Event& event) {
   if (!event.text.starts_with(kMarkPrefix)) return std::nullopt;
   const std::string name = present_name(event.text.substr(kMarkPrefix.size()));
@@ -38,8 +40,6 @@ std::optional<estimation::TouchEvent> mark_of(const Event& event) {
   }
   return static_cast<estimation::TouchEvent>(found - estimation::kTouchEventNames.begin());
 }
-
-}  // namespace
 
 estimation::EventLog event_log(const Recording& recording) {
   estimation::EventLog log;

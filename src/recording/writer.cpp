@@ -46,6 +46,14 @@ void check_readable(const EstimateRecord& estimate) {
   }
 }
 
+void check_readable(const BeliefRecord& belief) {
+  try {
+    belief_from_json(to_json(belief));
+  } catch (const nlohmann::json::exception& error) {
+    throw BadInput(fmt::format("belief at {} s: {}", belief.time, error.what()));
+  }
+}
+
 void write_mesh(hid_t file, const geometry::TriangleMesh& mesh) {
   std::vector<double> vertices;
   std::vector<int> triangles;
@@ -58,8 +66,9 @@ void write_mesh(hid_t file, const geometry::TriangleMesh& mesh) {
 }
 
 void create_datasets(hid_t file, const hand::Description& hand, bool sensor_reported_errors) {
-  for (const char* group : {"header", "frames", "events", "estimates"}) create_group(file, group);
-  for (const char* text : {kHeaderText, kEvents, kEstimates}) {
+  for (const char* group : {"header", "frames", "events", "estimates", "beliefs"})
+    create_group(file, group);
+  for (const char* text : {kHeaderText, kEvents, kEstimates, kBeliefs}) {
     create_growing(file, text, hdf5_type<char>(), 1, kTextChunk);
   }
   create_growing(file, kVertices, hdf5_type<double>(), 3, kMeshRowsPerChunk);
@@ -277,6 +286,11 @@ void Writer::estimate(const EstimateRecord& estimate) {
   impl_->append_line(kEstimates, to_json(estimate));
 }
 
+void Writer::belief(const BeliefRecord& belief) {
+  check_readable(belief);
+  impl_->append_line(kBeliefs, to_json(belief));
+}
+
 void Writer::finish() {
   impl_->write([&] {
     impl_->write_pending();
@@ -291,6 +305,7 @@ void write_recording(const std::filesystem::path& path, const Recording& recordi
   for (const auto& frame : recording.frames) writer.frame(frame);
   for (const auto& event : recording.events) writer.event(event);
   for (const auto& estimate : recording.estimates) writer.estimate(estimate);
+  for (const auto& belief : recording.beliefs) writer.belief(belief);
   writer.finish();
 }
 

@@ -66,6 +66,7 @@ CloudRegistration register_instances(const geometry::PointView& source,
   RegistrationResult& result = registration.result;
   if (!result.T_target_source) return registration;
   one.registration.initial.reset();
+  one.registration.robust_bound.max_nodes = 0;
   one.noise_bound = registration.noise_bound;
   const PointCloud all = geometry::copied(source);
   Shared shared{geometry::copied(target), {}};

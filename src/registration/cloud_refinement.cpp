@@ -156,20 +156,6 @@ bool fits(const CloudRegistration& registration, Primitive primitive) {
   return registration.rms_error < (noise + random) / 2 * registration.noise_bound;
 }
 
-/// How far above 0 the mean of costs - others is, in standard errors. Neighbours, whose normals
-/// were fitted to the same points, count together.
-double standard_errors(const std::vector<double>& costs, const std::vector<double>& others,
-                       int neighbours) {
-  const auto count = static_cast<double>(costs.size());
-  double mean = 0, variance = 0;
-  for (std::size_t i = 0; i < costs.size(); ++i) mean += (costs[i] - others[i]) / count;
-  for (std::size_t i = 0; i < costs.size(); ++i) {
-    const double off = costs[i] - others[i] - mean;
-    variance += off * off / count;
-  }
-  return variance > 0 ? mean / std::sqrt(variance * neighbours / count) : 0;
-}
-
 /// Of a thousand points or so.
 std::size_t sample_stride(const geometry::PointView& cloud) {
   constexpr std::size_t kLooked = 1000;
@@ -195,6 +181,26 @@ void refuse(RegistrationResult& result) {
 }
 
 }  // namespace
+
+double standard_errors(const std::vector<double>& costs, const std::vector<double>& others,
+                       int neighbours) {
+  const auto count = static_cast<double>(costs.size());
+  double mean = 0, variance = 0;
+  for (std::size_t i = 0; i < costs.size(); ++i) mean += (costs[i] - others[i]) / count;
+  for (std::size_t i = 0; i < costs.size(); ++i) {
+    const double off = costs[i] - others[i] - mean;
+    variance += off * off / count;
+  }
+  return variance > 0 ? mean / std::sqrt(variance * neighbours / count) : 0;
+}
+
+std::optional<Eigen::Isometry3d> settled(NeighbourRounds& rounds, const Eigen::Isometry3d& T,
+                                         double bound, int most) {
+  int done = 0;
+  const auto end = converge(rounds, T, bound, kStages[0], 1, 0, most, done);
+  if (!end) return std::nullopt;
+  return end->T_target_source;
+}
 
 std::optional<PointCloud> without_far_points(const geometry::PointView& cloud) {
   constexpr double kFar = 1000;
@@ -264,8 +270,9 @@ PointCloud mirror_image(PointCloud cloud) {
 }
 
 void refuse_if_mirrored(const PointCloud& source, const PointCloud& target,
-                        const Eigen::Isometry3d& T_mirrored, const CloudOptions& options,
-                        CloudRegistration& registration) {
+                        const Eigen::Isometry3d& T_mirrored,
+                        const std::optional<Eigen::Isometry3d>& T_without,
+                        const CloudOptions& options, CloudRegistration& registration) {
   constexpr double kDeviations = 3;
   RegistrationResult& result = registration.result;
   if (result.status == RegistrationStatus::kDegenerate) return;
@@ -280,9 +287,10 @@ void refuse_if_mirrored(const PointCloud& source, const PointCloud& target,
   if (refined) {
     const std::vector<double> costs = rounds.truncated_costs(refined->T, reach, bound);
     std::vector<double> own(source.size(), 1);
-    if (result.T_target_source) {
+    const auto T_own = result.T_target_source ? result.T_target_source : T_without;
+    if (T_own) {
       own = NeighbourRounds(source, target, primitive, {}, options.threads)
-                .truncated_costs(*result.T_target_source, reach, bound);
+                .truncated_costs(*T_own, reach, bound);
     }
     result.mirrored = standard_errors(own, costs, options.features.normal_neighbours) > kDeviations;
     if (result.mirrored) refuse(result);

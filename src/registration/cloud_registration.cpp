@@ -13,8 +13,10 @@
 #include "palpate/geometry/cloud/normals.hpp"
 #include "registration/clock.hpp"
 #include "registration/cloud_instances.hpp"
+#include "registration/cloud_matching.hpp"
 #include "registration/cloud_refinement.hpp"
 #include "registration/cloud_scale.hpp"
+#include "registration/final_solve.hpp"
 #include "registration/neighbour_rounds.hpp"
 #include "registration/surface_motions.hpp"
 
@@ -26,84 +28,30 @@ using geometry::PointView;
 
 constexpr int kFeatureNeighbours = 100;
 
-FeatureCloud turned_inside_out(FeatureCloud described) {
-  for (auto& n : described.cloud.normals) n = -n;
-  described.features = geometry::turned_inside_out(std::move(described.features));
-  return described;
+/// Squared distance of a cloud's points from their mean, on average.
+double squared_size(const PointCloud& cloud) {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const auto& p : cloud.points) mean += p / static_cast<double>(cloud.size());
+  double sum = 0;
+  for (const auto& p : cloud.points) sum += (p - mean).squaredNorm();
+  return sum / static_cast<double>(cloud.size());
 }
 
-/// Every stride-th point.
-FeatureCloud some_of(const FeatureCloud& described, std::size_t stride) {
-  std::vector<int> kept;
-  for (std::size_t i = 0; i < described.cloud.size(); i += stride) {
-    kept.push_back(static_cast<int>(i));
-  }
-  FeatureCloud some = {geometry::subset(described.cloud, kept),
-                       described.features(Eigen::all, kept)};
-  some.estimated_normals = described.estimated_normals;
-  some.is_fpfh = described.is_fpfh;
-  return some;
-}
-
-FeatureCloud mirrored(FeatureCloud described) {
-  described.cloud = mirror_image(std::move(described.cloud));
-  described.features = geometry::mirrored(std::move(described.features));
-  return described;
-}
-
-/// Of the search among matches of features.
-RegistrationOptions feature_search(const CloudOptions& options,
-                                   const CloudRegistration& registration) {
-  RegistrationOptions search = options.registration;
-  search.noise_bound = registration.noise_bound;
-  search.primitive = Primitive::kPoint;
-  // Neighbours whose features were made of the same points match alike, wherever that is.
-  search.support_radius =
-      std::max(search.support_radius, options.features.feature_radius_voxels * registration.voxel);
-  return search;
-}
-
-/// Pose from the matches of features. Estimated normals may all point inward, as those of a part of
-/// a surface can. As matches of normals of opposite signs have led to wrong poses with 5e-9 false
-/// alarms, they are also tried the other way unless the first answer is far clearer: the better
-/// stays.
-/// @return the pose of the source's mirror image, where the answer is not far clearer and that has
-///         one: which of the two fits is left to the refinement
-std::optional<Eigen::Isometry3d> match_features(FeatureCloud from, const FeatureCloud& to,
-                                                const CloudOptions& options,
-                                                CloudRegistration& registration) {
-  constexpr double kClearFalseAlarms = 1e-30;
-  constexpr std::size_t kMirrorStride = 4;  // a pose to start from is all that is needed
-  const RegistrationOptions search = feature_search(options, registration);
-  FeatureCloud kept;
-  const bool fpfh = from.is_fpfh && to.is_fpfh;
-  const int tries = fpfh && (from.estimated_normals || to.estimated_normals) ? 2 : 1;
-  for (int attempt = 0; attempt < tries; ++attempt) {
-    if (attempt > 0) from = turned_inside_out(std::move(from));
-    Correspondences matches = matched_features(from, to, options.threads);
-    RegistrationResult found = register_correspondences(matches, search);
-    if (attempt == 0 || found.false_alarms < registration.result.false_alarms) {
-      registration.feature_matches = matches.size();
-      registration.correspondences = std::move(matches);
-      registration.result = std::move(found);
-      kept = from;
-    }
-    if (registration.result.false_alarms < kClearFalseAlarms) return std::nullopt;
-  }
-  if (!fpfh || !search.turns().all()) return std::nullopt;
-  const FeatureCloud some = mirrored(some_of(kept, kMirrorStride));
-  const Correspondences matches = matched_features(some, to, options.threads);
-  return register_correspondences(matches, search).T_target_source;
+/// A scene of things that lie far from one another turns freely about a line through them, as far
+/// as its size goes; that says nothing of a source that is one of them.
+bool is_scene(const PointCloud& from, const PointCloud& to) {
+  constexpr double kTimes = 3;
+  return squared_size(to) > kTimes * kTimes * squared_size(from);
 }
 
 /// @return whether either cloud can be slid along itself, which no pose can tell
 bool is_degenerate(const PointCloud& from, const PointCloud& to, const AllowedTurns& turns,
                    int threads, RegistrationResult& result) {
   std::vector<FreeMotion> motions[2];
-  parallel_for(2, threads, [&](std::size_t k) {
-    motions[k] = free_surface_motions(k == 0 ? to : from, turns);
+  parallel_for(is_scene(from, to) ? 1 : 2, threads, [&](std::size_t k) {
+    motions[k] = free_surface_motions(k == 0 ? from : to, turns);
   });
-  result.free_motions = std::move(motions[motions[0].empty() ? 1 : 0]);
+  result.free_motions = std::move(motions[motions[1].empty() ? 0 : 1]);
   result.rank = 6 - static_cast<int>(result.free_motions.size());
   return !result.free_motions.empty();
 }
@@ -149,11 +97,13 @@ void check_described(const FeatureCloud& described) {
   }
 }
 
-/// A cloud by its features, and in the detail that poses are refined with.
-struct PreparedCloud {
-  const FeatureCloud& described;
-  const PointCloud& dense;
-};
+/// What no pose can exceed among the matches of features, beside what the answer has.
+void bound_matches(const CloudOptions& options, CloudRegistration& registration) {
+  RegistrationOptions search = feature_search(options, registration);
+  search.robust_bound = options.registration.robust_bound;
+  registration.feature_inliers = registration.result.inliers.size();
+  bound_robustly(registration.correspondences, search, registration.result);
+}
 
 /// All steps for prepared clouds.
 CloudRegistration register_prepared(const PreparedCloud& from, const PreparedCloud& to,
@@ -169,19 +119,26 @@ CloudRegistration register_prepared(const PreparedCloud& from, const PreparedClo
     registration.result.status = RegistrationStatus::kDegenerate;
     return registration;
   }
-  std::optional<Eigen::Isometry3d> T_mirrored;
+  Alternatives other;
   if (options.registration.initial) {
     registration.result.T_target_source = options.registration.initial;
   } else {
     const double start = now();
-    T_mirrored = match_features(from.described, to.described, options, registration);
+    other = match_prepared(from, to, options, registration);
     registration.feature_seconds = now() - start - registration.result.seconds;
   }
-  if (options.features.refinements == 0) return registration;
+  const bool refines = options.features.refinements > 0;
+  std::optional<Eigen::Isometry3d> T_better;
+  const bool searched = !options.registration.initial;
+  if (refines && searched) T_better = prefer_better_fit(from, to, other, options, registration);
+  if (searched) bound_matches(options, registration);
+  if (!refines) return registration;
   if (registration.result.T_target_source) {
     refine_clouds(from.dense, to.dense, options, registration);
   }
-  if (T_mirrored) refuse_if_mirrored(from.dense, to.dense, *T_mirrored, options, registration);
+  if (other.T_mirrored) {
+    refuse_if_mirrored(from.dense, to.dense, *other.T_mirrored, T_better, options, registration);
+  }
   return registration;
 }
 
@@ -257,7 +214,7 @@ CloudRegistration register_once(const PointView& source, const PointView& target
   parallel_for(4, options.threads, [&](std::size_t task) {
     const std::size_t k = task % 2;
     if (task >= 2) {
-      add_normals(with_normals[k], options.features, threads_each);
+      add_normals(with_normals[k], options.features, options.threads);
     } else {
       described[k] = initial ? FeatureCloud{dense[k], {}}
                              : describe(given ? *clouds[k] : PointView(dense[k]), voxel,

@@ -41,6 +41,7 @@ Proposal scale_of_matches(FeatureCloud from, const FeatureCloud& to, double cell
   RegistrationOptions search = options.registration;
   search.noise_bound = options.noise_bound.value_or(1.5 * cell);
   search.primitive = Primitive::kPoint;
+  search.robust_bound.max_nodes = 0;
   search.support_radius =
       std::max(search.support_radius, options.features.feature_radius_voxels * cell);
   Proposal best;
@@ -187,7 +188,9 @@ CloudRegistration refine_scale(CloudRegistration registration, const PointCloud&
     CloudRegistration next = register_clouds(scaled(source, scale), target, options);
     next.result.scale = scale;
     next.result.false_alarms = registration.result.false_alarms;
+    next.result.certificate.robust = registration.result.certificate.robust;
     next.feature_matches = registration.feature_matches;
+    next.feature_inliers = registration.feature_inliers;
     next.feature_seconds = registration.feature_seconds;
     registration = std::move(next);
     if (std::abs(factor - 1) < kSettled) break;

@@ -49,7 +49,7 @@ FalseAlarmTest::FalseAlarmTest(const Scorer& scorer, double max_false_alarms, do
 /// what pairing the same points at random would put there; plus the pair itself.
 double FalseAlarmTest::copies_among_others(const Eigen::Isometry3d& T) const {
   constexpr int kPairs = 48, kOthers = 256, kLeast = 3;
-  constexpr double kRare = 0.1;
+  constexpr double kRare = 0.1, kDeviations = 2;
   const int size = scorer_.size();
   const PairColumns& columns = scorer_.columns();
   // Copies with a spread of half a bound an axis are mostly within two bounds.
@@ -73,7 +73,10 @@ double FalseAlarmTest::copies_among_others(const Eigen::Isometry3d& T) const {
   }
   const double excess =
       static_cast<double>(found - by_chance) * size / others / std::max(1, looked);
-  return found - by_chance >= kLeast && excess > kRare ? 1 + excess : 1;
+  // Where many lie near one another by chance, their number varies by chance.
+  const double deviation = std::sqrt(static_cast<double>(found + by_chance));
+  const bool more = found - by_chance >= std::max<double>(kLeast, kDeviations * deviation);
+  return more && excess > kRare ? 1 + excess : 1;
 }
 
 double FalseAlarmTest::copies(const Eigen::Isometry3d& T) {
@@ -138,20 +141,36 @@ double FalseAlarmTest::exact(const Eigen::Isometry3d& T) {
   return std::max(number, alone.judge_closely(T));
 }
 
+namespace {
+
+/// An effort, and the number below which it decides, over the tolerated one. A few poses miss
+/// places that gather much, and so make chance look too rare; with normals such places are fewer
+/// and gather more: the number from 64 poses may be 1e-7 of that from many.
+using Step = FalseAlarmTest::Step;
+constexpr Step kPoints[] = {
+    {FalseAlarmTest::kRough, 1e-6}, {FalseAlarmTest::kMedium, 1e-3}, {{512, 512}, 1}};
+constexpr Step kWithNormals[] = {
+    {FalseAlarmTest::kRough, 1e-13}, {FalseAlarmTest::kMedium, 1e-9}, {{2048, 512}, 1}};
+
+}  // namespace
+
 double FalseAlarmTest::judge_closely(const Eigen::Isometry3d& T) {
   const double bound = quick(T);
   if (bound < kClearAtOnce) return bound;
-  // With normals fewer places gather anything.
-  const Effort most{.poses = scorer_.dimensions() > 3 ? 1024 : 512, .sources = 512};
-  // A few poses may miss places that gather much, and so make chance look too rare.
-  constexpr std::pair<Effort, double> kEnoughBelow[] = {{kRough, 1e-6}, {kMedium, 1e-3}};
+  return scorer_.dimensions() > 3 ? judge_in_turn(T, kWithNormals) : judge_in_turn(T, kPoints);
+}
+
+/// With more and more effort, until the number is far from what matters.
+double FalseAlarmTest::judge_in_turn(const Eigen::Isometry3d& T, std::span<const Step> steps) {
   constexpr double kFarAbove = 100;
-  for (const auto& [effort, share] : kEnoughBelow) {
-    const double expected = judge(T, effort);
-    if (expected < share * max_false_alarms_ || expected > kFarAbove * max_false_alarms_)
-      return expected;
+  double expected = 0;
+  for (const auto& [effort, enough_below] : steps) {
+    expected = judge(T, effort);
+    if (expected < enough_below * max_false_alarms_ || expected > kFarAbove * max_false_alarms_) {
+      break;
+    }
   }
-  return judge(T, most);
+  return expected;
 }
 
 double FalseAlarmTest::judge(const Eigen::Isometry3d& T, Effort effort) {

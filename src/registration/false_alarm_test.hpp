@@ -3,6 +3,7 @@
 
 #include <map>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -34,6 +35,12 @@ class FalseAlarmTest {
     int poses, sources;
   };
   static constexpr Effort kRough{64, 128}, kMedium{128, 512};
+
+  /// Below `enough_below` times the tolerated number the effort decides.
+  struct Step {
+    Effort effort;
+    double enough_below;
+  };
 
   /// With the rates at some random poses.
   double judge(const Eigen::Isometry3d& T, Effort effort);
@@ -71,6 +78,7 @@ class FalseAlarmTest {
   double copies(const Eigen::Isometry3d& T);
   double copies_among_others(const Eigen::Isometry3d& T) const;
   double judge_closely(const Eigen::Isometry3d& T);
+  double judge_in_turn(const Eigen::Isometry3d& T, std::span<const Step> steps);
   double expected(BackgroundModel background, const Score& score, double copies) const;
   Rates& rates_within(double radius, int sources);
   void extend(Rates& rates, int poses) const;

@@ -42,6 +42,7 @@ NeighbourRounds::NeighbourRounds(const PointCloud& source, const PointCloud& tar
 const Correspondences& NeighbourRounds::pair_up(const Eigen::Isometry3d& T, double bound,
                                                 std::size_t stride) {
   looked_ = (source_.size() + stride - 1) / stride;
+  paired_at_ = T;
   find_nearest(T, bound, stride);
   for (auto* list :
        {&pairs_.source, &pairs_.target, &pairs_.source_normals, &pairs_.target_normals}) {
@@ -52,6 +53,27 @@ const Correspondences& NeighbourRounds::pair_up(const Eigen::Isometry3d& T, doub
     append_pair(pairs_, source_, i, target_, static_cast<std::size_t>(partners_[i]));
   }
   return pairs_;
+}
+
+PoseEstimate NeighbourRounds::solve() {
+  if (primitive_ != Primitive::kPlane) return solve_pose(pairs_, {}, primitive_, turns_);
+  own_normals_ = pairs_.target_normals;
+  for (std::size_t i = 0; i < pairs_.size(); ++i) {
+    Eigen::Vector3d& normal = pairs_.target_normals[i];
+    const Eigen::Vector3d other = paired_at_.linear() * pairs_.source_normals[i];
+    normal =
+        (normal.dot(other) < 0 ? Eigen::Vector3d(normal - other) : normal + other).normalized();
+  }
+  PoseEstimate estimate = solve_pose(pairs_, {}, primitive_, turns_);
+  std::swap(pairs_.target_normals, own_normals_);
+  return estimate;
+}
+
+double NeighbourRounds::share_within(const Eigen::Isometry3d& T, double bound) const {
+  const auto near = std::ranges::count_if(source_.points, [&](const Eigen::Vector3d& p) {
+    return tree_.nearest_within(T * p, bound).index >= 0;
+  });
+  return static_cast<double>(near) / static_cast<double>(source_.size());
 }
 
 double NeighbourRounds::truncated_cost(const Eigen::Isometry3d& T, double bound) const {

@@ -32,12 +32,17 @@ class NeighbourRounds {
 
   const Correspondences& pairs() const { return pairs_; }
   std::size_t source_size() const { return source_.size(); }
-  PoseEstimate solve() const { return solve_pose(pairs_, {}, primitive_, turns_); }
+  /// Of the pairs; planes have the mean of both points' normals, at the pose they were paired at.
+  PoseEstimate solve();
 
   /// Share of the source's points that have a partner.
   double overlap() const {
     return static_cast<double>(pairs_.size()) / static_cast<double>(looked_);
   }
+
+  /// Share of the source's points that have a target point within the bound at T, whatever their
+  /// normals.
+  double share_within(const Eigen::Isometry3d& T, double bound) const;
 
   /// Of each source point, paired up at the pose within `reach`, min(r^2 / bound^2, 1), r the
   /// residual of the primitive; 1 of those without a partner.
@@ -59,6 +64,9 @@ class NeighbourRounds {
   int threads_;
   std::vector<int> nearest_, partners_;  // of every source point, with normals alike or not; or -1
   std::size_t looked_ = 0;
+  Eigen::Isometry3d paired_at_ = Eigen::Isometry3d::Identity();
+  std::vector<Eigen::Vector3d>
+      own_normals_;  // of the target's points, while the mean ones stand in
   Correspondences pairs_;
 };
 

@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 
 #include "palpate/core/se3.hpp"
+#include "registration/bitset_rows.hpp"
 
 namespace palpate::registration {
 namespace {
@@ -13,6 +15,63 @@ namespace {
 constexpr int kMostCells = 48;  // an axis
 constexpr double kBall3 = 4 * std::numbers::pi / 3;
 constexpr double kBall5 = 8 * std::numbers::pi * std::numbers::pi / 15;
+
+constexpr int kBatch = 256;  // sources that are moved at a time
+
+struct Batch {
+  float points[3][kBatch];
+  int indices[kBatch], cells[kBatch];
+};
+
+/// A pose, and the grid that it leads to.
+struct ToGrid {
+  Eigen::Matrix3f R;
+  Eigen::Vector3f t, low;
+  Eigen::Array3i cells;
+  float per_side;
+};
+
+/// Which cells the points are moved to; the one past the last outside of the grid.
+PALPATE_WIDE void find_cells(Batch& batch, int count, const ToGrid& to) {
+  float r[3][3], t[3], low[3], most[3];
+  for (int a = 0; a < 3; ++a) {
+    for (int b = 0; b < 3; ++b) r[a][b] = to.R(a, b);
+    t[a] = to.t[a], low[a] = to.low[a], most[a] = static_cast<float>(to.cells[a]);
+  }
+  const float per_side = to.per_side;
+  const int columns = to.cells[1], layers = to.cells[2];
+  const int outside = to.cells.prod();
+  const float *sx = batch.points[0], *sy = batch.points[1], *sz = batch.points[2];
+  int* __restrict cells = batch.cells;
+  for (int k = 0; k < count; ++k) {
+    const float x =
+        (r[0][0] * sx[k] + r[0][1] * sy[k] + r[0][2] * sz[k] + t[0] - low[0]) * per_side;
+    const float y =
+        (r[1][0] * sx[k] + r[1][1] * sy[k] + r[1][2] * sz[k] + t[1] - low[1]) * per_side;
+    const float z =
+        (r[2][0] * sx[k] + r[2][1] * sy[k] + r[2][2] * sz[k] + t[2] - low[2]) * per_side;
+    // Before the conversion: what is far outside, or no number, has no int.
+    const bool inside =
+        (x >= 0) & (x < most[0]) & (y >= 0) & (y < most[1]) & (z >= 0) & (z < most[2]);
+    const int i = static_cast<int>(inside ? x : 0), j = static_cast<int>(inside ? y : 0),
+              l = static_cast<int>(inside ? z : 0);
+    cells[k] = inside ? (i * columns + j) * layers + l : outside;
+  }
+}
+
+/// Drops those in cells without targets, mostly nearly all.
+/// @return how many are left
+int keep_occupied(Batch& batch, int count, const std::vector<std::uint64_t>& occupied) {
+  int kept = 0;
+  for (int k = 0; k < count; ++k) {
+    const int cell = batch.cells[k];
+    const std::uint64_t word = occupied[static_cast<std::size_t>(cell) / kWordBits];
+    batch.indices[kept] = batch.indices[k];
+    batch.cells[kept] = cell;
+    kept += static_cast<int>(word >> (cell % kWordBits) & 1);
+  }
+  return kept;
+}
 
 }  // namespace
 
@@ -36,10 +95,12 @@ PairingRates::PairingRates(const PairColumns& columns, double chord_bound, doubl
   cells_ = ((high - low_) * per_side_).array().cast<int>() + 1;
   std::vector<int> cell_of(static_cast<std::size_t>(columns.size()));
   first_.assign(static_cast<std::size_t>(cells_.prod()) + 1, 0);
+  occupied_.assign(first_.size() / kWordBits + 1, 0);
   for (int j = 0; j < columns.size(); ++j) {
     const int c = cell(at(columns.t, j));
     cell_of[static_cast<std::size_t>(j)] = c;
     ++first_[static_cast<std::size_t>(c)];
+    occupied_[static_cast<std::size_t>(c / kWordBits)] |= std::uint64_t{1} << (c % kWordBits);
   }
   for (std::size_t c = 1; c < first_.size(); ++c) first_[c] += first_[c - 1];
   targets_.resize(cell_of.size());
@@ -84,14 +145,24 @@ int PairingRates::propose(RandomStream& random, Eigen::Isometry3d& T) const {
 void PairingRates::agreements(const Eigen::Isometry3d& T, const Strided& sources,
                               std::vector<int>& counts) const {
   const Eigen::Matrix3f R = T.linear().cast<float>();
-  const Eigen::Vector3f t = T.translation().cast<float>();
+  const ToGrid to_grid{R, T.translation().cast<float>(), low_, cells_, per_side_};
   const int size = columns_.size();
+  Batch batch;
   int i = sources.first % size;
-  for (int k = 0; k < sources.count; ++k) {
-    const int c = cell(R * at(columns_.s, i) + t);
-    const int count = c < 0 ? 0 : agreements_in(c, R, i);
-    if (count > 0) counts.push_back(count);
-    i = (i + sources.step) % size;
+  for (int done = 0; done < sources.count; done += kBatch) {
+    const int count = std::min(kBatch, sources.count - done);
+    for (int k = 0; k < count; ++k) {
+      for (int a = 0; a < 3; ++a) batch.points[a][k] = columns_.s[a][i];
+      batch.indices[k] = i;
+      i += sources.step;
+      if (i >= size) i %= size;
+    }
+    find_cells(batch, count, to_grid);
+    const int occupied = keep_occupied(batch, count, occupied_);
+    for (int k = 0; k < occupied; ++k) {
+      const int found = agreements_in(batch.cells[k], R, batch.indices[k]);
+      if (found > 0) counts.push_back(found);
+    }
   }
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <cstdint>
 #include <vector>
 
 #include "palpate/core/random.hpp"
@@ -47,6 +48,7 @@ class PairingRates {
   double coarseness_ = 1;
   Eigen::Vector3f low_ = Eigen::Vector3f::Zero();
   Eigen::Array3i cells_ = Eigen::Array3i::Ones();
+  std::vector<std::uint64_t> occupied_;  // bits of cells that hold targets: most do not
   std::vector<int> first_,
       targets_;  // of cell c: targets_[first_[c]] .. targets_[first_[c + 1] - 1]
 };

@@ -51,7 +51,9 @@ Matrix6d about_origin(const Matrix6d& about_center, const Eigen::Vector3d& cente
 /// The status that follows from bound and rank.
 void conclude(PoseEstimate& estimate, double trace, const PoseOptions& options) {
   estimate.reference = std::max(estimate.cost, trace / 10);
-  const bool proven = estimate.bound <= options.rotation.relative_gap * estimate.reference;
+  // A cost too large for its number is above any optimum.
+  const bool proven = std::isfinite(estimate.bound) &&
+                      estimate.bound <= options.rotation.relative_gap * estimate.reference;
   estimate.status = estimate.rank < 6 ? Status::kDegenerate
                     : proven          ? Status::kCertified
                                       : Status::kUncertified;

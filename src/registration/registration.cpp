@@ -119,6 +119,8 @@ void adopt(const Consensus& consensus, const Correspondences& correspondences, d
   result.runner_up = consensus.runner_up;
   result.false_inliers = consensus.false_inliers / sampled;
   result.inliers = settle(correspondences, consensus.T_target_source, options);
+  // Of coordinates too large for the bound in single precision nothing is left.
+  if (result.inliers.size() < 3) result.false_alarms = std::numeric_limits<double>::infinity();
   for (const int i : result.inliers) {
     const auto index = static_cast<std::size_t>(i);
     result.weights[index] = correspondences.weights.empty() ? 1 : correspondences.weights[index];
@@ -293,6 +295,15 @@ void report_final_solve(const PoseEstimate& estimate, const Correspondences& cor
   for (double& r : result.residuals) r = std::sqrt(r);
 }
 
+void bound_robustly(const Correspondences& correspondences, const RegistrationOptions& options,
+                    RegistrationResult& result) {
+  if (options.robust_bound.max_nodes == 0 || !result.T_target_source) return;
+  result.certificate.robust =
+      bound_inliers(correspondences, options.noise_bound, static_cast<int>(result.inliers.size()),
+                    options.robust_bound);
+  result.certificate.robust->cost = truncated_cost(result.residuals, options.noise_bound);
+}
+
 RegistrationResult register_correspondences(const Correspondences& correspondences,
                                             const RegistrationOptions& options) {
   check(options);
@@ -301,12 +312,7 @@ RegistrationResult register_correspondences(const Correspondences& correspondenc
   const double start = now();
   RegistrationResult result = register_rigid(correspondences, options);
   if (options.instances > 1) find_more(correspondences, options, result);
-  if (options.robust_bound.max_nodes > 0 && result.T_target_source) {
-    result.certificate.robust =
-        bound_inliers(correspondences, options.noise_bound, static_cast<int>(result.inliers.size()),
-                      options.robust_bound);
-    result.certificate.robust->cost = truncated_cost(result.residuals, options.noise_bound);
-  }
+  bound_robustly(correspondences, options, result);
   result.seconds = now() - start;
   return result;
 }

@@ -56,18 +56,27 @@ Correspondences scaled(Correspondences c, double scale) {
   return c;
 }
 
-/// Scale that minimises the squared residuals of the inliers for their rotation.
-double fitted_scale(const Correspondences& c, const RegistrationResult& result) {
+struct Similarity {
+  double scale = 0;
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();  // of the scaled source
+};
+
+/// Scale that minimises the squared residuals of the inliers for their rotation, and the pose with
+/// it: of far coordinates a little more scale moves the points by much.
+Similarity fitted(const Correspondences& c, const RegistrationResult& result) {
   const Origins means = weighted_means(c, result.weights);
+  const Eigen::Matrix3d R = result.T_target_source->linear();
   double product = 0, squares = 0;
   for (const int i : result.inliers) {
     const auto index = static_cast<std::size_t>(i);
     const double w = result.weights[index];
     const Eigen::Vector3d s = c.source[index] - means.source;
-    product += w * (c.target[index] - means.target).dot(result.T_target_source->linear() * s);
+    product += w * (c.target[index] - means.target).dot(R * s);
     squares += w * s.squaredNorm();
   }
-  return squares > 0 ? product / squares : 0;
+  Similarity fit{squares > 0 ? product / squares : 0, *result.T_target_source};
+  fit.T.translation() = means.target - R * (fit.scale * means.source);
+  return fit;
 }
 
 /// The registration at a scale, scale and pose in turn.
@@ -81,16 +90,20 @@ std::optional<RegistrationResult> registered_at(double scale, const Corresponden
     next.scale = scale;
     result = std::move(next);
     if (!result->T_target_source) break;
-    options.initial = result->T_target_source;
-    scale = fitted_scale(c, *result);
+    const Similarity fit = fitted(c, *result);
+    options.initial = fit.T;
+    scale = fit.scale;
     if (!(scale > 0)) break;
   }
   return result;
 }
 
+/// At a small scale many pairs agree, by chance: evidence counts before their number.
 bool is_better(const RegistrationResult& a, const RegistrationResult& b) {
   const bool has_a = a.T_target_source.has_value(), has_b = b.T_target_source.has_value();
-  return has_a != has_b ? has_a : a.inliers.size() > b.inliers.size();
+  if (has_a != has_b) return has_a;
+  if (a.false_alarms != b.false_alarms) return a.false_alarms < b.false_alarms;
+  return a.inliers.size() > b.inliers.size();
 }
 
 }  // namespace
@@ -103,8 +116,10 @@ RegistrationResult register_scaled(const Correspondences& correspondences,
   RegistrationResult best;
   best.weights.assign(correspondences.size(), 0);
   best.status = RegistrationStatus::kDegenerate;
+  best.false_alarms = 1;
   if (correspondences.size() < 4) return best;
   best.status = RegistrationStatus::kNoConsensus;
+  best.false_alarms = 1.0 / kCandidates;
   const RandomStream random(options.seed, "scale");
   for (const double scale : candidates(votes_of(correspondences, options.noise_bound, random))) {
     // Each scale that is tried is another chance of a false alarm.

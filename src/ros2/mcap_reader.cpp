@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "palpate/core/error.hpp"
+#include "ros2/compression.hpp"
 #include "ros2/mcap_records.hpp"
 
 namespace palpate::ros2 {
@@ -106,14 +107,13 @@ class Contents {
     const auto size = fields.number<std::uint64_t>();
     const auto crc = fields.number<std::uint32_t>();
     const std::string_view compression = fields.text();
-    if (!compression.empty()) {
-      throw BadInput(fmt::format(
-          "chunks compressed with {:?}: `mcap decompress IN -o OUT` makes a file that can be read",
-          compression));
+    if (size > kMaxMcapRecord) {
+      throw BadInput(fmt::format("a chunk of {} bytes, at most {} are read", size, kMaxMcapRecord));
     }
-    const std::string_view records = fields.raw(fields.number<std::uint64_t>());
-    if (records.size() != size || (crc != 0 && crc != crc_of(records))) {
-      throw BadInput(fmt::format("a chunk of {} bytes whose size or CRC differs", size));
+    const std::string records =
+        decompressed(fields.raw(fields.number<std::uint64_t>()), compression, size);
+    if (crc != 0 && crc != crc_of(records)) {
+      throw BadInput(fmt::format("a chunk of {} bytes whose CRC differs", size));
     }
     FieldReader rest(records);
     while (!rest.rest().empty()) {

@@ -31,10 +31,11 @@ struct McapContents {
 /// Reads an MCAP file from its beginning to its end, chunk by chunk, in the order in which it was
 /// written. Every CRC that is there is checked; the index is not used, attachments are skipped.
 ///
-/// Memory is at most kMaxMcapRecord and a few hundred bytes a channel, whatever the file states.
-/// @throws BadInput, with the path and the byte, for a file that is missing, is no MCAP, has
-///         compressed chunks, or is damaged elsewhere than by a missing end; what the callback
-///         throws goes on
+/// Memory is at most twice kMaxMcapRecord and a few hundred bytes a channel, whatever the file
+/// states.
+/// @throws BadInput, with the path and the byte, for a file that is missing, is no MCAP, has chunks
+///         of another compression than zstd and lz4 (or these in a build without them), or is
+///         damaged elsewhere than by a missing end; what the callback throws goes on
 McapContents read_mcap(const std::filesystem::path& path,
                        const std::function<void(const McapMessage&)>& on_message);
 

@@ -8,6 +8,7 @@
 
 #include "palpate/core/durable_file.hpp"
 #include "palpate/core/version.hpp"
+#include "ros2/compression.hpp"
 #include "ros2/mcap_records.hpp"
 
 namespace palpate::ros2 {
@@ -99,8 +100,9 @@ struct McapWriter::Impl {
     if (chunk.empty()) return;
     McapFields fields;
     in_chunk.put_to(fields);
-    fields.number(std::uint64_t{chunk.size()}).number(crc_of(chunk)).text("");
-    fields.number(std::uint64_t{chunk.size()}).raw(chunk);
+    const std::string packed = compressed(chunk);
+    fields.number(std::uint64_t{chunk.size()}).number(crc_of(chunk)).text(compression());
+    fields.number(std::uint64_t{packed.size()}).raw(packed);
     const std::string record = fields.record(McapOp::chunk);
     const std::uint64_t start = at;
     append(record);
@@ -109,8 +111,8 @@ struct McapWriter::Impl {
     McapFields entry;
     in_chunk.put_to(entry);
     entry.number(start).number(std::uint64_t{record.size()}).text(offsets.bytes());
-    entry.number(at - indexes_start).text("");
-    entry.number(std::uint64_t{chunk.size()}).number(std::uint64_t{chunk.size()});
+    entry.number(at - indexes_start).text(compression());
+    entry.number(std::uint64_t{packed.size()}).number(std::uint64_t{chunk.size()});
     chunk_indexes += entry.record(McapOp::chunk_index);
     ++chunks;
     chunk.clear();

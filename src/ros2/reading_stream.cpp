@@ -11,6 +11,7 @@
 #include "palpate/core/plausible.hpp"
 #include "palpate/hand/kinematics.hpp"
 #include "palpate/ros2/cdr.hpp"
+#include "palpate/tactile/sensors/intrinsic_contact.hpp"
 
 namespace palpate::ros2 {
 namespace {
@@ -54,6 +55,7 @@ ReadingStream::ReadingStream(const hand::Description& hand, RobotInterface inter
   torques_.setZero(hand.actuator_count());
   for (std::size_t i = 0; i < hand.fingers.size(); ++i) {
     finger_of_topic_[interface_.contacts_of(hand.fingers[i])] = i;
+    finger_of_wrench_[interface_.fingertip_wrench_of(hand.fingers[i])] = i;
   }
 }
 
@@ -70,6 +72,10 @@ std::optional<hand::HandReading> ReadingStream::take(std::string_view topic, std
       take_transforms(deserialize<TFMessage>(cdr), topic == interface_.tf_static, received);
     } else if (type == WrenchStamped::kType && topic == interface_.wrench) {
       take_wrench(deserialize<WrenchStamped>(cdr), received);
+    } else if (type == WrenchStamped::kType) {
+      const auto finger = finger_of_wrench_.find(topic);
+      if (finger == finger_of_wrench_.end()) return std::nullopt;
+      take_fingertip_wrench(finger->second, deserialize<WrenchStamped>(cdr), received);
     } else if (type == PointCloud2::kType) {
       const auto finger = finger_of_topic_.find(topic);
       if (finger == finger_of_topic_.end()) return std::nullopt;
@@ -148,6 +154,30 @@ void ReadingStream::take_contacts(std::size_t finger, const PointCloud2& cloud,
   if (!is_later(time_of(cloud.header, received), felt.time)) return;
   ++counts_.contacts;
   felt.contacts = std::move(contacts);
+}
+
+/// The one contact that explains the wrench, if any does; the sensor's frame is the distal link's.
+void ReadingStream::take_fingertip_wrench(std::size_t finger, const WrenchStamped& wrench,
+                                          std::uint64_t received) {
+  const std::string& frame = tip_frame(hand_, hand_.fingers[finger]);
+  if (wrench.header.frame_id != frame) {
+    throw BadInput(fmt::format("a fingertip's wrench in the frame {:?}, not {:?}",
+                               wrench.header.frame_id, frame));
+  }
+  const Eigen::Vector3d force = vector_in(wrench.wrench.force);
+  const Eigen::Vector3d moment = vector_in(wrench.wrench.torque);
+  check_plausible(force, kMaxForce, "a force on a fingertip");
+  check_plausible(moment, kMaxTorque, "a moment on a fingertip");
+  Felt& felt = felt_[finger];
+  if (!is_later(time_of(wrench.header, received), felt.time)) return;
+  ++counts_.contacts;
+  felt.contacts.clear();
+  const hand::TipCapsule& tip = hand_.fingers[finger].tip;
+  const auto contact = tactile::contact_of_wrench({force, moment}, {tip.a, tip.b, tip.radius},
+                                                  Eigen::Isometry3d::Identity());
+  if (!contact) return;
+  felt.contacts.push_back(
+      {contact->p, contact->n, contact->f, contact->point_sigma, contact->normal_sigma});
 }
 
 void ReadingStream::take_wrench(const WrenchStamped& wrench, std::uint64_t received) {

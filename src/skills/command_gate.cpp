@@ -38,7 +38,7 @@ void require_finite(const hand::HandCommand& command) {
       command.base.ypr.allFinite()) {
     return;
   }
-  throw BadInput(fmt::format("base at {} {} {} m, turned by {} {} {} rad, sum of the actuators {}",
+  throw BadInput(fmt::format("mount at {} {} {} m, turned by {} {} {} rad, sum of the actuators {}",
                              command.base.xyz.x(), command.base.xyz.y(), command.base.xyz.z(),
                              command.base.ypr.x(), command.base.ypr.y(), command.base.ypr.z(),
                              command.positions.sum()));

@@ -15,6 +15,7 @@
 #include "skills/command_gate.hpp"
 #include "skills/reading_gate.hpp"
 #include "skills/safe_posture.hpp"
+#include "skills/unfelt_force.hpp"
 #include "skills/watchdog.hpp"
 
 namespace palpate::skills {
@@ -76,7 +77,8 @@ Executor::Executor(hand::Hand& hand, const hand::Description& model, const hand:
       safety_(std::move(safety)),
       exceptions_(std::uncaught_exceptions()),
       readings_(std::make_unique<ReadingGate>(model, safety_.options)),
-      commands_(std::make_unique<CommandGate>(model.actuators, start, safety_.options)) {
+      commands_(std::make_unique<CommandGate>(model.actuators, start, safety_.options)),
+      unfelt_(std::make_unique<UnfeltForce>(model, safety_.options.unfelt_force)) {
   const double limit = safety_.options.watchdog;
   if (limit > 0) watchdog_ = std::make_unique<Watchdog>(safety_.stop_drives, limit);
   try {
@@ -153,6 +155,7 @@ void Executor::tick() {
     stop_for(Fault::log_full, fmt::format("{} readings are kept", log_.readings.size()));
   }
   if (grip_) grip_->law.advance(command_, reading(), grip_->max_torque, grip_->active);
+  if (!log_.readings.empty()) limit_unfelt();
   try {
     command_ = commands_->limited(command_);
   } catch (const BadInput& error) {
@@ -162,6 +165,11 @@ void Executor::tick() {
   while (!read_once()) {
     if (safety_.stop.stop_requested()) stop_for(Fault::stop_requested, "a stop was requested");
   }
+}
+
+/// Fingers that something holds up without their feeling it press no further.
+void Executor::limit_unfelt() {
+  for (const int finger : unfelt_->limit(command_, commands_->last(), reading())) suspect(finger);
 }
 
 /// One step of the hand. @return whether it gave a reading that can be used
@@ -218,7 +226,23 @@ void Executor::ease() {
   }
 }
 
-void Executor::distrust(int finger) { readings_->distrust(finger); }
+void Executor::distrust(int finger, std::string detail) {
+  if (trusted(finger)) survived_.push_back({Fault::touch_lost, std::move(detail), time()});
+  readings_->distrust(finger);
+}
+
+bool Executor::suspected(int finger) const {
+  return suspected_[static_cast<std::size_t>(finger)] && trusted(finger) && !cleared(finger);
+}
+
+std::vector<int> Executor::suspects() const {
+  std::vector<int> fingers;
+  for (int finger = 0; finger < model_.finger_count(); ++finger) {
+    if (suspected(finger)) fingers.push_back(finger);
+  }
+  return fingers;
+}
+
 bool Executor::trusted(int finger) const { return readings_->trusted(finger); }
 std::size_t Executor::limited_commands() const { return commands_->changed(); }
 

@@ -16,6 +16,7 @@
 #include "palpate/skills/place/place_phase.hpp"
 #include "palpate/skills/probe/probe_phase.hpp"
 #include "skills/explore/felt_size.hpp"
+#include "skills/explore/touch_test_phase.hpp"
 #include "skills/grasp/pose_phase.hpp"
 #include "skills/grasp/release_phase.hpp"
 #include "skills/phase_sequence.hpp"
@@ -25,6 +26,7 @@ namespace {
 
 constexpr double kLeft = 0.25;      // of the object's weight, in the hand: it has not been let go
 constexpr double kSmoother = 0.65;  // of the friction that is believed, once an object has slipped
+constexpr int kSlips = 2;           // attempts that do not count, for the grip gave way in time
 constexpr double kMoreThanOthers = 0.5;  // probability of a pose that is worth being held
 constexpr double kHanging = 0.9;         // of the load that the mount may bear, while it moves
 constexpr double kNextSide = 2 * std::numbers::pi / 3;  // rad between attempts
@@ -126,6 +128,7 @@ class Picking {
       result_.estimate = {};
     }
     result_.limited_commands = robot_.limited_commands();
+    result_.survived = robot_.survived();
     return std::move(result_);
   }
 
@@ -143,14 +146,15 @@ class Picking {
         !has(robot_.log(), estimation::TouchEvent::on_table)) {
       sequence_.run(CalibratePhase(options_.calibrate));
     }
-    while (!result_.held && result_.attempts < options_.attempts) {
+    while (!result_.held && result_.attempts - slips_ < options_.attempts) {
       if (result_.attempts++ > 0) {
         release();
+        if (only_doubted()) --result_.attempts;
         result_.fallen = true;  // or a failed attempt has moved it
         state_.yaw += kNextSide;
       }
       result_.held = attempt();
-      if (result_.held && unknown() && result_.attempts < options_.attempts) {
+      if (result_.held && unknown() && result_.attempts - slips_ < options_.attempts) {
         result_.held = false;
         put_back();
       }
@@ -158,8 +162,10 @@ class Picking {
     result_.resting = state_.resting;
     if (result_.held) {
       result_.failed_phase.clear();
-    } else if (estimation::mean_load(robot_.log()) > kLeft * weight()) {
-      release();  // nothing is left hanging
+    } else if (estimation::mean_load(robot_.log()) > kLeft * weight() ||
+               !robot_.suspects().empty()) {
+      release();       // nothing is left hanging
+      only_doubted();  // a numb finger is named
     }
     result_.estimate = state_.estimate;
     result_.objects = estimator_.probabilities();
@@ -181,6 +187,15 @@ class Picking {
     state_.next_grasp.reset();
   }
 
+  /// Tests the fingers that are in doubt. @return whether they feel: the attempt, which the doubt
+  /// ended, does not count
+  bool only_doubted() {
+    if (robot_.suspects().empty()) return false;
+    const std::size_t before = robot_.survived().size();
+    sequence_.run(TouchTestPhase(options_.calibrate));
+    return robot_.suspects().empty() && robot_.survived().size() == before;
+  }
+
   /// Feels, holds and lifts the object, from other sides too while that tells more of its pose.
   bool attempt() {
     if (!sequence_.run(HeightProbePhase(options_.height_probe, tallest(estimator_.candidates()))))
@@ -191,17 +206,20 @@ class Picking {
     while (true) {
       if (!sequence_.run(GraspPhase(options_.grasp, object(), choose))) return false;
       estimate_closed();
-      if (!state_.next_grasp) {
-        if (!sequence_.run(LiftPhase(options_.lift, weight()))) {
-          doubt_friction();
-          return false;
-        }
-        if (!estimate_held()) return false;
-      }
+      if (!state_.next_grasp && (!lift() || !estimate_held())) return false;
       if (!state_.next_grasp) return true;
       choose = once(*state_.next_grasp);
       if (!put_back()) return false;
     }
+  }
+
+  bool lift() {
+    LiftPhase lift(options_.lift, weight());
+    if (sequence_.run(lift)) return true;
+    if (lift.gave_way() && slips_ < kSlips) ++slips_;
+    doubt_friction();
+    state_.estimate = {};  // it lies elsewhere now
+    return false;
   }
 
   /// What slipped out of the hand is smoother than believed: later grasps count on less friction,
@@ -280,6 +298,7 @@ class Picking {
   PickState state_;
   PickResult result_;
   PhaseSequence sequence_;
+  int slips_ = 0;  ///< attempts that ended as the grip gave way, and do not count
 };
 
 }  // namespace

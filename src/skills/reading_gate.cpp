@@ -12,9 +12,10 @@
 namespace palpate::skills {
 namespace {
 
-constexpr double kClockDrift = 1e-3;  // of the hand's clock against the ticks, that is allowed
-constexpr double kStandsStill = 0.1;  // rad within which a joint counts as standing still
-constexpr double kFeltForce = 0.1;    // N at which a fingertip feels something
+constexpr double kClockDrift = 1e-3;    // of the hand's clock against the ticks, that is allowed
+constexpr double kStandsStill = 0.1;    // rad within which a joint counts as standing still
+constexpr double kMountStands = 0.002;  // m within which the mount counts as standing still
+constexpr double kFeltForce = 0.1;      // N at which a fingertip feels something
 
 bool finite(const hand::HandReading& reading) {
   return reading.joints.allFinite() && reading.torques.allFinite() &&
@@ -50,7 +51,7 @@ std::string ReadingGate::not_finite(const hand::HandReading& reading) const {
   }
   const bool load = !reading.base_force.allFinite();
   const Eigen::Vector3d& value = load ? reading.base_force : reading.base.xyz;
-  return fmt::format("the {} reads {} {} {}", load ? "mount's load" : "base", value.x(), value.y(),
+  return fmt::format("the {} reads {} {} {}", load ? "mount's load" : "mount", value.x(), value.y(),
                      value.z());
 }
 
@@ -75,8 +76,9 @@ Judgement ReadingGate::judge(hand::HandReading& reading, const hand::HandCommand
   for (const Judgement& judgement : {judge_time(reading.time), judge_values(reading)}) {
     if (!judgement.usable || judgement.fault != Fault::none) return judgement;
   }
-  for (const Judgement& judgement : {judge_repeats(reading), judge_touch(reading),
-                                     judge_load(reading), judge_tracking(reading, command)}) {
+  for (const Judgement& judgement :
+       {judge_repeats(reading), judge_touch(reading), judge_load(reading),
+        judge_tracking(reading, command), judge_mount(reading, command)}) {
     if (judgement.fault != Fault::none) return judgement;
   }
   last_ = reading;
@@ -136,7 +138,7 @@ std::string ReadingGate::impossible_value(const hand::HandReading& reading, Faul
   }
   const double reach = reading.base.xyz.norm(), load = reading.base_force.norm();
   if (reach > options_.workspace + options_.base_jump) {
-    return fmt::format("the base reads {:.3f} m from the origin", reach);
+    return fmt::format("the mount reads {:.3f} m from the origin", reach);
   }
   if (load > options_.load_range) return fmt::format("the mount's load reads {:.1f} N", load);
   fault = Fault::implausible_change;
@@ -154,7 +156,7 @@ std::string ReadingGate::jump(const hand::HandReading& reading) const {
     return fmt::format("joint {} jumped by {:.3f} rad",
                        hand_.joints[static_cast<std::size_t>(joint)].name, turned);
   }
-  if (moved > options_.base_jump) return fmt::format("the base jumped by {:.3f} m", moved);
+  if (moved > options_.base_jump) return fmt::format("the mount jumped by {:.3f} m", moved);
   return {};
 }
 
@@ -228,6 +230,24 @@ Judgement ReadingGate::judge_tracking(const hand::HandReading& reading,
                           hand_.actuators[static_cast<std::size_t>(i)].name, positions[i],
                           command.positions[i])};
     }
+  }
+  return {};
+}
+
+/// What carries the hand follows its command, too.
+Judgement ReadingGate::judge_mount(const hand::HandReading& reading,
+                                   const hand::HandCommand& command) {
+  const double off = (command.base.xyz - reading.base.xyz).norm();
+  const double turned =
+      Eigen::AngleAxisd(command.base.pose().linear().transpose() * reading.base.pose().linear())
+          .angle();
+  const bool stands = (reading.base.xyz - mount_rest_).norm() < kMountStands;
+  if (!stands || (off < options_.mount_error && turned < options_.tracking_error)) {
+    mount_astray_ = 0;
+    mount_rest_ = reading.base.xyz;
+  } else if (hand::kTick * ++mount_astray_ >= options_.tracking_time) {
+    return {true, Fault::joint_stuck,
+            fmt::format("the mount stands {:.3f} m and {:.2f} rad off its command", off, turned)};
   }
   return {};
 }

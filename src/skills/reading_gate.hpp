@@ -49,6 +49,7 @@ class ReadingGate {
   Judgement judge_load(const hand::HandReading& reading);
   [[nodiscard]] bool presses(const hand::HandReading& reading, int actuator) const;
   Judgement judge_tracking(const hand::HandReading& reading, const hand::HandCommand& command);
+  Judgement judge_mount(const hand::HandReading& reading, const hand::HandCommand& command);
 
   hand::Description hand_;
   SafetyOptions options_;
@@ -64,6 +65,8 @@ class ReadingGate {
   FlickerFilter flicker_;
   hand::ActuatorVector rest_positions_;  // where a joint has stood
   std::vector<int> astray_;              // ticks for which it has, off its command
+  Eigen::Vector3d mount_rest_ = Eigen::Vector3d::Zero();
+  int mount_astray_ = 0;
 };
 
 }  // namespace palpate::skills

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The hand command, and hands that pick and eval refuse."""
 
+import pathlib
+
 from cli import BAD_INPUT, USAGE, CliTest, main
 
 NO_HAND = '<mujoco><worldbody><body name="palm"><geom size="0.1"/></body></worldbody></mujoco>'
@@ -25,7 +27,8 @@ class Hand(CliTest):
 
     def test_every_hand_of_the_list_names_its_licence(self):
         hands = {hand["name"]: hand for hand in self.run_json("hand", "list")["hands"]}
-        self.assertLessEqual({"shadow", "allegro", "leap", "barrett"}, set(hands))
+        known = {"shadow", "allegro", "leap", "barrett", "shadow-left", "allegro-left", "leap-left"}
+        self.assertLessEqual(known, set(hands))
         self.assertTrue(all(hand["licence"] for hand in hands.values()))
         self.assertTrue(hands["shadow"]["installed"])
         self.assertFalse(hands["leap"]["installed"])  # the cache of a test is empty
@@ -40,6 +43,23 @@ class Hand(CliTest):
                           self.refused(*command, "my_hand.toml"))
             self.assertIn("palpate hand install leap", self.refused(*command, "leap"))
             self.assertIn("'nobody' is neither a hand", self.refused(*command, "nobody"))
+
+    def test_postures_are_drawn(self):
+        checks = {check["name"]: check["ok"] for check in self.run_json("doctor")["checks"]}
+        if not checks["rendering"]:
+            self.skipTest("no OpenGL")
+        pictures = self.run_json("hand", "render", "shadow-left", "--out", "pictures")["pictures"]
+        names = {pathlib.Path(picture).stem for picture in pictures}
+        self.assertLessEqual({"open", "closed", "flat", "pointing-FF"}, names)
+        for picture in pictures:
+            data = (self.folder / picture).read_bytes()
+            self.assertEqual(data[:4], b"\x89PNG")
+
+    def test_the_left_shadow_hand_is_the_right_ones_mirror_image(self):
+        right, left = (self.run_json("hand", "check", name) for name in ("shadow", "shadow-left"))
+        self.assertEqual(left["hand"], "shadow-left")
+        for one, other in zip(right["actuators"], left["actuators"], strict=True):
+            self.assertEqual(one, other)
 
     def test_a_hand_is_installed_by_its_name_only(self):
         self.assertIn("no hand named 'nobody'", self.refused("hand", "install", "nobody"))

@@ -7,6 +7,7 @@ PALPATE_KILLS=N kills each command N times (`./dev kills N`); the default is 3.
 
 import json
 import os
+import pathlib
 import random
 import shutil
 import signal
@@ -21,6 +22,8 @@ KILLS = int(os.environ.get("PALPATE_KILLS", "3"))
 SHORT = [*QUICK, "--quiet", "--set", "calibrate.touches=0", "--set", "attempts=1",
          "--set", "palpation.max=0", "--set", "explore.touches=0", "--set", "explore.max_touches=0",
          "--set", "estimate_before_lift=false"]  # fmt: skip
+# Hardly any search and no touches before the grasp: that holds in an ideal world alone.
+IDEAL = str(pathlib.Path(__file__).resolve().parents[2] / "configs" / "ideal.toml")
 EVAL = ["eval", "--object", "box", "--seed", "40", *SHORT]
 TRAIN = ["train", "relocate", "--iterations", "40", "--seed", "3", "--quiet", "--episodes", "2",
          "--set", "cem.search.cem.population=4", "--set", "cem.search.cem.elite=2",
@@ -97,7 +100,8 @@ class Kills(CliTest):
             self.assertEqual(data, whole[path], path)
 
     def test_pick(self):
-        command = ["pick", "--object", "box", "--seed", "1", "--json", *SHORT]
+        command = ["pick", "--object", "box", "--seed", "1", "--json", "--no-belief", "--config",
+                   IDEAL, *SHORT]
         self.run_whole(*command, "--out", "whole")  # fills the cache, too
         seconds = self.run_whole(*command, "--out", "whole", "--force")
         whole = contents(self.folder / "whole")
@@ -111,7 +115,8 @@ class Kills(CliTest):
         self.assertFalse(list((self.folder / "part").glob("*.partial")))
 
     def test_cache(self):
-        command = ["pick", "--object", "box", "--seed", "1", "--json", *SHORT]
+        command = ["pick", "--object", "box", "--seed", "1", "--json", "--no-belief", "--config",
+                   IDEAL, *SHORT]
         seconds = self.run_whole(*command, "--out", "whole")
         whole, entries = contents(self.folder / "whole"), contents(self.cache)
         self.assertGreater(len(entries), 0)

@@ -10,6 +10,7 @@ from cli import BAD_INPUT, DONE, NO_SOLUTION, USAGE, CliTest, box_stl, main
 
 HEADER = "x,y,z,nx,ny,nz"
 SIZE = (0.05, 0.094, 0.175)
+HALF = [size / 2 for size in SIZE]
 SHIFT, ANGLE = (0.3, -0.2, 0.5), 0.7  # where the box is: turned about z, then moved
 QUICK = ["--set", "search.proposals=12000", "--set", "search.particles=200"]
 
@@ -34,6 +35,11 @@ def contacts_on_box(count, faces=(0, 1, 2, 3, 4, 5), seed=1):
     return rows
 
 
+def middle(T):
+    """Where a pose, 16 numbers, puts the middle of the box."""
+    return [sum(T[4 * i + j] * HALF[j] for j in range(3)) + T[4 * i + 3] for i in range(3)]
+
+
 def csv(rows, header=HEADER):
     return "\n".join([header] + [",".join(map(str, row)) for row in rows]) + "\n"
 
@@ -53,11 +59,11 @@ class Localize(CliTest):
         result = self.localize(contacts_on_box(3))
         listed = sum(mode["weight"] for mode in result["modes"])
         self.assertLess(listed, 0.95)
-        self.assertAlmostEqual(result["unlisted"], 1 - listed)
-        self.assertGreater(len(result["further"]), 0)
-        self.assertTrue(all(len(pose) == 16 for pose in result["further"]))
+        self.assertAlmostEqual(result["residual_mass"], 1 - listed)
+        self.assertGreater(len(result["residual_set"]), 0)
+        self.assertTrue(all(len(pose) == 16 for pose in result["residual_set"]))
         certain = self.localize(contacts_on_box(18))
-        self.assertEqual(certain["further"], [])
+        self.assertEqual(certain["residual_set"], [])
 
     def test_pose_maps_the_files_own_coordinates(self):
         for method in ("fast", "full"):
@@ -69,9 +75,7 @@ class Localize(CliTest):
             self.assertGreater(best["weight"], 0.95)
             # The box's middle and axes, whichever of the box's four equal poses was found.
             T = best["T_contact_object"]
-            half = [size / 2 for size in SIZE]
-            middle = [sum(T[4 * i + j] * half[j] for j in range(3)) + T[4 * i + 3] for i in range(3)]
-            for value, true in zip(middle, moved(half, SHIFT)):
+            for value, true in zip(middle(T), moved(HALF, SHIFT)):
                 self.assertAlmostEqual(value, true, delta=0.003)
             self.assertGreater(abs(T[10]), math.cos(math.radians(5)))
             self.assertGreater(abs(T[0] * math.cos(ANGLE) + T[4] * math.sin(ANGLE)), 0.99)
@@ -163,6 +167,24 @@ class Localize(CliTest):
         told = self.localize(rows, "--free", "free.csv", "--prior", "before.json")
         self.assertGreater(told["probability"], alone["probability"] + 0.1)
 
+    def test_free_voxels_rule_out_what_would_stand_in_them(self):
+        """Where the air was free in the middle of the box, the box is not believed to be."""
+        rows = contacts_on_box(12)
+        center = moved(HALF, SHIFT)
+        plain = self.localize(rows)
+        self.assertGreater(plain["probability"], 0.9)
+        steps = [0.01 * (i - 1) for i in range(3)]
+        voxels = "".join(f"{center[0] + a},{center[1] + b},{center[2] + c},0.01\n"
+                         for a in steps for b in steps for c in steps)  # fmt: skip
+        self.write("voxels.csv", "x,y,z,size\n" + voxels)
+        done = self.run_program("localize", "box.stl", "contacts.csv", "--json", *QUICK, "--free",
+                                "voxels.csv")  # fmt: skip
+        self.assertIn(done.returncode, (DONE, NO_SOLUTION), done.stderr)
+        for mode in json.loads(done.stdout)["modes"]:
+            at = middle(mode["T_contact_object"])
+            far = sum((a - b) ** 2 for a, b in zip(at, center)) ** 0.5 > 0.01
+            self.assertTrue(far or mode["weight"] < 0.1, mode)
+
     def test_ignoring_spin_counts_the_whole_family(self):
         rows = contacts_on_box(6, faces=(5,))
         plain = self.localize(rows, "--method", "full")
@@ -173,8 +195,10 @@ class Localize(CliTest):
     def test_bad_evidence(self):
         self.write("contacts.csv", csv(contacts_on_box(3)))
         self.write("free.csv", "x,y,z,radius\n0,0,0,-1\n")
+        self.write("voxels.csv", "x,y,z,size\n0,0,0,0.01\n0.015,0,0,0.01\n")
         self.write("prior.json", "{}")
-        for option, name, word in (("--free", "free.csv", "radius"), ("--prior", "prior.json", "report")):
+        for option, name, word in (("--free", "free.csv", "radius"), ("--free", "voxels.csv", "grid"),
+                                   ("--prior", "prior.json", "report")):
             self.assert_refused(
                 BAD_INPUT, ["localize", "box.stl", "contacts.csv", option, name], name, word
             )

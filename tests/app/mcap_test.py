@@ -135,7 +135,7 @@ class Export(CliTest):
     def foreign(self, compression, joints="/robot/joints", prefix="/touch"):
         """The same hand as somebody else's writer, names and frames have it."""
         path = self.folder / "foreign.mcap"
-        self.addCleanup(path.unlink)
+        self.addCleanup(path.unlink, missing_ok=True)
         with open(path, "wb") as file:
             writer = mcap_ros2.writer.Writer(file, compression=compression)
             schemas = {}
@@ -170,9 +170,27 @@ class Export(CliTest):
         # Contacts at one instant alone: it is in the hand, at one of the poses that fit.
         self.assertLess(nearest, 0.08)
 
-    def test_compressed_chunks_are_refused_with_the_remedy(self):
-        name = self.foreign(mcap.writer.CompressionType.ZSTD)
-        self.assert_refused(BAD_INPUT, ["replay", name, "--object", "box"], "zstd", "mcap decompress")
+    def test_compressed_chunks_are_read_like_others(self):
+        arguments = ["--object", "box", "--hand", "shadow", "--joint-states", "/robot/joints",
+                     "--contacts", "/touch", "--mount-frame", "wrist"]  # fmt: skip
+        answers = []
+        for compression in ("NONE", "ZSTD", "LZ4"):
+            name = self.foreign(getattr(mcap.writer.CompressionType, compression))
+            answers.append(self.run_json("replay", name, *arguments))
+            (self.folder / name).rename(self.folder / "kept.mcap")
+        self.assertEqual(answers[0]["modes"], answers[1]["modes"])
+        self.assertEqual(answers[0]["modes"], answers[2]["modes"])
+        damaged = bytearray((self.folder / "kept.mcap").read_bytes())
+        damaged[len(damaged) // 3] ^= 0x55
+        (self.folder / "kept.mcap").write_bytes(damaged)
+        self.assert_refused(BAD_INPUT, ["replay", "kept.mcap", *arguments], "kept.mcap")
+
+    def test_an_export_is_small(self):
+        sizes = [(self.folder / name).stat().st_size for name in ("box.mcap", "run/recording.h5")]
+        with open(self.path, "rb") as file:
+            chunks = mcap.reader.make_reader(file).get_summary().chunk_indexes
+        self.assertEqual({chunk.compression for chunk in chunks}, {"zstd"})
+        self.assertLess(sizes[0], sizes[1])
 
     def test_what_cannot_be_replayed_is_named(self):
         self.assert_refused(BAD_INPUT, ["replay", "box.mcap", "--mount-frame", "elsewhere", "--quiet"],

@@ -75,6 +75,18 @@ class Output(CliTest):
         self.assertEqual(self.read("part/trials.csv"), rows)
         self.assert_refused(BAD_INPUT, [*EVAL, "--out", "none", "--resume"], "none")
 
+    def test_a_campaign_goes_on_only_from_its_own_rows(self):
+        campaign = ["eval", "--faults", "--object", "box", "--trials", "1", "--json", *SHORT,
+                    "--out", "campaign", "--resume"]  # fmt: skip
+        (self.folder / "campaign").mkdir()
+        rows = self.folder / "campaign" / "faults.json"
+        rows.write_text(json.dumps({"configuration": "another", "faults": {}}))
+        self.assert_refused(BAD_INPUT, campaign, "faults.json", "other settings")
+        for text in ("{", "[]", '{"configuration": 1'):
+            rows.write_text(text)
+            self.assert_refused(BAD_INPUT, campaign, "faults.json", "damaged")
+            self.assertEqual(rows.read_text(), text)
+
     def test_shares_of_an_evaluation_merge_into_that_of_one_run(self):
         both = [*EVAL, "--object", "box,bracket"]
         self.run_program(*both, "--out", "whole")

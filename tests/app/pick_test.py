@@ -166,7 +166,9 @@ class Results(CliTest):
         picked = report["estimate"]["modes"]
         self.assertEqual(poses, [(mode["T_world_object"], mode["weight"]) for mode in picked])
 
-        self.assertIn('"posteriors":[{"poses":[{"', (self.folder / "run/replay.html").read_text())
+        page = (self.folder / "run/replay.html").read_text()
+        for source in ("prior", "touch", "grasp", "online"):
+            self.assertIn(f'"source":"{source}"', page)
         for option in (["--at", "5"], ["--object", "box"], ["--hand", "shadow"]):
             self.assert_refused(BAD_INPUT, ["replay", "run/recording.h5", *option], option[0], "MCAP")
 

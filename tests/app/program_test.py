@@ -25,15 +25,19 @@ class Usage(CliTest):
         self.assert_refused(USAGE, ["pick", "--seed", "-1"], "-1")
         self.assert_refused(USAGE, ["pick", "--threads", "0"], "--threads")
         self.assert_refused(USAGE, ["eval", "--trials", "0"], "0")
-        self.assert_refused(USAGE, ["replay"], "recording")
+        self.assert_refused(USAGE, ["replay"], "RECORDING is required")
 
     def test_what_was_meant_is_suggested(self):
         self.assert_refused(USAGE, ["pik"], "there is no command 'pik'", "did you mean 'pick'?")
         self.assert_refused(USAGE, ["train", "relocat"], "'train relocat'", "'relocate'?")
         self.assert_refused(USAGE, ["pick", "--objekt", "mug"], "no option --objekt", "'--object'?")
         self.assert_refused(USAGE, ["pick", "mug"], "did you mean --object mug?")
+        self.assert_refused(USAGE, ["merge"], "PART is required")
+        self.assert_refused(USAGE, ["export", "lerobott", "x.h5"],
+                            "FORMAT: 'lerobott' is none of mcap, lerobot, minari",
+                            "did you mean 'lerobot'?")  # fmt: skip
         self.assert_refused(USAGE, ["train"], "no command is given")
-        self.assert_refused(BAD_INPUT, ["pick", "--set", "x.y=1"], "palpate options lists")
+        self.assert_refused(BAD_INPUT, ["pick", "--set", "x.zigzag=1"], "palpate options lists")
         self.assert_refused(BAD_INPUT, ["rollout", "relocate-bset"], "'relocate-best'?")
 
     def test_values_out_of_range_are_named_with_the_range(self):
@@ -121,6 +125,7 @@ class Doctor(CliTest):
         for key in ("hand", "object", "seed"):
             self.assert_refused(BAD_INPUT, ["pick", "--set", f"{key}=allegro"], f"--{key} sets it")
         self.assert_refused(BAD_INPUT, ["pick", "--set", "lift.hight=1"], "did you mean lift.height")
+        self.assert_refused(BAD_INPUT, ["pick", "--set", "grasp.frction=1"], "did you mean friction?")
 
     def test_missing_assets_are_named_with_what_to_do(self):
         os.environ["PALPATE_ASSETS"] = str(self.folder)

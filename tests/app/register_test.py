@@ -104,6 +104,10 @@ class Register(CliTest):
             self.assertEqual(report["status"], "found")
             self.assertGreater(report["overlap"], 0.5)  # of two samplings, points rarely coincide
             self.assertGreater(report["feature_matches"], 20)
+            bound = report["certificate"]["robust_bound"]["max_inliers"]
+            self.assertLessEqual(report["feature_inliers"], bound)
+            self.assertLessEqual(bound, report["feature_matches"])
+            self.assertGreater(report["feature_inliers"], 10)
             self.assert_quarter_turn(report["T_target_source"], 0.05)
 
     def test_clouds_of_known_scale_and_gravity(self):
@@ -126,6 +130,10 @@ class Register(CliTest):
         self.assertEqual(report["status"], "found")
         self.assertAlmostEqual(report["scale"], 0.001, delta=1e-5)
         self.assert_quarter_turn(report["T_target_source"], 0.05)
+        self.run_json("register", *clouds, "--scale", "--out", "scaled")
+        placed = self.run_json("register", "scaled/source_in_target.ply", clouds[1])
+        for found, expected in zip(placed["T_target_source"], map(float, IDENTITY.split(","))):
+            self.assertAlmostEqual(found, expected, delta=0.01)
         both = target + [(p[0] + 0.4, p[1], p[2]) for p in lump(3)]
         clouds = [self.write("s.xyz", xyz(lump(2))), self.write("both.xyz", xyz(both))]
         report = self.run_json("register", *clouds, "--instances", "3")
@@ -199,6 +207,14 @@ class Register(CliTest):
         self.assertEqual(report["status"], "degenerate")
         self.assertIsNone(report["T_target_source"])
         self.assertEqual([m["kind"] for m in report["free_motions"]], ["rotation"] * 3)
+
+    def test_too_few_points_are_said(self):
+        few = self.write("few.xyz", "1 2 3\n4 5 6\n")
+        done = self.run_program("register", few, self.write("lump.xyz", xyz(lump(1))), "--json")
+        self.assertEqual(done.returncode, NO_SOLUTION)
+        report = json.loads(done.stdout)
+        self.assertEqual(report["status"], "degenerate")
+        self.assertIn("the source has 2 and the target 2500 points", report["hint"])
 
     def test_outliers_alone_are_no_consensus(self):
         file = self.pairs(wrong=60)

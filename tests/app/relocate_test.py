@@ -57,7 +57,7 @@ class RelocateTest(cli.CliTest):
         report = self.run_json("rollout", "relocate-near", "--touch", *few)
         self.assertEqual(
             set(report["touch"]),
-            {"explored", "resting_error_mm", "told_error_mm", "estimates", "estimate_seconds"},
+            {"explored", "resting_error_mm", "reported_error_mm", "estimates", "estimate_seconds"},
         )
         self.assertIn("object_position_by_touch", report["observes"])
         self.assertGreater(report["touch"]["estimates"], 0)
@@ -127,6 +127,7 @@ class RelocateTest(cli.CliTest):
             (["rollout", "no-such-policy"], "relocate-memoryless"),
             (["rollout", "bad.json", "--set", "task.solver=magic"], "bad.json"),
             (["compare", "bad.csv", "bad.csv"], "bad.csv:2"),
+            (["compare", "a.csv,,b.csv", "c.csv,d.csv"], "empty name"),
             (["train", "relocate"], "--out"),
             (["train", "relocate", "--out", "x", "--method", "bc", "--from", "y"], "--from"),
             (["train", "relocate", "--out", "x", "--method", "dagger", "--from", "y"], "--from"),

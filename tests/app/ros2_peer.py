@@ -5,6 +5,7 @@ import dataclasses
 import math
 import time
 
+from cyclonedds.internal import InvalidSample
 from cyclonedds.core import Policy, Qos
 from cyclonedds.domain import DomainParticipant
 from cyclonedds.idl import make_idl_struct
@@ -227,7 +228,8 @@ class Peer:
         self.readers[name] = DataReader(self.participant, self.topic(name, kind), qos=self.qos)
 
     def take(self, name):
-        return [sample for sample in self.readers[name].take(N=1000) if hasattr(sample, "__dataclass_fields__")]
+        samples = self.readers[name].take(N=1000)
+        return [sample for sample in samples if not isinstance(sample, InvalidSample)]
 
     def is_heard(self):
         return all(writer.get_matched_subscriptions() for writer in self.writers.values())

@@ -66,6 +66,16 @@ class Sense(CliTest):
         self.assertGreater(len(rows), 200)
         self.assertNotIn("nan", "".join(rows))
 
+    def test_its_contacts_are_localized(self):
+        """A slide on the plane z = 0: in the pose that is found a face of the box lies there."""
+        self.write("slide.csv", csv(slide()))
+        self.run_json("sense", "slide.csv", "--out", "out")
+        report = self.run_json("localize", "box", "out/contacts.csv", "--set", "search.proposals=12000",
+                               "--set", "search.particles=200")  # fmt: skip
+        self.assertTrue(report["modes"])
+        upwards = report["modes"][0]["T_contact_object"][8:11]  # z of the object's axes
+        self.assertGreater(max(map(abs, upwards)), 0.99)
+
     def test_normals_of_the_tip_help_at_an_edge(self):
         p95 = []
         for name, tip_normals in (("with", True), ("without", False)):

@@ -17,7 +17,7 @@ namespace {
 struct PickedBox {
   static constexpr std::uint64_t kSeed = 7;
   PickedBox() : object(geometry::load_known_object("box")) {
-    evaluation::TrialOptions options;
+    evaluation::TrialOptions options = evaluation::TrialOptions::ideal();
     options.pick.explore.touches = options.pick.explore.max_touches = 4;
     options.pick.lift.hold = 0.3;
     options.pick.estimation.search.proposals = 20000;
@@ -54,12 +54,12 @@ TEST(EstimateHeldPose, MovesAllOfAPosterior) {
   const Eigen::Isometry3d first = pose(0.1, 0.3), second = pose(-0.2, 1.1), by = pose(0.5, -0.8);
   localization::Posterior posterior;
   posterior.modes.push_back({first, 0.5, Matrix6d::Identity(), {}});
-  posterior.further = {first, second};
+  posterior.residual_set = {first, second};
   transform(by, posterior);
   EXPECT_TRUE(posterior.modes[0].T_frame_object.isApprox(by * first));
-  ASSERT_EQ(posterior.further.size(), 2u);
-  EXPECT_TRUE(posterior.further[0].isApprox(by * first));
-  EXPECT_TRUE(posterior.further[1].isApprox(by * second));
+  ASSERT_EQ(posterior.residual_set.size(), 2u);
+  EXPECT_TRUE(posterior.residual_set[0].isApprox(by * first));
+  EXPECT_TRUE(posterior.residual_set[1].isApprox(by * second));
 }
 
 HeldPoseEstimate held_pose(const EventLog& log, const EstimationOptions& options,

@@ -48,17 +48,17 @@ class OnlineTrackerTest : public testing::Test {
 
 TEST_F(OnlineTrackerTest, StaysUntilTheHandLiftsWhatItTouches) {
   OnlineTracker felt(object, hand, at({0.1, 0, 0.05}), options, 1);
-  felt.feel(reading({0, 0, 0.3}, false));
-  felt.feel(reading({0.02, 0, 0.2}, false));
-  felt.feel(reading({0.04, 0, 0.2}, true));  // pushes perhaps, but has not risen
+  felt.update(reading({0, 0, 0.3}, false));
+  felt.update(reading({0.02, 0, 0.2}, false));
+  felt.update(reading({0.04, 0, 0.2}, true));  // pushes perhaps, but has not risen
   EXPECT_EQ(felt.T_world_object().translation(), Eigen::Vector3d(0.1, 0, 0.05));
-  felt.feel(reading({0.04, 0, 0.25}, false));  // rises with nothing
+  felt.update(reading({0.04, 0, 0.25}, false));  // rises with nothing
   EXPECT_EQ(felt.T_world_object().translation(), Eigen::Vector3d(0.1, 0, 0.05));
-  felt.feel(reading({0.04, 0, 0.26}, true));
-  felt.feel(reading({0.05, 0.02, 0.30}, true));
+  felt.update(reading({0.04, 0, 0.26}, true));
+  felt.update(reading({0.05, 0.02, 0.30}, true));
   EXPECT_LT((felt.T_world_object().translation() - Eigen::Vector3d(0.11, 0.02, 0.10)).norm(),
             1e-12);
-  felt.feel(reading({0.2, 0.1, 0.5}, false));  // let go
+  felt.update(reading({0.2, 0.1, 0.5}, false));  // let go
   EXPECT_LT((felt.T_world_object().translation() - Eigen::Vector3d(0.11, 0.02, 0.10)).norm(),
             1e-12);
   EXPECT_EQ(felt.estimates(), 0);
@@ -81,10 +81,10 @@ TEST_F(OnlineTrackerTest, AnEstimateIsThereOnePeriodLater) {
   beside.base.xyz = Eigen::Vector3d(0.029, 0, 0.05) - T_base_tip * p;
   beside.contacts[1] = {{.p = p, .n = n, .f = -2 * n}};
   for (int i = 0; i < 5; ++i) {
-    felt.feel(beside);
+    felt.update(beside);
     EXPECT_EQ(felt.T_world_object().translation(), Eigen::Vector3d(0, 0, 0.05)) << i;
   }
-  felt.feel(beside);
+  felt.update(beside);
   EXPECT_GT(felt.T_world_object().translation().x(), 0.001);
   EXPECT_EQ(felt.estimates(), 2);
 }

@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <numbers>
+
 #include "hand/descriptions.hpp"
 
 namespace palpate::estimation {
@@ -25,6 +28,19 @@ TEST(EitherOf, HalvesTheWeightsOfBothAndPutsTheHeaviestFirst) {
   EXPECT_DOUBLE_EQ(prior.floor, 1e-3);
 }
 
+/// After a grasp of an object that rested, exactly known, at a rotation of the world.
+localization::PosePrior after_grasp(const geometry::KnownObject& object,
+                                    const Eigen::Matrix3d& R_world_object) {
+  const geometry::ObjectModel model(object);
+  EventLog log;
+  log.readings.assign(20, hand::resting_reading());
+  log.moments = {{TouchEvent::closed, 19}};
+  localization::Posterior resting;
+  resting.modes.push_back({Eigen::Isometry3d(R_world_object), 1, Matrix6d::Zero(), {}});
+  const EstimationOptions options;
+  return prior_after_grasp({model, hand::shadow_hand(), log, 19, 19, options, 1}, resting);
+}
+
 /// Spread of the narrowest component after a grasp of a box of some mass, about and along the
 /// vertical.
 struct Spread {
@@ -34,15 +50,7 @@ struct Spread {
 Spread spread_after_grasp(double mass) {
   geometry::KnownObject box = geometry::load_known_object("box");
   box.mass = mass;
-  const geometry::ObjectModel model(box);
-  const hand::Description& hand = hand::shadow_hand();
-  EventLog log;
-  log.readings.assign(20, hand::resting_reading());
-  log.moments = {{TouchEvent::closed, 19}};
-  localization::Posterior resting;
-  resting.modes.push_back({Eigen::Isometry3d::Identity(), 1, Matrix6d::Zero(), {}});
-  const EstimationOptions options;
-  const auto prior = prior_after_grasp({model, hand, log, 19, 19, options, 1}, resting);
+  const auto prior = after_grasp(box, Eigen::Matrix3d::Identity());
   const Matrix6d& covariance = prior.components.front().covariance;
   return {covariance(2, 2), covariance(0, 0), covariance(3, 3), covariance(5, 5)};
 }
@@ -53,6 +61,21 @@ TEST(PriorAfterGrasp, ALightObjectMayHaveBeenPushedOverTheTable) {
   EXPECT_GT(light.across, 2 * heavy.across);
   EXPECT_DOUBLE_EQ(light.up, heavy.up);
   EXPECT_DOUBLE_EQ(spread_after_grasp(0.01).turn, spread_after_grasp(0.001).turn);
+}
+
+TEST(PriorAfterGrasp, WhatRocksMayHaveRockedSeveralTimesAsFar) {
+  const auto bottle = geometry::load_known_object("bottle");
+  const Eigen::Matrix3d lying =
+      Eigen::AngleAxisd(std::numbers::pi / 2, Eigen::Vector3d::UnitY()).toRotationMatrix();
+  const auto prior = after_grasp(bottle, lying);
+  ASSERT_EQ(prior.components.size(), 3u);
+  const auto roll = [&](std::size_t i) {
+    const Eigen::Matrix3d turn = prior.components[i].covariance.topLeftCorner<3, 3>();
+    return std::sqrt(turn.selfadjointView<Eigen::Lower>().eigenvalues().maxCoeff());
+  };
+  EXPECT_GT(roll(0), 0.015);
+  EXPECT_GT(roll(1), 2.5 * roll(0));
+  EXPECT_LT(roll(2), 5 * roll(0)) << "the hand stops it";
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include "core/temporary_folder.hpp"
 #include "evaluation/quick_options.hpp"
 #include "palpate/recording/recording.hpp"
+#include "palpate/recording/writer.hpp"
 
 namespace palpate::evaluation {
 namespace {

@@ -18,14 +18,21 @@ localization::Mode mode_at(double x, double weight) {
 TEST(CrediblePosesTest, AreSortedAndKeepTheirShares) {
   localization::Posterior posterior;
   posterior.modes = {mode_at(1, 0.2), mode_at(2, 0.6), mode_at(3, 0.001)};
-  posterior.further = {mode_at(4, 0).T_frame_object, mode_at(5, 0).T_frame_object};
+  posterior.residual_set = {mode_at(4, 0).T_frame_object, mode_at(5, 0).T_frame_object};
   const auto poses = credible_poses(posterior, 10);
   ASSERT_EQ(poses.size(), 4u);
   EXPECT_EQ(poses[0].T_frame_object.translation().x(), 2);
   EXPECT_EQ(poses[0].probability, 0.6);
   EXPECT_EQ(poses[1].probability, 0.2);
-  EXPECT_NEAR(poses[2].probability, posterior.unlisted() / 2, 1e-12);
+  EXPECT_NEAR(poses[2].probability, posterior.residual_mass() / 2, 1e-12);
   EXPECT_EQ(credible_poses(posterior, 1).size(), 1u);
+}
+
+TEST(CrediblePosesTest, AreDrawnWhereAllAreImprobable) {
+  localization::Posterior posterior;
+  for (int i = 0; i < 100; ++i) posterior.modes.push_back(mode_at(i, 0.002));
+  posterior.modes.push_back(mode_at(100, 0.0001));
+  EXPECT_EQ(credible_poses(posterior, 120).size(), 100u);
 }
 
 TEST(CrediblePosesTest, GoAlongAFreeAxis) {

@@ -19,7 +19,7 @@ const geometry::ObjectModel& box() {
 }
 
 TrialOptions options_with(InjectedFault fault, double from) {
-  TrialOptions options;
+  TrialOptions options = TrialOptions::ideal();
   options.fault.kind = hand::to_string(fault);
   options.fault.from = from;
   return options;
@@ -62,6 +62,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{InjectedFault::delay, Fault::late, 0.051},
                     Case{InjectedFault::throws, Fault::exception, 0.051},
                     Case{InjectedFault::joint_stuck, Fault::joint_stuck, 10},
+                    Case{InjectedFault::mount_stuck, Fault::joint_stuck, 10},
                     Case{InjectedFault::contacts_none, Fault::touch_lost, 60}),
     [](const auto& tested) { return std::string(hand::to_string(tested.param.injected)); });
 
@@ -77,6 +78,19 @@ TEST(Faults, ANumbFingertipIsNotBelievedAndTheObjectIsPicked) {
   EXPECT_GE(lifted, 2);
 }
 
+/// Something holds it up, and a press on the table shows that it is numb.
+TEST(Faults, ANumbThumbCrushesNothingAndIsNamed) {
+  TrialOptions options = options_with(InjectedFault::finger_silent, 80);
+  options.fault.finger = 0;
+  const Trial trial = run_trial(box(), options, 945);
+  EXPECT_LT(trial.metrics.peak_tip_force, kCrushingForce);
+  EXPECT_LT(trial.metrics.peak_load, kMaxLoad);
+  EXPECT_FALSE(trial.result.fault) << trial.result.fault.detail;
+  ASSERT_FALSE(trial.result.survived.empty());
+  EXPECT_EQ(trial.result.survived.front().fault, Fault::touch_lost);
+  EXPECT_NE(trial.result.survived.front().detail.find("TH"), std::string::npos);
+}
+
 /// A tenth of the readings of each fingertip, which once ended every pick.
 TEST(Faults, FalseContactsAreNotBelievedAndTheObjectIsPicked) {
   int lifted = 0;
@@ -90,7 +104,7 @@ TEST(Faults, FalseContactsAreNotBelievedAndTheObjectIsPicked) {
 }
 
 TEST(Faults, NominalPickNeedsNoLimit) {
-  TrialOptions options;
+  TrialOptions options = TrialOptions::ideal();
   options.pick.explore.touches = options.pick.explore.max_touches = 4;
   const Trial trial = run_trial(box(), options, kSeed);
   EXPECT_FALSE(trial.result.fault) << trial.result.fault.detail;

@@ -7,7 +7,7 @@ namespace palpate::evaluation {
 
 /// Picking and placing that takes a few seconds of wall time.
 inline TrialOptions quick_place_options() {
-  TrialOptions options;
+  TrialOptions options = TrialOptions::ideal();
   options.pick.calibrate.touches = 0;
   options.pick.explore.touches = options.pick.explore.max_touches = 4;
   options.pick.lift.hold = 0.5;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/evaluation/trial.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,6 +13,7 @@
 #include "palpate/evaluation/evaluation.hpp"
 #include "palpate/evaluation/recorder.hpp"
 #include "palpate/recording/touch_log.hpp"
+#include "palpate/recording/writer.hpp"
 #include "palpate/skills/explore/calibrate_phase.hpp"
 
 namespace palpate::evaluation {
@@ -25,7 +27,7 @@ geometry::ObjectModel model(const char* name) {
 
 /// A pick that takes a few seconds of wall time.
 TrialOptions quick_options() {
-  TrialOptions options;
+  TrialOptions options = TrialOptions::ideal();
   options.pick.explore.touches = 4;
   options.pick.lift.hold = 0.5;
   options.pick.palpation.max = 2;
@@ -182,7 +184,7 @@ TEST(Trial, GraspsAnewFromAnotherSideAndKeepsWhatItKnew) {
 
 TEST(Trial, WhatHasSlippedIsPressedHarder) {
   TrialOptions options = quick_options();
-  options.world.hand_friction = 0.35;  // 0.5 is believed
+  options.world.hand_friction = 0.25;  // 0.5 is believed
   options.pick.palpation.max = 0;      // no finger lets go of it to probe
   const Trial trial = run_trial(model("box"), options, kSeed);
   EXPECT_TRUE(trial.metrics.lifted);
@@ -281,19 +283,46 @@ TEST(Trial, StartIsDrawnWithinItsBoundsByTheSeed) {
   EXPECT_THROW(draw_start(box, options, 0), BadInput);
 }
 
-TEST(Evaluation, NumberOfThreadsDoesNotChangeTheSummary) {
+TEST(Evaluation, NumberOfThreadsDoesNotChangeTheSummaries) {
   const auto box = model("box");
+  const geometry::KnownObject bracket = geometry::load_known_object("bracket");
+  const std::vector<EvaluatedObject> objects = {
+      {&box.object(), {0, 2}, &box}, {&bracket, {}}, {&bracket, {1}}};
   TrialOptions options = quick_options();
   options.pick.attempts = 1;
   options.pick.lift.hold = 0.2;
-  constexpr std::size_t kTrials = 3;
-  std::vector<std::size_t> order;
-  const auto one = evaluate(box, options, 20, trial_numbers(kTrials), 1);
-  const auto two = evaluate(box, options, 20, trial_numbers(kTrials), 2,
-                            [&](std::size_t number, const Trial&) { order.push_back(number); });
-  EXPECT_EQ(one.trials, kTrials);
-  expect_equal(one, two);
-  EXPECT_EQ(order, trial_numbers(kTrials));
+  std::vector<ObjectSummary> one, two;
+  std::vector<std::string> order;
+  evaluate(objects, options, 20, 1,
+           {.object = [&](std::size_t, const auto& summary) { one.push_back(summary); }});
+  evaluate(
+      objects, options, 20, 2,
+      {.trial = [&](TrialId id,
+                    const Trial&) { order.push_back(fmt::format("{}.{}", id.object, id.number)); },
+       .object =
+           [&](std::size_t object, const auto& summary) {
+             order.push_back(fmt::format("{} ends", object));
+             two.push_back(summary);
+           }});
+  const std::vector<std::string> expected = {"0.0", "0.2", "0 ends", "1 ends", "2.1", "2 ends"};
+  EXPECT_EQ(order, expected);
+  ASSERT_EQ(one.size(), 3u);
+  ASSERT_EQ(two.size(), 3u);
+  EXPECT_EQ(one[0].trials, 2u);
+  EXPECT_EQ(one[1].trials, 0u);
+  for (std::size_t i = 0; i < 3; ++i) expect_equal(one[i], two[i]);
+}
+
+TEST(Evaluation, OfFinishedTrialsPreparesNothing) {
+  const geometry::KnownObject box = geometry::load_known_object("box");
+  std::size_t trials = 0;
+  evaluate({{&box, {0, 1}}}, quick_options(), 20, 1,
+           {.finished = [](TrialId) { return std::make_optional<Trial>(); },
+            .sink = [](TrialId) -> std::shared_ptr<recording::Sink> {
+              throw std::logic_error("a finished trial is run");
+            },
+            .object = [&](std::size_t, const auto& summary) { trials = summary.trials; }});
+  EXPECT_EQ(trials, 2u);
 }
 
 TEST(TrialOptions, TheExampleOfAConfigurationNamesTheDefaults) {
@@ -302,8 +331,16 @@ TEST(TrialOptions, TheExampleOfAConfigurationNamesTheDefaults) {
   EXPECT_EQ(to_toml(options), to_toml(TrialOptions()));
 }
 
-TEST(TouchOptions, SayHowFarInferredContactsMayBeOff) {
+TEST(TrialOptions, DifferFromWhatTheRobotBelievesUnlessTheyAreIdeal) {
   TrialOptions options;
+  EXPECT_GT(options.world.error.table_height, 0);
+  EXPECT_GT(options.world.noise.mount_delay, 0);
+  load_toml(PALPATE_CONFIGS "/ideal.toml", options);
+  EXPECT_EQ(to_toml(options), to_toml(TrialOptions::ideal()));
+}
+
+TEST(TouchOptions, SayHowFarInferredContactsMayBeOff) {
+  TrialOptions options = TrialOptions::ideal();
   EXPECT_EQ(options.pick_options().estimation.errors.point_floor,
             estimation::EstimationOptions().errors.point_floor);
   options.touch = {

@@ -45,6 +45,30 @@ TEST_F(ClosingTrajectoryTest, FingersCloseFromTheOpenPosture) {
   }
 }
 
+TEST_F(ClosingTrajectoryTest, AFingertipsHullIsCoveredByItsPoints) {
+  hand::Finger& finger = model_.fingers[kMiddle];
+  finger.hull.emplace();
+  finger.hull->radius = 0.001;
+  for (int i = 0; i < 8; ++i) {
+    finger.hull->core.emplace_back(i & 1 ? 0.006 : -0.006, i & 2 ? 0.005 : -0.005,
+                                   i & 4 ? 0.026 : 0.002);
+  }
+  const ClosingTrajectory closing = path();
+  EXPECT_EQ(closing.tip_radius[kMiddle], 0.001f);
+  const auto T = hand::forward_kinematics(
+      model_,
+      hand::joints_in_free_flexion(model_, preshape_.open))[static_cast<std::size_t>(finger.link)];
+  const auto& points = closing.fingers[kMiddle].front().tip;
+  for (const Eigen::Vector3d& corner : finger.hull->core) {
+    const Eigen::Vector3f placed = (T * corner).cast<float>();
+    float nearest = 1;
+    for (const auto& p : points) nearest = std::min(nearest, (p - placed).norm());
+    EXPECT_LT(nearest, 0.001f) << "corners are points";
+  }
+  const Eigen::Vector3d end = T.inverse() * points.back().cast<double>();
+  EXPECT_LT((end - finger.tip.b).norm(), 1e-6) << "the middle of its outer end comes last";
+}
+
 TEST_F(ClosingTrajectoryTest, OnlyTheFingersAskedForHaveShapes) {
   const ClosingTrajectory whole = path();
   const ClosingTrajectory one = path({false, false, true, false, false});

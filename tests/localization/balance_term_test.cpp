@@ -61,10 +61,10 @@ TEST(BalanceTerm, TwistsOfSoftFingertipsHideTheMomentAboutTheirNormals) {
   EXPECT_LT(aside(), 0.1 * hard);
 }
 
-TEST(BalanceTerm, DoubtBoundsWhatItCosts) {
+TEST(BalanceTerm, OtherSupportBoundsItsEnergy) {
   ForceBalance balance = pinched_at({0, 0, 0});
   const double far = energy(balance, with_center_at({0.05, 0, 0}));
-  balance.doubt = 0.5;
+  balance.other_support_prior = 0.5;
   EXPECT_LT(energy(balance, with_center_at({0.05, 0, 0})), far);
   EXPECT_LT(far, 50);  // q alone would be 2500
 }
@@ -85,7 +85,7 @@ TEST(BalanceTerm, LinearizesItself) {
   RandomStream random(1, "poses");
   ForceBalance balance = pinched_at({0.01, 0.02, 0.03});
   balance.twist = 0.002;
-  balance.doubt = 1e-6;
+  balance.other_support_prior = 1e-6;
   const BalanceTerm term(model_of("bracket"), balance, 3.0);
   for (int i = 0; i < 20; ++i) {
     SearchPose pose;
@@ -119,7 +119,7 @@ TEST(Localize, RefusesABalanceThatCannotBe) {
   refuses([](ForceBalance& balance) { balance.weight.setZero(); });
   refuses([&](ForceBalance& balance) { balance.pushes[0].f.x() = nan; });
   refuses([&](ForceBalance& balance) { balance.pushes[1].p.x() = nan; });
-  refuses([](ForceBalance& balance) { balance.doubt = 1; });
+  refuses([](ForceBalance& balance) { balance.other_support_prior = 1; });
   refuses([](ForceBalance& balance) { balance.point_sigma = 0; });
   refuses([](ForceBalance& balance) { balance.twist = -1; });
   refuses([](ForceBalance& balance) { balance.pushes.clear(); });

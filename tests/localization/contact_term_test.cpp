@@ -93,7 +93,7 @@ TEST(ContactTerm, LinearizesWhatItIntegrates) {
 }
 
 /// Contacts as a scaled face or other noise would have them, their energy up to a constant.
-double likelihood_at(Evidence evidence, const Assumption& as, double x) {
+double likelihood_at(Evidence evidence, const Hypothesis& as, double x) {
   for (auto& contact : evidence.contacts) {
     contact.point_sigma *= as.point_noise;
     contact.normal_sigma *= as.normal_noise;
@@ -107,13 +107,13 @@ double likelihood_at(Evidence evidence, const Assumption& as, double x) {
                   -1.0 * static_cast<double>(evidence.contacts.size()));
 }
 
-TEST(ContactTerm, DoubtsAreMixtures) {
+TEST(ContactTerm, HypothesesAreMixtures) {
   Evidence evidence = on_a_face(4);
   evidence.noise_scale_prior = 0.3;
   evidence.size_prior = 0.2;
   const auto mixed = [&](double x) {
     double sum = 0;
-    for (const Assumption& as : assumptions(evidence)) {
+    for (const Hypothesis& as : hypotheses(evidence)) {
       sum += as.share * likelihood_at(evidence, as, x);
     }
     return -std::log(sum);
@@ -124,37 +124,37 @@ TEST(ContactTerm, DoubtsAreMixtures) {
 }
 
 /// Energy of one normal, of eight, that is 60 deg off.
-double cost_of_a_stray(double noise_scale_prior) {
+double cost_of_an_outlier(double noise_scale_prior) {
   Evidence evidence = on_a_face(8);
   evidence.noise_scale_prior = noise_scale_prior;
   const double fitting = energy_at(evidence, 0);
-  auto& stray = evidence.contacts[3];
-  stray.n = exp_so3({0, 0, M_PI / 3}) * stray.n;
-  stray.p += kOffset * (Eigen::Vector3d::UnitX() - stray.n);  // where it is compared stays
+  auto& outlier = evidence.contacts[3];
+  outlier.n = exp_so3({0, 0, M_PI / 3}) * outlier.n;
+  outlier.p += kOffset * (Eigen::Vector3d::UnitX() - outlier.n);  // where it is compared stays
   return energy_at(evidence, 0) - fitting;
 }
 
-TEST(ContactTerm, BearsASingleNormalThatStrays) {
+TEST(ContactTerm, BearsASingleNormalThatIsAnOutlier) {
   const double q = 0.5 / std::pow(tactile::Contact{}.normal_sigma, 2);
-  EXPECT_NEAR(cost_of_a_stray(0), q, 0.05 * q);
+  EXPECT_NEAR(cost_of_an_outlier(0), q, 0.05 * q);
   const double share = 0.4 / 8;  // the others fit as with half of the noise
-  EXPECT_NEAR(cost_of_a_stray(0.4), 4 * q / 9 - std::log(share / 9), 0.5);
+  EXPECT_NEAR(cost_of_an_outlier(0.4), 4 * q / 9 - std::log(share / 9), 0.5);
 }
 
-TEST(Assumptions, BeginWithWhatIsStatedAndSumToOne) {
+TEST(Hypotheses, BeginWithWhatIsStatedAndSumToOne) {
   for (const bool offsets : {false, true}) {
     Evidence evidence = on_a_face(3);
     evidence.noise_scale_prior = 0.3;
     evidence.size_prior = 0.2;
     if (offsets) evidence.offsets = {offset_of_all(evidence, 0.001)};
     double sum = 0;
-    for (const Assumption& as : assumptions(evidence)) sum += as.share;
+    for (const Hypothesis& as : hypotheses(evidence)) sum += as.share;
     EXPECT_NEAR(sum, 1, 1e-12);
-    const Assumption stated = assumptions(evidence).front();
+    const Hypothesis stated = hypotheses(evidence).front();
     EXPECT_EQ(stated.point_noise, 1);
     EXPECT_EQ(stated.growth, 0);
     evidence.noise_scale_prior = evidence.size_prior = 0;
-    EXPECT_EQ(assumptions(evidence).size(), 1u);
+    EXPECT_EQ(hypotheses(evidence).size(), 1u);
   }
 }
 

@@ -52,20 +52,6 @@ TEST(ParseContacts, NormalsAndOwnErrorsAreOptional) {
 
 TEST(ParseContacts, MayHoldNone) { EXPECT_TRUE(parse_contacts("x,y,z,nx,ny,nz\n\n", "c").empty()); }
 
-TEST(ReadFreeSpheres, ReadsBallsAndNamesWhatIsWrong) {
-  const auto path = std::filesystem::temp_directory_path() / "palpate_free_spheres_test.csv";
-  write_file_atomically(path, "radius,x,y,z\n0.01,1,2,3\n");
-  const auto spheres = read_free_spheres(path);
-  ASSERT_EQ(spheres.size(), 1U);
-  EXPECT_TRUE(spheres[0].center.isApprox(Eigen::Vector3d(1, 2, 3)));
-  EXPECT_EQ(spheres[0].radius, 0.01);
-  for (const std::string bad : {"radius,x,y,z\n-1,0,0,0\n", "x,y,z\n0,0,0\n"}) {
-    write_file_atomically(path, bad);
-    EXPECT_THROW(read_free_spheres(path), BadInput) << bad;
-  }
-  std::filesystem::remove(path);
-}
-
 std::string refusal(const std::string& text) {
   try {
     parse_contacts(text, "c.csv");

@@ -138,6 +138,10 @@ TEST(Localize, RefusesWhatCannotBeUsed) {
   expect_bad("penetration_sigma is 0", [](Evidence& e) { e.penetration_sigma = 0; });
   expect_bad("radius is -0.5", [](Evidence& e) { e.free_space[0].radius = -0.5; });
   expect_bad("free sphere 0", [](Evidence& e) { e.free_space[0].center.y() = kNan; });
+  expect_bad("free sphere 0: a coordinate", [](Evidence& e) { e.free_space[0].center.y() = 1e20; });
+  expect_bad("free sphere 0: its radius", [](Evidence& e) { e.free_space[0].radius = 1e20; });
+  expect_bad("contact 0: a coordinate", [](Evidence& e) { e.contacts[0].p.x() = -1e200; });
+  expect_bad("surface_sigma", [](Evidence& e) { e.surface_sigma = 1e300; });
   expect_bad("tilt_sigma is 0", [](Evidence& e) { e.table->tilt_sigma = 0; });
   expect_bad("1 stable pose weights", [](Evidence& e) { e.table->stable_pose_weights = {1}; });
   expect_bad("T_frame_table", [](Evidence& e) { e.table->T_frame_table(0, 3) = kNan; });

@@ -63,13 +63,13 @@ TEST(FindModes, SharesTheWeightWhereThePopulationsDisagree) {
   EXPECT_NEAR(modes[1].weight, 0.5, 1e-9);
 }
 
-TEST(FindModes, GivesNoWeightToWhatTheOtherPopulationDoesNotHave) {
+TEST(FindModes, GivesHalfAPosesWeightToWhatTheOtherPopulationDoesNotHave) {
   RandomStream random(3);
   const PosePoint a(Eigen::Quaterniond(random.rotation()), random.normal3());
   const PosePoint b(Eigen::Quaterniond(random.rotation()), random.normal3());
   const auto modes = find_modes(cloud(a, 100, random), cloud(b, 100, random), kNone, kMost);
   ASSERT_EQ(modes.size(), 1U);
-  EXPECT_EQ(modes[0].weight, 0);
+  EXPECT_EQ(modes[0].weight, 0.5 / 100);
 }
 
 TEST(FindModes, CountsSymmetricCopiesOnce) {

@@ -122,7 +122,7 @@ TEST(TruthInCredibleSet, LooksAtFurtherPosesWhereTheModesDoNotSuffice) {
   Posterior posterior;
   posterior.modes.resize(1);
   posterior.modes[0].weight = 0.3;
-  posterior.further = {pose(Eigen::Matrix3d::Identity(), {1, 0, 0})};
+  posterior.residual_set = {pose(Eigen::Matrix3d::Identity(), {1, 0, 0})};
   const auto at = [](double x) { return pose(Eigen::Matrix3d::Identity(), {x, 0, 0}); };
   EXPECT_TRUE(truth_in_credible_set(posterior, at(0.009), kNone));
   EXPECT_TRUE(truth_in_credible_set(posterior, at(1.009), kNone));
@@ -134,13 +134,13 @@ TEST(TruthInCredibleSet, LooksAtFurtherPosesWhereTheModesDoNotSuffice) {
 
 TEST(Posterior, SaysHowMuchItDoesNotList) {
   Posterior posterior;
-  EXPECT_EQ(posterior.unlisted(), 1);
+  EXPECT_EQ(posterior.residual_mass(), 1);
   posterior.modes.resize(2);
   posterior.modes[0].weight = 0.5;
   posterior.modes[1].weight = 0.2;
-  EXPECT_NEAR(posterior.unlisted(), 0.3, 1e-12);
+  EXPECT_NEAR(posterior.residual_mass(), 0.3, 1e-12);
   posterior.modes[1].weight = 0.5 + 1e-9;  // rounding
-  EXPECT_EQ(posterior.unlisted(), 0);
+  EXPECT_EQ(posterior.residual_mass(), 0);
 }
 
 TEST(PoseStatus, HasNames) {

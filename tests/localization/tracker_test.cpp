@@ -165,6 +165,9 @@ TEST(Tracker, GrowsUncertainWithoutContacts) {
 TEST(Tracker, RefusesBadInput) {
   Moving object("box", 7);
   EXPECT_THROW(Tracker(object.model(), Posterior{}), BadInput);
+  Posterior weightless = at(object.truth);
+  weightless.modes.front().weight = 0;
+  EXPECT_THROW(Tracker(object.model(), weightless), BadInput);
   Tracker tracker(object.model(), at(object.truth));
   TrackFrame frame = object.next();
   frame.velocities.pop_back();

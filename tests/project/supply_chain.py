@@ -4,7 +4,9 @@
 usage: supply_chain.py REPOSITORY
 """
 
+import contextlib
 import importlib.util
+import io
 import json
 import pathlib
 import re
@@ -37,6 +39,16 @@ class Pins(unittest.TestCase):
             for line in filter(lambda line: line and not line.startswith("#"), lines):
                 self.assertRegex(line, r"^[\w.-]+==\S+\s+--hash=sha256:[0-9a-f]{64}", path.name)
 
+    def test_a_wheel_is_pinned_by_its_own_name(self):
+        with tempfile.TemporaryDirectory() as folder:
+            for name in ("palpate", "palpate_sim"):
+                wheel = pathlib.Path(folder) / f"{name}-0.1.0-cp311-cp311-linux_x86_64.whl"
+                wheel.write_bytes(b"a wheel")
+                with contextlib.redirect_stdout(io.StringIO()) as printed:
+                    dependencies.pin(wheel)
+                start = f"{name.replace('_', '-')} @ file:///"
+                self.assertTrue(printed.getvalue().startswith(start), printed.getvalue())
+
     def test_the_hands_are_of_the_same_package(self):
         """The wheel of palpate[hands] passes on what `palpate hand install` downloads."""
         source = (ROOT / "src" / "simulation" / "hand" / "hand_store.cpp").read_text()
@@ -66,9 +78,11 @@ class Pins(unittest.TestCase):
         self.assertIn('PATTERN "bunny.ply" EXCLUDE', install)
 
     def test_scripts_of_packages_do_not_run(self):
-        text = (ROOT / "dev").read_text()
+        scripts = (ROOT / "dev", *ROOT.glob("*/*.sh"), *ROOT.glob("docs/site/*.sh"))
+        self.assertEqual(len(scripts), 4)
+        text = "\n".join(script.read_text() for script in scripts)
         self.assertEqual(re.findall(r"npm (?:ci|install) (?!.*--ignore-scripts).*", text), [])
-        installs = re.findall(r'bin/pip" install(?:.*\\\n)*.*', text)
+        installs = re.findall(r'(?:bin/pip"|"\$1"|-m pip) install(?:.*\\\n)*.*', text)
         self.assertTrue(installs)
         for line in installs:
             self.assertIn("--require-hashes", line)
@@ -96,7 +110,7 @@ class Licences(unittest.TestCase):
             "libbenchmarkdev": "google benchmark", "libboostdev": "boost", "libegl1": "mesa",
             "libegldev": "mesa", "libgl1mesadri": "mesa", "libopengl0": "libglvnd",
             "libpngdev": "libpng", "libompldev": "ompl", "libnloptdev": "nlopt",
-            "cycloneddsdev": "cyclone dds",
+            "cycloneddsdev": "cyclone dds", "libzstddev": "zstandard", "liblz4dev": "lz4",
         }  # fmt: skip
         tools = {"g++", "cmake", "ninja-build", "ccache", "python3-venv"}
         for package in dependencies.debian_packages():

@@ -48,6 +48,20 @@ TEST(RecordedHand, AHandOfAnotherSizeReadsBackBitForBit) {
   expect_same_recording(read_recording(folder / "gripper.h5"), written);
 }
 
+TEST(RecordedHand, AFingertipsHullReadsBackAndABadOneIsRefused) {
+  const TestFolder folder;
+  hand::Description hand = posed_gripper();
+  hand.fingers[1].hull = {{{0, 0, 0}, {0.01, 0, 0.1 / 3}, {0, 0.01, 0}, {0, 0, 0.02}}, 0.001};
+  const Recording written = toy_recording(3, hand);
+  write_recording(folder / "hull.h5", written);
+  expect_same_recording(read_recording(folder / "hull.h5"), written);
+  hand.fingers[1].hull->core.resize(3);
+  EXPECT_NE(error_message([&] {
+              write_recording(folder / "bad.h5", toy_recording(3, hand));
+            }).find("hull of 3 points"),
+            std::string::npos);
+}
+
 TEST(RecordedHand, RefusesFramesOfAnotherHandsSize) {
   const TestFolder folder;
   for (const auto& spoil : std::initializer_list<std::function<void(Frame&)>>{

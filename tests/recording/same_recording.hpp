@@ -129,6 +129,10 @@ inline void expect_same_hand(const hand::Description& a, const hand::Description
     EXPECT_EQ(a.fingers[i].tip.a, b.fingers[i].tip.a);
     EXPECT_EQ(a.fingers[i].tip.b, b.fingers[i].tip.b);
     EXPECT_EQ(a.fingers[i].tip.radius, b.fingers[i].tip.radius);
+    ASSERT_EQ(a.fingers[i].hull.has_value(), b.fingers[i].hull.has_value());
+    if (!a.fingers[i].hull) continue;
+    EXPECT_EQ(a.fingers[i].hull->core, b.fingers[i].hull->core);
+    EXPECT_EQ(a.fingers[i].hull->radius, b.fingers[i].hull->radius);
   }
   ASSERT_EQ(a.spheres.size(), b.spheres.size());
   for (std::size_t i = 0; i < a.spheres.size(); ++i) {

@@ -143,6 +143,32 @@ TEST(PowerOfMean, IsTheMeanProductOfDifferentCounts) {
   EXPECT_NEAR(sum / kRuns, std::pow(0.6, 4), 0.03 * std::pow(0.6, 4));
 }
 
+// Many at a time agree as each alone, from the start again past the end.
+TEST(PairingRates, AgreementsOfManySourcesAreThoseOfEach) {
+  for (const bool normals : {false, true}) {
+    const auto problem =
+        make_problem({.pairs = 700, .outliers = 1, .normals = normals}, RandomStream(3, "rates"));
+    const double chord = chord_bound(problem.correspondences, normals ? 10 : 0);
+    const Scorer scorer(problem.correspondences, kBound, chord);
+    const PairingRates rates(scorer.columns(), chord, 1.5);
+    RandomStream random(4, "rates");
+    int some = 0;
+    for (int k = 0; k < 20; ++k) {
+      Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+      rates.propose(random, T);
+      const Strided sources{650 - 30 * k, 1 + k % 3, 520};
+      std::vector<int> together, each;
+      rates.agreements(T, sources, together);
+      for (int i = 0; i < sources.count; ++i) {
+        rates.agreements(T, {(sources.first + i * sources.step) % 700, 1, 1}, each);
+      }
+      EXPECT_EQ(together, each) << normals << " " << k;
+      some += static_cast<int>(each.size());
+    }
+    EXPECT_GT(some, 20);
+  }
+}
+
 TEST(FalseAlarmTest, CopiesAreNoEvidence) {
   auto problem =
       make_problem({.pairs = 200, .outliers = 0.97, .noise = 0.001}, RandomStream(7, "rates"));

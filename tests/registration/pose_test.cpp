@@ -178,6 +178,17 @@ TEST(Pose, BadWeightsAndPoses) {
 }
 
 // The reflection that mirrors points costs less than every rotation, and must not be proven.
+TEST(Certify, NoPoseWhoseCostOverflowsIsCertified) {
+  const auto problem = make_problem({.pairs = 20}, RandomStream(4, "far"));
+  for (const Primitive primitive : kBoth) {
+    for (const double shift : {1e150, 1e200, 1e300}) {
+      Eigen::Isometry3d T = problem.truth;
+      T.translation().x() = shift;
+      EXPECT_EQ(certify(T, problem.correspondences, {}, primitive).status, Status::kUncertified);
+    }
+  }
+}
+
 TEST(Certify, RefusesReflectionsAndStretchedRotations) {
   auto problem = make_problem({.pairs = 30}, RandomStream(8, "pose"));
   const Eigen::Vector3d mirror(1, -1, 1);

@@ -63,6 +63,31 @@ TEST_F(StreamTest, AReadingComesBack) {
   EXPECT_EQ(contact.normal_sigma, 0.125);
 }
 
+TEST_F(StreamTest, AWrenchOnAFingertipIsTheContactThatExplainsIt) {
+  const auto& finger = hand_.fingers[1];
+  const Eigen::Vector3d f(0, 0, -3);  // of the object on the tip
+  const Eigen::Vector3d p = finger.tip.b + Eigen::Vector3d(0, 0, finger.tip.radius);
+  const Eigen::Vector3d m = p.cross(f);
+  WrenchStamped message;
+  message.header = {stamp_of(kSecond), tip_frame(hand_, finger)};
+  message.wrench = {{f.x(), f.y(), f.z()}, {m.x(), m.y(), m.z()}};
+  const auto messages = messages_of(reading_, hand_, interface_, kSecond);
+  send(interface_.tf, messages.tf);
+  send(interface_.fingertip_wrench_of(finger), message);
+  const auto read = send(interface_.joint_states, messages.joints);
+  ASSERT_TRUE(read);
+  ASSERT_EQ(read->contacts[1].size(), 1U);
+  EXPECT_TRUE(read->contacts[1][0].f.isApprox(-f));
+  EXPECT_GT(read->contacts[1][0].point_sigma, 0);
+
+  message.header.frame_id = "elsewhere";
+  send(interface_.fingertip_wrench_of(finger), message);
+  message.header.frame_id = tip_frame(hand_, finger);
+  message.wrench.torque.x = std::numeric_limits<double>::quiet_NaN();
+  send(interface_.fingertip_wrench_of(finger), message);
+  EXPECT_EQ(stream_.counts().malformed, 2U);
+}
+
 TEST_F(StreamTest, OneKilohertzGivesOneReadingATick) {
   std::vector<double> times;
   for (std::uint64_t i = 0; i < 1000; ++i) {

@@ -115,6 +115,15 @@ INSTANTIATE_TEST_SUITE_P(
                urdf("mimic joint=\"finger_1\"", "mimic joint=\"gone\""), "gone"},
         Broken{"MimicNoNumber", "multiplier.urdf",
                urdf("multiplier=\"0.8\"", "multiplier=\"lots\""), "multiplier"},
+        Broken{"Millimetres", "millimetres.xml",
+               mjcf("name=\"index_base\" pos=\"0.045 0.025 0\"",
+                    "name=\"index_base\" pos=\"45 25 0\""),
+               "if the model or its meshes are in millimetres, scale them by 0.001"},
+        Broken{"ALongShape", "long.xml",
+               mjcf("fromto=\"0.01 0 0 0.04 0 0\"", "fromto=\"0.01 0 0 1000000 0 0\""),
+               "a shape of link index_base is 1e+06 m large: lengths are metres"},
+        Broken{"TipShape", "shape.toml", kToml + "tip_shape = \"ball\"\n",
+               "tip_shape = 'ball' is neither capsule nor hull"},
         Broken{"NoModel", "no_model.toml", "thumb = \"thumb\"\n", "model = \"FILE\" is missing"},
         Broken{"ModelGone", "gone.toml", "model = \"gone.xml\"\n", "gone.xml"},
         Broken{"UnknownKey", "key.toml", kToml + "thum = \"thumb\"\n", "did you mean thumb?"},
@@ -129,6 +138,14 @@ INSTANTIATE_TEST_SUITE_P(
         Broken{"NamesOfOtherNumber", "names.toml", kToml + "fingers = \"a,b\"\n",
                "names 2 fingers, but the hand has 3"}),
     [](const auto& given) { return given.param.name; });
+
+TEST(BrokenHand, AFileIsNotGivenAllTheMemoryThatItAsksFor) {
+  const auto file =
+      write_hand("user_data.xml", mjcf("<worldbody>",
+                                       "<size nuser_geom=\"2147483647\" nuserdata=\"2147483647\"/>"
+                                       "<worldbody>"));
+  EXPECT_EQ(load_hand(file).finger_count(), 3);
+}
 
 TEST(BrokenHand, AFolderOrNothingAtAllIsNoHand) {
   EXPECT_THROW((void)load_hand("/"), BadInput);

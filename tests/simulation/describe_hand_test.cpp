@@ -79,6 +79,18 @@ TEST(DescribeHand, MimicJointsFollowTheirLeader) {
   EXPECT_NEAR(joints[hand.joint("thumb_2")], 0.7 * 0.5, 1e-12);
 }
 
+/// Tags in comments once cost the square of their number, and a long one the stack.
+TEST(DescribeHand, TagsInCommentsAreNoMimics) {
+  std::string many = "<!-- ";
+  for (int i = 0; i < 100000; ++i) many += "<joint >";
+  many += "<mimic joint=\"gone\"/> -->";
+  const std::string tail = "<!-- <joint " + std::string(1000000, 'a') + "> --></robot>";
+  const auto hand = described(
+      "mimic.urdf", replaced(replaced(kHandUrdf, "</robot>", tail), "<robot name=\"gripper\">",
+                             "<robot name=\"gripper\">" + many));
+  EXPECT_EQ(hand.actuator_count(), 2);
+}
+
 TEST(DescribeHand, FitsACapsuleOfAWedgesWidthToAFingertipOfMeshOrBox) {
   const auto hand = described("mimic.urdf", kHandUrdf);
   const auto& tip = hand.fingers[0].tip;

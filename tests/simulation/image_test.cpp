@@ -47,14 +47,15 @@ std::vector<Chunk> chunks_of(const std::string& png) {
   return chunks;
 }
 
-/// How many bytes the compressed rows have unpacked.
-std::size_t unpacked_size(const std::string& compressed) {
+/// Rows of pixels, each after the byte of its filter.
+std::vector<Bytef> unpacked(const std::string& compressed) {
   std::vector<Bytef> rows(100000);
   uLongf size = rows.size();
   EXPECT_EQ(uncompress(rows.data(), &size, reinterpret_cast<const Bytef*>(compressed.data()),
                        static_cast<uLong>(compressed.size())),
             Z_OK);
-  return size;
+  rows.resize(size);
+  return rows;
 }
 
 class Animation : public testing::Test {
@@ -76,7 +77,7 @@ TEST_F(Animation, StoresWhatChanges) {
     order += chunk.type + " ";
     EXPECT_TRUE(chunk.sound) << chunk.type;
   }
-  EXPECT_EQ(order, "IHDR acTL fcTL IDAT fcTL fdAT fcTL fdAT IEND ");
+  EXPECT_EQ(order, "IHDR acTL tRNS fcTL IDAT fcTL fdAT fcTL fdAT IEND ");
   EXPECT_EQ(number_at(chunks[1].data, 0), 3u);
   const auto rectangle = [&](std::size_t chunk) {
     std::vector<std::uint32_t> numbers;
@@ -85,12 +86,33 @@ TEST_F(Animation, StoresWhatChanges) {
     }
     return numbers;  // sequence, width, height, x, y
   };
-  EXPECT_EQ(rectangle(2), (std::vector<std::uint32_t>{0, kWidth, kHeight, 0, 0}));
-  EXPECT_EQ(rectangle(4), (std::vector<std::uint32_t>{1, 3, 3, 7, 4}));
-  EXPECT_EQ(rectangle(6), (std::vector<std::uint32_t>{3, 1, 1, 0, 0}));
-  EXPECT_EQ(number_at(chunks[4].data, 20), 250u << 16 | 1000u);  // ms
-  EXPECT_EQ(number_at(chunks[5].data, 0), 2u);
-  EXPECT_EQ(unpacked_size(chunks[5].data.substr(4)), 3u * (1 + 3 * 3));
+  EXPECT_EQ(rectangle(3), (std::vector<std::uint32_t>{0, kWidth, kHeight, 0, 0}));
+  EXPECT_EQ(rectangle(5), (std::vector<std::uint32_t>{1, 3, 3, 7, 4}));
+  EXPECT_EQ(rectangle(7), (std::vector<std::uint32_t>{3, 1, 1, 0, 0}));
+  EXPECT_EQ(number_at(chunks[5].data, 20), 250u << 16 | 1000u);  // ms
+  EXPECT_EQ(number_at(chunks[6].data, 0), 2u);
+  EXPECT_EQ(unpacked(chunks[6].data.substr(4)).size(), 3u * (1 + 3 * 3));
+}
+
+TEST_F(Animation, LeavesOutWhatStaysAsItWas) {
+  std::vector<Image> images(2, plain(8));
+  images[1].rgb[3 * (4 * kWidth + 7)] = 203;
+  images[1].rgb[3 * (4 * kWidth + 9)] = 203;
+  save_animation(path, images, 0.25);
+  const auto chunks = chunks_of(read_file(path));
+  EXPECT_EQ(chunks[2].data, std::string("\0\xff\0\0\0\xff", 6));   // magenta is transparent
+  EXPECT_EQ(chunks[5].data.substr(24), std::string("\0\x01", 2));  // and lies over the first
+  const auto row = unpacked(chunks[6].data.substr(4));
+  ASSERT_EQ(row.size(), 1u + 3 * 3);
+  ASSERT_NE(row[0], 3);  // PNG's filter of averages, which this does not read
+  const bool left = row[0] == 1 || row[0] == 4;  // the pixel before is added; above there is none
+  const auto level = [&](std::size_t i) {
+    int sum = row[1 + i];
+    for (std::size_t k = i; left && k >= 3; k -= 3) sum += row[1 + k - 3];
+    return sum % 256;
+  };
+  const int expected[] = {200, 8, 8, 255, 0, 255, 200, 8, 8};
+  for (std::size_t i = 0; i < 9; ++i) EXPECT_EQ(level(i), expected[i]) << i;
 }
 
 TEST_F(Animation, ShowsItsFirstPictureToOtherPrograms) {

@@ -42,5 +42,30 @@ TEST(Scene, TheBaseHasInertiaAtEveryPitch) {
   }
 }
 
+TEST(Scene, ASecondObjectRestsOnTheTableAndIsFelt) {
+  const geometry::KnownObject object = block();
+  const geometry::MeshQuery mesh(object.mesh);
+  const geometry::CapsuleCollider surface(mesh);
+  WorldOptions options = without_noise();
+  const auto compose = [&] {
+    return compose_scene(load_hand("shadow"), believed_object(object), surface, options);
+  };
+  EXPECT_EQ(compose().second, -1);
+  options.second_object = true;
+  const Scene scene = compose();
+  ASSERT_GE(scene.second, 0);
+  EXPECT_TRUE(scene.is_felt(scene.second));
+  EXPECT_FALSE(scene.stands_fast(scene.second));
+  const DataHandle data(mj_makeData(scene.model.get()));
+  data->qpos[scene.base_positions[2]] = data->ctrl[scene.base_actuators[2]] = 0.5;
+  data->qpos[scene.object_position] = 0.3;
+  data->qpos[scene.object_position + 2] = 0.3;
+  mjtNum* const second = data->qpos + scene.second_position;
+  second[2] = kSecondHalf.z() + 0.001;
+  for (int step = 0; step < 100; ++step) mj_step(scene.model.get(), data.get());
+  EXPECT_NEAR(second[2], kSecondHalf.z(), 5e-4);
+  EXPECT_NEAR(second[0], 0, 1e-4);
+}
+
 }  // namespace
 }  // namespace palpate::simulation

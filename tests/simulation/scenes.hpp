@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "geometry/collider_meshes.hpp"
 #include "hand/descriptions.hpp"
 #include "palpate/geometry/objects/known_object.hpp"
 #include "palpate/hand/hand.hpp"
@@ -27,19 +28,8 @@ inline geometry::TriangleMesh cuboid_mesh(const Eigen::Vector3d& size) {
 /// Prism of an outline (m) that is star-shaped about its first corner, counter-clockwise, from z =
 /// 0 to `height` (m).
 inline geometry::TriangleMesh prism(const std::vector<Eigen::Vector2d>& outline, double height) {
-  geometry::TriangleMesh mesh;
-  const int n = static_cast<int>(outline.size());
-  for (double z : {0.0, height}) {
-    for (const Eigen::Vector2d& p : outline) mesh.vertices.emplace_back(p.x(), p.y(), z);
-  }
-  for (int i = 0; i < n; ++i) {
-    const int next = (i + 1) % n;
-    mesh.triangles.push_back({i, next, n + next});
-    mesh.triangles.push_back({i, n + next, n + i});
-    if (i == 0 || next == 0) continue;
-    mesh.triangles.push_back({0, next, i});
-    mesh.triangles.push_back({n, n + i, n + next});
-  }
+  geometry::TriangleMesh mesh = geometry::prism(outline, height);
+  for (Eigen::Vector3d& p : mesh.vertices) p.z() += 0.5 * height;
   return mesh;
 }
 

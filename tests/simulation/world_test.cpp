@@ -56,6 +56,19 @@ TEST(World, AnObjectAtRestStaysAtRest) {
   EXPECT_FALSE(world.diverged());
 }
 
+TEST(World, AnObjectIsPushedAside) {
+  World world(cuboid({0.05, 0.094, 0.06}, 0.4), without_noise(), 1);
+  const hand::HandCommand away = open_hand(0.5);
+  world.reset({.stable_pose = 0}, away);
+  for (int tick = 0; tick < 20; ++tick) world.hand().step(away);
+  const Eigen::Vector3d before = world.truth().T_world_object.translation();
+  world.push_object({0.006, -0.008}, 0.1);
+  for (int tick = 0; tick < 40; ++tick) world.hand().step(away);
+  const Eigen::Vector3d way = world.truth().T_world_object.translation() - before;
+  EXPECT_NEAR(way.x(), 0.006, 0.0015);  // it slides on a little
+  EXPECT_NEAR(way.y(), -0.008, 0.0015);
+}
+
 // The parts that collide with the hand are not quite the mesh: on them a lying bottle rests 3 deg
 // and 1.2 mm beside its stable pose.
 TEST(World, AnObjectRestsInTheStablePoseOfItsMesh) {

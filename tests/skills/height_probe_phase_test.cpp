@@ -87,6 +87,13 @@ TEST(HeightProbePhase, LooksBesideWhereNothingStands) {
   EXPECT_LT((scene.state.place - Eigen::Vector2d(0, 0.1)).norm(), 1e-9);
 }
 
+TEST(HeightProbePhase, LooksBetweenThePlacesToo) {
+  OverABlock scene(0.08, {-0.05, 0}, 0.02);
+  const auto end = HeightProbePhase({}).run(scene.robot, scene.state);
+  ASSERT_TRUE(end.ok) << end.outcome;
+  EXPECT_LT((scene.state.place - Eigen::Vector2d(-0.05, 0)).norm(), 1e-9);
+}
+
 TEST(HeightProbePhase, TheBareTableIsNotTouched) {
   OverABlock scene(0, {0, 0}, 0.5);
   const HeightProbeOptions options;

@@ -19,7 +19,7 @@ constexpr std::uint64_t kSeed = 1;
 struct HeldBracket {
   explicit HeldBracket(const simulation::WorldOptions& world_options = {})
       : world(object.object(), world_options, kSeed) {
-    evaluation::TrialOptions options;
+    evaluation::TrialOptions options = evaluation::TrialOptions::ideal();
     world.reset(evaluation::draw_start(object.object(), options.start, kSeed),
                 evaluation::waiting_command(world.hand_model()));
     robot.emplace(world.hand(), world.hand_model(), evaluation::waiting_command(world.hand_model()),

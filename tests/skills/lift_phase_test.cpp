@@ -30,7 +30,10 @@ struct Lifting {
         }),
         robot(hand, model, hand::resting_command()) {}
 
-  double begin_hold() const { return options.height / options.speed + options.settle; }
+  double begin_hold() const {
+    return options.trial_height / options.trial_speed +
+           (options.height - options.trial_height) / options.speed + options.settle;
+  }
   PhaseReport lift() {
     LiftPhase phase(options, kWeight);
     return run_phase(phase, robot, state);
@@ -62,6 +65,30 @@ TEST(LiftPhase, HoldsWhatHangsInTheHand) {
             lifting.robot.log().readings.size() - 1);
 }
 
+/// Fingertips that slide off as the hand rises: nothing of their forces is left at a height, m.
+Lifting::Script sliding_off(double height) {
+  return [height](hand::HandReading& reading, double) {
+    const double left = std::clamp(1 - reading.base.xyz.z() / height, 0.0, 1.0);
+    for (auto& tip : reading.contacts) tip[0].f *= left;
+  };
+}
+
+TEST(LiftPhase, AGripThatGivesWayIsNoticedWhileTheObjectStandsOnTheTable) {
+  double highest = 0;
+  Lifting watched([&](hand::HandReading& reading, double since) {
+    sliding_off(0.02)(reading, since);
+    highest = std::max(highest, reading.base.xyz.z());
+  });
+  LiftPhase phase(watched.options, kWeight);
+  const auto report = run_phase(phase, watched.robot, watched.state);
+  EXPECT_EQ(report.status, PhaseStatus::failed);
+  EXPECT_TRUE(phase.gave_way()) << report.outcome;
+  EXPECT_GT(highest, 0.003);
+  EXPECT_LT(highest, watched.options.trial_height);
+  EXPECT_NEAR(watched.robot.command().base.xyz.z(), 0, 1e-12) << "it is down again";
+  EXPECT_FALSE(watched.robot.log().at(estimation::TouchEvent::held));
+}
+
 TEST(LiftPhase, NoticesThatTooLittleHangs) {
   Lifting light(
       [](hand::HandReading& reading, double) { reading.base_force.z() = 0.49 * kWeight; });
@@ -84,6 +111,10 @@ TEST(LiftPhase, NoticesContactsThatAreLostWhateverTheBaseWeighs) {
     Lifting lifting(touching_at_the_end(fingers));
     expect_failed(lifting, "contacts lost");
   }
+  Lifting lost(touching_at_the_end(0));
+  LiftPhase phase(lost.options, kWeight);
+  EXPECT_EQ(run_phase(phase, lost.robot, lost.state).status, PhaseStatus::failed);
+  EXPECT_FALSE(phase.gave_way()) << "it was lost high above the table";
   Lifting two(touching_at_the_end(2));
   EXPECT_EQ(two.lift().status, PhaseStatus::ok);
 }

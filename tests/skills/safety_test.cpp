@@ -11,7 +11,6 @@
 
 #include "hand/fake_hand.hpp"
 #include "palpate/core/error.hpp"
-#include "palpate/hand/assembled_hand.hpp"
 #include "palpate/hand/faulty_hand.hpp"
 #include "palpate/hand/shadow.hpp"
 #include "palpate/skills/phase.hpp"
@@ -241,6 +240,19 @@ TEST(Safety, AJointThatDoesNotFollowIsNamed) {
   EXPECT_NE(robot.fault().detail.find("FFJ0"), std::string::npos);
 }
 
+TEST(Safety, AFaultLastsAsLongAsItIsTo) {
+  hand::FakeHand fake([](HandReading& reading) { reading.base_force.z() = 2; });
+  int onsets = 0;
+  hand::FaultyHand faulty(fake, {.fault = InjectedFault::load_zero, .from = kFrom, .length = 0.1},
+                          [&] { ++onsets; });
+  int without = 0;
+  for (int tick = 1; tick <= 60; ++tick) {
+    without += faulty.step(hand::resting_command()).base_force.z() == 0;
+  }
+  EXPECT_NEAR(without, 10, 1);  // the time stamps are rounded
+  EXPECT_EQ(onsets, 1);
+}
+
 TEST(Safety, ACommandThatIsNotFiniteNeverReachesTheHand) {
   FaultyScene scene({});
   hand::BasePosition nowhere;
@@ -301,32 +313,6 @@ TEST(Safety, TheWatchdogStopsAHandThatHangs) {
   Executor robot(hand, kSoftHand, hand::resting_command(), {}, nullptr, safety);
   EXPECT_THROW(robot.wait(2), SafetyStop);
   EXPECT_EQ(robot.fault().fault, Fault::silent);
-}
-
-/// An arm that is where it is told to be, until it says nothing more.
-struct SilencedArm : hand::Arm {
-  std::string name() const override { return "lift"; }
-  void move(const hand::BasePosition& to) override { target = to; }
-  std::optional<hand::ArmReading> read() override {
-    if (++reads > 20) return std::nullopt;
-    const double ripple = reads % 2 == 0 ? 1e-12 : 0;
-    return hand::ArmReading{target, {ripple, 0, 2}};
-  }
-  hand::BasePosition target;
-  int reads = 0;
-};
-
-TEST(Safety, AnArmThatSaysNothingMoreIsNamed) {
-  hand::FakeHand fingers;
-  SilencedArm arm;
-  hand::AssembledHand hand(fingers, &arm, {});
-  Executor robot(hand, kSoftHand, hand::resting_command());
-  hand::BasePosition far;
-  far.xyz.x() = 0.5;
-  EXPECT_THROW(robot.move_base(far, 0.05), SafetyStop);
-  EXPECT_EQ(robot.fault().fault, Fault::silent);
-  EXPECT_EQ(robot.fault().detail, "the arm 'lift': no new reading for 0.25 s");
-  EXPECT_LT(arm.target.xyz.x(), 0.012);  // it was not moved on
 }
 
 /// A phase that throws what a user's code may throw.

@@ -43,9 +43,6 @@ inline BiotacLog made_up_log(std::uint64_t seed, int touches, double drift_a_sec
   return log;
 }
 
-/// Of a real sensor, in the real data.
-inline constexpr const char* kRealLog = "biotac_robotic_finger/trial_15330.csv";
-
 /// The log as a CSV text.
 inline std::string csv_of(const BiotacLog& log) {
   std::string text = "t_s,pdc";
@@ -58,6 +55,15 @@ inline std::string csv_of(const BiotacLog& log) {
     text += '\n';
   }
   return text;
+}
+
+/// The made-up log as it is read from its CSV text and, where it is there, that of a real sensor.
+inline std::vector<BiotacLog> logs_on_file(const BiotacLog& made_up) {
+  std::vector<BiotacLog> logs{parse_biotac_log(csv_of(made_up), made_up.name)};
+  if (const auto file = real_data("biotac_robotic_finger/trial_15330.csv")) {
+    logs.push_back(read_biotac_log(*file));
+  }
+  return logs;
 }
 
 }  // namespace palpate::tactile

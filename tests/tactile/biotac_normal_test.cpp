@@ -12,6 +12,8 @@
 namespace palpate::tactile {
 namespace {
 
+constexpr const char* kRealLog = "biotac_robotic_finger/trial_15330.csv";
+
 BiotacNormalOptions small() {
   BiotacNormalOptions options;
   options.centres = 250;
@@ -19,14 +21,16 @@ BiotacNormalOptions small() {
 }
 
 const BiotacNormalModel& trained() {
-  static const auto model = BiotacNormalModel::train(biotac_samples(made_up_log(1, 6)), small());
+  static const auto model = train_biotac_normal({made_up_log(1, 6)}, small(), 3);
   return model;
 }
+
+const BiotacChannels kRest = BiotacChannels::Constant(3200);
 
 std::vector<double> errors_at(const BiotacNormalModel& model, const BiotacLog& log) {
   std::vector<double> errors;
   for (const auto& sample : biotac_samples(log)) {
-    errors.push_back(angle_between_deg(model.estimate(sample.change)->n, sample.n));
+    errors.push_back(angle_between_deg(model.estimate(sample.change, sample.rest)->n, sample.n));
   }
   return errors;
 }
@@ -41,32 +45,46 @@ TEST(BiotacNormal, IsAsSureAsItIsRight) {
   double squared = 0, familiar = 0;
   int count = 0;
   for (const auto& sample : biotac_samples(made_up_log(2, 6))) {
-    const auto found = trained().estimate(sample.change);
+    const auto found = trained().estimate(sample.change, sample.rest);
     const double error = angle_between_deg(found->n, sample.n) * 3.14159 / 180;
     squared += error * error / (2 * found->sigma * found->sigma);
     familiar += found->novelty;
     ++count;
   }
-  EXPECT_GT(squared / count, 0.2);  // 1 where exactly calibrated
+  // 1 where exactly calibrated. The made-up sensor repeats itself, which no real one does: what is
+  // stated for recordings that were not learned from may be up to five times as large.
+  EXPECT_GT(squared / count, 1.0 / 25);
   EXPECT_LT(squared / count, 5);
-  const auto strange = trained().estimate(BiotacChannels::Constant(1500));
+  const auto strange = trained().estimate(BiotacChannels::Constant(700), kRest);
   EXPECT_GT(strange->novelty, 10 * familiar / count);
+}
+
+TEST(BiotacNormal, IsTheMirrorImageForAMirroredTouch) {
+  const auto sample = biotac_samples(made_up_log(2, 1))[50];
+  const auto image = mirrored(sample);
+  EXPECT_NE(image.change, sample.change);
+  EXPECT_EQ(mirrored(image).change, sample.change);
+  EXPECT_EQ(mirrored(image).n, sample.n);
+  const auto n = trained().estimate(sample.change, sample.rest)->n;
+  const auto m = trained().estimate(image.change, image.rest)->n;
+  EXPECT_NEAR((Eigen::Vector3d(n.x(), -n.y(), n.z()) - m).norm(), 0, 1e-6);
 }
 
 TEST(BiotacNormal, SaysNothingWithoutPressureOrNumbers) {
   BiotacChannels change = BiotacChannels::Constant(-50);
-  EXPECT_FALSE(trained().estimate(change));
+  EXPECT_FALSE(trained().estimate(change, kRest));
   change[0] = 100;
-  EXPECT_TRUE(trained().estimate(change));
+  EXPECT_TRUE(trained().estimate(change, kRest));
   change[7] = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_FALSE(trained().estimate(change));
+  EXPECT_FALSE(trained().estimate(change, kRest));
 }
 
 TEST(BiotacNormal, IsTheSameAfterReadingItBack) {
   const auto again = BiotacNormalModel::parse(trained().bytes(), "model");
   EXPECT_EQ(again.bytes(), trained().bytes());
   for (const auto& sample : biotac_samples(made_up_log(3, 1))) {
-    const auto a = trained().estimate(sample.change), b = again.estimate(sample.change);
+    const auto a = trained().estimate(sample.change, sample.rest),
+               b = again.estimate(sample.change, sample.rest);
     EXPECT_LT(angle_between_deg(a->n, b->n), 0.1);  // float32 on file
     EXPECT_NEAR(a->sigma, b->sigma, 0.01);
   }
@@ -85,10 +103,10 @@ TEST(BiotacNormal, RefusesFilesThatAreNoModel) {
   changed[good.size() - 100] ^= 1;
   EXPECT_NE(says(changed).find("sum"), std::string::npos);
   auto later = good;
-  later.replace(later.find(" 1\n"), 3, " 2\n");
-  EXPECT_NE(says(later).find("version 2"), std::string::npos);
+  later.replace(later.find(" 2\n"), 3, " 3\n");
+  EXPECT_NE(says(later).find("version 3"), std::string::npos);
   EXPECT_NE(says(ArrayFile("policy", 1).bytes()).find("policy"), std::string::npos);
-  ArrayFile other("biotac-normal", 1);
+  ArrayFile other("biotac-normal", 2);
   other.add("settings", Eigen::MatrixXf::Zero(7, 1));
   EXPECT_NE(says(other.bytes()).find("settings is 7 x 1"), std::string::npos);
 }
@@ -104,13 +122,101 @@ TEST(BiotacNormal, ValidatesOnTouchesItDidNotLearn) {
   EXPECT_LT(median(errors), 6);
 }
 
-TEST(BiotacNormal, MeetsItsTargetOnRealTouchesLeftOut) {
-  PALPATE_NEEDS_REAL_DATA(kRealLog);
-  const auto log = read_biotac_log(*real_data(kRealLog));
-  const auto errors = cross_validate_biotac_normal({log});
-  EXPECT_GT(errors.size(), 3000u);
-  EXPECT_LE(median(errors), 5);
-  EXPECT_LE(quantile(errors, 0.9), 15);
+TEST(BiotacNormal, StatesItsErrorAtARecordingItDidNotLearnFrom) {
+  const auto log = made_up_log(5, 6);
+  for (const auto tracking : {BiotacRest::whole_log, BiotacRest::causal}) {
+    const auto errors = judge_biotac_normal(trained(), log, tracking);
+    EXPECT_GT(errors.error_deg.size(), 700u);
+    EXPECT_GT(errors.coverage_95(), 0.9);
+    EXPECT_GT(mean(errors.normalised), 2.0 / 25);  // 2 where exactly calibrated, as above
+    EXPECT_LT(mean(errors.normalised), 3);
+  }
+}
+
+TEST(BiotacNormal, SaysHowLittleAFewTouchesTell) {
+  const auto few = train_biotac_normal({made_up_log(9, 2)}, small());
+  const auto log = made_up_log(5, 6);
+  const auto errors = judge_biotac_normal(few, log);
+  EXPECT_GT(quantile(errors.error_deg, 0.9),
+            quantile(judge_biotac_normal(trained(), log).error_deg, 0.9));
+  EXPECT_GT(errors.coverage_95(), 0.9);
+}
+
+TEST(BiotacNormal, NeighboursHelpALightFrame) {
+  const auto log = made_up_log(6, 4);
+  const auto signals = biotac_signals(log);
+  const auto tracked = trained().track(log, signals, BiotacRest::whole_log);
+  double alone = 0, together = 0;
+  for (std::size_t i = 0; i < log.time.size(); ++i) {
+    if (!tracked[i] || signals.changes[i][0] > 60) continue;
+    const auto frame = trained().estimate(signals.changes[i], signals.rests[i]);
+    alone += angle_between_deg(frame->n, *log.normals[i]);
+    together += angle_between_deg(tracked[i]->n, *log.normals[i]);
+  }
+  EXPECT_GT(alone, 0);
+  EXPECT_LT(together, alone);
+}
+
+TEST(BiotacNormal, CausallyAFrameDoesNotDependOnLaterOnes) {
+  auto log = made_up_log(7, 1);
+  const auto normals = [](const BiotacLog& of) {
+    return trained().track(of, biotac_signals(of, BiotacRest::causal), BiotacRest::causal);
+  };
+  const auto whole = normals(log);
+  log.time.resize(230);
+  log.channels.resize(230);
+  log.normals.resize(230);
+  const auto part = normals(log);
+  std::size_t known = 0;
+  for (std::size_t i = 0; i < part.size(); ++i) {
+    ASSERT_EQ(part[i].has_value(), whole[i].has_value()) << i;
+    if (!part[i]) continue;
+    ++known;
+    EXPECT_NEAR((part[i]->n - whole[i]->n).norm(), 0, 1e-9) << i;
+    EXPECT_NEAR(part[i]->sigma, whole[i]->sigma, 1e-9) << i;
+  }
+  EXPECT_GT(known, 80u);
+}
+
+TEST(BiotacNormal, AFloodOfFaultsGivesNoNormalButThoseOfSoundFrames) {
+  auto log = made_up_log(8, 2);
+  for (std::size_t i = 150; i < 160; ++i) log.channels[i][5] = std::nan("");
+  for (std::size_t i = 200; i < 210; ++i) log.time[i] -= 1;
+  const auto signals = biotac_signals(log);
+  const auto normals = trained().track(log, signals, BiotacRest::whole_log);
+  for (std::size_t i = 0; i < normals.size(); ++i) {
+    EXPECT_EQ(normals[i].has_value(), biotac_usable(signals.flags[i])) << i;
+    if (!normals[i]) continue;
+    EXPECT_TRUE(normals[i]->n.allFinite() && normals[i]->sigma > 0) << i;
+  }
+}
+
+TEST(BiotacNormal, MeetsItsTargetOnTouchesLeftOutOfFiles) {
+  for (const auto& log : logs_on_file(made_up_log(4, 8))) {
+    SCOPED_TRACE(log.name);
+    const auto errors = cross_validate_biotac_normal({log});
+    EXPECT_GT(errors.size(), 1000u);
+    EXPECT_LE(median(errors), 5);
+    EXPECT_LE(quantile(errors, 0.9), 15);
+  }
+}
+
+TEST(BiotacNormal, IsHonestAtRealRecordingsItDidNotLearnFrom) {
+  if (!real_data(kRealLog)) GTEST_SKIP() << "PALPATE_DATA names no folder with " << kRealLog;
+  const auto model = train_biotac_normal({read_biotac_log(*real_data(kRealLog))});
+  BiotacNormalErrors errors;
+  for (const char* name : {"15258", "15506", "15543"}) {
+    errors.add(judge_biotac_normal(model, read_biotac_log(*real_data(fmt::format(
+                                              "biotac_robotic_finger/trial_{}.csv", name)))));
+  }
+  EXPECT_GT(errors.error_deg.size(), 60u);
+  EXPECT_LE(median(errors.error_deg), 5);
+  EXPECT_LE(quantile(errors.error_deg, 0.9), 15);
+  EXPECT_GE(errors.coverage_95(), 0.9);
+  const auto few =
+      train_biotac_normal({read_biotac_log(*real_data("biotac_robotic_finger/trial_15258.csv")),
+                           read_biotac_log(*real_data("biotac_robotic_finger/trial_15543.csv"))});
+  EXPECT_GE(judge_biotac_normal(few, read_biotac_log(*real_data(kRealLog))).coverage_95(), 0.9);
 }
 
 }  // namespace

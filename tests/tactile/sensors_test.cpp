@@ -57,6 +57,8 @@ TEST(HeightMap, RefusesWhatIsNone) {
   map.depth(3, 3) = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(contacts_of_height_map(map, any_pose(2)), BadInput);
   EXPECT_THROW(contacts_of_height_map({}, any_pose(2)), BadInput);
+  const Eigen::MatrixXd millimetres = 1000 * ball_print(0.02, 0.001).depth;
+  EXPECT_THROW(contacts_of_height_map({millimetres, 0.00005}, any_pose(2)), BadInput);
 }
 
 TEST(Taxels, TouchWhereTheyAreLoaded) {

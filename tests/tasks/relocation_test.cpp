@@ -61,7 +61,7 @@ TEST(Relocation, FeelingInTheGraspMakesUpForARoughPlace) {
   options.explore = false;
   const auto policy = box_policy();
   const auto felt = Relocation(box_task(), options).run_all(*policy, {}, 71, 3, 2);
-  options.felt.estimate = false;
+  options.tracking.estimate = false;
   const auto carried = Relocation(box_task(), options).run_all(*policy, {}, 71, 3, 1);
   double felt_error = 0, carried_error = 0;
   for (std::size_t i = 0; i < felt.size(); ++i) {

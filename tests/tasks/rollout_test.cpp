@@ -7,15 +7,17 @@
 #include <limits>
 #include <string>
 
+#include "core/temporary_folder.hpp"
 #include "data.hpp"
+#include "palpate/core/assets.hpp"
 #include "palpate/core/error.hpp"
+#include "palpate/geometry/io/mesh_io.hpp"
+#include "palpate/geometry/objects/shapes.hpp"
 #include "palpate/tasks/relocate/policies/policy_io.hpp"
 #include "tasks/policies.hpp"
 
 namespace palpate::relocate {
 namespace {
-
-constexpr const char* kPublishedPolicy = "relocate_mug_published_policy.json";
 
 TaskOptions fast_task() {
   TaskOptions options;
@@ -143,26 +145,55 @@ TEST(Rollout, KnowsItsObjects) {
   EXPECT_THROW(make_model(options), BadInput);
 }
 
-/// That this is the published task shows in what its authors' policy earns in it: 3744 +- 595, of
-/// which 3600 is two standard errors of 60 episodes below, and hardly a start is failed.
-void expect_the_published_return(const TaskOptions& task) {
-  const auto policy = load_policy(*real_data(kPublishedPolicy));
-  const auto summary = summarize(rollout(make_model(task), *policy, {}, 9000, 60, 1));
-  EXPECT_GE(summary.mean, 3600) << task.object;
-  EXPECT_GE(summary.success_5cm, 0.98) << task.object;
+/// A policy, and the return for which it is known, less two standard errors of the episodes here.
+struct KnownPolicy {
+  std::filesystem::path file;
+  double min_return;
+  std::size_t episodes;
+};
+
+/// Ours has 4890 +- 214 in 300 episodes. That this is the published task shows in what its authors'
+/// policy earns in it: 3744 +- 595, and hardly a start is failed.
+std::vector<KnownPolicy> known_policies() {
+  std::vector<KnownPolicy> known{{asset("models/relocate-best.json"), 4790, 20}};
+  if (const auto published = real_data("relocate_mug_published_policy.json")) {
+    known.push_back({*published, 3600, 60});
+  }
+  return known;
 }
 
-TEST(Rollout, ThePublishedPolicyEarnsWhatItEarnedWhereItWasTrained) {
-  PALPATE_NEEDS_REAL_DATA(kPublishedPolicy);
-  expect_the_published_return({});
+void expect_the_known_return(const KnownPolicy& known, const TaskOptions& task,
+                             double success = 0.98) {
+  const auto policy = load_policy(known.file);
+  const auto summary = summarize(rollout(make_model(task), *policy, {}, 9000, known.episodes, 1));
+  EXPECT_GE(summary.mean, known.min_return) << known.file << " " << task.object;
+  EXPECT_GE(summary.success_5cm, success) << known.file << " " << task.object;
 }
 
-TEST(Rollout, ThePublishedPolicyEarnsTheSameOnTheMeshOfTheMug) {
-  PALPATE_NEEDS_REAL_DATA(kPublishedPolicy);
-  PALPATE_NEEDS_REAL_DATA("ycb/025_mug.ply");
+TEST(Rollout, APolicyEarnsWhatItIsKnownFor) {
+  for (const KnownPolicy& known : known_policies()) expect_the_known_return(known, {});
+}
+
+/// Ours is wider than the mug that it was trained on.
+TEST(Rollout, APolicyCarriesAMeshThatItWasNotTrainedOn) {
+  const TemporaryFolder folder;
+  geometry::save_ply(folder.path() / "mug.ply", geometry::mug_mesh());
+  KnownPolicy known = known_policies().front();
+  known.min_return *= 0.9;
   TaskOptions task;
-  task.object = "ycb-mug:" + real_data("ycb/025_mug.ply")->string();
-  expect_the_published_return(task);
+  task.object = (folder.path() / "mug.ply").string();
+  expect_the_known_return(known, task, 0.9);
+}
+
+TEST(Rollout, APolicyEarnsNearlyTheSameOnTheMeshOfTheYcbMug) {
+  const auto mesh = real_data("ycb/025_mug.ply");
+  if (!mesh) GTEST_SKIP() << "PALPATE_DATA names no folder with ycb/025_mug.ply";
+  for (KnownPolicy known : known_policies()) {
+    known.min_return *= 0.95;
+    TaskOptions task;
+    task.object = "ycb-mug:" + mesh->string();
+    expect_the_known_return(known, task);
+  }
 }
 
 TEST(Rollout, ErrorsOfTheSensorsLeaveTheStartsAsTheyAre) {

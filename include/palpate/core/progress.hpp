@@ -7,7 +7,7 @@
 
 namespace palpate {
 
-/// How library code tells of its progress.
+/// How library code reports its progress.
 using ProgressCallback = std::function<void(std::size_t done, std::size_t total)>;
 
 /// One line that shows how far a work is: percent, bar, count, time passed and time left.

@@ -13,27 +13,28 @@ struct EstimationOptions {
   Eigen::Vector2d place = Eigen::Vector2d::Zero();
   tactile::ContactErrorModel errors;
   double window = 0.5;                  ///< s of readings, before the mark, that are averaged
-  double felt_sigma = 0.005;            ///< of the felt height, m
+  double probed_height_sigma = 0.005;   ///< of the measured height, m
   double resting_height_sigma = 0.001;  ///< of the resting object, m
   double resting_tilt_sigma = 0.02;     ///< of the resting object from its stable pose, rad
   double swept_sigma = 0.003;  ///< of the place of the space that a guarded move found free, m
   double resting_half_width =
       0.045;  ///< object within +- of its rough place before it is touched, m
   double motion_angle_sigma = 0.009;  ///< by which the grasp turns the object in the hand, rad
-  double slide_share = 0.2;  ///< chance that it slid three times as far, and that much of it again
+  double slide_share =
+      0.2;  ///< probability that it slid three times as far, and that much of it again
   double probe_motion = 0.001;   ///< of the object while a finger probes it, m
-  double elsewhere = 0.02;       ///< chance that the resting pose was wrong
+  double elsewhere = 0.02;       ///< probability that the resting pose was wrong
   double motion_sigma = 0.0005;  ///< by which it moves it, m
   double other_stable_pose =
-      0.03;                       ///< chance that the grasp put the object into another stable pose
-  double tilt_sigma = 0.30;       ///< by which the closing hand tilts the object, rad
-  double height_sigma = 0.015;    ///< by which it raises it, m
-  double half_width = 0.08;       ///< object within +- of its rough place after the grasp, m
-  double surface_sigma = 0.0005;  ///< by which the mesh's surface is off the object's, m
-  double false_contacts = 0.02;   ///< prior share of contacts with something else
-  bool balance = false;           ///< use that pushes and weight balance, once the object hangs
-  double twist = 0.003;           ///< m, unsensed moment about a contact's normal by its force
-  bool free_space = true;         ///< use that the hand's links do not penetrate the object
+      0.03;                  ///< probability that the grasp put the object into another stable pose
+  double tilt_sigma = 0.30;  ///< by which the closing hand tilts the object, rad
+  double height_sigma = 0.015;       ///< by which it raises it, m
+  double half_width = 0.08;          ///< object within +- of its rough place after the grasp, m
+  double surface_sigma = 0.0005;     ///< by which the mesh's surface is off the object's, m
+  double false_contacts = 0.02;      ///< prior share of contacts with something else
+  bool balance = false;              ///< use that pushes and weight balance, once the object hangs
+  double twist = 0.003;              ///< m, unsensed moment about a contact's normal by its force
+  bool free_space = true;            ///< use that the hand's links do not penetrate the object
   double penetration_sigma = 0.004;  ///< m
   localization::LocalizerOptions search;
   localization::IdentificationOptions identify;  ///< which of several objects it is
@@ -41,7 +42,8 @@ struct EstimationOptions {
   template <class Visitor>
   void visit(Visitor&& v) {
     v("window", window, 0.01, 10.0, "s, window over which readings are averaged");
-    v.expert("probed_height_sigma", felt_sigma, 1e-4, 0.1, "m, error of the felt height");
+    v.expert("probed_height_sigma", probed_height_sigma, 1e-4, 0.1,
+             "m, error of the measured height");
     v.expert("resting_height_sigma", resting_height_sigma, 1e-4, 0.1, "m, of the resting object");
     v.expert("resting_tilt_sigma", resting_tilt_sigma, 1e-4, 1.0,
              "rad, of the object from its stable pose");
@@ -49,15 +51,15 @@ struct EstimationOptions {
     v.expert("resting_half_width", resting_half_width, 0.0, 0.3,
              "m, half width of the prior on the resting object's position");
     v.expert("slide_share", slide_share, 0.0, 0.9,
-             "chance that the object slid three times as far");
+             "probability that the object slid three times as far");
     v.expert("probe_motion", probe_motion, 0.0, 0.05,
              "m, motion of the object while a finger probes it");
-    v.expert("elsewhere", elsewhere, 1e-6, 0.9, "chance that the resting pose was wrong");
+    v.expert("elsewhere", elsewhere, 1e-6, 0.9, "probability that the resting pose was wrong");
     v.expert("motion_angle_sigma", motion_angle_sigma, 1e-4, 3.0,
              "rad, turn of the object in the grasp");
     v.expert("motion_sigma", motion_sigma, 1e-5, 0.2, "m, motion of the object in the grasp");
     v.expert("other_stable_pose", other_stable_pose, 0.0, 1.0,
-             "chance that the grasp changed the stable pose");
+             "probability that the grasp changed the stable pose");
     v.expert("tilt_sigma", tilt_sigma, 1e-3, 1.0,
              "rad, by which the closing hand tilts the object");
     v.expert("height_sigma", height_sigma, 1e-4, 0.1,
@@ -86,12 +88,13 @@ struct HeldPoseEstimate {
   std::vector<tactile::Contact> contacts;  ///< it was made from, in the world
 };
 
-/// Objects of which the one that is felt may be any; kept by reference.
+/// Objects of which the one that is touched may be any; kept by reference.
 using Candidates = std::vector<const geometry::ObjectModel*>;
 
-/// Estimates an object's pose from what a hand has felt, and from nothing else. Where it may be one
-/// of several objects, the estimate is the posterior of the most probable one, its weights times
-/// the probability that it is that object: all that the poses lack of 1 is elsewhere or of others.
+/// Estimates an object's pose from what a hand has sensed, and from nothing else. Where it may be
+/// one of several objects, the estimate is the posterior of the most probable one, its weights
+/// times the probability that it is that object: all that the poses lack of 1 is elsewhere or of
+/// others.
 class PoseEstimator {
  public:
   /// @param object  kept by reference
@@ -102,16 +105,16 @@ class PoseEstimator {
   /// @throws BadInput for no candidates
   PoseEstimator(Candidates candidates, const EstimationOptions& options, std::uint64_t seed);
 
-  /// How the object lies on the table: from the felt height and the touches of a fingertip, or,
+  /// How the object lies on the table: from the measured height and the touches of a fingertip, or,
   /// where the hand has opened around it since, from the grasp before. Searched for once as long as
-  /// the log tells nothing new of it.
+  /// the log has nothing new about it.
   /// @return in the world; status no_pose if the log has no touch
   localization::Posterior resting(const hand::Description& hand, const EventLog& log);
 
   /// The pose in the hand at an instant. Contacts are those of the held object, with those that
   /// probes have found and those that it had rolled aside; the table supported it when the fingers
-  /// had closed; the felt height weighs its stable poses. All is expressed in the hand's base, in
-  /// which the object rests.
+  /// had closed; the measured height weighs its stable poses. All is expressed in the hand's base,
+  /// in which the object rests.
   /// @param at  reading of the log; all of the log counts, before and after it
   /// @return status no_pose for no instant, as EventLog::at() gives for what has not happened
   HeldPoseEstimate held(const hand::Description& hand, const EventLog& log,

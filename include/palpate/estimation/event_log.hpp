@@ -15,22 +15,22 @@ enum class TouchEvent {
   height_probed,  ///< the flat hand rests on the object's top
   guarded_move,   ///< a fingertip sets out to touch the resting object
   touched,        ///< it touches it
-  missed,         ///< it came to the end of its way and felt nothing
+  missed,         ///< it came to the end of its path without contact
   closed,         ///< the fingers have met the object
   held,           ///< the object hangs in the hand, settled
-  released,       ///< the hand has let go: what was felt before no longer holds
+  released,       ///< the hand has released it: what was sensed before no longer holds
   placed,         ///< the object stands where it was put; the hand is about to let go
   probed,         ///< a finger has closed on another spot of the object that the others hold
   on_table,       ///< fingertips rest on the bare table
   rolled,         ///< the fingers have rolled the object aside, and are about to roll it back
   opened,         ///< the hand has opened around the object, which has stayed where it was
-  fallen,         ///< what has been felt fell before, or was moved: it may rest in no stable pose
+  fallen,         ///< what has been sensed fell before, or was moved: it may rest in no stable pose
 };
 inline constexpr std::array<std::string_view, 13> kTouchEventNames = {
     "height_probed", "guarded_move", "touched",  "missed", "closed", "held",  "released",
     "placed",        "probed",       "on_table", "rolled", "opened", "fallen"};
 
-/// All that was felt, and when what was reached: everything that the pose estimate depends on.
+/// All that was sensed, and when what was reached: everything that the pose estimate depends on.
 struct EventLog {
   struct Moment {
     TouchEvent mark;

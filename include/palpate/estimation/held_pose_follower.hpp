@@ -10,11 +10,14 @@
 namespace palpate::estimation {
 
 struct HeldPoseOptions {
-  double period = 0.1;       ///< s from one estimate to the next, at least
-  int fingers = 2;           ///< that must touch for an estimate
-  double lost_after = 0.5;   ///< s with fewer, after which nothing is known any more
-  double turn_sigma = 0.2;   ///< rad, by which the object turns unforeseen in a period, per axis
-  double way_sigma = 0.008;  ///< m, by which it moves so
+  double period = 0.1;        ///< s from one estimate to the next, at least
+  int fingers = 2;            ///< that must touch for an estimate
+  double lost_after = 0.5;    ///< s with fewer, after which nothing is known any more
+  double turn_sigma = 0.01;   ///< rad, by which a held object turns in a period, per axis
+  double way_sigma = 0.0005;  ///< m, by which it moves so
+  double slip_share = 0.05;   ///< probability that it moves farther in a period
+  double slip_turn = 0.2;     ///< rad, sigma of a turn then, per axis
+  double slip_way = 0.008;    ///< m, of a way
   localization::LocalizerOptions first;                   ///< search where nothing is known
   EstimationOptions estimation = estimation_in_motion();  ///< and afterwards
 
@@ -23,17 +26,23 @@ struct HeldPoseOptions {
     v("period", period, 0.01, 10.0, "s from one estimate to the next, at least");
     v("fingers", fingers, 1, hand::kMaxFingers, "that must touch for an estimate");
     v("lost_after", lost_after, 0.05, 100.0, "s with fewer, after which nothing is known");
-    v("rotation_sigma", turn_sigma, 1e-4, 3.0, "rad, unforeseen turn of the object in a period");
-    v("translation_sigma", way_sigma, 1e-5, 0.2, "m, unforeseen way of the object in a period");
+    v("rotation_sigma", turn_sigma, 1e-4, 3.0, "rad, turn of a held object in a period");
+    v("translation_sigma", way_sigma, 1e-5, 0.2, "m, way of a held object in a period");
+    v("slip_share", slip_share, 0.0, 0.9,
+      "probability that a held object moves farther in a period: a slip");
+    v("slip_rotation", slip_turn, 1e-4, 3.0, "rad, sigma of a slip's turn");
+    v("slip_translation", slip_way, 1e-5, 0.2, "m, sigma of a slip's way");
     v.section("first", first);
     v.section("estimation", estimation);
   }
 };
 
 /// The pose of what a hand holds, from its readings alone: nothing need be known of how it came
-/// into the hand. Between estimates the object goes with the palm while fingers touch it.
+/// into the hand. Between estimates the object goes with the palm while fingers touch it. Contacts
+/// that stay where they were tell nothing new, for their errors stay, too: a search is made where a
+/// finger touches elsewhere.
 ///
-/// feel() takes microseconds. An estimate takes longer than a tick and may be made by another
+/// update() takes microseconds. An estimate takes longer than a tick and may be made by another
 /// thread: task() is what it needs, accept() takes its result, while readings go on.
 class HeldPoseFollower {
  public:
@@ -42,6 +51,7 @@ class HeldPoseFollower {
     EventLog log;                                  ///< the last readings
     Eigen::Isometry3d T_world_palm;                ///< at the last of them
     std::optional<localization::PosePrior> prior;  ///< in the hand's base
+    std::optional<localization::Posterior> known;  ///< the contacts tell no more; in the world
     std::uint64_t number = 0, epoch = 0;
   };
 
@@ -49,7 +59,10 @@ class HeldPoseFollower {
   HeldPoseFollower(const geometry::ObjectModel& object, hand::Description hand,
                    HeldPoseOptions options, std::uint64_t seed);
 
-  void feel(const hand::HandReading& reading);
+  void update(const hand::HandReading& reading);
+
+  /// The pose is known at the last reading, in the world.
+  void begin(const localization::Posterior& posterior);
 
   /// Whether enough fingers touch, and the last task is a period old.
   bool due() const;
@@ -66,6 +79,9 @@ class HeldPoseFollower {
  private:
   Eigen::Isometry3d carried() const;
   localization::PosePrior prior() const;
+  std::vector<tactile::Contact> contacts() const;
+  bool tells_more() const;
+  void use(std::vector<tactile::Contact> contacts, const Eigen::Isometry3d& T_base_world);
 
   const geometry::ObjectModel& object_;
   hand::Description hand_;
@@ -74,7 +90,8 @@ class HeldPoseFollower {
   EventLog log_;  ///< of the last readings
   Eigen::Isometry3d T_world_palm_ = Eigen::Isometry3d::Identity();
   Eigen::Isometry3d palm_of_estimate_ = Eigen::Isometry3d::Identity();
-  localization::Posterior known_;  ///< in the world, with the palm at palm_of_estimate_
+  localization::Posterior known_;       ///< in the world, with the palm at palm_of_estimate_
+  std::vector<tactile::Contact> used_;  ///< a finger's last that were reckoned with; in the base
   double known_at_ = 0, touched_at_ = 0, asked_at_ = 0;  ///< s
   std::uint64_t tasks_ = 0, epoch_ = 0;
 };

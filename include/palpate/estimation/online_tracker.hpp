@@ -43,7 +43,7 @@ struct OnlineTrackerOptions {
 };
 
 /// Where a hand believes the object to be while it reaches for it, grasps it and carries it: by
-/// what is known beforehand, by what its fingertips feel, and by its own motion.
+/// what is known beforehand, by what its fingertips sense, and by its own motion.
 ///
 /// Every `period` the pose is estimated from the fingertips' contacts and the space that the hand
 /// takes; before them the object has either stayed where it was or gone with the palm since the
@@ -58,8 +58,8 @@ class OnlineTracker {
                 const localization::Posterior& resting, const OnlineTrackerOptions& options,
                 std::uint64_t seed);
 
-  /// To be told of every reading, one a tick.
-  void feel(const hand::HandReading& reading);
+  /// Called with every reading, one a tick.
+  void update(const hand::HandReading& reading);
 
   Eigen::Isometry3d T_world_object() const;     ///< at the last reading
   int estimates() const { return estimates_; }  ///< that were made

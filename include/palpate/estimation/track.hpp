@@ -38,7 +38,7 @@ struct TrackOptions {
   }
 };
 
-/// Follows an object in the hand by what the fingertips feel and how they move, from the reading
+/// Follows an object in the hand by what the fingertips sense and how they move, from the reading
 /// `first` of the log to `last`, as a localization::Tracker that ran along would.
 /// @param errors  of the contacts
 /// @param start   pose at the first reading, in the world, with modes

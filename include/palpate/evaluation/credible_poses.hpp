@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "palpate/estimation/estimate.hpp"
 #include "palpate/localization/posterior.hpp"
 
 namespace palpate::evaluation {
@@ -15,8 +16,16 @@ struct CrediblePose {
 /// A posterior as single poses, for drawing: each mode, some along its free axis if it has one,
 /// and the further credible poses.
 /// @param most  poses returned at most
-/// @return most probable first; poses of less than 0.003 are left out
+/// @return most probable first; poses of less than 0.003 are left out, unless
+///         the most probable one has hardly more
 std::vector<CrediblePose> credible_poses(const localization::Posterior& posterior,
                                          std::size_t most);
+
+/// What is believed before the first touch, drawn: any stable pose with any yaw, near the rough
+/// place.
+/// @return in the world
+std::vector<CrediblePose> prior_poses(
+    const geometry::KnownObject& object, const estimation::EstimationOptions& options,
+    const Eigen::Isometry3d& T_world_table = Eigen::Isometry3d::Identity());
 
 }  // namespace palpate::evaluation

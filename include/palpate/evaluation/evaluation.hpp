@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 
 #include "palpate/evaluation/trial.hpp"
@@ -45,7 +46,7 @@ struct ObjectSummary {
   std::size_t lifted_at_once = 0;        ///< at the first attempt
   std::size_t pose_tight = 0;            ///< lifted, and the best pose within 2.5 deg and 3.5 mm
   std::size_t pose_ok_before_lift = 0;   ///< lifted, and the best pose in the closed hand right
-  std::size_t pose_ok_before_probe = 0;  ///< lifted, and so without what probing told
+  std::size_t pose_ok_before_probe = 0;  ///< lifted, and so before the probes
   std::size_t pose_ok_tracked = 0;       ///< lifted, and the pose followed from there right
   std::size_t probed = 0;                ///< lifted, and probed before
   std::size_t confident_wrong = 0;       ///< the best pose wrong, its probability above 0.9
@@ -65,23 +66,41 @@ struct ObjectSummary {
 
 void add_trial(const Trial& trial, ObjectSummary& summary);
 
-/// Told of each finished trial by its number, in their order.
-using TrialObserver = std::function<void(std::size_t number, const Trial& trial)>;
+/// An object of an evaluation, and which of its trials are run.
+struct EvaluatedObject {
+  const geometry::KnownObject* known;
+  std::vector<std::size_t> numbers;  ///< of trials, ascending
+  /// Prepared for the search; none: when its first trial begins, and let go of with its last.
+  const geometry::ObjectModel* model = nullptr;
+};
 
-/// A trial that was finished before, by its number; nothing if it is to be run.
-using TrialSource = std::function<std::optional<Trial>(std::size_t number)>;
+/// A trial of an evaluation.
+struct TrialId {
+  std::size_t object, number;
+};
+
+/// What an evaluation asks and tells; what is empty is left out. `trial` and `object` are called in
+/// the order of objects and numbers, one at a time; the others by any thread.
+struct EvaluationHooks {
+  /// A trial that was finished before; nothing if it is to be run.
+  std::function<std::optional<Trial>(TrialId)> finished = {};
+  /// Who is told of a trial while it runs; none: nobody.
+  std::function<std::shared_ptr<recording::Sink>(TrialId)> sink = {};
+  std::function<void(TrialId, const Trial&)> trial = {};  ///< one has finished
+  /// All trials of one have.
+  std::function<void(std::size_t object, const ObjectSummary&)> object = {};
+};
 
 /// 0, 1, ... count - 1.
 std::vector<std::size_t> trial_numbers(std::size_t count);
 
-/// Repeats the pick of one object with the seeds first_seed + number.
+/// Repeats the picks of objects, each with the seeds first_seed + number.
 ///
-/// The result is the same for any number of threads, and however many trials were finished before.
-/// @param candidates  that the robot is told, of which the object may be one; empty: the object
-ObjectSummary evaluate(const geometry::ObjectModel& object, const TrialOptions& options,
-                       std::uint64_t first_seed, const std::vector<std::size_t>& numbers,
-                       int threads, const TrialObserver& observer = {},
-                       const TrialSource& finished = {},
-                       const estimation::Candidates& candidates = {});
+/// The results are the same for any number of threads, and however many trials were finished
+/// before.
+/// @param candidates  that the robot is given, of which the object may be one; empty: the object
+void evaluate(const std::vector<EvaluatedObject>& objects, const TrialOptions& options,
+              std::uint64_t first_seed, int threads, const EvaluationHooks& hooks,
+              const estimation::Candidates& candidates = {});
 
 }  // namespace palpate::evaluation

@@ -25,14 +25,15 @@ struct FaultSummary {
   double peak_load = 0;             ///< N, of the mount
   double peak_tip_force = 0;        ///< N, of a fingertip
   double longest_stop = 0;          ///< s from a fault to the last reading before the robot stops
-  std::map<std::string, std::size_t> stopped;  ///< by the fault that the robot named
+  std::map<std::string, std::size_t> stopped;   ///< by the fault that the robot named
+  std::map<std::string, std::size_t> survived;  ///< trials that went on with a fault they named
 };
 
 /// When and where a fault sets in, drawn by the seed.
 FaultOptions draw_fault(const hand::Description& hand, hand::InjectedFault fault,
                         std::uint64_t seed);
 
-/// Told of each finished trial, in the order of the seeds.
+/// Called with each finished trial, in the order of the seeds.
 using FaultObserver = std::function<void(std::size_t done)>;
 
 /// Repeats the pick of one object with one fault, drawn for each trial, with the seeds

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "palpate/recording/writer.hpp"
+#include "palpate/recording/sink.hpp"
 #include "palpate/simulation/world/world.hpp"
 #include "palpate/skills/pick.hpp"
 
@@ -10,8 +10,7 @@ namespace palpate::evaluation {
 /// Passes on to a recording, if there is one, what happens in a simulated pick.
 class Recorder {
  public:
-  Recorder(recording::Writer* writer, const simulation::World& world)
-      : writer_(writer), world_(world) {}
+  Recorder(recording::Sink* sink, const simulation::World& world) : sink_(sink), world_(world) {}
 
   void frame(const hand::HandReading& reading, const hand::HandCommand& command);
   void mark(estimation::TouchEvent mark);
@@ -22,11 +21,11 @@ class Recorder {
   /// Notes where the object was to come, the way planned there, and the fixture, for the page.
   void placement(const skills::PlaceResult& placed, const planning::Fixture& fixture);
 
-  /// Observer that records the phases and tells another one.
+  /// Observer that records the phases and calls another one.
   skills::PhaseObserver phases_and(const skills::PhaseObserver& other);
 
  private:
-  recording::Writer* writer_;
+  recording::Sink* sink_;
   const simulation::World& world_;
   std::string phase_;
   double time_ = 0;

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <limits>
 #include <stop_token>
 #include <string>
 #include <vector>
 
 #include "palpate/hand/faulty_hand.hpp"
-#include "palpate/recording/writer.hpp"
+#include "palpate/recording/sink.hpp"
 #include "palpate/simulation/world/world.hpp"
 #include "palpate/skills/pick.hpp"
 #include "palpate/skills/place/pick_and_place.hpp"
@@ -17,7 +18,7 @@ namespace palpate::evaluation {
 struct StartOptions {
   int stable_pose = -1;       ///< index into KnownObject::stable poses; -1: drawn by probability
   double x = 0, y = 0;        ///< m, of its rough place on the table
-  double uncertainty = 0.02;  ///< m: its centroid is within +- of there
+  double uncertainty = 0.04;  ///< m: its centroid is within +- of there
 
   template <class Visitor>
   void visit(Visitor&& v) {
@@ -28,7 +29,7 @@ struct StartOptions {
   }
 };
 
-/// Where the contacts come from that the hand feels.
+/// Where the hand's contacts come from.
 struct TouchOptions {
   std::string source = "solver";  ///< or "biotac"
   /// Of inferred contacts, beside what each of them says of its error.
@@ -52,12 +53,14 @@ struct TouchOptions {
 struct FaultOptions {
   std::string kind = "none";  ///< one of hand::kInjectedFaultNames
   double from = 0;            ///< s
+  double length = 0;          ///< s; 0: for good
   int finger = 1, joint = 5, actuator = 9;
 
   template <class Visitor>
   void visit(Visitor&& v) {
     v("kind", kind, "what goes wrong with the hand, as `palpate eval --faults` lists it");
     v("from", from, 0.0, 1e6, "s of the robot's time from which it does");
+    v("length", length, 0.0, 1e6, "s that it lasts; 0: for good");
     v("finger", finger, 0, hand::kMaxFingers - 1, "of faults of one fingertip");
     v("joint", joint, 0, hand::kMaxJoints - 1, "of joint_nan");
     v("actuator", actuator, 0, hand::kMaxJoints - 1, "of joint_stuck");
@@ -65,11 +68,13 @@ struct FaultOptions {
 
   /// @throws BadInput for another kind
   [[nodiscard]] hand::FaultSchedule schedule(std::uint64_t seed) const {
-    return {hand::injected_fault(kind), from, finger, joint, actuator, seed};
+    const double lasts = length > 0 ? length : std::numeric_limits<double>::infinity();
+    return {hand::injected_fault(kind), from, lasts, finger, joint, actuator, seed};
   }
 };
 
-/// All that can be configured of a simulated pick.
+/// All that can be configured of a simulated pick. The world differs from what the robot believes
+/// as a real one does, unless it is ideal().
 struct TrialOptions {
   double friction = 0.5;  ///< of the fingertips on the object, as the robot believes it
   skills::PickOptions pick;
@@ -78,7 +83,7 @@ struct TrialOptions {
   TouchOptions touch;
   skills::SafetyOptions safety;
   FaultOptions fault;
-  simulation::WorldOptions world;
+  simulation::WorldOptions world = simulation::WorldOptions::realistic();
   simulation::WorldOptions forward_model;  ///< the world in which motions are rolled out
 
   template <class Visitor>
@@ -95,6 +100,9 @@ struct TrialOptions {
     v.expert_section("arm", world.arm);
     v.expert_section("forward_model", forward_model);
   }
+
+  /// Readings are noisy and links displaced; all else is as the robot believes.
+  static TrialOptions ideal();
 
   /// The pick's options, with the believed friction and the errors of the contacts that it will be
   /// given.
@@ -126,7 +134,7 @@ struct TrialMetrics {
   int probes = 0;                ///< touches of other spots of the object that fingers hold
   double explored_motion = 0;    ///< m, of the object while it was touched before the grasp
   double tip_force = 0;          ///< N, median over the touching fingertips at the end
-  double peak_load = 0;          ///< N, largest of the mount, whatever the hand told
+  double peak_load = 0;          ///< N, largest of the mount, whatever the hand reported
   double peak_tip_force = 0;     ///< N, largest of a fingertip
   Eigen::Isometry3d T_world_object = Eigen::Isometry3d::Identity();  ///< at the end
 };
@@ -169,22 +177,21 @@ struct Trial {
 simulation::Start draw_start(const geometry::KnownObject& object, const StartOptions& options,
                              std::uint64_t seed);
 
-/// One pick in simulation, with placing if options.place has a target, judged afterwards. Neither
-/// is given the world, only the hand.
-/// @param writer  if given, gets every frame (with the truth), phase and estimate
+/// One pick in simulation, with placing if options.place has a target, evaluated afterwards.
+/// Neither is given the world, only the hand.
+/// @param sink  if given, gets every frame (with the truth), phase and estimate
 /// @param stop  a request, from any thread, stops the robot within a tick
 /// @throws BadInput for a target that cannot be, before anything moves
 Trial run_trial(const geometry::ObjectModel& object, const TrialOptions& options,
-                std::uint64_t seed, recording::Writer* writer = nullptr,
+                std::uint64_t seed, recording::Sink* sink = nullptr,
                 const skills::PhaseObserver& observer = {}, std::stop_token stop = {});
 
-/// The same where the robot is not told which object it is, only that it may be one of some
+/// The same where the robot does not know which object it is, only that it may be one of some
 /// candidates, of which it may also be none.
 /// @throws BadInput for a target of placing where there are several candidates, or another one
 Trial run_trial(const geometry::ObjectModel& object, const estimation::Candidates& candidates,
-                const TrialOptions& options, std::uint64_t seed,
-                recording::Writer* writer = nullptr, const skills::PhaseObserver& observer = {},
-                std::stop_token stop = {});
+                const TrialOptions& options, std::uint64_t seed, recording::Sink* sink = nullptr,
+                const skills::PhaseObserver& observer = {}, std::stop_token stop = {});
 
 /// The target and the fixture that options ask for; none, an empty one.
 /// @param start_stable_pose  in which the object starts, for the target "stable pose"

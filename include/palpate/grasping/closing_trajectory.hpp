@@ -14,7 +14,9 @@ namespace palpate::grasping {
 
 /// Points of one finger, in the base's frame, at one instant of its closing.
 struct FingerShape {
-  std::vector<Eigen::Vector3f> tip;            ///< on the axis of the fingertip's capsule
+  /// On the axis of the fingertip's capsule, or spread over its hull's core; the axis' outer end
+  /// last.
+  std::vector<Eigen::Vector3f> tip;
   std::vector<Eigen::Vector4f> other_spheres;  ///< of its other links: center and radius
 };
 

@@ -15,8 +15,8 @@ namespace palpate::grasping {
 /// pointing one that in which one fingertip is farthest below all else.
 /// @param hand  with links, actuators, fingers, thumb and mount; gets postures, closing speeds and
 ///              the ranges in which fingers bend
-/// @param progress  told while the open hand is searched for, which takes about a minute; not if it
-///                  is in the cache
+/// @param progress  called while the open hand is searched for, which takes about a minute; not
+///                  called if it is in the cache
 /// @throws BadInput if no posture of the hand holds anything
 void derive_postures(hand::Description& hand, const ProgressCallback& progress = {});
 

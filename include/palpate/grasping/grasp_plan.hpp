@@ -59,7 +59,7 @@ std::vector<GraspPlan> find_grasps(const geometry::ObjectModel& object,
                                    const GraspPlanOptions& options,
                                    const std::vector<double>& avoid = {});
 
-/// Mean cost of a grasp over the displacements that GraspPlanOptions::pose_error tells.
+/// Mean cost of a grasp over the displacements of GraspPlanOptions::pose_error.
 double mean_cost(const geometry::ObjectModel& object, const Eigen::Isometry3d& T_world_object,
                  const ClosingTrajectory& path, const GraspPlanOptions& options,
                  const GraspPlan& plan);

@@ -43,16 +43,24 @@ struct LinkSphere {
   double radius = 0;
 };
 
-/// A fingertip's surface: a capsule in the frame of its link. `b` is its outer end.
+/// A fingertip as a capsule in the frame of its link. `b` is its outer end.
 struct TipCapsule {
   Eigen::Vector3d a, b;  ///< ends of the axis, m
   double radius = 0;     ///< m
 };
 
+/// A fingertip's surface of any convex shape: all points within `radius` of the convex hull of
+/// `core`, in the frame of its link.
+struct TipHull {
+  std::vector<Eigen::Vector3d> core;  ///< corners, m
+  double radius = 0;                  ///< of its rounded edges, m
+};
+
 struct Finger {
   std::string name;
-  int link = -1;  ///< of the fingertip
-  TipCapsule tip;
+  int link = -1;                     ///< of the fingertip
+  TipCapsule tip;                    ///< its surface; beside a hull about as long and wide as that
+  std::optional<TipHull> hull = {};  ///< its surface, where that is no capsule
 };
 
 struct Joint {

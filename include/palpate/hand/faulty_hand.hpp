@@ -4,6 +4,8 @@
 #include <array>
 #include <cstdint>
 #include <deque>
+#include <functional>
+#include <limits>
 #include <optional>
 #include <string_view>
 
@@ -34,33 +36,20 @@ enum class InjectedFault {
   link_dead,         ///< the last reading is repeated, time included
   link_gap,          ///< so it is for 0.2 s, and then not
   time_nan,
-  time_jitter,  ///< time stamps are off by 3 ms, as are real ones
-  delay,        ///< readings are 0.2 s late
-  throws,       ///< step() throws
+  time_jitter,    ///< time stamps are off by 3 ms, as are real ones
+  delay,          ///< readings are 0.2 s late
+  throws,         ///< step() throws
+  mount_stuck,    ///< the mount no longer moves
+  object_pushed,  ///< something pushes the object 10 mm aside, whatever holds it
+  second_object,  ///< another object stands beside it, from the first
 };
-inline constexpr std::array<std::string_view, 23> kInjectedFaultNames = {"none",
-                                                                         "load_nan",
-                                                                         "load_zero",
-                                                                         "load_frozen",
-                                                                         "joint_nan",
-                                                                         "joint_stuck",
-                                                                         "torques_zero",
-                                                                         "contacts_nan",
-                                                                         "contacts_none",
-                                                                         "finger_silent",
-                                                                         "finger_stuck",
-                                                                         "finger_nan",
-                                                                         "finger_saturated",
-                                                                         "fingers_swapped",
-                                                                         "taxel_dead",
-                                                                         "false_contacts",
-                                                                         "readings_stuck",
-                                                                         "link_dead",
-                                                                         "link_gap",
-                                                                         "time_nan",
-                                                                         "time_jitter",
-                                                                         "delay",
-                                                                         "throws"};
+inline constexpr std::array<std::string_view, 26> kInjectedFaultNames = {
+    "none",           "load_nan",       "load_zero",        "load_frozen",     "joint_nan",
+    "joint_stuck",    "torques_zero",   "contacts_nan",     "contacts_none",   "finger_silent",
+    "finger_stuck",   "finger_nan",     "finger_saturated", "fingers_swapped", "taxel_dead",
+    "false_contacts", "readings_stuck", "link_dead",        "link_gap",        "time_nan",
+    "time_jitter",    "delay",          "throws",           "mount_stuck",     "object_pushed",
+    "second_object"};
 
 std::string_view to_string(InjectedFault fault);
 /// @throws BadInput for a name that is none of kInjectedFaultNames
@@ -69,7 +58,8 @@ InjectedFault injected_fault(std::string_view name);
 /// What goes wrong, and when.
 struct FaultSchedule {
   InjectedFault fault = InjectedFault::none;
-  double from = 0;         ///< s of the hand's time
+  double from = 0;                                          ///< s of the hand's time
+  double length = std::numeric_limits<double>::infinity();  ///< s, after which all is well again
   int finger = 1;          ///< of faults of one fingertip, an index into Description::fingers
   int joint = 5;           ///< of joint_nan, an index into Description::joints
   int actuator = 9;        ///< of joint_stuck, an index into Description::actuators
@@ -82,7 +72,8 @@ struct FaultSchedule {
 class FaultyHand : public Hand {
  public:
   /// @param hand  must outlive this
-  FaultyHand(Hand& hand, const FaultSchedule& schedule);
+  /// @param on_onset  called when the fault sets in: faults of what is around the hand are not its
+  FaultyHand(Hand& hand, const FaultSchedule& schedule, std::function<void()> on_onset = {});
 
   HandReading step(const HandCommand& command) override;
   [[nodiscard]] PathFeasibility check_path(std::span<const BasePosition> way) const override {
@@ -107,13 +98,17 @@ class FaultyHand : public Hand {
   void spoil_finger(std::vector<TipContact>& contacts);
   HandReading spoil_link(const HandReading& reading);
 
+  void set_in(double time);
+
   Hand& hand_;
   FaultSchedule schedule_;
+  std::function<void()> on_onset_;
   RandomStream random_;
   HandReading before_;  ///< last reading before the fault
   std::deque<HandReading> queue_;
   std::optional<double> began_;
-  std::optional<double> stuck_at_;        ///< the actuator's command
+  bool ended_ = false;
+  std::optional<HandCommand> stuck_at_;   ///< the command of what does not move
   std::optional<Eigen::Vector3d> taxel_;  ///< that is dead, in the distal link's frame
   double peak_load_ = 0, peak_tip_force_ = 0;
 };

@@ -31,8 +31,4 @@ std::vector<tactile::Contact> parse_contacts(std::string_view text, std::string_
 std::vector<tactile::Contact> read_contacts(const std::filesystem::path& path,
                                             const ContactNoise& noise = {});
 
-/// Balls of a CSV with the columns x,y,z,radius (m).
-/// @throws BadInput for a missing column, a value that is not finite or a negative radius
-std::vector<FreeSphere> read_free_spheres(const std::filesystem::path& path);
-
 }  // namespace palpate::localization

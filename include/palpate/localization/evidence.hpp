@@ -75,10 +75,10 @@ struct ForceBalance {
   double point_sigma = 0.001;  ///< m, per push and axis
   double force_sigma = 0.02;   ///< N, per push and axis
   double twist = 0.003;        ///< m: moment about a push's normal that is not sensed, by its force
-  double doubt = 0.05;         ///< chance that something else holds the object, too
+  double other_support_prior = 0.05;  ///< that something else holds the object, too
 };
 
-/// All that touch knows of the object at one instant, in one frame.
+/// All that is measured of the object by touch at one instant, in one frame.
 struct Evidence {
   std::vector<tactile::Contact> contacts;
   std::vector<CommonModeBias> offsets;  ///< a contact is in one of them at most
@@ -87,11 +87,12 @@ struct Evidence {
   /// this evidence: the hand, not the object, decides where it touches. None: the object's own.
   std::optional<double> contact_area;
   double surface_sigma = 0.0003;  ///< m by which the mesh's surface is off the object's
-  /// Prior chance that the noise of all contacts is not as stated, but half to twice as much. Of
-  /// each contact an eighth of that is the chance that its normal alone is three times as noisy.
+  /// Prior probability that the noise of all contacts is not as stated, but half to twice as much.
+  /// Of each contact an eighth of that is the probability that its normal alone is three times as
+  /// noisy.
   double noise_scale_prior = 0.4;
-  /// Prior chance that the object is up to 3 % larger or smaller than its mesh. Not looked at where
-  /// contacts share offsets.
+  /// Prior probability that the object is up to 3 % larger or smaller than its mesh. Not looked at
+  /// where contacts share offsets.
   double size_prior = 0.25;
   std::vector<FreeSphere> free_space;
   double penetration_sigma = 0.0015;  ///< m

@@ -33,14 +33,13 @@ std::string_view to_string(PoseStatus status);
 struct Posterior {
   PoseStatus status = PoseStatus::no_pose;
   std::vector<Mode> modes;
-  /// Where the modes hold less than 95 %, of the samples that are drawn besides then, too: centres
-  /// of balls of 5 deg and 10 mm, heaviest first, that hold the rest up to there, or of all that
-  /// the samples form where those are too few.
-  std::vector<Eigen::Isometry3d> further;
+  /// The rest of the 95 % credible set where the modes hold less than that: centres of balls of
+  /// 5 deg and 10 mm, heaviest first, or all that the samples form where those hold less, too.
+  std::vector<Eigen::Isometry3d> residual_set;
   double seconds = 0;  ///< wall time of the search
 
-  /// What the modes' weights lack of 1: the share of poses that are in none of them.
-  double unlisted() const;
+  /// Share of the posterior mass that is in none of the modes.
+  double residual_mass() const;
 };
 
 struct PoseError {
@@ -68,7 +67,7 @@ double best_probability(const Posterior& posterior);
 bool covers(const Posterior& posterior, const Eigen::Isometry3d& truth,
             const std::vector<Eigen::Matrix3d>& symmetries);
 
-/// The same with the further poses, of which there may be many.
+/// The same with the residual set, which may be large.
 bool truth_in_credible_set(const Posterior& posterior, const Eigen::Isometry3d& truth,
                            const std::vector<Eigen::Matrix3d>& symmetries);
 

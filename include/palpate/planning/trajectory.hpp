@@ -28,8 +28,8 @@ struct MotionLimits {
   void visit(Visitor&& v) {
     v("base_speed", base_speed, 0.001, 10.0, "m/s");
     v("base_acceleration", base_acceleration, 0.001, 100.0, "m/s^2");
-    v("turn_speed", turn_speed, 0.001, 50.0, "rad/s, of the base");
-    v("turn_acceleration", turn_acceleration, 0.001, 500.0, "rad/s^2, of the base");
+    v("turn_speed", turn_speed, 0.001, 50.0, "rad/s, of the mount");
+    v("turn_acceleration", turn_acceleration, 0.001, 500.0, "rad/s^2, of the mount");
     v("joint_speed", joint_speed, 0.001, 50.0, "rad/s");
     v("joint_acceleration", joint_acceleration, 0.001, 500.0, "rad/s^2");
   }

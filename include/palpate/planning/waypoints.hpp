@@ -22,7 +22,7 @@ struct Waypoint {
   hand::JointVector joints;  ///< rad
 };
 
-/// What the controllers are told to get there: J0 = J1 + J2, shared as in free flexion.
+/// What the controllers are commanded to get there: J0 = J1 + J2, shared as in free flexion.
 hand::HandCommand command_of(const Waypoint& waypoint, const hand::Description& hand);
 
 struct WaypointsFile {

@@ -26,11 +26,10 @@ struct ScatterSeries {
   std::vector<double> x, y;
 };
 
-/// One bar a category; low and high, if given, are the ends of its error bars.
+/// One bar a category.
 struct BarSeries {
   std::string name;
   std::vector<double> values;
-  std::vector<double> low, high;
 };
 
 /// One box a category: quartiles and median; whiskers to the furthest sample within 1.5 times the

@@ -78,13 +78,31 @@ struct EstimateRecord {
   std::vector<tactile::Contact> contacts;  ///< in the world
 };
 
+/// A pose, and the share of a belief that it stands for.
+struct CrediblePoseRecord {
+  double probability = 0;
+  Eigen::Isometry3d T_world_object = Eigen::Isometry3d::Identity();
+};
+
+/// What was believed of the object's pose at a time: single poses, most probable first.
+struct BeliefRecord {
+  double time = 0;       ///< s
+  std::string source;    ///< "prior", "touch", "grasp" or "online"
+  bool in_hand = false;  ///< the poses go with the palm from here on, else they stay
+  std::vector<CrediblePoseRecord> poses;
+};
+
+/// Entropy of a belief over its poses, nats; what they lack of 1 counts as one more.
+double entropy(const BeliefRecord& belief);
+
 /// A whole recording in memory. Without the truth it holds no more than a real hand could sense.
 struct Recording {
   Header header;
   std::vector<Frame> frames;
   std::vector<Event> events;
   std::vector<EstimateRecord> estimates;
-  bool finished = true;  ///< false: what was flushed before the writer stopped
+  std::vector<BeliefRecord> beliefs;  ///< none in files of before 2026-11-24
+  bool finished = true;               ///< false: what was flushed before the writer stopped
 };
 
 /// Reads a recording, or the ".partial" file of one that was never finished.

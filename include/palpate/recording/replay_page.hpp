@@ -21,4 +21,8 @@ namespace palpate::recording {
 std::string replay_page(const Recording& recording, const hand::HandVisuals& visuals,
                         std::string_view page, std::string_view script, std::string_view title);
 
+/// Two such pages beside one another in one, that play together.
+/// @param title  plain text
+std::string compare_page(std::string_view left, std::string_view right, std::string_view title);
+
 }  // namespace palpate::recording

@@ -58,6 +58,8 @@ struct CloudRegistration {
   RegistrationResult result;        ///< inliers and weights speak of `correspondences`
   Correspondences correspondences;  ///< nearest neighbours, or feature matches without refinement
   std::size_t feature_matches = 0;
+  std::size_t feature_inliers = 0;    ///< of the matches, within the bound before the refinement;
+                                      ///< certificate.robust speaks of these
   double voxel = 0, noise_bound = 0;  ///< m, that were used
   double overlap = 0;    ///< share of the source's points that have a target point within the bound
   double rms_error = 0;  ///< m, of the refined correspondences, of the primitive

@@ -12,8 +12,9 @@
 
 namespace palpate::ros2 {
 
-/// Writes an MCAP file of the profile ros2: messages in CDR with their definitions, a CRC of every
-/// chunk, of the data and of the summary, and an index.
+/// Writes an MCAP file of the profile ros2: messages in CDR with their definitions, in chunks that
+/// are compressed (zstd) where the build can, a CRC of every chunk, of the data and of the summary,
+/// and an index.
 ///
 /// It works on PATH.partial, which finish() renames to PATH. See https://mcap.dev/spec.
 class McapWriter {

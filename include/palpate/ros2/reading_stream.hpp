@@ -77,6 +77,8 @@ class ReadingStream {
   std::optional<hand::HandReading> take_joints(const JointState& state, std::uint64_t received);
   void take_actuators(const JointState& state, std::uint64_t received);
   void take_contacts(std::size_t finger, const PointCloud2& cloud, std::uint64_t received);
+  void take_fingertip_wrench(std::size_t finger, const WrenchStamped& wrench,
+                             std::uint64_t received);
   void take_wrench(const WrenchStamped& wrench, std::uint64_t received);
   void take_transforms(const TFMessage& message, bool fixed, std::uint64_t received);
   std::optional<Eigen::Isometry3d> mount_at(std::uint64_t time) const;
@@ -87,7 +89,8 @@ class ReadingStream {
   const hand::Description& hand_;
   RobotInterface interface_;
   StreamOptions options_;
-  std::map<std::string, std::size_t, std::less<>> finger_of_topic_, joint_of_, actuator_of_;
+  std::map<std::string, std::size_t, std::less<>> finger_of_topic_, finger_of_wrench_, joint_of_,
+      actuator_of_;
   std::map<std::string, Transformed, std::less<>> transforms_;  ///< by child
   std::vector<Felt> felt_;                                      ///< one a finger
   std::vector<SensedJoint> joints_;

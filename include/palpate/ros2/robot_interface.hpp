@@ -11,15 +11,25 @@ namespace palpate::ros2 {
 struct RobotInterface {
   std::string joint_states = "/joint_states";
   std::string actuator_states = "/actuator_states";
-  std::string contacts = "/contacts";  ///< "/FINGER" is appended
-  std::string wrench = "/wrench";      ///< of the mount on the hand, beyond what the hand weighs
+  std::string contacts = "/contacts";                      ///< "/FINGER" is appended
+  std::string fingertip_wrenches = "/fingertip_wrenches";  ///< likewise
+  std::string wrench = "/wrench";  ///< of the mount on the hand, beyond what the hand weighs
   std::string tf = "/tf", tf_static = "/tf_static";
   std::string world = "world", mount = "mount";  ///< frames
   std::string palpate = "/palpate";              ///< before the topics that the estimator writes
 
   /// Where a finger's contacts are told. Characters that no topic may hold become "_".
   [[nodiscard]] std::string contacts_of(const hand::Finger& finger) const {
-    std::string topic = contacts + "/" + finger.name;
+    return topic_of(contacts, finger);
+  }
+  /// Where the wrench on a fingertip is told, in the place of its contacts.
+  [[nodiscard]] std::string fingertip_wrench_of(const hand::Finger& finger) const {
+    return topic_of(fingertip_wrenches, finger);
+  }
+
+ private:
+  static std::string topic_of(const std::string& prefix, const hand::Finger& finger) {
+    std::string topic = prefix + "/" + finger.name;
     for (char& c : topic) {
       const bool sound = (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') ||
                          (c >= 'a' && c <= 'z') || c == '_' || c == '/';

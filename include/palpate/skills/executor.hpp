@@ -22,6 +22,7 @@ namespace palpate::skills {
 class ReadingGate;
 class CommandGate;
 class SpeedProfile;
+class UnfeltForce;
 class Watchdog;
 
 /// How a motion ended.
@@ -105,9 +106,22 @@ class Executor {
   /// @throws SafetyStop if the robot has stopped
   void require_running() const;
 
-  /// From now on nothing is believed of what this fingertip feels: its contacts are dropped.
-  void distrust(int finger);
+  /// From now on nothing is believed of what this fingertip feels: its contacts are dropped. A
+  /// fault with which the robot goes on (touch_lost).
+  /// @param detail  one line that names the finger and says why
+  void distrust(int finger, std::string detail);
   bool trusted(int finger) const;
+  /// Faults with which the robot went on.
+  const std::vector<FaultReport>& survived() const { return survived_; }
+
+  /// Something has held up this finger, which felt nothing. Ignored once it was cleared.
+  void suspect(int finger) { suspected_[static_cast<std::size_t>(finger)] = true; }
+  /// Whether this finger is believed, but has been held up by what it did not feel.
+  bool suspected(int finger) const;
+  std::vector<int> suspects() const;
+  /// The finger feels: what held it up did not touch its tip.
+  void clear(int finger) { cleared_[static_cast<std::size_t>(finger)] = true; }
+  bool cleared(int finger) const { return cleared_[static_cast<std::size_t>(finger)]; }
 
   const SafetyOptions& limits() const { return safety_.options; }
   /// Commands that a limit has changed, so far. Skills ask for none that needs it.
@@ -148,6 +162,7 @@ class Executor {
 
  private:
   void tick();
+  void limit_unfelt();
   MotionEnd tick_until(const StopCondition& stop);
   bool read_once();
   void keep(hand::HandReading reading);
@@ -169,9 +184,12 @@ class Executor {
   double deadline_;
   Safety safety_;
   FaultReport fault_;
+  std::vector<FaultReport> survived_;
+  hand::PerFinger<bool> suspected_{}, cleared_{};
   int exceptions_;  ///< under way when the robot was made
   std::unique_ptr<ReadingGate> readings_;
   std::unique_ptr<CommandGate> commands_;
+  std::unique_ptr<UnfeltForce> unfelt_;
   std::unique_ptr<Watchdog> watchdog_;  ///< none for a simulated hand
 };
 

@@ -61,6 +61,7 @@ struct PickResult {
   std::string failed_phase;          ///< of the last attempt; empty if all went well
   std::size_t limited_commands = 0;  ///< that a limit of SafetyOptions changed, of the robot so far
   FaultReport fault;  ///< that stopped the robot for good; then nothing is held or estimated
+  std::vector<FaultReport> survived;  ///< faults with which the pick went on, of the robot so far
   std::vector<PhaseReport> phases;
   std::optional<localization::Posterior> resting;  ///< pose before the last grasp, in the world
   std::optional<estimation::HeldPoseEstimate>

@@ -73,13 +73,15 @@ struct SafetyOptions {
   double base_jump = 0.05;        ///< m between two readings
   double tracking_error = 0.6;    ///< rad by which a joint that stands still may miss its command
   double tracking_time = 0.5;     ///< s that it may
+  double mount_error = 0.05;      ///< m by which a mount that stands still may miss its command
   double base_speed = 0.6;        ///< m/s
   double base_acceleration = 10;  ///< m/s^2
   double turn_speed = 3.0;        ///< rad/s, of the base
   double turn_acceleration = 50;  ///< rad/s^2, of the base
   double finger_speed = 4.0;      ///< rad/s
   double finger_acceleration = 200;  ///< rad/s^2
-  double release_speed = 0.25;       ///< m/s at which a stopped base gives way to what it pushes
+  double unfelt_force = 6;           ///< N with which a finger may press that feels nothing, about
+  double release_speed = 0.25;       ///< m/s at which a stopped mount gives way to what it pushes
   double rest_torque = 0.1;          ///< N m with which a stopped finger holds on at most
   double watchdog = 0;    ///< s of wall time that a step may take; 0: simulated, no limit
   double max_log = 3600;  ///< s of readings that are kept
@@ -94,21 +96,24 @@ struct SafetyOptions {
     v("max_load", max_load, 1.0, 1e4, "N, of the mount");
     v.expert("load_range", load_range, 1.0, 1e5, "N that the mount's sensor can read");
     v.expert("tip_force_range", tip_force_range, 0.1, 1e4, "N that a fingertip's sensor can read");
-    v.expert("workspace", workspace, 0.1, 100.0, "m, of the base from the origin");
+    v.expert("workspace", workspace, 0.1, 100.0, "m, of the mount from the origin");
     v.expert("joint_margin", joint_margin, 0.0, 10.0, "rad that a joint may read beyond its range");
     v.expert("joint_jump", joint_jump, 0.01, 10.0, "rad, of a joint between two readings");
-    v.expert("base_jump", base_jump, 0.001, 10.0, "m, of the base between two readings");
+    v.expert("base_jump", base_jump, 0.001, 10.0, "m, of the mount between two readings");
     v.expert("tracking_error", tracking_error, 0.01, 10.0,
              "rad by which a joint at rest may be off");
     v.expert("tracking_time", tracking_time, 0.01, 100.0, "s that it may");
+    v.expert("mount_error", mount_error, 0.001, 10.0, "m by which a mount at rest may be off");
     v("base_speed", base_speed, 0.01, 10.0, "m/s, of commands");
     v.expert("base_acceleration", base_acceleration, 0.1, 1000.0, "m/s^2, of commands");
-    v.expert("turn_speed", turn_speed, 0.01, 50.0, "rad/s, of the base's commands");
+    v.expert("turn_speed", turn_speed, 0.01, 50.0, "rad/s, of the mount's commands");
     v.expert("turn_acceleration", turn_acceleration, 0.1, 5000.0,
-             "rad/s^2, of the base's commands");
+             "rad/s^2, of the mount's commands");
     v("finger_speed", finger_speed, 0.01, 50.0, "rad/s, of commands");
     v.expert("finger_acceleration", finger_acceleration, 0.1, 5000.0, "rad/s^2, of commands");
-    v.expert("release_speed", release_speed, 0.01, 10.0, "m/s at which a stopped base gives way");
+    v.expert("unfelt_force", unfelt_force, 0.1, 1e4,
+             "N with which a finger may press that feels nothing, about");
+    v.expert("release_speed", release_speed, 0.01, 10.0, "m/s at which a stopped mount gives way");
     v.expert("rest_torque", rest_torque, 0.0, 5.0,
              "N m with which a stopped finger holds on at most");
     v("watchdog", watchdog, 0.0, 10.0, "s of wall time that a step may take; 0: no limit");

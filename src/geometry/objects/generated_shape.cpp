@@ -28,7 +28,7 @@ struct Draft {
   double wall = 0;       ///< its thinnest part, m; 0: nothing is thin
 };
 
-bool chance(RandomStream& random, double probability) { return random.uniform() < probability; }
+bool bernoulli(RandomStream& random, double probability) { return random.uniform() < probability; }
 
 /// Half axes of household objects: one to two sides that a hand may span, one longer.
 Eigen::Vector3d draw_half(RandomStream& random) {
@@ -47,8 +47,8 @@ Draft draw_loft(RandomStream& random) {
                   .h = half.z(),
                   .e = random.uniform(0.2, 1.2),
                   .taper = random.uniform(0, 0.6),
-                  .twist = chance(random, 0.3) ? random.uniform(0, 0.4) : 0,
-                  .bend = chance(random, 0.4) ? random.uniform(0, 0.03) : 0};
+                  .twist = bernoulli(random, 0.3) ? random.uniform(0, 0.4) : 0,
+                  .bend = bernoulli(random, 0.4) ? random.uniform(0, 0.03) : 0};
   const double wide = std::max(half.x(), half.y());
   return {lofted(loft), {wide + loft.bend, wide, half.z()}};
 }
@@ -79,16 +79,16 @@ Eigen::Isometry3d place_on(const Draft& draft, RandomStream& random) {
 
 /// Opens the body as a cup, or joins or cuts away another.
 void combine(Draft& draft, RandomStream& random) {
-  if (chance(random, 0.3)) {
+  if (bernoulli(random, 0.3)) {
     draft.wall = random.uniform(0.003, 0.005);
     draft.solid = hollowed(draft.solid, draft.wall, 0.85 * draft.half.z());
     return;
   }
-  if (!chance(random, 0.5)) return;
+  if (!bernoulli(random, 0.5)) return;
   const Eigen::Vector3d half = random.uniform(0.4, 0.7) * draft.half;
   Solid other = moved(place_on(draft, random),
                       superquadric(half, random.uniform(0.2, 1.2), random.uniform(0.2, 1.2)));
-  if (chance(random, 0.5)) {
+  if (bernoulli(random, 0.5)) {
     draft.solid = cut(draft.solid, std::move(other));
     return;
   }
@@ -179,8 +179,8 @@ TriangleMesh generated_shape(std::uint64_t seed) {
   RandomStream random(seed, "generated shape");
   Draft draft = draw_body(random);
   combine(draft, random);
-  if (chance(random, 0.25)) add_handle(draft, random);
-  if (chance(random, 0.4)) break_symmetry(draft, random);
+  if (bernoulli(random, 0.25)) add_handle(draft, random);
+  if (bernoulli(random, 0.4)) break_symmetry(draft, random);
   draft.solid = scanned(draft.solid, kScanError, random.fork("scan"));
   return mesh_of(draft, kFewest * std::pow(kMost / kFewest, random.uniform()));
 }

@@ -6,32 +6,16 @@
 #include <numbers>
 #include <tuple>
 
-#include "geometry/mesh/adjacency.hpp"
-#include "geometry/mesh/pseudonormals.hpp"
-#include "geometry/query/bvh.hpp"
+#include "geometry/query/collider_surface.hpp"
 
 namespace palpate::geometry {
 namespace {
 
-constexpr double kOnSurface = 1e-9;  // m, below which directions come from the surface itself
-constexpr double kTie = 1e-8;        // m, by which a neighbour must be closer to count
-constexpr double kApart = 0.006;     // m, between contacts of like normals
-constexpr double kInterior = 1e-6;   // share of the axis left to its ends
-constexpr double kFlat = 1e-9;       // 1 - cosine between normals of one plane
+constexpr double kTie = 1e-8;       // m, by which a neighbour must be closer to count
+constexpr double kApart = 0.006;    // m, between contacts of like normals
+constexpr double kInterior = 1e-6;  // share of the axis left to its ends
+constexpr double kFlat = 1e-9;      // 1 - cosine between normals of one plane
 const double kLikeNormal = std::cos(15 * std::numbers::pi / 180);
-
-/// The place on the axis and the place on a triangle's feature that are closest to one another.
-struct Candidate {
-  Eigen::Vector3d p, q;  // on the axis, on the surface
-  int triangle = -1;
-  Feature feature = Feature::kFace;
-  double gap = 0;  // signed distance between the surfaces
-  Eigen::Vector3d normal = Eigen::Vector3d::Zero();
-  bool is_proven = false;    // no neighbour needs to be asked
-  bool is_interior = false;  // p is no end of the axis
-
-  double length() const { return (p - q).norm(); }
-};
 
 bool before(const Candidate& a, const Candidate& b) {
   return std::tie(a.gap, a.triangle) < std::tie(b.gap, b.triangle);
@@ -42,11 +26,15 @@ Eigen::AlignedBox3d reach_of(const Capsule& capsule, double reach) {
   return {capsule.a.cwiseMin(capsule.b) - around, capsule.a.cwiseMax(capsule.b) + around};
 }
 
-/// The ball around a triangle's middle.
-struct Bound {
-  Eigen::Vector3d center;
-  double radius = 0;  // negative for a degenerate triangle, which nothing needs to meet
-};
+bool alike(const CapsuleContact& a, const CapsuleContact& b) {
+  return a.normal.dot(b.normal) > kLikeNormal;
+}
+
+bool close(const CapsuleContact& a, const CapsuleContact& b) {
+  return (a.point - b.point).norm() < kApart;
+}
+
+}  // namespace
 
 Bound bound_of(const Corners& t) {
   const Eigen::Vector3d center = (t[0] + t[1] + t[2]) / 3;
@@ -62,15 +50,12 @@ double squared_distance_to_axis(const Capsule& capsule, const Eigen::Vector3d& p
   return (capsule.a + s * axis - p).squaredNorm();
 }
 
-/// Whether the axis stays farther than `reach` from a plane.
 bool is_beyond(const Capsule& capsule, double reach, const Eigen::Vector3d& on_plane,
                const Eigen::Vector3d& normal) {
   const double a = normal.dot(capsule.a - on_plane), b = normal.dot(capsule.b - on_plane);
   return std::min(a, b) > reach || std::max(a, b) < -reach;
 }
 
-/// Closest points of the axis' interior and an edge (Ericson, Real-Time Collision Detection, 2004,
-/// 5.1.9); none if the axis is closest with an end, or parallel, which its ends tell.
 std::optional<Candidate> axis_to_edge(const Capsule& capsule, const Corners& t, int k) {
   const auto next = (k + 1) % 3;
   const Eigen::Vector3d& corner = t[static_cast<std::size_t>(k)];
@@ -97,46 +82,6 @@ std::optional<Candidate> axis_to_edge(const Capsule& capsule, const Corners& t, 
   result.q = corner + std::clamp(u, 0.0, 1.0) * edge;
   return result;
 }
-
-bool alike(const CapsuleContact& a, const CapsuleContact& b) {
-  return a.normal.dot(b.normal) > kLikeNormal;
-}
-
-bool close(const CapsuleContact& a, const CapsuleContact& b) {
-  return (a.point - b.point).norm() < kApart;
-}
-
-}  // namespace
-
-struct CapsuleCollider::Surface {
-  explicit Surface(const MeshQuery& source)
-      : query(source), bvh(source.mesh()), normals(source.mesh()), adjacency(source.mesh()) {
-    for (const auto& triangle : source.mesh().triangles) {
-      bounds.push_back(bound_of(corners(source.mesh(), triangle)));
-    }
-  }
-
-  Corners corners_of(int triangle) const {
-    return corners(query.mesh(), query.mesh().triangles[static_cast<std::size_t>(triangle)]);
-  }
-  std::vector<Candidate> outside_candidates(const Capsule& capsule, double reach) const;
-  std::vector<Candidate> candidates(const Capsule& capsule, double reach) const;
-  void resolve_end(const Capsule& capsule, const Eigen::Vector3d& end,
-                   const std::vector<Candidate>& all, std::vector<Candidate>& kept) const;
-  Eigen::Vector3d pseudonormal(const Candidate& c) const {
-    return normals.at(c.triangle, c.feature);
-  }
-  bool is_flat(const Candidate& c) const;
-  bool is_local_minimum(const Candidate& c) const;
-  void select(const std::vector<Candidate>& sorted, bool new_normals_only, std::size_t limit,
-              std::vector<CapsuleContact>& chosen) const;
-
-  const MeshQuery& query;
-  Bvh bvh;
-  Pseudonormals normals;
-  Adjacency adjacency;
-  std::vector<Bound> bounds;  // of the triangles
-};
 
 /// Pairs of every nearby triangle with the axis, whichever side of the triangle the axis is on.
 std::vector<Candidate> CapsuleCollider::Surface::candidates(const Capsule& capsule,
@@ -199,15 +144,21 @@ std::vector<Candidate> CapsuleCollider::Surface::outside_candidates(const Capsul
   if (capsule.a != capsule.b) resolve_end(capsule, capsule.b, all, kept);
   std::copy_if(all.begin(), all.end(), std::back_inserter(kept),
                [](const Candidate& c) { return c.is_interior; });
+  erase_seen_from_behind(capsule.radius, kept);
+  return kept;
+}
+
+/// Completes candidates and leaves out those that see the surface from behind.
+void CapsuleCollider::Surface::erase_seen_from_behind(double radius,
+                                                      std::vector<Candidate>& kept) const {
   std::erase_if(kept, [&](Candidate& c) {
     if (c.is_proven) return false;
     const double length = c.length();
     const Eigen::Vector3d outward = pseudonormal(c);
-    c.gap = length - capsule.radius;
+    c.gap = length - radius;
     c.normal = length > kOnSurface ? Eigen::Vector3d((c.p - c.q) / length) : outward;
-    return c.normal.dot(outward) <= 0;  // sees the surface from behind
+    return c.normal.dot(outward) <= 0;
   });
-  return kept;
 }
 
 /// Whether the surface around q is a plane along the axis: then the axis is as close all along,
@@ -249,6 +200,18 @@ void CapsuleCollider::Surface::select(const std::vector<Candidate>& sorted, bool
   }
 }
 
+/// The deepest that differ, at most `limit`.
+std::vector<CapsuleContact> CapsuleCollider::Surface::chosen(std::vector<Candidate> found,
+                                                             double margin, int limit) const {
+  std::erase_if(found, [&](const Candidate& c) { return !(c.gap < margin); });
+  std::sort(found.begin(), found.end(), before);
+  std::vector<CapsuleContact> chosen;
+  const auto room = static_cast<std::size_t>(std::max(limit, 0));
+  select(found, true, room, chosen);
+  select(found, false, room, chosen);
+  return chosen;
+}
+
 CapsuleCollider::CapsuleCollider(const MeshQuery& mesh)
     : surface_(std::make_unique<const Surface>(mesh)) {}
 CapsuleCollider::~CapsuleCollider() = default;
@@ -256,14 +219,8 @@ CapsuleCollider::CapsuleCollider(CapsuleCollider&&) noexcept = default;
 
 std::vector<CapsuleContact> CapsuleCollider::contacts(const Capsule& capsule, double margin,
                                                       int limit) const {
-  std::vector<Candidate> found = surface_->outside_candidates(capsule, capsule.radius + margin);
-  std::erase_if(found, [&](const Candidate& c) { return !(c.gap < margin); });
-  std::sort(found.begin(), found.end(), before);
-  std::vector<CapsuleContact> chosen;
-  const auto room = static_cast<std::size_t>(std::max(limit, 0));
-  surface_->select(found, true, room, chosen);
-  surface_->select(found, false, room, chosen);
-  return chosen;
+  return surface_->chosen(surface_->outside_candidates(capsule, capsule.radius + margin), margin,
+                          limit);
 }
 
 }  // namespace palpate::geometry

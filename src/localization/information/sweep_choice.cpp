@@ -11,7 +11,7 @@ namespace palpate::localization {
 namespace {
 
 constexpr double kStep = 0.003;           // m of a way between places that are looked at
-constexpr double kReportedApart = 0.010;  // m between ends that are surely told apart
+constexpr double kReportedApart = 0.010;  // m between ends that are distinguished
 constexpr double kMinWeight = 0.002;      // of a pose of one of several objects that is looked at
 constexpr double kGuard = 0.002;          // m that the rest of the finger is to stay away
 
@@ -50,7 +50,7 @@ SweepOutcome outcome(const geometry::ObjectModel& object, const Eigen::Isometry3
   return {Ending::nothing, length};
 }
 
-/// A way that ends without a touch of the tip tells only how far the tip came.
+/// A way that ends without a touch of the tip shows only how far the tip came.
 double reported_apart(const SweepOutcome& a, const SweepOutcome& b) {
   if (a.ending != Ending::touch && b.ending != Ending::touch) return 0;
   return std::min(1.0, std::abs(a.way - b.way) / kReportedApart);
@@ -74,7 +74,7 @@ std::vector<WeightedObject> weighted_objects(const std::vector<PosedObject>& obj
   return all;
 }
 
-/// Chance that two draws from the poses are told apart.
+/// Probability that two draws from the poses are distinguished.
 double information(const std::vector<WeightedObject>& poses, const ProbingFinger& finger,
                    const GuardedMove& guarded_move) {
   std::vector<SweepOutcome> outcomes;

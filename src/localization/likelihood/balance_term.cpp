@@ -10,9 +10,9 @@
 namespace palpate::localization {
 namespace {
 
-constexpr float kDoubted = 100;                         // D: variance where it is doubted
-const float kDoubtedPeak = -1.5F * std::log(kDoubted);  // ln of D^(-3/2)
-constexpr double kMinMoment = 1e-5;                     // N m, sigma that is always there
+constexpr float kOtherVariance = 100;                       // D: variance where it does
+const float kOtherPeak = -1.5F * std::log(kOtherVariance);  // ln of D^(-3/2)
+constexpr double kMinMoment = 1e-5;                         // N m, sigma that is always there
 
 Eigen::Vector3d middle_of(const std::vector<ForceBalance::Push>& pushes) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -42,7 +42,7 @@ BalanceTerm::BalanceTerm(const geometry::ObjectModel& model, const ForceBalance&
                          double scale)
     : center_(model.object().mass_properties.centroid.cast<float>()),
       weight_(balance.weight.cast<float>()),
-      doubt_(static_cast<float>(balance.doubt)) {
+      other_support_prior_(static_cast<float>(balance.other_support_prior)) {
   const Eigen::Vector3d middle = middle_of(balance.pushes);
   Eigen::Vector3d moment = Eigen::Vector3d::Zero();
   for (const auto& push : balance.pushes) moment += (push.p - middle).cross(push.f);
@@ -54,7 +54,8 @@ BalanceTerm::BalanceTerm(const geometry::ObjectModel& model, const ForceBalance&
 }
 
 BalanceTerm::Exponents BalanceTerm::exponents(float q) const {
-  return {std::log1p(-doubt_) - q, std::log(doubt_) + kDoubtedPeak - q / kDoubted};
+  return {std::log1p(-other_support_prior_) - q,
+          std::log(other_support_prior_) + kOtherPeak - q / kOtherVariance};
 }
 
 Eigen::Vector3f BalanceTerm::whitened_moment(const SearchPose& pose) const {
@@ -63,8 +64,8 @@ Eigen::Vector3f BalanceTerm::whitened_moment(const SearchPose& pose) const {
 }
 
 float BalanceTerm::energy(const SearchPose& pose, float) const {
-  const auto [held, doubted] = exponents(0.5F * whitened_moment(pose).squaredNorm());
-  return -std::max(held, doubted) - std::log1p(std::exp(-std::abs(held - doubted)));
+  const auto [held, other] = exponents(0.5F * whitened_moment(pose).squaredNorm());
+  return -std::max(held, other) - std::log1p(std::exp(-std::abs(held - other)));
 }
 
 void BalanceTerm::linearize(const SearchPose& pose, NormalEquations& equations) const {
@@ -75,9 +76,9 @@ void BalanceTerm::linearize(const SearchPose& pose, NormalEquations& equations) 
   Eigen::Matrix<double, 3, 6> J;
   J.leftCols<3>() = -by_center * skew(turned);
   J.rightCols<3>() = by_center;
-  const auto [held, doubted] = exponents(0.5F * r.squaredNorm());
-  const double trust = 1 / (1 + std::exp(static_cast<double>(doubted - held)));
-  equations.add(J, r.cast<double>(), trust + (1 - trust) / static_cast<double>(kDoubted));
+  const auto [held, other] = exponents(0.5F * r.squaredNorm());
+  const double trust = 1 / (1 + std::exp(static_cast<double>(other - held)));
+  equations.add(J, r.cast<double>(), trust + (1 - trust) / static_cast<double>(kOtherVariance));
 }
 
 }  // namespace palpate::localization

@@ -10,7 +10,8 @@ namespace palpate::localization {
 ///
 /// With c the centre of mass, m(c) = sum_k p_k x f_k + c x w is their moment about the pushes'
 /// middle, C its covariance from the errors of points and forces and the twist of soft fingertips:
-/// E = -ln((1 - d) e^-q + d e^(-q/D) / D^(3/2)), q = m' C^-1 m / 2, d the doubt, D = 100.
+/// E = -ln((1 - d) e^-q + d e^(-q/D) / D^(3/2)), q = m' C^-1 m / 2, d the prior of other support, D
+/// = 100.
 class BalanceTerm : public EvidenceTerm {
  public:
   BalanceTerm(const geometry::ObjectModel& model, const ForceBalance& balance, double scale);
@@ -21,7 +22,7 @@ class BalanceTerm : public EvidenceTerm {
  private:
   Eigen::Vector3f whitened_moment(const SearchPose& pose) const;
   struct Exponents {
-    float held, doubted;  ///< ln of both parts of e^-E: nothing else holds the object, or something
+    float held, other;  ///< ln of both parts of e^-E: nothing else holds the object, or something
   };
   Exponents exponents(float q) const;
 
@@ -30,7 +31,7 @@ class BalanceTerm : public EvidenceTerm {
   Eigen::Vector3f moment_;  // of the pushes about it
   Eigen::Vector3f weight_;
   Eigen::Matrix3f whitening_;  // W'W is the inverse of C
-  float doubt_;
+  float other_support_prior_;
 };
 
 }  // namespace palpate::localization

@@ -10,6 +10,7 @@
 
 #include "localization/search/pose_mixture.hpp"
 #include "palpate/core/error.hpp"
+#include "palpate/core/plausible.hpp"
 
 namespace palpate::localization {
 namespace {
@@ -45,12 +46,22 @@ void check_finite(const std::string& what, const Eigen::Vector3d& v) {
 void check_contact(const tactile::Contact& contact, std::size_t index) {
   const std::string name = fmt::format("contact {}: ", index);
   check_finite(name + "point", contact.p);
+  check_plausible(contact.p, kMaxLength, name + "a coordinate in m");
   check_finite(name + "normal", contact.n);
   if (contact.has_normal() && !(std::abs(contact.n.norm() - 1) < kNormalTolerance)) {
     throw BadInput(fmt::format("{}normal has length {}, not 1", name, contact.n.norm()));
   }
   check_positive(name + "point_sigma", contact.point_sigma);
   if (contact.has_normal()) check_positive(name + "normal_sigma", contact.normal_sigma);
+}
+
+/// Of lengths beyond what is plausible the squares would not fit into the search's numbers.
+void check_sphere(const FreeSphere& sphere, std::size_t index) {
+  const std::string name = fmt::format("free sphere {}: ", index);
+  check_finite(name + "center", sphere.center);
+  check_plausible(sphere.center, kMaxLength, name + "a coordinate in m");
+  check_not_negative(name + "radius", sphere.radius);
+  plausible(sphere.radius, 0, kMaxLength, name + "its radius in m");
 }
 
 void check_stable_pose_weights(const std::vector<double>& weights, std::size_t stable_poses) {
@@ -158,14 +169,15 @@ void check_balance(const ForceBalance& balance) {
   check_positive("balance: point_sigma", balance.point_sigma);
   check_positive("balance: force_sigma", balance.force_sigma);
   check_not_negative("balance: twist", balance.twist);
-  if (!(balance.doubt > 0 && balance.doubt < 1)) {
-    throw BadInput(fmt::format("balance: doubt is {}, not between 0 and 1", balance.doubt));
+  if (!(balance.other_support_prior > 0 && balance.other_support_prior < 1)) {
+    throw BadInput(fmt::format("balance: other_support_prior is {}, not between 0 and 1",
+                               balance.other_support_prior));
   }
 }
 
-void check_doubt(const std::string& name, double doubt) {
-  if (doubt >= 0 && doubt < 1) return;
-  throw BadInput(fmt::format("{} is {}, not from 0 to 1", name, doubt));
+void check_probability(const std::string& name, double value) {
+  if (value >= 0 && value < 1) return;
+  throw BadInput(fmt::format("{} is {}, not from 0 to 1", name, value));
 }
 
 /// Contacts over a space that the object is tiny in are most likely in another unit.
@@ -189,14 +201,13 @@ void check_evidence(const geometry::ObjectModel& model, const Evidence& evidence
   check_extent(evidence.contacts, model.object().mesh);
   check_area(evidence);
   check_offsets(evidence);
-  check_doubt("noise_scale_prior", evidence.noise_scale_prior);
-  check_doubt("size_prior", evidence.size_prior);
+  check_probability("noise_scale_prior", evidence.noise_scale_prior);
+  check_probability("size_prior", evidence.size_prior);
   for (std::size_t j = 0; j < evidence.free_space.size(); ++j) {
-    const std::string name = fmt::format("free sphere {}: ", j);
-    check_finite(name + "center", evidence.free_space[j].center);
-    check_not_negative(name + "radius", evidence.free_space[j].radius);
+    check_sphere(evidence.free_space[j], j);
   }
   check_not_negative("surface_sigma", evidence.surface_sigma);
+  plausible(evidence.surface_sigma, 0, kMaxRadius, "surface_sigma in m");
   check_positive("penetration_sigma", evidence.penetration_sigma);
   const double share = evidence.false_contact_share;
   if (!(share > 0 && share < 1)) {

@@ -14,9 +14,9 @@ namespace {
 constexpr double kFalseVolume = 1e-3;  // m^3 in which a false contact may lie
 constexpr double kWidestNormal = 0.6;  // rad
 
-/// Of the doubt about the noise: the chance of each contact that its normal strays. Next to edges
-/// and in corners the point's noise takes the normal from one face to another.
-constexpr double kStrayShare = 0.125;
+/// Of the noise scale's prior: the probability of each contact that its normal is an outlier. Next
+/// to edges and in corners the point's noise takes the normal from one face to another.
+constexpr double kOutlierShare = 0.125;
 
 /// Without a normal, in any direction: 1 / 4 pi, the limit of the von Mises-Fisher density.
 double peak_normal_density(double sn) {
@@ -25,7 +25,7 @@ double peak_normal_density(double sn) {
   return 1 / (2 * pi * sn * sn * (1 - std::exp(-2 / (sn * sn))));
 }
 
-/// A wider normal than kWidestNormal tells no more, but an infinite one tells nothing.
+/// A wider normal than kWidestNormal is no less informative, but an infinite one carries nothing.
 double informative_sigma(double normal_sigma) {
   return std::isinf(normal_sigma) ? normal_sigma : std::min(normal_sigma, kWidestNormal);
 }
@@ -47,18 +47,18 @@ double peak_contact_density(double area, double point_sigma, double normal_sigma
 }
 
 NoiseLevels make_noise(const geometry::ObjectModel& model, const Evidence& evidence,
-                       const tactile::Contact& contact, const std::vector<Assumption>& levels,
+                       const tactile::Contact& contact, const std::vector<Hypothesis>& levels,
                        double scale) {
   const auto count = static_cast<Eigen::Index>(levels.size());
   const double area = evidence.contact_area.value_or(model.area());
   NoiseLevels noise{NoiseArray::Zero(count), NoiseArray::Zero(count), NoiseArray::Zero(count),
                     NoiseArray::Zero(count)};
   if (contact.has_normal()) {
-    noise.stray = static_cast<float>(kStrayShare * evidence.noise_scale_prior);
+    noise.outlier_share = static_cast<float>(kOutlierShare * evidence.noise_scale_prior);
   }
   double greatest = 0, min_half_point = kNoBound, min_normal = kNoBound;
   for (Eigen::Index j = 0; j < count; ++j) {
-    const Assumption& level = levels[static_cast<std::size_t>(j)];
+    const Hypothesis& level = levels[static_cast<std::size_t>(j)];
     const double sp = scale * level.point_noise * contact.point_sigma;
     const double sn = informative_sigma(scale * level.normal_noise * normal_sigma_of(contact));
     const double odds = true_to_false_odds(evidence.false_contact_share, area, sp, sn);

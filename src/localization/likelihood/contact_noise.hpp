@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "localization/likelihood/assumption.hpp"
+#include "localization/likelihood/hypothesis.hpp"
 #include "palpate/geometry/objects/object_model.hpp"
 #include "palpate/localization/evidence.hpp"
 
@@ -18,8 +18,8 @@ double normal_sigma_of(const tactile::Contact& contact);
 /// @param normal_sigma  rad; infinite: a normal in any direction
 double peak_contact_density(double area, double point_sigma, double normal_sigma);
 
-/// One value for each assumption, the first being that all is as stated.
-using NoiseArray = Eigen::Array<float, Eigen::Dynamic, 1, 0, kMaxAssumptions, 1>;
+/// One value for each hypothesis, the first being that all is as stated.
+using NoiseArray = Eigen::Array<float, Eigen::Dynamic, 1, 0, kMaxNoiseHypotheses, 1>;
 /// The noise of a contact at each level.
 struct NoiseLevels {
   NoiseArray half_point_precision, normal_precision;
@@ -28,12 +28,12 @@ struct NoiseLevels {
   float min_half_point_precision = 0, min_normal_precision = 0, max_curvature_widening = 0;
   float cap = 0, inverse_peak = 0;  // the greatest ln(1 + A), 1 / (1 + A)
   float stated_cap = 0;             // ln(1 + A) of the first
-  float stray = 0;                  // share of normals that stray
+  float outlier_share = 0;          // of normals
 };
 
 /// @param scale  by which all noise is multiplied
 NoiseLevels make_noise(const geometry::ObjectModel& model, const Evidence& evidence,
-                       const tactile::Contact& contact, const std::vector<Assumption>& levels,
+                       const tactile::Contact& contact, const std::vector<Hypothesis>& levels,
                        double scale);
 
 }  // namespace palpate::localization

@@ -20,7 +20,7 @@ constexpr float kMinProduct = 1e-18F;      // times the least factor still is a 
 constexpr float kOffsetReach = 3;          // standard deviations that an offset is within
 constexpr int kFitSteps = 2;               // of reweighting contacts for the offset
 
-constexpr float kStray = 9;  // times the variance of normals, there
+constexpr float kOutlierVariance = 9;  // times the variance of normals, there
 
 }  // namespace
 
@@ -41,7 +41,7 @@ ContactTerm::ContactTerm(const geometry::ObjectModel& model, const Evidence& evi
     }
     groups_.push_back(std::move(group));
   }
-  const std::vector<Assumption> levels = assumptions(evidence);
+  const std::vector<Hypothesis> levels = hypotheses(evidence);
   priors_.resize(static_cast<Eigen::Index>(levels.size()));
   growth_.resize(priors_.size());
   for (std::size_t j = 0; j < levels.size(); ++j) {
@@ -105,89 +105,96 @@ float ContactTerm::Product::energy(const Levels& priors) const {
 }
 
 ContactTerm::NormalFit ContactTerm::normal_fit(std::size_t k, float q) const {
-  const float stray = noise_[k].stray;
-  const float near = (1 - stray) * std::exp(-q);
-  const float far = stray / kStray * std::exp(-q / kStray);
+  const float outlier_share = noise_[k].outlier_share;
+  const float near = (1 - outlier_share) * std::exp(-q);
+  const float far = outlier_share / kOutlierVariance * std::exp(-q / kOutlierVariance);
   const float density = std::max(near + far, std::numeric_limits<float>::min());
-  return {density, stray > 0 ? (near + far / kStray) / density : 1};
+  return {density, outlier_share > 0 ? (near + far / kOutlierVariance) / density : 1};
 }
 
-ContactTerm::Felt ContactTerm::feel(const Datum& contact, const SearchPose& pose) const {
-  Felt felt;
+ContactTerm::Residual ContactTerm::residual_at(const Datum& contact, const SearchPose& pose) const {
+  Residual residual;
   const Eigen::Vector3f y = pose.R.transpose() * (contact.raised - pose.t);
   const auto sample = field_.at(y);
-  if (!sample) return felt;
-  felt.near = true;
-  felt.squared_curvature = sample->squared_curvature;
-  felt.away = sample->distance - contact.offset;
+  if (!sample) return residual;
+  residual.near = true;
+  residual.squared_curvature = sample->squared_curvature;
+  residual.distance = sample->distance - contact.offset;
   const float length = std::max(kShortestGradient, sample->gradient.norm());
-  felt.tilt = 1 - (pose.R.transpose() * contact.n).dot(sample->gradient) / length;
-  felt.swell = sample->distance - y.dot(sample->gradient) / length;
-  if (contact.reach > 0) felt.slope = contact.R_offset_frame * (pose.R * sample->gradient) / length;
-  return felt;
+  residual.normal = 1 - (pose.R.transpose() * contact.n).dot(sample->gradient) / length;
+  residual.scale_derivative = sample->distance - y.dot(sample->gradient) / length;
+  if (contact.reach > 0)
+    residual.slope = contact.R_offset_frame * (pose.R * sample->gradient) / length;
+  return residual;
 }
 
-std::vector<ContactTerm::Felt> ContactTerm::feel_all(const SearchPose& pose) const {
-  std::vector<Felt> felt;
-  felt.reserve(contacts_.size());
-  for (const Datum& contact : contacts_) felt.push_back(feel(contact, pose));
-  return felt;
+std::vector<ContactTerm::Residual> ContactTerm::residuals_at(const SearchPose& pose) const {
+  std::vector<Residual> residuals;
+  residuals.reserve(contacts_.size());
+  for (const Datum& contact : contacts_) residuals.push_back(residual_at(contact, pose));
+  return residuals;
 }
 
-ContactTerm::Levels ContactTerm::likelihood(std::size_t k, const Felt& felt, float slack) const {
+ContactTerm::Levels ContactTerm::likelihood(std::size_t k, const Residual& residual,
+                                            float slack) const {
   const Noise& noise = noise_[k];
-  const float min_away =
-      std::max(0.0F, std::abs(felt.away) - max_growth_ * std::abs(felt.swell) - slack);
-  const float min_q = min_away * min_away * noise.min_half_point_precision +
-                      felt.tilt * noise.min_normal_precision / kStray /
-                          (1 + noise.max_curvature_widening * felt.squared_curvature);
-  if (!felt.near || min_q > kHopeless) {
+  const float min_distance =
+      std::max(0.0F, std::abs(residual.distance) -
+                         max_growth_ * std::abs(residual.scale_derivative) - slack);
+  const float min_q = min_distance * min_distance * noise.min_half_point_precision +
+                      residual.normal * noise.min_normal_precision / kOutlierVariance /
+                          (1 + noise.max_curvature_widening * residual.squared_curvature);
+  if (!residual.near || min_q > kHopeless) {
     return Levels::Constant(growth_.size(), noise.inverse_peak);
   }
-  Levels away = felt.away + growth_ * felt.swell;
-  if (slack > 0) away = (away.abs() - slack).max(0.0F);
-  const Levels wider = 1 + noise.curvature_widening * felt.squared_curvature;
-  const Levels qn = felt.tilt * noise.normal_precision / wider;
-  const Levels normal =
-      (1 - noise.stray) * (-qn).exp() + noise.stray / kStray * (-qn / kStray).exp();
-  return (1 + noise.odds / wider * normal * (-away.square() * noise.half_point_precision).exp()) *
+  Levels distance = residual.distance + growth_ * residual.scale_derivative;
+  if (slack > 0) distance = (distance.abs() - slack).max(0.0F);
+  const Levels wider = 1 + noise.curvature_widening * residual.squared_curvature;
+  const Levels qn = residual.normal * noise.normal_precision / wider;
+  const Levels normal = (1 - noise.outlier_share) * (-qn).exp() +
+                        noise.outlier_share / kOutlierVariance * (-qn / kOutlierVariance).exp();
+  return (1 +
+          noise.odds / wider * normal * (-distance.square() * noise.half_point_precision).exp()) *
          noise.inverse_peak;
 }
 
 ContactTerm::Levels ContactTerm::likelihood(const CandidateSet& set, const SearchPose& pose) const {
   Levels sum = Levels::Constant(growth_.size(), set.inverse_peak);
   for (const std::size_t k : set.members) {
-    sum += likelihood(k, feel(contacts_[k], pose), 0) - set.inverse_peak;
+    sum += likelihood(k, residual_at(contacts_[k], pose), 0) - set.inverse_peak;
   }
   return sum;
 }
 
-float ContactTerm::odds(std::size_t k, const Felt& felt, float away, Eigen::Index level) const {
-  const LevelNoise noise = noise_at(k, level, felt.squared_curvature);
-  const float q = away * away * noise.half_point_precision;
-  if (!felt.near || q >= kHopeless) return 0;
-  return noise.odds * std::exp(-q) * normal_fit(k, felt.tilt * noise.normal_precision).density;
+float ContactTerm::odds(std::size_t k, const Residual& residual, float distance,
+                        Eigen::Index level) const {
+  const LevelNoise noise = noise_at(k, level, residual.squared_curvature);
+  const float q = distance * distance * noise.half_point_precision;
+  if (!residual.near || q >= kHopeless) return 0;
+  return noise.odds * std::exp(-q) *
+         normal_fit(k, residual.normal * noise.normal_precision).density;
 }
 
-float ContactTerm::odds(const CandidateSet& set, const std::vector<Felt>& felt,
+float ContactTerm::odds(const CandidateSet& set, const std::vector<Residual>& residuals,
                         Eigen::Index level) const {
   float sum = 0;
-  for (const std::size_t k : set.members) sum += odds(k, felt[k], away_at(felt[k], level), level);
+  for (const std::size_t k : set.members)
+    sum += odds(k, residuals[k], distance_at(residuals[k], level), level);
   return sum;
 }
 
-float ContactTerm::contact_energy(std::size_t k, const Felt& felt, float away,
+float ContactTerm::contact_energy(std::size_t k, const Residual& residual, float distance,
                                   Eigen::Index level) const {
-  return noise_[k].cap - std::log1p(odds(k, felt, away, level));
+  return noise_[k].cap - std::log1p(odds(k, residual, distance, level));
 }
 
 float ContactTerm::contact_energy(std::size_t k, const SearchPose& pose) const {
-  const Felt felt = feel(contacts_[k], pose);
-  return noise_[k].stated_cap - noise_[k].cap + contact_energy(k, felt, felt.away, 0);
+  const Residual residual = residual_at(contacts_[k], pose);
+  return noise_[k].stated_cap - noise_[k].cap + contact_energy(k, residual, residual.distance, 0);
 }
 
 /// Reweighted least squares. The first weights bear with a contact as far off as the offset may be.
-ContactTerm::Fit ContactTerm::fit(const Group& group, const std::vector<Felt>& felt,
+ContactTerm::Fit ContactTerm::fit(const Group& group, const std::vector<Residual>& residuals,
                                   Eigen::Index level) const {
   Fit fit;
   const float variance = 1 / group.precision;
@@ -195,18 +202,18 @@ ContactTerm::Fit ContactTerm::fit(const Group& group, const std::vector<Felt>& f
     Eigen::Matrix3f H = group.precision * Eigen::Matrix3f::Identity();
     Eigen::Vector3f g = Eigen::Vector3f::Zero();
     for (const std::size_t k : group.members) {
-      if (!felt[k].near) continue;
-      const LevelNoise noise = noise_at(k, level, felt[k].squared_curvature);
+      if (!residuals[k].near) continue;
+      const LevelNoise noise = noise_at(k, level, residuals[k].squared_curvature);
       const float precision = 2 * noise.half_point_precision;
-      const float away = away_at(felt[k], level) + felt[k].slope.dot(fit.offset);
+      const float distance = distance_at(residuals[k], level) + residuals[k].slope.dot(fit.offset);
       const float patience = step == 0 ? 1 + variance * precision : 1;
-      const float q = away * away * noise.half_point_precision / patience;
+      const float q = distance * distance * noise.half_point_precision / patience;
       if (q >= kHopeless) continue;
-      const float normal = normal_fit(k, felt[k].tilt * noise.normal_precision).density;
+      const float normal = normal_fit(k, residuals[k].normal * noise.normal_precision).density;
       const float odds = noise.odds * std::exp(-q) * normal;
       const float weight = odds / (1 + odds) * precision;
-      H.noalias() += weight * felt[k].slope * felt[k].slope.transpose();
-      g += weight * away_at(felt[k], level) * felt[k].slope;
+      H.noalias() += weight * residuals[k].slope * residuals[k].slope.transpose();
+      g += weight * distance_at(residuals[k], level) * residuals[k].slope;
     }
     fit.information = H;
     fit.offset = -H.inverse() * g;
@@ -214,41 +221,42 @@ ContactTerm::Fit ContactTerm::fit(const Group& group, const std::vector<Felt>& f
   return fit;
 }
 
-float ContactTerm::group_energy(const Group& group, const std::vector<Felt>& felt,
+float ContactTerm::group_energy(const Group& group, const std::vector<Residual>& residuals,
                                 Eigen::Index level) const {
-  const Fit best = fit(group, felt, level);
+  const Fit best = fit(group, residuals, level);
   float sum = 0.5F * group.precision * best.offset.squaredNorm() +
               0.5F * std::log(best.information.determinant() / std::pow(group.precision, 3.0F));
   for (const std::size_t k : group.members) {
-    sum +=
-        contact_energy(k, felt[k], away_at(felt[k], level) + felt[k].slope.dot(best.offset), level);
+    sum += contact_energy(k, residuals[k],
+                          distance_at(residuals[k], level) + residuals[k].slope.dot(best.offset),
+                          level);
   }
   return sum;
 }
 
 ContactTerm::Levels ContactTerm::level_energies(const Product& alone,
-                                                const std::vector<Felt>& felt) const {
+                                                const std::vector<Residual>& residuals) const {
   Levels sums = -priors_.log() - alone.likelihood.log() - alone.log_scale;
   for (const Group& group : groups_) {
-    for (Eigen::Index j = 0; j < sums.size(); ++j) sums[j] += group_energy(group, felt, j);
+    for (Eigen::Index j = 0; j < sums.size(); ++j) sums[j] += group_energy(group, residuals, j);
   }
   return sums;
 }
 
 float ContactTerm::energy(const SearchPose& pose, float bound) const {
   Product alone{Levels::Ones(growth_.size())};
-  std::vector<Felt> sharing;
+  std::vector<Residual> sharing;
   if (!groups_.empty()) sharing.resize(contacts_.size());
   Product least = alone;  // with contacts as near as their offset may bring them
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
     if (is_candidate(k)) continue;
-    const Felt felt = feel(contacts_[k], pose);
-    const Levels factor = likelihood(k, felt, contacts_[k].reach * felt.slope.norm());
+    const Residual residual = residual_at(contacts_[k], pose);
+    const Levels factor = likelihood(k, residual, contacts_[k].reach * residual.slope.norm());
     least.multiply(factor);
     if (const float sum = least.energy(priors_); sum > bound) return sum;
     if (groups_.empty()) continue;
     if (shares(k)) {
-      sharing[k] = felt;
+      sharing[k] = residual;
     } else {
       alone.multiply(factor);
     }
@@ -266,54 +274,54 @@ float ContactTerm::energy(const SearchPose& pose, float bound) const {
 }
 
 Eigen::Index ContactTerm::likeliest_level(const SearchPose& pose,
-                                          const std::vector<Felt>& felt) const {
+                                          const std::vector<Residual>& residuals) const {
   Product alone{Levels::Ones(growth_.size())};
-  for (std::size_t k = 0; k < felt.size(); ++k) {
-    if (!shares(k) && !is_candidate(k)) alone.multiply(likelihood(k, felt[k], 0));
+  for (std::size_t k = 0; k < residuals.size(); ++k) {
+    if (!shares(k) && !is_candidate(k)) alone.multiply(likelihood(k, residuals[k], 0));
   }
   for (const CandidateSet& set : sets_) alone.multiply(likelihood(set, pose));
   Eigen::Index best = 0;
-  level_energies(alone, felt).minCoeff(&best);
+  level_energies(alone, residuals).minCoeff(&best);
   return best;
 }
 
-std::vector<float> ContactTerm::away_at_best(const std::vector<Felt>& felt,
-                                             Eigen::Index level) const {
-  std::vector<float> away;
-  for (const Felt& contact : felt) away.push_back(away_at(contact, level));
+std::vector<float> ContactTerm::distances_at_best(const std::vector<Residual>& residuals,
+                                                  Eigen::Index level) const {
+  std::vector<float> distances;
+  for (const Residual& residual : residuals) distances.push_back(distance_at(residual, level));
   for (const Group& group : groups_) {
-    const Eigen::Vector3f offset = fit(group, felt, level).offset;
-    for (const std::size_t k : group.members) away[k] += felt[k].slope.dot(offset);
+    const Eigen::Vector3f offset = fit(group, residuals, level).offset;
+    for (const std::size_t k : group.members) distances[k] += residuals[k].slope.dot(offset);
   }
-  return away;
+  return distances;
 }
 
 void ContactTerm::linearize(const SearchPose& pose, NormalEquations& equations) const {
-  const std::vector<Felt> felt = feel_all(pose);
-  const Eigen::Index level = likeliest_level(pose, felt);
-  const std::vector<float> away = away_at_best(felt, level);
+  const std::vector<Residual> residuals = residuals_at(pose);
+  const Eigen::Index level = likeliest_level(pose, residuals);
+  const std::vector<float> distances = distances_at_best(residuals, level);
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
     if (shares(k)) continue;
     float others = 0;
     if (is_candidate(k)) {
-      others = odds(sets_[static_cast<std::size_t>(contacts_[k].set)], felt, level) -
-               odds(k, felt[k], away[k], level);
+      others = odds(sets_[static_cast<std::size_t>(contacts_[k].set)], residuals, level) -
+               odds(k, residuals[k], distances[k], level);
     }
-    const auto contact = linearized(k, pose, away[k], level, others);
+    const auto contact = linearized(k, pose, distances[k], level, others);
     if (contact) equations.add(contact->J, contact->r, contact->weight);
   }
   for (const Group& group : groups_) {  // the offset is eliminated by its Schur complement
     Eigen::Matrix3d H = Eigen::Matrix3d::Identity() * static_cast<double>(group.precision);
     Eigen::Vector3d g =
-        static_cast<double>(group.precision) * fit(group, felt, level).offset.cast<double>();
+        static_cast<double>(group.precision) * fit(group, residuals, level).offset.cast<double>();
     Eigen::Matrix<double, 6, 3> across = Eigen::Matrix<double, 6, 3>::Zero();
     for (const std::size_t k : group.members) {
-      const auto contact = linearized(k, pose, away[k], level);
+      const auto contact = linearized(k, pose, distances[k], level);
       if (!contact) continue;
       equations.add(contact->J, contact->r, contact->weight);
       const double scale =
           std::sqrt(2 * static_cast<double>(noise_[k].half_point_precision[level]));
-      const Eigen::Vector3d slope = scale * felt[k].slope.cast<double>();
+      const Eigen::Vector3d slope = scale * residuals[k].slope.cast<double>();
       H += contact->weight * slope * slope.transpose();
       g += contact->weight * contact->r[0] * slope;
       across += contact->weight * contact->J.row(0).transpose() * slope.transpose();
@@ -325,8 +333,8 @@ void ContactTerm::linearize(const SearchPose& pose, NormalEquations& equations) 
 }
 
 std::optional<ContactTerm::Linearized> ContactTerm::linearized(std::size_t k,
-                                                               const SearchPose& pose, float away,
-                                                               Eigen::Index level,
+                                                               const SearchPose& pose,
+                                                               float distance, Eigen::Index level,
                                                                float others) const {
   const Datum& contact = contacts_[k];
   const Eigen::Vector3f arm = contact.raised - pose.t;
@@ -353,7 +361,7 @@ std::optional<ContactTerm::Linearized> ContactTerm::linearized(std::size_t k,
   J.bottomLeftCorner<3, 3>() -=
       normal_scale * to_object * skew(contact.n.cast<double>()).cast<float>();
   Eigen::Vector4f r;
-  r << point_scale * away, normal_scale * (m - n);
+  r << point_scale * distance, normal_scale * (m - n);
   const double q = static_cast<double>(0.5F * r[0] * r[0] - std::log(normal.density));
   const double odds = static_cast<double>(noise.odds) * std::exp(-q);
   const double rest = 1 + static_cast<double>(others);
@@ -376,14 +384,14 @@ float ContactTerm::misfit(const SearchPose& pose) const {
 }
 
 int ContactTerm::unexplained(const SearchPose& pose) const {
-  const std::vector<Felt> felt = feel_all(pose);
-  const Eigen::Index level = likeliest_level(pose, felt);
-  const std::vector<float> away = away_at_best(felt, level);
+  const std::vector<Residual> residuals = residuals_at(pose);
+  const Eigen::Index level = likeliest_level(pose, residuals);
+  const std::vector<float> distances = distances_at_best(residuals, level);
   int count = 0;
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
-    count += !is_candidate(k) && odds(k, felt[k], away[k], level) < 1;
+    count += !is_candidate(k) && odds(k, residuals[k], distances[k], level) < 1;
   }
-  for (const CandidateSet& set : sets_) count += odds(set, felt, level) < 1;
+  for (const CandidateSet& set : sets_) count += odds(set, residuals, level) < 1;
   return count;
 }
 

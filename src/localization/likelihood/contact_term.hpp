@@ -17,14 +17,15 @@ namespace palpate::localization {
 /// surface of curvature c besides: sn^2 + c^2 sp^2 in the place of sn^2. E = ln[(1 + A) / (1 + A
 /// e^-q)], where A = (1 - eps) / eps p_true(q = 0) / p_false, a false contact being uniform over a
 /// litre and all directions. `scale` multiplies the noise. Of the true contacts a share s, by the
-/// doubt about the noise, has a normal that strays, sn^2 being nine times as large: e^-q is a
-/// mixture of both. A contact without a normal is compared at the surface itself (d = 0) and has no
-/// second term. Of a group of m candidates the odds A e^-q are averaged: 1 + sum A e^-q / m.
+/// prior of the noise's scale, has a normal that is an outlier, sn^2 being nine times as large:
+/// e^-q is a mixture of both. A contact without a normal is compared at the surface itself (d = 0)
+/// and has no second term. Of a group of m candidates the odds A e^-q are averaged: 1 + sum A e^-q
+/// / m.
 ///
 /// An offset b ~ N(0, so^2 I) that contacts share makes it a_k + m_k.b, and is integrated out by
 /// Laplace's method: E = sum E_k(b*) + |b*|^2 / 2 so^2 + ln det(I + so^2 sum w_k m_k m_k' / sp^2) /
 /// 2, w_k being the probability that the contact is a true one.
-/// The likelihood is a mixture over assumptions that are the same for all contacts: the noise is
+/// The likelihood is a mixture over hypotheses that are the same for all contacts: the noise is
 /// that stated or another one, the object as large as its mesh or larger by g. The latter makes
 /// a_k + g (phi - y.grad phi) of it, as a field phi(y / (1 + g)) (1 + g) is to first order.
 class ContactTerm : public EvidenceTerm {
@@ -71,8 +72,8 @@ class ContactTerm : public EvidenceTerm {
   struct LevelNoise {
     float half_point_precision, normal_precision, odds;
   };
-  /// How a contact's normal fits: its density, relative to the peak of those that do not stray, and
-  /// precision, relative to theirs.
+  /// How a contact's normal fits: its density, relative to the peak of those that are no outliers,
+  /// and precision, relative to theirs.
   struct NormalFit {
     float density, precision;
   };
@@ -82,10 +83,10 @@ class ContactTerm : public EvidenceTerm {
     std::vector<std::size_t> members;
   };
   /// A contact as it lies at a pose.
-  struct Felt {
-    float away = 0, tilt = 0;                         // a, 1 - n.m
-    float swell = 0;                                  // change of `away` by the object's growth
-    Eigen::Vector3f slope = Eigen::Vector3f::Zero();  // of `away` by the offset
+  struct Residual {
+    float distance = 0, normal = 0;                   // a, 1 - n.m
+    float scale_derivative = 0;                       // of `distance` by the object's growth
+    Eigen::Vector3f slope = Eigen::Vector3f::Zero();  // of `distance` by the offset
     float squared_curvature = 0;                      // of the surface, 1/m^2
     bool near = false;                                // within reach of the distance field
   };
@@ -108,7 +109,8 @@ class ContactTerm : public EvidenceTerm {
     float energy(const Levels& priors) const;
   };
 
-  /// Candidates of which at least one touches, and the noise of the one that would tell most.
+  /// Candidates of which at least one touches, and the noise of the one that would be the most
+  /// informative.
   struct CandidateSet {
     std::vector<std::size_t> members;
     float cap = 0, inverse_peak = 0, stated_cap = 0;
@@ -125,29 +127,35 @@ class ContactTerm : public EvidenceTerm {
   }
   /// @param q  (1 - n.m) / sn^2
   NormalFit normal_fit(std::size_t contact, float q) const;
-  Felt feel(const Datum& contact, const SearchPose& pose) const;
-  std::vector<Felt> feel_all(const SearchPose& pose) const;
-  float away_at(const Felt& felt, Eigen::Index level) const {
-    return felt.away + growth_[level] * felt.swell;
+  Residual residual_at(const Datum& contact, const SearchPose& pose) const;
+  std::vector<Residual> residuals_at(const SearchPose& pose) const;
+  float distance_at(const Residual& residual, Eigen::Index level) const {
+    return residual.distance + growth_[level] * residual.scale_derivative;
   }
   /// Likelihood of a contact at every level, at most 1; `slack` nearer than it lies.
-  Levels likelihood(std::size_t contact, const Felt& felt, float slack) const;
+  Levels likelihood(std::size_t contact, const Residual& residual, float slack) const;
   /// The same of a set.
   Levels likelihood(const CandidateSet& set, const SearchPose& pose) const;
   /// Odds that a contact is a true one, A e^-q.
-  float odds(std::size_t contact, const Felt& felt, float away, Eigen::Index level) const;
-  float contact_energy(std::size_t contact, const Felt& felt, float away, Eigen::Index level) const;
+  float odds(std::size_t contact, const Residual& residual, float distance,
+             Eigen::Index level) const;
+  float contact_energy(std::size_t contact, const Residual& residual, float distance,
+                       Eigen::Index level) const;
   /// Odds that some candidate of a set is a true contact, sum of A e^-q.
-  float odds(const CandidateSet& set, const std::vector<Felt>& felt, Eigen::Index level) const;
-  Fit fit(const Group& group, const std::vector<Felt>& felt, Eigen::Index level) const;
-  float group_energy(const Group& group, const std::vector<Felt>& felt, Eigen::Index level) const;
+  float odds(const CandidateSet& set, const std::vector<Residual>& residuals,
+             Eigen::Index level) const;
+  Fit fit(const Group& group, const std::vector<Residual>& residuals, Eigen::Index level) const;
+  float group_energy(const Group& group, const std::vector<Residual>& residuals,
+                     Eigen::Index level) const;
   /// Of all contacts, given the product of those that share no offset.
-  Levels level_energies(const Product& alone, const std::vector<Felt>& felt) const;
-  Eigen::Index likeliest_level(const SearchPose& pose, const std::vector<Felt>& felt) const;
+  Levels level_energies(const Product& alone, const std::vector<Residual>& residuals) const;
+  Eigen::Index likeliest_level(const SearchPose& pose,
+                               const std::vector<Residual>& residuals) const;
   /// Of every contact, displaced by the offset that fits best.
-  std::vector<float> away_at_best(const std::vector<Felt>& felt, Eigen::Index level) const;
+  std::vector<float> distances_at_best(const std::vector<Residual>& residuals,
+                                       Eigen::Index level) const;
   /// @param others  odds of the other candidates of its set
-  std::optional<Linearized> linearized(std::size_t contact, const SearchPose& pose, float away,
+  std::optional<Linearized> linearized(std::size_t contact, const SearchPose& pose, float distance,
                                        Eigen::Index level, float others = 0) const;
 
   const geometry::DistanceField& field_;

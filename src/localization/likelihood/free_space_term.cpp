@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "localization/likelihood/assumption.hpp"
+#include "localization/likelihood/hypothesis.hpp"
 
 namespace palpate::localization {
 namespace {
@@ -54,7 +54,7 @@ double depth_variance(const Evidence& evidence, double scale) {
 /// Of the object's relative growth, as far as it is taken into account.
 double growth_variance(const Evidence& evidence) {
   double variance = 0;
-  for (const Assumption& a : assumptions(evidence)) variance += a.share * a.growth * a.growth;
+  for (const Hypothesis& a : hypotheses(evidence)) variance += a.share * a.growth * a.growth;
   return variance;
 }
 

@@ -11,7 +11,7 @@
 namespace palpate::localization {
 
 /// Balls the object keeps out of: sum of max(0, r - phi(R'(c - t)))^2 / 2 (scale sigma)^2. Enlarged
-/// noise makes neighbours tell the same, so that only some are looked at then, the most spread.
+/// noise makes neighbours redundant, so that only some are looked at then, the most spread.
 class FreeSpaceTerm : public EvidenceTerm {
  public:
   struct Ball {

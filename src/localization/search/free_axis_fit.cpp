@@ -14,7 +14,7 @@ namespace {
 
 using std::numbers::pi;
 
-constexpr double kMinTurn = 10 * kDegree;  // between two poses that shall tell an axis
+constexpr double kMinTurn = 10 * kDegree;  // between two poses that determine an axis
 constexpr double kMaxTurn = 120 * kDegree;
 constexpr double kWidestGap = 12 * kDegree;  // between neighbours of one arc
 constexpr double kMinExtent = 15 * kDegree;  // shorter arcs are left to a few balls

@@ -133,7 +133,8 @@ class TableProposal : public Proposal {
   float log_peak_;
 };
 
-/// The prior's mixture and, lest it be wrong, a share of some other proposal (which may be none).
+/// The prior's mixture and, in case it is wrong, a share of some other proposal (which may be
+/// none).
 class PriorProposal : public Proposal {
  public:
   PriorProposal(const PosePrior& prior, std::unique_ptr<Proposal> elsewhere)

@@ -29,9 +29,9 @@ Approach approach_above_table(RandomStream& random) {
     direction = random.unit_vector();
     direction.z() = -std::abs(direction.z());
   } while (direction.z() > -kFlattest);
-  Eigen::Vector3d aim = 0.01 * random.normal3();
-  aim.z() = random.uniform(0.02, 0.09);
-  return {direction, aim, random.uniform(0, 2 * pi)};
+  Eigen::Vector3d target = 0.01 * random.normal3();
+  target.z() = random.uniform(0.02, 0.09);
+  return {direction, target, random.uniform(0, 2 * pi)};
 }
 
 Eigen::Isometry3d random_pose(RandomStream& random) {
@@ -63,10 +63,10 @@ void add_grasp(const SceneGrasp& grasp, const SceneEvidenceOptions& options, Ran
   const std::size_t first_ball = evidence.free_space.size();
   for (const auto& contact : grasp.contacts) {
     if (static_cast<int>(evidence.contacts.size()) == options.contacts) break;
-    auto felt = disturbed(contact, options.point_noise, options.normal_noise, random);
-    felt.point_sigma *= options.assumed_noise;
-    felt.normal_sigma *= options.assumed_noise;
-    evidence.contacts.push_back(felt);
+    auto sensed = disturbed(contact, options.point_noise, options.normal_noise, random);
+    sensed.point_sigma *= options.assumed_noise;
+    sensed.normal_sigma *= options.assumed_noise;
+    evidence.contacts.push_back(sensed);
   }
   CommonModeBias offset;
   offset.sigma = options.assumed_offset / std::sqrt(3.0);

@@ -101,7 +101,7 @@ bool KinematicGrasp::approached(const Approach& approach, Posture& posture,
       std::cos(approach.roll) * around.col(0) + std::sin(approach.roll) * around.col(1);
   Eigen::Matrix3d R;  // the palm faces -y
   R << (-approach.direction).cross(z), -approach.direction, z;
-  const Eigen::Vector3d start = approach.aim - R * Eigen::Vector3d(0, 0, kGraspCentre);
+  const Eigen::Vector3d start = approach.target - R * Eigen::Vector3d(0, 0, kGraspCentre);
   posture.T_world_palm.linear() = R;
   posture.T_world_palm.translation() = start;
   const auto at_start = balls(posture);

@@ -9,9 +9,9 @@
 
 namespace palpate::localization {
 
-/// How the open hand comes: along `direction` towards `aim`, turned by `roll` about it.
+/// How the open hand comes: along `direction` towards `target`, turned by `roll` about it.
 struct Approach {
-  Eigen::Vector3d direction, aim;
+  Eigen::Vector3d direction, target;
   double roll;
 };
 

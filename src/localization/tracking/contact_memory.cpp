@@ -92,9 +92,9 @@ std::vector<tactile::Contact> mean_contacts(const ContactFrames& frames,
     mean.n.normalize();
     double variance = variance_of_mean(tips.size(), errors);
     if (const tactile::Contact* known = same_tip(before.mean, i, last[i])) {
-      const std::size_t felt = before.frames[static_cast<std::size_t>(known - before.mean.data())];
-      const double covariance = covariance_of_means(felt, tips.size(), errors);
-      const double share = covariance / variance_of_mean(felt, errors);
+      const std::size_t seen = before.frames[static_cast<std::size_t>(known - before.mean.data())];
+      const double covariance = covariance_of_means(seen, tips.size(), errors);
+      const double share = covariance / variance_of_mean(seen, errors);
       mean.p -= share * known->p;
       if (mean.has_normal()) mean.n = (mean.n - share * known->n).normalized();
       variance = std::max(kMinVariance, variance - share * covariance);

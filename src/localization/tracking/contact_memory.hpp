@@ -25,10 +25,10 @@ double variance_of_mean(std::size_t count, const LastingErrors& errors);
 double covariance_of_means(std::size_t before, std::size_t count, const LastingErrors& errors);
 
 /// What is known of the contacts' errors: `p` and `n` of each is the mean over some frames of what
-/// was felt, less what the pose known then says.
+/// was sensed, less what the pose known then predicts.
 struct KnownErrors {
   std::vector<tactile::Contact> mean;
-  std::vector<std::size_t> frames;  ///< in which each was felt
+  std::vector<std::size_t> frames;  ///< in which each was sensed
 };
 
 /// Off the surface, and off its normal.

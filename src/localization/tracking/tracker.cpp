@@ -10,7 +10,7 @@
 
 #include "localization/likelihood/check_evidence.hpp"
 #include "localization/likelihood/contact_term.hpp"
-#include "localization/likelihood/verdict.hpp"
+#include "localization/likelihood/goodness_of_fit.hpp"
 #include "localization/search/pose_family.hpp"
 #include "localization/tracking/contact_memory.hpp"
 #include "palpate/core/error.hpp"
@@ -26,7 +26,7 @@ constexpr double kLearningTime = 0.5;              // s over which sliding is av
 constexpr double kDrift = 1e-4;                    // variance a second, rad^2 and (dm)^2
 constexpr double kMinSliding = 0.05;               // share of the velocities' variance
 constexpr std::size_t kRecent = 3, kBefore = 25, kSettling = 12;  // frames compared for a slip
-constexpr std::size_t kSlipped = 2;     // of the recent ones were surely felt after it
+constexpr std::size_t kSlipped = 2;     // of the recent ones were surely sensed after it
 constexpr std::ptrdiff_t kLearnt = 20;  // frames before it, whose errors are learnt
 constexpr std::size_t kMaxFrames = 50;  // that are remembered
 constexpr double kLoss = 12;            // of ln weight at which a hypothesis is dropped
@@ -79,7 +79,11 @@ Tracker::Tracker(const geometry::ObjectModel& model, const Posterior& start,
       options_(options),
       random_(random),
       velocity_variance_(std::pow(options.sliding, 2) / 2 + std::pow(options.velocity_noise, 2)) {
-  if (start.modes.empty()) throw BadInput("tracker: a posterior of 0 modes to start from");
+  if (std::ranges::none_of(start.modes, [](const Mode& mode) { return mode.weight > 0; })) {
+    throw BadInput(fmt::format(
+        "tracker: a posterior of {} modes to start from, none of which has a weight above 0",
+        start.modes.size()));
+  }
   for (const Mode& mode : start.modes) {
     if (mode.weight <= 0 || hypotheses_.size() == kMaxHypotheses) continue;
     Matrix6d covariance = mode.covariance;
@@ -120,7 +124,7 @@ void Tracker::predict(const TrackFrame& frame, double dt, Hypothesis& hypothesis
       dt * kDrift * (Vector6d() << 1, 1, 1, 0.01, 0.01, 0.01).finished().array();
 }
 
-/// What the velocities leave unexplained by a rigid motion tells how much the fingertips slide.
+/// What the velocities leave unexplained by a rigid motion shows how much the fingertips slide.
 void Tracker::learn_sliding(const TrackFrame& frame, double dt) {
   const auto freedom = 3 * static_cast<double>(frame.contacts.size()) - 6;
   if (freedom < 3) return;
@@ -219,7 +223,7 @@ void Tracker::remember(const TrackFrame& frame, const Eigen::Isometry3d& motion)
   if (recent_.size() > kMaxFrames) recent_.erase(recent_.begin());
 }
 
-/// All hypotheses again: those before the slip, corrected by the mean of what was felt since, from
+/// All hypotheses again: those before the slip, corrected by the mean of the contacts since, from
 /// where they are, from poses about them, and from what the last frame has found.
 void Tracker::search_slip(const Evidence& evidence, double dt) {
   const double watched = recent_.back().front().time - recent_.front().front().time;

@@ -17,4 +17,14 @@ inline constexpr int kExactContactUserData = 1;
 /// the entry for capsules and meshes by one that looks for the collider in the geom's user data.
 void use_exact_surface(mjModel& model, int geom, const geometry::CapsuleCollider& collider);
 
+/// Index of the user data that a fingertip's hull is kept in.
+inline constexpr int kTipHullUserData = 2;
+
+/// Makes the solver meet exact surfaces, and planes, with the rounded hull in the frame of the
+/// geom's body instead of with the mesh geom. The hull must outlive the model.
+void use_tip_hull(mjModel& model, int geom, const geometry::RoundedHull& hull);
+
+/// Null for a geom without.
+const geometry::RoundedHull* tip_hull_of(const mjModel& model, int geom);
+
 }  // namespace palpate::simulation

@@ -8,6 +8,8 @@
 #include <span>
 #include <vector>
 
+#include "simulation/contact/exact_contact.hpp"
+
 namespace palpate::simulation {
 namespace {
 
@@ -52,11 +54,12 @@ std::vector<Eigen::Vector3d> low_vertices(const mjModel& model, int geom,
 
 /// Those that bear the body when it leans a little towards any of several sides, fixed to the body.
 std::vector<Eigen::Vector3d> bearing_vertices(const std::vector<Eigen::Vector3d>& low,
-                                              const Eigen::Matrix3d& R_plane_mesh) {
+                                              const Eigen::Matrix3d& R_plane_mesh,
+                                              int sides = kMaxContacts) {
   const double heading = std::atan2(R_plane_mesh(1, 0), R_plane_mesh(0, 0));
   std::vector<std::size_t> chosen;
-  for (int side = 0; side < kMaxContacts; ++side) {
-    const double angle = heading + 2 * std::numbers::pi * side / kMaxContacts;
+  for (int side = 0; side < sides; ++side) {
+    const double angle = heading + 2 * std::numbers::pi * side / sides;
     const Eigen::Vector3d down(kTilt * std::cos(angle), kTilt * std::sin(angle), -1);
     const auto lowest =
         std::ranges::max_element(low, {}, [&](const Eigen::Vector3d& p) { return down.dot(p); });
@@ -77,10 +80,31 @@ mjPreContact to_solver(const Eigen::Vector3d& p, const Eigen::Isometry3d& T_worl
   return contact;
 }
 
+/// Contacts of a plane with a fingertip: below the lowest corners of its core.
+int meet_tip(const mjModel& model, const mjData& data, mjPreContact* contacts, int plane, int tip,
+             const geometry::RoundedHull& hull, double margin) {
+  const Eigen::Isometry3d T_world_plane = geom_pose(data, plane);
+  const Eigen::Isometry3d T_plane_tip =
+      T_world_plane.inverse() * body_pose(data, model.geom_bodyid[tip]);
+  std::vector<Eigen::Vector3d> low;
+  for (const auto& corner : hull.corners()) {
+    const Eigen::Vector3d p = T_plane_tip * corner.p - hull.radius() * Eigen::Vector3d::UnitZ();
+    if (p.z() < margin) low.push_back(p);
+  }
+  if (low.size() > kContactsOfAGeom) {
+    low = bearing_vertices(low, T_plane_tip.linear(), kContactsOfAGeom);
+  }
+  std::ranges::transform(low, contacts, [&](const auto& p) { return to_solver(p, T_world_plane); });
+  return static_cast<int>(low.size());
+}
+
 /// The simulator's interface: contacts of a plane with a mesh, normals from the first to the
 /// second.
 int meet_hull(const mjModel* model, mjData* data, mjPreContact* contacts, int plane, int mesh,
               mjtNum margin) noexcept {
+  if (const auto* hull = tip_hull_of(*model, mesh)) {
+    return meet_tip(*model, *data, contacts, plane, mesh, *hull, margin);
+  }
   const int share = share_of(*model, mesh);
   if (share < 0) {
     return meet_few_vertices(model, data, contacts, plane, mesh, margin);

@@ -68,6 +68,7 @@ class Describer {
     free_from_joints(*spec_, result_.hand.file.root);
     const ModelHandle model = compile(*spec_);
     check_masses(*model);
+    check_shapes(*model);
     refuse_closed_loops(*model);
     for (const std::string& tendon : tendons(*model)) {
       problem(fmt::format("tendon {} is left out", tendon),
@@ -79,6 +80,7 @@ class Describer {
     read_couplings(*model);
     add_drives(*model);
     measure(anatomy, *model);
+    check_size(hand());
     find_thumb();
     if (!ranges_tell_closing(hand())) set_closing();
     place_mount();
@@ -170,7 +172,7 @@ void Describer::read_fingers(const mjModel& model, const Anatomy& anatomy) {
     for (int body = chain.tip; body != jointed; body = model.body_parentid[body]) {
       T_jointed_tip = pose3(model.body_pos + 3 * body, model.body_quat + 4 * body) * T_jointed_tip;
     }
-    finger.tip = fit_tip(model, chain.tip, T_jointed_tip.inverse().translation());
+    fit_surface(model, chain.tip, T_jointed_tip.inverse().translation(), notes_.tip_shape, finger);
     hand().fingers.push_back(finger);
   }
 }
@@ -214,12 +216,12 @@ void Describer::add_drives(const mjModel& model) {
   }
 }
 
-/// Puts the capsules in and reads links, with the root at the mount.
+/// Puts the fingertips in and reads links, with the root at the mount.
 void Describer::measure(const Anatomy& anatomy, const mjModel& model) {
   for (int finger = 0; finger < hand().finger_count(); ++finger) {
     const Chain& chain = chains_[static_cast<std::size_t>(finger)];
     put_tip(*spec_, model_name(model, mjOBJ_BODY, chain.tip), tip_geom(hand(), finger),
-            hand().fingers[static_cast<std::size_t>(finger)].tip);
+            hand().fingers[static_cast<std::size_t>(finger)]);
   }
   place_root(*spec_, hand().file);
   const ModelHandle fitted = compile(*spec_);

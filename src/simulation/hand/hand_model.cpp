@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "palpate/core/error.hpp"
+#include "palpate/geometry/query/rounded_hull.hpp"
 #include "simulation/hand/hand_spec.hpp"
 #include "simulation/hand/tip_capsule.hpp"
 
@@ -18,6 +19,19 @@ constexpr double kThinnest = 0.003;       // m, half thickness below which a par
 constexpr double kMeshFill = 0.85;
 constexpr double kCornerRadius = 0.003;  // m, of the balls in corners
 constexpr double kCovered = 0.002;       // m that may stand out of the balls
+
+/// To the corners, the edges' middles and the faces of a cube.
+const std::vector<Eigen::Vector3d> kWays = [] {
+  std::vector<Eigen::Vector3d> ways;
+  for (const double x : {-1.0, 0.0, 1.0}) {
+    for (const double y : {-1.0, 0.0, 1.0}) {
+      for (const double z : {-1.0, 0.0, 1.0}) {
+        if (x != 0 || y != 0 || z != 0) ways.emplace_back(x, y, z);
+      }
+    }
+  }
+  return ways;
+}();
 
 std::string without_prefix(const hand::Description& hand, const std::string& name) {
   return name.starts_with(hand.file.prefix) ? name.substr(hand.file.prefix.size()) : name;
@@ -162,16 +176,28 @@ void add_corners(const mjModel& model, int geom, int link, std::vector<hand::Lin
   const std::vector<Eigen::Vector3d> points = geom_points(model, geom);
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
   for (const auto& p : points) middle += p / static_cast<double>(points.size());
-  for (const double x : {-1.0, 0.0, 1.0}) {
-    for (const double y : {-1.0, 0.0, 1.0}) {
-      for (const double z : {-1.0, 0.0, 1.0}) {
-        if (x == 0 && y == 0 && z == 0) continue;
-        const Eigen::Vector3d p = support(points, {x, y, z});
-        const double depth = (p - middle).norm();
-        if (depth < kCornerRadius || is_covered(spheres, link, p)) continue;
-        spheres.push_back({link, p - kCornerRadius / depth * (p - middle), kCornerRadius});
-      }
-    }
+  for (const Eigen::Vector3d& way : kWays) {
+    const Eigen::Vector3d p = support(points, way);
+    const double depth = (p - middle).norm();
+    if (depth < kCornerRadius || is_covered(spheres, link, p)) continue;
+    spheres.push_back({link, p - kCornerRadius / depth * (p - middle), kCornerRadius});
+  }
+}
+
+/// Balls within a fingertip's hull: along its middle as large as they can be, and in its corners.
+void add_hull(const hand::Finger& finger, std::vector<hand::LinkSphere>& spheres) {
+  constexpr int kAlong = 5;
+  const geometry::RoundedHull hull(finger.hull->core, finger.hull->radius);
+  for (int i = 0; i < kAlong; ++i) {
+    const double share = static_cast<double>(i) / (kAlong - 1);
+    const Eigen::Vector3d p = finger.tip.a + share * (finger.tip.b - finger.tip.a);
+    const double room = hull.radius() - hull.above_facets(p);
+    if (room > hull.radius()) spheres.push_back({finger.link, p, room});
+  }
+  for (const Eigen::Vector3d& way : kWays) {
+    const Eigen::Vector3d p = support(finger.hull->core, way);
+    if (is_covered(spheres, finger.link, p + hull.radius() * way.normalized())) continue;
+    spheres.push_back({finger.link, p, hull.radius()});
   }
 }
 
@@ -197,12 +223,17 @@ void read_links(const mjModel& model, int root, const std::string& palm, const J
   hand.palm = links[static_cast<std::size_t>(find_id(model, mjOBJ_BODY, palm))];
   for (std::size_t i = 0; i < tips.size(); ++i) {
     hand.fingers[i].link = links[static_cast<std::size_t>(model.geom_bodyid[tips[i]])];
-    hand.fingers[i].tip = read_tip(model, tips[i]);
+    if (!hand.fingers[i].hull) hand.fingers[i].tip = read_tip(model, tips[i]);
   }
   for (int geom = 0; geom < model.ngeom; ++geom) {
     const int body = model.geom_bodyid[geom];
     if (body < root || body >= end || model.geom_contype[geom] == 0) continue;
     const int link = links[static_cast<std::size_t>(body)];
+    const auto tip = std::ranges::find(tips, geom);
+    if (tip != tips.end() && hand.fingers[static_cast<std::size_t>(tip - tips.begin())].hull) {
+      add_hull(hand.fingers[static_cast<std::size_t>(tip - tips.begin())], hand.spheres);
+      continue;
+    }
     add_spheres(model, geom, link, hand.spheres);
     if (!hand.file.own_servos || link == 0) add_corners(model, geom, link, hand.spheres);
   }

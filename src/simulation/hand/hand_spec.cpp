@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "palpate/core/error.hpp"
+#include "palpate/geometry/query/rounded_hull.hpp"
 #include "simulation/world/warnings.hpp"
 
 namespace palpate::simulation {
@@ -37,6 +38,42 @@ void name_all(mjSpec& spec, mjtObj type, const char* kind) {
   }
 }
 
+void remove_all(mjSpec& spec, mjtObj type) {
+  while (mjsElement* element = mjs_firstElement(&spec, type)) mjs_delete(&spec, element);
+}
+
+/// A floor or a table of the file's own.
+void remove_surroundings(mjSpec& spec) {
+  mjsBody* world = mjs_findBody(&spec, "world");
+  while (mjsElement* geom = mjs_firstChild(world, mjOBJ_GEOM, 0)) mjs_delete(&spec, geom);
+}
+
+/// What is added to the model from now on is not of the file's own making. What is in it keeps the
+/// defaults that it was read with.
+void forget_defaults(mjSpec& spec) {
+  mjsDefault& defaults = *mjs_getSpecDefault(&spec);
+  mjs_defaultGeom(defaults.geom);
+  mjs_defaultJoint(defaults.joint);
+  mjs_defaultMesh(defaults.mesh);
+  mjs_defaultPair(defaults.pair);
+  mjs_defaultEquality(defaults.equality);
+  mjs_defaultTendon(defaults.tendon);
+  mjs_defaultActuator(defaults.actuator);
+}
+
+/// A file may ask for any amount of memory; nothing here needs what it asks for.
+void forget_sizes(mjSpec& spec) {
+  spec.memory = -1;
+  spec.njmax = spec.nconmax = -1;
+  spec.nstack = -1;
+  spec.nuserdata = 0;
+  for (int* numbers :
+       {&spec.nuser_body, &spec.nuser_jnt, &spec.nuser_geom, &spec.nuser_site, &spec.nuser_cam,
+        &spec.nuser_tendon, &spec.nuser_actuator, &spec.nuser_sensor}) {
+    *numbers = -1;  // as many as its elements have
+  }
+}
+
 /// How far the middle of a geom is from a point of its body.
 double distance_to(const mjsGeom& geom, const Eigen::Vector3d& p) {
   return (Eigen::Vector3d::Map(geom.pos) - p).norm();
@@ -47,6 +84,32 @@ Eigen::Vector4d orientation(const Eigen::Vector3d& axis) {
   if (axis.head<2>().isZero() && axis.z() >= 0) return {1, 0, 0, 0};
   const auto q = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), axis);
   return {q.w(), q.x(), q.y(), q.z()};
+}
+
+void become_capsule(mjsGeom& geom, const hand::TipCapsule& capsule) {
+  const Eigen::Vector3d axis = capsule.b - capsule.a;
+  geom.type = mjGEOM_CAPSULE;
+  mjs_setString(geom.meshname, "");
+  Eigen::Vector3d::Map(geom.size) << capsule.radius, 0.5 * axis.norm(), 0;
+  Eigen::Vector3d::Map(geom.pos) = 0.5 * (capsule.b + capsule.a);
+  Eigen::Vector4d::Map(geom.quat) = orientation(axis);
+}
+
+/// What meets other things than objects and tables is the polytope within the rounded edges.
+void become_hull(mjSpec& spec, mjsGeom& geom, const std::string& name, const hand::TipHull& hull) {
+  std::vector<float> vertices;
+  for (const auto& p : geometry::RoundedHull(hull.core, hull.radius).surface_points()) {
+    for (const double value : p) vertices.push_back(static_cast<float>(value));
+  }
+  const std::string asset = name + ".hull";  // the file may have a mesh of the geom's name
+  mjsMesh* mesh = mjs_addMesh(&spec, nullptr);
+  mjs_setName(mesh->element, asset.c_str());
+  mjs_setFloat(mesh->uservert, vertices.data(), static_cast<int>(vertices.size()));
+  Eigen::Vector3d::Map(mesh->scale).setOnes();
+  geom.type = mjGEOM_MESH;
+  mjs_setString(geom.meshname, asset.c_str());
+  Eigen::Vector3d::Map(geom.pos).setZero();
+  Eigen::Vector4d::Map(geom.quat) << 1, 0, 0, 0;
 }
 
 }  // namespace
@@ -86,6 +149,11 @@ SpecHandle parse_model(const std::filesystem::path& file, std::vector<std::strin
   }
   spec->compiler.fusestatic = 0;      // of a URDF: every link stays a body
   spec->compiler.balanceinertia = 1;  // those of drawings often break A + B >= C
+  remove_all(*spec, mjOBJ_KEY);       // of other numbers of joints than a scene's
+  remove_all(*spec, mjOBJ_SENSOR);    // of actuators that are replaced
+  remove_surroundings(*spec);
+  forget_defaults(*spec);
+  forget_sizes(*spec);
   name_all(*spec, mjOBJ_BODY, "body");
   name_all(*spec, mjOBJ_JOINT, "joint");
   return spec;
@@ -94,10 +162,12 @@ SpecHandle parse_model(const std::filesystem::path& file, std::vector<std::strin
 void place_root(mjSpec& spec, const hand::ModelFile& file) {
   mjsBody& root = find_body(spec, file.root);
   write_pose(file.T_mount_root, root.pos, root.quat);
+  root.alt.type = mjORIENTATION_QUAT;
 }
 
 void put_tip(mjSpec& spec, const std::string& body, const std::string& name,
-             const hand::TipCapsule& capsule) {
+             const hand::Finger& finger) {
+  const hand::TipCapsule& capsule = finger.tip;
   auto geoms = solids(find_body(spec, body));
   if (geoms.empty()) {
     throw BadInput(fmt::format("the hand's link {} has nothing to collide with", body));
@@ -105,16 +175,16 @@ void put_tip(mjSpec& spec, const std::string& body, const std::string& name,
   mjsGeom& geom = **std::min_element(geoms.begin(), geoms.end(), [&](auto* one, auto* other) {
     return distance_to(*one, capsule.b) < distance_to(*other, capsule.b);
   });
-  geom.type = mjGEOM_CAPSULE;
-  mjs_setString(geom.meshname, "");
   mjs_setName(geom.element, name.c_str());
   for (mjsGeom* other : geoms) {  // all that touches at a fingertip is felt
     if (other != &geom) other->contype = other->conaffinity = 0;
   }
-  const Eigen::Vector3d axis = capsule.b - capsule.a;
-  Eigen::Vector3d::Map(geom.size) << capsule.radius, 0.5 * axis.norm(), 0;
-  Eigen::Vector3d::Map(geom.pos) = 0.5 * (capsule.b + capsule.a);
-  Eigen::Vector4d::Map(geom.quat) = orientation(axis);
+  if (finger.hull) {
+    become_hull(spec, geom, name, *finger.hull);
+  } else {
+    become_capsule(geom, capsule);
+  }
+  geom.alt.type = mjORIENTATION_QUAT;
   std::fill(std::begin(geom.fromto), std::end(geom.fromto),
             std::numeric_limits<double>::quiet_NaN());
 }
@@ -127,7 +197,7 @@ SpecHandle parse_hand(const hand::Description& hand) {
   for (int finger = 0; finger < hand.finger_count(); ++finger) {
     const hand::Finger& one = hand.fingers[static_cast<std::size_t>(finger)];
     const std::string& link = hand.links[static_cast<std::size_t>(one.link)].name;
-    put_tip(*spec, file_link(hand, link), tip_geom(hand, finger), one.tip);
+    put_tip(*spec, file_link(hand, link), tip_geom(hand, finger), one);
   }
   for (const auto& [one, other] : hand.file.overlapping) {
     mjsExclude* pair = mjs_addExclude(spec.get());

@@ -15,7 +15,7 @@ namespace palpate::simulation {
 std::string file_link(const hand::Description& hand, std::string_view link);
 std::string file_joint(const hand::Description& hand, std::string_view joint);
 std::string file_actuator(const hand::Description& hand, std::string_view actuator);
-/// Name of the capsule that stands for a fingertip.
+/// Name of the geom that is a fingertip.
 std::string tip_geom(const hand::Description& hand, int finger);
 
 /// A model file (MJCF or URDF), parsed.
@@ -27,12 +27,12 @@ SpecHandle parse_model(const std::filesystem::path& file,
 /// Puts the hand's first body where the mount carries it.
 void place_root(mjSpec& spec, const hand::ModelFile& file);
 
-/// Makes a capsule of what a fingertip's body collides with.
+/// Makes the finger's capsule or hull of what its fingertip's body collides with.
 /// @throws BadInput if there is no such body, or it has nothing to collide with
 void put_tip(mjSpec& spec, const std::string& body, const std::string& geom,
-             const hand::TipCapsule& capsule);
+             const hand::Finger& finger);
 
-/// The hand's model file with its root placed and capsules for fingertips.
+/// The hand's model file with its root placed and its fingertips put in.
 /// @throws BadInput, naming the file and what is wrong with it
 SpecHandle parse_hand(const hand::Description& hand);
 

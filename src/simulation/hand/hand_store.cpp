@@ -84,7 +84,9 @@ void run(const std::string& command, const char* what) {
 
 std::vector<StoredHand> stored_hands() {
   std::vector<StoredHand> hands = {{"shadow", "Shadow Dexterous Hand E3M5, right", "Apache-2.0",
-                                    asset("shadow_hand/right_hand.xml")}};
+                                    asset("shadow_hand/right_hand.xml")},
+                                   {"shadow-left", "Shadow Dexterous Hand E3M5, left", "Apache-2.0",
+                                    asset("shadow_hand/left_hand.xml")}};
   for (const Packaged& one : kPackaged) {
     hands.push_back({one.name, one.maker, one.licence, installed_hand(one.name)});
   }

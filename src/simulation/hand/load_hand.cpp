@@ -16,6 +16,9 @@
 namespace palpate::simulation {
 namespace {
 
+constexpr const char* kShadowRight = "shadow_hand/right_hand.xml";
+constexpr const char* kShadowLeft = "shadow_hand/left_hand.xml";
+
 std::filesystem::path file_of(const std::string& name) {
   if (auto installed = installed_hand(name); !installed.empty()) return installed;
   const auto stored = stored_hands();
@@ -49,8 +52,11 @@ DescribedHand describe(const std::filesystem::path& file) {
 
 DescribedHand load_described_hand(const std::string& name, double stiffness_scale,
                                   const ProgressCallback& progress) {
-  if (name.empty() || name == "shadow") {
-    return {load_shadow_hand(asset("shadow_hand/right_hand.xml"), stiffness_scale), {}, {}};
+  if (name.empty() || name == "shadow" || name == "shadow-left") {
+    const char* file = name == "shadow-left" ? kShadowLeft : kShadowRight;
+    DescribedHand shadow{load_shadow_hand(asset(file), stiffness_scale), {}, {}};
+    if (!name.empty()) shadow.hand.name = name;
+    return shadow;
   }
   static std::mutex mutex;
   static std::map<std::string, DescribedHand> loaded;

@@ -4,9 +4,19 @@
 #include <fmt/format.h>
 
 #include "palpate/core/error.hpp"
+#include "palpate/hand/kinematics.hpp"
 #include "simulation/hand/anatomy.hpp"
 
 namespace palpate::simulation {
+namespace {
+
+constexpr double kShortest = 0.01, kLongest = 0.6;  // m, from the palm to a fingertip
+constexpr double kWidest = 0.06;                    // m, half width of a fingertip
+constexpr double kLargest = 2;                      // m, radius of the ball about a shape
+constexpr const char* kInMetres =
+    "lengths are metres; if the model or its meshes are in millimetres, scale them by 0.001";
+
+}  // namespace
 
 void check_masses(const mjModel& model) {
   for (int body = 1; body < model.nbody; ++body) {
@@ -25,6 +35,28 @@ void refuse_closed_loops(const mjModel& model) {
     };
     throw BadInput(fmt::format("links {} and {} are tied in a closed loop, which is not supported",
                                body(model.eq_obj1id[i]), body(model.eq_obj2id[i])));
+  }
+}
+
+void check_shapes(const mjModel& model) {
+  for (int geom = 0; geom < model.ngeom; ++geom) {
+    if (model.geom_rbound[geom] < kLargest) continue;
+    throw BadInput(fmt::format("a shape of link {} is {:.3g} m large: {}",
+                               model_name(model, mjOBJ_BODY, model.geom_bodyid[geom]),
+                               2 * model.geom_rbound[geom], kInMetres));
+  }
+}
+
+void check_size(const hand::Description& hand) {
+  const auto T = hand::forward_kinematics(hand, hand::JointVector::Zero(hand.joint_count()));
+  const Eigen::Vector3d palm = T[static_cast<std::size_t>(hand.palm)].translation();
+  for (const hand::Finger& finger : hand.fingers) {
+    const Eigen::Vector3d tip = T[static_cast<std::size_t>(finger.link)] * finger.tip.b;
+    const double reach = (tip - palm).norm();
+    if (reach > kShortest && reach < kLongest && finger.tip.radius < kWidest) continue;
+    throw BadInput(fmt::format("fingertip {} is {:.3g} m from the palm and {:.3g} m wide: {}",
+                               hand.links[static_cast<std::size_t>(finger.link)].name, reach,
+                               2 * finger.tip.radius, kInMetres));
   }
 }
 

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "palpate/hand/description.hpp"
+
 namespace palpate::simulation {
 
 /// @throws BadInput for a link of negative mass
@@ -13,6 +15,12 @@ void check_masses(const mjModel& model);
 
 /// @throws BadInput where a constraint ties two links to one another
 void refuse_closed_loops(const mjModel& model);
+
+/// @throws BadInput where a shape is larger than any hand or arm: the lengths are in millimetres
+void check_shapes(const mjModel& model);
+
+/// @throws BadInput where fingertips are where no hand's can be: the lengths are in millimetres
+void check_size(const hand::Description& hand);
 
 /// Names of the model's tendons.
 std::vector<std::string> tendons(const mjModel& model);

@@ -30,11 +30,12 @@ Eigen::Isometry3d pose_in(const mjSpec& spec, const std::string& root, const std
   return T;
 }
 
-/// Palm down, fingers along +x, thumb side +y.
-Eigen::Isometry3d root_at_mount(const mjSpec& spec, const hand::Description& hand) {
+/// Palm down, fingers along +x, thumb side +y, or, of a left hand, -y.
+Eigen::Isometry3d root_at_mount(const mjSpec& spec, const hand::Description& hand, bool left) {
   Eigen::Isometry3d T_base_palm = Eigen::Isometry3d::Identity();
   T_base_palm.linear() << 0, 0, 1, 1, 0, 0, 0, 1, 0;  // x to +y, y to +z, z to +x
-  T_base_palm.translation() = -(T_base_palm.linear() * kGraspCenter);
+  const Eigen::Vector3d side(left ? -1 : 1, 1, 1);
+  T_base_palm.translation() = -(T_base_palm.linear() * side.cwiseProduct(kGraspCenter));
   return T_base_palm * pose_in(spec, hand.file.root, file_link(hand, "palm")).inverse();
 }
 
@@ -49,20 +50,39 @@ hand::TipCapsule tip_of(int finger) {
   return {{0, 0, kTipBase}, {0, 0, tip_length(finger) - kTipRadius}, kTipRadius};
 }
 
+void mirror(hand::Preshape& preshape) {
+  for (hand::Attitude& attitude : preshape.attitudes) attitude.roll = -attitude.roll;
+  preshape.offset.y() = -preshape.offset.y();
+}
+
+/// Postures of the left hand: its joints turn the other way, so that angles are the same, and what
+/// the mount does is mirrored.
+void mirror(hand::Postures& postures) {
+  postures.flat.attitude.roll = -postures.flat.attitude.roll;
+  postures.flat.center.y() = -postures.flat.center.y();
+  for (auto& pointing : postures.pointing) pointing.attitude.roll = -pointing.attitude.roll;
+  mirror(postures.top);
+  mirror(postures.side);
+  for (auto& attitude : postures.far_attitudes) attitude.roll = -attitude.roll;
+}
+
 }  // namespace
 
 hand::Description load_shadow_hand(const std::filesystem::path& mjcf, double stiffness_scale) {
-  hand::Description hand = hand::shadow_hand();
-  hand.file = {.path = mjcf,
-               .root = "rh_forearm",
-               .prefix = "rh_",
-               .actuator_prefix = "rh_A_",
-               .own_servos = true};
   const SpecHandle spec = parse_model(mjcf);
-  hand.file.T_mount_root = root_at_mount(*spec, hand);
+  const bool left = mjs_findBody(spec.get(), "lh_forearm") != nullptr;
+  hand::Description hand = hand::shadow_hand();
+  if (left) mirror(hand.postures);
+  hand.file = {.path = mjcf,
+               .root = left ? "lh_forearm" : "rh_forearm",
+               .prefix = left ? "lh_" : "rh_",
+               .actuator_prefix = left ? "lh_A_" : "rh_A_",
+               .own_servos = true};
+  hand.file.T_mount_root = root_at_mount(*spec, hand, left);
   place_root(*spec, hand.file);
   for (int finger = 0; finger < hand.finger_count(); ++finger) {
-    put_tip(*spec, distal_body(hand, finger), tip_geom(hand, finger), tip_of(finger));
+    put_tip(*spec, distal_body(hand, finger), tip_geom(hand, finger),
+            {distal_body(hand, finger), -1, tip_of(finger)});
   }
   prepare_joints(*spec, hand, stiffness_scale);
   const ModelHandle model = compile(*spec);

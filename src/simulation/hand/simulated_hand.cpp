@@ -58,7 +58,7 @@ void SimulatedHand::apply(const hand::HandCommand& command) {
   }
   if (!command.positions.allFinite() || !base.allFinite()) {
     throw BadInput(
-        fmt::format("the hand's command has a value that is not finite: base {}, sum of "
+        fmt::format("the hand's command has a value that is not finite: mount {}, sum of "
                     "positions {}",
                     fmt::join(base, " "), command.positions.sum()));
   }
@@ -109,7 +109,17 @@ void SimulatedHand::integrate(const hand::HandCommand& command) {
   }
 }
 
+void SimulatedHand::push_object(const Eigen::Vector3d& velocity, double seconds) {
+  push_ = velocity;
+  pushed_steps_ = static_cast<int>(std::lround(seconds / scene_.model->opt.timestep));
+}
+
 void SimulatedHand::step_physics() {
+  if (pushed_steps_ > 0) {
+    --pushed_steps_;
+    const int joint = scene_.model->body_jntadr[scene_.object];
+    Eigen::Vector3d::Map(data_.qvel + scene_.model->jnt_dofadr[joint]) = push_;
+  }
   if (!observer_) {
     mj_step(scene_.model.get(), &data_);
     return;
@@ -152,6 +162,7 @@ void SimulatedHand::reset(const hand::HandCommand& command) {
     data_.qpos[scene_.base_positions[i]] = data_.ctrl[scene_.base_actuators[i]];
   }
   integral_.reset();
+  pushed_steps_ = 0;
   errors_.reset();
   if (biotacs_) biotacs_->reset();
   tick_ = 0;
@@ -219,7 +230,7 @@ void SimulatedHand::read_contacts(hand::HandReading& reading, RandomStream& rand
     const auto touch = read_fingertip_touch(*scene_.model, data_, i, scene_.tips);
     if (!touch) continue;
     const bool of_object = scene_.model->geom_bodyid[touch->other_geom] == scene_.object;
-    if (!of_object && !scene_.stands_fast(touch->other_geom)) continue;
+    if (!scene_.is_felt(touch->other_geom)) continue;
     const auto finger = static_cast<Index>(touch->finger);
     (of_object ? loads[finger].on_object : loads[finger].on_others).push_back(touch->contact);
     if (const auto felt = as_felt(touch->contact, noise_, random)) {

@@ -37,6 +37,9 @@ class SimulatedHand : public hand::Hand {
   /// From now on readings hold the channels of these.
   void wear(SimulatedBiotacs biotacs) { biotacs_.emplace(std::move(biotacs)); }
 
+  /// The object moves at this velocity (m/s, world), whatever holds it, from now on.
+  void push_object(const Eigen::Vector3d& velocity, double seconds);
+
   /// Tells of every step of the physics; an empty observer ends that.
   void observe(StepObserver observer) { observer_ = std::move(observer); }
 
@@ -60,6 +63,8 @@ class SimulatedHand : public hand::Hand {
   hand::ActuatorVector stiffness_;
   RandomStream random_;
   std::uint64_t tick_ = 0;
+  Eigen::Vector3d push_ = Eigen::Vector3d::Zero();  // m/s
+  int pushed_steps_ = 0;                            // of the physics that are left
   int steps_a_tick_;
   StepObserver observer_;
   std::optional<hand::ArmFollower> follower_;

@@ -4,14 +4,20 @@
 #include <zlib.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <string_view>
+#include <utility>
 
 namespace palpate::simulation {
 namespace {
 
 constexpr std::size_t kSignature = 8, kHeader = 25;  // bytes of the file's signature and its IHDR
+
+// Colours of animations have 64 levels, in steps of 4, so that this one stands for "as before".
+constexpr int kLevelStep = 4;
+constexpr std::array<std::uint8_t, 3> kUnchanged = {255, 0, 255};
 
 struct Rectangle {
   int x = 0, y = 0, width = 1, height = 1;
@@ -67,14 +73,34 @@ Rectangle difference(const Image& a, const Image& b) {
   return {left, top, right - left + 1, bottom - top + 1};
 }
 
-Image cropped(const Image& image, const Rectangle& part) {
+/// With colours of 64 levels.
+Image rounded(Image image) {
+  for (auto& level : image.rgb) level = static_cast<std::uint8_t>(level - level % kLevelStep);
+  return image;
+}
+
+/// The part of a picture, with kUnchanged where it is as in the one before.
+Image changed(const Image& before, const Image& image, const Rectangle& part) {
   Image result{part.width, part.height, {}};
   for (int y = part.y; y < part.y + part.height; ++y) {
-    const auto row =
-        image.rgb.begin() + 3 * (static_cast<std::ptrdiff_t>(y) * image.width + part.x);
-    result.rgb.insert(result.rgb.end(), row, row + 3 * part.width);
+    for (int x = part.x; x < part.x + part.width; ++x) {
+      const auto at = 3 * (static_cast<std::ptrdiff_t>(y) * image.width + x);
+      const auto pixel = image.rgb.begin() + at;
+      if (std::equal(pixel, pixel + 3, before.rgb.begin() + at)) {
+        result.rgb.insert(result.rgb.end(), kUnchanged.begin(), kUnchanged.end());
+      } else {
+        result.rgb.insert(result.rgb.end(), pixel, pixel + 3);
+      }
+    }
   }
   return result;
+}
+
+/// The chunk that makes kUnchanged transparent.
+std::string transparency() {
+  std::string data;
+  for (const std::uint8_t level : kUnchanged) append_short(data, level);
+  return data;
 }
 
 std::string frame_control(std::uint32_t sequence, const Rectangle& part, double seconds) {
@@ -85,29 +111,34 @@ std::string frame_control(std::uint32_t sequence, const Rectangle& part, double 
   }
   append_short(data, static_cast<std::uint32_t>(std::lround(1000 * seconds)));
   append_short(data, 1000);
-  data += std::string(2, '\0');  // leave the picture as it is, and put the next one over it
+  data += '\0';    // leave the picture as it is, and
+  data += '\x01';  // put this one over what was there
   return data;
 }
 
 }  // namespace
 
 std::string encode_animation(const std::vector<Image>& images, double seconds) {
-  const std::string first = encode_png(images[0]);
+  Image before = rounded(images[0]);
+  const std::string first = encode_png(before);
   std::string file = first.substr(0, kSignature + kHeader);
   std::string control;
   append(control, static_cast<std::uint32_t>(images.size()));
   append(control, 0);  // for ever
   append_chunk(file, "acTL", control);
+  append_chunk(file, "tRNS", transparency());
   std::uint32_t sequence = 0;
   append_chunk(file, "fcTL",
                frame_control(sequence++, {0, 0, images[0].width, images[0].height}, seconds));
   append_chunk(file, "IDAT", pixels_of(first));
   for (std::size_t i = 1; i < images.size(); ++i) {
-    const Rectangle part = difference(images[i - 1], images[i]);
+    Image next = rounded(images[i]);
+    const Rectangle part = difference(before, next);
     append_chunk(file, "fcTL", frame_control(sequence++, part, seconds));
     std::string data;
     append(data, sequence++);
-    append_chunk(file, "fdAT", data + pixels_of(encode_png(cropped(images[i], part))));
+    append_chunk(file, "fdAT", data + pixels_of(encode_png(changed(before, next, part))));
+    before = std::move(next);
   }
   append_chunk(file, "IEND", "");
   return file;

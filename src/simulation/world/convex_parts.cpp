@@ -13,6 +13,7 @@
 #include "palpate/core/error.hpp"
 #include "palpate/geometry/repair/mesh_repair.hpp"
 #include "simulation/world/coacd.hpp"
+#include "simulation/world/decimation.hpp"
 
 namespace palpate::simulation {
 namespace {
@@ -20,6 +21,9 @@ namespace {
 constexpr double kConcavity = 0.05;
 constexpr int kHullVertices = 256;
 constexpr unsigned kSeed = 0;
+// The time of the decomposition grows with the triangles; its concavity is coarser by far.
+constexpr std::size_t kTriangles = 3000;
+constexpr double kDecimation = 0.0004;   // m
 constexpr std::size_t kMaxBodies = 200;  // more make contacts slow, and are no object to hold
 
 std::vector<double> flat_vertices(const geometry::TriangleMesh& mesh) {
@@ -83,8 +87,9 @@ std::vector<geometry::TriangleMesh> read_parts(std::string_view bytes) {
 }
 
 std::string cache_key(const std::vector<geometry::TriangleMesh>& bodies) {
-  std::string key = fmt::format("convex parts 1: CoACD, concavity {}, {} vertices, seed {}\n",
-                                kConcavity, kHullVertices, kSeed);
+  std::string key =
+      fmt::format("convex parts 3: CoACD, concavity {}, {} vertices, seed {}, {} triangles, {} m\n",
+                  kConcavity, kHullVertices, kSeed, kTriangles, kDecimation);
   for (const geometry::TriangleMesh& body : bodies) append(key, body);
   return key;
 }
@@ -112,7 +117,7 @@ std::vector<geometry::TriangleMesh> decompose(const geometry::TriangleMesh& mesh
   const std::scoped_lock lock(mutex);
   CoACD_setLogLevel("off");
   const CoACD_MeshArray parts =
-      CoACD_run(&input, kConcavity, /*max_convex_hull=*/-1, /*preprocess_mode=*/0,
+      CoACD_run(&input, kConcavity, /*max_convex_hull=*/-1, /*preprocess_mode=*/2,
                 /*preprocess_resolution=*/50, /*sample_resolution=*/2000, /*mcts_nodes=*/20,
                 /*mcts_iterations=*/150, /*mcts_max_depth=*/3, /*pca=*/false, /*merge=*/true,
                 /*decimate=*/true, kHullVertices, /*extrude=*/false, /*extrude_margin=*/0.01,
@@ -134,7 +139,9 @@ std::vector<geometry::TriangleMesh> convex_parts(const geometry::TriangleMesh& m
   if (const auto kept = read_cache(key)) return read_parts(*kept);
   std::vector<geometry::TriangleMesh> parts;
   for (const geometry::TriangleMesh& body : bodies) {
-    for (auto& part : decompose(body)) parts.push_back(std::move(part));
+    for (auto& part : decompose(decimated(body, kTriangles, kDecimation))) {
+      parts.push_back(std::move(part));
+    }
   }
   if (parts.empty()) {
     throw BadInput(

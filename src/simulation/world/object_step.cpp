@@ -16,8 +16,10 @@ grasping::ContactModel model_of(int dimensions) {
                              : grasping::ContactModel::soft_finger;
 }
 
+/// Of a fingertip that is one.
 geometry::Capsule capsule_of(const Scene& scene, const mjData& data, int geom) {
   const mjModel& m = *scene.model;
+  if (m.geom_type[geom] != mjGEOM_CAPSULE) return {};
   const Eigen::Vector3d half =
       rotation3(data.geom_xmat + 9 * geom).col(2) * m.geom_size[3 * geom + 1];
   const Eigen::Vector3d center = vector3(data.geom_xpos + 3 * geom);

@@ -50,6 +50,8 @@ void set_bits(mjsGeom& geom, ContactBits bits) {
 }
 
 constexpr const char* kSurface = "surface";
+constexpr const char* kSecond = "second_object";
+constexpr double kSecondMass = 0.2;           // kg
 constexpr const char* kFixture = "fixture_";  // and a number
 
 struct BaseAxis {
@@ -98,7 +100,7 @@ void set_solver(mjSpec& spec, const WorldOptions& options) {
   spec.option.cone = mjCONE_ELLIPTIC;  // with pyramids objects slip out of the hand
   spec.option.impratio = 10;
   spec.option.noslip_iterations = 5;
-  spec.nuser_geom = kHullContactUserData + 1;
+  spec.nuser_geom = kTipHullUserData + 1;
   spec.option.disableflags |= mjDSBL_AUTORESET;  // a diverged world must stay visible
 }
 
@@ -258,6 +260,22 @@ void add_object(mjSpec& spec, const SolidObject& solid, const WorldOptions& opti
   }
 }
 
+/// A box, which the robot is not told of.
+void add_second_object(mjSpec& spec, double friction) {
+  mjsBody* body = mjs_addBody(mjs_findBody(&spec, "world"), nullptr);
+  mjs_setName(body->element, kSecond);
+  mjs_addFreeJoint(body);
+  mjsGeom* geom = mjs_addGeom(body, nullptr);
+  mjs_setName(geom->element, kSecond);
+  geom->type = mjGEOM_BOX;
+  geom->mass = kSecondMass;
+  Eigen::Vector3d::Map(geom->size) = kSecondHalf;
+  geom->solref[0] = kContactTime;
+  std::copy(kObjectImpedance.begin(), kObjectImpedance.end(), geom->solimp);
+  set_friction(*geom, friction);
+  set_bits(*geom, kSolidBits);
+}
+
 /// Names of the joints and actuators that carry the hand.
 struct Carrier {
   std::vector<std::string> joints, actuators;
@@ -303,6 +321,9 @@ void locate(const hand::Description& hand, const hand::ArmDescription* arm, Scen
   }
   scene.object = find_id(m, mjOBJ_BODY, "object");
   scene.object_position = m.jnt_qposadr[m.body_jntadr[scene.object]];
+  scene.second = mj_name2id(&m, mjOBJ_GEOM, kSecond);
+  if (scene.second < 0) return;
+  scene.second_position = m.jnt_qposadr[m.body_jntadr[m.geom_bodyid[scene.second]]];
 }
 
 std::array<int, kRestingGeoms> resting_geoms(const mjModel& model) {
@@ -313,7 +334,21 @@ std::array<int, kRestingGeoms> resting_geoms(const mjModel& model) {
   return geoms;
 }
 
+void use_tip_hulls(const hand::Description& hand, Scene& scene) {
+  for (std::size_t finger = 0; finger < hand.fingers.size(); ++finger) {
+    const auto& hull = hand.fingers[finger].hull;
+    if (!hull) continue;
+    scene.tip_hulls.push_back(
+        std::make_unique<const geometry::RoundedHull>(hull->core, hull->radius));
+    use_tip_hull(*scene.model, scene.tips[finger], *scene.tip_hulls.back());
+  }
+}
+
 }  // namespace
+
+bool Scene::is_felt(int geom) const {
+  return stands_fast(geom) || geom == second || model->geom_bodyid[geom] == object;
+}
 
 bool Scene::stands_fast(int geom) const {
   return geom == table || std::find(fixture.begin(), fixture.end(), geom) != fixture.end();
@@ -336,12 +371,14 @@ Scene compose_scene(const hand::Description& hand, const SolidObject& solid,
   add_table(*spec, options.table_friction, options.exact_tips, T_world_table);
   add_fixture(*spec, surroundings.fixture, options.table_friction, T_world_table);
   add_object(*spec, solid, options);
+  if (options.second_object) add_second_object(*spec, options.hand_friction);
   Scene scene{.model = compile(*spec), .T_world_table = T_world_table};
   locate(hand, arm, scene);
   if (options.exact_tips) {
     const int geom = find_id(*scene.model, mjOBJ_GEOM, kSurface);
     use_exact_surface(*scene.model, geom, surface);
     use_hull_vertices(*scene.model, resting_geoms(*scene.model));
+    use_tip_hulls(hand, scene);
   }
   return scene;
 }

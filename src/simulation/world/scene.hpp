@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <vector>
 
 #include "palpate/geometry/objects/known_object.hpp"
@@ -13,6 +14,8 @@
 #include "simulation/world/mujoco_handles.hpp"
 
 namespace palpate::simulation {
+
+inline const Eigen::Vector3d kSecondHalf{0.02, 0.03, 0.04};  ///< m, half extents of a second object
 
 /// What stands fast about the object.
 struct Surroundings {
@@ -31,12 +34,17 @@ struct Scene {
   std::vector<int> base_positions = {};   ///< addresses in qpos: x y z yaw pitch roll, or the arm's
   std::vector<int> base_actuators = {};   ///< ids, in that order
   std::vector<int> tips = {};             ///< geoms, one a finger
-  int table = -1;                         ///< geom
-  std::vector<int> fixture = {};          ///< geoms
-  int object = -1;                        ///< body
-  int object_position = -1;               ///< address in qpos
+  std::vector<std::unique_ptr<const geometry::RoundedHull>> tip_hulls = {};  ///< of those with one
+  int table = -1;                                                            ///< geom
+  std::vector<int> fixture = {};                                             ///< geoms
+  int object = -1;                                                           ///< body
+  int object_position = -1;                                                  ///< address in qpos
+  int second = -1;           ///< geom of a second object; -1: there is none
+  int second_position = -1;  ///< address in qpos
   Eigen::Isometry3d T_world_table = Eigen::Isometry3d::Identity();
 
+  /// Whether fingertips feel a geom: one of the table, of the fixture or of an object.
+  [[nodiscard]] bool is_felt(int geom) const;
   /// Whether a geom is of the table or of the fixture.
   [[nodiscard]] bool stands_fast(int geom) const;
 };

@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <numbers>
 #include <optional>
 #include <utility>
 
@@ -17,6 +19,7 @@ namespace palpate::simulation {
 namespace {
 
 constexpr double kDropHeight = 0.0005;  // m, above the table at the start
+constexpr double kGap = 0.02;           // m between the object and a second one
 
 /// Of a mesh, in the frame to which T leads.
 double lowest_point(const geometry::TriangleMesh& mesh, const Eigen::Isometry3d& T) {
@@ -40,12 +43,14 @@ struct World::Impl {
                             {drawn_tilt(options.error, random), fixture, arm ? &*arm : nullptr})),
         data(make_data(*scene.model)),
         believed(believed_hand(drawn, options, random)),
+        placing(random.fork("second object")),
         hand(scene, *data, drawn, options, random.fork("readers")) {
     if (arm) hand.mount_on(*arm);
     if (options.biotacs) hand.wear(SimulatedBiotacs(mesh, believed, random.fork("biotacs")));
   }
 
   void place_object(const Start& start);
+  void place_second(const Eigen::Isometry3d& T_table_object);
 
   WorldOptions options;
   SolidObject solid;
@@ -56,6 +61,7 @@ struct World::Impl {
   Scene scene;
   DataHandle data;
   hand::Description believed;
+  RandomStream placing;
   SimulatedHand hand;
 };
 
@@ -70,6 +76,24 @@ void World::Impl::place_object(const Start& start) {
                object.stable_poses[static_cast<std::size_t>(start.stable_pose)].R_table_object;
   T.translation() << start.xy, kDropHeight - lowest_point(object.mesh, T);
   mjtNum* const position = data->qpos + scene.object_position;
+  write_pose(scene.T_world_table * T, position, position + 3);
+  if (options.second_object) place_second(T);
+}
+
+/// Beside the object, on a side that is drawn.
+void World::Impl::place_second(const Eigen::Isometry3d& T_table_object) {
+  RandomStream random = placing;
+  const double side = random.uniform(-std::numbers::pi, std::numbers::pi);
+  const Eigen::Vector3d out(std::cos(side), std::sin(side), 0);
+  double reach = 0;  // of the object to that side
+  for (const Eigen::Vector3d& v : solid.object.mesh.vertices) {
+    reach = std::max(reach, out.dot(T_table_object.linear() * v));
+  }
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.linear() = Eigen::AngleAxisd(side, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  T.translation() = T_table_object.translation() + (reach + kGap + kSecondHalf.x()) * out;
+  T.translation().z() = kSecondHalf.z() + kDropHeight;
+  mjtNum* const position = data->qpos + scene.second_position;
   write_pose(scene.T_world_table * T, position, position + 3);
 }
 
@@ -111,6 +135,11 @@ Truth World::truth() const {
   truth.lowest_point =
       lowest_point(impl_->solid.object.mesh, scene.T_world_table.inverse() * truth.T_world_object);
   return truth;
+}
+
+void World::push_object(const Eigen::Vector2d& way, double seconds) {
+  const Eigen::Vector2d velocity = way / seconds;
+  impl_->hand.push_object({velocity.x(), velocity.y(), 0}, seconds);
 }
 
 void World::observe(StepObserver observer) { impl_->hand.observe(std::move(observer)); }

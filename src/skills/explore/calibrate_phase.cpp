@@ -12,33 +12,23 @@
 #include "palpate/skills/grasp/grasp_phase.hpp"
 #include "palpate/tactile/calibration/link_calibration.hpp"
 #include "palpate/tactile/contacts/contact_window.hpp"
+#include "skills/explore/table_press.hpp"
 #include "skills/explore/table_touches.hpp"
 #include "skills/load_calibration.hpp"
 #include "skills/lowest_part.hpp"
 #include "skills/motion_constants.hpp"
-#include "skills/take_posture.hpp"
 
 namespace palpate::skills {
 namespace {
 
-constexpr double kFirstReach = 0.035;    // m over and under the table that nobody has measured
-constexpr double kSearchReach = 0.014;   // m over and under where the last touch found it
-constexpr double kTravelHeight = 0.02;   // m of the hand's lowest part while it changes posture
-constexpr double kPostureSeconds = 0.3;  // s
-constexpr double kSettling = 0.1;        // s
-constexpr double kLastingShare = 0.8;    // of the readings in which a resting fingertip touches
-constexpr double kSecondsATouch = 8;     // amply
-constexpr int kLoadAttitudes = 10;       // in which the load of the hand alone is read
-constexpr double kUnfeltLoad = 4.0;      // N at which the table is there, felt or not
-constexpr int kPressedTicks = 3;         // of it in a row
+constexpr double kFirstReach = 0.035;   // m over and under the table that nobody has measured
+constexpr double kSearchReach = 0.014;  // m over and under where the last touch found it
+constexpr double kSettling = 0.1;       // s
+constexpr double kLastingShare = 0.8;   // of the readings in which a resting fingertip touches
+constexpr double kSecondsATouch = 8;    // amply
+constexpr int kLoadAttitudes = 10;      // in which the load of the hand alone is read
 constexpr int kNumbTouches = 3;  // in a row that a fingertip must miss to be believed no more
 constexpr double kContradiction = 3.0;  // sigmas, rms, that touches leave unexplained
-
-void rise(Executor& robot, double way, double speed) {
-  hand::BasePosition up = robot.command().base;
-  up.xyz.z() += way;
-  robot.move_base(up, speed);
-}
 
 /// Lets the fingertip rest where it touches, no longer pushed on.
 void rest(Executor& robot, const CalibrateOptions& options) {
@@ -51,40 +41,6 @@ void rest(Executor& robot, const CalibrateOptions& options) {
 
 /// Of each fingertip: touches of the table in a row of which only the mount's load told.
 using UnfeltTouches = hand::PerFinger<int>;
-
-/// Stop condition: the hand presses downwards, be it felt or not.
-Executor::StopCondition pressing_down() {
-  return [loaded = 0](const hand::HandReading& reading) mutable {
-    loaded = -reading.base_force.z() > kUnfeltLoad ? loaded + 1 : 0;
-    return loaded >= kPressedTicks;
-  };
-}
-
-double lowest(const hand::Description& hand, const TableTouch& touch) {
-  return lowest_part(hand, touch.posture, touch.attitude);
-}
-
-/// Goes to an attitude and a posture at once, above the table.
-void move_above(Executor& robot, const TableTouch& touch, const CalibrateOptions& options) {
-  const hand::HandCommand& now = robot.command();
-  const double low = lowest_on_way(robot.model(), now.positions, attitude_of(now.base),
-                                   touch.posture, touch.attitude);
-  const double high = std::max(now.base.xyz.z(), kTravelHeight - low);
-  rise(robot, high - now.base.xyz.z(), options.travel_speed);
-  robot.move_hand({touch.posture, touch.base(options, high)}, options.travel_speed,
-                  kPostureSeconds);
-}
-
-/// Takes an attitude well above the table; where fingers would meet one another on the way, by the
-/// stretched hand.
-void take_attitude(Executor& robot, const TableTouch& touch, const CalibrateOptions& options) {
-  if (fingers_meet(robot, touch.posture)) {
-    TableTouch stretched = touch;
-    stretched.posture = robot.model().postures.stretched;
-    move_above(robot, stretched, options);
-  }
-  move_above(robot, touch, options);
-}
 
 /// What the touches so far have told of the table and of the sensor of the mount's load.
 struct TableSearch {
@@ -106,29 +62,19 @@ void touch_table(Executor& robot, const TableTouch& touch, const CalibrateOption
   } else {
     robot.wait(kSettling);
   }
-  bool felt = false;
-  const auto loaded = pressing_down();
-  const auto stop = [&](const hand::HandReading& reading) {
-    felt = hand::tip_force(reading, touch.finger) > options.touch_force;
-    return felt || loaded(reading);
-  };
-  const auto end = robot.move_base(touch.base(options, seat - reach), options.speed, stop);
+  const TablePress press = press_table(robot, touch, options, seat - reach);
   const auto finger = static_cast<std::size_t>(touch.finger);
   int& times = search.unfelt[finger];
-  if (end == MotionEnd::stopped) times = felt ? 0 : times + 1;
-  if (times >= kNumbTouches) robot.distrust(touch.finger);
-  if (felt && end == MotionEnd::stopped) {
+  if (press != TablePress::missed) times = press == TablePress::felt ? 0 : times + 1;
+  if (times >= kNumbTouches) {
+    robot.distrust(touch.finger,
+                   fmt::format("{} does not feel the table", robot.model().fingers[finger].name));
+  }
+  if (press == TablePress::felt) {
     search.height = lowest(robot.model(), touch) + robot.reading().base.xyz.z();
     rest(robot, options);
   }
   rise(robot, kTravelHeight, options.travel_speed);
-}
-
-/// Whether the mount can come to the table in this attitude.
-bool is_reachable(const Executor& robot, const TableTouch& touch, const CalibrateOptions& options) {
-  const double seat = -lowest(robot.model(), touch);
-  return robot.obstacle(touch.base(options, seat + kTravelHeight)).empty() &&
-         robot.obstacle(touch.base(options, seat)).empty();
 }
 
 hand::BasePosition mean_base_of(std::span<const hand::HandReading> window) {

@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <limits>
+#include <vector>
 
 #include "skills/lowest_part.hpp"
 #include "skills/motion_constants.hpp"
@@ -19,8 +19,8 @@ constexpr double kSlowAbove =
     0.025;  // m above what may stand there, from where it comes down slowly
 
 /// Where to feel for the object, as shares of the search's width from its rough place.
-const std::array<Eigen::Vector2d, 5> kSearch = {
-    Eigen::Vector2d{0, 0}, {1, 0}, {0, 1}, {-1, 0}, {0, -1}};
+const std::vector<Eigen::Vector2d> kSearch = {{0, 0}, {0.5, 0}, {0, 0.5}, {-0.5, 0}, {0, -0.5},
+                                              {1, 0}, {0, 1},   {-1, 0},  {0, -1}};
 
 }  // namespace
 

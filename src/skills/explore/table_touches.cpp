@@ -135,6 +135,18 @@ std::vector<tactile::TipPosture> fingertips_in_grasps(const hand::Description& h
   return tips;
 }
 
+std::optional<TableTouch> table_touch(const hand::Description& hand, int finger) {
+  std::optional<TableTouch> best;
+  double most = 0;
+  for (const TableTouch& touch : possible_touches(hand)) {
+    const double alone = touch.finger == finger ? stands_out(hand, touch) : 0;
+    if (alone <= most) continue;
+    most = alone;
+    best = touch;
+  }
+  return best;
+}
+
 std::vector<TableTouch> calibration_touches(const hand::Description& hand,
                                             const CalibrateOptions& options) {
   const auto possible = possible_touches(hand);

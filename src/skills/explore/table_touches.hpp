@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "palpate/skills/explore/calibrate_phase.hpp"
@@ -22,6 +23,9 @@ struct TableTouch {
 /// take long from one to the next.
 std::vector<TableTouch> calibration_touches(const hand::Description& hand,
                                             const CalibrateOptions& options);
+
+/// The touch in which a fingertip is lowest by most; none where it never is alone the lowest.
+std::optional<TableTouch> table_touch(const hand::Description& hand, int finger);
 
 /// Fingertips in grasps: each finger somewhere on its way from the open to the closed hand.
 std::vector<tactile::TipPosture> fingertips_in_grasps(const hand::Description& hand);

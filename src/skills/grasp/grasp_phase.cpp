@@ -12,11 +12,12 @@
 #include "palpate/hand/tip_forces.hpp"
 #include "palpate/skills/explore/height_probe_phase.hpp"
 #include "palpate/tactile/contacts/contact_window.hpp"
+#include "skills/grasp/closing_watch.hpp"
 #include "skills/grasp/pressing.hpp"
+#include "skills/grasp/unfelt_contacts.hpp"
 #include "skills/lowest_part.hpp"
 #include "skills/motion_constants.hpp"
 #include "skills/take_posture.hpp"
-#include "skills/touch_detector.hpp"
 
 namespace palpate::skills {
 namespace {
@@ -27,18 +28,10 @@ constexpr double kTopDistance = 0.13;    // m above the object where an approach
 constexpr double kTopClearance = 0.003;  // m above the table where it ends at the latest
 constexpr double kClear = 0.06;          // m up from where the fingers landed on top
 constexpr double kSafeHeight = 0.34;     // m of the base while it travels
-constexpr double kTipContact = 0.10;     // N at which a finger counts as touching
 constexpr double kTakenBack = 0.7;       // of a finger's torque, at its touch
-constexpr int kLostTicks = 10;
-constexpr int kSetOutTicks =
-    20;  // of a closing in which nothing is met; friction from the latter half
-constexpr double kSetOut =
-    3;  // of the contact torque: limit then, and of friction that is believed
 constexpr std::size_t kTouchReadings = 15;
 constexpr double kTouchSeconds = kTouchReadings * hand::kTick;
-constexpr int kStillTicks = 12;
-constexpr int kPlans = 6;              // tried for one that can be reached
-constexpr double kStillStep = 0.0003;  // rad a tick
+constexpr int kPlans = 6;  // tried for one that can be reached
 
 /// Position of the base that puts it at `ahead`, `left` of a place, seen along the yaw.
 hand::BasePosition base_at(const PickState& state, const hand::Preshape& preshape, double ahead,
@@ -48,38 +41,6 @@ hand::BasePosition base_at(const PickState& state, const hand::Preshape& preshap
   const hand::Attitude& attitude = preshape.attitudes.front();
   return {{xy.x(), xy.y(), height}, {state.yaw, attitude.pitch, attitude.roll}};
 }
-
-/// What the actuators read while the fingers close on nothing: friction, which a torque that is
-/// estimated from a motor's current holds. Measured while the closing sets out.
-class ClosingFriction {
- public:
-  explicit ClosingFriction(const hand::Description& hand)
-      : torques_(hand::ActuatorVector::Zero(hand.actuator_count())) {}
-
-  [[nodiscard]] bool known() const { return ticks_ >= kSetOutTicks; }
-  [[nodiscard]] const hand::ActuatorVector& torques() const { return torques_; }
-
-  void update(const hand::HandReading& reading) {
-    if (known() || ++ticks_ <= kSetOutTicks / 2) return;
-    torques_ += reading.torques / static_cast<double>(kSetOutTicks - kSetOutTicks / 2);
-  }
-
-  /// Limits of what is read with which the fingers press with no more than `contact_torque`.
-  [[nodiscard]] hand::ActuatorVector limits(const hand::Description& hand,
-                                            const hand::ActuatorVector& contact_torque) const {
-    if (!known()) return kSetOut * contact_torque;
-    hand::ActuatorVector limits = contact_torque;
-    for (int i = 0; i < hand.actuator_count(); ++i) {
-      const double closing = hand.actuators[static_cast<std::size_t>(i)].closing;
-      limits[i] += std::clamp(closing < 0 ? -torques_[i] : torques_[i], 0.0, kSetOut * limits[i]);
-    }
-    return limits;
-  }
-
- private:
-  int ticks_ = 0;
-  hand::ActuatorVector torques_;
-};
 
 /// The fingers' command when some of them give back most of the torque that they close with, which
 /// would push the object on.
@@ -95,59 +56,6 @@ hand::ActuatorVector relaxed(const Executor& robot, const hand::PerFinger<bool>&
   }
   return positions;
 }
-
-/// Which fingers are done: they touch, or their command, which never leads the joint by more than
-/// the torque limit allows, has stood still for a while. One that has lost touch closes on.
-class FingersDone {
- public:
-  explicit FingersDone(const hand::Description& hand)
-      : detectors_(hand.fingers.size(), TouchDetector(kTipContact)) {
-    for (int finger = 0; finger < hand.finger_count(); ++finger) {
-      const auto closing = hand::closing_actuators(hand, finger);
-      drives_.push_back(closing.empty() ? -1 : closing.front());
-    }
-  }
-
-  void update(const hand::HandReading& reading, const hand::HandCommand& command) {
-    for (std::size_t finger = 0; finger < drives_.size(); ++finger) {
-      const double position = drives_[finger] < 0 ? 0 : command.positions[drives_[finger]];
-      const bool still = std::abs(position - last_[finger]) < kStillStep;
-      still_[finger] = still && !touches_[finger] ? still_[finger] + 1 : 0;
-      last_[finger] = position;
-      const bool touches =
-          detectors_[finger].update(hand::tip_force(reading, static_cast<int>(finger)));
-      apart_[finger] = touches ? 0 : apart_[finger] + 1;
-      touches_[finger] = touches || (touches_[finger] && apart_[finger] < kLostTicks);
-      stuck_[finger] = stuck_[finger] || still_[finger] > kStillTicks;
-    }
-  }
-  const hand::PerFinger<bool>& touches() const { return touches_; }
-  bool done(std::size_t finger) const { return touches_[finger] || stuck_[finger]; }
-  bool all() const { return touching() + stuck() == static_cast<int>(drives_.size()); }
-  hand::PerFinger<bool> still_closing() const {
-    hand::PerFinger<bool> open{};
-    for (std::size_t finger = 0; finger < drives_.size(); ++finger) open[finger] = !done(finger);
-    return open;
-  }
-
- private:
-  int touching() const {
-    return static_cast<int>(std::count(touches_.begin(), touches_.end(), true));
-  }
-  int stuck() const {
-    int count = 0;
-    for (std::size_t finger = 0; finger < drives_.size(); ++finger) {
-      count += stuck_[finger] && !touches_[finger];
-    }
-    return count;
-  }
-
-  std::vector<TouchDetector> detectors_;
-  std::vector<int> drives_;  // the first actuator of each finger that closes; -1: none does
-  hand::PerFinger<bool> touches_{}, stuck_{};
-  hand::PerFinger<int> still_{}, apart_{};
-  hand::PerFinger<double> last_{};
-};
 
 /// The first plan to which the mount can be brought, of those that avoid the others' yaws.
 std::optional<grasping::GraspPlan> reachable_plan(
@@ -172,6 +80,7 @@ PhaseEnd GraspPhase::run(Executor& robot, PickState& state) {
   auto planned = plan(robot, state, tried_yaws);
   if (!planned) return grasp_unplanned(robot, state);
   Hold hold = close_as_planned(robot, state, *planned);
+  if (robot.suspected(robot.model().thumb)) return held_up(robot);
   int closings = 1;
   for (; hold.forces.wrench_residual > options_.max_wrench_residual && closings < options_.closings;
        ++closings) {
@@ -181,6 +90,7 @@ PhaseEnd GraspPhase::run(Executor& robot, PickState& state) {
     if (std::count(tried_yaws.begin(), tried_yaws.end(), planned->base.ypr.x()) > 0) break;
     let_go(robot);
     hold = close_as_planned(robot, state, *planned);
+    if (robot.suspected(robot.model().thumb)) return held_up(robot);
   }
   state.tried_yaws.push_back(state.yaw);
   press(robot, hold);
@@ -192,7 +102,7 @@ GraspPhase::Hold GraspPhase::close_as_planned(Executor& robot, PickState& state,
                                               const grasping::GraspPlan& plan) const {
   state.yaw = plan.base.ypr.x();
   approach(robot, plan, state.clear_height);
-  close(robot, robot.model().postures.top, options_.top.closing_rate);
+  close(robot, {robot.model().postures.top, options_.top.closing_rate, true});
   return balance(robot, state);
 }
 
@@ -206,11 +116,19 @@ PhaseEnd GraspPhase::grasp_unplanned(Executor& robot, PickState& state) {
   }
   state.tried_yaws.push_back(state.yaw);
   const hand::Postures& postures = robot.model().postures;
-  close(robot, from_side ? postures.side : postures.top,
-        from_side ? options_.side.closing_rate : options_.top.closing_rate);
+  close(robot, {from_side ? postures.side : postures.top,
+                from_side ? options_.side.closing_rate : options_.top.closing_rate, false});
+  if (robot.suspected(robot.model().thumb)) return held_up(robot);
   const Hold hold = balance(robot, state);
   press(robot, hold);
   return end(robot, hold, from_side ? "side grasp" : "top grasp");
+}
+
+/// The grasp ends before the thumb pushes the object out of the hand.
+PhaseEnd GraspPhase::held_up(const Executor& robot) const {
+  const auto thumb = static_cast<std::size_t>(robot.model().thumb);
+  return {false,
+          fmt::format("{} is held up by what it does not feel", robot.model().fingers[thumb].name)};
 }
 
 PhaseEnd GraspPhase::end(const Executor& robot, const Hold& hold, std::string_view grasp) const {
@@ -319,10 +237,31 @@ void GraspPhase::descend(Executor& robot, const PickState& state) const {
   robot.wait(0.15);
 }
 
-void GraspPhase::close(Executor& robot, const hand::Preshape& preshape, double rate) const {
-  const grasping::ClosingLaw law(robot.model(), rate, preshape.closed);
-  FingersDone done(robot.model());
+/// Those that feel close first. Those that do not then press the object against them; who loses
+/// touch meanwhile closes on.
+void GraspPhase::close(Executor& robot, const Closing& how) const {
+  hand::PerFinger<bool> feeling{};
+  bool any_numb = false;
+  for (int finger = 0; finger < robot.model().finger_count(); ++finger) {
+    feeling[static_cast<std::size_t>(finger)] = robot.trusted(finger);
+    any_numb |= !robot.trusted(finger);
+  }
+  close(robot, how, feeling);
+  if (any_numb && !robot.suspected(robot.model().thumb)) {
+    close(robot, how, grasping::kAllFingers);
+  }
+  robot.wait(kTouchSeconds);
+}
+
+void GraspPhase::close(Executor& robot, const Closing& how,
+                       const hand::PerFinger<bool>& closing) const {
+  const hand::Preshape& preshape = how.preshape;
+  const grasping::ClosingLaw law(robot.model(), how.rate, preshape.closed);
+  FingersDone done(robot.model(), closing);
   ClosingFriction friction(robot.model());
+  UnfeltThumb unfelt(robot.model(), preshape.contact_torque);
+  const int thumb = robot.model().thumb;
+  const bool doubtful = how.on_pose && robot.trusted(thumb) && !robot.cleared(thumb);
   hand::PerFinger<bool> met{};  // in the tick before
   const double end = robot.time() + options_.longest_close;
   while (robot.time() < end && !done.all()) {
@@ -334,10 +273,13 @@ void GraspPhase::close(Executor& robot, const hand::Preshape& preshape, double r
     const auto touched = done.touches();
     done.update(robot.reading(), robot.command());
     for (std::size_t i = 0; i < met.size(); ++i) met[i] = done.touches()[i] && !touched[i];
+    if (doubtful && friction.known() && unfelt.update(robot.reading(), friction.torques())) {
+      robot.suspect(thumb);
+      break;
+    }
   }
   robot.move_fingers(relaxed(robot, met, friction.torques()), hand::kTick);
   robot.set_grip(std::nullopt);
-  robot.wait(kTouchSeconds);
 }
 
 /// The forces that cancel best, together with the weight: the fingers bear it from the first, so
@@ -348,6 +290,9 @@ GraspPhase::Hold GraspPhase::balance(const Executor& robot, const PickState& sta
   Hold hold;
   hold.contacts =
       tactile::contacts_with_normals(tactile::lasting_contacts(window, robot.model(), {}));
+  if (state.resting) {
+    add_unfelt_contacts(robot, object_, state.resting->modes.front().T_frame_object, hold.contacts);
+  }
   std::optional<grasping::Load> load;
   if (state.resting) {
     load = weight_at(robot, state.resting->modes.front().T_frame_object,

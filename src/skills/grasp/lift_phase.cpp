@@ -9,6 +9,7 @@
 #include "estimation/mean_load.hpp"
 #include "estimation/slip.hpp"
 #include "palpate/hand/tip_forces.hpp"
+#include "skills/grasp/grip_watch.hpp"
 
 namespace palpate::skills {
 namespace {
@@ -29,9 +30,25 @@ int touching_fingers(const estimation::EventLog& log, double force) {
 
 }  // namespace
 
+/// The first part of the lift. @return whether the grip holds; else the hand is down again
+bool LiftPhase::tries(Executor& robot) {
+  const hand::BasePosition start = robot.command().base;
+  hand::BasePosition up = start;
+  up.xyz.z() += std::min(options_.trial_height, options_.height);
+  GripWatch grip(robot);
+  const auto end = robot.move_base(up, options_.trial_speed, [&](const hand::HandReading& reading) {
+    return grip.update(reading);
+  });
+  if (end != MotionEnd::stopped) return true;
+  robot.move_base(start, options_.trial_speed);
+  return false;
+}
+
 PhaseEnd LiftPhase::run(Executor& robot, PickState& state) {
   hand::BasePosition up = robot.command().base;
   up.xyz.z() += options_.height;
+  gave_way_ = options_.trial_height > 0 && !tries(robot);
+  if (gave_way_) return {false, "the grip gives way; back on the table"};
   robot.move_base(up, options_.speed);
   robot.wait(options_.settle);
   const std::size_t settled = robot.log().readings.size() - 1;

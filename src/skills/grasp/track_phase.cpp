@@ -12,7 +12,9 @@ PhaseEnd TrackPhase::run(Executor& robot, PickState& state) {
   const auto closed = robot.log().at(estimation::TouchEvent::closed),
              held = robot.log().at(estimation::TouchEvent::held);
   const auto& start = state.estimate.posterior;
-  if (!closed || !held || start.modes.empty()) return {false, "no pose to follow"};
+  if (!closed || !held || localization::best_probability(start) <= 0) {
+    return {false, "no pose to follow"};
+  }
   state.tracked = estimation::track(object_, robot.model(), robot.log(), errors_, start, *closed,
                                     *held, options_, seed_);
   const Eigen::Isometry3d T_base_start =

@@ -196,7 +196,7 @@ bool Placement::aim_turned() {
     result_.goal = search.goal;
     if (!search.goal) return {false, "unreachable: " + search.obstacle};
     return {true,
-            fmt::format("{:.1f} deg are left to the base",
+            fmt::format("{:.1f} deg are left to the mount",
                         kDegreesPerRadian * share_of_fingers(robot_.reading().base,
                                                              search.goal->seat, std::numbers::pi)
                                                 .norm())};

@@ -28,11 +28,11 @@ std::array<Eigen::Vector3d, 2> angles_of(const Eigen::Matrix3d& R) {
 
 std::string obstacle_at(const hand::BasePosition& base, const GoalOptions& options) {
   if (base.xyz.head<2>().cwiseAbs().maxCoeff() > options.reach) {
-    return fmt::format("the base would be at ({:.2f}, {:.2f}) m, out of reach", base.xyz.x(),
+    return fmt::format("the mount would be at ({:.2f}, {:.2f}) m, out of reach", base.xyz.x(),
                        base.xyz.y());
   }
   if (base.xyz.z() > options.highest) {
-    return fmt::format("the base would be {:.2f} m high, out of reach", base.xyz.z());
+    return fmt::format("the mount would be {:.2f} m high, out of reach", base.xyz.z());
   }
   return {};
 }

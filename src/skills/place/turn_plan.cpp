@@ -31,7 +31,7 @@ std::optional<InHandReorientation> plan_in_hand_reorientation(
   if (search.goal) {
     if (turn.asked.norm() < options.min) return std::nullopt;
     turn.why =
-        fmt::format("asked for: {:.1f} of the {:.1f} deg that the base would turn",
+        fmt::format("asked for: {:.1f} of the {:.1f} deg that the mount would turn",
                     kDegreesPerRadian * turn.asked.norm(), kDegreesPerRadian * turn.base_turn);
     return turn;
   }

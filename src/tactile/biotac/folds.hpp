@@ -9,6 +9,8 @@ namespace palpate::tactile {
 
 struct BiotacFold {
   std::vector<BiotacSample> learn, judge;
+  /// What is judged, with the rest values of a stream; fewer where these are not known.
+  std::vector<BiotacSample> judge_causally = {};
 };
 
 /// Cuts logs where contact breaks; every fold leaves a run of whole touches out. Folds with too few

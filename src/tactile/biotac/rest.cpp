@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "palpate/core/statistics.hpp"
+#include "palpate/tactile/biotac/rest_tracker.hpp"
 #include "tactile/biotac/faults.hpp"
 
 namespace palpate::tactile {
@@ -11,6 +13,11 @@ namespace {
 constexpr std::size_t kBlock = 5;  // frames whose median stands for them
 constexpr double kDriftRate = 2;   // counts/s, of the envelope
 constexpr double kQuiet = 12;      // counts above the envelope that still are rest
+constexpr auto kStuck = static_cast<std::size_t>(kStuckFrames);
+
+bool is_sound(unsigned flags) {
+  return (flags & (bit(BiotacFlag::missing) | bit(BiotacFlag::out_of_range))) == 0;
+}
 
 void flag_times(const BiotacLog& log, std::vector<unsigned>& flags) {
   const std::size_t n = log.time.size();
@@ -26,20 +33,22 @@ void flag_times(const BiotacLog& log, std::vector<unsigned>& flags) {
   }
 }
 
-/// Flags the frames in which an electrode keeps its count for long while the pressure changes.
-void flag_stuck(const BiotacLog& log, std::vector<unsigned>& flags) {
+/// Flags the frames in which an electrode keeps its count for long while the pressure changes;
+/// causally, only those from which on that has been seen.
+void flag_stuck(const BiotacLog& log, BiotacRest rest, std::vector<unsigned>& flags) {
   const std::size_t n = log.time.size();
   for (int c = 1; c < kBiotacChannels; ++c) {
     for (std::size_t start = 0, end = 0; start < n; start = end) {
       double low = log.channels[start][0], high = low;
+      std::optional<std::size_t> seen;
       for (end = start; end < n && log.channels[end][c] == log.channels[start][c]; ++end) {
         low = std::min(low, log.channels[end][0]);
         high = std::max(high, log.channels[end][0]);
+        const bool stuck = end - start + 1 >= kStuck && high - low > kStuckPressure;
+        if (stuck && !seen) seen = rest == BiotacRest::causal ? end : start;
       }
       if (end == start) ++end;  // nan
-      if (end - start < static_cast<std::size_t>(kStuckFrames) || !(high - low > kStuckPressure))
-        continue;
-      for (std::size_t i = start; i < end; ++i) flags[i] |= bit(BiotacFlag::stuck);
+      for (std::size_t i = seen.value_or(end); i < end; ++i) flags[i] |= bit(BiotacFlag::stuck);
     }
   }
 }
@@ -53,9 +62,7 @@ struct Block {
 std::vector<Block> blocks_of(const BiotacLog& log, const std::vector<unsigned>& flags) {
   std::vector<std::size_t> sound;
   for (std::size_t i = 0; i < flags.size(); ++i) {
-    if ((flags[i] & (bit(BiotacFlag::missing) | bit(BiotacFlag::out_of_range))) == 0) {
-      sound.push_back(i);
-    }
+    if (is_sound(flags[i])) sound.push_back(i);
   }
   std::vector<Block> blocks;
   std::vector<double> values;
@@ -117,6 +124,29 @@ BiotacChannels rest_at(const std::vector<Block>& rest, double time) {
   return (1 - share) * before.median + share * after->median;
 }
 
+const BiotacChannels kUnknown = BiotacChannels::Constant(std::nan(""));
+
+std::vector<BiotacChannels> interpolated_rests(const BiotacLog& log,
+                                               const std::vector<unsigned>& flags) {
+  const auto rest = smoothed(quiet_blocks(blocks_of(log, flags)));
+  std::vector<BiotacChannels> rests(log.time.size(), kUnknown);
+  for (std::size_t i = 0; i < rests.size() && !rest.empty(); ++i) {
+    rests[i] = rest_at(rest, log.time[i]);
+  }
+  return rests;
+}
+
+std::vector<BiotacChannels> causal_rests(const BiotacLog& log, const std::vector<unsigned>& flags) {
+  BiotacRestTracker tracker;
+  std::vector<BiotacChannels> rests;
+  BiotacChannels now = kUnknown;
+  for (std::size_t i = 0; i < log.time.size(); ++i) {
+    if (is_sound(flags[i])) now = tracker.step(log.time[i], log.channels[i]).value_or(kUnknown);
+    rests.push_back(now);
+  }
+  return rests;
+}
+
 }  // namespace
 
 unsigned count_flags(const BiotacChannels& channels) {
@@ -138,21 +168,23 @@ bool far_from(const BiotacChannels& rest, const BiotacChannels& start) {
   return change[0] > kPressureDrift || change.tail<kElectrodes>().maxCoeff() > kElectrodeDrift;
 }
 
-BiotacSignals biotac_signals(const BiotacLog& log) {
+BiotacSignals biotac_signals(const BiotacLog& log, BiotacRest rest) {
   BiotacSignals signals;
   for (const auto& channels : log.channels) signals.flags.push_back(count_flags(channels));
   flag_times(log, signals.flags);
-  flag_stuck(log, signals.flags);
-  const auto rest = smoothed(quiet_blocks(blocks_of(log, signals.flags)));
+  flag_stuck(log, rest, signals.flags);
+  signals.rests = rest == BiotacRest::causal ? causal_rests(log, signals.flags)
+                                             : interpolated_rests(log, signals.flags);
+  std::optional<BiotacChannels> first;
   for (std::size_t i = 0; i < log.time.size(); ++i) {
-    if (rest.empty()) {
-      signals.changes.push_back(BiotacChannels::Constant(std::nan("")));
+    const BiotacChannels& now = signals.rests[i];
+    signals.changes.emplace_back(log.channels[i] - now);
+    if (!now.allFinite()) {
       signals.flags[i] |= bit(BiotacFlag::no_rest);
       continue;
     }
-    const BiotacChannels now = rest_at(rest, log.time[i]);
-    signals.changes.emplace_back(log.channels[i] - now);
-    if (far_from(now, rest.front().median)) signals.flags[i] |= bit(BiotacFlag::drifted);
+    if (!first) first = now;
+    if (far_from(now, *first)) signals.flags[i] |= bit(BiotacFlag::drifted);
     if (signals.changes[i][0] <= kContactPressure) {
       signals.flags[i] |= bit(BiotacFlag::no_contact);
     }

@@ -7,8 +7,10 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "palpate/core/error.hpp"
+#include "palpate/geometry/query/rounded_hull.hpp"
 
 namespace palpate::tactile {
 namespace {
@@ -88,6 +90,27 @@ void merge(const std::vector<FingerContact>& contacts, FingerSample& sample) {
   if (normal.norm() > 0.1 * count) sample.tip_normal = normal.normalized();
 }
 
+/// The point of a fingertip's axis or core that is nearest to a point.
+class NearestInCore {
+ public:
+  explicit NearestInCore(const hand::Finger& finger) : tip_(finger.tip) {
+    if (finger.hull) hull_.emplace(finger.hull->core, finger.hull->radius);
+  }
+
+  double radius() const { return hull_ ? hull_->radius() : tip_.radius; }
+
+  Eigen::Vector3d operator()(const Eigen::Vector3d& p) const {
+    if (hull_) return hull_->nearest_in_core(p);
+    const Eigen::Vector3d axis = tip_.b - tip_.a;
+    const double along = axis.dot(p - tip_.a) / axis.squaredNorm();
+    return tip_.a + std::clamp(along, 0.0, 1.0) * axis;
+  }
+
+ private:
+  hand::TipCapsule tip_;
+  std::optional<geometry::RoundedHull> hull_;
+};
+
 }  // namespace
 
 std::string_view to_string(SampleFlag flag) {
@@ -161,14 +184,13 @@ FingerFrame finger_frame(const hand::HandReading& reading, const hand::Descripti
   const auto T_base_link = hand::forward_kinematics(hand, reading.joints);
   const Eigen::Isometry3d T =
       reading.base.pose() * T_base_link.at(static_cast<std::size_t>(hand.fingers[i].link));
-  const auto& tip = hand.fingers[i].tip;
-  const Eigen::Vector3d axis = tip.b - tip.a;
+  const NearestInCore nearest_in_core(hand.fingers[i]);
   for (const hand::TipContact& contact : reading.contacts[i]) {
-    const double along = axis.dot(contact.p - tip.a) / axis.squaredNorm();
-    const Eigen::Vector3d core = tip.a + std::clamp(along, 0.0, 1.0) * axis;
-    const Eigen::Vector3d inward = core - contact.p;
+    const Eigen::Vector3d inward = nearest_in_core(contact.p) - contact.p;
     FingerContact felt{.p = T * contact.p, .f = T.linear() * contact.f, .tip_normal = {}};
-    if (inward.norm() > 0.1 * tip.radius) felt.tip_normal = T.linear() * inward.normalized();
+    if (inward.norm() > 0.1 * nearest_in_core.radius()) {
+      felt.tip_normal = T.linear() * inward.normalized();
+    }
     frame.contacts.push_back(felt);
   }
   return frame;

@@ -19,15 +19,22 @@ void check(const HeightMap& map, const HeightMapOptions& options) {
   if (!(std::isfinite(map.pixel) && map.pixel > 0)) {
     throw BadInput(fmt::format("height map: pixel is {} m, not positive", map.pixel));
   }
+  const double side = map.pixel * static_cast<double>(std::max(map.depth.rows(), map.depth.cols()));
+  if (map.depth.maxCoeff() > side) {
+    throw BadInput(fmt::format("height map: it is {} m deep and {} m long; are both in metres?",
+                               map.depth.maxCoeff(), side));
+  }
   if (options.cell < 2)
     throw BadInput(fmt::format("height map: cell is {}, not > 1", options.cell));
   if (!(options.min_share > 0 && options.min_share <= 1)) {
     throw BadInput(fmt::format("height map: min_share is {}, not in 0..1", options.min_share));
   }
-  if (!(options.min_depth >= 0 && options.depth_sigma > 0 && options.slope_sigma > 0)) {
-    throw BadInput(
-        fmt::format("height map: min_depth, depth_sigma and slope_sigma are {}, {} and {}",
-                    options.min_depth, options.depth_sigma, options.slope_sigma));
+  const Eigen::Vector3d limits(options.min_depth, options.depth_sigma, options.slope_sigma);
+  if (!limits.allFinite() || limits[0] < 0 || limits[1] <= 0 || limits[2] <= 0) {
+    throw BadInput(fmt::format(
+        "height map: min_depth, depth_sigma and slope_sigma are {}, {} and {}, not finite "
+        "and positive",
+        options.min_depth, options.depth_sigma, options.slope_sigma));
   }
 }
 

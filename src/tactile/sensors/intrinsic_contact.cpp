@@ -23,10 +23,11 @@ void check(const ContactWrench& wrench, const FingertipCapsule& tip,
   if (!(std::isfinite(tip.radius) && tip.radius > 0)) {
     throw BadInput(fmt::format("wrench: the fingertip's radius is {} m, not positive", tip.radius));
   }
-  if (!(options.min_force > 0 && options.force_sigma > 0 && options.moment_sigma > 0)) {
+  const Eigen::Vector3d limits(options.min_force, options.force_sigma, options.moment_sigma);
+  if (!(limits.allFinite() && limits.minCoeff() > 0)) {
     throw BadInput(
         fmt::format("wrench: min_force, force_sigma and moment_sigma are {}, {} and {}, "
-                    "not all positive",
+                    "not all positive and finite",
                     options.min_force, options.force_sigma, options.moment_sigma));
   }
 }

@@ -27,10 +27,11 @@ void check_taxel(const Taxel& taxel, std::size_t index) {
 std::vector<Contact> contacts_of_taxels(const std::vector<Taxel>& taxels,
                                         const Eigen::Isometry3d& T_frame_sensor,
                                         const TaxelOptions& options) {
-  if (!(options.min_force > 0 && options.pitch > 0 && options.normal_sigma > 0)) {
+  const Eigen::Vector3d limits(options.min_force, options.pitch, options.normal_sigma);
+  if (!(limits.allFinite() && limits.minCoeff() > 0)) {
     throw BadInput(
         fmt::format("taxels: min_force, pitch and normal_sigma are {}, {} and {}, not "
-                    "all positive",
+                    "all positive and finite",
                     options.min_force, options.pitch, options.normal_sigma));
   }
   std::vector<Contact> contacts;

@@ -25,6 +25,7 @@ using nlohmann::json;
 constexpr const char* kMinariVersion = "0.5.1";
 constexpr hsize_t kChunk = 64;              // rows
 constexpr hsize_t kMaxValues = 1ULL << 31;  // of one table
+constexpr std::size_t kMaxValueBytes = 16;  // of a number
 
 std::string name_of(std::size_t episode) { return fmt::format("episode_{}", episode); }
 
@@ -166,6 +167,11 @@ MatrixXd read_table(const H5::Group& group, const char* name, int rank, std::uin
   if (kind != H5T_FLOAT && kind != H5T_INTEGER && kind != H5T_ENUM) {
     throw BadInput(fmt::format("'{}' holds no numbers", name));
   }
+  // HDF5 sorts the values of an enumeration in a buffer of 32 bytes, whatever their size.
+  const std::size_t value_bytes = table.getDataType().getSize();
+  if (value_bytes > (kind == H5T_ENUM ? sizeof(std::int8_t) : kMaxValueBytes)) {
+    throw BadInput(fmt::format("'{}' has values of {} bytes", name, value_bytes));
+  }
   const hsize_t most = std::min<hsize_t>(kMaxValues, bytes);
   if (size[1] > 0 && size[0] > most / size[1]) {
     throw BadInput(fmt::format("'{}' claims {} x {} values, more than the file holds", name,
@@ -189,6 +195,12 @@ std::uint64_t read_seed(const H5::Group& group) {
   if (!group.attrExists("seed")) return 0;
   const H5::Attribute attribute = group.openAttribute("seed");
   if (attribute.getTypeClass() != H5T_INTEGER) return 0;
+  if (const std::size_t bytes = attribute.getDataType().getSize(); bytes > kMaxValueBytes) {
+    throw BadInput(fmt::format("the attribute 'seed' has {} bytes", bytes));
+  }
+  if (const auto count = attribute.getSpace().getSimpleExtentNpoints(); count != 1) {
+    throw BadInput(fmt::format("the attribute 'seed' has {} values, not 1", count));
+  }
   std::int64_t value = 0;
   attribute.read(H5::PredType::NATIVE_INT64, &value);
   return static_cast<std::uint64_t>(value);

@@ -115,8 +115,8 @@ localization::Posterior Relocation::rough(RandomStream random) const {
   return posterior;
 }
 
-FeltEpisode Relocation::run(const Policy& policy, const EpisodeOptions& episode, std::uint64_t seed,
-                            std::size_t index) const {
+TouchEpisode Relocation::run(const Policy& policy, const EpisodeOptions& episode,
+                             std::uint64_t seed, std::size_t index) const {
   const auto start = episode_start(episode, seed, index);
   const RandomStream random = RandomStream(seed, "relocation").fork("episode", index);
   RandomStream chance = random.fork("place");
@@ -126,10 +126,10 @@ FeltEpisode Relocation::run(const Policy& policy, const EpisodeOptions& episode,
   const Eigen::Isometry3d& T_task_object = object_.object().T_mesh_object;
   const Eigen::Vector3d centroid = shape_.start_rotation * T_task_object.translation();
   const Eigen::Vector2d rough_place = start.object + centroid.head<2>() - from_rough;
-  FeltEpisode result;
+  TouchEpisode result;
   localization::Posterior resting;
   if (options_.explore) resting = explored(from_rough, random.fork("explore").bits());
-  result.explored = resting.unlisted() < 1;
+  result.explored = resting.residual_mass() < 1;
   if (!result.explored) resting = rough(random.fork("rough"));
   estimation::transform(
       Eigen::Isometry3d(Eigen::Translation3d(rough_place.x(), rough_place.y(), 0)), resting);
@@ -137,10 +137,10 @@ FeltEpisode Relocation::run(const Policy& policy, const EpisodeOptions& episode,
   RelocateTask task(model_);
   task.reset(start);
   RelocateTouch touch(model_, options_.noise, random.fork("touch").bits());
-  estimation::OnlineTracker felt(object_, touch.hand_model(), resting, options_.felt,
-                                 random.fork("felt").bits());
+  estimation::OnlineTracker tracker(object_, touch.hand_model(), resting, options_.tracking,
+                                    random.fork("felt").bits());
   const auto reported_place = [&]() -> Eigen::Vector3d {
-    return felt.T_world_object() * T_task_object.inverse().translation();
+    return tracker.T_world_object() * T_task_object.inverse().translation();
   };
   const auto error = [&]() -> Eigen::Vector3d {
     return reported_place() - object_pose(task.positions()).translation();
@@ -148,23 +148,23 @@ FeltEpisode Relocation::run(const Policy& policy, const EpisodeOptions& episode,
   result.resting_error = error().head<2>().norm();
   result.episode =
       run_episode(task, start, episode.horizon, [&](int step, const PolicyInput& input) {
-        felt.feel(touch.read(task, step));
+        tracker.update(touch.read(task, step));
         result.reported_error = error().norm();
         return policy.act(with_place(input, reported_place(), start));
       });
-  result.estimates = felt.estimates();
-  if (felt.estimates() > 0) result.estimate_seconds = felt.seconds() / felt.estimates();
+  result.estimates = tracker.estimates();
+  if (tracker.estimates() > 0) result.estimate_seconds = tracker.seconds() / tracker.estimates();
   return result;
 }
 
-std::vector<FeltEpisode> Relocation::run_all(const Policy& policy, const EpisodeOptions& episode,
-                                             std::uint64_t seed, std::size_t count, int threads,
-                                             const ProgressCallback& progress) const {
-  std::vector<FeltEpisode> episodes(count);
+std::vector<TouchEpisode> Relocation::run_all(const Policy& policy, const EpisodeOptions& episode,
+                                              std::uint64_t seed, std::size_t count, int threads,
+                                              const ProgressCallback& progress) const {
+  std::vector<TouchEpisode> episodes(count);
   parallel_ordered(
       count, threads, [&](std::size_t index) { return run(policy, episode, seed, index); },
-      [&](std::size_t index, const FeltEpisode& felt) {
-        episodes[index] = felt;
+      [&](std::size_t index, const TouchEpisode& one) {
+        episodes[index] = one;
         if (progress) progress(index + 1, count);
       });
   return episodes;

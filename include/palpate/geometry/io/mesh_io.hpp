@@ -7,7 +7,7 @@
 
 namespace palpate::geometry {
 
-/// Reads PLY (ascii, binary of either byte order), STL (ascii, binary) or OBJ, told apart by
+/// Reads PLY (ascii, binary of either byte order), STL (ascii, binary) or OBJ, distinguished by
 /// content and extension, in the file's own units. Polygons are triangulated, an STL's equal
 /// vertices welded; properties other than positions and faces are skipped.
 ///

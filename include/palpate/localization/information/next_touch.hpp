@@ -32,8 +32,8 @@ PredictedTouch predict_touch(const geometry::ObjectModel& model,
 
 struct NextTouchOptions {
   double tip_radius = 0.0075;  ///< m
-  double point_sigma = 0.002;  ///< of the distance at which contact is felt, m
-  double normal_sigma = 0.25;  ///< of the felt normal, rad
+  double point_sigma = 0.002;  ///< of the distance at which contact is sensed, m
+  double normal_sigma = 0.25;  ///< of the sensed normal, rad
   int poses = 100;             ///< drawn from the posterior
   int few_poses = 32;          ///< of them on which all probes are compared first
   int finalists = 16;          ///< probes that are compared on all poses
@@ -41,8 +41,8 @@ struct NextTouchOptions {
   template <class Visitor>
   void visit(Visitor&& v) {
     v("tip_radius", tip_radius, 0.001, 0.05, "m");
-    v("point_sigma", point_sigma, 1e-5, 0.1, "of the distance at which contact is felt, m");
-    v("normal_sigma", normal_sigma, 1e-3, 10.0, "of the felt normal, rad");
+    v("point_sigma", point_sigma, 1e-5, 0.1, "of the distance at which contact is sensed, m");
+    v("normal_sigma", normal_sigma, 1e-3, 10.0, "of the sensed normal, rad");
     v("poses", poses, 2, 10000, "drawn from the posterior");
     v("few_poses", few_poses, 2, 10000, "of them, on which all probes are compared first");
     v("finalists", finalists, 1, 10000, "probes that are compared on all poses");
@@ -56,7 +56,7 @@ struct NextTouchOptions {
 double information_bound(const std::vector<PredictedTouch>& outcomes,
                          const NextTouchOptions& options = {});
 
-/// What several fingertips should feel at once: one touch each, always of the same fingertips.
+/// What several fingertips should sense at once: one touch each, always of the same fingertips.
 using PredictedTouches = std::vector<PredictedTouch>;
 
 /// The same bound where an outcome is several touches, whose errors are independent, and the poses

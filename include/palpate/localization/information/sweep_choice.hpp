@@ -19,11 +19,11 @@ struct ProbingFinger {
   Eigen::Matrix3d R_world_base = Eigen::Matrix3d::Identity();
 };
 
-/// A sweep and how well its end tells poses apart.
+/// A sweep and how well its end distinguishes poses.
 struct InformativeMove {
   GuardedMove guarded_move;
   std::size_t index = 0;   ///< of it among the sweeps
-  double information = 0;  ///< chance, 0..1, that two draws from the poses are told apart
+  double information = 0;  ///< probability that two draws from the poses are distinguished
 };
 
 /// An object that it may be, and its poses, which weigh as much as it is probable.
@@ -35,7 +35,7 @@ struct PosedObject {
 /// The one of some sweeps whose end differs most between the poses that a posterior holds for
 /// credible (poses_of: a mode with a free axis is several along it). Where another part of the hand
 /// touches first, the guarded move ends, too.
-/// @return nothing if there is no sweep that tells anything
+/// @return nothing if no sweep is informative
 std::optional<InformativeMove> most_informative_move(const geometry::ObjectModel& object,
                                                      const localization::Posterior& posterior,
                                                      const ProbingFinger& finger,

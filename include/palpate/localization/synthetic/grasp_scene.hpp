@@ -42,14 +42,14 @@ GraspScene make_grasp_scene(const geometry::ObjectModel& model, const geometry::
                             const hand::Description& hand, const GraspSceneOptions& options,
                             RandomStream random);
 
-/// What of a scene the search is told, and how wrong.
+/// Evidence of a scene that the search gets, and its errors.
 struct SceneEvidenceOptions {
   int contacts = 10;             ///< the first so many, in the order of the grasps
   double point_noise = 0.001;    ///< of points per axis, m
   double normal_noise = 0.1745;  ///< of normals per tangent axis, rad
   double assumed_noise = 1;      ///< what the search takes the noise to be, times the true one
-  double hand_offset = 0;        ///< rms of a displacement of all that a grasp feels, m
-  double assumed_offset = 0;     ///< what the search is told of that displacement's rms, m
+  double hand_offset = 0;        ///< rms of a displacement of all contacts of a grasp, m
+  double assumed_offset = 0;     ///< rms of that displacement that the search assumes, m
   double false_share = 0;        ///< as the scene's
   double half_width = 0.02;      ///< as the scene's
   bool hand = true;              ///< the hand's balls are free of the object

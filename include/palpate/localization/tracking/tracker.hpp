@@ -8,7 +8,7 @@
 
 namespace palpate::localization {
 
-/// What the fingertips feel and do at one instant.
+/// Contacts and motion of the fingertips at one instant.
 struct TrackFrame {
   double time = 0;  ///< s
   std::vector<tactile::Contact> contacts;
@@ -24,7 +24,7 @@ struct TrackerOptions {
   double turning = 0.5;           ///< rms turning that is expected beforehand, rad/s
   double moving = 0.03;           ///< and moving, m/s
   double false_contacts = 0.05;   ///< prior share
-  double slip_jump = 1.8;         ///< rise of a contact's mean energy that tells a slip
+  double slip_jump = 1.8;         ///< rise of a contact's mean energy that indicates a slip
   double slip_angle = 0.1745;     ///< spread of the poses searched after it, rad
   double slip_way = 0.005;        ///< and m
   int slip_poses = 40;            ///< started a frame while it is searched
@@ -39,7 +39,7 @@ struct TrackerOptions {
     v("turning", turning, 1e-3, 100.0, "rms turning that is expected beforehand, rad/s");
     v("moving", moving, 1e-4, 10.0, "rms moving that is expected beforehand, m/s");
     v("false_contacts", false_contacts, 1e-3, 0.9, "prior share of contacts with something else");
-    v("slip_jump", slip_jump, 0.1, 100.0, "rise of a contact's mean energy that tells a slip");
+    v("slip_jump", slip_jump, 0.1, 100.0, "rise of a contact's mean energy that indicates a slip");
     v("slip_angle", slip_angle, 0.0, 3.2, "spread of the poses searched after a slip, rad");
     v("slip_distance", slip_way, 0.0, 0.1, "spread of the poses searched after a slip, m");
     v("slip_poses", slip_poses, 1, 1000, "poses started a frame while a slip is searched");
@@ -53,7 +53,7 @@ struct TrackerOptions {
 /// The twist comes from the fingertips' velocities, which stick up to `sliding`; errors of contacts
 /// keep for `correlation_time`, so that a frame's likelihood counts to the power dt / 2 tau. A slip
 /// shows as a jump of the contacts' energy. Then poses about those before it are corrected by the
-/// mean of all contacts felt since, in every frame again, until there are enough of them to go on.
+/// mean of all contacts since, in every frame again, until there are enough of them to go on.
 class Tracker {
  public:
   /// @throws BadInput for a posterior without modes

@@ -18,6 +18,7 @@ struct HandNotes {
   std::string tips;     ///< bodies of the fingertips, separated by commas, one a finger
   std::string fingers;  ///< their names, in the same order
   std::string thumb;    ///< name of the finger that closes against the others
+  std::string tip_shape = "capsule";  ///< or "hull": of boxes and meshes, not a capsule fitted
   std::string closing;  ///< joints that close the fingers; "-joint" closes towards its lower limit
   double max_torque = 0;  ///< N m, of every joint; 0: the file's
   bool has_mount = false;
@@ -32,6 +33,8 @@ struct HandNotes {
     v("tips", tips, "bodies of the fingertips, separated by commas");
     v("fingers", fingers, "names of the fingers, in the order of the fingertips");
     v("thumb", thumb, "finger that closes against the others");
+    v("tip_shape", tip_shape,
+      "capsule, or hull: of boxes and meshes their convex hull, not a capsule fitted");
     v("closing", closing, "joints that close the fingers; -joint: towards its lower limit");
     v("max_torque", max_torque, 0, 100, "of every joint, N m; 0: the model's");
     v("mount.given", has_mount, "use the pose below; else it is derived");
@@ -60,9 +63,9 @@ struct DescribedHand {
 /// Reads a hand from an MJCF or URDF file.
 ///
 /// Fingers are the chains of hinges below the palm, fingertips the last body of each that can
-/// collide, for whose surface a capsule is fitted. Hinges that an equality or a mimic ties to
-/// another one follow it. Every other hinge gets a position servo; where the file has none, by a
-/// rule: 300 N/m at the fingertip, critically damped.
+/// collide. Its surface is its capsule or sphere, else the convex hull of what collides. Hinges
+/// that an equality or a mimic ties to another one follow it. Every other hinge gets a position
+/// servo; where the file has none, by a rule: 300 N/m at the fingertip, critically damped.
 /// @throws BadInput for a file that cannot be used, with what to do about it
 DescribedHand describe_hand(const std::filesystem::path& file, const HandNotes& notes = {});
 

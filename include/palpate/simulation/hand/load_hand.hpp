@@ -12,8 +12,8 @@
 namespace palpate::simulation {
 
 /// The hand of a name, or of a model file. A process reads each hand once.
-/// @param name  "shadow" or empty, another of stored_hands(), or the path of an MJCF or URDF file,
-///              or of a TOML file with HandNotes
+/// @param name  "shadow" or empty, "shadow-left", another of stored_hands(), or the path of an MJCF
+///              or URDF file, or of a TOML file with HandNotes
 /// @param stiffness_scale  of the position controllers of the Shadow hand's fingers
 /// @throws BadInput if there is no such hand or its file cannot be used
 hand::Description load_hand(const std::string& name, double stiffness_scale = 4.0);

@@ -57,6 +57,7 @@ struct WorldOptions {
   double stiffness_scale = 4.0;  ///< of the fingers' position controllers
   bool exact_tips = true;        ///< tips meet the true surface, the table its hull; else the parts
   bool biotacs = false;          ///< readings hold the channels of BioTacs on the fingertips
+  bool second_object = false;    ///< a box that the robot is not told of stands beside the object
   bool corrupted_truth = false;  ///< World::truth() is wrong: whoever acts on it shows
   simulation::IntegralOptions integral;
   SensorNoise noise;
@@ -76,6 +77,8 @@ struct WorldOptions {
     v.expert("exact_tips", exact_tips,
              "fingertips meet the true surface, the table its hull; else convex parts");
     v("biotacs", biotacs, "simulate the channels of BioTacs on the fingertips");
+    v.expert("second_object", second_object,
+             "a box that the robot is not told of stands beside the object");
     v.expert("corrupted_truth", corrupted_truth,
              "the truth that is told is wrong: whoever acts on it shows");
     v.expert_section("integral", integral);
@@ -117,6 +120,10 @@ class World {
   /// off by SensorNoise::link. The same for every reset.
   const hand::Description& hand_model() const;
   Truth truth() const;
+
+  /// Pushes the object along the table, whatever holds it, from now on.
+  /// @param way  m, in the world
+  void push_object(const Eigen::Vector2d& way, double seconds);
 
   /// Tells of every step of the physics from now on; an empty observer ends that.
   void observe(StepObserver observer);

@@ -15,7 +15,7 @@ struct HeightProbeOptions {
   double touch_force = 0.7;    ///< N of load on the base
   double clearance = 0.012;    ///< stop this far above the table, m
   double travel_speed = 0.5;   ///< through the air, m/s
-  double search = 0.10;        ///< where nothing is felt: this far to four sides of the place, m
+  double search = 0.10;        ///< m to four sides, half of it first, where nothing is felt
 
   template <class Visitor>
   void visit(Visitor&& v) {
@@ -38,7 +38,7 @@ class HeightProbePhase : public Phase {
                             double tallest = std::numeric_limits<double>::infinity())
       : options_(options), tallest_(tallest) {}
   std::string_view name() const override { return "height_probe"; }
-  double time_limit() const override { return 90.0; }
+  double time_limit() const override { return 150.0; }
   PhaseEnd run(Executor& robot, PickState& state) override;
 
  private:

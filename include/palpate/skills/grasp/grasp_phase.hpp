@@ -22,7 +22,7 @@ struct ApproachOptions {
   template <class Visitor>
   void visit(Visitor&& v) {
     v("approach_speed", approach_speed, 0.001, 0.5, "m/s");
-    v("contact_load", contact_load, 0.05, 50.0, "N on the base that ends the approach");
+    v("contact_load", contact_load, 0.05, 50.0, "N, load on the mount that ends the approach");
     v("push", push, 0.0, 0.1, "m to go on after the touch");
     v("closing_rate", closing_rate, 0.01, 20.0, "rad/s of an actuator that closes at speed 1");
   }
@@ -37,7 +37,7 @@ struct GraspOptions {
   double travel_speed = 0.5;      ///< m/s
   double longest_close = 8.0;     ///< s until all fingers have met the object
   double ramp_seconds = 0.8;      ///< from touching to pressing
-  double press_per_weight = 3.0;  ///< of all fingertips together, by the object's weight
+  double press_per_weight = 4.5;  ///< of all fingertips together, by the object's weight
   double min_press = 5.0;         ///< N
   double good_cost = 0.1;         ///< of a plan with which the search ends
   grasping::GraspPlanOptions plan;
@@ -91,6 +91,11 @@ class GraspPhase : public Phase {
   PhaseEnd run(Executor& robot, PickState& state) override;
 
  private:
+  struct Closing {
+    const hand::Preshape& preshape;
+    double rate;   ///< rad/s
+    bool on_pose;  ///< else the thumb may meet the object beside its fingertip, and feel nothing
+  };
   /// What the closed fingers feel, and the forces with which they are to press.
   struct Hold {
     std::vector<tactile::Contact> contacts;
@@ -107,7 +112,9 @@ class GraspPhase : public Phase {
   void descend(Executor& robot, const PickState& state) const;
   void travel_to(Executor& robot, const hand::BasePosition& start, const hand::Preshape& preshape,
                  double clear_height) const;
-  void close(Executor& robot, const hand::Preshape& preshape, double rate) const;
+  void close(Executor& robot, const Closing& how) const;
+  void close(Executor& robot, const Closing& how, const hand::PerFinger<bool>& closing) const;
+  PhaseEnd held_up(const Executor& robot) const;
   Hold balance(const Executor& robot, const PickState& state) const;
   void press(Executor& robot, const Hold& hold) const;
   void let_go(Executor& robot) const;

@@ -107,7 +107,8 @@ struct WithdrawOptions {
   void visit(Visitor&& v) {
     v("speed", speed, 0.001, 0.5, "m/s, out of the object's reach");
     v.expert("distance", distance, 0.01, 0.5, "m, out of the object's reach");
-    v.expert("caught", caught, 0.05, 10.0, "N on the base that mean the object comes along");
+    v.expert("caught", caught, 0.05, 10.0,
+             "N, load on the mount above which the object comes along");
     v("height", height, 0.1, 1.0, "m, height at which the mount waits afterwards");
     v.expert("far_speed", far_speed, 0.01, 1.0, "m/s, up there");
     v.expert("empty", empty, 0.0, 1.0,

@@ -46,7 +46,7 @@ ElectrodeFit fit_electrodes(const std::vector<BiotacSample>& samples,
                             const ElectrodeFitOptions& options = {});
 
 struct ElectrodeModelOptions {
-  int centres = 400;    ///< at most so many samples carry the model
+  int centres = 400;    ///< largest number of samples that the model keeps
   double length = 1;    ///< of the kernel, in root-mean-square features
   double linear = 0.3;  ///< weight of the linear kernel
   double noise = 0.1;   ///< variance of what firm touches show, of the kernel's
@@ -56,7 +56,7 @@ struct ElectrodeModelOptions {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("centres", centres, 10, 5000, "at most so many samples carry the model");
+    v("centres", centres, 10, 5000, "largest number of samples that the model keeps");
     v("length", length, 0.01, 100.0, "of the kernel, in root-mean-square features");
     v("linear", linear, 0.0, 100.0, "weight of the linear kernel");
     v("noise", noise, 1e-6, 10.0, "variance of what firm touches show, relative to the kernel");

@@ -58,6 +58,7 @@ BiotacLog read_biotac_log(const std::filesystem::path& path);
 
 /// A log freed of its rest values.
 struct BiotacSignals {
+  std::vector<BiotacChannels> rests;    ///< counts without contact at that time; nan: not known
   std::vector<BiotacChannels> changes;  ///< counts minus the rest at that time
   std::vector<unsigned> flags;          ///< BiotacFlag, or-ed
 };
@@ -65,11 +66,19 @@ struct BiotacSignals {
 /// Change of the pressure, counts, from which on there is contact.
 inline constexpr double kContactPressure = 20;
 
+/// What the rest of a frame is found from.
+enum class BiotacRest {
+  whole_log,  ///< frames before and after it
+  causal      ///< the frames up to it, as in a stream
+};
+
 /// Follows the slowly drifting rest values through a log and names faults.
 ///
-/// Rest is where the pressure lies near its lower envelope, which may rise or fall by at most 2
-/// counts a second; in between the rest values are interpolated. The start of a log need not be
-/// free of contact. The envelope looks ahead: the whole log must be there.
-BiotacSignals biotac_signals(const BiotacLog& log);
+/// Rest is where the pressure lies near its lower envelope, which may rise by at most 2 counts a
+/// second. From the whole log, it may fall as slowly only, and in between the rest values are
+/// interpolated, so that the start of a log need not be free of contact. Causally, see
+/// BiotacRestTracker: a log that starts in contact has `no_rest` until the contact ends, or, where
+/// its pressure does not change for a while, takes it for rest until the pressure falls below.
+BiotacSignals biotac_signals(const BiotacLog& log, BiotacRest rest = BiotacRest::whole_log);
 
 }  // namespace palpate::tactile

@@ -30,8 +30,8 @@ struct HeightMapOptions {
 ///
 /// @param T_frame_sensor  of the sensor in the frame of the contacts
 /// @return contacts without forces, in the order of rows and columns; none where nothing touches
-/// @throws BadInput for a map that is empty or not finite, a pixel that is not positive, or options
-///         out of range
+/// @throws BadInput for a map that is empty, not finite or deeper than it is long, a pixel that is
+///         not positive, or options out of range
 std::vector<Contact> contacts_of_height_map(const HeightMap& map,
                                             const Eigen::Isometry3d& T_frame_sensor,
                                             const HeightMapOptions& options = {});

@@ -14,7 +14,7 @@ namespace palpate::relocate {
 struct RelocationOptions {
   bool explore = true;  ///< the resting object is touched first, else only `uncertainty` known
   double uncertainty = 0.02;  ///< m, within which the object's place is known at first, in x and y
-  estimation::OnlineTrackerOptions felt;
+  estimation::OnlineTrackerOptions tracking;
   skills::HeightProbeOptions height_probe;
   skills::ExploreOptions exploring;
   estimation::EstimationOptions resting;  ///< how the pose on the table is estimated
@@ -24,7 +24,7 @@ struct RelocationOptions {
   void visit(Visitor&& v) {
     v("explore", explore, "touch the resting object first, else only its rough place is known");
     v("uncertainty", uncertainty, 0.0, 0.2, "m, the object within +- of its rough place");
-    v.section("felt", felt);
+    v.section("tracking", tracking);
     v.section("height_probe", height_probe);
     v.section("exploring", exploring);
     v.section("resting", resting);
@@ -32,18 +32,18 @@ struct RelocationOptions {
   }
 };
 
-/// An episode in which the policy was told what touch knows.
-struct FeltEpisode {
+/// An episode in which the policy was given the pose estimated by touch.
+struct TouchEpisode {
   Episode episode;
-  double resting_error = 0;     ///< m, of the place it was told at first, in x and y
+  double resting_error = 0;     ///< m, of the initial place that it was given, in x and y
   double reported_error = 0;    ///< m, in the last step
-  bool explored = false;        ///< a finger has told the pose of the resting object
+  bool explored = false;        ///< the pose of the resting object was estimated by touch
   int estimates = 0;            ///< of the pose in the grasp
   double estimate_seconds = 0;  ///< wall time of one, mean; 0 without any
 };
 
-/// The relocate task with a policy that is told the object's place as touch has it, never the true
-/// one: the transport phase of thesis chapter 7 behind the estimation of chapter 6.
+/// The relocate task with a policy that gets the object's place as estimated by touch, never the
+/// true one: the transport phase of thesis chapter 7 behind the estimation of chapter 6.
 ///
 /// Before it reaches out, a finger explores the resting object as a pick does; while it closes and
 /// carries, the pose is estimated from the fingertips of the Adroit hand (OnlineTracker).
@@ -53,13 +53,13 @@ class Relocation {
   Relocation(const TaskOptions& task, const RelocationOptions& options);
 
   /// Episode i starts as rollout starts it.
-  FeltEpisode run(const Policy& policy, const EpisodeOptions& episode, std::uint64_t seed,
-                  std::size_t index) const;
+  TouchEpisode run(const Policy& policy, const EpisodeOptions& episode, std::uint64_t seed,
+                   std::size_t index) const;
 
   /// `count` episodes on up to `threads` threads.
-  std::vector<FeltEpisode> run_all(const Policy& policy, const EpisodeOptions& episode,
-                                   std::uint64_t seed, std::size_t count, int threads,
-                                   const ProgressCallback& progress = {}) const;
+  std::vector<TouchEpisode> run_all(const Policy& policy, const EpisodeOptions& episode,
+                                    std::uint64_t seed, std::size_t count, int threads,
+                                    const ProgressCallback& progress = {}) const;
 
  private:
   localization::Posterior explored(const Eigen::Vector2d& place, std::uint64_t seed) const;

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "program.hpp"
+
+#include <fmt/format.h>
+
+#include <exception>
+
+#include "palpate/core/error.hpp"
+#include "palpate/core/unknown_option.hpp"
+#include "palpate/core/version.hpp"
+#include "usage.hpp"
+
+namespace palpate::app {
+namespace {
+
+/// Names the command's own option for a key of that name, or the list of options.
+int run_command(const CLI::App& program, const Command& chosen) {
+  try {
+    return chosen();
+  } catch (const UnknownOption& error) {
+    const std::string own = "--" + error.key();
+    const CLI::App* const command = innermost(&program);
+    if (command->get_option_no_throw(own)) {
+      throw BadInput(
+          fmt::format("{} is no option of a configuration; {} sets it", error.key(), own));
+    }
+    const std::string what = error.what();
+    if (what.find("did you mean") != what.npos) throw;
+    throw BadInput(what + "; palpate options lists the options of each command");
+  }
+}
+
+int run(std::span<const AddCommand> commands, int argc, char** argv) {
+  CLI::App program{"Palpate: tactile-only in-hand pose estimation and manipulation.", "palpate"};
+  program.set_version_flag("--version", std::string(version()));
+  program.require_subcommand(1);
+  program.failure_message(usage_error);
+  program.formatter(std::make_shared<HelpFormatter>());
+  program.footer(
+      "palpate COMMAND --help shows a command's options and examples.\n"
+      "Exit codes: 0 done, 2 usage, 3 bad input, 4 no solution, 5 the robot was stopped by a "
+      "fault.");
+  Command chosen;
+  for (const AddCommand add : commands) add(program, chosen);
+  try {
+    program.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return program.exit(error) == 0 ? kDone : kUsage;
+  }
+  return run_command(program, chosen);
+}
+
+}  // namespace
+
+int run_program(std::span<const AddCommand> commands, int argc, char** argv) {
+  try {
+    return run(commands, argc, argv);
+  } catch (const BadInput& error) {
+    fmt::print(stderr, "palpate: {}\n", error.what());
+    return kBadInput;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "palpate: unexpected failure: {}\n", error.what());
+    return 1;
+  }
+}
+
+}  // namespace palpate::app

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/tuple.h>
+
+#include <memory>
+#include <tuple>
+#include <utility>
+
+#include "palpate/localization/pose_prior.hpp"
+#include "pickle.hpp"
+#include "rooms.hpp"
+#include "shared_model.hpp"
+
+namespace palpate::python {
+
+// What pickles keep of posteriors and evidence.
+
+template <>
+struct Fields<localization::FreeAxis> {
+  static auto of(localization::FreeAxis& it) { return std::tie(it.point, it.direction, it.extent); }
+};
+template <>
+struct Fields<localization::Mode> {
+  static auto of(localization::Mode& it) {
+    return std::tie(it.T_frame_object, it.weight, it.covariance, it.free_axis);
+  }
+};
+template <>
+struct Fields<Mode> {
+  static auto of(Mode& it) { return std::tie(it.mode, it.T_object_mesh); }
+};
+template <>
+struct Fields<localization::Posterior> {
+  static auto of(localization::Posterior& it) {
+    return std::tie(it.status, it.modes, it.residual_set, it.seconds);
+  }
+};
+template <>
+struct Fields<localization::PosePrior::Component> {
+  static auto of(localization::PosePrior::Component& it) {
+    return std::tie(it.T_frame_object, it.weight, it.covariance);
+  }
+};
+template <>
+struct Fields<localization::PosePrior> {
+  static auto of(localization::PosePrior& it) { return std::tie(it.components, it.floor); }
+};
+template <>
+struct Fields<localization::TableSupport> {
+  static auto of(localization::TableSupport& it) {
+    return std::tie(it.T_frame_table, it.stable_pose_weights, it.tilt_sigma, it.height_sigma,
+                    it.surface_sigma, it.half_width, it.edge_sigma);
+  }
+};
+
+/// With the model, which pickle keeps once for all posteriors of it.
+template <>
+struct Kept<Posterior> {
+  static nb::object of(const Posterior& posterior) {
+    auto model = std::const_pointer_cast<geometry::ObjectModel>(posterior.model);
+    return nb::make_tuple(Kept<localization::Posterior>::of(posterior.found),
+                          nb::cast(std::move(model)));
+  }
+  static void into(nb::handle kept, Posterior& posterior) {
+    const auto [found, model] = nb::cast<std::tuple<nb::object, nb::object>>(kept);
+    Kept<localization::Posterior>::into(found, posterior.found);
+    posterior.model = model_from(model);
+  }
+};
+
+}  // namespace palpate::python

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "skills/explore/table_press.hpp"
+
+#include <algorithm>
+
+#include "palpate/hand/tip_forces.hpp"
+#include "skills/lowest_part.hpp"
+#include "skills/take_posture.hpp"
+
+namespace palpate::skills {
+namespace {
+
+constexpr double kPostureSeconds = 0.3;  // s
+constexpr double kUnfeltLoad = 4.0;      // N at which the table is there, felt or not
+constexpr int kPressedTicks = 3;         // of it in a row
+
+/// Stop condition: the hand presses downwards, be it felt or not.
+Executor::StopCondition pressing_down() {
+  return [loaded = 0](const hand::HandReading& reading) mutable {
+    loaded = -reading.base_force.z() > kUnfeltLoad ? loaded + 1 : 0;
+    return loaded >= kPressedTicks;
+  };
+}
+
+/// Goes to an attitude and a posture at once, above the table.
+void move_above(Executor& robot, const TableTouch& touch, const CalibrateOptions& options) {
+  const hand::HandCommand& now = robot.command();
+  const double low = lowest_on_way(robot.model(), now.positions, attitude_of(now.base),
+                                   touch.posture, touch.attitude);
+  const double high = std::max(now.base.xyz.z(), kTravelHeight - low);
+  rise(robot, high - now.base.xyz.z(), options.travel_speed);
+  robot.move_hand({touch.posture, touch.base(options, high)}, options.travel_speed,
+                  kPostureSeconds);
+}
+
+}  // namespace
+
+void rise(Executor& robot, double way, double speed) {
+  hand::BasePosition up = robot.command().base;
+  up.xyz.z() += way;
+  robot.move_base(up, speed);
+}
+
+double lowest(const hand::Description& hand, const TableTouch& touch) {
+  return lowest_part(hand, touch.posture, touch.attitude);
+}
+
+void take_attitude(Executor& robot, const TableTouch& touch, const CalibrateOptions& options) {
+  if (fingers_meet(robot, touch.posture)) {
+    TableTouch stretched = touch;
+    stretched.posture = robot.model().postures.stretched;
+    move_above(robot, stretched, options);
+  }
+  move_above(robot, touch, options);
+}
+
+bool is_reachable(const Executor& robot, const TableTouch& touch, const CalibrateOptions& options) {
+  const double seat = -lowest(robot.model(), touch);
+  return robot.obstacle(touch.base(options, seat + kTravelHeight)).empty() &&
+         robot.obstacle(touch.base(options, seat)).empty();
+}
+
+TablePress press_table(Executor& robot, const TableTouch& touch, const CalibrateOptions& options,
+                       double height) {
+  bool felt = false;
+  const auto loaded = pressing_down();
+  const auto stop = [&](const hand::HandReading& reading) {
+    felt = hand::tip_force(reading, touch.finger) > options.touch_force;
+    return felt || loaded(reading);
+  };
+  const auto end = robot.move_base(touch.base(options, height), options.speed, stop);
+  if (end != MotionEnd::stopped) return TablePress::missed;
+  return felt ? TablePress::felt : TablePress::unfelt;
+}
+
+}  // namespace palpate::skills

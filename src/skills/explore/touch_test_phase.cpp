@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "skills/explore/touch_test_phase.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "skills/explore/table_press.hpp"
+#include "skills/lowest_part.hpp"
+#include "skills/motion_constants.hpp"
+
+namespace palpate::skills {
+namespace {
+
+constexpr double kReach = 0.014;          // m over and under the table
+constexpr int kPresses = 2;               // that must not be felt
+constexpr double kSecondsAFinger = 20.0;  // amply
+
+}  // namespace
+
+double TouchTestPhase::time_limit() const { return kSecondsAFinger * hand::kMaxFingers; }
+
+/// A fingertip with which the hand cannot press on the table counts as numb: it was held up.
+bool TouchTestPhase::is_numb(Executor& robot, int finger) const {
+  const auto touch = table_touch(robot.model(), finger);
+  if (!touch || !is_reachable(robot, *touch, options_)) return true;
+  take_attitude(robot, *touch, options_);
+  const double seat = -lowest(robot.model(), *touch);
+  for (int i = 0; i < kPresses; ++i) {
+    robot.move_base(touch->base(options_, seat + kReach), options_.travel_speed);
+    robot.tare();
+    const TablePress press = press_table(robot, *touch, options_, seat - kReach);
+    rise(robot, kTravelHeight, options_.travel_speed);
+    if (press != TablePress::unfelt) return false;
+  }
+  return true;
+}
+
+PhaseEnd TouchTestPhase::run(Executor& robot, PickState& state) {
+  const auto high = [&] {
+    const hand::HandCommand& now = robot.command();
+    const double low = lowest_part(robot.model(), now.positions, attitude_of(now.base));
+    const double free = std::max(kFreeHeight, state.clear_height - low);
+    rise(robot, std::max(0.0, free - now.base.xyz.z()), options_.travel_speed);
+  };
+  std::vector<std::string> numb;
+  for (const int finger : robot.suspects()) {
+    high();
+    const std::string& name = robot.model().fingers[static_cast<std::size_t>(finger)].name;
+    if (!is_numb(robot, finger)) {
+      robot.clear(finger);
+      continue;
+    }
+    robot.distrust(finger, fmt::format("{} does not feel what it presses on", name));
+    numb.push_back(name);
+  }
+  high();
+  return {true,
+          numb.empty() ? "all fingertips feel" : fmt::format("numb: {}", fmt::join(numb, ", "))};
+}
+
+}  // namespace palpate::skills

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "palpate/skills/explore/calibrate_phase.hpp"
+
+namespace palpate::skills {
+
+/// Presses the fingertips on the bare table that something has held up without their feeling it
+/// (Executor::suspects). One that does not feel the table, either, is no longer believed: the
+/// fault touch_lost, with which the robot goes on.
+class TouchTestPhase : public Phase {
+ public:
+  explicit TouchTestPhase(const CalibrateOptions& options) : options_(options) {}
+  std::string_view name() const override { return "touch-test"; }
+  double time_limit() const override;
+  PhaseEnd run(Executor& robot, PickState& state) override;
+
+ private:
+  [[nodiscard]] bool is_numb(Executor& robot, int finger) const;
+
+  CalibrateOptions options_;
+};
+
+}  // namespace palpate::skills

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "skills/grasp/closing_watch.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "palpate/hand/tip_forces.hpp"
+
+namespace palpate::skills {
+namespace {
+
+constexpr double kTipContact = 0.10;  // N at which a finger counts as touching
+constexpr int kLostTicks = 10;
+constexpr int kStillTicks = 12;
+constexpr double kHeldUp = 0.6;        // of the contact torque, of a thumb that is held up
+constexpr int kHeldUpTicks = 10;       // for which it is
+constexpr double kStillStep = 0.0003;  // rad a tick
+constexpr int kSetOutTicks =
+    20;  // of a closing in which nothing is met; friction from the latter half
+constexpr double kSetOut =
+    3;  // of the contact torque: limit then, and of friction that is believed
+
+}  // namespace
+
+bool ClosingFriction::known() const { return ticks_ >= kSetOutTicks; }
+
+void ClosingFriction::update(const hand::HandReading& reading) {
+  if (known() || ++ticks_ <= kSetOutTicks / 2) return;
+  torques_ += reading.torques / static_cast<double>(kSetOutTicks - kSetOutTicks / 2);
+}
+
+hand::ActuatorVector ClosingFriction::limits(const hand::Description& hand,
+                                             const hand::ActuatorVector& contact_torque) const {
+  if (!known()) return kSetOut * contact_torque;
+  hand::ActuatorVector limits = contact_torque;
+  for (int i = 0; i < hand.actuator_count(); ++i) {
+    const double closing = hand.actuators[static_cast<std::size_t>(i)].closing;
+    limits[i] += std::clamp(closing < 0 ? -torques_[i] : torques_[i], 0.0, kSetOut * limits[i]);
+  }
+  return limits;
+}
+
+FingersDone::FingersDone(const hand::Description& hand, const hand::PerFinger<bool>& closing)
+    : detectors_(hand.fingers.size(), TouchDetector(kTipContact)) {
+  for (int finger = 0; finger < hand.finger_count(); ++finger) {
+    const auto drives = hand::closing_actuators(hand, finger);
+    drives_.push_back(drives.empty() ? -1 : drives.front());
+    stuck_[static_cast<std::size_t>(finger)] = !closing[static_cast<std::size_t>(finger)];
+  }
+}
+
+void FingersDone::update(const hand::HandReading& reading, const hand::HandCommand& command) {
+  for (std::size_t finger = 0; finger < drives_.size(); ++finger) {
+    const double position = drives_[finger] < 0 ? 0 : command.positions[drives_[finger]];
+    const bool still = std::abs(position - last_[finger]) < kStillStep;
+    still_[finger] = still && !touches_[finger] ? still_[finger] + 1 : 0;
+    last_[finger] = position;
+    const bool touches =
+        detectors_[finger].update(hand::tip_force(reading, static_cast<int>(finger)));
+    apart_[finger] = touches ? 0 : apart_[finger] + 1;
+    touches_[finger] = touches || (touches_[finger] && apart_[finger] < kLostTicks);
+    stuck_[finger] = stuck_[finger] || still_[finger] > kStillTicks;
+  }
+}
+
+bool FingersDone::all() const {
+  for (std::size_t finger = 0; finger < drives_.size(); ++finger) {
+    if (!done(finger)) return false;
+  }
+  return true;
+}
+
+hand::PerFinger<bool> FingersDone::still_closing() const {
+  hand::PerFinger<bool> open{};
+  for (std::size_t finger = 0; finger < drives_.size(); ++finger) open[finger] = !done(finger);
+  return open;
+}
+
+UnfeltThumb::UnfeltThumb(const hand::Description& hand, const hand::ActuatorVector& contact_torque)
+    : hand_(hand),
+      contact_torque_(contact_torque),
+      drives_(hand::closing_actuators(hand, hand.thumb)) {}
+
+bool UnfeltThumb::update(const hand::HandReading& reading, const hand::ActuatorVector& friction) {
+  const bool presses = std::any_of(drives_.begin(), drives_.end(), [&](int i) {
+    const double torque = reading.torques[i] - friction[i];
+    const bool closes_up = hand_.actuators[static_cast<std::size_t>(i)].closing > 0;
+    return (closes_up ? torque : -torque) > kHeldUp * contact_torque_[i];
+  });
+  const auto finger = static_cast<std::size_t>(hand_.thumb);
+  held_up_ = presses && reading.contacts[finger].empty() ? held_up_ + 1 : 0;
+  return held_up_ >= kHeldUpTicks;
+}
+
+}  // namespace palpate::skills

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "skills/unfelt_force.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace palpate::skills {
+namespace {
+
+constexpr double kMisread = 0.1;  // of the largest torque: friction and error of what is read
+constexpr int kApart = 10;   // readings without a contact, after which a fingertip feels nothing
+constexpr int kHeldUp = 10;  // ticks in a row, of a finger that is limited
+
+}  // namespace
+
+UnfeltForce::UnfeltForce(const hand::Description& hand, double max_force)
+    : hand_(hand), max_torques_(hand::ActuatorVector::Zero(hand.actuator_count())) {
+  for (int i = 0; i < hand.actuator_count(); ++i) {
+    const hand::Actuator& actuator = hand.actuators[static_cast<std::size_t>(i)];
+    max_torques_[i] = max_force * actuator.lever + kMisread * actuator.max_torque;
+  }
+}
+
+std::vector<int> UnfeltForce::limit(hand::HandCommand& command, const hand::HandCommand& last,
+                                    const hand::HandReading& reading) {
+  hand::PerFinger<bool> limited{};
+  for (std::size_t finger = 0; finger < hand_.fingers.size(); ++finger) {
+    apart_[finger] = reading.contacts[finger].empty() ? apart_[finger] + 1 : 0;
+  }
+  for (int i = 0; i < hand_.actuator_count(); ++i) {
+    const int finger = hand_.actuators[static_cast<std::size_t>(i)].finger;
+    if (finger < 0 || apart_[static_cast<std::size_t>(finger)] < kApart) continue;
+    limited[static_cast<std::size_t>(finger)] |= limit(i, command, last, reading);
+  }
+  std::vector<int> held_up;
+  for (std::size_t finger = 0; finger < hand_.fingers.size(); ++finger) {
+    pressed_[finger] = limited[finger] ? pressed_[finger] + 1 : 0;
+    if (pressed_[finger] >= kHeldUp) held_up.push_back(static_cast<int>(finger));
+  }
+  return held_up;
+}
+
+/// The lead of the command on the joint is taken from the torque, as when closing.
+/// @return whether the actuator presses with more than it may
+bool UnfeltForce::limit(int actuator, hand::HandCommand& command, const hand::HandCommand& last,
+                        const hand::HandReading& reading) const {
+  const double torque = reading.torques[actuator];
+  const double most_torque = max_torques_[actuator];
+  if (std::abs(torque) <= most_torque) return false;
+  const double stiffness = hand_.actuators[static_cast<std::size_t>(actuator)].stiffness;
+  const double back = (std::abs(torque) - most_torque) / stiffness;
+  double& position = command.positions[actuator];
+  const double most = last.positions[actuator] - std::copysign(back, torque);
+  position = torque > 0 ? std::min(position, most) : std::max(position, most);
+  return true;
+}
+
+}  // namespace palpate::skills

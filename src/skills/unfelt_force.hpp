@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "palpate/hand/hand.hpp"
+
+namespace palpate::skills {
+
+/// Ends the motion of fingers that something holds up and that feel nothing of it: what their
+/// actuators press with is limited, whatever they are commanded. Fingers that feel are left alone;
+/// they stop by what they feel.
+class UnfeltForce {
+ public:
+  /// @param max_force  N at a fingertip that feels nothing, by the levers of its actuators
+  UnfeltForce(const hand::Description& hand, double max_force);
+
+  /// @param command  wanted for this tick; changed where a finger may press no further
+  /// @param last  that led to the reading
+  /// @return fingers that have been limited for a while
+  std::vector<int> limit(hand::HandCommand& command, const hand::HandCommand& last,
+                         const hand::HandReading& reading);
+
+ private:
+  [[nodiscard]] bool limit(int actuator, hand::HandCommand& command, const hand::HandCommand& last,
+                           const hand::HandReading& reading) const;
+
+  hand::Description hand_;
+  hand::ActuatorVector max_torques_;  // N m
+  hand::PerFinger<int> apart_{};      // readings since a fingertip felt something
+  hand::PerFinger<int> pressed_{};    // ticks in a row in which a finger was limited
+};
+
+}  // namespace palpate::skills

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "estimation/height_likelihood.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "palpate/estimation/height_probe.hpp"
+#include "palpate/geometry/objects/shapes.hpp"
+#include "skills/soft_shadow.hpp"
+
+namespace palpate::estimation {
+namespace {
+
+/// The flat hand over the origin, its lowest part at a height above the table.
+hand::HandReading flat_at(double height) {
+  const hand::Description& model = skills::soft_shadow();
+  const hand::FlatHand& flat = model.postures.flat;
+  hand::HandReading reading;
+  reading.joints = hand::joints_in_free_flexion(model, flat.positions);
+  reading.base.ypr = {0, flat.attitude.pitch, flat.attitude.roll};
+  reading.base.xyz.head<2>() = -flat.center;
+  reading.base.xyz.z() = height - lowest_of_hand(model, reading);
+  return reading;
+}
+
+geometry::KnownObject box_of(double x, double y, double z) {
+  return geometry::make_known_object("a box", geometry::box_mesh({x, y, z}), 0.2);
+}
+
+std::vector<double> heights_of(const geometry::KnownObject& object, const PlaceOnTable& place) {
+  return stopping_heights(object, object.stable_poses[0], skills::soft_shadow(), flat_at(0.3),
+                          place);
+}
+
+TEST(StoppingHeights, APlateUnderTheWholeHandStopsItAtItsTop) {
+  const auto plate = box_of(0.39, 0.39, 0.05);
+  const auto heights = heights_of(plate, {{0, 0}, 0.01});
+  EXPECT_GT(heights.size(), 30u);
+  for (const double height : heights) EXPECT_NEAR(height, 0.05, 0.002);
+}
+
+TEST(StoppingHeights, WhatFitsBetweenTheFingersStopsTheHandByItsPalm) {
+  hand::Description two_fingers = skills::soft_shadow();
+  two_fingers.spheres.clear();
+  const hand::HandReading reading = flat_at(0.3);
+  const auto T_base_link = hand::forward_kinematics(two_fingers, reading.joints);
+  const Eigen::Isometry3d T_link_world = (reading.base.pose() * T_base_link[0]).inverse();
+  for (const Eigen::Vector3d& p : {Eigen::Vector3d(0.03, 0, 0.3), Eigen::Vector3d(-0.03, 0, 0.3),
+                                   Eigen::Vector3d(0, 0, 0.34)}) {
+    two_fingers.spheres.push_back({0, T_link_world * p, 0.01});
+  }
+  const auto rod = box_of(0.012, 0.012, 0.11);
+  const geometry::StablePose standing{Eigen::Matrix3d::Identity(), 0.055, 1};
+  for (const double height : stopping_heights(rod, standing, two_fingers, reading, {{0, 0}, 0})) {
+    EXPECT_NEAR(height, 0.11 - 0.04, 0.002);
+  }
+}
+
+TEST(StoppingHeights, AHandBesideTheObjectIsStoppedByTheTable) {
+  for (const double height : heights_of(box_of(0.05, 0.05, 0.05), {{0.6, 0}, 0.02})) {
+    EXPECT_EQ(height, 0);
+  }
+}
+
+TEST(FeltLikelihoods, AreGreatestForTheStablePoseThatIsAsTall) {
+  const auto box = box_of(0.05, 0.094, 0.175);
+  for (std::size_t i = 0; i < box.stable_poses.size(); ++i) {
+    const double top = geometry::top_of(box, box.stable_poses[i]);
+    const auto likelihoods =
+        probed_height_likelihoods(box, skills::soft_shadow(), flat_at(top), {{0, 0}, 0.02}, 0.005);
+    ASSERT_EQ(likelihoods.size(), box.stable_poses.size());
+    const double most = *std::max_element(likelihoods.begin(), likelihoods.end());
+    EXPECT_NEAR(likelihoods[i], most, 0.01) << "felt " << top;
+    for (std::size_t j = 0; j < likelihoods.size(); ++j) {
+      const double other = geometry::top_of(box, box.stable_poses[j]);
+      if (std::abs(other - top) > 0.02) {
+        EXPECT_LT(likelihoods[j], 0.5 * most);
+      }
+      EXPECT_GT(likelihoods[j], 0) << "something else may have stopped it";
+    }
+  }
+}
+
+}  // namespace
+}  // namespace palpate::estimation

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/recording/page_stream.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "palpate/geometry/objects/known_object.hpp"
+#include "palpate/hand/shadow.hpp"
+#include "palpate/recording/replay_page.hpp"
+
+namespace palpate::recording {
+namespace {
+
+using nlohmann::json;
+
+Header header() {
+  return {"1.2.3", 7, geometry::load_known_object("box"), hand::shadow_hand(), "", false};
+}
+
+Frame frame_at(const Header& header, double time) {
+  Frame frame;
+  frame.reading.time = time;
+  frame.reading.joints.setZero(header.hand.joint_count());
+  frame.reading.contacts.resize(header.hand.fingers.size());
+  frame.truth = FrameTruth{Eigen::Isometry3d(Eigen::Translation3d(0, 0, time)), {}};
+  return frame;
+}
+
+/// A stream and the messages that it has sent.
+struct Told {
+  std::vector<json> messages;
+  PageStream stream{header(), [this](const std::string& text) {
+                      EXPECT_EQ(text.find('\n'), std::string::npos);
+                      messages.push_back(json::parse(text));
+                    }};
+
+  std::vector<json> of(const char* kind) const {
+    std::vector<json> found;
+    for (const auto& message : messages) {
+      if (message.contains(kind)) found.push_back(message[kind]);
+    }
+    return found;
+  }
+};
+
+TEST(PageStream, ThinsFramesAndNothingElse) {
+  Told told;
+  for (int i = 0; i <= 100; ++i) told.stream.frame(frame_at(header(), 0.01 * i));
+  EXPECT_EQ(told.of("frames").size(), 21u);
+  for (int i = 0; i < 3; ++i) told.stream.event({1.0, EventKind::begin, "lift", ""});
+  EXPECT_EQ(told.of("story").size(), 3u);
+  EXPECT_EQ(told.of("story").back()["phases"].size(), 3u);
+}
+
+TEST(PageStream, FramesAfterAStepBackInTimeAreSent) {
+  Told told;
+  told.stream.frame(frame_at(header(), 5));
+  told.stream.frame(frame_at(header(), 1));
+  EXPECT_EQ(told.of("frames").size(), 2u);
+}
+
+TEST(PageStream, ABeliefOfEarlierIsJudgedByTheTruthOfThen) {
+  Told told;
+  for (int i = 0; i <= 10; ++i) told.stream.frame(frame_at(header(), 0.1 * i));
+  const Eigen::Isometry3d then(Eigen::Translation3d(0, 0, 0.3));
+  told.stream.belief({.time = 0.3, .source = "touch", .in_hand = false, .poses = {{1.0, then}}});
+  const auto beliefs = told.of("belief");
+  ASSERT_EQ(beliefs.size(), 1u);
+  EXPECT_NEAR(beliefs[0]["translation_error_mm"].get<double>(), 0, 1e-6);
+  EXPECT_EQ(beliefs[0]["entropy"], 0.0);
+}
+
+TEST(PageStream, NotesOfCrediblePosesAreBeliefsUntilThereAreOthers) {
+  Told told;
+  const std::string note = "credible 0.5 1 0 0 0 0 1 0 0 0 0 1 0.04 0 0 0 1";
+  told.stream.event({0, EventKind::note, "explore", note});
+  EXPECT_EQ(told.of("belief").size(), 1u);
+  EXPECT_NEAR(told.of("belief")[0]["entropy"].get<double>(), std::log(2.0), 1e-9);
+  told.stream.belief({.time = 0, .source = "prior", .in_hand = false, .poses = {}});
+  told.stream.event({0, EventKind::note, "explore", note});
+  EXPECT_EQ(told.of("belief").size(), 2u);
+}
+
+TEST(LivePage, IsAPageWithoutFrames) {
+  const std::string page =
+      live_page(header(), {}, "{{title}}|{{recording}}|{{script}}", "script", "a <b>");
+  EXPECT_TRUE(page.starts_with("a &lt;b&gt;|"));
+  const auto data =
+      json::parse(page.substr(page.find('|') + 1, page.rfind('|') - page.find('|') - 1));
+  EXPECT_EQ(data["live"], true);
+  EXPECT_EQ(data["frames"]["count"], 0);
+  EXPECT_EQ(data["fingers"].size(), 5u);
+}
+
+TEST(ComparePage, HoldsBothPagesAsTheyAre) {
+  const std::string page = compare_page("<p a=\"1\">left</p>", "<p>right</p>", "two");
+  EXPECT_NE(page.find("srcdoc=\"&lt;p a=&quot;1&quot;&gt;left&lt;/p&gt;\""), std::string::npos);
+  EXPECT_NE(page.find("srcdoc=\"&lt;p&gt;right&lt;/p&gt;\""), std::string::npos);
+}
+
+TEST(Entropy, IsThatOfTheShares) {
+  const Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  const auto of = [&](std::vector<double> shares) {
+    BeliefRecord belief;
+    for (const double share : shares) belief.poses.push_back({share, T});
+    return entropy(belief);
+  };
+  EXPECT_NEAR(of({1}), 0, 1e-12);
+  EXPECT_NEAR(of({0.5, 0.5}), std::log(2.0), 1e-12);
+  EXPECT_NEAR(of({0.25, 0.25, 0.25, 0.25}), std::log(4.0), 1e-12);
+  EXPECT_NEAR(of({0.5}), std::log(2.0), 1e-12);  // the rest is elsewhere
+}
+
+}  // namespace
+}  // namespace palpate::recording

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "skills/explore/touch_test_phase.hpp"
+
+#include <gtest/gtest.h>
+
+#include "hand/fake_hand.hpp"
+#include "palpate/estimation/height_probe.hpp"
+#include "palpate/evaluation/trial.hpp"
+#include "skills/soft_shadow.hpp"
+
+namespace palpate::skills {
+namespace {
+
+constexpr int kFinger = 1;
+
+/// A hand over a bare table, which bears it wherever its lowest part would be below; the finger
+/// feels that, or nothing.
+struct OverTheTable {
+  explicit OverTheTable(bool feels)
+      : hand([feels](hand::HandReading& reading) {
+          if (estimation::lowest_of_hand(soft_shadow(), reading) > 0) return;
+          reading.base_force.z() = -6;
+          const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
+          if (feels) reading.contacts[kFinger] = {{0.01 * up, up, -2 * up}};
+        }),
+        robot(hand, soft_shadow(), evaluation::waiting_command(soft_shadow())) {}
+
+  hand::FakeHand hand;
+  Executor robot;
+  PickState state;
+};
+
+TEST(TouchTestPhase, AFingertipThatFeelsTheTableIsCleared) {
+  OverTheTable scene(true);
+  scene.robot.suspect(kFinger);
+  ASSERT_EQ(scene.robot.suspects(), std::vector<int>{kFinger});
+  EXPECT_TRUE(TouchTestPhase({}).run(scene.robot, scene.state).ok);
+  EXPECT_TRUE(scene.robot.cleared(kFinger));
+  EXPECT_TRUE(scene.robot.trusted(kFinger));
+  EXPECT_TRUE(scene.robot.survived().empty());
+}
+
+TEST(TouchTestPhase, ANumbFingertipIsNamedAndNoLongerBelieved) {
+  OverTheTable scene(false);
+  scene.robot.suspect(kFinger);
+  const PhaseEnd end = TouchTestPhase({}).run(scene.robot, scene.state);
+  EXPECT_TRUE(end.ok);
+  const std::string& name = soft_shadow().fingers[kFinger].name;
+  EXPECT_NE(end.outcome.find(name), std::string::npos) << end.outcome;
+  EXPECT_FALSE(scene.robot.trusted(kFinger));
+  ASSERT_EQ(scene.robot.survived().size(), 1U);
+  EXPECT_EQ(scene.robot.survived()[0].fault, Fault::touch_lost);
+}
+
+TEST(TouchTestPhase, WithoutASuspectNothingIsPressed) {
+  OverTheTable scene(false);
+  EXPECT_EQ(TouchTestPhase({}).run(scene.robot, scene.state).outcome, "all fingertips feel");
+  for (const auto& reading : scene.robot.log().readings) {
+    EXPECT_GT(estimation::lowest_of_hand(soft_shadow(), reading), 0);
+  }
+}
+
+}  // namespace
+}  // namespace palpate::skills
