@@ -319,9 +319,10 @@ int train(const TrainArguments& arguments) {
   while (training.trainer->iteration() < planned) {
     const auto metrics = training.trainer->iterate();
     curves.add(metrics);
-    keep(folder, arguments, settings, *training.trainer, curves);
     write_policy(folder, arguments, *training.trainer);
     curves.write();
+    // Last: what an interrupted iteration has not written, the next run writes.
+    keep(folder, arguments, settings, *training.trainer, curves);
     log_iteration(common, training.trainer->iteration(), metrics,
                   std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
   }
