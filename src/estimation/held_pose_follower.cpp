@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "estimation/log_evidence.hpp"
-#include "estimation/prior_after_grasp.hpp"
 #include "palpate/hand/kinematics.hpp"
 #include "palpate/localization/pose_prior.hpp"
 
@@ -101,9 +100,10 @@ localization::PosePrior HeldPoseFollower::prior() const {
     return localization::prior_from(moved, periods * motion_covariance(turn, way));
   };
   localization::PosePrior prior;
-  append(after(options_.turn_sigma, options_.way_sigma), 1 - options_.slip_share, prior);
-  append(after(options_.slip_turn, options_.slip_way), options_.slip_share, prior);
-  finish(kUnfollowed, prior);
+  localization::append(after(options_.turn_sigma, options_.way_sigma), 1 - options_.slip_share,
+                       prior);
+  localization::append(after(options_.slip_turn, options_.slip_way), options_.slip_share, prior);
+  localization::spread_elsewhere(kUnfollowed, prior);
   return prior;
 }
 

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <optional>
 #include <vector>
 
@@ -98,23 +97,6 @@ void loosen(const localization::FreeAxis& axis, double sigma, PosePrior& prior) 
   }
 }
 
-/// Share of the peak density that spreads the probability `elsewhere` over all poses.
-double floor_density(const PosePrior& prior, double elsewhere) {
-  constexpr double kPoses = 8 * std::numbers::pi * std::numbers::pi * 1e-3;  // 1 dm^3, rad^3 m^3
-  double peak = 0;
-  for (const auto& component : prior.components) {
-    const double volume =
-        std::sqrt(std::pow(2 * std::numbers::pi, 6) * component.covariance.determinant());
-    peak = std::max(peak, component.weight / volume);
-  }
-  return std::min(0.5, elsewhere / kPoses / peak);
-}
-
-void sort_heaviest_first(PosePrior& prior) {
-  std::stable_sort(prior.components.begin(), prior.components.end(),
-                   [](const auto& a, const auto& b) { return a.weight > b.weight; });
-}
-
 /// In the hand's base, when it closed.
 Eigen::Vector3d up_at_closing(const HeldObject& held) {
   return held.log.readings[held.closed].base.pose().linear().row(2);
@@ -185,12 +167,13 @@ PosePrior after_motion(const HeldObject& held, const localization::Posterior& be
       PosePrior part =
           localization::prior_from(moved, motion_covariance(options, measured, scale * farther));
       for (const auto& axis : measured.motion.loose) loosen(axis, measured.swing, part);
-      append(part, slides < kSlides ? share * (1 - options.slide_share) : share, prior);
+      localization::append(part, slides < kSlides ? share * (1 - options.slide_share) : share,
+                           prior);
       share *= options.slide_share;
       farther *= kFarther;
     }
   }
-  finish(options.elsewhere, prior);
+  localization::spread_elsewhere(options.elsewhere, prior);
   return prior;
 }
 
@@ -210,23 +193,10 @@ PosePrior prior_after_lift(const HeldObject& held, const localization::Posterior
 
 PosePrior either_of(const PosePrior& one, const PosePrior& other) {
   PosePrior prior;
-  append(one, 0.5, prior);
-  append(other, 0.5, prior);
-  sort_heaviest_first(prior);
+  localization::append(one, 0.5, prior);
+  localization::append(other, 0.5, prior);
   prior.floor = std::max(one.floor, other.floor);
   return prior;
-}
-
-void append(const PosePrior& part, double share, PosePrior& prior) {
-  for (auto component : part.components) {
-    component.weight *= share;
-    prior.components.push_back(component);
-  }
-}
-
-void finish(double elsewhere, PosePrior& prior) {
-  sort_heaviest_first(prior);
-  prior.floor = floor_density(prior, elsewhere);
 }
 
 }  // namespace palpate::estimation

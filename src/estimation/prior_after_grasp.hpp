@@ -29,10 +29,4 @@ localization::PosePrior prior_after_lift(const HeldObject& held,
 localization::PosePrior either_of(const localization::PosePrior& one,
                                   const localization::PosePrior& other);
 
-/// Appends the components of a prior with their weights times `share`.
-void append(const localization::PosePrior& part, double share, localization::PosePrior& prior);
-
-/// Heaviest component first, and the floor that spreads the probability `elsewhere` over all poses.
-void finish(double elsewhere, localization::PosePrior& prior);
-
 }  // namespace palpate::estimation

@@ -79,6 +79,11 @@ std::vector<PosePrior::Component> components_of(const Mode& mode) {
   return result;
 }
 
+void sort_heaviest_first(PosePrior& prior) {
+  std::stable_sort(prior.components.begin(), prior.components.end(),
+                   [](const auto& a, const auto& b) { return a.weight > b.weight; });
+}
+
 }  // namespace
 
 PosePrior prior_from(const Posterior& posterior, const Matrix6d& motion_covariance) {
@@ -93,9 +98,26 @@ PosePrior prior_from(const Posterior& posterior, const Matrix6d& motion_covarian
       prior.components.push_back(component);
     }
   }
-  std::stable_sort(prior.components.begin(), prior.components.end(),
-                   [](const auto& a, const auto& b) { return a.weight > b.weight; });
+  sort_heaviest_first(prior);
   return prior;
+}
+
+void append(const PosePrior& part, double share, PosePrior& prior) {
+  for (auto component : part.components) {
+    component.weight *= share;
+    prior.components.push_back(component);
+  }
+  sort_heaviest_first(prior);
+}
+
+void spread_elsewhere(double elsewhere, PosePrior& prior) {
+  constexpr double kPoses = 8 * pi * pi * 1e-3;  // of all rotations and 1 dm^3, rad^3 m^3
+  double peak = 0;
+  for (const auto& component : prior.components) {
+    const double volume = std::sqrt(std::pow(2 * pi, 6) * component.covariance.determinant());
+    peak = std::max(peak, component.weight / volume);
+  }
+  prior.floor = std::min(0.5, elsewhere / kPoses / peak);
 }
 
 }  // namespace palpate::localization

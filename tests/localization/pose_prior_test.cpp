@@ -338,6 +338,30 @@ TEST(PriorFrom, RefusesWhatIsNoCovarianceOrPosterior) {
   EXPECT_THROW(prior_from(posterior, motion), BadInput);
 }
 
+TEST(Append, SharesTheWeightsHeaviestFirst) {
+  PosePrior prior = prior_at(Eigen::Isometry3d::Identity(), 0.1, 0.01);
+  prior.components[0].weight = 0.3;
+  PosePrior other = prior_at(Eigen::Isometry3d(Eigen::Translation3d(0.1, 0, 0)), 0.1, 0.01);
+  other.components[0].weight = 0.8;
+  append(other, 0.5, prior);
+  ASSERT_EQ(prior.components.size(), 2U);
+  EXPECT_DOUBLE_EQ(prior.components[0].weight, 0.4);
+  EXPECT_DOUBLE_EQ(prior.components[0].T_frame_object.translation().x(), 0.1);
+  EXPECT_DOUBLE_EQ(prior.components[1].weight, 0.3);
+}
+
+TEST(SpreadElsewhere, KeepsTheProbabilityHoweverNarrowThePrior) {
+  constexpr double kElsewhere = 0.004, kPoses = 8 * M_PI * M_PI * 1e-3;  // rad^3 m^3
+  for (const double narrow : {0.02, 0.2, 1.0}) {
+    PosePrior prior = prior_at(Eigen::Isometry3d::Identity(), narrow * 0.2, narrow * 0.01);
+    spread_elsewhere(kElsewhere, prior);
+    EXPECT_NEAR(prior.floor * peak(prior.components[0]) * kPoses, kElsewhere, 1e-9) << narrow;
+  }
+  PosePrior wide = prior_at(Eigen::Isometry3d::Identity(), 3, 1);
+  spread_elsewhere(kElsewhere, wide);
+  EXPECT_LE(wide.floor, 0.5);
+}
+
 template <class Spoil>
 void expect_bad(const std::string& words, Spoil&& spoil) {
   Evidence evidence;

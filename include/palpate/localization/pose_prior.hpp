@@ -16,4 +16,13 @@ namespace palpate::localization {
 /// @throws BadInput when there are no modes or the motion's is not a covariance
 PosePrior prior_from(const Posterior& posterior, const Matrix6d& motion_covariance);
 
+/// Adds the components of another prior, heaviest first, with their weights times `share`.
+void append(const PosePrior& part, double share, PosePrior& prior);
+
+/// Sets the floor to the density of a probability that is spread evenly over all rotations and one
+/// cubic decimetre, relative to the peak, at most 0.5: what touch can overrule does not depend on
+/// how narrow the prior is.
+/// @param elsewhere  that probability
+void spread_elsewhere(double elsewhere, PosePrior& prior);
+
 }  // namespace palpate::localization
