@@ -51,6 +51,63 @@ TEST(UnfeltThumb, TheDoubtEndsWithTheTorque) {
   }
 }
 
+/// A reading in which those fingers touch.
+hand::HandReading touching(const hand::PerFinger<bool>& fingers) {
+  hand::HandReading reading = hand::resting_reading(kHand);
+  const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
+  for (std::size_t finger = 0; finger < fingers.size(); ++finger) {
+    if (fingers[finger]) reading.contacts[finger] = {{0.01 * up, up, -up}};
+  }
+  return reading;
+}
+
+/// The fingers with those that closed and touched for some ticks, command moving on.
+class ClosingFingers {
+ public:
+  explicit ClosingFingers(const hand::PerFinger<bool>& closing) : done(kHand, closing) {
+    command.positions = hand::ActuatorVector::Zero(kHand.actuator_count());
+  }
+
+  void touch(const hand::PerFinger<bool>& fingers, int ticks) {
+    for (int i = 0; i < ticks; ++i) {
+      command.positions.array() += 0.01;
+      done.update(touching(fingers), command);
+    }
+  }
+
+  hand::HandCommand command;
+  FingersDone done;
+};
+
+constexpr hand::PerFinger<bool> kThumbAndFirst = {true, true}, kFirst = {false, true},
+                                kThumb = {true}, kNone = {};
+
+TEST(FingersDone, AFingerThatHasLostTouchWaitsUntilAllHaveMet) {
+  ClosingFingers fingers(kThumbAndFirst);
+  fingers.touch(kFirst, 3);
+  EXPECT_TRUE(fingers.done.done(1));
+  fingers.touch(kNone, 50);  // it has pushed the object away
+  EXPECT_TRUE(fingers.done.done(1));
+  EXPECT_FALSE(fingers.done.done(0));
+  fingers.touch(kThumb, 20);  // the last one has met it as well
+  EXPECT_TRUE(fingers.done.done(0));
+  EXPECT_FALSE(fingers.done.done(1));
+  fingers.touch(kThumbAndFirst, 3);
+  EXPECT_TRUE(fingers.done.all());
+}
+
+TEST(FingersDone, AFingerThatWaitsIsNotStuck) {
+  ClosingFingers fingers(kThumbAndFirst);
+  fingers.touch(kFirst, 3);
+  for (int i = 0; i < 50; ++i) {  // it stands still, for it waits
+    for (const int drive : hand::closing_actuators(kHand, 0))
+      fingers.command.positions[drive] += 0.01;
+    fingers.done.update(touching(kNone), fingers.command);
+  }
+  fingers.touch(kThumb, 20);
+  EXPECT_FALSE(fingers.done.done(1));
+}
+
 TEST(FingersDone, AFingerThatDoesNotCloseIsDone) {
   hand::PerFinger<bool> closing{};
   closing[1] = true;

@@ -53,14 +53,16 @@ void FingersDone::update(const hand::HandReading& reading, const hand::HandComma
   for (std::size_t finger = 0; finger < drives_.size(); ++finger) {
     const double position = drives_[finger] < 0 ? 0 : command.positions[drives_[finger]];
     const bool still = std::abs(position - last_[finger]) < kStillStep;
-    still_[finger] = still && !touches_[finger] ? still_[finger] + 1 : 0;
+    still_[finger] = still && !done(finger) ? still_[finger] + 1 : 0;
     last_[finger] = position;
     const bool touches =
         detectors_[finger].update(hand::tip_force(reading, static_cast<int>(finger)));
     apart_[finger] = touches ? 0 : apart_[finger] + 1;
     touches_[finger] = touches || (touches_[finger] && apart_[finger] < kLostTicks);
+    met_[finger] |= touches;
     stuck_[finger] = stuck_[finger] || still_[finger] > kStillTicks;
   }
+  all_met_ = all_met_ || all();
 }
 
 bool FingersDone::all() const {

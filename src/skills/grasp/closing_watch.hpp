@@ -29,8 +29,9 @@ class ClosingFriction {
   hand::ActuatorVector torques_;
 };
 
-/// Which fingers are done: they touch, or their command, which never leads the joint by more than
-/// the torque limit allows, has stood still for a while. One that has lost touch closes on.
+/// Which fingers are done: they have met the object, or their command, which never leads the joint
+/// by more than the torque limit allows, has stood still for a while. When all are, those that have
+/// lost touch meanwhile close on; before, they would push the object ahead of them.
 class FingersDone {
  public:
   /// @param closing  the fingers that close; the others are done
@@ -39,14 +40,17 @@ class FingersDone {
   void update(const hand::HandReading& reading, const hand::HandCommand& command);
 
   const hand::PerFinger<bool>& touches() const { return touches_; }
-  bool done(std::size_t finger) const { return touches_[finger] || stuck_[finger]; }
+  bool done(std::size_t finger) const {
+    return touches_[finger] || stuck_[finger] || (met_[finger] && !all_met_);
+  }
   bool all() const;
   hand::PerFinger<bool> still_closing() const;
 
  private:
   std::vector<TouchDetector> detectors_;
   std::vector<int> drives_;  // the first actuator of each finger that closes; -1: none does
-  hand::PerFinger<bool> touches_{}, stuck_{};
+  hand::PerFinger<bool> touches_{}, met_{}, stuck_{};
+  bool all_met_ = false;
   hand::PerFinger<int> still_{}, apart_{};
   hand::PerFinger<double> last_{};
 };

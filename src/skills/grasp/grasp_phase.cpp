@@ -28,7 +28,6 @@ constexpr double kTopDistance = 0.13;    // m above the object where an approach
 constexpr double kTopClearance = 0.003;  // m above the table where it ends at the latest
 constexpr double kClear = 0.06;          // m up from where the fingers landed on top
 constexpr double kSafeHeight = 0.34;     // m of the base while it travels
-constexpr double kTakenBack = 0.7;       // of a finger's torque, at its touch
 constexpr std::size_t kTouchReadings = 15;
 constexpr double kTouchSeconds = kTouchReadings * hand::kTick;
 constexpr int kPlans = 6;  // tried for one that can be reached
@@ -42,8 +41,8 @@ hand::BasePosition base_at(const PickState& state, const hand::Preshape& preshap
   return {{xy.x(), xy.y(), height}, {state.yaw, attitude.pitch, attitude.roll}};
 }
 
-/// The fingers' command when some of them give back most of the torque that they close with, which
-/// would push the object on.
+/// The fingers' command when some of them give back the torque that they close with, which would
+/// push the object on.
 hand::ActuatorVector relaxed(const Executor& robot, const hand::PerFinger<bool>& fingers,
                              const hand::ActuatorVector& friction) {
   hand::ActuatorVector positions = robot.command().positions;
@@ -51,8 +50,7 @@ hand::ActuatorVector relaxed(const Executor& robot, const hand::PerFinger<bool>&
     const auto& actuator = robot.actuators()[static_cast<std::size_t>(i)];
     if (actuator.finger < 0 || !fingers[static_cast<std::size_t>(actuator.finger)]) continue;
     const double lead = (robot.reading().torques[i] - friction[i]) / actuator.stiffness;
-    positions[i] =
-        std::clamp(positions[i] - kTakenBack * lead, actuator.command.low, actuator.command.high);
+    positions[i] = std::clamp(positions[i] - lead, actuator.command.low, actuator.command.high);
   }
   return positions;
 }

@@ -17,7 +17,7 @@ struct ApproachOptions {
   double approach_speed = 0.10;  ///< m/s
   double contact_load = 1.0;     ///< N on the base that ends the approach
   double push = 0;               ///< m to go on after that (side grasp)
-  double closing_rate = 0.5;     ///< rad/s of an actuator that closes at speed 1
+  double closing_rate = 0.25;    ///< rad/s of an actuator that closes at speed 1
 
   template <class Visitor>
   void visit(Visitor&& v) {
