@@ -92,8 +92,9 @@ TEST(FingersDone, AFingerThatHasLostTouchWaitsUntilAllHaveMet) {
   fingers.touch(kThumb, 20);  // the last one has met it as well
   EXPECT_TRUE(fingers.done.done(0));
   EXPECT_FALSE(fingers.done.done(1));
-  fingers.touch(kThumbAndFirst, 3);
-  EXPECT_TRUE(fingers.done.all());
+  EXPECT_FALSE(fingers.done.settled());
+  fingers.touch(kThumbAndFirst, 20);
+  EXPECT_TRUE(fingers.done.settled());
 }
 
 TEST(FingersDone, AFingerThatWaitsIsNotStuck) {
@@ -108,13 +109,22 @@ TEST(FingersDone, AFingerThatWaitsIsNotStuck) {
   EXPECT_FALSE(fingers.done.done(1));
 }
 
+TEST(FingersDone, ATouchThatDoesNotLastEndsNothing) {
+  ClosingFingers fingers(kThumbAndFirst);
+  fingers.touch(kFirst, 3);
+  fingers.touch(kThumb, 1);
+  fingers.touch(kFirst, 50);
+  EXPECT_FALSE(fingers.done.settled());
+  EXPECT_FALSE(fingers.done.done(0));
+}
+
 TEST(FingersDone, AFingerThatDoesNotCloseIsDone) {
   hand::PerFinger<bool> closing{};
   closing[1] = true;
   const FingersDone done(kHand, closing);
   EXPECT_TRUE(done.done(0));
   EXPECT_FALSE(done.done(1));
-  EXPECT_FALSE(done.all());
+  EXPECT_FALSE(done.settled());
   EXPECT_EQ(done.still_closing(), closing);
 }
 

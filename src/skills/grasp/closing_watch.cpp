@@ -63,7 +63,10 @@ void FingersDone::update(const hand::HandReading& reading, const hand::HandComma
     stuck_[finger] = stuck_[finger] || still_[finger] > kStillTicks;
   }
   all_met_ = all_met_ || all();
+  settled_ = all() ? settled_ + 1 : 0;
 }
+
+bool FingersDone::settled() const { return settled_ > kLostTicks; }
 
 bool FingersDone::all() const {
   for (std::size_t finger = 0; finger < drives_.size(); ++finger) {

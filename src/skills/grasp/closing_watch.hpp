@@ -39,18 +39,23 @@ class FingersDone {
 
   void update(const hand::HandReading& reading, const hand::HandCommand& command);
 
-  const hand::PerFinger<bool>& touches() const { return touches_; }
+  /// Those that have met the object since they began to close.
+  const hand::PerFinger<bool>& met() const { return met_; }
   bool done(std::size_t finger) const {
     return touches_[finger] || stuck_[finger] || (met_[finger] && !all_met_);
   }
-  bool all() const;
   hand::PerFinger<bool> still_closing() const;
+  /// Whether all have been done for so long that none touches for a moment only.
+  bool settled() const;
 
  private:
+  bool all() const;
+
   std::vector<TouchDetector> detectors_;
   std::vector<int> drives_;  // the first actuator of each finger that closes; -1: none does
   hand::PerFinger<bool> touches_{}, met_{}, stuck_{};
   bool all_met_ = false;
+  int settled_ = 0;  // ticks
   hand::PerFinger<int> still_{}, apart_{};
   hand::PerFinger<double> last_{};
 };

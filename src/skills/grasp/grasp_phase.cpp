@@ -260,23 +260,23 @@ void GraspPhase::close(Executor& robot, const Closing& how,
   UnfeltThumb unfelt(robot.model(), preshape.contact_torque);
   const int thumb = robot.model().thumb;
   const bool doubtful = how.on_pose && robot.trusted(thumb) && !robot.cleared(thumb);
-  hand::PerFinger<bool> met{};  // in the tick before
+  hand::PerFinger<bool> just_met{};
   const double end = robot.time() + options_.longest_close;
-  while (robot.time() < end && !done.all()) {
+  while (robot.time() < end && !done.settled()) {
     robot.set_grip(
         Grip{law, friction.limits(robot.model(), preshape.contact_torque), done.still_closing()});
-    const auto command = relaxed(robot, met, friction.torques());
+    const auto command = relaxed(robot, just_met, friction.torques());
     if (robot.move_fingers(command, hand::kTick) == MotionEnd::timed_out) break;
     friction.update(robot.reading());
-    const auto touched = done.touches();
+    const auto before = done.met();
     done.update(robot.reading(), robot.command());
-    for (std::size_t i = 0; i < met.size(); ++i) met[i] = done.touches()[i] && !touched[i];
+    for (std::size_t i = 0; i < just_met.size(); ++i) just_met[i] = done.met()[i] && !before[i];
     if (doubtful && friction.known() && unfelt.update(robot.reading(), friction.torques())) {
       robot.suspect(thumb);
       break;
     }
   }
-  robot.move_fingers(relaxed(robot, met, friction.torques()), hand::kTick);
+  robot.move_fingers(relaxed(robot, just_met, friction.torques()), hand::kTick);
   robot.set_grip(std::nullopt);
 }
 

@@ -35,7 +35,7 @@ struct GraspOptions {
   int turns = 4;                  ///< directions tried from above when fingers land on the object
   double min_depth = 0.02;        ///< m below the object's top that the fingers must reach
   double travel_speed = 0.5;      ///< m/s
-  double longest_close = 8.0;     ///< s until all fingers have met the object
+  double longest_close = 12.0;    ///< s until all fingers have met the object
   double ramp_seconds = 0.8;      ///< from touching to pressing
   double press_per_weight = 4.5;  ///< of all fingertips together, by the object's weight
   double min_press = 5.0;         ///< N
