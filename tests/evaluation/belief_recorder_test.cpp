@@ -11,7 +11,7 @@
 namespace palpate::evaluation {
 namespace {
 
-constexpr std::uint64_t kSeed = 7;
+constexpr std::uint64_t kSeed = 9;
 
 struct BelievedPick {
   std::vector<recording::BeliefRecord> beliefs;

@@ -341,11 +341,10 @@ TEST(PriorFrom, RefusesWhatIsNoCovarianceOrPosterior) {
 TEST(Append, SharesTheWeightsHeaviestFirst) {
   PosePrior prior = prior_at(Eigen::Isometry3d::Identity(), 0.1, 0.01);
   prior.components[0].weight = 0.3;
-  PosePrior other = prior_at(Eigen::Isometry3d(Eigen::Translation3d(0.1, 0, 0)), 0.1, 0.01);
-  other.components[0].weight = 0.8;
+  const auto other = prior_at(Eigen::Isometry3d(Eigen::Translation3d(0.1, 0, 0)), 0.1, 0.01);
   append(other, 0.5, prior);
   ASSERT_EQ(prior.components.size(), 2U);
-  EXPECT_DOUBLE_EQ(prior.components[0].weight, 0.4);
+  EXPECT_DOUBLE_EQ(prior.components[0].weight, 0.5);
   EXPECT_DOUBLE_EQ(prior.components[0].T_frame_object.translation().x(), 0.1);
   EXPECT_DOUBLE_EQ(prior.components[1].weight, 0.3);
 }
