@@ -124,6 +124,10 @@ re::FeatureCloud described(const Cloud& cloud, nb::handle features, std::string_
                            const re::CloudOptions& options) {
   re::FeatureCloud result;
   result.features = matrix_from(features, what).transpose().cast<float>();
+  for (Eigen::Index i = 0; i < result.features.cols(); ++i) {
+    if (result.features.col(i).allFinite()) continue;
+    throw BadInput(fmt::format("{}: row {} holds what is no finite float32", what, i));
+  }
   result.cloud = cloud;
   if (!cloud.has_normals() && cloud.size() >= 3) {
     result.cloud = geometry::with_normals(std::move(result.cloud),
@@ -331,8 +335,9 @@ void bind_clouds(nb::module_& module) {
               "translation_only: bool = False, estimate_scale: bool = False, instances: int = "
               "1, primitive: str = 'plane', max_false_alarms: float = 0.01, best_effort: bool = "
               "False, seed: int = 0, threads: int = 1) -> CloudRegistration"),
-      "Pose of one cloud in another without given pairs: mutual matches of FPFH, outliers "
-      "rejected, then nearest neighbours and pose in turn (thesis 6.1-6.2).\n\nnoise_bound, "
+      "Pose of one cloud in another without given pairs: mutual matches of FPFH (Rusu, "
+      "Blodow & Beetz 2009), outliers rejected, then nearest neighbours and pose in turn (thesis "
+      "6.1-6.2).\n\nnoise_bound, "
       "voxel: m, chosen by the clouds if not given. initial (4, 4): replaces the "
       "features. rotation_axis (3,): turn about it alone, the same in both frames, as "
       "gravity is. estimate_scale: the target is a scaled source. instances: poses looked "

@@ -80,6 +80,9 @@ void check_options(const CloudOptions& options) {
       (!(*options.noise_bound > 0) || !std::isfinite(*options.noise_bound))) {
     throw BadInput(fmt::format("noise bound {} m is not positive", *options.noise_bound));
   }
+  if (const double voxel = options.features.voxel; !(voxel >= 0) || !std::isfinite(voxel)) {
+    throw BadInput(fmt::format("voxel {} m is not >= 0 and finite", voxel));
+  }
   const auto& registration = options.registration;
   check(registration);
   if (registration.estimate_scale && (registration.instances > 1 || registration.initial)) {
@@ -180,7 +183,9 @@ CloudRegistration register_described(const FeatureCloud& source, const FeatureCl
   if (options.registration.estimate_scale || options.registration.instances > 1) {
     throw BadInput("an unknown scale and instances do not go with features of one's own");
   }
-  if (!(voxel > 0)) throw BadInput(fmt::format("voxel {} m is not positive", voxel));
+  if (!(voxel > 0) || !std::isfinite(voxel)) {
+    throw BadInput(fmt::format("voxel {} m is not positive", voxel));
+  }
   for (const FeatureCloud* cloud : {&source, &target}) check_described(*cloud);
   const double start = now();
   CloudRegistration registration =

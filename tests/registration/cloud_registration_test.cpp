@@ -92,6 +92,11 @@ TEST(RegisterClouds, EmptyTinyAndDegenerateClouds) {
   bad.points[7].x() = std::nan("");
   EXPECT_THROW(register_clouds(bad, cloud), BadInput);
   EXPECT_THROW(register_clouds(cloud, cloud, {.noise_bound = -1.0}), BadInput);
+  for (const double voxel : {-1.0, std::nan(""), HUGE_VAL}) {
+    CloudOptions options;
+    options.features.voxel = voxel;
+    EXPECT_THROW(register_clouds(cloud, cloud, options), BadInput) << voxel;
+  }
 }
 
 // A small cell is enough for so few too many, or for copies, and too small for features.
@@ -153,6 +158,9 @@ TEST(RegisterClouds, TakesFeaturesOfOnesOwn) {
   const auto found = register_described(described[0], described[1], kVoxel);
   ASSERT_EQ(found.result.status, RegistrationStatus::kFound);
   EXPECT_LT(rotation_error_deg(*found.result.T_target_source, pose_of(3)), 1);
+  for (const double voxel : {0.0, std::nan(""), HUGE_VAL}) {
+    EXPECT_THROW(register_described(described[0], described[1], voxel), BadInput) << voxel;
+  }
   described[0].features.conservativeResize(3, 10);
   EXPECT_THROW(register_described(described[0], described[1], kVoxel), BadInput);
 }
