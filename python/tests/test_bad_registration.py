@@ -122,10 +122,12 @@ class BadRegistration(unittest.TestCase):
                 ("-1 tolerated false alarms", {"max_false_alarms": -1}),
             ],
         )
-        for call in (lambda: self.clouds(source=self.source), lambda: self.clouds(target=None),
-                     lambda: self.clouds(seed=-1), lambda: self.clouds(nois_bound=1)):  # fmt: skip
+        for odd in ({"seed": -1}, {"threads": 1.5}, {"nois_bound": 1}):
             with self.assertRaises(TypeError):
-                call()
+                self.clouds(**odd)
+        for target in (None, "scan.ply", 7, palpate):
+            with self.assertRaises((TypeError, ValueError)):
+                self.clouds(target=target)
 
     def test_clouds_by_features(self):
         features = self.source.copy()
