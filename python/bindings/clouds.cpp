@@ -193,7 +193,8 @@ void bind_clouds(nb::module_& module) {
               "1, primitive: str = 'plane', max_false_alarms: float = 0.01, best_effort: bool = "
               "False, bound_nodes: int = 0, seed: int = 0, threads: int = 1) -> CloudRegistration"),
       "Pose of one cloud in another without given pairs: mutual matches of FPFH (Rusu, "
-      "Blodow & Beetz 2009), outliers rejected, then nearest neighbours and pose in turn (thesis 6.1-6.2).\n\nsource, target: "
+      "Blodow & Beetz 2009), outliers rejected, then nearest neighbours and pose in turn (thesis "
+      "6.1-6.2).\n\nsource, target: "
       "PointCloud, or points (N, 3), m; arrays of float64 and float32 are read where they lie, so "
       "leave them as they are meanwhile. noise_bound, "
       "voxel: m, chosen by the clouds if not given. initial (4, 4): replaces the "
