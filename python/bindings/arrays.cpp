@@ -11,10 +11,15 @@
 namespace palpate::python {
 
 /// Of an array numpy drops imaginary parts and masks, counts the seconds of times, and reads text.
+/// Other libraries' tensors have types of their own: what numpy makes of them is looked at.
 void require_real(nb::handle array, std::string_view what) {
   if (!nb::hasattr(array, "dtype")) return;
-  const nb::object type = array.attr("dtype");
-  const auto kind = nb::cast<std::string>(nb::str(type.attr("kind")));
+  const nb::module_ numpy = nb::module_::import_("numpy");
+  nb::object type = array.attr("dtype");
+  if (!nb::isinstance(type, numpy.attr("dtype"))) {
+    type = numpy.attr("asarray")(array).attr("dtype");
+  }
+  const auto kind = nb::cast<std::string>(type.attr("kind"));
   if (kind.find_first_of("cmMVSU") != std::string::npos) {
     throw BadInput(fmt::format("{}: {} is no real number", what, nb::str(type).c_str()));
   }

@@ -264,7 +264,7 @@ struct Tracker {
 void bind_tracker(nb::module_& module) {
   nb::class_<Tracker>(module, "Tracker",
                       "Follows an object that moves with the fingers and may slip in them: an "
-                      "iterated extended Kalman filter for each mode.")
+                      "iterated extended Kalman filter (Bell & Cathey 1993) for each mode.")
       .def(
           "__init__",
           [](Tracker* self, nb::object model, const Posterior& start, std::uint64_t seed) {
@@ -333,8 +333,9 @@ void bind_localization(nb::module_& module) {
               "noise_scale_prior: float = 0.4, size_prior: float = 0.25, surface_sigma: float = "
               "0.0003, proposals: int = 40000, particles: int = 800, modes: int = 16, seed: int = "
               "0) -> Posterior"),
-      "Posterior of the object's pose in the contacts' frame, by tempered sequential Monte "
-      "Carlo.\n\nmethod 'fast' answers in a tenth of the time where the contacts settle the pose, "
+      "Posterior of the object's pose in the contacts' frame, by tempered sequential Monte Carlo "
+      "(Petrovskaya & Khatib 2011; Del Moral, Doucet & Jasra 2006).\n\nmethod 'fast' answers in a "
+      "tenth of the time where the contacts settle the pose, "
       "and turns to 'full' elsewhere. free_space (N, 4): x, y, z, radius (m) of balls that are "
       "free of the object. false_contacts: prior share of contacts with something else. "
       "noise_scale_prior, size_prior: chance that the noise, or the object's size, is not as "

@@ -89,9 +89,11 @@ void bind_normals(nb::module_& module) {
            "object (N, 3), N, in a frame that does not move; N may be 0.\n\nRaises ValueError for "
            "other shapes, another number of forces, and values that are not finite.")
       .def("__repr__", [](const NormalEstimator&) { return "NormalEstimator()"; });
-  module.def("normal_estimators", &tactile::normal_estimators,
-             "Names of all estimators: recursive least squares ('rls', 'rls-literal'), plane fits "
-             "('tls', 'eigen'), filters on the sphere ('s2', 's2-lag').");
+  module.def(
+      "normal_estimators", &tactile::normal_estimators,
+      "Names of all estimators: recursive least squares ('rls', corrected, and 'rls-literal', "
+      "as printed: thesis eqs 5.1-5.10), plane fits "
+      "('tls', 'eigen'), filters on the sphere ('s2', 's2-lag').");
 }
 
 }  // namespace palpate::python

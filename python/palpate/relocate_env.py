@@ -80,13 +80,15 @@ class RelocateEnv(gymnasium.Env):
     `reset(options={"object": (2,), "target": (3,)})` starts with the object and its target there, m.
     Info: `truth` (37,): joints, place (m) and quaternion (w, x, y, z) of the object; `target` (3,),
     m; `distance` of the object from it, m; `contact` of hand and object.
+    `render_mode="rgb_array"` draws it (height, width, 3) where OpenGL works, the object see-through
+    at its target, too.
 
     Raises ValueError for an object or an option that there is not: `solver`, `mass_scale`,
     `friction_scale`, `size`, `mass`, `horizon`, `scale_low`, `scale_high`, `at_ends`,
     `object_bias`, `encoder_noise`.
     """
 
-    metadata = {"render_modes": []}
+    metadata = {"render_modes": ["rgb_array"], "render_fps": 100}
 
     def __init__(self, object="mug", *, flat=False, render_mode=None, **task):
         self.tasks = sim.RelocateTasks(1, options={"object": object, **task})
@@ -113,6 +115,13 @@ class RelocateEnv(gymnasium.Env):
         reward = float(self.tasks.rewards[0])
         return self._observation(), reward, terminated, truncated, _row(_infos(self.tasks), 0)
 
+    def render(self):
+        """The scene as it is now, (360, 480, 3), uint8; None without a render mode."""
+        if self.render_mode != "rgb_array":
+            return None
+        require_reset(self.steps, "render")
+        return self.tasks.render(0)
+
     def _observation(self):
         seen = _observe(self.tasks, self.flat)
         return seen[0] if self.flat else _row(seen, 0)
@@ -126,7 +135,7 @@ class RelocateVectorEnv(VectorEnv):
     anew in the next step, which ignores its action.
     """
 
-    metadata = {"render_modes": [], "autoreset_mode": AutoresetMode.NEXT_STEP}
+    metadata = RelocateEnv.metadata | {"autoreset_mode": AutoresetMode.NEXT_STEP}
 
     def __init__(
         self, num_envs=1, object="mug", *, threads=None, flat=False, render_mode=None, **task
@@ -170,6 +179,13 @@ class RelocateVectorEnv(VectorEnv):
         self.over = terminated | truncated
         observations = _observe(self.tasks, self.flat)
         return observations, self.tasks.rewards, terminated, truncated, self._infos()
+
+    def render(self):
+        """A picture of each, as gymnasium's vectors give them; None without a render mode."""
+        if self.render_mode != "rgb_array":
+            return None
+        require_reset(self.over, "render")
+        return tuple(self.tasks.render(index) for index in range(self.num_envs))
 
     def _begin(self, index, seed):
         drawn = int(self.randoms[index].integers(2**31))

@@ -7,14 +7,18 @@
 #include <chrono>
 #include <mutex>
 #include <numeric>
+#include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "bindings/arrays.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/worker_pool.hpp"
+#include "palpate/tasks/relocate/drawn_task.hpp"
 #include "palpate/tasks/relocate/rollout.hpp"
+#include "picture.hpp"
 #include "rooms.hpp"
 
 namespace palpate::python {
@@ -91,6 +95,18 @@ class RelocateTasks {
     });
   }
 
+  simulation::Image render(std::size_t index, int width, int height) {
+    const std::lock_guard lock(busy_);
+    check_index(index);
+    if (!drawn_) drawn_.emplace(options_.task, model_);
+    if (!renderer_ || size_ != std::pair(width, height)) {
+      renderer_.emplace(drawn_->hand(), drawn_->object(), width, height);
+      size_ = {width, height};
+    }
+    return renderer_->render(drawn_->at(tasks_[index].positions(), starts_[index].target),
+                             relocate::task_camera());
+  }
+
   /// One row a task of what `of` tells of it.
   template <class Of>
   Matrix rows_of(int width, const Of& of) const {
@@ -133,6 +149,9 @@ class RelocateTasks {
   std::vector<RelocateStep> steps_;
   std::vector<double> seconds_;     // that each took in its last step
   std::vector<std::size_t> order_;  // in which they are begun
+  std::optional<relocate::DrawnTask> drawn_;
+  std::optional<simulation::Renderer> renderer_;
+  std::pair<int, int> size_;  // of its pictures, pixels
   mutable std::mutex busy_;
 };
 
@@ -220,7 +239,8 @@ void bind_relocate(nb::module_& module) {
   nb::class_<RelocateTasks> tasks(
       module, "RelocateTasks",
       "Copies of the relocate task, stepped together on several threads without the GIL: the "
-      "Adroit hand brings an object from a table to a target in the air.");
+      "Adroit hand brings an object from a table to a target in the air (Rajeswaran et al. "
+      "2018).");
   tasks
       .def("__init__", &make, "count"_a = 1, nb::kw_only(), "threads"_a = 1,
            "options"_a = nb::dict(),
@@ -250,6 +270,21 @@ void bind_relocate(nb::module_& module) {
            "One control step of 10 ms of each task: actions (N, 30), -1..1 over the actuators' "
            "ranges; skipped (N,): true where a task stays as it is.\n\nRaises ValueError for "
            "another shape. An action that is not finite makes its task diverge.")
+      .def(
+          "render",
+          [](RelocateTasks& self, std::size_t index, int width, int height) {
+            return array_of([&] {
+              const nb::gil_scoped_release release;
+              return self.render(index, width, height);
+            }());
+          },
+          "index"_a, "width"_a = 480, "height"_a = 360,
+          nb::sig("def render(self, index: int, width: int = 480, height: int = 360) -> "
+                  "numpy.typing.NDArray[numpy.uint8]"),
+          "A picture of a task as it is, (height, width, 3), the object see-through at its target, "
+          "too; the hand is drawn as the Shadow hand that the Adroit hand models.\n\nRaises "
+          "ValueError for a size that is not within 16..4096 pixels, and where nothing here draws "
+          "without a screen; IndexError for no task of that index.")
       .def_prop_ro("horizon", &RelocateTasks::horizon, "Steps of an episode.")
       .def("__len__", [](const RelocateTasks& self) { return self.tasks().size(); })
       .def("__repr__", [](const RelocateTasks& self) {

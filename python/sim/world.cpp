@@ -5,7 +5,6 @@
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/string.h>
 
-#include <array>
 #include <filesystem>
 #include <mutex>
 #include <optional>
@@ -22,6 +21,7 @@
 #include "palpate/simulation/hand/load_hand.hpp"
 #include "palpate/simulation/hand/open_loop_grasp.hpp"
 #include "palpate/simulation/rendering/renderer.hpp"
+#include "picture.hpp"
 #include "rooms.hpp"
 
 namespace palpate::python {
@@ -90,14 +90,14 @@ struct SimulatedWorld {
     throw std::runtime_error(fmt::format("'{}' fell in {} grasps", model->object().name, kGrasps));
   }
 
-  const simulation::Image& render(int width, int height) {
+  simulation::Image render(int width, int height) {
     const std::lock_guard lock(hand.busy);
-    if (!renderer || image.width != width || image.height != height) {
+    if (!renderer || size != std::pair(width, height)) {
       renderer.emplace(world.hand_model(), model->object(), width, height);
+      size = {width, height};
     }
     const simulation::Truth truth = world.truth();
-    image = renderer->render({truth.T_world_object, truth.joints, hand.base});
-    return image;
+    return renderer->render({truth.T_world_object, truth.joints, hand.base});
   }
 
   SharedModel model;
@@ -105,18 +105,14 @@ struct SimulatedWorld {
   simulation::World world;
   WorldHand hand;
   std::optional<simulation::Renderer> renderer;
-  simulation::Image image;
+  std::pair<int, int> size;  ///< of its pictures, pixels
 };
 
 nb::object picture(SimulatedWorld& self, int width, int height) {
-  const auto& image = [&]() -> const simulation::Image& {
+  return array_of([&] {
     const nb::gil_scoped_release release;
     return self.render(width, height);
-  }();
-  const std::array<std::size_t, 3> shape = {static_cast<std::size_t>(height),
-                                            static_cast<std::size_t>(width), 3};
-  return nb::cast(nb::ndarray<nb::numpy, const std::uint8_t>(image.rgb.data(), 3, shape.data(), {}),
-                  nb::rv_policy::copy);
+  }());
 }
 
 void make_world(SimulatedWorld* self, nb::object object, const std::string& hand,

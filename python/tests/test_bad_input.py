@@ -175,6 +175,26 @@ class BadInput(unittest.TestCase):
         self.assertEqual(single.dtype, np.float64)
         np.testing.assert_allclose(single, self.points, atol=1e-7)
 
+    def test_tensors_of_other_libraries(self):
+        """Their types are none of numpy's; numpy makes arrays of them all the same."""
+
+        class Tensor:
+            def __init__(self, values):
+                self.values, self.dtype = values, "tensor.float32"
+
+            def __array__(self, dtype=None, copy=None):
+                return np.asarray(self.values, dtype)
+
+        points = palpate.Contacts(Tensor(self.points)).points
+        np.testing.assert_array_equal(points, self.points)
+        self.refuses(
+            [
+                ("complex128 is no real", lambda: palpate.Contacts(Tensor(self.points + 1j))),
+                ("points: ", lambda: palpate.Contacts(np)),  # which has a dtype, too
+                ("points: ", lambda: palpate.Contacts(np.float64)),
+            ]
+        )
+
     def test_an_object_s_file_may_be_a_path(self):
         missing = pathlib.Path("nothing") / "like_it.stl"
         with self.assertRaisesRegex(ValueError, "like_it.stl"):

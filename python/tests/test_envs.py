@@ -330,6 +330,43 @@ class Relocate(unittest.TestCase):
             alone.step(np.full((3, 30), 0.1))
         np.testing.assert_array_equal(tasks.positions, alone.positions)
 
+    def test_a_picture_shows_each_task_and_its_target(self):
+        def make(mode):
+            return gymnasium.make_vec(self.ID, 2, vectorization_mode=mode,
+                                      render_mode="rgb_array", **self.QUICK)
+
+        ours = make("vector_entry_point")
+        with self.assertRaisesRegex(gymnasium.error.ResetNeeded, "before the first reset"):
+            ours.render()
+        ours.reset(seed=1)
+        try:
+            first = ours.render()
+        except ValueError as error:
+            self.skipTest(str(error))
+        self.assertEqual([(one.shape, one.dtype) for one in first], [((360, 480, 3), np.uint8)] * 2)
+        self.assertGreater(first[0].std(), 5)
+        self.assertTrue((first[0] != first[1]).any())
+        for _ in range(5):
+            ours.step(np.ones((2, 30)))
+        self.assertTrue((ours.render()[0] != first[0]).any())
+        theirs = make("sync")
+        theirs.reset(seed=1)
+        for one, other in zip(first, theirs.render()):
+            np.testing.assert_array_equal(one, other)
+        env = gymnasium.make(self.ID, render_mode="rgb_array", **self.QUICK).unwrapped
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            check_env(env)
+        start, views = {"object": [-0.05, 0.02]}, []
+        for target in ([-0.1, 0.0, 0.2], [0.1, 0.0, 0.3]):
+            env.reset(seed=1, options=start | {"target": target})
+            views.append(env.render())
+        self.assertTrue((views[0] != views[1]).any())
+        with self.assertRaisesRegex(IndexError, "no task 2 of 2"):
+            ours.tasks.render(2)
+        with self.assertRaisesRegex(ValueError, "8 x 360 pixels"):
+            ours.tasks.render(0, width=8)
+
     def test_an_action_that_is_not_finite_ends_the_episode(self):
         env = gymnasium.make(self.ID, **self.QUICK).unwrapped
         env.reset(seed=1)

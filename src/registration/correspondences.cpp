@@ -16,9 +16,14 @@ using Points = std::vector<Eigen::Vector3d>;
 std::string text(const Eigen::Vector3d& p) { return fmt::format("({}, {}, {})", p[0], p[1], p[2]); }
 
 void check_points(const Points& points, const char* name) {
+  constexpr double kFarthest = 1e100;  // m; sums of squares stay finite
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (!points[i].allFinite()) {
       throw BadInput(fmt::format("{} point {} is {}, not finite", name, i, text(points[i])));
+    }
+    if (points[i].cwiseAbs().maxCoeff() > kFarthest) {
+      throw BadInput(
+          fmt::format("{} point {} is {}, farther than {} m", name, i, text(points[i]), kFarthest));
     }
   }
 }

@@ -35,7 +35,7 @@ void check_motion(const RegistrationOptions& options) {
   }
   if (!options.rotation_axis && !options.translation_only) return;
   const Eigen::Vector3d axis = options.rotation_axis.value_or(Eigen::Vector3d::UnitZ());
-  if (!axis.allFinite() || !(axis.norm() > 0)) {
+  if (!(axis.norm() > 0) || !std::isfinite(axis.norm())) {  // nor what is too long to be scaled
     throw BadInput(fmt::format("no rotation axis: ({}, {}, {})", axis[0], axis[1], axis[2]));
   }
   if (options.rotation_axis && options.translation_only) {

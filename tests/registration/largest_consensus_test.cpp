@@ -237,6 +237,18 @@ TEST(Register, ShiftsAlone) {
   EXPECT_THROW(register_correspondences(
                    c, {.rotation_axis = Eigen::Vector3d::UnitZ(), .translation_only = true}),
                BadInput);
+  for (const double length : {0.0, 1e-320, 1e200, HUGE_VAL}) {
+    EXPECT_THROW(register_correspondences(c, {.rotation_axis = Eigen::Vector3d(0, length, 0)}),
+                 BadInput)
+        << length;
+  }
+}
+
+TEST(Register, RefusesPointsTooFarAwayToSquare) {
+  auto c = make_problem({.pairs = 30}, RandomStream(5, "far")).correspondences;
+  c.target[3].y() = -1e300;
+  EXPECT_THROW(register_correspondences(c, {}), BadInput);
+  EXPECT_THROW(certify(Eigen::Isometry3d::Identity(), c, {}, Primitive::kPoint), BadInput);
 }
 
 TEST(Register, EstimatesTheScale) {

@@ -205,6 +205,46 @@ TEST(Minari, RefusesNanRewardsInAFile) {
             std::string::npos);
 }
 
+/// Minari's own files have one seed an episode; the attribute of a foreign one may be anything.
+TEST(Minari, RefusesSeedsThatAreNoSingleInteger) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "data/main_data.hdf5";
+  /// What reading says once episode_1 has that attribute; none is written without a type.
+  const auto read_with = [&](const H5::DataType* type, const H5::DataSpace& space) {
+    write_minari(folder.path(), random_dataset());
+    {
+      const H5::H5File file(path.string(), H5F_ACC_RDWR);
+      H5::Group episode = file.openGroup("episode_1");
+      episode.removeAttr("seed");
+      if (type != nullptr) {
+        const std::vector<std::uint8_t> value(512, 7);
+        episode.createAttribute("seed", *type, space).write(*type, value.data());
+      }
+    }
+    return read_minari(folder.path()).episodes[1].seed;
+  };
+  const auto refused = [&](const H5::DataType& type, const H5::DataSpace& space) {
+    return error_message([&] { read_with(&type, space); });
+  };
+  const H5::DataType integer = H5::PredType::NATIVE_INT64, real = H5::PredType::NATIVE_DOUBLE,
+                     text = H5::StrType(H5::PredType::C_S1, 4);
+  const hsize_t three = 3, square[2] = {8, 8}, one = 1, none = 0;
+  EXPECT_NE(refused(integer, {1, &three}).find("main_data.hdf5: the attribute 'seed' has 3 values"),
+            std::string::npos);
+  EXPECT_NE(refused(integer, {2, square}).find("'seed' has 64 values, not 1"), std::string::npos);
+  EXPECT_NE(refused(integer, {1, &none}).find("'seed' has 0 values, not 1"), std::string::npos);
+  EXPECT_NE(refused(integer, H5::DataSpace(H5S_NULL)).find("'seed' has 0 values, not 1"),
+            std::string::npos);
+  H5::IntType wide(H5::PredType::NATIVE_INT64);
+  wide.setSize(64);
+  EXPECT_NE(refused(wide, {}).find("'seed' has 64 bytes"), std::string::npos);
+  EXPECT_EQ(read_with(&integer, {1, &one}), 0x0707070707070707U);
+  // Without one, or with what is no integer, as "None", the episode has none.
+  EXPECT_EQ(read_with(nullptr, {}), 0U);
+  EXPECT_EQ(read_with(&real, {}), 0U);
+  EXPECT_EQ(read_with(&text, {}), 0U);
+}
+
 TEST(Minari, AnotherTasksEpisodesTeachNothing) {
   auto dataset = random_dataset();
   for (auto& e : dataset.episodes) e.observations.conservativeResize(17, Eigen::NoChange);

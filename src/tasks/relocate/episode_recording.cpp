@@ -6,16 +6,11 @@
 
 #include <string>
 
-#include "palpate/core/assets.hpp"
 #include "palpate/core/se3.hpp"
 #include "palpate/core/version.hpp"
 #include "palpate/hand/kinematics.hpp"
-#include "palpate/simulation/hand/load_hand.hpp"
-#include "palpate/simulation/world/world.hpp"
-#include "palpate/tasks/relocate/relocate_dynamics.hpp"
+#include "palpate/tasks/relocate/drawn_task.hpp"
 #include "palpate/tasks/relocate/relocate_task.hpp"
-#include "palpate/tasks/relocate/relocate_touch.hpp"
-#include "tasks/relocate/relocated_object.hpp"
 
 namespace palpate::relocate {
 namespace {
@@ -25,31 +20,19 @@ using recording::EventKind;
 
 constexpr double kLifted = 0.015, kArrived = 0.05;  // m
 
-/// The frames of an episode, from the positions at each step.
-class Frames {
- public:
-  Frames(const RelocateModel& model, const hand::Description& hand)
-      : dynamics_(model), hand_(hand) {}
-
-  recording::Frame at(int step, const Eigen::VectorXd& positions) {
-    const RelocateJoints q = positions.head<kRelocateJoints>();
-    recording::Frame frame;
-    frame.reading.time = step * hand::kTick;
-    frame.reading.joints = shadow_joints(q);
-    const auto links = hand::forward_kinematics(hand_, frame.reading.joints);
-    const auto& T_base_palm = links[static_cast<std::size_t>(hand_.palm)];
-    frame.reading.base = hand::BasePosition::at(dynamics_.palm(q) * T_base_palm.inverse());
-    frame.reading.torques.setZero(hand_.actuator_count());
-    frame.reading.contacts.resize(hand_.fingers.size());
-    frame.command = {hand::actuator_positions(hand_, frame.reading.joints), frame.reading.base};
-    frame.truth = {object_pose(positions), frame.reading.joints};
-    return frame;
-  }
-
- private:
-  RelocateDynamics dynamics_;
-  const hand::Description& hand_;
-};
+/// A frame of an episode, at the positions after so many steps.
+recording::Frame frame_at(DrawnTask& drawn, int step, const Eigen::VectorXd& positions) {
+  const simulation::DrawnState state = drawn.at(positions);
+  recording::Frame frame;
+  frame.reading.time = step * hand::kTick;
+  frame.reading.joints = state.joints;
+  frame.reading.base = state.base;
+  frame.reading.torques.setZero(drawn.hand().actuator_count());
+  frame.reading.contacts.resize(drawn.hand().fingers.size());
+  frame.command = {hand::actuator_positions(drawn.hand(), state.joints), state.base};
+  frame.truth = {state.T_world_object, state.joints};
+  return frame;
+}
 
 /// Which phase the object is in: still on the table, on its way, or at the target.
 const char* phase_of(const Eigen::Vector3d& object, double start_height,
@@ -79,34 +62,24 @@ Event target_note(const Eigen::Isometry3d& T_world_target) {
           fmt::format("target {}", fmt::join(pose_to_row_major(T_world_target), " "))};
 }
 
-geometry::KnownObject drawn_object(const RelocateObject& object, double mass) {
-  geometry::KnownObject drawn;
-  drawn.name = object.name;
-  drawn.mesh = surface(object);
-  drawn.mass = mass;
-  drawn.symmetries = {Eigen::Matrix3d::Identity()};
-  return drawn;
-}
-
 }  // namespace
 
 recording::Recording record_episode(const TaskOptions& task, const Policy& policy,
                                     const EpisodeOptions& episode, std::uint64_t seed,
                                     std::size_t index) {
   const auto model = make_model(task);
+  DrawnTask drawn(task, model);
   recording::Recording recording;
-  recording.header = {std::string(version()), seed,
-                      drawn_object(make_object(task), model.object_mass()),
-                      simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml")), ""};
+  recording.header = {std::string(version()), seed, drawn.object(), drawn.hand(), ""};
   const auto start = episode_start(episode, seed, index);
   RelocateTask run(model);
-  Frames frames(model, recording.header.hand);
   const auto outcome =
       run_episode(run, start, episode.horizon, [&](int step, const PolicyInput& input) {
-        recording.frames.push_back(frames.at(step, run.positions()));
+        recording.frames.push_back(frame_at(drawn, step, run.positions()));
         return policy.act(input);
       });
-  if (!outcome.diverged) recording.frames.push_back(frames.at(outcome.steps, run.positions()));
+  if (!outcome.diverged)
+    recording.frames.push_back(frame_at(drawn, outcome.steps, run.positions()));
   Eigen::Isometry3d T_world_target = recording.frames.front().truth->T_world_object;
   T_world_target.translation() = start.target;
   recording.events.push_back(target_note(T_world_target));

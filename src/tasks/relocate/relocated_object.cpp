@@ -11,20 +11,20 @@ namespace {
 
 using geometry::TriangleMesh;
 
-constexpr int kSides = 32;
+constexpr int kCylinderSides = 32;
 
 /// A cylinder about z, centred at the origin.
 TriangleMesh cylinder_mesh(double radius, double half_height) {
   TriangleMesh mesh;
   for (const double z : {-half_height, half_height}) mesh.vertices.emplace_back(0, 0, z);
-  for (int i = 0; i < kSides; ++i) {
-    const double angle = 2 * std::numbers::pi * i / kSides;
+  for (int i = 0; i < kCylinderSides; ++i) {
+    const double angle = 2 * std::numbers::pi * i / kCylinderSides;
     for (const double z : {-half_height, half_height}) {
       mesh.vertices.emplace_back(radius * std::cos(angle), radius * std::sin(angle), z);
     }
   }
-  for (int i = 0; i < kSides; ++i) {
-    const int low = 2 + 2 * i, next = 2 + 2 * ((i + 1) % kSides);
+  for (int i = 0; i < kCylinderSides; ++i) {
+    const int low = 2 + 2 * i, next = 2 + 2 * ((i + 1) % kCylinderSides);
     mesh.triangles.push_back({0, next, low});
     mesh.triangles.push_back({1, low + 1, next + 1});
     mesh.triangles.push_back({low, next, next + 1});
