@@ -137,6 +137,7 @@ nlohmann::json outcome_report(const Outcome& outcome) {
   report["noise_bound"] = outcome.registration.noise_bound;
   report["refinements"] = outcome.registration.refinements;
   report["overlap"] = outcome.registration.overlap;
+  report["contradiction"] = outcome.registration.contradiction;
   report["rms_error"] = outcome.registration.rms_error;
   report["feature_seconds"] = outcome.registration.feature_seconds;
   return report;

@@ -133,6 +133,10 @@ void print_features(const rg::CloudRegistration& registration) {
     fmt::print(" (of no pose more than {})", bound->max_inliers);
   }
   fmt::print("; {} rounds of nearest neighbours\n", registration.refinements);
+  if (registration.contradiction > 0.1) {
+    fmt::print("contradiction: {:.0f} % of the surfaces within reach of each other lie apart\n",
+               100 * registration.contradiction);
+  }
   if (!registration.result.T_target_source) return;
   fmt::print("overlap: {:.0f} % of the source, residuals of {:.2g} m\n", 100 * registration.overlap,
              registration.rms_error);

@@ -18,7 +18,7 @@ double extent_of(const std::vector<Eigen::Vector3d>& points) {
     low = low.cwiseMin(p);
     high = high.cwiseMax(p);
   }
-  return (high - low).norm();
+  return (high - low).stableNorm();
 }
 
 }  // namespace
@@ -30,7 +30,10 @@ std::string units_hint(const std::vector<Eigen::Vector3d>& source,
                        source.size(), target.size());
   }
   const double from = extent_of(source), to = extent_of(target);
-  if (std::min(from, to) > 0 && std::max(from, to) > kRatio * std::min(from, to)) {
+  if (!(std::min(from, to) > 0)) {
+    return fmt::format("the points of the {} are all the same", from > 0 ? "target" : "source");
+  }
+  if (std::max(from, to) > kRatio * std::min(from, to)) {
     return fmt::format(
         "the source measures {:.3g} m and the target {:.3g} m; is one of them in millimetres?",
         from, to);
@@ -40,7 +43,7 @@ std::string units_hint(const std::vector<Eigen::Vector3d>& source,
         "the points spread over {:.3g} m, but the noise bound is {:g} m; are they in millimetres?",
         std::max(from, to), noise_bound);
   }
-  if (std::min(from, to) > 0 && noise_bound > std::min(from, to)) {
+  if (noise_bound > std::min(from, to)) {
     return fmt::format("the noise bound is {:g} m, but the points spread over {:.3g} m only",
                        noise_bound, std::min(from, to));
   }

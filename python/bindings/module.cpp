@@ -15,6 +15,7 @@ NB_MODULE(_core, module) {
   module.attr("__version__") = std::string(palpate::version());
   bind_geometry(module);
   bind_registration(module);
+  bind_clouds(module);
   bind_hand_description(module);
   bind_hand(module);
   bind_robot_parts(module);

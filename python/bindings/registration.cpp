@@ -1,17 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
-#include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
-#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
 #include "arrays.hpp"
-#include "palpate/core/error.hpp"
-#include "palpate/geometry/cloud/normals.hpp"
-#include "palpate/geometry/io/point_cloud_io.hpp"
 #include "palpate/registration/cloud_registration.hpp"
 #include "registration_fields.hpp"
+#include "registration_words.hpp"
 #include "rooms.hpp"
 
 namespace palpate::python {
@@ -20,7 +16,6 @@ namespace {
 namespace re = registration;
 using namespace nb::literals;
 using Result = re::RegistrationResult;
-using Cloud = geometry::PointCloud;
 
 std::optional<Pose4> pose_of(const Result& result) {
   if (!result.T_target_source) return std::nullopt;
@@ -50,12 +45,6 @@ re::Correspondences pairs_from(nb::handle source, nb::handle target, nb::handle 
   return pairs;
 }
 
-re::Primitive primitive_of(const std::string& name) {
-  if (name == "point") return re::Primitive::kPoint;
-  if (name == "plane") return re::Primitive::kPlane;
-  throw BadInput(fmt::format("primitive '{}' is neither 'point' nor 'plane'", name));
-}
-
 Result register_pairs(nb::object source, nb::object target, nb::object source_normals,
                       nb::object target_normals, nb::object weights, double noise_bound,
                       double normal_noise_deg, const std::string& primitive,
@@ -80,71 +69,6 @@ Result register_pairs(nb::object source, nb::object target, nb::object source_no
   return re::register_correspondences(pairs, options);
 }
 
-Cloud cloud_from(nb::handle points, nb::handle normals) {
-  Cloud cloud{points_from(points, "points"), {}};
-  if (is_given(normals)) cloud.normals = points_from(normals, "normals");
-  geometry::check_cloud(cloud);
-  return cloud;
-}
-
-re::CloudOptions cloud_options(std::optional<double> noise_bound, nb::handle initial,
-                               nb::handle rotation_axis, bool translation_only, std::uint64_t seed,
-                               int threads) {
-  re::CloudOptions options;
-  options.noise_bound = noise_bound;
-  if (is_given(initial)) options.registration.initial = pose_from(initial, "initial");
-  if (is_given(rotation_axis)) {
-    options.registration.rotation_axis = vector_from(rotation_axis, "rotation_axis");
-  }
-  options.registration.translation_only = translation_only;
-  options.registration.seed = seed;
-  options.threads = threads;
-  return options;
-}
-
-re::CloudRegistration register_clouds(const Cloud& source, const Cloud& target,
-                                      std::optional<double> noise_bound, double voxel,
-                                      nb::object initial, nb::object rotation_axis,
-                                      bool translation_only, bool estimate_scale, int instances,
-                                      const std::string& primitive, double max_false_alarms,
-                                      bool best_effort, std::uint64_t seed, int threads) {
-  auto options =
-      cloud_options(noise_bound, initial, rotation_axis, translation_only, seed, threads);
-  options.features.voxel = voxel;
-  options.registration.primitive = primitive_of(primitive);
-  options.registration.max_false_alarms = max_false_alarms;
-  options.registration.best_effort = best_effort;
-  options.registration.estimate_scale = estimate_scale;
-  options.registration.instances = instances;
-  const nb::gil_scoped_release release;
-  return re::register_clouds(source, target, options);
-}
-
-re::FeatureCloud described(const Cloud& cloud, nb::handle features, std::string_view what,
-                           const re::CloudOptions& options) {
-  re::FeatureCloud result;
-  result.features = matrix_from(features, what).transpose().cast<float>();
-  result.cloud = cloud;
-  if (!cloud.has_normals() && cloud.size() >= 3) {
-    result.cloud = geometry::with_normals(std::move(result.cloud),
-                                          options.features.normal_neighbours, options.threads);
-  }
-  return result;
-}
-
-re::CloudRegistration register_described(const Cloud& source, nb::object source_features,
-                                         const Cloud& target, nb::object target_features,
-                                         double voxel, std::optional<double> noise_bound,
-                                         nb::object rotation_axis, bool translation_only,
-                                         std::uint64_t seed, int threads) {
-  const auto options =
-      cloud_options(noise_bound, nb::none(), rotation_axis, translation_only, seed, threads);
-  const auto from = described(source, source_features, "source_features", options),
-             to = described(target, target_features, "target_features", options);
-  const nb::gil_scoped_release release;
-  return re::register_described(from, to, voxel, options);
-}
-
 re::PoseEstimate certify(nb::object T, nb::object source, nb::object target,
                          nb::object source_normals, nb::object target_normals, nb::object weights,
                          const std::string& primitive) {
@@ -159,6 +83,10 @@ void bind_result(nb::module_& module) {
   nb::class_<re::RobustBound> bound(module, "RobustBound", "What no rigid motion can exceed.");
   bind_pickle(bound);
   bound.def_ro("max_inliers", &re::RobustBound::max_inliers, "No pose has more inliers.")
+      .def_ro("min_cost", &re::RobustBound::min_cost,
+              "No pose has a smaller truncated cost, m^2: the sum over all pairs of the squared "
+              "residual, at most the squared bound.")
+      .def_ro("cost", &re::RobustBound::cost, "Truncated cost of the answer, m^2.")
       .def_ro("is_exhausted", &re::RobustBound::is_exhausted, "Branch and bound ran to its end.")
       .def_ro("seconds", &re::RobustBound::seconds, "s.")
       .def("__repr__", [](const re::RobustBound& self) {
@@ -259,105 +187,10 @@ void bind_result(nb::module_& module) {
       });
 }
 
-void bind_clouds(nb::module_& module) {
-  nb::class_<Cloud>(module, "PointCloud", "Points in metres, with or without normals.")
-      .def(
-          "__init__",
-          [](Cloud* self, nb::object points, nb::object normals) {
-            new (self) Cloud(cloud_from(points, normals));
-          },
-          "points"_a, "normals"_a = nb::none(),
-          nb::sig("def __init__(self, points: numpy.typing.ArrayLike, normals: "
-                  "numpy.typing.ArrayLike | None = None) -> None"),
-          "Points (N, 3), m, and unit normals (N, 3).\n\nRaises ValueError, naming the point.")
-      .def("__len__", &Cloud::size)
-      .def_prop_ro(
-          "points", [](const Cloud& self) { return rows(self.points); }, "(N, 3), m.")
-      .def_prop_ro(
-          "normals",
-          [](const Cloud& self) -> std::optional<Rows3> {
-            if (!self.has_normals()) return std::nullopt;
-            return rows(self.normals);
-          },
-          "(N, 3), unit; None without.")
-      .def("__getstate__",
-           [](const Cloud& self) { return std::tuple(rows(self.points), rows(self.normals)); })
-      .def("__setstate__",
-           [](Cloud* self, const std::tuple<nb::object, nb::object>& state) {
-             new (self) Cloud(cloud_from(std::get<0>(state), std::get<1>(state)));
-           })
-      .def("__repr__", [](const Cloud& self) {
-        return fmt::format("PointCloud({} points, {} normals)", self.size(),
-                           self.has_normals() ? "with" : "without");
-      });
-  using Registration = re::CloudRegistration;
-  nb::class_<Registration> registration(module, "CloudRegistration",
-                                        "Pose of one cloud in another.");
-  bind_pickle(registration);
-  registration.def_ro("result", &Registration::result, "Its inliers are pairs of nearest points.")
-      .def_ro("overlap", &Registration::overlap,
-              "Share of the source's points that have a target point within the bound.")
-      .def_ro("rms_error", &Registration::rms_error, "Of the refined pairs, m.")
-      .def_ro("noise_bound", &Registration::noise_bound, "That was used, m.")
-      .def_ro("voxel", &Registration::voxel, "That was used, m.")
-      .def_ro("feature_matches", &Registration::feature_matches, "Mutual matches of features.")
-      .def_ro("feature_inliers", &Registration::feature_inliers,
-              "Of these, within the bound before the refinement; certificate.robust speaks of "
-              "them.")
-      .def_ro("refinements", &Registration::refinements, "Rounds of nearest neighbours.")
-      .def_prop_ro(
-          "source", [](const Registration& self) { return rows(self.correspondences.source); },
-          "Points of the pairs that result.inliers counts, (N, 3), m; of the scaled source.")
-      .def_prop_ro(
-          "target", [](const Registration& self) { return rows(self.correspondences.target); },
-          "Their nearest points, (N, 3), m.")
-      .def("__repr__", [](const Registration& self) {
-        return fmt::format("CloudRegistration({}, overlap {:.2f}, rms error {:.2f} mm)",
-                           re::to_string(self.result.status), self.overlap, 1e3 * self.rms_error);
-      });
-  module.def("load_cloud", &geometry::load_cloud, "path"_a, nb::kw_only(), "samples"_a = 20000,
-             nb::call_guard<nb::gil_scoped_release>(),
-             "Read PLY, PCD, XYZ or OBJ; a mesh is sampled at so many points.\n\nRaises "
-             "ValueError, naming file and line.");
-  module.def(
-      "register_clouds", &register_clouds, "source"_a, "target"_a, nb::kw_only(),
-      "noise_bound"_a = nb::none(), "voxel"_a = 0.0, "initial"_a = nb::none(),
-      "rotation_axis"_a = nb::none(), "translation_only"_a = false, "estimate_scale"_a = false,
-      "instances"_a = 1, "primitive"_a = "plane", "max_false_alarms"_a = 0.01,
-      "best_effort"_a = false, "seed"_a = 0, "threads"_a = 1,
-      nb::sig("def register_clouds(source: PointCloud, target: PointCloud, *, noise_bound: "
-              "float | None = None, voxel: float = 0.0, initial: numpy.typing.ArrayLike | "
-              "None = None, rotation_axis: numpy.typing.ArrayLike | None = None, "
-              "translation_only: bool = False, estimate_scale: bool = False, instances: int = "
-              "1, primitive: str = 'plane', max_false_alarms: float = 0.01, best_effort: bool = "
-              "False, seed: int = 0, threads: int = 1) -> CloudRegistration"),
-      "Pose of one cloud in another without given pairs: mutual matches of FPFH, outliers "
-      "rejected, then nearest neighbours and pose in turn (thesis 6.1-6.2).\n\nnoise_bound, "
-      "voxel: m, chosen by the clouds if not given. initial (4, 4): replaces the "
-      "features. rotation_axis (3,): turn about it alone, the same in both frames, as "
-      "gravity is. estimate_scale: the target is a scaled source. instances: poses looked "
-      "for, each in the points that remain. primitive: 'plane' or 'point', residuals of the "
-      "refinement.\n\nRaises ValueError for clouds or options that cannot "
-      "be used.");
-  module.def(
-      "register_described", &register_described, "source"_a, "source_features"_a, "target"_a,
-      "target_features"_a, nb::kw_only(), "voxel"_a, "noise_bound"_a = nb::none(),
-      "rotation_axis"_a = nb::none(), "translation_only"_a = false, "seed"_a = 0, "threads"_a = 1,
-      nb::sig("def register_described(source: PointCloud, source_features: "
-              "numpy.typing.ArrayLike, target: PointCloud, target_features: "
-              "numpy.typing.ArrayLike, *, voxel: float, noise_bound: float | None = None, "
-              "rotation_axis: numpy.typing.ArrayLike | None = None, translation_only: bool = "
-              "False, seed: int = 0, threads: int = 1) -> CloudRegistration"),
-      "register_clouds() by features of any kind, (N, D), one row a point, that are nearest for "
-      "like places.\n\nvoxel: distance between the points, m. Mirrored clouds are not told from "
-      "others.\n\nRaises ValueError for another number of features than points.");
-}
-
 }  // namespace
 
 void bind_registration(nb::module_& module) {
   bind_result(module);
-  bind_clouds(module);
   module.def(
       "register_correspondences", &register_pairs, "source"_a, "target"_a, nb::kw_only(),
       "source_normals"_a = nb::none(), "target_normals"_a = nb::none(), "weights"_a = nb::none(),

@@ -51,7 +51,7 @@ struct Fields<registration::PoseEstimate> {
 template <>
 struct Fields<registration::CloudRegistration> {
   static auto of(registration::CloudRegistration& it) {
-    return std::tie(it.result, it.overlap, it.rms_error, it.noise_bound, it.voxel,
+    return std::tie(it.result, it.overlap, it.contradiction, it.rms_error, it.noise_bound, it.voxel,
                     it.feature_matches, it.feature_inliers, it.refinements,
                     it.correspondences.source, it.correspondences.target);
   }

@@ -39,6 +39,7 @@ void bind_geometry(nanobind::module_& module);
 void bind_hand_description(nanobind::module_& module);
 void bind_hand(nanobind::module_& module);
 void bind_registration(nanobind::module_& module);
+void bind_clouds(nanobind::module_& module);
 void bind_contacts(nanobind::module_& module);
 void bind_sensors(nanobind::module_& module);
 void bind_normals(nanobind::module_& module);

@@ -16,6 +16,9 @@ constexpr std::size_t kLargeSample = 500;
 constexpr int kLargestClique = 16;
 // Chance proposes cliques too; those well below the largest are passed over, up to this size.
 constexpr std::size_t kSurelyLarge = 8;
+// Of the best gain, what a clique's pose must have to be refined; of the gain that is wanted of
+// all, what the few pairs near a clique must have.
+constexpr double kWorthRefining = 0.5, kNearby = 0.5;
 constexpr float kNear = 2;  // bounds, within which a slightly wrong pose brings right pairs
 // Lengths must agree within this many bounds, instead of the consistency graph's 1.25; where there
 // are few pairs to lose, within those.
@@ -63,12 +66,13 @@ bool CliqueSearch::look_around(const std::vector<int>& sample, int seeds, Random
   std::vector<int> order(sample.size());
   std::iota(order.begin(), order.end(), 0);
   std::size_t largest = 0;
+  const double share = static_cast<double>(sample.size()) / scorer_.size();
   for (int k = 0; k < seeds; ++k) {
     if (settled_ && is_largest()) return false;
     graph.look_around(next_seed(order, sample, static_cast<std::size_t>(k), random));
     ++outside_;
     const std::vector<int> clique = clique_of(graph, sample, largest);
-    const bool better = !clique.empty() && propose(clique, best);
+    const bool better = !clique.empty() && propose(clique, graph.nearby(), share, best);
     if (settled_ ? better : exhausted(k + 1) || (better && is_clear(sample, clique))) {
       settle();
       return true;
@@ -179,14 +183,20 @@ bool CliqueSearch::is_clear(const std::vector<int>& sample, const std::vector<in
   return sample.size() < kLargeSample ? quick_ < kClearAtOnce : is_beyond_chance(kClear);
 }
 
+/// @param nearby  of the sample, the pairs that are consistent with the clique's first one
+/// @param share  of all pairs in the sample
 /// @return whether the clique's pose is the best so far
-bool CliqueSearch::propose(const std::vector<int>& clique, Consensus& best) {
+bool CliqueSearch::propose(const std::vector<int>& clique, const PairColumns& nearby, double share,
+                           Consensus& best) {
   ++best.hypotheses;
   Eigen::Isometry3d T = pose_of(clique);
-  const double rough = scorer_.gain(T);
   consider_mirror(clique, T);
+  // Those nearby hold most of what agrees in the sample, and are few.
+  const double wanted = std::min(kWorthRefining * best_.gain, least_of_runner_up());
+  if (settled_ && scorer_.over(nearby).gain(T) < kNearby * share * wanted) return false;
+  const double rough = scorer_.gain(T);
   // The first pose of a clique is rough: half of the best gain is worth a refinement.
-  if (rough < 0.5 * best_.gain) {
+  if (rough < kWorthRefining * best_.gain) {
     consider_runner_up(T, rough);
     return false;
   }
@@ -221,10 +231,15 @@ bool CliqueSearch::is_mirrored() {
          false_alarm_test_.exact(mirrored_.T) < options_.max_false_alarms;
 }
 
+/// Of a rough pose.
+double CliqueSearch::least_of_runner_up() const {
+  constexpr double kMoreThanAccidents = 6;
+  return std::max(kMoreThanAccidents, 0.5 * runner_up_.gain);
+}
+
 /// Another pose than the settled one, if its inliers are mostly others.
 void CliqueSearch::consider_runner_up(const Eigen::Isometry3d& T, double gain) {
-  constexpr double kMoreThanAccidents = 6;
-  if (!settled_ || gain < std::max(kMoreThanAccidents, 0.5 * runner_up_.gain)) return;
+  if (!settled_ || gain < least_of_runner_up()) return;
   Pose pose{T, gain, 0};
   pose.gain = scorer_.descend(pose.T);
   pose.inliers = scorer_.score(pose.T).count;
@@ -258,14 +273,14 @@ bool CliqueSearch::is_beyond_chance(double level) {
 /// with wider bounds, and with other inliers.
 void CliqueSearch::polish() {
   constexpr int kFewInliers = 32, kFewer = 16, kMaxRounds = 4;
-  if (best_.inliers > kFewInliers) return;
+  if (best_.inliers > kFewInliers || polished_ == best_.gain) return;
   Eigen::Isometry3d wide = best_.T;
   for (const float reach : {3.0F, 1.7F}) scorer_.descend(wide, reach);
   const double widened = scorer_.descend(wide);
   keep_if_best(wide, widened);
-  if (best_.inliers > kFewer) return;
-  for (int round = 0; round < kMaxRounds && exchange(); ++round) {
+  for (int round = 0; best_.inliers <= kFewer && round < kMaxRounds && exchange(); ++round) {
   }
+  polished_ = best_.gain;
 }
 
 /// Least squares after each correspondence near the best pose has joined the inliers or left

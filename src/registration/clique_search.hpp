@@ -46,9 +46,11 @@ class CliqueSearch {
   void settle();
   bool shows_larger(std::size_t sample_size) const;
   bool is_largest() const;
-  bool propose(const std::vector<int>& clique, Consensus& best);
+  bool propose(const std::vector<int>& clique, const PairColumns& nearby, double share,
+               Consensus& best);
   void consider_mirror(const std::vector<int>& clique, const Eigen::Isometry3d& T);
   bool is_mirrored();
+  double least_of_runner_up() const;
   void consider_runner_up(const Eigen::Isometry3d& T, double gain);
   bool keep_if_best(const Eigen::Isometry3d& T, double gain);
   bool is_beyond_chance(double level);
@@ -63,7 +65,7 @@ class CliqueSearch {
   const Correspondences& all_;
   const ConsensusOptions& options_;
   Pose best_, runner_up_, mirrored_;
-  double quick_ = 1, judged_ = 0, asked_ = 0;
+  double quick_ = 1, judged_ = 0, asked_ = 0, polished_ = 0;  // the last three: gains
   bool settled_ = false;        // the best pose is beyond chance: others are looked for
   int outside_ = 0;             // of a sample, pairs looked around that it does not explain
   std::vector<int> explained_;  // its inliers, ascending

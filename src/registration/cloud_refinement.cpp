@@ -156,6 +156,21 @@ bool fits(const CloudRegistration& registration, Primitive primitive) {
   return registration.rms_error < (noise + random) / 2 * registration.noise_bound;
 }
 
+/// Share of the surface within reach that contradicts the pose, the smaller of both clouds': parts
+/// of one surface lie on one another wherever they meet, but for what one of them alone has seen,
+/// while surfaces of two things that touch in a patch part beyond it.
+/// @param rounds  of the source
+double contradiction_of(const NeighbourRounds& rounds, const PointCloud& source,
+                        const PointCloud& target, const Eigen::Isometry3d& T, double bound,
+                        double tolerated) {
+  constexpr std::size_t kPoints = 1500;
+  const auto stride = [](std::size_t size) { return std::max<std::size_t>(1, size / kPoints); };
+  const double of_source = rounds.share_off_surface(T, bound, stride(source.size()));
+  if (of_source <= tolerated) return of_source;
+  const NeighbourRounds others(target, source, Primitive::kPoint, {}, 1);
+  return std::min(of_source, others.share_off_surface(T.inverse(), bound, stride(target.size())));
+}
+
 /// Of a thousand points or so.
 std::size_t sample_stride(const geometry::PointView& cloud) {
   constexpr std::size_t kLooked = 1000;
@@ -258,6 +273,13 @@ void refine_clouds(const PointCloud& source, const PointCloud& target, const Clo
   const bool degenerate = refined && !registration.result.T_target_source;
   if (!degenerate && (!refined || !fits(registration, options.registration.primitive))) {
     refuse(registration.result);
+  }
+  if (const auto& T = registration.result.T_target_source) {
+    constexpr double kTolerated = 0.1;
+    registration.contradiction =
+        contradiction_of(rounds, source, target, *T, registration.noise_bound, kTolerated);
+    const bool refused = registration.contradiction > kTolerated;
+    if (refused && !options.registration.best_effort) refuse(registration.result);
   }
   registration.result.solve_seconds += now() - start;
 }

@@ -56,6 +56,27 @@ bool is_degenerate(const PointCloud& from, const PointCloud& to, const AllowedTu
   return !result.free_motions.empty();
 }
 
+/// Mean distance of a cloud's points to the nearest that is no copy of theirs. Copies, exact or
+/// nearly, show where the 2k-th neighbour is far beyond the k-th.
+/// @param least  to the nearest of all
+double spacing_of_copies(const geometry::KdTree& tree, double least) {
+  constexpr std::size_t kLooked = 64;
+  constexpr int kMostCopies = 128;
+  constexpr double kJump = 100;
+  const std::size_t step = std::max<std::size_t>(1, tree.points().size() / kLooked);
+  const int most = std::min(kMostCopies, static_cast<int>(tree.points().size()) - 1);
+  std::vector<double> sums(static_cast<std::size_t>(most) + 1, 0);  // of distances to the k-th
+  double looked = 0;
+  for (std::size_t i = 0; i < tree.points().size(); i += step, ++looked) {
+    const auto near = tree.nearest(tree.points()[i], most + 1);
+    for (std::size_t k = 1; k < sums.size(); ++k) sums[k] += std::sqrt(near[k].squared_distance);
+  }
+  for (std::size_t k = 1; 2 * k < sums.size(); k *= 2) {
+    if (sums[2 * k] > kJump * sums[k]) least = sums[2 * k] / looked;
+  }
+  return least;
+}
+
 /// Mean distance of the points that a cell leaves to their neighbours, of some of them; 0 for fewer
 /// than three.
 double spacing(const PointCloud& cloud, double cell) {
@@ -68,7 +89,7 @@ double spacing(const PointCloud& cloud, double cell) {
   for (std::size_t i = 0; i < sampled.size(); i += step, ++looked) {
     sum += std::sqrt(tree.nearest(sampled.points[i], 2)[1].squared_distance);
   }
-  return sum / looked;
+  return cell > 0 ? sum / looked : spacing_of_copies(tree, sum / looked);
 }
 
 double noise_bound_of(const CloudOptions& options, double voxel) {

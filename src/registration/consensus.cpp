@@ -28,9 +28,11 @@ std::vector<int> stratified_sample(int size, int count, RandomStream random) {
   return sample;
 }
 
-double support_radius(const ConsensusOptions& options) {
-  constexpr double kBounds = 3;
-  return options.support_radius > 0 ? options.support_radius / options.noise_bound : kBounds;
+Dependence dependence_of(const ConsensusOptions& options) {
+  if (!(options.support_radius > 0)) return {};
+  constexpr double kCopies = 2.0 / 3;
+  const double reach = options.support_radius / options.noise_bound;
+  return {reach, kCopies * reach};
 }
 
 Scorer scorer_of(const Correspondences& correspondences, const ConsensusOptions& options) {
@@ -50,7 +52,7 @@ double chord_bound(const Correspondences& correspondences, double normal_noise_d
 Consensus find_consensus(const Correspondences& correspondences, const ConsensusOptions& options,
                          const RandomStream& random) {
   const Scorer scorer = scorer_of(correspondences, options);
-  FalseAlarmTest test(scorer, options.max_false_alarms, support_radius(options), random);
+  FalseAlarmTest test(scorer, options.max_false_alarms, dependence_of(options), random);
   CliqueSearch search(scorer, test, correspondences, options);
   Consensus best;
   const int most = std::min(scorer.size(), *std::rbegin(kSampleSizes));
@@ -71,7 +73,7 @@ Consensus refine_consensus(const Correspondences& correspondences, const Eigen::
                            const RandomStream& random) {
   constexpr double kNarrowing = 0.7;
   const Scorer scorer = scorer_of(correspondences, options);
-  FalseAlarmTest test(scorer, options.max_false_alarms, support_radius(options), random);
+  FalseAlarmTest test(scorer, options.max_false_alarms, dependence_of(options), random);
   Eigen::Isometry3d T = scorer.centred(initial);
   Consensus result;
   for (double now = reach; now > 1; now *= kNarrowing, ++result.hypotheses) {
@@ -91,7 +93,7 @@ double false_alarms_of(const Eigen::Isometry3d& T_target_source,
                        const Correspondences& correspondences, const ConsensusOptions& options,
                        const RandomStream& random) {
   const Scorer scorer = scorer_of(correspondences, options);
-  return FalseAlarmTest(scorer, options.max_false_alarms, support_radius(options), random)
+  return FalseAlarmTest(scorer, options.max_false_alarms, dependence_of(options), random)
       .exact(scorer.centred(T_target_source));
 }
 

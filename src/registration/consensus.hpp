@@ -13,7 +13,7 @@ struct ConsensusOptions {
   double normal_noise_deg = 0;     ///< per tangent axis; 0: without normals
   double max_false_alarms = 0.01;  ///< poses that wrong pairs may propose per problem
   bool best_effort = false;        ///< find the best pose even where wrong pairs propose it
-  double support_radius = 0;       ///< m; 0: three noise bounds
+  double support_radius = 0;       ///< m; 0: four noise bounds
   AllowedTurns turns = {};
 };
 

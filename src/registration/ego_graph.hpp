@@ -25,6 +25,8 @@ class EgoGraph {
 
   /// Consistent with the centre.
   const std::vector<int>& neighbours() const { return neighbours_; }
+  /// The pairs themselves.
+  const PairColumns& nearby() const { return local_; }
   /// Grown from the centre by the neighbour that keeps most others, the centre first.
   std::vector<int> clique(int max_size);
 

@@ -27,11 +27,11 @@ Eigen::Matrix3d inertia(const Eigen::Matrix3d& moment) {
 
 }  // namespace
 
-FalseAlarmTest::FalseAlarmTest(const Scorer& scorer, double max_false_alarms, double support_radius,
-                               const RandomStream& random)
+FalseAlarmTest::FalseAlarmTest(const Scorer& scorer, double max_false_alarms,
+                               const Dependence& dependence, const RandomStream& random)
     : scorer_(scorer),
       max_false_alarms_(max_false_alarms),
-      support_radius_(support_radius),
+      dependence_(dependence),
       random_(random),
       spread_(second_moment(scorer.columns().s, scorer.size())) {
   model_.dimensions = scorer.dimensions();
@@ -52,8 +52,7 @@ double FalseAlarmTest::copies_among_others(const Eigen::Isometry3d& T) const {
   constexpr double kRare = 0.1, kDeviations = 2;
   const int size = scorer_.size();
   const PairColumns& columns = scorer_.columns();
-  // Copies with a spread of half a bound an axis are mostly within two bounds.
-  const auto radius = static_cast<float>(support_radius_ * 2 / 3), squared = radius * radius;
+  const auto radius = static_cast<float>(dependence_.copies), squared = radius * radius;
   const std::vector<int> inliers = scorer_.near(T, 1);
   RandomStream random = random_.fork("copies");
   const int others = std::min(size, kOthers);
@@ -87,7 +86,7 @@ double FalseAlarmTest::copies(const Eigen::Isometry3d& T) {
 FalseAlarmTest::Evidence FalseAlarmTest::evidence(const Eigen::Isometry3d& T) {
   const double each = copies(T);
   if (each == 1) return {scorer_.score_of_distinct(T)};
-  return {scorer_.score_of_separate(T, static_cast<float>(support_radius_)), each};
+  return {scorer_.score_of_separate(T, static_cast<float>(dependence_.reach)), each};
 }
 
 /// Copies make neither more pairs nor more agreement.
@@ -110,7 +109,9 @@ double FalseAlarmTest::quick(const Eigen::Isometry3d& T) {
   BackgroundModel all_alike = model_;
   all_alike.rate = hits / std::max(1, shifts);
   // Few that lie far apart are often enough, whatever the others do.
-  const Score separate = scorer_.score_of_separate(T, static_cast<float>(support_radius_));
+  constexpr std::size_t kLooked = 256;
+  const Score separate =
+      scorer_.score_of_separate(T, static_cast<float>(dependence_.reach), kLooked);
   const double clear = expected(all_alike, separate, 1);
   if (clear < kClearAtOnce) return clear;
   const double with_copies = expected(all_alike, scorer_.score_of_distinct(T), 1);
@@ -136,7 +137,7 @@ double FalseAlarmTest::exact(const Eigen::Isometry3d& T) {
   const double number = judge_closely(T);
   if (scorer_.dimensions() == 3 || !(number < max_false_alarms_)) return number;
   const Scorer positions = scorer_.without_normals();
-  FalseAlarmTest alone(positions, max_false_alarms_, support_radius_, random_);
+  FalseAlarmTest alone(positions, max_false_alarms_, dependence_, random_);
   if (alone.quick(T) < kClearAtOnce || copies(T) == 1) return number;
   return std::max(number, alone.judge_closely(T));
 }

@@ -17,13 +17,19 @@ namespace palpate::registration {
 /// Below this the quick judgement needs no other.
 inline constexpr double kClearAtOnce = 1e-8;
 
+/// Within how many bounds in both frames pairs may depend on one another, and within how many
+/// copies are looked for: copies with a spread of half a bound an axis are mostly within two;
+/// farther out independent pairs have neighbours, too.
+struct Dependence {
+  double reach = 4, copies = 2;
+};
+
 /// Expected number of poses as good as one by chance, as exactly as it matters.
 class FalseAlarmTest {
  public:
   /// @param max_false_alarms  what the number will be held against
-  /// @param support_radius  in bounds; pairs closer than this in both frames may depend on one
-  ///        another
-  FalseAlarmTest(const Scorer& scorer, double max_false_alarms, double support_radius,
+  /// @param dependence  between pairs
+  FalseAlarmTest(const Scorer& scorer, double max_false_alarms, const Dependence& dependence,
                  const RandomStream& random);
 
   /// As if all poses gathered as much as this one, which few do: chance hardly explains a pose that
@@ -86,7 +92,8 @@ class FalseAlarmTest {
   bool same(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) const;
 
   const Scorer& scorer_;
-  double max_false_alarms_, support_radius_;
+  double max_false_alarms_;
+  Dependence dependence_;
   const RandomStream& random_;
   std::optional<double> copies_;                // of a pair, itself included, once it was asked for
   BackgroundModel model_;                       // but for the rates

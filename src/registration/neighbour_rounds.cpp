@@ -76,6 +76,28 @@ double NeighbourRounds::share_within(const Eigen::Isometry3d& T, double bound) c
   return static_cast<double>(near) / static_cast<double>(source_.size());
 }
 
+double NeighbourRounds::share_off_surface(const Eigen::Isometry3d& T, double bound,
+                                          std::size_t stride) const {
+  constexpr double kReach = 3, kAlong = 0.8, kAlongOther = 0.5;  // bounds, cosines
+  double on = 0, off = 0;
+  for (std::size_t i = 0; i < source_.size(); i += stride) {
+    const Eigen::Vector3d p = T * source_.points[i];
+    const auto [index, squared] = tree_.nearest_within(p, kReach * bound);
+    if (index < 0) continue;
+    const auto j = static_cast<std::size_t>(index);
+    const double distance = std::sqrt(squared);
+    if (distance < bound) {
+      ++on;
+      continue;
+    }
+    const Eigen::Vector3d gap = p - target_.points[j];
+    const double along = std::abs(gap.dot(target_.normals[j])) / distance,
+                 along_other = std::abs(gap.dot(T.linear() * source_.normals[i])) / distance;
+    off += along > kAlong && along_other > kAlongOther;
+  }
+  return off > 0 ? off / (on + off) : 0;
+}
+
 double NeighbourRounds::truncated_cost(const Eigen::Isometry3d& T, double bound) const {
   double sum = static_cast<double>(looked_ - pairs_.size());
   for (const double squared : squared_residuals(pairs_, T, primitive_)) {

@@ -44,6 +44,11 @@ class NeighbourRounds {
   /// normals.
   double share_within(const Eigen::Isometry3d& T, double bound) const;
 
+  /// Of every stride-th source point at T that lies on the target's surface (within the bound of a
+  /// point) or above or below it (within three bounds, along the normals of both), the share that
+  /// lies above or below. What lies beside the target says nothing: more of it may be out of sight.
+  double share_off_surface(const Eigen::Isometry3d& T, double bound, std::size_t stride) const;
+
   /// Of each source point, paired up at the pose within `reach`, min(r^2 / bound^2, 1), r the
   /// residual of the primitive; 1 of those without a partner.
   std::vector<double> truncated_costs(const Eigen::Isometry3d& T, double reach, double bound);

@@ -12,6 +12,8 @@
 namespace palpate::registration {
 namespace {
 
+constexpr int kBlock = 512;  // on the stack: gains are asked for more often than anything else
+
 struct Motion {
   const float* R;  // columns one after the other
   const float* t;
@@ -78,7 +80,6 @@ Eigen::ArrayXf Scorer::gains(const Eigen::Isometry3d& T, float reach) const {
 }
 
 double Scorer::gain(const Eigen::Isometry3d& T) const {
-  constexpr int kBlock = 512;  // on the stack: this is asked for more often than anything else
   float block[kBlock];
   double sum = 0;
   for (int from = 0; from < size(); from += kBlock) {
@@ -88,6 +89,18 @@ double Scorer::gain(const Eigen::Isometry3d& T) const {
     sum += static_cast<double>((1 - off).max(0.0F).sum());
   }
   return sum;
+}
+
+/// Pairs within the bounds of the sources from..to-1.
+int Scorer::count_within(const Eigen::Isometry3d& T, int from, int to, int shift) const {
+  float block[kBlock];
+  int count = 0;
+  for (; from < to; from += kBlock) {
+    const int end = std::min(to, from + kBlock);
+    squares(T, from, end, shift, block);
+    count += static_cast<int>((Eigen::Map<const Eigen::ArrayXf>(block, end - from) < 1).count());
+  }
+  return count;
 }
 
 double Scorer::gain_of(const std::vector<int>& indices, const Eigen::Isometry3d& T) const {
@@ -130,7 +143,8 @@ Score Scorer::score_of_distinct(const Eigen::Isometry3d& T) const {
   return score;
 }
 
-Score Scorer::score_of_separate(const Eigen::Isometry3d& T, float radius) const {
+Score Scorer::score_of_separate(const Eigen::Isometry3d& T, float radius,
+                                std::size_t looked) const {
   constexpr std::size_t kEnough = 64;
   const Eigen::ArrayXf all = gains(T);
   std::vector<int> inliers, kept;
@@ -142,7 +156,7 @@ Score Scorer::score_of_separate(const Eigen::Isometry3d& T, float radius) const 
   std::size_t stride = std::max<std::size_t>(1, count * 618 / 1000);
   while (std::gcd(stride, count) > 1) ++stride;
   Score score;
-  for (std::size_t k = 0, next = 0; k < count && kept.size() < kEnough; ++k) {
+  for (std::size_t k = 0, next = 0; k < std::min(count, looked) && kept.size() < kEnough; ++k) {
     const int i = inliers[next];
     next = (next + stride) % count;
     const auto close = [&](int j) { return are_near(*columns_, i, j, radius * radius); };
@@ -152,6 +166,12 @@ Score Scorer::score_of_separate(const Eigen::Isometry3d& T, float radius) const 
   }
   score.count = static_cast<int>(kept.size());
   return score;
+}
+
+Scorer Scorer::over(const PairColumns& columns) const {
+  Scorer result = *this;
+  result.columns_ = {std::shared_ptr<const void>(), &columns};
+  return result;
 }
 
 Scorer Scorer::without_normals() const {
@@ -236,8 +256,7 @@ Eigen::Isometry3d Scorer::align_mirrored(const std::vector<int>& indices) const 
 int Scorer::count_shifted(const Eigen::Isometry3d& T, int shift) const {
   // The last sources meet the first targets.
   const int n = size();
-  return static_cast<int>((squares(T, 0, n - shift, shift) < 1).count() +
-                          (squares(T, n - shift, n, shift - n) < 1).count());
+  return count_within(T, 0, n - shift, shift) + count_within(T, n - shift, n, shift - n);
 }
 
 Eigen::Isometry3d Scorer::uncentred(const Eigen::Isometry3d& T) const {

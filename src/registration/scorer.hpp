@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -42,7 +43,12 @@ class Scorer {
 
   /// Counts inliers that lie within `radius` bounds of one another in both frames once, up to so
   /// many that chance is out of the question.
-  Score score_of_separate(const Eigen::Isometry3d& T, float radius) const;
+  /// @param looked  at so many of them at most
+  Score score_of_separate(const Eigen::Isometry3d& T, float radius,
+                          std::size_t looked = std::numeric_limits<std::size_t>::max()) const;
+
+  /// Other pairs in the same coordinates, which must outlive the result.
+  Scorer over(const PairColumns& columns) const;
 
   /// The same pairs by their positions alone.
   Scorer without_normals() const;
@@ -74,6 +80,7 @@ class Scorer {
   /// Squared residuals of position and, with normals, chord, in squared bounds.
   Eigen::ArrayXf squares(const Eigen::Isometry3d& T, int from, int to, int shift) const;
   void squares(const Eigen::Isometry3d& T, int from, int to, int shift, float* result) const;
+  int count_within(const Eigen::Isometry3d& T, int from, int to, int shift) const;
   Eigen::ArrayXf gains(const Eigen::Isometry3d& T, float reach = 1) const;
   Eigen::Isometry3d align_inliers(const Eigen::ArrayXf& gains, double sign) const;
   Eigen::Isometry3d align(const std::vector<int>& indices, double sign) const;

@@ -251,6 +251,14 @@ class Register(CliTest):
         self.assertEqual(done.returncode, NO_SOLUTION)
         self.assertIn("is one of them in millimetres?", json.loads(done.stdout)["hint"])
 
+    def test_points_that_are_all_the_same_are_said(self):
+        for name, cloud in (("lump.xyz", lump(3, 100)), ("same.xyz", [(1, 2, 3)] * 50)):
+            self.write(name, "".join("%f %f %f\n" % tuple(p) for p in cloud))
+        for clouds, which in ((("same.xyz", "lump.xyz"), "source"), (("lump.xyz", "same.xyz"), "target")):
+            done = self.run_program("register", *clouds)
+            self.assertEqual(done.returncode, NO_SOLUTION)
+            self.assertIn(f"the points of the {which} are all the same", done.stdout)
+
     def test_a_missing_pose_file_is_named(self):
         self.write("pairs.csv", "sx,sy,sz,tx,ty,tz\n0,0,0,0,0,0\n")
         self.assert_refused(BAD_INPUT, ["certify", "nowhere.txt", "--correspondences", "pairs.csv"],

@@ -112,6 +112,24 @@ TEST(RegisterClouds, FewPointsMoreThanTheGridKeepsOrCopies) {
   }
 }
 
+TEST(RegisterClouds, CopiesOfAllPointsAreNoScale) {
+  for (const int times : {2, 3, 100}) {
+    for (const double jitter : {0.0, 1e-9}) {
+      PointCloud clouds[] = {bunny_cloud(1200, 2), bunny_cloud(1200, 1)};
+      const double single = suggested_voxel(clouds[0], clouds[1], 1000000);
+      RandomStream random(3, "jitter");
+      for (auto& cloud : clouds) {
+        cloud.normals.clear();
+        const auto once = cloud.points;
+        for (int k = 1; k < times; ++k) {
+          for (const auto& p : once) cloud.points.push_back(p + jitter * random.normal3());
+        }
+      }
+      EXPECT_NEAR(suggested_voxel(clouds[0], clouds[1], 1000000) / single, 1.3, 0.4) << times;
+    }
+  }
+}
+
 TEST(RegisterClouds, RefusesAMirroredCloud) {
   PointCloud mirrored = bunny_cloud(4000, 2);
   for (auto* list : {&mirrored.points, &mirrored.normals}) {
@@ -288,6 +306,37 @@ TEST(RegisterClouds, MatchesOfDifferentShapesAreNoConsensus) {
         register_correspondences(pairs, {.noise_bound = 1.5 * voxel, .normal_noise_deg = 10});
     EXPECT_EQ(result.status, RegistrationStatus::kNoConsensus) << seed;
   }
+}
+
+// Patches of these agree more than by chance, and lie on one another; the surfaces part beyond.
+TEST(RegisterClouds, DifferentShapesContradictOneAnother) {
+  for (const std::uint64_t seed : {108u, 172u}) {
+    const RandomStream random(seed, "different objects");
+    RandomStream pose = random.fork("pose");
+    const PointCloud target = shape_cloud(seed, random.fork("target")),
+                     source = geometry::transformed(testing::random_pose(pose).inverse(),
+                                                    shape_cloud(seed + 1, random.fork("source")));
+    const auto refused = register_clouds(source, target);
+    EXPECT_EQ(refused.result.status, RegistrationStatus::kNoConsensus) << seed;
+    EXPECT_GT(refused.contradiction, 0.1) << seed;
+    CloudOptions options;
+    options.registration.best_effort = true;
+    EXPECT_TRUE(register_clouds(source, target, options).result.T_target_source) << seed;
+  }
+}
+
+TEST(RegisterClouds, PartsOfOneShapeDoNotContradictOneAnother) {
+  const RandomStream random(12, "parts");
+  PointCloud parts[2];
+  for (std::size_t k = 0; k < 2; ++k) {
+    for (const auto& p : shape_cloud(12, random.fork("cloud", k)).points) {
+      if (k == 0 ? p.x() > -0.01 : p.z() > -0.01) parts[k].points.push_back(p);
+    }
+  }
+  const auto found = register_clouds(parts[0], parts[1]);
+  ASSERT_TRUE(found.result.T_target_source);
+  EXPECT_LT(found.overlap, 0.9);
+  EXPECT_LT(found.contradiction, 0.05);
 }
 
 // The mirror images of these match little better than themselves, but fit far better.

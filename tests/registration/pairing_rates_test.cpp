@@ -176,7 +176,8 @@ TEST(FalseAlarmTest, CopiesAreNoEvidence) {
   const RandomStream random(8, "rates");
   const auto judged = [&] {
     const Scorer scorer(c, kBound, 0);
-    return FalseAlarmTest(scorer, 0.01, 3, random).exact(scorer.centred(problem.truth));
+    return FalseAlarmTest(scorer, 0.01, {.reach = 3, .copies = 2}, random)
+        .exact(scorer.centred(problem.truth));
   };
   const double once = judged();
   for (int copies = 0; copies < 2; ++copies) {

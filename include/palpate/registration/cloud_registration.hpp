@@ -61,9 +61,13 @@ struct CloudRegistration {
   std::size_t feature_inliers = 0;    ///< of the matches, within the bound before the refinement;
                                       ///< certificate.robust speaks of these
   double voxel = 0, noise_bound = 0;  ///< m, that were used
-  double overlap = 0;    ///< share of the source's points that have a target point within the bound
-  double rms_error = 0;  ///< m, of the refined correspondences, of the primitive
-  int refinements = 0;   ///< rounds of nearest neighbours
+  double overlap = 0;  ///< share of the source's points that have a target point within the bound
+  /// Share of the surface that lies off the other cloud's where it should lie on it, from 1 to 3
+  /// bounds above or below; in the source and, if more than a tenth there, in the target: the
+  /// smaller one. Above a tenth there is no pose, unless best_effort is set.
+  double contradiction = 0;
+  double rms_error = 0;        ///< m, of the refined correspondences, of the primitive
+  int refinements = 0;         ///< rounds of nearest neighbours
   double feature_seconds = 0;  ///< sampling, normals, features and their matching
 };
 

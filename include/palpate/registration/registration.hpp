@@ -42,7 +42,7 @@ struct RegistrationOptions {
   /// false_alarms say so.
   bool best_effort = false;
   /// Pairs that lie within this of each other in both frames, m, may owe their agreement to one
-  /// another, as matches of overlapping features do; 0: three noise bounds.
+  /// another, as matches of overlapping features do; 0: four noise bounds.
   double support_radius = 0;
   /// Start: the search is left out, inliers and pose take turns from here, with the bound
   /// narrowing from `initial_reach`.
@@ -70,7 +70,7 @@ struct RegistrationOptions {
       "poses as good as the answer that wrong pairs alone may propose, per problem");
     v("best_effort", best_effort, "give the best pose found even where wrong pairs explain it");
     v("support_radius", support_radius, 0.0, 1e9,
-      "pairs within this of each other in both frames may depend on one another, m; 0: three noise "
+      "pairs within this of each other in both frames may depend on one another, m; 0: four noise "
       "bounds");
     v("initial_reach", initial_reach, 1.0, 1e6,
       "noise bounds within which pairs count at first, from an initial pose");
