@@ -198,7 +198,7 @@ TEST(Trial, WhatIsHeldInAnUnknownPoseIsPutDownAndFeltAnew) {
   options.pick.palpation.max = 0;
   options.pick.attempts = 2;
   const Trial trial = run_trial(model("mug"), options, kSeed);
-  EXPECT_EQ(trial.result.attempts, 2);
+  EXPECT_GE(trial.result.attempts, 2);  // those in which the grip gives way do not count
   std::vector<std::string> names;
   for (const auto& phase : trial.result.phases) names.push_back(phase.name);
   auto next = names.begin();

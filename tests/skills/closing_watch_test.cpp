@@ -118,6 +118,18 @@ TEST(FingersDone, ATouchThatDoesNotLastEndsNothing) {
   EXPECT_FALSE(fingers.done.done(0));
 }
 
+TEST(FingersDone, FingersThatLoseTouchAgainAndAgainDoNotPressForLong) {
+  ClosingFingers fingers(kThumbAndFirst);
+  fingers.touch(kThumbAndFirst, 3);
+  int ticks = 3;
+  for (; ticks < 1000 && !fingers.done.settled(); ticks += 20) {
+    fingers.touch(kThumb, 15);  // for longer than a touch counts
+    fingers.touch(kThumbAndFirst, 5);
+  }
+  EXPECT_GT(ticks, 200);
+  EXPECT_LT(ticks, 400);
+}
+
 TEST(FingersDone, AFingerThatDoesNotCloseIsDone) {
   hand::PerFinger<bool> closing{};
   closing[1] = true;

@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kTipContact = 0.10;  // N at which a finger counts as touching
 constexpr int kLostTicks = 10;
+constexpr int kSettlingTicks = 300;  // in which fingers that lose touch again and again may press
 constexpr int kStillTicks = 12;
 constexpr double kHeldUp = 0.6;        // of the contact torque, of a thumb that is held up
 constexpr int kHeldUpTicks = 10;       // for which it is
@@ -64,9 +65,12 @@ void FingersDone::update(const hand::HandReading& reading, const hand::HandComma
   }
   all_met_ = all_met_ || all();
   settled_ = all() ? settled_ + 1 : 0;
+  since_all_met_ += all_met_;
 }
 
-bool FingersDone::settled() const { return settled_ > kLostTicks; }
+bool FingersDone::settled() const {
+  return settled_ > kLostTicks || since_all_met_ > kSettlingTicks;
+}
 
 bool FingersDone::all() const {
   for (std::size_t finger = 0; finger < drives_.size(); ++finger) {

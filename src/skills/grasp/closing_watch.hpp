@@ -45,7 +45,8 @@ class FingersDone {
     return touches_[finger] || stuck_[finger] || (met_[finger] && !all_met_);
   }
   hand::PerFinger<bool> still_closing() const;
-  /// Whether all have been done for so long that none touches for a moment only.
+  /// Whether all have been done for so long that none touches for a moment only, or have had the
+  /// time for that.
   bool settled() const;
 
  private:
@@ -55,7 +56,7 @@ class FingersDone {
   std::vector<int> drives_;  // the first actuator of each finger that closes; -1: none does
   hand::PerFinger<bool> touches_{}, met_{}, stuck_{};
   bool all_met_ = false;
-  int settled_ = 0;  // ticks
+  int settled_ = 0, since_all_met_ = 0;  // ticks
   hand::PerFinger<int> still_{}, apart_{};
   hand::PerFinger<double> last_{};
 };
