@@ -281,7 +281,8 @@ void add_register(CLI::App& program, Command& chosen) {
   add_common_options(command, arguments->common);
   command.footer(
       "Statuses: found, degenerate (the motions in free_motions change nothing), no_consensus\n"
-      "(chance explains the agreement). The last two have no pose and exit with 4.\n"
+      "(chance explains the agreement, or the surfaces contradict one another). The last\n"
+      "two have no pose and exit with 4.\n"
       "certificate.least_squares: no pose fits the chosen inliers better;\n"
       "certificate.robust_bound: no pose has more inliers than that.\n"
       "--out receives report.json, config.toml, correspondences.csv,\n"

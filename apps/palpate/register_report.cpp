@@ -133,7 +133,7 @@ void print_features(const rg::CloudRegistration& registration) {
     fmt::print(" (of no pose more than {})", bound->max_inliers);
   }
   fmt::print("; {} rounds of nearest neighbours\n", registration.refinements);
-  if (registration.contradiction > 0.1) {
+  if (registration.contradiction > rg::kMostContradiction) {
     fmt::print("contradiction: {:.0f} % of the surfaces within reach of each other lie apart\n",
                100 * registration.contradiction);
   }

@@ -161,12 +161,11 @@ bool fits(const CloudRegistration& registration, Primitive primitive) {
 /// while surfaces of two things that touch in a patch part beyond it.
 /// @param rounds  of the source
 double contradiction_of(const NeighbourRounds& rounds, const PointCloud& source,
-                        const PointCloud& target, const Eigen::Isometry3d& T, double bound,
-                        double tolerated) {
+                        const PointCloud& target, const Eigen::Isometry3d& T, double bound) {
   constexpr std::size_t kPoints = 1500;
   const auto stride = [](std::size_t size) { return std::max<std::size_t>(1, size / kPoints); };
   const double of_source = rounds.share_off_surface(T, bound, stride(source.size()));
-  if (of_source <= tolerated) return of_source;
+  if (of_source <= kMostContradiction) return of_source;
   const NeighbourRounds others(target, source, Primitive::kPoint, {}, 1);
   return std::min(of_source, others.share_off_surface(T.inverse(), bound, stride(target.size())));
 }
@@ -275,10 +274,9 @@ void refine_clouds(const PointCloud& source, const PointCloud& target, const Clo
     refuse(registration.result);
   }
   if (const auto& T = registration.result.T_target_source) {
-    constexpr double kTolerated = 0.1;
     registration.contradiction =
-        contradiction_of(rounds, source, target, *T, registration.noise_bound, kTolerated);
-    const bool refused = registration.contradiction > kTolerated;
+        contradiction_of(rounds, source, target, *T, registration.noise_bound);
+    const bool refused = registration.contradiction > kMostContradiction;
     if (refused && !options.registration.best_effort) refuse(registration.result);
   }
   registration.result.solve_seconds += now() - start;

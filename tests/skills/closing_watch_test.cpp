@@ -61,7 +61,7 @@ hand::HandReading touching(const hand::PerFinger<bool>& fingers) {
   return reading;
 }
 
-/// The fingers with those that closed and touched for some ticks, command moving on.
+/// Fingers whose commands move on at every tick.
 class ClosingFingers {
  public:
   explicit ClosingFingers(const hand::PerFinger<bool>& closing) : done(kHand, closing) {

@@ -54,6 +54,9 @@ struct CloudOptions {
   int threads = 1;  ///< the result does not depend on them
 };
 
+/// Contradiction of two clouds above which there is no pose.
+inline constexpr double kMostContradiction = 0.1;
+
 struct CloudRegistration {
   RegistrationResult result;        ///< inliers and weights speak of `correspondences`
   Correspondences correspondences;  ///< nearest neighbours, or feature matches without refinement
