@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/localization/consensus.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include "localization/search/symmetry_group.hpp"
 
 namespace palpate::localization {
@@ -35,6 +38,32 @@ std::vector<WeightedPose> poses_of(const localization::Posterior& posterior) {
     }
   }
   return poses;
+}
+
+double entropy(std::vector<WeightedPose> poses, const SamePose& same) {
+  std::stable_sort(poses.begin(), poses.end(), [](const WeightedPose& a, const WeightedPose& b) {
+    return a.weight > b.weight;
+  });
+  std::vector<WeightedPose> distinct;
+  double total = 0;
+  for (const WeightedPose& pose : poses) {
+    total += pose.weight;
+    const auto known = std::find_if(distinct.begin(), distinct.end(), [&](const auto& other) {
+      return rotation_distance(pose.T.linear(), other.T.linear()) < same.angle &&
+             (pose.T.translation() - other.T.translation()).norm() < same.distance;
+    });
+    if (known == distinct.end()) {
+      distinct.push_back(pose);
+    } else {
+      known->weight += pose.weight;
+    }
+  }
+  double sum = 0;
+  for (const WeightedPose& pose : distinct) {
+    const double share = pose.weight / total;
+    if (share > 0) sum -= share * std::log(share);
+  }
+  return sum;
 }
 
 Consensus consensus(const std::vector<WeightedPose>& poses,

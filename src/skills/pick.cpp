@@ -28,6 +28,7 @@ constexpr double kLeft = 0.25;      // of the object's weight, in the hand: it h
 constexpr double kSmoother = 0.65;  // of the friction that is believed, once an object has slipped
 constexpr int kSlips = 2;           // attempts that do not count, for the grip gave way in time
 constexpr double kMoreThanOthers = 0.5;  // probability of a pose that is worth being held
+constexpr int kDoubts = 1;               // attempts that are given up for none of its poses is
 constexpr double kHanging = 0.9;         // of the load that the mount may bear, while it moves
 constexpr double kNextSide = 2 * std::numbers::pi / 3;  // rad between attempts
 
@@ -154,7 +155,9 @@ class Picking {
         state_.yaw += kNextSide;
       }
       result_.held = attempt();
-      if (result_.held && unknown() && result_.attempts - slips_ < options_.attempts) {
+      if (result_.held && unknown() && doubts_ < kDoubts &&
+          result_.attempts - slips_ < options_.attempts) {
+        ++doubts_;
         result_.held = false;
         put_back();
       }
@@ -298,7 +301,8 @@ class Picking {
   PickState state_;
   PickResult result_;
   PhaseSequence sequence_;
-  int slips_ = 0;  ///< attempts that ended as the grip gave way, and do not count
+  int doubts_ = 0;  ///< attempts that ended as no pose was more probable than all others
+  int slips_ = 0;   ///< attempts that ended as the grip gave way, and do not count
 };
 
 }  // namespace

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <numbers>
 
 namespace palpate::localization {
@@ -31,6 +32,23 @@ TEST(Consensus, PosesThatDifferByASymmetryAgree) {
   const std::vector<WeightedPose> poses = {{pose(0, 0), 0.5}, {pose(std::numbers::pi, 0), 0.5}};
   EXPECT_NEAR(consensus(poses, half, {}).share, 1, 1e-12);
   EXPECT_NEAR(consensus(poses, kNone, {}).share, 0.5, 1e-12);
+}
+
+TEST(Entropy, IsThatOfTheWeights) {
+  EXPECT_EQ(entropy({}, {0, 0}), 0);
+  EXPECT_EQ(entropy({{pose(0, 0), 0.3}}, {0, 0}), 0);
+  EXPECT_NEAR(entropy({{pose(0, 0), 0.2}, {pose(0.01, 0), 0.2}}, {0, 0}), std::log(2), 1e-12);
+}
+
+TEST(Entropy, PosesThatAreNearAHeavierOneAreOne) {
+  const SamePose same{0.2, 0.01};
+  const WeightedPose heavy{pose(0, 0), 0.6}, turned{pose(0.15, 0), 0.3}, moved{pose(0, 0.02), 0.1};
+  EXPECT_EQ(entropy({turned, heavy}, same), 0);
+  const double apart = -0.9 * std::log(0.9) - 0.1 * std::log(0.1);
+  EXPECT_NEAR(entropy({moved, turned, heavy}, same), apart, 1e-12);
+  const WeightedPose farther{pose(0.3, 0), 0.1};
+  EXPECT_NEAR(entropy({farther, turned, heavy}, same), apart, 1e-12)
+      << "near a pose that is not the heaviest";
 }
 
 TEST(Consensus, AFreeAxisSpreadsAMode) {

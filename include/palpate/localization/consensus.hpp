@@ -34,6 +34,10 @@ struct Consensus {
 /// Modes as poses; one with a free axis as several along it.
 std::vector<WeightedPose> poses_of(const localization::Posterior& posterior);
 
+/// What there is to be learnt about which of some poses is the true one, nats.
+/// @param same  poses that differ by less from a heavier one count as that
+double entropy(std::vector<WeightedPose> poses, const SamePose& same);
+
 /// @param symmetries  of the object, identity first: poses that differ by one are the same
 /// @return share 0 where there are no poses
 Consensus consensus(const std::vector<WeightedPose>& poses,

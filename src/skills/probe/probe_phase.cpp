@@ -20,7 +20,8 @@ namespace {
 constexpr double kStepSeconds = 10;     // s that a touch or a roll takes at most, and back
 constexpr double kRegraspSeconds = 14;  // s, of an object on the table
 constexpr double kLiftSeconds = 6;      // s more, where it is to be put down and lifted again
-constexpr double kMinWeight = 0.5;      // of the object's weight, that must still hang
+constexpr localization::SamePose kStirred{0.2, 0.01};  // how grasping again may move the object
+constexpr double kMinWeight = 0.5;  // of the object's weight, that must still hang
 
 int regrasps_made(const estimation::EventLog& log) {
   const auto moments = log.since_release();
@@ -33,18 +34,6 @@ GraspTool tool_of(const Executor& robot) {
   const hand::Preshape& preshape = robot.model().postures.top;
   const grasping::ClosingLaw law(robot.model(), kPlannedRate, preshape.closed);
   return {grasping::closing_trajectory(robot.model(), preshape.open, law), preshape.attitudes};
-}
-
-/// What there is to be learnt about which of the poses in question is true, nats.
-double entropy(const localization::Posterior& posterior) {
-  const auto poses = localization::poses_of(posterior);
-  double total = 0, sum = 0;
-  for (const localization::WeightedPose& pose : poses) total += pose.weight;
-  for (const localization::WeightedPose& pose : poses) {
-    const double share = pose.weight / total;
-    if (share > 0) sum -= share * std::log(share);
-  }
-  return sum;
 }
 
 /// What could be done next, each with what it promises.
@@ -116,7 +105,8 @@ class Probing {
     }
     if (next.touch) {  // of draws, which also differ by each pose's own error
       auto& information = next.touch->expected_gain.information;
-      information = std::min(information, entropy(posterior()));
+      information =
+          std::min(information, localization::entropy(localization::poses_of(posterior()), {0, 0}));
     }
     if (hangs() && rolls_ < options_.rolls) {
       const auto contacts = contacts_at(robot_, robot_.log().readings.size() - 1);
@@ -141,7 +131,13 @@ class Probing {
           robot_.log().readings[*closed].base.pose() * robot_.reading().base.pose().inverse(),
           standing);
     }
-    return most_informative_grasp(object_, standing, tool_of(robot_), options);
+    auto grasp = most_informative_grasp(object_, standing, tool_of(robot_), options);
+    if (grasp) {  // closing turns poses that are alike into one another
+      double& information = grasp->expected_gain.information;
+      information =
+          std::min(information, localization::entropy(localization::poses_of(standing), kStirred));
+    }
+    return grasp;
   }
 
   /// Touches or rolls, and estimates the pose again.
