@@ -155,7 +155,7 @@ class Picking {
         state_.yaw += kNextSide;
       }
       result_.held = attempt();
-      if (result_.held && unknown() && doubts_ < kDoubts &&
+      if (result_.held && unknown() && doubts_ < kDoubts && robot_.survived().empty() &&
           result_.attempts - slips_ < options_.attempts) {
         ++doubts_;
         result_.held = false;

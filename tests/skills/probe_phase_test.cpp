@@ -143,6 +143,17 @@ TEST(PalpationPhase, MakesNoMoveThatShouldNotMeetTheObject) {
   EXPECT_EQ(hold.probes(), 0u);
 }
 
+TEST(PalpationPhase, AHandThatLacksAFingerKeepsWhatItHolds) {
+  Hold hold;
+  hold.options.max = 0;
+  hold.options.regrasps = 2;
+  hold.probe();
+  EXPECT_TRUE(hold.state.next_grasp);
+  hold.robot.distrust(4, "feels nothing");
+  hold.probe();
+  EXPECT_FALSE(hold.state.next_grasp);
+}
+
 TEST(PalpationPhase, MovesNothingWithoutAThumbThatHolds) {
   Hold hold;
   hold.thumb_touches = false;

@@ -71,6 +71,16 @@ TEST(MostTellingGrasp, TellsNothingOfPosesThatAreOne) {
   EXPECT_NEAR(grasp->expected_gain.information, 0, 1e-9);
 }
 
+TEST(MostTellingGrasp, TellsNothingOfPosesThatClosingTurnsIntoOneAnother) {
+  TwoMugs mugs;
+  mugs.posterior.modes[1].T_frame_object = mugs.standing(0.15);
+  ASSERT_TRUE(mugs.choose());
+  EXPECT_EQ(mugs.choose()->expected_gain.information, 0);
+  mugs.posterior.modes[1].T_frame_object = mugs.standing(0.4);
+  ASSERT_TRUE(mugs.choose());
+  EXPECT_GT(mugs.choose()->expected_gain.information, 0.05);
+}
+
 TEST(MostTellingGrasp, KeepsAwayFromTriedSidesAndFromNoPoseAtAll) {
   TwoMugs mugs;
   for (int i = 0; i < 12; ++i) mugs.options.avoid.push_back(i * pi / 6);

@@ -20,8 +20,7 @@ namespace {
 constexpr double kStepSeconds = 10;     // s that a touch or a roll takes at most, and back
 constexpr double kRegraspSeconds = 14;  // s, of an object on the table
 constexpr double kLiftSeconds = 6;      // s more, where it is to be put down and lifted again
-constexpr localization::SamePose kStirred{0.2, 0.01};  // how grasping again may move the object
-constexpr double kMinWeight = 0.5;  // of the object's weight, that must still hang
+constexpr double kMinWeight = 0.5;      // of the object's weight, that must still hang
 
 int regrasps_made(const estimation::EventLog& log) {
   const auto moments = log.since_release();
@@ -112,7 +111,9 @@ class Probing {
       const auto contacts = contacts_at(robot_, robot_.log().readings.size() - 1);
       next.roll = most_informative_roll(robot_, object_, posterior(), contacts);
     }
-    if (regrasps_made(robot_.log()) < options_.regrasps) next.grasp = other_grasp();
+    if (robot_.survived().empty() && regrasps_made(robot_.log()) < options_.regrasps) {
+      next.grasp = other_grasp();  // a hand that lacks a finger keeps what it holds
+    }
     next.keep_best(options_.min_gain_rate);
     return next;
   }
@@ -131,13 +132,7 @@ class Probing {
           robot_.log().readings[*closed].base.pose() * robot_.reading().base.pose().inverse(),
           standing);
     }
-    auto grasp = most_informative_grasp(object_, standing, tool_of(robot_), options);
-    if (grasp) {  // closing turns poses that are alike into one another
-      double& information = grasp->expected_gain.information;
-      information =
-          std::min(information, localization::entropy(localization::poses_of(standing), kStirred));
-    }
-    return grasp;
+    return most_informative_grasp(object_, standing, tool_of(robot_), options);
   }
 
   /// Touches or rolls, and estimates the pose again.

@@ -9,8 +9,9 @@
 namespace palpate::skills {
 namespace {
 
-constexpr std::size_t kFinalists = 12;  // grasps that are compared
-constexpr double kSameAttitude = 1e-6;  // rad
+constexpr std::size_t kFinalists = 12;                 // grasps that are compared
+constexpr double kSameAttitude = 1e-6;                 // rad
+constexpr localization::SamePose kStirred{0.2, 0.01};  // closing turns such poses into one another
 
 using localization::PredictedTouches;
 
@@ -95,6 +96,10 @@ std::optional<InformativeGrasp> most_informative_grasp(const geometry::ObjectMod
     const double information = localization::information_bound(feels, weights, touches_of_modes());
     if (best && information <= best->expected_gain.information) continue;
     best = InformativeGrasp{grasp, {information, options.seconds}};
+  }
+  if (best) {
+    double& information = best->expected_gain.information;
+    information = std::min(information, localization::entropy(poses, kStirred));
   }
   return best;
 }
