@@ -106,18 +106,48 @@ double FalseAlarmTest::quick(const Eigen::Isometry3d& T) {
     const auto shift = 1 + static_cast<int>(random.index(static_cast<std::size_t>(others)));
     hits += scorer_.count_shifted(T, shift);
   }
-  BackgroundModel all_alike = model_;
-  all_alike.rate = hits / std::max(1, shifts);
+  const auto number = [&](const Score& score, double copies) {
+    BackgroundModel all_alike = model_;
+    all_alike.rate = hits / std::max(1, shifts);
+    const double uniform = expected(all_alike, score, copies);
+    if (!(uniform < kClearAtOnce)) return uniform;
+    all_alike.rate *= crowding(T, score);
+    return expected(all_alike, score, copies);
+  };
   // Few that lie far apart are often enough, whatever the others do.
   constexpr std::size_t kLooked = 256;
   const Score separate =
       scorer_.score_of_separate(T, static_cast<float>(dependence_.reach), kLooked);
-  const double clear = expected(all_alike, separate, 1);
+  const double clear = number(separate, 1);
   if (clear < kClearAtOnce) return clear;
-  const double with_copies = expected(all_alike, scorer_.score_of_distinct(T), 1);
+  const double with_copies = number(scorer_.score_of_distinct(T), 1);
   if (with_copies >= kClearAtOnce) return with_copies;
   const Evidence all = evidence(T);
-  return expected(all_alike, all.score, all.copies);
+  return number(all.score, all.copies);
+}
+
+/// Of thin things that lie on one another residuals within the bound are not uniform: how many
+/// times as many pairs of the same points, paired otherwise, agree to within what the inliers do as
+/// if they were, at least.
+double FalseAlarmTest::crowding(const Eigen::Isometry3d& T, const Score& score) {
+  constexpr int kShifts = 16;
+  if (axes().empty()) return 1;
+  const double radius = matching_radius(model_.dimensions, score.count - score.gain, score.count);
+  RandomStream random = random_.fork("crowding");
+  double within = 0, all = 0;
+  for (int k = 0; k < kShifts; ++k) {
+    const auto others = static_cast<std::size_t>(scorer_.size() - 1);
+    const auto shift = 1 + static_cast<int>(random.index(others));
+    within += scorer_.count_shifted(T, shift, static_cast<float>(radius));
+    all += scorer_.count_shifted(T, shift);
+  }
+  const double uniform = all * std::pow(radius, model_.dimensions);
+  return uniform > 0 ? std::max(1.0, (within - 2 * std::sqrt(within)) / uniform) : 1;
+}
+
+const std::vector<ThinAxes>& FalseAlarmTest::axes() {
+  if (!axes_) axes_ = thin_axes(scorer_.columns());
+  return *axes_;
 }
 
 double FalseAlarmTest::false_inliers(const Eigen::Isometry3d& T) const {
@@ -199,7 +229,7 @@ FalseAlarmTest::Rates& FalseAlarmTest::rates_within(double radius, int sources) 
   const double rounded = std::pow(kStep, step);
   Rates rates{rounded,
               sources,
-              {scorer_.columns(), scorer_.chord_bound(), rounded},
+              {scorer_.columns(), scorer_.chord_bound(), rounded, axes()},
               random_.fork("poses", static_cast<std::uint64_t>(-step))};
   return rates_.emplace(key, std::move(rates)).first->second;
 }
@@ -207,10 +237,10 @@ FalseAlarmTest::Rates& FalseAlarmTest::rates_within(double radius, int sources) 
 void FalseAlarmTest::extend(Rates& rates, int poses) const {
   const int step = scorer_.size() / rates.sources;
   while (static_cast<int>(rates.poses.size()) < poses) {
-    Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-    const int source = rates.pairings.propose(rates.random, T);
-    rates.poses.push_back(T);
-    rates.pairings.agreements(T, {source + 1, step, rates.sources}, rates.counts.emplace_back());
+    const ProposedPose pose = rates.pairings.propose(rates.random);
+    rates.poses.push_back(pose);
+    rates.pairings.agreements(pose.T, {pose.source + 1, step, rates.sources},
+                              rates.counts.emplace_back());
   }
 }
 
@@ -219,10 +249,11 @@ void FalseAlarmTest::extend(Rates& rates, int poses) const {
 double FalseAlarmTest::power_mean(const Rates& rates, const Eigen::Isometry3d& T, int power) const {
   double sum = 1, powers = 0, squares = 0;
   for (std::size_t i = 0; i < rates.poses.size(); ++i) {
-    if (same(T, rates.poses[i])) continue;
+    if (same(T, rates.poses[i].T)) continue;
     const auto& counts = rates.counts[i];
-    const double estimate = power_of_mean(counts, rates.sources, power);
-    sum += std::accumulate(counts.begin(), counts.end(), 0.0);
+    const double weight = rates.poses[i].weight;
+    const double estimate = weight * power_of_mean(counts, rates.sources, power);
+    sum += weight * std::accumulate(counts.begin(), counts.end(), 0.0);
     powers += estimate;
     squares += estimate * estimate;
   }

@@ -68,7 +68,7 @@ class FalseAlarmTest {
     int sources;  // looked up at a pose
     PairingRates pairings;
     RandomStream random;
-    std::vector<Eigen::Isometry3d> poses = {};
+    std::vector<ProposedPose> poses = {};
     std::vector<std::vector<int>> counts = {};  // of each, as PairingRates::agreements()
   };
 
@@ -86,6 +86,8 @@ class FalseAlarmTest {
   double judge_closely(const Eigen::Isometry3d& T);
   double judge_in_turn(const Eigen::Isometry3d& T, std::span<const Step> steps);
   double expected(BackgroundModel background, const Score& score, double copies) const;
+  double crowding(const Eigen::Isometry3d& T, const Score& score);
+  const std::vector<ThinAxes>& axes();
   Rates& rates_within(double radius, int sources);
   void extend(Rates& rates, int poses) const;
   double power_mean(const Rates& rates, const Eigen::Isometry3d& T, int power) const;
@@ -96,6 +98,7 @@ class FalseAlarmTest {
   Dependence dependence_;
   const RandomStream& random_;
   std::optional<double> copies_;                // of a pair, itself included, once it was asked for
+  std::optional<std::vector<ThinAxes>> axes_;   // once they were asked for
   BackgroundModel model_;                       // but for the rates
   Eigen::Matrix3d spread_;                      // second moment of the sources about their mean
   std::map<std::pair<int, int>, Rates> rates_;  // of steps of the radius and sources

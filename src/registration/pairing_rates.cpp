@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdint>
 #include <numbers>
+#include <optional>
+#include <utility>
 
 #include "palpate/core/se3.hpp"
 #include "registration/bitset_rows.hpp"
@@ -19,7 +21,7 @@ constexpr double kBall5 = 8 * std::numbers::pi * std::numbers::pi / 15;
 constexpr int kBatch = 256;  // sources that are moved at a time
 
 struct Batch {
-  float points[3][kBatch];
+  const float* points[3];  // one axis after the other
   int indices[kBatch], cells[kBatch];
 };
 
@@ -30,6 +32,18 @@ struct ToGrid {
   Eigen::Array3i cells;
   float per_side;
 };
+
+/// first, first + step, .., from the start again past the end.
+/// @return the source after them
+int copy(const PairColumns& columns, const Strided& sources, float (*points)[kBatch]) {
+  int i = sources.first;
+  for (int k = 0; k < sources.count; ++k) {
+    for (int a = 0; a < 3; ++a) points[a][k] = columns.s[a][i];
+    i += sources.step;
+    if (i >= columns.size()) i %= columns.size();
+  }
+  return i;
+}
 
 /// Which cells the points are moved to; the one past the last outside of the grid.
 PALPATE_WIDE void find_cells(Batch& batch, int count, const ToGrid& to) {
@@ -59,24 +73,45 @@ PALPATE_WIDE void find_cells(Batch& batch, int count, const ToGrid& to) {
   }
 }
 
-/// Drops those in cells without targets, mostly nearly all.
-/// @return how many are left
-int keep_occupied(Batch& batch, int count, const std::vector<std::uint64_t>& occupied) {
+/// Lists those in cells that hold targets, mostly few.
+/// @return how many there are
+int list_occupied(Batch& batch, int count, const std::vector<std::uint64_t>& occupied) {
   int kept = 0;
   for (int k = 0; k < count; ++k) {
-    const int cell = batch.cells[k];
-    const std::uint64_t word = occupied[static_cast<std::size_t>(cell) / kWordBits];
-    batch.indices[kept] = batch.indices[k];
-    batch.cells[kept] = cell;
-    kept += static_cast<int>(word >> (cell % kWordBits) & 1);
+    const auto cell = static_cast<unsigned>(batch.cells[k]);
+    batch.indices[kept] = k;
+    kept += static_cast<int>(occupied[cell / kWordBits] >> (cell % kWordBits) & 1);
   }
   return kept;
 }
 
+/// Of 0..1, small ones more often than others: as many from x to 2 x as from 2 x to 4 x, above
+/// this.
+constexpr double kSmall = 1e-4;
+const double kLogRange = std::log(1 + 1 / kSmall);
+
+double often_small(RandomStream& random) {
+  return kSmall * std::expm1(kLogRange * random.uniform());
+}
+
+/// Its density.
+double density(double x) { return 1 / (kLogRange * (x + kSmall)); }
+
+/// How far a turn is from half turns, 0 to 1 for a quarter.
+double off_half_turns(double angle) {
+  return std::abs(std::remainder(angle, std::numbers::pi)) / (std::numbers::pi / 2);
+}
+
+/// Of a mixture of chance and some other densities over its own.
+double mixed_weight(double densities, std::size_t count) {
+  return count > 0 ? 1 / (0.5 + 0.5 * densities / static_cast<double>(count)) : 1;
+}
+
 }  // namespace
 
-PairingRates::PairingRates(const PairColumns& columns, double chord_bound, double radius)
-    : columns_(columns) {
+PairingRates::PairingRates(const PairColumns& columns, double chord_bound, double radius,
+                           std::vector<ThinAxes> axes)
+    : columns_(columns), axes_(std::move(axes)) {
   Eigen::Vector3f high;
   for (int a = 0; a < 3; ++a) {
     low_[a] = columns.t[a].head(columns.size()).minCoeff();
@@ -120,26 +155,83 @@ int PairingRates::cell(const Eigen::Vector3f& p) const {
   return (at_cell[0] * cells_[1] + at_cell[1]) * cells_[2] + at_cell[2];
 }
 
-int PairingRates::propose(RandomStream& random, Eigen::Isometry3d& T) const {
+ProposedPose PairingRates::propose(RandomStream& random) const {
   const auto size = static_cast<std::size_t>(columns_.size());
-  const int source = static_cast<int>(random.index(size)),
-            target = static_cast<int>(random.index(size));
-  T.linear() = random.rotation();
+  ProposedPose pose;
+  pose.source = static_cast<int>(random.index(size));
+  const int target = static_cast<int>(random.index(size));
+  const bool aligns = !axes_.empty() && random.uniform() < 0.5;
+  const ThinAxes* aligned = aligns ? &axes_[random.index(axes_.size())] : nullptr;
   if (chord_squared_ > 0) {
     const double reach = std::sqrt(static_cast<double>(chord_squared_) * random.uniform());
     const double direction = random.uniform(0, 2 * std::numbers::pi);
     const Eigen::Matrix3d frame = frame_with_z(at(columns_.m, target).cast<double>());
     const Eigen::Vector3d tilted =
         frame * Eigen::Vector3d(reach * std::cos(direction), reach * std::sin(direction), 1);
-    const Eigen::AngleAxisd roll(random.uniform(0, 2 * std::numbers::pi), Eigen::Vector3d::UnitZ());
-    T.linear() = frame_with_z(tilted.normalized()) * roll.toRotationMatrix() *
-                 frame_with_z(at(columns_.n, source).cast<double>()).transpose();
+    const Eigen::Vector3d normal = tilted.normalized();
+    const double angle = roll(pose.source, normal, aligned, random, pose.weight);
+    pose.T.linear() = frame_with_z(normal) *
+                      Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()).toRotationMatrix() *
+                      frame_with_z(at(columns_.n, pose.source).cast<double>()).transpose();
+  } else {
+    pose.T.linear() = turn(aligned, random);
+    pose.weight = weight_of(pose.T.linear());
   }
   const auto half = 0.5 * static_cast<double>(side_);
   Eigen::Vector3d there = at(columns_.t, target).cast<double>();
   for (int a = 0; a < 3; ++a) there[a] += random.uniform(-half, half);
-  T.translation() = there - T.linear() * at(columns_.s, source).cast<double>();
-  return source;
+  pose.T.translation() = there - pose.T.linear() * at(columns_.s, pose.source).cast<double>();
+  return pose;
+}
+
+/// Any rotation, or one after which a pair of axes lies on one another, the closer the more often.
+Eigen::Matrix3d PairingRates::turn(const ThinAxes* aligned, RandomStream& random) const {
+  if (!aligned) return random.rotation();
+  const double cosine = 1 - often_small(random), sine = std::sqrt(1 - cosine * cosine),
+               azimuth = random.uniform(0, 2 * std::numbers::pi),
+               sign = random.uniform() < 0.5 ? -1 : 1;
+  const Eigen::Vector3d off(sine * std::cos(azimuth), sine * std::sin(azimuth), sign * cosine);
+  const Eigen::Vector3d to = frame_with_z(aligned->target) * off;
+  const Eigen::AngleAxisd roll(random.uniform(0, 2 * std::numbers::pi), Eigen::Vector3d::UnitZ());
+  return frame_with_z(to.normalized()) * roll.toRotationMatrix() *
+         frame_with_z(aligned->source).transpose();
+}
+
+/// Of a rotation among all, over how often propose() takes it.
+double PairingRates::weight_of(const Eigen::Matrix3d& R) const {
+  double densities = 0;
+  for (const auto& [source, target] : axes_) {
+    densities += density(std::max(0.0, 1 - std::abs(target.dot(R * source))));
+  }
+  return mixed_weight(densities, axes_.size());
+}
+
+/// An angle about the normals of a pair that lie on one another: any, or one that lays a pair of
+/// axes on one another, as far as they lie across.
+/// @param weight  of the angle
+double PairingRates::roll(int source, const Eigen::Vector3d& normal, const ThinAxes* aligned,
+                          RandomStream& random, double& weight) const {
+  constexpr double kAcross = 0.3;
+  double angle = random.uniform(0, 2 * std::numbers::pi), densities = 0;
+  if (axes_.empty()) return angle;
+  const Eigen::Matrix3d from = frame_with_z(at(columns_.n, source).cast<double>()).transpose(),
+                        to = frame_with_z(normal).transpose();
+  std::vector<std::optional<double>> best;  // angle for each pair of axes, or half a turn more
+  for (const auto& axes : axes_) {
+    const Eigen::Vector2d a = (from * axes.source).head<2>(), b = (to * axes.target).head<2>();
+    const bool across = std::min(a.norm(), b.norm()) > kAcross;
+    best.push_back(across ? std::optional(std::atan2(b[1], b[0]) - std::atan2(a[1], a[0]))
+                          : std::nullopt);
+    if (&axes != aligned || !across) continue;
+    const double half_turn = random.uniform() < 0.5 ? 0 : std::numbers::pi,
+                 sign = random.uniform() < 0.5 ? -1 : 1;
+    angle = *best.back() + half_turn + sign * std::numbers::pi / 2 * often_small(random);
+  }
+  for (const auto& at_best : best) {
+    densities += at_best ? density(off_half_turns(angle - *at_best)) : 1;
+  }
+  weight = mixed_weight(densities, axes_.size());
+  return angle;
 }
 
 void PairingRates::agreements(const Eigen::Isometry3d& T, const Strided& sources,
@@ -148,21 +240,28 @@ void PairingRates::agreements(const Eigen::Isometry3d& T, const Strided& sources
   const ToGrid to_grid{R, T.translation().cast<float>(), low_, cells_, per_side_};
   const int size = columns_.size();
   Batch batch;
+  float copies[3][kBatch];
   int i = sources.first % size;
-  for (int done = 0; done < sources.count; done += kBatch) {
-    const int count = std::min(kBatch, sources.count - done);
-    for (int k = 0; k < count; ++k) {
-      for (int a = 0; a < 3; ++a) batch.points[a][k] = columns_.s[a][i];
-      batch.indices[k] = i;
-      i += sources.step;
-      if (i >= size) i %= size;
+  for (int done = 0; done < sources.count;) {
+    int count = std::min(kBatch, sources.count - done);
+    const int first = i;
+    if (sources.step == 1) {
+      count = std::min(count, size - i);
+      for (int a = 0; a < 3; ++a) batch.points[a] = columns_.s[a].data() + i;
+      i = (i + count) % size;
+    } else {
+      i = copy(columns_, {first, sources.step, count}, copies);
+      for (int a = 0; a < 3; ++a) batch.points[a] = copies[a];
     }
     find_cells(batch, count, to_grid);
-    const int occupied = keep_occupied(batch, count, occupied_);
+    const int occupied = list_occupied(batch, count, occupied_);
     for (int k = 0; k < occupied; ++k) {
-      const int found = agreements_in(batch.cells[k], R, batch.indices[k]);
+      const int at_batch = batch.indices[k];
+      const int source = (first + at_batch * sources.step) % size;
+      const int found = agreements_in(batch.cells[at_batch], R, source);
       if (found > 0) counts.push_back(found);
     }
+    done += count;
   }
 }
 

@@ -7,12 +7,20 @@
 
 #include "palpate/core/random.hpp"
 #include "registration/pair_columns.hpp"
+#include "registration/thin_axes.hpp"
 
 namespace palpate::registration {
 
 /// first, first + step, .., count of them.
 struct Strided {
   int first, step, count;
+};
+
+/// A pose at which one pair agrees.
+struct ProposedPose {
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  int source = 0;     ///< of the pair
+  double weight = 1;  ///< how much rarer it is proposed than if the rest were left to chance
 };
 
 /// Which sources and targets, paired at random, agree at a pose.
@@ -25,11 +33,14 @@ class PairingRates {
   /// @param columns  in noise bounds, at least one pair, to outlive this
   /// @param chord_bound  chord that counts as 1; 0: normals are not used
   /// @param radius  of the ball, in bounds
-  PairingRates(const PairColumns& columns, double chord_bound, double radius);
+  /// @param axes  that propose() lays on one another
+  PairingRates(const PairColumns& columns, double chord_bound, double radius,
+               std::vector<ThinAxes> axes = {});
 
-  /// A pose that makes one random pair agree and leaves the rest to chance.
-  /// @return its source
-  int propose(RandomStream& random, Eigen::Isometry3d& T) const;
+  /// A pose that makes one random pair agree and leaves the rest to chance; in half of the cases,
+  /// if there are axes, one that lays them on one another, more or less. So few others do, and so
+  /// much agrees where they do, that chance alone would seldom show it.
+  ProposedPose propose(RandomStream& random) const;
 
   /// Appends how many targets each of some sources agrees with, where there are any.
   /// @param sources  first, first + step, .. (count of them, from the start again past the end)
@@ -40,12 +51,17 @@ class PairingRates {
   double coarseness() const { return coarseness_; }
 
  private:
+  Eigen::Matrix3d turn(const ThinAxes* aligned, RandomStream& random) const;
+  double weight_of(const Eigen::Matrix3d& R) const;
+  double roll(int source, const Eigen::Vector3d& normal, const ThinAxes* aligned,
+              RandomStream& random, double& weight) const;
   int cell(const Eigen::Vector3f& p) const;
   int agreements_in(int cell, const Eigen::Matrix3f& R, int source) const;
 
   const PairColumns& columns_;
   float side_ = 1, per_side_ = 1, chord_squared_ = 0;  // 0: without normals
   double coarseness_ = 1;
+  std::vector<ThinAxes> axes_;
   Eigen::Vector3f low_ = Eigen::Vector3f::Zero();
   Eigen::Array3i cells_ = Eigen::Array3i::Ones();
   std::vector<std::uint64_t> occupied_;  // bits of cells that hold targets: most do not

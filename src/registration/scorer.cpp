@@ -91,14 +91,16 @@ double Scorer::gain(const Eigen::Isometry3d& T) const {
   return sum;
 }
 
-/// Pairs within the bounds of the sources from..to-1.
-int Scorer::count_within(const Eigen::Isometry3d& T, int from, int to, int shift) const {
+/// Pairs within `reach` times the bounds of the sources from..to-1.
+int Scorer::count_within(const Eigen::Isometry3d& T, int from, int to, int shift,
+                         float reach) const {
   float block[kBlock];
   int count = 0;
   for (; from < to; from += kBlock) {
     const int end = std::min(to, from + kBlock);
     squares(T, from, end, shift, block);
-    count += static_cast<int>((Eigen::Map<const Eigen::ArrayXf>(block, end - from) < 1).count());
+    const Eigen::Map<const Eigen::ArrayXf> off(block, end - from);
+    count += static_cast<int>((off < reach * reach).count());
   }
   return count;
 }
@@ -253,10 +255,11 @@ Eigen::Isometry3d Scorer::align_mirrored(const std::vector<int>& indices) const 
   return align(indices, -1);
 }
 
-int Scorer::count_shifted(const Eigen::Isometry3d& T, int shift) const {
+int Scorer::count_shifted(const Eigen::Isometry3d& T, int shift, float reach) const {
   // The last sources meet the first targets.
   const int n = size();
-  return count_within(T, 0, n - shift, shift) + count_within(T, n - shift, n, shift - n);
+  return count_within(T, 0, n - shift, shift, reach) +
+         count_within(T, n - shift, n, shift - n, reach);
 }
 
 Eigen::Isometry3d Scorer::uncentred(const Eigen::Isometry3d& T) const {

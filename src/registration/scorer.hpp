@@ -68,8 +68,9 @@ class Scorer {
   /// The same for a reflection: the source's mirror image, turned and shifted.
   Eigen::Isometry3d align_mirrored(const std::vector<int>& indices) const;
 
-  /// Pairs within the bounds if every source is paired with the target `shift` places on.
-  int count_shifted(const Eigen::Isometry3d& T, int shift) const;
+  /// Pairs within `reach` times the bounds if every source is paired with the target `shift` places
+  /// on.
+  int count_shifted(const Eigen::Isometry3d& T, int shift, float reach = 1) const;
 
   /// The pose in the coordinates of the correspondences.
   Eigen::Isometry3d uncentred(const Eigen::Isometry3d& T) const;
@@ -80,7 +81,7 @@ class Scorer {
   /// Squared residuals of position and, with normals, chord, in squared bounds.
   Eigen::ArrayXf squares(const Eigen::Isometry3d& T, int from, int to, int shift) const;
   void squares(const Eigen::Isometry3d& T, int from, int to, int shift, float* result) const;
-  int count_within(const Eigen::Isometry3d& T, int from, int to, int shift) const;
+  int count_within(const Eigen::Isometry3d& T, int from, int to, int shift, float reach) const;
   Eigen::ArrayXf gains(const Eigen::Isometry3d& T, float reach = 1) const;
   Eigen::Isometry3d align_inliers(const Eigen::ArrayXf& gains, double sign) const;
   Eigen::Isometry3d align(const std::vector<int>& indices, double sign) const;

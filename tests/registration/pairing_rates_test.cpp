@@ -47,8 +47,7 @@ TEST(PairingRates, CountAsABallOfThatRadius) {
       RandomStream random(2, "rates");
       double hits = 0, expected = 0;
       for (int k = 0; k < 300; ++k) {
-        Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-        rates.propose(random, T);
+        Eigen::Isometry3d T = rates.propose(random).T;
         // Away from the proposed pair, at which the cube and the ball differ.
         T.translation() += 3 * random.normal3();
         std::vector<int> counts;
@@ -71,8 +70,8 @@ TEST(PairingRates, ProposalsMakeAPairAgree) {
     const PairingRates rates(scorer.columns(), chord, 1);
     RandomStream random(4, "rates");
     for (int k = 0; k < 100; ++k) {
-      Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-      const int source = rates.propose(random, T);
+      const auto [T, source, weight] = rates.propose(random);
+      EXPECT_EQ(weight, 1);
       EXPECT_LT((T.linear() * T.linear().transpose() - Eigen::Matrix3d::Identity()).norm(), 1e-6);
       EXPECT_NEAR(T.linear().determinant(), 1, 1e-6);
       double nearest = 1e9;
@@ -96,11 +95,10 @@ TEST(PairingRates, CloudsLargeForTheRadiusGetACoarseGrid) {
   const Scorer scorer(problem.correspondences, 1e-9, 0);
   const PairingRates rates(scorer.columns(), 0, 1);
   EXPECT_GT(rates.coarseness(), 1e6);
-  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
   RandomStream random(6, "rates");
-  const int source = rates.propose(random, T);
+  const ProposedPose pose = rates.propose(random);
   std::vector<int> counts;
-  rates.agreements(T, {source, 1, 50}, counts);
+  rates.agreements(pose.T, {pose.source, 1, 50}, counts);
   EXPECT_LE(counts.size(), 50u);
 }
 
@@ -154,8 +152,7 @@ TEST(PairingRates, AgreementsOfManySourcesAreThoseOfEach) {
     RandomStream random(4, "rates");
     int some = 0;
     for (int k = 0; k < 20; ++k) {
-      Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-      rates.propose(random, T);
+      const Eigen::Isometry3d T = rates.propose(random).T;
       const Strided sources{650 - 30 * k, 1 + k % 3, 520};
       std::vector<int> together, each;
       rates.agreements(T, sources, together);
