@@ -9,6 +9,7 @@
 #include "experiment.hpp"
 #include "palpate/core/statistics.hpp"
 #include "palpate/geometry/objects/known_object.hpp"
+#include "palpate/geometry/objects/shapes.hpp"
 #include "palpate/registration/registration.hpp"
 #include "processor_time.hpp"
 #include "registration/problems.hpp"
@@ -223,6 +224,40 @@ void accidents(const experiment::Options& options) {
   publish(options, "accidents", "Bunny, 1000 shuffled pairs alone", settings);
 }
 
+/// Long and flat boxes, where poses that lay them on one another agree with much.
+void thin_things(const experiment::Options& options) {
+  struct Box {
+    Eigen::Vector3d size;
+    double bound;
+  };
+  std::vector<geometry::TriangleMesh> meshes;
+  std::vector<Setting> settings;
+  const std::vector<Box> boxes = {{{0.18, 0.008, 0.008}, 0.004},
+                                  {{0.18, 0.008, 0.008}, 0.001},
+                                  {{0.3, 0.02, 0.02}, 0.004},
+                                  {{0.2, 0.15, 0.002}, 0.004},
+                                  {{0.3, 0.03, 0.002}, 0.004}};
+  for (const Box& box : boxes) meshes.push_back(geometry::box_mesh(box.size));
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    const Eigen::Vector3d mm = 1000 * boxes[i].size;
+    const double bound = boxes[i].bound;
+    for (const bool normals : {false, true}) {
+      settings.push_back({fmt::format("{:.0f} x {:.0f} x {:.0f} mm, bound {:.0f} mm{}", mm.x(),
+                                      mm.y(), mm.z(), 1000 * bound, normals ? ", normals" : ""),
+                          {.outliers = 1,
+                           .noise = bound / 4,
+                           .normal_deg = 5,
+                           .normals = normals,
+                           .mesh = &meshes[i]},
+                          {.noise_bound = bound, .normal_noise_deg = normals ? 5.0 : 0.0},
+                          200,
+                          1,
+                          2 * bound});
+    }
+  }
+  publish(options, "thin_things", "Long and flat boxes, 1000 wrong pairs alone", settings);
+}
+
 void thesis_setting(const experiment::Options& options) {
   std::vector<Setting> settings;
   for (int tens = 1; tens <= 9; ++tens) {
@@ -244,6 +279,7 @@ void experiment_table(const experiment::Options& options) {
   wrong_bounds(options);
   thesis_setting(options);
   all_outliers(options);
+  thin_things(options);
   accidents(options);
 }
 

@@ -28,7 +28,7 @@ constexpr double kLeft = 0.25;      // of the object's weight, in the hand: it h
 constexpr double kSmoother = 0.65;  // of the friction that is believed, once an object has slipped
 constexpr int kSlips = 2;           // attempts that do not count, for the grip gave way in time
 constexpr double kMoreThanOthers = 0.5;  // probability of a pose that is worth being held
-constexpr int kDoubts = 1;               // attempts that are given up for none of its poses is
+constexpr int kDoubts = 1;               // attempts that are given up because no pose is
 constexpr double kHanging = 0.9;         // of the load that the mount may bear, while it moves
 constexpr double kNextSide = 2 * std::numbers::pi / 3;  // rad between attempts
 

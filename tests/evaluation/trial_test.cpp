@@ -208,6 +208,18 @@ TEST(Trial, WhatIsHeldInAnUnknownPoseIsPutDownAndFeltAnew) {
   }
 }
 
+TEST(Trial, WhatStaysInAnUnknownPoseIsPutDownOnce) {
+  TrialOptions options = quick_options();
+  options.pick.explore.touches = 0;
+  options.pick.palpation.max = 0;
+  options.pick.attempts = 4;
+  const Trial trial = run_trial(model("mug"), options, kSeed);
+  const auto downs = std::count_if(trial.result.phases.begin(), trial.result.phases.end(),
+                                   [](const auto& phase) { return phase.name == "put-down"; });
+  EXPECT_EQ(downs, 1);
+  EXPECT_TRUE(trial.result.held);
+}
+
 TEST(Trial, PutsDownWhatHangsToGraspItAnew) {
   TrialOptions options = quick_options();
   options.pick.estimate_before_lift = false;
