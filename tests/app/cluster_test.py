@@ -63,6 +63,20 @@ class Cluster(CliTest):
         self.assertEqual(program.returncode, DONE, stderr)
         self.assertEqual((top / "whole/eval.json").read_bytes(), expected)
 
+    @unittest.skipUnless(shutil.which("parallel"), "GNU parallel is not installed")
+    def test_a_search_whose_rollouts_run_in_parts(self):
+        tiny = ["--iterations", "2", "--seed", "3", "--episodes", "2",
+                "--set", "cem.search.cem.population=4", "--set", "cem.search.cem.elite=2",
+                "--set", "cem.search.screening=1", "--set", "cem.search.episodes=2",
+                "--set", "cem.search.episode.horizon=5"]  # fmt: skip
+        self.run_json("train", "relocate", *tiny, "--out", "one")
+        program = self.start("sh", str(RECIPES / "cem.sh"), str(self.folder / "many"), *tiny, SHARDS="3", JOBS="2")
+        _, stderr = program.communicate(timeout=500)
+        self.assertEqual(program.returncode, DONE, stderr)
+        for name in ("policy.json", "checkpoint", "curves.csv"):
+            self.assertEqual((self.folder / "many" / name).read_bytes(),
+                             (self.folder / "one" / name).read_bytes(), name)  # fmt: skip
+
     def test_a_slurm_array_with_a_job_requeued(self):
         expected = self.single()
         top = self.folder / "array"
