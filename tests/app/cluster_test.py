@@ -96,6 +96,24 @@ class Cluster(CliTest):
         self.assertGreaterEqual(manifest["machine"]["cores"], 1)
         self.assertRegex(manifest["commit"], r"^([0-9a-f]{12}(-dirty)?|unknown)$")
 
+    def test_the_recipe_for_ray_with_a_stand_in(self):
+        stand_in = self.folder / "stand_in"
+        stand_in.mkdir()
+        (stand_in / "ray.py").write_text(
+            "def init(**_): pass\n"
+            "def get(results): return results\n"
+            "def remote(**_):\n"
+            "    def made(task):\n"
+            "        task.remote = task\n"
+            "        return task\n"
+            "    return made\n")  # fmt: skip
+        expected = self.single()
+        program = self.start(sys.executable, str(RECIPES / "ray_eval.py"), str(self.folder / "ray"), "--shards", "2",
+                             "--palpate", cli.PROGRAM, "--", *TRIALS, PYTHONPATH=str(stand_in))  # fmt: skip
+        _, stderr = program.communicate(timeout=500)
+        self.assertEqual(program.returncode, DONE, stderr)
+        self.assertEqual((self.folder / "ray/whole/eval.json").read_bytes(), expected)
+
     @unittest.skipUnless(importlib.util.find_spec("ray"), "ray is not installed")
     def test_ray_with_a_worker_killed(self):
         expected = self.single()
