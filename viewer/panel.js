@@ -134,7 +134,7 @@ export class Panel {
           'span',
           { className: 'grow' },
           count
-            ? `${count} credible pose${count === 1 ? '' : 's'}, best ${best.toFixed(2)}`
+            ? `${count} credible pose${count === 1 ? '' : 's'}${best < 0.005 ? '' : `, best ${best.toFixed(2)}`}`
             : 'no pose explains the touches',
         ),
       ),

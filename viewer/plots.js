@@ -12,10 +12,13 @@ function steps(items, value) {
     .map((item) => [item.time, value(item)]);
 }
 
-/** Entropy over the modes of an estimate, nats; what they lack of 1 counts as one more. */
+/** Entropy over the modes of an estimate, nats, as the program has it of beliefs: what they lack of
+ * 1 counts as poses of which none is more probable than the least of the modes. */
 export function entropyOf(weights) {
-  const rest = 1 - weights.reduce((sum, w) => sum + w, 0);
-  return [...weights, rest].reduce((sum, p) => (p > 1e-12 ? sum - p * Math.log(p) : sum), 0);
+  const known = weights.filter((w) => w > 0);
+  const rest = 1 - known.reduce((sum, w) => sum + w, 0);
+  const listed = known.reduce((sum, p) => sum - p * Math.log(p), 0);
+  return rest > 1e-9 ? listed - rest * Math.log(Math.min(rest, ...known)) : Math.max(0, listed);
 }
 
 export class Plots {

@@ -23,6 +23,19 @@ void add_interface_options(CLI::App& command, ros2::RobotInterface& interface) {
                   "prefix of topics with the wrench on a fingertip, in the place of its contacts")
       ->option_text("TOPIC")
       ->capture_default_str();
+  command
+      .add_option_function<std::string>(
+          "--taxel-layout",
+          [&interface](const std::string& path) {
+            interface.taxel_layout = tactile::read_taxel_layout(path);
+          },
+          "CSV of the taxels whose raw values come in the place of contacts")
+      ->option_text("FILE");
+  command
+      .add_option("--taxels", interface.taxels,
+                  "prefix of topics with the raw values of a finger's taxels")
+      ->option_text("TOPIC")
+      ->capture_default_str();
 }
 
 }  // namespace palpate::app

@@ -114,9 +114,11 @@ std::vector<simulation::Image> film_posterior(const recording::Recording& record
   const auto trial = options_of(recording);
   const auto history = history_of(recording, trial);
   if (starts.empty() || history.empty()) throw BadInput("the recording has no touch of the object");
-  const auto scenes = scenes_of(
-      history, ghosts_of(evaluation::prior_poses(
-                   recording.header.object, trial.pick_options().estimation, log.T_world_table)));
+  auto prior = evaluation::prior_poses(recording.header.object, trial.pick_options().estimation,
+                                       log.T_world_table);
+  for (auto& pose : prior)
+    pose.probability = 1.0 / static_cast<double>(prior.size());  // to be seen
+  const auto scenes = scenes_of(history, ghosts_of(prior));
   simulation::Camera camera = options.camera;
   camera.lookat = recording.frames[starts.front()].truth->T_world_object.translation();
   camera.lookat.z() += kLookAbove;

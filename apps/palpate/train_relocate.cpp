@@ -2,7 +2,6 @@
 #include "train_relocate.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <chrono>
@@ -11,12 +10,14 @@
 
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
-#include "palpate/plotting/plot.hpp"
 #include "palpate/tasks/relocate/minari_io.hpp"
 #include "palpate/tasks/relocate/policies/policy_io.hpp"
 #include "palpate/tasks/relocate/training/trainer.hpp"
 #include "relocate_arguments.hpp"
 #include "terminal.hpp"
+#include "train_curves.hpp"
+#include "train_demonstrations.hpp"
+#include "train_rounds.hpp"
 
 namespace palpate::app {
 namespace {
@@ -31,6 +32,10 @@ struct TrainArguments {
   std::optional<int> iterations;              // none: kIterations
   std::optional<std::size_t> demonstrations;  // none: kDemonstrations
   std::size_t episodes = 30;
+  bool ask = false, tell = false;  // by files, for other machines
+  std::string score;               // the share that this one runs of what was asked for
+
+  [[nodiscard]] bool by_rounds() const { return ask || tell || !score.empty(); }
 };
 
 constexpr int kIterations = 40;
@@ -55,32 +60,6 @@ struct TrainOptions {
   }
 };
 
-/// Episodes that an expert shows.
-relocate::Demonstrations show(const relocate::RelocateModel& model, const relocate::Policy& expert,
-                              const relocate::EpisodeOptions& episode, std::uint64_t seed,
-                              std::size_t count) {
-  relocate::Demonstrations demos;
-  const auto horizon = static_cast<Eigen::Index>(episode.horizon);
-  demos.observations.resize(relocate::kRelocateObservations, 0);
-  demos.actions.resize(relocate::kRelocateJoints, 0);
-  for (std::size_t i = 0; i < count; ++i) {
-    relocate::RelocateTask task(model);
-    relocate::Path path;
-    const auto agent = [&](int, const relocate::PolicyInput& input) { return expert.act(input); };
-    const auto outcome = relocate::run_episode(task, relocate::episode_start(episode, seed, i),
-                                               episode.horizon, agent, &path);
-    if (outcome.diverged || !(outcome.distance < 0.05)) continue;  // only successes teach
-    const Eigen::Index before = demos.actions.cols();
-    demos.observations.conservativeResize(Eigen::NoChange, before + horizon);
-    demos.actions.conservativeResize(Eigen::NoChange, before + horizon);
-    demos.observations.rightCols(horizon) = path.observations.leftCols(horizon);
-    demos.actions.rightCols(horizon) = path.actions.cwiseMax(-1).cwiseMin(1);
-  }
-  if (demos.actions.cols() == 0)
-    throw BadInput("the expert does not succeed once: nothing to show");
-  return demos;
-}
-
 relocate::Demonstrations demonstrations(const TrainArguments& arguments,
                                         const TrainOptions& options,
                                         const relocate::TrainingContext& context,
@@ -96,6 +75,7 @@ relocate::Demonstrations demonstrations(const TrainArguments& arguments,
 struct Training {
   std::unique_ptr<relocate::Policy> expert, from;
   std::unique_ptr<relocate::Trainer> trainer;
+  relocate::SearchTrainer* search = nullptr;  ///< the same, of cem
 };
 
 relocate::MlpPolicy starting_network(const Training& training,
@@ -126,13 +106,22 @@ void check_use(const TrainArguments& arguments) {
       {"--expert", !arguments.expert.empty(), {"dagger", "bc", "dapg"}},
       {"--demos", !arguments.demos.empty(), {"bc", "dapg"}},
       {"--demonstrations", arguments.demonstrations.has_value(), {"bc", "dapg"}},
-      {"--iterations", arguments.iterations.has_value(), {"cem", "npg", "dapg"}}};
+      {"--iterations", arguments.iterations.has_value(), {"cem", "npg", "dapg"}},
+      {"--ask", arguments.ask, {"cem"}},
+      {"--score", !arguments.score.empty(), {"cem"}},
+      {"--tell", arguments.tell, {"cem"}}};
   for (const Use& use : uses) {
     const bool used =
         std::find(use.methods.begin(), use.methods.end(), arguments.method) != use.methods.end();
     if (use.given && !used) {
       throw BadInput(fmt::format("{} is of no use to {}", use.option, arguments.method));
     }
+  }
+  if (int{arguments.ask} + int{arguments.tell} + int{!arguments.score.empty()} > 1) {
+    throw BadInput("--ask, --score and --tell come one after another");
+  }
+  if (arguments.common.force && (arguments.tell || !arguments.score.empty())) {
+    throw BadInput("--force begins anew: with --ask alone");
   }
   if (arguments.demos.empty()) return;
   if (!arguments.expert.empty()) throw BadInput("--expert is of no use with --demos");
@@ -150,7 +139,9 @@ Training make_training(const TrainArguments& arguments, const TrainOptions& opti
   if (method == "cem") {
     const auto* from = dynamic_cast<const relocate::StructuredPolicy*>(training.from.get());
     if (training.from && !from) throw BadInput("--from needs a policy of kind structured for cem");
-    training.trainer = relocate::make_cem_trainer(context, options.cem, from);
+    auto search = relocate::make_cem_trainer(context, options.cem, from);
+    training.search = search.get();
+    training.trainer = std::move(search);
   } else if (method == "dagger") {
     training.trainer = relocate::make_dagger_trainer(context, options.dagger, *training.expert);
   } else {
@@ -164,55 +155,6 @@ int planned_iterations(const TrainArguments& arguments, const TrainOptions& opti
   return arguments.method == "dagger" ? options.dagger.rounds
                                       : arguments.iterations.value_or(kIterations);
 }
-
-/// The learning curves so far: a row an iteration.
-class Curves {
- public:
-  explicit Curves(std::filesystem::path folder) : folder_(std::move(folder)) {}
-
-  void add(const relocate::Metrics& metrics) {
-    const Eigen::Index row = values_.rows();
-    values_.conservativeResize(row + 1, std::ssize(metrics));
-    for (Eigen::Index k = 0; k < values_.cols(); ++k) {
-      values_(row, k) = metrics[static_cast<std::size_t>(k)].second;
-    }
-    names_.clear();
-    for (const auto& [name, value] : metrics) names_.push_back(name);
-  }
-
-  const Eigen::MatrixXd& values() const { return values_; }
-  void restore(const Eigen::MatrixXd& values) { values_ = values; }
-
-  void write() const {
-    std::string csv = fmt::format("iteration,{}\n", fmt::join(names_, ","));
-    for (Eigen::Index i = 0; i < values_.rows(); ++i) {
-      csv += fmt::format("{}", i);
-      for (const double value : values_.row(i)) csv += fmt::format(",{}", value);
-      csv += "\n";
-    }
-    write_file_atomically(folder_ / "curves.csv", csv);
-    for (std::size_t k = 0; k < names_.size(); ++k) write_figure(k);
-  }
-
- private:
-  void write_figure(std::size_t k) const {
-    plotting::Plot plot;
-    plot.title = names_[k];
-    plot.x.label = "iteration";
-    plot.y.label = names_[k];
-    plotting::LineSeries line;
-    for (Eigen::Index i = 0; i < values_.rows(); ++i) {
-      line.x.push_back(static_cast<double>(i));
-      line.y.push_back(values_(i, static_cast<Eigen::Index>(k)));
-    }
-    plot.series.emplace_back(line);
-    write_file_atomically(folder_ / (names_[k] + ".svg"), plotting::to_svg(plot));
-  }
-
-  std::filesystem::path folder_;
-  std::vector<std::string> names_;
-  Eigen::MatrixXd values_;
-};
 
 /// What identifies a training; one with others cannot go on in the same folder.
 std::string settings_of(const TrainArguments& arguments, const TrainOptions& options) {
@@ -294,35 +236,85 @@ relocate::RolloutSummary evaluate(const TrainArguments& arguments, const TrainOp
                                                arguments.common.threads));
 }
 
+/// Keeps what an iteration has brought; what an interrupted one has not written, the next run does.
+void keep_iteration(const std::filesystem::path& folder, const TrainArguments& arguments,
+                    const std::string& settings, const relocate::Trainer& trainer,
+                    const Curves& curves) {
+  write_policy(folder, arguments, trainer);
+  curves.write();
+  keep(folder, arguments, settings, trainer, curves);
+}
+
+/// The share of the rollouts that was asked for; the folder is another's.
+int score_share(const TrainArguments& arguments, const std::string& settings,
+                const Training& training) {
+  const RoundFiles files(arguments.common.out);
+  Curves curves(files.folder);
+  if (!std::filesystem::exists(files.ask()) ||
+      !resume(files.folder / "checkpoint", arguments, settings, *training.trainer, curves)) {
+    throw BadInput(fmt::format("nothing is asked for in {}: --ask", files.folder.string()));
+  }
+  const auto rollouts = run_share(files, arguments.score, *training.search);
+  print_round(arguments.common, files, training.trainer->iteration(), rollouts);
+  return kDone;
+}
+
+/// Takes what was told and asks for the next. @return whether the search has ended
+bool tell_and_ask(const TrainArguments& arguments, const std::string& settings, int planned,
+                  const Training& training, Curves& curves) {
+  const RoundFiles files(arguments.common.out);
+  if (arguments.tell) {
+    if (const auto metrics = take_results(files, *training.search)) {
+      curves.add(*metrics);
+      keep_iteration(files.folder, arguments, settings, *training.trainer, curves);
+      log_iteration(arguments.common, training.trainer->iteration(), *metrics, 0);
+    }
+  }
+  const bool ended = training.trainer->iteration() >= planned;
+  if (!ended) training.search->ask();  // what is kept has its preparations
+  keep(files.folder, arguments, settings, *training.trainer, curves);
+  if (arguments.tell) remove_rounds(files);
+  if (ended) return true;
+  const auto rollouts = write_requests(files, *training.search);
+  print_round(arguments.common, files, training.trainer->iteration(), rollouts);
+  return false;
+}
+
 int train(const TrainArguments& arguments) {
   const auto& common = arguments.common;
   if (common.out.empty()) throw BadInput("--out DIR is missing: where the training is to be kept");
   check_use(arguments);
   const auto options = resolve<TrainOptions>(common);
-  // Without --force a training goes on, if its settings are the same.
-  const auto output = claim_output(
-      common, common.force ? std::vector<std::string>{"checkpoint", "policy.json", "report.json",
-                                                      "curves.csv", "config.toml"}
-                           : std::vector<std::string>{});
+  // Without --force a training goes on, if its settings are the same. A share is no result of its
+  // own.
+  const auto output =
+      !arguments.score.empty()
+          ? nullptr
+          : claim_output(common,
+                         common.force
+                             ? std::vector<std::string>{"checkpoint", "policy.json", "report.json",
+                                                        "curves.csv", "config.toml"}
+                             : std::vector<std::string>{});
   const std::filesystem::path folder = common.out;
   const relocate::TrainingContext context{
       relocate::make_model(options.task), common.seed, common.threads,
       relocate::randomized_worlds(options.task, options.cem.randomization)};
   const Training training = make_training(arguments, options, context);
   const std::string settings = settings_of(arguments, options);
+  if (!arguments.score.empty()) return score_share(arguments, settings, training);
   Curves curves(folder);
   resume(folder / "checkpoint", arguments, settings, *training.trainer, curves);
   write_file_atomically(folder / "config.toml", config_header(common) + to_toml(options));
 
   const auto start = std::chrono::steady_clock::now();
   const int planned = planned_iterations(arguments, options);
+  if (arguments.by_rounds() && !tell_and_ask(arguments, settings, planned, training, curves)) {
+    return kDone;
+  }
   while (training.trainer->iteration() < planned) {
     const auto metrics = training.trainer->iterate();
     curves.add(metrics);
-    write_policy(folder, arguments, *training.trainer);
-    curves.write();
-    // Last: what an interrupted iteration has not written, the next run writes.
-    keep(folder, arguments, settings, *training.trainer, curves);
+    keep_iteration(folder, arguments, settings, *training.trainer, curves);
     log_iteration(common, training.trainer->iteration(), metrics,
                   std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
   }
@@ -375,6 +367,14 @@ void add_train_relocate(CLI::App& train_command, Command& chosen) {
                       "ones are kept",
                       kDemonstrations))
       ->check(in_range(1, 100000));
+  command.add_flag("--ask", arguments->ask,
+                   "for many machines (cem): write DIR/ask.jsonl, the rollouts of a generation");
+  command
+      .add_option("--score", arguments->score,
+                  "run share I of N of what was asked for, into DIR/told-I-of-N.jsonl")
+      ->option_text("I/N");
+  command.add_flag("--tell", arguments->tell,
+                   "take all that was told, and ask for the next; the last evaluates");
   command.add_option("--episodes", arguments->episodes, "episodes of the final evaluation")
       ->check(in_range(2, 1000000))
       ->capture_default_str();
@@ -383,7 +383,10 @@ void add_train_relocate(CLI::App& train_command, Command& chosen) {
   command.footer(
       "DIR keeps a checkpoint of every iteration, the policy so far, and learning curves. The "
       "same\n"
-      "command goes on where it was interrupted. The result is evaluated on the faithful model.\n\n"
+      "command goes on where it was interrupted. The result is evaluated on the faithful model.\n"
+      "Many machines may run the rollouts of cem: --ask once, then --score I/N on each and "
+      "--tell,\n"
+      "until no ask.jsonl is left (examples/cluster/cem.sh); the result is that of one machine.\n\n"
       "Examples:\n"
       "  palpate train relocate --out out/cem --iterations 40 --threads 2\n"
       "  palpate train relocate --method dagger --expert out/cem/policy.json --out out/dagger\n"

@@ -12,6 +12,7 @@ import ctypes
 import pathlib
 import signal
 import subprocess
+import sys
 
 import ray
 
@@ -34,9 +35,9 @@ def main():
     parser.add_argument("out", type=pathlib.Path)
     parser.add_argument("--shards", type=int, required=True)
     parser.add_argument("--palpate", default="palpate")
-    parser.add_argument("arguments", nargs=argparse.REMAINDER)
-    given = parser.parse_args()
-    rest = [word for word in given.arguments if word != "--"]
+    words = sys.argv[1:]
+    at = words.index("--") if "--" in words else len(words)
+    given, rest = parser.parse_args(words[:at]), words[at + 1 :]
     out = given.out.absolute()
     out.mkdir(parents=True, exist_ok=True)
     ray.init(log_to_driver=False)

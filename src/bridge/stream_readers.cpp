@@ -3,6 +3,7 @@
 
 #include "palpate/ros2/messages/geometry_msgs.hpp"
 #include "palpate/ros2/messages/sensor_msgs.hpp"
+#include "palpate/ros2/messages/std_msgs.hpp"
 
 namespace palpate::bridge {
 
@@ -19,6 +20,9 @@ void add_stream_readers(Participant& participant, const hand::Description& hand,
   for (const auto& finger : hand.fingers) {
     add(interface.contacts_of(finger), ros2::PointCloud2::kType, sensor_qos());
     add(interface.fingertip_wrench_of(finger), ros2::WrenchStamped::kType, sensor_qos());
+    if (!interface.taxel_layout.contains(finger.name)) continue;
+    add(interface.taxels_of(finger), ros2::Float64MultiArray::kType, sensor_qos());
+    add(interface.taxels_of(finger), ros2::Float32MultiArray::kType, sensor_qos());
   }
   add(interface.wrench, ros2::WrenchStamped::kType, sensor_qos());
   add(interface.actuator_states, ros2::JointState::kType, sensor_qos());

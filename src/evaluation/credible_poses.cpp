@@ -15,6 +15,9 @@ constexpr int kPriorPoses = 40;      // before the first touch, about
 constexpr double kNotDrawn = 0.003;  // probability below which a pose is left out,
 constexpr double kAmongEqual =
     0.3;  // or share of the most probable one's, where all are improbable
+constexpr double kCellRadius = 0.01;    // m, of a ball of 5 deg and 10 mm
+constexpr double kYawCells = 36;        // such balls in a full turn
+constexpr double kSameAxis = 1 - 1e-6;  // cosine, of a symmetry that is a turn about the vertical
 
 /// The pose of a mode or, with a free axis, some along it, of equal shares.
 void add_poses_of_mode(const localization::Mode& mode, std::vector<CrediblePose>& poses) {
@@ -29,6 +32,18 @@ void add_poses_of_mode(const localization::Mode& mode, std::vector<CrediblePose>
     }
     poses.push_back(pose);
   }
+}
+
+/// How many poses an object at rest has that are 5 deg and 10 mm apart, as those of a residual set.
+double cells_of(const geometry::StablePose& stable, const std::vector<Eigen::Matrix3d>& symmetries,
+                double half_width) {
+  const Eigen::Vector3d up = stable.R_table_object.transpose().col(2);
+  const auto turns = std::ranges::count_if(symmetries, [&](const Eigen::Matrix3d& symmetry) {
+    return (symmetry * up).dot(up) > kSameAxis;
+  });
+  const double yaws = std::max(1.0, kYawCells / static_cast<double>(std::max(turns, 1L)));
+  const double side = 2 * half_width;
+  return yaws * std::max(1.0, side * side / (std::numbers::pi * kCellRadius * kCellRadius));
 }
 
 }  // namespace
@@ -58,11 +73,13 @@ std::vector<CrediblePose> prior_poses(const geometry::KnownObject& object,
   std::vector<CrediblePose> poses;
   for (const geometry::StablePose& stable : object.stable_poses) {
     const int count = static_cast<int>(std::lround(kPriorPoses * stable.probability));
+    const double cells =
+        std::max<double>(count, cells_of(stable, object.symmetries, options.resting_half_width));
     for (int i = 0; i < count; ++i) {
       Eigen::Vector3d place(options.place.x(), options.place.y(), stable.height);
       place.x() += random.uniform(-1, 1) * options.resting_half_width;
       place.y() += random.uniform(-1, 1) * options.resting_half_width;
-      CrediblePose pose{T_world_table * Eigen::Translation3d(place), stable.probability / count};
+      CrediblePose pose{T_world_table * Eigen::Translation3d(place), stable.probability / cells};
       const Eigen::AngleAxisd yaw(2 * std::numbers::pi * i / count, Eigen::Vector3d::UnitZ());
       pose.T_frame_object.linear() = T_world_table.linear() * yaw * stable.R_table_object;
       poses.push_back(pose);

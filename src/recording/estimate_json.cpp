@@ -128,13 +128,14 @@ EstimateRecord estimate_from_json(const json& j) {
 }
 
 double entropy(const BeliefRecord& belief) {
-  double rest = 1, sum = 0;
-  const auto add = [&](double p) { sum -= p > 0 ? p * std::log(p) : 0; };
+  double rest = 1, sum = 0, least = 1;
   for (const auto& pose : belief.poses) {
-    add(pose.probability);
+    if (!(pose.probability > 0)) continue;
+    sum -= pose.probability * std::log(pose.probability);
     rest -= pose.probability;
+    least = std::min(least, pose.probability);
   }
-  add(rest);
+  if (rest > kRounding) sum -= rest * std::log(std::min(least, rest));
   return std::max(0.0, sum);
 }
 

@@ -39,6 +39,17 @@ void check_sizes(const JointState& state, const std::vector<double>& values) {
   throw BadInput(fmt::format("{} values for {} joints", values.size(), state.name.size()));
 }
 
+/// The numbers of an array of 64 or 32 bits.
+std::vector<double> values_of(std::string_view type, std::string_view cdr) {
+  if (type == Float64MultiArray::kType) return deserialize<Float64MultiArray>(cdr).data;
+  const auto narrow = deserialize<Float32MultiArray>(cdr).data;
+  return {narrow.begin(), narrow.end()};
+}
+
+hand::TipContact tip_contact(const tactile::Contact& contact) {
+  return {contact.p, contact.n, contact.f, contact.point_sigma, contact.normal_sigma};
+}
+
 Eigen::Vector3d vector_in(const Vector3& v) { return {v.x, v.y, v.z}; }
 
 }  // namespace
@@ -56,6 +67,13 @@ ReadingStream::ReadingStream(const hand::Description& hand, RobotInterface inter
   for (std::size_t i = 0; i < hand.fingers.size(); ++i) {
     finger_of_topic_[interface_.contacts_of(hand.fingers[i])] = i;
     finger_of_wrench_[interface_.fingertip_wrench_of(hand.fingers[i])] = i;
+    finger_of_taxels_[interface_.taxels_of(hand.fingers[i])] = i;
+  }
+  for (const auto& [name, cells] : interface_.taxel_layout) {
+    if (std::ranges::any_of(hand.fingers, [&](const auto& finger) { return finger.name == name; }))
+      continue;
+    throw BadInput(
+        fmt::format("taxels of a finger {:?}, which the hand {} has not", name, hand.name));
   }
 }
 
@@ -80,6 +98,10 @@ std::optional<hand::HandReading> ReadingStream::take(std::string_view topic, std
       const auto finger = finger_of_topic_.find(topic);
       if (finger == finger_of_topic_.end()) return std::nullopt;
       take_contacts(finger->second, deserialize<PointCloud2>(cdr), received);
+    } else if (type == Float64MultiArray::kType || type == Float32MultiArray::kType) {
+      const auto finger = finger_of_taxels_.find(topic);
+      if (finger == finger_of_taxels_.end()) return std::nullopt;
+      take_taxels(finger->second, values_of(type, cdr), received);
     }
   } catch (const BadInput& error) {
     ++counts_.malformed;
@@ -175,9 +197,20 @@ void ReadingStream::take_fingertip_wrench(std::size_t finger, const WrenchStampe
   const hand::TipCapsule& tip = hand_.fingers[finger].tip;
   const auto contact = tactile::contact_of_wrench({force, moment}, {tip.a, tip.b, tip.radius},
                                                   Eigen::Isometry3d::Identity());
-  if (!contact) return;
-  felt.contacts.push_back(
-      {contact->p, contact->n, contact->f, contact->point_sigma, contact->normal_sigma});
+  if (contact) felt.contacts.push_back(tip_contact(*contact));
+}
+
+/// An array has no stamp and is of the latest joint state, so that clocks need not agree.
+void ReadingStream::take_taxels(std::size_t finger, std::span<const double> values,
+                                std::uint64_t received) {
+  const auto cells = interface_.taxel_layout.find(hand_.fingers[finger].name);
+  if (cells == interface_.taxel_layout.end()) return;
+  const auto contacts = tactile::contacts_of_values(cells->second, values);
+  Felt& felt = felt_[finger];
+  ++counts_.contacts;
+  felt.time = joints_at_ != 0 ? joints_at_ : received;
+  felt.contacts.clear();
+  for (const auto& contact : contacts) felt.contacts.push_back(tip_contact(contact));
 }
 
 void ReadingStream::take_wrench(const WrenchStamped& wrench, std::uint64_t received) {

@@ -63,6 +63,20 @@ class Cluster(CliTest):
         self.assertEqual(program.returncode, DONE, stderr)
         self.assertEqual((top / "whole/eval.json").read_bytes(), expected)
 
+    @unittest.skipUnless(shutil.which("parallel"), "GNU parallel is not installed")
+    def test_a_search_whose_rollouts_run_in_parts(self):
+        tiny = ["--iterations", "2", "--seed", "3", "--episodes", "2",
+                "--set", "cem.search.cem.population=4", "--set", "cem.search.cem.elite=2",
+                "--set", "cem.search.screening=1", "--set", "cem.search.episodes=2",
+                "--set", "cem.search.episode.horizon=5"]  # fmt: skip
+        self.run_json("train", "relocate", *tiny, "--out", "one")
+        program = self.start("sh", str(RECIPES / "cem.sh"), str(self.folder / "many"), *tiny, SHARDS="3", JOBS="2")
+        _, stderr = program.communicate(timeout=500)
+        self.assertEqual(program.returncode, DONE, stderr)
+        for name in ("policy.json", "checkpoint", "curves.csv"):
+            self.assertEqual((self.folder / "many" / name).read_bytes(),
+                             (self.folder / "one" / name).read_bytes(), name)  # fmt: skip
+
     def test_a_slurm_array_with_a_job_requeued(self):
         expected = self.single()
         top = self.folder / "array"
@@ -81,6 +95,24 @@ class Cluster(CliTest):
             json.loads((self.folder / "single/manifest.json").read_text())["configuration"]))
         self.assertGreaterEqual(manifest["machine"]["cores"], 1)
         self.assertRegex(manifest["commit"], r"^([0-9a-f]{12}(-dirty)?|unknown)$")
+
+    def test_the_recipe_for_ray_with_a_stand_in(self):
+        stand_in = self.folder / "stand_in"
+        stand_in.mkdir()
+        (stand_in / "ray.py").write_text(
+            "def init(**_): pass\n"
+            "def get(results): return results\n"
+            "def remote(**_):\n"
+            "    def made(task):\n"
+            "        task.remote = task\n"
+            "        return task\n"
+            "    return made\n")  # fmt: skip
+        expected = self.single()
+        program = self.start(sys.executable, str(RECIPES / "ray_eval.py"), str(self.folder / "ray"), "--shards", "2",
+                             "--palpate", cli.PROGRAM, "--", *TRIALS, PYTHONPATH=str(stand_in))  # fmt: skip
+        _, stderr = program.communicate(timeout=500)
+        self.assertEqual(program.returncode, DONE, stderr)
+        self.assertEqual((self.folder / "ray/whole/eval.json").read_bytes(), expected)
 
     @unittest.skipUnless(importlib.util.find_spec("ray"), "ray is not installed")
     def test_ray_with_a_worker_killed(self):

@@ -164,6 +164,53 @@ class RelocateTest(cli.CliTest):
         self.assertEqual(done.returncode, cli.BAD_INPUT)
         self.assertIn("checkpoint", done.stderr)
 
+    def test_many_machines_run_the_rollouts_of_one_search(self):
+        more = ["--set", "cem.search.episodes=2"]  # two rounds a generation
+        self.assertEqual(self.train("whole", 2, *more).returncode, cli.DONE)
+        self.assertEqual(self.train("many", 2, *more, "--ask").returncode, cli.DONE)
+        rounds = 0
+        while (self.folder / "many/ask.jsonl").exists():
+            lines = [json.loads(line) for line in (self.folder / "many/ask.jsonl").read_text().splitlines()]
+            self.assertEqual(len(lines), 4 if rounds % 2 == 0 else 2)
+            self.assertGreater(len(lines[0]["parameters"]), 1)
+            if rounds == 0:
+                done = self.train("many", 2, *more, "--tell")
+                self.assertEqual(done.returncode, cli.BAD_INPUT)
+                self.assertIn("4 of 4 rollouts are missing", done.stderr)
+            for share in ("2/3", "1/3", "1/3", "3/3"):  # one twice: as started again
+                done = self.train("many", 2, *more, "--score", share)
+                self.assertEqual(done.returncode, cli.DONE, done.stderr)
+            stale = self.folder / f"many/told-stale{rounds}.jsonl"
+            stale.write_text('{"generation": 99, "candidate": 0, "first_episode": 0, "results": []}\n')
+            done = self.train("many", 2, *more, "--tell")
+            self.assertEqual(done.returncode, cli.DONE, done.stderr)
+            rounds += 1
+        self.assertEqual(rounds, 4)
+        for name in ("policy.json", "checkpoint", "curves.csv"):
+            self.assertEqual((self.folder / "many" / name).read_bytes(),
+                             (self.folder / "whole" / name).read_bytes(), name)  # fmt: skip
+        self.assertFalse(list((self.folder / "many").glob("told-*")))
+
+    def test_shares_that_cannot_be_are_refused(self):
+        for share in ("0/3", "4/3", "1", "1/3x"):
+            self.train("a", 1, "--ask")
+            done = self.train("a", 1, "--score", share)
+            self.assertEqual((done.returncode, "--score" in done.stderr), (cli.BAD_INPUT, True), share)
+        self.assertEqual(self.train("a", 1, "--score", "1/1").returncode, cli.DONE)
+        told = self.folder / "a/told-1-of-1.jsonl"
+        told.write_text(told.read_text()[:-40] + "\n")
+        done = self.train("a", 1, "--tell")
+        self.assertEqual(done.returncode, cli.BAD_INPUT)
+        self.assertIn("told-1-of-1.jsonl:", done.stderr)
+        for more, word in ((["--score", "1/1", "--tell"], "one after another"),
+                           (["--tell", "--force"], "--force"), (["--score", "1/1"], "--ask")):  # fmt: skip
+            done = self.train("b", 1, *more)
+            self.assertEqual(done.returncode, cli.BAD_INPUT)
+            self.assertIn(word, done.stderr)
+        done = self.run_program("train", "relocate", "--method", "npg", "--out", "c", "--ask")
+        self.assertEqual(done.returncode, cli.BAD_INPUT)
+        self.assertIn("--ask", done.stderr)
+
     def test_other_settings_need_another_folder(self):
         self.assertEqual(self.train("a", 1).returncode, cli.DONE)
         done = self.train("a", 1, "--set", "cem.spread=2")

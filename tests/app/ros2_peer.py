@@ -10,7 +10,7 @@ from cyclonedds.core import Policy, Qos
 from cyclonedds.domain import DomainParticipant
 from cyclonedds.idl import make_idl_struct
 from cyclonedds.idl.annotations import final
-from cyclonedds.idl.types import array, float64, int32, sequence, uint8, uint32
+from cyclonedds.idl.types import array, float32, float64, int32, sequence, uint8, uint32
 from cyclonedds.pub import DataWriter
 from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
@@ -75,6 +75,12 @@ class MultiArrayLayout:
 class Float64MultiArray:
     layout: MultiArrayLayout
     data: sequence[float64]
+
+
+@message("std_msgs")
+class Float32MultiArray:
+    layout: MultiArrayLayout
+    data: sequence[float32]
 
 
 @message("sensor_msgs")
@@ -250,6 +256,8 @@ def wait_until(condition, seconds=60):
 
 def restamped(value, now):
     """The message as if it were of another time, ns."""
+    if not (hasattr(value, "transforms") or hasattr(value, "header")):
+        return value  # an array
     stamps = [part.header for part in value.transforms] if hasattr(value, "transforms") else [value.header]
     for header in stamps:
         header.stamp = stamp_of(now)

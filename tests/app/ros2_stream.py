@@ -2,6 +2,7 @@
 """What a hand tells while it holds something: messages of an exported pick, of any later time."""
 
 import copy
+import struct
 
 import mcap.reader
 import mcap_ros2.decoder
@@ -41,6 +42,27 @@ class HeldStream:
             for topic, kept in self.messages.items()
         }
         self.sent = 0
+
+    def feel_by_taxels(self, path):
+        """Tells contacts as raw values of taxels from now on, one where each contact was; writes
+        their layout."""
+        rows = ["finger,x,y,z,nx,ny,nz,gain,zero"]
+        for topic in [name for name in self.messages if name.startswith("/contacts/")]:
+            finger, clouds = topic.rpartition("/")[2], self.messages.pop(topic)
+            points = [[struct.unpack_from("<9f", bytes(cloud.data), i * cloud.point_step)
+                       for i in range(cloud.width)] for cloud in clouds]  # fmt: skip
+            where = sorted({point[:6] for cloud in points for point in cloud})
+            rows += [",".join([finger, *map(repr, p[:3]), *(repr(-n) for n in p[3:]), "0.01", "20"])
+                     for p in where]  # fmt: skip
+            arrays = []
+            for cloud in points:
+                values = [20.0] * len(where)
+                for point in cloud:
+                    values[where.index(point[:6])] += 100 * sum(f * f for f in point[6:]) ** 0.5
+                arrays.append(ros2_peer.Float32MultiArray(ros2_peer.MultiArrayLayout([], 0), values))
+            if where:
+                self.messages["/taxels/" + finger] = arrays
+        path.write_text("\n".join(rows) + "\n")
 
     def advertise(self, peer):
         for topic, messages in self.messages.items():

@@ -61,9 +61,9 @@ class Estimator(Ros2):
         self.run_json("export", "mcap", "run/recording.h5", "--out", "box.mcap")
         self.stream = ros2_stream.HeldStream(self.folder / "box.mcap")
 
-    def begin(self):
+    def begin(self, *more):
         program = self.start("estimate", "--object", "box", "--set", "first.proposals=10000",
-                             "--set", "first.particles=200")  # fmt: skip
+                             "--set", "first.particles=200", *more)  # fmt: skip
         self.stream.advertise(self.peer)
         self.peer.listen("/palpate/estimate", ros2_peer.PoseWithCovarianceStamped)
         self.peer.listen("/palpate/modes", ros2_peer.PoseArray)
@@ -104,6 +104,26 @@ class Estimator(Ros2):
             self.assertTrue(ros2_peer.is_finite_pose(pose.pose.pose))
         # The contacts alone may leave several poses open, but none of them far from the hand.
         self.assertLess(math.dist(position(poses[-1].pose.pose), truth), 0.1)
+
+    def test_raw_values_of_taxels_give_the_pose(self):
+        self.stream.feel_by_taxels(self.folder / "taxels.csv")
+        program = self.begin("--taxel-layout", "taxels.csv")
+        sent, poses, _ = self.send_until_estimated(START)
+        report = self.end(program)
+        arrays = sum(topic.startswith("/taxels/") for topic in self.stream.messages)
+        self.assertGreaterEqual(arrays, 2)
+        self.assertEqual(report["received"]["contacts"], arrays * sent)
+        self.assertEqual(report["received"]["malformed"], 0)
+        self.assertLess(math.dist(position(poses[-1].pose.pose), self.stream.estimated), 0.1)
+
+    def test_a_layout_of_taxels_that_cannot_be_is_refused(self):
+        layout = self.folder / "taxels.csv"
+        for text, word in (("finger,x,y,z\nTH,0,0,0\n", "nx"), ("x,y,z,nx,ny,nz\n0,0,0,0,0,1\n", "finger"),
+                           ("finger,x,y,z,nx,ny,nz\nTH,0,0,0,0,0,0\n", "taxels.csv:2"),
+                           ("finger,x,y,z,nx,ny,nz\nTAIL,0,0,0,0,0,1\n", "TAIL")):  # fmt: skip
+            layout.write_text(text)
+            self.assert_refused(BAD_INPUT, ["ros2", "estimate", "--object", "box", "--taxel-layout", "taxels.csv",
+                                            "--domain", str(self.domain)], word)  # fmt: skip
 
     def test_faults_are_counted_and_the_stream_goes_on(self):
         program = self.begin()

@@ -53,5 +53,25 @@ TEST(CrediblePosesTest, GoAlongAFreeAxis) {
   EXPECT_NEAR(poses.back().T_frame_object.translation().y(), 0.1, 1e-12);
 }
 
+TEST(PriorPosesTest, StandForTheirOwnBallAlone) {
+  estimation::EstimationOptions options;
+  options.resting_half_width = 0.02;
+  const double places = 0.04 * 0.04 / (std::numbers::pi * 0.01 * 0.01);
+  geometry::KnownObject object;
+  object.symmetries = {Eigen::Matrix3d::Identity()};
+  object.stable_poses = {{Eigen::Matrix3d::Identity(), 0.03, 1}};
+  const auto poses = prior_poses(object, options);
+  ASSERT_GT(poses.size(), 10u);
+  for (const auto& pose : poses) EXPECT_NEAR(pose.probability, 1 / (36 * places), 1e-12);
+
+  // A turn about the vertical that keeps the shape halves them; one that turns it over does not.
+  const Eigen::Matrix3d half(Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitZ()));
+  const Eigen::Matrix3d over(Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitX()));
+  object.symmetries.push_back(half);
+  EXPECT_NEAR(prior_poses(object, options)[0].probability, 1 / (18 * places), 1e-12);
+  object.symmetries = {Eigen::Matrix3d::Identity(), over};
+  EXPECT_NEAR(prior_poses(object, options)[0].probability, 1 / (36 * places), 1e-12);
+}
+
 }  // namespace
 }  // namespace palpate::evaluation

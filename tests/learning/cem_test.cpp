@@ -38,6 +38,22 @@ TEST(Cem, GoesOnAsIfItHadNotBeenInterrupted) {
   EXPECT_EQ(resumed.spread, whole.spread);
 }
 
+TEST(Cem, MayBeAskedAndTold) {
+  CemState whole = start(), part = start();
+  for (int i = 0; i < 4; ++i) {
+    cem_generation(whole, closeness, {}, 4);
+    const auto candidates = cem_candidates(part, {}, 4);
+    EXPECT_EQ(candidates.front(), part.mean);
+    EXPECT_EQ(candidates, cem_candidates(part, {}, 4));
+    cem_update(part, candidates, closeness(candidates), {});
+  }
+  EXPECT_EQ(part.mean, whole.mean);
+  EXPECT_EQ(part.spread, whole.spread);
+  const std::vector<Eigen::VectorXd> few = {part.mean};
+  EXPECT_THROW(cem_update(part, few, {1}, {}), BadInput);
+  EXPECT_THROW(cem_update(part, cem_candidates(part, {}, 4), {1}, {}), BadInput);
+}
+
 TEST(Cem, ACandidateWithoutAScoreIsNotElite) {
   CemState state = start();
   const auto broken = [](const std::vector<Eigen::VectorXd>& candidates) {

@@ -111,6 +111,9 @@ TEST(Entropy, IsThatOfTheShares) {
   EXPECT_NEAR(of({0.5, 0.5}), std::log(2.0), 1e-12);
   EXPECT_NEAR(of({0.25, 0.25, 0.25, 0.25}), std::log(4.0), 1e-12);
   EXPECT_NEAR(of({0.5}), std::log(2.0), 1e-12);  // the rest is elsewhere
+  // Where the most probable of many are listed, the others are no more probable than the least.
+  EXPECT_NEAR(of(std::vector<double>(60, 0.001)), std::log(1000.0), 1e-9);
+  EXPECT_NEAR(of({0.9, 0.01}), -0.9 * std::log(0.9) - 0.1 * std::log(0.01), 1e-12);
 }
 
 }  // namespace

@@ -180,6 +180,48 @@ TEST_F(StreamTest, JointsMayComeInParts) {
   EXPECT_EQ(stream_.counts().out_of_order, 0U);
 }
 
+TEST_F(StreamTest, RawValuesOfTaxelsAreContacts) {
+  const auto& thumb = hand_.fingers[0].name;
+  interface_.taxel_layout[thumb] = {{{0.01, 0, 0}, {1, 0, 0}, 0.01, 100},
+                                    {{0, 0.01, 0}, {0, 1, 0}}};
+  ReadingStream stream(hand_, interface_);
+  const auto messages = messages_of(reading_, hand_, interface_, kSecond);
+  const auto take = [&](const auto& topic, const auto& message) {
+    return stream.take(topic, std::decay_t<decltype(message)>::kType, serialize(message), 5);
+  };
+  take(interface_.tf, messages.tf);
+  take(interface_.joint_states, messages.joints);
+  const auto topic = interface_.taxels_of(hand_.fingers[0]);
+  take(topic, Float32MultiArray{{}, {350, 0.01F}});
+  const auto at = [&](std::uint64_t time) {
+    return take(interface_.joint_states, messages_of(reading_, hand_, interface_, time).joints);
+  };
+  auto reading = at(kSecond + 20 * kMillisecond);
+  ASSERT_TRUE(reading);
+  ASSERT_EQ(reading->contacts[0].size(), 1U);
+  EXPECT_EQ(reading->contacts[0][0].p, Eigen::Vector3d(0.01, 0, 0));
+  EXPECT_EQ(reading->contacts[0][0].n, Eigen::Vector3d(-1, 0, 0));  // outward of the object
+  EXPECT_TRUE(reading->contacts[0][0].f.isApprox(Eigen::Vector3d(2.5, 0, 0)));
+  EXPECT_GT(reading->contacts[0][0].point_sigma, 0);
+  take(topic, Float64MultiArray{{}, {100, 3}});
+  reading = at(kSecond + 40 * kMillisecond);
+  ASSERT_TRUE(reading);
+  EXPECT_EQ(reading->contacts[0].at(0).p, Eigen::Vector3d(0, 0.01, 0));
+
+  // What cannot be is counted and dropped; what no longer comes, no longer counts.
+  take(topic, Float64MultiArray{{}, {100}});
+  take(topic, Float64MultiArray{{}, {std::nan(""), 0}});
+  take(topic, Float32MultiArray{{}, {1e20F, 0}});
+  EXPECT_EQ(stream.counts().malformed, 3U);
+  EXPECT_EQ(stream.counts().contacts, 2U);
+  take(interface_.tf, messages_of(reading_, hand_, interface_, 9 * kSecond).tf);
+  reading = at(9 * kSecond);
+  ASSERT_TRUE(reading);
+  EXPECT_TRUE(reading->contacts[0].empty());
+  interface_.taxel_layout["tail"] = {};
+  EXPECT_THROW(ReadingStream(hand_, interface_), BadInput);
+}
+
 TEST(Cloud, TakesOtherLayoutsAndNoNormals) {
   PointCloud2 cloud;
   cloud.height = 1;

@@ -9,6 +9,7 @@
 #include "palpate/tactile/sensors/height_map.hpp"
 #include "palpate/tactile/sensors/intrinsic_contact.hpp"
 #include "palpate/tactile/sensors/taxel_array.hpp"
+#include "palpate/tactile/sensors/taxel_layout.hpp"
 
 namespace palpate::tactile {
 namespace {
@@ -59,6 +60,26 @@ TEST(HeightMap, RefusesWhatIsNone) {
   EXPECT_THROW(contacts_of_height_map({}, any_pose(2)), BadInput);
   const Eigen::MatrixXd millimetres = 1000 * ball_print(0.02, 0.001).depth;
   EXPECT_THROW(contacts_of_height_map({millimetres, 0.00005}, any_pose(2)), BadInput);
+}
+
+TEST(TaxelLayout, GivesForcesOfRawValues) {
+  const auto layout = parse_taxel_layout(
+      "finger,x,y,z,nx,ny,nz,gain,zero\nTH,0.01,0,0,2,0,0,0.01,50\nTH,0,0,0,0,1,0,,\nFF,0,0,0,0,0,"
+      "1,1,0\n",
+      "skin.csv");
+  ASSERT_EQ(layout.size(), 2U);
+  const auto& thumb = layout.at("TH");
+  const std::vector<double> values = {150, 0.01};
+  const auto contacts = contacts_of_values(thumb, values);
+  ASSERT_EQ(contacts.size(), 1U);
+  EXPECT_EQ(contacts[0].n, Eigen::Vector3d(-1, 0, 0));
+  EXPECT_NEAR(contacts[0].f.x(), 1, 1e-12);
+  EXPECT_THROW(contacts_of_values(thumb, std::vector<double>{1}), BadInput);
+  for (const char* bad :
+       {"finger,x,y,z,nx,ny,nz\n", "x,y,z,nx,ny,nz\n0,0,0,0,0,1\n",
+        "finger,x,y,z,nx,ny,nz\nTH,0,0,0,0,0,0\n", "finger,x,y,z,nx,ny,nz\nTH,1e9,0,0,0,0,1\n"}) {
+    EXPECT_THROW(parse_taxel_layout(bad, "skin.csv"), BadInput) << bad;
+  }
 }
 
 TEST(Taxels, TouchWhereTheyAreLoaded) {

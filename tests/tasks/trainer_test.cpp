@@ -8,6 +8,7 @@
 #include <functional>
 
 #include "core/error_message.hpp"
+#include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
 #include "palpate/learning/training/checkpoint.hpp"
 #include "tasks/policies.hpp"
@@ -49,7 +50,7 @@ void expect_resumable(const MakeTrainer& make, int iterations) {
   EXPECT_EQ(last->policy().arrays, whole->policy().arrays);
 }
 
-TEST(Trainer, CemGoesOnAfterAnInterruption) {
+CemTrainingOptions small_search() {
   CemTrainingOptions options;
   options.search.cem.population = 4;
   options.search.cem.elite = 2;
@@ -62,7 +63,58 @@ TEST(Trainer, CemGoesOnAfterAnInterruption) {
   options.observer.rounds = 2;
   options.observer.episodes = 3;
   options.observer.samples = 200;
-  expect_resumable([&] { return make_cem_trainer(context(), options); }, 3);
+  return options;
+}
+
+TEST(Trainer, CemGoesOnAfterAnInterruption) {
+  expect_resumable([&] { return make_cem_trainer(context(), small_search()); }, 3);
+}
+
+TEST(Trainer, RolloutsThatOthersRunGiveTheSameSearch) {
+  auto options = small_search();
+  options.search.episodes = 3;  // two rounds a generation
+  const auto whole = make_cem_trainer(context(), options);
+  Metrics figures;
+  for (int i = 0; i < 3; ++i) figures = whole->iterate();
+
+  std::optional<learning::Checkpoint> kept;
+  const auto resumed = [&] {  // as another process finds it
+    auto trainer = make_cem_trainer(context(), options);
+    if (kept) trainer->restore(*kept);
+    return trainer;
+  };
+  const auto keep = [&](const Trainer& trainer) {
+    kept.emplace();
+    kept->iteration = trainer.iteration();
+    trainer.save(*kept);
+  };
+  int rounds = 0;
+  std::optional<Metrics> told;
+  while (resumed()->iteration() < 3) {
+    const auto asker = resumed();
+    const auto requests = asker->ask();
+    ASSERT_FALSE(requests.empty());
+    keep(*asker);
+    SearchEpisodes results;
+    for (const auto& request : requests) {  // each elsewhere
+      const auto runner = resumed();
+      results.push_back(runner->run({request}, {asker->parameters(request.candidate)}).at(0));
+    }
+    const auto teller = resumed();
+    EXPECT_EQ(teller->ask(), requests);
+    SearchEpisodes few = results;
+    few.back().pop_back();
+    EXPECT_NE(error_message([&] { resumed()->tell(few); }).find("asked for"), std::string::npos);
+    const auto figures_of_round = teller->tell(results);
+    if (figures_of_round) told = figures_of_round;
+    keep(*teller);
+    ++rounds;
+  }
+  EXPECT_EQ(rounds, 6);
+  EXPECT_EQ(told, figures);
+  EXPECT_EQ(resumed()->policy().arrays, whole->policy().arrays);
+  kept->arrays["under_way"] = Eigen::MatrixXd::Constant(6, 2, 4);
+  EXPECT_THROW(make_cem_trainer(context(), options)->restore(*kept), BadInput);
 }
 
 TEST(Trainer, DaggerGoesOnAfterAnInterruption) {

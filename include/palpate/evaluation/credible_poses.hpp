@@ -22,7 +22,8 @@ std::vector<CrediblePose> credible_poses(const localization::Posterior& posterio
                                          std::size_t most);
 
 /// What is believed before the first touch, drawn: any stable pose with any yaw, near the rough
-/// place.
+/// place. Each stands for its ball of 5 deg and 10 mm alone, so that together they have little of
+/// the probability.
 /// @return in the world
 std::vector<CrediblePose> prior_poses(
     const geometry::KnownObject& object, const estimation::EstimationOptions& options,

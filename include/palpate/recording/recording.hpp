@@ -92,7 +92,8 @@ struct BeliefRecord {
   std::vector<CrediblePoseRecord> poses;
 };
 
-/// Entropy of a belief over its poses, nats; what they lack of 1 counts as one more.
+/// Entropy of a belief, nats. What its poses lack of 1 counts as poses of which none is more
+/// probable than the least of those, because the most probable ones are listed.
 double entropy(const BeliefRecord& belief);
 
 /// A whole recording in memory. Without the truth it holds no more than a real hand could sense.

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -38,10 +39,12 @@ struct StreamOptions {
 ///
 /// A reading is made of a joint state, at most one a tick (hand::kTick), of its stamp: with the
 /// latest contacts of each finger, wrench and place of the mount. A stamp of zero is the time of
-/// receipt. Whatever is wrong with a message is counted, and the message dropped; none throws.
+/// receipt; values of taxels, which have none, are as old as the latest joint state. Whatever is
+/// wrong with a message is counted, and the message dropped; none throws.
 class ReadingStream {
  public:
   /// @param hand  kept by reference
+  /// @throws BadInput for taxels of a finger that the hand has not
   ReadingStream(const hand::Description& hand, RobotInterface interface,
                 const StreamOptions& options = {});
 
@@ -79,6 +82,7 @@ class ReadingStream {
   void take_contacts(std::size_t finger, const PointCloud2& cloud, std::uint64_t received);
   void take_fingertip_wrench(std::size_t finger, const WrenchStamped& wrench,
                              std::uint64_t received);
+  void take_taxels(std::size_t finger, std::span<const double> values, std::uint64_t received);
   void take_wrench(const WrenchStamped& wrench, std::uint64_t received);
   void take_transforms(const TFMessage& message, bool fixed, std::uint64_t received);
   std::optional<Eigen::Isometry3d> mount_at(std::uint64_t time) const;
@@ -89,8 +93,8 @@ class ReadingStream {
   const hand::Description& hand_;
   RobotInterface interface_;
   StreamOptions options_;
-  std::map<std::string, std::size_t, std::less<>> finger_of_topic_, finger_of_wrench_, joint_of_,
-      actuator_of_;
+  std::map<std::string, std::size_t, std::less<>> finger_of_topic_, finger_of_wrench_,
+      finger_of_taxels_, joint_of_, actuator_of_;
   std::map<std::string, Transformed, std::less<>> transforms_;  ///< by child
   std::vector<Felt> felt_;                                      ///< one a finger
   std::vector<SensedJoint> joints_;

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "palpate/hand/description.hpp"
+#include "palpate/tactile/sensors/taxel_layout.hpp"
 
 namespace palpate::ros2 {
 
@@ -13,7 +14,9 @@ struct RobotInterface {
   std::string actuator_states = "/actuator_states";
   std::string contacts = "/contacts";                      ///< "/FINGER" is appended
   std::string fingertip_wrenches = "/fingertip_wrenches";  ///< likewise
-  std::string wrench = "/wrench";  ///< of the mount on the hand, beyond what the hand weighs
+  std::string taxels = "/taxels";                          ///< likewise, of raw values
+  tactile::TaxelLayout taxel_layout;  ///< where they lie; fingers that are not in it have none
+  std::string wrench = "/wrench";     ///< of the mount on the hand, beyond what the hand weighs
   std::string tf = "/tf", tf_static = "/tf_static";
   std::string world = "world", mount = "mount";  ///< frames
   std::string palpate = "/palpate";              ///< before the topics that the estimator writes
@@ -25,6 +28,10 @@ struct RobotInterface {
   /// Where the wrench on a fingertip is told, in the place of its contacts.
   [[nodiscard]] std::string fingertip_wrench_of(const hand::Finger& finger) const {
     return topic_of(fingertip_wrenches, finger);
+  }
+  /// Where the raw values of a finger's taxels are told, in the place of its contacts.
+  [[nodiscard]] std::string taxels_of(const hand::Finger& finger) const {
+    return topic_of(taxels, finger);
   }
 
  private:

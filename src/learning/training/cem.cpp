@@ -51,15 +51,22 @@ void check(const CemState& state, const CemOptions& options) {
 
 }  // namespace
 
-CemGeneration cem_generation(CemState& state, const CemScores& scores, const CemOptions& options,
-                             std::uint64_t seed) {
+std::vector<Eigen::VectorXd> cem_candidates(const CemState& state, const CemOptions& options,
+                                            std::uint64_t seed) {
   check(state, options);
   const auto index = static_cast<std::uint64_t>(state.generation);
-  const auto candidates =
-      draw(state, options.population, RandomStream(seed, "cem").fork("generation", index));
-  auto values = scores(candidates);
+  return draw(state, options.population, RandomStream(seed, "cem").fork("generation", index));
+}
+
+CemGeneration cem_update(CemState& state, const std::vector<Eigen::VectorXd>& candidates,
+                         std::vector<double> values, const CemOptions& options) {
+  check(state, options);
   if (values.size() != candidates.size()) {
     throw BadInput(fmt::format("{} scores of {} candidates", values.size(), candidates.size()));
+  }
+  if (std::ssize(values) < options.elite) {
+    throw BadInput(
+        fmt::format("{} candidates, fewer than elite = {}", values.size(), options.elite));
   }
   const auto order = ranking(values);
   if (std::isinf(values[order.front()])) throw BadInput("no candidate has a finite score");
@@ -78,6 +85,12 @@ CemGeneration cem_generation(CemState& state, const CemScores& scores, const Cem
       (options.keep_spread * state.spread + (1 - options.keep_spread) * width).array() + kMinSpread;
   ++state.generation;
   return result;
+}
+
+CemGeneration cem_generation(CemState& state, const CemScores& scores, const CemOptions& options,
+                             std::uint64_t seed) {
+  const auto candidates = cem_candidates(state, options, seed);
+  return cem_update(state, candidates, scores(candidates), options);
 }
 
 }  // namespace palpate::learning

@@ -36,10 +36,21 @@ struct CemGeneration {
   double best = 0, elite = 0, mean = 0;  ///< scores: of the best, mean of the elite, of the mean
 };
 
-/// One generation of the cross-entropy method (Rubinstein 1999; de Boer et al. 2005): draws
-/// candidates, normal about the mean, and moves mean and spread towards the best ones. What is
-/// drawn depends only on seed and generation, so a search that is resumed goes on the same.
-/// @throws BadInput if sizes differ, elite > population, or all scores are NaN
+/// Candidates of the next generation, normal about the mean, which is the first of them. They
+/// depend only on the state and the seed, so that a search goes on the same wherever they are
+/// scored.
+/// @throws BadInput if sizes differ, or elite > population
+std::vector<Eigen::VectorXd> cem_candidates(const CemState& state, const CemOptions& options,
+                                            std::uint64_t seed);
+
+/// Moves mean and spread towards the best of the candidates (the cross-entropy method, Rubinstein
+/// 1999; de Boer et al. 2005).
+/// @throws BadInput if sizes differ, or no score is finite
+CemGeneration cem_update(CemState& state, const std::vector<Eigen::VectorXd>& candidates,
+                         std::vector<double> scores, const CemOptions& options);
+
+/// One generation: candidates, their scores, and the update.
+/// @throws BadInput as these do
 CemGeneration cem_generation(CemState& state, const CemScores& scores, const CemOptions& options,
                              std::uint64_t seed);
 

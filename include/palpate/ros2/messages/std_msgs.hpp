@@ -88,4 +88,14 @@ struct Float64MultiArray {
   }
 };
 
+struct Float32MultiArray {
+  static constexpr std::string_view kType = "std_msgs/msg/Float32MultiArray";
+  MultiArrayLayout layout;
+  std::vector<float> data;
+  static void fields(auto& m, auto&& v) {
+    v("layout", m.layout);
+    v("data", m.data);
+  }
+};
+
 }  // namespace palpate::ros2

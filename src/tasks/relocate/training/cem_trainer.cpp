@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <array>
 #include <optional>
 
 #include "palpate/core/error.hpp"
@@ -12,7 +13,7 @@ namespace {
 
 constexpr double kObserverRoom = 0.1;  // least spread, of the usual, once the observer takes over
 
-class CemTrainer : public Trainer {
+class CemTrainer : public SearchTrainer {
  public:
   CemTrainer(const TrainingContext& context, const CemTrainingOptions& options,
              const StructuredPolicy* from)
@@ -26,14 +27,42 @@ class CemTrainer : public Trainer {
   }
 
   Metrics iterate() override {
-    double r2 = 0;
-    if (observer_due()) r2 = refit();
-    const auto make = [this](const Eigen::VectorXd& x) { return make_policy(x); };
-    const auto scores = search_scores(context_.worlds, make, options_.search, context_.seed,
-                                      state_.generation, context_.threads);
-    const auto generation =
-        learning::cem_generation(state_, scores, options_.search.cem, context_.seed);
-    return {{"best", generation.best}, {"elite", generation.elite}, {"observer_r2", r2}};
+    while (true) {
+      const auto requests = ask();
+      std::vector<Eigen::VectorXd> asked;
+      for (const auto& request : requests) asked.push_back(parameters(request.candidate));
+      if (const auto metrics = tell(run(requests, asked))) return *metrics;
+    }
+  }
+
+  std::vector<RolloutRequest> ask() override {
+    if (episodes_.empty()) {
+      observer_r2_ = observer_due() ? refit() : 0;
+      episodes_.resize(candidates().size());
+    }
+    return search_requests(episodes_, options_.search);
+  }
+
+  Eigen::VectorXd parameters(std::size_t candidate) const override {
+    return candidates().at(candidate);
+  }
+
+  SearchEpisodes run(const std::vector<RolloutRequest>& requests,
+                     const std::vector<Eigen::VectorXd>& parameters) const override {
+    std::vector<StructuredPolicy> policies;
+    for (const auto& x : parameters) policies.push_back(make_policy(x));
+    return run_requests(context_.worlds, policies, requests, options_.search, context_.seed,
+                        state_.generation, context_.threads);
+  }
+
+  std::optional<Metrics> tell(const SearchEpisodes& results) override {
+    add_results(search_requests(episodes_, options_.search), results, episodes_);
+    if (!search_requests(episodes_, options_.search).empty()) return std::nullopt;
+    const auto generation = learning::cem_update(
+        state_, candidates(), search_scores(episodes_, options_.search), options_.search.cem);
+    episodes_.clear();
+    return Metrics{
+        {"best", generation.best}, {"elite", generation.elite}, {"observer_r2", observer_r2_}};
   }
 
   int iteration() const override { return state_.generation; }
@@ -43,6 +72,7 @@ class CemTrainer : public Trainer {
   void save(learning::Checkpoint& checkpoint) const override {
     checkpoint.arrays["mean"] = state_.mean;
     checkpoint.arrays["spread"] = state_.spread;
+    if (!episodes_.empty()) checkpoint.arrays["under_way"] = under_way();
     if (!observer_) return;
     checkpoint.arrays["observer_sizes"] =
         Eigen::MatrixXd(Eigen::VectorXi::Map(observer_->network.sizes().data(),
@@ -57,6 +87,8 @@ class CemTrainer : public Trainer {
     state_.generation = checkpoint.iteration;
     state_.mean = checkpoint.array("mean");
     state_.spread = checkpoint.array("spread");
+    episodes_.clear();
+    if (checkpoint.arrays.contains("under_way")) go_on(checkpoint.array("under_way"));
     observer_.reset();
     if (!checkpoint.arrays.contains("observer_sizes")) return;
     observer_ = StructuredPolicy::Observer{
@@ -66,6 +98,47 @@ class CemTrainer : public Trainer {
   }
 
  private:
+  std::vector<Eigen::VectorXd> candidates() const {
+    return learning::cem_candidates(state_, options_.search.cem, context_.seed);
+  }
+
+  /// The generation under way: a column an episode, behind one of the whole.
+  Eigen::MatrixXd under_way() const {
+    std::vector<std::array<double, 6>> columns = {
+        {static_cast<double>(episodes_.size()), observer_r2_, 0, 0, 0, 0}};
+    for (std::size_t i = 0; i < episodes_.size(); ++i) {
+      for (const Episode& e : episodes_[i]) {
+        columns.push_back({static_cast<double>(i), e.total, e.distance,
+                           static_cast<double>(e.steps_within_5cm), static_cast<double>(e.steps),
+                           e.diverged ? 1.0 : 0.0});
+      }
+    }
+    Eigen::MatrixXd matrix(6, std::ssize(columns));
+    for (Eigen::Index k = 0; k < matrix.cols(); ++k) {
+      matrix.col(k) = Eigen::VectorXd::Map(columns[static_cast<std::size_t>(k)].data(), 6);
+    }
+    return matrix;
+  }
+
+  void go_on(const Eigen::MatrixXd& matrix) {
+    const auto population = static_cast<std::size_t>(options_.search.cem.population);
+    if (matrix.rows() != 6 || matrix.cols() < 1 ||
+        matrix(0, 0) != static_cast<double>(population)) {
+      throw BadInput("the checkpoint's generation is not of this search");
+    }
+    observer_r2_ = matrix(1, 0);
+    episodes_.resize(population);
+    for (Eigen::Index k = 1; k < matrix.cols(); ++k) {
+      const auto column = matrix.col(k);
+      if (!(column[0] >= 0 && column[0] < matrix(0, 0))) {
+        throw BadInput("the checkpoint has an episode of no candidate");
+      }
+      episodes_[static_cast<std::size_t>(column[0])].push_back(
+          {column[1], column[2], static_cast<int>(column[3]), static_cast<int>(column[4]),
+           column[5] != 0});
+    }
+  }
+
   StructuredPolicy make_policy(const Eigen::VectorXd& parameters) const {
     return {unflatten(parameters), context_.model.action_center(),
             context_.model.action_half_range(), options_.memoryless, observer_};
@@ -92,14 +165,16 @@ class CemTrainer : public Trainer {
   TrainingContext context_;
   CemTrainingOptions options_;
   learning::CemState state_;
+  SearchEpisodes episodes_;  // of the generation under way; none: it has not begun
+  double observer_r2_ = 0;   // of its refit
   std::optional<StructuredPolicy::Observer> observer_;
 };
 
 }  // namespace
 
-std::unique_ptr<Trainer> make_cem_trainer(const TrainingContext& context,
-                                          const CemTrainingOptions& options,
-                                          const StructuredPolicy* from) {
+std::unique_ptr<SearchTrainer> make_cem_trainer(const TrainingContext& context,
+                                                const CemTrainingOptions& options,
+                                                const StructuredPolicy* from) {
   return std::make_unique<CemTrainer>(context, options, from);
 }
 

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/tasks/relocate/training/structured_search.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <numeric>
 
+#include "palpate/core/error.hpp"
 #include "palpate/core/parallel.hpp"
 #include "palpate/tasks/relocate/training/randomization.hpp"
 
@@ -13,39 +16,6 @@ namespace {
 constexpr double kSuccess = 0.02;             // m
 constexpr double kGivenUp = -1e6;             // below any score
 constexpr std::size_t kEpisodesApart = 1000;  // between the generations' episodes
-
-/// Episodes of many candidates, run side by side.
-class Trials {
- public:
-  Trials(const std::vector<RelocateModel>& worlds, const PolicySearchOptions& options,
-         std::uint64_t seed, std::size_t first, int threads)
-      : worlds_(worlds), options_(options), seed_(seed), first_(first), threads_(threads) {}
-
-  /// Runs episodes begin..end-1 of the chosen candidates and appends them.
-  void run(const std::vector<StructuredPolicy>& policies, const std::vector<std::size_t>& chosen,
-           int begin, int end, std::vector<std::vector<Episode>>& episodes) const {
-    const auto each = static_cast<std::size_t>(std::max(end - begin, 0));
-    std::vector<Episode> results(chosen.size() * each);
-    parallel_for(results.size(), threads_, [&](std::size_t i) {
-      const auto index = first_ + static_cast<std::size_t>(begin) + i % each;
-      const auto& policy = policies[chosen[i / each]];
-      RelocateTask task(worlds_[world_of_episode(worlds_.size(), seed_, index)]);
-      results[i] =
-          run_episode(task, episode_start(options_.episode, seed_, index), options_.episode.horizon,
-                      [&](int, const PolicyInput& input) { return policy.act(input); });
-    });
-    for (std::size_t i = 0; i < results.size(); ++i) {
-      episodes[chosen[i / each]].push_back(results[i]);
-    }
-  }
-
- private:
-  const std::vector<RelocateModel>& worlds_;
-  const PolicySearchOptions& options_;
-  std::uint64_t seed_;
-  std::size_t first_;
-  int threads_;
-};
 
 std::vector<std::size_t> better_half(const std::vector<double>& scores) {
   std::vector<std::size_t> order(scores.size());
@@ -57,11 +27,12 @@ std::vector<std::size_t> better_half(const std::vector<double>& scores) {
   return order;
 }
 
-std::vector<double> scores_of(const std::vector<std::vector<Episode>>& episodes,
-                              const PolicySearchOptions& options) {
-  std::vector<double> scores;
-  for (const auto& of_candidate : episodes) scores.push_back(search_score(of_candidate, options));
-  return scores;
+bool is_screened(const std::vector<Episode>& of_candidate, const PolicySearchOptions& options) {
+  return std::ssize(of_candidate) >= options.screening;
+}
+
+bool is_whole(const std::vector<Episode>& of_candidate, const PolicySearchOptions& options) {
+  return std::ssize(of_candidate) >= std::max(options.screening, options.episodes);
 }
 
 }  // namespace
@@ -75,26 +46,88 @@ double search_score(const std::vector<Episode>& episodes, const PolicySearchOpti
          options.success_bonus * successes / static_cast<double>(episodes.size());
 }
 
+std::vector<RolloutRequest> search_requests(const SearchEpisodes& episodes,
+                                            const PolicySearchOptions& options) {
+  std::vector<RolloutRequest> requests;
+  for (std::size_t i = 0; i < episodes.size(); ++i) {
+    if (!is_screened(episodes[i], options)) requests.push_back({i, 0, options.screening});
+  }
+  const bool any_whole = std::ranges::any_of(
+      episodes, [&](const auto& of_candidate) { return is_whole(of_candidate, options); });
+  if (!requests.empty() || any_whole) return requests;
+  std::vector<double> scores;
+  for (const auto& of_candidate : episodes) scores.push_back(search_score(of_candidate, options));
+  for (const std::size_t i : better_half(scores)) {
+    requests.push_back({i, options.screening, options.episodes - options.screening});
+  }
+  return requests;
+}
+
+std::vector<double> search_scores(const SearchEpisodes& episodes,
+                                  const PolicySearchOptions& options) {
+  std::vector<double> scores;
+  for (const auto& of_candidate : episodes) {
+    const double score = search_score(of_candidate, options);
+    scores.push_back(is_whole(of_candidate, options) ? score : score + kGivenUp);
+  }
+  return scores;
+}
+
+SearchEpisodes run_requests(const std::vector<RelocateModel>& worlds,
+                            const std::vector<StructuredPolicy>& policies,
+                            const std::vector<RolloutRequest>& requests,
+                            const PolicySearchOptions& options, std::uint64_t seed, int generation,
+                            int threads) {
+  struct Place {
+    std::size_t request, episode;
+  };
+  std::vector<Place> places;
+  SearchEpisodes results;
+  for (std::size_t k = 0; k < requests.size(); ++k) {
+    const auto count = static_cast<std::size_t>(std::max(requests[k].count, 0));
+    results.emplace_back(count);
+    for (std::size_t i = 0; i < count; ++i) places.push_back({k, i});
+  }
+  const std::size_t begin = kEpisodesApart * static_cast<std::size_t>(generation);
+  parallel_for(places.size(), threads, [&](std::size_t i) {
+    const auto [k, episode] = places[i];
+    const auto index = begin + static_cast<std::size_t>(requests[k].first) + episode;
+    RelocateTask task(worlds[world_of_episode(worlds.size(), seed, index)]);
+    results[k][episode] =
+        run_episode(task, episode_start(options.episode, seed, index), options.episode.horizon,
+                    [&](int, const PolicyInput& input) { return policies[k].act(input); });
+  });
+  return results;
+}
+
+void add_results(const std::vector<RolloutRequest>& requests, const SearchEpisodes& results,
+                 SearchEpisodes& episodes) {
+  for (std::size_t k = 0; k < requests.size(); ++k) {
+    const auto& request = requests[k];
+    if (k >= results.size() || std::ssize(results[k]) != request.count) {
+      throw BadInput(fmt::format("candidate {}: {} episodes were asked for", request.candidate,
+                                 request.count));
+    }
+    auto& known = episodes.at(request.candidate);
+    known.insert(known.end(), results[k].begin(), results[k].end());
+  }
+}
+
 learning::CemScores search_scores(const std::vector<RelocateModel>& worlds,
                                   const PolicyFactory& make_policy,
                                   const PolicySearchOptions& options, std::uint64_t seed,
                                   int generation, int threads) {
   return [=, &worlds](const std::vector<Eigen::VectorXd>& candidates) {
-    const Trials trials(worlds, options, seed,
-                        kEpisodesApart * static_cast<std::size_t>(generation), threads);
-    std::vector<StructuredPolicy> policies;
-    for (const auto& candidate : candidates) policies.push_back(make_policy(candidate));
-    std::vector<std::size_t> all(candidates.size());
-    std::iota(all.begin(), all.end(), std::size_t{0});
-    std::vector<std::vector<Episode>> episodes(candidates.size());
-    trials.run(policies, all, 0, options.screening, episodes);
-    auto scores = scores_of(episodes, options);
-    if (options.episodes <= options.screening) return scores;
-    const auto kept = better_half(scores);
-    trials.run(policies, kept, options.screening, options.episodes, episodes);
-    for (double& score : scores) score += kGivenUp;
-    for (const std::size_t i : kept) scores[i] = search_score(episodes[i], options);
-    return scores;
+    SearchEpisodes episodes(candidates.size());
+    while (true) {
+      const auto requests = search_requests(episodes, options);
+      if (requests.empty()) return search_scores(episodes, options);
+      std::vector<StructuredPolicy> policies;
+      for (const auto& one : requests) policies.push_back(make_policy(candidates[one.candidate]));
+      add_results(requests,
+                  run_requests(worlds, policies, requests, options, seed, generation, threads),
+                  episodes);
+    }
   };
 }
 

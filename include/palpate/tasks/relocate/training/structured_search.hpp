@@ -29,6 +29,38 @@ struct PolicySearchOptions {
 /// Makes a policy of a candidate's parameters.
 using PolicyFactory = std::function<StructuredPolicy(const Eigen::VectorXd&)>;
 
+/// Episodes first..first+count-1 of a candidate, which a search asks for.
+struct RolloutRequest {
+  std::size_t candidate = 0;
+  int first = 0, count = 0;
+  bool operator==(const RolloutRequest&) const = default;
+};
+
+/// The episodes of each candidate of a generation, as far as they are known.
+using SearchEpisodes = std::vector<std::vector<Episode>>;
+
+/// What a generation asks for next, in the order of the candidates: first the screening of all,
+/// then the rest of the better half; none: all is known.
+std::vector<RolloutRequest> search_requests(const SearchEpisodes& episodes,
+                                            const PolicySearchOptions& options);
+
+/// The score of each candidate, once nothing more is asked for.
+std::vector<double> search_scores(const SearchEpisodes& episodes,
+                                  const PolicySearchOptions& options);
+
+/// Runs what is asked for, one entry a request. All candidates run the same episodes.
+/// @param policies  of the requests
+/// @param worlds  an episode takes place in one of them, drawn by its number
+SearchEpisodes run_requests(const std::vector<RelocateModel>& worlds,
+                            const std::vector<StructuredPolicy>& policies,
+                            const std::vector<RolloutRequest>& requests,
+                            const PolicySearchOptions& options, std::uint64_t seed, int generation,
+                            int threads);
+
+/// Adds what was asked for. @throws BadInput where a request got another number of episodes
+void add_results(const std::vector<RolloutRequest>& requests, const SearchEpisodes& results,
+                 SearchEpisodes& episodes);
+
 /// Scores of a generation's candidates: all run the same episodes, other generations others. Half
 /// of them are given up after the screening and rank below the rest. Mean return alone would trade
 /// success for it, so the score also counts the worst episode and success.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -11,6 +12,7 @@
 #include "palpate/tasks/relocate/training/dagger.hpp"
 #include "palpate/tasks/relocate/training/npg.hpp"
 #include "palpate/tasks/relocate/training/randomization.hpp"
+#include "palpate/tasks/relocate/training/structured_search.hpp"
 
 namespace palpate::relocate {
 
@@ -29,6 +31,21 @@ class Trainer {
   /// Adds what restore() needs.
   virtual void save(learning::Checkpoint& checkpoint) const = 0;
   virtual void restore(const learning::Checkpoint& checkpoint) = 0;
+};
+
+/// A trainer whose rollouts may be run elsewhere: who asks, runs what is asked for and tells the
+/// results, until tell() ends the iteration, has done what iterate() does, bit for bit.
+class SearchTrainer : public Trainer {
+ public:
+  /// Begins an iteration if none is under way. @return never empty
+  virtual std::vector<RolloutRequest> ask() = 0;
+  /// Of a candidate of the iteration under way.
+  virtual Eigen::VectorXd parameters(std::size_t candidate) const = 0;
+  /// @param parameters  of the candidate of each request
+  virtual SearchEpisodes run(const std::vector<RolloutRequest>& requests,
+                             const std::vector<Eigen::VectorXd>& parameters) const = 0;
+  /// Takes the results of all that was asked for. @return figures, where that ends the iteration
+  virtual std::optional<Metrics> tell(const SearchEpisodes& results) = 0;
 };
 
 /// What all trainers are given.
@@ -63,9 +80,9 @@ struct CemTrainingOptions {
 
 /// Tunes a structured policy by the cross-entropy method.
 /// @param from  where to start; none: structured_start()
-std::unique_ptr<Trainer> make_cem_trainer(const TrainingContext& context,
-                                          const CemTrainingOptions& options,
-                                          const StructuredPolicy* from = nullptr);
+std::unique_ptr<SearchTrainer> make_cem_trainer(const TrainingContext& context,
+                                                const CemTrainingOptions& options,
+                                                const StructuredPolicy* from = nullptr);
 
 /// Distils an expert into a network on the observations alone. The expert must outlive the trainer.
 std::unique_ptr<Trainer> make_dagger_trainer(const TrainingContext& context,
