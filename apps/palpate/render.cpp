@@ -32,7 +32,7 @@ struct RenderArguments {
   std::string hand, arm;
   std::string recording;
   std::string size = "1200x800";
-  bool video = false, posterior = false;
+  bool video = false, posterior = false, gif = false;
   double speed = 8;
   simulation::Camera camera;
 };
@@ -116,6 +116,12 @@ std::vector<Picture> draw_phases(const recording::Recording& recording, const fs
   return pictures;
 }
 
+/// A file of moving pictures.
+fs::path animation(const fs::path& folder, std::string_view name,
+                   const RenderArguments& arguments) {
+  return folder / fmt::format("{}.{}", name, arguments.gif ? "gif" : "png");
+}
+
 /// The whole pick from one place, faster than it was.
 Picture draw_video(const recording::Recording& recording, const fs::path& folder,
                    const RenderArguments& arguments) {
@@ -132,7 +138,7 @@ Picture draw_video(const recording::Recording& recording, const fs::path& folder
     images.push_back(renderer.render(
         {frame.truth->T_world_object, frame.truth->joints, frame.reading.base}, camera));
   }
-  Picture video{"video", end, folder / "video.png"};
+  Picture video{"video", end, animation(folder, "video", arguments)};
   simulation::save_animation(video.file, images, kPictureTime);
   return video;
 }
@@ -148,7 +154,8 @@ Picture draw_posterior(const recording::Recording& recording, const fs::path& fo
   options.picture_time = kPictureTime;
   options.camera = arguments.camera;
   const auto images = film_posterior(recording, renderer, options);
-  Picture film{"posterior", recording.frames.back().reading.time, folder / "posterior.png"};
+  Picture film{"posterior", recording.frames.back().reading.time,
+               animation(folder, "posterior", arguments)};
   simulation::save_animation(film.file, images, kPictureTime);
   return film;
 }
@@ -222,6 +229,8 @@ void add_render(CLI::App& program, Command& chosen) {
   command.add_flag(
       "--posterior", arguments->posterior,
       "also posterior.png, an animated PNG of the poses that are credible after each touch");
+  command.add_flag("--gif", arguments->gif,
+                   "video.gif and posterior.gif instead, for programs that play no animated PNG");
   command
       .add_option("--speed", arguments->speed, "speed of animations relative to the robot's time")
       ->check(in_range(0.1, 100.0))
@@ -235,7 +244,7 @@ void add_render(CLI::App& program, Command& chosen) {
       "  palpate render --object box --hand allegro\n"
       "  palpate render --object box --arm ur10\n"
       "  palpate render out/pick-mug-2/recording.h5 --size 640x480 --azimuth 90 --out pictures\n"
-      "  palpate render out/pick-mug-2/recording.h5 --size 400x300 --video\n"
+      "  palpate render out/pick-mug-2/recording.h5 --size 400x300 --video --gif\n"
       "  palpate render out/pick-mug-2/recording.h5 --size 480x360 --posterior --elevation -30");
   command.callback([arguments, &chosen] { chosen = [arguments] { return render(*arguments); }; });
 }

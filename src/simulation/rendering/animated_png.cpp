@@ -10,6 +10,8 @@
 #include <string_view>
 #include <utility>
 
+#include "simulation/rendering/picture_difference.hpp"
+
 namespace palpate::simulation {
 namespace {
 
@@ -18,10 +20,6 @@ constexpr std::size_t kSignature = 8, kHeader = 25;  // bytes of the file's sign
 // Colours of animations have 64 levels, in steps of 4, so that this one stands for "as before".
 constexpr int kLevelStep = 4;
 constexpr std::array<std::uint8_t, 3> kUnchanged = {255, 0, 255};
-
-struct Rectangle {
-  int x = 0, y = 0, width = 1, height = 1;
-};
 
 void append(std::string& bytes, std::uint32_t value) {
   for (const int shift : {24, 16, 8, 0}) bytes += static_cast<char>(value >> shift & 0xff);
@@ -54,23 +52,6 @@ std::string pixels_of(std::string_view png) {
     at += 12 + length;
   }
   return pixels;
-}
-
-/// Where two pictures of one size differ; one pixel where they do not.
-Rectangle difference(const Image& a, const Image& b) {
-  int left = a.width, right = -1, top = a.height, bottom = -1;
-  for (int y = 0; y < a.height; ++y) {
-    for (int x = 0; x < a.width; ++x) {
-      const auto at = 3 * (static_cast<std::ptrdiff_t>(y) * a.width + x);
-      if (std::equal(a.rgb.begin() + at, a.rgb.begin() + at + 3, b.rgb.begin() + at)) continue;
-      left = std::min(left, x);
-      right = std::max(right, x);
-      top = std::min(top, y);
-      bottom = y;
-    }
-  }
-  if (right < 0) return {};
-  return {left, top, right - left + 1, bottom - top + 1};
 }
 
 /// With colours of 64 levels.

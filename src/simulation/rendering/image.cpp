@@ -9,6 +9,7 @@
 
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
+#include "simulation/rendering/animated_gif.hpp"
 #include "simulation/rendering/animated_png.hpp"
 
 namespace palpate::simulation {
@@ -57,7 +58,9 @@ void save_animation(const std::filesystem::path& path, const std::vector<Image>&
     throw BadInput(fmt::format("an animation of pictures of {} x {} and {} x {} pixels",
                                images[0].width, images[0].height, image.width, image.height));
   }
-  write_file_atomically(path, encode_animation(images, seconds));
+  const bool gif = path.extension() == ".gif";
+  write_file_atomically(path,
+                        gif ? encode_gif(images, seconds) : encode_animation(images, seconds));
 }
 
 }  // namespace palpate::simulation

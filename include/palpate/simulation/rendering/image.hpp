@@ -22,8 +22,9 @@ void save_png(const std::filesystem::path& path, const Image& image);
 
 /// Writes pictures of one size as an animated PNG, which browsers play over and over; other
 /// programs show the first (W3C, Portable Network Graphics, third edition, 2025). Of every picture
-/// only the rectangle that differs from the one before is stored.
-/// @param seconds  that each picture stays, 0.001 to 60, rounded to milliseconds
+/// only the rectangle that differs from the one before is stored. A path that ends with .gif is
+/// written as an animated GIF of 255 colours instead, for programs that play no other.
+/// @param seconds  that each picture stays, 0.001 to 60, rounded to milliseconds (GIF: hundredths)
 /// @throws BadInput for no pictures, pictures of different sizes, or as save_png
 void save_animation(const std::filesystem::path& path, const std::vector<Image>& images,
                     double seconds);
