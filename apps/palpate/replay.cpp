@@ -82,14 +82,14 @@ void refuse_bag_options(const CLI::App& command, const std::string& recording) {
                                  "--joint-states", "--contacts"}) {
     if (command.count(name) == 0) continue;
     throw BadInput(
-        fmt::format("{} is an option of MCAP files, and {} is not one", name, recording));
+        fmt::format("{} is an option of bags (MCAP), and {} is not one", name, recording));
   }
 }
 
 int replay(const ReplayArguments& arguments) {
   std::optional<Notice> notice(std::in_place, "estimating", arguments.common.quiet);
   const auto replayed =
-      ros2::is_mcap(arguments.recording) ? replay_bag(arguments) : replay_recording(arguments);
+      ros2::is_bag(arguments.recording) ? replay_bag(arguments) : replay_recording(arguments);
   const auto& posterior = replayed.estimate.posterior;
   notice.reset();
   if (arguments.common.json) {
@@ -115,7 +115,9 @@ void add_replay(CLI::App& program, Command& chosen) {
   auto arguments = std::make_shared<ReplayArguments>();
   auto& command = *program.add_subcommand(
       "replay", "Estimate the pose again from a recording, without the simulator");
-  command.add_option("recording", arguments->recording, "recording.h5 of a pick, or an MCAP file")
+  command
+      .add_option("recording", arguments->recording,
+                  "recording.h5 of a pick, or a bag: an MCAP file or the folder of ros2 bag record")
       ->required();
   add_bag_options(command, arguments->bag);
   add_common_options(command, arguments->common, kConfig);
@@ -134,7 +136,7 @@ void add_replay(CLI::App& program, Command& chosen) {
       "  palpate replay run.mcap --object mug --at 12.5 --json");
   command.callback([arguments, &command, &chosen] {
     chosen = [arguments, &command] {
-      if (!ros2::is_mcap(arguments->recording)) refuse_bag_options(command, arguments->recording);
+      if (!ros2::is_bag(arguments->recording)) refuse_bag_options(command, arguments->recording);
       return replay(*arguments);
     };
   });

@@ -66,18 +66,52 @@ std::string list_of(const std::set<std::string, std::less<>>& topics) {
   return text.empty() ? "none" : text;
 }
 
+bool begins_with(const std::filesystem::path& path, std::string_view head) {
+  std::ifstream in(path, std::ios::binary);
+  std::string begin(head.size(), '\0');
+  in.read(begin.data(), static_cast<std::streamsize>(begin.size()));
+  return in && begin == head;
+}
+
+/// Whether a file is a bag that is no MCAP: in SQLite, as those before Iron are, or of ROS 1.
+bool is_other_bag(const std::filesystem::path& path) {
+  return begins_with(path, "SQLite format 3") || begins_with(path, "#ROSBAG V");
+}
+
+std::string how_to_convert(const std::filesystem::path& path) {
+  return fmt::format(
+      "{0} is no MCAP; rosbags-convert --src {0} --dst DIR --dst-storage mcap makes one "
+      "(pip install rosbags), and so does ros2 bag convert",
+      path.string());
+}
+
 }  // namespace
 
 std::map<std::string, std::string> bag_metadata(const std::filesystem::path& path) {
-  auto metadata = read_mcap(path, [](const McapMessage&) {}).metadata;
+  auto metadata = read_mcap(bag_files(path).front(), [](const McapMessage&) {}).metadata;
   return metadata[kMetadata];
 }
 
-bool is_mcap(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  std::string head(kMcapMagic.size(), '\0');
-  in.read(head.data(), static_cast<std::streamsize>(head.size()));
-  return in && head == kMcapMagic;
+bool is_bag(const std::filesystem::path& path) {
+  return std::filesystem::is_directory(path) || begins_with(path, kMcapMagic) || is_other_bag(path);
+}
+
+std::vector<std::filesystem::path> bag_files(const std::filesystem::path& path) {
+  if (is_other_bag(path)) throw BadInput(how_to_convert(path));
+  if (!std::filesystem::is_directory(path)) return {path};
+  std::vector<std::filesystem::path> files;
+  bool others = false;
+  for (const auto& entry : std::filesystem::directory_iterator(path)) {
+    if (entry.path().extension() == ".mcap") files.push_back(entry.path());
+    others = others || (entry.is_regular_file() && is_other_bag(entry.path()));
+  }
+  if (files.empty() && others) throw BadInput(how_to_convert(path));
+  if (files.empty()) throw BadInput(fmt::format("{} has no file *.mcap", path.string()));
+  std::ranges::sort(files, [](const auto& a, const auto& b) {  // bag_2 before bag_10
+    const std::string one = a.filename().string(), other = b.filename().string();
+    return one.size() != other.size() ? one.size() < other.size() : one < other;
+  });
+  return files;
 }
 
 Bag read_bag(const std::filesystem::path& path, const hand::Description& hand,
@@ -86,7 +120,7 @@ Bag read_bag(const std::filesystem::path& path, const hand::Description& hand,
   ReadingStream stream(hand, interface, options);
   std::set<std::string, std::less<>> topics;
   EventTexts events;
-  const auto contents = read_mcap(path, [&](const McapMessage& message) {
+  const auto take = [&](const McapMessage& message) {
     if (!topics.contains(message.topic)) topics.emplace(message.topic);
     if (message.encoding != "cdr") return;
     if (message.type == String::kType && message.topic == interface.palpate + "/events") {
@@ -94,10 +128,13 @@ Bag read_bag(const std::filesystem::path& path, const hand::Description& hand,
     }
     auto reading = stream.take(message.topic, message.type, message.data, message.log_time);
     if (reading) bag.readings.push_back(std::move(*reading));
-  });
+  };
+  for (const auto& file : bag_files(path)) {
+    const McapContents contents = read_mcap(file, take);
+    bag.messages += contents.messages;
+    bag.complete = bag.complete && contents.complete;
+  }
   bag.counts = stream.counts();
-  bag.messages = contents.messages;
-  bag.complete = contents.complete;
   if (bag.readings.empty()) {
     throw BadInput(fmt::format("{}: no reading of a hand: {}; its topics: {}", path.string(),
                                why_none(bag.counts, interface, hand), list_of(topics)));

@@ -4,6 +4,7 @@
 import json
 import math
 import pathlib
+import shutil
 import unittest
 
 from cli import BAD_INPUT, QUICK, USAGE, CliTest, main
@@ -13,6 +14,8 @@ try:
     import mcap.writer
     import mcap_ros2.decoder
     import mcap_ros2.writer
+    from rosbags.rosbag2 import StoragePlugin
+    from rosbags.rosbag2 import Writer as RosbagsWriter
     from rosbags.rosbag2.storage_mcap import McapReader
     from rosbags.typesys import Stores, get_typestore
 except ImportError:
@@ -169,6 +172,41 @@ class Export(CliTest):
                                 [held[i] for i in (3, 7, 11)]) for mode in answer["modes"])  # fmt: skip
         # Contacts at one instant alone: it is in the hand, at one of the poses that fit.
         self.assertLess(nearest, 0.08)
+
+    def test_a_folder_of_ros2_bag_record_is_read_in_the_order_of_its_numbers(self):
+        name = self.foreign(mcap.writer.CompressionType.NONE)
+        arguments = ["--object", "box", "--hand", "shadow", "--joint-states", "/robot/joints",
+                     "--contacts", "/touch", "--mount-frame", "wrist"]  # fmt: skip
+        whole = self.run_json("replay", name, *arguments)
+        bag = self.folder / "bag"
+        bag.mkdir()
+        self.addCleanup(shutil.rmtree, bag)
+        with open(self.folder / name, "rb") as file:
+            messages = list(mcap.reader.make_reader(file).iter_messages())
+        each = len(messages) // 11 + 1  # the tenth comes after the second, whatever their names
+        for i in range(11):
+            with open(bag / f"run_{i}.mcap", "wb") as file:
+                writer, known = mcap.writer.Writer(file), {}
+                writer.start("ros2", "")
+                for schema, channel, message in messages[i * each:(i + 1) * each]:
+                    if channel.topic not in known:
+                        of = writer.register_schema(schema.name, schema.encoding, schema.data)
+                        known[channel.topic] = writer.register_channel(channel.topic, "cdr", of)
+                    writer.add_message(known[channel.topic], message.log_time, message.data,
+                                       message.publish_time)  # fmt: skip
+                writer.finish()
+        split = self.run_json("replay", "bag", *arguments)
+        self.assertEqual((split["modes"], split["messages"]), (whole["modes"], whole["messages"]))
+
+    def test_bags_that_are_no_mcap_are_refused_with_what_converts_them(self):
+        typestore = get_typestore(Stores.ROS2_HUMBLE)
+        with RosbagsWriter(self.folder / "old", version=8, storage_plugin=StoragePlugin.SQLITE3) as bag:
+            bag.add_connection("/joint_states", "sensor_msgs/msg/JointState", typestore=typestore)
+        self.addCleanup(shutil.rmtree, self.folder / "old")
+        for path in ("old", "old/old.db3"):
+            self.assert_refused(BAD_INPUT, ["replay", path, "--object", "box"], "rosbags-convert", path)
+        (self.folder / "none").mkdir()
+        self.assert_refused(BAD_INPUT, ["replay", "none", "--object", "box"], "*.mcap")
 
     def test_compressed_chunks_are_read_like_others(self):
         arguments = ["--object", "box", "--hand", "shadow", "--joint-states", "/robot/joints",

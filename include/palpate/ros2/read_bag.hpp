@@ -24,13 +24,18 @@ struct Bag {
 /// @throws BadInput as read_mcap()
 std::map<std::string, std::string> bag_metadata(const std::filesystem::path& path);
 
-/// Whether a file begins as an MCAP does.
-bool is_mcap(const std::filesystem::path& path);
+/// Whether it is a folder, as `ros2 bag record` writes, or a file that begins as bags do, those of
+/// ROS 1 and of SQLite among them.
+bool is_bag(const std::filesystem::path& path);
 
-/// The readings of a hand from an MCAP file of anyone's: joint states, contacts of the fingers, and
-/// where the mount is.
+/// The MCAP files of a bag in the order of their numbers: itself, or those in its folder.
+/// @throws BadInput for a bag of another kind, with what converts it
+std::vector<std::filesystem::path> bag_files(const std::filesystem::path& path);
+
+/// The readings of a hand from a bag of anyone's, an MCAP file or a folder of them: joint states,
+/// contacts of the fingers, and where the mount is.
 /// @throws BadInput, naming the file, the topics that it has and what is missing, for one without
-///         any reading; and as read_mcap()
+///         any reading; and as read_mcap() and bag_files()
 Bag read_bag(const std::filesystem::path& path, const hand::Description& hand,
              const RobotInterface& interface = {}, const StreamOptions& options = {});
 
