@@ -3,6 +3,7 @@
 import { modeColor, onThemeChange, theme } from './colors.js';
 
 const GAP = 4; // px
+const WORDS = 13; // px above a curve, for its name
 const COLORS = { entropy: modeColor(0), rotation: '#d9688a', position: '#3aa981' };
 
 /** Steps of a quantity: it holds until the next one. */
@@ -78,7 +79,7 @@ export class Plots {
     const x = (t) => (width * (t - begin)) / Math.max(1e-9, end - begin);
     row.points.sort((a, b) => a[0] - b[0]);
     const most = Math.max(1e-9, ...row.points.map(([, value]) => value));
-    const y = (value) => top + height - 1 - (value / most) * (height - 3);
+    const y = (value) => top + height - 1 - (value / most) * (height - 2 - WORDS);
     c.fillStyle = theme('raised');
     c.fillRect(0, top, width, height);
     c.strokeStyle = row.color;
