@@ -38,4 +38,9 @@ void add_interface_options(CLI::App& command, ros2::RobotInterface& interface) {
       ->capture_default_str();
 }
 
+void add_best_effort_option(CLI::App& command, ros2::RobotInterface& interface) {
+  command.add_flag("--best-effort", interface.best_effort,
+                   "take sensor data of best effort senders, too; messages may be lost");
+}
+
 }  // namespace palpate::app

@@ -36,6 +36,21 @@ nlohmann::json report_of(std::uint64_t messages) {
   return {{"path", nullptr}, {"messages", messages}};
 }
 
+/// Says once, to who waits in vain, of what topics nothing can come.
+class SenderNotice {
+ public:
+  explicit SenderNotice(bool quiet) : said_(quiet) {}
+  void say(const std::string& refused) {
+    if (said_ || refused.empty()) return;
+    fmt::print(stderr, "senders of {} are best effort, and not heard: --best-effort takes them\n",
+               refused);
+    said_ = true;
+  }
+
+ private:
+  bool said_;
+};
+
 nlohmann::json counts_json(const ros2::StreamCounts& counts) {
   return {{"joint_states", counts.joint_states},
           {"contacts", counts.contacts},
@@ -65,11 +80,13 @@ int estimate(const Ros2Arguments& arguments) {
   bridge::EstimatorNode node(participant, object, hand, arguments.interface, options,
                              arguments.common.seed);
   say_ready(arguments, fmt::format("estimating the pose of {} in {}", arguments.object, hand.name));
-  node.run(interrupt.token());
+  SenderNotice notice(arguments.common.quiet);
+  node.run(interrupt.token(), [&](const bridge::NodeReport& now) { notice.say(now.refused); });
   const bridge::NodeReport node_report = node.report();
   auto report = report_of(node_report.messages);
   report.update({{"received", counts_json(node_report.received)},
                  {"lost", node_report.lost},
+                 {"refused", node_report.refused},
                  {"poses", node_report.poses},
                  {"estimates", node_report.estimates},
                  {"commands", node_report.commands}});
@@ -84,6 +101,7 @@ int serve_robot(const Ros2Arguments& arguments) {
   simulation::World world(object.object(), options.world, arguments.common.seed);
   const auto waiting = evaluation::waiting_command(world.hand_model());
   world.reset(start, waiting);
+  const double height = world.truth().T_world_object.translation().z();
   const Interrupt interrupt;
   bridge::Participant participant(domain_of(arguments));
   bridge::HandServer server(participant, world.hand(), world.hand_model(), arguments.interface, {},
@@ -94,6 +112,7 @@ int serve_robot(const Ros2Arguments& arguments) {
   auto report = report_of(server.messages());
   report.update({{"ticks", server.ticks()},
                  {"malformed", server.malformed()},
+                 {"risen", world.truth().T_world_object.translation().z() - height},
                  {"T_world_object", to_json(world.truth().T_world_object)}});
   print_report(arguments, report);
   return kDone;
@@ -181,6 +200,7 @@ void add_ros2(CLI::App& program, Command& chosen) {
   auto& estimator =
       add_job(ros2, chosen, arguments, "estimate",
               "Estimate the pose of the object in a hand that others control", &estimate);
+  add_best_effort_option(estimator, arguments->interface);
   estimator.footer(
       "Takes /joint_states, /contacts/FINGER and /tf, gives /palpate/estimate, modes, status,\n"
       "markers and /tf until interrupted; /palpate/command takes start, stop and estimate.\n\n"
@@ -196,6 +216,7 @@ void add_ros2(CLI::App& program, Command& chosen) {
       "  palpate ros2 robot --object mug --hand shadow --seed 3 --real-time");
   auto& picker =
       add_job(ros2, chosen, arguments, "pick", "Pick with a hand behind ROS 2 topics", &pick);
+  add_best_effort_option(picker, arguments->interface);
   picker.add_option("--timeout", arguments->timeout, "time that a tick waits for its reading, s")
       ->option_text("S")
       ->check(in_range(0.01, 60.0))

@@ -109,6 +109,7 @@ void add_view(CLI::App& program, Command& chosen) {
       ->check(in_range(0, 232))
       ->needs(live);
   add_interface_options(command, arguments->stream.interface);
+  add_best_effort_option(command, arguments->stream.interface);
   add_common_options(command, arguments->common, kOut);
   command.footer(
       "Serves the page that replays the recording, to this machine only, until interrupted. With\n"

@@ -15,7 +15,10 @@ namespace palpate::app {
 namespace {
 
 std::string status_text(const bridge::WatchReport& report) {
-  if (report.received.readings == 0) return "no reading yet";
+  if (report.received.readings == 0) {
+    if (report.refused.empty()) return "no reading yet";
+    return fmt::format("no reading; senders of {} are best effort", report.refused);
+  }
   std::string text = fmt::format("{} readings, {} lost", report.received.readings, report.lost);
   if (report.estimates > 0) {
     text += fmt::format("; {} estimates, a pose {:.0f} ms after its reading", report.estimates,

@@ -28,16 +28,18 @@ struct Pending {
 };
 
 ros2::DiagnosticStatus diagnosis(const ros2::StreamCounts& counts, std::uint64_t readings_before,
-                                 std::string_view hand) {
+                                 std::string_view hand, const std::string& refused) {
   ros2::DiagnosticStatus status;
   const bool silent = counts.readings == readings_before;
-  const bool faulty = counts.malformed + counts.out_of_order + counts.gaps + counts.blind > 0;
+  const bool faulty =
+      counts.malformed + counts.out_of_order + counts.gaps + counts.blind > 0 || !refused.empty();
   status.level = silent   ? ros2::DiagnosticStatus::kStale
                  : faulty ? ros2::DiagnosticStatus::kWarn
                           : ros2::DiagnosticStatus::kOk;
   status.name = "palpate: readings";
   status.hardware_id = hand;
   status.message = silent ? "no readings" : counts.last_error;
+  if (!refused.empty()) status.message = "senders that are best effort: " + refused;
   const auto add = [&](const char* key, std::uint64_t value) {
     status.values.push_back({key, std::to_string(value)});
   };
@@ -153,13 +155,16 @@ struct EstimatorNode::Impl {
     ++report.estimates;
   }
 
-  void diagnose() {
+  /// Once a second. @return whether it is time to
+  bool diagnose() {
     const std::uint64_t now = wall_clock();
-    if (now < diagnosed_at + kSecond) return;
+    if (now < diagnosed_at + kSecond) return false;
     diagnosed_at = now;
     diagnostics.write(
-        {{ros2::stamp_of(now), ""}, {diagnosis(stream.counts(), readings_before, hand.name)}});
+        {{ros2::stamp_of(now), ""},
+         {diagnosis(stream.counts(), readings_before, hand.name, refused_topics(readers))}});
     readings_before = stream.counts().readings;
+    return true;
   }
 };
 
@@ -170,12 +175,12 @@ EstimatorNode::EstimatorNode(Participant& participant, const geometry::ObjectMod
 
 EstimatorNode::~EstimatorNode() = default;
 
-void EstimatorNode::run(const std::stop_token& stop) {
+void EstimatorNode::run(const std::stop_token& stop, const Observer& observer) {
   while (!stop.stop_requested()) {
     impl_->participant.wait(kResultPoll);
     impl_->receive();
     impl_->finish_estimate();
-    impl_->diagnose();
+    if (impl_->diagnose() && observer) observer(report());
   }
 }
 
@@ -183,6 +188,7 @@ NodeReport EstimatorNode::report() const {
   NodeReport report = impl_->report;
   report.received = impl_->stream.counts();
   for (const RawReader& reader : impl_->readers) report.lost += reader.lost();
+  report.refused = refused_topics(impl_->readers);
   report.messages += impl_->pose.written() + impl_->modes.written() + impl_->weights.written() +
                      impl_->status.written() + impl_->markers.written() + impl_->mesh.written() +
                      impl_->tf.written() + impl_->diagnostics.written();

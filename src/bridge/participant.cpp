@@ -125,4 +125,10 @@ std::uint64_t RawReader::lost() const {
   return status.total_count;
 }
 
+std::uint64_t RawReader::refused() const {
+  dds_requested_incompatible_qos_status_t status{};
+  dds_get_requested_incompatible_qos_status(entity_, &status);
+  return status.total_count;
+}
+
 }  // namespace palpate::bridge

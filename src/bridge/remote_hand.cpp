@@ -145,11 +145,13 @@ hand::HandReading RemoteHand::step(const hand::HandCommand& command) {
     reading = impl.await(kSettle);
   }
   if (!reading && !impl.last) {
+    const std::string refused = refused_topics(impl.readers);
     throw BadInput(
         fmt::format("no hand within {} s: {} messages came, {} joint states without the "
-                    "place of the mount, {} malformed {}",
+                    "place of the mount, {} malformed {}{}",
                     impl.options.connect, impl.received, impl.stream.counts().blind,
-                    impl.stream.counts().malformed, impl.stream.counts().last_error));
+                    impl.stream.counts().malformed, impl.stream.counts().last_error,
+                    refused.empty() ? "" : "; senders that are best effort: " + refused));
   }
   if (!reading) {
     ++impl.repeats;

@@ -122,6 +122,7 @@ struct StreamWatcher::Impl {
   void update() {
     report.received = stream.counts();
     report.lost = 0;
+    report.refused = refused_topics(readers);
     for (const RawReader& reader : readers) report.lost += reader.lost();
   }
 };

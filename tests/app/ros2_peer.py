@@ -25,6 +25,14 @@ LOOPBACK = (
 )
 
 
+LATCHED = Qos(
+    Policy.Reliability.Reliable(duration(seconds=1)),
+    Policy.Durability.TransientLocal,
+    Policy.History.KeepLast(1),
+    Policy.DataRepresentation(use_cdrv0_representation=True),
+)
+
+
 def message(package):
     """A dataclass as the message of a ROS 2 package of the same name."""
 
@@ -177,6 +185,110 @@ class TFMessage:
     transforms: sequence[TransformStamped]
 
 
+@message("geometry_msgs")
+class Wrench:
+    force: Vector3
+    torque: Vector3
+
+
+@message("geometry_msgs")
+class WrenchStamped:
+    header: Header
+    wrench: Wrench
+
+
+@message("trajectory_msgs")
+class JointTrajectoryPoint:
+    positions: sequence[float64]
+    velocities: sequence[float64]
+    accelerations: sequence[float64]
+    effort: sequence[float64]
+    time_from_start: Duration
+
+
+@message("trajectory_msgs")
+class JointTrajectory:
+    header: Header
+    joint_names: sequence[str]
+    points: sequence[JointTrajectoryPoint]
+
+
+@message("std_msgs")
+class ColorRGBA:
+    r: float32
+    g: float32
+    b: float32
+    a: float32
+
+
+@message("sensor_msgs")
+class CompressedImage:
+    header: Header
+    format: str
+    data: sequence[uint8]
+
+
+@message("visualization_msgs")
+class UVCoordinate:
+    u: float32
+    v: float32
+
+
+@message("visualization_msgs")
+class MeshFile:
+    filename: str
+    data: sequence[uint8]
+
+
+@message("visualization_msgs")
+class Marker:
+    header: Header
+    ns: str
+    id: int32
+    type: int32
+    action: int32
+    pose: Pose
+    scale: Vector3
+    color: ColorRGBA
+    lifetime: Duration
+    frame_locked: bool
+    points: sequence[Point]
+    colors: sequence[ColorRGBA]
+    texture_resource: str
+    texture: CompressedImage
+    uv_coordinates: sequence[UVCoordinate]
+    text: str
+    mesh_resource: str
+    mesh_file: MeshFile
+    mesh_use_embedded_materials: bool
+
+
+@message("visualization_msgs")
+class MarkerArray:
+    markers: sequence[Marker]
+
+
+@message("diagnostic_msgs")
+class KeyValue:
+    key: str
+    value: str
+
+
+@message("diagnostic_msgs")
+class DiagnosticStatus:
+    level: uint8
+    name: str
+    message: str
+    hardware_id: str
+    values: sequence[KeyValue]
+
+
+@message("diagnostic_msgs")
+class DiagnosticArray:
+    header: Header
+    status: sequence[DiagnosticStatus]
+
+
 class _Impostor:
     numbers: sequence[uint32]
 
@@ -209,10 +321,10 @@ def converted(value, kind):
 class Peer:
     """A participant with writers and readers by topic of ROS 2."""
 
-    def __init__(self, domain):
+    def __init__(self, domain, reliable=True):
         self.participant = DomainParticipant(domain)
         self.qos = Qos(
-            Policy.Reliability.Reliable(duration(seconds=1)),
+            Policy.Reliability.Reliable(duration(seconds=1)) if reliable else Policy.Reliability.BestEffort,
             Policy.Durability.Volatile,
             Policy.History.KeepAll,
             Policy.DataRepresentation(use_cdrv0_representation=True),
@@ -230,8 +342,11 @@ class Peer:
     def advertise(self, name, kind):
         self.writers[name] = DataWriter(self.participant, self.topic(name, kind), qos=self.qos)
 
-    def listen(self, name, kind):
-        self.readers[name] = DataReader(self.participant, self.topic(name, kind), qos=self.qos)
+    def listen(self, name, kind, latched=False):
+        """latched: what was told before comes, too."""
+        qos = LATCHED if latched else self.qos
+        topic = Topic(self.participant, "rt" + name, kind, qos=qos)
+        self.readers[name] = DataReader(self.participant, topic, qos=qos)
 
     def take(self, name):
         samples = self.readers[name].take(N=1000)

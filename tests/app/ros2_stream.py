@@ -64,6 +64,22 @@ class HeldStream:
                 self.messages["/taxels/" + finger] = arrays
         path.write_text("\n".join(rows) + "\n")
 
+    def feel_by_wrenches(self):
+        """Tells contacts as the wrench on each fingertip from now on, at the origin of its link."""
+        for topic in [name for name in self.messages if name.startswith("/contacts/")]:
+            clouds, told = self.messages.pop(topic), []
+            for cloud in clouds:
+                force, torque = [0.0] * 3, [0.0] * 3
+                for i in range(cloud.width):
+                    values = struct.unpack_from("<9f", bytes(cloud.data), i * cloud.point_step)
+                    p, f = values[:3], [-x for x in values[6:]]  # on the fingertip
+                    moment = (p[1] * f[2] - p[2] * f[1], p[2] * f[0] - p[0] * f[2], p[0] * f[1] - p[1] * f[0])
+                    force = [a + b for a, b in zip(force, f)]
+                    torque = [a + b for a, b in zip(torque, moment)]
+                wrench = ros2_peer.Wrench(ros2_peer.Vector3(*force), ros2_peer.Vector3(*torque))
+                told.append(ros2_peer.WrenchStamped(cloud.header, wrench))
+            self.messages["/fingertip_wrenches/" + topic.rpartition("/")[2]] = told
+
     def advertise(self, peer):
         for topic, messages in self.messages.items():
             peer.advertise(topic, type(messages[0]))

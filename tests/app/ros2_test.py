@@ -55,11 +55,18 @@ class Ros2(CliTest):
 
 
 class Estimator(Ros2):
+    @classmethod
+    def setUpClass(cls):
+        """One pick, the end of which all tests tell again."""
+        cls.kept = CliTest("run_program")
+        cls.kept.setUp()
+        cls.addClassCleanup(cls.kept.doCleanups)
+        cls.kept.run_json("pick", "--object", "box", "--seed", "3", "--out", "run", "--no-belief", *QUICK)
+        cls.kept.run_json("export", "mcap", "run/recording.h5", "--out", "box.mcap")
+
     def setUp(self):
         super().setUp()
-        self.run_json("pick", "--object", "box", "--seed", "3", "--out", "run", *QUICK)
-        self.run_json("export", "mcap", "run/recording.h5", "--out", "box.mcap")
-        self.stream = ros2_stream.HeldStream(self.folder / "box.mcap")
+        self.stream = ros2_stream.HeldStream(self.kept.folder / "box.mcap")
 
     def begin(self, *more):
         program = self.start("estimate", "--object", "box", "--set", "first.proposals=10000",
@@ -115,6 +122,75 @@ class Estimator(Ros2):
         self.assertEqual(report["received"]["contacts"], arrays * sent)
         self.assertEqual(report["received"]["malformed"], 0)
         self.assertLess(math.dist(position(poses[-1].pose.pose), self.stream.estimated), 0.1)
+
+    def test_wrenches_on_fingertips_give_the_pose(self):
+        self.stream.feel_by_wrenches()
+        program = self.begin()
+        sent, poses, _ = self.send_until_estimated(START)
+        report = self.end(program)
+        told = sum(topic.startswith("/fingertip_wrenches/") for topic in self.stream.messages)
+        self.assertGreaterEqual(told, 2)
+        self.assertEqual(report["received"]["contacts"], told * sent)
+        self.assertEqual(report["received"]["malformed"], 0)
+        self.assertLess(math.dist(position(poses[-1].pose.pose), self.stream.estimated), 0.1)
+
+    def test_all_that_it_tells(self):
+        kinds = {"/palpate/mode_weights": ros2_peer.Float64MultiArray, "/palpate/status": ros2_peer.String,
+                 "/palpate/markers": ros2_peer.MarkerArray, "/tf": ros2_peer.TFMessage,
+                 "/diagnostics": ros2_peer.DiagnosticArray}  # fmt: skip
+        program = self.begin()
+        for topic, kind in kinds.items():
+            self.peer.listen(topic, kind)
+        self.peer.listen("/palpate/object", ros2_peer.MarkerArray, latched=True)
+        self.assertTrue(wait_until(self.peer.hears))
+        told = {topic: [] for topic in [*self.peer.readers]}
+        for i in range(20000):
+            self.stream.send(self.peer, START + i * TICK)
+            wait_until(lambda: False, 0.01)
+            for topic, messages in told.items():
+                messages += self.peer.take(topic)
+            warned = [s for d in told["/diagnostics"] for s in d.status if s.message != "no readings"]
+            if told["/palpate/markers"] and warned and told["/palpate/status"]:
+                break
+        self.end(program)
+        pose, modes = told["/palpate/estimate"][-1], told["/palpate/modes"][-1]
+        self.assertEqual(len(told["/palpate/mode_weights"][-1].data), len(modes.poses))
+        self.assertLessEqual(sum(told["/palpate/mode_weights"][-1].data), 1.001)
+        self.assertIn(told["/palpate/status"][-1].data, ("certain", "ambiguous", "no_pose"))
+        self.assertGreater(pose.pose.covariance[0], 0)
+        kinds = {marker.ns for marker in told["/palpate/markers"][-1].markers}
+        self.assertGreaterEqual(len(kinds), 2, kinds)
+        mesh = told["/palpate/object"][0].markers[0]  # for who came after it was told
+        self.assertEqual((mesh.type, len(mesh.points) % 3), (11, 0))
+        self.assertGreater(len(mesh.points), 30)
+        frames = [t for message in told["/tf"] for t in message.transforms if t.child_frame_id == "palpate_object"]
+        self.assertEqual(frames[-1].header.frame_id, "world")
+        values = {value.key: int(value.value) for value in warned[-1].values}
+        self.assertGreater(values["readings"], 10)
+        self.assertEqual(values["malformed"], 0)
+
+    def test_best_effort_senders_are_named_and_heard_if_asked(self):
+        self.peer = Peer(self.domain, reliable=False)
+        program = self.start("estimate", "--object", "box")
+        self.peer.listen("/diagnostics", ros2_peer.DiagnosticArray)
+        self.stream.advertise(self.peer)
+        self.assertTrue(wait_until(self.peer.hears))
+        said = []
+        wait_until(lambda: said.extend(s.message for d in self.peer.take("/diagnostics") for s in d.status)
+                   or any("/joint_states" in text for text in said))  # fmt: skip
+        report = self.end(program)
+        self.assertIn("/joint_states", said[-1])
+        self.assertIn("/joint_states", report["refused"])
+        self.assertEqual(report["received"]["readings"], 0)
+
+        asked = self.start("estimate", "--object", "box", "--best-effort")
+        self.assertTrue(wait_until(self.peer.is_heard))
+        for i in range(50):
+            self.stream.send(self.peer, START + i * TICK)
+            wait_until(lambda: False, 0.01)
+        report = self.end(asked)
+        self.assertEqual(report["refused"], "")
+        self.assertGreater(report["received"]["readings"], 0)
 
     def test_a_layout_of_taxels_that_cannot_be_is_refused(self):
         layout = self.folder / "taxels.csv"
@@ -232,6 +308,37 @@ class Robot(Ros2):
         self.assertEqual(report["repeats"], 0)
         if alone["lifted"]:
             self.assertGreater(truth["T_world_object"][11], 0.1)
+
+    def test_a_trajectory_moves_it_too(self):
+        program = self.start("robot", "--object", "box", "--seed", "3")
+        topic = "/palpate/hand_controller/joint_trajectory"
+        self.peer.advertise(topic, ros2_peer.JointTrajectory)
+        self.peer.listen("/joint_states", ros2_peer.JointState)
+        self.assertTrue(wait_until(lambda: self.peer.is_heard() and self.peer.hears()))
+        states = []
+        for i in range(1, 51):
+            point = ros2_peer.JointTrajectoryPoint([1.0], [], [], [], ros2_peer.Duration(0, TICK))
+            header = ros2_peer.Header(ros2_peer.stamp_of(START + i * TICK), "")
+            states.clear()
+            self.peer.write(topic, ros2_peer.JointTrajectory(header, ["FFJ0"], [point]))
+            self.assertTrue(wait_until(lambda: states.extend(self.peer.take("/joint_states")) or states))
+        angle = dict(zip(states[-1].name, states[-1].position))
+        self.assertGreater(angle["FFJ2"], 0.3)
+        self.assertAlmostEqual(angle["MFJ2"], 0, delta=0.15)
+        self.assertEqual(self.end(program)["malformed"], 0)
+
+    def test_a_hand_that_dies_in_a_pick_is_a_fault(self):
+        options = ["--object", "box", "--seed", "3", *QUICK]
+        robot = self.start("robot", *options)
+        self.peer.listen("/joint_states", ros2_peer.JointState)
+        picker = self.start("pick", *options, "--perturb-links", "--timeout", "0.5")
+        count = [0]
+        moving = lambda: count.append(count.pop() + len(self.peer.take("/joint_states"))) or count[0] > 300
+        self.assertTrue(wait_until(moving))
+        robot.kill()
+        stdout, stderr = picker.communicate(timeout=120)
+        self.assertEqual(picker.returncode, cli.STOPPED, stderr)
+        self.assertEqual([fault["name"] for fault in json.loads(stdout)["faults"]], ["silent"])
 
     def test_what_cannot_be_is_refused(self):
         self.assert_refused(USAGE, ["ros2", "dance"], "ros2 --help")

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <stop_token>
+#include <string>
 
 #include "palpate/bridge/participant.hpp"
 #include "palpate/estimation/held_pose_follower.hpp"
@@ -16,6 +18,7 @@ struct NodeReport {
   std::uint64_t messages = 0;  ///< received and sent
   std::uint64_t lost = 0;      ///< that DDS says never came
   std::uint64_t poses = 0, estimates = 0, commands = 0;
+  std::string refused;  ///< topics of which a sender's QoS offers too little
 };
 
 /// The estimator beside somebody's robot: takes what the hand tells, and tells where the object is.
@@ -32,8 +35,11 @@ class EstimatorNode {
                 const estimation::HeldPoseOptions& options = {}, std::uint64_t seed = 0);
   ~EstimatorNode();
 
+  using Observer = std::function<void(const NodeReport&)>;
+
   /// Works until a stop is requested.
-  void run(const std::stop_token& stop);
+  /// @param observer  told once a second
+  void run(const std::stop_token& stop, const Observer& observer = {});
 
   NodeReport report() const;
 

@@ -73,7 +73,8 @@ class RawReader {
 
   /// Gives what has come since, oldest first.
   void take(const Callback& callback);
-  std::uint64_t lost() const;  ///< messages that came too fast, or never
+  std::uint64_t lost() const;     ///< messages that came too fast, or never
+  std::uint64_t refused() const;  ///< senders whose QoS offers less than this reader asks for
   const std::string& topic() const { return topic_; }
   std::string_view type() const { return type_; }
 

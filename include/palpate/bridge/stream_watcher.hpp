@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <stop_token>
+#include <string>
 
 #include "palpate/bridge/participant.hpp"
 #include "palpate/recording/sink.hpp"
@@ -15,6 +16,7 @@ namespace palpate::bridge {
 struct WatchReport {
   ros2::StreamCounts received;
   std::uint64_t messages = 0, lost = 0, estimates = 0;
+  std::string refused;      ///< topics of which a sender's QoS offers too little
   double pose_latency = 0;  ///< s from the stamp of a reading to its pose here, of the last one
 };
 

@@ -20,6 +20,7 @@ struct RobotInterface {
   std::string tf = "/tf", tf_static = "/tf_static";
   std::string world = "world", mount = "mount";  ///< frames
   std::string palpate = "/palpate";              ///< before the topics that the estimator writes
+  bool best_effort = false;  ///< takes sensor data of senders that send nothing twice, too
 
   /// Where a finger's contacts are told. Characters that no topic may hold become "_".
   [[nodiscard]] std::string contacts_of(const hand::Finger& finger) const {
