@@ -98,6 +98,8 @@ class Output(CliTest):
         for name in ["eval.json", "trials.csv"]:  # trials.jsonl holds wall times, too
             self.assertEqual(self.read(f"all/{name}"), self.read(f"whole/{name}"), name)
         self.assertEqual(merged.stdout.encode(), self.read("whole/eval.json"))
+        twice = self.run_program("merge", "part2", "part1", "part3", "part1", "--out", "twice", "--json")
+        self.assertEqual(twice.stdout, merged.stdout)
 
         self.assert_refused(BAD_INPUT, ["merge", "part1", "part2"], "3 of 9 trials are missing")
         self.run_program(*EVAL, "--out", "other")
