@@ -66,6 +66,18 @@ TEST(LargestConsensus, SeveralInstancesOneAfterTheOther) {
   EXPECT_NEAR(result.instances[0].inliers, 250, 15);
 }
 
+// What noise put just beyond the bound came back as up to five poses a little off the first.
+TEST(LargestConsensus, ALooseNoiseMakesNoFurtherInstances) {
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    const auto problem = make_problem({.pairs = 3000, .outliers = 0.3, .noise = 0.0016},
+                                      RandomStream(seed, "loose noise"));
+    const auto result = register_correspondences(problem.correspondences, {.instances = 6});
+    ASSERT_TRUE(result.T_target_source);
+    EXPECT_TRUE(is_right(*result.T_target_source, problem.truth));
+    EXPECT_EQ(result.instances.size(), 0u) << seed;
+  }
+}
+
 /// Wrong pairs, each with copies a little beside it.
 Correspondences jittered(int pairs, int copies, double jitter, std::uint64_t seed) {
   RandomStream random(seed, "jitter");
