@@ -78,6 +78,17 @@ TEST(LargestConsensus, ALooseNoiseMakesNoFurtherInstances) {
   }
 }
 
+// Seven of the ten right pairs and some wrong ones agreed on a pose 10 deg off.
+TEST(LargestConsensus, APartOfTheRightPairsIsNotTheAnswer) {
+  for (const std::uint64_t seed : {513, 613}) {
+    const auto problem = make_problem({.outliers = 0.99, .noise = 0.001, .normal_deg = 5},
+                                      RandomStream(seed, "registration_table"));
+    const auto result = register_correspondences(problem.correspondences);
+    ASSERT_TRUE(result.T_target_source) << seed;
+    EXPECT_TRUE(is_right(*result.T_target_source, problem.truth)) << seed;
+  }
+}
+
 /// Wrong pairs, each with copies a little beside it.
 Correspondences jittered(int pairs, int copies, double jitter, std::uint64_t seed) {
   RandomStream random(seed, "jitter");
