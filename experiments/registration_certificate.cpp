@@ -8,6 +8,8 @@
 #include "experiment.hpp"
 #include "palpate/core/statistics.hpp"
 #include "palpate/registration/pose.hpp"
+#include "palpate/registration/registration.hpp"
+#include "palpate/registration/robust_bound.hpp"
 #include "processor_time.hpp"
 #include "registration/dual_sdp.hpp"
 #include "registration/problems.hpp"
@@ -130,15 +132,59 @@ void against_dual(const experiment::Options& options) {
   table.publish(options, "dual", "Fast solution against the dual semidefinite program");
 }
 
+/// Mean inliers found, and the most that any pose can have.
+std::vector<std::string> bounded(std::size_t pairs, double outliers, bool box, std::uint64_t first,
+                                 std::uint64_t runs) {
+  constexpr double kNoiseBound = 0.004;
+  double found = 0, most = 0, seconds = 0;
+  for (std::uint64_t seed = first; seed < first + runs; ++seed) {
+    const auto problem = testing::make_problem(
+        {.pairs = pairs, .outliers = outliers, .noise = 0.001, .box_outliers = box},
+        RandomStream(seed, "robust bound"));
+    const auto& c = problem.correspondences;
+    const auto inliers =
+        static_cast<int>(register_correspondences(c, {.best_effort = true}).inliers.size());
+    const RobustBound bound =
+        bound_inliers(c, kNoiseBound, inliers, {.max_nodes = 100000, .max_seconds = 1});
+    found += inliers;
+    most += bound.max_inliers;
+    seconds += bound.seconds;
+  }
+  const auto n = static_cast<double>(runs);
+  return {fmt::format("{}, {:g} %", pairs, 100 * outliers),
+          box ? "box" : "surface",
+          fmt::format("{}", runs),
+          fmt::format("{:.1f}", found / n),
+          fmt::format("{:.1f}", most / n),
+          fmt::format("{:.3f}", seconds / n)};
+}
+
+/// No pose has more inliers: how far that is above those of the answer.
+void robust_bounds(const experiment::Options& options) {
+  Table table({"pairs, wrong", "wrong ones", "runs", "inliers found", "at most", "s"});
+  for (const std::size_t pairs : {100, 300, 1000}) {
+    if (options.quick && pairs > 100) break;
+    const double largest = pairs == 100 ? 0.95 : 0.98;
+    for (const double outliers : {0.5, 0.9, largest}) {
+      for (const bool box : {false, true}) {
+        table.add_row(bounded(pairs, outliers, box, options.seed, options.quick ? 1 : 5));
+      }
+    }
+  }
+  table.publish(options, "robust_bounds", "The most inliers that any pose can have");
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   return experiment::run(argc, argv, "registration_certificate",
                          "What the certificate of rotations achieves: certified problems and time, "
-                         "false certificates, agreement with the dual program.",
+                         "false certificates, agreement with the dual program, bounds on "
+                         "the inliers of any pose.",
                          [](const experiment::Options& options) {
                            certified(options);
                            false_certificates(options);
                            against_dual(options);
+                           robust_bounds(options);
                          });
 }

@@ -127,6 +127,7 @@ bool CliqueSearch::is_beyond_doubt() {
 
 void CliqueSearch::conclude(Consensus& best) {
   if (best_.inliers == 0) return;
+  reconsider();
   polish();
   best.T_target_source = scorer_.uncentred(best_.T);
   best.false_alarms = false_alarm_test_.exact(best_.T);
@@ -281,6 +282,26 @@ void CliqueSearch::polish() {
   for (int round = 0; best_.inliers <= kFewer && round < kMaxRounds && exchange(); ++round) {
   }
   polished_ = best_.gain;
+}
+
+/// A part of the right pairs and some wrong ones may agree on a pose several degrees off: looks
+/// around each inlier of a few, as most of them are right ones.
+void CliqueSearch::reconsider() {
+  constexpr int kFewInliers = 12;
+  constexpr std::size_t kTells = 4;
+  if (best_.inliers > kFewInliers) return;
+  EgoGraph graph(scorer_.columns(), kLengthTolerance, options_.normal_noise_deg);
+  const std::vector<int> inliers = scorer_.near(best_.T, 1);
+  for (const int inlier : inliers) {
+    graph.look_around(inlier);
+    const std::vector<int> clique = graph.clique(kLargestClique);
+    const bool known = std::ranges::all_of(clique, [&](int i) { return holds(inliers, i); });
+    if (known || clique.size() < kTells) continue;
+    Eigen::Isometry3d T = scorer_.align(clique);
+    if (scorer_.gain(T) < kWorthRefining * best_.gain) continue;
+    const double gain = scorer_.descend(T);
+    keep_if_best(T, gain);
+  }
 }
 
 /// Least squares after each correspondence near the best pose has joined the inliers or left

@@ -54,6 +54,7 @@ class CliqueSearch {
   void consider_runner_up(const Eigen::Isometry3d& T, double gain);
   bool keep_if_best(const Eigen::Isometry3d& T, double gain);
   bool is_beyond_chance(double level);
+  void reconsider();
   void polish();
   bool exchange();
   bool refine(const std::vector<int>& exchanged, const std::vector<int>& inliers);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <numeric>
 
@@ -195,17 +196,19 @@ double FalseAlarmTest::judge_closely(const Eigen::Isometry3d& T) {
 double FalseAlarmTest::judge_in_turn(const Eigen::Isometry3d& T, std::span<const Step> steps) {
   constexpr double kFarAbove = 100;
   double expected = 0;
-  for (const auto& [effort, enough_below] : steps) {
-    expected = judge(T, effort);
-    if (expected < enough_below * max_false_alarms_ || expected > kFarAbove * max_false_alarms_) {
+  for (const Step& step : steps) {
+    constexpr double kNever = std::numeric_limits<double>::infinity();
+    expected = judge(T, step.effort, &step == &steps.back() ? max_false_alarms_ : kNever);
+    if (expected < step.enough_below * max_false_alarms_ ||
+        expected > kFarAbove * max_false_alarms_) {
       break;
     }
   }
   return expected;
 }
 
-double FalseAlarmTest::judge(const Eigen::Isometry3d& T, Effort effort) {
-  constexpr int kMostPoses = 4096;
+double FalseAlarmTest::judge(const Eigen::Isometry3d& T, Effort effort, double enough) {
+  constexpr int kMostPoses = 4096, kFirst = 256;
   const auto [score, copies] = evidence(T);
   if (score.count <= 3) return number_of_false_alarms(model_, 0, score.count);
   // Of few pairs, all and at more poses.
@@ -214,9 +217,17 @@ double FalseAlarmTest::judge(const Eigen::Isometry3d& T, Effort effort) {
   const double squares = score.count - score.gain;
   const double radius = matching_radius(model_.dimensions, squares, score.count);
   Rates& rates = rates_within(radius, sources);
-  extend(rates, poses);
   BackgroundModel background = model_;
   background.radius = rates.radius;
+  // Further poses only add: if what is known were all there is, it might be enough already.
+  const auto is_enough_at = [&](int some) {
+    extend(rates, some);
+    background.rate = least_power_mean(rates, T, score.count - 1, poses);
+    return expected(background, score, copies) > enough;
+  };
+  int looked = std::isfinite(enough) ? kFirst : poses;
+  while (looked < poses && !is_enough_at(looked)) looked *= 2;
+  extend(rates, std::min(looked, poses));
   background.rate = power_mean(rates, T, score.count - 1);
   return expected(background, score, copies);
 }
@@ -244,23 +255,36 @@ void FalseAlarmTest::extend(Rates& rates, int poses) const {
   }
 }
 
-/// The power mean of the rates at the poses that are not the same as T, and one standard error
-/// more; where too few sources agree for that, the mean.
-double FalseAlarmTest::power_mean(const Rates& rates, const Eigen::Isometry3d& T, int power) const {
-  double sum = 1, powers = 0, squares = 0;
+FalseAlarmTest::Powers FalseAlarmTest::powers_of(const Rates& rates, const Eigen::Isometry3d& T,
+                                                 int power) const {
+  Powers powers;
   for (std::size_t i = 0; i < rates.poses.size(); ++i) {
     if (same(T, rates.poses[i].T)) continue;
     const auto& counts = rates.counts[i];
     const double weight = rates.poses[i].weight;
     const double estimate = weight * power_of_mean(counts, rates.sources, power);
-    sum += weight * std::accumulate(counts.begin(), counts.end(), 0.0);
-    powers += estimate;
-    squares += estimate * estimate;
+    powers.agreements += weight * std::accumulate(counts.begin(), counts.end(), 0.0);
+    powers.sum += estimate;
+    powers.squares += estimate * estimate;
   }
+  return powers;
+}
+
+/// The power mean of the rates at the poses that are not the same as T, and one standard error
+/// more; where too few sources agree for that, the mean.
+double FalseAlarmTest::power_mean(const Rates& rates, const Eigen::Isometry3d& T, int power) const {
+  const Powers powers = powers_of(rates, T, power);
   const auto poses = static_cast<double>(rates.poses.size());
-  const double mean_power = (powers + std::sqrt(squares)) / poses;
-  const double mean = sum / (poses * rates.sources);
+  const double mean_power = (powers.sum + std::sqrt(powers.squares)) / poses;
+  const double mean = (1 + powers.agreements) / (poses * rates.sources);
   return std::max(mean, std::pow(mean_power, 1.0 / power)) / rates.pairings.coarseness();
+}
+
+/// No more than the power mean if there were so many poses.
+double FalseAlarmTest::least_power_mean(const Rates& rates, const Eigen::Isometry3d& T, int power,
+                                        int poses) const {
+  const double most = std::max(static_cast<double>(poses), static_cast<double>(rates.poses.size()));
+  return std::pow(powers_of(rates, T, power).sum / most, 1.0 / power) / rates.pairings.coarseness();
 }
 
 /// Whether two poses are the same answer: they move the sources alike to within three bounds, root

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <limits>
 #include <map>
 #include <optional>
 #include <span>
@@ -48,8 +49,10 @@ class FalseAlarmTest {
     double enough_below;
   };
 
-  /// With the rates at some random poses.
-  double judge(const Eigen::Isometry3d& T, Effort effort);
+  /// With the rates at some random poses; at fewer, where the number is above `enough` whatever the
+  /// others gather.
+  double judge(const Eigen::Isometry3d& T, Effort effort,
+               double enough = std::numeric_limits<double>::infinity());
 
   /// How many of the inliers of T are wrong pairs that agree by accident: as many as agree where
   /// the same points are paired otherwise.
@@ -72,6 +75,11 @@ class FalseAlarmTest {
     std::vector<std::vector<int>> counts = {};  // of each, as PairingRates::agreements()
   };
 
+  /// Sums over poses: of the agreements, of their powers, and of the squares of these.
+  struct Powers {
+    double agreements = 0, sum = 0, squares = 0;
+  };
+
   /// Inliers that speak for a pose each by itself, and how many pairs stand for one of them.
   struct Evidence {
     Score score;
@@ -90,7 +98,10 @@ class FalseAlarmTest {
   const std::vector<ThinAxes>& axes();
   Rates& rates_within(double radius, int sources);
   void extend(Rates& rates, int poses) const;
+  Powers powers_of(const Rates& rates, const Eigen::Isometry3d& T, int power) const;
   double power_mean(const Rates& rates, const Eigen::Isometry3d& T, int power) const;
+  double least_power_mean(const Rates& rates, const Eigen::Isometry3d& T, int power,
+                          int poses) const;
   bool same(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) const;
 
   const Scorer& scorer_;

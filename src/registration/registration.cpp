@@ -193,21 +193,34 @@ RegistrationResult register_rigid(const Correspondences& correspondences,
   return result;
 }
 
+/// Of pairs that have a pose, those near it. Inliers alone are not enough: what noise puts just
+/// beyond the bound agrees on poses a little off.
+std::vector<int> explained(const RegistrationResult& result, double noise_bound) {
+  constexpr double kReach = 3;  // noise bounds
+  std::vector<int> near;
+  for (std::size_t i = 0; i < result.residuals.size(); ++i) {
+    if (result.residuals[i] <= kReach * noise_bound) near.push_back(static_cast<int>(i));
+  }
+  return near;
+}
+
 /// Poses among what the ones before leave over, each a consensus of its own.
 void find_more(const Correspondences& correspondences, const RegistrationOptions& options,
                RegistrationResult& result) {
   std::vector<int> left(correspondences.size());
   std::iota(left.begin(), left.end(), 0);
   RegistrationResult last = result;
-  std::vector<int> taken = result.inliers;
+  std::vector<int> taken = explained(result, options.noise_bound);
   for (int k = 1; k < options.instances && last.T_target_source; ++k) {
     std::vector<int> rest;
     std::ranges::set_difference(left, taken, std::back_inserter(rest));
     left = std::move(rest);
     last = register_rigid(subset(correspondences, left), options);
     taken.clear();
-    for (const int i : last.inliers) taken.push_back(left[static_cast<std::size_t>(i)]);
     if (!last.T_target_source) break;
+    for (const int i : explained(last, options.noise_bound)) {
+      taken.push_back(left[static_cast<std::size_t>(i)]);
+    }
     result.instances.push_back(
         {static_cast<int>(last.inliers.size()), *last.T_target_source, last.false_alarms});
   }

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <functional>
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include "palpate/core/random.hpp"
 #include "registration/clock.hpp"
@@ -16,37 +18,96 @@ constexpr double kBin = 0.02;   // of the logarithm of a ratio
 constexpr int kBins = 1200;     // ratios of e^-12 to e^12
 constexpr int kCandidates = 5;  // scales tried
 
-/// Votes of random pairs of pairs for the logarithm of target length over source length. Lengths
-/// below a few noise bounds tell nothing.
-std::vector<double> votes_of(const Correspondences& c, double noise_bound, RandomStream random) {
+/// Logarithm of target length over source length of a pair of pairs.
+struct Vote {
+  double log_ratio, target_length;
+};
+
+/// Of random pairs of pairs. Lengths below a few noise bounds tell nothing.
+std::vector<Vote> votes_of(const Correspondences& c, double noise_bound, RandomStream random) {
   constexpr int kVotes = 200000;
   constexpr double kLeastLength = 5;
-  std::vector<double> votes(kBins, 0);
+  std::vector<Vote> votes;
   for (int k = 0; k < kVotes; ++k) {
     const std::size_t i = random.index(c.size()), j = random.index(c.size());
     const double s = (c.source[i] - c.source[j]).norm(), t = (c.target[i] - c.target[j]).norm();
-    if (!(s > 0) || t < kLeastLength * noise_bound) continue;
-    const double bin = std::log(t / s) / kBin + kBins / 2.0;
-    if (bin >= 0 && bin < kBins) ++votes[static_cast<std::size_t>(bin)];
+    if (s > 0 && !(t < kLeastLength * noise_bound)) votes.push_back({std::log(t / s), t});
   }
   return votes;
 }
 
-/// The scales that stand out most from their surroundings.
-std::vector<double> candidates(const std::vector<double>& votes) {
+double position(double log_ratio) { return log_ratio / kBin + kBins / 2.0; }
+
+std::vector<double> counts_of(const std::vector<Vote>& votes) {
+  std::vector<double> counts(kBins, 0);
+  for (const Vote& vote : votes) {
+    const double at = position(vote.log_ratio);
+    if (at >= 0 && at < kBins) ++counts[static_cast<std::size_t>(at)];
+  }
+  return counts;
+}
+
+/// The bins that stand out most from their surroundings.
+std::vector<int> peaks_of(const std::vector<double>& counts) {
   constexpr int kAround = 10;
   std::vector<std::pair<double, int>> peaks;
   for (int bin = kAround; bin < kBins - kAround; ++bin) {
     double around = 0;
-    for (int k = -kAround; k <= kAround; ++k) around += votes[static_cast<std::size_t>(bin + k)];
-    const double here = votes[static_cast<std::size_t>(bin)], mean = around / (2 * kAround + 1);
+    for (int k = -kAround; k <= kAround; ++k) around += counts[static_cast<std::size_t>(bin + k)];
+    const double here = counts[static_cast<std::size_t>(bin)], mean = around / (2 * kAround + 1);
     if (here > 0) peaks.emplace_back((here - mean) / std::sqrt(mean + 1), bin);
   }
   std::ranges::sort(peaks, std::greater<>());
-  std::vector<double> scales;
+  std::vector<int> bins;
   for (const auto& [height, bin] : peaks) {
-    if (static_cast<int>(scales.size()) == kCandidates) break;
-    scales.push_back(std::exp((bin + 0.5 - kBins / 2.0) * kBin));
+    if (static_cast<int>(bins.size()) == kCandidates) break;
+    bins.push_back(bin);
+  }
+  return bins;
+}
+
+/// Middle of the votes where they are densest, to within a width (half-sample mode, Bickel &
+/// Fruehwirth 2006).
+double densest(std::vector<double> sorted, double width) {
+  constexpr std::size_t kFewest = 8;
+  auto first = sorted.begin(), last = sorted.end() - 1;
+  while (*last - *first > width && last - first >= static_cast<std::ptrdiff_t>(kFewest)) {
+    const auto half = (last - first) / 2;
+    auto best = first;
+    for (auto low = first; low + half <= last; ++low) {
+      if (*(low + half) - *low < *(best + half) - *best) best = low;
+    }
+    first = best;
+    last = best + half;
+  }
+  return (*first + *last) / 2;
+}
+
+/// The scale of a bin: its middle, or closer where a bin moves points by many noise bounds.
+double scale_of(int bin, const std::vector<Vote>& votes, double noise_bound) {
+  constexpr std::size_t kEnough = 20000;
+  constexpr double kAgrees = 0.5, kCoarse = 0.25;  // noise bounds; bins
+  std::vector<double> ratios, lengths;
+  for (const Vote& vote : votes) {
+    if (std::abs(position(vote.log_ratio) - bin - 0.5) > 1) continue;
+    ratios.push_back(vote.log_ratio);
+    lengths.push_back(vote.target_length);
+    if (ratios.size() == kEnough) break;
+  }
+  const double middle = (bin + 0.5 - kBins / 2.0) * kBin;
+  if (ratios.empty()) return std::exp(middle);
+  const auto median = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
+  std::ranges::nth_element(lengths, median);
+  const double width = kAgrees * noise_bound / *median;
+  if (width > kCoarse * kBin) return std::exp(middle);
+  std::ranges::sort(ratios);
+  return std::exp(densest(std::move(ratios), width));
+}
+
+std::vector<double> candidates(const std::vector<Vote>& votes, double noise_bound) {
+  std::vector<double> scales;
+  for (const int bin : peaks_of(counts_of(votes))) {
+    scales.push_back(scale_of(bin, votes, noise_bound));
   }
   return scales;
 }
@@ -120,8 +181,10 @@ RegistrationResult register_scaled(const Correspondences& correspondences,
   if (correspondences.size() < 4) return best;
   best.status = RegistrationStatus::kNoConsensus;
   best.false_alarms = 1.0 / kCandidates;
+  const double noise_bound = options.noise_bound;
   const RandomStream random(options.seed, "scale");
-  for (const double scale : candidates(votes_of(correspondences, options.noise_bound, random))) {
+  const auto votes = votes_of(correspondences, noise_bound, random);
+  for (const double scale : candidates(votes, noise_bound)) {
     // Each scale that is tried is another chance of a false alarm.
     rigid.max_false_alarms = options.max_false_alarms / kCandidates;
     auto result = registered_at(scale, correspondences, rigid);

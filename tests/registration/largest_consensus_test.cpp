@@ -66,6 +66,29 @@ TEST(LargestConsensus, SeveralInstancesOneAfterTheOther) {
   EXPECT_NEAR(result.instances[0].inliers, 250, 15);
 }
 
+// What noise put just beyond the bound came back as up to five poses a little off the first.
+TEST(LargestConsensus, ALooseNoiseMakesNoFurtherInstances) {
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    const auto problem = make_problem({.pairs = 3000, .outliers = 0.3, .noise = 0.0016},
+                                      RandomStream(seed, "loose noise"));
+    const auto result = register_correspondences(problem.correspondences, {.instances = 6});
+    ASSERT_TRUE(result.T_target_source);
+    EXPECT_TRUE(is_right(*result.T_target_source, problem.truth));
+    EXPECT_EQ(result.instances.size(), 0u) << seed;
+  }
+}
+
+// Seven of the ten right pairs and some wrong ones agreed on a pose 10 deg off.
+TEST(LargestConsensus, APartOfTheRightPairsIsNotTheAnswer) {
+  for (const std::uint64_t seed : {513, 613}) {
+    const auto problem = make_problem({.outliers = 0.99, .noise = 0.001, .normal_deg = 5},
+                                      RandomStream(seed, "registration_table"));
+    const auto result = register_correspondences(problem.correspondences);
+    ASSERT_TRUE(result.T_target_source) << seed;
+    EXPECT_TRUE(is_right(*result.T_target_source, problem.truth)) << seed;
+  }
+}
+
 /// Wrong pairs, each with copies a little beside it.
 Correspondences jittered(int pairs, int copies, double jitter, std::uint64_t seed) {
   RandomStream random(seed, "jitter");

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "palpate/registration/registration.hpp"
 #include "registration/consensus.hpp"
 #include "registration/false_alarm_test.hpp"
 #include "registration/problems.hpp"
@@ -185,6 +186,33 @@ TEST(FalseAlarmTest, CopiesAreNoEvidence) {
   }
   EXPECT_GT(once, 0);
   EXPECT_GE(judged(), once);
+}
+
+// Where some poses gather more than is tolerated of all of them, the rest need not be looked at.
+TEST(FalseAlarmTest, FewerPosesRefuseTheSame) {
+  constexpr double kTolerated = 0.01;
+  constexpr FalseAlarmTest::Effort kMany{2048, 512};
+  int refused = 0, sooner = 0;
+  for (std::uint64_t seed = 0; seed < 16; ++seed) {
+    const auto problem = testing::make_problem(
+        {.outliers = seed % 2 ? 1 : 0.995, .noise = 0.001, .normal_deg = 5, .normals = true},
+        RandomStream(seed, "false alarms"));
+    const auto& c = problem.correspondences;
+    const auto best = register_correspondences(c, {.normal_noise_deg = 5, .best_effort = true});
+    if (!best.T_target_source) continue;
+    const Scorer scorer(c, 0.004, chord_bound(c, 5), {});
+    const Eigen::Isometry3d T = scorer.centred(*best.T_target_source);
+    const RandomStream random(seed, "judge");
+    FalseAlarmTest all(scorer, kTolerated, {}, random), some(scorer, kTolerated, {}, random);
+    const double by_all = all.judge(T, kMany), by_some = some.judge(T, kMany, kTolerated);
+    EXPECT_EQ(by_some > kTolerated, by_all > kTolerated) << seed;
+    EXPECT_TRUE(by_all > kTolerated || by_some == by_all) << seed;
+    refused += by_all > kTolerated;
+    sooner += by_some != by_all;
+  }
+  EXPECT_GE(refused, 3);
+  EXPECT_GE(16 - refused, 3);
+  EXPECT_GE(sooner, 2);
 }
 
 }  // namespace

@@ -53,7 +53,8 @@ struct RegistrationOptions {
   bool translation_only = false;  ///< both frames are turned alike: shift the source, no more
   /// Solve for the scale of the source too (register_scaled()).
   bool estimate_scale = false;
-  /// Poses looked for, each among the pairs that the ones before leave over.
+  /// Poses looked for, each among the pairs that the ones before leave over: those farther than
+  /// three noise bounds off.
   int instances = 1;
   RobustBoundOptions robust_bound = {};  ///< of the certificate; asked for by max_nodes
   std::uint64_t seed = 0;
