@@ -192,12 +192,17 @@ TEST(Trial, WhatHasSlippedIsPressedHarder) {
   EXPECT_TRUE(trial.result.held);
 }
 
-TEST(Trial, WhatIsHeldInAnUnknownPoseIsPutDownAndFeltAnew) {
+/// Of a mug that is felt by closing the hand alone, so that its pose stays unknown.
+Trial run_blind_trial(int attempts) {
   TrialOptions options = quick_options();
   options.pick.explore.touches = 0;
   options.pick.palpation.max = 0;
-  options.pick.attempts = 2;
-  const Trial trial = run_trial(model("mug"), options, kSeed);
+  options.pick.attempts = attempts;
+  return run_trial(model("mug"), options, kSeed);
+}
+
+TEST(Trial, WhatIsHeldInAnUnknownPoseIsPutDownAndFeltAnew) {
+  const Trial trial = run_blind_trial(2);
   EXPECT_GE(trial.result.attempts, 2);  // those in which the grip gives way do not count
   std::vector<std::string> names;
   for (const auto& phase : trial.result.phases) names.push_back(phase.name);
@@ -209,11 +214,7 @@ TEST(Trial, WhatIsHeldInAnUnknownPoseIsPutDownAndFeltAnew) {
 }
 
 TEST(Trial, WhatStaysInAnUnknownPoseIsPutDownOnce) {
-  TrialOptions options = quick_options();
-  options.pick.explore.touches = 0;
-  options.pick.palpation.max = 0;
-  options.pick.attempts = 4;
-  const Trial trial = run_trial(model("mug"), options, kSeed);
+  const Trial trial = run_blind_trial(4);
   const auto downs = std::count_if(trial.result.phases.begin(), trial.result.phases.end(),
                                    [](const auto& phase) { return phase.name == "put-down"; });
   EXPECT_EQ(downs, 1);
