@@ -21,6 +21,7 @@ import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "tests" / "app"))
 
+import ros2_loopback
 import ros2_peer
 import ros2_stream
 
@@ -71,7 +72,7 @@ def main():
     parser.add_argument("--joint-rate", type=float, default=100)
     parser.add_argument("--set", action="append", default=[], help="option of palpate ros2 estimate")
     arguments = parser.parse_args()
-    os.environ["CYCLONEDDS_URI"] = ros2_peer.LOOPBACK
+    os.environ["CYCLONEDDS_URI"] = ros2_loopback.LOOPBACK
     domain = random.SystemRandom().randrange(1, 230)
     node = subprocess.Popen(
         [arguments.palpate, "ros2", "estimate", "--object", arguments.object, "--domain", str(domain),

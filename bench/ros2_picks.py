@@ -19,13 +19,10 @@ import sys
 import tempfile
 import time
 
-LOOPBACK = (
-    "<CycloneDDS><Domain><General><AllowMulticast>false</AllowMulticast>"
-    '<Interfaces><NetworkInterface name="lo" multicast="false"/></Interfaces></General>'
-    "<Discovery><ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>60"
-    '</MaxAutoParticipantIndex><Peers><Peer address="127.0.0.1"/></Peers></Discovery>'
-    "</Domain></CycloneDDS>"
-)
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "tests" / "app"))
+
+from ros2_loopback import LOOPBACK
+
 LIFTED = 0.05  # m, that the object has risen
 
 

@@ -17,6 +17,7 @@ import cli
 from cli import BAD_INPUT, DONE, QUICK, USAGE, CliTest, main
 
 try:
+    import ros2_loopback
     import ros2_peer
     import ros2_stream
 except ImportError:
@@ -195,7 +196,7 @@ class Evaluation(LiveTest):
 @unittest.skipUnless(ros2_peer, "requirements/ros2.txt is not installed")
 class Stream(LiveTest):
     def test_a_stream_of_ros_2_is_shown_with_what_is_estimated_beside_it(self):
-        os.environ["CYCLONEDDS_URI"] = ros2_peer.LOOPBACK
+        os.environ["CYCLONEDDS_URI"] = ros2_loopback.LOOPBACK
         domain = str(random.SystemRandom().randrange(1, 230))
         self.run_json("pick", *PICK, "--out", "run")
         self.run_json("export", "mcap", "run/recording.h5", "--out", "box.mcap")

@@ -16,15 +16,6 @@ from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
 from cyclonedds.util import duration
 
-LOOPBACK = (
-    "<CycloneDDS><Domain><General><AllowMulticast>false</AllowMulticast>"
-    '<Interfaces><NetworkInterface name="lo" multicast="false"/></Interfaces></General>'
-    "<Discovery><ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>60"
-    '</MaxAutoParticipantIndex><Peers><Peer address="127.0.0.1"/></Peers></Discovery>'
-    "</Domain></CycloneDDS>"
-)
-
-
 LATCHED = Qos(
     Policy.Reliability.Reliable(duration(seconds=1)),
     Policy.Durability.TransientLocal,

@@ -15,7 +15,8 @@ from cli import BAD_INPUT, DONE, QUICK, USAGE, CliTest, main
 try:
     import ros2_stream
     import ros2_peer
-    from ros2_peer import LOOPBACK, Peer, wait_until
+    from ros2_loopback import LOOPBACK
+    from ros2_peer import Peer, wait_until
 except ImportError:
     ros2_peer = None
 
