@@ -61,6 +61,30 @@ TEST(ReleasePhase, GivesWayWhereTheOpeningFingersPushItOff) {
   EXPECT_GT(opened_at, height + 0.03);
 }
 
+TEST(ReleasePhase, GivesWayToAFingertipThatPushes) {
+  bool pushed = false;
+  Holding holding([&](hand::HandReading& reading) {
+    if (pushed) reading.contacts[0].push_back({{0, 0, 0.02}, {0, 1, 0}, {0, -5, 0}});
+  });
+  pushed = true;
+  ASSERT_TRUE(ReleasePhase().run(holding.robot, holding.state).ok);
+  double bent_at = 0;
+  for (const auto& reading : holding.robot.log().readings) {
+    if (reading.joints[hand::shadow_hand().joint("FFJ3")] > 0.2) bent_at = reading.base.xyz.z();
+  }
+  EXPECT_GT(bent_at, Holding::kHeight + 0.03);
+}
+
+TEST(ReleasePhase, TheThumbStaysOpposedUntilTheHandHasRisen) {
+  Holding holding;
+  ASSERT_TRUE(ReleasePhase().run(holding.robot, holding.state).ok);
+  for (const auto& reading : holding.robot.log().readings) {
+    if (reading.base.xyz.z() > 0.33) continue;
+    EXPECT_GT(reading.joints[hand::shadow_hand().joint("THJ4")], 0.79);
+  }
+  EXPECT_LE(holding.robot.command().positions[hand::shadow_hand().actuator("THJ4")], 0.1);
+}
+
 TEST(ReleasePhase, LetsGoWhereTheHandHadClosedAndGoesAway) {
   Holding holding(feel_weight);
   ASSERT_TRUE(ReleasePhase().run(holding.robot, holding.state).ok);

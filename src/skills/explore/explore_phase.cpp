@@ -55,20 +55,6 @@ Executor::StopCondition impact(const Executor& robot, const Eigen::Vector3d& dir
   };
 }
 
-/// m above the table of the highest point of objects at any of their poses.
-double highest_of(const std::vector<localization::PosedObject>& objects) {
-  double top = 0;
-  for (const auto& [object, posterior] : objects) {
-    for (const auto& mode : posterior.modes) {
-      const Eigen::RowVector3d up = mode.T_frame_object.linear().row(2);
-      for (const auto& vertex : object->object().mesh.vertices) {
-        top = std::max(top, mode.T_frame_object.translation().z() + up.dot(vertex));
-      }
-    }
-  }
-  return top;
-}
-
 /// Takes back most of the lead that the base's command has on the base, which would go on pushing.
 void stop_here(Executor& robot, double speed) {
   hand::BasePosition here = robot.command().base;
@@ -330,7 +316,7 @@ ExplorePhase::GuardedMoveEnd ExplorePhase::guarded_move(Executor& robot, const P
 }
 
 /// Fast as far as the object cannot be there, and from there on as a sweep. One that meets nothing
-/// has missed.
+/// has missed; what is met where it cannot be is felt all the same.
 ExplorePhase::GuardedMoveEnd ExplorePhase::come_down(Executor& robot, const PickState& state,
                                                      const localization::TurnedMove& descent) {
   const localization::GuardedMove& move = descent.guarded_move;
@@ -338,7 +324,16 @@ ExplorePhase::GuardedMoveEnd ExplorePhase::come_down(Executor& robot, const Pick
   const double clear = std::clamp(clear_way(robot, state, descent), 0.0, length);
   hand::BasePosition near = base_for_probe(robot, pointing(robot), yaw(descent.turn), move.from);
   near.xyz.z() -= clear;
-  robot.move_base(near, options_.travel_speed / 2);
+  bool touched = false;
+  const auto met = [&, tip = tip_touches(pointing(robot).finger, options_.touch_force),
+                    hit = impact(robot, -Eigen::Vector3d::UnitZ())](const auto& reading) mutable {
+    touched = tip(reading);
+    return hit(reading) || touched;
+  };
+  if (robot.move_base(near, options_.travel_speed / 2, met) == MotionEnd::stopped) {
+    robot.mark(estimation::TouchEvent::guarded_move);
+    return end_of(robot, descent, touched, MotionEnd::stopped);
+  }
   robot.wait(kSettle);
   if (clear >= length) return GuardedMoveEnd::missed;
   const Eigen::Vector3d from(move.from.x(), move.from.y(), move.from.z() - clear);
@@ -367,6 +362,12 @@ ExplorePhase::GuardedMoveEnd ExplorePhase::sweep(Executor& robot,
   };
   MotionEnd motion = sweep_to(move.from + std::max(0.0, clear) * forward, options_.speed);
   if (motion == MotionEnd::reached) motion = sweep_to(move.to, touch_speed);
+  return end_of(robot, turned, touched, motion);
+}
+
+ExplorePhase::GuardedMoveEnd ExplorePhase::end_of(Executor& robot,
+                                                  const localization::TurnedMove& turned,
+                                                  bool touched, MotionEnd motion) {
   if (motion == MotionEnd::timed_out) return GuardedMoveEnd::timed_out;  // it missed nothing
   if (touched) {
     stop_here(robot, options_.travel_speed);

@@ -59,4 +59,17 @@ double likely_reach(const estimation::Candidates& candidates, double felt) {
   return reach;
 }
 
+double highest_of(const std::vector<localization::PosedObject>& objects) {
+  double top = 0;
+  for (const auto& [object, posterior] : objects) {
+    for (const auto& mode : posterior.modes) {
+      const Eigen::RowVector3d up = mode.T_frame_object.linear().row(2);
+      for (const auto& vertex : object->object().mesh.vertices) {
+        top = std::max(top, mode.T_frame_object.translation().z() + up.dot(vertex));
+      }
+    }
+  }
+  return top;
+}
+
 }  // namespace palpate::skills

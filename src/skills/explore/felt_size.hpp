@@ -2,6 +2,7 @@
 #pragma once
 
 #include "palpate/estimation/estimate.hpp"
+#include "palpate/localization/information/sweep_choice.hpp"
 
 namespace palpate::skills {
 
@@ -15,5 +16,8 @@ double likely_top(const estimation::Candidates& candidates, double felt);
 /// m over the table from an object's center to its farthest point, in the stable poses that are as
 /// tall as was felt or taller; in all of them where none is.
 double likely_reach(const estimation::Candidates& candidates, double felt);
+
+/// m above the table of the highest point of objects at any of their poses.
+double highest_of(const std::vector<localization::PosedObject>& objects);
 
 }  // namespace palpate::skills

@@ -17,6 +17,7 @@
 #include "skills/grasp/unfelt_contacts.hpp"
 #include "skills/lowest_part.hpp"
 #include "skills/motion_constants.hpp"
+#include "skills/opening.hpp"
 #include "skills/take_posture.hpp"
 
 namespace palpate::skills {
@@ -309,7 +310,7 @@ void GraspPhase::press(Executor& robot, const Hold& hold) const {
 }
 
 void GraspPhase::let_go(Executor& robot) const {
-  robot.move_fingers(robot.model().postures.top.open, kOpenSeconds);
+  open_yielding(robot);
   hand::BasePosition up = robot.command().base;
   up.xyz.z() += kTopDistance;
   robot.move_base(up, options_.travel_speed);

@@ -8,6 +8,7 @@
 #include "palpate/hand/tip_forces.hpp"
 #include "skills/last_contacts.hpp"
 #include "skills/motion_constants.hpp"
+#include "skills/opening.hpp"
 
 namespace palpate::skills {
 namespace {
@@ -16,8 +17,6 @@ constexpr double kDownSpeed = 0.10;          // m/s
 constexpr double kUpSpeed = 0.30;            // m/s
 constexpr double kTouchdown = 10.0;          // N, from below: what slipped meets the table first
 constexpr double kReleaseSeconds = 0.6;      // s
-constexpr int kReleaseSteps = 12;            // after each of which the hand may give way
-constexpr double kYield = 0.01;              // m
 constexpr double kFeltWeight = 0.5;          // N
 constexpr double kReleaseRestSeconds = 0.3;  // s
 
@@ -27,32 +26,20 @@ hand::BasePosition at_height(hand::BasePosition base, double height) {
 }
 
 /// The fingers' command with all of them straight.
-hand::ActuatorVector opened(const Executor& robot) {
+hand::ActuatorVector straightened(const Executor& robot) {
   const hand::ActuatorVector& straight = robot.model().postures.released;
-  hand::ActuatorVector open = robot.command().positions;
-  for (Eigen::Index i = 0; i < open.size(); ++i) {
+  hand::ActuatorVector posture = robot.command().positions;
+  for (Eigen::Index i = 0; i < posture.size(); ++i) {
     const hand::Actuator& actuator = robot.actuators()[static_cast<std::size_t>(i)];
     if (actuator.finger < 0) continue;
-    open[i] =
-        actuator.closing < 0 ? std::max(open[i], straight[i]) : std::min(open[i], straight[i]);
+    posture[i] = actuator.closing < 0 ? std::max(posture[i], straight[i])
+                                      : std::min(posture[i], straight[i]);
   }
-  return open;
+  return posture;
 }
 
 bool holds_something(const Executor& robot) {
   return hand::count_contacts(robot.reading()) > 0 || robot.reading().base_force.z() > kFeltWeight;
-}
-
-/// Opens the hand, which gives way where the opening fingers push it off the table.
-void open_yielding(Executor& robot) {
-  const hand::ActuatorVector from = robot.command().positions, to = opened(robot);
-  for (int i = 1; i <= kReleaseSteps; ++i) {
-    const double share = static_cast<double>(i) / kReleaseSteps;
-    robot.move_fingers(from + share * (to - from), kReleaseSeconds / kReleaseSteps);
-    if (robot.reading().base_force.z() > -kTouchdown) continue;
-    const hand::BasePosition& base = robot.command().base;
-    robot.move_base(at_height(base, base.xyz.z() + kYield), kUpSpeed);
-  }
 }
 
 }  // namespace
@@ -71,6 +58,7 @@ PhaseEnd ReleasePhase::run(Executor& robot, PickState& state) {
   robot.set_grip(std::nullopt);
   open_yielding(robot);
   robot.move_base(at_height(robot.command().base, kFreeHeight), kUpSpeed);
+  robot.move_fingers(straightened(robot), kReleaseSeconds);
   robot.mark(estimation::TouchEvent::released);
   return {true, fmt::format("next try at ({:.0f}, {:.0f}) mm", 1e3 * state.place.x(),
                             1e3 * state.place.y())};
@@ -81,7 +69,7 @@ PhaseEnd ClearPhase::run(Executor& robot, PickState&) {
   hand::BasePosition high = robot.command().base;
   high.xyz.z() = std::max(high.xyz.z(), kFreeHeight);
   robot.move_base(high, kUpSpeed);
-  robot.move_fingers(opened(robot), kReleaseSeconds);
+  robot.move_fingers(straightened(robot), kReleaseSeconds);
   high.ypr.setZero();
   robot.move_base(high, kUpSpeed);
   robot.wait(kReleaseRestSeconds);

@@ -8,6 +8,7 @@
 
 #include "estimation/mean_load.hpp"
 #include "palpate/hand/tip_forces.hpp"
+#include "skills/opening.hpp"
 
 namespace palpate::skills {
 namespace {
@@ -43,17 +44,6 @@ Executor::StopCondition load_below(double load, double since = 0) {
     ticks = reading.time > since && reading.base_force.z() < load ? ticks + 1 : 0;
     return ticks >= kLoadedTicks;
   };
-}
-
-/// The posture at which the actuators that press would press no more.
-hand::ActuatorVector unloaded(const Executor& robot) {
-  hand::ActuatorVector posture = robot.command().positions;
-  for (Eigen::Index i = 0; i < posture.size(); ++i) {
-    const auto& actuator = robot.actuators()[static_cast<std::size_t>(i)];
-    if (actuator.finger < 0) continue;
-    posture[i] -= robot.reading().torques[i] / actuator.stiffness;
-  }
-  return posture;
 }
 
 hand::ActuatorVector wider(const Executor& robot) {

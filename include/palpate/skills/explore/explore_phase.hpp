@@ -68,6 +68,8 @@ class ExplorePhase : public Phase {
                            const localization::TurnedMove& descent);
   GuardedMoveEnd sweep(Executor& robot, const localization::TurnedMove& turned, double clear,
                        double touch_speed);
+  GuardedMoveEnd end_of(Executor& robot, const localization::TurnedMove& turned, bool touched,
+                        MotionEnd motion);
   void go_back(Executor& robot, const localization::GuardedMove& move, double height) const;
   double travel_height(const Executor& robot, const PickState& state) const;
   double clear_way(const Executor& robot, const PickState& state,

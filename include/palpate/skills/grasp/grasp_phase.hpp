@@ -39,11 +39,11 @@ struct GraspOptions {
   double ramp_seconds = 0.8;      ///< from touching to pressing
   double press_per_weight = 4.5;  ///< of all fingertips together, by the object's weight
   double min_press = 5.0;         ///< N
-  double good_cost = 0.1;         ///< of a plan with which the search ends
+  double good_cost = 0.05;        ///< of a plan with which the search ends
   grasping::GraspPlanOptions plan;
   double friction = 0.5;             ///< that the balance of forces counts on
-  int closings = 3;                  ///< from other sides, at most, until the forces balance
-  double max_wrench_residual = 0.3;  ///< of the forces with which the fingers would press
+  int closings = 4;                  ///< from other sides, at most, until the forces balance
+  double max_wrench_residual = 0.1;  ///< of the forces with which the fingers would press
   int min_contacts = 2;              ///< fingertip contacts that count as a grasp
 
   template <class Visitor>
