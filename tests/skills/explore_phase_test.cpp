@@ -19,9 +19,10 @@ struct Exploring {
 
   explicit Exploring(Rule touches)
       : hand([this, touches = std::move(touches)](hand::HandReading& reading) {
-          last = reading.base.xyz;
+          follow(reading.base.xyz);
+          if (fallen > roof && !sweeping) touch(reading, Eigen::Vector3d::UnitZ());
           if (!sweeping || way() < met || (!is_level() && !meets_on_the_way_down)) return;
-          if (touches(sweeps)) touch(reading);
+          if (touches(sweeps)) touch(reading, (start - last).normalized());
           if (blocks && blocks(sweeps)) reading.base_force = obstacle * (last - start).normalized();
         }),
         robot(hand, model, hand::resting_command(),
@@ -33,6 +34,11 @@ struct Exploring {
     state.height = 0.05;
   }
 
+  void follow(const Eigen::Vector3d& now) {
+    const bool down = (now - last).head<2>().norm() < 1e-9 && now.z() < last.z();
+    fallen = down ? fallen + last.z() - now.z() : 0;
+    last = now;
+  }
   [[nodiscard]] double way() const { return (last - start).norm(); }
   [[nodiscard]] bool is_level() const { return std::abs(last.z() - start.z()) < 0.1 * way(); }
 
@@ -49,14 +55,14 @@ struct Exploring {
     }
   }
 
-  /// The fingertip meets a face that looks against the guarded move.
-  void touch(hand::HandReading& reading) const {
+  /// The fingertip meets a face of a normal (world).
+  void touch(hand::HandReading& reading, const Eigen::Vector3d& normal) const {
     const auto link = static_cast<std::size_t>(model.fingers[1].link);
     const Eigen::Matrix3d R_link_world =
         (reading.base.pose() * hand::forward_kinematics(model, reading.joints)[link])
             .linear()
             .transpose();
-    const Eigen::Vector3d n = R_link_world * (start - reading.base.xyz).normalized();
+    const Eigen::Vector3d n = R_link_world * normal;
     reading.contacts[1] = {{model.fingers[1].tip.b - model.fingers[1].tip.radius * n, n, -n}};
   }
 
@@ -80,6 +86,8 @@ struct Exploring {
   }
 
   double met = 0.1;       // m of a guarded move after which something is met
+  double fallen = 0;      // m that the hand has come straight down in one go
+  double roof = 1e9;      // m of it after which the fingertip meets something, but in sweeps
   double obstacle = 5.0;  // N, of what blocks the hand
   Rule blocks;            // where another part of the hand meets something
   bool meets_on_the_way_down = false;
@@ -190,6 +198,19 @@ TEST(ExplorePhase, WhatTheFingertipMeetsOnTheWayDownIsATouch) {
     const auto& to = log.readings[log.all(estimation::TouchEvent::touched)[k]].base.xyz;
     EXPECT_LT((from - to).head<2>().norm(), 1e-3);
   }
+}
+
+TEST(ExplorePhase, WhatIsMetOnAFastWayDownStopsItAndIsATouch) {
+  Exploring exploring([](std::size_t) { return false; });
+  exploring.roof = 0.02;
+  exploring.options.touches = exploring.options.max_touches = 1;
+  exploring.explore();
+  ASSERT_EQ(exploring.marked(estimation::TouchEvent::touched), 1u);
+  const auto& readings = exploring.robot.log().readings;
+  const auto met = std::find_if(readings.begin(), readings.end(),
+                                [](const auto& reading) { return !reading.contacts[1].empty(); });
+  const auto felt = exploring.robot.log().all(estimation::TouchEvent::touched).front();
+  EXPECT_LT(met->base.xyz.z() - readings[felt].base.xyz.z(), 0.01);
 }
 
 TEST(ExplorePhase, AHardImpactEndsASweepBeforeItsLoadHasSettled) {
