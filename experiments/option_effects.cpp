@@ -26,7 +26,8 @@ struct Job {
 };
 
 const std::vector<Job> kJobs = {
-    {"spot", "mug", {"place.target=0.15,0.1,0.5"}},
+    {"spot", "box", {"place.target=0.15,0.1,0.5"}},
+    {"unsure", "mug", {"place.target=0.15,0.1,0.5"}},
     {"fixture", "box", {"place.target=fixture"}},
     {"regrasp", "box", {"place.target=stable_pose", "place.strategy=regrasp"}},
     {"fingers", "box", {"place.target=0.15,0.1,0.5", "place.strategy=fingers"}},
@@ -136,7 +137,7 @@ std::vector<std::string> public_keys(bool quick) {
   for (const OptionInfo& option : list_options(TrialOptions{})) {
     if (!option.key.starts_with(kExpertSection)) keys.push_back(option.key);
   }
-  if (quick) keys = {"friction", "attempts"};
+  if (quick) keys = {"friction", "lift.hold"};
   return keys;
 }
 
