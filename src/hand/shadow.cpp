@@ -176,7 +176,8 @@ Preshape top_preshape(const Description& hand) {
                                          .thumb_end = 0.718,
                                          .knuckle_torque = 0.117,
                                          .tip_torque = 0.082});
-  preshape.attitudes = {{.pitch = 0.475, .roll = -0.30}, {.pitch = 0.3, .roll = 0.0}};
+  preshape.attitudes = {
+      {.pitch = 0.475, .roll = -0.30}, {.pitch = 0.3, .roll = 0.0}, {.pitch = 0.9, .roll = -0.30}};
   preshape.offset = {-0.005, -0.030};
   return preshape;
 }
@@ -217,7 +218,7 @@ Description make_shadow_hand() {
   postures.side = side_preshape(hand);
   // Rolled far, the hand still clears the table when it stands up what lay on its side; farther
   // still, when it lays down what stood.
-  postures.far_attitudes = {{.pitch = 0.9, .roll = -0.3}, {.pitch = 0.9, .roll = -0.8}, {.pitch = 0.9, .roll = -1.2}};
+  postures.far_attitudes = {{.pitch = 0.9, .roll = -0.8}, {.pitch = 0.9, .roll = -1.2}};
   return hand;
 }
 
