@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -36,8 +37,8 @@ ClosingTrajectory shadow_path(const geometry::ObjectModel& object) {
 struct BoxScene {
   geometry::ObjectModel object{geometry::load_known_object("box")};
   ClosingTrajectory path = shadow_path(object);
-  Eigen::Isometry3d resting(double yaw, const Eigen::Vector2d& xy) const {
-    const auto& stable_pose = object.object().stable_poses[0];
+  Eigen::Isometry3d resting(double yaw, const Eigen::Vector2d& xy, std::size_t index = 0) const {
+    const auto& stable_pose = object.object().stable_poses[index];
     Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
     T.linear() = Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) * stable_pose.R_table_object;
     T.translation() << xy, stable_pose.height;
@@ -59,6 +60,18 @@ TEST(PlanGrasp, HoldsALyingBoxWhereverItLies) {
     EXPECT_LT((plan->base.xyz.head<2>() - xy).norm(), 0.15);
     EXPECT_EQ(plan->base.ypr.y(), kPitch);
     EXPECT_EQ(plan->base.ypr.z(), kRoll);
+  }
+}
+
+TEST(PlanGrasp, SomeAttitudeOfTheShadowHandHoldsTheBoxHoweverItStands) {
+  const BoxScene scene;
+  const auto& attitudes = hand::shadow_hand().postures.top.attitudes;
+  for (std::size_t i = 0; i < scene.object.object().stable_poses.size(); ++i) {
+    const auto T = scene.resting(0.4, {0, 0}, i);
+    EXPECT_TRUE(std::any_of(attitudes.begin(), attitudes.end(), [&](const auto& attitude) {
+      return plan_grasp(scene.object, T, scene.path, attitude, {}).has_value();
+    })) << "stable pose "
+        << i;
   }
 }
 
