@@ -68,10 +68,12 @@ TEST(PlanGrasp, SomeAttitudeOfTheShadowHandHoldsTheBoxHoweverItStands) {
   const auto& attitudes = hand::shadow_hand().postures.top.attitudes;
   for (std::size_t i = 0; i < scene.object.object().stable_poses.size(); ++i) {
     const auto T = scene.resting(0.4, {0, 0}, i);
-    EXPECT_TRUE(std::any_of(attitudes.begin(), attitudes.end(), [&](const auto& attitude) {
-      return plan_grasp(scene.object, T, scene.path, attitude, {}).has_value();
-    })) << "stable pose "
-        << i;
+    EXPECT_TRUE(
+        std::any_of(attitudes.begin(), attitudes.end(),
+                    [&](const auto& attitude) {
+                      return plan_grasp(scene.object, T, scene.path, attitude, {}).has_value();
+                    }))
+        << "stable pose " << i;
   }
 }
 
