@@ -93,7 +93,7 @@ void add_sense(CLI::App& program, Command& chosen) {
                   "trained model for a BioTac log, or for the BioTacs of a recording")
       ->option_text("FILE");
   command.add_flag("--causal", arguments->causal,
-                   "of a BioTac log, use only the frames up to each, as in a stream");
+                   "for a BioTac log: use only the frames up to each sample, as in a stream");
   add_common_options(command, arguments->common, kOut);
   command.footer(
       "A CSV of contacts has the columns finger,t,px,py,pz (or x,y,z),fx,fy,fz and, optionally,\n"

@@ -35,7 +35,7 @@ struct ExploreOptions {
     v("touch_speed", touch_speed, 0.001, 0.2, "m/s, of a guarded move where one is");
     v("touch_force", touch_force, 0.02, 5.0, "N, force at the fingertip that counts as a touch");
     v.expert("travel_speed", travel_speed, 0.01, 2.0, "m/s, between guarded moves");
-    v("reach", reach, 0.005, 0.07, "m, below the object's top");
+    v("reach", reach, 0.005, 0.07, "m, depth of the fingertip below the object's top");
   }
 };
 
