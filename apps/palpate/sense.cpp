@@ -101,7 +101,7 @@ void add_sense(CLI::App& program, Command& chosen) {
       "inferred from the fingertip's shape); one of a BioTac has t_s,pdc,e1..e19 and, optionally,\n"
       "nx,ny,nz.\n"
       "For a recording with BioTac channels the contacts inferred from these are reported, too.\n"
-      "Errors in a recording are relative to the surface nearest to the believed tip, which is\n"
+      "Errors in a recording are relative to the surface nearest to the assumed tip, which is\n"
       "uncertain itself at edges.\n"
       "Unusable samples are flagged and counted, and get no normal. --out writes each\n"
       "stream's series as CSV and its normals and forces as SVG figures, and the contacts of all\n"

@@ -79,9 +79,9 @@ struct WorldOptions {
              "fingertips meet the true surface, the table its hull; else convex parts");
     v("biotacs", biotacs, "simulate the channels of BioTacs on the fingertips");
     v.expert("second_object", second_object,
-             "a box that the robot is not told of stands beside the object");
+             "a box that is unknown to the robot stands beside the object");
     v.expert("corrupted_truth", corrupted_truth,
-             "the truth that is told is wrong: whoever acts on it shows");
+             "report a corrupted true pose, which exposes code that uses it");
     v.expert_section("integral", integral);
     v.section("noise", noise);
     v.section("error", error);
