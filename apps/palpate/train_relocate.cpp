@@ -121,7 +121,7 @@ void check_use(const TrainArguments& arguments) {
     throw BadInput("--ask, --score and --tell come one after another");
   }
   if (arguments.common.force && (arguments.tell || !arguments.score.empty())) {
-    throw BadInput("--force begins anew: with --ask alone");
+    throw BadInput("--force starts over: of these three options, only --ask takes it");
   }
   if (arguments.demos.empty()) return;
   if (!arguments.expert.empty()) throw BadInput("--expert is of no use with --demos");
@@ -252,7 +252,8 @@ int score_share(const TrainArguments& arguments, const std::string& settings,
   Curves curves(files.folder);
   if (!std::filesystem::exists(files.ask()) ||
       !resume(files.folder / "checkpoint", arguments, settings, *training.trainer, curves)) {
-    throw BadInput(fmt::format("nothing is asked for in {}: --ask", files.folder.string()));
+    throw BadInput(
+        fmt::format("{} has no rollouts to run: begin with --ask", files.folder.string()));
   }
   const auto rollouts = run_share(files, arguments.score, *training.search);
   print_round(arguments.common, files, training.trainer->iteration(), rollouts);

@@ -53,7 +53,8 @@ std::string page_of(const std::vector<std::string>& recordings) {
 
 int view_live(const ViewArguments& arguments) {
   if (!arguments.recordings.empty() || !arguments.common.out.empty()) {
-    throw BadInput("--live shows a stream of ROS 2: it goes with no recording and no --out");
+    throw BadInput(
+        "--live shows a stream of ROS 2: it cannot be combined with a recording or --out");
   }
   LiveView live(arguments.address, true);
   say_where(arguments, "url", live.url());
