@@ -17,7 +17,7 @@ INCLUDE = re.compile(r'^\s*#include\s+[<"]([^>"]+)[>"]', re.MULTILINE)
 
 
 def library_of_header(header):
-    """The library of a public ("palpate/LIBRARY/...") or private ("LIBRARY/...") header, or None."""
+    """The library of a header, public ("palpate/LIBRARY/...") or private, or None."""
     parts = header.removeprefix("palpate/").split("/")
     return parts[0] if len(parts) > 1 and parts[0] in LIBRARIES else None
 
