@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # What is installed: the program with the wheels' libraries and the assets that it reads, and for
-# find_package(palpate COMPONENTS room...) the libraries, each room a component that asks for the
-# packages that it and the rooms below it need.
+# find_package(palpate COMPONENTS ...) the libraries, each of them a component that requires the
+# packages that it and the libraries it uses need.
 include(CMakePackageConfigHelpers)
 include(GNUInstallDirs)
 set(destination ${CMAKE_INSTALL_LIBDIR}/cmake/palpate)

@@ -68,7 +68,7 @@ Check check_cache() {
   const bool kept = read_cache(kKey) == version();
   return {"cache", kept,
           kept ? "keeps what is slow to compute"
-               : "every run computes convex parts anew: set PALPATE_CACHE to a writable folder",
+               : "every run computes convex parts again: set PALPATE_CACHE to a writable folder",
           false};
 }
 

@@ -220,7 +220,8 @@ int eval(EvalArguments arguments) {
         !arguments.known.at.empty() || !arguments.candidates.empty() ||
         arguments.live.option->count() > 0) {
       throw BadInput(
-          "--faults goes with none of --place, --shard, --mass, --at, --candidates and --live");
+          "--faults cannot be combined with --place, --shard, --mass, --at, --candidates or "
+          "--live");
     }
     if (arguments.resume && (arguments.common.out.empty() || arguments.common.force)) {
       throw BadInput("--resume needs the --out of a campaign, and no --force");

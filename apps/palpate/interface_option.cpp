@@ -20,7 +20,7 @@ void add_interface_options(CLI::App& command, ros2::RobotInterface& interface) {
       ->capture_default_str();
   command
       .add_option("--fingertip-wrenches", interface.fingertip_wrenches,
-                  "prefix of topics with the wrench on a fingertip, in the place of its contacts")
+                  "prefix of topics with the wrench on a fingertip, used instead of its contacts")
       ->option_text("TOPIC")
       ->capture_default_str();
   command
@@ -29,7 +29,7 @@ void add_interface_options(CLI::App& command, ros2::RobotInterface& interface) {
           [&interface](const std::string& path) {
             interface.taxel_layout = tactile::read_taxel_layout(path);
           },
-          "CSV of the taxels whose raw values come in the place of contacts")
+          "CSV of the taxels, if their raw values are sent instead of contacts")
       ->option_text("FILE");
   command
       .add_option("--taxels", interface.taxels,
@@ -40,7 +40,7 @@ void add_interface_options(CLI::App& command, ros2::RobotInterface& interface) {
 
 void add_best_effort_option(CLI::App& command, ros2::RobotInterface& interface) {
   command.add_flag("--best-effort", interface.best_effort,
-                   "take sensor data of best effort senders, too; messages may be lost");
+                   "also accept best effort senders of sensor data; messages may be lost");
 }
 
 }  // namespace palpate::app

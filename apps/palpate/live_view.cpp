@@ -59,9 +59,9 @@ std::unique_ptr<LiveView> LiveOption::open(bool quiet) const {
 void add_live_option(CLI::App& command, LiveOption& live) {
   live.option = command
                     .add_option("--live", live.address,
-                                "show it in a browser while it happens, on this port of this "
-                                "machine; with a host beyond it, to those who have the address "
-                                "with its token")
+                                "show the run live in a browser, on this port of this machine; "
+                                "with a host also to other machines, which need the token that "
+                                "is printed")
                     ->option_text("[[HOST:]PORT]")
                     ->expected(0, 1)
                     ->capture_default_str();

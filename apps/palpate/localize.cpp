@@ -40,12 +40,13 @@ struct LocalizeOptions {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("false_contacts", false_contacts, 0.001, 0.9, "prior share of contacts with something else");
+    v("false_contacts", false_contacts, 0.001, 0.9, "prior probability that a contact is spurious");
     v("noise_scale_prior", noise_scale_prior, 0.0, 0.99,
-      "chance of noise other than stated, half to twice");
-    v("size_prior", size_prior, 0.0, 0.99, "chance of an object up to 3 % off its mesh's size");
-    v("surface_sigma", surface_sigma, 0.0, 0.01, "m by which the mesh is off the object's surface");
-    v("hand_offset", hand_offset, 0.0, 0.02, "m rms, by which contacts of one time are displaced");
+      "prior probability that the noise is half to twice the stated noise");
+    v("size_prior", size_prior, 0.0, 0.99,
+      "prior probability that the object is up to 3 % larger or smaller than its mesh");
+    v("surface_sigma", surface_sigma, 0.0, 0.01, "m, error of the mesh's surface");
+    v("hand_offset", hand_offset, 0.0, 0.02, "m rms, common-mode bias of the contacts of one time");
     v.section("search", search);
     v.section("fast", fast);
     v.section("identify", identify);

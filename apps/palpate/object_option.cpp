@@ -22,11 +22,12 @@ constexpr double kRoughest = 0.1;  // m
 void add_object_options(CLI::App& command, ObjectArguments& arguments) {
   command
       .add_option("--mass", arguments.mass,
-                  "kg, of the object (default: from its volume, within 0.05 and 0.6)")
+                  "mass of the object, kg (default: from its volume, between 0.05 and 0.6)")
       ->check(in_range(0.001, 5.0));
   command
       .add_option("--at", arguments.at,
-                  "where the object is on the table, m, within +- R (default: 0,0,0.04)")
+                  "approximate position of the object on the table, m, to within +- R "
+                  "(default: 0,0,0.04)")
       ->option_text("X,Y[,R]");
 }
 

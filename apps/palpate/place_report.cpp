@@ -144,9 +144,9 @@ void add_place_option(CLI::App& command, std::string& place) {
   command
       .add_option(
           "--place", place,
-          "put the object down there: 16 numbers of a pose of its centroid (or a file of them), "
-          "x,y,yaw (m, rad; standing as it is found), fixture (a slot), random, or stable_pose (in "
-          "another one than it starts in)")
+          "where to put the object down: 16 numbers of a pose of its centroid (or a file of them), "
+          "x,y,yaw (m, rad; in the stable pose that it is found in), fixture (a slot), random, or "
+          "stable_pose (another one than it starts in)")
       ->option_text("POSE|fixture");
 }
 

@@ -238,7 +238,7 @@ void add_render(CLI::App& program, Command& chosen) {
   add_common_options(command, arguments->common, kConfig | kSeed | kOut);
   command.footer(
       "Writes into DIR: by default where the recording is, else out/render-OBJECT-SEED. Needs no\n"
-      "screen; palpate doctor tells whether it can draw.\n\n"
+      "screen; palpate doctor reports whether it can draw.\n\n"
       "Examples:\n"
       "  palpate render --object mug --seed 2\n"
       "  palpate render --object box --hand allegro\n"

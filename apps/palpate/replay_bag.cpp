@@ -76,11 +76,13 @@ void warn_of(const ros2::Bag& bag, const std::string& path, bool quiet) {
 void add_bag_options(CLI::App& command, BagArguments& arguments) {
   command
       .add_option("--object", arguments.object,
-                  "of an MCAP file: what the hand touches, a built-in object or a mesh file in "
-                  "metres (default: what the file was exported with)")
+                  "for an MCAP file: the object that the hand touches, built in or a mesh file in "
+                  "metres (default: the object of the export)")
       ->option_text("OBJECT");
   add_hand_option(command, arguments.hand);
-  command.add_option("--at", arguments.at, "of an MCAP file: instant, s from its first reading")
+  command
+      .add_option("--at", arguments.at,
+                  "for an MCAP file: instant of the estimate, s after the first reading")
       ->option_text("S");
   add_interface_options(command, arguments.interface);
 }

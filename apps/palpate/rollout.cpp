@@ -173,7 +173,7 @@ int rollout(const RolloutArguments& arguments) {
   }
   if (arguments.record > 0 && arguments.touch) {
     throw BadInput(
-        "--record keeps episodes in which the policy is told the truth: not with --touch");
+        "--record records episodes with the true pose: it cannot be combined with --touch");
   }
   const auto options = resolve<RolloutOptions>(common);
   const auto policy = find_policy(arguments.policy);

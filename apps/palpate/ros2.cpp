@@ -199,11 +199,12 @@ void add_ros2(CLI::App& program, Command& chosen) {
   auto arguments = std::make_shared<Ros2Arguments>();
   auto& estimator =
       add_job(ros2, chosen, arguments, "estimate",
-              "Estimate the pose of the object in a hand that others control", &estimate);
+              "Estimate the pose of the object in a hand that another program controls", &estimate);
   add_best_effort_option(estimator, arguments->interface);
   estimator.footer(
-      "Takes /joint_states, /contacts/FINGER and /tf, gives /palpate/estimate, modes, status,\n"
-      "markers and /tf until interrupted; /palpate/command takes start, stop and estimate.\n\n"
+      "Subscribes to /joint_states, /contacts/FINGER and /tf, and publishes /palpate/estimate,\n"
+      "modes, status, markers and /tf until interrupted; /palpate/command takes start, stop and\n"
+      "estimate.\n\n"
       "Examples:\n"
       "  palpate ros2 estimate --object mug --hand shadow\n"
       "  palpate ros2 estimate --object part.stl --hand my_hand.xml --mount-frame wrist_3_link");

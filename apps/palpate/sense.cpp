@@ -93,7 +93,7 @@ void add_sense(CLI::App& program, Command& chosen) {
                   "trained model for a BioTac log, or for the BioTacs of a recording")
       ->option_text("FILE");
   command.add_flag("--causal", arguments->causal,
-                   "of a BioTac log, use only the frames up to each, as in a stream");
+                   "for a BioTac log: use only the frames up to each sample, as in a stream");
   add_common_options(command, arguments->common, kOut);
   command.footer(
       "A CSV of contacts has the columns finger,t,px,py,pz (or x,y,z),fx,fy,fz and, optionally,\n"
@@ -101,7 +101,7 @@ void add_sense(CLI::App& program, Command& chosen) {
       "inferred from the fingertip's shape); one of a BioTac has t_s,pdc,e1..e19 and, optionally,\n"
       "nx,ny,nz.\n"
       "For a recording with BioTac channels the contacts inferred from these are reported, too.\n"
-      "Errors in a recording are relative to the surface nearest to the believed tip, which is\n"
+      "Errors in a recording are relative to the surface nearest to the assumed tip, which is\n"
       "uncertain itself at edges.\n"
       "Unusable samples are flagged and counted, and get no normal. --out writes each\n"
       "stream's series as CSV and its normals and forces as SVG figures, and the contacts of all\n"

@@ -196,7 +196,7 @@ void add_biotac_electrodes(CLI::App& train, Command& chosen) {
   command.add_option("logs", arguments->logs, "CSV with t_s,pdc,e1..e19,nx,ny,nz; raw counts")
       ->option_text("LOG...")
       ->required();
-  command.add_option("--test", arguments->judges, "logs to judge by, not learned from")
+  command.add_option("--test", arguments->judges, "logs for the evaluation, not used for training")
       ->option_text("LOG...");
   add_common_options(command, arguments->common, kConfig | kSeed | kOut);
   command.footer(

@@ -121,7 +121,7 @@ void check_use(const TrainArguments& arguments) {
     throw BadInput("--ask, --score and --tell come one after another");
   }
   if (arguments.common.force && (arguments.tell || !arguments.score.empty())) {
-    throw BadInput("--force begins anew: with --ask alone");
+    throw BadInput("--force starts over: of these three options, only --ask takes it");
   }
   if (arguments.demos.empty()) return;
   if (!arguments.expert.empty()) throw BadInput("--expert is of no use with --demos");
@@ -252,7 +252,8 @@ int score_share(const TrainArguments& arguments, const std::string& settings,
   Curves curves(files.folder);
   if (!std::filesystem::exists(files.ask()) ||
       !resume(files.folder / "checkpoint", arguments, settings, *training.trainer, curves)) {
-    throw BadInput(fmt::format("nothing is asked for in {}: --ask", files.folder.string()));
+    throw BadInput(
+        fmt::format("{} has no rollouts to run: begin with --ask", files.folder.string()));
   }
   const auto rollouts = run_share(files, arguments.score, *training.search);
   print_round(arguments.common, files, training.trainer->iteration(), rollouts);
@@ -359,7 +360,7 @@ void add_train_relocate(CLI::App& train_command, Command& chosen) {
                      "policy that demonstrates the task (dagger, bc, dapg; default: "
                      "the best shipped one)");
   command.add_option("--demos", arguments->demos,
-                     "folder of demonstrations (bc, dapg), in place of an expert");
+                     "folder of demonstrations (bc, dapg), instead of an expert");
   command
       .add_option(
           "--demonstrations", arguments->demonstrations,
@@ -371,19 +372,19 @@ void add_train_relocate(CLI::App& train_command, Command& chosen) {
                    "for many machines (cem): write DIR/ask.jsonl, the rollouts of a generation");
   command
       .add_option("--score", arguments->score,
-                  "run share I of N of what was asked for, into DIR/told-I-of-N.jsonl")
+                  "run share I of N of the rollouts in ask.jsonl, and write DIR/told-I-of-N.jsonl")
       ->option_text("I/N");
-  command.add_flag("--tell", arguments->tell,
-                   "take all that was told, and ask for the next; the last evaluates");
+  command.add_flag(
+      "--tell", arguments->tell,
+      "read the results and write the next ask.jsonl; at the end, evaluate the policy");
   command.add_option("--episodes", arguments->episodes, "episodes of the final evaluation")
       ->check(in_range(2, 1000000))
       ->capture_default_str();
   add_task_option(command);
   add_common_options(command, arguments->common);
   command.footer(
-      "DIR keeps a checkpoint of every iteration, the policy so far, and learning curves. The "
-      "same\n"
-      "command goes on where it was interrupted. The result is evaluated on the faithful model.\n"
+      "DIR has a checkpoint of every iteration, the current policy, and learning curves. The same\n"
+      "command continues an interrupted run. The result is evaluated on the faithful model.\n"
       "Many machines may run the rollouts of cem: --ask once, then --score I/N on each and "
       "--tell,\n"
       "until no ask.jsonl is left (examples/cluster/cem.sh); the result is that of one machine.\n\n"

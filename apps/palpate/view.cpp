@@ -53,7 +53,8 @@ std::string page_of(const std::vector<std::string>& recordings) {
 
 int view_live(const ViewArguments& arguments) {
   if (!arguments.recordings.empty() || !arguments.common.out.empty()) {
-    throw BadInput("--live shows a stream of ROS 2: it goes with no recording and no --out");
+    throw BadInput(
+        "--live shows a stream of ROS 2: it cannot be combined with a recording or --out");
   }
   LiveView live(arguments.address, true);
   say_where(arguments, "url", live.url());
@@ -85,20 +86,18 @@ void add_view(CLI::App& program, Command& chosen) {
       *program.add_subcommand("view", "Serve the replay page of a recording to a browser");
   command
       .add_option("recording", arguments->recordings,
-                  "recording.h5 of a pick; two are shown beside one another")
+                  "recording.h5 of a pick; two are shown side by side")
       ->expected(0, 2);
   command.add_option("--port", arguments->address.port, "port to serve on; 0: any free port")
       ->check(in_range(0, 65535))
       ->capture_default_str();
   command
       .add_option("--host", arguments->address.host,
-                  "IPv4 address to serve on; beyond this machine only with the token of the "
-                  "address that is printed")
+                  "IPv4 address to serve on; other machines need the token that is printed")
       ->option_text("ADDRESS")
       ->capture_default_str();
-  auto* const live =
-      command.add_flag("--live", arguments->live,
-                       "show a hand behind ROS 2 while it moves, and what is estimated beside it");
+  auto* const live = command.add_flag(
+      "--live", arguments->live, "show a moving hand behind ROS 2, and the estimates of its node");
   command.add_option("--object", arguments->stream.object, "with --live: object in the hand")
       ->type_name("O")
       ->capture_default_str()

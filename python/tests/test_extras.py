@@ -32,6 +32,7 @@ except ImportError:
 PEER = pathlib.Path(__file__).parents[2] / "tests" / "app"
 sys.path.append(str(PEER))
 try:
+    import ros2_loopback
     import ros2_peer
 except ImportError:
     ros2_peer = None
@@ -102,7 +103,7 @@ class Ros2Clouds(unittest.TestCase):
 class Ros2Topics(unittest.TestCase):
     def setUp(self):
         before = os.environ.get("CYCLONEDDS_URI")
-        os.environ["CYCLONEDDS_URI"] = ros2_peer.LOOPBACK
+        os.environ["CYCLONEDDS_URI"] = ros2_loopback.LOOPBACK
         self.addCleanup(
             lambda: os.environ.pop("CYCLONEDDS_URI") if before is None
             else os.environ.__setitem__("CYCLONEDDS_URI", before)

@@ -120,10 +120,10 @@ void check_silent(const hand::HandReading& reading) {
   for (const auto& finger : reading.contacts) {
     for (const auto& contact : finger) {
       if (contact.point_sigma == 0 && contact.normal_sigma == 0) continue;
-      throw BadInput(
-          fmt::format("a contact of the frame at {} s tells of its error, {} m and {} rad, which "
-                      "the header does not announce",
-                      reading.time, contact.point_sigma, contact.normal_sigma));
+      throw BadInput(fmt::format(
+          "a contact of the frame at {} s reports the uncertainty {} m and {} rad, which "
+          "the header does not announce",
+          reading.time, contact.point_sigma, contact.normal_sigma));
     }
   }
 }

@@ -205,7 +205,7 @@ Judgement ReadingGate::judge_load(const hand::HandReading& reading) {
   const bool felt = hand::count_contacts(reading, kFeltForce) > 0;
   return {true, felt ? Fault::excess_force : Fault::unfelt_load,
           fmt::format("the mount bears {:.1f} N of at most {:.1f}{}", load, options_.max_load,
-                      felt ? "" : ", and no fingertip feels anything")};
+                      felt ? "" : ", and no fingertip has a contact")};
 }
 
 /// A finger that presses on something is held up by that, not stuck.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Checks that every room includes only rooms to its left, and MuJoCo only where it belongs.
+"""Checks that every library includes only those to its left, and MuJoCo only where it belongs.
 
 usage: include_graph.py REPOSITORY
 """
@@ -8,7 +8,7 @@ import pathlib
 import re
 import sys
 
-ROOMS = (
+LIBRARIES = (
     "core plotting numerics geometry registration hand tactile grasping localization estimation "
     "planning skills recording ros2 bridge simulation evaluation learning tasks"
 ).split()
@@ -16,10 +16,10 @@ FIRST_WITH_SIMULATOR = "simulation"
 INCLUDE = re.compile(r'^\s*#include\s+[<"]([^>"]+)[>"]', re.MULTILINE)
 
 
-def room_of_header(header):
-    """The room of a public ("palpate/ROOM/...") or private ("ROOM/...") header, or None."""
+def library_of_header(header):
+    """The library of a header, public ("palpate/LIBRARY/...") or private, or None."""
     parts = header.removeprefix("palpate/").split("/")
-    return parts[0] if len(parts) > 1 and parts[0] in ROOMS else None
+    return parts[0] if len(parts) > 1 and parts[0] in LIBRARIES else None
 
 
 def violations(root):
@@ -27,19 +27,20 @@ def violations(root):
     files = [(base, file) for base in bases for file in base.rglob("*.[ch]pp")]
     assert files, f"no sources under {root}"
     for base, file in files:
-        room = file.relative_to(base).parts[0]
-        if room not in ROOMS:
-            yield f"{file.relative_to(root)}: {room} is no room"
+        library = file.relative_to(base).parts[0]
+        if library not in LIBRARIES:
+            yield f"{file.relative_to(root)}: {library} is not a library of Palpate"
             continue
         for header in INCLUDE.findall(file.read_text()):
-            included = room_of_header(header)
-            if included and ROOMS.index(included) > ROOMS.index(room):
-                yield f"{file.relative_to(root)}: {room} may not include {header}"
-            if header.startswith("mujoco/") and ROOMS.index(room) < ROOMS.index(FIRST_WITH_SIMULATOR):
-                yield f"{file.relative_to(root)}: {room} may not include {header}"
+            included = library_of_header(header)
+            if included and LIBRARIES.index(included) > LIBRARIES.index(library):
+                yield f"{file.relative_to(root)}: {library} may not include {header}"
+            early = LIBRARIES.index(library) < LIBRARIES.index(FIRST_WITH_SIMULATOR)
+            if header.startswith("mujoco/") and early:
+                yield f"{file.relative_to(root)}: {library} may not include {header}"
 
 
 if __name__ == "__main__":
     found = list(violations(pathlib.Path(sys.argv[1])))
-    print("\n".join(found) or "the include graph follows the order of the rooms")
+    print("\n".join(found) or "the include graph follows the order of the libraries")
     sys.exit(bool(found))

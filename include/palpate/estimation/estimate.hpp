@@ -47,7 +47,8 @@ struct EstimationOptions {
     v.expert("resting_height_sigma", resting_height_sigma, 1e-4, 0.1, "m, of the resting object");
     v.expert("resting_tilt_sigma", resting_tilt_sigma, 1e-4, 1.0,
              "rad, of the object from its stable pose");
-    v.expert("free_space_sigma", swept_sigma, 1e-4, 0.1, "m, of the space that a sweep found free");
+    v.expert("free_space_sigma", swept_sigma, 1e-4, 0.1,
+             "m, error of the space that guarded moves found free");
     v.expert("resting_half_width", resting_half_width, 0.0, 0.3,
              "m, half width of the prior on the resting object's position");
     v.expert("slide_share", slide_share, 0.0, 0.9,

@@ -24,14 +24,15 @@ struct HeldPoseOptions {
   template <class Visitor>
   void visit(Visitor&& v) {
     v("period", period, 0.01, 10.0, "s from one estimate to the next, at least");
-    v("fingers", fingers, 1, hand::kMaxFingers, "that must touch for an estimate");
-    v("lost_after", lost_after, 0.05, 100.0, "s with fewer, after which nothing is known");
-    v("rotation_sigma", turn_sigma, 1e-4, 3.0, "rad, turn of a held object in a period");
-    v("translation_sigma", way_sigma, 1e-5, 0.2, "m, way of a held object in a period");
+    v("fingers", fingers, 1, hand::kMaxFingers, "fingers that must touch for an estimate");
+    v("lost_after", lost_after, 0.05, 100.0,
+      "s with fewer fingers, after which the object counts as lost");
+    v("rotation_sigma", turn_sigma, 1e-4, 3.0, "rad, rotation of a held object per period");
+    v("translation_sigma", way_sigma, 1e-5, 0.2, "m, translation of a held object per period");
     v("slip_share", slip_share, 0.0, 0.9,
       "probability that a held object moves farther in a period: a slip");
-    v("slip_rotation", slip_turn, 1e-4, 3.0, "rad, sigma of a slip's turn");
-    v("slip_translation", slip_way, 1e-5, 0.2, "m, sigma of a slip's way");
+    v("slip_rotation", slip_turn, 1e-4, 3.0, "rad, rotation in a slip");
+    v("slip_translation", slip_way, 1e-5, 0.2, "m, translation in a slip");
     v.section("first", first);
     v.section("estimation", estimation);
   }

@@ -32,12 +32,16 @@ struct OnlineTrackerOptions {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("estimate", estimate, "the pose in the grasp, else the object is taken to go with the palm");
-    v("period", period, 0.01, 10.0, "s from one estimate to the next, and until it is there");
-    v("fingers", fingers, 1, 5, "that must touch for an estimate");
-    v("lifts", lifts, 0.0, 0.1, "m the palm has risen when what it touches goes along");
-    v("rotation_sigma", turn_sigma, 1e-4, 3.0, "rad, unforeseen turn of the object in a period");
-    v("translation_sigma", way_sigma, 1e-5, 0.2, "m, unforeseen way of the object in a period");
+    v("estimate", estimate,
+      "estimate the pose in the grasp; else the object is assumed to move with the palm");
+    v("period", period, 0.01, 10.0, "s from one estimate to the next, and delay of each");
+    v("fingers", fingers, 1, 5, "fingers that must touch for an estimate");
+    v("lifts", lifts, 0.0, 0.1,
+      "m that the palm has risen when the touched object is assumed to move along");
+    v("rotation_sigma", turn_sigma, 1e-4, 3.0,
+      "rad, unpredicted rotation of the object per period");
+    v("translation_sigma", way_sigma, 1e-5, 0.2,
+      "m, unpredicted translation of the object per period");
     v.section("estimation", estimation);
   }
 };

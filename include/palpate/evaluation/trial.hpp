@@ -23,9 +23,10 @@ struct StartOptions {
   template <class Visitor>
   void visit(Visitor&& v) {
     v("stable_pose", stable_pose, -1, 1000, "resting pose; -1: drawn by its probability");
-    v("uncertainty", uncertainty, 0.0, 0.1, "m, the object is within +- of its rough place");
-    v.expert("x", x, -3.0, 3.0, "m, of its rough place, as --at has it");
-    v.expert("y", y, -3.0, 3.0, "m, of its rough place, as --at has it");
+    v("uncertainty", uncertainty, 0.0, 0.1,
+      "m, the object is within +- this of its approximate position");
+    v.expert("x", x, -3.0, 3.0, "m, approximate position of the object, as in --at");
+    v.expert("y", y, -3.0, 3.0, "m, approximate position of the object, as in --at");
   }
 };
 
@@ -39,9 +40,12 @@ struct TouchOptions {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("source", source, "of contacts: solver (with noise) or biotac (inferred from channels)");
-    v("biotac_point", biotac_point, 1e-5, 0.05, "m, error of inferred points beside their own");
-    v("biotac_normal", biotac_normal, 1e-4, 1.0, "rad, error of inferred normals beside their own");
+    v("source", source,
+      "source of contacts: solver (with noise) or biotac (inferred from channels)");
+    v("biotac_point", biotac_point, 1e-5, 0.05,
+      "m, error of inferred points beyond that which they report");
+    v("biotac_normal", biotac_normal, 1e-4, 1.0,
+      "rad, error of inferred normals beyond that which they report");
     v("biotac_false", biotac_false, 1e-6, 0.9, "prior share of inferred contacts that are wrong");
   }
 

@@ -30,7 +30,7 @@ struct PlanOptions {
   void visit(Visitor&& v) {
     v("planner", planner, "rrt-connect, rrt-star, prm or fmt");
     v("iterations", iterations, 1, 10000000, "of the search between two waypoints");
-    v("shortenings", shortenings, 0, 100000, "trials to cut a way short");
+    v("shortenings", shortenings, 0, 100000, "attempts to shorten the path");
     v("step", step, 1e-4, 0.05, "m of path between checks for collision");
     v("detour", detour, 0.0, 10.0, "m and rad, how far beyond start and goal to search");
     v("rounding", rounding, 0.0, 1.0, "m of path, how far from a corner it may be cut");

@@ -151,7 +151,7 @@ std::uint64_t whole_number(std::string_view text, std::string_view name) {
   std::uint64_t value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc{} || end != text.data() + text.size()) {
-    throw BadInput(fmt::format("'{}' names no generated object: after '{}' stands a whole number",
+    throw BadInput(fmt::format("'{}' names no generated object: '{}' is followed by a whole number",
                                name, kPrefix));
   }
   return value;

@@ -81,7 +81,9 @@ void read_joints(const mjModel& model, hand::ArmDescription& arm) {
 
 /// The links and their surface, which are read as those of a hand with no fingers.
 void read_chain(const mjModel& model, hand::ArmDescription& arm) {
-  if (model.nbody < 2) throw BadInput(fmt::format("{}: nothing stands", arm.file.path.string()));
+  if (model.nbody < 2) {
+    throw BadInput(fmt::format("{}: the model has no body", arm.file.path.string()));
+  }
   arm.file.root = body_name(model, 1);
   const int flange = mj_name2id(&model, mjOBJ_BODY, kFlange);
   arm.file.flange = flange < 0 ? body_name(model, static_cast<int>(model.nbody) - 1) : kFlange;

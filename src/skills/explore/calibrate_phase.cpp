@@ -68,7 +68,7 @@ void touch_table(Executor& robot, const TableTouch& touch, const CalibrateOption
   if (press != TablePress::missed) times = press == TablePress::felt ? 0 : times + 1;
   if (times >= kNumbTouches) {
     robot.distrust(touch.finger,
-                   fmt::format("{} does not feel the table", robot.model().fingers[finger].name));
+                   fmt::format("{} does not sense the table", robot.model().fingers[finger].name));
   }
   if (press == TablePress::felt) {
     search.height = lowest(robot.model(), touch) + robot.reading().base.xyz.z();

@@ -157,11 +157,11 @@ int ExplorePhase::touch_around(Executor& robot, PickState& state) {
 /// Once more, for the hand was blocked and the fingertip felt nothing: it may be numb.
 int ExplorePhase::touch_with_another(Executor& robot, PickState& state) {
   const int numb = pointing(robot).finger;
-  robot.distrust(numb, fmt::format("{} does not feel what blocks the hand",
+  robot.distrust(numb, fmt::format("{} does not sense what blocks the hand",
                                    robot.model().fingers[static_cast<std::size_t>(numb)].name));
   probe_ = first_trusted(robot);
   if (!robot.trusted(pointing(robot).finger)) {
-    robot.stop_for(Fault::touch_lost, "no finger that can probe feels what blocks the hand");
+    robot.stop_for(Fault::touch_lost, "no finger that can probe senses what blocks the hand");
   }
   blocked_ = 0;
   hand::BasePosition up = robot.command().base;

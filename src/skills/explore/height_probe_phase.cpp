@@ -41,7 +41,7 @@ PhaseEnd HeightProbePhase::run(Executor& robot, PickState& state) {
     state.place = place;
     return {true, fmt::format("{:.0f} mm tall", 1e3 * state.height)};
   }
-  return {false, "felt nothing above the table"};
+  return {false, "found nothing above the table"};
 }
 
 /// Height of the mount from which it comes down: nothing of the flat hand is over an object then.

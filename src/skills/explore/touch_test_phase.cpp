@@ -52,7 +52,7 @@ PhaseEnd TouchTestPhase::run(Executor& robot, PickState& state) {
       robot.clear(finger);
       continue;
     }
-    robot.distrust(finger, fmt::format("{} does not feel what it presses on", name));
+    robot.distrust(finger, fmt::format("{} does not sense what it presses on", name));
     numb.push_back(name);
   }
   high();

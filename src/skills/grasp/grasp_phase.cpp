@@ -126,8 +126,8 @@ PhaseEnd GraspPhase::grasp_unplanned(Executor& robot, PickState& state) {
 /// The grasp ends before the thumb pushes the object out of the hand.
 PhaseEnd GraspPhase::held_up(const Executor& robot) const {
   const auto thumb = static_cast<std::size_t>(robot.model().thumb);
-  return {false,
-          fmt::format("{} is held up by what it does not feel", robot.model().fingers[thumb].name)};
+  return {false, fmt::format("{} is blocked by something that it does not sense",
+                             robot.model().fingers[thumb].name)};
 }
 
 PhaseEnd GraspPhase::end(const Executor& robot, const Hold& hold, std::string_view grasp) const {

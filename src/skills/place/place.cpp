@@ -60,10 +60,10 @@ class VerifyPhase : public Phase {
   double time_limit() const override { return 30.0; }
   PhaseEnd run(Executor& robot, PickState& state) override {
     const PhaseEnd felt = HeightProbePhase(options_, expected_top_).run(robot, state);
-    if (!felt.ok) return {false, "felt nothing where the object was put"};
+    if (!felt.ok) return {false, "found nothing where the object was put"};
     const double off = state.height - expected_top_;
     return {std::abs(off) < kWrongHeight,
-            fmt::format("top felt {:+.1f} mm from where it should be", 1e3 * off)};
+            fmt::format("top measured {:+.1f} mm from where it should be", 1e3 * off)};
   }
 
  private:
@@ -147,7 +147,7 @@ bool Placement::aim(const PlaceTarget& target) {
     result_.T_world_target = target_pose(target, object_, held->found_stable_pose);
     result_.certain = held->certainty >= options_.certain;
     if (!result_.certain) {
-      return {false, fmt::format("ambiguous: {:.2f} agree on where it would stand, {:.2f} asked",
+      return {false, fmt::format("ambiguous: {:.2f} agree on where it would stand, {:.2f} required",
                                  held->certainty, options_.certain)};
     }
     status = PlaceStatus::unreachable;
@@ -244,7 +244,7 @@ bool Placement::aim_again() {
     goal = search.goal;
     if (!goal) return {false, "unreachable, as it has moved in the hand: " + search.obstacle};
     const Eigen::Isometry3d by = goal->seat.pose() * result_.goal->seat.pose().inverse();
-    return {true, fmt::format("the hand goes {:.1f} mm and {:.1f} deg from where it was to go",
+    return {true, fmt::format("the goal of the hand moves by {:.1f} mm and {:.1f} deg",
                               1e3 * (goal->seat.xyz - result_.goal->seat.xyz).norm(),
                               kDegreesPerRadian * Eigen::AngleAxisd(by.linear()).angle())};
   }));

@@ -79,8 +79,8 @@ PhaseEnd PlacePhase::run(Executor& robot, PickState&) {
     case Touchdown::lost:
       return {false, "lost: nothing hangs in the hand"};
     case Touchdown::nothing:
-      return {false, fmt::format("felt no table down to {:.0f} mm below the target",
-                                 1e3 * options_.beyond)};
+      return {false,
+              fmt::format("no table down to {:.0f} mm below the target", 1e3 * options_.beyond)};
     case Touchdown::early:
       return {false, fmt::format("refused: contact {:.1f} mm too high, tried {} places",
                                  1e3 * height_error_, attempt)};

@@ -79,10 +79,11 @@ class Probing {
       if (!next.touch && !next.roll) break;
       carry_out(next);
     }
-    return {!lost() && !slipped_,
-            fmt::format("{} touch{}, {} roll{}, probability {:.2f} -> {:.2f}{}", touches_,
-                        touches_ == 1 ? "" : "es", rolls_, rolls_ == 1 ? "" : "s", before,
-                        probability(), state_.next_grasp ? "; another grasp tells more" : "")};
+    return {
+        !lost() && !slipped_,
+        fmt::format("{} touch{}, {} roll{}, probability {:.2f} -> {:.2f}{}", touches_,
+                    touches_ == 1 ? "" : "es", rolls_, rolls_ == 1 ? "" : "s", before,
+                    probability(), state_.next_grasp ? "; another grasp is more informative" : "")};
   }
 
  private:

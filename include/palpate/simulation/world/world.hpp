@@ -39,13 +39,14 @@ struct SensorNoise {
     v("normal", normal, 0.0, 1.0, "rad, of contact normals, per tangent axis");
     v("force", force, 0.0, 10.0, "N, of contact forces, per axis");
     v("joint", joint, 0.0, 0.2, "rad, of joint angles");
-    v("link", link, 0.0, 0.02, "m, of each link's place in the hand, rms");
+    v("link", link, 0.0, 0.02, "m, displacement of each link in the hand, rms");
     v("load", load, 0.0, 10.0, "N, of the force on the mount, per axis");
     v.expert("mount", mount, 0.0, 0.01, "m, of the mount's position, per axis");
     v.expert("mount_angle", mount_angle, 0.0, 0.1, "rad, of its attitude, per angle");
-    v.expert("mount_delay", mount_delay, 0.0, 0.5, "s, by which the mount's pose is old");
-    v.expert("touch_delay", touch_delay, 0.0, 0.5, "s, by which contacts are old");
-    v.expert("touch_threshold", touch_threshold, 0.0, 5.0, "N, of a contact that is felt");
+    v.expert("mount_delay", mount_delay, 0.0, 0.5, "s, delay of the mount's pose");
+    v.expert("touch_delay", touch_delay, 0.0, 0.5, "s, delay of contacts");
+    v.expert("touch_threshold", touch_threshold, 0.0, 5.0,
+             "N, least force of a contact that is sensed");
   }
 };
 
@@ -78,9 +79,9 @@ struct WorldOptions {
              "fingertips meet the true surface, the table its hull; else convex parts");
     v("biotacs", biotacs, "simulate the channels of BioTacs on the fingertips");
     v.expert("second_object", second_object,
-             "a box that the robot is not told of stands beside the object");
+             "a box that is unknown to the robot stands beside the object");
     v.expert("corrupted_truth", corrupted_truth,
-             "the truth that is told is wrong: whoever acts on it shows");
+             "report a corrupted true pose, which exposes code that uses it");
     v.expert_section("integral", integral);
     v.section("noise", noise);
     v.section("error", error);

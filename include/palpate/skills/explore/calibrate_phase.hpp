@@ -30,11 +30,12 @@ struct CalibrateOptions {
     v("touch_force", touch_force, 0.02, 5.0, "N, force at the fingertip that counts as a touch");
     v.expert("rest", rest, 0.02, 5.0, "s that the fingertip rests and is averaged");
     v.expert("sigma", sigma, 1e-5, 0.02,
-             "m, error of a resting tip's height but for the links, at least");
-    v.expert("mount", mount, 0.0, 0.05, "m, believed error of where the arm carries the hand");
-    v.expert("mount_angle", mount_angle, 0.0, 0.2, "rad, believed error of how it carries it");
-    v.expert("table_height", table_height, 0.0, 0.03, "m, believed error of the table's height");
-    v.expert("table_tilt", table_tilt, 0.0, 0.1, "rad, believed tilt of the table");
+             "m, least error of a resting tip's height besides that of the links");
+    v.expert("mount", mount, 0.0, 0.05, "m, assumed error of the hand's position on the arm");
+    v.expert("mount_angle", mount_angle, 0.0, 0.2,
+             "rad, assumed error of the hand's orientation on the arm");
+    v.expert("table_height", table_height, 0.0, 0.03, "m, assumed error of the table's height");
+    v.expert("table_tilt", table_tilt, 0.0, 0.1, "rad, assumed tilt of the table");
   }
 };
 

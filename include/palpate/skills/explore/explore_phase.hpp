@@ -28,14 +28,14 @@ struct ExploreOptions {
     v("refining", refining, 0, 64, "further guarded moves at most, which refine the best pose");
     v("certain", certain, 0.0, 1.0,
       "probability of the best pose above which no more touches are made");
-    v.expert("turn", turn, -3.2, 3.2, "rad, of the hand for every other one of these");
-    v.expert("radius", radius, 0.02, 0.3, "m, of the circle from which they start");
-    v.expert("past", past, 0.0, 0.2, "m, how far they go past the object's place");
+    v.expert("turn", turn, -3.2, 3.2, "rad, rotation of the hand for every other guarded move");
+    v.expert("radius", radius, 0.02, 0.3, "m, of the circle from which guarded moves start");
+    v.expert("past", past, 0.0, 0.2, "m, how far guarded moves go past the object's position");
     v("speed", speed, 0.001, 0.2, "m/s, of a guarded move where no touch is expected");
     v("touch_speed", touch_speed, 0.001, 0.2, "m/s, of a guarded move where one is");
     v("touch_force", touch_force, 0.02, 5.0, "N, force at the fingertip that counts as a touch");
     v.expert("travel_speed", travel_speed, 0.01, 2.0, "m/s, between guarded moves");
-    v("reach", reach, 0.005, 0.07, "m, below the object's top");
+    v("reach", reach, 0.005, 0.07, "m, depth of the fingertip below the object's top");
   }
 };
 

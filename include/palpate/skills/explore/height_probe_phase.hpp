@@ -25,7 +25,8 @@ struct HeightProbeOptions {
     v.expert("touch_speed", touch_speed, 0.001, 0.5, "m/s, downward speed below it");
     v("touch_force", touch_force, 0.05, 20.0, "N, load on the mount that counts as a touch");
     v.expert("clearance", clearance, 0.0, 0.1, "m, nearest approach to the table");
-    v.expert("search", search, 0.0, 0.3, "m, to the sides of a place where nothing is felt");
+    v.expert("search", search, 0.0, 0.3,
+             "m, search to each side if the hand reaches the table without a load");
     v.expert("travel_speed", travel_speed, 0.01, 2.0, "m/s, through the air");
   }
 };

@@ -31,7 +31,8 @@ struct LiftOptions {
     v("min_fingers", min_fingers, 0, 5,
       "least number of fingers in contact at the end of the hold");
     v.expert("touch_force", touch_force, 0.0, 5.0, "N, of a fingertip that touches, in the mean");
-    v("max_slip", max_slip, 1e-3, 0.1, "m, of a fingertip's contact along it during the hold");
+    v("max_slip", max_slip, 1e-3, 0.1,
+      "m, motion of a contact along its fingertip during the hold");
   }
 };
 

@@ -37,22 +37,22 @@ struct PlaceOptions {
   template <class Visitor>
   void visit(Visitor&& v) {
     v("target", target,
-      "fixture, random, stable pose, x,y,yaw or the 16 numbers of a pose; empty: none");
+      "fixture, random, stable_pose, x,y,yaw or the 16 numbers of a pose; empty: none");
     v("stable_pose", stable_pose, -1, 1000,
-      "of the target 'stable_pose'; -1: another than it starts in, drawn");
+      "of the target 'stable_pose'; -1: drawn from those that it does not start in");
     v("strategy", strategy,
       "wrist (one hold), fingers (turn in the hand first), regrasp (planned grasps), auto (the "
-      "first that does)");
+      "first that works)");
     v("picks", picks, 1, 10, "picks at most, if the object had to be put back");
     v.expert("reach", reach, 0.05, 1.0, "m, how far from the origin a target may be");
     v("turn_press", turn_press, 0.0, 100.0,
-      "grasp.press_per_weight at least, for targets that may be in another stable pose");
-    v("certain", certain, 0.0, 1.0, "share of the estimate that must agree on the place");
+      "least grasp.press_per_weight for targets that may be in another stable pose");
+    v("certain", certain, 0.0, 1.0, "probability mass that must agree on the pose at the target");
     v("reestimate", reestimate, "estimate the pose once more over the target");
     v.expert(
         "turned_motion", turned_motion, 1.0, 100.0,
         "motion in the hand that is expected of a turned-over object, times that of the grasp");
-    v("verify", verify, "feel afterwards whether the object stands there");
+    v("verify", verify, "check by touch afterwards whether the object stands at the target");
     v.section("same", same);
     v.section("fixture", fixture);
     v.section("goal", goal);

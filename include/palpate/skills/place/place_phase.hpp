@@ -26,13 +26,15 @@ struct LowerOptions {
   template <class Visitor>
   void visit(Visitor&& v) {
     v("speed", speed, 0.001, 0.5, "m/s, speed down to just above the target");
-    v.expert("near", near, 0.0, 0.1, "m over the target from where it goes slowly");
+    v.expert("near", near, 0.0, 0.1, "m above the target from which the descent is slow");
     v.expert("slow_speed", slow_speed, 0.0005, 0.1, "m/s, from there");
     v("contact_load", contact_load, 0.05, 20.0, "N, load that counts as contact with the table");
-    v("press", press, 0.0, 20.0, "N beyond the weight, with which the object is pressed flat");
+    v("press", press, 0.0, 20.0,
+      "N beyond the weight with which the object is pressed onto the table");
     v.expert("beyond", beyond, 0.0, 0.05, "m below the target at which it gives up");
     v.expert("early", early, 0.0, 0.1, "m over the target where a contact means refusal");
-    v.expert("max_press", max_press, 0.0, 0.05, "m of way from the contact to lying flat");
+    v.expert("max_press", max_press, 0.0, 0.05,
+             "m of descent from the first contact to lying flat");
     v.expert("back_off", back_off, 0.0, 0.05, "m up between two tries");
     v.expert("spiral", spiral, 0.0, 0.02, "m by which the tries move apart");
     v.expert("tries", tries, 1, 100, "at shifted places, after a refusal by a fixture");
@@ -105,8 +107,8 @@ struct WithdrawOptions {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("speed", speed, 0.001, 0.5, "m/s, out of the object's reach");
-    v.expert("distance", distance, 0.01, 0.5, "m, out of the object's reach");
+    v("speed", speed, 0.001, 0.5, "m/s, speed of the withdrawal from the object");
+    v.expert("distance", distance, 0.01, 0.5, "m, distance of the withdrawal from the object");
     v.expert("caught", caught, 0.05, 10.0,
              "N, load on the mount above which the object comes along");
     v("height", height, 0.1, 1.0, "m, height at which the mount waits afterwards");

@@ -21,11 +21,11 @@ struct FixtureOptions {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("x", x, -1.0, 1.0, "m, where the object's centroid is to come");
-    v("y", y, -1.0, 1.0, "m, where the object's centroid is to come");
+    v("x", x, -1.0, 1.0, "m, position of the seated object's centroid");
+    v("y", y, -1.0, 1.0, "m, position of the seated object's centroid");
     v("yaw", yaw, -6.3, 6.3, "rad, of the object seated in it");
     v("stable_pose", stable_pose, 0, 1000, "of the object seated in it");
-    v("tolerance", tolerance, -0.1, 0.1, "m of room to every side");
+    v("tolerance", tolerance, -0.1, 0.1, "m of clearance to every side");
     v("height", height, 0.002, 0.1, "m, of the walls");
     v("wall", wall, 0.001, 0.05, "m, thickness of the walls");
   }

@@ -38,7 +38,7 @@ struct PalpationOptions {
     v.expert("spread", spread, 0.0, 0.35, "rad, of J4 to either side, at most");
     v.expert("bend", bend, 0.0, 1.5, "rad, of J0, at most");
     v.expert("elsewhere", elsewhere, 0.0, 0.05, "m between spots that are not the same");
-    v.expert("likely", likely, 0.0, 1.0, "chance that a move must have of a touch at another spot");
+    v.expert("likely", likely, 0.0, 1.0, "least probability that a move touches another spot");
     v.expert("closing_rate", closing_rate, 0.05, 5.0, "rad/s, of J3");
     v.expert("torque", torque, 0.01, 1.0, "N m at J3 while closing");
     v("touch_force", touch_force, 0.02, 5.0, "N, force at the fingertip that counts as a touch");

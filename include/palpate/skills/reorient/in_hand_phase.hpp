@@ -21,8 +21,8 @@ struct InHandReorientationOptions {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("min", min, 0.0, 1.0, "rad, for less than this the fingers are not troubled");
-    v("max", max, 0.01, 0.6, "rad that the fingers turn the object at most");
+    v("min", min, 0.0, 1.0, "rad, least rotation of the object for which the fingers are used");
+    v("max", max, 0.01, 0.6, "rad, largest rotation of the object by the fingers");
     v.expert("min_weight", min_weight, 0.0, 1.0,
              "share of the load that must still hang afterwards");
     v.expert("settle", settle, 0.0, 10.0, "s of rest afterwards");

@@ -27,8 +27,8 @@ struct SamplingOptions {
   template <class Visitor>
   void visit(Visitor&& v) {
     v("samples", samples, 0, 10000, "motions rolled out a step; 0: fingertips just carry along");
-    v("rotation_sigma", turn_sigma, 0.0, 1.0, "rad, spread of the motions' turns");
-    v("translation_sigma", way_sigma, 0.0, 0.05, "m, spread of the motions' ways");
+    v("rotation_sigma", turn_sigma, 0.0, 1.0, "rad, spread of the motions' rotations");
+    v("translation_sigma", way_sigma, 0.0, 0.05, "m, spread of the motions' translations");
     v("scale_sigma", scale_sigma, 0.0, 2.0, "spread of the motions' lengths, relative");
     v("press_sigma", press_sigma, 0.0, 0.01, "m, by which fingertips press more or less");
     v("settle", settle, 0.01, 2.0, "s, in which the rolled out grasp finds its balance");
@@ -75,14 +75,14 @@ struct ReorientOptions {
     v("speed", speed, 0.001, 5.0, "rad/s, of the object");
     v("linear_speed", way_speed, 1e-4, 0.5, "m/s, of the object");
     v("period", period, 0.05, 5.0, "s of motion between two updates");
-    v("pause", pause, 0.01, 1.0, "s of rest before a look");
+    v("pause", pause, 0.01, 1.0, "s of rest before the pose is estimated");
     v("longest", longest, 0.1, 600.0, "s in all");
-    v("patience", patience, 1, 1000, "looks in which it may come no nearer to the goal");
+    v("patience", patience, 1, 1000, "estimates in a row without progress at which it ends");
     v("done_angle", done_angle, 1e-3, 1.0, "rad from the goal that are near enough");
     v("done_distance", done_way, 1e-4, 0.1, "m from the goal that are near enough");
     v("drift_angle", drift_angle, 1e-3, 3.2, "rad, standard deviation of the pose that ends it");
     v("drift_distance", drift_way, 1e-4, 0.1, "m, standard deviation of the pose that ends it");
-    v("min_fingers", min_fingers, 1, 5, "that must touch");
+    v("min_fingers", min_fingers, 1, 5, "fingers that must touch");
     v("regain", regain, 0.0, 0.01, "m a step by which a fingertip that lost touch is pressed on");
     v("regains", regains, 0, 100, "steps in which that is tried");
     v("grip", grip, 0.1, 10.0, "force of all tips while they turn, times that of the hold");

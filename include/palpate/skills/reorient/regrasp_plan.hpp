@@ -67,7 +67,7 @@ struct RegraspOptions {
              "of a radian by which the hand turns while it holds");
     v.expert("rare_cost", rare_cost, 0.0, 10.0,
              "of a stable pose in between, times its improbability");
-    v("max_transfers", max_transfers, 1, 10, "on one way");
+    v("max_transfers", max_transfers, 1, 10, "transfers in one plan, at most");
     v.expert("done_angle", done_angle, 0.0, 0.5, "rad from the target that need no motion");
     v.expert("done_distance", done_distance, 0.0, 0.1, "m from the target that need no motion");
     v.expert_section("grasp", grasp);
@@ -85,7 +85,7 @@ struct RegraspSequenceOptions {
   void visit(Visitor&& v) {
     v("rounds", rounds, 1, 100, "transfers tried at most, repeated ones included");
     v("certain_between", certain_between, 0.0, 1.0,
-      "certainty asked of all transfers but the last");
+      "certainty required for all transfers but the last");
     v.section("plan", plan);
   }
 };

@@ -22,8 +22,10 @@ struct RelocationOptions {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("explore", explore, "touch the resting object first, else only its rough place is known");
-    v("uncertainty", uncertainty, 0.0, 0.2, "m, the object within +- of its rough place");
+    v("explore", explore,
+      "explore the resting object first; else only its approximate position is known");
+    v("uncertainty", uncertainty, 0.0, 0.2,
+      "m, the object is within +- this of its approximate position");
     v.section("tracking", tracking);
     v.section("height_probe", height_probe);
     v.section("exploring", exploring);

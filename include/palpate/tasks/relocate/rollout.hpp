@@ -53,8 +53,10 @@ struct EpisodeOptions {
     v("scale_low", scale_low, 0.0, 1.0, "of the starts' randomness, drawn for each episode");
     v("scale_high", scale_high, 0.0, 1.0, "of the starts' randomness, drawn for each episode");
     v("at_ends", at_ends, 0.0, 1.0, "share of the episodes whose scale is one of the two");
-    v("object_bias", object_bias, 0.0, 0.1, "m, error of the object's place, constant an episode");
-    v("encoder_noise", encoder_noise, 0.0, 0.1, "m, rad, of the encoders that tell velocities");
+    v("object_bias", object_bias, 0.0, 0.1,
+      "m, error of the observed object's position, constant within an episode");
+    v("encoder_noise", encoder_noise, 0.0, 0.1,
+      "m, rad, noise of the encoders from which velocities are derived");
   }
 };
 
