@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "common.hpp"
 #include "palpate/core/file.hpp"
 #include "palpate/geometry/cloud/outlier_filter.hpp"
@@ -72,6 +74,25 @@ RegisterOptions options_of(const RegisterArguments& arguments) {
   return options;
 }
 
+/// Whether too few pairs count at all.
+std::string weights_hint(const std::vector<double>& weights) {
+  const auto count = std::ranges::count_if(weights, [](double w) { return w > 0; });
+  if (weights.empty() || count >= 3) return "";
+  return fmt::format("{} of {} pairs have a weight above 0; three are the least", count,
+                     weights.size());
+}
+
+/// Refuses options that would have no effect on these pairs.
+void check_pairs(const rg::Correspondences& pairs, const RegisterArguments& arguments) {
+  if (arguments.method == "gnc" && !arguments.initial.empty()) {
+    throw BadInput("--initial goes with cliques, not with --method gnc, which needs no start");
+  }
+  if (arguments.normal_noise_deg.value_or(0) > 0 && !pairs.has_normals()) {
+    throw BadInput(fmt::format("--normal-noise-deg needs normals: {} has no columns snx, ..., tnz",
+                               arguments.correspondences));
+  }
+}
+
 /// Result, and what only clouds have.
 struct Outcome {
   rg::CloudRegistration registration;
@@ -103,6 +124,7 @@ Outcome find_pose(const RegisterArguments& arguments, const RegisterOptions& opt
   auto& correspondences = outcome.registration.correspondences;
   if (!arguments.correspondences.empty()) {
     correspondences = rg::read_correspondences(arguments.correspondences);
+    check_pairs(correspondences, arguments);
     apply_known_scale(correspondences.source, arguments);
     result = rg::register_correspondences(correspondences, options.registration);
     for (int k = 1; k < arguments.repeats; ++k) {
@@ -111,6 +133,8 @@ Outcome find_pose(const RegisterArguments& arguments, const RegisterOptions& opt
     }
     outcome.hint = units_hint(correspondences.source, correspondences.target,
                               options.registration.noise_bound);
+    if (outcome.hint.empty()) outcome.hint = weights_hint(correspondences.weights);
+    if (outcome.hint.empty()) outcome.hint = reason_of(result, options.registration);
     return outcome;
   }
   outcome.clouds = true;
@@ -122,7 +146,9 @@ Outcome find_pose(const RegisterArguments& arguments, const RegisterOptions& opt
                                               .registration = options.registration,
                                               .noise_bound = arguments.noise_bound,
                                               .threads = arguments.common.threads});
-  outcome.hint = units_hint(outcome.source.points, target.points, 0);
+  outcome.hint =
+      units_hint(outcome.source.points, target.points, arguments.noise_bound.value_or(0));
+  if (outcome.hint.empty()) outcome.hint = reason_of(outcome.registration, options.registration);
   return outcome;
 }
 

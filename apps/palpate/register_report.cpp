@@ -108,7 +108,9 @@ void print_report(const rg::RegistrationResult& result) {
   if (result.scale != 1) fmt::print("scale of the source: {:.6g}\n", result.scale);
   fmt::print("cost {:.3g} m^2, at most {:.1g} m^2 above the global optimum for these inliers\n",
              result.cost, result.bound);
-  fmt::print("false alarms: {:.1g} such poses expected by chance\n", result.false_alarms);
+  fmt::print("false alarms: {} such poses expected by chance\n",
+             std::isfinite(result.false_alarms) ? fmt::format("{:.1g}", result.false_alarms)
+                                                : "any number of");
   for (const auto& instance : result.instances) {
     fmt::print("another instance: {} inliers, {}\n", instance.inliers,
                motion_text(instance.T_target_source));
@@ -119,6 +121,36 @@ void print_report(const rg::RegistrationResult& result) {
   }
 }
 
+std::string reason_of(const rg::RegistrationResult& result,
+                      const rg::RegistrationOptions& options) {
+  if (result.T_target_source || result.mirrored || !result.free_motions.empty()) return "";
+  if (result.status == rg::RegistrationStatus::kDegenerate) {
+    return options.estimate_scale ? "an unknown scale takes at least four pairs" : "";
+  }
+  if (options.initial) return "no pose near the initial one agrees with more pairs than by chance";
+  return options.best_effort
+             ? "no three pairs agree with a pose"
+             : "no pose agrees with more pairs than by chance; --best-effort reports the best one";
+}
+
+std::string reason_of(const rg::CloudRegistration& registration,
+                      const rg::RegistrationOptions& options) {
+  const auto& result = registration.result;
+  if (result.T_target_source || result.mirrored || !result.free_motions.empty()) return "";
+  if (registration.contradiction > rg::kMostContradiction) return "";
+  if (options.initial) return "the clouds do not lie on one another near the initial pose";
+  if (registration.feature_matches < 3) {
+    return fmt::format(
+        "too few features match ({}; three are the least); --initial refines a pose without them",
+        registration.feature_matches);
+  }
+  if (result.false_alarms < options.max_false_alarms) {
+    return "the clouds do not lie on one another at the pose that their features propose";
+  }
+  return "no pose agrees with more feature matches than by chance; --initial refines a pose "
+         "without them";
+}
+
 void print_bound(const rg::RegistrationResult& result) {
   const auto& bound = result.certificate.robust;
   if (!result.T_target_source || !bound) return;
@@ -126,6 +158,7 @@ void print_bound(const rg::RegistrationResult& result) {
 }
 
 void print_features(const rg::CloudRegistration& registration) {
+  if (!(registration.voxel > 0)) return;
   fmt::print("{} feature matches at {:.3g} m between points, {} of them within {:.3g} m",
              registration.feature_matches, registration.voxel, registration.feature_inliers,
              registration.noise_bound);

@@ -12,6 +12,14 @@ nlohmann::json report_of(const registration::RegistrationResult& result);
 /// What a person is told of it.
 void print_report(const registration::RegistrationResult& result);
 
+/// Why pairs have no pose, and what may help; empty if they have one or the report says it.
+std::string reason_of(const registration::RegistrationResult& result,
+                      const registration::RegistrationOptions& options);
+
+/// The same of clouds.
+std::string reason_of(const registration::CloudRegistration& registration,
+                      const registration::RegistrationOptions& options);
+
 /// How many of the pairs any pose can have, if that is known.
 void print_bound(const registration::RegistrationResult& result);
 

@@ -136,7 +136,7 @@ void CliqueSearch::conclude(Consensus& best) {
   best.mirrored = is_mirrored();
   best.found = best.found && !best.mirrored;
   const int beside = runner_up_.gain > 0 ? inliers_beside_best(runner_up_.T) : 0;
-  if (!best.found || 2 * beside < runner_up_.inliers) return;
+  if (!best.found || beside == 0 || 2 * beside < runner_up_.inliers) return;
   // The quick number is rather too large, which is enough for a second answer.
   const double false_alarms = false_alarm_test_.quick(runner_up_.T);
   if (false_alarms < kClearAtOnce) {

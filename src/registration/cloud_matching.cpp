@@ -2,6 +2,7 @@
 #include "registration/cloud_matching.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "registration/cloud_candidates.hpp"
@@ -113,6 +114,15 @@ std::optional<BetterFit> best_alternative(const PointCloud& source, const PointC
   return best;
 }
 
+/// Of an answer that gave way to a better one: itself, or, where both are nearly the same, its own.
+std::optional<RunnerUp> runner_up_of(const RegistrationResult& better,
+                                     const RegistrationResult& before) {
+  std::vector<int> others;
+  std::ranges::set_difference(before.inliers, better.inliers, std::back_inserter(others));
+  if (2 * others.size() < before.inliers.size()) return before.runner_up;
+  return RunnerUp{static_cast<int>(others.size()), *before.T_target_source, before.false_alarms};
+}
+
 }  // namespace
 
 RegistrationOptions feature_search(const CloudOptions& options,
@@ -159,8 +169,7 @@ std::optional<Eigen::Isometry3d> prefer_better_fit(const PreparedCloud& from,
   RegistrationResult better = register_correspondences(registration.correspondences, search);
   if (!better.T_target_source && fit->deviations < kFarBetter) return fit->T_target_source;
   if (better.T_target_source && result.T_target_source) {
-    better.runner_up = {static_cast<int>(result.inliers.size()), *result.T_target_source,
-                        result.false_alarms};
+    better.runner_up = runner_up_of(better, result);
   }
   result = std::move(better);
   return fit->T_target_source;

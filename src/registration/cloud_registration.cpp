@@ -232,6 +232,7 @@ CloudRegistration register_once(const PointView& source, const PointView& target
   if (!(voxel > 0)) {
     CloudRegistration none;
     none.result.status = RegistrationStatus::kDegenerate;
+    none.result.false_alarms = 1;
     return none;
   }
   FeatureCloud described[2];

@@ -6,12 +6,14 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "palpate/core/se3.hpp"
 #include "registration/clock.hpp"
 #include "registration/cloud_refinement.hpp"
 #include "registration/limited_rotation.hpp"
 #include "registration/neighbour_rounds.hpp"
+#include "registration/surface_motions.hpp"
 
 namespace palpate::registration {
 namespace {
@@ -198,6 +200,18 @@ CloudRegistration refine_scale(CloudRegistration registration, const PointCloud&
   return registration;
 }
 
+/// A surface that slides along itself matches at no scale. That a scene seems to, of things that
+/// lie far from one another, says nothing: the source decides.
+void report_sliding(const PointCloud& source, const PointCloud& target, const AllowedTurns& turns,
+                    RegistrationResult& result) {
+  std::vector<FreeMotion> motions = free_surface_motions(source, turns);
+  if (motions.empty()) return;
+  result.status = RegistrationStatus::kDegenerate;
+  result.rank = 6 - static_cast<int>(motions.size());
+  result.free_motions = free_surface_motions(target, turns);
+  if (result.free_motions.empty()) result.free_motions = std::move(motions);
+}
+
 }  // namespace
 
 CloudRegistration register_scaled_clouds(const geometry::PointView& source,
@@ -226,6 +240,8 @@ CloudRegistration register_scaled_clouds(const geometry::PointView& source,
     add_normals(from, options.features, options.threads);
     add_normals(to, options.features, options.threads);
     registration = refine_scale(std::move(registration), from, to, rigid);
+  } else {
+    report_sliding(from, to, options.registration.turns(), registration.result);
   }
   registration.result.seconds = now() - start;
   return registration;

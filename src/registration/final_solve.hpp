@@ -10,6 +10,11 @@ namespace palpate::registration {
 void report_final_solve(const PoseEstimate& estimate, const Correspondences& correspondences,
                         Primitive primitive, const AllowedTurns& turns, RegistrationResult& result);
 
+/// Looks for the further poses that are asked for, each a consensus among what the ones before
+/// leave over.
+void find_more(const Correspondences& correspondences, const RegistrationOptions& options,
+               RegistrationResult& result);
+
 /// Puts what no pose can exceed into the certificate of a result that has one, if it is asked for.
 void bound_robustly(const Correspondences& correspondences, const RegistrationOptions& options,
                     RegistrationResult& result);

@@ -204,30 +204,6 @@ std::vector<int> explained(const RegistrationResult& result, double noise_bound)
   return near;
 }
 
-/// Poses among what the ones before leave over, each a consensus of its own.
-void find_more(const Correspondences& correspondences, const RegistrationOptions& options,
-               RegistrationResult& result) {
-  std::vector<int> left(correspondences.size());
-  std::iota(left.begin(), left.end(), 0);
-  RegistrationResult last = result;
-  std::vector<int> taken = explained(result, options.noise_bound);
-  for (int k = 1; k < options.instances && last.T_target_source; ++k) {
-    std::vector<int> rest;
-    std::ranges::set_difference(left, taken, std::back_inserter(rest));
-    left = std::move(rest);
-    last = register_rigid(subset(correspondences, left), options);
-    taken.clear();
-    if (!last.T_target_source) break;
-    for (const int i : explained(last, options.noise_bound)) {
-      taken.push_back(left[static_cast<std::size_t>(i)]);
-    }
-    result.instances.push_back(
-        {static_cast<int>(last.inliers.size()), *last.T_target_source, last.false_alarms});
-  }
-  std::ranges::stable_sort(result.instances, std::greater<>(), &RunnerUp::inliers);
-  if (!result.instances.empty()) result.runner_up = result.instances.front();
-}
-
 /// Residuals are taken to be normal with one variance, which the inliers tell. Wrong pairs near the
 /// bound, uniform in its ball, leave and join the inliers as the pose moves, which on average
 /// undoes their pull: of the information only the right ones' share counts.
@@ -306,6 +282,29 @@ void report_final_solve(const PoseEstimate& estimate, const Correspondences& cor
   result.residuals =
       squared_residuals(correspondences, estimate.T_target_source, Primitive::kPoint);
   for (double& r : result.residuals) r = std::sqrt(r);
+}
+
+void find_more(const Correspondences& correspondences, const RegistrationOptions& options,
+               RegistrationResult& result) {
+  std::vector<int> left(correspondences.size());
+  std::iota(left.begin(), left.end(), 0);
+  RegistrationResult last = result;
+  std::vector<int> taken = explained(result, options.noise_bound);
+  for (int k = 1; k < options.instances && last.T_target_source; ++k) {
+    std::vector<int> rest;
+    std::ranges::set_difference(left, taken, std::back_inserter(rest));
+    left = std::move(rest);
+    last = register_rigid(subset(correspondences, left), options);
+    taken.clear();
+    if (!last.T_target_source) break;
+    for (const int i : explained(last, options.noise_bound)) {
+      taken.push_back(left[static_cast<std::size_t>(i)]);
+    }
+    result.instances.push_back(
+        {static_cast<int>(last.inliers.size()), *last.T_target_source, last.false_alarms});
+  }
+  std::ranges::stable_sort(result.instances, std::greater<>(), &RunnerUp::inliers);
+  if (!result.instances.empty()) result.runner_up = result.instances.front();
 }
 
 void bound_robustly(const Correspondences& correspondences, const RegistrationOptions& options,

@@ -10,6 +10,7 @@
 
 #include "palpate/core/random.hpp"
 #include "registration/clock.hpp"
+#include "registration/final_solve.hpp"
 
 namespace palpate::registration {
 namespace {
@@ -144,6 +145,9 @@ Similarity fitted(const Correspondences& c, const RegistrationResult& result) {
 std::optional<RegistrationResult> registered_at(double scale, const Correspondences& c,
                                                 RegistrationOptions options) {
   constexpr int kRounds = 4;
+  options.estimate_scale = false;
+  options.instances = 1;
+  options.robust_bound.max_nodes = 0;
   std::optional<RegistrationResult> result;
   for (int round = 0; round < kRounds; ++round) {
     RegistrationResult next = register_correspondences(scaled(c, scale), options);
@@ -157,6 +161,17 @@ std::optional<RegistrationResult> registered_at(double scale, const Corresponden
     if (!(scale > 0)) break;
   }
   return result;
+}
+
+/// What is asked for once the scale is known: further poses, and what no pose can exceed.
+void complete(const Correspondences& correspondences, RegistrationOptions options,
+              RegistrationResult& result) {
+  if (!result.T_target_source) return;
+  options.estimate_scale = false;
+  options.initial.reset();
+  const Correspondences at_scale = scaled(correspondences, result.scale);
+  if (options.instances > 1) find_more(at_scale, options, result);
+  bound_robustly(at_scale, options, result);
 }
 
 /// At a small scale many pairs agree, by chance: evidence counts before their number.
@@ -173,7 +188,8 @@ RegistrationResult register_scaled(const Correspondences& correspondences,
                                    const RegistrationOptions& options) {
   const double start = now();
   RegistrationOptions rigid = options;
-  rigid.estimate_scale = false;
+  // Each scale that is tried is another chance of a false alarm.
+  rigid.max_false_alarms = options.max_false_alarms / kCandidates;
   RegistrationResult best;
   best.weights.assign(correspondences.size(), 0);
   best.status = RegistrationStatus::kDegenerate;
@@ -185,12 +201,11 @@ RegistrationResult register_scaled(const Correspondences& correspondences,
   const RandomStream random(options.seed, "scale");
   const auto votes = votes_of(correspondences, noise_bound, random);
   for (const double scale : candidates(votes, noise_bound)) {
-    // Each scale that is tried is another chance of a false alarm.
-    rigid.max_false_alarms = options.max_false_alarms / kCandidates;
     auto result = registered_at(scale, correspondences, rigid);
     if (result && is_better(*result, best)) best = std::move(*result);
   }
   best.false_alarms *= kCandidates;
+  complete(correspondences, options, best);
   best.seconds = now() - start;
   return best;
 }

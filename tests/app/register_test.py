@@ -251,6 +251,39 @@ class Register(CliTest):
         self.assertEqual(done.returncode, NO_SOLUTION)
         self.assertIn("is one of them in millimetres?", json.loads(done.stdout)["hint"])
 
+    def hint(self, *arguments):
+        done = self.run_program("register", *arguments, "--json")
+        self.assertEqual(done.returncode, NO_SOLUTION)
+        return json.loads(done.stdout)["hint"]
+
+    def test_why_there_is_no_pose(self):
+        pairs = ["--correspondences", self.pairs(wrong=60)]
+        self.assertIn("--best-effort reports the best one", self.hint(*pairs))
+        self.assertIn("near the initial one", self.hint(*pairs, "--initial", IDENTITY))
+        rows = (self.folder / "pairs.csv").read_text().splitlines()
+        rows = [rows[0] + ",weight", *(row + ",0" for row in rows[1:])]
+        self.write("nothing.csv", "\n".join(rows) + "\n")
+        self.assertIn("0 of 60 pairs have a weight above 0",
+                      self.hint("--correspondences", "nothing.csv"))  # fmt: skip
+        self.assertIn("at least four pairs",
+                      self.hint("--correspondences", self.pairs(3, 0), "--scale"))  # fmt: skip
+        clouds = [self.write("a.xyz", xyz(lump(1))),
+                  self.write("b.xyz", xyz(moved(p) for p in lump(2)))]
+        self.assertIn("too few features match (1;", self.hint(*clouds, "--set", "features.voxel=1e-9"))
+        self.assertIn("near the initial pose", self.hint(*clouds, "--initial", IDENTITY))
+        self.assertIn("the noise bound is 10 m", self.hint(*clouds, "--noise-bound", "10"))
+
+    def test_shifted_pairs_have_no_runner_up(self):
+        source = random.Random(6)
+        rows = ["sx,sy,sz,tx,ty,tz"]
+        for _ in range(40):
+            p = [source.uniform(-0.05, 0.05) for _ in range(3)]
+            rows.append(",".join(f"{v:.9f}" for v in (*p, p[0] + 1, p[1] + 2, p[2] + 3)))
+        file = self.write("exact.csv", "\n".join(rows) + "\n")
+        for limit in ([], ["--yaw-only"], ["--translation-only"]):
+            report = self.run_json("register", "--correspondences", file, *limit)
+            self.assertIsNone(report["runner_up"], limit)
+
     def test_points_that_are_all_the_same_are_said(self):
         for name, cloud in (("lump.xyz", lump(3, 100)), ("same.xyz", [(1, 2, 3)] * 50)):
             self.write(name, "".join("%f %f %f\n" % tuple(p) for p in cloud))
@@ -286,6 +319,9 @@ class Register(CliTest):
             (["register", "--correspondences", file, "--noise-bound", "-1"], BAD_INPUT),
             (["register", "--correspondences", file, "--primitive", "plane"], BAD_INPUT),
             (["register", "--correspondences", file, "--initial", MIRROR], BAD_INPUT),
+            (["register", "--correspondences", file, "--initial", IDENTITY, "--method", "gnc"],
+             BAD_INPUT),
+            (["register", "--correspondences", file, "--normal-noise-deg", "5"], BAD_INPUT),
             (["register", "--correspondences", file, "--instances", "0"], USAGE),
             (["register", "box.stl", "box.stl", "--scale", "--initial", IDENTITY], BAD_INPUT),
             (["register", "box.stl", "box.stl", "--scale", "--instances", "2"], BAD_INPUT),

@@ -42,9 +42,11 @@ TEST(KdTree, FindsWhatExhaustiveSearchFinds) {
       all.emplace_back((cloud.points[static_cast<std::size_t>(i)] - q).squaredNorm(), i);
     }
     std::ranges::sort(all);
-    const auto nearest = tree.nearest(q, 7);
-    ASSERT_EQ(nearest.size(), 7u);
-    for (std::size_t i = 0; i < 7; ++i) EXPECT_EQ(nearest[i].index, all[i].second);
+    for (const std::size_t count : {7u, 300u, 400u}) {
+      const auto nearest = tree.nearest(q, static_cast<int>(count));
+      ASSERT_EQ(nearest.size(), count);
+      for (std::size_t i = 0; i < count; ++i) EXPECT_EQ(nearest[i].index, all[i].second);
+    }
     const double radius = std::sqrt(all[20].first) * (1 + 1e-9);
     const auto within = tree.within(q, radius);
     ASSERT_EQ(within.size(), 21u);

@@ -76,6 +76,22 @@ TEST(RegisterClouds, ACornerOfThreeWallsHasNoScale) {
   }
 }
 
+TEST(RegisterClouds, APlateOfUnknownScaleSlides) {
+  RandomStream random(8, "plates");
+  PointCloud plates[2];
+  for (auto& plate : plates) {
+    for (int i = 0; i < 3000; ++i) {
+      plate.points.emplace_back(random.uniform(-0.1, 0.1), random.uniform(-0.07, 0.07), 0);
+    }
+  }
+  CloudOptions options = coarse();
+  options.registration.estimate_scale = true;
+  const auto found = register_clouds(scaled(plates[0], 3), plates[1], options).result;
+  EXPECT_EQ(found.status, RegistrationStatus::kDegenerate);
+  EXPECT_FALSE(found.T_target_source);
+  EXPECT_EQ(found.free_motions.size(), 3u);
+}
+
 TEST(RegisterClouds, FindsEachInstanceOnce) {
   const Eigen::Isometry3d poses[] = {pose_of(5), Eigen::Translation3d(0.3, 0, 0) * pose_of(6)};
   PointCloud scene;

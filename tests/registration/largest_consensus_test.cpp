@@ -257,6 +257,10 @@ TEST(Register, ShiftsAlone) {
   ASSERT_TRUE(result.T_target_source);
   EXPECT_EQ(result.T_target_source->linear(), Eigen::Matrix3d::Identity());
   EXPECT_LT((result.T_target_source->translation() - shift).norm(), 5e-4);
+  Correspondences exact;
+  exact.source = exact.target = c.source;
+  for (auto& p : exact.target) p += shift;
+  EXPECT_FALSE(register_correspondences(exact, {.translation_only = true}).runner_up);
   EXPECT_THROW(register_correspondences(
                    c, {.rotation_axis = Eigen::Vector3d::UnitZ(), .translation_only = true}),
                BadInput);

@@ -29,6 +29,29 @@ TEST(UnknownScale, OfTooLittle) {
             RegistrationStatus::kDegenerate);
 }
 
+// Further copies have the scale of the first one.
+TEST(UnknownScale, OfSeveralInstances) {
+  const auto one = make_problem({.pairs = 40, .noise = 0.0005}, RandomStream(7, "register"));
+  const auto other = make_problem({.pairs = 30, .noise = 0.0005}, RandomStream(8, "register"));
+  Correspondences pairs = subset(one.correspondences, {});
+  for (const auto* problem : {&one, &other}) {
+    const auto& c = problem->correspondences;
+    pairs.source.insert(pairs.source.end(), c.source.begin(), c.source.end());
+    pairs.target.insert(pairs.target.end(), c.target.begin(), c.target.end());
+  }
+  for (auto& p : pairs.source) p /= 2.5;
+  const auto result = register_correspondences(
+      pairs, {.estimate_scale = true, .instances = 3, .robust_bound = {.max_nodes = 1000}});
+  ASSERT_TRUE(result.T_target_source);
+  EXPECT_NEAR(result.scale, 2.5, 0.02);
+  EXPECT_LT(rotation_error_deg(*result.T_target_source, one.truth), 1);
+  ASSERT_EQ(result.instances.size(), 1);
+  EXPECT_EQ(result.instances[0].inliers, 30);
+  EXPECT_LT(rotation_error_deg(result.instances[0].T_target_source, other.truth), 1);
+  ASSERT_TRUE(result.certificate.robust);
+  EXPECT_GE(result.certificate.robust->max_inliers, 40);
+}
+
 // A little more scale moves points that lie far from the origin by much.
 TEST(UnknownScale, OfFarCoordinates) {
   for (const double far : {0.0, 1e3, 1e7}) {

@@ -66,6 +66,36 @@ struct NearestCollector {
   }
 };
 
+bool is_nearer(const Neighbour& a, const Neighbour& b) {
+  return a.squared_distance < b.squared_distance;
+}
+
+/// The same for many, which are put in order now and then.
+struct ManyNearestCollector {
+  std::size_t most;
+  std::vector<Neighbour>& found;
+  double worst = std::numeric_limits<double>::max();
+
+  std::size_t size() const { return std::min(most, found.size()); }
+  bool full() const { return found.size() >= most; }
+  bool addPoint(double squared, int index) {
+    if (squared >= worst) return true;
+    found.push_back({index, squared});
+    if (found.size() >= most + most / 2) prune();
+    return true;
+  }
+  double worstDist() const { return worst; }
+
+  /// Leaves the nearest ones.
+  void prune() {
+    if (found.size() <= most) return;
+    const auto last = found.begin() + static_cast<std::ptrdiff_t>(most) - 1;
+    std::ranges::nth_element(found, last, is_nearer);
+    worst = last->squared_distance;
+    found.resize(most);
+  }
+};
+
 }  // namespace
 
 struct KdTree::Index {
@@ -100,6 +130,14 @@ void KdTree::find_nearest(const Eigen::Vector3d& query, int k,
   const auto most = std::min(static_cast<std::size_t>(std::max(0, k)), points().size());
   if (most == 0) return;
   found.reserve(most);
+  constexpr std::size_t kMany = 256;  // to insert one takes moving half of them
+  if (most > kMany) {
+    ManyNearestCollector collector{most, found};
+    index_->tree.findNeighbors(collector, query.data(), nanoflann::SearchParams());
+    collector.prune();
+    std::ranges::sort(found, is_nearer);
+    return;
+  }
   NearestCollector collector{most, found};
   index_->tree.findNeighbors(collector, query.data(), nanoflann::SearchParams());
 }
