@@ -60,6 +60,7 @@ nlohmann::json counts_json(const ros2::StreamCounts& counts) {
           {"out_of_order", counts.out_of_order},
           {"gaps", counts.gaps},
           {"blind", counts.blind},
+          {"restarts", counts.restarts},
           {"last_error", counts.last_error}};
 }
 

@@ -83,10 +83,11 @@ void add_view(CLI::App& program, Command& chosen) {
   auto arguments = std::make_shared<ViewArguments>();
   auto& command =
       *program.add_subcommand("view", "Serve the replay page of a recording to a browser");
-  command
-      .add_option("recording", arguments->recordings,
-                  "recording.h5 of a pick; two are shown beside one another")
-      ->expected(0, 2);
+  accept_folder_of_pick(
+      *command
+           .add_option("recording", arguments->recordings,
+                       "recording.h5 of a pick, or its folder; two are shown beside one another")
+           ->expected(0, 2));
   command.add_option("--port", arguments->address.port, "port to serve on; 0: any free port")
       ->check(in_range(0, 65535))
       ->capture_default_str();

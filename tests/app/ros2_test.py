@@ -242,6 +242,23 @@ class Estimator(Ros2):
         self.assertGreaterEqual(report["out_of_order"], 1)
         self.assertGreaterEqual(report["gaps"], 1)
 
+    def test_a_sender_whose_clock_is_set_back_is_taken_up_again(self):
+        program = self.begin()
+        _, _, now = self.send_until_estimated(START, least=50)
+        back = now - 3600 * 10**9  # as a simulation or a bag that begins again
+        self.peer.take("/palpate/estimate")
+        estimated = []
+        for i in range(20000):
+            self.stream.send(self.peer, back + i * TICK)
+            wait_until(lambda: False, 0.01)
+            stamps = [ros2_peer.nanoseconds_of(pose.header.stamp) for pose in self.peer.take("/palpate/estimate")]
+            estimated += [stamp for stamp in stamps if stamp < START]
+            if estimated:
+                break
+        self.assertTrue(estimated)
+        report = self.end(program)["received"]
+        self.assertEqual((report["restarts"], report["malformed"]), (1, 0))
+
     def test_commands_stop_and_start_it(self):
         program = self.begin()
         self.peer.advertise("/palpate/command", ros2_peer.String)
