@@ -185,7 +185,7 @@ CLI::App& add_job(CLI::App& ros2, Command& chosen, const std::shared_ptr<Ros2Arg
       ->option_text("N")
       ->check(in_range(0, 232));
   add_interface_options(command, arguments->interface);
-  add_common_options(command, arguments->common);
+  add_common_options(command, arguments->common, kConfig | kSeed);
   command.callback(
       [arguments, job, &chosen] { chosen = [arguments, job] { return job(*arguments); }; });
   return command;

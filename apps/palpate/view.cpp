@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <cstdio>
+#include <optional>
 
 #include "common.hpp"
 #include "hand_option.hpp"
@@ -55,11 +56,14 @@ int view_live(const ViewArguments& arguments) {
   if (!arguments.recordings.empty() || !arguments.common.out.empty()) {
     throw BadInput("--live shows a stream of ROS 2: it goes with no recording and no --out");
   }
-  LiveView live(arguments.address, true);
-  say_where(arguments, "url", live.url());
   StreamArguments stream = arguments.stream;
   stream.common = arguments.common;
-  return view_stream(stream, live);
+  std::optional<LiveView> live;
+  return view_stream(stream, [&]() -> LiveView& {
+    live.emplace(arguments.address, true);
+    say_where(arguments, "url", live->url());
+    return *live;
+  });
 }
 
 int view(const ViewArguments& arguments) {
