@@ -8,6 +8,7 @@
 #include "palpate/bridge/hand_peer.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/hand/nearest_base.hpp"
+#include "palpate/ros2/messages/std_msgs.hpp"
 #include "palpate/ros2/messages/trajectory_msgs.hpp"
 
 namespace palpate::bridge {
@@ -35,7 +36,8 @@ struct RemoteHand::Impl {
   RemoteHandOptions options;
   ros2::ReadingStream stream;
   std::deque<RawReader> readers;
-  Writer<ros2::JointTrajectory> joints;
+  std::optional<Writer<ros2::JointTrajectory>> joints;
+  std::optional<Writer<ros2::Float64MultiArray>> positions;  // in their place
   Writer<ros2::PoseStamped> mount;
   std::deque<JointMessage> waiting;  // joint states, the other parts of which may be on their way
   std::optional<hand::HandReading> last;
@@ -49,14 +51,27 @@ struct RemoteHand::Impl {
         interface(named),
         options(chosen),
         stream(described, named),
-        joints(at, topics.joints),
         mount(at, topics.mount) {
+    if (options.positions) {
+      positions.emplace(at, topics.positions);
+    } else {
+      joints.emplace(at, topics.joints);
+    }
     add_stream_readers(participant, hand, interface, readers);
   }
 
   void send(const hand::HandCommand& command) {
     const ros2::Time time = ros2::stamp_of(stamp);
     mount.write({{time, interface.world}, ros2::pose_of(command.base.pose())});
+    if (positions) {
+      positions->write({{}, {command.positions.begin(), command.positions.end()}});
+    } else {
+      joints->write(trajectory_of(command, time));
+    }
+  }
+
+  ros2::JointTrajectory trajectory_of(const hand::HandCommand& command,
+                                      const ros2::Time& time) const {
     ros2::JointTrajectory trajectory;
     trajectory.header = {time, interface.mount};
     for (const auto& actuator : hand.actuators) trajectory.joint_names.push_back(actuator.name);
@@ -64,7 +79,7 @@ struct RemoteHand::Impl {
     point.positions.assign(command.positions.begin(), command.positions.end());
     point.time_from_start = {0, static_cast<std::uint32_t>(1e9 * hand::kTick)};
     trajectory.points.push_back(point);
-    joints.write(trajectory);
+    return trajectory;
   }
 
   void receive() {
@@ -165,7 +180,9 @@ hand::HandReading RemoteHand::step(const hand::HandCommand& command) {
 
 const ros2::StreamCounts& RemoteHand::counts() const { return impl_->stream.counts(); }
 std::uint64_t RemoteHand::messages() const {
-  return impl_->received + impl_->joints.written() + impl_->mount.written();
+  const Impl& impl = *impl_;
+  return impl.received + impl.mount.written() +
+         (impl.positions ? impl.positions->written() : impl.joints->written());
 }
 std::uint64_t RemoteHand::repeats() const { return impl_->repeats; }
 

@@ -327,6 +327,18 @@ class Robot(Ros2):
         if alone["lifted"]:
             self.assertGreater(truth["T_world_object"][11], 0.1)
 
+    def test_positions_drive_a_pick_too(self):
+        options = ["--object", "box", "--seed", "3", "--positions", "/fingers/commands", *QUICK]
+        self.peer.listen("/fingers/commands", ros2_peer.Float64MultiArray)
+        robot = self.start("robot", *options)
+        picker = self.start("pick", *options, "--by-positions", "--perturb-links", "--timeout", "30")
+        _, stderr = picker.communicate(timeout=500)
+        truth = self.end(robot)
+        self.assertEqual(picker.returncode, DONE, stderr)
+        self.assertEqual(truth["malformed"], 0)
+        self.assertGreater(truth["T_world_object"][11], 0.1)
+        self.assertEqual({len(message.data) for message in self.peer.take("/fingers/commands")}, {20})
+
     def test_a_trajectory_moves_it_too(self):
         program = self.start("robot", "--object", "box", "--seed", "3")
         topic = "/palpate/hand_controller/joint_trajectory"
