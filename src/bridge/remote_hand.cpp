@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <chrono>
 #include <deque>
 #include <optional>
@@ -16,6 +17,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+constexpr double kMatchPoll = 0.02;  // s after which it is seen again who listens
 constexpr double kSettle = 0.25;  // s between first commands, and in which first readings come in
 
 double seconds_since(Clock::time_point start) {
@@ -80,6 +82,25 @@ struct RemoteHand::Impl {
     point.time_from_start = {0, static_cast<std::uint32_t>(1e9 * hand::kTick)};
     trajectory.points.push_back(point);
     return trajectory;
+  }
+
+  /// Positions have no stamp, by which a command that comes twice were known: it is sent once, when
+  /// there is somebody who hears it.
+  void send_first(const hand::HandCommand& command) {
+    const auto start = Clock::now();
+    const auto waits = [&](bool heard, double limit) {
+      return !heard && seconds_since(start) < limit;
+    };
+    while (positions && (waits(positions->readers() > 0, options.connect) ||
+                         waits(mount.readers() > 0, std::min(kSettle, options.connect)))) {
+      participant.wait(kMatchPoll);
+      receive();
+    }
+    send(command);
+  }
+
+  void send_again(const hand::HandCommand& command) {
+    if (!positions) send(command);
   }
 
   void receive() {
@@ -152,11 +173,15 @@ RemoteHand::~RemoteHand() = default;
 hand::HandReading RemoteHand::step(const hand::HandCommand& command) {
   Impl& impl = *impl_;
   impl.stamp += static_cast<std::uint64_t>(1e9 * hand::kTick);
-  impl.send(command);
   const auto start = Clock::now();
+  if (impl.last) {
+    impl.send(command);
+  } else {
+    impl.send_first(command);
+  }
   auto reading = impl.await(impl.last ? impl.options.timeout : kSettle);
   while (!reading && !impl.last && seconds_since(start) < impl.options.connect) {
-    impl.send(command);  // what was sent before the peers found each other is lost
+    impl.send_again(command);  // what was sent before the peers found each other is lost
     reading = impl.await(kSettle);
   }
   if (!reading && !impl.last) {
@@ -170,7 +195,7 @@ hand::HandReading RemoteHand::step(const hand::HandCommand& command) {
   }
   if (!reading) {
     ++impl.repeats;
-    impl.send(command);
+    impl.send_again(command);
     return *impl.last;
   }
   impl.last = impl.last ? std::move(*reading) : impl.settle(std::move(*reading));

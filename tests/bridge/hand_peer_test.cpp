@@ -167,6 +167,18 @@ TEST_F(CommandsTest, WhoNeverCommandsTheMountIsNotWaitedFor) {
   EXPECT_EQ(commands_.command().positions[3], 0.125);
 }
 
+TEST_F(CommandsTest, PositionsAndTheNextTargetOfTheMountAreOneCommand) {
+  ros2::Float64MultiArray message;
+  message.data.assign(static_cast<std::size_t>(hand_.actuator_count()), 0.125);
+  const std::string positions = ros2::serialize(message);
+  EXPECT_EQ(commands_.take_mount(mount(1, 0.5)), Effect::none);
+  EXPECT_EQ(commands_.take_positions(positions), Effect::step);
+  EXPECT_EQ(commands_.take_positions(positions), Effect::none);  // in the other order
+  EXPECT_EQ(commands_.take_mount(mount(2, 0.75)), Effect::step);
+  EXPECT_EQ(commands_.command().base.xyz.x(), 0.75);
+  EXPECT_EQ(commands_.take_mount(mount(3, 1)), Effect::none);
+}
+
 TEST_F(CommandsTest, WhatCannotBeIsCountedAndChangesNothing) {
   ros2::JointTrajectory unknown;
   unknown.joint_names = {"elbow"};

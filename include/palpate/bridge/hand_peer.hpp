@@ -30,7 +30,8 @@ struct RemoteHandOptions {
 ///
 /// step() answers a reading newer than the last or, after `timeout`, the last one again with its
 /// old time, which the executor's gate counts as late. The command is repeated then: one that was
-/// lost is made good, one that arrived is known by its stamp, which positions have not.
+/// lost is made good, one that arrived is known by its stamp. Positions have none, and are not
+/// repeated.
 class RemoteHand : public hand::Hand {
  public:
   /// Keeps references to participant and description.
