@@ -48,8 +48,9 @@ EvalPlan plan_of(const json& header) {
 /// Whether both went alike, whatever wall time they took. As text, for nan equals nan there.
 bool same_result(const evaluation::Trial& a, const evaluation::Trial& b) {
   const json one = evaluation::trial_to_json(a), other = evaluation::trial_to_json(b);
-  return std::ranges::all_of(std::array{"robot_seconds", "pick", "metrics", "place_metrics"},
-                             [&](const char* key) { return one.at(key).dump() == other.at(key).dump(); });
+  return std::ranges::all_of(
+      std::array{"robot_seconds", "pick", "metrics", "place_metrics"},
+      [&](const char* key) { return one.at(key).dump() == other.at(key).dump(); });
 }
 
 }  // namespace

@@ -33,9 +33,9 @@ struct StreamWatcher::Impl {
   RawReader poses, modes, weights, status;
   WatchReport report;
   recording::EstimateRecord coming;  // whose weights have not come yet
-  double shown_at = 0;               // s, of the last frame; goes on where the stream's clock is set back
-  double offset = 0;                 // s, from the stream's time to that which is shown
-  std::uint64_t restarts = 0;        // of the stream, that the offset makes up for
+  double shown_at = 0;         // s, of the last frame; goes on where the stream's clock is set back
+  double offset = 0;           // s, from the stream's time to that which is shown
+  std::uint64_t restarts = 0;  // of the stream, that the offset makes up for
   std::uint64_t told_at = 0;
 
   Impl(Participant& at, const hand::Description& described, const ros2::RobotInterface& interface,

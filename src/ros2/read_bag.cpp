@@ -106,7 +106,8 @@ std::vector<std::filesystem::path> bag_files(const std::filesystem::path& path) 
     others = others || (entry.is_regular_file() && is_other_bag(entry.path()));
   }
   if (files.empty() && others) throw BadInput(how_to_convert(path));
-  if (files.empty()) throw BadInput(fmt::format("{} has neither a recording.h5 nor a file *.mcap", path.string()));
+  if (files.empty())
+    throw BadInput(fmt::format("{} has neither a recording.h5 nor a file *.mcap", path.string()));
   std::ranges::sort(files, [](const auto& a, const auto& b) {  // bag_2 before bag_10
     const std::string one = a.filename().string(), other = b.filename().string();
     return one.size() != other.size() ? one.size() < other.size() : one < other;

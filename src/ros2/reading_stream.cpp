@@ -318,7 +318,7 @@ std::optional<hand::HandReading> ReadingStream::reading_at(std::uint64_t time) {
   if (is_fresh(force_at_.time(), time)) reading.base_force = force_;
   for (const Felt& felt : felt_) {
     reading.contacts.push_back(is_fresh(felt.time.time(), time) ? felt.contacts
-                                                         : std::vector<hand::TipContact>{});
+                                                                : std::vector<hand::TipContact>{});
   }
   ++counts_.readings;
   return reading;

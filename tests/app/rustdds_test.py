@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """palpate ros2 estimate beside a node of another implementation of DDS, RustDDS.
 
-Runs where tests/peers/rustdds is built: cargo build --release --locked (minutes).
+Runs where tests/peers/rustdds is built: cargo build --release (minutes).
 """
 
 import dataclasses
@@ -29,7 +29,7 @@ POSES = 200  # after which it has seen enough
 
 
 @unittest.skipUnless(ros2_stream, "requirements/ros2.txt is not installed")
-@unittest.skipUnless(PEER.exists(), "tests/peers/rustdds is not built (cargo build --release --locked)")
+@unittest.skipUnless(PEER.exists(), "tests/peers/rustdds is not built (cargo build --release)")
 class RustDds(CliTest):
     def test_a_stream_gives_the_pose(self):
         self.run_json("pick", "--object", "box", "--seed", "3", "--out", "run", "--no-belief", *QUICK)

@@ -160,6 +160,6 @@ fn play(node: &Node, sensed: &Sensed, enough: usize, limit: Duration) -> Report 
         }
     }
     report.acknowledged =
-        joints.wait_for_acknowledgments(rustdds::Duration::from_secs(5)).unwrap_or(false);
+        joints.wait_for_acknowledgments(Duration::from_secs(5)).unwrap_or(false);
     report
 }

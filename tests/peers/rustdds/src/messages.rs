@@ -3,19 +3,19 @@
 
 use serde::{Deserialize, Serialize};
 
-#[derive(Serialize, Deserialize, Clone, Copy)]
+#[derive(Serialize, Deserialize, Debug, Clone, Copy)]
 pub struct Time {
     pub sec: i32,
     pub nanosec: u32,
 }
 
-#[derive(Serialize, Deserialize, Clone)]
+#[derive(Serialize, Deserialize, Debug, Clone)]
 pub struct Header {
     pub stamp: Time,
     pub frame_id: String,
 }
 
-#[derive(Serialize, Deserialize, Clone)]
+#[derive(Serialize, Deserialize, Debug, Clone)]
 pub struct JointState {
     pub header: Header,
     pub name: Vec<String>,
@@ -24,7 +24,7 @@ pub struct JointState {
     pub effort: Vec<f64>,
 }
 
-#[derive(Serialize, Deserialize, Clone)]
+#[derive(Serialize, Deserialize, Debug, Clone)]
 pub struct PointField {
     pub name: String,
     pub offset: u32,
@@ -32,7 +32,7 @@ pub struct PointField {
     pub count: u32,
 }
 
-#[derive(Serialize, Deserialize, Clone)]
+#[derive(Serialize, Deserialize, Debug, Clone)]
 pub struct PointCloud2 {
     pub header: Header,
     pub height: u32,
@@ -45,14 +45,14 @@ pub struct PointCloud2 {
     pub is_dense: bool,
 }
 
-#[derive(Serialize, Deserialize, Clone, Copy)]
+#[derive(Serialize, Deserialize, Debug, Clone, Copy)]
 pub struct Vector3 {
     pub x: f64,
     pub y: f64,
     pub z: f64,
 }
 
-#[derive(Serialize, Deserialize, Clone, Copy)]
+#[derive(Serialize, Deserialize, Debug, Clone, Copy)]
 pub struct Quaternion {
     pub x: f64,
     pub y: f64,
@@ -60,38 +60,38 @@ pub struct Quaternion {
     pub w: f64,
 }
 
-#[derive(Serialize, Deserialize, Clone)]
+#[derive(Serialize, Deserialize, Debug, Clone)]
 pub struct Transform {
     pub translation: Vector3,
     pub rotation: Quaternion,
 }
 
-#[derive(Serialize, Deserialize, Clone)]
+#[derive(Serialize, Deserialize, Debug, Clone)]
 pub struct TransformStamped {
     pub header: Header,
     pub child_frame_id: String,
     pub transform: Transform,
 }
 
-#[derive(Serialize, Deserialize, Clone)]
+#[derive(Serialize, Deserialize, Debug, Clone)]
 pub struct TFMessage {
     pub transforms: Vec<TransformStamped>,
 }
 
-#[derive(Serialize, Deserialize, Clone)]
+#[derive(Serialize, Deserialize, Debug, Clone)]
 pub struct Pose {
     pub position: Vector3,
     pub orientation: Quaternion,
 }
 
-#[derive(Serialize, Deserialize, Clone)]
+#[derive(Serialize, Deserialize, Debug, Clone)]
 pub struct PoseWithCovarianceStamped {
     pub header: Header,
     pub pose: Pose,
     pub covariance: [[f64; 6]; 6],
 }
 
-#[derive(Serialize, Deserialize, Clone)]
+#[derive(Serialize, Deserialize, Debug, Clone)]
 pub struct StringMessage {
     pub data: String,
 }
