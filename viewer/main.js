@@ -55,8 +55,25 @@ const film = new Film('palpate', () => byId('caption').innerText.split('\n'));
 if (scene) scene.onDrawn = (view) => film.running && film.picture(view);
 
 function changed() {
+  showLayers();
+  if (compared) window.parent.postMessage({ shown: layers() }, '*');
+}
+
+function showLayers() {
   scene?.follow(shown.follow);
   show();
+}
+
+/** What is switched on, but for the modes, which are of this recording alone. */
+function layers() {
+  return Object.fromEntries(Object.entries(shown).filter(([, on]) => typeof on === 'boolean'));
+}
+
+/** Takes up what was switched on or off beside. */
+function takeLayers(given) {
+  for (const key of Object.keys(layers())) if (typeof given[key] === 'boolean') shown[key] = given[key];
+  panel.showLayers();
+  showLayers();
 }
 
 function show() {
@@ -237,7 +254,9 @@ byId('film').addEventListener('click', toggleFilm);
 byId('film').hidden = !filmKinds().length || !scene;
 addEventListener('hashchange', seekAddress);
 addEventListener('message', (event) => {
-  if (!compared || event.source !== window.parent || !Number.isFinite(event.data?.time)) return;
+  if (!compared || event.source !== window.parent) return;
+  if (event.data?.shown) takeLayers(event.data.shown);
+  if (!Number.isFinite(event.data?.time)) return;
   leads = false;
   if (playing) setPlaying(false);
   seek(recording.begin + event.data.time);

@@ -55,6 +55,14 @@ void add_common_options(CLI::App& command, CommonOptions& options, unsigned uses
   command.add_flag("--quiet", options.quiet, "no progress on stderr");
 }
 
+void accept_folder_of_pick(CLI::Option& option) {
+  option.transform([](const std::string& given) {
+    const auto inside = std::filesystem::path(given) / "recording.h5";
+    std::error_code error;
+    return std::filesystem::is_regular_file(inside, error) ? inside.string() : given;
+  });
+}
+
 std::unique_ptr<OutputFolder> claim_output(const CommonOptions& common,
                                            const std::vector<std::string>& results) {
   if (common.out.empty()) return nullptr;

@@ -37,6 +37,9 @@ enum Uses : unsigned { kConfig = 1, kSeed = 2, kThreads = 4, kOut = 8, kAllCommo
 
 void add_common_options(CLI::App& command, CommonOptions& options, unsigned uses = kAllCommon);
 
+/// The folder that a pick wrote stands for the recording in it, as the value of this option.
+void accept_folder_of_pick(CLI::Option& option);
+
 /// The folder for the results, if one was asked for: locked, and without these results.
 /// @throws BadInput as OutputFolder does
 std::unique_ptr<OutputFolder> claim_output(const CommonOptions& common,

@@ -349,13 +349,11 @@ void add_eval(CLI::App& program, Command& chosen) {
   add_live_option(command, arguments->live);
   add_common_options(command, arguments->common);
   command.footer(
-      "Trial i of every object has the seed SEED + i. With --out it writes eval.json, "
-      "config.toml,\nmanifest.json (program, commit, machine, configuration) and,\n"
-      "as they finish, one row per trial in trials.csv and its details in trials.jsonl into DIR. "
-      "The\n"
-      "same command continues an interrupted run, with the same result bit for bit; a command "
-      "with\n"
-      "other settings is refused, unless --force starts over.\n\nExamples:\n"
+      "Trial i of every object has the seed SEED + i. With --out it writes eval.json,\n"
+      "config.toml, manifest.json (program, commit, machine, configuration) and, as they finish,\n"
+      "one row per trial in trials.csv and its details in trials.jsonl into DIR. The same command\n"
+      "continues an interrupted run, with the same result bit for bit; a command with other\n"
+      "settings is refused, unless --force starts over.\n\nExamples:\n"
       "  palpate eval --object mug,box --trials 30 --threads 2 --seed 9000\n"
       "  palpate eval --object generated:9000-9099 --trials 3 --seed 9000\n"
       "  palpate eval --object mug,duck --candidates mug,box,bottle --trials 10 --seed 9000\n"

@@ -77,9 +77,11 @@ void add_export(CLI::App& program, Command& chosen) {
       ->option_text("FORMAT")
       ->check(CLI::IsMember({"mcap", "lerobot", "minari"}))
       ->required();
-  command.add_option("recording", arguments->recording, "recording.h5 of a pick")
-      ->option_text("RECORDING")
-      ->required();
+  accept_folder_of_pick(
+      *command
+           .add_option("recording", arguments->recording, "recording.h5 of a pick, or its folder")
+           ->option_text("RECORDING")
+           ->required());
   command
       .add_option(
           "--out", arguments->out,

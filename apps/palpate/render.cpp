@@ -201,7 +201,9 @@ void add_render(CLI::App& program, Command& chosen) {
       *program.add_subcommand("render", "Render a pick: one PNG image at the end of each phase");
   auto* const recording =
       command.add_option("recording", arguments->recording,
-                         "recording.h5 of a pick; without it, an object is picked up first");
+                         "recording.h5 of a pick, or its folder; without it, an object is picked "
+                         "up first");
+  accept_folder_of_pick(*recording);
   command
       .add_option("--object", arguments->object,
                   "mug, bottle, box, bracket, duck, or a mesh file in metres")

@@ -115,10 +115,12 @@ void add_replay(CLI::App& program, Command& chosen) {
   auto arguments = std::make_shared<ReplayArguments>();
   auto& command = *program.add_subcommand(
       "replay", "Estimate the pose again from a recording, without the simulator");
-  command
-      .add_option("recording", arguments->recording,
-                  "recording.h5 of a pick, or a bag: an MCAP file or the folder of ros2 bag record")
-      ->required();
+  accept_folder_of_pick(
+      *command
+           .add_option("recording", arguments->recording,
+                       "recording.h5 of a pick, or its folder; or a bag: an MCAP file or the "
+                       "folder of ros2 bag record")
+           ->required());
   add_bag_options(command, arguments->bag);
   add_common_options(command, arguments->common, kConfig);
   command.footer(
@@ -130,7 +132,7 @@ void add_replay(CLI::App& program, Command& chosen) {
       "mcap` wrote names its object and hand; for others the pose is that of the last instant at\n"
       "which two fingers touch, or of --at.\n\n"
       "Examples:\n"
-      "  palpate replay out/pick-mug-2/recording.h5\n"
+      "  palpate replay out/pick-mug-2\n"
       "  palpate replay out/pick-mug-2/recording.h5 --set estimation.free_space=false --json\n"
       "  palpate replay run.mcap --object part.stl --hand my_hand.xml --mount-frame wrist\n"
       "  palpate replay run.mcap --object mug --at 12.5 --json");

@@ -65,6 +65,10 @@ void warn_of(const ros2::Bag& bag, const std::string& path, bool quiet) {
   const ros2::StreamCounts& counts = bag.counts;
   if (quiet) return;
   if (!bag.complete) fmt::print(stderr, "{} has no end: what there is of it is used\n", path);
+  if (counts.restarts > 0) {
+    fmt::print(stderr, "the clock was set back {} times: what comes after the last is used\n",
+               counts.restarts);
+  }
   if (counts.malformed + counts.out_of_order + counts.gaps + counts.blind == 0) return;
   fmt::print(stderr, "{} malformed and {} late messages dropped, {} gaps, {} joint states unused\n",
              counts.malformed, counts.out_of_order, counts.gaps, counts.blind);

@@ -20,6 +20,8 @@ struct Ros2Arguments {
   ros2::RobotInterface interface;
   bool real_time = false, perturb_links = false;
   double timeout = bridge::RemoteHandOptions{}.timeout;
+  bridge::CommandTopics commands;
+  bool positions = false;
 };
 
 int domain_of(const Ros2Arguments& arguments) {
@@ -60,6 +62,7 @@ nlohmann::json counts_json(const ros2::StreamCounts& counts) {
           {"out_of_order", counts.out_of_order},
           {"gaps", counts.gaps},
           {"blind", counts.blind},
+          {"restarts", counts.restarts},
           {"last_error", counts.last_error}};
 }
 
@@ -104,8 +107,8 @@ int serve_robot(const Ros2Arguments& arguments) {
   const double height = world.truth().T_world_object.translation().z();
   const Interrupt interrupt;
   bridge::Participant participant(domain_of(arguments));
-  bridge::HandServer server(participant, world.hand(), world.hand_model(), arguments.interface, {},
-                            {.real_time = arguments.real_time});
+  bridge::HandServer server(participant, world.hand(), world.hand_model(), arguments.interface,
+                            arguments.commands, {.real_time = arguments.real_time});
   say_ready(arguments,
             fmt::format("simulating {} with {}", world.hand_model().name, arguments.object));
   server.run(waiting, interrupt.token());
@@ -157,8 +160,8 @@ int pick(const Ros2Arguments& arguments) {
   const auto hand = believed_hand(arguments, options, object);
   const Interrupt interrupt;
   bridge::Participant participant(domain_of(arguments));
-  bridge::RemoteHand remote(participant, hand, arguments.interface, {},
-                            {.timeout = arguments.timeout});
+  bridge::RemoteHand remote(participant, hand, arguments.interface, arguments.commands,
+                            {.timeout = arguments.timeout, .positions = arguments.positions});
   say_ready(arguments, fmt::format("picking {} with {}", arguments.object, hand.name));
   const simulation::SimulatedModels models(options.forward_model);
   skills::Executor robot(remote, hand, evaluation::waiting_command(hand), {}, &models,
@@ -170,6 +173,18 @@ int pick(const Ros2Arguments& arguments) {
   print_report(arguments, report);
   if (picked.fault) return kStopped;
   return picked.held ? kDone : kNoSolution;
+}
+
+void add_command_topics(CLI::App& command, bridge::CommandTopics& topics) {
+  command.add_option("--trajectories", topics.joints, "topic of the joints' JointTrajectory")
+      ->option_text("TOPIC")
+      ->capture_default_str();
+  command.add_option("--positions", topics.positions, "topic of the joints' Float64MultiArray")
+      ->option_text("TOPIC")
+      ->capture_default_str();
+  command.add_option("--mount-target", topics.mount, "topic of the mount's PoseStamped")
+      ->option_text("TOPIC")
+      ->capture_default_str();
 }
 
 using Job = int (*)(const Ros2Arguments&);
@@ -184,7 +199,8 @@ CLI::App& add_job(CLI::App& ros2, Command& chosen, const std::shared_ptr<Ros2Arg
       ->option_text("N")
       ->check(in_range(0, 232));
   add_interface_options(command, arguments->interface);
-  add_common_options(command, arguments->common);
+  if (name != "estimate") add_command_topics(command, arguments->commands);
+  add_common_options(command, arguments->common, kConfig | kSeed);
   command.callback(
       [arguments, job, &chosen] { chosen = [arguments, job] { return job(*arguments); }; });
   return command;
@@ -222,12 +238,16 @@ void add_ros2(CLI::App& program, Command& chosen) {
       ->option_text("S")
       ->check(in_range(0.01, 60.0))
       ->capture_default_str();
+  picker.add_flag("--by-positions", arguments->positions,
+                  "command the joints by Float64MultiArray, all actuators in their order, instead "
+                  "of by JointTrajectory");
   picker.add_flag(
       "--perturb-links", arguments->perturb_links,
       "for a simulated hand: perturb the assumed links by world.noise.link, as pick does");
   picker.footer(
       "Examples:\n"
-      "  palpate ros2 pick --object mug --hand shadow --seed 3   # beside palpate ros2 robot");
+      "  palpate ros2 pick --object mug --hand shadow --seed 3   # beside palpate ros2 robot\n"
+      "  palpate ros2 pick --object mug --by-positions --positions /forward_controller/commands");
   ros2.footer(
       "Examples:\n"
       "  palpate ros2 estimate --object mug --hand shadow\n"

@@ -73,11 +73,13 @@ void add_sense(CLI::App& program, Command& chosen) {
   auto arguments = std::make_shared<SenseArguments>();
   auto& command =
       *program.add_subcommand("sense", "Estimate contact normals and forces from tactile readings");
-  command
-      .add_option("recording", arguments->recording,
-                  "recording.h5, a CSV of contacts, or a CSV of a BioTac")
-      ->option_text("RECORDING")
-      ->required();
+  accept_folder_of_pick(
+      *command
+           .add_option("recording", arguments->recording,
+                       "recording.h5 or the folder of a pick, a CSV of contacts, or a CSV of a "
+                       "BioTac")
+           ->option_text("RECORDING")
+           ->required());
   command
       .add_option("--estimator", arguments->estimator,
                   "estimator of normals from contact forces and motion")

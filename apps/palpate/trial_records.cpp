@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <nlohmann/json.hpp>
 
 #include "earlier_results.hpp"
@@ -43,6 +45,14 @@ EvalPlan plan_of(const json& header) {
   return plan;
 }
 
+/// Whether both went alike, whatever wall time they took. As text, for nan equals nan there.
+bool same_result(const evaluation::Trial& a, const evaluation::Trial& b) {
+  const json one = evaluation::trial_to_json(a), other = evaluation::trial_to_json(b);
+  return std::ranges::all_of(
+      std::array{"robot_seconds", "pick", "metrics", "place_metrics"},
+      [&](const char* key) { return one.at(key).dump() == other.at(key).dump(); });
+}
+
 }  // namespace
 
 TrialRecords TrialRecords::of(const std::filesystem::path& path) {
@@ -57,7 +67,13 @@ TrialRecords TrialRecords::of(const std::filesystem::path& path) {
 }
 
 void TrialRecords::add_all(const TrialRecords& other) {
-  trials_.insert(other.trials_.begin(), other.trials_.end());
+  for (const auto& [key, trial] : other.trials_) {
+    const auto [known, added] = trials_.try_emplace(key, trial);
+    if (added || same_result(known->second, trial)) continue;
+    throw BadInput(fmt::format(
+        "{}: {} with seed {} went otherwise than in another part: they are of different programs",
+        other.path_.string(), key.first, key.second));
+  }
 }
 
 TrialRecords::TrialRecords(std::filesystem::path path, const EvalPlan& plan)

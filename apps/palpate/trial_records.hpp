@@ -38,6 +38,7 @@ class TrialRecords {
 
   const EvalPlan& plan() const { return plan_; }
   /// Takes over the trials of another part of the same evaluation.
+  /// @throws BadInput if a trial that is in both went otherwise there
   void add_all(const TrialRecords& other);
 
   /// A trial that was finished before.

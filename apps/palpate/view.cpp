@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <cstdio>
+#include <optional>
 
 #include "common.hpp"
 #include "hand_option.hpp"
@@ -56,11 +57,14 @@ int view_live(const ViewArguments& arguments) {
     throw BadInput(
         "--live shows a stream of ROS 2: it cannot be combined with a recording or --out");
   }
-  LiveView live(arguments.address, true);
-  say_where(arguments, "url", live.url());
   StreamArguments stream = arguments.stream;
   stream.common = arguments.common;
-  return view_stream(stream, live);
+  std::optional<LiveView> live;
+  return view_stream(stream, [&]() -> LiveView& {
+    live.emplace(arguments.address, true);
+    say_where(arguments, "url", live->url());
+    return *live;
+  });
 }
 
 int view(const ViewArguments& arguments) {
@@ -84,10 +88,11 @@ void add_view(CLI::App& program, Command& chosen) {
   auto arguments = std::make_shared<ViewArguments>();
   auto& command =
       *program.add_subcommand("view", "Serve the replay page of a recording to a browser");
-  command
-      .add_option("recording", arguments->recordings,
-                  "recording.h5 of a pick; two are shown side by side")
-      ->expected(0, 2);
+  accept_folder_of_pick(
+      *command
+           .add_option("recording", arguments->recordings,
+                       "recording.h5 of a pick, or its folder; two are shown side by side")
+           ->expected(0, 2));
   command.add_option("--port", arguments->address.port, "port to serve on; 0: any free port")
       ->check(in_range(0, 65535))
       ->capture_default_str();

@@ -31,13 +31,13 @@ std::string status_text(const bridge::WatchReport& report) {
 
 }  // namespace
 
-int view_stream(const StreamArguments& arguments, LiveView& live) {
+int view_stream(const StreamArguments& arguments, const std::function<LiveView&()>& open) {
   const auto hand = load_hand_with_progress(arguments.hand, arguments.common.quiet).hand;
   const auto object = geometry::load_known_object(arguments.object);
   const Interrupt interrupt;
   bridge::Participant participant(arguments.domain ? *arguments.domain : bridge::default_domain());
   const recording::Header header{std::string(version()), 0, object, hand, "", false};
-  const auto page = live.begin(header, fmt::format("{} in {}", arguments.object, hand.name));
+  const auto page = open().begin(header, fmt::format("{} in {}", arguments.object, hand.name));
   bridge::StreamWatcher watcher(
       participant, hand, arguments.interface, *page,
       [&page](const bridge::WatchReport& report) { page->status(status_text(report)); });

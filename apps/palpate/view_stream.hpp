@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -19,7 +20,8 @@ struct StreamArguments {
 };
 
 /// Shows a stream until interrupted, and reports what came.
+/// @param open  begins to serve; called once all that is asked for is there
 /// @throws BadInput in a build without Cyclone DDS
-int view_stream(const StreamArguments& arguments, LiveView& live);
+int view_stream(const StreamArguments& arguments, const std::function<LiveView&()>& open);
 
 }  // namespace palpate::app

@@ -32,7 +32,8 @@ ros2::DiagnosticStatus diagnosis(const ros2::StreamCounts& counts, std::uint64_t
   ros2::DiagnosticStatus status;
   const bool silent = counts.readings == readings_before;
   const bool faulty =
-      counts.malformed + counts.out_of_order + counts.gaps + counts.blind > 0 || !refused.empty();
+      counts.malformed + counts.out_of_order + counts.gaps + counts.blind + counts.restarts > 0 ||
+      !refused.empty();
   status.level = silent   ? ros2::DiagnosticStatus::kStale
                  : faulty ? ros2::DiagnosticStatus::kWarn
                           : ros2::DiagnosticStatus::kOk;
@@ -49,6 +50,7 @@ ros2::DiagnosticStatus diagnosis(const ros2::StreamCounts& counts, std::uint64_t
   add("out_of_order", counts.out_of_order);
   add("gaps", counts.gaps);
   add("blind", counts.blind);
+  add("restarts", counts.restarts);
   return status;
 }
 

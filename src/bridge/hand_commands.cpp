@@ -29,6 +29,13 @@ HandCommands::Effect HandCommands::complete() {
   return Effect::step;
 }
 
+/// Positions have no stamp: they and the mount's next target are one command.
+HandCommands::Effect HandCommands::complete_positions() {
+  if (!new_positions_ || (mount_at_ && !new_mount_)) return Effect::none;
+  new_positions_ = new_mount_ = false;
+  return Effect::step;
+}
+
 HandCommands::Effect HandCommands::take_joints(std::string_view cdr) {
   return guarded([&] {
     const auto trajectory = ros2::deserialize<ros2::JointTrajectory>(cdr);
@@ -58,7 +65,9 @@ HandCommands::Effect HandCommands::take_mount(std::string_view cdr) {
     const std::uint64_t stamp = ros2::nanoseconds_of(target.header.stamp);
     if (mount_at_ && stamp < *mount_at_) return Effect::none;
     mount_at_ = stamp;
+    new_mount_ = true;
     if (stamp > done_) command_.base = hand::nearest_base(T_world_mount, command_.base);
+    if (new_positions_) return complete_positions();
     return stamp > done_ ? complete() : Effect::none;
   });
 }
@@ -76,7 +85,8 @@ HandCommands::Effect HandCommands::take_positions(std::string_view cdr) {
           plausible(message.data[static_cast<std::size_t>(i)], -kMaxAngle, kMaxAngle, "a position");
     }
     command_.positions = target;
-    return Effect::step;
+    new_positions_ = true;
+    return complete_positions();
   });
 }
 

@@ -34,12 +34,14 @@ class HandCommands {
   template <class Take>
   Effect guarded(Take&& take);
   Effect complete();
+  Effect complete_positions();
 
   const hand::Description& hand_;
   hand::HandCommand command_;
   std::optional<std::uint64_t> joints_at_, mount_at_;  ///< stamps of the latest, ns
   std::uint64_t done_ = 0;                             ///< stamp of the latest whole command
   std::uint64_t malformed_ = 0;
+  bool new_positions_ = false, new_mount_ = false;  ///< since the latest whole command
 };
 
 }  // namespace palpate::bridge

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <chrono>
 #include <deque>
 #include <optional>
@@ -8,6 +9,7 @@
 #include "palpate/bridge/hand_peer.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/hand/nearest_base.hpp"
+#include "palpate/ros2/messages/std_msgs.hpp"
 #include "palpate/ros2/messages/trajectory_msgs.hpp"
 
 namespace palpate::bridge {
@@ -15,6 +17,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+constexpr double kMatchPoll = 0.02;  // s after which it is seen again who listens
 constexpr double kSettle = 0.25;  // s between first commands, and in which first readings come in
 
 double seconds_since(Clock::time_point start) {
@@ -35,7 +38,8 @@ struct RemoteHand::Impl {
   RemoteHandOptions options;
   ros2::ReadingStream stream;
   std::deque<RawReader> readers;
-  Writer<ros2::JointTrajectory> joints;
+  std::optional<Writer<ros2::JointTrajectory>> joints;
+  std::optional<Writer<ros2::Float64MultiArray>> positions;  // in their place
   Writer<ros2::PoseStamped> mount;
   std::deque<JointMessage> waiting;  // joint states, the other parts of which may be on their way
   std::optional<hand::HandReading> last;
@@ -49,14 +53,27 @@ struct RemoteHand::Impl {
         interface(named),
         options(chosen),
         stream(described, named),
-        joints(at, topics.joints),
         mount(at, topics.mount) {
+    if (options.positions) {
+      positions.emplace(at, topics.positions);
+    } else {
+      joints.emplace(at, topics.joints);
+    }
     add_stream_readers(participant, hand, interface, readers);
   }
 
   void send(const hand::HandCommand& command) {
     const ros2::Time time = ros2::stamp_of(stamp);
     mount.write({{time, interface.world}, ros2::pose_of(command.base.pose())});
+    if (positions) {
+      positions->write({{}, {command.positions.begin(), command.positions.end()}});
+    } else {
+      joints->write(trajectory_of(command, time));
+    }
+  }
+
+  ros2::JointTrajectory trajectory_of(const hand::HandCommand& command,
+                                      const ros2::Time& time) const {
     ros2::JointTrajectory trajectory;
     trajectory.header = {time, interface.mount};
     for (const auto& actuator : hand.actuators) trajectory.joint_names.push_back(actuator.name);
@@ -64,7 +81,26 @@ struct RemoteHand::Impl {
     point.positions.assign(command.positions.begin(), command.positions.end());
     point.time_from_start = {0, static_cast<std::uint32_t>(1e9 * hand::kTick)};
     trajectory.points.push_back(point);
-    joints.write(trajectory);
+    return trajectory;
+  }
+
+  /// Positions have no stamp, by which a command that comes twice were known: it is sent once, when
+  /// there is somebody who hears it.
+  void send_first(const hand::HandCommand& command) {
+    const auto start = Clock::now();
+    const auto waits = [&](bool heard, double limit) {
+      return !heard && seconds_since(start) < limit;
+    };
+    while (positions && (waits(positions->readers() > 0, options.connect) ||
+                         waits(mount.readers() > 0, std::min(kSettle, options.connect)))) {
+      participant.wait(kMatchPoll);
+      receive();
+    }
+    send(command);
+  }
+
+  void send_again(const hand::HandCommand& command) {
+    if (!positions) send(command);
   }
 
   void receive() {
@@ -137,11 +173,15 @@ RemoteHand::~RemoteHand() = default;
 hand::HandReading RemoteHand::step(const hand::HandCommand& command) {
   Impl& impl = *impl_;
   impl.stamp += static_cast<std::uint64_t>(1e9 * hand::kTick);
-  impl.send(command);
   const auto start = Clock::now();
+  if (impl.last) {
+    impl.send(command);
+  } else {
+    impl.send_first(command);
+  }
   auto reading = impl.await(impl.last ? impl.options.timeout : kSettle);
   while (!reading && !impl.last && seconds_since(start) < impl.options.connect) {
-    impl.send(command);  // what was sent before the peers found each other is lost
+    impl.send_again(command);  // what was sent before the peers found each other is lost
     reading = impl.await(kSettle);
   }
   if (!reading && !impl.last) {
@@ -155,7 +195,7 @@ hand::HandReading RemoteHand::step(const hand::HandCommand& command) {
   }
   if (!reading) {
     ++impl.repeats;
-    impl.send(command);
+    impl.send_again(command);
     return *impl.last;
   }
   impl.last = impl.last ? std::move(*reading) : impl.settle(std::move(*reading));
@@ -165,7 +205,9 @@ hand::HandReading RemoteHand::step(const hand::HandCommand& command) {
 
 const ros2::StreamCounts& RemoteHand::counts() const { return impl_->stream.counts(); }
 std::uint64_t RemoteHand::messages() const {
-  return impl_->received + impl_->joints.written() + impl_->mount.written();
+  const Impl& impl = *impl_;
+  return impl.received + impl.mount.written() +
+         (impl.positions ? impl.positions->written() : impl.joints->written());
 }
 std::uint64_t RemoteHand::repeats() const { return impl_->repeats; }
 

@@ -33,6 +33,9 @@ struct StreamWatcher::Impl {
   RawReader poses, modes, weights, status;
   WatchReport report;
   recording::EstimateRecord coming;  // whose weights have not come yet
+  double shown_at = 0;         // s, of the last frame; goes on where the stream's clock is set back
+  double offset = 0;           // s, from the stream's time to that which is shown
+  std::uint64_t restarts = 0;  // of the stream, that the offset makes up for
   std::uint64_t told_at = 0;
 
   Impl(Participant& at, const hand::Description& described, const ros2::RobotInterface& interface,
@@ -54,7 +57,7 @@ struct StreamWatcher::Impl {
       reader.take([&](std::string_view cdr, std::uint64_t now) {
         ++report.messages;
         if (const auto reading = stream.take(reader.topic(), reader.type(), cdr, now)) {
-          sink.frame({*reading, {}, std::nullopt});
+          show(*reading);
         }
       });
     }
@@ -69,6 +72,14 @@ struct StreamWatcher::Impl {
       coming.status = message.data;
       tell_estimate();
     });
+  }
+
+  void show(hand::HandReading reading) {
+    if (restarts != stream.counts().restarts) offset = shown_at + hand::kTick - reading.time;
+    restarts = stream.counts().restarts;
+    reading.time += offset;
+    shown_at = reading.time;
+    sink.frame({reading, {}, std::nullopt});
   }
 
   /// Hands on what can be read; what cannot is another's fault, and dropped.
@@ -86,7 +97,7 @@ struct StreamWatcher::Impl {
   void take_modes(const ros2::PoseArray& message) {
     if (!stream.start() || message.poses.size() > kMaxModes) return;
     coming = {};
-    coming.time = seconds(*stream.start(), ros2::nanoseconds_of(message.header.stamp));
+    coming.time = offset + seconds(*stream.start(), ros2::nanoseconds_of(message.header.stamp));
     for (const auto& pose : message.poses) {
       coming.modes.emplace_back().T_world_object = ros2::transform_of(pose);
     }

@@ -50,6 +50,7 @@ HeldPoseFollower::HeldPoseFollower(const geometry::ObjectModel& object, hand::De
 
 void HeldPoseFollower::update(const hand::HandReading& reading) {
   auto& readings = log_.readings;
+  if (!readings.empty() && reading.time < readings.back().time) restart(reading.time);
   readings.push_back(reading);
   if (readings.size() >= 2 * kKept) {
     readings.erase(readings.begin(), readings.end() - static_cast<std::ptrdiff_t>(kKept));
@@ -72,6 +73,13 @@ void HeldPoseFollower::begin(const localization::Posterior& posterior) {
   known_at_ = touched_at_ = log_.readings.back().time;
   palm_of_estimate_ = T_world_palm_;
   used_ = contacts();
+}
+
+void HeldPoseFollower::restart(double time) {
+  forget();
+  log_.readings.clear();
+  touched_at_ = time;
+  asked_at_ = kNever;
 }
 
 void HeldPoseFollower::forget() {

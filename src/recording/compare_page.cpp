@@ -32,6 +32,12 @@ addEventListener('message', (event) => {{
     if (frame.contentWindow !== event.source) frame.contentWindow.postMessage(event.data, '*');
   }}
 }});
+// Until one of them is clicked, keys are for the left one.
+addEventListener('keydown', (event) => {{
+  const {{key, shiftKey, ctrlKey, metaKey, altKey}} = event;
+  const same = new KeyboardEvent('keydown', {{key, shiftKey, ctrlKey, metaKey, altKey, cancelable: true}});
+  if (!frames[0].contentDocument.dispatchEvent(same)) event.preventDefault();
+}});
 </script>
 </body>
 </html>

@@ -106,7 +106,8 @@ std::vector<std::filesystem::path> bag_files(const std::filesystem::path& path) 
     others = others || (entry.is_regular_file() && is_other_bag(entry.path()));
   }
   if (files.empty() && others) throw BadInput(how_to_convert(path));
-  if (files.empty()) throw BadInput(fmt::format("{} has no file *.mcap", path.string()));
+  if (files.empty())
+    throw BadInput(fmt::format("{} has neither a recording.h5 nor a file *.mcap", path.string()));
   std::ranges::sort(files, [](const auto& a, const auto& b) {  // bag_2 before bag_10
     const std::string one = a.filename().string(), other = b.filename().string();
     return one.size() != other.size() ? one.size() < other.size() : one < other;
@@ -120,6 +121,7 @@ Bag read_bag(const std::filesystem::path& path, const hand::Description& hand,
   ReadingStream stream(hand, interface, options);
   std::set<std::string, std::less<>> topics;
   EventTexts events;
+  std::uint64_t restarts = 0;
   const auto take = [&](const McapMessage& message) {
     if (!topics.contains(message.topic)) topics.emplace(message.topic);
     if (message.encoding != "cdr") return;
@@ -127,7 +129,10 @@ Bag read_bag(const std::filesystem::path& path, const hand::Description& hand,
       take_event(message, events);
     }
     auto reading = stream.take(message.topic, message.type, message.data, message.log_time);
-    if (reading) bag.readings.push_back(std::move(*reading));
+    if (!reading) return;
+    if (restarts != stream.counts().restarts) bag.readings.clear();
+    restarts = stream.counts().restarts;
+    bag.readings.push_back(std::move(*reading));
   };
   for (const auto& file : bag_files(path)) {
     const McapContents contents = read_mcap(file, take);

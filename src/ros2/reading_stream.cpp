@@ -7,7 +7,6 @@
 #include <cmath>
 #include <utility>
 
-#include "palpate/core/error.hpp"
 #include "palpate/core/plausible.hpp"
 #include "palpate/hand/kinematics.hpp"
 #include "palpate/ros2/cdr.hpp"
@@ -104,19 +103,20 @@ std::optional<hand::HandReading> ReadingStream::take(std::string_view topic, std
       take_taxels(finger->second, values_of(type, cdr), received);
     }
   } catch (const BadInput& error) {
-    ++counts_.malformed;
-    counts_.last_error = fmt::format("{}: {}", topic, error.what());
+    drop(topic, error);
   }
   return std::nullopt;
 }
 
-bool ReadingStream::is_later(std::uint64_t time, std::uint64_t& latest) {
-  if (time <= latest && latest != 0) {
-    ++counts_.out_of_order;
-    return false;
-  }
-  latest = time;
-  return true;
+void ReadingStream::drop(std::string_view topic, const BadInput& error) {
+  ++counts_.malformed;
+  counts_.last_error = fmt::format("{}: {}", topic, error.what());
+}
+
+bool ReadingStream::is_later(std::uint64_t time, LatestTime& latest) {
+  if (latest.take(time) != TimeOrder::late) return true;
+  ++counts_.out_of_order;
+  return false;
 }
 
 bool ReadingStream::is_fresh(std::uint64_t then, std::uint64_t now) const {
@@ -124,28 +124,45 @@ bool ReadingStream::is_fresh(std::uint64_t then, std::uint64_t now) const {
   return then != 0 && std::abs(age) <= 1e9 * options_.max_age;
 }
 
-std::optional<hand::HandReading> ReadingStream::take_joints(const JointState& state,
-                                                            std::uint64_t received) {
-  check_sizes(state, state.position);
-  for (const double position : state.position) {
-    plausible(position, -kMaxAngle, kMaxAngle, "a joint's position");
-  }
-  const std::uint64_t time = time_of(state.header, received);
-  bool any = false, later = false;
+/// Of the hand's joints alone: what others of the robot tell is nobody's business here.
+TimeOrder ReadingStream::update_joints(const JointState& state, std::uint64_t time) {
+  auto order = TimeOrder::late;
   for (std::size_t i = 0; i < state.name.size(); ++i) {
     const auto known = joint_of_.find(state.name[i]);
     if (known == joint_of_.end()) continue;
-    any = true;
     SensedJoint& joint = joints_[known->second];
-    if (time <= joint.time) continue;
-    later = true;
-    joint = {state.position[i], time};
+    const TimeOrder own = joint.time.take(time);
+    if (own == TimeOrder::late) continue;
+    if (order != TimeOrder::set_back) order = own;
+    joint.angle = state.position[i];
+  }
+  return order;
+}
+
+/// Contacts, transforms and wrench of before are not fresh any more, and need not be forgotten.
+void ReadingStream::restart() {
+  ++counts_.restarts;
+  start_.reset();
+  joints_at_ = next_ = 0;
+}
+
+std::optional<hand::HandReading> ReadingStream::take_joints(const JointState& state,
+                                                            std::uint64_t received) {
+  check_sizes(state, state.position);
+  bool any = false;
+  for (std::size_t i = 0; i < state.name.size(); ++i) {
+    if (!joint_of_.contains(state.name[i])) continue;
+    any = true;
+    plausible(state.position[i], -kMaxAngle, kMaxAngle, "a joint's position");
   }
   if (!any) return std::nullopt;  // of another part of the robot
-  if (!later) {
+  const std::uint64_t time = time_of(state.header, received);
+  const TimeOrder order = update_joints(state, time);
+  if (order == TimeOrder::late) {
     ++counts_.out_of_order;
     return std::nullopt;
   }
+  if (order == TimeOrder::set_back) restart();
   ++counts_.joint_states;
   counts_.gaps += joints_at_ != 0 && !is_fresh(joints_at_, time) ? 1 : 0;
   joints_at_ = std::max(joints_at_, time);
@@ -154,7 +171,10 @@ std::optional<hand::HandReading> ReadingStream::take_joints(const JointState& st
 
 void ReadingStream::take_actuators(const JointState& state, std::uint64_t received) {
   check_sizes(state, state.effort);
-  for (const double effort : state.effort) plausible(effort, -kMaxTorque, kMaxTorque, "a torque");
+  for (std::size_t i = 0; i < state.name.size(); ++i) {
+    if (!actuator_of_.contains(state.name[i])) continue;
+    plausible(state.effort[i], -kMaxTorque, kMaxTorque, "a torque");
+  }
   if (!is_later(time_of(state.header, received), torques_at_)) return;
   ++counts_.actuator_states;
   for (std::size_t i = 0; i < state.name.size(); ++i) {
@@ -208,7 +228,7 @@ void ReadingStream::take_taxels(std::size_t finger, std::span<const double> valu
   const auto contacts = tactile::contacts_of_values(cells->second, values);
   Felt& felt = felt_[finger];
   ++counts_.contacts;
-  felt.time = joints_at_ != 0 ? joints_at_ : received;
+  felt.time.set(joints_at_ != 0 ? joints_at_ : received);
   felt.contacts.clear();
   for (const auto& contact : contacts) felt.contacts.push_back(tip_contact(contact));
 }
@@ -228,28 +248,38 @@ void ReadingStream::take_wrench(const WrenchStamped& wrench, std::uint64_t recei
   force_ = T_world_mount->linear() * force;
 }
 
+/// What is wrong with one transform of a message says nothing of the others.
 void ReadingStream::take_transforms(const TFMessage& message, bool fixed, std::uint64_t received) {
   for (const TransformStamped& transform : message.transforms) {
-    const Eigen::Isometry3d T = transform_of(transform.transform);
-    auto known = transforms_.find(transform.child_frame_id);
-    if (known == transforms_.end()) {
-      if (transforms_.size() >= kMaxFrames) continue;
-      known = transforms_.emplace(transform.child_frame_id, Transformed{}).first;
+    try {
+      take_transform(transform, fixed, received);
+    } catch (const BadInput& error) {
+      drop(fixed ? interface_.tf_static : interface_.tf, error);
     }
-    if (!is_later(time_of(transform.header, received), known->second.time)) continue;
-    ++counts_.transforms;
-    known->second.parent = transform.header.frame_id;
-    known->second.T = T;
-    known->second.fixed = fixed;
   }
+}
+
+void ReadingStream::take_transform(const TransformStamped& transform, bool fixed,
+                                   std::uint64_t received) {
+  const Eigen::Isometry3d T = transform_of(transform.transform);
+  auto known = transforms_.find(transform.child_frame_id);
+  if (known == transforms_.end()) {
+    if (transforms_.size() >= kMaxFrames) return;
+    known = transforms_.emplace(transform.child_frame_id, Transformed{}).first;
+  }
+  if (!is_later(time_of(transform.header, received), known->second.time)) return;
+  ++counts_.transforms;
+  known->second.parent = transform.header.frame_id;
+  known->second.T = T;
+  known->second.fixed = fixed;
 }
 
 bool ReadingStream::has_all_since(std::uint64_t time) const {
   const auto mount = transforms_.find(interface_.mount);
-  return torques_at_ >= time && force_at_ >= time && mount != transforms_.end() &&
-         mount->second.time >= time &&
+  return torques_at_.time() >= time && force_at_.time() >= time && mount != transforms_.end() &&
+         mount->second.time.time() >= time &&
          std::all_of(felt_.begin(), felt_.end(),
-                     [&](const Felt& felt) { return felt.time >= time; });
+                     [&](const Felt& felt) { return felt.time.time() >= time; });
 }
 
 std::optional<Eigen::Isometry3d> ReadingStream::mount_at(std::uint64_t time) const {
@@ -259,7 +289,7 @@ std::optional<Eigen::Isometry3d> ReadingStream::mount_at(std::uint64_t time) con
     if (frame == interface_.world) return T_frame_mount;
     const auto known = transforms_.find(frame);
     if (known == transforms_.end()) return std::nullopt;
-    if (!known->second.fixed && !is_fresh(known->second.time, time)) return std::nullopt;
+    if (!known->second.fixed && !is_fresh(known->second.time.time(), time)) return std::nullopt;
     T_frame_mount = known->second.T * T_frame_mount;
     frame = known->second.parent;
   }
@@ -273,7 +303,7 @@ std::optional<hand::HandReading> ReadingStream::reading_at(std::uint64_t time) {
   reading.joints.setZero(hand_.joint_count());
   bool complete = T_world_mount.has_value();
   for (std::size_t i = 0; i < joints_.size(); ++i) {
-    complete = complete && is_fresh(joints_[i].time, time);
+    complete = complete && is_fresh(joints_[i].time.time(), time);
     reading.joints[static_cast<Eigen::Index>(i)] = joints_[i].angle;
   }
   if (!complete) {
@@ -285,10 +315,10 @@ std::optional<hand::HandReading> ReadingStream::reading_at(std::uint64_t time) {
   reading.time = 1e-9 * static_cast<double>(time - *start_);
   reading.torques = torques_;
   reading.base = hand::BasePosition::at(*T_world_mount);
-  if (is_fresh(force_at_, time)) reading.base_force = force_;
+  if (is_fresh(force_at_.time(), time)) reading.base_force = force_;
   for (const Felt& felt : felt_) {
-    reading.contacts.push_back(is_fresh(felt.time, time) ? felt.contacts
-                                                         : std::vector<hand::TipContact>{});
+    reading.contacts.push_back(is_fresh(felt.time.time(), time) ? felt.contacts
+                                                                : std::vector<hand::TipContact>{});
   }
   ++counts_.readings;
   return reading;

@@ -62,7 +62,7 @@ class Colcon(CliTest):
         share = self.folder / "install" / PACKAGE.name / "share"
         self.assertTrue((share / PACKAGE.name / "launch/estimate.launch.py").exists())
         self.assertTrue((share / "ament_index/resource_index/packages" / PACKAGE.name).exists())
-        found = subprocess.run(["bash", "-c", ". install/setup.bash && echo $AMENT_PREFIX_PATH"], cwd=self.folder,
+        found = subprocess.run(["sh", "-c", ". install/setup.sh && echo $AMENT_PREFIX_PATH"], cwd=self.folder,
                                env=environment, capture_output=True, text=True)  # fmt: skip
         self.assertIn(str(self.folder / "install" / PACKAGE.name), found.stdout)
 

@@ -135,6 +135,18 @@ class Export(CliTest):
         # The file says which hand, not how the recording believed its links to be off.
         self.assertLess(apart, 0.015)
 
+    def test_the_folder_of_a_pick_stands_for_its_recording(self):
+        again = self.run_json("replay", "run")
+        self.assertEqual(again["path"], "run/recording.h5")
+        self.assertEqual(again["modes"], self.replayed["modes"])
+        self.assert_refused(BAD_INPUT, ["replay", "run", "--at", "3"], "run/recording.h5")
+        page = self.run_json("view", "run", "run", "--out", "both")["page"]
+        self.addCleanup(shutil.rmtree, self.folder / "both")
+        self.assertTrue((self.folder / page).exists())
+        self.run_json("export", "mcap", "run", "--out", "again.mcap")
+        self.addCleanup((self.folder / "again.mcap").unlink)
+        self.assertEqual((self.folder / "again.mcap").read_bytes(), self.path.read_bytes())
+
     def foreign(self, compression, joints="/robot/joints", prefix="/touch"):
         """The same hand as somebody else's writer, names and frames have it."""
         path = self.folder / "foreign.mcap"
@@ -206,7 +218,7 @@ class Export(CliTest):
         for path in ("old", "old/old.db3"):
             self.assert_refused(BAD_INPUT, ["replay", path, "--object", "box"], "rosbags-convert", path)
         (self.folder / "none").mkdir()
-        self.assert_refused(BAD_INPUT, ["replay", "none", "--object", "box"], "*.mcap")
+        self.assert_refused(BAD_INPUT, ["replay", "none", "--object", "box"], "recording.h5", "*.mcap")
 
     def test_compressed_chunks_are_read_like_others(self):
         arguments = ["--object", "box", "--hand", "shadow", "--joint-states", "/robot/joints",

@@ -102,6 +102,13 @@ class Output(CliTest):
         self.assertEqual(twice.stdout, merged.stdout)
 
         self.assert_refused(BAD_INPUT, ["merge", "part1", "part2"], "3 of 9 trials are missing")
+        # The same trial of another program, or of a machine that computes otherwise.
+        lines = (self.folder / "part1/trials.jsonl").read_text().splitlines()
+        trial = json.loads(lines[1])
+        trial["trial"]["robot_seconds"] += 0.01
+        self.write("odd.jsonl", "\n".join([lines[0], json.dumps(trial), *lines[2:], ""]))
+        self.assert_refused(BAD_INPUT, ["merge", "part1", "odd.jsonl", "part2", "part3"],
+                            "odd.jsonl", f"seed {trial['seed']}", "different programs")  # fmt: skip
         self.run_program(*EVAL, "--out", "other")
         self.assert_refused(BAD_INPUT, ["merge", "part1", "other"], "other settings")
         self.assert_refused(BAD_INPUT, [*both, "--shard", "4/3", "--out", "new"], "4/3")

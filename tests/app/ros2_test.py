@@ -242,6 +242,23 @@ class Estimator(Ros2):
         self.assertGreaterEqual(report["out_of_order"], 1)
         self.assertGreaterEqual(report["gaps"], 1)
 
+    def test_a_sender_whose_clock_is_set_back_is_taken_up_again(self):
+        program = self.begin()
+        _, _, now = self.send_until_estimated(START, least=50)
+        back = now - 3600 * 10**9  # as a simulation or a bag that begins again
+        self.peer.take("/palpate/estimate")
+        estimated = []
+        for i in range(20000):
+            self.stream.send(self.peer, back + i * TICK)
+            wait_until(lambda: False, 0.01)
+            stamps = [ros2_peer.nanoseconds_of(pose.header.stamp) for pose in self.peer.take("/palpate/estimate")]
+            estimated += [stamp for stamp in stamps if stamp < START]
+            if estimated:
+                break
+        self.assertTrue(estimated)
+        report = self.end(program)["received"]
+        self.assertEqual((report["restarts"], report["malformed"]), (1, 0))
+
     def test_commands_stop_and_start_it(self):
         program = self.begin()
         self.peer.advertise("/palpate/command", ros2_peer.String)
@@ -309,6 +326,18 @@ class Robot(Ros2):
         self.assertEqual(report["repeats"], 0)
         if alone["lifted"]:
             self.assertGreater(truth["T_world_object"][11], 0.1)
+
+    def test_positions_drive_a_pick_too(self):
+        options = ["--object", "box", "--seed", "3", "--positions", "/fingers/commands", *QUICK]
+        self.peer.listen("/fingers/commands", ros2_peer.Float64MultiArray)
+        robot = self.start("robot", *options)
+        picker = self.start("pick", *options, "--by-positions", "--perturb-links", "--timeout", "30")
+        _, stderr = picker.communicate(timeout=500)
+        truth = self.end(robot)
+        self.assertEqual(picker.returncode, DONE, stderr)
+        self.assertEqual(truth["malformed"], 0)
+        self.assertGreater(truth["T_world_object"][11], 0.1)
+        self.assertEqual({len(message.data) for message in self.peer.take("/fingers/commands")}, {20})
 
     def test_a_trajectory_moves_it_too(self):
         program = self.start("robot", "--object", "box", "--seed", "3")

@@ -83,6 +83,18 @@ TEST_F(HandPeer, EveryCommandIsOneTickAndItsReading) {
   EXPECT_EQ(remote.counts().malformed + remote.counts().out_of_order, 0U);
 }
 
+TEST_F(HandPeer, PositionsOnTopicsOfOtherNamesCommandItToo) {
+  const CommandTopics topics{"/a/joint_trajectory", "/a/commands", "/b/target"};
+  ObedientHand hand(hand_);
+  HandServer server(there_, hand, hand_, {}, topics);
+  std::jthread thread([&](const std::stop_token& stop) { server.run(command(0), stop); });
+  RemoteHand remote(here_, hand_, {}, topics,
+                    {.timeout = 20, .patience = 20, .connect = 60, .positions = true});
+  for (int i = 1; i <= 20; ++i) EXPECT_EQ(remote.step(command(i)).torques[0], 0.01 * i);
+  EXPECT_EQ(remote.repeats(), 0U);
+  EXPECT_EQ(server.malformed(), 0U);
+}
+
 TEST_F(HandPeer, WhoDiesIsSilentAndIsTakenUpAgain) {
   RemoteHand remote(here_, hand_, {}, {}, {.timeout = 2, .patience = 0.5, .connect = 60});
   hand::HandReading last;
@@ -153,6 +165,18 @@ TEST_F(CommandsTest, WhoNeverCommandsTheMountIsNotWaitedFor) {
   positions.data.assign(static_cast<std::size_t>(hand_.actuator_count()), 0.125);
   EXPECT_EQ(commands_.take_positions(ros2::serialize(positions)), Effect::step);
   EXPECT_EQ(commands_.command().positions[3], 0.125);
+}
+
+TEST_F(CommandsTest, PositionsAndTheNextTargetOfTheMountAreOneCommand) {
+  ros2::Float64MultiArray message;
+  message.data.assign(static_cast<std::size_t>(hand_.actuator_count()), 0.125);
+  const std::string positions = ros2::serialize(message);
+  EXPECT_EQ(commands_.take_mount(mount(1, 0.5)), Effect::none);
+  EXPECT_EQ(commands_.take_positions(positions), Effect::step);
+  EXPECT_EQ(commands_.take_positions(positions), Effect::none);  // in the other order
+  EXPECT_EQ(commands_.take_mount(mount(2, 0.75)), Effect::step);
+  EXPECT_EQ(commands_.command().base.xyz.x(), 0.75);
+  EXPECT_EQ(commands_.take_mount(mount(3, 1)), Effect::none);
 }
 
 TEST_F(CommandsTest, WhatCannotBeIsCountedAndChangesNothing) {

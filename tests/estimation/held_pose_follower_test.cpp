@@ -105,6 +105,20 @@ TEST_F(HeldPoseFollowerTest, ForgetsWhatNoFingerTouches) {
   EXPECT_TRUE(held.posterior().modes.empty());
 }
 
+TEST_F(HeldPoseFollowerTest, BeginsAgainWhereTheClockIsSetBack) {
+  HeldPoseFollower held = follower();
+  tick = 60000;
+  held.update(reading({0, 0, 0.3}, true));
+  held.begin(at({0.1, 0, 0.05}));
+  held.task();
+  EXPECT_FALSE(held.due());
+  tick = 3;
+  held.update(reading({0, 0, 0.3}, true));
+  EXPECT_TRUE(held.posterior().modes.empty());
+  EXPECT_TRUE(held.due());
+  EXPECT_EQ(held.task().log.readings.size(), 1U);
+}
+
 TEST_F(HeldPoseFollowerTest, ContactsThatStayTellNothingNew) {
   HeldPoseFollower held = follower();
   held.update(touching(0));

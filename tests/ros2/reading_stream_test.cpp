@@ -108,6 +108,58 @@ TEST_F(StreamTest, LateAndRepeatedMessagesAreDroppedAndCounted) {
   EXPECT_EQ(stream_.counts().readings, 2U);
 }
 
+TEST(LatestTime, ManyEarlyOnesInARowAreOfAClockThatWasSetBack) {
+  LatestTime latest;
+  EXPECT_EQ(latest.take(5 * kSecond), TimeOrder::later);
+  for (int i = 0; i < 100; ++i) {  // one that stands still, and jitter
+    EXPECT_EQ(latest.take(kSecond), TimeOrder::late);
+    EXPECT_EQ(latest.take(5 * kSecond - static_cast<std::uint64_t>(i)), TimeOrder::late);
+  }
+  std::uint64_t early = 2 * kSecond;
+  for (int i = 0; i < 10; ++i) EXPECT_EQ(latest.take(early++), TimeOrder::late);
+  EXPECT_EQ(latest.take(6 * kSecond), TimeOrder::later);  // two senders, of which one is late
+  for (int i = 0; i < 19; ++i) EXPECT_EQ(latest.take(early++), TimeOrder::late);
+  EXPECT_EQ(latest.take(early), TimeOrder::set_back);
+  EXPECT_EQ(latest.time(), early);
+  EXPECT_EQ(latest.take(early + 1), TimeOrder::later);
+}
+
+TEST_F(StreamTest, ASenderWhoseClockIsSetBackIsTakenUpAgain) {
+  for (std::uint64_t i = 0; i < 30; ++i) send_all(1000 * kSecond + 10 * i * kMillisecond);
+  EXPECT_EQ(stream_.counts().readings, 30U);
+  std::vector<hand::HandReading> after;
+  for (std::uint64_t i = 1; i <= 50; ++i) {  // as a simulation that begins again, or a bag
+    if (auto reading = send_all(10 * i * kMillisecond)) after.push_back(std::move(*reading));
+  }
+  EXPECT_EQ(stream_.counts().restarts, 1U);
+  ASSERT_GE(after.size(), 29U);
+  EXPECT_EQ(after[0].time, 0);
+  EXPECT_NEAR(after[1].time, hand::kTick, 1e-9);
+  EXPECT_LT(*stream_.start(), kSecond);
+  EXPECT_EQ(stream_.counts().gaps, 0U);
+}
+
+TEST_F(StreamTest, AMessageFromTheFarFutureEndsNothing) {
+  send_all(kSecond);
+  send_all(4'000 * kSecond);
+  std::uint64_t readings = stream_.counts().readings;
+  for (std::uint64_t i = 2; i < 102; ++i) send_all(kSecond + 10 * i * kMillisecond);
+  EXPECT_GE(stream_.counts().readings, readings + 79);
+}
+
+TEST_F(StreamTest, WhatOthersOfTheRobotTellHarmsNothing) {
+  auto messages = messages_of(reading_, hand_, interface_, kSecond);
+  messages.joints.name.insert(messages.joints.name.begin(), {"wheel", "gripper"});
+  messages.joints.position.insert(messages.joints.position.begin(), {123456.7, std::nan("")});
+  auto& transforms = messages.tf.transforms;
+  transforms.insert(transforms.begin(), transforms[0]);
+  transforms[0].child_frame_id = "camera";
+  transforms[0].transform.rotation = {0, 0, 0, 0};
+  send(interface_.tf, messages.tf);
+  EXPECT_TRUE(send(interface_.joint_states, messages.joints));
+  EXPECT_EQ(stream_.counts().malformed, 1U);  // the camera's place
+}
+
 TEST_F(StreamTest, WhatCannotBeIsDropped) {
   send_all(kSecond);
   JointState state = messages_of(reading_, hand_, interface_, 2 * kSecond).joints;

@@ -23,13 +23,15 @@ struct RemoteHandOptions {
   double timeout = 0.25;   ///< s that a step waits for a reading newer than the last
   double patience = 0.01;  ///< s that it waits for the other parts of a reading with its joints
   double connect = 10;     ///< s that the first step waits
+  bool positions = false;  ///< commands joints by CommandTopics::positions, else by ::joints
 };
 
 /// A hand behind ROS 2: commands are published, readings are made of what it publishes.
 ///
 /// step() answers a reading newer than the last or, after `timeout`, the last one again with its
 /// old time, which the executor's gate counts as late. The command is repeated then: one that was
-/// lost is made good, one that arrived is known by its stamp.
+/// lost is made good, one that arrived is known by its stamp. Positions have none, and are not
+/// repeated.
 class RemoteHand : public hand::Hand {
  public:
   /// Keeps references to participant and description.

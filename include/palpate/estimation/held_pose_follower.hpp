@@ -60,6 +60,8 @@ class HeldPoseFollower {
   HeldPoseFollower(const geometry::ObjectModel& object, hand::Description hand,
                    HeldPoseOptions options, std::uint64_t seed);
 
+  /// A reading of an earlier time than the last one is of a clock that was set back: all is
+  /// forgotten before it is taken.
   void update(const hand::HandReading& reading);
 
   /// The pose is known at the last reading, in the world.
@@ -78,6 +80,7 @@ class HeldPoseFollower {
   void forget();
 
  private:
+  void restart(double time);
   Eigen::Isometry3d carried() const;
   localization::PosePrior prior() const;
   std::vector<tactile::Contact> contacts() const;

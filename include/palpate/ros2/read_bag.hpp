@@ -13,7 +13,8 @@ namespace palpate::ros2 {
 
 /// What a file of messages tells of a hand.
 struct Bag {
-  std::vector<hand::HandReading> readings;  ///< one a tick; time from the first one
+  std::vector<hand::HandReading> readings;  ///< one a tick; time from the first one; where the
+                                            ///< clock was set back, those after it
   std::vector<recording::Event> events;     ///< of files that export_mcap() wrote
   StreamCounts counts;
   std::uint64_t messages = 0;  ///< in the file, of all topics

@@ -9,7 +9,9 @@
 #include <string_view>
 #include <vector>
 
+#include "palpate/core/error.hpp"
 #include "palpate/hand/hand.hpp"
+#include "palpate/ros2/latest_time.hpp"
 #include "palpate/ros2/robot_messages.hpp"
 
 namespace palpate::ros2 {
@@ -21,6 +23,7 @@ struct StreamCounts {
   std::uint64_t out_of_order = 0;  ///< older than one of the same kind before it: dropped
   std::uint64_t gaps = 0;          ///< of the joint states, longer than StreamOptions::max_age
   std::uint64_t blind = 0;         ///< joint states without a place of the mount or all joints
+  std::uint64_t restarts = 0;      ///< the clock of the joint states was set back
   std::uint64_t readings = 0;      ///< made of all that
   std::string last_error;          ///< the latest message of a malformed one
 };
@@ -40,7 +43,8 @@ struct StreamOptions {
 /// A reading is made of a joint state, at most one a tick (hand::kTick), of its stamp: with the
 /// latest contacts of each finger, wrench and place of the mount. A stamp of zero is the time of
 /// receipt; values of taxels, which have none, are as old as the latest joint state. Whatever is
-/// wrong with a message is counted, and the message dropped; none throws.
+/// wrong with a message is counted, and the message dropped; none throws. Where the clock of the
+/// joint states is set back (LatestTime), readings begin again, with a start of their own.
 class ReadingStream {
  public:
   /// @param hand  kept by reference
@@ -58,7 +62,8 @@ class ReadingStream {
   /// older than this, ns.
   bool has_all_since(std::uint64_t time) const;
 
-  /// Time of the first reading, ns; HandReading::time counts from it.
+  /// Time of the first reading since the clock was last set back, ns; HandReading::time counts from
+  /// it.
   std::optional<std::uint64_t> start() const { return start_; }
   const StreamCounts& counts() const { return counts_; }
 
@@ -66,16 +71,16 @@ class ReadingStream {
   struct Transformed {
     std::string parent;
     Eigen::Isometry3d T;
-    std::uint64_t time = 0;
+    LatestTime time;
     bool fixed = false;
   };
   struct SensedJoint {
     double angle = 0;  ///< rad
-    std::uint64_t time = 0;
+    LatestTime time;
   };
   struct Felt {
     std::vector<hand::TipContact> contacts;  ///< in the frame of the distal link
-    std::uint64_t time = 0;
+    LatestTime time;
   };
   std::optional<hand::HandReading> take_joints(const JointState& state, std::uint64_t received);
   void take_actuators(const JointState& state, std::uint64_t received);
@@ -85,9 +90,13 @@ class ReadingStream {
   void take_taxels(std::size_t finger, std::span<const double> values, std::uint64_t received);
   void take_wrench(const WrenchStamped& wrench, std::uint64_t received);
   void take_transforms(const TFMessage& message, bool fixed, std::uint64_t received);
+  void take_transform(const TransformStamped& transform, bool fixed, std::uint64_t received);
+  TimeOrder update_joints(const JointState& state, std::uint64_t time);
+  void restart();
+  void drop(std::string_view topic, const BadInput& error);
   std::optional<Eigen::Isometry3d> mount_at(std::uint64_t time) const;
   std::optional<hand::HandReading> reading_at(std::uint64_t time);
-  bool is_later(std::uint64_t time, std::uint64_t& latest);
+  bool is_later(std::uint64_t time, LatestTime& latest);
   bool is_fresh(std::uint64_t then, std::uint64_t now) const;
 
   const hand::Description& hand_;
@@ -100,7 +109,8 @@ class ReadingStream {
   std::vector<SensedJoint> joints_;
   hand::ActuatorVector torques_;
   Eigen::Vector3d force_ = Eigen::Vector3d::Zero();
-  std::uint64_t joints_at_ = 0, torques_at_ = 0, force_at_ = 0;
+  std::uint64_t joints_at_ = 0;
+  LatestTime torques_at_, force_at_;
   std::uint64_t next_ = 0;  ///< when the next tick begins
   std::optional<std::uint64_t> start_;
   StreamCounts counts_;
