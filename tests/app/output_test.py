@@ -103,12 +103,13 @@ class Output(CliTest):
 
         self.assert_refused(BAD_INPUT, ["merge", "part1", "part2"], "3 of 9 trials are missing")
         # The same trial of another program, or of a machine that computes otherwise.
-        lines = (self.folder / "part1/trials.jsonl").read_text().splitlines()
-        trial = json.loads(lines[1])
-        trial["trial"]["robot_seconds"] += 0.01
-        self.write("odd.jsonl", "\n".join([lines[0], json.dumps(trial), *lines[2:], ""]))
+        header, *trials = (self.folder / "part1/trials.jsonl").read_text().splitlines()
+        trials = [json.loads(line) for line in trials]
+        for trial in trials:
+            trial["trial"]["robot_seconds"] += 0.01
+        self.write("odd.jsonl", "\n".join([header, *map(json.dumps, trials), ""]))
         self.assert_refused(BAD_INPUT, ["merge", "part1", "odd.jsonl", "part2", "part3"],
-                            "odd.jsonl", f"seed {trial['seed']}", "different programs")  # fmt: skip
+                            "odd.jsonl", f"seed {trials[0]['seed']}", "different programs")  # fmt: skip
         self.run_program(*EVAL, "--out", "other")
         self.assert_refused(BAD_INPUT, ["merge", "part1", "other"], "other settings")
         self.assert_refused(BAD_INPUT, [*both, "--shard", "4/3", "--out", "new"], "4/3")
