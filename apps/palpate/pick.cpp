@@ -86,8 +86,8 @@ int pick(const PickArguments& arguments) {
   if (!arguments.place.empty()) options.place.target = place_text(arguments.place);
   apply_place(arguments.known, options.start);
   if (arguments.objects.size() > 1 && !options.place.target.empty()) {
-    throw BadInput(fmt::format("--place {}: needs one object, {} are given",
-                               options.place.target, arguments.objects.size()));
+    throw BadInput(fmt::format("--place {}: needs one object, {} are given", options.place.target,
+                               arguments.objects.size()));
   }
   const std::string names = fmt::format("{}", fmt::join(arguments.objects, ","));
   std::optional<Notice> notice(std::in_place, "preparing " + names, common.quiet);
