@@ -4,8 +4,8 @@
 namespace palpate::ros2 {
 namespace {
 
-constexpr std::uint64_t kLeastWay = 100'000'000;  // ns, farther than messages overtake each other
-constexpr int kInARow = 20;                       // messages
+constexpr std::uint64_t kMinSetBack = 100'000'000;  // ns, more than messages overtake each other by
+constexpr int kInARow = 20;                         // messages
 
 }  // namespace
 
@@ -15,7 +15,7 @@ TimeOrder LatestTime::take(std::uint64_t time) {
     time_ = time;
     return TimeOrder::later;
   }
-  if (time_ - time < kLeastWay || time == early_) return TimeOrder::late;
+  if (time_ - time < kMinSetBack || time == early_) return TimeOrder::late;
   early_count_ = time > early_ ? early_count_ + 1 : 1;
   early_ = time;
   if (early_count_ < kInARow) return TimeOrder::late;

@@ -365,6 +365,7 @@ ExplorePhase::GuardedMoveEnd ExplorePhase::sweep(Executor& robot,
   return end_of(robot, turned, touched, motion);
 }
 
+/// Notes how a guarded move has ended; a touch is held for as long as its contact is averaged.
 ExplorePhase::GuardedMoveEnd ExplorePhase::end_of(Executor& robot,
                                                   const localization::TurnedMove& turned,
                                                   bool touched, MotionEnd motion) {
