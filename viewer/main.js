@@ -33,7 +33,7 @@ let now = recording.begin;
 let playing = false;
 let last;
 let atEdge = Boolean(recording.live); // shows what has come last
-let leads = true; // of two pages beside one another
+let leads = !compared; // of two pages beside one another: the one that was moved last
 
 /** The scene, or nothing where the browser cannot draw in 3D: the rest still works. */
 function makeScene() {
@@ -265,10 +265,13 @@ for (const button of document.querySelectorAll('[data-view]')) {
   button.addEventListener('click', () => scene?.look(button.dataset.view));
 }
 
-/** The calibration on the bare table is long and shows nothing of the object. */
+/**
+ * The calibration on the bare table is long and shows nothing of the object. Two recordings begin at
+ * the same time.
+ */
 function firstOfInterest() {
   const first = recording.phases[0];
-  return first?.name === 'calibrate' ? first.end : recording.begin;
+  return !compared && first?.name === 'calibrate' ? first.end : recording.begin;
 }
 
 if (compared) shown.skip = false;
