@@ -174,6 +174,18 @@ void add_rolled(const hand::Description& hand, const EventLog& log, std::size_t 
               in_hand_motion(hand, log, rolled, present, options.errors).T, options, evidence);
 }
 
+/// Adds where the table was when the held object touched it, carried along with the object to the
+/// present.
+void add_table_touch(const hand::Description& hand, const EventLog& log, std::size_t touched,
+                     std::size_t present, const EstimationOptions& options, Evidence& evidence) {
+  const Eigen::Isometry3d T_base_table =
+      log.readings[touched].base.pose().inverse() * log.T_world_table;
+  const auto motion = in_hand_motion(hand, log, touched, present, options.errors).T;
+  const Eigen::Isometry3d T = motion * T_base_table;
+  const Eigen::Vector3d normal = T.linear().col(2);
+  evidence.planes.push_back({normal, normal.dot(T.translation()), options.table_touch_sigma});
+}
+
 /// What the fingertips do to the object that hangs in them, in the hand's base.
 localization::ForceBalance balance_of(const std::vector<tactile::Contact>& contacts, double mass,
                                       const Eigen::Isometry3d& T_world_base,
@@ -245,6 +257,9 @@ Evidence evidence_in_hand(const hand::Description& hand, const EventLog& log,
     }
     for (const std::size_t rolled : log.all(TouchEvent::rolled)) {
       add_rolled(hand, log, rolled, present, options, evidence);
+    }
+    for (const std::size_t touched : log.all(TouchEvent::table_touched)) {
+      add_table_touch(hand, log, touched, present, options, evidence);
     }
   }
   share_offsets(hand, evidence);

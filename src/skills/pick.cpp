@@ -20,6 +20,7 @@
 #include "skills/grasp/pose_phase.hpp"
 #include "skills/grasp/release_phase.hpp"
 #include "skills/phase_sequence.hpp"
+#include "skills/probe/touch_table_phase.hpp"
 
 namespace palpate::skills {
 namespace {
@@ -178,10 +179,11 @@ class Picking {
   [[nodiscard]] const geometry::ObjectModel& object() const { return estimator_.object(); }
   [[nodiscard]] double weight() const { return object().object().mass * kGravity; }
 
-  /// Whether no pose in the hand is more probable than all others.
-  [[nodiscard]] bool unknown() const {
-    return localization::best_probability(state_.estimate.posterior) < kMoreThanOthers;
+  [[nodiscard]] double probability() const {
+    return localization::best_probability(state_.estimate.posterior);
   }
+  /// Whether no pose in the hand is more probable than all others.
+  [[nodiscard]] bool unknown() const { return probability() < kMoreThanOthers; }
 
   /// What was known of the object's pose no longer holds.
   void release() {
@@ -249,7 +251,7 @@ class Picking {
       return;
     }
     result_.before_probe = state_.estimate;
-    probe(estimation::TouchEvent::closed);
+    if (probability() <= options_.palpation.doubtful) probe(estimation::TouchEvent::closed);
     result_.before_lift = state_.estimate;
   }
 
@@ -261,8 +263,11 @@ class Picking {
       result_.tracked = state_.tracked;
     }
     if (!sequence_.run(PosePhase(estimator_))) return true;
-    const bool in_doubt =
-        localization::best_probability(state_.estimate.posterior) <= options_.palpation.certain;
+    if (options_.palpation.table_touches > 0 &&
+        !sequence_.run(TouchTablePhase(estimator_, options_.palpation, options_.lift.hold))) {
+      return false;
+    }
+    const bool in_doubt = probability() <= options_.palpation.certain;
     return !in_doubt || probe(estimation::TouchEvent::held);
   }
 

@@ -40,5 +40,32 @@ TEST(EvidenceOfGuardedMoves, IsLessSureOfLightObjectsWhichTouchesPush) {
   EXPECT_EQ(touched_sigma(0.01), light) << "none is pushed farther";
 }
 
+/// A hand that closed at the table, lifted, turned aside and let the object down.
+EventLog one_table_touch() {
+  EventLog log = one_touch();
+  for (auto& reading : log.readings) reading.base.xyz = {0.1, 0, 0.3};
+  log.readings[20].base = {{0.1, 0, 0.22}, {0.4, 0.3, -0.1}};
+  log.moments = {{TouchEvent::closed, 5},
+                 {TouchEvent::held, 10},
+                 {TouchEvent::table_touched, 20},
+                 {TouchEvent::held, 29}};
+  return log;
+}
+
+TEST(EvidenceInHand, HoldsWhereTheTableWasWhenTheHeldObjectTouchedIt) {
+  static const auto hand = simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
+  const EventLog log = one_table_touch();
+  const auto evidence = evidence_in_hand(hand, log, {29, true}, 0.2, {});
+  ASSERT_EQ(evidence.planes.size(), 1u);
+  const auto& plane = evidence.planes.front();
+  const Eigen::Isometry3d T_base_world = log.readings[20].base.pose().inverse();
+  EXPECT_NEAR((plane.normal - T_base_world.linear().col(2)).norm(), 0, 1e-9);
+  for (const Eigen::Vector3d& p : {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(0.3, -0.2, 0)}) {
+    EXPECT_NEAR(plane.normal.dot(T_base_world * p), plane.height, 1e-9);  // of the table
+  }
+  EXPECT_TRUE(evidence_in_hand(hand, log, {5, false}, 0.2, {}).planes.size() == 1)
+      << "all of the log counts, before and after the instant";
+}
+
 }  // namespace
 }  // namespace palpate::estimation

@@ -32,7 +32,8 @@ TrialOptions quick_options() {
   options.pick.lift.hold = 0.5;
   options.pick.palpation.max = 2;
   options.pick.palpation.rolls = options.pick.palpation.regrasps = 0;
-  options.pick.palpation.certain = 1;  // probe whatever is known
+  options.pick.palpation.certain = options.pick.palpation.doubtful = 1;  // whatever is known
+  options.pick.palpation.table_touches = 0;
   options.pick.palpation.min_gain_rate = 0;
   options.pick.estimation.search.proposals = 20000;
   options.pick.estimation.search.particles = 400;
@@ -249,6 +250,25 @@ TEST(Trial, RollsTheObjectAsideAndBack) {
     return phase.name == "probe" && phase.outcome.find("1 roll,") != std::string::npos &&
            phase.robot_seconds > 2;
   }));
+}
+
+TEST(Trial, TouchesTheTableWithWhatItHolds) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "pick.h5";
+  TrialOptions options = quick_options();
+  options.pick.palpation.max = 0;
+  options.pick.palpation.table_touches = 3;
+  const auto box = model("box");
+  const simulation::World world(box.object(), options.world, kSeed);
+  recording::Writer writer(path, {"1.2.3", kSeed, box.object(), world.hand_model(), ""});
+  const Trial trial = run_trial(box, options, kSeed, &writer);
+  writer.finish();
+  EXPECT_TRUE(trial.metrics.lifted);
+  EXPECT_TRUE(trial.metrics.pose_tight);
+  const auto recording = recording::read_recording(path);
+  auto log = recording::event_log(recording);
+  EXPECT_EQ(log.all(estimation::TouchEvent::table_touched).size(), 3u);
+  expect_equal(trial.result.estimate, replayed(recording, options.pick.estimation));
 }
 
 TEST(Trial, SameSeedGivesTheSameTrialRecordedOrNot) {

@@ -54,6 +54,11 @@ def faults_of_experiments(text, repository):
             yield f"no such experiment: {name}"
 
 
+def faults_of_merges(text):
+    """Marks of a merge that nobody has finished."""
+    yield from re.findall(r"^(?:<{7}|>{7}) .*$", text, re.MULTILINE)
+
+
 def faults_of_links(document, text):
     for target in LINK.findall(ANY_FENCE.sub("", text)):
         path = target.split("#")[0]
@@ -75,6 +80,7 @@ def faults_of_excerpts(text, repository):
 
 def faults_of(document, repository, program):
     text = document.read_text()
+    yield from faults_of_merges(text)
     yield from faults_of_links(document, text)
     yield from faults_of_experiments(text, repository)
     if document.name == "CONTRIBUTING.md":

@@ -22,9 +22,10 @@ struct EstimationOptions {
   double motion_angle_sigma = 0.009;  ///< by which the grasp turns the object in the hand, rad
   double slide_share =
       0.2;  ///< probability that it slid three times as far, and that much of it again
-  double probe_motion = 0.001;   ///< of the object while a finger probes it, m
-  double elsewhere = 0.02;       ///< probability that the resting pose was wrong
-  double motion_sigma = 0.0005;  ///< by which it moves it, m
+  double probe_motion = 0.001;       ///< of the object while a finger probes it, m
+  double table_touch_sigma = 0.001;  ///< of where a held object touches the table, m
+  double elsewhere = 0.02;           ///< probability that the resting pose was wrong
+  double motion_sigma = 0.0005;      ///< by which it moves it, m
   double other_stable_pose =
       0.03;                  ///< probability that the grasp put the object into another stable pose
   double tilt_sigma = 0.30;  ///< by which the closing hand tilts the object, rad
@@ -55,6 +56,8 @@ struct EstimationOptions {
              "probability that the object slid three times as far");
     v.expert("probe_motion", probe_motion, 0.0, 0.05,
              "m, motion of the object while a finger probes it");
+    v.expert("table_touch_sigma", table_touch_sigma, 1e-5, 0.1,
+             "m, of the height at which the held object touches the table");
     v.expert("elsewhere", elsewhere, 1e-6, 0.9, "probability that the resting pose was wrong");
     v.expert("motion_angle_sigma", motion_angle_sigma, 1e-4, 3.0,
              "rad, turn of the object in the grasp");

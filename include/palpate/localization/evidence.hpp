@@ -78,6 +78,13 @@ struct ForceBalance {
   double other_support_prior = 0.05;  ///< that something else holds the object, too
 };
 
+/// The held object was let down until it touched a plane, with whatever part of it is lowest.
+struct PlaneContact {
+  Eigen::Vector3d normal;  ///< of the plane, unit, to the object's side
+  double height = 0;       ///< of the plane over the frame's origin, along the normal, m
+  double sigma = 0.001;    ///< of that, m
+};
+
 /// All that is measured of the object by touch at one instant, in one frame.
 struct Evidence {
   std::vector<tactile::Contact> contacts;
@@ -96,6 +103,7 @@ struct Evidence {
   double size_prior = 0.25;
   std::vector<FreeSphere> free_space;
   double penetration_sigma = 0.0015;  ///< m
+  std::vector<PlaneContact> planes;
   std::optional<ForceBalance> balance;
   std::optional<TableSupport> table;
   std::optional<PosePrior> prior;  ///< instead of the table or together with it

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <set>
 #include <utility>
 
 #include "geometry/mesh/quickhull.hpp"
@@ -118,6 +119,16 @@ std::vector<int> group_by_plane(const std::vector<HullTriangle>& triangles, doub
 }
 
 }  // namespace
+
+std::vector<Eigen::Vector3d> hull_corners(const std::vector<Eigen::Vector3d>& points) {
+  std::set<int> corners;
+  for (const HullTriangle& triangle : closed_hull(points)) {
+    corners.insert(triangle.vertices.begin(), triangle.vertices.end());
+  }
+  std::vector<Eigen::Vector3d> result;
+  for (const int corner : corners) result.push_back(points[static_cast<std::size_t>(corner)]);
+  return result;
+}
 
 std::vector<HullFacet> convex_hull(const std::vector<Eigen::Vector3d>& points, double flat) {
   if (points.size() < 4) {

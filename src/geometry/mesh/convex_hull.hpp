@@ -27,4 +27,7 @@ struct HullFacet {
 /// @throws BadInput if the points span no volume
 std::vector<HullFacet> convex_hull(const std::vector<Eigen::Vector3d>& points, double flat = 2e-3);
 
+/// Corners of the convex hull of points. @throws BadInput if they span no volume
+std::vector<Eigen::Vector3d> hull_corners(const std::vector<Eigen::Vector3d>& points);
+
 }  // namespace palpate::geometry

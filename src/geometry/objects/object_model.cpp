@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "geometry/mesh/convex_hull.hpp"
 #include "geometry/query/clearance.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/geometry/mesh/sampling.hpp"
@@ -38,6 +39,9 @@ ObjectModel::ObjectModel(KnownObject object)
       field_(MeshQuery(object_.mesh)),
       surface_(surface_points(object_.mesh)),
       clearance_(std::make_unique<const Clearance>(field_, object_.mesh)) {
+  for (const Eigen::Vector3d& corner : hull_corners(object_.mesh.vertices)) {
+    hull_.push_back(corner.cast<float>());
+  }
   for (const StablePose& pose : object_.stable_poses)
     resting_slack_.emplace_back(object_.mesh, pose);
 }

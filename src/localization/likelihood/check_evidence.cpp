@@ -175,6 +175,16 @@ void check_balance(const ForceBalance& balance) {
   }
 }
 
+void check_plane(const PlaneContact& plane, std::size_t index) {
+  const std::string name = fmt::format("plane {}: ", index);
+  check_finite(name + "normal", plane.normal);
+  if (!(std::abs(plane.normal.norm() - 1) < kNormalTolerance)) {
+    throw BadInput(fmt::format("{}normal has length {}, not 1", name, plane.normal.norm()));
+  }
+  plausible(plane.height, -kMaxLength, kMaxLength, name + "height in m");
+  check_positive(name + "sigma", plane.sigma);
+}
+
 void check_probability(const std::string& name, double value) {
   if (value >= 0 && value < 1) return;
   throw BadInput(fmt::format("{} is {}, not from 0 to 1", name, value));
@@ -213,6 +223,7 @@ void check_evidence(const geometry::ObjectModel& model, const Evidence& evidence
   if (!(share > 0 && share < 1)) {
     throw BadInput(fmt::format("false_contact_share is {}, not between 0 and 1", share));
   }
+  for (std::size_t i = 0; i < evidence.planes.size(); ++i) check_plane(evidence.planes[i], i);
   if (evidence.balance) check_balance(*evidence.balance);
   if (evidence.table) check_table(*evidence.table, model.object().stable_poses.size());
   if (evidence.prior) check_prior(*evidence.prior);

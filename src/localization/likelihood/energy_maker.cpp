@@ -3,6 +3,7 @@
 
 #include "localization/likelihood/balance_term.hpp"
 #include "localization/likelihood/contact_term.hpp"
+#include "localization/likelihood/plane_term.hpp"
 #include "localization/likelihood/prior_term.hpp"
 #include "localization/likelihood/table_term.hpp"
 
@@ -32,6 +33,9 @@ Energy EnergyMaker::operator()(double scale) const {
   if (evidence_.table) energy.add(std::make_unique<TableTerm>(model_, *evidence_.table));
   if (evidence_.balance) {
     energy.add(std::make_unique<BalanceTerm>(model_, *evidence_.balance, scale));
+  }
+  if (!evidence_.planes.empty()) {
+    energy.add(std::make_unique<PlaneTerm>(model_, evidence_, scale));
   }
   if (!evidence_.contacts.empty()) {
     energy.add(std::make_unique<ContactTerm>(model_, evidence_, contact_offset_, scale));

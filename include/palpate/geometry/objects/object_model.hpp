@@ -27,6 +27,8 @@ class ObjectModel {
   double area() const { return area_; }
   const Clearance& clearance() const { return *clearance_; }
   const Eigen::AlignedBox3f& bounds() const { return bounds_; }
+  /// Corners of the convex hull: what can touch a plane.
+  const std::vector<Eigen::Vector3f>& hull() const { return hull_; }
   /// One a stable pose.
   const std::vector<RestingSlack>& resting_slack() const { return resting_slack_; }
 
@@ -37,6 +39,7 @@ class ObjectModel {
   DistanceField field_;
   std::vector<SurfacePoint> surface_;
   std::unique_ptr<const Clearance> clearance_;
+  std::vector<Eigen::Vector3f> hull_;
   std::vector<RestingSlack> resting_slack_;
 };
 

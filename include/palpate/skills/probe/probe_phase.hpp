@@ -8,9 +8,13 @@
 namespace palpate::skills {
 
 struct PalpationOptions {
-  int max = 3;                   ///< touches of single fingers at most; 0: none
-  int rolls = 2;                 ///< at most, of the object that hangs in the hand
-  int regrasps = 2;              ///< at most, in all
+  int max = 3;            ///< touches of single fingers at most; 0: none
+  int rolls = 2;          ///< at most, of the object that hangs in the hand
+  int regrasps = 2;       ///< at most, in all
+  int table_touches = 4;  ///< of the held object and the table, at most; 0: none
+  /// Weight of a pose up to which the closed hand palpates before it lifts; a better one is refined
+  /// by the table, once the object hangs.
+  double doubtful = 0.5;
   double certain = 0.97;         ///< weight of a pose that needs none
   double min_gain_rate = 0.025;  ///< nats/s that are expected to be told, at least
   double opening = 0.5;          ///< of J3 before a finger moves to another spot, rad
@@ -31,7 +35,11 @@ struct PalpationOptions {
     v("max", max, 0, 64, "touches of single fingers at most; 0: none");
     v("rolls", rolls, 0, 64, "rolls of the lifted object between the fingers at most");
     v("regrasps", regrasps, 0, 16, "regrasps from other sides at most, to distinguish poses");
+    v("table_touches", table_touches, 0, 16,
+      "touches of the held object and the table at most, the hand turned; 0: none");
     v("certain", certain, 0.0, 1.0, "probability of the best pose above which nothing is probed");
+    v.expert("doubtful", doubtful, 0.0, 1.0,
+             "probability of the best pose up to which the hand palpates before the lift");
     v("min_gain_rate", min_gain_rate, 0.0, 10.0,
       "nats/s, least expected information gain of an action");
     v.expert("opening", opening, 0.1, 1.5, "rad, of J3 before a finger moves to another spot");

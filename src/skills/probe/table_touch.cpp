@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "skills/probe/table_touch.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "estimation/mean_load.hpp"
+#include "palpate/core/se3.hpp"
+#include "palpate/skills/place/place_goal.hpp"
+
+namespace palpate::skills {
+namespace {
+
+constexpr int kDraws = 150;  // poses of the posterior by which turns are compared
+constexpr int kAzimuths = 8;
+constexpr std::array<double, 2> kTurns = {0.3, 0.55};  // rad
+constexpr double kHandOver = 0.005;       // m of the hand over the object's lowest point
+constexpr double kClearShare = 0.9;       // of the poses, by which it is
+constexpr double kMetSigma = 0.0012;      // m, of the height at which the table is met
+constexpr double kUnlike = 1e-6;          // likelihood that a pose keeps
+constexpr double kTableTouchSeconds = 3;  // s that a touch takes
+constexpr double kSlowFrom = 0.008;       // m over the expected touch, and two of its sigmas
+constexpr double kGiveUp = 0.012;         // m below it, and two of its sigmas
+constexpr double kTurnedSpeed = 0.1;      // m/s
+constexpr double kGuardedSpeed = 0.01;    // m/s
+constexpr double kBorne = 0.25;           // N that the table bears
+constexpr double kKnocked = 1.5;          // N by which a fast motion has met something
+constexpr int kBorneTicks = 3;
+constexpr double kSettleSeconds = 0.6;  // s, for the load's mean to hold nothing of the motion
+constexpr double kSetOutSeconds = 0.3;  // s of a motion in which the load is that of setting out
+constexpr double kOnTableSeconds = 0.12;
+
+/// Stop condition: what hangs on the base has fallen below a load, not before a time (s).
+Executor::StopCondition borne_by_table(double load, double since) {
+  return [load, since, ticks = 0](const hand::HandReading& reading) mutable {
+    ticks = reading.time > since && reading.base_force.z() < load ? ticks + 1 : 0;
+    return ticks >= kBorneTicks;
+  };
+}
+
+double lowest_point(const geometry::ObjectModel& object, const Eigen::Isometry3d& T_world_object) {
+  const Eigen::RowVector3f up = T_world_object.linear().row(2).cast<float>();
+  float low = std::numeric_limits<float>::infinity();
+  for (const Eigen::Vector3f& corner : object.hull()) low = std::min(low, up.dot(corner));
+  return T_world_object.translation().z() + static_cast<double>(low);
+}
+
+/// The rigid motion that turns about a point.
+Eigen::Isometry3d turned_about(const Eigen::Vector3d& point, const Eigen::Vector3d& turn) {
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.linear() = exp_so3(turn);
+  T.translation() = point - T.linear() * point;
+  return T;
+}
+
+hand::BasePosition lowered(hand::BasePosition base, double by) {
+  base.xyz.z() -= by;
+  return base;
+}
+
+}  // namespace
+
+TableTouchChoice::TableTouchChoice(const Executor& robot, const geometry::ObjectModel& object,
+                                   const localization::Posterior& held, RandomStream random)
+    : object_(object),
+      base_(robot.reading().base.pose()),
+      centroid_(held.modes.front().T_frame_object * object.object().mass_properties.centroid),
+      poses_(localization::draw_poses(held, kDraws, random)),
+      weights_(poses_.size(), 1.0 / static_cast<double>(poses_.size())) {
+  const auto T_base_link = hand::forward_kinematics(robot.model(), robot.reading().joints);
+  for (const hand::LinkSphere& ball : robot.model().spheres) {
+    const auto& T = T_base_link[static_cast<std::size_t>(ball.link)];
+    hand_.emplace_back(base_ * (T * ball.center), ball.radius);
+  }
+}
+
+Eigen::Isometry3d TableTouchChoice::turned_base(const TableTouch& touch) const {
+  return turned_about(centroid_, touch.turn) * base_;
+}
+
+/// Over the centroid, one a drawn pose.
+std::vector<double> TableTouchChoice::lowest_points(const Eigen::Vector3d& turn) const {
+  const Eigen::Isometry3d T = turned_about(centroid_, turn);
+  std::vector<double> lowest;
+  for (const auto& pose : poses_) {
+    lowest.push_back(lowest_point(object_, T * pose) - centroid_.z());
+  }
+  return lowest;
+}
+
+double TableTouchChoice::lowest_of_hand(const Eigen::Vector3d& turn) const {
+  const Eigen::Isometry3d T = turned_about(centroid_, turn);
+  double low = std::numeric_limits<double>::infinity();
+  for (const auto& [center, radius] : hand_) low = std::min(low, (T * center).z() - radius);
+  return low - centroid_.z();
+}
+
+std::optional<TableTouch> TableTouchChoice::judged(const Eigen::Vector3d& turn) const {
+  const double room = lowest_of_hand(turn) - kHandOver;
+  const std::vector<double> lowest = lowest_points(turn);
+  double clear = 0, mean = 0, square = 0;
+  std::vector<localization::PredictedTouches> outcomes;
+  for (std::size_t i = 0; i < lowest.size(); ++i) {
+    clear += lowest[i] < room ? weights_[i] : 0;
+    mean += weights_[i] * lowest[i];
+    square += weights_[i] * lowest[i] * lowest[i];
+    outcomes.push_back({{true, lowest[i], Eigen::Vector3d::Zero()}});
+  }
+  if (clear < kClearShare) return std::nullopt;
+  localization::NextTouchOptions options;
+  options.point_sigma = kMetSigma;
+  const double information = localization::information_bound(outcomes, weights_, options);
+  return TableTouch{turn,
+                    mean,
+                    std::sqrt(std::max(0.0, square - mean * mean)),
+                    {information, kTableTouchSeconds}};
+}
+
+std::optional<TableTouch> TableTouchChoice::next() const {
+  std::optional<TableTouch> best;
+  for (const double angle : kTurns) {
+    for (int i = 0; i < kAzimuths; ++i) {
+      const double azimuth = 2 * std::numbers::pi * i / kAzimuths;
+      const Eigen::Vector3d turn = angle * Eigen::Vector3d(std::cos(azimuth), std::sin(azimuth), 0);
+      if (std::find(done_.begin(), done_.end(), turn) != done_.end()) continue;
+      const auto touch = judged(turn);
+      if (!touch || (best && touch->expected_gain.rate() <= best->expected_gain.rate())) continue;
+      best = touch;
+    }
+  }
+  return best;
+}
+
+void TableTouchChoice::made(const TableTouch& touch, std::optional<double> lowest) {
+  done_.push_back(touch.turn);
+  if (!lowest) return;
+  const std::vector<double> expected = lowest_points(touch.turn);
+  double total = 0;
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    const double r = (expected[i] - *lowest) / kMetSigma;
+    weights_[i] *= std::exp(-r * r / 2) + kUnlike;
+    total += weights_[i];
+  }
+  for (double& weight : weights_) weight /= total;
+}
+
+std::optional<double> touch_table(Executor& robot, const TableTouchChoice& choice,
+                                  const TableTouch& touch) {
+  const hand::BasePosition turned = base_near(choice.turned_base(touch), robot.command().base);
+  const double way = choice.height() + touch.lowest;  // down to the table
+  const hand::BasePosition over = lowered(turned, way - kSlowFrom - 2 * touch.sigma);
+  const hand::BasePosition low = lowered(turned, way + kGiveUp + 2 * touch.sigma);
+  for (const auto& place : {turned, low}) {
+    if (!robot.obstacle(place).empty()) return std::nullopt;
+  }
+  robot.move_base(turned, kTurnedSpeed);
+  robot.wait(kSettleSeconds);
+  const double load = estimation::mean_load(robot.log());
+  const auto stopped = [&](const hand::BasePosition& to, double speed, double borne) {
+    return robot.move_base(to, speed,
+                           borne_by_table(load - borne, robot.time() + kSetOutSeconds)) ==
+           MotionEnd::stopped;
+  };
+  const bool met = stopped(over, kTurnedSpeed, kKnocked) || stopped(low, kGuardedSpeed, kBorne);
+  std::optional<double> lowest;
+  if (met) {
+    robot.wait(kOnTableSeconds);
+    robot.mark(estimation::TouchEvent::table_touched);
+    const double down = choice.turned_base(touch).translation().z() - robot.reading().base.xyz.z();
+    lowest = down - choice.height();
+  }
+  robot.move_base(turned, kTurnedSpeed);
+  return lowest;
+}
+
+}  // namespace palpate::skills

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "skills/probe/table_touch.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "hand/fake_hand.hpp"
+#include "palpate/core/se3.hpp"
+
+namespace palpate::skills {
+namespace {
+
+constexpr double kHeight = 0.2;  // m, of the box over the table
+
+/// A box that hangs below a hand without a surface, and may be turned about the world's x axis.
+struct HangingBox {
+  explicit HangingBox(double sigma) : object(geometry::load_known_object("box")) {
+    localization::Mode mode;
+    mode.T_frame_object.translation() = {0, 0, kHeight};
+    mode.weight = 1;
+    mode.covariance.setIdentity();
+    mode.covariance *= 1e-12;
+    mode.covariance(0, 0) = sigma * sigma;
+    posterior.modes.push_back(mode);
+  }
+  TableTouchChoice choice() {
+    return TableTouchChoice(robot, object, posterior, RandomStream(1, "touch table"));
+  }
+  geometry::ObjectModel object;
+  hand::FakeHand hand;
+  Executor robot{hand, hand::shadow_hand(), hand::resting_command()};
+  localization::Posterior posterior;
+};
+
+TEST(TableTouchChoice, TurnsTheBoxSoThatItsHeightTellsTheAngleInQuestion) {
+  HangingBox box(0.05);
+  const auto touch = box.choice().next();
+  ASSERT_TRUE(touch);
+  EXPECT_GT(touch->expected_gain.information, 0.2);
+  EXPECT_GT(touch->sigma, 0.001);
+  // What hangs level tells little of which way it is turned, and a turn about y nothing.
+  EXPECT_GT(std::abs(touch->turn.x()), std::abs(touch->turn.y()) / 2);
+}
+
+TEST(TableTouchChoice, ExpectsLittleOfAPoseThatIsKnown) {
+  HangingBox box(0.002);
+  const auto touch = box.choice().next();
+  ASSERT_TRUE(touch);
+  EXPECT_LT(touch->expected_gain.information, 0.02);
+}
+
+TEST(TableTouchChoice, ATouchTellsWhichPosesAreLeft) {
+  HangingBox box(0.05);
+  TableTouchChoice choice = box.choice();
+  const auto first = choice.next();
+  ASSERT_TRUE(first);
+  choice.made(*first, first->lowest);
+  const auto second = choice.next();
+  ASSERT_TRUE(second);
+  EXPECT_GT((second->turn - first->turn).norm(), 0.1) << "the same turn again";
+  EXPECT_LT(second->expected_gain.information, 0.5 * first->expected_gain.information);
+}
+
+TEST(TableTouchChoice, AMissedTableTellsNothing) {
+  HangingBox box(0.05);
+  TableTouchChoice choice = box.choice();
+  const auto first = choice.next();
+  ASSERT_TRUE(first);
+  choice.made(*first, std::nullopt);
+  const auto second = choice.next();
+  ASSERT_TRUE(second);
+  EXPECT_GT(second->expected_gain.information, 0.5 * first->expected_gain.information);
+}
+
+TEST(TableTouchChoice, TheHandIsNotToMeetTheTableBeforeTheObject) {
+  HangingBox box(0.05);
+  hand::Description model = hand::shadow_hand();
+  model.spheres = {{.link = 0, .center = {0, 0, 0}, .radius = 0.3}};  // round the box
+  Executor robot(box.hand, model, hand::resting_command());
+  const TableTouchChoice choice(robot, box.object, box.posterior, RandomStream(1, "touch table"));
+  EXPECT_FALSE(choice.next());
+}
+
+TEST(TableTouchChoice, TurnsTheHandAboutTheObject) {
+  HangingBox box(0.05);
+  const TableTouchChoice choice = box.choice();
+  TableTouch touch;
+  touch.turn = {0.3, 0, 0};
+  const Eigen::Isometry3d T = choice.turned_base(touch);
+  const Eigen::Vector3d centroid =
+      box.posterior.modes[0].T_frame_object * box.object.object().mass_properties.centroid;
+  EXPECT_NEAR((T * centroid - centroid).norm(), 0, 1e-9);  // the base stood at the origin
+  EXPECT_NEAR(rotation_distance(T.linear(), Eigen::Matrix3d::Identity()), 0.3, 1e-9);
+  EXPECT_NEAR(choice.height(), centroid.z(), 1e-12);
+}
+
+/// A hand from which a box hangs whose lowest point is this far below the base, at any attitude,
+/// over a table that bears whatever comes lower.
+hand::FakeHand::Script box_over_table(double below) {
+  return [below](hand::HandReading& reading) {
+    const double sunk = std::max(0.0, below - reading.base.xyz.z());
+    reading.base_force = {0, 0, 2 - 2000 * sunk};
+  };
+}
+
+TEST(TouchTable, GoesDownUntilTheTableBearsAndUpAgain) {
+  HangingBox box(0.02);
+  constexpr double kBelow = 0.26;
+  hand::FakeHand hand(box_over_table(kBelow));
+  hand::HandCommand start = hand::resting_command();
+  start.base.xyz.z() = 0.35;
+  Executor robot(hand, hand::shadow_hand(), start);
+  robot.wait(0.05);
+  TableTouchChoice choice(robot, box.object, box.posterior, RandomStream(1, "touch table"));
+  TableTouch touch;
+  touch.turn = {0.3, 0, 0};
+  const double stands = choice.turned_base(touch).translation().z();
+  touch.lowest = stands - kBelow - choice.height() + 0.003;  // 3 mm off
+  touch.sigma = 0.002;
+  const auto lowest = touch_table(robot, choice, touch);
+  ASSERT_TRUE(lowest);
+  EXPECT_NEAR(*lowest, stands - kBelow - choice.height(), 0.0005);
+  EXPECT_EQ(robot.log().all(estimation::TouchEvent::table_touched).size(), 1u);
+  EXPECT_NEAR(robot.reading().base.xyz.z(), stands, 0.002) << "it did not go up again";
+}
+
+TEST(TouchTable, GivesUpWhereNoTableIs) {
+  HangingBox box(0.02);
+  hand::FakeHand hand(box_over_table(-1));
+  hand::HandCommand start = hand::resting_command();
+  start.base.xyz.z() = 0.35;
+  Executor robot(hand, hand::shadow_hand(), start);
+  robot.wait(0.05);
+  TableTouchChoice choice(robot, box.object, box.posterior, RandomStream(1, "touch table"));
+  TableTouch touch;
+  touch.lowest = -0.05;
+  touch.sigma = 0.002;
+  EXPECT_FALSE(touch_table(robot, choice, touch));
+  EXPECT_TRUE(robot.log().all(estimation::TouchEvent::table_touched).empty());
+}
+
+}  // namespace
+}  // namespace palpate::skills
