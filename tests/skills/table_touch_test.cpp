@@ -17,7 +17,7 @@ constexpr double kHeight = 0.2;  // m, of the box over the table
 struct HangingBox {
   explicit HangingBox(double sigma) : object(geometry::load_known_object("box")) {
     localization::Mode mode;
-    mode.T_frame_object.translation() = {0, 0, kHeight};
+    mode.T_frame_object.translation().z() = kHeight;
     mode.weight = 1;
     mode.covariance.setIdentity();
     mode.covariance *= 1e-12;

@@ -15,7 +15,7 @@ struct PalpationOptions {
   /// Weight of a pose up to which the closed hand palpates before it lifts; a better one is refined
   /// by the table, once the object hangs.
   double doubtful = 0.5;
-  double certain = 0.97;         ///< weight of a pose that needs none
+  double certain = 0.8;          ///< weight of a pose that needs none
   double min_gain_rate = 0.025;  ///< nats/s that are expected to be told, at least
   double opening = 0.5;          ///< of J3 before a finger moves to another spot, rad
   double spread = 0.25;          ///< of J4 to either side, at most, rad
