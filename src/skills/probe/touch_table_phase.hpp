@@ -8,8 +8,8 @@ namespace palpate::skills {
 
 /// Lets the held object touch the table, turned to several sides, as long as that should tell
 /// something of its pose. The table meets its far ends, where an error of the orientation shows
-/// most, and no error of the fingers' links bears on it (extrinsic contact; Kim & Rodriguez,
-/// "Simultaneous tactile estimation and control of extrinsic contact", 2023).
+/// most, and no error of the fingers' links bears on it (extrinsic contact; Kim et al.,
+/// "Simultaneous tactile estimation and control of extrinsic contact", ICRA 2023).
 class TouchTablePhase : public Phase {
  public:
   /// @param hold  s that the hand then stands still, before it marks `held` again
