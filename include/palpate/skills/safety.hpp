@@ -80,7 +80,7 @@ struct SafetyOptions {
   double turn_acceleration = 50;  ///< rad/s^2, of the base
   double finger_speed = 4.0;      ///< rad/s
   double finger_acceleration = 200;  ///< rad/s^2
-  double unfelt_force = 6;           ///< N with which a finger may press that feels nothing, about
+  double unfelt_force = 6;           ///< N, about, with which a finger that senses no contact may press
   double release_speed = 0.25;       ///< m/s at which a stopped mount gives way to what it pushes
   double rest_torque = 0.1;          ///< N m with which a stopped finger holds on at most
   double watchdog = 0;    ///< s of wall time that a step may take; 0: simulated, no limit
@@ -112,7 +112,7 @@ struct SafetyOptions {
     v("finger_speed", finger_speed, 0.01, 50.0, "rad/s, of commands");
     v.expert("finger_acceleration", finger_acceleration, 0.1, 5000.0, "rad/s^2, of commands");
     v.expert("unfelt_force", unfelt_force, 0.1, 1e4,
-             "N with which a finger may press that feels nothing, about");
+             "N, about, with which a finger that senses no contact may press");
     v.expert("release_speed", release_speed, 0.01, 10.0, "m/s at which a stopped mount gives way");
     v.expert("rest_torque", rest_torque, 0.0, 5.0,
              "N m with which a stopped finger holds on at most");

@@ -57,7 +57,7 @@ PhaseEnd TouchTestPhase::run(Executor& robot, PickState& state) {
   }
   high();
   return {true,
-          numb.empty() ? "all fingertips feel" : fmt::format("numb: {}", fmt::join(numb, ", "))};
+          numb.empty() ? "all fingertips sense contact" : fmt::format("numb: {}", fmt::join(numb, ", "))};
 }
 
 }  // namespace palpate::skills

@@ -15,7 +15,7 @@ struct PlaneFitOptions {
   template <class Visitor>
   void visit(Visitor&& v) {
     v("window", window, 0.0, 1e3, "s, of contact points");
-    v("forget_after", forget_after, 0.0, 1e6, "s without contact after which to start anew");
+    v("forget_after", forget_after, 0.0, 1e6, "s without contact after which the estimate starts again");
   }
 };
 
@@ -48,7 +48,7 @@ struct EigenvectorOptions {
     v("distance", distance, 1e-5, 1.0, "m of path after which evidence has faded to 1/e");
     v("low_pass", low_pass, 1, 10000, "samples whose mean velocity is used");
     v("force_weight", force_weight, 0.0, 1e3, "of force x sliding against sliding");
-    v("forget_after", forget_after, 0.0, 1e6, "s without contact after which to start anew");
+    v("forget_after", forget_after, 0.0, 1e6, "s without contact after which the estimate starts again");
   }
 };
 

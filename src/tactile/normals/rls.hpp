@@ -28,7 +28,7 @@ struct RlsOptions {
     v("gamma2", gamma2, 0.0, 1e3, "weight of force x sliding");
     v("low_pass", low_pass, 1, 10000, "samples whose mean velocity is used");
     v("min_speed", min_speed, 0.0, 1.0, "m/s, slower samples are passed over");
-    v("forget_after", forget_after, 0.0, 1e6, "s without contact after which to start anew");
+    v("forget_after", forget_after, 0.0, 1e6, "s without contact after which the estimate starts again");
   }
 };
 

@@ -42,7 +42,7 @@ struct S2Options {
     v("edge_share", edge_share, 1e-9, 0.3, "probability that a tick crosses an edge");
     v("turn_share", turn_share, 1e-9, 0.3, "probability that a tick turns");
     v("stay", stay, 0.0, 0.999, "probability that the next tick goes on with it");
-    v("forget_after", forget_after, 0.0, 1e6, "s without contact after which to start anew");
+    v("forget_after", forget_after, 0.0, 1e6, "s without contact after which the estimate starts again");
     v("lag", lag, 0.0, 10.0, "s, that smoothed estimates wait for later samples");
   }
 };

@@ -10,7 +10,7 @@ struct LiftOptions {
   double speed = 0.10;         ///< m/s
   double trial_height = 0.01;  ///< m, of the first part, in which a weak grip shows
   double trial_speed = 0.03;   ///< m/s, of that part
-  double settle = 0.5;         ///< s of rest before the hold is judged
+  double settle = 0.5;         ///< s of rest before the hold is evaluated
   double hold = 2.0;           ///< s
   double min_weight = 0.5;     ///< share of the object's weight that must hang in the hand
   int min_fingers = 2;         ///< that touch at the end: one alone cannot squeeze
@@ -24,7 +24,7 @@ struct LiftOptions {
     v.expert("trial_height", trial_height, 0.0, 0.3,
              "m, of the lift's first part, in which a weak grip shows");
     v.expert("trial_speed", trial_speed, 0.001, 0.5, "m/s, speed of the lift's first part");
-    v.expert("settle", settle, 0.0, 10.0, "s of rest before the hold is judged");
+    v.expert("settle", settle, 0.0, 10.0, "s of rest before the hold is evaluated");
     v("hold", hold, 0.1, 60.0, "s");
     v("min_weight", min_weight, 0.0, 1.0,
       "least share of the object's weight that the hand must carry");

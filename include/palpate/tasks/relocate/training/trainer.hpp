@@ -71,7 +71,7 @@ struct CemTrainingOptions {
     v.section("search", search);
     v("memoryless", memoryless, "end in a policy on the observations alone");
     v("settle", settle, 0, 100000, "generations that still read the velocity, if memoryless");
-    v("refit", refit, 1, 100000, "generations after which the observer is fitted anew");
+    v("refit", refit, 1, 100000, "generations after which the observer is fitted again");
     v("spread", spread, 0.001, 10.0, "of the first generation, times the usual");
     v.section("observer", observer);
     v.section("randomization", randomization);
