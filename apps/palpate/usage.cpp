@@ -129,7 +129,13 @@ std::string named_choices(const std::string& text) {
   const std::string list = match[3];
   const std::vector<std::string> names = CLI::detail::split(list, ',');
   return fmt::format("{}: '{}' is none of {}{}", match[1].str(), match[2].str(),
-                     fmt::join(names, ", "), did_you_mean(match[2], names));
+                     fmt::join(names, ", "), did_you_mean(match[2].str(), names));
+}
+
+/// "RECORDING: At Most 2 required but received 3" as a sentence.
+std::string counted(const std::string& text) {
+  static const std::regex kPattern(R"((.*): At Most (\d+) required but received (\d+))");
+  return std::regex_replace(text, kPattern, "$1: at most $2 are possible, $3 are given");
 }
 
 /// What is wrong with the first argument that a command does not know.
@@ -206,13 +212,6 @@ CLI::Validator at_least(std::int64_t min) {
           fmt::format("at least {}", min)};
 }
 
-std::string did_you_mean(const std::string& given, const std::vector<std::string>& names) {
-  const auto distance = [&](const std::string& name) { return spelling_distance(given, name); };
-  const auto nearest = std::ranges::min_element(names, {}, distance);
-  if (nearest == names.end() || distance(*nearest) > kLikelyMeant) return "";
-  return fmt::format("; did you mean '{}'?", *nearest);
-}
-
 const CLI::App* innermost(const CLI::App* program) {
   while (!program->get_subcommands().empty()) program = program->get_subcommands().front();
   return program;
@@ -221,7 +220,7 @@ const CLI::App* innermost(const CLI::App* program) {
 std::string usage_error(const CLI::App* program, const CLI::Error& error) {
   const CLI::App* const command = innermost(program);
   const auto unknown = program->remaining(true);
-  std::string what = with_positionals_in_capitals(named_choices(error.what()), command);
+  std::string what = with_positionals_in_capitals(counted(named_choices(error.what())), command);
   const bool needs_command =
       dynamic_cast<const CLI::RequiredError*>(&error) && !command_names(command).empty();
   if (needs_command || dynamic_cast<const CLI::ExtrasError*>(&error)) {
