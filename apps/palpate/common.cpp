@@ -92,8 +92,8 @@ Eigen::Isometry3d parse_pose(const std::string& argument) {
   }
   try {
     return pose_from_row_major(values);
-  } catch (const BadInput& error) {
-    throw BadInput(fmt::format("{}: {}", argument, error.what()));
+  } catch (const BadInput& bad) {
+    throw BadInput(fmt::format("{}: {}", argument, bad.what()));
   }
 }
 
