@@ -25,7 +25,7 @@ struct CalibrateOptions {
     v("touches", touches, 0, 1000, "touches of the bare table, each by one fingertip; 0: none");
     v("x", x, -0.8, 0.8, "m, x of the bare area of the table");
     v("y", y, -0.8, 0.8, "m, y of the bare area of the table");
-    v("speed", speed, 0.001, 0.5, "m/s, downward speed");
+    v("speed", speed, 0.001, 0.5, "m/s, downward speed of the touches");
     v.expert("travel_speed", travel_speed, 0.01, 2.0, "m/s, speed through the air");
     v("touch_force", touch_force, 0.02, 5.0, "N, force at the fingertip that counts as a touch");
     v.expert("rest", rest, 0.02, 5.0,
