@@ -132,10 +132,27 @@ std::string named_choices(const std::string& text) {
                      fmt::join(names, ", "), did_you_mean(match[2].str(), names));
 }
 
-/// "RECORDING: At Most 2 required but received 3" as a sentence.
+/// "RECORDING: At Most 2 required but received 3" or "--out: 1 required TEXT missing" as a
+/// sentence.
 std::string counted(const std::string& text) {
+  static const std::regex kMissing(R"((.*): 1 required \w+ missing)");
   static const std::regex kPattern(R"((.*): At Most (\d+) required but received (\d+))");
-  return std::regex_replace(text, kPattern, "$1: at most $2 are possible, $3 are given");
+  return std::regex_replace(
+      std::regex_replace(text, kPattern, "$1: at most $2 are possible, $3 are given"), kMissing,
+      "$1 needs a value");
+}
+
+std::string without_dashes(const std::string& option) {
+  return option.substr(std::min(option.size(), option.find_first_not_of('-')));
+}
+
+/// "; did you mean '--seed'?" for what resembles an option; dashes make no two of them alike.
+std::string likely_option(const CLI::App* command, const std::string& argument) {
+  std::vector<std::string> names = option_names(command);
+  std::ranges::transform(names, names.begin(), without_dashes);
+  std::string text = did_you_mean(without_dashes(argument), names);
+  if (!text.empty()) text.insert(text.find('\'') + 1, "--");
+  return text;
 }
 
 /// What is wrong with the first argument that a command does not know.
@@ -143,8 +160,7 @@ std::string unexpected(const CLI::App* command, const std::string& argument) {
   const std::string name = command_path(command);
   if (command->get_subcommands([](const CLI::App*) { return true; }).empty()) {
     if (argument.starts_with("-")) {
-      return fmt::format("{} has no option {}{}", name, argument,
-                         did_you_mean(argument, option_names(command)));
+      return fmt::format("{} has no option {}{}", name, argument, likely_option(command, argument));
     }
     const bool has_object = command->get_option_no_throw("--object") != nullptr;
     return fmt::format("{} takes no argument '{}'{}", name, argument,

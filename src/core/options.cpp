@@ -249,6 +249,9 @@ void assign_setting(std::string_view assignment, const std::vector<OptionField>&
   if (equals == std::string_view::npos) {
     throw BadInput(fmt::format("'{}' has no value: the form is KEY=VALUE", assignment));
   }
+  if (trimmed(assignment.substr(0, equals)).empty()) {
+    throw BadInput(fmt::format("'{}' has no key: the form is KEY=VALUE", assignment));
+  }
   const auto& field =
       find_field(trimmed(assignment.substr(0, equals)), fields, "", Renamed::refused);
   assign(field, written_in_setting(field, trimmed(assignment.substr(equals + 1))), "");

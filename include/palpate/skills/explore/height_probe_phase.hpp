@@ -22,7 +22,8 @@ struct HeightProbeOptions {
     v("start_height", start_height, 0.1, 0.5,
       "m, height of the mount above the table at the start; raised for hands that reach lower");
     v("speed", speed, 0.001, 0.5, "m/s, downward speed above the tallest stable pose");
-    v.expert("touch_speed", touch_speed, 0.001, 0.5, "m/s, downward speed below the tallest stable pose");
+    v.expert("touch_speed", touch_speed, 0.001, 0.5,
+             "m/s, downward speed below the tallest stable pose");
     v("touch_force", touch_force, 0.05, 20.0, "N, load on the mount that counts as a touch");
     v.expert("clearance", clearance, 0.0, 0.1, "m, least distance of the hand from the table");
     v.expert("search", search, 0.0, 0.3,
