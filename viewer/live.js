@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is told of a recording while it comes about (src/recording/page_stream.cpp).
+// Data of a recording that is still being made (src/recording/page_stream.cpp).
 
 const SHOWN_FOR = 1000; // ms, the largest latency of which is shown
 

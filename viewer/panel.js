@@ -91,9 +91,9 @@ export class Panel {
   }
 
   #fillPhases() {
-    const told = JSON.stringify(this.recording.phases);
-    if (told === this.phasesTold) return;
-    this.phasesTold = told;
+    const listed = JSON.stringify(this.recording.phases);
+    if (listed === this.phasesListed) return;
+    this.phasesListed = listed;
     const colors = phaseColors(this.recording.phases);
     this.phaseRows = this.recording.phases.map((phase, i) =>
       make(
@@ -108,7 +108,7 @@ export class Panel {
     byId('phases').replaceChildren(...(this.phaseRows.length ? this.phaseRows : [none]));
   }
 
-  /** Takes up what the recording has got since. */
+  /** Lists the phases that have been recorded since. */
   update() {
     this.#fillPhases();
   }
@@ -118,8 +118,8 @@ export class Panel {
     const best = belief.poses[0]?.probability ?? 0;
     const error = belief.rotation_error_deg;
     const words = {
-      prior: 'Before the first touch: any stable pose, any yaw.',
-      touch: 'Poses that agree with the touches so far, more opaque where more probable.',
+      prior: 'Before the first touch: every stable pose, every yaw.',
+      touch: 'Poses consistent with the touches so far; more probable ones are more opaque.',
     };
     byId('estimate').replaceChildren(
       make(
@@ -143,7 +143,7 @@ export class Panel {
         { className: 'quiet' },
         this.shown.truth && error !== undefined && error !== null
           ? `Best pose: ${known(error, '°')}, ${known(belief.translation_error_mm, ' mm')} from the true one.`
-          : (words[belief.source] ?? 'Poses that agree with what the fingers feel.'),
+          : (words[belief.source] ?? 'Poses consistent with the contacts of the fingertips.'),
       ),
     );
   }
@@ -187,7 +187,7 @@ export class Panel {
       `${lighter.length} less probable poses`,
     );
     const recorded = estimate.modes.some((mode) => mode.rotation_error_deg !== undefined);
-    const judged = recorded && this.shown.truth;
+    const evaluated = recorded && this.shown.truth;
     const state = estimate.status === 'certain' ? 'good' : 'warn';
     byId('estimate').replaceChildren(
       make(
@@ -206,7 +206,7 @@ export class Panel {
       make(
         'div',
         { className: 'quiet' },
-        judged
+        evaluated
           ? 'Rotation and position: error against the true pose, modulo symmetry. '
           : recorded
             ? 'Key T shows the true pose and the errors. '
@@ -247,9 +247,9 @@ export class Panel {
       ['contacts', 'Contacts; arrows show the force', FINGER_COLORS[0], true],
       ['evidence', 'Contacts used by the estimate', FINGER_COLORS[2], has(r.estimates)],
       ['hand', 'Hand, at its measured joint angles', '#8d98a6', true],
-      ['seeThrough', 'Hand transparent (H)', '', true],
+      ['seeThrough', 'Transparent hand (H)', '', true],
       ['follow', 'Follow the hand (F)', '', true],
-      ['skip', 'Skip what is quiet (D)', '', true],
+      ['skip', 'Skip times without contact (D)', '', true],
     ];
     this.boxes = {};
     for (const [key, text, color, there] of layers) {

@@ -162,7 +162,7 @@ export class Recording {
 
   /**
    * Time from which the first estimate is drawn, in hindsight: in the phase before, the object was
-   * already held as it was felt to be, as long as two fingers touched it without a break.
+   * already held at the estimated pose, as long as two fingers touched it without a break.
    */
   heldSince(estimate) {
     const phase = this.phaseAt(estimate.time);
@@ -172,7 +172,7 @@ export class Recording {
     return this.count ? Math.min(estimate.time, this.time[frame]) : estimate.time;
   }
 
-  /** Time since which the object is held at t, as far as phases and estimates tell. */
+  /** Time since which the object is held at t, according to estimates and beliefs. */
   heldFrom(t) {
     const first = this.estimates.find((estimate) => estimate.time <= t + 1e-3);
     const inHand = this.beliefs.find((belief) => belief.in_hand && belief.time <= t + 1e-3);
@@ -220,7 +220,7 @@ export class Recording {
     this.forces = this.forceSeries.map((forces) => forces.values);
   }
 
-  /** Stretches of time in which the hand touches nothing and nothing new is believed. */
+  /** Stretches of time in which the hand touches nothing and no belief changes. */
   deadTimes() {
     if (this.deadOf === this.count) return this.deadFound;
     const busy = this.beliefs.map((belief) => belief.time);

@@ -285,7 +285,7 @@ export class Scene {
     else this.belief.matrix.identity();
   }
 
-  /** Touches stay where they were felt; those until the object is held go with the palm then. */
+  /** Touches stay where they were sensed; those until the object is held go with the palm then. */
   #placeTouches(t, frame, shown) {
     const r = this.recording;
     const held = r.heldFrom(t);

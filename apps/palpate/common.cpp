@@ -90,7 +90,11 @@ Eigen::Isometry3d parse_pose(const std::string& argument) {
     throw BadInput(fmt::format("'{}' {} 16 numbers, row-major", argument,
                                is_file ? "does not hold" : "is neither a file nor"));
   }
-  return pose_from_row_major(values);
+  try {
+    return pose_from_row_major(values);
+  } catch (const BadInput& bad) {
+    throw BadInput(fmt::format("{}: {}", argument, bad.what()));
+  }
 }
 
 nlohmann::json to_json(const Eigen::Isometry3d& T) { return pose_to_row_major(T); }

@@ -5,6 +5,7 @@
 
 #include <optional>
 
+#include "palpate/simulation/hand/load_arm.hpp"
 #include "progress_bar.hpp"
 
 namespace palpate::app {
@@ -38,7 +39,9 @@ evaluation::TrialOptions resolve_trial(const CommonOptions& common, const std::s
   auto options = resolve<evaluation::TrialOptions>(common);
   if (!hand.empty()) options.world.hand = hand;
   if (!arm.empty()) options.world.arm.name = arm;
-  load_hand_with_progress(options.world.hand, common.quiet);  // known to the process from now on
+  // Known to the process from now on; a bad name is told before the objects are prepared.
+  const auto described = load_hand_with_progress(options.world.hand, common.quiet);
+  simulation::load_arm(options.world.arm, described.hand);
   return options;
 }
 

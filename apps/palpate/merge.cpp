@@ -20,7 +20,11 @@ struct MergeArguments {
 
 /// The trials of a part: the folder of an evaluation, or the file in it.
 TrialRecords read_part(const fs::path& part) {
-  return TrialRecords::of(fs::is_directory(part) ? part / "trials.jsonl" : part);
+  if (!fs::is_directory(part)) return TrialRecords::of(part);
+  const fs::path file = part / "trials.jsonl";
+  if (fs::exists(file)) return TrialRecords::of(file);
+  throw BadInput(
+      fmt::format("{} has no trials.jsonl: it is not the folder of an evaluation", part.string()));
 }
 
 /// @throws BadInput for parts of different evaluations

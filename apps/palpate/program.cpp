@@ -3,7 +3,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <exception>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "palpate/core/error.hpp"
 #include "palpate/core/unknown_option.hpp"
@@ -30,6 +34,22 @@ int run_command(const CLI::App& program, const Command& chosen) {
   }
 }
 
+/// `help COMMAND` as `COMMAND --help`; without the option for a command that does not exist, which
+/// is then the error.
+std::vector<std::string> help_arguments(const CLI::App& program,
+                                        const std::vector<std::string>& given) {
+  std::vector<std::string> arguments(given.begin() + 1, given.end());
+  const CLI::App* command = &program;
+  for (const std::string& name : arguments) {
+    const auto found =
+        command->get_subcommands([&](const CLI::App* one) { return one->get_name() == name; });
+    if (found.empty()) return arguments;
+    command = found.front();
+  }
+  arguments.emplace_back("--help");
+  return arguments;
+}
+
 int run(std::span<const AddCommand> commands, int argc, char** argv) {
   CLI::App program{"Palpate: tactile-only in-hand pose estimation and manipulation.", "palpate"};
   program.set_version_flag("--version", std::string(version()));
@@ -37,13 +57,18 @@ int run(std::span<const AddCommand> commands, int argc, char** argv) {
   program.failure_message(usage_error);
   program.formatter(std::make_shared<HelpFormatter>());
   program.footer(
-      "palpate COMMAND --help shows a command's options and examples.\n"
+      "palpate COMMAND --help or palpate help COMMAND shows a command's options and examples.\n"
       "Exit codes: 0 done, 2 usage, 3 bad input, 4 no solution, 5 the robot was stopped by a "
       "fault.");
   Command chosen;
   for (const AddCommand add : commands) add(program, chosen);
   try {
-    program.parse(argc, argv);
+    std::vector<std::string> arguments(argv + 1, argv + argc);
+    if (!arguments.empty() && arguments.front() == "help") {
+      arguments = help_arguments(program, arguments);
+    }
+    std::ranges::reverse(arguments);  // as CLI11 takes them
+    program.parse(std::move(arguments));
   } catch (const CLI::ParseError& error) {
     return program.exit(error) == 0 ? kDone : kUsage;
   }

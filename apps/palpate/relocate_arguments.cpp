@@ -14,6 +14,7 @@
 #include "palpate/core/assets.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
+#include "palpate/core/spelling.hpp"
 #include "palpate/tasks/relocate/policies/policy_io.hpp"
 #include "usage.hpp"
 
@@ -41,9 +42,10 @@ std::unique_ptr<relocate::Policy> find_policy(const std::string& name) {
   const std::string wanted = name.empty() ? std::string(kShipped.front()) : name;
   if (std::filesystem::exists(wanted)) return relocate::load_policy(wanted);
   if (std::ranges::find(kShipped, wanted) == kShipped.end()) {
-    throw BadInput(fmt::format("'{}' is neither a policy file nor a shipped policy ({}){}", wanted,
-                               fmt::join(kShipped, ", "),
-                               did_you_mean(wanted, {kShipped.begin(), kShipped.end()})));
+    throw BadInput(fmt::format(
+        "'{}' is neither a policy file nor a shipped policy ({}){}", wanted,
+        fmt::join(kShipped, ", "),
+        did_you_mean(wanted, std::vector<std::string>(kShipped.begin(), kShipped.end()))));
   }
   return relocate::load_policy(asset(fmt::format("models/{}.json", wanted)));
 }

@@ -20,7 +20,8 @@ enum class Format { recording, contacts, biotac };
 std::string first_line(const std::string& path) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) {
-    throw BadInput(fmt::format("{} is not a file", path));
+    const bool exists = std::filesystem::exists(path, error);
+    throw BadInput(fmt::format("{} {}", path, exists ? "is not a file" : "does not exist"));
   }
   std::ifstream in(path, std::ios::binary);
   std::string head(4096, '\0');

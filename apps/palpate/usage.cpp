@@ -129,7 +129,30 @@ std::string named_choices(const std::string& text) {
   const std::string list = match[3];
   const std::vector<std::string> names = CLI::detail::split(list, ',');
   return fmt::format("{}: '{}' is none of {}{}", match[1].str(), match[2].str(),
-                     fmt::join(names, ", "), did_you_mean(match[2], names));
+                     fmt::join(names, ", "), did_you_mean(match[2].str(), names));
+}
+
+/// "RECORDING: At Most 2 required but received 3" or "--out: 1 required TEXT missing" as a
+/// sentence.
+std::string counted(const std::string& text) {
+  static const std::regex kMissing(R"((.*): 1 required \w+ missing)");
+  static const std::regex kPattern(R"((.*): At Most (\d+) required but received (\d+))");
+  return std::regex_replace(
+      std::regex_replace(text, kPattern, "$1: at most $2 are possible, $3 are given"), kMissing,
+      "$1 needs a value");
+}
+
+std::string without_dashes(const std::string& option) {
+  return option.substr(std::min(option.size(), option.find_first_not_of('-')));
+}
+
+/// "; did you mean '--seed'?" for what resembles an option; dashes make no two of them alike.
+std::string likely_option(const CLI::App* command, const std::string& argument) {
+  std::vector<std::string> names = option_names(command);
+  std::ranges::transform(names, names.begin(), without_dashes);
+  std::string text = did_you_mean(without_dashes(argument), names);
+  if (!text.empty()) text.insert(text.find('\'') + 1, "--");
+  return text;
 }
 
 /// What is wrong with the first argument that a command does not know.
@@ -137,8 +160,7 @@ std::string unexpected(const CLI::App* command, const std::string& argument) {
   const std::string name = command_path(command);
   if (command->get_subcommands([](const CLI::App*) { return true; }).empty()) {
     if (argument.starts_with("-")) {
-      return fmt::format("{} has no option {}{}", name, argument,
-                         did_you_mean(argument, option_names(command)));
+      return fmt::format("{} has no option {}{}", name, argument, likely_option(command, argument));
     }
     const bool has_object = command->get_option_no_throw("--object") != nullptr;
     return fmt::format("{} takes no argument '{}'{}", name, argument,
@@ -206,13 +228,6 @@ CLI::Validator at_least(std::int64_t min) {
           fmt::format("at least {}", min)};
 }
 
-std::string did_you_mean(const std::string& given, const std::vector<std::string>& names) {
-  const auto distance = [&](const std::string& name) { return spelling_distance(given, name); };
-  const auto nearest = std::ranges::min_element(names, {}, distance);
-  if (nearest == names.end() || distance(*nearest) > kLikelyMeant) return "";
-  return fmt::format("; did you mean '{}'?", *nearest);
-}
-
 const CLI::App* innermost(const CLI::App* program) {
   while (!program->get_subcommands().empty()) program = program->get_subcommands().front();
   return program;
@@ -221,7 +236,7 @@ const CLI::App* innermost(const CLI::App* program) {
 std::string usage_error(const CLI::App* program, const CLI::Error& error) {
   const CLI::App* const command = innermost(program);
   const auto unknown = program->remaining(true);
-  std::string what = with_positionals_in_capitals(named_choices(error.what()), command);
+  std::string what = with_positionals_in_capitals(counted(named_choices(error.what())), command);
   const bool needs_command =
       dynamic_cast<const CLI::RequiredError*>(&error) && !command_names(command).empty();
   if (needs_command || dynamic_cast<const CLI::ExtrasError*>(&error)) {

@@ -27,9 +27,6 @@ CLI::Validator in_range(int min, int max);
 /// Whole numbers from a least one on.
 CLI::Validator at_least(std::int64_t min);
 
-/// "; did you mean 'pick'?" for what resembles one of the names, else empty.
-std::string did_you_mean(const std::string& given, const std::vector<std::string>& names);
-
 /// One line on stderr for a command line that cannot be read.
 std::string usage_error(const CLI::App* program, const CLI::Error& error);
 

@@ -220,8 +220,8 @@ void bind_registration(nb::module_& module) {
                      "numpy.typing.ArrayLike | None = None, target_normals: "
                      "numpy.typing.ArrayLike | None = None, weights: numpy.typing.ArrayLike | None "
                      "= None, primitive: str = 'point') -> PoseEstimate"),
-             "What is proven of anyone's pose (4, 4) for pairs (N, 3), m: its cost against the "
-             "least that can be proven (Briales & Gonzalez-Jimenez 2017). primitive: 'point', or "
+             "Bound on how far the cost of any given pose (4, 4) of pairs (N, 3), m, is above the "
+             "global optimum (Briales & Gonzalez-Jimenez 2017). primitive: 'point', or "
              "'plane' with normals.\n\nRaises ValueError unless the pose is rigid to 1e-6.");
 }
 

@@ -184,7 +184,7 @@ class PickInSimulation(unittest.TestCase):
         hand = self.world().hand
         for place, words in (
             ([1, 2], "place has 2 values, not 3"),
-            ("nowhere", "'nowhere' is no place"),
+            ("nowhere", "'nowhere' is not a target"),
             (np.eye(3), r"place has shape \(3, 3\), not \(4, 4\)"),
             (np.eye(4), "inside the table"),
             ([5, 5, 0], "out of reach"),

@@ -108,8 +108,9 @@ const OptionField& find_field(std::string_view key, const std::vector<OptionFiel
   const OptionField* now = renamed_field(key, fields);
   if (now && accept == Renamed::accepted) return *now;
   if (now) throw BadInput(fmt::format("{}option {} is now {}", where, key, now->key));
-  throw UnknownOption(fmt::format("{}unknown option {}{}", where, key, suggestion(key, fields)),
-                      std::string(key));
+  throw UnknownOption(
+      fmt::format("{}unknown option {}{}", where, key, suggestion(renamed_option(key), fields)),
+      std::string(key));
 }
 
 void assign(const OptionField& field, const Written& written, const std::string& where) {
@@ -246,7 +247,10 @@ void assign_toml(std::string_view text, std::string_view source,
 void assign_setting(std::string_view assignment, const std::vector<OptionField>& fields) {
   const auto equals = assignment.find('=');
   if (equals == std::string_view::npos) {
-    throw BadInput(fmt::format("\"{}\" is not of the form key=value", assignment));
+    throw BadInput(fmt::format("'{}' has no value: the form is KEY=VALUE", assignment));
+  }
+  if (trimmed(assignment.substr(0, equals)).empty()) {
+    throw BadInput(fmt::format("'{}' has no key: the form is KEY=VALUE", assignment));
   }
   const auto& field =
       find_field(trimmed(assignment.substr(0, equals)), fields, "", Renamed::refused);

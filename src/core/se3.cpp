@@ -101,9 +101,10 @@ Eigen::Isometry3d pose_from_row_major(const std::array<double, 16>& values) {
   const Eigen::Matrix3d R = M.topLeftCorner<3, 3>();
   const double off = (R * R.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
   if (off > 1e-6 || R.determinant() < 0) {
-    throw BadInput(fmt::format(
-        "a pose is no rigid motion: its rotation is off by {:.3g}, its determinant {:.3g}", off,
-        R.determinant()));
+    throw BadInput(
+        fmt::format("a pose is not a rigid motion: its rotation matrix is off by {:.3g}, its "
+                    "determinant {:.3g}",
+                    off, R.determinant()));
   }
   if (M.row(3) != Eigen::RowVector4d(0, 0, 0, 1)) {
     throw BadInput(fmt::format("the last row of a pose is {} {} {} {}, not 0 0 0 1", M(3, 0),

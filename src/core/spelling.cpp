@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/core/spelling.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <numeric>
 #include <utility>
@@ -29,6 +31,13 @@ double spelling_distance(std::string_view a, std::string_view b) {
   const std::size_t longer = std::max(a.size(), b.size());
   if (longer == 0) return 0;
   return static_cast<double>(edit_distance(a, b)) / static_cast<double>(longer);
+}
+
+std::string did_you_mean(std::string_view given, std::span<const std::string> names) {
+  const auto distance = [&](const std::string& name) { return spelling_distance(given, name); };
+  const auto nearest = std::ranges::min_element(names, {}, distance);
+  if (nearest == names.end() || distance(*nearest) > kLikelyMeant) return "";
+  return fmt::format("; did you mean '{}'?", *nearest);
 }
 
 }  // namespace palpate

@@ -21,7 +21,9 @@ json parse_json(std::string_view text) {
   try {
     return json::parse(text, check_depth);
   } catch (const json::exception& error) {
-    throw BadInput(fmt::format("no JSON: {}", error.what()));
+    const std::string what = error.what();  // "[json.exception...] parse error at line 1, ..."
+    const auto place = what.find("line ");
+    throw BadInput(fmt::format("not JSON: {}", place == what.npos ? what : what.substr(place)));
   }
 }
 

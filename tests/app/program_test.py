@@ -40,6 +40,25 @@ class Usage(CliTest):
         self.assert_refused(BAD_INPUT, ["pick", "--set", "x.zigzag=1"], "palpate options lists")
         self.assert_refused(BAD_INPUT, ["rollout", "relocate-bset"], "'relocate-best'?")
 
+        self.assert_refused(BAD_INPUT, ["pick", "--hand", "shadw"], "did you mean 'shadow'?")
+        self.assert_refused(BAD_INPUT, ["pick", "--arm", "ur1"], "did you mean 'ur10'?")
+        self.assert_refused(BAD_INPUT, ["pick", "--set", "stance=1"], "stable_pose?")
+
+    def test_nothing_is_suggested_that_resembles_by_its_dashes_alone(self):
+        self.assert_refused(USAGE, ["render", "x.h5", "--phase", "lift"], "no option --phase; see")
+
+    def test_help_is_a_command_too(self):
+        self.assertEqual(self.run_program("help").stdout, self.run_program("--help").stdout)
+        self.assertEqual(self.run_program("help", "hand", "check").stdout,
+                         self.run_program("hand", "check", "--help").stdout)  # fmt: skip
+        self.assert_refused(USAGE, ["help", "pik"], "there is no command 'pik'", "'pick'?")
+
+    def test_what_is_missing_is_named(self):
+        self.assert_refused(USAGE, ["pick", "--config"], "--config needs a value")
+        self.assert_refused(BAD_INPUT, ["pick", "--set", "=3"], "'=3' has no key", "KEY=VALUE")
+        self.assert_refused(USAGE, ["view", "a", "b", "c"], "at most 2 are possible, 3 are given")
+        self.assert_refused(BAD_INPUT, ["sense", "none.csv"], "none.csv does not exist")
+
     def test_values_out_of_range_are_named_with_the_range(self):
         self.assert_refused(USAGE, ["pick", "--mass", "9"], "--mass: 9 is outside 0.001 to 5")
         self.assert_refused(USAGE, ["pick", "--seed", "many"], "'many' is not a whole number")

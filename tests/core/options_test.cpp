@@ -166,7 +166,8 @@ TEST(Options, WrongTypeIsNamed) {
   EXPECT_EQ(toml_error("[attempts]\nx = 1"), "run.toml:1: attempts = (table) is not an integer");
   EXPECT_EQ(setting_error("lift.way="), "lift.way =  is not a number");
   EXPECT_EQ(setting_error("attempts=1x"), "attempts = 1x is not an integer");
-  EXPECT_EQ(setting_error("lift.way"), "\"lift.way\" is not of the form key=value");
+  EXPECT_EQ(setting_error("lift.way"), "'lift.way' has no value: the form is KEY=VALUE");
+  EXPECT_EQ(setting_error("=1"), "'=1' has no key: the form is KEY=VALUE");
 }
 
 TEST(Options, RangeIsNamed) {

@@ -54,7 +54,8 @@ TEST(TouchTestPhase, ANumbFingertipIsNamedAndNoLongerBelieved) {
 
 TEST(TouchTestPhase, WithoutASuspectNothingIsPressed) {
   OverTheTable scene(false);
-  EXPECT_EQ(TouchTestPhase({}).run(scene.robot, scene.state).outcome, "all fingertips feel");
+  EXPECT_EQ(TouchTestPhase({}).run(scene.robot, scene.state).outcome,
+            "all fingertips sense contact");
   for (const auto& reading : scene.robot.log().readings) {
     EXPECT_GT(estimation::lowest_of_hand(soft_shadow(), reading), 0);
   }

@@ -71,7 +71,7 @@ TEST_F(PolicyIo, ReadsAPolicyOfTheFormerTask) {
 
 TEST_F(PolicyIo, RejectsWhatIsNoPolicy) {
   EXPECT_NE(error_message([] { load_policy("/nowhere/policy.json"); }), "");
-  EXPECT_NE(error_of("").find("no JSON"), std::string::npos);
+  EXPECT_NE(error_of("").find("not JSON"), std::string::npos);
   EXPECT_NE(error_of("[]").find("not a JSON object"), std::string::npos);
   EXPECT_NE(error_of("{\"format\":\"other\"}").find("other"), std::string::npos);
   EXPECT_NE(error_of("{\"W0\":[[1,2],[3]]}").find("rows of 2 and 1"), std::string::npos);

@@ -23,7 +23,7 @@ struct RemoteHandOptions {
   double timeout = 0.25;   ///< s that a step waits for a reading newer than the last
   double patience = 0.01;  ///< s that it waits for the other parts of a reading with its joints
   double connect = 10;     ///< s that the first step waits
-  bool positions = false;  ///< commands joints by CommandTopics::positions, else by ::joints
+  bool positions = false;  ///< commands joints by the topic `positions`, else `joints`
 };
 
 /// A hand behind ROS 2: commands are published, readings are made of what it publishes.

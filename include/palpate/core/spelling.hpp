@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <span>
+#include <string>
 #include <string_view>
 
 namespace palpate {
@@ -11,5 +13,8 @@ double spelling_distance(std::string_view a, std::string_view b);
 
 /// A word no farther from what was written is likely what was meant.
 inline constexpr double kLikelyMeant = 0.5;
+
+/// "; did you mean 'pick'?" for what resembles one of the names, else empty.
+std::string did_you_mean(std::string_view given, std::span<const std::string> names);
 
 }  // namespace palpate

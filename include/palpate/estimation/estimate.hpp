@@ -45,22 +45,24 @@ struct EstimationOptions {
     v("window", window, 0.01, 10.0, "s, window over which readings are averaged");
     v.expert("probed_height_sigma", probed_height_sigma, 1e-4, 0.1,
              "m, error of the measured height");
-    v.expert("resting_height_sigma", resting_height_sigma, 1e-4, 0.1, "m, of the resting object");
+    v.expert("resting_height_sigma", resting_height_sigma, 1e-4, 0.1,
+             "m, error of the resting object's height");
     v.expert("resting_tilt_sigma", resting_tilt_sigma, 1e-4, 1.0,
-             "rad, of the object from its stable pose");
+             "rad, tilt of the resting object from its stable pose");
     v.expert("free_space_sigma", swept_sigma, 1e-4, 0.1,
              "m, error of the space that guarded moves found free");
     v.expert("resting_half_width", resting_half_width, 0.0, 0.3,
              "m, half width of the prior on the resting object's position");
     v.expert("slide_share", slide_share, 0.0, 0.9,
-             "probability that the object slid three times as far");
+             "probability that the object slid three times as far in the grasp as expected");
     v.expert("probe_motion", probe_motion, 0.0, 0.05,
              "m, motion of the object while a finger probes it");
     v.expert("table_touch_sigma", table_touch_sigma, 1e-5, 0.1,
-             "m, of the height at which the held object touches the table");
-    v.expert("elsewhere", elsewhere, 1e-6, 0.9, "probability that the resting pose was wrong");
+             "m, error of the height at which the held object touches the table");
+    v.expert("elsewhere", elsewhere, 1e-6, 0.9,
+             "probability that the estimated resting pose was wrong");
     v.expert("motion_angle_sigma", motion_angle_sigma, 1e-4, 3.0,
-             "rad, turn of the object in the grasp");
+             "rad, rotation of the object in the grasp");
     v.expert("motion_sigma", motion_sigma, 1e-5, 0.2, "m, motion of the object in the grasp");
     v.expert("other_stable_pose", other_stable_pose, 0.0, 1.0,
              "probability that the grasp changed the stable pose");
@@ -68,14 +70,15 @@ struct EstimationOptions {
              "rad, by which the closing hand tilts the object");
     v.expert("height_sigma", height_sigma, 1e-4, 0.1,
              "m, by which the closing hand raises the object");
-    v.expert("surface_sigma", surface_sigma, 0.0, 0.01,
-             "m by which the mesh's surface is off the object's");
+    v.expert("surface_sigma", surface_sigma, 0.0, 0.01, "m, error of the mesh's surface");
     v("half_width", half_width, 0.0, 0.3, "m, half width of the prior on the object's position");
-    v("false_contacts", false_contacts, 1e-6, 0.9, "prior share of contacts with something else");
-    v("balance", balance, "use that the fingers' forces balance the weight of the held object");
+    v("false_contacts", false_contacts, 1e-6, 0.9, "prior probability that a contact is spurious");
+    v("balance", balance,
+      "use as evidence that the finger forces balance the weight of the held object");
     v.expert("torsional_friction_radius", twist, 0.0, 0.1,
-             "m, unsensed moment about a contact's normal, by its force");
-    v("free_space", free_space, "use that the hand's links do not penetrate the object");
+             "m, unsensed moment about a contact's normal, relative to its force");
+    v("free_space", free_space,
+      "use as evidence that the hand's links do not penetrate the object");
     v.expert("penetration_sigma", penetration_sigma, 1e-4, 0.05, "m, error of the hand's surface");
     v.section("errors", errors);
     v.section("search", search);

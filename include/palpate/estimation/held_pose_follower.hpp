@@ -23,8 +23,9 @@ struct HeldPoseOptions {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("period", period, 0.01, 10.0, "s from one estimate to the next, at least");
-    v("fingers", fingers, 1, hand::kMaxFingers, "fingers that must touch for an estimate");
+    v("period", period, 0.01, 10.0, "s, least time between two estimates");
+    v("fingers", fingers, 1, hand::kMaxFingers,
+      "number of fingers that must touch for an estimate");
     v("lost_after", lost_after, 0.05, 100.0,
       "s with fewer fingers, after which the object counts as lost");
     v("rotation_sigma", turn_sigma, 1e-4, 3.0, "rad, rotation of a held object per period");

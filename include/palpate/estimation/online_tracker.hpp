@@ -34,10 +34,10 @@ struct OnlineTrackerOptions {
   void visit(Visitor&& v) {
     v("estimate", estimate,
       "estimate the pose in the grasp; else the object is assumed to move with the palm");
-    v("period", period, 0.01, 10.0, "s from one estimate to the next, and delay of each");
-    v("fingers", fingers, 1, 5, "fingers that must touch for an estimate");
+    v("period", period, 0.01, 10.0, "s, time between two estimates, and delay of each");
+    v("fingers", fingers, 1, 5, "number of fingers that must touch for an estimate");
     v("lifts", lifts, 0.0, 0.1,
-      "m that the palm has risen when the touched object is assumed to move along");
+      "m, rise of the palm after which the touched object is assumed to move with it");
     v("rotation_sigma", turn_sigma, 1e-4, 3.0,
       "rad, unpredicted rotation of the object per period");
     v("translation_sigma", way_sigma, 1e-5, 0.2,

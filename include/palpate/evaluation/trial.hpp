@@ -22,7 +22,8 @@ struct StartOptions {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("stable_pose", stable_pose, -1, 1000, "resting pose; -1: drawn by its probability");
+    v("stable_pose", stable_pose, -1, 1000,
+      "index of the initial stable pose; -1: drawn by probability");
     v("uncertainty", uncertainty, 0.0, 0.1,
       "m, the object is within +- this of its approximate position");
     v.expert("x", x, -3.0, 3.0, "m, approximate position of the object, as in --at");
@@ -62,12 +63,16 @@ struct FaultOptions {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("kind", kind, "what goes wrong with the hand, as `palpate eval --faults` lists it");
-    v("from", from, 0.0, 1e6, "s of the robot's time from which it does");
-    v("length", length, 0.0, 1e6, "s that it lasts; 0: for good");
-    v("finger", finger, 0, hand::kMaxFingers - 1, "of faults of one fingertip");
-    v("joint", joint, 0, hand::kMaxJoints - 1, "of joint_nan");
-    v("actuator", actuator, 0, hand::kMaxJoints - 1, "of joint_stuck");
+    v("kind", kind,
+      "fault of the hand that is injected, one of those of `palpate eval --faults`; empty: none");
+    v("from", from, 0.0, 1e6, "s of robot time at which the fault begins");
+    v("length", length, 0.0, 1e6, "s, duration of the fault; 0: until the end");
+    v("finger", finger, 0, hand::kMaxFingers - 1,
+      "index of the finger that a fault of one fingertip affects");
+    v("joint", joint, 0, hand::kMaxJoints - 1,
+      "index of the joint that the fault joint_nan affects");
+    v("actuator", actuator, 0, hand::kMaxJoints - 1,
+      "index of the actuator that the fault joint_stuck affects");
   }
 
   /// @throws BadInput for another kind

@@ -22,13 +22,15 @@ struct GraspPlanOptions {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("clearance", clearance, 0.0, 0.02, "m, of the opened hand from the object");
-    v("table_clearance", table_clearance, 0.0, 0.05, "m, of the hand from the table");
+    v("clearance", clearance, 0.0, 0.02, "m, distance of the opened hand from the object");
+    v("table_clearance", table_clearance, 0.0, 0.05, "m, distance of the hand from the table");
     v("missing_finger", missing_finger, 0.0, 1.0, "cost of a finger that does not meet the object");
-    v("pose_error", pose_error, 0.0, 0.05, "m by which the object may lie elsewhere");
-    v("yaws", yaws, 1, 360, "of the hand that are tried");
-    v("places", places, 0, 20, "that are tried to either side of the middle");
-    v("spacing", spacing, 0.001, 0.1, "m between them");
+    v("pose_error", pose_error, 0.0, 0.05,
+      "m, displacement of the object for which a grasp is checked");
+    v("yaws", yaws, 1, 360, "number of yaws of the hand that are tried");
+    v("places", places, 0, 20,
+      "number of positions of the hand that are tried to either side of the object's middle");
+    v("spacing", spacing, 0.001, 0.1, "m, distance between these positions");
   }
 };
 

@@ -20,8 +20,8 @@ struct SamePose {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("angle", angle, 1e-3, 3.2, "rad, between poses that count as the same");
-    v("distance", distance, 1e-4, 0.5, "m, between poses that count as the same");
+    v("angle", angle, 1e-3, 3.2, "rad, rotation within which two poses count as the same");
+    v("distance", distance, 1e-4, 0.5, "m, distance within which two poses count as the same");
   }
 };
 

@@ -13,9 +13,10 @@ struct IdentificationOptions {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("other", other, 0.0, 0.99, "prior probability of an object that is none of the candidates");
-    v.expert("other_sigma", other_sigma, 0.001, 0.05,
-             "m by which the surface of such an object is off that of the candidate like it");
+    v("other", other, 0.0, 0.99, "prior probability that the object is none of the candidates");
+    v.expert(
+        "other_sigma", other_sigma, 0.001, 0.05,
+        "m, surface error assumed for an object that is similar to a candidate but none of them");
   }
 };
 

@@ -20,14 +20,14 @@ struct LocalizerOptions {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("proposals", proposals, 1000, 10000000, "poses proposed and screened");
-    v("particles", particles, 50, 1000000, "particles of the annealed search");
-    v.expert("moves", moves, 1, 1000, "Metropolis moves a particle and level");
-    v.expert("starts", starts, 0, 100000, "best proposals that are refined before the sampling");
-    v("modes", modes, 1, 1000, "modes reported at most");
+    v("proposals", proposals, 1000, 10000000, "number of poses that are proposed and screened");
+    v("particles", particles, 50, 1000000, "number of particles of the annealed search");
+    v.expert("moves", moves, 1, 1000, "Metropolis moves per particle and noise level");
+    v.expert("starts", starts, 0, 100000, "number of best proposals that are refined");
+    v("modes", modes, 1, 1000, "number of modes reported at most");
     v.expert("first_scale", first_scale, 1.0, 20.0, "noise scale at which the search starts");
     v.expert("contact_offset", contact_offset, 0.0, 0.02,
-             "m outside the surface where contacts compare");
+             "m, distance outside the surface at which contacts are compared");
   }
 };
 
@@ -38,9 +38,10 @@ struct FastOptions {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("proposals", proposals, 100, 10000000, "poses proposed and screened");
-    v.expert("starts", starts, 4, 100000, "best of these, which are refined");
-    v("certainty", certainty, 0.5, 1.0, "weight of the best below which the full search decides");
+    v("proposals", proposals, 100, 10000000, "number of poses that are proposed and screened");
+    v.expert("starts", starts, 4, 100000, "number of best proposals that are refined");
+    v("certainty", certainty, 0.5, 1.0,
+      "weight of the best mode below which the full search is run");
   }
 };
 

@@ -21,8 +21,8 @@ struct CollisionOptions {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("allowed_depth", allowed_depth, 0.0, 0.02, "m, overlap that is no collision");
-    v("self", self, "links of the hand may not overlap one another");
+    v("allowed_depth", allowed_depth, 0.0, 0.02, "m, overlap that does not count as a collision");
+    v("self", self, "check collisions between links of the hand, too");
   }
 };
 

@@ -28,13 +28,16 @@ struct PlanOptions {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("planner", planner, "rrt-connect, rrt-star, prm or fmt");
-    v("iterations", iterations, 1, 10000000, "of the search between two waypoints");
-    v("shortenings", shortenings, 0, 100000, "attempts to shorten the path");
-    v("step", step, 1e-4, 0.05, "m of path between checks for collision");
-    v("detour", detour, 0.0, 10.0, "m and rad, how far beyond start and goal to search");
-    v("rounding", rounding, 0.0, 1.0, "m of path, how far from a corner it may be cut");
-    v("move_all", move_all, "move what the waypoints keep, too, where nothing else helps");
+    v("planner", planner, "planning algorithm: rrt-connect, rrt-star, prm or fmt");
+    v("iterations", iterations, 1, 10000000,
+      "iterations of the search between two waypoints at most");
+    v("shortenings", shortenings, 0, 100000, "number of attempts to shorten the path");
+    v("step", step, 1e-4, 0.05, "m, length of path between two collision checks");
+    v("detour", detour, 0.0, 10.0, "m and rad, how far the search goes beyond start and goal");
+    v("rounding", rounding, 0.0, 1.0,
+      "m, distance from a corner within which the path may be rounded");
+    v("move_all", move_all,
+      "move what the waypoints keep constant, too, if there is no other path");
     v.section("base", base);
     v.section("limits", limits);
   }

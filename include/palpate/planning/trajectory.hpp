@@ -26,12 +26,15 @@ struct MotionLimits {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("base_speed", base_speed, 0.001, 10.0, "m/s");
-    v("base_acceleration", base_acceleration, 0.001, 100.0, "m/s^2");
-    v("turn_speed", turn_speed, 0.001, 50.0, "rad/s, of the mount");
-    v("turn_acceleration", turn_acceleration, 0.001, 500.0, "rad/s^2, of the mount");
-    v("joint_speed", joint_speed, 0.001, 50.0, "rad/s");
-    v("joint_acceleration", joint_acceleration, 0.001, 500.0, "rad/s^2");
+    v("base_speed", base_speed, 0.001, 10.0, "m/s, largest speed of the mount");
+    v("base_acceleration", base_acceleration, 0.001, 100.0,
+      "m/s^2, largest acceleration of the mount");
+    v("turn_speed", turn_speed, 0.001, 50.0, "rad/s, largest angular speed of the mount");
+    v("turn_acceleration", turn_acceleration, 0.001, 500.0,
+      "rad/s^2, largest angular acceleration of the mount");
+    v("joint_speed", joint_speed, 0.001, 50.0, "rad/s, largest speed of a joint");
+    v("joint_acceleration", joint_acceleration, 0.001, 500.0,
+      "rad/s^2, largest acceleration of a joint");
   }
 };
 

@@ -55,10 +55,10 @@ struct BaseRange {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("side", side, 0.0, 10.0, "m, of |x| and |y|");
-    v("low", low, -10.0, 10.0, "m, of z");
-    v("high", high, -10.0, 10.0, "m, of z");
-    v("turn", turn, 0.0, 100.0, "rad, of |yaw|, |pitch| and |roll|");
+    v("side", side, 0.0, 10.0, "m, largest |x| and |y| of the mount");
+    v("low", low, -10.0, 10.0, "m, least z of the mount");
+    v("high", high, -10.0, 10.0, "m, largest z of the mount");
+    v("turn", turn, 0.0, 100.0, "rad, largest |yaw|, |pitch| and |roll| of the mount");
   }
 };
 

@@ -80,44 +80,56 @@ struct SafetyOptions {
   double turn_acceleration = 50;  ///< rad/s^2, of the base
   double finger_speed = 4.0;      ///< rad/s
   double finger_acceleration = 200;  ///< rad/s^2
-  double unfelt_force = 6;           ///< N with which a finger may press that feels nothing, about
-  double release_speed = 0.25;       ///< m/s at which a stopped mount gives way to what it pushes
-  double rest_torque = 0.1;          ///< N m with which a stopped finger holds on at most
-  double watchdog = 0;    ///< s of wall time that a step may take; 0: simulated, no limit
-  double max_log = 3600;  ///< s of readings that are kept
+  double unfelt_force = 6;      ///< N, about, with which a finger that senses no contact may press
+  double release_speed = 0.25;  ///< m/s at which a stopped mount gives way to what it pushes
+  double rest_torque = 0.1;     ///< N m with which a stopped finger holds on at most
+  double watchdog = 0;          ///< s of wall time that a step may take; 0: simulated, no limit
+  double max_log = 3600;        ///< s of readings that are kept
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v.expert("max_age", max_age, 0.01, 10.0, "s, a reading may be late");
+    v.expert("max_age", max_age, 0.01, 10.0, "s, age above which a reading is rejected as late");
     v.expert("max_gap", max_gap, 0.01, 10.0,
-             "s without a fresh reading, in which the hand stands still");
-    v.expert("max_bad", max_bad, 1, 1000, "readings in a row that are not finite or out of range");
-    v.expert("max_repeats", max_repeats, 2, 100000, "readings in a row that repeat each other");
-    v("max_load", max_load, 1.0, 1e4, "N, of the mount");
-    v.expert("load_range", load_range, 1.0, 1e5, "N that the mount's sensor can read");
-    v.expert("tip_force_range", tip_force_range, 0.1, 1e4, "N that a fingertip's sensor can read");
-    v.expert("workspace", workspace, 0.1, 100.0, "m, of the mount from the origin");
-    v.expert("joint_margin", joint_margin, 0.0, 10.0, "rad that a joint may read beyond its range");
-    v.expert("joint_jump", joint_jump, 0.01, 10.0, "rad, of a joint between two readings");
-    v.expert("base_jump", base_jump, 0.001, 10.0, "m, of the mount between two readings");
-    v.expert("tracking_error", tracking_error, 0.01, 10.0,
-             "rad by which a joint at rest may be off");
-    v.expert("tracking_time", tracking_time, 0.01, 100.0, "s that it may");
-    v.expert("mount_error", mount_error, 0.001, 10.0, "m by which a mount at rest may be off");
-    v("base_speed", base_speed, 0.01, 10.0, "m/s, of commands");
-    v.expert("base_acceleration", base_acceleration, 0.1, 1000.0, "m/s^2, of commands");
-    v.expert("turn_speed", turn_speed, 0.01, 50.0, "rad/s, of the mount's commands");
+             "s without a valid reading, during which the hand stands still, before the robot is "
+             "stopped");
+    v.expert("max_bad", max_bad, 1, 1000,
+             "number of readings in a row that may be not finite or out of range");
+    v.expert("max_repeats", max_repeats, 2, 100000,
+             "number of readings in a row that may repeat one another");
+    v("max_load", max_load, 1.0, 1e4, "N, largest load on the mount");
+    v.expert("load_range", load_range, 1.0, 1e5, "N, measuring range of the mount's force sensor");
+    v.expert("tip_force_range", tip_force_range, 0.1, 1e4,
+             "N, measuring range of a fingertip's force sensor");
+    v.expert("workspace", workspace, 0.1, 100.0,
+             "m, largest distance of the mount from the origin");
+    v.expert("joint_margin", joint_margin, 0.0, 10.0,
+             "rad, by which a joint's reading may be outside its range");
+    v.expert("joint_jump", joint_jump, 0.01, 10.0,
+             "rad, largest change of a joint between two readings");
+    v.expert("base_jump", base_jump, 0.001, 10.0,
+             "m, largest motion of the mount between two readings");
+    v.expert("tracking_error", tracking_error, 0.01, 10.0, "rad, largest error of a joint at rest");
+    v.expert("tracking_time", tracking_time, 0.01, 100.0,
+             "s, for which a joint or the mount may exceed its tracking error");
+    v.expert("mount_error", mount_error, 0.001, 10.0, "m, largest error of a mount at rest");
+    v("base_speed", base_speed, 0.01, 10.0, "m/s, largest commanded speed of the mount");
+    v.expert("base_acceleration", base_acceleration, 0.1, 1000.0,
+             "m/s^2, largest commanded acceleration of the mount");
+    v.expert("turn_speed", turn_speed, 0.01, 50.0,
+             "rad/s, largest commanded angular speed of the mount");
     v.expert("turn_acceleration", turn_acceleration, 0.1, 5000.0,
-             "rad/s^2, of the mount's commands");
-    v("finger_speed", finger_speed, 0.01, 50.0, "rad/s, of commands");
-    v.expert("finger_acceleration", finger_acceleration, 0.1, 5000.0, "rad/s^2, of commands");
+             "rad/s^2, largest commanded angular acceleration of the mount");
+    v("finger_speed", finger_speed, 0.01, 50.0, "rad/s, largest commanded speed of a finger joint");
+    v.expert("finger_acceleration", finger_acceleration, 0.1, 5000.0,
+             "rad/s^2, largest commanded acceleration of a finger joint");
     v.expert("unfelt_force", unfelt_force, 0.1, 1e4,
-             "N with which a finger may press that feels nothing, about");
-    v.expert("release_speed", release_speed, 0.01, 10.0, "m/s at which a stopped mount gives way");
+             "N, approximate force with which a finger that senses no contact may press");
+    v.expert("release_speed", release_speed, 0.01, 10.0,
+             "m/s, speed at which a stopped mount yields");
     v.expert("rest_torque", rest_torque, 0.0, 5.0,
-             "N m with which a stopped finger holds on at most");
-    v("watchdog", watchdog, 0.0, 10.0, "s of wall time that a step may take; 0: no limit");
-    v.expert("max_log", max_log, 1.0, 1e6, "s of readings that are kept");
+             "N m, largest torque with which a stopped finger holds");
+    v("watchdog", watchdog, 0.0, 10.0, "s of wall time, limit of a step; 0: no limit");
+    v.expert("max_log", max_log, 1.0, 1e6, "s, length of the readings that are kept");
   }
 };
 

@@ -51,7 +51,8 @@ void MeshBuilder::triangulate(std::size_t face, std::span<const std::int64_t> co
 
 TriangleMesh MeshBuilder::finish() && {
   if (face_ends_.empty()) {
-    bad_file(file_, fmt::format("has {} vertices but no faces", vertices()));
+    bad_file(file_, vertices() == 0 ? "has no faces"
+                                    : fmt::format("has {} vertices but no faces", vertices()));
   }
   std::size_t begin = 0;
   for (std::size_t face = 0; face < faces(); ++face) {

@@ -151,8 +151,9 @@ std::uint64_t whole_number(std::string_view text, std::string_view name) {
   std::uint64_t value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc{} || end != text.data() + text.size()) {
-    throw BadInput(fmt::format("'{}' names no generated object: '{}' is followed by a whole number",
-                               name, kPrefix));
+    throw BadInput(fmt::format(
+        "'{}' names no generated object: '{}' is followed by a whole number, at least 0", name,
+        kPrefix));
   }
   return value;
 }

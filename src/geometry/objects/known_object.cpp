@@ -54,12 +54,9 @@ KnownObject bunny() {
 
 [[noreturn]] void refuse_name(const std::string& name) {
   const auto& known = built_in_objects();
-  const auto distance = [&](const std::string& other) { return spelling_distance(name, other); };
-  const auto nearest = std::ranges::min_element(known, {}, distance);
-  const bool similar = distance(*nearest) <= kLikelyMeant;
-  throw BadInput(fmt::format(
-      "'{}' is neither a mesh file nor a built-in object ({}, generated:SEED){}", name,
-      fmt::join(known, ", "), similar ? fmt::format("; did you mean '{}'?", *nearest) : ""));
+  throw BadInput(
+      fmt::format("'{}' is neither a mesh file nor a built-in object ({}, generated:SEED){}", name,
+                  fmt::join(known, ", "), did_you_mean(name, known)));
 }
 
 /// @throws BadInput, naming the object, if its mesh cannot be repaired

@@ -130,6 +130,14 @@ std::string tip_geom(const hand::Description& hand, int finger) {
   return fmt::format("tip_{}", hand.fingers[static_cast<std::size_t>(finger)].name);
 }
 
+/// What MuJoCo says, shortened where the file is not XML at all.
+std::string reason_of(const std::string& message) {
+  if (!message.starts_with("XML parse error")) return message;
+  const auto line = message.find("Line number=");
+  if (line == message.npos) return "it is not XML";
+  return fmt::format("it is not XML, from line {} on", std::atoi(message.c_str() + line + 12));
+}
+
 SpecHandle parse_model(const std::filesystem::path& file, std::vector<std::string>* warnings) {
   if (std::error_code error; std::filesystem::is_directory(file, error)) {
     throw BadInput(fmt::format("cannot read the hand {}: it is a folder", file.string()));
@@ -138,8 +146,8 @@ SpecHandle parse_model(const std::filesystem::path& file, std::vector<std::strin
   std::array<char, 1000> message{};
   SpecHandle spec(mj_parseXML(file.c_str(), nullptr, message.data(), message.size()));
   if (!spec) {
-    throw BadInput(
-        fmt::format("cannot read the hand {}: {}", file.string(), one_line(message.data())));
+    throw BadInput(fmt::format("cannot read the hand {}: {}", file.string(),
+                               reason_of(one_line(message.data()))));
   }
   for (const std::string& text : warned.texts()) {
     if (text.find("'NaN'") != std::string::npos) {

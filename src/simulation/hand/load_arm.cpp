@@ -2,6 +2,7 @@
 #include "palpate/simulation/hand/load_arm.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -11,6 +12,7 @@
 #include <vector>
 
 #include "palpate/core/error.hpp"
+#include "palpate/core/spelling.hpp"
 #include "palpate/simulation/hand/hand_store.hpp"
 #include "simulation/hand/hand_model.hpp"
 #include "simulation/hand/hand_spec.hpp"
@@ -41,8 +43,9 @@ fs::path arm_file(const std::string& name) {
   }
   std::error_code error;
   if (fs::is_regular_file(name, error)) return name;
-  throw BadInput(fmt::format(
-      "'{}' is neither an arm (floating, ur10, ur5, panda) nor a file that exists", name));
+  static const std::vector<std::string> kNames{kFloating, "ur10", "ur5", "panda"};
+  throw BadInput(fmt::format("'{}' is neither an arm ({}) nor a file that exists{}", name,
+                             fmt::join(kNames, ", "), did_you_mean(name, kNames)));
 }
 
 std::string body_name(const mjModel& model, int body) {

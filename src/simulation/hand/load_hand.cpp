@@ -10,6 +10,7 @@
 #include "palpate/core/assets.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/options.hpp"
+#include "palpate/core/spelling.hpp"
 #include "palpate/grasping/derive_postures.hpp"
 #include "palpate/simulation/hand/hand_store.hpp"
 
@@ -30,8 +31,11 @@ std::filesystem::path file_of(const std::string& name) {
   }
   std::error_code error;
   if (!std::filesystem::exists(name, error)) {
+    std::vector<std::string> names{"shadow", "shadow-left"};
+    for (const StoredHand& one : stored) names.push_back(one.name);
     throw BadInput(
-        fmt::format("'{}' is neither a hand of `palpate hand list` nor a file that exists", name));
+        fmt::format("'{}' is neither a hand of `palpate hand list` nor a file that exists{}", name,
+                    did_you_mean(name, names)));
   }
   return name;
 }

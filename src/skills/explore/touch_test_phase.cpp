@@ -56,8 +56,8 @@ PhaseEnd TouchTestPhase::run(Executor& robot, PickState& state) {
     numb.push_back(name);
   }
   high();
-  return {true,
-          numb.empty() ? "all fingertips feel" : fmt::format("numb: {}", fmt::join(numb, ", "))};
+  return {true, numb.empty() ? "all fingertips sense contact"
+                             : fmt::format("numb: {}", fmt::join(numb, ", "))};
 }
 
 }  // namespace palpate::skills

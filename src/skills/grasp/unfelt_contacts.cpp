@@ -11,7 +11,7 @@ namespace {
 constexpr double kNearObject = 0.01;  // m from it, of a fingertip that touches it
 constexpr int kTipPoints = 5;         // of a fingertip's axis
 
-/// Where a finger that feels nothing touches the object, by the object's pose; nothing where the
+/// Where a finger without contact data touches the object, by the object's pose; nothing where the
 /// fingertip is not near it.
 std::optional<tactile::Contact> contact_by_pose(const Executor& robot,
                                                 const grasping::PlacedObject& object, int finger) {

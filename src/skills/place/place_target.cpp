@@ -31,9 +31,10 @@ std::vector<double> numbers_in(std::string_view text) {
   std::vector<double> values;
   for (double value; in >> value;) values.push_back(value);
   if (!in.eof() || (values.size() != 3 && values.size() != 16)) {
-    throw BadInput(fmt::format(
-        "'{}' is no place: 'fixture', 'random', 'stable_pose', x,y,yaw or the 16 numbers of a pose",
-        text));
+    throw BadInput(
+        fmt::format("'{}' is not a target: it is fixture, random, stable_pose, x,y,yaw or the 16 "
+                    "numbers of a pose",
+                    text));
   }
   return values;
 }

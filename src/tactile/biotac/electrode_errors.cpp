@@ -35,7 +35,8 @@ ElectrodeErrors judge_electrodes(const std::vector<BiotacSample>& learn,
                                  const std::vector<BiotacSample>& judge,
                                  const ElectrodeFitOptions& fit,
                                  const ElectrodeModelOptions& model) {
-  if (judge.empty()) throw BadInput("there are no samples of contact to judge electrodes by");
+  if (judge.empty())
+    throw BadInput("there are no samples in contact with which to evaluate electrodes");
   ErrorSums sums;
   add_errors({learn, judge}, fit, model, sums);
   return errors_of(sums, judge);

@@ -14,8 +14,9 @@ struct PlaneFitOptions {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("window", window, 0.0, 1e3, "s, of contact points");
-    v("forget_after", forget_after, 0.0, 1e6, "s without contact after which to start anew");
+    v("window", window, 0.0, 1e3, "s, length of the window of contact points");
+    v("forget_after", forget_after, 0.0, 1e6,
+      "s without contact after which the estimate starts again");
   }
 };
 
@@ -45,10 +46,12 @@ struct EigenvectorOptions {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("distance", distance, 1e-5, 1.0, "m of path after which evidence has faded to 1/e");
-    v("low_pass", low_pass, 1, 10000, "samples whose mean velocity is used");
-    v("force_weight", force_weight, 0.0, 1e3, "of force x sliding against sliding");
-    v("forget_after", forget_after, 0.0, 1e6, "s without contact after which to start anew");
+    v("distance", distance, 1e-5, 1.0, "m, path length after which evidence has decayed to 1/e");
+    v("low_pass", low_pass, 1, 10000, "number of samples over which the velocity is averaged");
+    v("force_weight", force_weight, 0.0, 1e3,
+      "weight of force x sliding relative to that of sliding");
+    v("forget_after", forget_after, 0.0, 1e6,
+      "s without contact after which the estimate starts again");
   }
 };
 

@@ -21,14 +21,15 @@ struct RlsOptions {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("literal", literal, "follow the equations as printed");
-    v("decay", decay, 0.0, 1e3, "1/s, of what has been learnt");
-    v("gain", gain, 0.0, 1e9, "of the gradient");
+    v("literal", literal, "use the equations as printed");
+    v("decay", decay, 0.0, 1e3, "1/s, decay of what has been learnt");
+    v("gain", gain, 0.0, 1e9, "gain of the gradient");
     v("gamma1", gamma1, 0.0, 1e3, "weight of sliding");
     v("gamma2", gamma2, 0.0, 1e3, "weight of force x sliding");
-    v("low_pass", low_pass, 1, 10000, "samples whose mean velocity is used");
-    v("min_speed", min_speed, 0.0, 1.0, "m/s, slower samples are passed over");
-    v("forget_after", forget_after, 0.0, 1e6, "s without contact after which to start anew");
+    v("low_pass", low_pass, 1, 10000, "number of samples over which the velocity is averaged");
+    v("min_speed", min_speed, 0.0, 1.0, "m/s, speed below which samples are ignored");
+    v("forget_after", forget_after, 0.0, 1e6,
+      "s without contact after which the estimate starts again");
   }
 };
 

@@ -29,21 +29,27 @@ struct S2Options {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("tilt_rate", tilt_rate, 0.0, 10.0, "rad/sqrt(s), of the normal on a face");
-    v("roll_tilt_rate", roll_tilt_rate, 0.0, 10.0, "rad/sqrt(s), where the tip rolls");
-    v("edge_tilt_rate", edge_tilt_rate, 0.0, 100.0, "rad/sqrt(s), across an edge");
-    v("curvature_rate", curvature_rate, 0.0, 1e3, "1/m/sqrt(s), of the surface along the way");
-    v("acceleration", acceleration, 1e-6, 1e3, "m/s^2, of the sliding point at first");
-    v("min_ratio_rate", min_ratio_rate, 0.0, 1e3, "1/sqrt(s), of tangential to normal force");
-    v("turn_ratio_rate", turn_ratio_rate, 0.0, 1e3, "1/sqrt(s), of the same in a turn");
-    v("turn_acceleration", turn_acceleration, 1.0, 1e3, "times as much acceleration in a turn");
-    v("coupling", coupling, 1e-6, 1e3, "how far friction may be off sliding, of normal force");
+    v("tilt_rate", tilt_rate, 0.0, 10.0, "rad/sqrt(s), change of the normal on a face");
+    v("roll_tilt_rate", roll_tilt_rate, 0.0, 10.0,
+      "rad/sqrt(s), change of the normal where the tip rolls");
+    v("edge_tilt_rate", edge_tilt_rate, 0.0, 100.0,
+      "rad/sqrt(s), change of the normal across an edge");
+    v("curvature_rate", curvature_rate, 0.0, 1e3,
+      "1/m/sqrt(s), change of the surface's curvature along the path");
+    v("acceleration", acceleration, 1e-6, 1e3, "m/s^2, initial acceleration of the sliding point");
+    v("min_ratio_rate", min_ratio_rate, 0.0, 1e3,
+      "1/sqrt(s), change of the ratio of tangential to normal force, at least");
+    v("turn_ratio_rate", turn_ratio_rate, 0.0, 1e3, "1/sqrt(s), change of that ratio in a turn");
+    v("turn_acceleration", turn_acceleration, 1.0, 1e3, "factor on the acceleration in a turn");
+    v("coupling", coupling, 1e-6, 1e3,
+      "deviation of friction from the sliding direction, relative to the normal force");
     v("roll_share", roll_share, 1e-9, 0.3, "probability that a tick begins to roll");
     v("edge_share", edge_share, 1e-9, 0.3, "probability that a tick crosses an edge");
     v("turn_share", turn_share, 1e-9, 0.3, "probability that a tick turns");
-    v("stay", stay, 0.0, 0.999, "probability that the next tick goes on with it");
-    v("forget_after", forget_after, 0.0, 1e6, "s without contact after which to start anew");
-    v("lag", lag, 0.0, 10.0, "s, that smoothed estimates wait for later samples");
+    v("stay", stay, 0.0, 0.999, "probability that the next tick continues the present motion");
+    v("forget_after", forget_after, 0.0, 1e6,
+      "s without contact after which the estimate starts again");
+    v("lag", lag, 0.0, 10.0, "s, delay of smoothed estimates");
   }
 };
 

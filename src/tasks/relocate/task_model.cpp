@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <string_view>
 
 #include "palpate/core/error.hpp"
@@ -56,6 +57,12 @@ RelocateObject named_object(const TaskOptions& options) {
   if (options.object == "bottle") return bottle();
   if (options.object.starts_with(kYcbMug)) {
     return relocate_ycb_mug(geometry::load_mesh(options.object.substr(kYcbMug.size())));
+  }
+  std::error_code error;
+  if (!std::filesystem::exists(options.object, error)) {
+    throw BadInput(fmt::format(
+        "task.object = {}: it is mug, ycb-mug:FILE, box, bottle, or a mesh file that exists",
+        options.object));
   }
   return relocate_mesh_object(options.object, geometry::load_mesh(options.object), options.mass);
 }

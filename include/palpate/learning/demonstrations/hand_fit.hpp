@@ -40,13 +40,15 @@ struct HandFitOptions {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("lambda", lambda, 0.0, 1e3, "weight of the depth, mm^2, against the keypoints, pixel^2");
-    v("stride", stride, 1, 1000, "every n-th masked pixel is compared");
-    v("largest_gap", largest_gap, 1e-4, 10.0, "m, at which a wrong depth is cut off");
-    v("rest", rest, 0.0, 1e6, "weight of a joint's distance from its range's middle");
-    v("size", size, 0.0, 1e6, "weight of a change of size");
-    v("fit_shape", fit_shape, "whether the hand's size is unknown");
-    v("iterations", iterations, 1, 100000, "at most");
+    v("lambda", lambda, 0.0, 1e3,
+      "mm^2, weight of the depth against that of the keypoints in pixel^2");
+    v("stride", stride, 1, 1000, "use every n-th pixel of the mask");
+    v("largest_gap", largest_gap, 1e-4, 10.0,
+      "m, difference of depths above which a pixel counts as wrong");
+    v("rest", rest, 0.0, 1e6, "weight of a joint's distance from the middle of its range");
+    v("size", size, 0.0, 1e6, "weight of a change of the hand's size");
+    v("fit_shape", fit_shape, "estimate the hand's size, too");
+    v("iterations", iterations, 1, 100000, "iterations at most");
   }
 };
 

@@ -30,8 +30,10 @@ struct FilterOptions {
   double smoothing = 0.02;  ///< s, of the motion: about the time over which it is averaged
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("skip", skip, 0, 1000000, "frames at the start, in which a tracker settles");
-    v("stretch", stretch, 0.01, 10.0, "relative change of a bone that shows a wrong joint");
+    v("skip", skip, 0, 1000000,
+      "frames at the start that are left out, in which a tracker settles");
+    v("stretch", stretch, 0.01, 10.0,
+      "relative change of a bone's length above which a joint counts as wrong");
     v("smoothing", smoothing, 0.0, 1.0, "s over which the motion is averaged");
   }
 };

@@ -28,11 +28,14 @@ struct RetargetOptions {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("alpha", alpha, 0.0, 1e3, "m^2/rad^2, weight of a joint's change since the frame before");
-    v("scale", scale, 0.0, 10.0, "of the human's hand; 0: the ratio of the palms' sizes");
-    v("largest_step", largest_step, 1e-3, 10.0, "rad, of a joint from frame to frame");
-    v("evaluations", evaluations, 1, 100000, "of the objective in a frame, at most");
-    v("tolerance", tolerance, 0.0, 1.0, "relative, of the objective");
+    v("alpha", alpha, 0.0, 1e3, "m^2/rad^2, weight of a joint's change since the previous frame");
+    v("scale", scale, 0.0, 10.0,
+      "size of the human's hand relative to the robot's; 0: the ratio of the palms");
+    v("largest_step", largest_step, 1e-3, 10.0,
+      "rad, largest change of a joint between two frames");
+    v("evaluations", evaluations, 1, 100000, "evaluations of the objective per frame at most");
+    v("tolerance", tolerance, 0.0, 1.0,
+      "relative change of the objective at which the minimisation ends");
   }
 };
 

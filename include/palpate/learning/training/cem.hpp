@@ -16,10 +16,11 @@ struct CemOptions {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("population", population, 4, 100000, "candidates a generation");
-    v("elite", elite, 2, 100000, "best of them, which the next generation is drawn around");
-    v("step", step, 0.01, 1.0, "of the mean towards the elite's");
-    v("keep_spread", keep_spread, 0.0, 1.0, "share of the old spread in the new one");
+    v("population", population, 4, 100000, "number of candidates per generation");
+    v("elite", elite, 2, 100000,
+      "number of best candidates around which the next generation is drawn");
+    v("step", step, 0.01, 1.0, "step of the mean towards that of the elite, as a share");
+    v("keep_spread", keep_spread, 0.0, 1.0, "share of the previous spread in the next one");
   }
 };
 

@@ -40,12 +40,13 @@ struct NextTouchOptions {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("tip_radius", tip_radius, 0.001, 0.05, "m");
-    v("point_sigma", point_sigma, 1e-5, 0.1, "of the distance at which contact is sensed, m");
-    v("normal_sigma", normal_sigma, 1e-3, 10.0, "of the sensed normal, rad");
-    v("poses", poses, 2, 10000, "drawn from the posterior");
-    v("few_poses", few_poses, 2, 10000, "of them, on which all probes are compared first");
-    v("finalists", finalists, 1, 10000, "probes that are compared on all poses");
+    v("tip_radius", tip_radius, 0.001, 0.05, "m, radius of the fingertip");
+    v("point_sigma", point_sigma, 1e-5, 0.1, "m, error of the distance at which contact is sensed");
+    v("normal_sigma", normal_sigma, 1e-3, 10.0, "rad, error of the sensed normal");
+    v("poses", poses, 2, 10000, "number of poses drawn from the posterior");
+    v("few_poses", few_poses, 2, 10000,
+      "number of these poses on which all probes are compared first");
+    v("finalists", finalists, 1, 10000, "number of probes that are compared on all poses");
   }
 };
 

@@ -32,18 +32,20 @@ struct TrackerOptions {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("correlation_time", correlation_time, 1e-3, 100.0, "s over which contact errors keep");
-    v("correlated_share", correlated_share, 0.01, 1.0, "of the variance of contact errors");
-    v("sliding", sliding, 0.0, 1.0, "rms speed of a fingertip on the surface, m/s");
-    v("velocity_noise", velocity_noise, 1e-5, 1.0, "rms error of fingertip velocity per axis, m/s");
-    v("turning", turning, 1e-3, 100.0, "rms turning that is expected beforehand, rad/s");
-    v("moving", moving, 1e-4, 10.0, "rms moving that is expected beforehand, m/s");
-    v("false_contacts", false_contacts, 1e-3, 0.9, "prior share of contacts with something else");
+    v("correlation_time", correlation_time, 1e-3, 100.0, "s, correlation time of contact errors");
+    v("correlated_share", correlated_share, 0.01, 1.0,
+      "correlated share of the variance of contact errors");
+    v("sliding", sliding, 0.0, 1.0, "m/s rms, speed of a fingertip on the surface");
+    v("velocity_noise", velocity_noise, 1e-5, 1.0, "m/s rms, error of fingertip velocity per axis");
+    v("turning", turning, 1e-3, 100.0, "rad/s rms, prior angular velocity of the object");
+    v("moving", moving, 1e-4, 10.0, "m/s rms, prior velocity of the object");
+    v("false_contacts", false_contacts, 1e-3, 0.9, "prior probability that a contact is spurious");
     v("slip_jump", slip_jump, 0.1, 100.0, "rise of a contact's mean energy that indicates a slip");
-    v("slip_angle", slip_angle, 0.0, 3.2, "spread of the poses searched after a slip, rad");
-    v("slip_distance", slip_way, 0.0, 0.1, "spread of the poses searched after a slip, m");
-    v("slip_poses", slip_poses, 1, 1000, "poses started a frame while a slip is searched");
-    v("slip_search", slip_search, 0.0, 0.5, "s after a slip in which it is searched");
+    v("slip_angle", slip_angle, 0.0, 3.2, "rad, spread of the poses searched after a slip");
+    v("slip_distance", slip_way, 0.0, 0.1, "m, spread of the poses searched after a slip");
+    v("slip_poses", slip_poses, 1, 1000,
+      "number of poses started per frame during the search after a slip");
+    v("slip_search", slip_search, 0.0, 0.5, "s, duration of the search after a slip");
   }
 };
 

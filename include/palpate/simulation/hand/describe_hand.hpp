@@ -33,17 +33,17 @@ struct HandNotes {
     v("tips", tips, "bodies of the fingertips, separated by commas");
     v("fingers", fingers, "names of the fingers, in the order of the fingertips");
     v("thumb", thumb, "finger that closes against the others");
-    v("tip_shape", tip_shape,
-      "capsule, or hull: of boxes and meshes their convex hull, not a capsule fitted");
-    v("closing", closing, "joints that close the fingers; -joint: towards its lower limit");
-    v("max_torque", max_torque, 0, 100, "of every joint, N m; 0: the model's");
+    v("tip_shape", tip_shape, "capsule (fitted), or hull (convex hull of boxes and meshes)");
+    v("closing", closing, "joints that close the fingers; -JOINT closes towards its lower limit");
+    v("max_torque", max_torque, 0, 100,
+      "N m, torque limit of every joint; 0: the limits in the model");
     v("mount.given", has_mount, "use the pose below; else it is derived");
-    v("mount.x", mount_xyz.x(), -2, 2, "of the root in the mount's frame, m");
-    v("mount.y", mount_xyz.y(), -2, 2, "m");
-    v("mount.z", mount_xyz.z(), -2, 2, "m");
-    v("mount.roll", mount_rpy.x(), -360, 360, "of the root in the mount's frame, deg");
-    v("mount.pitch", mount_rpy.y(), -360, 360, "deg");
-    v("mount.yaw", mount_rpy.z(), -360, 360, "deg");
+    v("mount.x", mount_xyz.x(), -2, 2, "m, x of the root in the mount's frame");
+    v("mount.y", mount_xyz.y(), -2, 2, "m, y of the root in the mount's frame");
+    v("mount.z", mount_xyz.z(), -2, 2, "m, z of the root in the mount's frame");
+    v("mount.roll", mount_rpy.x(), -360, 360, "deg, roll of the root in the mount's frame");
+    v("mount.pitch", mount_rpy.y(), -360, 360, "deg, pitch of the root in the mount's frame");
+    v("mount.yaw", mount_rpy.z(), -360, 360, "deg, yaw of the root in the mount's frame");
   }
 };
 

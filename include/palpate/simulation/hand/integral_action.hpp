@@ -13,9 +13,10 @@ struct IntegralOptions {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("time", time, 0.01, 100.0, "s, in which the integral of a constant error equals P");
-    v("limit", limit, 0.0, 1.0, "N m, of the integral");
-    v("deadband", deadband, 0.0, 0.1, "rad, of error that is let be");
+    v("time", time, 0.01, 100.0,
+      "s, time in which the integral of a constant error equals the proportional action");
+    v("limit", limit, 0.0, 1.0, "N m, largest integral action");
+    v("deadband", deadband, 0.0, 0.1, "rad, error below which the integral stays");
   }
 };
 

@@ -22,12 +22,12 @@ struct ArmOptions {
   template <class Visitor>
   void visit(Visitor&& v) {
     v("name", name, "what carries the hand: floating, ur10, ur5, panda, or an arm's MJCF");
-    v("x", x, -3.0, 3.0, "m, of the arm's stand");
-    v("y", y, -3.0, 3.0, "m, of the arm's stand");
-    v("z", z, -1.0, 3.0, "m, of the arm's stand above the table");
-    v("hanging", hanging, "the arm's stand is upside down");
+    v("x", x, -3.0, 3.0, "m, x of the arm's base");
+    v("y", y, -3.0, 3.0, "m, y of the arm's base");
+    v("z", z, -1.0, 3.0, "m, height of the arm's base above the table");
+    v("hanging", hanging, "mount the arm upside down");
     v("adapter", adapter, 0.0, 1.5707963267948966,
-      "rad, from a flange behind the hand (0) to one above it");
+      "rad, angle between the axes of hand and flange: 0: the arm behind the hand, pi/2: above it");
   }
 };
 

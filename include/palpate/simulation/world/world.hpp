@@ -35,14 +35,15 @@ struct SensorNoise {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("point", point, 0.0, 0.05, "m, of contact points, per axis");
-    v("normal", normal, 0.0, 1.0, "rad, of contact normals, per tangent axis");
-    v("force", force, 0.0, 10.0, "N, of contact forces, per axis");
-    v("joint", joint, 0.0, 0.2, "rad, of joint angles");
+    v("point", point, 0.0, 0.05, "m, noise of contact points, per axis");
+    v("normal", normal, 0.0, 1.0, "rad, noise of contact normals, per tangent axis");
+    v("force", force, 0.0, 10.0, "N, noise of contact forces, per axis");
+    v("joint", joint, 0.0, 0.2, "rad, noise of joint angles");
     v("link", link, 0.0, 0.02, "m, displacement of each link in the hand, rms");
-    v("load", load, 0.0, 10.0, "N, of the force on the mount, per axis");
-    v.expert("mount", mount, 0.0, 0.01, "m, of the mount's position, per axis");
-    v.expert("mount_angle", mount_angle, 0.0, 0.1, "rad, of its attitude, per angle");
+    v("load", load, 0.0, 10.0, "N, noise of the force on the mount, per axis");
+    v.expert("mount", mount, 0.0, 0.01, "m, noise of the mount's position, per axis");
+    v.expert("mount_angle", mount_angle, 0.0, 0.1,
+             "rad, noise of the mount's orientation, per angle");
     v.expert("mount_delay", mount_delay, 0.0, 0.5, "s, delay of the mount's pose");
     v.expert("touch_delay", touch_delay, 0.0, 0.5, "s, delay of contacts");
     v.expert("touch_threshold", touch_threshold, 0.0, 5.0,
@@ -71,12 +72,13 @@ struct WorldOptions {
   template <class Visitor>
   void visit(Visitor&& v) {
     v("hand", hand, "a hand of `palpate hand list`, or a file that describes one");
-    v.expert("time_step", time_step, 1e-4, 0.01, "s, of the physics");
-    v("hand_friction", hand_friction, 0.0, 5.0, "sliding, hand against object");
-    v("table_friction", table_friction, 0.0, 5.0, "sliding, object against table");
-    v.expert("stiffness_scale", stiffness_scale, 0.1, 20.0, "of the fingers' position controllers");
+    v.expert("time_step", time_step, 1e-4, 0.01, "s, time step of the physics");
+    v("hand_friction", hand_friction, 0.0, 5.0, "friction coefficient of hand and object");
+    v("table_friction", table_friction, 0.0, 5.0, "friction coefficient of table and object");
+    v.expert("stiffness_scale", stiffness_scale, 0.1, 20.0,
+             "factor on the stiffness of the fingers' position controllers");
     v.expert("exact_tips", exact_tips,
-             "fingertips meet the true surface, the table its hull; else convex parts");
+             "compute contacts of fingertips on the true surface instead of convex parts");
     v("biotacs", biotacs, "simulate the channels of BioTacs on the fingertips");
     v.expert("second_object", second_object,
              "a box that is unknown to the robot stands beside the object");

@@ -30,20 +30,20 @@ struct WorldErrors {
   void visit(Visitor&& v) {
     v.expert("mount", mount, 0.0, 0.02, "m rms, position of the hand on the arm");
     v.expert("mount_angle", mount_angle, 0.0, 0.2, "rad rms, orientation of the hand on the arm");
-    v.expert("table_height", table_height, 0.0, 0.05, "m, up to");
-    v.expert("table_tilt", table_tilt, 0.0, 0.1, "rad, up to");
+    v.expert("table_height", table_height, 0.0, 0.05, "m, largest error of the table's height");
+    v.expert("table_tilt", table_tilt, 0.0, 0.1, "rad, largest tilt of the table");
     v.expert("load_bias", load_bias, 0.0, 5.0, "N rms, of the force on the mount");
-    v.expert("load_drift", load_drift, 0.0, 0.1, "N/s up to, of the force on the mount");
+    v.expert("load_drift", load_drift, 0.0, 0.1, "N/s, largest drift of the force on the mount");
     v.expert("hand_weight", hand_weight, 0.0, 0.5,
-             "share up to, error of the hand's weight in that force");
-    v.expert("torque", torque, 0.0, 0.5, "share up to, scale of an actuator's torque");
+             "largest error of the hand's weight in that force, as a share");
+    v.expert("torque", torque, 0.0, 0.5, "largest error of an actuator's torque, as a share");
     v.expert("torque_friction", torque_friction, 0.0, 0.5,
              "share of the largest torque, friction that is included in readings");
-    v.expert("friction", friction, 0.0, 0.5, "up to, of hand and table");
-    v.expert("mass", mass, 0.0, 0.9, "share up to, of the object's mass");
-    v.expert("center", center, 0.0, 0.05, "m rms, of the object's center of mass");
-    v.expert("scale", scale, 0.0, 0.2, "share up to, of the object's size");
-    v.expert("surface", surface, 0.0, 0.01, "m rms, of the object's surface");
+    v.expert("friction", friction, 0.0, 0.5, "largest error of the friction of hand and table");
+    v.expert("mass", mass, 0.0, 0.9, "largest error of the object's mass, as a share");
+    v.expert("center", center, 0.0, 0.05, "m rms, error of the object's centre of mass");
+    v.expert("scale", scale, 0.0, 0.2, "largest error of the object's size, as a share");
+    v.expert("surface", surface, 0.0, 0.01, "m rms, error of the object's surface");
   }
 };
 

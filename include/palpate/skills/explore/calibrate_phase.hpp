@@ -23,14 +23,15 @@ struct CalibrateOptions {
   template <class Visitor>
   void visit(Visitor&& v) {
     v("touches", touches, 0, 1000, "touches of the bare table, each by one fingertip; 0: none");
-    v("x", x, -0.8, 0.8, "m, position on the table without objects");
-    v("y", y, -0.8, 0.8, "m, position on the table without objects");
-    v("speed", speed, 0.001, 0.5, "m/s, downward speed");
-    v.expert("travel_speed", travel_speed, 0.01, 2.0, "m/s, through the air");
+    v("x", x, -0.8, 0.8, "m, x of the bare area of the table");
+    v("y", y, -0.8, 0.8, "m, y of the bare area of the table");
+    v("speed", speed, 0.001, 0.5, "m/s, downward speed of the touches");
+    v.expert("travel_speed", travel_speed, 0.01, 2.0, "m/s, speed through the air");
     v("touch_force", touch_force, 0.02, 5.0, "N, force at the fingertip that counts as a touch");
-    v.expert("rest", rest, 0.02, 5.0, "s that the fingertip rests and is averaged");
+    v.expert("rest", rest, 0.02, 5.0,
+             "s, rest of the fingertip over which its readings are averaged");
     v.expert("sigma", sigma, 1e-5, 0.02,
-             "m, least error of a resting tip's height besides that of the links");
+             "m, error of a resting tip's height besides that of the links, at least");
     v.expert("mount", mount, 0.0, 0.05, "m, assumed error of the hand's position on the arm");
     v.expert("mount_angle", mount_angle, 0.0, 0.2,
              "rad, assumed error of the hand's orientation on the arm");

@@ -22,19 +22,22 @@ struct ExploreOptions {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("touches", touches, 0, 64, "guarded moves around the object; 0: none");
+    v("touches", touches, 0, 64, "number of guarded moves around the object; 0: none");
     v("max_touches", max_touches, 0, 64,
-      "guarded moves at most, with those that distinguish the remaining poses");
-    v("refining", refining, 0, 64, "further guarded moves at most, which refine the best pose");
+      "number of guarded moves at most, including those that distinguish the remaining poses");
+    v("refining", refining, 0, 64,
+      "number of further guarded moves at most, which refine the best pose");
     v("certain", certain, 0.0, 1.0,
       "probability of the best pose above which no more touches are made");
     v.expert("turn", turn, -3.2, 3.2, "rad, rotation of the hand for every other guarded move");
-    v.expert("radius", radius, 0.02, 0.3, "m, of the circle from which guarded moves start");
-    v.expert("past", past, 0.0, 0.2, "m, how far guarded moves go past the object's position");
-    v("speed", speed, 0.001, 0.2, "m/s, of a guarded move where no touch is expected");
-    v("touch_speed", touch_speed, 0.001, 0.2, "m/s, of a guarded move where one is");
+    v.expert("radius", radius, 0.02, 0.3, "m, radius of the circle on which guarded moves start");
+    v.expert("past", past, 0.0, 0.2,
+             "m, distance that guarded moves continue past the object's position");
+    v("speed", speed, 0.001, 0.2, "m/s, speed of a guarded move where no touch is expected");
+    v("touch_speed", touch_speed, 0.001, 0.2,
+      "m/s, speed of a guarded move where a touch is expected");
     v("touch_force", touch_force, 0.02, 5.0, "N, force at the fingertip that counts as a touch");
-    v.expert("travel_speed", travel_speed, 0.01, 2.0, "m/s, between guarded moves");
+    v.expert("travel_speed", travel_speed, 0.01, 2.0, "m/s, speed between guarded moves");
     v("reach", reach, 0.005, 0.07, "m, depth of the fingertip below the object's top");
   }
 };

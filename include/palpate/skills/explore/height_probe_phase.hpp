@@ -20,14 +20,15 @@ struct HeightProbeOptions {
   template <class Visitor>
   void visit(Visitor&& v) {
     v("start_height", start_height, 0.1, 0.5,
-      "m, initial height of the mount above the table; more for hands that reach lower");
+      "m, height of the mount above the table at the start; raised for hands that reach lower");
     v("speed", speed, 0.001, 0.5, "m/s, downward speed above the tallest stable pose");
-    v.expert("touch_speed", touch_speed, 0.001, 0.5, "m/s, downward speed below it");
+    v.expert("touch_speed", touch_speed, 0.001, 0.5,
+             "m/s, downward speed below the tallest stable pose");
     v("touch_force", touch_force, 0.05, 20.0, "N, load on the mount that counts as a touch");
-    v.expert("clearance", clearance, 0.0, 0.1, "m, nearest approach to the table");
+    v.expert("clearance", clearance, 0.0, 0.1, "m, least distance of the hand from the table");
     v.expert("search", search, 0.0, 0.3,
-             "m, search to each side if the hand reaches the table without a load");
-    v.expert("travel_speed", travel_speed, 0.01, 2.0, "m/s, through the air");
+             "m, distance searched to each side if the hand reaches the table without a load");
+    v.expert("travel_speed", travel_speed, 0.01, 2.0, "m/s, speed through the air");
   }
 };
 

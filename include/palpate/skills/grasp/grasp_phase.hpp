@@ -21,10 +21,11 @@ struct ApproachOptions {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("approach_speed", approach_speed, 0.001, 0.5, "m/s");
+    v("approach_speed", approach_speed, 0.001, 0.5, "m/s, speed of the approach");
     v("contact_load", contact_load, 0.05, 50.0, "N, load on the mount that ends the approach");
-    v("push", push, 0.0, 0.1, "m to go on after the touch");
-    v("closing_rate", closing_rate, 0.01, 20.0, "rad/s of an actuator that closes at speed 1");
+    v("push", push, 0.0, 0.1, "m, motion that continues after the approach has touched");
+    v("closing_rate", closing_rate, 0.01, 20.0,
+      "rad/s, speed of an actuator that closes at relative speed 1");
   }
 };
 
@@ -49,20 +50,24 @@ struct GraspOptions {
   template <class Visitor>
   void visit(Visitor&& v) {
     v("side_from", side_from, 0.0, 0.5, "m, objects at least this tall are grasped from the side");
-    v.expert("turns", turns, 1, 36, "directions tried from above when fingers land on the object");
+    v.expert("turns", turns, 1, 36,
+             "number of directions from above that are tried if fingers land on the object");
     v.expert("min_depth", min_depth, 0.0, 0.2,
-             "m below the object's top that the fingers must reach");
-    v.expert("travel_speed", travel_speed, 0.01, 2.0, "m/s, through the air");
-    v.expert("longest_close", longest_close, 0.1, 30.0, "s until all fingers have met the object");
-    v.expert("ramp_seconds", ramp_seconds, 0.01, 10.0, "s, from touching to pressing");
+             "m, depth below the object's top that the fingers must reach");
+    v.expert("travel_speed", travel_speed, 0.01, 2.0, "m/s, speed through the air");
+    v.expert("longest_close", longest_close, 0.1, 30.0,
+             "s, time limit until all fingers have met the object");
+    v.expert("ramp_seconds", ramp_seconds, 0.01, 10.0,
+             "s, time over which the grasp force is built up");
     v("press_per_weight", press_per_weight, 0.0, 100.0,
       "total grasp force of the fingertips, relative to the object's weight");
-    v.expert("good_cost", good_cost, 0.0, 2.0, "of a plan with which the search ends");
-    v("min_press", min_press, 0.1, 100.0, "N, of all fingertips together");
-    v("closings", closings, 1, 20, "closings from other sides at most, until the forces balance");
+    v.expert("good_cost", good_cost, 0.0, 2.0, "cost of a grasp plan at which the search ends");
+    v("min_press", min_press, 0.1, 100.0, "N, least total grasp force of the fingertips");
+    v("closings", closings, 1, 20,
+      "number of closings from other sides at most, until the forces balance");
     v("max_wrench_residual", max_wrench_residual, 0.0, 10.0,
       "largest wrench residual of the planned grasp forces, relative to them");
-    v("min_contacts", min_contacts, 0, 20, "fingertip contacts that count as a grasp");
+    v("min_contacts", min_contacts, 0, 20, "number of fingertip contacts that a grasp needs");
     v.expert_section("plan", plan);
     v.expert_section("side", side);
     v.expert_section("top", top);

@@ -10,7 +10,7 @@ struct LiftOptions {
   double speed = 0.10;         ///< m/s
   double trial_height = 0.01;  ///< m, of the first part, in which a weak grip shows
   double trial_speed = 0.03;   ///< m/s, of that part
-  double settle = 0.5;         ///< s of rest before the hold is judged
+  double settle = 0.5;         ///< s of rest before the hold is evaluated
   double hold = 2.0;           ///< s
   double min_weight = 0.5;     ///< share of the object's weight that must hang in the hand
   int min_fingers = 2;         ///< that touch at the end: one alone cannot squeeze
@@ -20,17 +20,18 @@ struct LiftOptions {
   template <class Visitor>
   void visit(Visitor&& v) {
     v("height", height, 0.01, 0.3, "m, height of the lift");
-    v("speed", speed, 0.001, 0.5, "m/s");
+    v("speed", speed, 0.001, 0.5, "m/s, speed of the lift");
     v.expert("trial_height", trial_height, 0.0, 0.3,
              "m, of the lift's first part, in which a weak grip shows");
     v.expert("trial_speed", trial_speed, 0.001, 0.5, "m/s, speed of the lift's first part");
-    v.expert("settle", settle, 0.0, 10.0, "s of rest before the hold is judged");
-    v("hold", hold, 0.1, 60.0, "s");
+    v.expert("settle", settle, 0.0, 10.0, "s, rest before the hold is evaluated");
+    v("hold", hold, 0.1, 60.0, "s, duration of the hold");
     v("min_weight", min_weight, 0.0, 1.0,
       "least share of the object's weight that the hand must carry");
     v("min_fingers", min_fingers, 0, 5,
       "least number of fingers in contact at the end of the hold");
-    v.expert("touch_force", touch_force, 0.0, 5.0, "N, of a fingertip that touches, in the mean");
+    v.expert("touch_force", touch_force, 0.0, 5.0,
+             "N, mean force above which a fingertip counts as touching");
     v("max_slip", max_slip, 1e-3, 0.1,
       "m, motion of a contact along its fingertip during the hold");
   }

@@ -39,19 +39,20 @@ struct PlaceOptions {
     v("target", target,
       "fixture, random, stable_pose, x,y,yaw or the 16 numbers of a pose; empty: none");
     v("stable_pose", stable_pose, -1, 1000,
-      "of the target 'stable_pose'; -1: drawn from those that it does not start in");
+      "index of the stable pose for the target 'stable_pose'; -1: drawn from the others than the "
+      "initial one");
     v("strategy", strategy,
       "wrist (one hold), fingers (turn in the hand first), regrasp (planned grasps), auto (the "
       "first that works)");
-    v("picks", picks, 1, 10, "picks at most, if the object had to be put back");
-    v.expert("reach", reach, 0.05, 1.0, "m, how far from the origin a target may be");
+    v("picks", picks, 1, 10, "number of picks at most, if the object had to be put back");
+    v.expert("reach", reach, 0.05, 1.0, "m, largest distance of a target from the origin");
     v("turn_press", turn_press, 0.0, 100.0,
-      "least grasp.press_per_weight for targets that may be in another stable pose");
+      "least grasp.press_per_weight for targets that may need another stable pose");
     v("certain", certain, 0.0, 1.0, "probability mass that must agree on the pose at the target");
     v("reestimate", reestimate, "estimate the pose once more over the target");
-    v.expert(
-        "turned_motion", turned_motion, 1.0, 100.0,
-        "motion in the hand that is expected of a turned-over object, times that of the grasp");
+    v.expert("turned_motion", turned_motion, 1.0, 100.0,
+             "expected motion in the hand of an object that was turned over, relative to that of "
+             "the grasp");
     v("verify", verify, "check by touch afterwards whether the object stands at the target");
     v.section("same", same);
     v.section("fixture", fixture);

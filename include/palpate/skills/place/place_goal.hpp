@@ -58,10 +58,11 @@ struct GoalOptions {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("rise", rise, 0.02, 0.4, "m above the target from which the object is lowered");
-    v.expert("room", room, 0.0, 0.05, "m above the target down to which nothing may collide");
-    v.expert("reach", reach, 0.1, 2.0, "m, of |x| and |y| of the mount");
-    v.expert("highest", highest, 0.1, 2.0, "m, height of the mount");
+    v("rise", rise, 0.02, 0.4, "m, height above the target from which the object is lowered");
+    v.expert("room", room, 0.0, 0.05,
+             "m, height above the target down to which collisions are checked");
+    v.expert("reach", reach, 0.1, 2.0, "m, largest |x| and |y| of the mount");
+    v.expert("highest", highest, 0.1, 2.0, "m, largest height of the mount");
   }
 };
 

@@ -26,20 +26,23 @@ struct LowerOptions {
   template <class Visitor>
   void visit(Visitor&& v) {
     v("speed", speed, 0.001, 0.5, "m/s, speed down to just above the target");
-    v.expert("near", near, 0.0, 0.1, "m above the target from which the descent is slow");
-    v.expert("slow_speed", slow_speed, 0.0005, 0.1, "m/s, from there");
+    v.expert("near", near, 0.0, 0.1, "m, height above the target below which the descent is slow");
+    v.expert("slow_speed", slow_speed, 0.0005, 0.1, "m/s, speed of the slow descent");
     v("contact_load", contact_load, 0.05, 20.0, "N, load that counts as contact with the table");
     v("press", press, 0.0, 20.0,
-      "N beyond the weight with which the object is pressed onto the table");
-    v.expert("beyond", beyond, 0.0, 0.05, "m below the target at which it gives up");
-    v.expert("early", early, 0.0, 0.1, "m over the target where a contact means refusal");
+      "N, force beyond the weight with which the object is pressed onto the table");
+    v.expert("beyond", beyond, 0.0, 0.05, "m, depth below the target at which the descent fails");
+    v.expert("early", early, 0.0, 0.1,
+             "m, height above the target at which a contact counts as refusal");
     v.expert("max_press", max_press, 0.0, 0.05,
-             "m of descent from the first contact to lying flat");
-    v.expert("back_off", back_off, 0.0, 0.05, "m up between two tries");
-    v.expert("spiral", spiral, 0.0, 0.02, "m by which the tries move apart");
-    v.expert("tries", tries, 1, 100, "at shifted places, after a refusal by a fixture");
-    v.expert("unload_seconds", unload_seconds, 0.0, 10.0, "s, from pressing to touching");
-    v.expert("open_seconds", open_seconds, 0.1, 10.0, "s, from touching to open");
+             "m, descent from the first contact until the object lies flat, at most");
+    v.expert("back_off", back_off, 0.0, 0.05, "m, rise between two tries");
+    v.expert("spiral", spiral, 0.0, 0.02, "m, displacement from one try to the next");
+    v.expert("tries", tries, 1, 100,
+             "number of tries at displaced positions after a refusal by a fixture");
+    v.expert("unload_seconds", unload_seconds, 0.0, 10.0,
+             "s, time over which the grasp force is released");
+    v.expert("open_seconds", open_seconds, 0.1, 10.0, "s, time over which the fingers open");
   }
 };
 
@@ -110,11 +113,11 @@ struct WithdrawOptions {
     v("speed", speed, 0.001, 0.5, "m/s, speed of the withdrawal from the object");
     v.expert("distance", distance, 0.01, 0.5, "m, distance of the withdrawal from the object");
     v.expert("caught", caught, 0.05, 10.0,
-             "N, load on the mount above which the object comes along");
+             "N, load on the mount above which the object counts as pulled along");
     v("height", height, 0.1, 1.0, "m, height at which the mount waits afterwards");
-    v.expert("far_speed", far_speed, 0.01, 1.0, "m/s, up there");
+    v.expert("far_speed", far_speed, 0.01, 1.0, "m/s, speed of the rise after the withdrawal");
     v.expert("empty", empty, 0.0, 1.0,
-             "share of the object's weight above which it counts as still held");
+             "share of the object's weight above which the object counts as still held");
   }
 };
 

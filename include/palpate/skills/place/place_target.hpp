@@ -21,12 +21,12 @@ struct FixtureOptions {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("x", x, -1.0, 1.0, "m, position of the seated object's centroid");
-    v("y", y, -1.0, 1.0, "m, position of the seated object's centroid");
-    v("yaw", yaw, -6.3, 6.3, "rad, of the object seated in it");
-    v("stable_pose", stable_pose, 0, 1000, "of the object seated in it");
-    v("tolerance", tolerance, -0.1, 0.1, "m of clearance to every side");
-    v("height", height, 0.002, 0.1, "m, of the walls");
+    v("x", x, -1.0, 1.0, "m, x of the seated object's centroid");
+    v("y", y, -1.0, 1.0, "m, y of the seated object's centroid");
+    v("yaw", yaw, -6.3, 6.3, "rad, yaw of the seated object");
+    v("stable_pose", stable_pose, 0, 1000, "index of the seated object's stable pose");
+    v("tolerance", tolerance, -0.1, 0.1, "m, clearance to every side");
+    v("height", height, 0.002, 0.1, "m, height of the walls");
     v("wall", wall, 0.001, 0.05, "m, thickness of the walls");
   }
 };

@@ -33,11 +33,14 @@ struct TransportOptions {
   template <class Visitor>
   void visit(Visitor&& v) {
     v.expert_section("plan", plan);
-    v.expert("settle", settle, 0.0, 10.0, "s of rest at the end");
-    v.expert("min_weight", min_weight, 0.0, 1.0, "share of the load that must still hang");
-    v.expert("max_slip", max_slip, 1e-3, 0.1, "m, of a fingertip's contact along the fingertip");
-    v.expert("lost_ticks", lost_ticks, 1, 1000, "without any touch: the object is lost");
-    v("bear_weight", bear_weight, "the fingers' commands follow the weight as the hand turns");
+    v.expert("settle", settle, 0.0, 10.0, "s, rest at the end of the transport");
+    v.expert("min_weight", min_weight, 0.0, 1.0,
+             "share of the load below which the object counts as lost");
+    v.expert("max_slip", max_slip, 1e-3, 0.1, "m, largest motion of a contact along its fingertip");
+    v.expert("lost_ticks", lost_ticks, 1, 1000,
+             "number of ticks without any touch after which the object counts as lost");
+    v("bear_weight", bear_weight,
+      "adapt the fingers' commands to the direction of the weight as the hand turns");
   }
 };
 

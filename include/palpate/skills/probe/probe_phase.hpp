@@ -32,26 +32,30 @@ struct PalpationOptions {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("max", max, 0, 64, "touches of single fingers at most; 0: none");
-    v("rolls", rolls, 0, 64, "rolls of the lifted object between the fingers at most");
-    v("regrasps", regrasps, 0, 16, "regrasps from other sides at most, to distinguish poses");
+    v("max", max, 0, 64, "number of touches of single fingers at most; 0: none");
+    v("rolls", rolls, 0, 64, "number of rolls of the lifted object between the fingers at most");
+    v("regrasps", regrasps, 0, 16,
+      "number of regrasps from other sides at most, to distinguish poses");
     v("table_touches", table_touches, 0, 16,
-      "touches of the held object and the table at most, the hand turned; 0: none");
-    v("certain", certain, 0.0, 1.0, "probability of the best pose above which nothing is probed");
+      "number of touches of the table with the held object at most; 0: none");
     v.expert("doubtful", doubtful, 0.0, 1.0,
-             "probability of the best pose up to which the hand palpates before the lift");
+             "probability of the best pose up to which the hand probes before the lift");
+    v("certain", certain, 0.0, 1.0,
+      "probability of the best pose above which no more probes are made");
     v("min_gain_rate", min_gain_rate, 0.0, 10.0,
       "nats/s, least expected information gain of an action");
-    v.expert("opening", opening, 0.1, 1.5, "rad, of J3 before a finger moves to another spot");
-    v.expert("spread", spread, 0.0, 0.35, "rad, of J4 to either side, at most");
-    v.expert("bend", bend, 0.0, 1.5, "rad, of J0, at most");
-    v.expert("elsewhere", elsewhere, 0.0, 0.05, "m between spots that are not the same");
-    v.expert("likely", likely, 0.0, 1.0, "least probability that a move touches another spot");
-    v.expert("closing_rate", closing_rate, 0.05, 5.0, "rad/s, of J3");
-    v.expert("torque", torque, 0.01, 1.0, "N m at J3 while closing");
+    v.expert("opening", opening, 0.1, 1.5,
+             "rad, opening of J3 before a finger moves to another point");
+    v.expert("spread", spread, 0.0, 0.35, "rad, motion of J4 to either side, at most");
+    v.expert("bend", bend, 0.0, 1.5, "rad, motion of J0, at most");
+    v.expert("elsewhere", elsewhere, 0.0, 0.05,
+             "m, distance above which two points count as different");
+    v.expert("likely", likely, 0.0, 1.0, "least probability that a motion touches a new point");
+    v.expert("closing_rate", closing_rate, 0.05, 5.0, "rad/s, speed of J3 while closing");
+    v.expert("torque", torque, 0.01, 1.0, "N m, torque at J3 while closing");
     v("touch_force", touch_force, 0.02, 5.0, "N, force at the fingertip that counts as a touch");
     v.expert("balance", balance, 0.0, 2.0,
-             "wrench residual that the other fingers' forces may have");
+             "largest wrench residual of the other fingers' forces, without the finger that moves");
   }
 };
 

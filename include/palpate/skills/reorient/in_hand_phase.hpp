@@ -24,8 +24,8 @@ struct InHandReorientationOptions {
     v("min", min, 0.0, 1.0, "rad, least rotation of the object for which the fingers are used");
     v("max", max, 0.01, 0.6, "rad, largest rotation of the object by the fingers");
     v.expert("min_weight", min_weight, 0.0, 1.0,
-             "share of the load that must still hang afterwards");
-    v.expert("settle", settle, 0.0, 10.0, "s of rest afterwards");
+             "share of the load that must still hang after the rotation");
+    v.expert("settle", settle, 0.0, 10.0, "s, rest after the rotation");
     v.expert_section("reorient", reorient);
   }
 };

@@ -26,16 +26,18 @@ struct SamplingOptions {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("samples", samples, 0, 10000, "motions rolled out a step; 0: fingertips just carry along");
-    v("rotation_sigma", turn_sigma, 0.0, 1.0, "rad, spread of the motions' rotations");
-    v("translation_sigma", way_sigma, 0.0, 0.05, "m, spread of the motions' translations");
-    v("scale_sigma", scale_sigma, 0.0, 2.0, "spread of the motions' lengths, relative");
-    v("press_sigma", press_sigma, 0.0, 0.01, "m, by which fingertips press more or less");
-    v("settle", settle, 0.01, 2.0, "s, in which the rolled out grasp finds its balance");
-    v("angle_scale", angle_scale, 1e-4, 1.0, "rad of error that count as one");
-    v("distance_scale", way_scale, 1e-5, 0.1, "m of error that count as one");
-    v("finger_cost", finger_cost, 0.0, 100.0, "of a finger that loses touch");
-    v("temperature", temperature, 1e-3, 100.0, "of the weights exp(-cost / temperature)");
+    v("samples", samples, 0, 10000,
+      "number of motions rolled out per step; 0: fingertips are only carried along");
+    v("rotation_sigma", turn_sigma, 0.0, 1.0, "rad, spread of the sampled rotations");
+    v("translation_sigma", way_sigma, 0.0, 0.05, "m, spread of the sampled translations");
+    v("scale_sigma", scale_sigma, 0.0, 2.0,
+      "relative spread of the lengths of the sampled motions");
+    v("press_sigma", press_sigma, 0.0, 0.01, "m, spread of the fingertips' motion into the object");
+    v("settle", settle, 0.01, 2.0, "s, time in which the grasp comes to rest in a rollout");
+    v("angle_scale", angle_scale, 1e-4, 1.0, "rad, rotation error that costs 1");
+    v("distance_scale", way_scale, 1e-5, 0.1, "m, position error that costs 1");
+    v("finger_cost", finger_cost, 0.0, 100.0, "cost of a finger that loses contact");
+    v("temperature", temperature, 1e-3, 100.0, "temperature T of the weights exp(-cost / T)");
   }
 };
 
@@ -72,23 +74,29 @@ struct ReorientOptions {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("speed", speed, 0.001, 5.0, "rad/s, of the object");
-    v("linear_speed", way_speed, 1e-4, 0.5, "m/s, of the object");
-    v("period", period, 0.05, 5.0, "s of motion between two updates");
-    v("pause", pause, 0.01, 1.0, "s of rest before the pose is estimated");
-    v("longest", longest, 0.1, 600.0, "s in all");
-    v("patience", patience, 1, 1000, "estimates in a row without progress at which it ends");
-    v("done_angle", done_angle, 1e-3, 1.0, "rad from the goal that are near enough");
-    v("done_distance", done_way, 1e-4, 0.1, "m from the goal that are near enough");
-    v("drift_angle", drift_angle, 1e-3, 3.2, "rad, standard deviation of the pose that ends it");
-    v("drift_distance", drift_way, 1e-4, 0.1, "m, standard deviation of the pose that ends it");
-    v("min_fingers", min_fingers, 1, 5, "fingers that must touch");
-    v("regain", regain, 0.0, 0.01, "m a step by which a fingertip that lost touch is pressed on");
-    v("regains", regains, 0, 100, "steps in which that is tried");
-    v("grip", grip, 0.1, 10.0, "force of all tips while they turn, times that of the hold");
-    v("tightenings", tightenings, 0, 100, "steps at first in which they only press");
-    v("tighten_gain", tighten_gain, 0.0, 1.0, "share of the forces' error made up for by each");
-    v("force_gain", force_gain, 0.0, 1.0, "the same of a step while it turns");
+    v("speed", speed, 0.001, 5.0, "rad/s, angular speed of the object");
+    v("linear_speed", way_speed, 1e-4, 0.5, "m/s, speed of the object");
+    v("period", period, 0.05, 5.0, "s, duration of motion between two updates");
+    v("pause", pause, 0.01, 1.0, "s, rest before the pose is estimated");
+    v("longest", longest, 0.1, 600.0, "s, time limit of the reorientation");
+    v("patience", patience, 1, 1000,
+      "number of estimates in a row without progress after which it ends");
+    v("done_angle", done_angle, 1e-3, 1.0, "rad, distance from the goal that counts as reached");
+    v("done_distance", done_way, 1e-4, 0.1, "m, distance from the goal that counts as reached");
+    v("drift_angle", drift_angle, 1e-3, 3.2,
+      "rad, standard deviation of the pose at which it ends");
+    v("drift_distance", drift_way, 1e-4, 0.1, "m, standard deviation of the pose at which it ends");
+    v("min_fingers", min_fingers, 1, 5, "number of fingers that must touch");
+    v("regain", regain, 0.0, 0.01,
+      "m per step, motion into the object of a fingertip that lost contact");
+    v("regains", regains, 0, 100, "number of steps in which contact is sought again");
+    v("grip", grip, 0.1, 10.0, "grasp force during the rotation, relative to that of the hold");
+    v("tightenings", tightenings, 0, 100,
+      "number of steps at the start in which the fingers only press");
+    v("tighten_gain", tighten_gain, 0.0, 1.0,
+      "share of the force error that each of these steps corrects");
+    v("force_gain", force_gain, 0.0, 1.0,
+      "share of the force error that a step of the rotation corrects");
     v.section("sampling", sampling);
     v.section("tracker", tracker);
   }

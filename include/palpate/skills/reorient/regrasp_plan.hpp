@@ -59,17 +59,20 @@ struct RegraspOptions {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v.expert("clearance", clearance, 0.0, 0.1, "m, of the hand from the table where it lets go");
-    v.expert("retreat", retreat, 0.0, 0.5, "m, by which the opened hand then rises");
+    v.expert("clearance", clearance, 0.0, 0.1,
+             "m, distance of the hand from the table where it releases the object");
+    v.expert("retreat", retreat, 0.0, 0.5, "m, rise of the opened hand after the release");
     v.expert("worst_grasp", worst_grasp, 0.0, 2.0, "largest cost of a grasp that is used");
-    v.expert("transfer_cost", transfer_cost, 0.01, 100.0, "of picking up and putting down");
+    v.expert("transfer_cost", transfer_cost, 0.01, 100.0, "cost of picking up and putting down");
     v.expert("turn_cost", turn_cost, 0.0, 10.0,
-             "of a radian by which the hand turns while it holds");
+             "cost of turning the hand by 1 rad while it holds the object");
     v.expert("rare_cost", rare_cost, 0.0, 10.0,
-             "of a stable pose in between, times its improbability");
-    v("max_transfers", max_transfers, 1, 10, "transfers in one plan, at most");
-    v.expert("done_angle", done_angle, 0.0, 0.5, "rad from the target that need no motion");
-    v.expert("done_distance", done_distance, 0.0, 0.1, "m from the target that need no motion");
+             "cost of a stable pose on the way, times its improbability");
+    v("max_transfers", max_transfers, 1, 10, "number of transfers in one plan at most");
+    v.expert("done_angle", done_angle, 0.0, 0.5,
+             "rad, distance from the target below which no motion is planned");
+    v.expert("done_distance", done_distance, 0.0, 0.1,
+             "m, distance from the target below which no motion is planned");
     v.expert_section("grasp", grasp);
   }
 };
@@ -83,7 +86,7 @@ struct RegraspSequenceOptions {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("rounds", rounds, 1, 100, "transfers tried at most, repeated ones included");
+    v("rounds", rounds, 1, 100, "number of transfers at most, repeated ones included");
     v("certain_between", certain_between, 0.0, 1.0,
       "certainty required for all transfers but the last");
     v.section("plan", plan);

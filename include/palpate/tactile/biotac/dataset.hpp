@@ -27,11 +27,11 @@ struct BiotacDatasetOptions {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("trajectories", trajectories, 1, 1000000, "simulated touches");
-    v("seconds", seconds, 0.3, 1000.0, "s, of each trajectory");
-    v("stride", stride, 1, 1000, "frames from one row to the next");
-    v("most_force", max_force, 0.01, 100.0, "N, normal force");
-    v("only_planes", only_planes, "touch planes alone, no balls and rounded edges");
+    v("trajectories", trajectories, 1, 1000000, "number of simulated touches");
+    v("seconds", seconds, 0.3, 1000.0, "s, duration of each touch");
+    v("stride", stride, 1, 1000, "frames between two rows");
+    v("most_force", max_force, 0.01, 100.0, "N, largest normal force");
+    v("only_planes", only_planes, "touch only planes, no balls and rounded edges");
   }
 };
 

@@ -33,8 +33,9 @@ struct ElectrodeFitOptions {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("samples", samples, 20, 100000, "at most so many samples are fitted");
-    v("outlier", outlier, 0.1, 100.0, "standard deviations from which on residuals count linearly");
+    v("samples", samples, 20, 100000, "number of samples that are fitted at most");
+    v("outlier", outlier, 0.1, 100.0,
+      "residual above which a sample counts linearly, standard deviations");
   }
 };
 
@@ -56,12 +57,13 @@ struct ElectrodeModelOptions {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("centres", centres, 10, 5000, "largest number of samples that the model keeps");
-    v("length", length, 0.01, 100.0, "of the kernel, in root-mean-square features");
+    v("centres", centres, 10, 5000, "number of samples that the model keeps at most");
+    v("length", length, 0.01, 100.0,
+      "length scale of the kernel, relative to the root-mean-square features");
     v("linear", linear, 0.0, 100.0, "weight of the linear kernel");
-    v("noise", noise, 1e-6, 10.0, "variance of what firm touches show, relative to the kernel");
+    v("noise", noise, 1e-6, 10.0, "noise variance of firm touches, relative to the kernel");
     v("outlier", outlier, 0.01, 1e6,
-      "of the changes' median size, from which on residuals count linearly");
+      "residual above which a sample counts linearly, relative to the median change");
   }
 };
 

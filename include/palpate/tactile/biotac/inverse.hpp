@@ -38,9 +38,9 @@ struct BiotacInverseOptions {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("hidden", hidden, 1, 4096, "units in each of the two hidden layers of the first guess");
-    v("epochs", epochs, 1, 100000, "passes over the data");
-    v("rate", rate, 1e-7, 1.0, "of numerics::Adam, at the start");
+    v("hidden", hidden, 1, 4096, "number of units in each of the two hidden layers");
+    v("epochs", epochs, 1, 100000, "number of passes over the data");
+    v("rate", rate, 1e-7, 1.0, "initial learning rate of Adam");
   }
 };
 

@@ -26,11 +26,12 @@ struct NetworkTrainingOptions {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("epochs", epochs, 1, 10000, "passes over the data set");
-    v("batch", batch, 1, 100000, "rows a step");
-    v("rate", rate, 1e-7, 1.0, "of Adam, at the start");
-    v("final_rate", final_rate, 0.0, 1.0, "share of the rate left at the end");
-    v("bias_penalty", bias_penalty, 0.0, 1.0, "weight of the l1 norm of MLP 2's hidden biases");
+    v("epochs", epochs, 1, 10000, "number of passes over the data set");
+    v("batch", batch, 1, 100000, "number of rows per training step");
+    v("rate", rate, 1e-7, 1.0, "initial learning rate of Adam");
+    v("final_rate", final_rate, 0.0, 1.0, "final learning rate relative to the initial one");
+    v("bias_penalty", bias_penalty, 0.0, 1.0,
+      "weight of the L1 norm of the hidden biases of MLP 2");
   }
 };
 

@@ -22,13 +22,14 @@ struct BiotacNormalOptions {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("centres", centres, 10, 5000, "largest number of samples that the model keeps");
-    v("length", length, 0.01, 100.0, "of the kernel, in root-mean-square features");
+    v("centres", centres, 10, 5000, "number of samples that the model keeps at most");
+    v("length", length, 0.01, 100.0,
+      "length scale of the kernel, relative to the root-mean-square features");
     v("linear", linear, 0.0, 100.0, "weight of the linear kernel");
     v("noise", noise, 1e-6, 10.0, "variance of the normals' components, relative to the kernel");
-    v("mirror", mirror, "also learn every sample mirrored at the finger's middle plane");
-    v("session", session, 0.0, 90.0, "deg, that the errors of one recording have in common");
-    v("turning", turning, 0.01, 1e4, "deg per root of a second, of the normals between frames");
+    v("mirror", mirror, "also learn from every sample mirrored in the finger's median plane");
+    v("session", session, 0.0, 90.0, "deg, error that all normals of one recording have in common");
+    v("turning", turning, 0.01, 1e4, "deg per root second, change of the normal between frames");
   }
 };
 

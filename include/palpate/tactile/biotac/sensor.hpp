@@ -38,20 +38,21 @@ struct BiotacSensorOptions {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("gap", gap, 1e-4, 0.01, "m, between core and skin at rest");
-    v("least_gap", min_gap, 1e-5, 0.01, "m");
+    v("gap", gap, 1e-4, 0.01, "m, distance between core and skin at rest");
+    v("least_gap", min_gap, 1e-5, 0.01, "m, least distance between core and skin");
     v("spread", spread, 1e-4, 0.02, "m, standard deviation of an electrode's view of the skin");
     v("bulge_area", bulge_area, 1e-5, 1.0, "m^2, of the skin that displaced fluid lifts");
-    v("drag", drag, 0.0, 10.0, "share of the skin's shear that drags fluid along");
-    v("creep_share", creep_share, 0.0, 1.0, "of the gap's change, that follows late");
-    v("creep_time", creep_time, 1e-3, 10.0, "s, time constant of what follows late");
-    v("pressure_gain", pressure_gain, 0.0, 1e4, "counts/N, of pdc");
-    v("pressure_rest", pressure_rest, 0.0, 4095.0, "counts, of pdc");
-    v("pac_gain", pac_gain, 0.0, 1e3, "counts per count of pdc in its band");
+    v("drag", drag, 0.0, 10.0, "share of the skin's shear that drags the fluid along");
+    v("creep_share", creep_share, 0.0, 1.0,
+      "share of the change of the gap that follows with a delay");
+    v("creep_time", creep_time, 1e-3, 10.0, "s, time constant of that delay");
+    v("pressure_gain", pressure_gain, 0.0, 1e4, "counts/N, gain of pdc");
+    v("pressure_rest", pressure_rest, 0.0, 4095.0, "counts, rest value of pdc");
+    v("pac_gain", pac_gain, 0.0, 1e3, "gain of pac relative to pdc in its band");
     v("conductivity", conductivity, 0.0, 0.1, "1/K, growth of the fluid's conductivity");
-    v("temperature_gain", temperature_gain, 0.0, 1e3, "counts/K, of tdc");
-    v("heat_gain", heat_gain, 0.0, 1e4, "counts/(K cm^2), of tac");
-    v("noise", noise, 0.0, 100.0, "counts, of every channel");
+    v("temperature_gain", temperature_gain, 0.0, 1e3, "counts/K, gain of tdc");
+    v("heat_gain", heat_gain, 0.0, 1e4, "counts/(K cm^2), gain of tac");
+    v("noise", noise, 0.0, 100.0, "counts, noise of every channel");
   }
 };
 

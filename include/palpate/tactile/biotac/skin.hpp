@@ -23,12 +23,12 @@ struct SkinOptions {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("radius", radius, 0.001, 0.1, "m, of the half ball and the cylinder behind it");
-    v("length", length, 0.0, 0.1, "m, of the cylinder");
-    v("stiffness", stiffness, 1e5, 1e12, "Pa/m, pressure by depth");
-    v("shear_stiffness", shear_stiffness, 1e5, 1e12, "Pa/m, shear by displacement");
-    v("friction", friction, 0.0, 5.0, "of skin on object");
-    v("crown", crown, 0.001, 1e3, "m, radius by which pressure falls off around a contact");
+    v("radius", radius, 0.001, 0.1, "m, radius of the half ball and of the cylinder behind it");
+    v("length", length, 0.0, 0.1, "m, length of the cylinder");
+    v("stiffness", stiffness, 1e5, 1e12, "Pa/m, pressure per depth");
+    v("shear_stiffness", shear_stiffness, 1e5, 1e12, "Pa/m, shear stress per displacement");
+    v("friction", friction, 0.0, 5.0, "friction coefficient of skin and object");
+    v("crown", crown, 0.001, 1e3, "m, radius over which the pressure falls off around a contact");
   }
 };
 

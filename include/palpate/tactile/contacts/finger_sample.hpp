@@ -81,10 +81,12 @@ struct SampleOptions {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("period", period, 1e-5, 10.0, "s, between frames");
-    v("min_force", min_force, 0.0, 10.0, "N, least force from which a direction is used");
-    v("one_contact", one_contact, 0.0, 0.1, "m, contacts further apart are not one");
-    v("one_direction", one_direction, 0.0, 3.2, "rad, nor are those whose tip normals differ more");
+    v("period", period, 1e-5, 10.0, "s, time between frames");
+    v("min_force", min_force, 0.0, 10.0, "N, least force whose direction is used");
+    v("one_contact", one_contact, 0.0, 0.1,
+      "m, distance above which contacts of a finger do not count as one");
+    v("one_direction", one_direction, 0.0, 3.2,
+      "rad, angle between tip normals above which contacts do not count as one");
   }
 };
 

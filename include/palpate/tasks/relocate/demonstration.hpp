@@ -28,14 +28,15 @@ struct TranslationOptions {
   void visit(Visitor&& v) {
     v.section("filter", filter);
     v.section("retarget", retarget);
-    v("lead", lead, 0.01, 10.0, "s from the robot's rest to the human's first frame");
-    v("smoothing", smoothing, 0.0, 1.0, "s, of the joints' motion");
-    v("lifted", lifted, 1e-4, 0.1, "m, displacement from which on the object counts as held");
-    v("squeeze", squeeze, 0.01, 10.0, "s before that, in which the fingertips begin to press");
-    v("press", press, 0.0, 100.0, "N, of each fingertip towards the object's center");
-    v("stiffness", stiffness, 0.0, 1e5, "N/m, by which the base is held to the motion");
-    v("damping", damping, 0.0, 1e4, "N s/m, by which the base is held to the motion");
-    v("success", success, 1e-3, 1.0, "m from the target, below which a replay is kept");
+    v("lead", lead, 0.01, 10.0, "s, time from the robot's rest to the human's first frame");
+    v("smoothing", smoothing, 0.0, 1.0, "s, time over which the joints' motion is smoothed");
+    v("lifted", lifted, 1e-4, 0.1, "m, displacement above which the object counts as held");
+    v("squeeze", squeeze, 0.01, 10.0,
+      "s, time before the lift at which the fingertips begin to press");
+    v("press", press, 0.0, 100.0, "N, force of each fingertip towards the object's centre");
+    v("stiffness", stiffness, 0.0, 1e5, "N/m, stiffness with which the base follows the motion");
+    v("damping", damping, 0.0, 1e4, "N s/m, damping with which the base follows the motion");
+    v("success", success, 1e-3, 1.0, "m, distance from the target below which a replay is kept");
   }
 };
 

@@ -23,12 +23,13 @@ struct TaskOptions {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("object", object, "mug (primitives), ycb-mug:FILE, box, bottle, or a mesh file in m");
-    v("solver", solver, "faithful, newton or fast");
-    v("mass_scale", mass_scale, 0.01, 100.0, "of the object's mass and inertia");
-    v("friction_scale", friction_scale, 0.01, 100.0, "of all sliding friction");
-    v("size", size, 0.5, 2.0, "of the object, times its own; its mass stays");
-    v("mass", mass, 0.001, 10.0, "kg, of an object from a mesh file");
+    v("object", object,
+      "manipulated object: mug (primitives), ycb-mug:FILE, box, bottle, or a mesh file in metres");
+    v("solver", solver, "solver of the physics: faithful, newton or fast");
+    v("mass_scale", mass_scale, 0.01, 100.0, "factor on the object's mass and inertia");
+    v("friction_scale", friction_scale, 0.01, 100.0, "factor on all sliding friction");
+    v("size", size, 0.5, 2.0, "factor on the object's size; its mass stays");
+    v("mass", mass, 0.001, 10.0, "kg, mass of an object from a mesh file");
   }
 };
 
@@ -49,10 +50,11 @@ struct EpisodeOptions {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("horizon", horizon, 1, 100000, "steps of 10 ms");
-    v("scale_low", scale_low, 0.0, 1.0, "of the starts' randomness, drawn for each episode");
-    v("scale_high", scale_high, 0.0, 1.0, "of the starts' randomness, drawn for each episode");
-    v("at_ends", at_ends, 0.0, 1.0, "share of the episodes whose scale is one of the two");
+    v("horizon", horizon, 1, 100000, "number of steps of 10 ms per episode");
+    v("scale_low", scale_low, 0.0, 1.0, "least scale of the random starts");
+    v("scale_high", scale_high, 0.0, 1.0, "largest scale of the random starts");
+    v("at_ends", at_ends, 0.0, 1.0,
+      "share of the episodes whose scale is the least or the largest");
     v("object_bias", object_bias, 0.0, 0.1,
       "m, error of the observed object's position, constant within an episode");
     v("encoder_noise", encoder_noise, 0.0, 0.1,

@@ -18,17 +18,18 @@ struct SyntheticGrasp {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("wrist_x", wrist_x, -0.3, 0.3, "m, of the wrist from the object");
-    v("wrist_y", wrist_y, -0.3, 0.3, "m, of the wrist from the object");
-    v("wrist_z", wrist_z, -0.3, 0.3, "m, of the wrist from the object");
-    v("pitch", pitch, -1.5, 1.5, "rad, of the fingers downwards");
-    v("roll", roll, -1.5, 1.5, "rad, of the thumb upwards");
-    v("yaw", yaw, -1.5, 1.5, "rad, of the fingers to -x");
-    v("thumb", thumb, 90.0, 360.0, "degrees from +x about the object, of the thumb's tip");
-    v("fingers", fingers, -90.0, 270.0, "degrees, of the middle between the fingers' tips");
-    v("apart", apart, 0.0, 60.0, "degrees, from finger to finger");
-    v("thumb_height", thumb_height, -0.1, 0.1, "m above the object's frame, of the thumb");
-    v("finger_height", finger_height, -0.1, 0.1, "m above the object's frame, of the fingers");
+    v("wrist_x", wrist_x, -0.3, 0.3, "m, x of the wrist relative to the object");
+    v("wrist_y", wrist_y, -0.3, 0.3, "m, y of the wrist relative to the object");
+    v("wrist_z", wrist_z, -0.3, 0.3, "m, z of the wrist relative to the object");
+    v("pitch", pitch, -1.5, 1.5, "rad, downward pitch of the fingers");
+    v("roll", roll, -1.5, 1.5, "rad, upward roll of the thumb");
+    v("yaw", yaw, -1.5, 1.5, "rad, yaw of the fingers from -x");
+    v("thumb", thumb, 90.0, 360.0, "deg, direction of the thumb's tip about the object, from +x");
+    v("fingers", fingers, -90.0, 270.0, "deg, direction of the middle between the fingers' tips");
+    v("apart", apart, 0.0, 60.0, "deg, angle between neighbouring fingers");
+    v("thumb_height", thumb_height, -0.1, 0.1, "m, height of the thumb above the object's frame");
+    v("finger_height", finger_height, -0.1, 0.1,
+      "m, height of the fingers above the object's frame");
   }
 };
 
@@ -52,18 +53,18 @@ struct SyntheticHumanOptions {
   template <class Visitor>
   void visit(Visitor&& v) {
     v.section("grasp", grasp);
-    v("rate", rate, 1.0, 1e4, "frames per second");
-    v("reach", reach, 0.05, 10.0, "s to over the object");
-    v("descend", descend, 0.05, 10.0, "s down to it");
-    v("close", close, 0.05, 10.0, "s to close the fingers");
-    v("carry", carry, 0.05, 10.0, "s to the target");
-    v("hold", hold, 0.0, 10.0, "s at the target");
-    v("tempo_spread", tempo_spread, 0.0, 0.3, "relative, of these times");
-    v("size_spread", size_spread, 0.0, 0.2, "relative, of the hand");
-    v("place_spread", place_spread, 0.0, 0.05, "m, of where each fingertip touches");
-    v("noise", noise, 0.0, 0.05, "m, of each keypoint's coordinates");
-    v("missing", missing, 0.0, 0.5, "share of keypoints that are not seen");
-    v("grip_radius", grip_radius, 0.01, 0.06, "m, of the object where the fingers hold it");
+    v("rate", rate, 1.0, 1e4, "Hz, frames per second");
+    v("reach", reach, 0.05, 10.0, "s, duration of the reach over the object");
+    v("descend", descend, 0.05, 10.0, "s, duration of the descent to the object");
+    v("close", close, 0.05, 10.0, "s, duration of the closing of the fingers");
+    v("carry", carry, 0.05, 10.0, "s, duration of the carrying to the target");
+    v("hold", hold, 0.0, 10.0, "s, duration of the hold at the target");
+    v("tempo_spread", tempo_spread, 0.0, 0.3, "relative spread of these durations");
+    v("size_spread", size_spread, 0.0, 0.2, "relative spread of the hand's size");
+    v("place_spread", place_spread, 0.0, 0.05, "m, spread of the points that the fingertips touch");
+    v("noise", noise, 0.0, 0.05, "m, noise of each coordinate of a keypoint");
+    v("missing", missing, 0.0, 0.5, "share of keypoints that are not detected");
+    v("grip_radius", grip_radius, 0.01, 0.06, "m, radius of the object where the fingers hold it");
   }
 };
 

@@ -14,11 +14,13 @@ struct ObserverOptions {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("hidden", hidden, 1, 1024, "units of each of two hidden layers");
-    v("rounds", rounds, 1, 1000, "of collecting frames under the policy and fitting");
-    v("episodes", episodes, 1, 100000, "a round");
-    v("perturbation", perturbation, 0.0, 1.0, "of the parameters, a share of the first spread");
-    v("samples", samples, 1, 1000000000, "to fit on in a round");
+    v("hidden", hidden, 1, 1024, "number of units in each of the two hidden layers");
+    v("rounds", rounds, 1, 1000,
+      "number of rounds of collecting frames with the policy and fitting");
+    v("episodes", episodes, 1, 100000, "number of episodes per round");
+    v("perturbation", perturbation, 0.0, 1.0,
+      "perturbation of the parameters, as a share of the first spread");
+    v("samples", samples, 1, 1000000000, "number of samples fitted per round");
   }
 };
 

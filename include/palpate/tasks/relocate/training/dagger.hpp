@@ -21,14 +21,15 @@ struct DaggerOptions {
   template <class Visitor>
   void visit(Visitor&& v) {
     v.section("episode", episode);
-    v("hidden", hidden, 1, 1024, "units of each of two hidden layers");
-    v("rounds", rounds, 1, 10000, "of acting, asking the expert and fitting");
-    v("episodes", episodes, 1, 100000, "a round");
-    v("expert_noise", expert_noise, 0.0, 2.0, "of the expert's actions while it shows the task");
-    v("expert_share", expert_share, 0.0, 1.0, "of later rounds' episodes that the expert acts in");
-    v("samples", samples, 1, 1000000000, "to fit on in a round");
-    v("last_effort", last_effort, 1.0, 100.0, "times as many in the last round");
-    v("rate", rate, 1e-6, 1.0, "of numerics::Adam");
+    v("hidden", hidden, 1, 1024, "number of units in each of the two hidden layers");
+    v("rounds", rounds, 1, 10000, "number of rounds of acting, asking the expert and fitting");
+    v("episodes", episodes, 1, 100000, "number of episodes per round");
+    v("expert_noise", expert_noise, 0.0, 2.0, "noise of the expert's actions in demonstrations");
+    v("expert_share", expert_share, 0.0, 1.0,
+      "share of the episodes of later rounds in which the expert acts");
+    v("samples", samples, 1, 1000000000, "number of samples fitted per round");
+    v("last_effort", last_effort, 1.0, 100.0, "factor on the samples of the last round");
+    v("rate", rate, 1e-6, 1.0, "learning rate of Adam");
   }
 };
 

@@ -34,18 +34,22 @@ struct NpgOptions {
   template <class Visitor>
   void visit(Visitor&& v) {
     v.section("episode", episode);
-    v("trajectories", trajectories, 1, 1000000, "episodes an iteration");
-    v("discount", discount, 0.0, 1.0, "gamma");
-    v("trace", trace, 0.0, 1.0, "lambda of generalised advantages");
+    v("trajectories", trajectories, 1, 1000000, "number of episodes per iteration");
+    v("discount", discount, 0.0, 1.0, "discount factor gamma");
+    v("trace", trace, 0.0, 1.0, "lambda of the generalised advantage estimate");
     v("divergence", divergence, 1e-9, 10.0, "Kullback-Leibler divergence of a step");
-    v("halvings", halvings, 0, 100, "of a step that goes further, at most");
-    v("conjugate_steps", conjugate_steps, 1, 1000, "of conjugate gradients");
-    v("damping", damping, 0.0, 10.0, "added to the Fisher information");
-    v("least_log_std", min_log_std, -20.0, 2.0, "of the actions");
-    v("demo_weight", demo_weight, 0.0, 100.0, "lambda 0 of the demonstrations");
-    v("demo_decay", demo_decay, 0.0, 1.0, "lambda 1, a factor an iteration");
-    v("demo_form", demo_form, "published, or thesis (times the largest advantage, eq. 7.5)");
-    v("evaluation", evaluation, 1, 100000, "episodes of the mean action after each iteration");
+    v("halvings", halvings, 0, 100,
+      "number of halvings of a step that exceeds the divergence, at most");
+    v("conjugate_steps", conjugate_steps, 1, 1000, "number of conjugate gradient steps");
+    v("damping", damping, 0.0, 10.0, "damping added to the Fisher information");
+    v("least_log_std", min_log_std, -20.0, 2.0,
+      "least logarithm of the standard deviation of the actions");
+    v("demo_weight", demo_weight, 0.0, 100.0, "weight lambda_0 of the demonstrations");
+    v("demo_decay", demo_decay, 0.0, 1.0, "factor lambda_1 on that weight per iteration");
+    v("demo_form", demo_form,
+      "weighting of demonstrations: published, or thesis (times the largest advantage, eq. 7.5)");
+    v("evaluation", evaluation, 1, 100000,
+      "number of episodes with the mean action after each iteration");
   }
 };
 
@@ -88,10 +92,11 @@ struct CloningOptions {
   double log_std = 0;  ///< of the actions of the policy that is made
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("hidden", hidden, 1, 1024, "units of each of two hidden layers");
-    v("epochs", epochs, 0, 1000000, "over all frames");
-    v("rate", rate, 1e-6, 1.0, "of numerics::Adam");
-    v("log_std", log_std, -10.0, 2.0, "of the actions of the policy that is made");
+    v("hidden", hidden, 1, 1024, "number of units in each of the two hidden layers");
+    v("epochs", epochs, 0, 1000000, "number of passes over all frames");
+    v("rate", rate, 1e-6, 1.0, "learning rate of Adam");
+    v("log_std", log_std, -10.0, 2.0,
+      "logarithm of the standard deviation of the actions of the new policy");
   }
 };
 

@@ -18,10 +18,11 @@ struct RandomizationOptions {
   template <class Visitor>
   void visit(Visitor&& v) {
     v("friction_scale", friction_scale, 0.01, 100.0,
-      "of all sliding friction in one of the worlds");
-    v("mass_scale", mass_scale, 0.01, 100.0, "of the object's mass and inertia in one of them");
-    v("size", size, 0.5, 2.0, "of the object in one of them, times its own");
-    v("box", box, "whether the object is a box in one of them");
+      "factor on all sliding friction in one of the worlds");
+    v("mass_scale", mass_scale, 0.01, 100.0,
+      "factor on the object's mass and inertia in one of the worlds");
+    v("size", size, 0.5, 2.0, "factor on the object's size in one of the worlds");
+    v("box", box, "use a box as the object in one of the worlds");
   }
 };
 

@@ -19,10 +19,12 @@ struct PolicySearchOptions {
   void visit(Visitor&& v) {
     v.section("cem", cem);
     v.section("episode", episode);
-    v("screening", screening, 1, 10000, "episodes of every candidate; the better half goes on");
-    v("episodes", episodes, 1, 10000, "of each of those");
-    v("worst", worst, 0.0, 1.0, "weight of the worst episode in the score, against the mean");
-    v("success_bonus", success_bonus, 0.0, 1e5, "return that ending within 2 cm is worth");
+    v("screening", screening, 1, 10000,
+      "number of episodes of every candidate; the better half is evaluated further");
+    v("episodes", episodes, 1, 10000, "number of further episodes of the better half");
+    v("worst", worst, 0.0, 1.0, "weight of the worst episode in the score");
+    v("success_bonus", success_bonus, 0.0, 1e5,
+      "bonus on the return for ending within 2 cm of the target");
   }
 };
 

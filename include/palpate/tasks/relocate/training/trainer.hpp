@@ -69,10 +69,11 @@ struct CemTrainingOptions {
   template <class Visitor>
   void visit(Visitor&& v) {
     v.section("search", search);
-    v("memoryless", memoryless, "end in a policy on the observations alone");
-    v("settle", settle, 0, 100000, "generations that still read the velocity, if memoryless");
-    v("refit", refit, 1, 100000, "generations after which the observer is fitted anew");
-    v("spread", spread, 0.001, 10.0, "of the first generation, times the usual");
+    v("memoryless", memoryless, "end with a policy that uses the observations alone");
+    v("settle", settle, 0, 100000,
+      "number of generations that still read the velocity, if memoryless");
+    v("refit", refit, 1, 100000, "number of generations after which the observer is fitted again");
+    v("spread", spread, 0.001, 10.0, "spread of the first generation, relative to the default");
     v.section("observer", observer);
     v.section("randomization", randomization);
   }
