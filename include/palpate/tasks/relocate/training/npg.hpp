@@ -20,7 +20,8 @@ struct NpgOptions {
   double discount = 0.995;   ///< gamma
   double trace = 0.97;       ///< lambda of generalised advantages
   double divergence = 0.01;  ///< Kullback-Leibler divergence of a step
-  int halvings = 10;         ///< of a step that goes further, at most
+  int halvings = 10;         ///< how often a step that goes further is shortened, at most
+  double backtrack = 0.5;    ///< factor by which it is shortened
   int conjugate_steps = 10;  ///< of conjugate gradients
   double damping = 1e-4;     ///< added to the Fisher information
   double min_log_std = -3;   ///< of the actions
@@ -29,7 +30,11 @@ struct NpgOptions {
   /// "published": the demonstrations' weight is lambda0 lambda1^k; "thesis": that times the largest
   /// advantage (eq. 7.5).
   std::string demo_form = "published";
-  int evaluation = 10;  ///< episodes of the mean action that a trainer runs after each iteration
+  /// What the value network sees of an observation: "published": a tenth of it; "normalized": as
+  /// the policy's network does. Either with four powers of time.
+  std::string value_inputs = "published";
+  int value_epochs = 2;  ///< over an iteration's frames
+  int evaluation = 10;   ///< episodes of the mean action that a trainer runs after each iteration
 
   template <class Visitor>
   void visit(Visitor&& v) {
@@ -38,13 +43,16 @@ struct NpgOptions {
     v("discount", discount, 0.0, 1.0, "gamma");
     v("trace", trace, 0.0, 1.0, "lambda of generalised advantages");
     v("divergence", divergence, 1e-9, 10.0, "Kullback-Leibler divergence of a step");
-    v("halvings", halvings, 0, 100, "of a step that goes further, at most");
+    v("halvings", halvings, 0, 100, "how often a step that goes further is shortened, at most");
+    v("backtrack", backtrack, 0.01, 0.99, "factor by which a step that goes further is shortened");
     v("conjugate_steps", conjugate_steps, 1, 1000, "of conjugate gradients");
     v("damping", damping, 0.0, 10.0, "added to the Fisher information");
     v("least_log_std", min_log_std, -20.0, 2.0, "of the actions");
     v("demo_weight", demo_weight, 0.0, 100.0, "lambda 0 of the demonstrations");
     v("demo_decay", demo_decay, 0.0, 1.0, "lambda 1, a factor an iteration");
     v("demo_form", demo_form, "published, or thesis (times the largest advantage, eq. 7.5)");
+    v("value_inputs", value_inputs, "published (a tenth of an observation), or normalized");
+    v("value_epochs", value_epochs, 1, 1000, "over an iteration's frames");
     v("evaluation", evaluation, 1, 100000, "episodes of the mean action after each iteration");
   }
 };
@@ -61,6 +69,7 @@ struct NpgIteration {
   double mean_return = 0, success_5cm = 0;  ///< of the exploring policy
   double surrogate_gain = 0;  ///< of the mean advantage-weighted likelihood ratio, by the step
   double divergence = 0;      ///< of the step
+  double explained = 0;       ///< share of the returns' variance that the value network foretold
   int diverged = 0;           ///< episodes that were left out
 };
 
@@ -86,12 +95,20 @@ struct CloningOptions {
   int epochs = 200;
   double rate = 1e-3;  ///< of numerics::Adam
   double log_std = 0;  ///< of the actions of the policy that is made
+  /// Takes instead the log standard deviation that makes the demonstrations likeliest (eq. 7.2):
+  /// that of what is left of each action, but no less than least_log_std.
+  bool fit_log_std = false;
+  double least_log_std = -4;
+  double std_share = 1;  ///< of the standard deviations found so that one explores with
   template <class Visitor>
   void visit(Visitor&& v) {
     v("hidden", hidden, 1, 1024, "units of each of two hidden layers");
     v("epochs", epochs, 0, 1000000, "over all frames");
     v("rate", rate, 1e-6, 1.0, "of numerics::Adam");
     v("log_std", log_std, -10.0, 2.0, "of the actions of the policy that is made");
+    v("fit_log_std", fit_log_std, "the likeliest of the demonstrations instead of log_std");
+    v("least_log_std", least_log_std, -20.0, 2.0, "of that");
+    v("std_share", std_share, 1e-3, 100.0, "of what was fitted that one explores with");
   }
 };
 
