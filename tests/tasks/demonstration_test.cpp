@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "palpate/core/assets.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/hand/shadow.hpp"
@@ -56,6 +58,28 @@ TEST(Demonstration, TheRobotRepeatsWhatAHumanShows) {
   const auto frames = frames_of(set.kept);
   EXPECT_EQ(frames.actions.cols(), frames.observations.cols());
   EXPECT_NO_THROW(check(frames));
+}
+
+TEST(Demonstration, NoiseMovesTheRobotButIsNotInWhatIsTaught) {
+  const auto model = fast_model();
+  DemonstrationOptions options;
+  const double height = rest_height(model);
+  const auto quiet = synthetic_demonstration(model, options, height, 3, 0);
+  EXPECT_EQ(quiet.intended, quiet.path.actions);
+  options.translation.noise = 0.05;
+  options.translation.noise_time = 0.05;
+  const auto noisy = synthetic_demonstration(model, options, height, 3, 0);
+  ASSERT_EQ(noisy.intended.cols(), noisy.path.actions.cols());
+  // The same human; the first frame is met before any noise has acted.
+  EXPECT_EQ(noisy.intended.col(0), quiet.intended.col(0));
+  EXPECT_NE(noisy.path.observations.col(9), quiet.path.observations.col(9));
+  // Actions at a limit of -1..1 show less of the noise, hence the wide band below 0.05.
+  const Eigen::MatrixXd added = noisy.path.actions - noisy.intended;
+  const double spread = std::sqrt(added.squaredNorm() / static_cast<double>(added.size()));
+  EXPECT_GT(spread, 0.03);
+  EXPECT_LT(spread, 0.06);
+  EXPECT_LE(noisy.path.actions.cwiseAbs().maxCoeff(), 1);
+  EXPECT_EQ(frames_of(std::vector<Demonstration>{noisy}).actions, noisy.intended);
 }
 
 TEST(Demonstration, NothingIsKeptThatFails) {

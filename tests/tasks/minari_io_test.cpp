@@ -73,6 +73,22 @@ TEST(Minari, KeepsInfosAndTheEnvironment) {
             std::string::npos);
 }
 
+TEST(Minari, FramesHaveTheIntendedActionsWhereThereAreAny) {
+  const TemporaryFolder folder;
+  auto dataset = random_dataset();
+  const Eigen::MatrixXd intended = Eigen::MatrixXd::Constant(30, 6, 0.25);
+  dataset.episodes[1].infos["intended"] = intended;
+  write_minari(folder.path(), dataset);
+  const auto read = read_minari(folder.path());
+  const auto frames = frames_of(read);
+  EXPECT_EQ(frames.actions.col(0), dataset.episodes[0].actions.col(0));
+  EXPECT_EQ(frames.actions.middleCols(1, 5), intended.leftCols(5));
+  dataset.episodes[1].infos["intended"] = Eigen::MatrixXd::Constant(29, 6, 0.25);
+  write_minari(folder.path(), dataset);
+  EXPECT_NE(error_message([&] { frames_of(read_minari(folder.path())); }).find("29 values"),
+            std::string::npos);
+}
+
 /// The layout of Minari 0.5, as that library's own files have it.
 TEST(Minari, HasTheLayoutThatMinariReads) {
   const TemporaryFolder folder;

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "palpate/core/error.hpp"
@@ -74,6 +76,14 @@ TEST(Npg, AStepThatNoHalvingBringsWithinTheBoundIsNotTaken) {
   NpgState again;
   again.policy = small_network(1).record();
   EXPECT_GT(npg_iteration(again, model, options, {}, 3, 1).divergence, 0);
+  // Shortened by little at a time, the step ends close to the bound.
+  options.halvings = 2000;
+  options.backtrack = 0.99;
+  NpgState slowly;
+  slowly.policy = small_network(1).record();
+  const double divergence = npg_iteration(slowly, model, options, {}, 3, 1).divergence;
+  EXPECT_GT(divergence, 0.8 * options.divergence);
+  EXPECT_LE(divergence, options.divergence);
 }
 
 /// Noise of 1e308 overflows in some of the actions: these episodes end flagged. The likelihoods
@@ -136,6 +146,31 @@ TEST(Npg, DemonstrationsPullThePolicyTowardsThem) {
   }
 }
 
+TEST(Npg, TheValueNetworkExplainsMoreOfTheReturnsTheLongerItIsFitted) {
+  const auto model = make_model(fast_task());
+  NpgOptions options;
+  options.trajectories = 12;
+  options.episode.horizon = 30;
+  for (const char* inputs : {"published", "normalized"}) {
+    options.value_inputs = inputs;
+    NpgState state;
+    state.policy = small_network(1).record();
+    EXPECT_LE(npg_iteration(state, model, options, {}, 3, 1).explained, 0) << inputs;
+    options.value_epochs = 60;
+    NpgState longer;
+    longer.policy = small_network(1).record();
+    npg_iteration(longer, model, options, {}, 3, 1);
+    const double after = npg_iteration(longer, model, options, {}, 3, 1).explained;
+    EXPECT_GT(after, 0.3) << inputs;
+    EXPECT_LE(after, 1) << inputs;
+    options.value_epochs = 2;
+  }
+  options.value_inputs = "other";
+  NpgState state;
+  state.policy = small_network(1).record();
+  EXPECT_THROW(npg_iteration(state, model, options, {}, 3, 1), BadInput);
+}
+
 TEST(Npg, RejectsBadDemonstrationsAndForms) {
   const auto model = make_model(fast_task());
   NpgState state;
@@ -167,6 +202,29 @@ TEST(CloneBehavior, CopiesALinearPolicy) {
   // Half of the variance at the least; an untrained network explains none.
   EXPECT_LT((policy.mean(demos.observations) - demos.actions).squaredNorm(),
             0.5 * demos.actions.squaredNorm());
+}
+
+/// The likeliest standard deviation of a normal distribution is the root of the mean square.
+TEST(CloneBehavior, FitsTheStandardDeviationOfEachAction) {
+  RandomStream random(4);
+  Demonstrations demos;
+  demos.observations = Eigen::MatrixXd::NullaryExpr(39, 500, [&] { return random.normal(); });
+  demos.actions = Eigen::MatrixXd::NullaryExpr(30, 500, [&] { return 0.2 * random.normal(); });
+  demos.actions.row(7).setConstant(0.3);
+  CloningOptions options;
+  options.epochs = 40;
+  options.fit_log_std = true;
+  options.least_log_std = -3;
+  const auto policy = clone_behavior(demos, options, 1);
+  const Eigen::MatrixXd left = demos.actions - policy.mean(demos.observations);
+  for (int i = 0; i < kRelocateJoints; ++i) {
+    const double expected = std::max(0.5 * std::log(left.row(i).squaredNorm() / 500), -3.0);
+    EXPECT_NEAR(policy.log_std()[i], expected, 1e-9) << i;
+  }
+  EXPECT_LT(policy.log_std()[7], policy.log_std()[8] - 0.5);
+  options.std_share = 0.5;
+  EXPECT_NEAR(clone_behavior(demos, options, 1).log_std()[8], policy.log_std()[8] - std::log(2.0),
+              1e-9);
 }
 
 }  // namespace

@@ -80,6 +80,33 @@ class Follower {
   const TranslationOptions& options_;
 };
 
+/// Noise of each action that changes within a time, with the same spread at every step.
+class ActionNoise {
+ public:
+  ActionNoise(const TranslationOptions& options, RandomStream random)
+      : spread_(options.noise),
+        kept_(options.noise_time > 0 ? std::exp(-kStep / options.noise_time) : 0),
+        random_(std::move(random)) {
+    value_ = drawn();
+  }
+
+  RelocateAction next() {
+    const RelocateAction now = value_;
+    value_ = kept_ * value_ + std::sqrt(1 - kept_ * kept_) * drawn();
+    return now;
+  }
+
+ private:
+  RelocateAction drawn() {
+    if (spread_ == 0) return RelocateAction::Zero();
+    return RelocateAction::NullaryExpr([&] { return spread_ * random_.normal(); });
+  }
+
+  double spread_, kept_;
+  RandomStream random_;
+  RelocateAction value_;
+};
+
 }  // namespace
 
 RobotMotion translate(const learning::HumanSequence& sequence, learning::Retargeter& retargeter,
@@ -111,13 +138,21 @@ RobotMotion translate(const learning::HumanSequence& sequence, learning::Retarge
 
 Demonstration replay(const RelocateModel& model, const RobotMotion& motion,
                      RelocateDynamics& dynamics, const RelocateStart& start,
-                     const TranslationOptions& options) {
+                     const TranslationOptions& options, RandomStream noise) {
   RelocateTask task(model);
   Demonstration result;
   result.start = start;
   const Follower follower(motion, dynamics, model.object_mass(), start.target, options);
+  ActionNoise action_noise(options, std::move(noise));
+  result.intended.resize(kRelocateJoints, motion.held.size());
+  const Agent agent = [&](int step, const PolicyInput& input) -> RelocateAction {
+    const RelocateAction action = follower(step, input);
+    result.intended.col(step) = action;
+    return (action + action_noise.next()).cwiseMax(-1).cwiseMin(1);
+  };
   result.episode =
-      run_episode(task, start, static_cast<int>(motion.held.size()), follower, &result.path);
+      run_episode(task, start, static_cast<int>(motion.held.size()), agent, &result.path);
+  result.intended.conservativeResize(Eigen::NoChange, result.episode.steps);
   return result;
 }
 
@@ -140,7 +175,8 @@ Demonstration synthetic_demonstration(const RelocateModel& model,
                                   learning::adroit_points(), options.translation.retarget);
   RelocateDynamics dynamics(model);
   const auto motion = translate(sequence, retargeter, dynamics, options.translation);
-  Demonstration result = replay(model, motion, dynamics, start, options.translation);
+  Demonstration result =
+      replay(model, motion, dynamics, start, options.translation, random.fork("actions"));
   result.index = index;
   return result;
 }
@@ -177,7 +213,7 @@ Demonstrations frames_of(const std::vector<Demonstration>& demonstrations) {
   for (const auto& d : demonstrations) {
     const Index steps = d.path.actions.cols();
     result.observations.middleCols(next, steps) = d.path.observations.leftCols(steps);
-    result.actions.middleCols(next, steps) = d.path.actions.cwiseMax(-1).cwiseMin(1);
+    result.actions.middleCols(next, steps) = d.intended;
     next += steps;
   }
   return result;

@@ -23,9 +23,10 @@ using Eigen::MatrixXd;
 using nlohmann::json;
 
 constexpr const char* kMinariVersion = "0.5.1";
-constexpr hsize_t kChunk = 64;              // rows
-constexpr hsize_t kMaxValues = 1ULL << 31;  // of one table
-constexpr std::size_t kMaxValueBytes = 16;  // of a number
+constexpr const char* kIntended = "intended";  // info: the actions before noise was added
+constexpr hsize_t kChunk = 64;                 // rows
+constexpr hsize_t kMaxValues = 1ULL << 31;     // of one table
+constexpr std::size_t kMaxValueBytes = 16;     // of a number
 
 std::string name_of(std::size_t episode) { return fmt::format("episode_{}", episode); }
 
@@ -216,6 +217,9 @@ MinariEpisode read_episode(const H5::H5File& file, std::size_t number) {
   const MatrixXd ended = read_table(group, "terminations", 1, bytes);
   e.terminated = ended.size() > 0 && ended(ended.size() - 1) != 0;
   e.seed = read_seed(group);
+  if (!group.nameExists("infos")) return e;
+  const H5::Group infos = group.openGroup("infos");
+  if (infos.nameExists(kIntended)) e.infos[kIntended] = read_table(infos, kIntended, 2, bytes);
   return e;
 }
 
@@ -299,6 +303,10 @@ MinariDataset dataset_of(const std::vector<Demonstration>& demonstrations, const
          false,
          episode_seed(seed, d.index),
          {{"truth", d.path.positions}, {"target", d.start.target.replicate(1, columns)}}});
+    if (d.intended == dataset.episodes.back().actions) continue;
+    Eigen::MatrixXd intended(d.intended.rows(), columns);
+    intended << d.intended, d.intended.rightCols<1>();
+    dataset.episodes.back().infos[kIntended] = std::move(intended);
   }
   return dataset;
 }
@@ -338,7 +346,14 @@ Demonstrations frames_of(const MinariDataset& dataset) {
     }
     frames.observations.middleCols(next, e.actions.cols()) =
         e.observations.leftCols(e.actions.cols());
-    frames.actions.middleCols(next, e.actions.cols()) = e.actions.cwiseMax(-1).cwiseMin(1);
+    const auto intended = e.infos.find(kIntended);
+    const MatrixXd& actions = intended == e.infos.end() ? e.actions : intended->second;
+    if (actions.rows() != kRelocateJoints) {
+      throw BadInput(fmt::format("info '{}' of {} values a step, not {}", kIntended, actions.rows(),
+                                 kRelocateJoints));
+    }
+    frames.actions.middleCols(next, e.actions.cols()) =
+        actions.leftCols(e.actions.cols()).cwiseMax(-1).cwiseMin(1);
     next += e.actions.cols();
   }
   return frames;

@@ -23,6 +23,10 @@ struct TranslationOptions {
   double stiffness = 1500;  ///< N/m, by which the base is held to the motion
   double damping = 80;      ///< N s/m
   double success = 0.05;    ///< m from the target at the end, below which a replay is kept
+  /// Standard deviation of what is added to the replayed actions, of -1..1: the demonstrations then
+  /// show how to come back to the motion (Laskey et al. 2017).
+  double noise = 0;
+  double noise_time = 0.05;  ///< s in which that noise changes; 0: white
 
   template <class Visitor>
   void visit(Visitor&& v) {
@@ -37,6 +41,9 @@ struct TranslationOptions {
     v("stiffness", stiffness, 0.0, 1e5, "N/m, stiffness with which the base follows the motion");
     v("damping", damping, 0.0, 1e4, "N s/m, damping with which the base follows the motion");
     v("success", success, 1e-3, 1.0, "m, distance from the target below which a replay is kept");
+    v("noise", noise, 0.0, 1.0,
+      "standard deviation of the noise that is added to the replayed actions");
+    v("noise_time", noise_time, 0.0, 10.0, "s, time in which that noise changes; 0: white noise");
   }
 };
 
@@ -59,12 +66,14 @@ struct Demonstration {
   RelocateStart start;
   Path path;
   Episode episode;
+  Eigen::MatrixXd intended;  ///< 30 x steps: the actions without the noise, -1..1
 };
 
 /// Carries out a motion in simulation by inverse dynamics (thesis eq. 7.9).
+/// @param noise  of the actions, drawn from if options.noise is above 0
 Demonstration replay(const RelocateModel& model, const RobotMotion& motion,
                      RelocateDynamics& dynamics, const RelocateStart& start,
-                     const TranslationOptions& options);
+                     const TranslationOptions& options, RandomStream noise = RandomStream(0));
 
 struct DemonstrationOptions {
   SyntheticHumanOptions human;
@@ -100,7 +109,7 @@ DemonstrationSet make_demonstrations(const RelocateModel& model,
                                      std::size_t count, std::size_t most, int threads,
                                      const ProgressCallback& progress = {});
 
-/// All frames of all demonstrations.
+/// All frames of all demonstrations, with the intended actions.
 Demonstrations frames_of(const std::vector<Demonstration>& demonstrations);
 
 }  // namespace palpate::relocate

@@ -19,7 +19,8 @@ struct MinariEpisode {
   Eigen::VectorXd rewards;       ///< T
   bool terminated = false;       ///< how it ended; otherwise it was cut off
   std::uint64_t seed = 0;        ///< with which the environment starts it again
-  std::map<std::string, Eigen::MatrixXd> infos = {};  ///< n x (T + 1) each, written only
+  /// n x (T + 1) each; of these only "intended" is read: the actions before noise was added
+  std::map<std::string, Eigen::MatrixXd> infos = {};
 };
 
 /// Episodes as the Minari library keeps them (format of version 0.5, HDF5).
@@ -43,7 +44,8 @@ MinariDataset read_minari(const std::filesystem::path& folder);
 
 /// The demonstrations as a dataset, and a dataset's frames to learn from. An episode's seed is its
 /// episode_seed(); its infos are those of the Python package's environment: "truth" (37), whose
-/// first row is the start, and "target" (3).
+/// first row is the start, and "target" (3); "intended" (30) where noise was added to the actions.
+/// Frames have the intended actions.
 /// @throws BadInput for a seed that episode_seed() refuses
 MinariDataset dataset_of(const std::vector<Demonstration>& demonstrations, const std::string& id,
                          std::uint64_t seed);

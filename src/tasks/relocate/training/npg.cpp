@@ -25,7 +25,8 @@ using Eigen::VectorXd;
 constexpr double kAdvantageScale = 1e-2;
 constexpr double kLargestObservation = 10, kTimeUnit = 100;
 constexpr int kTimePowers = 4;
-constexpr int kValueUnits = 128, kValueEpochs = 2, kValueBatch = 64;
+constexpr double kLargestNormalized = 5;
+constexpr int kValueUnits = 128, kValueBatch = 64;
 constexpr double kValueRate = 1e-3, kValueDecay = 1e-3;
 
 /// The paths of an iteration, end to end.
@@ -34,12 +35,23 @@ struct Batch {
   VectorXd advantages, returns;
 };
 
+MatrixXd clipped(const MatrixXd& values, double limit) {
+  return values.cwiseMax(-limit).cwiseMin(limit);
+}
+
 /// Inputs of the value network: the clipped observation and powers of time.
-MatrixXd value_features(const MatrixXd& observations) {
+MatrixXd value_features(const MatrixXd& observations, const MlpPolicy& policy,
+                        const std::string& inputs) {
   MatrixXd features(observations.rows() + kTimePowers, observations.cols());
-  features.topRows(observations.rows()) =
-      observations.cwiseMax(-kLargestObservation).cwiseMin(kLargestObservation) /
-      kLargestObservation;
+  if (inputs == "published") {
+    features.topRows(observations.rows()) =
+        clipped(observations, kLargestObservation) / kLargestObservation;
+  } else if (inputs == "normalized") {
+    features.topRows(observations.rows()) =
+        clipped(policy.normalized(observations), kLargestNormalized);
+  } else {
+    throw BadInput(fmt::format("value_inputs = '{}': published or normalized is known", inputs));
+  }
   for (Index i = 0; i < observations.cols(); ++i) {
     const double t = static_cast<double>(i) / kTimeUnit;
     for (int power = 1; power <= kTimePowers; ++power) {
@@ -88,16 +100,27 @@ VectorXd predicted(const NpgState& state, const MatrixXd& features) {
   return ((*state.value)(features).row(0).array() * state.value_scale + state.value_shift).matrix();
 }
 
-Batch gather(const NpgState& state, const std::vector<Path>& paths, const NpgOptions& options) {
+/// Share of the variance of `values` that `estimates` explain; below 0 where they do worse than a
+/// constant.
+double explained_share(const VectorXd& values, const VectorXd& estimates) {
+  const double variance = (values.array() - values.mean()).square().mean();
+  return variance > 0 ? 1 - (values - estimates).squaredNorm() /
+                                static_cast<double>(values.size()) / variance
+                      : 0;
+}
+
+Batch gather(const NpgState& state, const MlpPolicy& policy, const std::vector<Path>& paths,
+             const NpgOptions& options, NpgIteration& result) {
   Index steps = 0;
   for (const Path& path : paths) steps += path.rewards.size();
   Batch batch{MatrixXd(kRelocateObservations, steps), MatrixXd(kRelocateJoints, steps),
               MatrixXd(kRelocateObservations + kTimePowers, steps), VectorXd(steps),
               VectorXd(steps)};
+  VectorXd foretold(steps);
   Index next = 0;
   for (const Path& path : paths) {
     const Index n = path.rewards.size();
-    const MatrixXd features = value_features(path.observations);
+    const MatrixXd features = value_features(path.observations, policy, options.value_inputs);
     const VectorXd values = predicted(state, features);
     batch.observations.middleCols(next, n) = path.observations.leftCols(n);
     batch.actions.middleCols(next, n) = path.actions;
@@ -105,8 +128,10 @@ Batch gather(const NpgState& state, const std::vector<Path>& paths, const NpgOpt
     batch.advantages.segment(next, n) =
         generalized_advantages(path.rewards, values, options.discount, options.trace);
     batch.returns.segment(next, n) = discounted_returns(path.rewards, options.discount);
+    foretold.segment(next, n) = values.head(n);
     next += n;
   }
+  result.explained = explained_share(batch.returns, foretold);
   batch.advantages.array() -= batch.advantages.mean();
   const double spread = std::sqrt(batch.advantages.squaredNorm() / static_cast<double>(steps));
   if (spread > 0) batch.advantages /= spread;
@@ -162,7 +187,7 @@ void take_step(GaussianPolicy& policy, const Batch& batch, const VectorXd& gradi
   const double slope = gradient.dot(direction);
   if (!(slope > 0)) return;
   double length = std::sqrt(2 * options.divergence / slope);
-  for (int i = 0; i <= options.halvings; ++i, length /= 2) {
+  for (int i = 0; i <= options.halvings; ++i, length *= options.backtrack) {
     policy.set_parameters(before.parameters() + length * direction, options.min_log_std);
     result.divergence = before.divergence(policy, batch.observations);
     if (result.divergence <= options.divergence) break;
@@ -179,7 +204,7 @@ void take_step(GaussianPolicy& policy, const Batch& batch, const VectorXd& gradi
   result.surrogate_gain = ((ratio - 1) * batch.advantages.array()).mean();
 }
 
-void fit_value(NpgState& state, const Batch& batch, RandomStream random) {
+void fit_value(NpgState& state, const Batch& batch, int epochs, RandomStream random) {
   if (!state.value) {
     state.value_shift = batch.returns.mean();
     const double variance = (batch.returns.array() - state.value_shift).square().mean();
@@ -190,7 +215,7 @@ void fit_value(NpgState& state, const Batch& batch, RandomStream random) {
   }
   const MatrixXd targets =
       ((batch.returns.array() - state.value_shift) / state.value_scale).matrix().transpose();
-  numerics::RegressionOptions regression{kValueEpochs, kValueBatch, kValueRate, 1, kValueDecay};
+  numerics::RegressionOptions regression{epochs, kValueBatch, kValueRate, 1, kValueDecay};
   numerics::fit_regression(*state.value, batch.features, targets, regression, random);
 }
 
@@ -230,12 +255,12 @@ NpgIteration npg_iteration(NpgState& state, const RelocateModel& model, const Np
   NpgIteration result;
   GaussianPolicy policy(mlp_policy(state.policy));
   const auto paths = explore(state, model, policy.policy(), options, seed, threads, result);
-  const Batch batch = gather(state, paths, options);
+  const Batch batch = gather(state, policy.policy(), paths, options, result);
   const double weight = demo_weight(options, state.iteration, batch.advantages.maxCoeff());
   const VectorXd gradient = augmented_gradient(policy, batch, demonstrations, weight);
   take_step(policy, batch, gradient, options, result);
   fit_value(
-      state, batch,
+      state, batch, options.value_epochs,
       RandomStream(seed, "value").fork("iteration", static_cast<std::uint64_t>(state.iteration)));
   state.policy = policy.policy().record();
   ++state.iteration;
@@ -277,6 +302,12 @@ MlpPolicy clone_behavior(const Demonstrations& demonstrations, const CloningOpti
     regression.rate = options.rate;
     numerics::fit_regression(policy.network(), policy.normalized(demonstrations.observations),
                              demonstrations.actions, regression, random);
+    if (options.fit_log_std) {
+      const MatrixXd left = demonstrations.actions - policy.mean(demonstrations.observations);
+      const Eigen::ArrayXd spread = left.array().square().rowwise().mean().sqrt();
+      const Eigen::ArrayXd log_std = (options.std_share * spread + 1e-300).log();
+      policy.set_log_std(log_std.max(options.least_log_std).matrix());
+    }
   }
   return policy;
 }

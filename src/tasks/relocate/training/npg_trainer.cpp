@@ -26,7 +26,8 @@ class NpgTrainer : public Trainer {
             {"return", result.mean_return},
             {"success_5cm", result.success_5cm},
             {"surrogate_gain", result.surrogate_gain},
-            {"divergence", result.divergence}};
+            {"divergence", result.divergence},
+            {"value_explained", result.explained}};
   }
 
   int iteration() const override { return state_.iteration; }

@@ -20,7 +20,8 @@ struct NpgOptions {
   double discount = 0.995;   ///< gamma
   double trace = 0.97;       ///< lambda of generalised advantages
   double divergence = 0.01;  ///< Kullback-Leibler divergence of a step
-  int halvings = 10;         ///< of a step that goes further, at most
+  int halvings = 10;         ///< how often a step that goes further is shortened, at most
+  double backtrack = 0.5;    ///< factor by which it is shortened
   int conjugate_steps = 10;  ///< of conjugate gradients
   double damping = 1e-4;     ///< added to the Fisher information
   double min_log_std = -3;   ///< of the actions
@@ -29,7 +30,11 @@ struct NpgOptions {
   /// "published": the demonstrations' weight is lambda0 lambda1^k; "thesis": that times the largest
   /// advantage (eq. 7.5).
   std::string demo_form = "published";
-  int evaluation = 10;  ///< episodes of the mean action that a trainer runs after each iteration
+  /// What the value network sees of an observation: "published": a tenth of it; "normalized": as
+  /// the policy's network does. Either with four powers of time.
+  std::string value_inputs = "published";
+  int value_epochs = 2;  ///< over an iteration's frames
+  int evaluation = 10;   ///< episodes of the mean action that a trainer runs after each iteration
 
   template <class Visitor>
   void visit(Visitor&& v) {
@@ -50,6 +55,12 @@ struct NpgOptions {
       "weighting of demonstrations: published, or thesis (times the largest advantage, eq. 7.5)");
     v("evaluation", evaluation, 1, 100000,
       "number of episodes with the mean action after each iteration");
+    v("backtrack", backtrack, 0.01, 0.99,
+      "factor by which a step that exceeds the divergence is shortened");
+    v("value_inputs", value_inputs,
+      "inputs of the value network: published (a tenth of an observation), or normalized");
+    v("value_epochs", value_epochs, 1, 1000,
+      "number of passes of the value network over the frames of an iteration");
   }
 };
 
@@ -65,6 +76,7 @@ struct NpgIteration {
   double mean_return = 0, success_5cm = 0;  ///< of the exploring policy
   double surrogate_gain = 0;  ///< of the mean advantage-weighted likelihood ratio, by the step
   double divergence = 0;      ///< of the step
+  double explained = 0;       ///< share of the returns' variance that the value network foretold
   int diverged = 0;           ///< episodes that were left out
 };
 
@@ -90,6 +102,11 @@ struct CloningOptions {
   int epochs = 200;
   double rate = 1e-3;  ///< of numerics::Adam
   double log_std = 0;  ///< of the actions of the policy that is made
+  /// Takes instead the log standard deviation that makes the demonstrations likeliest (eq. 7.2):
+  /// that of what is left of each action, but no less than least_log_std.
+  bool fit_log_std = false;
+  double least_log_std = -4;
+  double std_share = 1;  ///< of the standard deviations found so that one explores with
   template <class Visitor>
   void visit(Visitor&& v) {
     v("hidden", hidden, 1, 1024, "number of units in each of the two hidden layers");
@@ -97,6 +114,11 @@ struct CloningOptions {
     v("rate", rate, 1e-6, 1.0, "learning rate of Adam");
     v("log_std", log_std, -10.0, 2.0,
       "logarithm of the standard deviation of the actions of the new policy");
+    v("fit_log_std", fit_log_std,
+      "take the standard deviations that make the demonstrations likeliest instead of log_std");
+    v("least_log_std", least_log_std, -20.0, 2.0,
+      "least logarithm of the standard deviations found in this way");
+    v("std_share", std_share, 1e-3, 100.0, "factor on the standard deviations found in this way");
   }
 };
 
