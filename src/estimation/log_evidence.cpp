@@ -175,15 +175,21 @@ void add_rolled(const hand::Description& hand, const EventLog& log, std::size_t 
 }
 
 /// Adds where the table was when the held object touched it, carried along with the object to the
-/// present.
-void add_table_touch(const hand::Description& hand, const EventLog& log, std::size_t touched,
-                     std::size_t present, const EstimationOptions& options, Evidence& evidence) {
-  const Eigen::Isometry3d T_base_table =
-      log.readings[touched].base.pose().inverse() * log.T_world_table;
-  const auto motion = in_hand_motion(hand, log, touched, present, options.errors).T;
-  const Eigen::Isometry3d T = motion * T_base_table;
-  const Eigen::Vector3d normal = T.linear().col(2);
-  evidence.planes.push_back({normal, normal.dot(T.translation()), options.table_touch_sigma});
+/// present. Each later touch may have turned it in the hand.
+void add_table_touches(const hand::Description& hand, const EventLog& log, std::size_t present,
+                       const EstimationOptions& options, Evidence& evidence) {
+  const auto touches = log.all(TouchEvent::table_touched);
+  for (std::size_t k = 0; k < touches.size(); ++k) {
+    const Eigen::Isometry3d T_base_table =
+        log.readings[touches[k]].base.pose().inverse() * log.T_world_table;
+    const auto motion = in_hand_motion(hand, log, touches[k], present, options.errors).T;
+    const Eigen::Isometry3d T = motion * T_base_table;
+    const Eigen::Vector3d normal = T.linear().col(2);
+    const double later = std::sqrt(static_cast<double>(touches.size() - 1 - k));
+    evidence.planes.push_back(
+        {normal, normal.dot(T.translation()),
+         std::hypot(options.table_touch_sigma, later * options.probe_motion)});
+  }
 }
 
 /// What the fingertips do to the object that hangs in them, in the hand's base.
@@ -258,9 +264,7 @@ Evidence evidence_in_hand(const hand::Description& hand, const EventLog& log,
     for (const std::size_t rolled : log.all(TouchEvent::rolled)) {
       add_rolled(hand, log, rolled, present, options, evidence);
     }
-    for (const std::size_t touched : log.all(TouchEvent::table_touched)) {
-      add_table_touch(hand, log, touched, present, options, evidence);
-    }
+    add_table_touches(hand, log, present, options, evidence);
   }
   share_offsets(hand, evidence);
   return evidence;

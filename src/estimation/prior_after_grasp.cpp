@@ -24,7 +24,7 @@ constexpr double kUntracked = 0.05;  // rad, sigma of a turn in two fingertips t
 constexpr double kSteadyMass = 0.2;  // kg, of an object that closing fingers do not push
 constexpr double kPushShare = 0.6;   // of the way that a fingertip pushed it, sigma
 constexpr double kPushArm = 0.04;    // m, of a push that turns it
-constexpr double kStirred = 3.0;     // so many times as far, where it was rolled or grasped again
+constexpr double kStirred = 3.0;     // so many times as far, where it was turned or grasped again
 
 using localization::PosePrior;
 
@@ -177,18 +177,26 @@ PosePrior after_motion(const HeldObject& held, const localization::Posterior& be
   return prior;
 }
 
-bool rolled(const HeldObject& held) { return held.log.at(TouchEvent::rolled).has_value(); }
+/// Whether it has been moved on purpose since the hand closed, up to the instant.
+bool moved_since(const HeldObject& held) {
+  for (const TouchEvent mark : {TouchEvent::rolled, TouchEvent::table_touched}) {
+    for (const std::size_t reading : held.log.all(mark)) {
+      if (reading > held.closed && reading <= held.at) return true;
+    }
+  }
+  return false;
+}
 
 }  // namespace
 
 PosePrior prior_after_grasp(const HeldObject& held, localization::Posterior resting) {
   transform(held.log.readings[held.closed].base.pose().inverse(), resting);
-  const bool stirred = held.log.has_opened() || rolled(held);
+  const bool stirred = held.log.has_opened() || moved_since(held);
   return after_motion(held, resting, stirred ? kStirred : 1.0, disturbances(held, resting));
 }
 
 PosePrior prior_after_lift(const HeldObject& held, const localization::Posterior& before_lift) {
-  return after_motion(held, before_lift, rolled(held) ? kStirred : 1.0, {});
+  return after_motion(held, before_lift, moved_since(held) ? kStirred : 1.0, {});
 }
 
 PosePrior either_of(const PosePrior& one, const PosePrior& other) {

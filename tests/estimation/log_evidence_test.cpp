@@ -63,8 +63,21 @@ TEST(EvidenceInHand, HoldsWhereTheTableWasWhenTheHeldObjectTouchedIt) {
   for (const Eigen::Vector3d& p : {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(0.3, -0.2, 0)}) {
     EXPECT_NEAR(plane.normal.dot(T_base_world * p), plane.height, 1e-9);  // of the table
   }
-  EXPECT_TRUE(evidence_in_hand(hand, log, {5, false}, 0.2, {}).planes.size() == 1)
+  EXPECT_EQ(evidence_in_hand(hand, log, {5, false}, 0.2, {}).planes.size(), 1u)
       << "all of the log counts, before and after the instant";
+}
+
+TEST(EvidenceInHand, IsLessSureOfTouchesOfTheTableAfterWhichTheObjectMayHaveTurned) {
+  static const auto hand = simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
+  EventLog log = one_table_touch();
+  log.moments.insert(log.moments.end() - 1, {TouchEvent::table_touched, 25});
+  EstimationOptions options;
+  options.table_touch_sigma = 0.003;
+  options.probe_motion = 0.004;
+  const auto evidence = evidence_in_hand(hand, log, {29, true}, 0.2, options);
+  ASSERT_EQ(evidence.planes.size(), 2u);
+  EXPECT_NEAR(evidence.planes[0].sigma, 0.005, 1e-12);
+  EXPECT_NEAR(evidence.planes[1].sigma, 0.003, 1e-12);
 }
 
 }  // namespace

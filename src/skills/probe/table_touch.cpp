@@ -21,17 +21,16 @@ constexpr double kHandOver = 0.005;       // m of the hand over the object's low
 constexpr double kClearShare = 0.9;       // of the poses, by which it is
 constexpr double kMetSigma = 0.0012;      // m, of the height at which the table is met
 constexpr double kUnlike = 1e-6;          // likelihood that a pose keeps
-constexpr double kTableTouchSeconds = 3;  // s that a touch takes
-constexpr double kSlowFrom = 0.008;       // m over the expected touch, and two of its sigmas
+constexpr double kTableTouchSeconds = 4;  // s that a touch takes
+constexpr double kSlowFrom = 0.006;       // m over the expected touch, and two of its sigmas
 constexpr double kGiveUp = 0.012;         // m below it, and two of its sigmas
 constexpr double kTurnedSpeed = 0.1;      // m/s
-constexpr double kGuardedSpeed = 0.01;    // m/s
-constexpr double kBorne = 0.25;           // N that the table bears
-constexpr double kKnocked = 1.5;          // N by which a fast motion has met something
+constexpr double kGuardedSpeed = 0.005;  // m/s: the stiff grip presses 2 N/mm, and turns the object
+constexpr double kBorne = 0.25;          // N that the table bears
+constexpr double kKnocked = 1.5;         // N by which a fast motion has met something
 constexpr int kBorneTicks = 3;
 constexpr double kSettleSeconds = 0.6;  // s, for the load's mean to hold nothing of the motion
 constexpr double kSetOutSeconds = 0.3;  // s of a motion in which the load is that of setting out
-constexpr double kOnTableSeconds = 0.12;
 
 /// Stop condition: what hangs on the base has fallen below a load, not before a time (s).
 Executor::StopCondition borne_by_table(double load, double since) {
@@ -167,7 +166,6 @@ std::optional<double> touch_table(Executor& robot, const TableTouchChoice& choic
   const bool met = stopped(over, kTurnedSpeed, kKnocked) || stopped(low, kGuardedSpeed, kBorne);
   std::optional<double> lowest;
   if (met) {
-    robot.wait(kOnTableSeconds);
     robot.mark(estimation::TouchEvent::table_touched);
     const double down = choice.turned_base(touch).translation().z() - robot.reading().base.xyz.z();
     lowest = down - choice.height();
