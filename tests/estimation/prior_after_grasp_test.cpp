@@ -78,5 +78,26 @@ TEST(PriorAfterGrasp, WhatRocksMayHaveRockedSeveralTimesAsFar) {
   EXPECT_LT(roll(2), 5 * roll(0)) << "the hand stops it";
 }
 
+/// Variance of the turn about x in the narrowest component, at reading 19 of a hand that closed at
+/// reading 5, with another moment.
+double turn_after(TouchEvent mark, std::size_t reading) {
+  const geometry::ObjectModel model(geometry::load_known_object("box"));
+  EventLog log;
+  log.readings.assign(20, hand::resting_reading());
+  log.moments = {{TouchEvent::closed, 5}, {mark, reading}};
+  localization::Posterior before;
+  before.modes.push_back({Eigen::Isometry3d::Identity(), 1, Matrix6d::Zero(), {}});
+  const EstimationOptions options;
+  const auto prior = prior_after_lift({model, hand::shadow_hand(), log, 5, 17, options, 1}, before);
+  return prior.components.front().covariance(0, 0);
+}
+
+TEST(PriorAfterLift, WhatTouchedTheTableMayHaveTurnedInTheHand) {
+  const double still = turn_after(TouchEvent::probed, 10);
+  EXPECT_NEAR(turn_after(TouchEvent::table_touched, 10), 9 * still, 1e-9);
+  EXPECT_NEAR(turn_after(TouchEvent::rolled, 10), 9 * still, 1e-9);
+  EXPECT_NEAR(turn_after(TouchEvent::table_touched, 18), still, 1e-9) << "after the instant";
+}
+
 }  // namespace
 }  // namespace palpate::estimation
