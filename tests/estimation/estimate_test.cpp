@@ -20,6 +20,7 @@ struct PickedBox {
     evaluation::TrialOptions options = evaluation::TrialOptions::ideal();
     options.pick.explore.touches = options.pick.explore.max_touches = 4;
     options.pick.lift.hold = 0.3;
+    options.pick.palpation.table_touches = 0;
     options.pick.estimation.search.proposals = 20000;
     options.pick.estimation.search.particles = 400;
     options.start.stable_pose = 0;

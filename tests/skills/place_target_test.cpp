@@ -145,10 +145,10 @@ TEST(PlaceTarget, RandomSpotsAreInReachAndFollowTheSeed) {
 }
 
 TEST(PlaceTarget, WhatCannotBeIsNamed) {
-  EXPECT_NE(complaint("somewhere").find("no place"), std::string::npos);
-  EXPECT_NE(complaint("1,2").find("no place"), std::string::npos);
+  EXPECT_NE(complaint("somewhere").find("is not a target"), std::string::npos);
+  EXPECT_NE(complaint("1,2").find("is not a target"), std::string::npos);
   EXPECT_NE(complaint("0.6,0,0").find("out of reach"), std::string::npos);
-  EXPECT_NE(complaint("nan,0,0").find("no place"), std::string::npos);
+  EXPECT_NE(complaint("nan,0,0").find("is not a target"), std::string::npos);
   EXPECT_NE(complaint(text_of(on_table({0.4, 0.4}))).find("out of reach"), std::string::npos);
 
   Eigen::Isometry3d T = on_table({0.1, 0.1});

@@ -34,7 +34,7 @@ PhaseEnd TouchTablePhase::run(Executor& robot, PickState& state) {
     choice.made(*touch, lowest);
     touches += lowest.has_value();
   }
-  if (tries == 0) return {true, "tells nothing more"};
+  if (tries == 0) return {true, "would tell nothing more"};
   robot.move_base(start, kBackSpeed);
   robot.wait(hold_);
   if (!hangs()) return {false, "lost on the table"};
