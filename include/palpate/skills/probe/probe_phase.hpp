@@ -53,7 +53,8 @@ struct PalpationOptions {
     v.expert("likely", likely, 0.0, 1.0, "least probability that a motion touches a new point");
     v.expert("closing_rate", closing_rate, 0.05, 5.0, "rad/s, speed of J3 while closing");
     v.expert("torque", torque, 0.01, 1.0, "N m, torque at J3 while closing");
-    v("touch_force", touch_force, 0.02, 5.0, "N, force at the fingertip that counts as a touch");
+    v.expert("touch_force", touch_force, 0.02, 5.0,
+             "N, force at the fingertip that counts as a touch");
     v.expert("balance", balance, 0.0, 2.0,
              "largest wrench residual of the other fingers' forces, without the finger that moves");
   }
