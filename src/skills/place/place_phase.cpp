@@ -8,15 +8,15 @@
 
 #include "estimation/mean_load.hpp"
 #include "palpate/hand/tip_forces.hpp"
+#include "skills/load_below.hpp"
 #include "skills/opening.hpp"
 
 namespace palpate::skills {
 namespace {
 
 constexpr double kSettleSeconds = 0.25;  // s
-constexpr double kSettle = 0.75;     // s, for the load's mean to hold nothing of the motion before
-constexpr double kSettingOut = 0.3;  // s
-constexpr int kLoadedTicks = 3;
+constexpr double kSettle = 0.75;      // s, for the load's mean to hold nothing of the motion before
+constexpr double kSettingOut = 0.3;   // s
 constexpr double kTries = 6;          // places on a turn of the spiral
 constexpr double kEarlyOfWall = 0.5;  // of a wall's height: that high, the object stands on it
 constexpr double kWider = 0.25;       // rad by which the fingers open further
@@ -35,15 +35,6 @@ Eigen::Vector3d aside(int attempt, double spacing) {
 hand::BasePosition moved(hand::BasePosition base, const Eigen::Vector3d& way) {
   base.xyz += way;
   return base;
-}
-
-/// Stop condition: what the base carries has fallen below a load for some ticks in a row, not
-/// before a time (s), for setting out takes load off, too.
-Executor::StopCondition load_below(double load, double since = 0) {
-  return [load, since, ticks = 0](const hand::HandReading& reading) mutable {
-    ticks = reading.time > since && reading.base_force.z() < load ? ticks + 1 : 0;
-    return ticks >= kLoadedTicks;
-  };
 }
 
 hand::ActuatorVector wider(const Executor& robot) {

@@ -10,6 +10,7 @@
 #include "estimation/mean_load.hpp"
 #include "palpate/core/se3.hpp"
 #include "palpate/skills/place/place_goal.hpp"
+#include "skills/load_below.hpp"
 
 namespace palpate::skills {
 namespace {
@@ -28,17 +29,8 @@ constexpr double kTurnedSpeed = 0.1;      // m/s
 constexpr double kGuardedSpeed = 0.005;  // m/s: the stiff grip presses 2 N/mm, and turns the object
 constexpr double kBorne = 0.25;          // N that the table bears
 constexpr double kKnocked = 1.5;         // N by which a fast motion has met something
-constexpr int kBorneTicks = 3;
-constexpr double kSettleSeconds = 0.6;  // s, for the load's mean to hold nothing of the motion
-constexpr double kSetOutSeconds = 0.3;  // s of a motion in which the load is that of setting out
-
-/// Stop condition: what hangs on the base has fallen below a load, not before a time (s).
-Executor::StopCondition borne_by_table(double load, double since) {
-  return [load, since, ticks = 0](const hand::HandReading& reading) mutable {
-    ticks = reading.time > since && reading.base_force.z() < load ? ticks + 1 : 0;
-    return ticks >= kBorneTicks;
-  };
-}
+constexpr double kSettleSeconds = 0.6;   // s, for the load's mean to hold nothing of the motion
+constexpr double kSetOutSeconds = 0.3;   // s of a motion in which the load is that of setting out
 
 double lowest_point(const geometry::ObjectModel& object, const Eigen::Isometry3d& T_world_object) {
   const Eigen::RowVector3f up = T_world_object.linear().row(2).cast<float>();
@@ -159,8 +151,7 @@ std::optional<double> touch_table(Executor& robot, const TableTouchChoice& choic
   robot.wait(kSettleSeconds);
   const double load = estimation::mean_load(robot.log());
   const auto stopped = [&](const hand::BasePosition& to, double speed, double borne) {
-    return robot.move_base(to, speed,
-                           borne_by_table(load - borne, robot.time() + kSetOutSeconds)) ==
+    return robot.move_base(to, speed, load_below(load - borne, robot.time() + kSetOutSeconds)) ==
            MotionEnd::stopped;
   };
   const bool met = stopped(over, kTurnedSpeed, kKnocked) || stopped(low, kGuardedSpeed, kBorne);
