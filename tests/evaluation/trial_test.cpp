@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "core/temporary_folder.hpp"
+#include "evaluation/quick_options.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/options.hpp"
 #include "palpate/evaluation/evaluation.hpp"
@@ -23,21 +24,6 @@ constexpr std::uint64_t kSeed = 7;
 
 geometry::ObjectModel model(const char* name) {
   return geometry::ObjectModel(geometry::load_known_object(name));
-}
-
-/// A pick that takes a few seconds of wall time.
-TrialOptions quick_options() {
-  TrialOptions options = TrialOptions::ideal();
-  options.pick.explore.touches = 4;
-  options.pick.lift.hold = 0.5;
-  options.pick.palpation.max = 2;
-  options.pick.palpation.rolls = options.pick.palpation.regrasps = 0;
-  options.pick.palpation.certain = options.pick.palpation.doubtful = 1;  // whatever is known
-  options.pick.palpation.table_touches = 0;
-  options.pick.palpation.min_gain_rate = 0;
-  options.pick.estimation.search.proposals = 20000;
-  options.pick.estimation.search.particles = 400;
-  return options;
 }
 
 void expect_equal(const localization::Mode& a, const localization::Mode& b) {

@@ -129,7 +129,7 @@ TEST(TouchTable, GoesDownUntilTheTableBearsAndUpAgain) {
   const double stands = choice.turned_base(touch).translation().z();
   touch.lowest = stands - kBelow - choice.height() + 0.003;  // 3 mm off
   touch.sigma = 0.002;
-  const auto lowest = touch_table(robot, choice, touch);
+  const auto lowest = touch_table(robot, choice, touch, 1);
   ASSERT_TRUE(lowest);
   EXPECT_NEAR(*lowest, stands - kBelow - choice.height(), 0.0005);
   EXPECT_EQ(robot.log().all(estimation::TouchEvent::table_touched).size(), 1u);
@@ -147,7 +147,24 @@ TEST(TouchTable, GivesUpWhereNoTableIs) {
   TableTouch touch;
   touch.lowest = -0.05;
   touch.sigma = 0.002;
-  EXPECT_FALSE(touch_table(robot, choice, touch));
+  EXPECT_FALSE(touch_table(robot, choice, touch, 1));
+  EXPECT_TRUE(robot.log().all(estimation::TouchEvent::table_touched).empty());
+}
+
+/// What has fallen cannot touch the table.
+TEST(TouchTable, LetsNothingDownWhereNothingHangs) {
+  HangingBox box(0.02);
+  hand::FakeHand hand(box_over_table(0.26));
+  hand::HandCommand start = hand::resting_command();
+  start.base.xyz.z() = 0.35;
+  Executor robot(hand, hand::shadow_hand(), start);
+  robot.wait(0.05);
+  TableTouchChoice choice(robot, box.object, box.posterior, RandomStream(1, "touch table"));
+  TableTouch touch;
+  touch.lowest = -0.05;
+  touch.sigma = 0.002;
+  EXPECT_FALSE(touch_table(robot, choice, touch, 3));  // 2 N hang
+  EXPECT_GT(robot.reading().base.xyz.z(), 0.34);
   EXPECT_TRUE(robot.log().all(estimation::TouchEvent::table_touched).empty());
 }
 

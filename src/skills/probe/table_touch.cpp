@@ -139,7 +139,7 @@ void TableTouchChoice::made(const TableTouch& touch, std::optional<double> lowes
 }
 
 std::optional<double> touch_table(Executor& robot, const TableTouchChoice& choice,
-                                  const TableTouch& touch) {
+                                  const TableTouch& touch, double least_load) {
   const hand::BasePosition turned = base_near(choice.turned_base(touch), robot.command().base);
   const double way = choice.height() + touch.lowest;  // down to the table
   const hand::BasePosition over = lowered(turned, way - kSlowFrom - 2 * touch.sigma);
@@ -150,6 +150,7 @@ std::optional<double> touch_table(Executor& robot, const TableTouchChoice& choic
   robot.move_base(turned, kTurnedSpeed);
   robot.wait(kSettleSeconds);
   const double load = estimation::mean_load(robot.log());
+  if (load < least_load) return std::nullopt;
   const auto stopped = [&](const hand::BasePosition& to, double speed, double borne) {
     return robot.move_base(to, speed, load_below(load - borne, robot.time() + kSetOutSeconds)) ==
            MotionEnd::stopped;

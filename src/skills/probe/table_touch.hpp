@@ -55,8 +55,9 @@ class TableTouchChoice {
 
 /// Turns the hand, lets the object down until the table bears some of its weight, marks
 /// `table_touched`, and goes up again.
+/// @param least_load  N that must hang on the base, once it stands, for anything to be let down
 /// @return the lowest point over the object's centroid; none: the table was not met
 std::optional<double> touch_table(Executor& robot, const TableTouchChoice& choice,
-                                  const TableTouch& touch);
+                                  const TableTouch& touch, double least_load);
 
 }  // namespace palpate::skills

@@ -20,24 +20,25 @@ PhaseEnd TouchTablePhase::run(Executor& robot, PickState& state) {
   const auto& posterior = state.estimate.posterior;
   if (posterior.modes.empty()) return {true, "no pose"};
   const double weight = kGravity * estimator_.object().object().mass;
-  const auto hangs = [&] { return estimation::mean_load(robot.log()) > kStillHangs * weight; };
   const double before = localization::best_probability(posterior);
   const double last_start = robot.time() + time_limit() - kOneTouchSeconds - hold_;
   const hand::BasePosition start = robot.command().base;
   TableTouchChoice choice(robot, estimator_.object(), posterior,
                           RandomStream(estimator_.seed(), "touch table"));
   int tries = 0, touches = 0;
-  for (; tries < options_.table_touches && robot.time() < last_start && hangs(); ++tries) {
+  for (; tries < options_.table_touches && robot.time() < last_start; ++tries) {
     const auto touch = choice.next();
     if (!touch || touch->expected_gain.rate() < options_.min_gain_rate) break;
-    const auto lowest = touch_table(robot, choice, *touch);
+    const auto lowest = touch_table(robot, choice, *touch, kStillHangs * weight);
     choice.made(*touch, lowest);
     touches += lowest.has_value();
   }
   if (tries == 0) return {true, "would tell nothing more"};
   robot.move_base(start, kBackSpeed);
   robot.wait(hold_);
-  if (!hangs()) return {false, "lost on the table"};
+  if (estimation::mean_load(robot.log()) < kStillHangs * weight) {
+    return {false, "lost on the table"};
+  }
   robot.mark(estimation::TouchEvent::held);
   if (touches > 0) {
     state.estimate =
