@@ -11,6 +11,7 @@
 #include "palpate/core/se3.hpp"
 #include "palpate/registration/correspondences_io.hpp"
 #include "palpate/registration/pose.hpp"
+#include "terminal.hpp"
 #include "units_hint.hpp"
 
 namespace palpate::app {
@@ -70,7 +71,8 @@ int certify(const CertifyArguments& arguments) {
   } else {
     fmt::print(
         "{}: cost {:.6g} m^2 of {} correspondences, at most {:.2g} m^2 above the global optimum\n",
-        rg::to_string(estimate.status), estimate.cost, correspondences.size(), estimate.bound);
+        colored_status(rg::to_string(estimate.status)), estimate.cost, correspondences.size(),
+        estimate.bound);
     if (!certified && !hint.empty()) fmt::print("{}\n", hint);
   }
   return certified ? kDone : kNoSolution;

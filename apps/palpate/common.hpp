@@ -89,6 +89,7 @@ void add_ros2(CLI::App& program, Command& chosen);
 
 /// The options that a command's --config and --set can set, at their defaults.
 std::vector<OptionInfo> pick_option_list();
+std::vector<OptionInfo> replay_option_list();
 std::vector<OptionInfo> localize_option_list();
 std::vector<OptionInfo> plan_option_list();
 std::vector<OptionInfo> register_option_list();

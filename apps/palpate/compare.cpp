@@ -14,6 +14,7 @@
 #include "palpate/numerics/interquartile_mean.hpp"
 #include "palpate/plotting/plot.hpp"
 #include "relocate_arguments.hpp"
+#include "terminal.hpp"
 
 namespace palpate::app {
 namespace {
@@ -199,10 +200,25 @@ void print_table(const numerics::Comparison& c, const TwoSamples& samples, const
   }
 }
 
+/// Where returns are read, no episode is run.
+void refuse_options_of_rollouts(const CompareArguments& arguments, const CLI::App& command) {
+  for (const auto& list : {arguments.a, arguments.b}) {
+    if (std::ranges::any_of(names_in(list), is_policy)) return;
+  }
+  for (const char* const option : {"--episodes", "--threads", "--task", "--config", "--set"}) {
+    if (command.count(option) == 0) continue;
+    throw BadInput(
+        fmt::format("{} is of no use: {} and {} are returns of episodes that were run before",
+                    option, arguments.a, arguments.b));
+  }
+}
+
 int compare(const CompareArguments& arguments) {
   const auto& common = arguments.common;
   const auto output = claim_output(common, {"compare.json"});
+  std::optional<Notice> notice(std::in_place, "running episodes", common.quiet);
   const TwoSamples samples = gather(arguments);
+  notice.reset();
   const auto comparison =
       numerics::compare_samples(samples.a, samples.b, RandomStream(common.seed, "compare"));
   const json report =
@@ -217,6 +233,9 @@ int compare(const CompareArguments& arguments) {
     fmt::print("{}\n", report.dump(2));
   } else {
     print_table(comparison, samples, report);
+  }
+  if (!common.out.empty()) {
+    print_next(common, fmt::format("open {}/histogram.svg in a browser", common.out));
   }
   return kDone;
 }
@@ -249,7 +268,12 @@ void add_compare(CLI::App& program, Command& chosen) {
       "  palpate compare out/a/episodes.csv out/b/episodes.csv --out out/compare\n"
       "  palpate compare out/a1/policy.json,out/a2/policy.json "
       "out/b1/policy.json,out/b2/policy.json");
-  command.callback([arguments, &chosen] { chosen = [arguments] { return compare(*arguments); }; });
+  command.callback([arguments, &command, &chosen] {
+    chosen = [arguments, &command] {
+      refuse_options_of_rollouts(*arguments, command);
+      return compare(*arguments);
+    };
+  });
 }
 
 }  // namespace palpate::app

@@ -3,12 +3,14 @@
 
 #include <algorithm>
 #include <chrono>
+#include <optional>
 
 #include "common.hpp"
 #include "palpate/core/assets.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
 #include "palpate/tasks/relocate/minari_io.hpp"
+#include "progress_bar.hpp"
 #include "terminal.hpp"
 
 namespace palpate::app {
@@ -130,7 +132,9 @@ int retarget(const RetargetArguments& arguments) {
   std::string table = joints_header(retargeter.hand());
   Eigen::VectorXd before;
   const auto count = static_cast<double>(filtered.hand.size());
+  std::optional<ProgressBar> bar(std::in_place, "frames", filtered.hand.size(), common.quiet);
   for (std::size_t i = 0; i < filtered.hand.size(); ++i) {
+    bar->show(i);
     const auto begin = std::chrono::steady_clock::now();
     const auto frame = retargeter.next(filtered.hand[i]);
     const auto end = std::chrono::steady_clock::now();
@@ -147,6 +151,7 @@ int retarget(const RetargetArguments& arguments) {
     for (const double angle : frame.joints) table += fmt::format(",{:.6f}", angle);
     table += "\n";
   }
+  bar.reset();
   if (!common.out.empty()) {
     const auto output = claim_output(common, {"joints.csv"});
     write_file_atomically(std::filesystem::path(common.out) / "joints.csv", table);

@@ -14,6 +14,7 @@
 #include "palpate/simulation/rendering/renderer.hpp"
 #include "palpate/simulation/world/convex_parts.hpp"
 #include "palpate/simulation/world/world.hpp"
+#include "terminal.hpp"
 
 namespace palpate::app {
 namespace {
@@ -125,7 +126,10 @@ int doctor(bool as_json) {
     print_json(checks);
   } else {
     for (const Check& check : checks) {
-      fmt::print("{:<13} {:<8} {}\n", check.name, check.ok ? "ok" : "missing", check.hint);
+      const std::string_view status =
+          check.ok ? "ok" : "missing";  // then padded: colors have no width
+      fmt::print("{:<13} {}{:<{}} {}\n", check.name, colored_status(status), "", 8 - status.size(),
+                 check.hint);
     }
     fmt::print("{}\n", ready ? "ready" : "not ready: see what is missing");
   }

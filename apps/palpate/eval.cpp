@@ -135,13 +135,17 @@ class EvalProgress {
     begin(0);
   }
 
-  void count() { bar_->show(++done_); }
+  void count() {
+    bar_->show(++done_);
+    if (done_ == objects_[object_].numbers.size()) begin(object_ + 1);  // that is what runs now
+  }
 
   /// The object has ended. Nothing is shown until the next one begins.
   void end() { bar_.reset(); }
 
   void begin(std::size_t object) {
     if (object >= objects_.size()) return;
+    object_ = object;
     done_ = 0;
     bar_.emplace(arguments_.objects[object], objects_[object].numbers.size(),
                  arguments_.common.quiet);
@@ -152,7 +156,7 @@ class EvalProgress {
   const std::vector<evaluation::EvaluatedObject>& objects_;
   const EvalArguments& arguments_;
   std::optional<ProgressBar> bar_;
-  std::size_t done_ = 0;
+  std::size_t object_ = 0, done_ = 0;
 };
 
 /// What an evaluation keeps in its folder, from which it goes on where it was interrupted.

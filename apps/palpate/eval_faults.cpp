@@ -20,6 +20,7 @@
 #include "palpate/geometry/objects/generated_shape.hpp"
 #include "palpate/recording/json_text.hpp"
 #include "progress_bar.hpp"
+#include "rate_text.hpp"
 
 namespace palpate::app {
 namespace {
@@ -28,28 +29,11 @@ using evaluation::FaultSummary;
 using hand::InjectedFault;
 using nlohmann::json;
 
-double rate(std::size_t count, const FaultSummary& summary) {
-  return static_cast<double>(count) / static_cast<double>(std::max<std::size_t>(1, summary.trials));
-}
-
-std::string rate_text(std::size_t count, const FaultSummary& summary) {
-  const auto interval = wilson_interval(count, summary.trials);
-  return fmt::format("{:.2f} [{:.2f}, {:.2f}]", rate(count, summary), interval.low, interval.high);
-}
-
-std::string counts_text(const std::map<std::string, std::size_t>& counts) {
-  std::string text;
-  for (const auto& [name, count] : counts) {
-    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", name, count);
-  }
-  return text.empty() ? "-" : text;
-}
-
 json summary_json(const FaultSummary& summary) {
   return {{"trials", summary.trials},
-          {"lifted", rate(summary.lifted, summary)},
-          {"pose_ok", rate(summary.pose_ok, summary)},
-          {"confident_wrong", rate(summary.confident_wrong, summary)},
+          {"lifted", rate(summary.lifted, summary.trials)},
+          {"pose_ok", rate(summary.pose_ok, summary.trials)},
+          {"confident_wrong", rate(summary.confident_wrong, summary.trials)},
           {"overloaded", summary.overloaded},
           {"crushed", summary.crushed},
           {"crashed", summary.crashed},
@@ -100,10 +84,10 @@ void print_heading() {
 void print_row(std::string_view name, const FaultSummary& summary) {
   fmt::print(
       "{:<17} {:>6}  {:<18} {:<18} {:>6} {:>7} {:>7} {:>8.1f} {:>8.1f} {:>8.2f}   {:<24} {}\n",
-      name, summary.trials, rate_text(summary.lifted, summary), rate_text(summary.pose_ok, summary),
-      summary.confident_wrong, summary.crashed, summary.crushed, summary.peak_load,
-      summary.peak_tip_force, summary.longest_stop, counts_text(summary.stopped),
-      counts_text(summary.survived));
+      name, summary.trials, rate_text(summary.lifted, summary.trials),
+      rate_text(summary.pose_ok, summary.trials), summary.confident_wrong, summary.crashed,
+      summary.crushed, summary.peak_load, summary.peak_tip_force, summary.longest_stop,
+      counts_text(summary.stopped), counts_text(summary.survived));
   std::fflush(stdout);
 }
 

@@ -3,11 +3,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <utility>
 
 #include "palpate/core/statistics.hpp"
 #include "place_report.hpp"
+#include "rate_text.hpp"
 #include "terminal.hpp"
 
 namespace palpate::app {
@@ -15,15 +17,6 @@ namespace {
 
 using evaluation::ObjectSummary;
 using nlohmann::json;
-
-json quantiles_json(const std::vector<double>& values) {
-  if (values.empty()) return {{"median", nullptr}, {"p95", nullptr}};
-  return {{"median", median(values)}, {"p95", quantile(values, 0.95)}};
-}
-
-double rate(std::size_t count, std::size_t trials) {
-  return trials == 0 ? 0 : static_cast<double>(count) / static_cast<double>(trials);
-}
 
 /// Nothing here depends on how fast the machine is.
 json phases_json(const std::map<std::string, evaluation::PhaseSummary>& phases) {
@@ -77,40 +70,22 @@ json summary_json(const ObjectSummary& summary) {
           {"symmetry_order", summary.symmetry_order}};
 }
 
-std::string rate_text(std::size_t count, std::size_t trials) {
-  if (trials == 0) return "-";
-  const auto interval = wilson_interval(count, trials);
-  return fmt::format("{:.2f} [{:.2f}, {:.2f}]", rate(count, trials), interval.low, interval.high);
-}
-
-std::string median_text(const std::vector<double>& values) {
-  return values.empty() ? "-" : fmt::format("{:.1f}", median(values));
-}
-
-std::string failures_text(const ObjectSummary& summary) {
-  std::string text;
-  for (const auto& [phase, count] : summary.failures) {
-    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", phase, count);
-  }
-  return text.empty() ? "-" : text;
-}
-
-void print_row(const std::string& name, const ObjectSummary& summary) {
-  fmt::print("{:<10} {:<18} {:<18} {:<18} {:>6} {:>7} {:>7}   {}\n", name,
+void print_row(const std::string& name, std::size_t width, const ObjectSummary& summary) {
+  fmt::print("{:<{}} {:<18} {:<18} {:<18} {:>6} {:>7} {:>7}   {}\n", name, width,
              rate_text(summary.lifted, summary.trials), rate_text(summary.pose_ok, summary.trials),
              rate_text(summary.covered, summary.lifted), median_text(summary.modes),
              median_text(summary.rotation_error_deg), median_text(summary.translation_error_mm),
-             failures_text(summary));
+             counts_text(summary.failures));
   std::fflush(stdout);
 }
 
-void print_places(const std::vector<std::string>& names,
+void print_places(const std::vector<std::string>& names, std::size_t width,
                   const std::vector<ObjectSummary>& summaries, const ObjectSummary& all) {
-  fmt::print("\n{}\n", place_heading());
+  fmt::print("\n{}\n", place_heading(width));
   for (std::size_t i = 0; i < summaries.size(); ++i) {
-    fmt::print("{}\n", place_row(names[i], summaries[i].place, summaries[i].trials));
+    fmt::print("{}\n", place_row(names[i], width, summaries[i].place, summaries[i].trials));
   }
-  fmt::print("{}\n* of the certain\n\n{}", place_row("all", all.place, all.trials),
+  fmt::print("{}\n* of the certain\n\n{}", place_row("all", width, all.place, all.trials),
              phases_table(all.phases));
 }
 
@@ -119,8 +94,9 @@ void print_places(const std::vector<std::string>& names,
 EvalReport::EvalReport(const EvalPlan& plan, bool json)
     : plan_(plan), json_(json), report_({{"trials", plan.trials}, {"seed", plan.seed}}) {
   if (json_) return;
-  fmt::print("{:<10} {:<18} {:<18} {:<18} {:>6} {:>7} {:>7}   {}\n", "object", "lifted",
-             "pose right", "coverage*", "modes", "deg", "mm", "failures");
+  for (const auto& name : plan.objects) name_width_ = std::max(name_width_, name.size());
+  fmt::print("{:<{}} {:<18} {:<18} {:<18} {:>6} {:>7} {:>7}   {}\n", "object", name_width_,
+             "lifted", "pose right", "coverage*", "modes", "deg", "mm", "failures");
 }
 
 void EvalReport::add(const evaluation::Trial& trial) { evaluation::add_trial(trial, all_); }
@@ -128,7 +104,7 @@ void EvalReport::add(const evaluation::Trial& trial) { evaluation::add_trial(tri
 void EvalReport::end_object(ObjectSummary summary) {
   const std::string& name = plan_.objects.at(summaries_.size());
   report_["objects"][name] = summary_json(summary);
-  if (!json_) print_row(name, summary);
+  if (!json_) print_row(name, name_width_, summary);
   summaries_.push_back(std::move(summary));
 }
 
@@ -139,9 +115,9 @@ json EvalReport::finish() {
     fmt::print("{}\n", report_.dump(2));
     return report_;
   }
-  print_row("all", all_);
+  print_row("all", name_width_, all_);
   fmt::print("rates over all trials with 95 % Wilson intervals; * of the lifted\n");
-  if (plan_.place) print_places(plan_.objects, summaries_, all_);
+  if (plan_.place) print_places(plan_.objects, name_width_, summaries_, all_);
   return report_;
 }
 

@@ -24,6 +24,7 @@ class EvalReport {
  private:
   EvalPlan plan_;
   bool json_;
+  std::size_t name_width_ = 10;
   nlohmann::json report_;
   std::vector<evaluation::ObjectSummary> summaries_;
   evaluation::ObjectSummary all_;

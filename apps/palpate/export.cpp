@@ -3,11 +3,13 @@
 #include <unistd.h>
 
 #include <cstdio>
+#include <optional>
 #include <vector>
 
 #include "common.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/ros2/export_recording.hpp"
+#include "terminal.hpp"
 
 namespace palpate::app {
 namespace {
@@ -56,11 +58,14 @@ int export_recording(const ExportArguments& arguments) {
   if (arguments.format != "mcap") return export_by_python(arguments);
   const auto recording = recording::read_recording(arguments.recording);
   const fs::path target = target_of(arguments);
+  std::optional<Notice> notice(std::in_place, "writing messages", arguments.json);
   const std::uint64_t messages = ros2::export_mcap(recording, target);
+  notice.reset();
   if (arguments.json) {
     fmt::print("{}\n", nlohmann::json{{"path", target.string()}, {"messages", messages}}.dump(2));
   } else {
-    fmt::print("wrote {}: {} messages\n", target.string(), messages);
+    fmt::print("wrote {}: {} messages\nNext: palpate replay {}\n", target.string(), messages,
+               target.string());
   }
   return kDone;
 }

@@ -3,6 +3,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <optional>
 
 #include "common.hpp"
 #include "hand_option.hpp"
@@ -114,6 +115,7 @@ void print_hand(const simulation::DescribedHand& loaded) {
 /// @return the pictures
 std::vector<fs::path> draw_postures(const hand::Description& hand, const fs::path& folder) {
   fs::create_directories(folder);
+  const Notice notice("drawing postures", false);
   std::vector<fs::path> files;
   simulation::Renderer renderer(hand, geometry::load_known_object("box"), 640, 480);
   const auto picture = [&](const std::string& name, const hand::ActuatorVector& positions,
@@ -164,6 +166,7 @@ int render(const CheckArguments& arguments) {
     fmt::print("{}\n", nlohmann::json{{"pictures", paths}}.dump(2));
   } else {
     for (const fs::path& file : files) fmt::print("{}\n", file.string());
+    print_next(arguments.common, "palpate hand check " + arguments.hand);
   }
   return kDone;
 }
@@ -202,7 +205,9 @@ int list(const CommonOptions& common) {
 }
 
 int install(const CommonOptions& common, const std::string& name) {
+  std::optional<Notice> notice(std::in_place, "fetching " + name, common.json);
   const fs::path file = simulation::install_hand(name);
+  notice.reset();
   if (common.json) {
     fmt::print("{}\n", nlohmann::json{{"path", file.string()}}.dump(2));
   } else {

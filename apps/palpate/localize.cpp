@@ -200,6 +200,11 @@ int localize(const LocalizeArguments& arguments) {
   } else {
     print_result(result);
   }
+  if (!arguments.common.out.empty() && result.names.size() == 1) {
+    print_next(arguments.common,
+               fmt::format("palpate localize {} MORE_CONTACTS --prior {}/report.json",
+                           arguments.mesh, arguments.common.out));
+  }
   return result.posterior.status == lo::PoseStatus::no_pose ? kNoSolution : kDone;
 }
 
@@ -233,7 +238,7 @@ void add_localize(CLI::App& program, Command& chosen) {
       ->option_text("CONTACTS");
   command
       .add_option("--method", arguments->method,
-                  "fast (falls back to full if several poses fit) or full")
+                  "for one MESH: fast (falls back to full if several poses fit) or full")
       ->check(CLI::IsMember({"fast", "full"}))
       ->capture_default_str();
   command
@@ -301,6 +306,9 @@ void add_localize(CLI::App& program, Command& chosen) {
     if (arguments->demo && command.count("--threads") == 0) {
       arguments->common.threads =
           std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+    }
+    if (command.count("--method") > 0 && names_of(arguments->mesh).size() > 1) {
+      throw CLI::ValidationError("--method", "goes with one MESH; of several it is full");
     }
     if (!arguments->demo && arguments->contacts.empty()) {
       throw CLI::RequiredError("MESH and CONTACTS, or --demo,");

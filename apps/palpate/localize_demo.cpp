@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <numbers>
+#include <optional>
 
 #include "palpate/core/assets.hpp"
 #include "palpate/core/file.hpp"
@@ -231,11 +232,12 @@ int demonstrate_localize(const CommonOptions& common) {
   Findings findings = no_findings();
   if (!common.json) fmt::print("right / stated  5 contacts    10            20\n");
   for (const auto& name : geometry::built_in_objects()) {
-    const Notice notice(name, common.quiet);
+    std::optional<Notice> notice(std::in_place, name, common.quiet);
     const geometry::ObjectModel model(geometry::load_known_object(name));
     const auto scenes = scenes_with(model, hand, common);
     if (name == kInFile) write_contacts(folder, model, scenes[0], common.seed);
     const std::string row = add_object(model, scenes, common, findings);
+    notice.reset();
     if (!common.json) fmt::print("{}\n", row);
   }
   write_plots(folder, findings);

@@ -123,7 +123,8 @@ void print_result(const LocalizeResult& result) {
   for (const auto& repair : result.repairs) fmt::print("mesh repaired: {}\n", repair);
   if (!result.hint.empty()) fmt::print("{}\n", result.hint);
   if (result.posterior.modes.empty()) return;
-  fmt::print("weight  rotation vector                translation\n");
+  fmt::print("{:<6}  {:<31}  {:<30}  standard deviations\n", "prob.", "rotation vector",
+             "translation");
   const auto& modes = result.posterior.modes;
   const std::size_t shown = std::min(kMaxShown, modes.size());
   for (std::size_t i = 0; i < shown; ++i) {

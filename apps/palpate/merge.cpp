@@ -5,6 +5,7 @@
 #include "eval_report.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
+#include "terminal.hpp"
 #include "trial_records.hpp"
 #include "trials_file.hpp"
 
@@ -86,7 +87,11 @@ int merge(const MergeArguments& arguments) {
   }
   const auto summary = report.finish();
   if (table) table->write();
-  if (folder) write_file_atomically(folder->path() / "eval.json", summary.dump(2) + "\n");
+  if (!folder) return kDone;
+  write_file_atomically(folder->path() / "eval.json", summary.dump(2) + "\n");
+  print_next(common, fmt::format("palpate pick --object {} --seed {} repeats the first trial, and "
+                                 "draws it",
+                                 plan.objects.front(), plan.seed));
   return kDone;
 }
 

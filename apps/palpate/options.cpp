@@ -14,9 +14,11 @@ struct Listed {
   std::string_view command;
   std::vector<OptionInfo> (*options)();
 };
-constexpr Listed kListed[] = {{"pick", pick_option_list},         {"eval", pick_option_list},
-                              {"localize", localize_option_list}, {"plan", plan_option_list},
-                              {"register", register_option_list}, {"rollout", rollout_option_list}};
+constexpr Listed kListed[] = {
+    {"pick", pick_option_list},         {"eval", pick_option_list},
+    {"replay", replay_option_list},     {"localize", localize_option_list},
+    {"register", register_option_list}, {"plan", plan_option_list},
+    {"rollout", rollout_option_list}};
 
 const Listed& listed(const std::string& command) {
   const auto* const found = std::find_if(std::begin(kListed), std::end(kListed),
@@ -61,8 +63,9 @@ void add_options(CLI::App& program, Command& chosen) {
   auto arguments = std::make_shared<Arguments>();
   auto& command = *program.add_subcommand("options", "List the options of --config and --set");
   command
-      .add_option("command", arguments->command,
-                  "command whose options to list: pick, eval, localize, ...")
+      .add_option(
+          "command", arguments->command,
+          "command whose options to list: pick, eval, replay, localize, register, plan or rollout")
       ->capture_default_str();
   command.add_flag("--expert", arguments->expert, "list the expert section, too");
   add_common_options(command, arguments->common, 0);

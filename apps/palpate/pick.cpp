@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cstdio>
+#include <memory>
 #include <optional>
 
 #include "common.hpp"
@@ -66,11 +66,12 @@ std::size_t true_index(const PickArguments& arguments) {
 skills::PhaseObserver phase_printer(const CommonOptions& common) {
   if (common.json) return {};
   fmt::print("{}\n", phase_heading());
-  const bool live = !common.quiet && isatty(STDERR_FILENO);
-  return {[live](std::string_view phase, double) {
-            if (live) fmt::print(stderr, "{} ...\r", phase);
+  const auto notice = std::make_shared<std::optional<Notice>>();
+  return {[notice, quiet = common.quiet](std::string_view phase, double) {
+            notice->emplace(std::string(phase), quiet);
           },
-          [](const skills::PhaseReport& report, double) {
+          [notice](const skills::PhaseReport& report, double) {
+            notice->reset();
             fmt::print("{}\n", phase_row(report));
             std::fflush(stdout);
           }};
@@ -134,6 +135,7 @@ int pick(const PickArguments& arguments) {
   recording::Tee sink(std::move(sinks));
   const auto trial = evaluation::run_trial(object, objects.candidates(), options, common.seed,
                                            &sink, phase_printer(common), interrupt.token());
+  notice.emplace("writing the recording and its page", common.quiet);
   if (beliefs) {
     for (const auto& belief : beliefs->finish()) writer.belief(belief);
   }
@@ -144,6 +146,7 @@ int pick(const PickArguments& arguments) {
   report.update({{"object", names}, {"seed", common.seed}, {"version", version()}});
   write_file_atomically(folder / "report.json", report.dump(2) + "\n");
   write_file_atomically(folder / "replay.html", replay_html(folder / "recording.h5", title));
+  notice.reset();
   if (common.json) {
     fmt::print("{}\n", report.dump(2));
   } else {

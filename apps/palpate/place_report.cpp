@@ -9,6 +9,7 @@
 #include "palpate/core/angle.hpp"
 #include "palpate/core/file.hpp"
 #include "palpate/core/statistics.hpp"
+#include "rate_text.hpp"
 
 namespace palpate::app {
 namespace {
@@ -34,28 +35,9 @@ json motion_json(const planning::Plan& motion) {
           {"base_corners", corners}};
 }
 
-json quantiles_json(const std::vector<double>& values) {
-  if (values.empty()) return {{"median", nullptr}, {"p95", nullptr}};
-  return {{"median", median(values)}, {"p95", quantile(values, 0.95)}};
-}
-
 json errors_json(const evaluation::ErrorSummary& errors) {
   return {{"rotation_deg", quantiles_json(errors.rotation_deg)},
           {"translation_mm", quantiles_json(errors.translation_mm)}};
-}
-
-double rate(std::size_t count, std::size_t trials) {
-  return trials == 0 ? 0 : static_cast<double>(count) / static_cast<double>(trials);
-}
-
-std::string rate_text(std::size_t count, std::size_t trials) {
-  if (trials == 0) return "-";
-  const auto interval = wilson_interval(count, trials);
-  return fmt::format("{:.2f} [{:.2f}, {:.2f}]", rate(count, trials), interval.low, interval.high);
-}
-
-std::string median_text(const std::vector<double>& values) {
-  return values.empty() ? "-" : fmt::format("{:.1f}", median(values));
 }
 
 json round_json(const skills::StrategyTaken::Round& round) {
@@ -129,13 +111,10 @@ std::string means_text(const skills::StrategyTaken& strategy) {
   return text + "\n";
 }
 
-std::string counts_text(const std::map<std::string, std::size_t>& counts) {
-  std::string text;
-  for (const auto& [what, count] : counts) {
-    if (what == "placed") continue;
-    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", what, count);
-  }
-  return text.empty() ? "-" : text;
+/// How those that were not placed ended.
+std::string ends_text(std::map<std::string, std::size_t> ends) {
+  ends.erase("placed");
+  return counts_text(ends);
 }
 
 }  // namespace
@@ -204,28 +183,28 @@ json place_summary_json(const evaluation::PlaceSummary& summary, std::size_t tri
           {"release_motion", errors_json(summary.release_motion)}};
 }
 
-std::string place_heading() {
-  return fmt::format("{:<10} {:<18} {:<18} {:<18} {:<18} {:>6} {:>7} {:>7} {:>7} {:>7}   {}",
-                     "object", "certain", "5 mm 3 deg*", "10 mm 5 deg", "wrong*", "stable_pose",
-                     "dropped", "deg", "mm", "est. mm", "ends");
+std::string place_heading(std::size_t width) {
+  return fmt::format("{:<{}} {:<18} {:<18} {:<18} {:<18} {:>11} {:>7} {:>7} {:>7} {:>7}   {}",
+                     "object", width, "certain", "5 mm 3 deg*", "10 mm 5 deg", "wrong*",
+                     "stable_pose", "dropped", "deg", "mm", "est. mm", "ends");
 }
 
-std::string place_row(const std::string& name, const evaluation::PlaceSummary& summary,
-                      std::size_t trials) {
-  return fmt::format(
-      "{:<10} {:<18} {:<18} {:<18} {:<18} {:>6} {:>7} {:>7} {:>7} {:>7}   {}", name,
-      rate_text(summary.certain, trials), rate_text(summary.tight, summary.certain),
-      rate_text(summary.placed, trials), rate_text(summary.wrong, summary.certain),
-      summary.in_stable_pose, summary.dropped, median_text(summary.final_error.rotation_deg),
-      median_text(summary.final_error.translation_mm),
-      median_text(summary.estimate_error.translation_mm), counts_text(summary.status));
+std::string place_row(const std::string& name, std::size_t width,
+                      const evaluation::PlaceSummary& summary, std::size_t trials) {
+  return fmt::format("{:<{}} {:<18} {:<18} {:<18} {:<18} {:>11} {:>7} {:>7} {:>7} {:>7}   {}", name,
+                     width, rate_text(summary.certain, trials),
+                     rate_text(summary.tight, summary.certain), rate_text(summary.placed, trials),
+                     rate_text(summary.wrong, summary.certain), summary.in_stable_pose,
+                     summary.dropped, median_text(summary.final_error.rotation_deg),
+                     median_text(summary.final_error.translation_mm),
+                     median_text(summary.estimate_error.translation_mm), ends_text(summary.status));
 }
 
 std::string phases_table(const std::map<std::string, evaluation::PhaseSummary>& phases) {
-  std::string text = fmt::format("{:<10} {:>6} {:>6} {:>12} {:>10}\n", "phase", "runs", "ok",
-                                 "simulated s", "wall s");
+  std::string text =
+      fmt::format("{:<13} {:>6} {:>6} {:>9} {:>9}\n", "phase", "runs", "ok", "robot s", "wall s");
   for (const auto& [name, phase] : phases) {
-    text += fmt::format("{:<10} {:>6} {:>6.2f} {:>12.1f} {:>10.2f}\n", name, phase.runs,
+    text += fmt::format("{:<13} {:>6} {:>6.2f} {:>9.1f} {:>9.2f}\n", name, phase.runs,
                         rate(phase.ok, phase.runs), median(phase.robot_seconds),
                         median(phase.wall_seconds));
   }

@@ -25,9 +25,10 @@ nlohmann::json place_json(const evaluation::Trial& trial);
 nlohmann::json place_summary_json(const evaluation::PlaceSummary& summary, std::size_t trials);
 
 /// The table of `palpate eval --place`, for a person.
-std::string place_heading();
-std::string place_row(const std::string& name, const evaluation::PlaceSummary& summary,
-                      std::size_t trials);
+/// @param width  columns of the objects' names
+std::string place_heading(std::size_t width);
+std::string place_row(const std::string& name, std::size_t width,
+                      const evaluation::PlaceSummary& summary, std::size_t trials);
 
 /// Phases with their rates and times, for a person.
 std::string phases_table(const std::map<std::string, evaluation::PhaseSummary>& phases);

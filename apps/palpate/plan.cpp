@@ -15,6 +15,7 @@
 #include "palpate/simulation/hand/load_hand.hpp"
 #include "palpate/simulation/world/world.hpp"
 #include "plan_report.hpp"
+#include "terminal.hpp"
 
 namespace palpate::app {
 namespace {
@@ -135,8 +136,8 @@ void write_results(const PlanArguments& arguments, const PlanSettings& settings,
 
 void print_result(const pl::Plan& plan, const std::optional<pl::TrackingError>& tracking) {
   if (plan.status == pl::PlanStatus::no_path) {
-    fmt::print("no path to waypoint {} ({} configurations checked in {:.0f} ms)\n",
-               plan.unreachable, plan.checks, 1e3 * plan.seconds);
+    fmt::print("{} to waypoint {} ({} configurations checked in {:.0f} ms)\n",
+               colored_status("no path"), plan.unreachable, plan.checks, 1e3 * plan.seconds);
     return;
   }
   fmt::print("{} waypoints, {} corners, {:.2f} s of motion; planned in {:.0f} ms ({} checks)\n",
@@ -160,6 +161,7 @@ int plan(const PlanArguments& arguments) {
   auto settings = resolve<PlanSettings>(arguments.common);
   if (!arguments.planner.empty()) settings.plan.planner = arguments.planner;
   const Setting setting = read_setting(arguments);
+  std::optional<Notice> notice(std::in_place, "planning", arguments.common.quiet);
   si::CollisionScene scene = make_scene(setting, settings.collision);
   const pl::Plan result = pl::plan(setting.waypoints, scene, settings.plan, arguments.common.seed);
   const bool ok = result.status == pl::PlanStatus::ok;
@@ -167,12 +169,17 @@ int plan(const PlanArguments& arguments) {
   if (arguments.execute && ok) {
     tracking = follow(setting, result.samples, settings, arguments.common.seed);
   }
+  notice.reset();
   if (result.status != pl::PlanStatus::invalid && !arguments.common.out.empty()) {
     write_results(arguments, settings, setting.hand, result, tracking);
   }
   if (arguments.common.json) fmt::print("{}\n", plan_report(result, tracking).dump(2));
   if (result.status == pl::PlanStatus::invalid) throw BadInput(describe_faults(result.invalid));
   if (!arguments.common.json) print_result(result, tracking);
+  if (ok && !arguments.common.out.empty()) {
+    print_next(arguments.common,
+               fmt::format("open {}/path.svg in a browser", arguments.common.out));
+  }
   return ok ? kDone : kNoSolution;
 }
 

@@ -191,6 +191,17 @@ void write_results(const CommonOptions& common, const RegisterOptions& options,
   }
 }
 
+/// Where the answer can be seen or checked.
+void print_next_of(const RegisterArguments& arguments, const Outcome& outcome) {
+  const std::string& out = arguments.common.out;
+  if (out.empty() || !outcome.registration.result.T_target_source) return;
+  print_next(arguments.common,
+             outcome.clouds
+                 ? fmt::format("compare {}/source_in_target.ply with {} in a viewer of clouds", out,
+                               arguments.target)
+                 : fmt::format("{}/correspondences.csv tells inliers from outliers", out));
+}
+
 int register_command(const RegisterArguments& arguments) {
   const auto options = options_of(arguments);
   Outcome outcome = find_pose(arguments, options);
@@ -204,6 +215,7 @@ int register_command(const RegisterArguments& arguments) {
     print_report(result);
     outcome.clouds ? print_features(outcome.registration) : print_bound(result);
     if (!result.T_target_source && !outcome.hint.empty()) fmt::print("{}\n", outcome.hint);
+    print_next_of(arguments, outcome);
   }
   return result.status == rg::RegistrationStatus::kFound ? kDone : kNoSolution;
 }
@@ -322,9 +334,16 @@ void add_register(CLI::App& program, Command& chosen) {
       "  palpate register mug.stl table.ply --instances 5\n"
       "  palpate register --correspondences pairs.csv --noise-bound 0.004\n"
       "  palpate register --correspondences pairs.csv --method gnc --cost gm --json");
-  command.callback([arguments, &chosen] {
+  command.callback([arguments, &command, &chosen] {
     if (arguments->correspondences.empty() && arguments->target.empty()) {
       throw CLI::RequiredError("SOURCE and TARGET, or --correspondences FILE");
+    }
+    const bool clouds = arguments->correspondences.empty();
+    if (clouds && command.count("--repeats") > 0) {
+      throw CLI::RequiresError("--repeats", "--correspondences");
+    }
+    if (!clouds && command.count("--threads") > 0) {
+      throw CLI::ExcludesError("--correspondences", "--threads");
     }
     chosen = [arguments] { return register_command(*arguments); };
   });

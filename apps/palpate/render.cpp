@@ -12,6 +12,7 @@
 #include "palpate/core/version.hpp"
 #include "palpate/evaluation/trial.hpp"
 #include "palpate/recording/recording.hpp"
+#include "palpate/recording/target.hpp"
 #include "palpate/recording/writer.hpp"
 #include "palpate/simulation/hand/load_hand.hpp"
 #include "palpate/simulation/rendering/renderer.hpp"
@@ -73,6 +74,7 @@ fs::path record_pick(const RenderArguments& arguments, const fs::path& folder) {
   const geometry::ObjectModel object(geometry::load_known_object(arguments.object));
   const simulation::World world(object.object(), options.world, common.seed);
   const OutputFolder output(folder, {"recording.h5"}, common.force);
+  const Notice notice(fmt::format("picking up {}", arguments.object), common.quiet);
   const fs::path path = folder / "recording.h5";
   recording::Writer writer(
       path, {std::string(version()), common.seed, object.object(), world.hand_model(),
@@ -90,27 +92,43 @@ const recording::Frame& frame_at(const recording::Recording& recording, double t
   return *(later - 1);
 }
 
-simulation::Image draw(simulation::Renderer& renderer, const recording::Frame& frame,
-                       simulation::Camera camera) {
+/// What a frame looks like: with the object see-through at its target, where there is one.
+simulation::DrawnState state_of(const recording::Recording& recording,
+                                const recording::Frame& frame) {
+  constexpr double kTargetOpacity = 0.35;
+  simulation::DrawnState state{frame.truth->T_world_object, frame.truth->joints,
+                               frame.reading.base};
+  const auto target = recording::target_at(recording.events, frame.reading.time);
+  if (target) state.ghosts.push_back({*target, kTargetOpacity});
+  return state;
+}
+
+simulation::Image draw(simulation::Renderer& renderer, const recording::Recording& recording,
+                       const recording::Frame& frame, simulation::Camera camera) {
   const Eigen::Isometry3d& T_world_object = frame.truth->T_world_object;
   camera.lookat =
       0.6 * T_world_object.translation() + 0.4 * frame.reading.base.pose().translation();
-  return renderer.render({T_world_object, frame.truth->joints, frame.reading.base}, camera);
+  return renderer.render(state_of(recording, frame), camera);
+}
+
+simulation::Renderer renderer_of(const recording::Recording& recording,
+                                 const RenderArguments& arguments) {
+  const auto [width, height] = *parse_size(arguments.size);
+  return {simulation::load_hand(recording.header.hand.name), recording.header.object, width,
+          height};
 }
 
 /// One picture at the end of every phase.
 std::vector<Picture> draw_phases(const recording::Recording& recording, const fs::path& folder,
                                  const RenderArguments& arguments) {
-  const auto [width, height] = *parse_size(arguments.size);
-  simulation::Renderer renderer(simulation::load_hand(recording.header.hand.name),
-                                recording.header.object, width, height);
+  simulation::Renderer renderer = renderer_of(recording, arguments);
   std::vector<Picture> pictures;
   for (const recording::Event& event : recording.events) {
     if (event.kind != recording::EventKind::end) continue;
     Picture picture{event.phase, event.time,
                     folder / fmt::format("{}-{}.png", pictures.size() + 1, event.phase)};
-    simulation::save_png(picture.file,
-                         draw(renderer, frame_at(recording, event.time), arguments.camera));
+    simulation::save_png(
+        picture.file, draw(renderer, recording, frame_at(recording, event.time), arguments.camera));
     pictures.push_back(std::move(picture));
   }
   return pictures;
@@ -125,18 +143,14 @@ fs::path animation(const fs::path& folder, std::string_view name,
 /// The whole pick from one place, faster than it was.
 Picture draw_video(const recording::Recording& recording, const fs::path& folder,
                    const RenderArguments& arguments) {
-  const auto [width, height] = *parse_size(arguments.size);
-  simulation::Renderer renderer(simulation::load_hand(recording.header.hand.name),
-                                recording.header.object, width, height);
+  simulation::Renderer renderer = renderer_of(recording, arguments);
   simulation::Camera camera = arguments.camera;
   camera.distance *= kVideoDistance;
   const double end = recording.frames.back().reading.time;
   std::vector<simulation::Image> images;
   for (double time = recording.frames.front().reading.time; time < end;
        time += arguments.speed * kPictureTime) {
-    const recording::Frame& frame = frame_at(recording, time);
-    images.push_back(renderer.render(
-        {frame.truth->T_world_object, frame.truth->joints, frame.reading.base}, camera));
+    images.push_back(renderer.render(state_of(recording, frame_at(recording, time)), camera));
   }
   Picture video{"video", end, animation(folder, "video", arguments)};
   simulation::save_animation(video.file, images, kPictureTime);
@@ -146,9 +160,7 @@ Picture draw_video(const recording::Recording& recording, const fs::path& folder
 /// The poses that the touches leave credible, as ghosts.
 Picture draw_posterior(const recording::Recording& recording, const fs::path& folder,
                        const RenderArguments& arguments) {
-  const auto [width, height] = *parse_size(arguments.size);
-  simulation::Renderer renderer(simulation::load_hand(recording.header.hand.name),
-                                recording.header.object, width, height);
+  simulation::Renderer renderer = renderer_of(recording, arguments);
   FilmOptions options;
   options.speed = arguments.speed;
   options.picture_time = kPictureTime;
@@ -187,10 +199,24 @@ int render(const RenderArguments& arguments) {
     files.push_back(
         {{"phase", picture.phase}, {"time", picture.time}, {"file", picture.file.string()}});
     if (arguments.common.json) continue;
-    fmt::print("{:<10} {:7.2f} s  {}\n", picture.phase, picture.time, picture.file.string());
+    fmt::print("{:<12} {:7.2f} s  {}\n", picture.phase, picture.time, picture.file.string());
   }
   if (arguments.common.json) fmt::print("{}\n", nlohmann::json{{"files", files}}.dump(2));
+  if (pictures.empty()) return kDone;
+  print_next(arguments.common, fmt::format("open {} in a browser", pictures.back().file.string()));
   return kDone;
+}
+
+/// @throws CLI::Error for options that would have no effect
+void check_use(const CLI::App& command) {
+  const auto given = [&command](const char* option) { return command.count(option) > 0; };
+  for (const char* const of_pick : {"--config", "--set", "--seed", "--force"}) {
+    if (given("recording") && given(of_pick)) throw CLI::ExcludesError("RECORDING", of_pick);
+  }
+  if (given("--video") || given("--posterior")) return;
+  for (const char* const of_animation : {"--gif", "--speed"}) {
+    if (given(of_animation)) throw CLI::RequiresError(of_animation, "--video or --posterior");
+  }
 }
 
 }  // namespace
@@ -248,7 +274,10 @@ void add_render(CLI::App& program, Command& chosen) {
       "  palpate render out/pick-mug-2/recording.h5 --size 640x480 --azimuth 90 --out pictures\n"
       "  palpate render out/pick-mug-2/recording.h5 --size 400x300 --video --gif\n"
       "  palpate render out/pick-mug-2/recording.h5 --size 480x360 --posterior --elevation -30");
-  command.callback([arguments, &chosen] { chosen = [arguments] { return render(*arguments); }; });
+  command.callback([arguments, &command, &chosen] {
+    check_use(command);
+    chosen = [arguments] { return render(*arguments); };
+  });
 }
 
 }  // namespace palpate::app

@@ -12,6 +12,7 @@
 #include "palpate/recording/touch_log.hpp"
 #include "palpate/ros2/read_bag.hpp"
 #include "replay_bag.hpp"
+#include "replay_options.hpp"
 #include "terminal.hpp"
 
 namespace palpate::app {
@@ -30,18 +31,15 @@ struct Replayed {
 };
 
 /// Options of the recording, changed by --config and --set.
-/// @throws BadInput for another source of contacts, for the recording holds those of its own
+/// @throws BadInput for another value of what a replay does not read
 evaluation::TrialOptions replay_options(const recording::Recording& recording,
                                         const CommonOptions& common, const std::string& name) {
   evaluation::TrialOptions options;
   parse_toml(recording.header.config_toml, name, options, Renamed::accepted);
-  const std::string recorded = options.touch.source;
+  const evaluation::TrialOptions recorded = options;
   if (!common.config.empty()) load_toml(common.config, options);
   for (const auto& assignment : common.set) apply_setting(assignment, options);
-  if (options.touch.source != recorded) {
-    throw BadInput(fmt::format("touch.source = {:?}: {} holds the contacts of {:?}",
-                               options.touch.source, name, recorded));
-  }
+  refuse_what_is_recorded(recorded, options, name);
   return options;
 }
 
@@ -126,7 +124,8 @@ void add_replay(CLI::App& program, Command& chosen) {
   command.footer(
       "Uses the recording's own configuration and seed, and so reproduces the pose of the pick "
       "bit\n"
-      "for bit; --set changes the estimator's options.\n\n"
+      "for bit; --set changes the estimator's options (palpate options replay), and no others:\n"
+      "what the robot did and sensed is recorded.\n\n"
       "From an MCAP file of ROS 2 messages it uses the joint states, the contacts of each finger\n"
       "and the transforms from the world to the mount (docs/ros2.md). A file that `palpate export\n"
       "mcap` wrote names its object and hand; for others the pose is that of the last instant at\n"

@@ -12,6 +12,7 @@
 #include "palpate/recording/touch_log.hpp"
 #include "palpate/ros2/read_bag.hpp"
 #include "palpate/skills/explore/calibrate_phase.hpp"
+#include "replay_options.hpp"
 
 namespace palpate::app {
 namespace {
@@ -30,8 +31,10 @@ evaluation::TrialOptions options_of(const Metadata& metadata, const std::string&
                                     const CommonOptions& common) {
   evaluation::TrialOptions options;
   parse_toml(value_of(metadata, "config_toml"), path, options, Renamed::accepted);
+  const evaluation::TrialOptions recorded = options;
   if (!common.config.empty()) load_toml(common.config, options);
   for (const auto& assignment : common.set) apply_setting(assignment, options);
+  refuse_what_is_recorded(recorded, options, path);
   return options;
 }
 

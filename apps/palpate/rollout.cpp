@@ -65,6 +65,7 @@ class Runner {
     const auto& common = arguments_.common;
     Rollout result;
     if (model_) {
+      const Notice notice("running episodes", common.quiet);
       result.episodes = relocate::rollout(*model_, policy, options_.episode, common.seed,
                                           arguments_.episodes, common.threads);
       return result;
@@ -201,6 +202,8 @@ int rollout(const RolloutArguments& arguments) {
     if (arguments.touch) print_touch(by_touch);
     if (arguments.record > 0) {
       print_next(common, fmt::format("palpate view {}/episode-0.h5", common.out));
+    } else if (!common.out.empty()) {
+      print_next(common, fmt::format("palpate compare {}/episodes.csv relocate-best", common.out));
     }
   }
   return kDone;

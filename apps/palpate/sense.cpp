@@ -10,6 +10,7 @@
 #include "palpate/tactile/normals/normal_estimator.hpp"
 #include "sense_biotac.hpp"
 #include "sense_contacts.hpp"
+#include "terminal.hpp"
 
 namespace palpate::app {
 namespace {
@@ -44,27 +45,32 @@ Format format_of(const std::string& path) {
 }
 
 /// What was asked for must matter: a model or a setting without effect is a mistake.
-void refuse_what_has_no_effect(const SenseArguments& arguments, Format format) {
+void refuse_what_has_no_effect(const SenseArguments& arguments, const CLI::App& command,
+                               Format format) {
+  const auto refuse = [&](const char* option, const char* of) {
+    if (command.count(option) == 0) return;
+    throw BadInput(
+        fmt::format("{} is an option of {}, which {} is not", option, of, arguments.recording));
+  };
+  if (format != Format::contacts) refuse("--tick", "a CSV of contacts");
+  if (format != Format::biotac) refuse("--causal", "a log of a BioTac");
+  if (format == Format::biotac) refuse("--estimator", "contacts with forces");
   if (format == Format::contacts && !arguments.model.empty()) {
     throw BadInput(fmt::format("{} has no channels of a BioTac for --model {} to read",
                                arguments.recording, arguments.model));
   }
 }
 
-int sense(const SenseArguments& arguments) {
+std::vector<SensedStream> streams_of(const SenseArguments& arguments, Format format) {
+  const Notice notice("estimating", arguments.common.quiet);
+  if (format == Format::recording) return sense_recording(arguments);
+  return format == Format::contacts ? sense_contact_log(arguments) : sense_biotac(arguments);
+}
+
+int sense(const SenseArguments& arguments, const CLI::App& command) {
   const Format format = format_of(arguments.recording);
-  refuse_what_has_no_effect(arguments, format);
-  switch (format) {
-    case Format::recording:
-      report_streams(arguments, sense_recording(arguments));
-      break;
-    case Format::contacts:
-      report_streams(arguments, sense_contact_log(arguments));
-      break;
-    case Format::biotac:
-      report_streams(arguments, sense_biotac(arguments));
-      break;
-  }
+  refuse_what_has_no_effect(arguments, command, format);
+  report_streams(arguments, streams_of(arguments, format));
   return kDone;
 }
 
@@ -112,7 +118,9 @@ void add_sense(CLI::App& program, Command& chosen) {
       "Examples:\n"
       "  palpate sense out/pick-mug-2/recording.h5 --out out/sense-mug-2\n"
       "  palpate sense contacts.csv --estimator rls --json");
-  command.callback([arguments, &chosen] { chosen = [arguments] { return sense(*arguments); }; });
+  command.callback([arguments, &command, &chosen] {
+    chosen = [arguments, &command] { return sense(*arguments, command); };
+  });
 }
 
 }  // namespace palpate::app

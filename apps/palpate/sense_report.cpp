@@ -9,6 +9,7 @@
 #include "palpate/core/statistics.hpp"
 #include "palpate/plotting/plot.hpp"
 #include "sense.hpp"
+#include "terminal.hpp"
 
 namespace palpate::app {
 namespace {
@@ -69,7 +70,7 @@ std::string row(const std::string& name, const StreamSummary& summary) {
   }
   std::string flags;
   for (const auto& [flag, count] : summary.flags) flags += fmt::format("  {} {}", flag, count);
-  return fmt::format("{:<10}{:>9}{:>9}{:>10}{}{}", name, summary.samples, summary.flagged, force,
+  return fmt::format("{:<16}{:>9}{:>9}{:>10}{}{}", name, summary.samples, summary.flagged, force,
                      error, flags);
 }
 
@@ -148,7 +149,7 @@ std::vector<std::string> write_stream(const std::filesystem::path& folder,
 void report_streams(const SenseArguments& arguments, const std::vector<SensedStream>& streams) {
   nlohmann::json report = {{"streams", nlohmann::json::object()}};
   std::string table =
-      fmt::format("{:<10}{:>9}{:>9}{:>10}{:>10}{:>8}{:>8}  {}\n", "stream", "samples", "flagged",
+      fmt::format("{:<16}{:>9}{:>9}{:>10}{:>10}{:>8}{:>8}  {}\n", "stream", "samples", "flagged",
                   "force N", "error deg", "p90", "p95", "what is wrong with the flagged");
   for (const SensedStream& stream : streams) {
     const StreamSummary summary = summarize(stream);
@@ -170,6 +171,10 @@ void report_streams(const SenseArguments& arguments, const std::vector<SensedStr
     fmt::print("{}\n", report.dump(2));
   } else {
     fmt::print("{}{}", table, wrote);
+    if (!wrote.empty()) {
+      print_next(arguments.common,
+                 fmt::format("palpate localize MESH {}/contacts.csv", arguments.common.out));
+    }
   }
 }
 

@@ -3,7 +3,9 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <numbers>
+#include <optional>
 
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
@@ -14,6 +16,8 @@
 #include "palpate/tactile/biotac/inverse.hpp"
 #include "palpate/tactile/biotac/network.hpp"
 #include "palpate/tactile/biotac/normal.hpp"
+#include "progress_bar.hpp"
+#include "terminal.hpp"
 
 namespace palpate::app {
 namespace {
@@ -23,8 +27,18 @@ struct BiotacNormalArguments {
   std::vector<std::string> logs;
 };
 
+/// --out is a file here, not the folder that it is elsewhere.
+void add_model_options(CLI::App& command, CommonOptions& common) {
+  command.add_option("--out", common.out, "file of the model")->option_text("FILE");
+  command.add_flag("--force", common.force, "overwrite FILE");
+}
+
+/// @throws BadInput unless there is a place for the model
 void require_out(const CommonOptions& common) {
   if (common.out.empty()) throw BadInput("--out FILE is missing: where the model is to go");
+  if (std::filesystem::exists(common.out) && !common.force) {
+    throw BadInput(fmt::format("{} exists; --force overwrites it", common.out));
+  }
 }
 
 std::vector<tactile::BiotacSample> samples_of(const std::vector<tactile::BiotacLog>& logs) {
@@ -81,6 +95,7 @@ std::string said(const std::vector<double>& errors, const std::string& of) {
 int train_biotac_normal(const BiotacNormalArguments& arguments) {
   require_out(arguments.common);
   const auto options = resolve<tactile::BiotacNormalOptions>(arguments.common);
+  std::optional<Notice> notice(std::in_place, "training", arguments.common.quiet);
   const auto logs = read_logs(arguments.logs);
   const auto model = tactile::train_biotac_normal(logs, options);
   const auto errors = tactile::cross_validate_biotac_normal(logs, options);
@@ -98,11 +113,13 @@ int train_biotac_normal(const BiotacNormalArguments& arguments) {
     report["all_logs_left_out"] = normal_errors_json(left_out.errors);
     text += "; " + said(left_out.errors.error_deg, "logs");
   }
+  notice.reset();
   if (arguments.common.json) {
     fmt::print("{}\n", report.dump(2));
   } else {
     fmt::print("{} samples of {} logs; {}\nwrote {}\n", samples, logs.size(), text,
                arguments.common.out);
+    print_next(arguments.common, "palpate sense LOG --model " + arguments.common.out);
   }
   return kDone;
 }
@@ -114,7 +131,8 @@ void add_biotac_normal(CLI::App& train, Command& chosen) {
   command.add_option("logs", arguments->logs, "CSV with t_s,pdc,e1..e19,nx,ny,nz; raw counts")
       ->option_text("LOG...")
       ->required();
-  add_common_options(command, arguments->common, kConfig | kOut);
+  add_model_options(command, arguments->common);
+  add_common_options(command, arguments->common, kConfig);
   command.footer(
       "--out names the file of the model. The validation leaves whole touches out and, if there\n"
       "are several, whole logs.\n\n"
@@ -171,6 +189,7 @@ int train_biotac_electrodes(const ElectrodeArguments& arguments) {
   require_out(arguments.common);
   auto options = resolve<ElectrodeOptions>(arguments.common);
   options.fit.seed = arguments.common.seed;
+  std::optional<Notice> notice(std::in_place, "fitting and training", arguments.common.quiet);
   const auto logs = read_logs(arguments.logs);
   const auto samples = samples_of(logs);
   const auto fit = tactile::fit_electrodes(samples, options.fit);
@@ -184,6 +203,7 @@ int train_biotac_electrodes(const ElectrodeArguments& arguments) {
     result["test_mae_over_sd"] =
         errors_json(tactile::judge_electrodes(samples, judged, options.fit, options.model));
   }
+  notice.reset();
   write_file_atomically(arguments.common.out, model.bytes());
   report(arguments.common, result);
   return kDone;
@@ -198,7 +218,8 @@ void add_biotac_electrodes(CLI::App& train, Command& chosen) {
       ->required();
   command.add_option("--test", arguments->judges, "logs for the evaluation, not used for training")
       ->option_text("LOG...");
-  add_common_options(command, arguments->common, kConfig | kSeed | kOut);
+  add_model_options(command, arguments->common);
+  add_common_options(command, arguments->common, kConfig | kSeed);
   command.footer(
       "Reports the simulated sensor's parameters as fitted to the logs, and the errors of that "
       "fit\n"
@@ -244,6 +265,7 @@ struct SimulatedTouches {
 /// Touches to learn from and, of another seed and a fifth as many, to judge by.
 SimulatedTouches simulate(const SimulatedArguments& arguments, const SimulatedOptions& options) {
   SimulatedTouches touches;
+  const Notice notice("simulating touches", arguments.common.quiet);
   auto data = options.data;
   data.seed = arguments.common.seed;
   touches.learn = tactile::simulate_biotac(data, options.skin, options.sensor);
@@ -256,13 +278,6 @@ SimulatedTouches simulate(const SimulatedArguments& arguments, const SimulatedOp
   return touches;
 }
 
-ProgressCallback bar(const CommonOptions& common) {
-  if (common.quiet || common.json) return {};
-  return [](std::size_t done, std::size_t total) {
-    fmt::print(stderr, "epoch {} of {}\n", done, total);
-  };
-}
-
 int train_biotac_network(const SimulatedArguments& arguments) {
   require_out(arguments.common);
   auto options = resolve<SimulatedOptions>(arguments.common);
@@ -271,8 +286,10 @@ int train_biotac_network(const SimulatedArguments& arguments) {
   const Eigen::MatrixXd learn = tactile::biotac_dataset(touches.learn),
                         evaluator = tactile::biotac_dataset(touches.evaluator);
   tactile::BiotacNetwork network(arguments.common.seed);
+  const ProgressBar bar("epochs", static_cast<std::size_t>(options.network.epochs),
+                        arguments.common.quiet);
   network.train(tactile::network_inputs(learn), tactile::network_outputs(learn), options.network,
-                bar(arguments.common));
+                [&bar](std::size_t done, std::size_t) { bar.show(done); });
   const auto inputs = tactile::network_inputs(evaluator),
              outputs = tactile::network_outputs(evaluator);
   const Eigen::VectorXd ratios = tactile::error_ratios(network(inputs), outputs);
@@ -328,12 +345,15 @@ int train_biotac_inverse(const SimulatedArguments& arguments) {
   auto options = resolve<SimulatedOptions>(arguments.common);
   options.inverse.seed = arguments.common.seed;
   const auto touches = simulate(arguments, options);
+  std::optional<Notice> notice(std::in_place, "training", arguments.common.quiet);
   const auto model =
       tactile::BiotacInverse::train(touches.learn, options.inverse, options.skin, options.sensor);
   write_file_atomically(arguments.common.out, model.bytes());
   nlohmann::json result = inverse_errors(model, touches.evaluator);
   result["samples"] = touches.learn.size();
+  notice.reset();
   report(arguments.common, result);
+  print_next(arguments.common, "palpate sense RECORDING --model " + arguments.common.out);
   return kDone;
 }
 
@@ -341,7 +361,8 @@ void add_simulated(CLI::App& train, Command& chosen, const std::string& name,
                    const std::string& what, int (*action)(const SimulatedArguments&)) {
   auto arguments = std::make_shared<SimulatedArguments>();
   auto& command = *train.add_subcommand(name, what);
-  add_common_options(command, arguments->common, kConfig | kSeed | kOut);
+  add_model_options(command, arguments->common);
+  add_common_options(command, arguments->common, kConfig | kSeed);
   command
       .add_option("--write-data", arguments->write_data,
                   "also write the data set as CSV, in the layout of thesis eq. 5.11")

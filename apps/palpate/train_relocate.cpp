@@ -89,6 +89,7 @@ relocate::MlpPolicy starting_network(const Training& training,
 
 void make_gradient_trainer(const TrainArguments& arguments, const TrainOptions& options,
                            const relocate::TrainingContext& context, Training& training) {
+  const Notice notice("demonstrations, and cloning them", arguments.common.quiet);
   auto demos = demonstrations(arguments, options, context, training.expert.get());
   const auto network = starting_network(training, demos, options, context.seed);
   training.trainer = relocate::make_npg_trainer(context, options.npg, network, std::move(demos));
@@ -228,6 +229,7 @@ relocate::RolloutSummary evaluate(const TrainArguments& arguments, const TrainOp
                                   const relocate::Policy& policy) {
   auto task = options.task;
   task.solver = "faithful";
+  const Notice notice("evaluating the policy", arguments.common.quiet);
   const auto& episode = arguments.method == "cem"      ? options.cem.search.episode
                         : arguments.method == "dagger" ? options.dagger.episode
                                                        : options.npg.episode;
@@ -286,8 +288,7 @@ int train(const TrainArguments& arguments) {
   if (common.out.empty()) throw BadInput("--out DIR is missing: where the training is to be kept");
   check_use(arguments);
   const auto options = resolve<TrainOptions>(common);
-  // Without --force a training goes on, if its settings are the same. A share is no result of its
-  // own.
+  // Without --force a training goes on, if its settings are the same. A share has no result.
   const auto output =
       !arguments.score.empty()
           ? nullptr

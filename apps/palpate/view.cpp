@@ -12,6 +12,7 @@
 #include "palpate/core/file.hpp"
 #include "palpate/recording/replay_page.hpp"
 #include "replay_file.hpp"
+#include "terminal.hpp"
 #include "view_stream.hpp"
 
 namespace palpate::app {
@@ -70,7 +71,9 @@ int view_live(const ViewArguments& arguments) {
 int view(const ViewArguments& arguments) {
   if (arguments.live) return view_live(arguments);
   if (arguments.recordings.empty()) throw BadInput("no recording to show, and no --live");
+  std::optional<Notice> notice(std::in_place, "making the page", arguments.common.quiet);
   const std::string page = page_of(arguments.recordings);
+  notice.reset();
   if (arguments.common.out.empty()) {
     serve(arguments, page);
     return kDone;
@@ -79,6 +82,7 @@ int view(const ViewArguments& arguments) {
   const fs::path file = output->path() / "replay.html";
   write_file_atomically(file, page);
   say_where(arguments, "page", file.string());
+  print_next(arguments.common, fmt::format("open {} in a browser", file.string()));
   return kDone;
 }
 
@@ -123,7 +127,14 @@ void add_view(CLI::App& program, Command& chosen) {
       "  palpate view out/pick-mug-2/recording.h5 out/pick-mug-8/recording.h5\n"
       "  palpate view --live --object mug --hand shadow   # beside palpate ros2 estimate\n"
       "  palpate view out/pick-mug-2/recording.h5 --out pages");
-  command.callback([arguments, &chosen] { chosen = [arguments] { return view(*arguments); }; });
+  command.callback([arguments, &command, &chosen] {
+    for (const char* const served : {"--port", "--host"}) {
+      if (command.count("--out") > 0 && command.count(served) > 0) {
+        throw CLI::ExcludesError("--out", served);
+      }
+    }
+    chosen = [arguments] { return view(*arguments); };
+  });
 }
 
 }  // namespace palpate::app

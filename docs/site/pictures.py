@@ -49,7 +49,7 @@ def policy_set(policy):
             "--out {work}/drawn",
         ),
         {**pictures, f"{policy}-video.png": "drawn/video.png"},
-        RENDERER[:1],
+        (*RENDERER[:1], "apps/palpate/render.cpp"),
     )
 
 

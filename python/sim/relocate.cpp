@@ -16,6 +16,7 @@
 #include "bindings/arrays.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/worker_pool.hpp"
+#include "palpate/simulation/rendering/sized_renderer.hpp"
 #include "palpate/tasks/relocate/drawn_task.hpp"
 #include "palpate/tasks/relocate/rollout.hpp"
 #include "picture.hpp"
@@ -99,12 +100,9 @@ class RelocateTasks {
     const std::lock_guard lock(busy_);
     check_index(index);
     if (!drawn_) drawn_.emplace(options_.task, model_);
-    if (!renderer_ || size_ != std::pair(width, height)) {
-      renderer_.emplace(drawn_->hand(), drawn_->object(), width, height);
-      size_ = {width, height};
-    }
-    return renderer_->render(drawn_->at(tasks_[index].positions(), starts_[index].target),
-                             relocate::task_camera());
+    auto& renderer = renderer_.of(width, height, drawn_->hand(), drawn_->object());
+    return renderer.render(drawn_->at(tasks_[index].positions(), starts_[index].target),
+                           relocate::task_camera());
   }
 
   /// One row a task of what `of` tells of it.
@@ -150,8 +148,7 @@ class RelocateTasks {
   std::vector<double> seconds_;     // that each took in its last step
   std::vector<std::size_t> order_;  // in which they are begun
   std::optional<relocate::DrawnTask> drawn_;
-  std::optional<simulation::Renderer> renderer_;
-  std::pair<int, int> size_;  // of its pictures, pixels
+  simulation::SizedRenderer renderer_;
   mutable std::mutex busy_;
 };
 

@@ -20,7 +20,7 @@
 #include "palpate/simulation/hand/load_arm.hpp"
 #include "palpate/simulation/hand/load_hand.hpp"
 #include "palpate/simulation/hand/open_loop_grasp.hpp"
-#include "palpate/simulation/rendering/renderer.hpp"
+#include "palpate/simulation/rendering/sized_renderer.hpp"
 #include "picture.hpp"
 #include "rooms.hpp"
 
@@ -92,20 +92,16 @@ struct SimulatedWorld {
 
   simulation::Image render(int width, int height) {
     const std::lock_guard lock(hand.busy);
-    if (!renderer || size != std::pair(width, height)) {
-      renderer.emplace(world.hand_model(), model->object(), width, height);
-      size = {width, height};
-    }
     const simulation::Truth truth = world.truth();
-    return renderer->render({truth.T_world_object, truth.joints, hand.base});
+    return renderer.of(width, height, world.hand_model(), model->object())
+        .render({truth.T_world_object, truth.joints, hand.base});
   }
 
   SharedModel model;
   evaluation::StartOptions start;
   simulation::World world;
   WorldHand hand;
-  std::optional<simulation::Renderer> renderer;
-  std::pair<int, int> size;  ///< of its pictures, pixels
+  simulation::SizedRenderer renderer;
 };
 
 nb::object picture(SimulatedWorld& self, int width, int height) {

@@ -7,18 +7,8 @@ import unittest
 
 import numpy as np
 import palpate
+from quick_pick import IDEAL, QUICK, sim
 from test_arms import six_axes
-
-try:
-    from palpate import sim
-except ImportError:
-    sim = None
-
-IDEAL = sim.IDEAL if sim else {}
-QUICK = IDEAL | {
-    "calibrate.touches": 4, "explore.touches": 2, "explore.max_touches": 2, "attempts": 1,
-    "estimation.search.proposals": 20000, "estimation.search.particles": 400,
-}  # fmt: skip
 
 
 class Lift(palpate.Arm):

@@ -12,17 +12,7 @@ import unittest
 
 import numpy as np
 import palpate
-
-try:
-    from palpate import sim
-except ImportError:
-    sim = None
-
-IDEAL = sim.IDEAL if sim else {}
-QUICK = IDEAL | {
-    "calibrate.touches": 4, "explore.touches": 2, "explore.max_touches": 2, "attempts": 1,
-    "estimation.search.proposals": 20000, "estimation.search.particles": 400,
-}  # fmt: skip
+from quick_pick import IDEAL, QUICK, sim
 
 
 class Rewritten(palpate.Hand):

@@ -3,12 +3,12 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <sstream>
 #include <string_view>
 #include <vector>
 
 #include "palpate/core/angle.hpp"
 #include "recording/matrix_json.hpp"
+#include "recording/note_numbers.hpp"
 #include "recording/page_data.hpp"
 
 namespace palpate::recording {
@@ -34,26 +34,9 @@ json phases_to_json(const std::vector<Event>& events, double last) {
   return phases;
 }
 
-constexpr std::string_view kTarget = "target ", kFixture = "fixture ", kPath = "path ",
-                           kCredible = "credible";
+constexpr std::string_view kFixture = "fixture ", kPath = "path ", kCredible = "credible";
 constexpr std::string_view kLetGo = "mark placed";
-constexpr std::size_t kPoseNumbers = 16, kBoxNumbers = kPoseNumbers + 3;
-
-/// The numbers that follow a word in a note.
-std::vector<double> numbers_after(std::string_view word, const std::string& text) {
-  if (!text.starts_with(word)) return {};
-  std::istringstream in(text.substr(word.size()));
-  std::vector<double> values;
-  for (double value; in >> value;) values.push_back(value);
-  return values;
-}
-
-/// The same; none unless there are as many as there should be.
-std::vector<double> numbers_after(std::string_view word, const std::string& text,
-                                  std::size_t count) {
-  const auto values = numbers_after(word, text);
-  return values.size() == count ? values : std::vector<double>{};
-}
+constexpr std::size_t kBoxNumbers = kPoseNumbers + 3;
 
 /// Where the object was to be put, the way planned there (x y z of its centroid), the boxes of the
 /// fixture (pose, then half extents), and when the hand let go there, as the notes tell.
@@ -64,7 +47,7 @@ json placement_to_json(const std::vector<Event>& events) {
                     {"let_go", json::array()}};
   for (const Event& event : events) {
     if (event.kind != EventKind::note) continue;
-    const auto target = numbers_after(kTarget, event.text, kPoseNumbers);
+    const auto target = numbers_after(kTargetNote, event.text, kPoseNumbers);
     if (!target.empty()) placement["target"] = target;
     const auto path = numbers_after(kPath, event.text);
     if (path.size() % 3 == 0 && !path.empty()) placement["path"] = path;

@@ -21,8 +21,8 @@ constexpr hsize_t kTextChunk = 4096, kContactsPerChunk = 512, kMeshRowsPerChunk 
 constexpr const char* kCannotWrite = "cannot be written";
 
 /// Text of JSON that any reader accepts: bytes that are not UTF-8 are replaced.
-std::string dump(const nlohmann::json& json) {
-  return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+std::string dump(const nlohmann::json& value) {
+  return value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
 void append_text(hid_t file, const char* name, const std::string& text) {

@@ -238,6 +238,11 @@ class Localize(CliTest):
         self.assertEqual(result["status"], "certain")
         self.assertTrue(result["repairs"])
 
+    def test_the_search_of_several_objects_is_not_chosen(self):
+        self.write("some.csv", "x,y,z\n0,0,0\n")
+        several = ["localize", "mug,box", "some.csv", "--method", "fast"]
+        self.assert_refused(USAGE, several, "--method")
+
     def test_usage(self):
         self.write("contacts.csv", csv(contacts_on_box(3)))
         for wrong in (["--method", "slow"], ["--point-noise", "0"], ["--normal-noise-deg", "-1"]):

@@ -161,7 +161,7 @@ class Results(CliTest):
         self.assertEqual(json.loads((self.folder / "run/report.json").read_text()), report)
         self.assertIn("<html", (self.folder / "run/replay.html").read_text()[:1000].lower())
 
-        replay = self.run_json("replay", "--set", "lift.height=0.1", "run/recording.h5")
+        replay = self.run_json("replay", "--config", "run/config.toml", "run/recording.h5")
         poses = [(mode["T_world_object"], mode["weight"]) for mode in replay["modes"]]
         picked = report["estimate"]["modes"]
         self.assertEqual(poses, [(mode["T_world_object"], mode["weight"]) for mode in picked])
@@ -172,9 +172,14 @@ class Results(CliTest):
         for option in (["--at", "5"], ["--object", "box"], ["--hand", "shadow"]):
             self.assert_refused(BAD_INPUT, ["replay", "run/recording.h5", *option], option[0], "MCAP")
 
-        # It holds the solver's contacts, and no others.
-        other = ["replay", "run/recording.h5", "--set", "touch.source=biotac"]
-        self.assert_refused(BAD_INPUT, other, "touch.source", "solver")
+        # What was done and sensed is recorded; what is made of it is not.
+        recorded = {"touch.source": "biotac", "lift.height": "0.17", "world.noise.normal": "0.3",
+                    "touch.biotac_point": "0.002", "expert.estimation.identify.other": "0.2"}  # fmt: skip
+        for key, value in recorded.items():
+            other = ["replay", "run/recording.h5", "--set", f"{key}={value}"]
+            self.assert_refused(BAD_INPUT, other, key, "was recorded with", "options replay")
+        other = self.run_json("replay", "run", "--set", "estimation.free_space=false")
+        self.assertNotEqual(other["modes"], replay["modes"])
 
         sensed = self.run_json("sense", "run/recording.h5")["streams"]
         self.assertGreaterEqual(len(sensed), 2)

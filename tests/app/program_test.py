@@ -91,7 +91,7 @@ class Usage(CliTest):
 
 class Options(CliTest):
     def test_every_option_is_listed_with_its_help(self):
-        for command in ("pick", "localize", "plan", "register", "rollout"):
+        for command in ("pick", "replay", "localize", "plan", "register", "rollout"):
             options = self.run_json("options", command)["options"]
             self.assertGreater(len(options), 3, command)
             for option in options:
@@ -105,6 +105,14 @@ class Options(CliTest):
         every = [o["key"] for o in self.run_json("options", "pick", "--expert")["options"]]
         self.assertEqual(every[: len(keys)], keys)
         self.assertTrue(all(key.startswith("expert.") for key in every[len(keys) :]))
+
+    def test_a_replay_has_the_options_of_the_estimate_alone(self):
+        every = {o["key"] for o in self.run_json("options", "pick", "--expert")["options"]}
+        keys = {o["key"] for o in self.run_json("options", "replay", "--expert")["options"]}
+        self.assertLess(keys, every)
+        of_estimate = {key for key in every if "estimation." in key and ".identify." not in key}
+        self.assertLessEqual(of_estimate, keys)
+        self.assertFalse({key for key in keys if key.startswith(("lift", "world", "grasp"))})
 
     def test_text_and_a_command_without_options(self):
         done = self.run_program("options")

@@ -298,6 +298,12 @@ class Register(CliTest):
                             "'nowhere.txt' is neither a file nor")  # fmt: skip
         self.assert_refused(USAGE, ["certify", IDENTITY], "--correspondences", "palpate certify --help")
 
+    def test_options_without_effect_are_refused(self):
+        pairs = ["register", "--correspondences", "pairs.csv", "--threads", "2"]
+        self.assert_refused(USAGE, pairs, "--threads")
+        clouds = ["register", "a.ply", "b.ply", "--repeats", "2"]
+        self.assert_refused(USAGE, clouds, "--repeats")
+
     def test_errors_are_one_line(self):
         file = self.pairs()
         self.write("box.stl", box_stl(0.1, 0.2, 0.3))

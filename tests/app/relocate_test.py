@@ -112,6 +112,13 @@ class RelocateTest(cli.CliTest):
         done = self.run_program("compare", "a.csv", "b.csv")
         self.assertEqual(done.returncode, cli.DONE, done.stderr)
 
+    def test_episodes_that_were_run_take_no_options_of_episodes(self):
+        for name in ("a.csv", "b.csv"):
+            rows = "".join(f"{i},0.01,30,0\n" for i in range(12))
+            self.write(name, "return,distance,steps_within_5cm,diverged\n" + rows)
+        for option in (["--episodes", "5"], ["--threads", "2"], ["--set", "task.size=1"]):
+            self.assert_refused(cli.BAD_INPUT, ["compare", "a.csv", "b.csv", *option], option[0])
+
     def test_there_is_one_version_of_the_task(self):
         for command in (["rollout"], ["train", "relocate"], ["compare", "a", "b"]):
             done = self.run_program(*command, "--task", "relocate-v1")

@@ -98,8 +98,22 @@ class Sense(CliTest):
             (USAGE, ["--set", "lag=0.1"], "--set"),
             (USAGE, ["--config", "options.toml"], "--config"),
             (BAD_INPUT, ["--model", "some.model"], "some.model"),
+            (BAD_INPUT, ["--causal"], "--causal is an option of a log of a BioTac"),
         ):
             self.assert_refused(code, ["sense", "slide.csv", *extra], named)
+        electrodes = ",".join(f"e{i}" for i in range(1, 20))
+        self.write("biotac.csv", f"t_s,pdc,{electrodes}\n")
+        for extra in (["--tick", "0.1"], ["--estimator", "rls"]):
+            self.assert_refused(BAD_INPUT, ["sense", "biotac.csv", *extra], extra[0], "biotac.csv")
+
+    def test_a_model_is_not_overwritten_unasked(self):
+        self.write("old.model", "kept")
+        self.write("log.csv", "t_s,pdc\n")
+        for kind in (["biotac-normal", "log.csv"], ["biotac-electrodes", "log.csv"], ["biotac-network"],
+                     ["biotac-inverse"]):  # fmt: skip
+            self.assert_refused(
+                BAD_INPUT, ["train", *kind, "--out", "old.model"], "old.model exists", "--force")
+        self.assertEqual((self.folder / "old.model").read_text(), "kept")
 
 
 if __name__ == "__main__":

@@ -122,6 +122,10 @@ class View(RecordingTest):
     def test_no_recording(self):
         self.assert_refused(BAD_INPUT, ["view", "missing.h5"], "missing.h5")
 
+    def test_an_address_is_of_no_use_to_a_file(self):
+        for option in (["--port", "8080"], ["--host", "127.0.0.1"]):
+            self.assert_refused(USAGE, ["view", "run.h5", "--out", "pages", *option], option[0])
+
 
 class Render(RecordingTest):
     def test_draws_the_end_of_every_phase(self):
@@ -154,7 +158,11 @@ class Render(RecordingTest):
     def test_refuses_what_it_cannot_draw(self):
         for size in ["big", "640", "640x480x3", "x480"]:
             self.assert_refused(USAGE, ["render", "--size", size], size, "WIDTHxHEIGHT")
-        self.assert_refused(USAGE, ["render", "run.h5", "--object", "box"], "--object")
+        for option in (["--object", "box"], ["--set", "lift.height=0.1"], ["--config", "x.toml"],
+                       ["--seed", "1"], ["--force"]):  # fmt: skip
+            self.assert_refused(USAGE, ["render", "run.h5", *option], option[0])
+        for option in (["--gif"], ["--speed", "2"]):
+            self.assert_refused(USAGE, ["render", "run.h5", *option], option[0], "--posterior")
         self.assert_refused(BAD_INPUT, ["render", "missing.h5"], "missing.h5")
         self.assert_refused(
             BAD_INPUT, ["render", "--set", "touch.source=skin", "--out", "new"], "touch.source")
