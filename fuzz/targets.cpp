@@ -89,6 +89,7 @@ std::vector<Target> all_targets() {
   const Load cloud = [](const fs::path& file) { geometry::load_cloud(file, 100); };
   const Load contacts = [](const fs::path& file) { localization::read_contacts(file, {}); };
   const Load spheres = [](const fs::path& file) { localization::read_free_space(file); };
+  const Load planes = [](const fs::path& file) { localization::read_plane_contacts(file); };
   const Load log = [](const fs::path& file) { tactile::read_contact_log(file, 0.01); };
   const Load biotac = [](const fs::path& file) { tactile::read_biotac_log(file); };
   const Load pairs = [](const fs::path& file) { registration::read_correspondences(file); };
@@ -103,7 +104,7 @@ std::vector<Target> all_targets() {
       {"xyz", "xyz", "input.xyz", cloud},
       {"toml", "toml", "input.toml", load_options},
       {"policy", "json", "input.json", policy, sample_policy},
-      {"csv", "csv", "input.csv", each_of({contacts, spheres, log, biotac, pairs})},
+      {"csv", "csv", "input.csv", each_of({contacts, spheres, planes, log, biotac, pairs})},
       {"mjcf", "mjcf", "input.xml", hand},
       {"urdf", "urdf", "input.urdf", hand},
       {"checkpoint", "json", "input", checkpoint, sample_checkpoint},

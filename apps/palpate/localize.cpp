@@ -60,7 +60,7 @@ struct LocalizeArguments {
   bool demo = false, ignore_spin = false;
   double point_noise = 0.001, normal_noise_deg = 10;
   std::optional<double> table;
-  std::string free, prior;
+  std::string free, planes, prior;
 };
 
 std::vector<tactile::Contact> flipped(std::vector<tactile::Contact> contacts) {
@@ -109,6 +109,7 @@ lo::Evidence evidence_of(const LocalizeArguments& arguments, const LocalizeOptio
       arguments.contacts, {arguments.point_noise, arguments.normal_noise_deg * kDegree});
   if (arguments.table) evidence.table = table_at(*arguments.table, evidence.contacts, object);
   if (!arguments.free.empty()) evidence.free_space = lo::read_free_space(arguments.free);
+  if (!arguments.planes.empty()) evidence.planes = lo::read_plane_contacts(arguments.planes);
   if (!arguments.prior.empty()) {
     evidence.prior = read_prior(arguments.prior, object.T_mesh_object);
   }
@@ -261,6 +262,11 @@ void add_localize(CLI::App& program, Command& chosen) {
       .add_option("--free", arguments->free,
                   "CSV of what is known to be free of the object, m: balls x,y,z,radius, or the "
                   "voxels x,y,z,size of a grid")
+      ->option_text("FILE");
+  command
+      .add_option("--planes", arguments->planes,
+                  "CSV of planes on which the held object was let down until it touched, in the "
+                  "contacts' frame: nx,ny,nz,height[,sigma], normal to the object's side, m")
       ->option_text("FILE");
   command
       .add_option("--prior", arguments->prior,

@@ -30,11 +30,37 @@ std::vector<lo::FreeSphere> spheres_from(nb::handle free_space) {
   return spheres;
 }
 
+namespace {
+
+/// Rows nx, ny, nz, height and, optionally, sigma; none for None.
+/// @throws BadInput for another shape
+std::vector<lo::PlaneContact> planes_from(nb::handle planes) {
+  std::vector<lo::PlaneContact> list;
+  if (!is_given(planes)) return list;
+  const Matrix rows = matrix_from(planes, "planes");
+  if (rows.size() == 0) return list;
+  if (rows.cols() != 4 && rows.cols() != 5) {
+    throw BadInput(
+        fmt::format("planes has shape ({}, {}), not (N, 4) or (N, 5): nx, ny, nz, "
+                    "height, sigma",
+                    rows.rows(), rows.cols()));
+  }
+  for (Eigen::Index i = 0; i < rows.rows(); ++i) {
+    lo::PlaneContact plane{rows.row(i).head<3>().transpose(), rows(i, 3)};
+    if (rows.cols() == 5) plane.sigma = rows(i, 4);
+    list.push_back(plane);
+  }
+  return list;
+}
+
+}  // namespace
+
 lo::Evidence evidence_from(const Contacts& contacts, const EvidenceArguments& arguments) {
   lo::Evidence evidence;
   evidence.contacts = contacts.list;
   evidence.table = arguments.table;
   evidence.free_space = spheres_from(arguments.free_space);
+  evidence.planes = planes_from(arguments.planes);
   evidence.false_contact_share = arguments.false_contacts;
   evidence.noise_scale_prior = arguments.noise_scale_prior;
   evidence.size_prior = arguments.size_prior;

@@ -18,11 +18,12 @@ std::vector<localization::FreeSphere> spheres_from(nanobind::handle free_space);
 /// What localize() and identify() take beside the object, as they name it.
 struct EvidenceArguments {
   std::optional<localization::TableSupport> table;
-  nanobind::handle free_space;
+  nanobind::handle free_space, planes;
   double false_contacts, noise_scale_prior, size_prior, surface_sigma;
 };
 
-/// @throws BadInput for free space of another shape; other values are checked by the search
+/// @throws BadInput for free space and planes of another shape; other values are checked by the
+/// search
 localization::Evidence evidence_from(const Contacts& contacts, const EvidenceArguments& arguments);
 
 }  // namespace palpate::python

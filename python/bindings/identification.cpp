@@ -74,12 +74,14 @@ Identification search(const std::vector<SharedModel>& models, const lo::Evidence
 }
 
 Identification identify(const nb::sequence& models, const Contacts& contacts,
-                        std::optional<lo::TableSupport> table, nb::object free_space, double other,
-                        double false_contacts, double noise_scale_prior, double size_prior,
-                        double surface_sigma, std::uint64_t seed) {
+                        std::optional<lo::TableSupport> table, nb::object free_space,
+                        nb::object planes, double other, double false_contacts,
+                        double noise_scale_prior, double size_prior, double surface_sigma,
+                        std::uint64_t seed) {
   const std::vector<SharedModel> shared = models_from(models);
-  lo::Evidence evidence = evidence_from(contacts, {std::move(table), free_space, false_contacts,
-                                                   noise_scale_prior, size_prior, surface_sigma});
+  lo::Evidence evidence =
+      evidence_from(contacts, {std::move(table), free_space, planes, false_contacts,
+                               noise_scale_prior, size_prior, surface_sigma});
   evidence.contact_area = mean_area(shared);
   lo::IdentificationOptions options;
   options.other = other;
@@ -146,18 +148,21 @@ void bind_identification(nb::module_& module) {
   const lo::Evidence evidence;
   module.def(
       "identify", &identify, "models"_a, "contacts"_a, nb::kw_only(), "table"_a = nb::none(),
-      "free_space"_a = nb::none(), "other"_a = lo::IdentificationOptions().other,
+      "free_space"_a = nb::none(), "planes"_a = nb::none(),
+      "other"_a = lo::IdentificationOptions().other,
       "false_contacts"_a = evidence.false_contact_share,
       "noise_scale_prior"_a = evidence.noise_scale_prior, "size_prior"_a = evidence.size_prior,
       "surface_sigma"_a = evidence.surface_sigma, "seed"_a = 0,
       nb::sig("def identify(models: collections.abc.Sequence[ObjectModel], contacts: Contacts, *, "
               "table: TableSupport | None = None, free_space: numpy.typing.ArrayLike | None = "
-              "None, other: float = 0.05, false_contacts: float = 0.02, noise_scale_prior: float = "
+              "None, planes: numpy.typing.ArrayLike | None = None, other: float = 0.05, "
+              "false_contacts: float = 0.02, noise_scale_prior: float = "
               "0.4, size_prior: float = 0.25, surface_sigma: float = 0.0003, seed: int = 0) -> "
               "Identification"),
       "Which of several objects the contacts are of, equally probable before, and its pose, by "
       "marginal likelihoods (Robert & Casella 2004, ch. 3).\n\nother: prior probability of an "
-      "object that is none of them. free_space (N, 4) and the rest are those of localize(), whose "
+      "object that is none of them. free_space (N, 4), planes and the rest are those of "
+      "localize(), whose "
       "method 'full' searches each object.\n\nRaises ValueError as localize(), and for no "
       "models; TypeError for what is no ObjectModel.");
 }

@@ -50,7 +50,7 @@ lo::TableSupport make_table(nb::object T_frame_table, double half_width, double 
 }
 
 Posterior localize(nb::object model, const Contacts& contacts, const std::string& method,
-                   std::optional<lo::TableSupport> table, nb::object free_space,
+                   std::optional<lo::TableSupport> table, nb::object free_space, nb::object planes,
                    std::optional<lo::PosePrior> prior, double false_contacts,
                    double noise_scale_prior, double size_prior, double surface_sigma, int proposals,
                    int particles, int modes, std::uint64_t seed) {
@@ -58,8 +58,9 @@ Posterior localize(nb::object model, const Contacts& contacts, const std::string
     throw BadInput(fmt::format("method is '{}', not 'fast' or 'full'", method));
   }
   const SharedModel shared = model_from(model);
-  lo::Evidence evidence = evidence_from(contacts, {std::move(table), free_space, false_contacts,
-                                                   noise_scale_prior, size_prior, surface_sigma});
+  lo::Evidence evidence =
+      evidence_from(contacts, {std::move(table), free_space, planes, false_contacts,
+                               noise_scale_prior, size_prior, surface_sigma});
   evidence.prior = std::move(prior);
   lo::LocalizerOptions options;
   options.proposals = proposals;
@@ -322,14 +323,15 @@ void bind_localization(nb::module_& module) {
   const lo::LocalizerOptions options;
   module.def(
       "localize", &localize, "model"_a, "contacts"_a, nb::kw_only(), "method"_a = "fast",
-      "table"_a = nb::none(), "free_space"_a = nb::none(), "prior"_a = nb::none(),
-      "false_contacts"_a = evidence.false_contact_share,
+      "table"_a = nb::none(), "free_space"_a = nb::none(), "planes"_a = nb::none(),
+      "prior"_a = nb::none(), "false_contacts"_a = evidence.false_contact_share,
       "noise_scale_prior"_a = evidence.noise_scale_prior, "size_prior"_a = evidence.size_prior,
       "surface_sigma"_a = evidence.surface_sigma, "proposals"_a = options.proposals,
       "particles"_a = options.particles, "modes"_a = options.modes, "seed"_a = 0,
       nb::sig("def localize(model: ObjectModel, contacts: Contacts, *, method: str = 'fast', "
               "table: TableSupport | None = None, free_space: numpy.typing.ArrayLike | None = "
-              "None, prior: PosePrior | None = None, false_contacts: float = 0.02, "
+              "None, planes: numpy.typing.ArrayLike | None = None, prior: PosePrior | None = None, "
+              "false_contacts: float = 0.02, "
               "noise_scale_prior: float = 0.4, size_prior: float = 0.25, surface_sigma: float = "
               "0.0003, proposals: int = 40000, particles: int = 800, modes: int = 16, seed: int = "
               "0) -> Posterior"),
@@ -337,7 +339,10 @@ void bind_localization(nb::module_& module) {
       "(Petrovskaya & Khatib 2011; Del Moral, Doucet & Jasra 2006).\n\nmethod 'fast' answers in a "
       "tenth of the time where the contacts settle the pose, "
       "and turns to 'full' elsewhere. free_space (N, 4): x, y, z, radius (m) of balls that are "
-      "free of the object. false_contacts: prior share of contacts with something else. "
+      "free of the object. planes (N, 4) or (N, 5): nx, ny, nz, height and sigma (m; 0.001 if left "
+      "out) of planes on which the held object was let down until its lowest point touched; the "
+      "unit normal points to the object's side, the height is over the origin along it. "
+      "false_contacts: prior share of contacts with something else. "
       "noise_scale_prior, size_prior: chance that the noise, or the object's size, is not as "
       "stated. surface_sigma: m by which the mesh is off the surface. Of more than 64 contacts so "
       "many are used.\n\nRaises ValueError for values that are not finite, sigmas that are not "

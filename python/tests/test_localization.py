@@ -125,6 +125,23 @@ class Localization(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, r"not \(N, 4\)"):
             palpate.localize(self.model, few, free_space=[[0, 0, 0]])
 
+    def test_planes_are_heard(self):
+        """Where the object ends along each axis settles what three contacts leave open."""
+        few = palpate.Contacts(self.points[:3], self.normals[:3]).transformed(self.truth)
+        vertices = self.model.object.mesh.vertices @ self.truth[:3, :3].T + self.truth[:3, 3]
+        axes = np.vstack([np.eye(3), -np.eye(3)])
+        planes = np.column_stack([axes, (vertices @ axes.T).min(axis=0)])
+        alone = palpate.localize(self.model, few)
+        told = palpate.localize(self.model, few, planes=planes)
+        self.assertGreater(told.probability, alone.probability + 0.3)
+        rotation, translation = told.error(self.truth)
+        self.assertLess(np.degrees(rotation), 5)
+        self.assertLess(translation, 0.005)
+        for wrong, words in ([[[0, 0, 1]], r"not \(N, 4\) or"], [[[0, 0, 2, 0]], "length 2"],
+                             [[[0, 0, 1, 0, -1]], "sigma is -1"]):  # fmt: skip
+            with self.assertRaisesRegex(ValueError, words):
+                palpate.localize(self.model, few, planes=wrong)
+
     def test_no_pose_is_a_status(self):
         posterior = palpate.localize(self.model, palpate.Contacts(np.empty((0, 3))))
         self.assertEqual((posterior.status, posterior.best, posterior.modes), ("no_pose", None, []))

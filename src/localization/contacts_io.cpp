@@ -42,17 +42,19 @@ struct ContactColumns {
   std::optional<std::size_t> time, finger, group, point_sigma, normal_sigma;
 };
 
-/// Outward unit normal; zero where the row leaves its three cells empty.
-Eigen::Vector3d normal_of(const CsvTable& row, const CsvTable::Columns& columns) {
-  if (std::all_of(columns.begin(), columns.end(),
-                  [&](std::size_t column) { return row.cell(column).empty(); })) {
-    return Eigen::Vector3d::Zero();
-  }
+Eigen::Vector3d unit_normal_of(const CsvTable& row, const CsvTable::Columns& columns) {
   const Eigen::Vector3d n = row.finite(columns);
   if (!(n.norm() > kMinNormal)) {
     throw BadInput(fmt::format("{}: a normal of length {}", row.where(), n.norm()));
   }
   return n.normalized();
+}
+
+/// Outward unit normal; zero where the row leaves its three cells empty.
+Eigen::Vector3d normal_of(const CsvTable& row, const CsvTable::Columns& columns) {
+  const bool none = std::all_of(columns.begin(), columns.end(),
+                                [&](std::size_t column) { return row.cell(column).empty(); });
+  return none ? Eigen::Vector3d::Zero() : unit_normal_of(row, columns);
 }
 
 /// The cell's standard deviation; `otherwise` where there is no column or the cell is empty.
@@ -120,6 +122,22 @@ std::vector<tactile::Contact> parse_contacts(std::string_view text, std::string_
 std::vector<tactile::Contact> read_contacts(const std::filesystem::path& path,
                                             const ContactNoise& noise) {
   return parse_contacts(read_file(path), path.string(), noise);
+}
+
+std::vector<PlaneContact> read_plane_contacts(const std::filesystem::path& path) {
+  const std::string text = read_file(path);
+  CsvTable row(text, path.string());
+  const CsvTable::Columns normal = row.require_xyz("n");
+  const std::size_t height = row.require("height");
+  const auto sigma = row.find("sigma");
+  std::vector<PlaneContact> planes;
+  while (row.next()) {
+    PlaneContact plane{unit_normal_of(row, normal), row.finite(height)};
+    plausible(plane.height, -kMaxLength, kMaxLength, row.where() + ": a height in m");
+    plane.sigma = sigma_of(row, sigma, plane.sigma);
+    planes.push_back(plane);
+  }
+  return planes;
 }
 
 }  // namespace palpate::localization

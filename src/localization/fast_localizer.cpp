@@ -45,13 +45,16 @@ std::vector<Mode> modes_of(const std::vector<Basin>& basins, const Symmetries& s
   return modes;
 }
 
-bool tight(const Matrix6d& covariance) {
+/// Whether the pose is known, but for turns that the object's symmetry hides.
+bool tight(const Mode& mode, const Symmetries& symmetries) {
   const auto widest = [](const Eigen::Matrix3d& part) {
     return std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(part, Eigen::EigenvaluesOnly)
                          .eigenvalues()[2]);
   };
-  return widest(covariance.topLeftCorner<3, 3>()) < kLoose.rotation &&
-         widest(covariance.bottomRightCorner<3, 3>()) < kLoose.translation;
+  const Eigen::Matrix3d& R = mode.T_frame_object.linear();
+  const Eigen::Matrix3d seen = R * symmetries.seen_rotations() * R.transpose();
+  return widest(seen * mode.covariance.topLeftCorner<3, 3>() * seen) < kLoose.rotation &&
+         widest(mode.covariance.bottomRightCorner<3, 3>()) < kLoose.translation;
 }
 
 /// The modes, if they are all that there can be: nothing otherwise.
@@ -67,7 +70,7 @@ std::vector<Mode> settled_modes(const geometry::ObjectModel& model, const Eviden
   if (basins.empty()) return {};
   const auto modes = modes_of(basins, symmetries, static_cast<std::size_t>(search.modes));
   const Basin& best = basins.front();
-  const bool trusted = best.starts >= kMinStarts && tight(modes.front().covariance) &&
+  const bool trusted = best.starts >= kMinStarts && tight(modes.front(), symmetries) &&
                        pose_probability(modes.front()) > options.certainty &&
                        !fit_is_rejected(model, evidence, best.best.pose, search.contact_offset);
   return trusted ? modes : std::vector<Mode>{};

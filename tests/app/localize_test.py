@@ -167,6 +167,14 @@ class Localize(CliTest):
         told = self.localize(rows, "--free", "free.csv", "--prior", "before.json")
         self.assertGreater(told["probability"], alone["probability"] + 0.1)
 
+    def test_a_plane_settles_the_height(self):
+        """Contacts on two sides alone leave heights open, which the plane below settles."""
+        rows = contacts_on_box(8, faces=(0, 1, 2, 3))
+        alone = self.localize(rows, "--method", "full")
+        self.write("planes.csv", csv([[0, 0, 1, SHIFT[2]]], "nx,ny,nz,height"))
+        told = self.localize(rows, "--method", "full", "--planes", "planes.csv")
+        self.assertGreater(told["probability"], alone["probability"] + 0.1)
+
     def test_free_voxels_rule_out_what_would_stand_in_them(self):
         """Where the air was free in the middle of the box, the box is not believed to be."""
         rows = contacts_on_box(12)
@@ -196,9 +204,10 @@ class Localize(CliTest):
         self.write("contacts.csv", csv(contacts_on_box(3)))
         self.write("free.csv", "x,y,z,radius\n0,0,0,-1\n")
         self.write("voxels.csv", "x,y,z,size\n0,0,0,0.01\n0.015,0,0,0.01\n")
+        self.write("planes.csv", "nx,ny,nz,height\n0,0,0,1\n")
         self.write("prior.json", "{}")
         for option, name, word in (("--free", "free.csv", "radius"), ("--free", "voxels.csv", "grid"),
-                                   ("--prior", "prior.json", "report")):
+                                   ("--planes", "planes.csv", "length 0"), ("--prior", "prior.json", "report")):
             self.assert_refused(
                 BAD_INPUT, ["localize", "box.stl", "contacts.csv", option, name], name, word
             )

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <fstream>
 
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
@@ -77,6 +78,44 @@ TEST(ParseContacts, NamesWhatIsWrong) {
   EXPECT_NE(far.find("of 1e+200"), std::string::npos) << far;
   EXPECT_NE(refusal("x,y,z,nx,ny,nz,fx,fy,fz\n0,0,0,0,0,1,0,0,-1e200\n").find("a force of -1e+200"),
             std::string::npos);
+}
+
+/// Reads a text as a file of planes.
+std::vector<PlaneContact> planes(const std::string& text) {
+  const auto path = std::filesystem::temp_directory_path() / "palpate_plane_contacts_test.csv";
+  std::ofstream(path) << text;
+  const auto read = read_plane_contacts(path);
+  std::filesystem::remove(path);
+  return read;
+}
+
+std::string refusal_of_planes(const std::string& text) {
+  try {
+    planes(text);
+  } catch (const BadInput& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(ReadPlaneContacts, ReadsPlanes) {
+  const auto read = planes("height,sigma,nx,ny,nz,at\n0.1,,0,0,2,7\n-0.2,0.003,1,0,0,8\n");
+  ASSERT_EQ(read.size(), 2U);
+  EXPECT_TRUE(read[0].normal.isApprox(Eigen::Vector3d::UnitZ()));
+  EXPECT_EQ(read[0].height, 0.1);
+  EXPECT_EQ(read[0].sigma, PlaneContact{}.sigma);
+  EXPECT_EQ(read[1].height, -0.2);
+  EXPECT_EQ(read[1].sigma, 0.003);
+}
+
+TEST(ReadPlaneContacts, NamesWhatIsWrong) {
+  const std::string header = "nx,ny,nz,height,sigma\n";
+  EXPECT_NE(refusal_of_planes("nx,ny,nz\n0,0,1\n").find("height"), std::string::npos);
+  EXPECT_NE(refusal_of_planes(header + "0,0,0,0,\n").find(":2: a normal of length 0"),
+            std::string::npos);
+  EXPECT_NE(refusal_of_planes(header + "0,0,1,1e20,\n").find(":2: a height in m of 1e+20"),
+            std::string::npos);
+  EXPECT_NE(refusal_of_planes(header + "0,0,1,0,0\n").find("sigma is 0"), std::string::npos);
 }
 
 }  // namespace

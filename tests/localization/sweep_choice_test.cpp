@@ -92,6 +92,46 @@ TEST(ClearWay, IsNoneWhereThePosesAreFarFromAll) {
   EXPECT_GT(clear_way({{&box(), posterior}}, kBall, kAlongX, 0.11), 0.05);
 }
 
+/// The way of a guarded move until a ball is in the box at some place, looked at every 3 mm.
+double way_by_every_place(const Eigen::Isometry3d& T_box_world, const ProbingFinger& finger,
+                          const GuardedMove& move) {
+  const geometry::DistanceField& field = box().field();
+  const double length = (move.to - move.from).norm();
+  const auto meets = [&](const FreeSphere& ball, const Eigen::Vector3d& at, double margin) {
+    const double distance = field.distance((T_box_world * (at + ball.center)).cast<float>());
+    return distance < field.beyond() && distance < ball.radius + margin;
+  };
+  for (double way = 0; way <= length; way += 0.003) {
+    const Eigen::Vector3d at = move.from + way / length * (move.to - move.from);
+    for (const auto& ball : finger.rest) {
+      if (meets(ball, at, 0.002)) return way;
+    }
+    for (const auto& ball : finger.tip) {
+      if (meets(ball, at, 0)) return way;
+    }
+  }
+  return length;
+}
+
+/// Places that are passed over are places where no ball meets the object.
+TEST(ClearWay, IsThatOfEveryPlace) {
+  ProbingFinger hand = kBall;
+  hand.rest = {{{0, 0, 0.03}, 0.01}, {{0.04, 0.01, 0.08}, 0.03}, {{-0.05, 0, 0.1}, 0.05}};
+  RandomStream random(3);
+  int met = 0;
+  for (int i = 0; i < 300; ++i) {
+    localization::Posterior posterior;
+    posterior.modes = {mode_at(0.05 * random.normal3(), 1)};
+    Eigen::Isometry3d& T = posterior.modes[0].T_frame_object;
+    T.linear() = random.rotation();
+    const GuardedMove move = {0.2 * random.unit_vector(), 0.2 * random.unit_vector()};
+    const double way = way_by_every_place(T.inverse(), hand, move);
+    EXPECT_EQ(clear_way({{&box(), posterior}}, hand, move), way) << i;
+    met += way > 0.01 && way < (move.to - move.from).norm() - 0.01;
+  }
+  EXPECT_GT(met, 50);
+}
+
 TEST(ClearWay, IsAllOfAWayThatMeetsNothing) {
   localization::Posterior posterior;
   posterior.modes = {mode_at({0, 0.3, 0}, 1)};

@@ -76,5 +76,17 @@ TEST(SymmetryGroup, OfABallHoldsEveryRotation) {
   }
 }
 
+TEST(SymmetryGroup, LeavesOutTurnsThatAreNotSeen) {
+  const Eigen::Vector3d axis = Eigen::Vector3d(1, 2, -1).normalized();
+  for (const bool flips : {false, true}) {
+    const Eigen::Matrix3d seen = SymmetryGroup(turns_about(axis, flips)).seen_rotations();
+    EXPECT_LT((seen * axis).norm(), 1e-6);
+    const Eigen::Vector3d across = frame_with_z(axis).col(0);
+    EXPECT_LT((seen * across - across).norm(), 1e-6);
+  }
+  const SymmetryGroup none({Eigen::Quaterniond::Identity()});
+  EXPECT_TRUE(none.seen_rotations().isIdentity());
+}
+
 }  // namespace
 }  // namespace palpate::localization

@@ -31,4 +31,13 @@ std::vector<tactile::Contact> parse_contacts(std::string_view text, std::string_
 std::vector<tactile::Contact> read_contacts(const std::filesystem::path& path,
                                             const ContactNoise& noise = {});
 
+/// Planes that the held object was let down on, of a CSV with the columns nx,ny,nz (normal to the
+/// object's side, made a unit vector), height (of the plane over the frame's origin, along the
+/// normal, m) and, optionally, sigma (of the height, m; empty: PlaneContact's own), in any order;
+/// other columns are skipped.
+///
+/// @throws BadInput for a missing column, a value that is no finite number, a normal without
+///         direction, an implausible height or a sigma that is not positive
+std::vector<PlaneContact> read_plane_contacts(const std::filesystem::path& path);
+
 }  // namespace palpate::localization

@@ -14,6 +14,9 @@ constexpr double kStep = 0.003;           // m of a way between places that are 
 constexpr double kReportedApart = 0.010;  // m between ends that are distinguished
 constexpr double kMinWeight = 0.002;      // of a pose of one of several objects that is looked at
 constexpr double kGuard = 0.002;          // m that the rest of the finger is to stay away
+/// m by which the distance field may be off between its nodes, at most: their distance from the
+/// middle of a cell of 2 mm and the corrections by the gradients along three axes.
+constexpr double kFieldError = 0.0035;
 
 // Of the errors that a refining sweep is chosen by; angles in rad, lengths in m.
 constexpr double kPointSigma = 0.0008, kNormalSigma = 0.13, kOffsetSigma = 0.0025;
@@ -29,23 +32,55 @@ struct SweepOutcome {
   double way = 0;  ///< m
 };
 
-bool meets(const geometry::ObjectModel& object, const Eigen::Isometry3d& T_object_world,
-           const std::vector<FreeSphere>& spheres, const Eigen::Vector3d& at, double margin) {
-  return std::any_of(spheres.begin(), spheres.end(), [&](const FreeSphere& sphere) {
-    const Eigen::Vector3d p = T_object_world * (at + sphere.center);
-    const float distance = object.field().distance(p.cast<float>());
-    return distance < object.field().beyond() && distance < sphere.radius + margin;
-  });
-}
+/// Balls of the probing finger on their way past the object at one pose.
+class PassingBalls {
+ public:
+  PassingBalls(const geometry::ObjectModel& object, const Eigen::Isometry3d& T_object_world,
+               const std::vector<FreeSphere>& balls, double margin)
+      : object_(object), T_object_world_(T_object_world), balls_(balls), margin_(margin) {
+    clear_until_.assign(balls.size(), 0);
+  }
+
+  /// Whether one of them is within the margin of the object, the finger at `at`, `way` from where
+  /// it began; it only goes forward.
+  bool meet(const Eigen::Vector3d& at, double way) {
+    for (std::size_t i = 0; i < balls_.size(); ++i) {
+      if (way < clear_until_[i]) continue;
+      const Eigen::Vector3d p = T_object_world_ * (at + balls_[i].center);
+      const double distance = field().distance(p.cast<float>());
+      const double near = balls_[i].radius + margin_;
+      if (distance < field().beyond() && distance < near) return true;
+      clear_until_[i] = way + least_distance(p, distance) - near - kFieldError;
+    }
+    return false;
+  }
+
+ private:
+  [[nodiscard]] const geometry::DistanceField& field() const { return object_.field(); }
+
+  /// Of p from the object, by the field's distance there.
+  [[nodiscard]] double least_distance(const Eigen::Vector3d& p, double distance) const {
+    if (distance < field().beyond()) return distance - kFieldError;
+    return object_.bounds().cast<double>().exteriorDistance(p);
+  }
+
+  const geometry::ObjectModel& object_;
+  const Eigen::Isometry3d& T_object_world_;
+  const std::vector<FreeSphere>& balls_;
+  double margin_;
+  std::vector<double> clear_until_;  // the way that each goes at least before it is near again, m
+};
 
 SweepOutcome outcome(const geometry::ObjectModel& object, const Eigen::Isometry3d& T_object_world,
                      const ProbingFinger& finger, const GuardedMove& guarded_move) {
   const double length = (guarded_move.to - guarded_move.from).norm();
+  PassingBalls rest(object, T_object_world, finger.rest, kGuard);
+  PassingBalls tip(object, T_object_world, finger.tip, 0);
   for (double way = 0; way <= length; way += kStep) {
     const Eigen::Vector3d at =
         guarded_move.from + way / length * (guarded_move.to - guarded_move.from);
-    if (meets(object, T_object_world, finger.rest, at, kGuard)) return {Ending::blocked, way};
-    if (meets(object, T_object_world, finger.tip, at, 0)) return {Ending::touch, way};
+    if (rest.meet(at, way)) return {Ending::blocked, way};
+    if (tip.meet(at, way)) return {Ending::touch, way};
   }
   return {Ending::nothing, length};
 }

@@ -72,6 +72,12 @@ Eigen::Quaterniond SymmetryGroup::nearest_turn(const Eigen::Quaterniond& rotatio
   return std::abs(rotation.dot(flipped)) > std::abs(rotation.dot(turn)) ? flipped : turn;
 }
 
+Eigen::Matrix3d SymmetryGroup::seen_rotations() const {
+  if (all_) return Eigen::Matrix3d::Zero();
+  if (line_) return Eigen::Matrix3d::Identity() - *line_ * line_->transpose();
+  return Eigen::Matrix3d::Identity();
+}
+
 Eigen::Quaterniond SymmetryGroup::nearest(const Eigen::Quaterniond& rotation) const {
   if (all_) return rotation;
   if (line_) return nearest_turn(rotation);

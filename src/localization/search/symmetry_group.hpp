@@ -23,6 +23,9 @@ class SymmetryGroup {
   /// The element nearest to a rotation.
   Eigen::Quaterniond nearest(const Eigen::Quaterniond& rotation) const;
 
+  /// The part of a small rotation, about the object's own axes, that changes how the object lies.
+  Eigen::Matrix3d seen_rotations() const;
+
   /// As listed.
   const std::vector<Eigen::Quaterniond>& rotations() const { return rotations_; }
 
