@@ -16,7 +16,7 @@ import struct
 import sys
 
 LARGEST = 3 << 20  # bytes of an animation in the readme
-CLIP_SECONDS = (8, 16)
+CLIP_SECONDS = (11, 13)
 
 
 def named_pictures(root):
