@@ -87,6 +87,27 @@ def training_set(seed):
     )
 
 
+def human_set(iterations):
+    """Learning curves of DAPG from the synthetic human: a seed, and the iterations with the
+    demonstrations in the gradient; 40 without follow, of another seed."""
+    train = "palpate train relocate --config configs/relocate_human.toml --demos {work}/demos"
+    commands = ["palpate demos make --config configs/relocate_human_demos.toml --count 120 --seed 1 "
+                "--out {work}/demos"]  # fmt: skip
+    pictures = {}
+    for seed, count in iterations.items():
+        bc, dapg, last = (f"{{work}}/{name}-{seed}" for name in ("bc", "dapg", "dapg2"))
+        commands += [
+            f"{train} --method bc --seed {seed} --out {bc}",
+            f"{train} --method dapg --from {bc}/policy.json --seed {seed} --iterations {count} "
+            f"--out {dapg}",
+            f"{train} --method dapg --set npg.demo_weight=0 --from {dapg}/policy.json "
+            f"--seed {seed + 100} --iterations 40 --out {last}",
+        ]
+        pictures[f"relocate-human-{seed}-first.svg"] = f"dapg-{seed}/return.svg"
+        pictures[f"relocate-human-{seed}-last.svg"] = f"dapg2-{seed}/return.svg"
+    return Set(tuple(commands), pictures, long=True)
+
+
 SETS = {
     "posterior": Set(
         (
@@ -117,6 +138,7 @@ SETS = {
     "touch_surfaces": experiment_set("touch_surfaces", 9906, "angle_error_raw",
                                      "angle_error_s2-lag"),
     "relocate-dapg": training_set(200),
+    "relocate-human": human_set({200: 69, 201: 60, 202: 60}),
     "relocate-published": Set(
         (
             "palpate rollout {data}/relocate_mug_published_policy.json --episodes 1 --record 1 "
