@@ -89,22 +89,25 @@ def training_set(seed):
 
 def human_set(iterations):
     """Learning curves of DAPG from the synthetic human: a seed, and the iterations with the
-    demonstrations in the gradient; 40 without follow, of another seed."""
+    demonstrations in the gradient; 40 without follow, and 40 more on the faithful solver."""
     train = "palpate train relocate --config configs/relocate_human.toml --demos {work}/demos"
     commands = ["palpate demos make --config configs/relocate_human_demos.toml --count 120 --seed 1 "
                 "--out {work}/demos"]  # fmt: skip
     pictures = {}
     for seed, count in iterations.items():
-        bc, dapg, last = (f"{{work}}/{name}-{seed}" for name in ("bc", "dapg", "dapg2"))
+        bc, dapg, more, last = (f"{{work}}/{name}-{seed}" for name in ("bc", "dapg", "dapg2", "dapg3"))
         commands += [
             f"{train} --method bc --seed {seed} --out {bc}",
             f"{train} --method dapg --from {bc}/policy.json --seed {seed} --iterations {count} "
             f"--out {dapg}",
             f"{train} --method dapg --set npg.demo_weight=0 --from {dapg}/policy.json "
-            f"--seed {seed + 100} --iterations 40 --out {last}",
+            f"--seed {seed + 100} --iterations 40 --out {more}",
+            f"{train} --method dapg --set npg.demo_weight=0 --set task.solver=faithful "
+            f"--from {more}/policy.json --seed {seed + 200} --iterations 40 --out {last}",
         ]
         pictures[f"relocate-human-{seed}-first.svg"] = f"dapg-{seed}/return.svg"
         pictures[f"relocate-human-{seed}-last.svg"] = f"dapg2-{seed}/return.svg"
+        pictures[f"relocate-human-{seed}-faithful.svg"] = f"dapg3-{seed}/return.svg"
     return Set(tuple(commands), pictures, long=True)
 
 

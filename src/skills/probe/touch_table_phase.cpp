@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "estimation/mean_load.hpp"
 #include "palpate/core/gravity.hpp"
 #include "skills/probe/table_touch.hpp"
@@ -12,6 +14,7 @@ namespace {
 
 constexpr double kBackSpeed = 0.1;       // m/s
 constexpr double kOneTouchSeconds = 12;  // s that a touch takes at most, and the way back
+constexpr double kSettled = 0.6;         // s, after which the load's mean holds no motion
 constexpr double kStillHangs = 0.5;      // of the object's weight, that must still hang
 
 }  // namespace
@@ -35,7 +38,7 @@ PhaseEnd TouchTablePhase::run(Executor& robot, PickState& state) {
   }
   if (tries == 0) return {true, "would tell nothing more"};
   robot.move_base(start, kBackSpeed);
-  robot.wait(hold_);
+  robot.wait(std::max(hold_, kSettled));
   if (estimation::mean_load(robot.log()) < kStillHangs * weight) {
     return {false, "lost on the table"};
   }
