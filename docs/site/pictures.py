@@ -116,7 +116,7 @@ SETS = {
         (
             "palpate pick --object mug --seed 2 --force --out {work}/mug",
             "palpate render {work}/mug/recording.h5 --posterior --size 360x270 --azimuth 300 "
-            "--elevation -35 --distance 0.6 --speed 6.5 --out {work}/drawn",
+            "--elevation -35 --distance 0.6 --speed 7.8 --out {work}/drawn",
         ),
         {"posterior.png": "drawn/posterior.png"},
         RENDERER,
