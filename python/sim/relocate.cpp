@@ -16,11 +16,11 @@
 #include "bindings/arrays.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/worker_pool.hpp"
-#include "palpate/simulation/rendering/sized_renderer.hpp"
 #include "palpate/tasks/relocate/drawn_task.hpp"
 #include "palpate/tasks/relocate/rollout.hpp"
 #include "picture.hpp"
 #include "rooms.hpp"
+#include "sized_renderer.hpp"
 
 namespace palpate::python {
 namespace {
@@ -148,7 +148,7 @@ class RelocateTasks {
   std::vector<double> seconds_;     // that each took in its last step
   std::vector<std::size_t> order_;  // in which they are begun
   std::optional<relocate::DrawnTask> drawn_;
-  simulation::SizedRenderer renderer_;
+  SizedRenderer renderer_;
   mutable std::mutex busy_;
 };
 

@@ -20,9 +20,9 @@
 #include "palpate/simulation/hand/load_arm.hpp"
 #include "palpate/simulation/hand/load_hand.hpp"
 #include "palpate/simulation/hand/open_loop_grasp.hpp"
-#include "palpate/simulation/rendering/sized_renderer.hpp"
 #include "picture.hpp"
 #include "rooms.hpp"
+#include "sized_renderer.hpp"
 
 namespace palpate::python {
 namespace {
@@ -101,7 +101,7 @@ struct SimulatedWorld {
   evaluation::StartOptions start;
   simulation::World world;
   WorldHand hand;
-  simulation::SizedRenderer renderer;
+  SizedRenderer renderer;
 };
 
 nb::object picture(SimulatedWorld& self, int width, int height) {

@@ -115,57 +115,53 @@ hand::FakeHand::Script box_over_table(double below) {
   };
 }
 
+/// Such a hand, 0.35 m over the table, and the choice of its touches.
+struct Lowering {
+  explicit Lowering(double below) : hand(box_over_table(below)) { robot.wait(0.05); }
+  static hand::HandCommand start() {
+    hand::HandCommand command = hand::resting_command();
+    command.base.xyz.z() = 0.35;
+    return command;
+  }
+  HangingBox box{0.02};
+  hand::FakeHand hand;
+  Executor robot{hand, hand::shadow_hand(), start()};
+  TableTouchChoice choice{robot, box.object, box.posterior, RandomStream(1, "touch table")};
+};
+
 TEST(TouchTable, GoesDownUntilTheTableBearsAndUpAgain) {
-  HangingBox box(0.02);
   constexpr double kBelow = 0.26;
-  hand::FakeHand hand(box_over_table(kBelow));
-  hand::HandCommand start = hand::resting_command();
-  start.base.xyz.z() = 0.35;
-  Executor robot(hand, hand::shadow_hand(), start);
-  robot.wait(0.05);
-  TableTouchChoice choice(robot, box.object, box.posterior, RandomStream(1, "touch table"));
+  Lowering hand(kBelow);
   TableTouch touch;
   touch.turn = {0.3, 0, 0};
-  const double stands = choice.turned_base(touch).translation().z();
-  touch.lowest = stands - kBelow - choice.height() + 0.003;  // 3 mm off
+  const double stands = hand.choice.turned_base(touch).translation().z();
+  touch.lowest = stands - kBelow - hand.choice.height() + 0.003;  // 3 mm off
   touch.sigma = 0.002;
-  const auto lowest = touch_table(robot, choice, touch, 1);
+  const auto lowest = touch_table(hand.robot, hand.choice, touch, 1);
   ASSERT_TRUE(lowest);
-  EXPECT_NEAR(*lowest, stands - kBelow - choice.height(), 0.0005);
-  EXPECT_EQ(robot.log().all(estimation::TouchEvent::table_touched).size(), 1u);
-  EXPECT_NEAR(robot.reading().base.xyz.z(), stands, 0.002) << "it did not go up again";
+  EXPECT_NEAR(*lowest, stands - kBelow - hand.choice.height(), 0.0005);
+  EXPECT_EQ(hand.robot.log().all(estimation::TouchEvent::table_touched).size(), 1u);
+  EXPECT_NEAR(hand.robot.reading().base.xyz.z(), stands, 0.002) << "it did not go up again";
 }
 
 TEST(TouchTable, GivesUpWhereNoTableIs) {
-  HangingBox box(0.02);
-  hand::FakeHand hand(box_over_table(-1));
-  hand::HandCommand start = hand::resting_command();
-  start.base.xyz.z() = 0.35;
-  Executor robot(hand, hand::shadow_hand(), start);
-  robot.wait(0.05);
-  TableTouchChoice choice(robot, box.object, box.posterior, RandomStream(1, "touch table"));
+  Lowering hand(-1);
   TableTouch touch;
   touch.lowest = -0.05;
   touch.sigma = 0.002;
-  EXPECT_FALSE(touch_table(robot, choice, touch, 1));
-  EXPECT_TRUE(robot.log().all(estimation::TouchEvent::table_touched).empty());
+  EXPECT_FALSE(touch_table(hand.robot, hand.choice, touch, 1));
+  EXPECT_TRUE(hand.robot.log().all(estimation::TouchEvent::table_touched).empty());
 }
 
 /// What has fallen cannot touch the table.
 TEST(TouchTable, LetsNothingDownWhereNothingHangs) {
-  HangingBox box(0.02);
-  hand::FakeHand hand(box_over_table(0.26));
-  hand::HandCommand start = hand::resting_command();
-  start.base.xyz.z() = 0.35;
-  Executor robot(hand, hand::shadow_hand(), start);
-  robot.wait(0.05);
-  TableTouchChoice choice(robot, box.object, box.posterior, RandomStream(1, "touch table"));
+  Lowering hand(0.26);
   TableTouch touch;
   touch.lowest = -0.05;
   touch.sigma = 0.002;
-  EXPECT_FALSE(touch_table(robot, choice, touch, 3));  // 2 N hang
-  EXPECT_GT(robot.reading().base.xyz.z(), 0.34);
-  EXPECT_TRUE(robot.log().all(estimation::TouchEvent::table_touched).empty());
+  EXPECT_FALSE(touch_table(hand.robot, hand.choice, touch, 3));  // 2 N hang
+  EXPECT_GT(hand.robot.reading().base.xyz.z(), 0.34);
+  EXPECT_TRUE(hand.robot.log().all(estimation::TouchEvent::table_touched).empty());
 }
 
 }  // namespace

@@ -29,7 +29,6 @@ constexpr double kTurnedSpeed = 0.1;      // m/s
 constexpr double kGuardedSpeed = 0.005;  // m/s: the stiff grip presses 2 N/mm, and turns the object
 constexpr double kBorne = 0.25;          // N that the table bears
 constexpr double kKnocked = 1.5;         // N by which a fast motion has met something
-constexpr double kSettleSeconds = 0.6;   // s, for the load's mean to hold nothing of the motion
 constexpr double kSetOutSeconds = 0.3;   // s of a motion in which the load is that of setting out
 
 double lowest_point(const geometry::ObjectModel& object, const Eigen::Isometry3d& T_world_object) {

@@ -14,7 +14,6 @@ namespace {
 
 constexpr double kBackSpeed = 0.1;       // m/s
 constexpr double kOneTouchSeconds = 12;  // s that a touch takes at most, and the way back
-constexpr double kSettled = 0.6;         // s, after which the load's mean holds no motion
 constexpr double kStillHangs = 0.5;      // of the object's weight, that must still hang
 
 }  // namespace
@@ -38,7 +37,7 @@ PhaseEnd TouchTablePhase::run(Executor& robot, PickState& state) {
   }
   if (tries == 0) return {true, "would tell nothing more"};
   robot.move_base(start, kBackSpeed);
-  robot.wait(std::max(hold_, kSettled));
+  robot.wait(std::max(hold_, kSettleSeconds));
   if (estimation::mean_load(robot.log()) < kStillHangs * weight) {
     return {false, "lost on the table"};
   }

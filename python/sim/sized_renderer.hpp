@@ -6,15 +6,15 @@
 
 #include "palpate/simulation/rendering/renderer.hpp"
 
-namespace palpate::simulation {
+namespace palpate::python {
 
-/// The renderer of one hand and object, made for the first picture, and anew for one of another
-/// size.
+/// The renderer of one hand and object, created for the first picture and again when the size
+/// changes.
 class SizedRenderer {
  public:
   /// @throws BadInput as Renderer does
-  Renderer& of(int width, int height, const hand::Description& hand,
-               const geometry::KnownObject& object) {
+  simulation::Renderer& of(int width, int height, const hand::Description& hand,
+                           const geometry::KnownObject& object) {
     if (!renderer_ || size_ != std::pair(width, height)) {
       renderer_.emplace(hand, object, width, height);
       size_ = {width, height};
@@ -23,8 +23,8 @@ class SizedRenderer {
   }
 
  private:
-  std::optional<Renderer> renderer_;
+  std::optional<simulation::Renderer> renderer_;
   std::pair<int, int> size_;  ///< of its pictures, pixels
 };
 
-}  // namespace palpate::simulation
+}  // namespace palpate::python
