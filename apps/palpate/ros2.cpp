@@ -100,10 +100,9 @@ int estimate(const Ros2Arguments& arguments) {
 int serve_robot(const Ros2Arguments& arguments) {
   const auto options = resolve_trial(arguments.common, arguments.hand);
   const geometry::ObjectModel object(geometry::load_known_object(arguments.object));
-  const auto start = evaluation::draw_start(object.object(), options.start, arguments.common.seed);
   simulation::World world(object.object(), options.world, arguments.common.seed);
+  evaluation::start_trial(world, object.object(), options.start, arguments.common.seed);
   const auto waiting = evaluation::waiting_command(world.hand_model());
-  world.reset(start, waiting);
   const double height = world.truth().T_world_object.translation().z();
   const Interrupt interrupt;
   bridge::Participant participant(domain_of(arguments));

@@ -63,9 +63,8 @@ struct SimulatedWorld {
 
   void reset(std::uint64_t seed) {
     const std::lock_guard lock(hand.busy);
-    const auto waiting = evaluation::waiting_command(world.hand_model());
-    world.reset(evaluation::draw_start(model->object(), start, seed), waiting);
-    hand.base = waiting.base;
+    evaluation::start_trial(world, model->object(), start, seed);
+    hand.base = evaluation::waiting_command(world.hand_model()).base;
   }
 
   /// Grasps from above, at starts that the seed draws, until the object hangs in the hand.

@@ -24,8 +24,6 @@ constexpr double kPlannedShare = 0.8;
 
 constexpr double kPush = 0.01, kPushSeconds = 0.1;  // m, s, of an object that is pushed aside
 
-constexpr double kPlaceMargin = 0.005;  // m, that the object's start may be beside its rough place
-
 /// Farthest that any of an object is from its centroid, m.
 double radius_of(const geometry::KnownObject& object) {
   double radius = 0;
@@ -88,28 +86,6 @@ void push_aside(simulation::World& world, std::uint64_t seed) {
 }
 
 }  // namespace
-
-simulation::Start draw_start(const geometry::KnownObject& object, const StartOptions& options,
-                             std::uint64_t seed) {
-  const int count = static_cast<int>(object.stable_poses.size());
-  if (options.stable_pose >= count) {
-    throw BadInput(fmt::format("start.stable_pose = {}: {} has the stable poses 0..{}",
-                               options.stable_pose, object.name, count - 1));
-  }
-  RandomStream random(seed, "start");
-  simulation::Start start;
-  double share = random.uniform();
-  while (start.stable_pose + 1 < count &&
-         share >= object.stable_poses[static_cast<std::size_t>(start.stable_pose)].probability) {
-    share -= object.stable_poses[static_cast<std::size_t>(start.stable_pose)].probability;
-    ++start.stable_pose;
-  }
-  if (options.stable_pose >= 0) start.stable_pose = options.stable_pose;
-  start.yaw = random.uniform(-std::numbers::pi, std::numbers::pi);
-  start.xy = {options.x + random.uniform(-options.uncertainty, options.uncertainty),
-              options.y + random.uniform(-options.uncertainty, options.uncertainty)};
-  return start;
-}
 
 bool TouchOptions::from_biotacs() const {
   if (source != "solver" && source != "biotac") {
@@ -174,13 +150,6 @@ planning::Fixture place_fixture(const geometry::KnownObject& object,
   return skills::make_fixture(object, options.fixture);
 }
 
-hand::HandCommand waiting_command(const hand::Description& hand) {
-  hand::HandCommand command;
-  command.positions.setZero(hand.actuator_count());
-  command.base.xyz = {0, 0, 0.34};
-  return command;
-}
-
 std::vector<TrialEvent> trial_events(const estimation::EventLog& log) {
   std::vector<TrialEvent> events;
   for (const auto& moment : log.moments) {
@@ -200,10 +169,13 @@ Trial run_trial(const geometry::ObjectModel& object, const estimation::Candidate
                 const skills::PhaseObserver& observer, std::stop_token stop) {
   check_candidates(object, candidates, options);
   Trial trial;
-  trial.start = draw_start(object.object(), options.start, seed);
-  const auto target = place_target(object.object(), options.place, seed,
-                                   static_cast<std::size_t>(trial.start.stable_pose));
-  const planning::Fixture fixture = place_fixture(object.object(), options.place, target);
+  const auto target_from = [&](const simulation::Start& start) {
+    return place_target(object.object(), options.place, seed,
+                        static_cast<std::size_t>(start.stable_pose));
+  };
+  const planning::Fixture fixture =
+      place_fixture(object.object(), options.place,
+                    target_from(draw_start(object.object(), options.start, seed)));
   check_clear(fixture, object.object(), options.start);
   const skills::PickOptions pick_options = options.pick_options();
   simulation::WorldOptions world_options = options.world;
@@ -211,7 +183,8 @@ Trial run_trial(const geometry::ObjectModel& object, const estimation::Candidate
   const hand::FaultSchedule fault = options.fault.schedule(seed);
   world_options.second_object |= fault.fault == hand::InjectedFault::second_object;
   simulation::World world(object.object(), world_options, seed, fixture);
-  world.reset(trial.start, waiting_command(world.hand_model()));
+  trial.start = start_trial(world, object.object(), options.start, seed);
+  const auto target = target_from(trial.start);
 
   Evaluator evaluator(world);
   Recorder recorder(sink, world);

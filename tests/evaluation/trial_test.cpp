@@ -285,24 +285,6 @@ TEST(Trial, NoProbesWhereTheyAreSwitchedOff) {
   for (const auto& phase : trial.result.phases) EXPECT_NE(phase.name, "probe");
 }
 
-TEST(Trial, StartIsDrawnWithinItsBoundsByTheSeed) {
-  const auto box = geometry::load_known_object("box");
-  StartOptions options;
-  options.stable_pose = 1;
-  options.uncertainty = 0.01;
-  Eigen::Vector2d previous(1, 1);
-  for (std::uint64_t seed = 0; seed < 20; ++seed) {
-    const auto start = draw_start(box, options, seed);
-    EXPECT_EQ(start.stable_pose, 1);
-    EXPECT_LE(start.xy.cwiseAbs().maxCoeff(), 0.01);
-    EXPECT_NE(start.xy, previous);
-    EXPECT_EQ(start.xy, draw_start(box, options, seed).xy);
-    previous = start.xy;
-  }
-  options.stable_pose = static_cast<int>(box.stable_poses.size());
-  EXPECT_THROW(draw_start(box, options, 0), BadInput);
-}
-
 TEST(Evaluation, NumberOfThreadsDoesNotChangeTheSummaries) {
   const auto box = model("box");
   const geometry::KnownObject bracket = geometry::load_known_object("bracket");

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "palpate/evaluation/start.hpp"
 #include "palpate/hand/faulty_hand.hpp"
 #include "palpate/recording/sink.hpp"
 #include "palpate/simulation/world/world.hpp"
@@ -13,23 +14,6 @@
 #include "palpate/skills/place/pick_and_place.hpp"
 
 namespace palpate::evaluation {
-
-/// How the object starts; drawn at random where nothing is fixed.
-struct StartOptions {
-  int stable_pose = -1;       ///< index into KnownObject::stable poses; -1: drawn by probability
-  double x = 0, y = 0;        ///< m, of its rough place on the table
-  double uncertainty = 0.04;  ///< m: its centroid is within +- of there
-
-  template <class Visitor>
-  void visit(Visitor&& v) {
-    v("stable_pose", stable_pose, -1, 1000,
-      "index of the initial stable pose; -1: drawn by probability");
-    v("uncertainty", uncertainty, 0.0, 0.1,
-      "m, the object is within +- this of its approximate position");
-    v.expert("x", x, -3.0, 3.0, "m, approximate position of the object, as in --at");
-    v.expert("y", y, -3.0, 3.0, "m, approximate position of the object, as in --at");
-  }
-};
 
 /// Where the hand's contacts come from.
 struct TouchOptions {
@@ -181,11 +165,6 @@ struct Trial {
   skills::StrategyTaken strategy;  ///< by which it was to be placed
 };
 
-/// Draws where the object of a trial starts.
-/// @throws BadInput for a stable pose that the object does not have
-simulation::Start draw_start(const geometry::KnownObject& object, const StartOptions& options,
-                             std::uint64_t seed);
-
 /// One pick in simulation, with placing if options.place has a target, evaluated afterwards.
 /// Neither is given the world, only the hand.
 /// @param sink  if given, gets every frame (with the truth), phase and estimate
@@ -212,8 +191,5 @@ std::optional<skills::PlaceTarget> place_target(const geometry::KnownObject& obj
 planning::Fixture place_fixture(const geometry::KnownObject& object,
                                 const skills::PlaceOptions& options,
                                 const std::optional<skills::PlaceTarget>& target);
-
-/// Where the hand waits before a pick.
-hand::HandCommand waiting_command(const hand::Description& hand);
 
 }  // namespace palpate::evaluation

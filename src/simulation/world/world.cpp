@@ -20,6 +20,9 @@ namespace {
 
 constexpr double kDropHeight = 0.0005;  // m, above the table at the start
 constexpr double kGap = 0.02;           // m between the object and a second one
+constexpr int kSettleTicks = 1000, kStillTicks = 30;
+constexpr double kStillSpeed = 0.001;  // m/s
+constexpr double kStillSpin = 0.03;    // rad/s
 
 /// Of a mesh, in the frame to which T leads.
 double lowest_point(const geometry::TriangleMesh& mesh, const Eigen::Isometry3d& T) {
@@ -51,6 +54,7 @@ struct World::Impl {
 
   void place_object(const Start& start);
   void place_second(const Eigen::Isometry3d& T_table_object);
+  [[nodiscard]] bool object_moves() const;
 
   WorldOptions options;
   SolidObject solid;
@@ -97,6 +101,13 @@ void World::Impl::place_second(const Eigen::Isometry3d& T_table_object) {
   write_pose(scene.T_world_table * T, position, position + 3);
 }
 
+bool World::Impl::object_moves() const {
+  const mjModel& model = *scene.model;
+  const mjtNum* const velocity = data->qvel + model.jnt_dofadr[model.body_jntadr[scene.object]];
+  return Eigen::Vector3d::Map(velocity).norm() > kStillSpeed ||
+         Eigen::Vector3d::Map(velocity + 3).norm() > kStillSpin;
+}
+
 World::World(const geometry::KnownObject& object, const WorldOptions& options, std::uint64_t seed,
              const planning::Fixture& fixture)
     : impl_(std::make_unique<Impl>(object, options, RandomStream(seed, "world"), fixture)) {
@@ -110,6 +121,20 @@ void World::reset(const Start& start, const hand::HandCommand& command) {
   impl_->place_object(start);
   impl_->hand.reset(command);
   mj_forward(impl_->scene.model.get(), impl_->data.get());
+}
+
+std::optional<Eigen::Vector2d> World::resting_place(const Start& start,
+                                                    const hand::HandCommand& waiting) {
+  reset(start, waiting);
+  int still = 0;
+  for (int tick = 0; tick < kSettleTicks && !diverged(); ++tick) {
+    impl_->hand.step(waiting);
+    still = impl_->object_moves() ? 0 : still + 1;
+    if (still < kStillTicks) continue;
+    const mjtNum* const position = impl_->data->qpos + impl_->scene.object_position;
+    return Eigen::Vector2d(position[0], position[1]);
+  }
+  return std::nullopt;
 }
 
 hand::Hand& World::hand() { return impl_->hand; }

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string_view>
 
 #include "palpate/geometry/objects/known_object.hpp"
@@ -116,6 +117,11 @@ class World {
 
   /// Puts object and hand at their starts, at rest, at time 0.
   void reset(const Start& start, const hand::HandCommand& command);
+
+  /// Where the object comes to rest from a start while the hand waits, m; none if it still moves
+  /// after 10 s. Reset the world afterwards.
+  std::optional<Eigen::Vector2d> resting_place(const Start& start,
+                                               const hand::HandCommand& waiting);
 
   hand::Hand& hand();
 
