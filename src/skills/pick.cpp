@@ -182,8 +182,13 @@ class Picking {
   [[nodiscard]] double probability() const {
     return localization::best_probability(state_.estimate.posterior);
   }
-  /// Whether no pose in the hand is more probable than all others.
-  [[nodiscard]] bool unknown() const { return probability() < kMoreThanOthers; }
+  /// Whether no pose in the hand is more probable than all others. A rotation about a free axis is
+  /// of a nearly round object, of which another attempt tells no more, and which it may lose.
+  [[nodiscard]] bool unknown() const { return but_for_spin() < kMoreThanOthers; }
+  [[nodiscard]] double but_for_spin() const {
+    const auto& modes = state_.estimate.posterior.modes;
+    return modes.empty() ? 0 : modes.front().weight;
+  }
 
   /// What was known of the object's pose no longer holds.
   void release() {
@@ -251,7 +256,7 @@ class Picking {
       return;
     }
     result_.before_probe = state_.estimate;
-    if (probability() <= options_.palpation.doubtful) probe(estimation::TouchEvent::closed);
+    if (but_for_spin() <= options_.palpation.doubtful) probe(estimation::TouchEvent::closed);
     result_.before_lift = state_.estimate;
   }
 

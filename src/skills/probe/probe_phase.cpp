@@ -112,11 +112,16 @@ class Probing {
       const auto contacts = contacts_at(robot_, robot_.log().readings.size() - 1);
       next.roll = most_informative_roll(robot_, object_, posterior(), contacts);
     }
-    if (robot_.survived().empty() && regrasps_made(robot_.log()) < options_.regrasps) {
-      next.grasp = other_grasp();  // a hand that lacks a finger keeps what it holds
-    }
+    if (worth_regrasping()) next.grasp = other_grasp();
     next.keep_best(options_.min_gain_rate);
     return next;
+  }
+
+  /// A hand that lacks a finger keeps what it holds, and so does one that holds something nearly
+  /// round: another grasp tells little of its spin, and it may roll away.
+  [[nodiscard]] bool worth_regrasping() const {
+    return robot_.survived().empty() && regrasps_made(robot_.log()) < options_.regrasps &&
+           posterior().modes.front().weight <= options_.certain;
   }
 
   [[nodiscard]] std::optional<InformativeGrasp> other_grasp() const {
