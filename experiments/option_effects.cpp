@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Whether every option of `palpate pick` that is no expert's changes what the program does: each is
-// set by itself, first lower, then higher, in the first job where that makes a difference.
+// set by itself, first lower, then higher, until that makes a difference in a job.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <numeric>
 #include <ranges>
 
 #include "experiment.hpp"
@@ -33,6 +34,7 @@ const std::vector<Job> kJobs = {
     {"fingers", "box", {"place.target=0.15,0.1,0.5", "place.strategy=fingers"}},
     {"biotac", "box", {"touch.source=biotac"}},
     {"slippery", "bottle", {"world.hand_friction=0.3"}},
+    {"side", "bottle", {"explore.touches=0", "start.stable_pose=2"}},
 };
 
 /// Few touches: whether an option has an effect shows in a short pick, too.
@@ -104,7 +106,7 @@ class Effects {
   }
 
   [[nodiscard]] Effect of(const std::string& key) const {
-    for (std::size_t j = 0; j < models_.size(); ++j) {
+    for (const std::size_t j : likely_first(key)) {
       for (const std::string& value : others(key, kJobs[j])) {
         TrialOptions options = options_of(kJobs[j]);
         try {
@@ -119,6 +121,15 @@ class Effects {
   }
 
  private:
+  /// Jobs, first those that the key names.
+  [[nodiscard]] std::vector<std::size_t> likely_first(const std::string& key) const {
+    std::vector<std::size_t> order(models_.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::ranges::stable_partition(
+        order, [&](std::size_t j) { return key.find(kJobs[j].name) != std::string::npos; });
+    return order;
+  }
+
   static std::vector<std::string> others(const std::string& key, const Job& job) {
     TrialOptions options = options_of(job);
     for (const OptionField& field : option_fields(options)) {
