@@ -20,6 +20,7 @@
 #include "skills/grasp/pose_phase.hpp"
 #include "skills/grasp/release_phase.hpp"
 #include "skills/phase_sequence.hpp"
+#include "skills/probe/hidden_spin.hpp"
 #include "skills/probe/touch_table_phase.hpp"
 
 namespace palpate::skills {
@@ -182,13 +183,13 @@ class Picking {
   [[nodiscard]] double probability() const {
     return localization::best_probability(state_.estimate.posterior);
   }
-  /// Whether no pose in the hand is more probable than all others. A rotation about a free axis is
-  /// of a nearly round object, of which another attempt tells no more, and which it may lose.
-  [[nodiscard]] bool unknown() const { return but_for_spin() < kMoreThanOthers; }
+  /// The same whatever of its spin no other grasp would tell.
   [[nodiscard]] double but_for_spin() const {
-    const auto& modes = state_.estimate.posterior.modes;
-    return modes.empty() ? 0 : modes.front().weight;
+    return probability_but_for_hidden_spin(object(), state_.estimate.posterior,
+                                           options_.estimation.surface_sigma);
   }
+  /// Whether no pose in the hand is more probable than all others.
+  [[nodiscard]] bool unknown() const { return but_for_spin() < kMoreThanOthers; }
 
   /// What was known of the object's pose no longer holds.
   void release() {

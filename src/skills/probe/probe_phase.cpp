@@ -10,6 +10,7 @@
 #include "palpate/core/gravity.hpp"
 #include "palpate/localization/consensus.hpp"
 #include "skills/motion_constants.hpp"
+#include "skills/probe/hidden_spin.hpp"
 #include "skills/probe/probe_finger.hpp"
 #include "skills/probe/probe_regrasp.hpp"
 #include "skills/probe/probe_roll.hpp"
@@ -118,10 +119,11 @@ class Probing {
   }
 
   /// A hand that lacks a finger keeps what it holds, and so does one that holds something nearly
-  /// round: another grasp tells little of its spin, and it may roll away.
+  /// round, which may roll away.
   [[nodiscard]] bool worth_regrasping() const {
     return robot_.survived().empty() && regrasps_made(robot_.log()) < options_.regrasps &&
-           posterior().modes.front().weight <= options_.certain;
+           probability_but_for_hidden_spin(object_, posterior(),
+                                           estimator_.options().surface_sigma) <= options_.certain;
   }
 
   [[nodiscard]] std::optional<InformativeGrasp> other_grasp() const {
