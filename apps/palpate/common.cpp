@@ -20,7 +20,7 @@ namespace {
 
 void add_config(CLI::App& command, CommonOptions& options) {
   command.add_option("--config", options.config, "TOML file with options")->option_text("FILE");
-  command.add_option("--set", options.set, "set one option, e.g. --set lift.height=0.15")
+  command.add_option("--set", options.set, "set one option of those that `palpate options` lists")
       ->option_text("KEY=VALUE")
       ->allow_extra_args(false);  // else it would take the positional arguments that follow
 }

@@ -108,8 +108,8 @@ void add_merge(CLI::App& program, Command& chosen) {
   add_common_options(command, arguments->common, kOut);
   command.footer(
       "The report, and eval.json and trials.csv in DIR, are those of the evaluation in one run,\n"
-      "bit for bit. Exit code 3: parts of different evaluations, trials that are missing, or one\n"
-      "that two parts tell differently.\n\n"
+      "bit for bit. Exit code 3: parts of different evaluations, trials that are missing, or\n"
+      "trials on which two parts disagree.\n\n"
       "Examples:\n"
       "  palpate merge part1 part2 part3 --json\n"
       "  palpate merge part*/trials.jsonl --out whole");

@@ -299,9 +299,9 @@ const ArmFollower& started(const ArmFollower& follower) {
 void bind_follower(nb::module_& module) {
   nb::class_<ArmFollower>(
       module, "ArmFollower",
-      "Turns what a hand's mount is told into what an arm's joints are told, tick by tick of 10 "
-      "ms: "
-      "by inverse kinematics from the joints of the tick before, within the joints' ranges, speeds "
+      "Converts commanded poses of a hand's mount to commands of an arm's joints, once per tick of "
+      "10 ms, by inverse kinematics from the joints of the tick before, within the joints' ranges, "
+      "speeds "
       "and accelerations.")
       .def(nb::init<ArmDescription>(), "arm"_a, "Follows with this arm, once reset() was called.")
       .def_prop_ro("arm", &ArmFollower::arm, nb::rv_policy::reference_internal,

@@ -135,7 +135,7 @@ void bind_hand_description(nb::module_& module) {
           },
           "Balls that stand for the surface: link, center (3,) in its frame, m, radius, m.")
       .def_ro("kinematic_error", &Description::kinematic_error,
-              "By how much each link is believed to be misplaced, rms, m.")
+              "Assumed error of each link's position, rms, m.")
       .def("with_perturbed_links", &perturbed, "rms"_a, nb::kw_only(), "seed"_a = 0,
            "The same hand with every link displaced by a normal vector of root mean square length "
            "rms, m, which becomes its kinematic_error: how far a real hand is from its "

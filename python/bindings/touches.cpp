@@ -118,8 +118,9 @@ void bind_touches(nb::module_& module) {
       },
       "model"_a, "posterior"_a, "actions"_a, nb::kw_only(), "tip_radius"_a = 0.0075, "seed"_a = 0,
       nb::call_guard<nb::gil_scoped_release>(),
-      "Index of the touch that tells most a second of which pose is true, and a lower "
-      "bound of that information, nats (Kolchinsky & Tracey 2017).\n\nRaises ValueError "
+      "Index of the touch with the largest expected information gain about the pose per second, "
+      "and "
+      "a lower bound of that gain, nats (Kolchinsky & Tracey 2017).\n\nRaises ValueError "
       "for no touches and a posterior without modes.");
 }
 

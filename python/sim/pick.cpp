@@ -210,7 +210,8 @@ void bind_pick(nb::module_& module) {
           "start: palpate._core.HandCommand | None = None, arm: palpate._core.Arm | None = None, "
           "sensors: collections.abc.Sequence[palpate._core.Sensor] = [], place: str | "
           "numpy.typing.ArrayLike | None = None) -> PickResult"),
-      "Calibrate, feel, explore, grasp, lift, and estimate the pose, by touch alone.\n\nobject: a "
+      "Calibrates the hand, probes the height, explores, grasps, lifts, and estimates the pose, by "
+      "touch alone.\n\nobject: a "
       "name, a mesh file in metres, or a model; it is within 2 cm of the world's origin, on a "
       "table at height 0. hand: a name or a model file, which is simulated, as `palpate pick` "
       "does; or a Hand of your own, which stands at `start` (waiting_command() unless given) and "

@@ -127,8 +127,8 @@ void bind_pick_result(nb::module_& module) {
   bind_phase(module);
   bind_place_result(module);
   nb::class_<PickResult>(module, "PickResult", nb::type_slots(kSlots.data()),
-                         "What became of a pick, as the robot itself knows it; what only the "
-                         "simulator's truth tells is None for a hand of your own.")
+                         "Result of a pick, as the robot estimates it; fields that need the "
+                         "simulator's true pose are None for a hand of your own.")
       .def_prop_ro(
           "status", [](const PickResult& self) { return std::string(status(self)); },
           "'held', 'failed' or 'fault'.")

@@ -42,9 +42,10 @@ PlaceResult place_result(const skills::PlaceResult& placed, const skills::Strate
 }
 
 void bind_place_result(nb::module_& module) {
-  nb::class_<PlaceResult> bound(module, "PlaceResult",
-                                "What became of placing, as the robot itself knows it; what only "
-                                "the simulator's truth tells is None for a hand of your own.");
+  nb::class_<PlaceResult> bound(
+      module, "PlaceResult",
+      "Result of placing, as the robot estimates it; fields that need the "
+      "simulator's true pose are None for a hand of your own.");
   bind_pickle(bound);
   bound
       .def_prop_ro(
@@ -66,11 +67,12 @@ void bind_place_result(nb::module_& module) {
             if (!self.T_world_placed) return std::nullopt;
             return pose(*self.T_world_placed);
           },
-          "Where it was let go, as estimated, (4, 4), m; None if it was not.")
-      .def_prop_ro("placed", with_truth([](const auto& metrics) { return metrics.placed; }),
-                   "In truth: let go, and within 5 deg and 10 mm of the target at the end.")
+          "Estimated pose at the release, (4, 4), m; None if it was not released.")
+      .def_prop_ro(
+          "placed", with_truth([](const auto& metrics) { return metrics.placed; }),
+          "By its true pose: released, and within 5 deg and 10 mm of the target at the end.")
       .def_prop_ro("dropped", with_truth([](const auto& metrics) { return metrics.dropped; }),
-                   "In truth: it left the hand before the hand let go.")
+                   "By its true pose: it left the hand before the release.")
       .def_prop_ro("rotation_error_deg", with_truth([](const auto& metrics) {
                      return kDegreesPerRadian * metrics.error.rotation;
                    }),

@@ -209,7 +209,7 @@ void bind_world(nb::module_& module) {
       .def(
           "truth",
           [](const SimulatedWorld& self) { return pose(self.world.truth().T_world_object); },
-          "T_world_object now, (4, 4): what no hand knows; for judging alone.")
+          "True T_world_object, (4, 4); for evaluation only.")
       .def_prop_ro(
           "T_world_base", [](const SimulatedWorld& self) { return pose(self.hand.base.pose()); },
           "The hand's base as it was commanded last, (4, 4).")

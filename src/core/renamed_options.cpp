@@ -28,12 +28,13 @@ constexpr std::array<Rename, 11> kRenamedKeys{{
 }};
 
 /// Parts of keys, between dots.
-constexpr std::array<Rename, 39> kRenamedParts{{
+constexpr std::array<Rename, 40> kRenamedParts{{
     {"felt", "tracking"},
     {"feel", "height_probe"},
     {"locate", "estimation"},
     {"probe", "palpation"},
     {"worth", "min_gain_rate"},
+    {"least_information", "min_gain_rate"},
     {"means", "strategy"},
     {"stance", "stable_pose"},
     {"other_stance", "other_stable_pose"},

@@ -182,9 +182,9 @@ Trial run_trial(const geometry::ObjectModel& object, const estimation::Candidate
                 const skills::PhaseObserver& observer = {}, std::stop_token stop = {});
 
 /// The target and the fixture that options ask for; none, an empty one.
-/// @param start_stable_pose  in which the object starts, for the target "stable pose"
+/// @param start_stable_pose  in which the object starts, for the target "stable_pose"
 /// @throws BadInput for a target that cannot be, for means of placing that do not exist, or for a
-///         place.stable pose of another target than "stable pose"
+///         place.stable_pose of another target than "stable_pose"
 std::optional<skills::PlaceTarget> place_target(const geometry::KnownObject& object,
                                                 const skills::PlaceOptions& options,
                                                 std::uint64_t seed, std::size_t start_stable_pose);

@@ -50,9 +50,8 @@ struct ExploreOptions {
 /// poses as soon as some touches tell of them, and slow from there on: a fast one pushes it. So is
 /// the way down to a sweep's start, and what stops that is a touch, too.
 ///
-/// Where no touches are left to tell poses apart (max_touches <= touches), the number of touches
-/// is asked for: for guarded moves that felt nothing it guarded moves from in between, at most once
-/// as often again.
+/// Where no moves are left to distinguish poses (max_touches <= touches), guarded moves without
+/// contact are replaced by moves from directions in between, at most as many again.
 class ExplorePhase : public Phase {
  public:
   ExplorePhase(estimation::PoseEstimator& estimator, const ExploreOptions& options)

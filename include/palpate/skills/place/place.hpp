@@ -15,8 +15,8 @@ namespace palpate::skills {
 
 /// All that can be configured of placing.
 struct PlaceOptions {
-  std::string target;    ///< as parse_target() takes it, or "stable pose"; empty: none
-  int stable_pose = -1;  ///< of the target "stable pose"; -1: another than the first, drawn
+  std::string target;    ///< as parse_target() takes it, or "stable_pose"; empty: none
+  int stable_pose = -1;  ///< of the target "stable_pose"; -1: another than the first, drawn
   std::string strategy = "auto";  ///< wrist, fingers, regrasp, or what is needed (PlaceStrategy)
   int picks = 2;                  ///< at most, where the object had to be put back
   double reach = 0.5;             ///< m, how far from the origin a target may be
@@ -74,7 +74,7 @@ enum class PlaceStrategy {
 };
 std::string_view to_string(PlaceStrategy strategy);
 
-/// What PlaceOptions::means asks for.
+/// What PlaceOptions::strategy asks for.
 /// @throws BadInput for another word
 PlaceStrategy place_strategy(const PlaceOptions& options);
 
