@@ -154,7 +154,7 @@ SETS = {
     ),
 }
 # Drawn by hand: sketches of a concept and badges, which show nothing that the program computes.
-SKETCHES = {f"concept-{n}.svg" for n in ("likelihood", "free-space", "bias", "certificate")} | {
+SKETCHES = {f"concept-{n}.svg" for n in ("likelihood", "free-space", "table", "bias", "certificate")} | {
     f"badge-{n}.svg" for n in ("licence", "version", "languages", "evaluated")
 }
 

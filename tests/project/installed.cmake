@@ -17,6 +17,27 @@ run("${CMAKE_COMMAND}" -S "${SOURCE}/examples/library" -B "${work}/example" -G "
 run("${CMAKE_COMMAND}" --build "${work}/example")
 run("${work}/example/locate_by_touch")
 
+# The readme's lines of C++.
+file(READ "${SOURCE}/README.md" readme)
+string(FIND "${readme}" "```cpp\n" begin)
+string(SUBSTRING "${readme}" ${begin} -1 readme)
+string(SUBSTRING "${readme}" 7 -1 readme)
+string(FIND "${readme}" "```" end)
+string(SUBSTRING "${readme}" 0 ${end} snippet)
+string(FIND "${snippet}" "\n\n" body)
+string(SUBSTRING "${snippet}" 0 ${body} head)
+string(SUBSTRING "${snippet}" ${body} -1 body)
+file(WRITE "${work}/readme/main.cpp" "${head}\nint main() {${body}}\n")
+file(WRITE "${work}/readme/CMakeLists.txt"
+     "cmake_minimum_required(VERSION 3.25)\nproject(readme LANGUAGES CXX)\n"
+     "find_package(palpate REQUIRED COMPONENTS localization)\n"
+     "add_executable(readme main.cpp)\n"
+     "target_link_libraries(readme PRIVATE palpate::localization)\n")
+run("${CMAKE_COMMAND}" -S "${work}/readme" -B "${work}/readme/build" -G "${GENERATOR}"
+    "-DCMAKE_PREFIX_PATH=${work}/prefix" -DCMAKE_BUILD_TYPE=Release ${without})
+run("${CMAKE_COMMAND}" --build "${work}/readme/build")
+run("${work}/readme/build/readme" WORKING_DIRECTORY "${SOURCE}")
+
 # Each of these is a product of its own, and runs without a trace of the simulator.
 foreach(component registration tactile localization)
   set(build "${work}/component-${component}")
