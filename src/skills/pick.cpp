@@ -183,7 +183,7 @@ class Picking {
   [[nodiscard]] double probability() const {
     return localization::best_probability(state_.estimate.posterior);
   }
-  /// The same whatever of its spin no other grasp would tell.
+  /// The same, where the spin of a nearly round object does not matter.
   [[nodiscard]] double but_for_spin() const {
     return probability_but_for_hidden_spin(object(), state_.estimate.posterior,
                                            options_.estimation.surface_sigma);
