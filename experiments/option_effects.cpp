@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 #include <ranges>
+#include <stop_token>
 
 #include "experiment.hpp"
 #include "palpate/core/error.hpp"
@@ -35,6 +36,10 @@ const std::vector<Job> kJobs = {
     {"biotac", "box", {"touch.source=biotac"}},
     {"slippery", "bottle", {"world.hand_friction=0.3"}},
     {"side", "bottle", {"explore.touches=0", "start.stable_pose=2"}},
+    {"rolls",
+     "duck",
+     {"palpation.certain=1", "palpation.min_gain_rate=0", "palpation.max=0",
+      "palpation.table_touches=0"}},
 };
 
 /// Few touches: whether an option has an effect shows in a short pick, too.
@@ -79,16 +84,39 @@ void drop_wall_times(nlohmann::json& j) {
   if (j.is_structured()) std::ranges::for_each(j, drop_wall_times);
 }
 
-/// All that a trial came to; the error's message if it was refused.
-std::string outcome(const geometry::ObjectModel& object, const TrialOptions& options,
-                    std::uint64_t seed) {
+/// What a job does with the usual options, or with one that is changed.
+struct Course {
+  std::vector<std::string> phases;
+  std::string end;  ///< all that the trial came to; the error's message if it was refused
+};
+
+std::string describe(const skills::PhaseReport& phase) {
+  return fmt::format("{} {} {} {} {}", phase.name, phase.outcome, phase.robot_seconds,
+                     phase.peak_force, phase.contacts);
+}
+
+/// @param usual  ends the trial after the first phase that is not as in this one
+Course run(const geometry::ObjectModel& object, const TrialOptions& options, std::uint64_t seed,
+           const Course* usual = nullptr) {
+  Course course;
+  std::stop_source stop;
+  skills::PhaseObserver observer;
+  observer.on_end = [&](const skills::PhaseReport& report, double) {
+    course.phases.push_back(describe(report));
+    const std::size_t i = course.phases.size() - 1;
+    if (usual && (i >= usual->phases.size() || course.phases[i] != usual->phases[i])) {
+      stop.request_stop();
+    }
+  };
   try {
-    auto record = evaluation::trial_to_json(evaluation::run_trial(object, options, seed));
+    auto record = evaluation::trial_to_json(
+        evaluation::run_trial(object, options, seed, nullptr, observer, stop.get_token()));
     drop_wall_times(record);
-    return record.dump();
+    course.end = record.dump();
   } catch (const BadInput& error) {
-    return error.what();
+    course.end = error.what();
   }
+  return course;
 }
 
 struct Effect {
@@ -101,26 +129,36 @@ class Effects {
     const std::size_t jobs = options.quick ? 1 : kJobs.size();
     for (const Job& job : kJobs | std::views::take(jobs)) {
       models_.emplace_back(geometry::load_known_object(job.object));
-      usual_.push_back(outcome(models_.back(), options_of(job), seed_));
+      usual_.push_back(run(models_.back(), options_of(job), seed_));
     }
   }
 
   [[nodiscard]] Effect of(const std::string& key) const {
-    for (const std::size_t j : likely_first(key)) {
-      for (const std::string& value : others(key, kJobs[j])) {
-        TrialOptions options = options_of(kJobs[j]);
-        try {
-          apply_setting(key + "=" + value, options);
-        } catch (const BadInput&) {
-          continue;
-        }
-        if (outcome(models_[j], options, seed_) != usual_[j]) return {kJobs[j].name, value};
+    const std::vector<std::size_t> jobs = likely_first(key);
+    for (std::size_t i = 0;; ++i) {
+      bool any = false;
+      for (const std::size_t j : jobs) {
+        const std::vector<std::string> values = others(key, kJobs[j]);
+        if (i >= values.size()) continue;
+        any = true;
+        if (differs(j, key + "=" + values[i])) return {kJobs[j].name, values[i]};
       }
+      if (!any) return {};
     }
-    return {};
   }
 
  private:
+  [[nodiscard]] bool differs(std::size_t job, const std::string& setting) const {
+    TrialOptions options = options_of(kJobs[job]);
+    try {
+      apply_setting(setting, options);
+    } catch (const BadInput&) {
+      return false;
+    }
+    const Course course = run(models_[job], options, seed_, &usual_[job]);
+    return course.phases != usual_[job].phases || course.end != usual_[job].end;
+  }
+
   /// Jobs, first those that the key names.
   [[nodiscard]] std::vector<std::size_t> likely_first(const std::string& key) const {
     std::vector<std::size_t> order(models_.size());
@@ -140,7 +178,7 @@ class Effects {
 
   std::uint64_t seed_;
   std::vector<geometry::ObjectModel> models_;
-  std::vector<std::string> usual_;
+  std::vector<Course> usual_;
 };
 
 std::vector<std::string> public_keys(bool quick) {
