@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
-#include <numeric>
 #include <ranges>
 #include <stop_token>
 
@@ -53,6 +52,8 @@ TrialOptions options_of(const Job& job) {
   return options;
 }
 
+constexpr std::size_t kValues = 5;  // of a field that are tried, at most
+
 /// Other values that the field may have.
 struct OtherValues {
   std::vector<std::string> operator()(const bool* value) const {
@@ -69,7 +70,7 @@ struct OtherValues {
                high = std::min(static_cast<double>(option.high), low + 1e4);
     std::vector<std::string> others;
     for (const double other :
-         {value / 2, 2 * value, low, (low + 3 * value) / 4, (low + high) / 2}) {
+         {low, 2 * value, value / 2, (low + 3 * value) / 4, (low + high) / 2}) {
       const double rounded = std::is_integral_v<Number> ? std::round(other) : other;
       if (rounded != value && rounded >= low && rounded <= high) {
         others.push_back(fmt::format("{}", rounded));
@@ -133,18 +134,23 @@ class Effects {
     }
   }
 
+  /// Jobs that the key names with all values, then each value in all jobs.
   [[nodiscard]] Effect of(const std::string& key) const {
-    const std::vector<std::size_t> jobs = likely_first(key);
-    for (std::size_t i = 0;; ++i) {
-      bool any = false;
-      for (const std::size_t j : jobs) {
-        const std::vector<std::string> values = others(key, kJobs[j]);
-        if (i >= values.size()) continue;
-        any = true;
-        if (differs(j, key + "=" + values[i])) return {kJobs[j].name, values[i]};
+    for (std::size_t j = 0; j < models_.size(); ++j) {
+      if (key.find(kJobs[j].name) == std::string::npos) continue;
+      for (const std::string& value : others(key, kJobs[j])) {
+        if (differs(j, key + "=" + value)) return {kJobs[j].name, value};
       }
-      if (!any) return {};
     }
+    for (std::size_t i = 0; i < kValues; ++i) {
+      for (std::size_t j = 0; j < models_.size(); ++j) {
+        const std::vector<std::string> values = others(key, kJobs[j]);
+        if (i < values.size() && differs(j, key + "=" + values[i])) {
+          return {kJobs[j].name, values[i]};
+        }
+      }
+    }
+    return {};
   }
 
  private:
@@ -157,15 +163,6 @@ class Effects {
     }
     const Course course = run(models_[job], options, seed_, &usual_[job]);
     return course.phases != usual_[job].phases || course.end != usual_[job].end;
-  }
-
-  /// Jobs, first those that the key names.
-  [[nodiscard]] std::vector<std::size_t> likely_first(const std::string& key) const {
-    std::vector<std::size_t> order(models_.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::ranges::stable_partition(
-        order, [&](std::size_t j) { return key.find(kJobs[j].name) != std::string::npos; });
-    return order;
   }
 
   static std::vector<std::string> others(const std::string& key, const Job& job) {
