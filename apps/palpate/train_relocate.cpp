@@ -344,6 +344,8 @@ int train(const TrainArguments& arguments) {
 
 }  // namespace
 
+std::vector<OptionInfo> train_relocate_option_list() { return list_options(TrainOptions{}); }
+
 void add_train_relocate(CLI::App& train_command, Command& chosen) {
   auto arguments = std::make_shared<TrainArguments>();
   auto& command = *train_command.add_subcommand("relocate", "Train a policy for the relocate task");

@@ -37,7 +37,7 @@ class Usage(CliTest):
                             "FORMAT: 'lerobott' is none of mcap, lerobot, minari",
                             "did you mean 'lerobot'?")  # fmt: skip
         self.assert_refused(USAGE, ["train"], "no command is given")
-        self.assert_refused(BAD_INPUT, ["pick", "--set", "x.zigzag=1"], "palpate options lists")
+        self.assert_refused(BAD_INPUT, ["pick", "--set", "x.zigzag=1"], "palpate options pick lists")
         self.assert_refused(BAD_INPUT, ["rollout", "relocate-bset"], "'relocate-best'?")
 
         self.assert_refused(BAD_INPUT, ["pick", "--hand", "shadw"], "did you mean 'shadow'?")
@@ -90,13 +90,57 @@ class Usage(CliTest):
 
 
 class Options(CliTest):
+    def all_commands(self, path=()):
+        """The words of each command, those of subcommands after their command."""
+        text = self.run_program(*path, "--help").stdout
+        names = text.partition("Subcommands:\n")[2].partition("\n\n")[0]
+        if path:
+            yield list(path)
+        for name in re.findall(r"^  ([\w-]+) ", names, re.MULTILINE):
+            yield from self.all_commands((*path, name))
+
     def test_every_option_is_listed_with_its_help(self):
         for command in ("pick", "replay", "localize", "plan", "register", "rollout"):
             options = self.run_json("options", command)["options"]
             self.assertGreater(len(options), 3, command)
             for option in options:
-                self.assertEqual(sorted(option), ["default", "help", "key", "range", "type"])
+                self.assertEqual(sorted(option),
+                                 ["command", "default", "help", "key", "range", "type"])  # fmt: skip
+                self.assertEqual(option["command"], command)
                 self.assertNotEqual(option["help"], "", option["key"])
+
+    def test_every_command_that_takes_options_has_the_list_that_its_help_names(self):
+        named = set()
+        for words in self.all_commands():
+            text = " ".join(self.run_program(*words, "--help").stdout.split())
+            if "--set KEY=VALUE" not in text:
+                continue
+            name = re.search(r"`palpate options ([^`]*)`", text)[1]
+            self.assertEqual(name.split(), words)
+            options = self.run_json("options", *words, "--expert")["options"]
+            self.assertGreater(len(options), 1, words)
+            named.add(name)
+            if words == ["replay"]:  # it opens the recording first
+                continue
+            # The command has the keys, too.
+            key = next(o["key"] for o in options if o["type"] in ("number", "integer"))
+            needs = {"localize": ["box", "x"], "register": ["x", "y"], "plan": ["x"],
+                     "compare": ["a", "b"], "demos retarget": ["x"]}.get(name, [])  # fmt: skip
+            if words[0] == "train":
+                needs = ["--out", "new"] + ["x"] * ("LOGS" in text)
+            if name == "demos make":
+                needs = ["--out", "new"]
+            self.assert_refused(BAD_INPUT, [*words, *needs, "--set", f"{key}=x"], f"{key} = x is not a")
+        self.assertGreaterEqual(named, {"pick", "compare", "train relocate", "demos make"})
+
+    def test_a_group_lists_the_options_of_each_of_its_commands(self):
+        options = self.run_json("options", "train", "--expert")["options"]
+        commands = {o["command"] for o in options}
+        self.assertEqual(len(commands), 5)
+        for command in commands:
+            own = self.run_json("options", *command.split(), "--expert")["options"]
+            self.assertEqual([o for o in options if o["command"] == command], own)
+        self.assertIn("palpate demos retarget:\n", self.run_program("options", "demos").stdout)
 
     def test_experts_are_listed_on_demand_and_those_of_a_pick_are_few_enough_to_read(self):
         keys = [option["key"] for option in self.run_json("options", "pick")["options"]]
