@@ -78,6 +78,9 @@ std::string range_error(const std::string& text, Number min, Number max, std::st
   Number value{};
   const char* const end = text.data() + text.size();
   const auto [rest, error] = std::from_chars(text.data(), end, value);
+  if (error == std::errc::result_out_of_range && rest == end) {
+    return fmt::format("{} is beyond the largest number possible", text);
+  }
   if (error != std::errc() || rest != end) return fmt::format("'{}' is not {}", text, kind);
   if (value >= min && value <= max) return "";
   if (max == std::numeric_limits<Number>::max()) return fmt::format("{} is below {}", text, min);

@@ -59,12 +59,23 @@ class Usage(CliTest):
         self.assert_refused(USAGE, ["view", "a", "b", "c"], "at most 2 are possible, 3 are given")
         self.assert_refused(BAD_INPUT, ["sense", "none.csv"], "none.csv does not exist")
 
+    def test_files_that_are_no_text_are_refused_as_options(self):
+        """The error comes out of a shared library that was linked beside another C++ runtime."""
+        for number, data in enumerate([b"\xff\xfe\0", b'attempts = "\xff"', b"attempts = 3\0", b"\x80" * 999]):
+            name = self.write(f"{number}.toml", data)
+            for command in (["pick"], ["plan", "x"], ["localize", "box", "x"], ["rollout"]):
+                self.assert_refused(BAD_INPUT, [*command, "--config", name], f"{name}:1: ")
+
     def test_values_out_of_range_are_named_with_the_range(self):
         self.assert_refused(USAGE, ["pick", "--mass", "9"], "--mass: 9 is outside 0.001 to 5")
         self.assert_refused(USAGE, ["pick", "--seed", "many"], "'many' is not a whole number")
         self.assert_refused(USAGE, ["pick", "--seed", "-1"], "-1 is below 0")
         self.assert_refused(USAGE, ["pick", "--explore", "1.5"], "'1.5' is not a whole number")
         self.assert_refused(USAGE, ["view", "x", "--port", "99999"], "99999 is outside 0 to 65535")
+        self.assert_refused(USAGE, ["pick", "--seed", "9" * 30], "9" * 30 + " is beyond the largest number")
+        self.assert_refused(USAGE, ["pick", "--seed", "9" * 30 + "x"], "is not a whole number")
+        self.assert_refused(BAD_INPUT, ["eval", "--object", "box", "--candidates", "mug,box", "--place", "random",
+                                        "--out", "new"], "--candidates mug,box cannot be combined with --place random")
 
     def test_help_is_at_most_100_columns_wide_and_names_defaults(self):
         for command in self.commands():
