@@ -8,11 +8,16 @@
 #include "common.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/spelling.hpp"
+#include "palpate/tactile/biotac/normal.hpp"
 #include "train_biotac.hpp"
 #include "train_relocate.hpp"
 
 namespace palpate::app {
 namespace {
+
+std::vector<OptionInfo> biotac_normal_list() {
+  return list_options(tactile::BiotacNormalOptions{});
+}
 
 /// A command and how its options are listed.
 struct Listed {
@@ -29,7 +34,7 @@ constexpr Listed kListed[] = {{"pick", pick_option_list},
                               {"rollout", rollout_option_list},
                               {"compare", compare_option_list},
                               {"train relocate", train_relocate_option_list},
-                              {"train biotac-normal", biotac_normal_option_list},
+                              {"train biotac-normal", biotac_normal_list},
                               {"train biotac-electrodes", biotac_electrodes_option_list},
                               {"train biotac-network", simulated_biotac_option_list},
                               {"train biotac-inverse", simulated_biotac_option_list},

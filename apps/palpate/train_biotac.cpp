@@ -382,9 +382,6 @@ void add_simulated(CLI::App& train, Command& chosen, const std::string& name,
 
 }  // namespace
 
-std::vector<OptionInfo> biotac_normal_option_list() {
-  return list_options(tactile::BiotacNormalOptions{});
-}
 std::vector<OptionInfo> biotac_electrodes_option_list() { return list_options(ElectrodeOptions{}); }
 std::vector<OptionInfo> simulated_biotac_option_list() { return list_options(SimulatedOptions{}); }
 

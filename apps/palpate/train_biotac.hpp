@@ -9,7 +9,6 @@ namespace palpate::app {
 /// biotac-network and biotac-inverse.
 void add_train_biotac(CLI::App& train, Command& chosen);
 
-std::vector<OptionInfo> biotac_normal_option_list();
 std::vector<OptionInfo> biotac_electrodes_option_list();
 /// Of biotac-network and biotac-inverse.
 std::vector<OptionInfo> simulated_biotac_option_list();
