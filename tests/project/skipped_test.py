@@ -23,7 +23,7 @@ Test Passed.
 2/4 Testing: simulation.Renderer.Draws
 Output:
 [ RUN      ] Renderer.Draws
-/work/tests/simulation/renderer_test.cpp:47: Skipped
+tests/simulation/renderer_test.cpp:47: Skipped
 neither EGL nor OSMesa works here
 
 [  SKIPPED ] Renderer.Draws (0 ms)
