@@ -8,4 +8,8 @@ find_package_handle_standard_args(CoACD REQUIRED_VARS CoACD_LIBRARY
 if(CoACD_FOUND AND NOT TARGET CoACD::CoACD)
   add_library(CoACD::CoACD SHARED IMPORTED)
   set_target_properties(CoACD::CoACD PROPERTIES IMPORTED_LOCATION "${CoACD_LIBRARY}")
+  # It exports the C++ runtime that it was linked with. The system's has to be found before: with two
+  # of them, an exception that leaves another shared library ends the program.
+  set_target_properties(CoACD::CoACD PROPERTIES INTERFACE_LINK_OPTIONS
+    "SHELL:-Wl,--push-state,--no-as-needed -lstdc++ -lgcc_s -Wl,--pop-state")
 endif()

@@ -176,6 +176,16 @@ void tabulate(const experiment::Options& options, const std::vector<std::pair<Ru
                 "GNC on the thesis' synthetic problem (1000 points, 45 deg about z, no noise)");
 }
 
+plotting::LineSeries nonzero_weights(const std::string& name, const Run& run) {
+  plotting::LineSeries line{.name = name, .x = {}, .y = {}};
+  for (std::size_t t = 0; t < run.gnc.history.size(); ++t) {
+    line.x.push_back(static_cast<double>(t + 1));
+    line.y.push_back(static_cast<double>(
+        std::ranges::count_if(run.gnc.history[t].weights, [](double w) { return w > 1e-9; })));
+  }
+  return line;
+}
+
 /// Weights of one run (figure 6.9) and, for every share, how many are not zero (6.10, C.1-C.5).
 void draw_weights(const experiment::Options& options, const Runs& runs, const std::string& rule) {
   plotting::Plot weights{
@@ -200,17 +210,75 @@ void draw_weights(const experiment::Options& options, const Runs& runs, const st
         .x = {.label = "outer iteration"},
         .y = {.label = "number of weights"}};
     for (const Run& r : runs[k]) {
-      plotting::LineSeries line;
-      for (std::size_t t = 0; t < r.gnc.history.size(); ++t) {
-        line.x.push_back(static_cast<double>(t + 1));
-        line.y.push_back(static_cast<double>(
-            std::ranges::count_if(r.gnc.history[t].weights, [](double w) { return w > 1e-9; })));
-      }
-      plot.series.emplace_back(line);
+      plot.series.emplace_back(nonzero_weights("", r));
     }
     experiment::publish_figure(options, fmt::format("fig_c_nonzero_{}0_{}", k + 1, rule),
                                plotting::to_svg(plot));
   }
+}
+
+constexpr double kThesisDegrees[] = {3, 7.66};  // at 10 and 20 %, without their sign (6.5)
+constexpr double kThesisMillimetres = 0.8;      // never exceeded at any share (6.5)
+constexpr double kThesisWeights = 1010, kThesisIterations = 34;  // at 10 % (6.5, fig. 6.10)
+
+std::vector<double> shares() {
+  std::vector<double> shares;
+  for (int k = 1; k <= kShares; ++k) shares.push_back(10.0 * k);
+  return shares;
+}
+
+plotting::LineSeries medians(const std::string& name, const Runs& runs, double Run::*member) {
+  plotting::LineSeries line{.name = name, .x = shares(), .y = {}};
+  for (const auto& share : runs) line.y.push_back(median(values(share, member)));
+  return line;
+}
+
+/// The errors of each rule, on an axis on which those of the corrected one are too small to be
+/// seen.
+plotting::Plot error_plot(const std::string& title, const std::string& unit,
+                          const std::vector<std::pair<std::string, const Runs*>>& rules,
+                          double Run::*member) {
+  constexpr double kLow = 1e-3;
+  plotting::Plot plot{
+      .title = title,
+      .x = {.label = "outliers (%)", .low = 0, .high = 100},
+      .y = {.label = fmt::format("median error ({})", unit), .logarithmic = true, .low = kLow}};
+  for (const auto& [name, runs] : rules) {
+    auto line = medians(name, *runs, member);
+    const double largest = *std::ranges::max_element(line.y);
+    if (largest < kLow)
+      line.name += fmt::format(": at most {:.1e} {}, below the axis", largest, unit);
+    plot.series.emplace_back(line);
+  }
+  return plot;
+}
+
+/// Figures 6.7 and 6.8 as far as the thesis prints numbers, beside each rule.
+void draw_errors_beside(const experiment::Options& options, const Runs& literal,
+                        const Runs& corrected, const Runs& unweighted) {
+  const std::vector<std::pair<std::string, const Runs*>> rules = {
+      {"rule as printed", &literal}, {"no rejection", &unweighted}, {"corrected rule", &corrected}};
+  auto angles = error_plot("Angle error (thesis fig. 6.7)", "deg", rules, &Run::degrees);
+  angles.series.emplace_back(
+      plotting::ScatterSeries{"thesis", {10, 20}, {kThesisDegrees[0], kThesisDegrees[1]}});
+  experiment::publish_figure(options, "beside_6_7_angle", plotting::to_svg(angles));
+  auto positions = error_plot("Position error (thesis fig. 6.8)", "mm", rules, &Run::millimetres);
+  positions.series.emplace_back(plotting::LineSeries{
+      "thesis: never above", shares(), std::vector<double>(kShares, kThesisMillimetres)});
+  experiment::publish_figure(options, "beside_6_8_position", plotting::to_svg(positions));
+}
+
+/// Figures 6.10 and C.1 to C.5 in one: of the first run of each share.
+void draw_weights_beside(const experiment::Options& options, const Runs& corrected) {
+  plotting::Plot plot{.title = "Weights that are not zero (thesis figs 6.10, C.1 to C.5)",
+                      .x = {.label = "outer iteration", .low = 0},
+                      .y = {.label = "number of weights", .low = 0}};
+  for (std::size_t k = 0; k < kShares; ++k) {
+    plot.series.emplace_back(nonzero_weights(share_names()[k], corrected[k][0]));
+  }
+  plot.series.emplace_back(
+      plotting::ScatterSeries{"thesis, 10 %", {kThesisIterations}, {kThesisWeights}});
+  experiment::publish_figure(options, "beside_6_10_weights", plotting::to_svg(plot));
 }
 
 void draw_surrogate(const experiment::Options& options) {
@@ -260,6 +328,8 @@ void experiment_gnc(const experiment::Options& options) {
   draw_boxes(options, literal, corrected);
   draw_weights(options, literal, "literal");
   draw_weights(options, corrected, "corrected");
+  draw_errors_beside(options, literal, corrected, unweighted);
+  draw_weights_beside(options, corrected);
   fmt::print(
       "\nDoes the literal rule give about 3 deg at 10 % and 7 deg at 20 %? {:.2f} and {:.2f} deg;\n"
       "rejecting nothing gives {:.2f} and {:.2f} deg (largest of 20: {:.2f} and {:.2f}).\n",

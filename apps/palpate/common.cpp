@@ -20,7 +20,10 @@ namespace {
 
 void add_config(CLI::App& command, CommonOptions& options) {
   command.add_option("--config", options.config, "TOML file with options")->option_text("FILE");
-  command.add_option("--set", options.set, "set one option of those that `palpate options` lists")
+  command
+      .add_option("--set", options.set,
+                  fmt::format("set one option of those that `palpate options {}` lists",
+                              words_of(&command)))
       ->option_text("KEY=VALUE")
       ->allow_extra_args(false);  // else it would take the positional arguments that follow
 }

@@ -94,5 +94,9 @@ std::vector<OptionInfo> localize_option_list();
 std::vector<OptionInfo> plan_option_list();
 std::vector<OptionInfo> register_option_list();
 std::vector<OptionInfo> rollout_option_list();
+std::vector<OptionInfo> compare_option_list();
+std::vector<OptionInfo> demos_make_option_list();
+std::vector<OptionInfo> demos_retarget_option_list();
+std::vector<OptionInfo> ros2_estimate_option_list();
 
 }  // namespace palpate::app

@@ -242,6 +242,8 @@ int compare(const CompareArguments& arguments) {
 
 }  // namespace
 
+std::vector<OptionInfo> compare_option_list() { return list_options(RelocateOptions{}); }
+
 void add_compare(CLI::App& program, Command& chosen) {
   auto arguments = std::make_shared<CompareArguments>();
   auto& command = *program.add_subcommand("compare", "Test whether two policies differ");

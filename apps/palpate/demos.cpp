@@ -206,6 +206,11 @@ void add_retarget(CLI::App& demos, Command& chosen) {
 
 }  // namespace
 
+std::vector<OptionInfo> demos_make_option_list() { return list_options(MakeOptions{}); }
+std::vector<OptionInfo> demos_retarget_option_list() {
+  return list_options(RetargetCommandOptions{});
+}
+
 void add_demos(CLI::App& program, Command& chosen) {
   auto& command = *program.add_subcommand("demos", "Make demonstrations of the relocate task");
   command.require_subcommand(1);

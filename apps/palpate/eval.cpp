@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <atomic>
@@ -218,6 +219,14 @@ std::string next_of(const EvalArguments& arguments) {
                      arguments.objects.front(), arguments.common.seed);
 }
 
+/// A target is that of an object which is known.
+void check_candidates(const EvalArguments& arguments) {
+  if (arguments.candidates.empty() || arguments.place.empty()) return;
+  if (arguments.candidates == arguments.objects && arguments.objects.size() == 1) return;
+  throw BadInput(fmt::format("--candidates {} cannot be combined with --place {}",
+                             fmt::join(arguments.candidates, ","), arguments.place));
+}
+
 int eval(EvalArguments arguments) {
   if (arguments.campaign) {
     if (!arguments.place.empty() || !arguments.shard_text.empty() || arguments.known.mass ||
@@ -247,6 +256,7 @@ int eval(EvalArguments arguments) {
     throw BadInput(fmt::format("{}: there is no evaluation to go on with", records.string()));
   }
   arguments.objects = geometry::expand_object_names(arguments.objects);
+  check_candidates(arguments);
   auto options = resolve_trial(arguments.common, arguments.hand, arguments.arm);
   if (!arguments.place.empty()) options.place.target = place_text(arguments.place);
   apply_place(arguments.known, options.start);

@@ -1,45 +1,90 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <iterator>
 
 #include "common.hpp"
 #include "palpate/core/error.hpp"
+#include "palpate/core/spelling.hpp"
+#include "palpate/tactile/biotac/normal.hpp"
+#include "train_biotac.hpp"
+#include "train_relocate.hpp"
 
 namespace palpate::app {
 namespace {
+
+std::vector<OptionInfo> biotac_normal_list() {
+  return list_options(tactile::BiotacNormalOptions{});
+}
 
 /// A command and how its options are listed.
 struct Listed {
   std::string_view command;
   std::vector<OptionInfo> (*options)();
 };
-constexpr Listed kListed[] = {
-    {"pick", pick_option_list},         {"eval", pick_option_list},
-    {"replay", replay_option_list},     {"localize", localize_option_list},
-    {"register", register_option_list}, {"plan", plan_option_list},
-    {"rollout", rollout_option_list}};
+constexpr Listed kListed[] = {{"pick", pick_option_list},
+                              {"eval", pick_option_list},
+                              {"render", pick_option_list},
+                              {"replay", replay_option_list},
+                              {"localize", localize_option_list},
+                              {"register", register_option_list},
+                              {"plan", plan_option_list},
+                              {"rollout", rollout_option_list},
+                              {"compare", compare_option_list},
+                              {"train relocate", train_relocate_option_list},
+                              {"train biotac-normal", biotac_normal_list},
+                              {"train biotac-electrodes", biotac_electrodes_option_list},
+                              {"train biotac-network", simulated_biotac_option_list},
+                              {"train biotac-inverse", simulated_biotac_option_list},
+                              {"demos make", demos_make_option_list},
+                              {"demos retarget", demos_retarget_option_list},
+                              {"ros2 estimate", ros2_estimate_option_list},
+                              {"ros2 robot", pick_option_list},
+                              {"ros2 pick", pick_option_list}};
 
-const Listed& listed(const std::string& command) {
-  const auto* const found = std::find_if(std::begin(kListed), std::end(kListed),
-                                         [&](const Listed& one) { return one.command == command; });
-  if (found != std::end(kListed)) return *found;
-  std::string names;
-  for (const Listed& one : kListed)
-    names += fmt::format("{}{}", names.empty() ? "" : ", ", one.command);
-  throw BadInput(fmt::format("'{}' has no list of options; these have one: {}", command, names));
+/// The command, or all below it: of "train" those of each training.
+std::vector<Listed> listed(const std::string& command) {
+  std::vector<Listed> found;
+  std::ranges::copy_if(kListed, std::back_inserter(found), [&](const Listed& one) {
+    return one.command == command || one.command.starts_with(command + " ");
+  });
+  if (!found.empty()) return found;
+  std::vector<std::string> names;
+  for (const Listed& one : kListed) names.emplace_back(one.command);
+  throw BadInput(fmt::format("'{}' has no list of options; these have one: {}{}", command,
+                             fmt::join(names, ", "), did_you_mean(command, names)));
 }
 
-void print_json(const std::vector<OptionInfo>& options) {
-  auto list = nlohmann::json::array();
-  for (const OptionInfo& option : options) {
-    list.push_back({{"key", option.key},
-                    {"type", option.type},
-                    {"default", option.value},
-                    {"range", option.range},
-                    {"help", option.doc}});
+/// The options of one command.
+struct List {
+  std::string_view command;
+  std::vector<OptionInfo> options;
+};
+
+List list_of(const Listed& listed, bool expert) {
+  List list{listed.command, listed.options()};
+  if (!expert) {
+    std::erase_if(list.options,
+                  [](const OptionInfo& o) { return o.key.starts_with(kExpertSection); });
   }
-  fmt::print("{}\n", nlohmann::json{{"options", list}}.dump(2));
+  return list;
+}
+
+void print_json(const std::vector<List>& lists) {
+  auto all = nlohmann::json::array();
+  for (const auto& [command, options] : lists) {
+    for (const OptionInfo& option : options) {
+      all.push_back({{"command", command},
+                     {"key", option.key},
+                     {"type", option.type},
+                     {"default", option.value},
+                     {"range", option.range},
+                     {"help", option.doc}});
+    }
+  }
+  fmt::print("{}\n", nlohmann::json{{"options", all}}.dump(2));
 }
 
 void print_text(const std::vector<OptionInfo>& options) {
@@ -52,21 +97,26 @@ void print_text(const std::vector<OptionInfo>& options) {
   }
 }
 
+void print_text(const std::vector<List>& lists) {
+  for (const auto& [command, options] : lists) {
+    if (lists.size() > 1) fmt::print("palpate {}:\n", command);
+    print_text(options);
+    if (lists.size() > 1 && command != lists.back().command) fmt::print("\n");
+  }
+}
+
 }  // namespace
 
 void add_options(CLI::App& program, Command& chosen) {
   struct Arguments {
     CommonOptions common;
-    std::string command = "pick";
+    std::vector<std::string> command = {"pick"};
     bool expert = false;
   };
   auto arguments = std::make_shared<Arguments>();
   auto& command = *program.add_subcommand("options", "List the options of --config and --set");
-  command
-      .add_option(
-          "command", arguments->command,
-          "command whose options to list: pick, eval, replay, localize, register, plan or rollout")
-      ->capture_default_str();
+  command.add_option("command", arguments->command,
+                     "command whose options to list (default: pick)");
   command.add_flag("--expert", arguments->expert, "list the expert section, too");
   add_common_options(command, arguments->common, 0);
   command.footer(
@@ -75,15 +125,14 @@ void add_options(CLI::App& program, Command& chosen) {
       "Examples:\n"
       "  palpate options pick\n"
       "  palpate options pick --expert\n"
+      "  palpate options train relocate\n"
       "  palpate options localize --json");
   command.callback([arguments, &chosen] {
     chosen = [arguments] {
-      auto options = listed(arguments->command).options();
-      if (!arguments->expert) {
-        std::erase_if(options,
-                      [](const OptionInfo& o) { return o.key.starts_with(kExpertSection); });
-      }
-      arguments->common.json ? print_json(options) : print_text(options);
+      std::vector<List> lists;
+      for (const Listed& one : listed(fmt::format("{}", fmt::join(arguments->command, " "))))
+        lists.push_back(list_of(one, arguments->expert));
+      arguments->common.json ? print_json(lists) : print_text(lists);
       return kDone;
     };
   });

@@ -30,7 +30,8 @@ int run_command(const CLI::App& program, const Command& chosen) {
     }
     const std::string what = error.what();
     if (what.find("did you mean") != what.npos) throw;
-    throw BadInput(what + "; palpate options lists the options of each command");
+    throw BadInput(
+        fmt::format("{}; palpate options {} lists the options", what, words_of(command)));
   }
 }
 

@@ -207,6 +207,10 @@ CLI::App& add_job(CLI::App& ros2, Command& chosen, const std::shared_ptr<Ros2Arg
 
 }  // namespace
 
+std::vector<OptionInfo> ros2_estimate_option_list() {
+  return list_options(estimation::HeldPoseOptions{});
+}
+
 void add_ros2(CLI::App& program, Command& chosen) {
   auto& ros2 = *program.add_subcommand(
       "ros2", "Exchange messages with ROS 2 nodes, without an installation of ROS (docs/ros2.md)");

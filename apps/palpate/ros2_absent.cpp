@@ -13,6 +13,8 @@ namespace {
 
 }  // namespace
 
+std::vector<OptionInfo> ros2_estimate_option_list() { refuse(); }
+
 void add_ros2(CLI::App& program, Command& chosen) {
   auto& command = *program.add_subcommand(
       "ros2", "Exchange messages with ROS 2 nodes: not in this build, which found no Cyclone DDS");

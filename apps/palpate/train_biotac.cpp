@@ -382,6 +382,9 @@ void add_simulated(CLI::App& train, Command& chosen, const std::string& name,
 
 }  // namespace
 
+std::vector<OptionInfo> biotac_electrodes_option_list() { return list_options(ElectrodeOptions{}); }
+std::vector<OptionInfo> simulated_biotac_option_list() { return list_options(SimulatedOptions{}); }
+
 void add_train_biotac(CLI::App& train, Command& chosen) {
   add_biotac_normal(train, chosen);
   add_biotac_electrodes(train, chosen);

@@ -252,11 +252,8 @@ int score_share(const TrainArguments& arguments, const std::string& settings,
                 const Training& training) {
   const RoundFiles files(arguments.common.out);
   Curves curves(files.folder);
-  if (!std::filesystem::exists(files.ask()) ||
-      !resume(files.folder / "checkpoint", arguments, settings, *training.trainer, curves)) {
-    throw BadInput(
-        fmt::format("{} has no rollouts to run: begin with --ask", files.folder.string()));
-  }
+  if (!resume(files.folder / "checkpoint", arguments, settings, *training.trainer, curves))
+    throw BadInput(fmt::format("{} has no checkpoint: begin with --ask", files.folder.string()));
   const auto rollouts = run_share(files, arguments.score, *training.search);
   print_round(arguments.common, files, training.trainer->iteration(), rollouts);
   return kDone;
@@ -288,6 +285,7 @@ int train(const TrainArguments& arguments) {
   if (common.out.empty()) throw BadInput("--out DIR is missing: where the training is to be kept");
   check_use(arguments);
   const auto options = resolve<TrainOptions>(common);
+  if (arguments.tell || !arguments.score.empty()) check_asked(RoundFiles(common.out));
   // Without --force a training goes on, if its settings are the same. A share has no result.
   const auto output =
       !arguments.score.empty()
@@ -343,6 +341,8 @@ int train(const TrainArguments& arguments) {
 }
 
 }  // namespace
+
+std::vector<OptionInfo> train_relocate_option_list() { return list_options(TrainOptions{}); }
 
 void add_train_relocate(CLI::App& train_command, Command& chosen) {
   auto arguments = std::make_shared<TrainArguments>();

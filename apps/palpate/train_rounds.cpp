@@ -97,6 +97,11 @@ std::vector<fs::path> told_files(const RoundFiles& files) {
 
 }  // namespace
 
+void check_asked(const RoundFiles& files) {
+  if (fs::exists(files.ask())) return;
+  throw BadInput(fmt::format("{} does not exist: begin with --ask", files.ask().string()));
+}
+
 std::size_t write_requests(const RoundFiles& files, relocate::SearchTrainer& trainer) {
   std::string text;
   const auto requests = trainer.ask();

@@ -19,6 +19,9 @@ struct RoundFiles {
   std::filesystem::path folder;
 };
 
+/// @throws BadInput unless something has been asked for
+void check_asked(const RoundFiles& files);
+
 /// Writes what is asked for. @return how many rollouts of a candidate
 std::size_t write_requests(const RoundFiles& files, relocate::SearchTrainer& trainer);
 

@@ -78,6 +78,9 @@ std::string range_error(const std::string& text, Number min, Number max, std::st
   Number value{};
   const char* const end = text.data() + text.size();
   const auto [rest, error] = std::from_chars(text.data(), end, value);
+  if (error == std::errc::result_out_of_range && rest == end) {
+    return fmt::format("{} is beyond the largest number possible", text);
+  }
   if (error != std::errc() || rest != end) return fmt::format("'{}' is not {}", text, kind);
   if (value >= min && value <= max) return "";
   if (max == std::numeric_limits<Number>::max()) return fmt::format("{} is below {}", text, min);
@@ -85,8 +88,8 @@ std::string range_error(const std::string& text, Number min, Number max, std::st
 }
 
 std::string command_path(const CLI::App* command) {
-  const CLI::App* const parent = command->get_parent();
-  return parent ? command_path(parent) + " " + command->get_name() : command->get_name();
+  return command->get_parent() ? fmt::format("{} {}", kProgramName, words_of(command))
+                               : std::string(kProgramName);
 }
 
 std::vector<std::string> command_names(const CLI::App* app) {
@@ -231,6 +234,12 @@ CLI::Validator at_least(std::int64_t min) {
 const CLI::App* innermost(const CLI::App* program) {
   while (!program->get_subcommands().empty()) program = program->get_subcommands().front();
   return program;
+}
+
+std::string words_of(const CLI::App* command) {
+  const CLI::App* const parent = command->get_parent();
+  if (!parent) return "";
+  return parent->get_parent() ? words_of(parent) + " " + command->get_name() : command->get_name();
 }
 
 std::string usage_error(const CLI::App* program, const CLI::Error& error) {

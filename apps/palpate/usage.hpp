@@ -33,4 +33,7 @@ std::string usage_error(const CLI::App* program, const CLI::Error& error);
 /// The command that was chosen, with those it belongs to: "train relocate".
 const CLI::App* innermost(const CLI::App* program);
 
+/// The words of a command after the program's name: "train relocate".
+std::string words_of(const CLI::App* command);
+
 }  // namespace palpate::app

@@ -138,6 +138,8 @@ SETS = {
     "localization_probes": experiment_set("localization_probes", 9000, "probes"),
     "hand_figures": experiment_set("hand_figures", 9000, "hand_on_edge", "task_space_vectors",
                                    "tree_shadow", "tree_human"),
+    "registration_gnc": experiment_set("registration_gnc", 30000, "beside_6_7_angle",
+                                       "beside_6_8_position", "beside_6_10_weights"),
     "touch_surfaces": experiment_set("touch_surfaces", 9906, "angle_error_raw",
                                      "angle_error_s2-lag"),
     "relocate-dapg": training_set(200),

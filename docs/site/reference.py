@@ -56,11 +56,13 @@ def options_page(program):
         "What `--config FILE` and `--set KEY=VALUE` can set, command by command. "
         "Options of the section `expert` may change from version to version.",
     ]
-    for (name,) in (path for path, _ in all_commands(program) if len(path) == 1):
-        text = run(program, "options", name, "--expert", "--json")
-        if text:
-            table = "\n".join(option_rows(json.loads(text)["options"]))
-            parts += [f"## palpate {name}", table]
+    titles = {}
+    for path in (path for path, text in all_commands(program) if "--set KEY=VALUE" in text):
+        text = run(program, "options", *path, "--expert", "--json")
+        table = "\n".join(option_rows(json.loads(text)["options"]))
+        title = " ".join(("palpate", *path))
+        first = titles.setdefault(table, title)
+        parts += [f"## {title}", table if first == title else f"The same as those of `{first}`."]
     return "\n\n".join(parts) + "\n"
 
 

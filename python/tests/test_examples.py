@@ -23,7 +23,7 @@ class Examples(unittest.TestCase):
         """Skips the test without it; sought by a process of its own, as the script does."""
         found = subprocess.run([sys.executable, "-c", f"import {module}"], capture_output=True)
         if found.returncode != 0:
-            self.skipTest(f"{module} is not there")
+            self.skipTest(f"{module} is not installed (pip install {module.replace('_', '-')})")
 
     def run_and_draw(self, name):
         """The script's output; where matplotlib is there, its figure must show something."""

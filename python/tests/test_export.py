@@ -57,7 +57,7 @@ def write_recording(path, seal="finished 0123456789abcdef", joints=JOINTS):
 
 def needs(*names):
     missing = [name for name in names if importlib.util.find_spec(name) is None]
-    return unittest.skipIf(missing, f"{', '.join(missing)} not installed")
+    return unittest.skipIf(missing, f"{', '.join(missing)} not installed (pip install {' '.join(missing)})")
 
 
 class Missing(unittest.TestCase):

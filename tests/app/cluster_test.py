@@ -13,9 +13,10 @@ import time
 import unittest
 
 import cli
-from cli import DONE, QUICK, CliTest, main
+from cli import BAD_INPUT, DONE, QUICK, CliTest, main
 
 RECIPES = pathlib.Path(__file__).resolve().parents[2] / "examples" / "cluster"
+TOOLS = ["xargs", *(["parallel"] if shutil.which("parallel") else [])]
 TRIALS = ["--object", "box", "--trials", "4", "--seed", "3", *QUICK]
 
 
@@ -53,29 +54,47 @@ class Cluster(CliTest):
             time.sleep(0.05)
         return False
 
-    @unittest.skipUnless(shutil.which("parallel"), "GNU parallel is not installed")
-    def test_gnu_parallel_with_a_part_killed(self):
+    def test_parts_of_an_evaluation_of_which_one_is_killed(self):
         expected = self.single()
-        top = self.folder / "many"
-        program = self.start("sh", str(RECIPES / "parallel.sh"), str(top), *TRIALS, SHARDS="2", JOBS="2")
-        self.assertTrue(self.kill_a_part("many", top))
-        _, stderr = program.communicate(timeout=500)
-        self.assertEqual(program.returncode, DONE, stderr)
-        self.assertEqual((top / "whole/eval.json").read_bytes(), expected)
+        for tool in TOOLS:
+            top = self.folder / tool
+            program = self.start("sh", str(RECIPES / "parallel.sh"), str(top), *TRIALS,
+                                 SHARDS="2", JOBS="2", PARTS_BY=tool)  # fmt: skip
+            self.assertTrue(self.kill_a_part(tool, top))
+            _, stderr = program.communicate(timeout=500)
+            self.assertEqual(program.returncode, DONE, stderr)
+            self.assertEqual((top / "whole/eval.json").read_bytes(), expected, tool)
 
-    @unittest.skipUnless(shutil.which("parallel"), "GNU parallel is not installed")
+    def test_a_part_that_always_fails_ends_the_recipe(self):
+        for tool in TOOLS:
+            program = self.start("sh", str(RECIPES / "parallel.sh"), str(self.folder / tool), "--object", "none.stl",
+                                 SHARDS="2", JOBS="2", PARTS_BY=tool)  # fmt: skip
+            _, stderr = program.communicate(timeout=100)
+            self.assertNotEqual(program.returncode, DONE)
+            self.assertIn("none.stl", stderr)
+            self.assertFalse((self.folder / tool / "whole").exists())
+
+    def test_several_machines_need_gnu_parallel(self):
+        program = self.start("sh", str(RECIPES / "parallel.sh"), str(self.folder / "many"), *TRIALS,
+                             PARTS_BY="xargs", PARALLEL="--sshloginfile nodes")  # fmt: skip
+        _, stderr = program.communicate(timeout=100)
+        self.assertEqual(program.returncode, BAD_INPUT)
+        self.assertIn("GNU parallel is not installed", stderr)
+
     def test_a_search_whose_rollouts_run_in_parts(self):
         tiny = ["--iterations", "2", "--seed", "3", "--episodes", "2",
                 "--set", "cem.search.cem.population=4", "--set", "cem.search.cem.elite=2",
                 "--set", "cem.search.screening=1", "--set", "cem.search.episodes=2",
                 "--set", "cem.search.episode.horizon=5"]  # fmt: skip
         self.run_json("train", "relocate", *tiny, "--out", "one")
-        program = self.start("sh", str(RECIPES / "cem.sh"), str(self.folder / "many"), *tiny, SHARDS="3", JOBS="2")
-        _, stderr = program.communicate(timeout=500)
-        self.assertEqual(program.returncode, DONE, stderr)
-        for name in ("policy.json", "checkpoint", "curves.csv"):
-            self.assertEqual((self.folder / "many" / name).read_bytes(),
-                             (self.folder / "one" / name).read_bytes(), name)  # fmt: skip
+        for tool in TOOLS:
+            program = self.start("sh", str(RECIPES / "cem.sh"), str(self.folder / tool), *tiny,
+                                 SHARDS="3", JOBS="2", PARTS_BY=tool)  # fmt: skip
+            _, stderr = program.communicate(timeout=500)
+            self.assertEqual(program.returncode, DONE, stderr)
+            for name in ("policy.json", "checkpoint", "curves.csv"):
+                self.assertEqual((self.folder / tool / name).read_bytes(),
+                                 (self.folder / "one" / name).read_bytes(), (tool, name))  # fmt: skip
 
     def test_a_slurm_array_with_a_job_requeued(self):
         expected = self.single()
@@ -114,7 +133,7 @@ class Cluster(CliTest):
         self.assertEqual(program.returncode, DONE, stderr)
         self.assertEqual((self.folder / "ray/whole/eval.json").read_bytes(), expected)
 
-    @unittest.skipUnless(importlib.util.find_spec("ray"), "ray is not installed")
+    @unittest.skipUnless(importlib.util.find_spec("ray"), "Ray is not installed (pip install ray); a stand-in was tried")
     def test_ray_with_a_worker_killed(self):
         expected = self.single()
         top = self.folder / "ray"

@@ -51,7 +51,7 @@ class Launch(CliTest):
 
 
 @unittest.skipUnless(shutil.which("colcon", path=DEBIAN) and pathlib.Path("/usr/share/ament_cmake").exists(),
-                     "Debian's colcon, python3-colcon-ros and ament-cmake are not installed")  # fmt: skip
+                     "colcon is not installed (Debian: colcon python3-colcon-ros ament-cmake)")  # fmt: skip
 class Colcon(CliTest):
     def test_debians_colcon_builds_it(self):
         shutil.copytree(PACKAGE, self.folder / "src" / PACKAGE.name)

@@ -193,7 +193,7 @@ class Evaluation(LiveTest):
         self.assertEqual(watched, self.run_json("eval", *quick))
 
 
-@unittest.skipUnless(ros2_peer, "requirements/ros2.txt is not installed")
+@unittest.skipUnless(ros2_peer, "requirements/ros2.txt is not installed; ./dev test tries to")
 class Stream(LiveTest):
     def test_a_stream_of_ros_2_is_shown_with_what_is_estimated_beside_it(self):
         os.environ["CYCLONEDDS_URI"] = ros2_loopback.LOOPBACK
@@ -229,7 +229,7 @@ class Stream(LiveTest):
             self.assertEqual(program.returncode, DONE)
 
 
-@unittest.skipUnless(browser.PROGRAM, "chromium is not installed")
+@unittest.skipUnless(browser.PROGRAM, "Chromium is not installed (Debian: chromium)")
 class Page(LiveTest):
     def clock(self, page):
         return float(page.run("document.getElementById('clock').textContent.split(' ')[0]"))

@@ -30,7 +30,7 @@ def stamp(message):
     return message.header.stamp.sec + NS * message.header.stamp.nanosec
 
 
-@unittest.skipUnless(mcap, "requirements/ros2.txt is not installed")
+@unittest.skipUnless(mcap, "requirements/ros2.txt is not installed; ./dev test tries to")
 class Export(CliTest):
     @classmethod
     def setUpClass(cls):

@@ -125,19 +125,21 @@ class Output(CliTest):
             self.assertEqual(len(self.read("whole/trials.jsonl").splitlines()), 4)
 
     def test_a_full_disk_is_named_and_seals_nothing(self):
-        if os.geteuid() != 0:
-            self.skipTest("only root can mount a small file system")
-        disk = self.folder / "disk"
-        disk.mkdir()
-        mount = ["mount", "-t", "tmpfs", "-o", "size=300k", "tmpfs", str(disk)]
-        if subprocess.run(mount, capture_output=True).returncode != 0:
-            self.skipTest("no small file system can be mounted here")
-        self.addCleanup(subprocess.run, ["umount", str(disk)], check=True)
-        done = self.run_program("pick", "--object", "box", "--seed", "1", "--out", "disk/p", *SHORT)
+        # A small disk of its own: who is not root is so in a namespace.
+        alone = ["unshare", "--mount", *([] if os.geteuid() == 0 else ["--map-root-user"])]
+        mount = 'mkdir disk && mount -t tmpfs -o size=300k tmpfs disk && "$@"; code=$?; cp -r disk kept; exit $code'
+        if subprocess.run([*alone, "mount", "-t", "tmpfs", "tmpfs", "/mnt"], capture_output=True).returncode != 0:
+            self.skipTest("no small file system can be mounted here, neither as root nor in a namespace (unshare)")
+        done = subprocess.run(
+            [*alone, "sh", "-c", mount, "sh", cli.PROGRAM, "pick", "--object", "box", "--seed", "1",
+             "--out", "disk/p", *SHORT],
+            cwd=self.folder, env=dict(os.environ, PALPATE_CACHE=str(self.cache)), capture_output=True,
+            text=True, timeout=300)  # fmt: skip
         self.assertEqual(done.returncode, BAD_INPUT, done.stderr)
         self.assertIn("No space left on device", done.stderr.splitlines()[0])
-        self.assertFalse((disk / "p/recording.h5").exists())
-        partial = (disk / "p/recording.h5.partial").read_bytes()
+        kept = self.folder / "kept/p"
+        self.assertFalse((kept / "recording.h5").exists())
+        partial = (kept / "recording.h5.partial").read_bytes()
         self.assertNotIn(b"finished ", partial[:60].replace(b"unfinished", b""))
 
 

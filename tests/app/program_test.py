@@ -37,7 +37,7 @@ class Usage(CliTest):
                             "FORMAT: 'lerobott' is none of mcap, lerobot, minari",
                             "did you mean 'lerobot'?")  # fmt: skip
         self.assert_refused(USAGE, ["train"], "no command is given")
-        self.assert_refused(BAD_INPUT, ["pick", "--set", "x.zigzag=1"], "palpate options lists")
+        self.assert_refused(BAD_INPUT, ["pick", "--set", "x.zigzag=1"], "palpate options pick lists")
         self.assert_refused(BAD_INPUT, ["rollout", "relocate-bset"], "'relocate-best'?")
 
         self.assert_refused(BAD_INPUT, ["pick", "--hand", "shadw"], "did you mean 'shadow'?")
@@ -59,12 +59,23 @@ class Usage(CliTest):
         self.assert_refused(USAGE, ["view", "a", "b", "c"], "at most 2 are possible, 3 are given")
         self.assert_refused(BAD_INPUT, ["sense", "none.csv"], "none.csv does not exist")
 
+    def test_files_that_are_no_text_are_refused_as_options(self):
+        """The error comes out of a shared library that was linked beside another C++ runtime."""
+        for number, data in enumerate([b"\xff\xfe\0", b'attempts = "\xff"', b"attempts = 3\0", b"\x80" * 999]):
+            name = self.write(f"{number}.toml", data)
+            for command in (["pick"], ["plan", "x"], ["localize", "box", "x"], ["rollout"]):
+                self.assert_refused(BAD_INPUT, [*command, "--config", name], f"{name}:1: ")
+
     def test_values_out_of_range_are_named_with_the_range(self):
         self.assert_refused(USAGE, ["pick", "--mass", "9"], "--mass: 9 is outside 0.001 to 5")
         self.assert_refused(USAGE, ["pick", "--seed", "many"], "'many' is not a whole number")
         self.assert_refused(USAGE, ["pick", "--seed", "-1"], "-1 is below 0")
         self.assert_refused(USAGE, ["pick", "--explore", "1.5"], "'1.5' is not a whole number")
         self.assert_refused(USAGE, ["view", "x", "--port", "99999"], "99999 is outside 0 to 65535")
+        self.assert_refused(USAGE, ["pick", "--seed", "9" * 30], "9" * 30 + " is beyond the largest number")
+        self.assert_refused(USAGE, ["pick", "--seed", "9" * 30 + "x"], "is not a whole number")
+        self.assert_refused(BAD_INPUT, ["eval", "--object", "box", "--candidates", "mug,box", "--place", "random",
+                                        "--out", "new"], "--candidates mug,box cannot be combined with --place random")
 
     def test_help_is_at_most_100_columns_wide_and_names_defaults(self):
         for command in self.commands():
@@ -90,13 +101,57 @@ class Usage(CliTest):
 
 
 class Options(CliTest):
+    def all_commands(self, path=()):
+        """The words of each command, those of subcommands after their command."""
+        text = self.run_program(*path, "--help").stdout
+        names = text.partition("Subcommands:\n")[2].partition("\n\n")[0]
+        if path:
+            yield list(path)
+        for name in re.findall(r"^  ([\w-]+) ", names, re.MULTILINE):
+            yield from self.all_commands((*path, name))
+
     def test_every_option_is_listed_with_its_help(self):
         for command in ("pick", "replay", "localize", "plan", "register", "rollout"):
             options = self.run_json("options", command)["options"]
             self.assertGreater(len(options), 3, command)
             for option in options:
-                self.assertEqual(sorted(option), ["default", "help", "key", "range", "type"])
+                self.assertEqual(sorted(option),
+                                 ["command", "default", "help", "key", "range", "type"])  # fmt: skip
+                self.assertEqual(option["command"], command)
                 self.assertNotEqual(option["help"], "", option["key"])
+
+    def test_every_command_that_takes_options_has_the_list_that_its_help_names(self):
+        named = set()
+        for words in self.all_commands():
+            text = " ".join(self.run_program(*words, "--help").stdout.split())
+            if "--set KEY=VALUE" not in text:
+                continue
+            name = re.search(r"`palpate options ([^`]*)`", text)[1]
+            self.assertEqual(name.split(), words)
+            options = self.run_json("options", *words, "--expert")["options"]
+            self.assertGreater(len(options), 1, words)
+            named.add(name)
+            if words == ["replay"]:  # it opens the recording first
+                continue
+            # The command has the keys, too.
+            key = next(o["key"] for o in options if o["type"] in ("number", "integer"))
+            needs = {"localize": ["box", "x"], "register": ["x", "y"], "plan": ["x"],
+                     "compare": ["a", "b"], "demos retarget": ["x"]}.get(name, [])  # fmt: skip
+            if words[0] == "train":
+                needs = ["--out", "new"] + ["x"] * ("LOGS" in text)
+            if name == "demos make":
+                needs = ["--out", "new"]
+            self.assert_refused(BAD_INPUT, [*words, *needs, "--set", f"{key}=x"], f"{key} = x is not a")
+        self.assertGreaterEqual(named, {"pick", "compare", "train relocate", "demos make"})
+
+    def test_a_group_lists_the_options_of_each_of_its_commands(self):
+        options = self.run_json("options", "train", "--expert")["options"]
+        commands = {o["command"] for o in options}
+        self.assertEqual(len(commands), 5)
+        for command in commands:
+            own = self.run_json("options", *command.split(), "--expert")["options"]
+            self.assertEqual([o for o in options if o["command"] == command], own)
+        self.assertIn("palpate demos retarget:\n", self.run_program("options", "demos").stdout)
 
     def test_experts_are_listed_on_demand_and_those_of_a_pick_are_few_enough_to_read(self):
         keys = [option["key"] for option in self.run_json("options", "pick")["options"]]

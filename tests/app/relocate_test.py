@@ -210,10 +210,12 @@ class RelocateTest(cli.CliTest):
         self.assertEqual(done.returncode, cli.BAD_INPUT)
         self.assertIn("told-1-of-1.jsonl:", done.stderr)
         for more, word in ((["--score", "1/1", "--tell"], "one after another"),
-                           (["--tell", "--force"], "--force"), (["--score", "1/1"], "--ask")):  # fmt: skip
+                           (["--tell", "--force"], "--force"), (["--score", "1/1"], "begin with --ask"),
+                           (["--tell"], "begin with --ask")):  # fmt: skip
             done = self.train("b", 1, *more)
             self.assertEqual(done.returncode, cli.BAD_INPUT)
             self.assertIn(word, done.stderr)
+        self.assertFalse((self.folder / "b").exists())
         done = self.run_program("train", "relocate", "--method", "npg", "--out", "c", "--ask")
         self.assertEqual(done.returncode, cli.BAD_INPUT)
         self.assertIn("--ask", done.stderr)

@@ -28,7 +28,7 @@ def position(pose):
     return [pose.position.x, pose.position.y, pose.position.z]
 
 
-@unittest.skipUnless(ros2_peer, "requirements/ros2.txt is not installed")
+@unittest.skipUnless(ros2_peer, "requirements/ros2.txt is not installed; ./dev test tries to")
 class Ros2(CliTest):
     def setUp(self):
         super().setUp()

@@ -28,8 +28,8 @@ PEER = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", FOLDER / "target")) / "re
 POSES = 200  # after which it has seen enough
 
 
-@unittest.skipUnless(ros2_stream, "requirements/ros2.txt is not installed")
-@unittest.skipUnless(PEER.exists(), "tests/peers/rustdds is not built (cargo build --release)")
+@unittest.skipUnless(ros2_stream, "requirements/ros2.txt is not installed; ./dev test tries to")
+@unittest.skipUnless(PEER.exists(), "tests/peers/rustdds is not built (cargo build --release in that folder)")
 class RustDds(CliTest):
     def test_a_stream_gives_the_pose(self):
         self.run_json("pick", "--object", "box", "--seed", "3", "--out", "run", "--no-belief", *QUICK)

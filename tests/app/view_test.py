@@ -131,7 +131,7 @@ class Render(RecordingTest):
     def test_draws_the_end_of_every_phase(self):
         checks = {check["name"]: check["ok"] for check in self.run_json("doctor")["checks"]}
         if not checks["rendering"]:
-            self.skipTest("nothing here draws without a screen")
+            self.skipTest("neither EGL nor OSMesa works here; see palpate doctor")
         report = self.run_json("render", self.record(), "--size", "64x48", "--out", "pictures")
         phases = json.loads((self.folder / "run/report.json").read_text())["phases"]
         self.assertEqual(
@@ -145,7 +145,7 @@ class Render(RecordingTest):
     def test_draws_a_pick_by_channels(self):
         checks = {check["name"]: check["ok"] for check in self.run_json("doctor")["checks"]}
         if not checks["rendering"]:
-            self.skipTest("nothing here draws without a screen")
+            self.skipTest("neither EGL nor OSMesa works here; see palpate doctor")
         report = self.run_json(
             "render", "--object", "box", "--seed", "3", "--size", "64x48", "--out", "pictures",
             "--set", "touch.source=biotac", "--set", "attempts=1", *QUICK)  # fmt: skip

@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """One version everywhere: CMake, the Python and ROS 2 packages, the Dockerfile, the citation, the
-readme and the changelog's newest release, whose date the citation has too.
+readme and the changelog's newest release, whose date the citation has too. As long as that release
+has no tag, nothing stands under Unreleased: it would be missing from the release.
 
 usage: versions.py REPOSITORY
 """
 
 import pathlib
 import re
+import subprocess
 import sys
 
 PLACES = {
@@ -34,14 +36,41 @@ def found(root, places):
     return values
 
 
+def git(root, *arguments):
+    """What git prints, or nothing where there is no git or no repository."""
+    try:
+        done = subprocess.run(["git", "-C", root, *arguments], capture_output=True, text=True)
+    except FileNotFoundError:
+        return ""
+    return done.stdout.strip() if done.returncode == 0 else ""
+
+
+def is_untagged(root, version):
+    """False where nobody knows: in a copy without a repository, or a clone without all tags."""
+    if git(root, "rev-parse", "--is-shallow-repository") != "false":
+        return False
+    return not git(root, "tag", "--list", f"v{version}")
+
+
+def unreleased(root):
+    text = (root / "CHANGELOG.md").read_text()
+    return re.search(r"(?ms)^## \[Unreleased\]\n(.*?)^## \[", text + "\n## [").group(1).strip()
+
+
 def main(root):
+    root = pathlib.Path(root)
     faults = 0
     for what, places in (("version", PLACES), ("date of the release", DATES)):
-        values = found(pathlib.Path(root), places)
+        values = found(root, places)
         if len(set(values.values())) == 1 and "nothing" not in values.values():
             continue
         faults += 1
         print(f"the {what} differs:", ", ".join(f"{k} has {v}" for k, v in values.items()))
+    version = found(root, PLACES)["CHANGELOG.md"]
+    if unreleased(root) and is_untagged(root, version):
+        faults += 1
+        print(f"CHANGELOG.md has entries under Unreleased, but there is no tag v{version} yet: "
+              f"they belong to {version}")  # fmt: skip
     return 1 if faults else 0
 
 

@@ -45,7 +45,7 @@ TEST(DrawnTask, EverythingIsWhereTheTaskHasIt) {
 }
 
 TEST(DrawnTask, ThePictureShowsTheTargetAndTheHand) {
-  if (!simulation::working_render_backend()) GTEST_SKIP() << "nothing draws without a screen";
+  if (!simulation::working_render_backend()) GTEST_SKIP() << "neither EGL nor OSMesa works here";
   Scene scene("box");
   simulation::Renderer renderer(scene.drawn.hand(), scene.drawn.object(), 240, 180);
   const auto picture = [&](const Eigen::Vector3d& target) {
