@@ -222,7 +222,8 @@ Trial run_trial(const geometry::ObjectModel& object, const estimation::Candidate
   try {
     if (target) {
       skills::PickAndPlaceResult course = skills::pick_and_place(
-          robot, object, *target, fixture, pick_options, options.place_options(), seed, observers);
+          robot, {object, *target, fixture, pick_options, options.place_options(), seed},
+          observers);
       trial.result = std::move(course.picked);
       trial.place = std::move(course.place);
       trial.strategy = std::move(course.strategy);
