@@ -5,6 +5,7 @@
 
 #include "palpate/geometry/objects/object_model.hpp"
 #include "palpate/skills/executor.hpp"
+#include "palpate/tactile/contacts/contact.hpp"
 
 namespace palpate::skills {
 
