@@ -63,12 +63,12 @@ class Ridge {
   Eigen::MatrixXd weights_;
 };
 
-/// Logs to learn from and logs to judge by, which differ in the normals that they keep.
+/// Logs to learn from and logs to test with, which differ in the normals that they keep.
 struct Split {
-  std::vector<BiotacLog> learn, judge;
+  std::vector<BiotacLog> learn, test;
 };
 
-/// Ten splits; each keeps the normals of a run of whole touches for judging.
+/// Ten splits; each keeps the normals of a run of whole touches for the test.
 std::vector<Split> touches_left_out(const BiotacLog& log) {
   std::vector<int> touch(log.time.size(), -1);
   const BiotacSignals signals = biotac_signals(log);
@@ -83,7 +83,7 @@ std::vector<Split> touches_left_out(const BiotacLog& log) {
     Split split{{log}, {log}};
     for (std::size_t i = 0; i < touch.size(); ++i) {
       const bool left_out = touch[i] >= 0 && touch[i] * kFolds / touches == fold;
-      (left_out ? split.learn : split.judge).front().normals[i].reset();
+      (left_out ? split.learn : split.test).front().normals[i].reset();
     }
     splits.push_back(std::move(split));
   }
@@ -93,7 +93,7 @@ std::vector<Split> touches_left_out(const BiotacLog& log) {
 std::vector<Split> short_logs_left_out(const std::vector<BiotacLog>& logs) {
   std::vector<Split> splits;
   for (std::size_t i = 1; i < logs.size(); ++i) {
-    Split split{.learn = logs, .judge = {logs[i]}};
+    Split split{.learn = logs, .test = {logs[i]}};
     split.learn.erase(split.learn.begin() + static_cast<std::ptrdiff_t>(i));
     splits.push_back(std::move(split));
   }
@@ -115,7 +115,7 @@ std::vector<double> ridge_errors(const Ridge& ridge, const BiotacLog& log, Biota
   return errors;
 }
 
-Errors judge(const std::vector<Split>& splits) {
+Errors evaluate(const std::vector<Split>& splits) {
   Errors errors;
   const auto append = [](const std::vector<double>& more, std::vector<double>& all) {
     all.insert(all.end(), more.begin(), more.end());
@@ -129,11 +129,11 @@ Errors judge(const std::vector<Split>& splits) {
     }
     const Ridge ridge(samples);
     const auto model = train_biotac_normal(split.learn);
-    for (const BiotacLog& log : split.judge) {
+    for (const BiotacLog& log : split.test) {
       append(ridge_errors(ridge, log, BiotacRest::whole_log), errors.ridge);
       append(ridge_errors(ridge, log, BiotacRest::causal), errors.ridge_causal);
-      errors.whole.add(judge_biotac_normal(model, log, BiotacRest::whole_log));
-      errors.causal.add(judge_biotac_normal(model, log, BiotacRest::causal));
+      errors.whole.add(evaluate_biotac_normal(model, log, BiotacRest::whole_log));
+      errors.causal.add(evaluate_biotac_normal(model, log, BiotacRest::causal));
     }
   }
   return errors;
@@ -179,8 +179,8 @@ void run(const Options& options) {
   }
   experiment::Table table({"left out", "normals of", "frames", "median deg", "p90 deg",
                            "normalised error squared", "coverage of 95 %"});
-  add_rows(table, "touches of the first log", judge(touches_left_out(logs.front())));
-  add_rows(table, "each of the other logs", judge(short_logs_left_out(logs)));
+  add_rows(table, "touches of the first log", evaluate(touches_left_out(logs.front())));
+  add_rows(table, "each of the other logs", evaluate(short_logs_left_out(logs)));
   table.publish(options, "sessions", "Contact normals of touches and recordings left out");
 }
 

@@ -118,7 +118,7 @@ Outcome Watch::run(const geometry::ObjectModel& model) {
       [&](const PhaseReport& report, double) { ends[report.name] = ticks_.size() - 1; }};
   const auto target = *place_target(object_, options_.place, seed_, 0);
   const PickAndPlaceResult course =
-      pick_and_place(robot, model, target, {}, options_.pick, options_.place, seed_, observer);
+      pick_and_place(robot, {model, target, {}, options_.pick, options_.place, seed_}, observer);
   Outcome outcome;
   outcome.end = course.place ? std::string(to_string(course.place->status)) : "not held";
   if (!course.place) return outcome;

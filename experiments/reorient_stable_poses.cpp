@@ -70,7 +70,7 @@ Outcome run_one(const geometry::ObjectModel& object, const Change& change, std::
       known, static_cast<std::size_t>(stable_pose_with_up(known, change.to)),
       {random.uniform(0.1, 0.2), random.uniform(-0.1, 0.1)}, random.uniform(-M_PI, M_PI));
   Outcome outcome;
-  outcome.result = regrasp(robot, object, target, {}, options.pick, options.place, seed);
+  outcome.result = regrasp(robot, {object, target, {}, options.pick, options.place, seed});
   robot.wait(0.5);
   const Eigen::Isometry3d truth = world.truth().T_world_object;
   outcome.error = localization::pose_error(truth, target.T_world_object, known.symmetries);

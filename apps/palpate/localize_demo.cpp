@@ -29,15 +29,16 @@ struct Share {
   double right = 0, stated = 0;
 };
 
-/// What of a scene the search is told.
-struct Told {
+/// Which evidence of a scene the search gets.
+struct EvidenceKind {
   std::string name;
   lo::SceneEvidenceOptions evidence;
   bool normals = true;
 };
 
-Told told(const std::string& name, int contacts, bool normals, bool hand, bool swept) {
-  Told result{name, {}, normals};
+EvidenceKind evidence_kind(const std::string& name, int contacts, bool normals, bool hand,
+                           bool swept) {
+  EvidenceKind result{name, {}, normals};
   result.evidence.contacts = contacts;
   result.evidence.hand = hand;
   result.evidence.swept = swept;
@@ -45,29 +46,30 @@ Told told(const std::string& name, int contacts, bool normals, bool hand, bool s
 }
 
 /// The columns of the table: all evidence of a number of contacts.
-std::vector<Told> columns() {
-  std::vector<Told> all;
+std::vector<EvidenceKind> columns() {
+  std::vector<EvidenceKind> all;
   for (const int count : kCounts)
-    all.push_back(told(std::to_string(count), count, true, true, true));
+    all.push_back(evidence_kind(std::to_string(count), count, true, true, true));
   return all;
 }
 
 /// What each kind of evidence adds, with ten contacts; with the last one it is all evidence, which
 /// the table has.
-std::vector<Told> ablation() {
-  return {told("points only", 10, false, false, false), told("+ normals", 10, true, false, false),
-          told("+ hand", 10, true, true, false)};
+std::vector<EvidenceKind> ablation() {
+  return {evidence_kind("points only", 10, false, false, false),
+          evidence_kind("+ normals", 10, true, false, false),
+          evidence_kind("+ hand", 10, true, true, false)};
 }
 constexpr const char* kAllEvidence = "+ swept tips";
 constexpr std::size_t kTenContacts = 1;  // of kCounts
 
 /// Whether the pose found in a scene is right, and how probable it is stated to be.
-Share search(const geometry::ObjectModel& model, const lo::GraspScene& scene, const Told& told,
-             const RandomStream& random) {
+Share search(const geometry::ObjectModel& model, const lo::GraspScene& scene,
+             const EvidenceKind& kind, const RandomStream& random) {
   constexpr double kNothing = 100;  // rad of noise: the normal tells nothing
-  auto evidence = lo::scene_evidence(scene, told.evidence, random);
+  auto evidence = lo::scene_evidence(scene, kind.evidence, random);
   for (auto& contact : evidence.contacts) {
-    if (!told.normals) contact.normal_sigma = kNothing;
+    if (!kind.normals) contact.normal_sigma = kNothing;
   }
   const auto posterior = lo::localize_fast(model, evidence, random);
   if (posterior.modes.empty()) return {};
@@ -82,7 +84,8 @@ using Shares = std::vector<Share>;  // one a scene
 /// The searches of all scenes with each kind of evidence.
 std::vector<Shares> search_all(const geometry::ObjectModel& model,
                                const std::vector<lo::GraspScene>& scenes,
-                               const std::vector<Told>& kinds, const CommonOptions& common) {
+                               const std::vector<EvidenceKind>& kinds,
+                               const CommonOptions& common) {
   std::vector<Shares> each(kinds.size(), Shares(scenes.size()));
   parallel_for(kinds.size() * scenes.size(), common.threads, [&](std::size_t i) {
     const std::size_t kind = i / scenes.size(), scene = i % scenes.size();
@@ -115,10 +118,10 @@ std::vector<lo::GraspScene> scenes_with(const geometry::ObjectModel& model,
 
 /// Contacts of a scene in the mesh's own frame of reference, as the command reads them.
 std::string contacts_csv(const lo::GraspScene& scene, std::uint64_t seed) {
-  lo::SceneEvidenceOptions told;
-  told.contacts = 20;
+  lo::SceneEvidenceOptions options;
+  options.contacts = 20;
   std::string text = "x,y,z,nx,ny,nz,t\n";
-  for (const auto& c : lo::scene_evidence(scene, told, RandomStream(seed)).contacts) {
+  for (const auto& c : lo::scene_evidence(scene, options, RandomStream(seed)).contacts) {
     text += fmt::format("{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{}\n", c.p[0], c.p[1], c.p[2],
                         c.n[0], c.n[1], c.n[2], c.time);
   }
@@ -182,7 +185,7 @@ std::string add_object(const geometry::ObjectModel& model,
   const std::string& name = model.object().name;
   auto kinds = columns();
   const std::size_t in_table = kinds.size();
-  for (Told& kind : ablation()) kinds.push_back(std::move(kind));
+  for (EvidenceKind& kind : ablation()) kinds.push_back(std::move(kind));
   auto searches = search_all(model, scenes, kinds, common);
   kinds.push_back({kAllEvidence, {}, true});
   searches.push_back(searches[kTenContacts]);

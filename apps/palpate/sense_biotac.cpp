@@ -21,7 +21,7 @@ namespace {
 constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
 
 /// A frame in which nothing is known but its flags.
-SensedSample unfelt(double time, unsigned flags) {
+SensedSample without_contact(double time, unsigned flags) {
   const Eigen::Vector3d unknown = Eigen::Vector3d::Constant(kNotMeasured);
   return {.time = time,
           .point = unknown,
@@ -34,7 +34,7 @@ SensedSample unfelt(double time, unsigned flags) {
 
 SensedSample sensed_frame(const tactile::BiotacLog& log, unsigned flags,
                           const std::optional<tactile::BiotacNormal>& normal, std::size_t i) {
-  SensedSample sample = unfelt(log.time[i], flags);
+  SensedSample sample = without_contact(log.time[i], flags);
   if (!normal) return sample;
   sample.normal = normal->n;
   sample.sigma_deg = normal->sigma / kDegree;
@@ -65,12 +65,12 @@ std::vector<SensedStream> sense_channels(const SenseArguments& arguments,
     streams.push_back({.name = fmt::format("{}-biotac", finger.name), .samples = {}});
   }
   for (const recording::Frame& frame : recording.frames) {
-    const auto feelings = fingers.feel(frame.reading);
+    const auto estimates = fingers.estimate(frame.reading);
     const auto T_base_link = hand::forward_kinematics(hand, frame.reading.joints);
-    for (std::size_t i = 0; i < feelings.size(); ++i) {
-      SensedSample sample = unfelt(frame.reading.time, feelings[i].flags);
-      if (feelings[i].contact) {
-        const auto contact = fingers.in_link(*feelings[i].contact, static_cast<int>(i));
+    for (std::size_t i = 0; i < estimates.size(); ++i) {
+      SensedSample sample = without_contact(frame.reading.time, estimates[i].flags);
+      if (estimates[i].contact) {
+        const auto contact = fingers.in_link(*estimates[i].contact, static_cast<int>(i));
         const Eigen::Isometry3d T =
             frame.reading.base.pose() * T_base_link[static_cast<std::size_t>(hand.fingers[i].link)];
         sample.point = T * contact.p;

@@ -79,7 +79,7 @@ LogsLeftOut leave_logs_out(const std::vector<tactile::BiotacLog>& logs,
     others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
     if (samples_of(others).size() < 10) continue;
     const auto errors =
-        tactile::judge_biotac_normal(tactile::train_biotac_normal(others, options), logs[i]);
+        tactile::evaluate_biotac_normal(tactile::train_biotac_normal(others, options), logs[i]);
     result.logs[logs[i].name] = normal_errors_json(errors);
     result.errors.add(errors);
   }
@@ -165,7 +165,7 @@ struct ElectrodeOptions {
 
 struct ElectrodeArguments {
   CommonOptions common;
-  std::vector<std::string> logs, judges;
+  std::vector<std::string> logs, test;
 };
 
 nlohmann::json errors_json(const std::optional<tactile::ElectrodeErrors>& errors) {
@@ -197,11 +197,11 @@ int train_biotac_electrodes(const ElectrodeArguments& arguments) {
   nlohmann::json result = {{"samples", samples.size()}, {"fit", fit_json(fit)}};
   result["validation_mae_over_sd"] =
       errors_json(tactile::cross_validate_electrodes(logs, options.fit, options.model));
-  if (!arguments.judges.empty()) {
-    const auto judged = samples_of(read_logs(arguments.judges));
-    result["test_samples"] = judged.size();
+  if (!arguments.test.empty()) {
+    const auto test = samples_of(read_logs(arguments.test));
+    result["test_samples"] = test.size();
     result["test_mae_over_sd"] =
-        errors_json(tactile::judge_electrodes(samples, judged, options.fit, options.model));
+        errors_json(tactile::evaluate_electrodes(samples, test, options.fit, options.model));
   }
   notice.reset();
   write_file_atomically(arguments.common.out, model.bytes());
@@ -216,7 +216,7 @@ void add_biotac_electrodes(CLI::App& train, Command& chosen) {
   command.add_option("logs", arguments->logs, "CSV with t_s,pdc,e1..e19,nx,ny,nz; raw counts")
       ->option_text("LOG...")
       ->required();
-  command.add_option("--test", arguments->judges, "logs for the evaluation, not used for training")
+  command.add_option("--test", arguments->test, "logs for the evaluation, not used for training")
       ->option_text("LOG...");
   add_model_options(command, arguments->common);
   add_common_options(command, arguments->common, kConfig | kSeed);
@@ -262,7 +262,7 @@ struct SimulatedTouches {
   std::vector<tactile::BiotacFrame> learn, evaluator;
 };
 
-/// Touches to learn from and, of another seed and a fifth as many, to judge by.
+/// Touches to learn from and, of another seed and a fifth as many, to test with.
 SimulatedTouches simulate(const SimulatedArguments& arguments, const SimulatedOptions& options) {
   SimulatedTouches touches;
   const Notice notice("simulating touches", arguments.common.quiet);

@@ -259,7 +259,7 @@ int score_share(const TrainArguments& arguments, const std::string& settings,
   return kDone;
 }
 
-/// Takes what was told and asks for the next. @return whether the search has ended
+/// Takes the scores and asks for the next. @return whether the search has ended
 bool tell_and_ask(const TrainArguments& arguments, const std::string& settings, int planned,
                   const Training& training, Curves& curves) {
   const RoundFiles files(arguments.common.out);
@@ -373,7 +373,7 @@ void add_train_relocate(CLI::App& train_command, Command& chosen) {
                    "for many machines (cem): write DIR/ask.jsonl, the rollouts of a generation");
   command
       .add_option("--score", arguments->score,
-                  "run share I of N of the rollouts in ask.jsonl, and write DIR/told-I-of-N.jsonl")
+                  "run share I of N of the rollouts in ask.jsonl, to DIR/scores-I-of-N.jsonl")
       ->option_text("I/N");
   command.add_flag(
       "--tell", arguments->tell,

@@ -81,15 +81,15 @@ RolloutShare parse_share(const std::string& text) {
   return share;
 }
 
-bool is_told(const fs::path& path) {
+bool has_scores(const fs::path& path) {
   const std::string name = path.filename().string();
-  return name.starts_with("told-") && name.ends_with(".jsonl");
+  return name.starts_with("scores-") && name.ends_with(".jsonl");
 }
 
-std::vector<fs::path> told_files(const RoundFiles& files) {
+std::vector<fs::path> score_files(const RoundFiles& files) {
   std::vector<fs::path> paths;
   for (const auto& entry : fs::directory_iterator(files.folder)) {
-    if (is_told(entry.path())) paths.push_back(entry.path());
+    if (has_scores(entry.path())) paths.push_back(entry.path());
   }
   std::ranges::sort(paths);
   return paths;
@@ -141,18 +141,18 @@ std::size_t run_share(const RoundFiles& files, const std::string& share_text,
     text += line.dump() + "\n";
   }
   write_file_atomically(
-      files.folder / fmt::format("told-{}-of-{}.jsonl", share.number, share.count), text);
+      files.folder / fmt::format("scores-{}-of-{}.jsonl", share.number, share.count), text);
   return requests.size();
 }
 
 std::optional<relocate::Metrics> take_results(const RoundFiles& files,
                                               relocate::SearchTrainer& trainer) {
-  std::map<Key, std::vector<Episode>> told;
-  for (const fs::path& path : told_files(files)) {
+  std::map<Key, std::vector<Episode>> rolled_out;
+  for (const fs::path& path : score_files(files)) {
     for_each_line(path, [&](const json& line) {
       auto& episodes =
-          told[{line.at("generation").get<int>(), line.at("candidate").get<std::size_t>(),
-                line.at("first_episode").get<int>()}];
+          rolled_out[{line.at("generation").get<int>(), line.at("candidate").get<std::size_t>(),
+                      line.at("first_episode").get<int>()}];
       episodes.clear();
       for (const json& one : line.at("results")) episodes.push_back(episode_of(one));
     });
@@ -161,9 +161,9 @@ std::optional<relocate::Metrics> take_results(const RoundFiles& files,
   std::size_t missing = 0, first_missing = 0;
   const auto requests = trainer.ask();
   for (const auto& request : requests) {
-    const auto found = told.find({trainer.iteration(), request.candidate, request.first});
-    if (found == told.end() && missing++ == 0) first_missing = request.candidate;
-    if (found != told.end()) results.push_back(found->second);
+    const auto found = rolled_out.find({trainer.iteration(), request.candidate, request.first});
+    if (found == rolled_out.end() && missing++ == 0) first_missing = request.candidate;
+    if (found != rolled_out.end()) results.push_back(found->second);
   }
   if (missing > 0) {
     throw BadInput(fmt::format("{} of {} rollouts are missing, the first of candidate {}: --score",
@@ -182,7 +182,7 @@ void print_round(const CommonOptions& common, const RoundFiles& files, int gener
 
 void remove_rounds(const RoundFiles& files) {
   fs::remove(files.ask());
-  for (const fs::path& path : told_files(files)) fs::remove(path);
+  for (const fs::path& path : score_files(files)) fs::remove(path);
 }
 
 }  // namespace palpate::app

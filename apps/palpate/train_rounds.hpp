@@ -11,7 +11,7 @@
 namespace palpate::app {
 
 /// A search whose rollouts many machines run, by files in its folder: ask.jsonl has a line for each
-/// candidate that is to be rolled out, told-*.jsonl have the results.
+/// candidate that is to be rolled out, scores-*.jsonl have the results.
 struct RoundFiles {
   explicit RoundFiles(std::filesystem::path search) : folder(std::move(search)) {}
   std::filesystem::path ask() const { return folder / "ask.jsonl"; }
@@ -25,7 +25,7 @@ void check_asked(const RoundFiles& files);
 /// Writes what is asked for. @return how many rollouts of a candidate
 std::size_t write_requests(const RoundFiles& files, relocate::SearchTrainer& trainer);
 
-/// Runs lines I, I + N, ... of ask.jsonl, and writes told-I-of-N.jsonl.
+/// Runs lines I, I + N, ... of ask.jsonl, and writes scores-I-of-N.jsonl.
 /// @param share  "I/N"
 /// @return how many
 /// @throws BadInput for a share that is none, and for requests that are not of this generation
@@ -42,7 +42,7 @@ std::optional<relocate::Metrics> take_results(const RoundFiles& files,
 void print_round(const CommonOptions& common, const RoundFiles& files, int generation,
                  std::size_t rollouts);
 
-/// Removes what was asked for and told.
+/// Removes requests and scores.
 void remove_rounds(const RoundFiles& files);
 
 }  // namespace palpate::app

@@ -110,7 +110,7 @@ void run(skills::Executor& robot, const TrialOptions& options,
   }
   const auto fixture = evaluation::place_fixture(object.object(), options.place, target);
   skills::PickAndPlaceResult course = skills::pick_and_place(
-      robot, object, *target, fixture, pick_options, options.place_options(), seed);
+      robot, {object, *target, fixture, pick_options, options.place_options(), seed});
   result.picked = std::move(course.picked);
   if (course.place) result.place = place_result(*course.place, course.strategy, std::nullopt);
 }

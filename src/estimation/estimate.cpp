@@ -254,7 +254,7 @@ PoseEstimator::Hypotheses PoseEstimator::search_resting(const hand::Description&
     if (evidence.contacts.size() < (skipped > 0 ? kMinTouches : 1)) break;
     evidence.false_contact_share = options_.false_contacts;
     evidence.surface_sigma = options_.surface_sigma;
-    evidence.penetration_sigma = options_.swept_sigma;
+    evidence.penetration_sigma = options_.free_space_sigma;
     if (!one()) evidence.contact_area = area_;
     for (std::size_t i = 0; i < candidates_.size(); ++i) {
       const KnownObject& object = candidates_[i]->object();

@@ -119,7 +119,7 @@ HeldPoseFollower::Task HeldPoseFollower::task() {
   asked_at_ = log_.readings.back().time;
   Task task{log_, T_world_palm_, std::nullopt, std::nullopt, ++tasks_, epoch_};
   if (known_.modes.empty()) return task;
-  if (tells_more()) {
+  if (has_new_contacts()) {
     task.prior = prior();
   } else {
     task.known = posterior();
@@ -133,7 +133,7 @@ std::vector<tactile::Contact> HeldPoseFollower::contacts() const {
       .contacts;
 }
 
-bool HeldPoseFollower::tells_more() const {
+bool HeldPoseFollower::has_new_contacts() const {
   const auto now = contacts();
   return std::any_of(now.begin(), now.end(),
                      [&](const auto& contact) { return !known_among(contact, used_); });

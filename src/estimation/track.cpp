@@ -37,24 +37,22 @@ localization::TrackFrame look_at(const hand::Description& hand, Window before, W
 
 }  // namespace
 
-Tracked track(const geometry::ObjectModel& object, const hand::Description& hand,
-              const EventLog& log, const tactile::ContactErrorModel& errors,
-              const localization::Posterior& start, std::size_t first, std::size_t last,
-              const TrackOptions& options, std::uint64_t seed) {
-  if (first > last || last >= log.readings.size()) {
-    throw BadInput(
-        fmt::format("tracking from reading {} to {} of {}", first, last, log.readings.size()));
+Tracked track(const TrackInput& input, const TrackOptions& options, std::uint64_t seed) {
+  const std::span readings(input.log.readings);
+  if (input.first > input.last || input.last >= readings.size()) {
+    throw BadInput(fmt::format("tracking from reading {} to {} of {}", input.first, input.last,
+                               readings.size()));
   }
   Tracked tracked;
-  tracked.posterior = start;
-  transform(log.readings[first].base.pose().inverse(), tracked.posterior);
-  localization::Tracker tracker(object, tracked.posterior, options.tracker,
+  tracked.posterior = input.start;
+  transform(readings[input.first].base.pose().inverse(), tracked.posterior);
+  localization::Tracker tracker(input.object, tracked.posterior, options.tracker,
                                 RandomStream(seed, "track"));
   const auto step = static_cast<std::size_t>(std::lround(options.period / hand::kTick));
-  const std::span readings(log.readings);
-  for (std::size_t i = std::max(first + step, 2 * step); i <= last; i += step) {
-    tracked.posterior = tracker.update(look_at(hand, readings.subspan(i - 2 * step, step),
-                                               readings.subspan(i - step + 1, step), errors));
+  for (std::size_t i = std::max(input.first + step, 2 * step); i <= input.last; i += step) {
+    const Window before = readings.subspan(i - 2 * step, step);
+    const Window now = readings.subspan(i - step + 1, step);
+    tracked.posterior = tracker.update(look_at(input.hand, before, now, input.errors));
     tracked.looks.push_back({i, tracked.posterior.modes.front().T_frame_object});
   }
   tracked.slips = tracker.slips();

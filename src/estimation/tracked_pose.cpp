@@ -18,9 +18,14 @@ localization::Mode track_best_mode(const HeldObject& held, std::size_t until,
   localization::Posterior start;
   start.modes = {before_lift.modes.front()};
   transform(held.log.readings[held.closed].base.pose(), start);
-  return track(held.model, held.hand, held.log, held.options.errors, start, held.closed, until, {},
-               held.seed)
-      .posterior.modes.front();
+  const TrackInput input{.object = held.model,
+                         .hand = held.hand,
+                         .log = held.log,
+                         .start = start,
+                         .first = held.closed,
+                         .last = until,
+                         .errors = held.options.errors};
+  return track(input, {}, held.seed).posterior.modes.front();
 }
 
 void add_tracked_pose(localization::Mode tracked, const std::vector<Eigen::Matrix3d>& symmetries,

@@ -191,12 +191,12 @@ Trial run_trial(const geometry::ObjectModel& object, const estimation::Candidate
   hand::FaultyHand faulty(world.hand(), fault, [&] {
     if (fault.fault == hand::InjectedFault::object_pushed) push_aside(world, seed);
   });
-  std::optional<tactile::BiotacHand> feeling;
+  std::optional<tactile::BiotacHand> biotac_hand;
   if (options.touch.from_biotacs()) {
-    feeling.emplace(faulty, world.hand_model(), tactile::shipped_biotac_inverse());
+    biotac_hand.emplace(faulty, world.hand_model(), tactile::shipped_biotac_inverse());
   }
   const simulation::SimulatedModels models(options.forward_model);
-  hand::Hand& sensed = feeling ? static_cast<hand::Hand&>(*feeling) : faulty;
+  hand::Hand& sensed = biotac_hand ? static_cast<hand::Hand&>(*biotac_hand) : faulty;
   skills::Executor robot(sensed, world.hand_model(), waiting_command(world.hand_model()),
                          {[&](const auto& reading, const auto& command) {
                             evaluator.observe(reading);
@@ -222,7 +222,8 @@ Trial run_trial(const geometry::ObjectModel& object, const estimation::Candidate
   try {
     if (target) {
       skills::PickAndPlaceResult course = skills::pick_and_place(
-          robot, object, *target, fixture, pick_options, options.place_options(), seed, observers);
+          robot, {object, *target, fixture, pick_options, options.place_options(), seed},
+          observers);
       trial.result = std::move(course.picked);
       trial.place = std::move(course.place);
       trial.strategy = std::move(course.strategy);

@@ -22,7 +22,7 @@ AssembledHand::AssembledHand(Hand& fingers, Arm* arm, std::vector<MountedSensor>
       limits_(limits),
       fingers_part_{"the fingers"},
       arm_part_{arm ? fmt::format("the arm '{}'", arm->name()) : std::string()},
-      felt_(sensors_.size()) {
+      tip_contacts_(sensors_.size()) {
   for (const MountedSensor& mounted : sensors_) {
     sensor_parts_.push_back({fmt::format("the sensor '{}'", mounted.name)});
   }
@@ -79,7 +79,7 @@ void AssembledHand::read_arm() {
 void AssembledHand::read_sensor(std::size_t index) {
   auto now = sensors_[index].sensor->read();
   const bool newer = now.has_value();
-  if (newer) felt_[index] = *std::move(now);
+  if (newer) tip_contacts_[index] = *std::move(now);
   note_newer(sensor_parts_[index], newer);
 }
 
@@ -104,7 +104,7 @@ void AssembledHand::assemble(HandReading&& reading) {
     if (finger >= begun.size()) continue;  // a reading of another size: the executor refuses it
     auto& contacts = reading.contacts[finger];
     if (!begun[finger]) contacts.clear();
-    contacts.insert(contacts.end(), felt_[i].begin(), felt_[i].end());
+    contacts.insert(contacts.end(), tip_contacts_[i].begin(), tip_contacts_[i].end());
     begun[finger] = true;
   }
   reading_ = std::move(reading);

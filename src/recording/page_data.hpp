@@ -31,7 +31,7 @@ nlohmann::json estimate_to_json(const EstimateRecord& estimate, const FrameTruth
 nlohmann::json belief_to_json(const BeliefRecord& belief, const FrameTruth* truth,
                               const std::vector<Eigen::Matrix3d>& symmetries);
 /// Whether a note lists the credible poses of the resting object, and these.
-bool tells_belief(const Event& event);
+bool holds_belief(const Event& event);
 BeliefRecord belief_of(const Event& event);
 
 }  // namespace palpate::recording

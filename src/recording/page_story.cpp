@@ -165,7 +165,7 @@ json events_to_json(const std::vector<Event>& events, double last) {
   return {{"phases", phases_to_json(events, last)}, {"placement", placement_to_json(events)}};
 }
 
-bool tells_belief(const Event& event) {
+bool holds_belief(const Event& event) {
   return event.kind == EventKind::note && event.text.starts_with(kCredible);
 }
 
@@ -187,7 +187,7 @@ json page_story(const Recording& recording) {
   std::vector<BeliefRecord> beliefs = recording.beliefs;
   if (beliefs.empty()) {  // of before they were recorded
     for (const Event& event : recording.events) {
-      if (tells_belief(event)) beliefs.push_back(belief_of(event));
+      if (holds_belief(event)) beliefs.push_back(belief_of(event));
     }
   }
   std::ranges::stable_sort(beliefs, {}, &BeliefRecord::time);

@@ -72,7 +72,7 @@ void PageStream::frame(const Frame& frame) {
 
 void PageStream::event(const Event& event) {
   const std::lock_guard lock(impl_->mutex);
-  if (tells_belief(event)) {
+  if (holds_belief(event)) {
     if (!impl_->has_beliefs) impl_->tell(belief_of(event));
     return;
   }

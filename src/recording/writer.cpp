@@ -132,7 +132,7 @@ void check_silent(const hand::HandReading& reading) {
 void check_errors(const hand::HandReading& reading) {
   for (const auto& finger : reading.contacts) {
     for (const auto& contact : finger) {
-      if (tactile::tells_sound_errors(contact)) continue;
+      if (tactile::has_valid_errors(contact)) continue;
       throw BadInput(fmt::format(
           "a contact of the frame at {} s has the errors {} m and {} rad: not finite or negative",
           reading.time, contact.point_sigma, contact.normal_sigma));

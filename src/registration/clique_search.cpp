@@ -11,7 +11,7 @@
 namespace palpate::registration {
 namespace {
 
-// From so large a sample on a pose is worth more than a quick judgement.
+// From so large a sample on a pose is worth more than a quick test.
 constexpr std::size_t kLargeSample = 500;
 constexpr int kLargestClique = 16;
 // Chance proposes cliques too; those well below the largest are passed over, up to this size.
@@ -25,7 +25,7 @@ constexpr float kNear = 2;  // bounds, within which a slightly wrong pose brings
 constexpr double kLengthTolerance = 0.65, kWideTolerance = 1.25;
 constexpr int kFewPairs = 64;
 // A pose that chance proposes less often than kClear ends the search; in a small sample, by the
-// quick judgement, less often than kClearAtOnce. Above kHopeless no other judgement is needed.
+// quick test, less often than kClearAtOnce. Above kHopeless no other test is needed.
 constexpr double kClear = 1e-4, kHopeless = 1e6;
 // A sample shows a consensus if it holds so many of its pairs.
 constexpr double kShown = 5;
@@ -119,9 +119,9 @@ int CliqueSearch::next_seed(std::vector<int>& order, const std::vector<int>& sam
 
 /// Whether the best pose is beyond chance, where that was not asked of it before.
 bool CliqueSearch::is_beyond_doubt() {
-  if (best_.inliers == 0 || judged_ == best_.gain) return false;
+  if (best_.inliers == 0 || tested_ == best_.gain) return false;
   polish();
-  judged_ = best_.gain;
+  tested_ = best_.gain;
   return is_beyond_chance(kClear);
 }
 
@@ -265,9 +265,9 @@ bool CliqueSearch::keep_if_best(const Eigen::Isometry3d& T, double gain) {
 /// little cost.
 bool CliqueSearch::is_beyond_chance(double level) {
   if (quick_ < kClearAtOnce || quick_ > kHopeless) return quick_ < kClearAtOnce;
-  const double rough = false_alarm_test_.judge(best_.T, FalseAlarmTest::kRough);
+  const double rough = false_alarm_test_.estimate(best_.T, FalseAlarmTest::kRough);
   if (rough < kClearAtOnce || rough >= level) return rough < level;
-  return false_alarm_test_.judge(best_.T, FalseAlarmTest::kMedium) < level;
+  return false_alarm_test_.estimate(best_.T, FalseAlarmTest::kMedium) < level;
 }
 
 /// A part of a few inliers fits poses about the right one too: tries what becomes of the best one

@@ -66,7 +66,7 @@ class CliqueSearch {
   const Correspondences& all_;
   const ConsensusOptions& options_;
   Pose best_, runner_up_, mirrored_;
-  double quick_ = 1, judged_ = 0, asked_ = 0, polished_ = 0;  // the last three: gains
+  double quick_ = 1, tested_ = 0, asked_ = 0, polished_ = 0;  // the last three: gains
   bool settled_ = false;        // the best pose is beyond chance: others are looked for
   int outside_ = 0;             // of a sample, pairs looked around that it does not explain
   std::vector<int> explained_;  // its inliers, ascending

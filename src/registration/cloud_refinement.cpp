@@ -42,22 +42,29 @@ std::size_t stride_of(const Stage& stage, std::size_t points) {
   return stage.all ? 1 : std::max<std::size_t>(1, points / kEnough);
 }
 
-/// Rounds of one stage, to the pose that stays.
-/// @param least_share  of the points with a partner
+/// What the rounds look at, and when they end.
+struct RoundOptions {
+  double bound;            // of the distance of a pair, in the target's unit of length
+  double fine;             // as Stage::fine
+  std::size_t stride = 1;  // between points that are looked at
+  double min_overlap = 0;  // share of the points with a partner
+};
+
+/// Rounds to the pose that stays.
+/// @param rounds_left  counts down
 /// @return the last solution, if there was one with pairs enough
-std::optional<PoseEstimate> converge(NeighbourRounds& rounds, Eigen::Isometry3d T, double bound,
-                                     const Stage& stage, std::size_t stride, double least_share,
-                                     int most, int& done) {
+std::optional<PoseEstimate> converge(NeighbourRounds& rounds, Eigen::Isometry3d T,
+                                     const RoundOptions& options, int& rounds_left) {
   constexpr std::size_t kLeastPairs = 6;
   std::optional<PoseEstimate> best;
-  while (done < most) {
-    const std::size_t pairs = rounds.pair_up(T, bound, stride).size();
-    if (pairs < kLeastPairs || rounds.overlap() < least_share) return best;
+  while (rounds_left > 0) {
+    const std::size_t pairs = rounds.pair_up(T, options.bound, options.stride).size();
+    if (pairs < kLeastPairs || rounds.overlap() < options.min_overlap) return best;
     PoseEstimate estimate = rounds.solve();
     if (estimate.status == Status::kDegenerate) return best;
-    ++done;
+    --rounds_left;
     const Eigen::Vector3d at = weighted_means(rounds.pairs(), {}).source;
-    const bool settled = stays(T, estimate.T_target_source, at, bound, stage.fine);
+    const bool settled = stays(T, estimate.T_target_source, at, options.bound, options.fine);
     T = estimate.T_target_source;
     best = std::move(estimate);
     if (settled) break;
@@ -75,20 +82,20 @@ std::optional<Refined> refine_in_stages(NeighbourRounds& rounds, const Eigen::Is
                                         const CloudOptions& options,
                                         CloudRegistration& registration) {
   std::optional<Refined> refined;
-  double least_share = 0;
-  int done = 0;
+  double min_overlap = 0;
+  int rounds_left = options.features.refinements;
   for (const Stage& stage : kStages) {
     const double bound = stage.narrowing * registration.noise_bound;
-    const auto next = converge(rounds, refined ? refined->T : T, bound, stage,
-                               stride_of(stage, rounds.source_size()), least_share,
-                               options.features.refinements, done);
+    const auto next = converge(
+        rounds, refined ? refined->T : T,
+        {bound, stage.fine, stride_of(stage, rounds.source_size()), min_overlap}, rounds_left);
     if (!next) break;
     refined = {next->T_target_source, bound};
     if (stage.narrowing == 1) registration.overlap = rounds.overlap();
     // A bound that leaves few of the pairs is below the distance between the points.
-    least_share = rounds.overlap() / 2;
+    min_overlap = rounds.overlap() / 2;
   }
-  registration.refinements += done;
+  registration.refinements += options.features.refinements - rounds_left;
   return refined;
 }
 
@@ -114,8 +121,8 @@ std::optional<Eigen::Isometry3d> turned_about_weak_axis(NeighbourRounds& rounds,
     const Eigen::AngleAxisd turn(2 * std::numbers::pi * k / kStarts, axis->direction);
     const Eigen::Isometry3d about =
         Eigen::Translation3d(axis->point) * turn * Eigen::Translation3d(-axis->point);
-    int done = 0;
-    const auto end = converge(rounds, about * T, bound, kStages[0], stride, 0, kRounds, done);
+    int rounds_left = kRounds;
+    const auto end = converge(rounds, about * T, {bound, kStages[0].fine, stride}, rounds_left);
     if (!end) continue;
     const double cost = cost_at(end->T_target_source);
     if (cost >= least) continue;
@@ -210,8 +217,7 @@ double standard_errors(const std::vector<double>& costs, const std::vector<doubl
 
 std::optional<Eigen::Isometry3d> settled(NeighbourRounds& rounds, const Eigen::Isometry3d& T,
                                          double bound, int most) {
-  int done = 0;
-  const auto end = converge(rounds, T, bound, kStages[0], 1, 0, most, done);
+  const auto end = converge(rounds, T, {bound, kStages[0].fine}, most);
   if (!end) return std::nullopt;
   return end->T_target_source;
 }

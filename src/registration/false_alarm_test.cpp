@@ -165,12 +165,12 @@ double FalseAlarmTest::false_inliers(const Eigen::Isometry3d& T) const {
 }
 
 double FalseAlarmTest::exact(const Eigen::Isometry3d& T) {
-  const double number = judge_closely(T);
+  const double number = estimate_closely(T);
   if (scorer_.dimensions() == 3 || !(number < max_false_alarms_)) return number;
   const Scorer positions = scorer_.without_normals();
   FalseAlarmTest alone(positions, max_false_alarms_, dependence_, random_);
   if (alone.quick(T) < kClearAtOnce || copies(T) == 1) return number;
-  return std::max(number, alone.judge_closely(T));
+  return std::max(number, alone.estimate_closely(T));
 }
 
 namespace {
@@ -186,19 +186,20 @@ constexpr Step kWithNormals[] = {
 
 }  // namespace
 
-double FalseAlarmTest::judge_closely(const Eigen::Isometry3d& T) {
+double FalseAlarmTest::estimate_closely(const Eigen::Isometry3d& T) {
   const double bound = quick(T);
   if (bound < kClearAtOnce) return bound;
-  return scorer_.dimensions() > 3 ? judge_in_turn(T, kWithNormals) : judge_in_turn(T, kPoints);
+  return scorer_.dimensions() > 3 ? estimate_in_steps(T, kWithNormals)
+                                  : estimate_in_steps(T, kPoints);
 }
 
 /// With more and more effort, until the number is far from what matters.
-double FalseAlarmTest::judge_in_turn(const Eigen::Isometry3d& T, std::span<const Step> steps) {
+double FalseAlarmTest::estimate_in_steps(const Eigen::Isometry3d& T, std::span<const Step> steps) {
   constexpr double kFarAbove = 100;
   double expected = 0;
   for (const Step& step : steps) {
     constexpr double kNever = std::numeric_limits<double>::infinity();
-    expected = judge(T, step.effort, &step == &steps.back() ? max_false_alarms_ : kNever);
+    expected = estimate(T, step.effort, &step == &steps.back() ? max_false_alarms_ : kNever);
     if (expected < step.enough_below * max_false_alarms_ ||
         expected > kFarAbove * max_false_alarms_) {
       break;
@@ -207,7 +208,7 @@ double FalseAlarmTest::judge_in_turn(const Eigen::Isometry3d& T, std::span<const
   return expected;
 }
 
-double FalseAlarmTest::judge(const Eigen::Isometry3d& T, Effort effort, double enough) {
+double FalseAlarmTest::estimate(const Eigen::Isometry3d& T, Effort effort, double enough) {
   constexpr int kMostPoses = 4096, kFirst = 256;
   const auto [score, copies] = evidence(T);
   if (score.count <= 3) return number_of_false_alarms(model_, 0, score.count);

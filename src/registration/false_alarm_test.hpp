@@ -15,7 +15,7 @@
 
 namespace palpate::registration {
 
-/// Below this the quick judgement needs no other.
+/// Below this the quick number needs no other.
 inline constexpr double kClearAtOnce = 1e-8;
 
 /// Within how many bounds in both frames pairs may depend on one another, and within how many
@@ -51,8 +51,8 @@ class FalseAlarmTest {
 
   /// With the rates at some random poses; at fewer, where the number is above `enough` whatever the
   /// others gather.
-  double judge(const Eigen::Isometry3d& T, Effort effort,
-               double enough = std::numeric_limits<double>::infinity());
+  double estimate(const Eigen::Isometry3d& T, Effort effort,
+                  double enough = std::numeric_limits<double>::infinity());
 
   /// How many of the inliers of T are wrong pairs that agree by accident: as many as agree where
   /// the same points are paired otherwise.
@@ -91,8 +91,8 @@ class FalseAlarmTest {
   Evidence evidence(const Eigen::Isometry3d& T);
   double copies(const Eigen::Isometry3d& T);
   double copies_among_others(const Eigen::Isometry3d& T) const;
-  double judge_closely(const Eigen::Isometry3d& T);
-  double judge_in_turn(const Eigen::Isometry3d& T, std::span<const Step> steps);
+  double estimate_closely(const Eigen::Isometry3d& T);
+  double estimate_in_steps(const Eigen::Isometry3d& T, std::span<const Step> steps);
   double expected(BackgroundModel background, const Score& score, double copies) const;
   double crowding(const Eigen::Isometry3d& T, const Score& score);
   const std::vector<ThinAxes>& axes();

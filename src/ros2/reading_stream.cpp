@@ -60,7 +60,7 @@ ReadingStream::ReadingStream(const hand::Description& hand, RobotInterface inter
       options_(options),
       joint_of_(index_of(hand.joints)),
       actuator_of_(index_of(hand.actuators)),
-      felt_(hand.fingers.size()),
+      tip_contacts_(hand.fingers.size()),
       joints_(hand.joints.size()) {
   torques_.setZero(hand.actuator_count());
   for (std::size_t i = 0; i < hand.fingers.size(); ++i) {
@@ -192,10 +192,10 @@ void ReadingStream::take_contacts(std::size_t finger, const PointCloud2& cloud,
         fmt::format("contacts in the frame {:?}, not {:?}", cloud.header.frame_id, frame));
   }
   auto contacts = ros2::contacts_of(cloud);
-  Felt& felt = felt_[finger];
-  if (!is_later(time_of(cloud.header, received), felt.time)) return;
+  TipContacts& sensed = tip_contacts_[finger];
+  if (!is_later(time_of(cloud.header, received), sensed.time)) return;
   ++counts_.contacts;
-  felt.contacts = std::move(contacts);
+  sensed.contacts = std::move(contacts);
 }
 
 /// The one contact that explains the wrench, if any does; the sensor's frame is the distal link's.
@@ -210,14 +210,14 @@ void ReadingStream::take_fingertip_wrench(std::size_t finger, const WrenchStampe
   const Eigen::Vector3d moment = vector_in(wrench.wrench.torque);
   check_plausible(force, kMaxForce, "a force on a fingertip");
   check_plausible(moment, kMaxTorque, "a moment on a fingertip");
-  Felt& felt = felt_[finger];
-  if (!is_later(time_of(wrench.header, received), felt.time)) return;
+  TipContacts& sensed = tip_contacts_[finger];
+  if (!is_later(time_of(wrench.header, received), sensed.time)) return;
   ++counts_.contacts;
-  felt.contacts.clear();
+  sensed.contacts.clear();
   const hand::TipCapsule& tip = hand_.fingers[finger].tip;
   const auto contact = tactile::contact_of_wrench({force, moment}, {tip.a, tip.b, tip.radius},
                                                   Eigen::Isometry3d::Identity());
-  if (contact) felt.contacts.push_back(tip_contact(*contact));
+  if (contact) sensed.contacts.push_back(tip_contact(*contact));
 }
 
 /// An array has no stamp and is of the latest joint state, so that clocks need not agree.
@@ -226,11 +226,11 @@ void ReadingStream::take_taxels(std::size_t finger, std::span<const double> valu
   const auto cells = interface_.taxel_layout.find(hand_.fingers[finger].name);
   if (cells == interface_.taxel_layout.end()) return;
   const auto contacts = tactile::contacts_of_values(cells->second, values);
-  Felt& felt = felt_[finger];
+  TipContacts& sensed = tip_contacts_[finger];
   ++counts_.contacts;
-  felt.time.set(joints_at_ != 0 ? joints_at_ : received);
-  felt.contacts.clear();
-  for (const auto& contact : contacts) felt.contacts.push_back(tip_contact(contact));
+  sensed.time.set(joints_at_ != 0 ? joints_at_ : received);
+  sensed.contacts.clear();
+  for (const auto& contact : contacts) sensed.contacts.push_back(tip_contact(contact));
 }
 
 void ReadingStream::take_wrench(const WrenchStamped& wrench, std::uint64_t received) {
@@ -278,8 +278,8 @@ bool ReadingStream::has_all_since(std::uint64_t time) const {
   const auto mount = transforms_.find(interface_.mount);
   return torques_at_.time() >= time && force_at_.time() >= time && mount != transforms_.end() &&
          mount->second.time.time() >= time &&
-         std::all_of(felt_.begin(), felt_.end(),
-                     [&](const Felt& felt) { return felt.time.time() >= time; });
+         std::all_of(tip_contacts_.begin(), tip_contacts_.end(),
+                     [&](const TipContacts& sensed) { return sensed.time.time() >= time; });
 }
 
 std::optional<Eigen::Isometry3d> ReadingStream::mount_at(std::uint64_t time) const {
@@ -316,9 +316,9 @@ std::optional<hand::HandReading> ReadingStream::reading_at(std::uint64_t time) {
   reading.torques = torques_;
   reading.base = hand::BasePosition::at(*T_world_mount);
   if (is_fresh(force_at_.time(), time)) reading.base_force = force_;
-  for (const Felt& felt : felt_) {
-    reading.contacts.push_back(is_fresh(felt.time.time(), time) ? felt.contacts
-                                                                : std::vector<hand::TipContact>{});
+  for (const TipContacts& sensed : tip_contacts_) {
+    reading.contacts.push_back(
+        is_fresh(sensed.time.time(), time) ? sensed.contacts : std::vector<hand::TipContact>{});
   }
   ++counts_.readings;
   return reading;

@@ -186,10 +186,10 @@ bool Executor::read_once() {
   if (watchdog_ && watchdog_->fired()) {
     stop_for(Fault::silent, fmt::format("a step took longer than {} s", safety_.options.watchdog));
   }
-  const Judgement judgement = readings_->judge(reading, command_);
-  if (judgement.usable) keep(std::move(reading));
-  if (judgement.fault != Fault::none) stop_for(judgement.fault, judgement.detail);
-  return judgement.usable;
+  const ReadingCheck check = readings_->check(reading, command_);
+  if (check.usable) keep(std::move(reading));
+  if (check.fault != Fault::none) stop_for(check.fault, check.detail);
+  return check.usable;
 }
 
 void Executor::keep(hand::HandReading reading) {
@@ -222,7 +222,7 @@ void Executor::ease() {
   for (int i = 0; i < kEasingTicks; ++i) {
     command_ = eased(command_, reading(), model_, safety_.options);
     hand::HandReading now = step();
-    if (readings_->judge(now, command_).usable) keep(std::move(now));
+    if (readings_->check(now, command_).usable) keep(std::move(now));
   }
 }
 

@@ -71,15 +71,15 @@ std::string ReadingGate::wrong_size(const hand::HandReading& reading) const {
   return {};
 }
 
-Judgement ReadingGate::judge(hand::HandReading& reading, const hand::HandCommand& command) {
+ReadingCheck ReadingGate::check(hand::HandReading& reading, const hand::HandCommand& command) {
   ++tick_;
-  for (const Judgement& judgement : {judge_time(reading.time), judge_values(reading)}) {
-    if (!judgement.usable || judgement.fault != Fault::none) return judgement;
+  for (const ReadingCheck& check : {check_time(reading.time), check_values(reading)}) {
+    if (!check.usable || check.fault != Fault::none) return check;
   }
-  for (const Judgement& judgement :
-       {judge_repeats(reading), judge_touch(reading), judge_load(reading),
-        judge_tracking(reading, command), judge_mount(reading, command)}) {
-    if (judgement.fault != Fault::none) return judgement;
+  for (const ReadingCheck& check :
+       {check_repeats(reading), check_touch(reading), check_load(reading),
+        check_tracking(reading, command), check_mount(reading, command)}) {
+    if (check.fault != Fault::none) return check;
   }
   last_ = reading;
   last_tick_ = tick_;
@@ -88,7 +88,7 @@ Judgement ReadingGate::judge(hand::HandReading& reading, const hand::HandCommand
 
 /// A clock that is not the hand's: its ticks. How far they lead the hand's clock at best is known
 /// from the readings so far, and may change slowly.
-Judgement ReadingGate::judge_time(double time) {
+ReadingCheck ReadingGate::check_time(double time) {
   const double now = static_cast<double>(tick_) * hand::kTick;
   const bool first = !last_;
   const bool known = std::isfinite(time);
@@ -110,7 +110,7 @@ Judgement ReadingGate::judge_time(double time) {
   return {false, Fault::silent, fmt::format("no new reading for {:.2f} s", gap)};
 }
 
-Judgement ReadingGate::judge_values(const hand::HandReading& reading) {
+ReadingCheck ReadingGate::check_values(const hand::HandReading& reading) {
   Fault fault = Fault::none;
   const std::string detail = impossible_value(reading, fault);
   bad_ = fault == Fault::none ? 0 : bad_ + 1;
@@ -161,7 +161,7 @@ std::string ReadingGate::jump(const hand::HandReading& reading) const {
 }
 
 /// No sensor reads the same twice, to the last bit.
-Judgement ReadingGate::judge_repeats(const hand::HandReading& reading) {
+ReadingCheck ReadingGate::check_repeats(const hand::HandReading& reading) {
   if (!last_) return {};
   const auto count = [](bool repeats, int& times) { times = repeats ? times + 1 : 0; };
   count(reading.joints == last_->joints, same_joints_);
@@ -177,7 +177,7 @@ Judgement ReadingGate::judge_repeats(const hand::HandReading& reading) {
 }
 
 /// A fingertip whose contacts are impossible, or repeat themselves, is one that feels nothing.
-Judgement ReadingGate::judge_touch(hand::HandReading& reading) {
+ReadingCheck ReadingGate::check_touch(hand::HandReading& reading) {
   int usable = 0;
   for (std::size_t finger = 0; finger < hand_.fingers.size(); ++finger) {
     auto& contacts = reading.contacts[finger];
@@ -199,7 +199,7 @@ Judgement ReadingGate::judge_touch(hand::HandReading& reading) {
   return {true, Fault::touch_lost, "no fingertip's sensor can be believed"};
 }
 
-Judgement ReadingGate::judge_load(const hand::HandReading& reading) {
+ReadingCheck ReadingGate::check_load(const hand::HandReading& reading) {
   const double load = reading.base_force.norm();
   if (load <= options_.max_load) return {};
   const bool felt = hand::count_contacts(reading, kFeltForce) > 0;
@@ -214,8 +214,8 @@ bool ReadingGate::presses(const hand::HandReading& reading, int actuator) const 
   return finger >= 0 && !reading.contacts[static_cast<std::size_t>(finger)].empty();
 }
 
-Judgement ReadingGate::judge_tracking(const hand::HandReading& reading,
-                                      const hand::HandCommand& command) {
+ReadingCheck ReadingGate::check_tracking(const hand::HandReading& reading,
+                                         const hand::HandCommand& command) {
   const hand::ActuatorVector positions = hand::actuator_positions(hand_, reading.joints);
   for (int i = 0; i < hand_.actuator_count(); ++i) {
     const auto k = static_cast<std::size_t>(i);
@@ -235,8 +235,8 @@ Judgement ReadingGate::judge_tracking(const hand::HandReading& reading,
 }
 
 /// What carries the hand follows its command, too.
-Judgement ReadingGate::judge_mount(const hand::HandReading& reading,
-                                   const hand::HandCommand& command) {
+ReadingCheck ReadingGate::check_mount(const hand::HandReading& reading,
+                                      const hand::HandCommand& command) {
   const double off = (command.base.xyz - reading.base.xyz).norm();
   const double turned =
       Eigen::AngleAxisd(command.base.pose().linear().transpose() * reading.base.pose().linear())

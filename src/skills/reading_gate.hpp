@@ -12,7 +12,7 @@
 namespace palpate::skills {
 
 /// What is to be done with a reading.
-struct Judgement {
+struct ReadingCheck {
   bool usable = true;         ///< else the hand stands still for this tick
   Fault fault = Fault::none;  ///< for which the robot must stop
   std::string detail;         ///< of the fault
@@ -29,7 +29,7 @@ class ReadingGate {
 
   /// Takes the contacts of fingertips that cannot be believed out of the reading.
   /// @param command  that was given for the tick
-  Judgement judge(hand::HandReading& reading, const hand::HandCommand& command);
+  ReadingCheck check(hand::HandReading& reading, const hand::HandCommand& command);
 
   /// From now on nothing that this fingertip says is believed.
   void distrust(int finger) { distrusted_[static_cast<std::size_t>(finger)] = true; }
@@ -38,18 +38,18 @@ class ReadingGate {
   }
 
  private:
-  Judgement judge_time(double time);
-  Judgement judge_values(const hand::HandReading& reading);
+  ReadingCheck check_time(double time);
+  ReadingCheck check_values(const hand::HandReading& reading);
   [[nodiscard]] std::string not_finite(const hand::HandReading& reading) const;
   [[nodiscard]] std::string wrong_size(const hand::HandReading& reading) const;
   [[nodiscard]] std::string impossible_value(const hand::HandReading& reading, Fault& fault) const;
   [[nodiscard]] std::string jump(const hand::HandReading& reading) const;
-  Judgement judge_repeats(const hand::HandReading& reading);
-  Judgement judge_touch(hand::HandReading& reading);
-  Judgement judge_load(const hand::HandReading& reading);
+  ReadingCheck check_repeats(const hand::HandReading& reading);
+  ReadingCheck check_touch(hand::HandReading& reading);
+  ReadingCheck check_load(const hand::HandReading& reading);
   [[nodiscard]] bool presses(const hand::HandReading& reading, int actuator) const;
-  Judgement judge_tracking(const hand::HandReading& reading, const hand::HandCommand& command);
-  Judgement judge_mount(const hand::HandReading& reading, const hand::HandCommand& command);
+  ReadingCheck check_tracking(const hand::HandReading& reading, const hand::HandCommand& command);
+  ReadingCheck check_mount(const hand::HandReading& reading, const hand::HandCommand& command);
 
   hand::Description hand_;
   SafetyOptions options_;

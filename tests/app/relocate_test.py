@@ -187,7 +187,7 @@ class RelocateTest(cli.CliTest):
             for share in ("2/3", "1/3", "1/3", "3/3"):  # one twice: as started again
                 done = self.train("many", 2, *more, "--score", share)
                 self.assertEqual(done.returncode, cli.DONE, done.stderr)
-            stale = self.folder / f"many/told-stale{rounds}.jsonl"
+            stale = self.folder / f"many/scores-stale{rounds}.jsonl"
             stale.write_text('{"generation": 99, "candidate": 0, "first_episode": 0, "results": []}\n')
             done = self.train("many", 2, *more, "--tell")
             self.assertEqual(done.returncode, cli.DONE, done.stderr)
@@ -196,7 +196,7 @@ class RelocateTest(cli.CliTest):
         for name in ("policy.json", "checkpoint", "curves.csv"):
             self.assertEqual((self.folder / "many" / name).read_bytes(),
                              (self.folder / "whole" / name).read_bytes(), name)  # fmt: skip
-        self.assertFalse(list((self.folder / "many").glob("told-*")))
+        self.assertFalse(list((self.folder / "many").glob("scores-*")))
 
     def test_shares_that_cannot_be_are_refused(self):
         for share in ("0/3", "4/3", "1", "1/3x"):
@@ -204,11 +204,11 @@ class RelocateTest(cli.CliTest):
             done = self.train("a", 1, "--score", share)
             self.assertEqual((done.returncode, "--score" in done.stderr), (cli.BAD_INPUT, True), share)
         self.assertEqual(self.train("a", 1, "--score", "1/1").returncode, cli.DONE)
-        told = self.folder / "a/told-1-of-1.jsonl"
-        told.write_text(told.read_text()[:-40] + "\n")
+        scores = self.folder / "a/scores-1-of-1.jsonl"
+        scores.write_text(scores.read_text()[:-40] + "\n")
         done = self.train("a", 1, "--tell")
         self.assertEqual(done.returncode, cli.BAD_INPUT)
-        self.assertIn("told-1-of-1.jsonl:", done.stderr)
+        self.assertIn("scores-1-of-1.jsonl:", done.stderr)
         for more, word in ((["--score", "1/1", "--tell"], "one after another"),
                            (["--tell", "--force"], "--force"), (["--score", "1/1"], "begin with --ask"),
                            (["--tell"], "begin with --ask")):  # fmt: skip

@@ -45,6 +45,9 @@ struct Mishap {
   skills::PlaceTarget target() const {
     return *place_target(box.object(), options.place, kSeed, 0);
   }
+  skills::PickAndPlaceTask task() const {
+    return {box, target(), {}, options.pick, options.place, kSeed};
+  }
   /// Of the object from where it was to be put, m.
   double off(const skills::PlaceResult& place) const {
     return (world.truth().T_world_object.translation() - place.T_world_target.translation()).norm();

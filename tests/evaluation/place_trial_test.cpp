@@ -48,7 +48,7 @@ double error_after_a_shift(const Eigen::Vector3d& shift, bool again) {
   for (auto& mode : picked.estimate.posterior.modes) mode.T_frame_object.pretranslate(shift);
   const auto target = place_target(box().object(), options.place, kSeed, 0);
   const auto placed =
-      skills::place(robot, box(), picked, *target, {}, options.pick, options.place, kSeed);
+      skills::place(robot, {box(), *target, {}, options.pick, options.place, kSeed}, picked);
   EXPECT_EQ(placed.status, skills::PlaceStatus::placed);
   return localization::pose_error(world.truth().T_world_object, placed.T_world_target,
                                   box().object().symmetries)
@@ -118,7 +118,7 @@ TEST(PlaceTrial, WhatIsAmbiguousIsPutBackWhereItCameFrom) {
   }
   const auto target = place_target(box().object(), options.place, kSeed, 0);
   const auto placed =
-      skills::place(robot, box(), picked, *target, {}, options.pick, options.place, kSeed);
+      skills::place(robot, {box(), *target, {}, options.pick, options.place, kSeed}, picked);
   EXPECT_EQ(placed.status, skills::PlaceStatus::ambiguous);
   EXPECT_EQ(placed.failed_phase, "plan-goal");
   EXPECT_FALSE(placed.certain);

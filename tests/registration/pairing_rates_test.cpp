@@ -172,12 +172,12 @@ TEST(FalseAlarmTest, CopiesAreNoEvidence) {
       make_problem({.pairs = 200, .outliers = 0.97, .noise = 0.001}, RandomStream(7, "rates"));
   auto& c = problem.correspondences;
   const RandomStream random(8, "rates");
-  const auto judged = [&] {
+  const auto estimated = [&] {
     const Scorer scorer(c, kBound, 0);
     return FalseAlarmTest(scorer, 0.01, {.reach = 3, .copies = 2}, random)
         .exact(scorer.centred(problem.truth));
   };
-  const double once = judged();
+  const double once = estimated();
   for (int copies = 0; copies < 2; ++copies) {
     for (std::size_t i = 0; i < 200; ++i) {
       c.source.push_back(c.source[i]);
@@ -185,7 +185,7 @@ TEST(FalseAlarmTest, CopiesAreNoEvidence) {
     }
   }
   EXPECT_GT(once, 0);
-  EXPECT_GE(judged(), once);
+  EXPECT_GE(estimated(), once);
 }
 
 // Where some poses gather more than is tolerated of all of them, the rest need not be looked at.
@@ -204,7 +204,7 @@ TEST(FalseAlarmTest, FewerPosesRefuseTheSame) {
     const Eigen::Isometry3d T = scorer.centred(*best.T_target_source);
     const RandomStream random(seed, "judge");
     FalseAlarmTest all(scorer, kTolerated, {}, random), some(scorer, kTolerated, {}, random);
-    const double by_all = all.judge(T, kMany), by_some = some.judge(T, kMany, kTolerated);
+    const double by_all = all.estimate(T, kMany), by_some = some.estimate(T, kMany, kTolerated);
     EXPECT_EQ(by_some > kTolerated, by_all > kTolerated) << seed;
     EXPECT_TRUE(by_all > kTolerated || by_some == by_all) << seed;
     refused += by_all > kTolerated;

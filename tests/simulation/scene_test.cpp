@@ -54,7 +54,7 @@ TEST(Scene, ASecondObjectRestsOnTheTableAndIsFelt) {
   options.second_object = true;
   const Scene scene = compose();
   ASSERT_GE(scene.second, 0);
-  EXPECT_TRUE(scene.is_felt(scene.second));
+  EXPECT_TRUE(scene.is_sensed(scene.second));
   EXPECT_FALSE(scene.stands_fast(scene.second));
   const DataHandle data(mj_makeData(scene.model.get()));
   data->qpos[scene.base_positions[2]] = data->ctrl[scene.base_actuators[2]] = 0.5;

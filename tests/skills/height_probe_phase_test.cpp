@@ -134,7 +134,8 @@ TEST(Regrasp, OfNothingEndsAfterTheFirstRound) {
   options.attempts = 1;
   options.calibrate.touches = 0;
   const PlaceTarget target{.kind = PlaceTarget::Kind::spot, .xy = {0.1, 0.1}};
-  const RegraspResult result = regrasp(scene.robot, box(), target, {}, options, {}, 1);
+  const RegraspResult result =
+      regrasp(scene.robot, {.object = box(), .target = target, .pick = options, .seed = 1});
   EXPECT_EQ(result.status, RegraspStatus::not_held);
   ASSERT_EQ(result.rounds.size(), 1u);
   EXPECT_FALSE(result.rounds.front().place);

@@ -84,7 +84,7 @@ struct HeldBox {
   }
   PlaceResult place_it() {
     const auto target = evaluation::place_target(object.object(), options.place, kSeed, 0);
-    return place(*robot, object, picked, *target, {}, options.pick, options.place, kSeed);
+    return place(*robot, {object, *target, {}, options.pick, options.place, kSeed}, picked);
   }
 
   evaluation::TrialOptions options = evaluation::quick_place_options();

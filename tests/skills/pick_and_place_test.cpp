@@ -35,9 +35,7 @@ TEST(PlaceStrategy, OtherWordsAreNamed) {
 TEST(PickAndPlace, WhatFellOnTheWayIsFeltForAndPickedAnew) {
   evaluation::Mishap mishap;
   mishap.options.place.strategy = "wrist";
-  const auto course =
-      pick_and_place(mishap.robot, mishap.box, mishap.target(), {}, mishap.options.pick,
-                     mishap.options.place, evaluation::Mishap::kSeed, mishap.observer);
+  const auto course = pick_and_place(mishap.robot, mishap.task(), mishap.observer);
   ASSERT_TRUE(course.picked.held);  // found where it fell, and held again
   EXPECT_TRUE(course.picked.fallen);
   const auto count = [&](std::string_view name) {

@@ -9,8 +9,7 @@ namespace palpate::skills {
 namespace {
 
 RegraspResult regrasp_through(evaluation::Mishap& mishap) {
-  return regrasp(mishap.robot, mishap.box, mishap.target(), {}, mishap.options.pick,
-                 mishap.options.place, evaluation::Mishap::kSeed, mishap.observer);
+  return regrasp(mishap.robot, mishap.task(), mishap.observer);
 }
 
 TEST(RegraspAfterALoss, LooksWhereTheObjectWasFeltLast) {

@@ -67,6 +67,10 @@ struct Standing {
     mode.covariance = 1e-6 * Matrix6d::Identity();
     start.modes = {mode};
   }
+  estimation::Tracked track(std::size_t first, std::size_t last) const {
+    return estimation::track({box(), hand, log, start, first, last}, {}, kSeed);
+  }
+
   hand::Description hand;
   estimation::EventLog log;
   localization::Posterior start;
@@ -74,8 +78,7 @@ struct Standing {
 
 TEST(Track, StaysInTheHandThatRises) {
   const Standing scene(60);
-  const auto tracked =
-      estimation::track(box(), scene.hand, scene.log, {}, scene.start, 0, 59, {}, kSeed);
+  const auto tracked = scene.track(0, 59);
   ASSERT_EQ(tracked.looks.size(), 4u);  // the first needs readings before it
   for (const auto& look : tracked.looks) {
     EXPECT_LT(look.T_base_object.translation().norm(), 1e-6);
@@ -85,18 +88,13 @@ TEST(Track, StaysInTheHandThatRises) {
 
 TEST(Track, DoesNotLookWhereThereIsNoTime) {
   const Standing scene(60);
-  const auto tracked =
-      estimation::track(box(), scene.hand, scene.log, {}, scene.start, 50, 55, {}, kSeed);
-  EXPECT_TRUE(tracked.looks.empty());
+  EXPECT_TRUE(scene.track(50, 55).looks.empty());
 }
 
 TEST(Track, RefusesReadingsThatAreNotThere) {
   const Standing scene(60);
-  const auto from_to = [&](std::size_t first, std::size_t last) {
-    return estimation::track(box(), scene.hand, scene.log, {}, scene.start, first, last, {}, kSeed);
-  };
-  EXPECT_THROW(from_to(10, 60), BadInput);
-  EXPECT_THROW(from_to(20, 10), BadInput);
+  EXPECT_THROW(scene.track(10, 60), BadInput);
+  EXPECT_THROW(scene.track(20, 10), BadInput);
 }
 
 }  // namespace

@@ -59,7 +59,7 @@ TEST(ElectrodeFit, IsRefusedTooFewSamples) {
   EXPECT_NE(error_message([&] { (void)fit_electrodes(few); }).find("5 samples"), std::string::npos);
   EXPECT_NE(error_message([&] { (void)ElectrodeModel::train(few); }).find("5 samples"),
             std::string::npos);
-  EXPECT_NE(error_message([&] { (void)judge_electrodes(few, {}); }), "");
+  EXPECT_NE(error_message([&] { (void)evaluate_electrodes(few, {}); }), "");
 }
 
 double error_over_size(const ElectrodeModel& model, const std::vector<BiotacSample>& samples) {

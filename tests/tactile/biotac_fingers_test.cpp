@@ -38,12 +38,12 @@ class Stream {
     reading.time = 0.01 * ++frames_;
     return reading;
   }
-  BiotacFeeling feel(double newtons) { return finger.step(read(newtons)); }
+  BiotacEstimate estimate(double newtons) { return finger.step(read(newtons)); }
   void rest(int frames = BiotacFinger::kRestFrames) {
     for (int k = 0; k < frames; ++k) finger.step(read(0));
   }
-  static bool has(const BiotacFeeling& feeling, BiotacFlag flag) {
-    return (feeling.flags & static_cast<unsigned>(flag)) != 0;
+  static bool has(const BiotacEstimate& estimate, BiotacFlag flag) {
+    return (estimate.flags & static_cast<unsigned>(flag)) != 0;
   }
 
   BiotacFinger finger{inverse()};
@@ -66,30 +66,30 @@ TEST(BiotacMount, LooksTheWayTheFingerFlexes) {
 
 TEST(BiotacFinger, FeelsATouchAfterRest) {
   Stream stream;
-  EXPECT_TRUE(Stream::has(stream.feel(0), BiotacFlag::no_rest));
+  EXPECT_TRUE(Stream::has(stream.estimate(0), BiotacFlag::no_rest));
   stream.rest();
-  EXPECT_TRUE(Stream::has(stream.feel(0), BiotacFlag::no_contact));
-  BiotacFeeling feeling;
-  for (int k = 0; k < 40; ++k) feeling = stream.feel(2);
-  ASSERT_TRUE(feeling.contact);
-  EXPECT_EQ(feeling.flags, 0u);
-  EXPECT_LT((feeling.contact->p - kTouch.p).norm(), 0.002);
-  EXPECT_LT((feeling.contact->f - kTouch.f).norm(), 0.2);
-  EXPECT_LT(angle_between_deg(feeling.contact->n, kTouch.n), 15);
-  for (int k = 0; k < 40; ++k) feeling = stream.feel(0);
-  EXPECT_FALSE(feeling.contact);
+  EXPECT_TRUE(Stream::has(stream.estimate(0), BiotacFlag::no_contact));
+  BiotacEstimate estimate;
+  for (int k = 0; k < 40; ++k) estimate = stream.estimate(2);
+  ASSERT_TRUE(estimate.contact);
+  EXPECT_EQ(estimate.flags, 0u);
+  EXPECT_LT((estimate.contact->p - kTouch.p).norm(), 0.002);
+  EXPECT_LT((estimate.contact->f - kTouch.f).norm(), 0.2);
+  EXPECT_LT(angle_between_deg(estimate.contact->n, kTouch.n), 15);
+  for (int k = 0; k < 40; ++k) estimate = stream.estimate(0);
+  EXPECT_FALSE(estimate.contact);
 }
 
 TEST(BiotacFinger, NamesFaultyChannels) {
   const auto flagged = [](double count, BiotacFlag flag, int channel) {
     Stream stream;
     stream.rest();
-    for (int k = 0; k < 20; ++k) stream.feel(2);
+    for (int k = 0; k < 20; ++k) stream.estimate(2);
     auto reading = stream.read(2);
     (channel < 0 ? reading.tdc : reading.electrodes[channel]) = count;
-    const auto feeling = stream.finger.step(reading);
-    EXPECT_TRUE(Stream::has(feeling, flag)) << count;
-    EXPECT_FALSE(feeling.contact) << count;
+    const auto estimate = stream.finger.step(reading);
+    EXPECT_TRUE(Stream::has(estimate, flag)) << count;
+    EXPECT_FALSE(estimate.contact) << count;
   };
   for (const int channel : {-1, 0, 18}) {
     flagged(std::nan(""), BiotacFlag::missing, channel);
@@ -103,7 +103,7 @@ TEST(BiotacFinger, NamesFaultyChannels) {
 TEST(BiotacFinger, NamesFramesThatAreLateRepeatedOrOld) {
   Stream stream;
   stream.rest();
-  for (int k = 0; k < 20; ++k) stream.feel(2);
+  for (int k = 0; k < 20; ++k) stream.estimate(2);
   const auto reading = stream.read(2);
   EXPECT_TRUE(stream.finger.step(reading).contact);
   auto again = reading;
@@ -122,15 +122,15 @@ TEST(BiotacFinger, NamesFramesThatAreLateRepeatedOrOld) {
 TEST(BiotacFinger, NamesFramesWithoutATimeAndGoesOnAfterThem) {
   Stream stream;
   stream.rest();
-  for (int k = 0; k < 20; ++k) stream.feel(2);
+  for (int k = 0; k < 20; ++k) stream.estimate(2);
   for (const double time : {std::nan(""), static_cast<double>(INFINITY)}) {
     auto reading = stream.read(2);
     reading.time = time;
-    const auto feeling = stream.finger.step(reading);
-    EXPECT_TRUE(Stream::has(feeling, BiotacFlag::missing)) << time;
-    EXPECT_FALSE(feeling.contact) << time;
-    EXPECT_FALSE(feeling.pressure) << time;
-    const auto next = stream.feel(2);
+    const auto estimate = stream.finger.step(reading);
+    EXPECT_TRUE(Stream::has(estimate, BiotacFlag::missing)) << time;
+    EXPECT_FALSE(estimate.contact) << time;
+    EXPECT_FALSE(estimate.pressure) << time;
+    const auto next = stream.estimate(2);
     EXPECT_EQ(next.flags, 0u) << time;
     EXPECT_TRUE(next.contact) << time;
   }
@@ -144,55 +144,55 @@ TEST(BiotacFinger, NamesFramesWithoutATimeAndGoesOnAfterThem) {
 TEST(BiotacFinger, DoesNotSmoothAcrossFramesThatWereLost) {
   Stream stream;
   stream.rest();
-  for (int k = 0; k < 40; ++k) stream.feel(2);
+  for (int k = 0; k < 40; ++k) stream.estimate(2);
   for (int k = 0; k < 10; ++k) {  // it lets go meanwhile
     auto reading = stream.read(0);
     reading.electrodes[3] = std::nan("");
     EXPECT_FALSE(stream.finger.step(reading).pressure);
   }
-  const auto feeling = stream.feel(0);
-  ASSERT_TRUE(feeling.pressure);
-  EXPECT_LT(std::abs(*feeling.pressure), 8);  // twenty standard deviations of the noise
-  EXPECT_FALSE(feeling.contact);
+  const auto estimate = stream.estimate(0);
+  ASSERT_TRUE(estimate.pressure);
+  EXPECT_LT(std::abs(*estimate.pressure), 8);  // twenty standard deviations of the noise
+  EXPECT_FALSE(estimate.contact);
 }
 
 TEST(BiotacFinger, NoticesAStuckElectrode) {
   Stream stream;
   stream.rest();
-  BiotacFeeling feeling;
+  BiotacEstimate estimate;
   for (int k = 0; k < 80; ++k) {
     auto reading = stream.read(0.03 * k);
     reading.electrodes[16] = 3390;
-    feeling = stream.finger.step(reading);
+    estimate = stream.finger.step(reading);
   }
-  EXPECT_TRUE(Stream::has(feeling, BiotacFlag::stuck));
-  EXPECT_FALSE(feeling.contact);
+  EXPECT_TRUE(Stream::has(estimate, BiotacFlag::stuck));
+  EXPECT_FALSE(estimate.contact);
 }
 
 TEST(BiotacFinger, FollowsDriftAndTellsOfIt) {
   Stream stream;
   stream.rest();
-  BiotacFeeling feeling;
+  BiotacEstimate estimate;
   for (int k = 0; k < 1500; ++k) {
     auto reading = stream.read(0);
     reading.electrodes.array() -= std::round(0.03 * k);  // 3 counts a second
-    feeling = stream.finger.step(reading);
-    EXPECT_FALSE(feeling.contact);
+    estimate = stream.finger.step(reading);
+    EXPECT_FALSE(estimate.contact);
   }
-  EXPECT_TRUE(Stream::has(feeling, BiotacFlag::drifted));
+  EXPECT_TRUE(Stream::has(estimate, BiotacFlag::drifted));
 }
 
 TEST(BiotacFinger, SaysNothingOfChannelsThatNoContactExplains) {
   Stream stream;
   stream.rest();
-  BiotacFeeling feeling;
+  BiotacEstimate estimate;
   for (int k = 0; k < 20; ++k) {
     auto reading = stream.read(2);
     reading.electrodes[8] = 2500 + k % 3;  // near the touch, but far too low
-    feeling = stream.finger.step(reading);
+    estimate = stream.finger.step(reading);
   }
-  EXPECT_TRUE(Stream::has(feeling, BiotacFlag::unexplained));
-  EXPECT_FALSE(feeling.contact);
+  EXPECT_TRUE(Stream::has(estimate, BiotacFlag::unexplained));
+  EXPECT_FALSE(estimate.contact);
 }
 
 TEST(MeetingWay, IsTheMotionBeforeTheTouch) {

@@ -125,7 +125,7 @@ TEST(BiotacNormal, ValidatesOnTouchesItDidNotLearn) {
 TEST(BiotacNormal, StatesItsErrorAtARecordingItDidNotLearnFrom) {
   const auto log = made_up_log(5, 6);
   for (const auto tracking : {BiotacRest::whole_log, BiotacRest::causal}) {
-    const auto errors = judge_biotac_normal(trained(), log, tracking);
+    const auto errors = evaluate_biotac_normal(trained(), log, tracking);
     EXPECT_GT(errors.error_deg.size(), 700u);
     EXPECT_GT(errors.coverage_95(), 0.9);
     EXPECT_GT(mean(errors.normalised), 2.0 / 25);  // 2 where exactly calibrated, as above
@@ -136,9 +136,9 @@ TEST(BiotacNormal, StatesItsErrorAtARecordingItDidNotLearnFrom) {
 TEST(BiotacNormal, SaysHowLittleAFewTouchesTell) {
   const auto few = train_biotac_normal({made_up_log(9, 2)}, small());
   const auto log = made_up_log(5, 6);
-  const auto errors = judge_biotac_normal(few, log);
+  const auto errors = evaluate_biotac_normal(few, log);
   EXPECT_GT(quantile(errors.error_deg, 0.9),
-            quantile(judge_biotac_normal(trained(), log).error_deg, 0.9));
+            quantile(evaluate_biotac_normal(trained(), log).error_deg, 0.9));
   EXPECT_GT(errors.coverage_95(), 0.9);
 }
 
@@ -205,13 +205,13 @@ TEST(BiotacNormal, MeetsItsTargetOnTouchesLeftOutOfFiles) {
 void expect_honest(const BiotacLog& long_log, const std::vector<BiotacLog>& short_logs) {
   const auto model = train_biotac_normal({long_log});
   BiotacNormalErrors errors;
-  for (const auto& log : short_logs) errors.add(judge_biotac_normal(model, log));
+  for (const auto& log : short_logs) errors.add(evaluate_biotac_normal(model, log));
   EXPECT_GT(errors.error_deg.size(), 60u);
   EXPECT_LE(median(errors.error_deg), 5);
   EXPECT_LE(quantile(errors.error_deg, 0.9), 15);
   EXPECT_GE(errors.coverage_95(), 0.9);
   const auto few = train_biotac_normal({short_logs.front(), short_logs.back()});
-  EXPECT_GE(judge_biotac_normal(few, long_log).coverage_95(), 0.9);
+  EXPECT_GE(evaluate_biotac_normal(few, long_log).coverage_95(), 0.9);
 }
 
 TEST(BiotacNormal, IsHonestAtLogsItDidNotLearnFrom) {

@@ -147,7 +147,7 @@ TEST(LastingContacts, ContactsWhoseErrorsCannotBeAreDropped) {
       for (auto& reading : window) {
         auto broken = reading.contacts[1][0];
         broken.normal_sigma = broken.point_sigma = 0.1;
-        EXPECT_TRUE(tells_sound_errors(broken));
+        EXPECT_TRUE(has_valid_errors(broken));
         broken.*sigma = bad;
         reading.contacts[4] = {broken};
       }

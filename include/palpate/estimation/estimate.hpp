@@ -16,7 +16,7 @@ struct EstimationOptions {
   double probed_height_sigma = 0.005;   ///< of the measured height, m
   double resting_height_sigma = 0.001;  ///< of the resting object, m
   double resting_tilt_sigma = 0.02;     ///< of the resting object from its stable pose, rad
-  double swept_sigma = 0.003;  ///< of the place of the space that a guarded move found free, m
+  double free_space_sigma = 0.003;  ///< of the place of the space that a guarded move found free, m
   double resting_half_width =
       0.045;  ///< object within +- of its rough place before it is touched, m
   double motion_angle_sigma = 0.009;  ///< by which the grasp turns the object in the hand, rad
@@ -49,7 +49,7 @@ struct EstimationOptions {
              "m, error of the resting object's height");
     v.expert("resting_tilt_sigma", resting_tilt_sigma, 1e-4, 1.0,
              "rad, tilt of the resting object from its stable pose");
-    v.expert("free_space_sigma", swept_sigma, 1e-4, 0.1,
+    v.expert("free_space_sigma", free_space_sigma, 1e-4, 0.1,
              "m, error of the space that guarded moves found free");
     v.expert("resting_half_width", resting_half_width, 0.0, 0.3,
              "m, half width of the prior on the resting object's position");

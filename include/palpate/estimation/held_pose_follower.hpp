@@ -85,7 +85,7 @@ class HeldPoseFollower {
   Eigen::Isometry3d carried() const;
   localization::PosePrior prior() const;
   std::vector<tactile::Contact> contacts() const;
-  bool tells_more() const;
+  bool has_new_contacts() const;
   void use(std::vector<tactile::Contact> contacts, const Eigen::Isometry3d& T_base_world);
 
   const geometry::ObjectModel& object_;

@@ -38,14 +38,20 @@ struct TrackOptions {
   }
 };
 
-/// Follows an object in the hand by what the fingertips sense and how they move, from the reading
-/// `first` of the log to `last`, as a localization::Tracker that ran along would.
-/// @param errors  of the contacts
-/// @param start   pose at the first reading, in the world, with modes
+/// What is tracked: an object in a hand, from one reading of the log to another.
+struct TrackInput {
+  const geometry::ObjectModel& object;
+  const hand::Description& hand;
+  const EventLog& log;
+  const localization::Posterior& start;  ///< pose at the reading `first`, in the world, with modes
+  std::size_t first, last;               ///< indices into the log, both included
+  tactile::ContactErrorModel errors = {};
+};
+
+/// Tracks an object in the hand by what the fingertips sense and how they move, as a
+/// localization::Tracker that ran along would.
+/// @param input  is only read, and not kept
 /// @throws BadInput unless first <= last, and the log has both
-Tracked track(const geometry::ObjectModel& object, const hand::Description& hand,
-              const EventLog& log, const tactile::ContactErrorModel& errors,
-              const localization::Posterior& start, std::size_t first, std::size_t last,
-              const TrackOptions& options, std::uint64_t seed);
+Tracked track(const TrackInput& input, const TrackOptions& options, std::uint64_t seed);
 
 }  // namespace palpate::estimation

@@ -111,12 +111,12 @@ class AssembledHand : public Hand {
   AnswerLimits limits_;
   Part fingers_part_, arm_part_;
   std::vector<Part> sensor_parts_;
-  ArmReading mount_;                           // the arm's last
-  std::vector<std::vector<TipContact>> felt_;  // each sensor's last
-  HandReading reading_;                        // the last
-  bool fresh_ = true;                          // all parts gave something newer in this tick
-  bool stopped_ = false;                       // a failure has been thrown
-  mutable std::exception_ptr failure_;         // the first that was not
+  ArmReading mount_;                                   // the arm's last
+  std::vector<std::vector<TipContact>> tip_contacts_;  // each sensor's last
+  HandReading reading_;                                // the last
+  bool fresh_ = true;                   // all parts gave something newer in this tick
+  bool stopped_ = false;                // a failure has been thrown
+  mutable std::exception_ptr failure_;  // the first that was not
 };
 
 }  // namespace palpate::hand

@@ -78,7 +78,7 @@ class ReadingStream {
     double angle = 0;  ///< rad
     LatestTime time;
   };
-  struct Felt {
+  struct TipContacts {
     std::vector<hand::TipContact> contacts;  ///< in the frame of the distal link
     LatestTime time;
   };
@@ -105,7 +105,7 @@ class ReadingStream {
   std::map<std::string, std::size_t, std::less<>> finger_of_topic_, finger_of_wrench_,
       finger_of_taxels_, joint_of_, actuator_of_;
   std::map<std::string, Transformed, std::less<>> transforms_;  ///< by child
-  std::vector<Felt> felt_;                                      ///< one a finger
+  std::vector<TipContacts> tip_contacts_;                       ///< one a finger
   std::vector<SensedJoint> joints_;
   hand::ActuatorVector torques_;
   Eigen::Vector3d force_ = Eigen::Vector3d::Zero();

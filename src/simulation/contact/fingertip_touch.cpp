@@ -33,8 +33,8 @@ std::optional<FingertipTouch> read_fingertip_touch(const mjModel& model, const m
   return std::nullopt;
 }
 
-std::optional<hand::TipContact> as_felt(hand::TipContact contact, const SensorNoise& noise,
-                                        RandomStream& random) {
+std::optional<hand::TipContact> with_sensor_noise(hand::TipContact contact,
+                                                  const SensorNoise& noise, RandomStream& random) {
   if (-contact.f.dot(contact.n) < noise.touch_threshold) return std::nullopt;
   contact.p += noise.point * random.normal3();
   const Eigen::Matrix3d tangents = frame_with_z(contact.n);

@@ -24,7 +24,7 @@ std::optional<FingertipTouch> read_fingertip_touch(const mjModel& model, const m
                                                    int contact, const std::vector<int>& tips);
 
 /// The contact as a noisy sensor gives it; nothing where the force drowns in the sensor's noise.
-std::optional<hand::TipContact> as_felt(hand::TipContact contact, const SensorNoise& noise,
-                                        RandomStream& random);
+std::optional<hand::TipContact> with_sensor_noise(hand::TipContact contact,
+                                                  const SensorNoise& noise, RandomStream& random);
 
 }  // namespace palpate::simulation

@@ -230,10 +230,10 @@ void SimulatedHand::read_contacts(hand::HandReading& reading, RandomStream& rand
     const auto touch = read_fingertip_touch(*scene_.model, data_, i, scene_.tips);
     if (!touch) continue;
     const bool of_object = scene_.model->geom_bodyid[touch->other_geom] == scene_.object;
-    if (!scene_.is_felt(touch->other_geom)) continue;
+    if (!scene_.is_sensed(touch->other_geom)) continue;
     const auto finger = static_cast<Index>(touch->finger);
     (of_object ? loads[finger].on_object : loads[finger].on_others).push_back(touch->contact);
-    if (const auto felt = as_felt(touch->contact, noise_, random)) {
+    if (const auto felt = with_sensor_noise(touch->contact, noise_, random)) {
       reading.contacts[finger].push_back(*felt);
     }
   }

@@ -346,7 +346,7 @@ void use_tip_hulls(const hand::Description& hand, Scene& scene) {
 
 }  // namespace
 
-bool Scene::is_felt(int geom) const {
+bool Scene::is_sensed(int geom) const {
   return stands_fast(geom) || geom == second || model->geom_bodyid[geom] == object;
 }
 

@@ -43,8 +43,8 @@ struct Scene {
   int second_position = -1;  ///< address in qpos
   Eigen::Isometry3d T_world_table = Eigen::Isometry3d::Identity();
 
-  /// Whether fingertips feel a geom: one of the table, of the fixture or of an object.
-  [[nodiscard]] bool is_felt(int geom) const;
+  /// Whether fingertips sense a geom: one of the table, of the fixture or of an object.
+  [[nodiscard]] bool is_sensed(int geom) const;
   /// Whether a geom is of the table or of the fixture.
   [[nodiscard]] bool stands_fast(int geom) const;
 };

@@ -10,8 +10,8 @@
 
 #include "palpate/hand/tip_forces.hpp"
 #include "skills/explore/felt_size.hpp"
+#include "skills/explore/guarded_moves.hpp"
 #include "skills/explore/pointing_finger.hpp"
-#include "skills/explore/sweep_plan.hpp"
 #include "skills/lowest_part.hpp"
 #include "skills/motion_constants.hpp"
 #include "skills/take_posture.hpp"
@@ -32,9 +32,9 @@ constexpr double kHighest = 0.018;    // m, of all of these together
 constexpr double kGoodSpread = 0.35;  // of the resting pose, where no more guarded moves are needed
 constexpr double kWorthwhile = 0.93;  // of the spread that a guarded move may leave
 constexpr double kBackOff = 0.015;    // m
-constexpr double kEarlier = 0.015;    // m before the expected touch, from where a sweep is slow
-constexpr double kRunUp = 0.02;       // m of a sweep before that, which is fast
-constexpr double kSettle = 0.08;      // s of standing still before a sweep
+constexpr double kEarlier = 0.015;    // m before the expected touch, from where a move is slow
+constexpr double kRunUp = 0.02;       // m of a guarded move before that, which is fast
+constexpr double kSettle = 0.08;      // s of standing still before a guarded move
 constexpr double kGuardedMoveTime = 9;  // s that a guarded move takes with its travel, amply
 constexpr double kMinTime = 180;        // s, of the whole phase
 
@@ -44,8 +44,8 @@ Executor::StopCondition tip_touches(int finger, double force) {
   };
 }
 
-/// The base has pushed along a direction (unit, world) with more than any motion at a sweep's speed
-/// takes: sooner than a small load that rises can be told from the motion's own.
+/// The base has pushed along a direction (unit, world) with more than any motion at a guarded
+/// move's speed takes: sooner than a small load that rises can be told from the motion's own.
 Executor::StopCondition impact(const Executor& robot, const Eigen::Vector3d& direction) {
   return [direction, from = robot.time() + kSettledAfter,
           loaded = 0](const hand::HandReading& reading) mutable {
@@ -185,8 +185,9 @@ int ExplorePhase::touch_between(Executor& robot, const PickState& state, int tou
   return made_up;
 }
 
-/// A level sweep. Where another part of the hand meets the object first, the finger was too low:
-/// once more a little higher, and so are the sweeps after it. One that misses goes back.
+/// A level guarded move. Where another part of the hand meets the object first, the finger was too
+/// low: once more a little higher, and so are the guarded moves after it. One that misses goes
+/// back.
 ExplorePhase::GuardedMoveEnd ExplorePhase::touch_from(Executor& robot, const PickState& state,
                                                       double angle, std::size_t turn) {
   const double before = raised_;
@@ -218,7 +219,7 @@ int ExplorePhase::disambiguate(Executor& robot, PickState& state) {
     std::size_t turn = 0;
     for (const std::size_t other : {1, 0}) {
       const auto best = localization::most_informative_move(
-          possible_objects(estimator_), sweeping_finger(robot, pointing(robot), yaw(other)),
+          possible_objects(estimator_), probing_finger(robot, pointing(robot), yaw(other)),
           left[other]);
       if (!best || (choice && best->information <= choice->information)) continue;
       choice = best;
@@ -239,8 +240,8 @@ int ExplorePhase::refine(Executor& robot, PickState& state) {
       guarded_moves;  // near the top, where nothing but the fingertip meets the object
   add_level_guarded_moves(state, options_, first_depth(state, options_) + raised_, guarded_moves);
   const std::vector<localization::ProbingFinger> fingers = {
-      sweeping_finger(robot, pointing(robot), yaw(0)),
-      sweeping_finger(robot, pointing(robot), yaw(1))};
+      probing_finger(robot, pointing(robot), yaw(0)),
+      probing_finger(robot, pointing(robot), yaw(1))};
   for (int i = 0; i < options_.refining; ++i) {
     if (state.resting->modes.empty()) break;
     const auto choice = localization::most_refining_move(
@@ -269,7 +270,7 @@ double ExplorePhase::clear_way(const Executor& robot, const PickState& state,
   const localization::GuardedMove& move = turned.guarded_move;
   const double length = (move.to - move.from).norm();
   if (state.resting && !state.resting->modes.empty()) {
-    const auto finger = sweeping_finger(robot, pointing(robot), yaw(turned.turn));
+    const auto finger = probing_finger(robot, pointing(robot), yaw(turned.turn));
     const double clear = localization::clear_way(possible_objects(estimator_), finger, move);
     return clear < length ? clear - kEarlier : clear;
   }
@@ -309,14 +310,17 @@ ExplorePhase::GuardedMoveEnd ExplorePhase::guarded_move(Executor& robot, const P
   GuardedMoveEnd end = come_down(robot, state, descent);
   const bool there = end == GuardedMoveEnd::missed;
   const localization::TurnedMove shorter{move, turned.turn};
-  if (there) end = sweep(robot, shorter, clear_way(robot, state, shorter), options_.touch_speed);
+  if (there) {
+    const double clear = clear_way(robot, state, shorter);
+    end = move_until_contact(robot, shorter, clear, options_.touch_speed);
+  }
   if (end == GuardedMoveEnd::timed_out) return end;
   go_back(robot, there ? move : descent.guarded_move, base_at(above).xyz.z());
   return end;
 }
 
-/// Fast as far as the object cannot be there, and from there on as a sweep. One that meets nothing
-/// has missed; what is met where it cannot be is felt all the same.
+/// Fast as far as the object cannot be there, and from there on as a guarded move. One that meets
+/// nothing has missed; what is met where it cannot be is felt all the same.
 ExplorePhase::GuardedMoveEnd ExplorePhase::come_down(Executor& robot, const PickState& state,
                                                      const localization::TurnedMove& descent) {
   const localization::GuardedMove& move = descent.guarded_move;
@@ -337,19 +341,18 @@ ExplorePhase::GuardedMoveEnd ExplorePhase::come_down(Executor& robot, const Pick
   robot.wait(kSettle);
   if (clear >= length) return GuardedMoveEnd::missed;
   const Eigen::Vector3d from(move.from.x(), move.from.y(), move.from.z() - clear);
-  return sweep(robot, {{from, move.to}, descent.turn}, 0, options_.speed / 2);
+  return move_until_contact(robot, {{from, move.to}, descent.turn}, 0, options_.speed / 2);
 }
 
 /// Along a guarded move at whose start the fingertip is, until something is met: fast at first, and
 /// with the speed of a touch from `clear` (m) on.
-ExplorePhase::GuardedMoveEnd ExplorePhase::sweep(Executor& robot,
-                                                 const localization::TurnedMove& turned,
-                                                 double clear, double touch_speed) {
+ExplorePhase::GuardedMoveEnd ExplorePhase::move_until_contact(
+    Executor& robot, const localization::TurnedMove& turned, double clear, double touch_speed) {
   const localization::GuardedMove& move = turned.guarded_move;
   const Eigen::Vector3d forward = (move.to - move.from).normalized();
   robot.mark(estimation::TouchEvent::guarded_move);
   bool touched = false;
-  const auto sweep_to = [&](const Eigen::Vector3d& to, double speed) {
+  const auto move_to = [&](const Eigen::Vector3d& to, double speed) {
     const auto tip = tip_touches(pointing(robot).finger, options_.touch_force);
     return robot.move_base(
         base_for_probe(robot, pointing(robot), yaw(turned.turn), to), speed,
@@ -360,8 +363,8 @@ ExplorePhase::GuardedMoveEnd ExplorePhase::sweep(Executor& robot,
           return hit(reading) || touched || stopped;
         });
   };
-  MotionEnd motion = sweep_to(move.from + std::max(0.0, clear) * forward, options_.speed);
-  if (motion == MotionEnd::reached) motion = sweep_to(move.to, touch_speed);
+  MotionEnd motion = move_to(move.from + std::max(0.0, clear) * forward, options_.speed);
+  if (motion == MotionEnd::reached) motion = move_to(move.to, touch_speed);
   return end_of(robot, turned, touched, motion);
 }
 

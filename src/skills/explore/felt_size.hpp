@@ -2,7 +2,7 @@
 #pragma once
 
 #include "palpate/estimation/estimate.hpp"
-#include "palpate/localization/information/sweep_choice.hpp"
+#include "palpate/localization/information/guarded_move_choice.hpp"
 
 namespace palpate::skills {
 

@@ -29,8 +29,8 @@ double tip_above_lowest(const Executor& robot, const hand::PointingHand& pointin
   return tip - lowest_part(robot.model(), pointing.positions, attitude);
 }
 
-localization::ProbingFinger sweeping_finger(const Executor& robot,
-                                            const hand::PointingHand& pointing, double yaw) {
+localization::ProbingFinger probing_finger(const Executor& robot,
+                                           const hand::PointingHand& pointing, double yaw) {
   const auto& hand = robot.model();
   const auto T_base_link = hand::forward_kinematics(hand, robot.reading().joints);
   const Eigen::Matrix3d R_world_base =

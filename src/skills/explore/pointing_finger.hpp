@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "palpate/localization/information/sweep_choice.hpp"
+#include "palpate/localization/information/guarded_move_choice.hpp"
 #include "palpate/skills/executor.hpp"
 
 namespace palpate::skills {
@@ -14,7 +14,7 @@ hand::BasePosition base_for_probe(const Executor& robot, const hand::PointingHan
 double tip_above_lowest(const Executor& robot, const hand::PointingHand& pointing);
 
 /// The probing finger's balls around the centre of its tip.
-localization::ProbingFinger sweeping_finger(const Executor& robot,
-                                            const hand::PointingHand& pointing, double yaw);
+localization::ProbingFinger probing_finger(const Executor& robot,
+                                           const hand::PointingHand& pointing, double yaw);
 
 }  // namespace palpate::skills

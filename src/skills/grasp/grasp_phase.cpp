@@ -13,8 +13,8 @@
 #include "palpate/skills/explore/height_probe_phase.hpp"
 #include "palpate/tactile/contacts/contact_window.hpp"
 #include "skills/grasp/closing_watch.hpp"
+#include "skills/grasp/predicted_contacts.hpp"
 #include "skills/grasp/pressing.hpp"
-#include "skills/grasp/unfelt_contacts.hpp"
 #include "skills/lowest_part.hpp"
 #include "skills/motion_constants.hpp"
 #include "skills/opening.hpp"
@@ -290,7 +290,8 @@ GraspPhase::Hold GraspPhase::balance(const Executor& robot, const PickState& sta
   hold.contacts =
       tactile::contacts_with_normals(tactile::lasting_contacts(window, robot.model(), {}));
   if (state.resting) {
-    add_unfelt_contacts(robot, object_, state.resting->modes.front().T_frame_object, hold.contacts);
+    add_predicted_contacts(robot, object_, state.resting->modes.front().T_frame_object,
+                           hold.contacts);
   }
   std::optional<grasping::Load> load;
   if (state.resting) {

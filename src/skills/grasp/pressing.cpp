@@ -37,7 +37,7 @@ hand::ActuatorVector torques_of_contacts(const hand::Description& hand,
 
 }  // namespace
 
-hand::ActuatorVector felt_torques(const Executor& robot) {
+hand::ActuatorVector contact_torques(const Executor& robot) {
   const std::span<const hand::HandReading> readings(robot.log().readings);
   const auto window = readings.last(std::min(readings.size(), kFeltReadings));
   hand::ActuatorVector sum = hand::ActuatorVector::Zero(robot.model().actuator_count());
@@ -51,7 +51,7 @@ hand::ActuatorVector pressing_command(const Executor& robot,
                                       std::span<const Eigen::Vector3d> forces) {
   const hand::HandReading& reading = robot.reading();
   const auto torques = grasping::pressing_torques(robot.model(), reading.joints, contacts, forces);
-  const hand::ActuatorVector felt = felt_torques(robot);
+  const hand::ActuatorVector felt = contact_torques(robot);
   hand::ActuatorVector command = robot.command().positions;
   for (Eigen::Index i = 0; i < command.size(); ++i) {
     const auto& actuator = robot.actuators()[static_cast<std::size_t>(i)];

@@ -24,6 +24,6 @@ hand::ActuatorVector pressing_command(const Executor& robot,
 
 /// Torques with which the actuators bear what the fingertips feel now, N m. What the actuators
 /// themselves tell holds their friction, too, and is asked only where no fingertip tells a force.
-hand::ActuatorVector felt_torques(const Executor& robot);
+hand::ActuatorVector contact_torques(const Executor& robot);
 
 }  // namespace palpate::skills

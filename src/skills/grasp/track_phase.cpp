@@ -15,8 +15,14 @@ PhaseEnd TrackPhase::run(Executor& robot, PickState& state) {
   if (!closed || !held || localization::best_probability(start) <= 0) {
     return {false, "no pose to follow"};
   }
-  state.tracked = estimation::track(object_, robot.model(), robot.log(), errors_, start, *closed,
-                                    *held, options_, seed_);
+  state.tracked = estimation::track({.object = object_,
+                                     .hand = robot.model(),
+                                     .log = robot.log(),
+                                     .start = start,
+                                     .first = *closed,
+                                     .last = *held,
+                                     .errors = errors_},
+                                    options_, seed_);
   const Eigen::Isometry3d T_base_start =
       robot.log().readings[*closed].base.pose().inverse() * start.modes.front().T_frame_object;
   const Eigen::Isometry3d& T_base_end = state.tracked->posterior.modes.front().T_frame_object;

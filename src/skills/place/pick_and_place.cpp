@@ -46,19 +46,13 @@ bool needs_new_grasps(const PlaceResult& place) {
 /// One course, step by step.
 class PlaceAttempts {
  public:
-  PlaceAttempts(Executor& robot, const geometry::ObjectModel& object, const PlaceTarget& target,
-                const planning::Fixture& fixture, const PickOptions& pick_options,
-                const PlaceOptions& options, std::uint64_t seed, const PhaseObserver& observer)
-      : robot_(robot),
-        object_(object),
-        target_(target),
-        fixture_(fixture),
-        pick_options_(firm_enough(pick_options, target, options)),
-        options_(options),
-        seed_(seed),
-        observer_(observer) {}
+  PlaceAttempts(Executor& robot, const PickAndPlaceTask& task, const PhaseObserver& observer)
+      : robot_(robot), task_(task), observer_(observer) {
+    task_.pick = firm_enough(task.pick, task.target, task.place);
+  }
 
-  PickAndPlaceResult run(PlaceStrategy strategy) {
+  PickAndPlaceResult run() {
+    const PlaceStrategy strategy = place_strategy(task_.place);
     try {
       try_strategies(strategy);
     } catch (const SafetyStop& stop) {
@@ -88,36 +82,35 @@ class PlaceAttempts {
 
   /// @param may_regrasp  end where only that can help
   void in_one_hold(bool may_regrasp) {
-    PlaceOptions options = options_;
-    for (int attempt = 0; attempt < options_.picks; ++attempt) {
-      const std::uint64_t seed = seed_ + 1000003 * static_cast<std::uint64_t>(attempt);
-      add(sequence_, pick(robot_, object_, pick_options_, seed, observer_));
+    PickAndPlaceTask task = task_;
+    for (int attempt = 0; attempt < task.place.picks; ++attempt) {
+      task.seed = task_.seed + 1000003 * static_cast<std::uint64_t>(attempt);
+      add(sequence_, pick(robot_, task.object, task.pick, task.seed, observer_));
       sequence_.strategy.strategy = PlaceStrategy::wrist;
       sequence_.strategy.reason = "the object was not held";
       if (!sequence_.picked.held) return;
-      sequence_.place = place(robot_, object_, sequence_.picked, target_, fixture_, pick_options_,
-                              options, seed, observer_);
+      sequence_.place = place(robot_, task, sequence_.picked, observer_);
       sequence_.strategy.reason = "one hold: " + outcome_of(*sequence_.place);
       if (sequence_.place->turn) {
         sequence_.strategy.strategy = PlaceStrategy::fingers;
         sequence_.strategy.reason = sequence_.place->turn->why;
         sequence_.strategy.turn = sequence_.place->turn;
-        options.strategy = to_string(PlaceStrategy::wrist);
+        task.place.strategy = to_string(PlaceStrategy::wrist);
       }
       if (!may_be_picked(*sequence_.place)) return;
-      if (sequence_.place->put_aside) pick_options_.fallen_at = sequence_.place->put_aside;
+      if (sequence_.place->put_aside) task.pick.fallen_at = sequence_.place->put_aside;
       if (sequence_.place->status == PlaceStatus::lost) {
-        pick_options_.fallen_at = sequence_.place->lost_at;
+        task.pick.fallen_at = sequence_.place->lost_at;
       }
+      task_.pick.fallen_at = task.pick.fallen_at;
       if (may_regrasp && needs_new_grasps(*sequence_.place)) return;
     }
   }
 
   void by_regrasping(std::string reason) {
-    PlaceOptions options = options_;
-    options.strategy = to_string(PlaceStrategy::regrasp);
-    RegraspResult result =
-        regrasp(robot_, object_, target_, fixture_, pick_options_, options, seed_, observer_);
+    PickAndPlaceTask task = task_;
+    task.place.strategy = to_string(PlaceStrategy::regrasp);
+    RegraspResult result = regrasp(robot_, task, observer_);
     sequence_.strategy.strategy = PlaceStrategy::regrasp;
     sequence_.strategy.reason = std::move(reason);
     sequence_.strategy.regrasp = result.status;
@@ -128,33 +121,25 @@ class PlaceAttempts {
       sequence_.strategy.rounds.back().place = round.place->status;
       sequence_.place = std::move(round.place);
     }
-    if (!sequence_.place || target_.kind == PlaceTarget::Kind::spot) return;
+    if (!sequence_.place || task_.target.kind == PlaceTarget::Kind::spot) return;
     // Between the stable poses a transfer had a target of its own.
-    sequence_.place->T_world_target = target_.T_world_object;
+    sequence_.place->T_world_target = task_.target.T_world_object;
     if (result.status != RegraspStatus::done && sequence_.place->status == PlaceStatus::placed) {
       sequence_.place->status = PlaceStatus::under_way;
     }
   }
 
   Executor& robot_;
-  const geometry::ObjectModel& object_;
-  const PlaceTarget& target_;
-  const planning::Fixture& fixture_;
-  PickOptions pick_options_;
-  const PlaceOptions& options_;
-  std::uint64_t seed_;
+  PickAndPlaceTask task_;
   const PhaseObserver& observer_;
   PickAndPlaceResult sequence_;
 };
 
 }  // namespace
 
-PickAndPlaceResult pick_and_place(Executor& robot, const geometry::ObjectModel& object,
-                                  const PlaceTarget& target, const planning::Fixture& fixture,
-                                  const PickOptions& pick_options, const PlaceOptions& options,
-                                  std::uint64_t seed, const PhaseObserver& observer) {
-  return PlaceAttempts(robot, object, target, fixture, pick_options, options, seed, observer)
-      .run(place_strategy(options));
+PickAndPlaceResult pick_and_place(Executor& robot, const PickAndPlaceTask& task,
+                                  const PhaseObserver& observer) {
+  return PlaceAttempts(robot, task, observer).run();
 }
 
 }  // namespace palpate::skills

@@ -74,32 +74,29 @@ class VerifyPhase : public Phase {
 /// One placing, step by step.
 class Placement {
  public:
-  Placement(Executor& robot, const geometry::ObjectModel& object, const PickResult& picked,
-            const planning::Fixture& fixture, const PickOptions& pick_options,
-            const PlaceOptions& options, std::uint64_t seed, const PhaseObserver& observer)
+  Placement(Executor& robot, const PickAndPlaceTask& task, const PickResult& picked,
+            const PhaseObserver& observer)
       : robot_(robot),
-        model_(object),
-        object_(object.object()),
+        task_(task),
+        object_(task.object.object()),
+        options_(task.place),
         picked_(picked),
-        pick_options_(pick_options),
-        options_(options),
-        seed_(seed),
-        scene_(
-            robot.models().collision_checker(object_, robot.model(), held_collisions(), fixture)),
+        scene_(robot.models().collision_checker(object_, robot.model(), held_collisions(),
+                                                task.fixture)),
         sequence_(robot, state_, result_.phases, last_failed_, observer) {
     state_.estimate = picked.estimate;
   }
 
-  PlaceResult run(const PlaceTarget& target) {
-    result_.on_the_way = target.on_the_way;
-    bring(target);
+  PlaceResult run() {
+    result_.on_the_way = task_.target.on_the_way;
+    bring();
     if (result_.status == PlaceStatus::lost) sequence_.run(ClearPhase());
     return std::move(result_);
   }
 
  private:
-  void bring(const PlaceTarget& target);
-  bool aim(const PlaceTarget& target);
+  void bring();
+  bool aim();
   GoalSearch search_goal(const HeldObject& held);
   bool turn();
   bool aim_turned();
@@ -112,12 +109,10 @@ class Placement {
   double weight() const { return object_.mass * kGravity; }
 
   Executor& robot_;
-  const geometry::ObjectModel& model_;
+  const PickAndPlaceTask& task_;
   const geometry::KnownObject& object_;
-  const PickResult& picked_;
-  const PickOptions& pick_options_;
   const PlaceOptions& options_;
-  std::uint64_t seed_;
+  const PickResult& picked_;
   std::unique_ptr<planning::CollisionChecker> scene_;
   PickState state_;
   PlaceResult result_;
@@ -136,7 +131,7 @@ bool Placement::fail(PlaceStatus status) {
 }
 
 /// Decides whether the pose is known well enough, and where the base has to go.
-bool Placement::aim(const PlaceTarget& target) {
+bool Placement::aim() {
   const auto held =
       held_object(object_, picked_.estimate.posterior, robot_.log(),
                   robot_.log().at(estimation::TouchEvent::held), options_.same, picked_.fallen);
@@ -144,7 +139,7 @@ bool Placement::aim(const PlaceTarget& target) {
   const bool ok = sequence_.run(ComputePhase("plan-goal", [&]() -> PhaseEnd {
     if (!held) return {false, "no pose of the held object"};
     result_.held = *held;
-    result_.T_world_target = target_pose(target, object_, held->found_stable_pose);
+    result_.T_world_target = target_pose(task_.target, object_, held->found_stable_pose);
     result_.certain = held->certainty >= options_.certain;
     if (!result_.certain) {
       return {false, fmt::format("ambiguous: {:.2f} agree on where it would stand, {:.2f} required",
@@ -174,8 +169,9 @@ GoalSearch Placement::search_goal(const HeldObject& held) {
 bool Placement::turn() {
   if (!result_.turn) return true;
   InHandReorientationOptions options = options_.fingers;
-  options.reorient.errors = pick_options_.estimation.errors;
-  const bool ok = sequence_.run(InHandReorientationPhase(options, model_, seed_, *result_.turn));
+  options.reorient.errors = task_.pick.estimation.errors;
+  const bool ok =
+      sequence_.run(InHandReorientationPhase(options, task_.object, task_.seed, *result_.turn));
   if (result_.turn->lost) return fail(PlaceStatus::lost);
   if (!ok) fail(PlaceStatus::slipped);
   if (ok && aim_turned()) return true;
@@ -206,7 +202,7 @@ bool Placement::aim_turned() {
 
 /// Over the goal.
 bool Placement::carry(std::string name) {
-  TransportPhase transport(options_.transport, *scene_, *result_.goal, seed_, std::move(name));
+  TransportPhase transport(options_.transport, *scene_, *result_.goal, task_.seed, std::move(name));
   const bool there = sequence_.run(transport);
   if (result_.motion.samples.empty()) result_.motion = transport.motion();
   if (there) return true;
@@ -227,7 +223,7 @@ bool Placement::aim_again() {
   const estimation::EventLog& log = robot_.log();
   const std::size_t now = log.readings.size() - 1;
   const double least = std::min(options_.certain, result_.held.certainty);
-  estimation::EstimationOptions options = pick_options_.estimation;
+  estimation::EstimationOptions options = task_.pick.estimation;
   if (result_.other_stable_pose) {
     options.motion_sigma *= options_.turned_motion;
     options.motion_angle_sigma *= options_.turned_motion;
@@ -235,7 +231,7 @@ bool Placement::aim_again() {
   std::optional<PlaceGoal> goal;
   const bool ok = sequence_.run(ComputePhase("replan-goal", [&]() -> PhaseEnd {
     state_.estimate =
-        estimation::PoseEstimator(model_, options, seed_).held(robot_.model(), log, now);
+        estimation::PoseEstimator(task_.object, options, task_.seed).held(robot_.model(), log, now);
     const auto held =
         held_object(object_, state_.estimate.posterior, log, now, options_.same, picked_.fallen);
     if (!held || held->certainty < least) return {true, "nothing new"};
@@ -297,7 +293,7 @@ void Placement::put_back() {
   goal.above = goal.seat;
   goal.above.xyz.z() += options_.goal.rise;
   goal.T_world_object = goal.seat.pose() * goal.T_base_object;
-  TransportPhase carry(options_.transport, *scene_, goal, seed_, "carry-back");
+  TransportPhase carry(options_.transport, *scene_, goal, task_.seed, "carry-back");
   const bool there = sequence_.run(carry);
   if (carry.lost()) {
     fail(PlaceStatus::lost);
@@ -318,12 +314,12 @@ void Placement::put_back() {
   if (result_.status == PlaceStatus::refused && !down) result_.status = PlaceStatus::stuck;
 }
 
-void Placement::bring(const PlaceTarget& target) {
-  if (!aim(target)) {
+void Placement::bring() {
+  if (!aim()) {
     put_back();
     return;
   }
-  const bool slot = target.kind == PlaceTarget::Kind::fixture;
+  const bool slot = task_.target.kind == PlaceTarget::Kind::fixture;
   if (!turn() || !carry("transport") || !aim_again()) return;
   if (!set_down(*result_.goal, slot ? options_.fixture.height : 0, options_.lower, kPlace)) {
     if (result_.status == PlaceStatus::refused) put_back();
@@ -332,7 +328,7 @@ void Placement::bring(const PlaceTarget& target) {
   result_.status = PlaceStatus::placed;
   if (!options_.verify) return;
   state_.place = result_.T_world_placed->translation().head<2>();
-  HeightProbeOptions feel = pick_options_.height_probe;
+  HeightProbeOptions feel = task_.pick.height_probe;
   feel.search = 0;
   if (!sequence_.run(VerifyPhase(feel, top_of(object_.mesh, *result_.T_world_placed)))) {
     fail(PlaceStatus::missing);
@@ -341,12 +337,9 @@ void Placement::bring(const PlaceTarget& target) {
 
 }  // namespace
 
-PlaceResult place(Executor& robot, const geometry::ObjectModel& object, const PickResult& picked,
-                  const PlaceTarget& target, const planning::Fixture& fixture,
-                  const PickOptions& pick_options, const PlaceOptions& options, std::uint64_t seed,
+PlaceResult place(Executor& robot, const PickAndPlaceTask& task, const PickResult& picked,
                   const PhaseObserver& observer) {
-  PlaceResult result =
-      Placement(robot, object, picked, fixture, pick_options, options, seed, observer).run(target);
+  PlaceResult result = Placement(robot, task, picked, observer).run();
   if (observer.on_placed) observer.on_placed(result);
   return result;
 }

@@ -146,7 +146,7 @@ class Turning {
                                     weight_at(robot_, tracked(), weight_));
     const auto torques =
         grasping::pressing_torques(robot_.model(), view_.joints, view_.contacts, balanced.forces);
-    const hand::ActuatorVector felt = felt_torques(robot_);
+    const hand::ActuatorVector felt = contact_torques(robot_);
     for (Eigen::Index i = 0; i < lead.size(); ++i) {
       if (torques[i] == 0) continue;
       lead[i] =

@@ -14,32 +14,32 @@ struct ErrorSums {
 
 void add_errors(const BiotacFold& fold, const ElectrodeFitOptions& fit_options,
                 const ElectrodeModelOptions& model_options, ErrorSums& sums) {
-  const Eigen::MatrixXd fitted = fit_electrodes(fold.learn, fit_options).changes(fold.judge);
-  const auto model = ElectrodeModel::train(fold.learn, model_options);
-  for (std::size_t i = 0; i < fold.judge.size(); ++i) {
-    const BiotacSample& sample = fold.judge[i];
+  const Eigen::MatrixXd fitted = fit_electrodes(fold.training, fit_options).changes(fold.test);
+  const auto model = ElectrodeModel::train(fold.training, model_options);
+  for (std::size_t i = 0; i < fold.test.size(); ++i) {
+    const BiotacSample& sample = fold.test[i];
     const auto truth = sample.change.tail<kElectrodes>();
     sums.fit += (fitted.col(static_cast<Eigen::Index>(i)) - truth).cwiseAbs();
     sums.model += (model(sample.n, sample.change[0]) - truth).cwiseAbs();
   }
 }
 
-ElectrodeErrors errors_of(const ErrorSums& sums, const std::vector<BiotacSample>& judged) {
-  const ElectrodeChanges scale = electrode_deviation(judged) * static_cast<double>(judged.size());
+ElectrodeErrors errors_of(const ErrorSums& sums, const std::vector<BiotacSample>& test) {
+  const ElectrodeChanges scale = electrode_deviation(test) * static_cast<double>(test.size());
   return {.fit = sums.fit.cwiseQuotient(scale), .model = sums.model.cwiseQuotient(scale)};
 }
 
 }  // namespace
 
-ElectrodeErrors judge_electrodes(const std::vector<BiotacSample>& learn,
-                                 const std::vector<BiotacSample>& judge,
-                                 const ElectrodeFitOptions& fit,
-                                 const ElectrodeModelOptions& model) {
-  if (judge.empty())
+ElectrodeErrors evaluate_electrodes(const std::vector<BiotacSample>& training,
+                                    const std::vector<BiotacSample>& test,
+                                    const ElectrodeFitOptions& fit,
+                                    const ElectrodeModelOptions& model) {
+  if (test.empty())
     throw BadInput("there are no samples in contact with which to evaluate electrodes");
   ErrorSums sums;
-  add_errors({learn, judge}, fit, model, sums);
-  return errors_of(sums, judge);
+  add_errors({training, test}, fit, model, sums);
+  return errors_of(sums, test);
 }
 
 std::optional<ElectrodeErrors> cross_validate_electrodes(const std::vector<BiotacLog>& logs,
@@ -47,14 +47,14 @@ std::optional<ElectrodeErrors> cross_validate_electrodes(const std::vector<Biota
                                                          const ElectrodeModelOptions& model,
                                                          int folds) {
   ErrorSums sums;
-  std::vector<BiotacSample> judged;
+  std::vector<BiotacSample> test;
   for (const auto& fold : folds_of_touches(logs, folds)) {
-    if (fold.judge.empty()) continue;
+    if (fold.test.empty()) continue;
     add_errors(fold, fit, model, sums);
-    judged.insert(judged.end(), fold.judge.begin(), fold.judge.end());
+    test.insert(test.end(), fold.test.begin(), fold.test.end());
   }
-  if (judged.empty()) return std::nullopt;
-  return errors_of(sums, judged);
+  if (test.empty()) return std::nullopt;
+  return errors_of(sums, test);
 }
 
 }  // namespace palpate::tactile

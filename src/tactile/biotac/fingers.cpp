@@ -103,38 +103,38 @@ void BiotacFinger::follow_rest(const BiotacReading& reading) {
   decoder_->set_rest(rest_);
 }
 
-BiotacFeeling BiotacFinger::step(const BiotacReading& reading, bool infer) {
-  BiotacFeeling feeling{
+BiotacEstimate BiotacFinger::step(const BiotacReading& reading, bool infer) {
+  BiotacEstimate estimate{
       .flags = bit(BiotacFlag::missing), .contact = std::nullopt, .pressure = std::nullopt};
-  if (!std::isfinite(reading.time)) return feeling;  // before it spoils the times of later ones
-  feeling.flags = fault_flags(reading);
-  if (feeling.flags & bit(BiotacFlag::out_of_order)) return feeling;
+  if (!std::isfinite(reading.time)) return estimate;  // before it spoils the times of later ones
+  estimate.flags = fault_flags(reading);
+  if (estimate.flags & bit(BiotacFlag::out_of_order)) return estimate;
   last_ = reading;
-  if (!biotac_usable(feeling.flags)) return feeling;
+  if (!biotac_usable(estimate.flags)) return estimate;
   if (!decoder_) {
-    feeling.flags |= bit(BiotacFlag::no_rest);
+    estimate.flags |= bit(BiotacFlag::no_rest);
     learn_rest(reading);
-    return feeling;
+    return estimate;
   }
   // The line that takes the noise away may not run across what was missed.
   if (reading.time - decoded_time_ > kLateGap * kBiotacPeriod) decoder_->forget_window();
   const auto decoded = decoder_->step(reading);
   if (decoded) decoded_time_ = reading.time;
   if (far_from(channels_of(rest_), channels_of(first_rest_))) {
-    feeling.flags |= bit(BiotacFlag::drifted);
+    estimate.flags |= bit(BiotacFlag::drifted);
   }
   if (decoded && std::abs(decoded->pressure) < kRestPressure) follow_rest(reading);
-  if (decoded) feeling.pressure = decoded->pressure;
-  if (!infer || !decoded) return feeling;
-  feeling.contact = inverse_->estimate(*decoded);
+  if (decoded) estimate.pressure = decoded->pressure;
+  if (!infer || !decoded) return estimate;
+  estimate.contact = inverse_->estimate(*decoded);
   const double newtons = decoded->pressure / inverse_->sensor().pressure_gain;
-  if (!feeling.contact) {
-    feeling.flags |= bit(BiotacFlag::no_contact);
-  } else if (feeling.contact->misfit > kMaxMisfit + kMaxMisfitPerNewton * newtons) {
-    feeling.flags |= bit(BiotacFlag::unexplained);
-    feeling.contact.reset();
+  if (!estimate.contact) {
+    estimate.flags |= bit(BiotacFlag::no_contact);
+  } else if (estimate.contact->misfit > kMaxMisfit + kMaxMisfitPerNewton * newtons) {
+    estimate.flags |= bit(BiotacFlag::unexplained);
+    estimate.contact.reset();
   }
-  return feeling;
+  return estimate;
 }
 
 void MeetingWay::follow(const Eigen::Vector3d& p_tip, bool touching) {
@@ -168,22 +168,22 @@ BiotacFingers::TipPoses BiotacFingers::tip_poses(const hand::HandReading& readin
   return poses;
 }
 
-std::vector<BiotacFeeling> BiotacFingers::step(const hand::HandReading& reading, bool infer) {
+std::vector<BiotacEstimate> BiotacFingers::step(const hand::HandReading& reading, bool infer) {
   if (reading.biotacs.size() != hand_.fingers.size()) {
     throw BadInput(fmt::format("the reading at {} s has the channels of {} BioTacs, not {}",
                                reading.time, reading.biotacs.size(), hand_.fingers.size()));
   }
-  std::vector<BiotacFeeling> feelings(hand_.fingers.size());
+  std::vector<BiotacEstimate> estimates(hand_.fingers.size());
   const TipPoses poses = tip_poses(reading);
-  for (std::size_t i = 0; i < feelings.size(); ++i) {
-    feelings[i] = fingers_[i].step(reading.biotacs[i], infer);
-    if (!feelings[i].pressure) continue;
-    ways_[i].follow(poses[i] * hand_.fingers[i].tip.b, *feelings[i].pressure > kRestPressure);
+  for (std::size_t i = 0; i < estimates.size(); ++i) {
+    estimates[i] = fingers_[i].step(reading.biotacs[i], infer);
+    if (!estimates[i].pressure) continue;
+    ways_[i].follow(poses[i] * hand_.fingers[i].tip.b, *estimates[i].pressure > kRestPressure);
   }
-  return feelings;
+  return estimates;
 }
 
-std::vector<BiotacFeeling> BiotacFingers::feel(const hand::HandReading& reading) {
+std::vector<BiotacEstimate> BiotacFingers::estimate(const hand::HandReading& reading) {
   return step(reading, true);
 }
 
@@ -216,16 +216,16 @@ std::optional<hand::TipContact> BiotacFingers::blunt_contact(std::size_t finger,
 }
 
 void BiotacFingers::infer_contacts(hand::HandReading& reading) {
-  const auto feelings = feel(reading);
+  const auto estimates = estimate(reading);
   const TipPoses poses = tip_poses(reading);
-  for (std::size_t i = 0; i < feelings.size(); ++i) {
-    const BiotacFeeling& feeling = feelings[i];
+  for (std::size_t i = 0; i < estimates.size(); ++i) {
+    const BiotacEstimate& estimate = estimates[i];
     reading.contacts[i].clear();
     std::optional<hand::TipContact> contact;
-    if (feeling.contact) {
-      contact = in_link(*feeling.contact, static_cast<int>(i));
-    } else if (feeling.pressure) {
-      contact = blunt_contact(i, poses[i].linear(), *feeling.pressure);
+    if (estimate.contact) {
+      contact = in_link(*estimate.contact, static_cast<int>(i));
+    } else if (estimate.pressure) {
+      contact = blunt_contact(i, poses[i].linear(), *estimate.pressure);
     }
     if (contact && contact->f.dot(contact->n) < 0) reading.contacts[i].push_back(*contact);
   }

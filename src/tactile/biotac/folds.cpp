@@ -51,11 +51,11 @@ std::vector<BiotacFold> folds_of_touches(const std::vector<BiotacLog>& logs, int
       const std::size_t middle = before + touch.samples.size() / 2;
       const bool left_out = static_cast<int>(middle * static_cast<std::size_t>(folds) /
                                              std::max<std::size_t>(1, total)) == fold;
-      append(touch.samples, left_out ? parts.judge : parts.learn);
-      if (left_out) append(touch.causal, parts.judge_causally);
+      append(touch.samples, left_out ? parts.test : parts.training);
+      if (left_out) append(touch.causal, parts.test_causal);
       before += touch.samples.size();
     }
-    if (parts.learn.size() >= kMinSamples) result.push_back(std::move(parts));
+    if (parts.training.size() >= kMinSamples) result.push_back(std::move(parts));
   }
   return result;
 }

@@ -8,9 +8,9 @@
 namespace palpate::tactile {
 
 struct BiotacFold {
-  std::vector<BiotacSample> learn, judge;
-  /// What is judged, with the rest values of a stream; fewer where these are not known.
-  std::vector<BiotacSample> judge_causally = {};
+  std::vector<BiotacSample> training, test;
+  /// The test samples with causal rest values; fewer where these are not known.
+  std::vector<BiotacSample> test_causal = {};
 };
 
 /// Cuts logs where contact breaks; every fold leaves a run of whole touches out. Folds with too few

@@ -243,18 +243,18 @@ BiotacInverse BiotacInverse::train(const std::vector<BiotacFrame>& frames,
                                    const BiotacInverseOptions& options, const SkinOptions& skin,
                                    const BiotacSensorOptions& sensor) {
   std::vector<const BiotacFrame*> learn;
-  std::vector<BiotacFrame> judge;
+  std::vector<BiotacFrame> validation;
   for (const auto& frame : frames) {
     if (!touching(frame)) continue;
     if (held_out(frame)) {
-      judge.push_back(frame);
+      validation.push_back(frame);
     } else {
       learn.push_back(&frame);
     }
   }
-  if (learn.size() < 80 || judge.size() < 20) {
-    throw BadInput(
-        fmt::format("{} frames of contact are too few to learn from", learn.size() + judge.size()));
+  if (learn.size() < 80 || validation.size() < 20) {
+    throw BadInput(fmt::format("{} frames of contact are too few to learn from",
+                               learn.size() + validation.size()));
   }
   const auto count = static_cast<Eigen::Index>(learn.size());
   Eigen::MatrixXd inputs(kInverseFeatures, count), outputs(kGuessed, count);
@@ -277,7 +277,7 @@ BiotacInverse BiotacInverse::train(const std::vector<BiotacFrame>& frames,
       ((outputs.colwise() - model.output_mean_).array().colwise() / model.output_sd_.array())
           .matrix();
   numerics::fit_regression(model.guess_, model.standardised(inputs), scaled, regression, random);
-  model.calibrate(judge);
+  model.calibrate(validation);
   return model;
 }
 

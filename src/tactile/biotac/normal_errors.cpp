@@ -19,17 +19,17 @@ struct Residuals {
   std::vector<double> variance, pressure;  // of the Gaussian process, rad^2; counts
 };
 
-void add_residuals(const BiotacNormalModel& model, const std::vector<BiotacSample>& judged,
+void add_residuals(const BiotacNormalModel& model, const std::vector<BiotacSample>& test,
                    Residuals& residuals) {
   std::vector<BiotacChannels> changes, rests;
-  for (const BiotacSample& sample : judged) {
+  for (const BiotacSample& sample : test) {
     changes.push_back(sample.change);
     rests.push_back(sample.rest);
   }
   const auto predictions = model.predict(changes, rests);
-  for (std::size_t i = 0; i < judged.size(); ++i) {
+  for (std::size_t i = 0; i < test.size(); ++i) {
     if (!predictions[i]) continue;
-    residuals.error_deg.push_back(angle_between_deg(predictions[i]->n, judged[i].n));
+    residuals.error_deg.push_back(angle_between_deg(predictions[i]->n, test[i].n));
     residuals.variance.push_back(predictions[i]->variance);
     residuals.pressure.push_back(changes[i][0]);
   }
@@ -85,18 +85,18 @@ BiotacNormalModel train_biotac_normal(const std::vector<BiotacLog>& logs,
   auto model = BiotacNormalModel::train(samples, options);
   Residuals whole, causal;
   for (const BiotacFold& fold : folds_of_touches(logs, folds)) {
-    if (fold.judge.empty()) continue;
-    const auto of_fold = BiotacNormalModel::train(fold.learn, options);
-    add_residuals(of_fold, fold.judge, whole);
-    add_residuals(of_fold, fold.judge_causally, causal);
+    if (fold.test.empty()) continue;
+    const auto of_fold = BiotacNormalModel::train(fold.training, options);
+    add_residuals(of_fold, fold.test, whole);
+    add_residuals(of_fold, fold.test_causal, causal);
   }
   if (!whole.error_deg.empty()) model.set_errors(BiotacRest::whole_log, fitted_errors(whole));
   if (!causal.error_deg.empty()) model.set_errors(BiotacRest::causal, fitted_errors(causal));
   return model;
 }
 
-BiotacNormalErrors judge_biotac_normal(const BiotacNormalModel& model, const BiotacLog& log,
-                                       BiotacRest tracking) {
+BiotacNormalErrors evaluate_biotac_normal(const BiotacNormalModel& model, const BiotacLog& log,
+                                          BiotacRest tracking) {
   const auto normals = model.track(log, biotac_signals(log, tracking), tracking);
   BiotacNormalErrors errors;
   for (std::size_t i = 0; i < normals.size(); ++i) {
@@ -112,7 +112,7 @@ std::vector<double> cross_validate_biotac_normal(const std::vector<BiotacLog>& l
                                                  const BiotacNormalOptions& options, int folds) {
   Residuals residuals;
   for (const BiotacFold& fold : folds_of_touches(logs, folds)) {
-    add_residuals(BiotacNormalModel::train(fold.learn, options), fold.judge, residuals);
+    add_residuals(BiotacNormalModel::train(fold.training, options), fold.test, residuals);
   }
   return residuals.error_deg;
 }

@@ -42,7 +42,7 @@ struct Cluster {
 
 bool sound(const hand::TipContact& contact) {
   return contact.p.allFinite() && contact.n.allFinite() && contact.f.allFinite() &&
-         (contact.n.isZero(0) || contact.n.norm() > 0.5) && tells_sound_errors(contact);
+         (contact.n.isZero(0) || contact.n.norm() > 0.5) && has_valid_errors(contact);
 }
 
 std::vector<Cluster> cluster_tip(std::span<const hand::HandReading> window, std::size_t finger) {

@@ -7,7 +7,7 @@ namespace palpate::tactile {
 
 bool is_standard_deviation(double sigma) { return std::isfinite(sigma) && sigma >= 0; }
 
-bool tells_sound_errors(const hand::TipContact& contact) {
+bool has_valid_errors(const hand::TipContact& contact) {
   return is_standard_deviation(contact.point_sigma) && is_standard_deviation(contact.normal_sigma);
 }
 

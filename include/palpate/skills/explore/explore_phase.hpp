@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "palpate/localization/information/sweep_choice.hpp"
+#include "palpate/localization/information/guarded_move_choice.hpp"
 #include "palpate/skills/phase.hpp"
 
 namespace palpate::skills {
@@ -46,9 +46,9 @@ struct ExploreOptions {
 /// and estimates how it lies. The hand keeps its posture and only travels, so that what is wrong
 /// with the model of the finger shifts all contacts alike and leaves their shape. For every other
 /// touch it is turned round, which turns that shift round, too, and so tells it from the object's
-/// place. A sweep is fast where the object cannot be yet, by its size at first and by its possible
-/// poses as soon as some touches tell of them, and slow from there on: a fast one pushes it. So is
-/// the way down to a sweep's start, and what stops that is a touch, too.
+/// place. A guarded move is fast where the object cannot be yet, by its size at first and by its
+/// possible poses as soon as some touches tell of them, and slow from there on: a fast one pushes
+/// it. So is the way down to a guarded move's start, and what stops that is a touch, too.
 ///
 /// Where no moves are left to distinguish poses (max_touches <= touches), guarded moves without
 /// contact are replaced by moves from directions in between, at most as many again.
@@ -68,8 +68,8 @@ class ExplorePhase : public Phase {
                                       const localization::TurnedMove& turned) const;
   GuardedMoveEnd come_down(Executor& robot, const PickState& state,
                            const localization::TurnedMove& descent);
-  GuardedMoveEnd sweep(Executor& robot, const localization::TurnedMove& turned, double clear,
-                       double touch_speed);
+  GuardedMoveEnd move_until_contact(Executor& robot, const localization::TurnedMove& turned,
+                                    double clear, double touch_speed);
   GuardedMoveEnd end_of(Executor& robot, const localization::TurnedMove& turned, bool touched,
                         MotionEnd motion);
   void go_back(Executor& robot, const localization::GuardedMove& move, double height) const;
@@ -94,7 +94,7 @@ class ExplorePhase : public Phase {
   std::size_t probe_ = 0;                       // which of Postures::pointing touches
   int blocked_ = 0;    // moves that ended against something that its fingertip did not feel
   double top_ = 0;     // m above the table, of the credible poses; 0: none is known
-  double raised_ = 0;  // m, of the level sweeps, where a lower hand was blocked
+  double raised_ = 0;  // m, of the level guarded moves, where a lower hand was blocked
 };
 
 }  // namespace palpate::skills

@@ -37,10 +37,8 @@ struct PickAndPlaceResult {
 /// alone: what they did not bring there is then left to the base.
 ///
 /// @param robot  stands free above the table; the object is near the world's origin
-/// @throws BadInput for `means` that do not exist, before anything moves
-PickAndPlaceResult pick_and_place(Executor& robot, const geometry::ObjectModel& object,
-                                  const PlaceTarget& target, const planning::Fixture& fixture,
-                                  const PickOptions& pick_options, const PlaceOptions& options,
-                                  std::uint64_t seed, const PhaseObserver& observer = {});
+/// @throws BadInput for a PlaceOptions::strategy that does not exist, before anything moves
+PickAndPlaceResult pick_and_place(Executor& robot, const PickAndPlaceTask& task,
+                                  const PhaseObserver& observer = {});
 
 }  // namespace palpate::skills

@@ -115,6 +115,16 @@ struct PlaceResult {
   std::optional<Eigen::Vector2d> put_aside;
 };
 
+/// A pick-and-place task as the robot is given it: what to bring where, and how.
+struct PickAndPlaceTask {
+  const geometry::ObjectModel& object;
+  PlaceTarget target;              ///< in the world, m and rad
+  planning::Fixture fixture = {};  ///< on the table, in the world; empty: none
+  PickOptions pick = {};
+  PlaceOptions place = {};
+  std::uint64_t seed = 0;
+};
+
 /// With a firmer grasp for a target that may be in another stable pose (a pose): turned about the
 /// axis through its contacts, the object hangs on their friction.
 PickOptions firm_enough(const PickOptions& pick_options, const PlaceTarget& target,
@@ -126,10 +136,9 @@ PickOptions firm_enough(const PickOptions& pick_options, const PlaceTarget& targ
 /// cannot be done is said, and the object put back gently where it came from.
 ///
 /// It is given what the robot felt and the ESTIMATED pose; fixture and target are known.
+/// @param task    PickAndPlaceTask::pick is what the object was picked with
 /// @param picked  held, with an estimate
-PlaceResult place(Executor& robot, const geometry::ObjectModel& object, const PickResult& picked,
-                  const PlaceTarget& target, const planning::Fixture& fixture,
-                  const PickOptions& pick_options, const PlaceOptions& options, std::uint64_t seed,
+PlaceResult place(Executor& robot, const PickAndPlaceTask& task, const PickResult& picked,
                   const PhaseObserver& observer = {});
 
 }  // namespace palpate::skills

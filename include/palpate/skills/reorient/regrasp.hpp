@@ -36,10 +36,8 @@ struct RegraspResult {
 /// spot is reached in the stable pose that the object has; for it only the grasp is chosen.
 ///
 /// @param robot  stands free above the table; the object is near the world's origin
-/// @param options  with `regrasp`, the course's own
-RegraspResult regrasp(Executor& robot, const geometry::ObjectModel& object,
-                      const PlaceTarget& target, const planning::Fixture& fixture,
-                      const PickOptions& pick_options, const PlaceOptions& options,
-                      std::uint64_t seed, const PhaseObserver& observer = {});
+/// @param task   with PlaceOptions::regrasp, the sequence's own options
+RegraspResult regrasp(Executor& robot, const PickAndPlaceTask& task,
+                      const PhaseObserver& observer = {});
 
 }  // namespace palpate::skills

@@ -104,13 +104,13 @@ struct ElectrodeErrors {
   ElectrodeChanges model;  ///< of ElectrodeModel
 };
 
-/// Errors at `judge` of what learns from `learn`. @throws BadInput if either has too few
-ElectrodeErrors judge_electrodes(const std::vector<BiotacSample>& learn,
-                                 const std::vector<BiotacSample>& judge,
-                                 const ElectrodeFitOptions& fit = {},
-                                 const ElectrodeModelOptions& model = {});
+/// Errors at `test` of what learns from `training`. @throws BadInput if either has too few
+ElectrodeErrors evaluate_electrodes(const std::vector<BiotacSample>& training,
+                                    const std::vector<BiotacSample>& test,
+                                    const ElectrodeFitOptions& fit = {},
+                                    const ElectrodeModelOptions& model = {});
 
-/// As judge_electrodes, over folds that leave runs of whole touches out, as
+/// As evaluate_electrodes, over folds that leave runs of whole touches out, as
 /// cross_validate_biotac_normal does; nothing without two touches.
 std::optional<ElectrodeErrors> cross_validate_electrodes(const std::vector<BiotacLog>& logs,
                                                          const ElectrodeFitOptions& fit = {},

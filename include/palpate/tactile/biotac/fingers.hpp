@@ -18,14 +18,14 @@ namespace palpate::tactile {
 /// which the last joint flexes the finger.
 Eigen::Isometry3d biotac_mount(const hand::Description& hand, int finger);
 
-/// What one BioTac feels in a frame.
-struct BiotacFeeling {
+/// What one BioTac measures in a frame: the contact, as estimated from its channels.
+struct BiotacEstimate {
   unsigned flags = 0;                      ///< BiotacFlag, or-ed
   std::optional<InferredContact> contact;  ///< in the sensor frame
   std::optional<double> pressure;          ///< change of pdc from rest, counts; where known
 };
 
-/// Feels contacts in the stream of one BioTac's frames, as they come.
+/// Estimates contacts from the stream of one BioTac's frames, as they come.
 ///
 /// The first kRestFrames sound frames are taken for rest. Rest then follows the readings slowly
 /// while nothing touches. Nothing is inferred from a frame that is not usable (biotac_usable),
@@ -38,7 +38,7 @@ class BiotacFinger {
   explicit BiotacFinger(std::shared_ptr<const BiotacInverse> inverse);
 
   /// @param infer  whether the contact is wanted; else only the sensor's state is followed
-  BiotacFeeling step(const BiotacReading& reading, bool infer = true);
+  BiotacEstimate step(const BiotacReading& reading, bool infer = true);
 
  private:
   unsigned fault_flags(const BiotacReading& reading);
@@ -91,10 +91,10 @@ class BiotacFingers {
 
   BiotacFingers(const hand::Description& hand, std::shared_ptr<const BiotacInverse> inverse);
 
-  /// What each fingertip feels. @throws BadInput if the reading has no channels
-  std::vector<BiotacFeeling> feel(const hand::HandReading& reading);
+  /// Of each fingertip. @throws BadInput if the reading has no channels
+  std::vector<BiotacEstimate> estimate(const hand::HandReading& reading);
 
-  /// A felt contact in the frame of the finger's distal link.
+  /// An estimated contact in the frame of the finger's distal link.
   [[nodiscard]] hand::TipContact in_link(const InferredContact& contact, int finger) const;
 
   /// Puts the contacts that the channels tell of in the place of the reading's.
@@ -106,7 +106,7 @@ class BiotacFingers {
  private:
   using TipPoses = std::vector<Eigen::Isometry3d>;
 
-  std::vector<BiotacFeeling> step(const hand::HandReading& reading, bool infer);
+  std::vector<BiotacEstimate> step(const hand::HandReading& reading, bool infer);
   /// Of the distal links, in the world.
   [[nodiscard]] TipPoses tip_poses(const hand::HandReading& reading) const;
   [[nodiscard]] std::optional<hand::TipContact> blunt_contact(std::size_t finger,

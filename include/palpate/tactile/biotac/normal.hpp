@@ -40,7 +40,7 @@ struct BiotacNormal {
   double novelty = 0;  ///< 0: like what was learned .. 1: like nothing that was learned
 };
 
-/// One frame to learn from or to judge by.
+/// A frame to learn from or to test with.
 struct BiotacSample {
   BiotacChannels change;  ///< counts minus rest
   Eigen::Vector3d n;      ///< outward unit normal of the object in the sensor's frame
@@ -157,8 +157,8 @@ BiotacNormalModel train_biotac_normal(const std::vector<BiotacLog>& logs,
                                       const BiotacNormalOptions& options = {}, int folds = 10);
 
 /// Errors of the normals that a model tracks through a log with known normals.
-BiotacNormalErrors judge_biotac_normal(const BiotacNormalModel& model, const BiotacLog& log,
-                                       BiotacRest tracking = BiotacRest::whole_log);
+BiotacNormalErrors evaluate_biotac_normal(const BiotacNormalModel& model, const BiotacLog& log,
+                                          BiotacRest tracking = BiotacRest::whole_log);
 
 /// Errors (deg) of single frames of touches that were left out, as train_biotac_normal leaves them.
 std::vector<double> cross_validate_biotac_normal(const std::vector<BiotacLog>& logs,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "skills/explore/sweep_plan.hpp"
+#include "skills/explore/guarded_moves.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,10 +9,10 @@ namespace palpate::skills {
 namespace {
 
 constexpr double kMinDepth = 0.014;  // m of the fingertip's centre over the table
-constexpr int kDirections = 16;      // of further sweeps
+constexpr int kDirections = 16;      // of further guarded moves
 constexpr int kOffsets = 3;          // to either side of the object's place
 constexpr double kSpacing = 0.015;   // m between them
-constexpr double kDepthStep = 0.02;  // m between heights of further sweeps
+constexpr double kDepthStep = 0.02;  // m between heights of further guarded moves
 
 }  // namespace
 

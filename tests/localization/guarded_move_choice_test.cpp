@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/localization/information/sweep_choice.hpp"
+#include "palpate/localization/information/guarded_move_choice.hpp"
 
 #include <gtest/gtest.h>
 

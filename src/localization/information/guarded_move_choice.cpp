@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/localization/information/sweep_choice.hpp"
+#include "palpate/localization/information/guarded_move_choice.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -18,7 +18,7 @@ constexpr double kGuard = 0.002;          // m that the rest of the finger is to
 /// middle of a cell of 2 mm and the corrections by the gradients along three axes.
 constexpr double kFieldError = 0.0035;
 
-// Of the errors that a refining sweep is chosen by; angles in rad, lengths in m.
+// Of the errors that a refining move is chosen by; angles in rad, lengths in m.
 constexpr double kPointSigma = 0.0008, kNormalSigma = 0.13, kOffsetSigma = 0.0025;
 constexpr double kTiltSigma = 0.02, kHeightSigma = 0.001, kFarSigma = 0.1;
 constexpr double kTightAngle = 0.0436, kTightDistance = 0.0035;
@@ -27,7 +27,7 @@ using localization::FreeSphere;
 
 /// Where a guarded move ends for the object at one pose.
 enum class Ending { touch, nothing, blocked };
-struct SweepOutcome {
+struct MoveOutcome {
   Ending ending = Ending::nothing;
   double way = 0;  ///< m
 };
@@ -71,8 +71,8 @@ class PassingBalls {
   std::vector<double> clear_until_;  // the way that each goes at least before it is near again, m
 };
 
-SweepOutcome outcome(const geometry::ObjectModel& object, const Eigen::Isometry3d& T_object_world,
-                     const ProbingFinger& finger, const GuardedMove& guarded_move) {
+MoveOutcome outcome(const geometry::ObjectModel& object, const Eigen::Isometry3d& T_object_world,
+                    const ProbingFinger& finger, const GuardedMove& guarded_move) {
   const double length = (guarded_move.to - guarded_move.from).norm();
   PassingBalls rest(object, T_object_world, finger.rest, kGuard);
   PassingBalls tip(object, T_object_world, finger.tip, 0);
@@ -86,7 +86,7 @@ SweepOutcome outcome(const geometry::ObjectModel& object, const Eigen::Isometry3
 }
 
 /// A way that ends without a touch of the tip shows only how far the tip came.
-double reported_apart(const SweepOutcome& a, const SweepOutcome& b) {
+double reported_apart(const MoveOutcome& a, const MoveOutcome& b) {
   if (a.ending != Ending::touch && b.ending != Ending::touch) return 0;
   return std::min(1.0, std::abs(a.way - b.way) / kReportedApart);
 }
@@ -112,7 +112,7 @@ std::vector<WeightedObject> weighted_objects(const std::vector<PosedObject>& obj
 /// Probability that two draws from the poses are distinguished.
 double information(const std::vector<WeightedObject>& poses, const ProbingFinger& finger,
                    const GuardedMove& guarded_move) {
-  std::vector<SweepOutcome> outcomes;
+  std::vector<MoveOutcome> outcomes;
   for (const auto& pose : poses) {
     outcomes.push_back(outcome(*pose.object, pose.T_object_world, finger, guarded_move));
   }
@@ -141,7 +141,7 @@ std::optional<Matrix9d> information_of(const geometry::ObjectModel& object,
                                        const ProbingFinger& finger,
                                        const GuardedMove& guarded_move) {
   const Eigen::Isometry3d T_object_world = T_world_object.inverse();
-  const SweepOutcome end = outcome(object, T_object_world, finger, guarded_move);
+  const MoveOutcome end = outcome(object, T_object_world, finger, guarded_move);
   if (end.ending != Ending::touch) return std::nullopt;
   const Eigen::Vector3d at =
       guarded_move.from + end.way * (guarded_move.to - guarded_move.from).normalized();

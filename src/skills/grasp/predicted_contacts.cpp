@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "skills/grasp/unfelt_contacts.hpp"
+#include "skills/grasp/predicted_contacts.hpp"
 
 #include <optional>
 
@@ -37,9 +37,9 @@ std::optional<tactile::Contact> contact_by_pose(const Executor& robot,
 
 }  // namespace
 
-void add_unfelt_contacts(const Executor& robot, const geometry::ObjectModel& object,
-                         const Eigen::Isometry3d& T_world_object,
-                         std::vector<tactile::Contact>& contacts) {
+void add_predicted_contacts(const Executor& robot, const geometry::ObjectModel& object,
+                            const Eigen::Isometry3d& T_world_object,
+                            std::vector<tactile::Contact>& contacts) {
   const grasping::PlacedObject placed(object, T_world_object, robot.reading().base.pose());
   for (int finger = 0; finger < robot.model().finger_count(); ++finger) {
     if (robot.trusted(finger)) continue;

@@ -7,7 +7,7 @@
 
 namespace palpate::skills {
 
-/// m above the table of the fingertip's centre in the first sweeps.
+/// m above the table of the fingertip's centre in the first guarded moves.
 double first_depth(const PickState& state, const ExploreOptions& options);
 
 /// Level towards the object's place from an angle, passing it to the left by an offset.

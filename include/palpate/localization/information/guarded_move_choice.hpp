@@ -13,16 +13,17 @@ struct GuardedMove {
   Eigen::Vector3d from, to;
 };
 
-/// The probing finger while it sweeps: balls around its fingertip's centre, in the world's axes.
+/// The probing finger during a guarded move: balls around its fingertip's centre, in the world's
+/// axes.
 struct ProbingFinger {
   std::vector<localization::FreeSphere> tip, rest;  ///< rest: of the hand
   Eigen::Matrix3d R_world_base = Eigen::Matrix3d::Identity();
 };
 
-/// A sweep and how well its end distinguishes poses.
+/// A guarded move and how well its end distinguishes poses.
 struct InformativeMove {
   GuardedMove guarded_move;
-  std::size_t index = 0;   ///< of it among the sweeps
+  std::size_t index = 0;   ///< of it among the guarded moves
   double information = 0;  ///< probability that two draws from the poses are distinguished
 };
 
@@ -32,10 +33,10 @@ struct PosedObject {
   localization::Posterior posterior;
 };
 
-/// The one of some sweeps whose end differs most between the poses that a posterior holds for
-/// credible (poses_of: a mode with a free axis is several along it). Where another part of the hand
-/// touches first, the guarded move ends, too.
-/// @return nothing if no sweep is informative
+/// The one of some guarded moves whose end differs most between the poses that a posterior holds
+/// for credible (poses_of: a mode with a free axis is several along it). Where another part of the
+/// hand touches first, the guarded move ends, too.
+/// @return nothing if no guarded move is informative
 std::optional<InformativeMove> most_informative_move(const geometry::ObjectModel& object,
                                                      const localization::Posterior& posterior,
                                                      const ProbingFinger& finger,
@@ -46,31 +47,31 @@ std::optional<InformativeMove> most_informative_move(const std::vector<PosedObje
                                                      const ProbingFinger& finger,
                                                      const std::vector<GuardedMove>& guarded_moves);
 
-/// How far a sweep goes, m, before it would touch the object at one of its credible poses. The
-/// nearest of them do not count as long as they and what the posterior's modes lack of 1 together
-/// are no more than `neglected`; 0 where the modes alone lack more.
+/// How far a guarded move goes, m, before it would touch the object at one of its credible poses.
+/// The nearest of them do not count as long as they and what the posterior's modes lack of 1
+/// together are no more than `neglected`; 0 where the modes alone lack more.
 double clear_way(const std::vector<PosedObject>& objects, const ProbingFinger& finger,
                  const GuardedMove& guarded_move, double neglected = 0.05);
 
-/// A sweep with the hand turned in one of several ways.
+/// A guarded move with the hand turned in one of several ways.
 struct TurnedMove {
   GuardedMove guarded_move;
   std::size_t turn = 0;  ///< index of the finger
 };
 
-/// A sweep and the errors of the pose without and with it: expected squares over those of 2.5 deg
-/// and 3.5 mm, summed.
+/// A guarded move and the errors of the pose without and with it: expected squares over those
+/// of 2.5 deg and 3.5 mm, summed.
 struct RefiningMove {
   TurnedMove guarded_move;
   double before = 0, after = 0;
 };
 
-/// The sweep after which a resting pose is known best, by the linearised errors of the pose and of
-/// an offset of the fingertip that all touches share in the base's frame.
+/// The guarded move after which a resting pose is known best, by the linearised errors of the pose
+/// and of an offset of the fingertip that all touches share in the base's frame.
 ///
 /// @param fingers  the probing finger for each turn of the hand
 /// @param done     the guarded moves made so far
-/// @return nothing if no sweep touches the object
+/// @return nothing if no guarded move touches the object
 std::optional<RefiningMove> most_refining_move(const geometry::ObjectModel& object,
                                                const Eigen::Isometry3d& T_world_object,
                                                const std::vector<ProbingFinger>& fingers,

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "palpate/localization/posterior.hpp"
+
 #include <algorithm>
 
 #include "localization/search/pose_family.hpp"
-#include "palpate/localization/posterior.hpp"
 
 namespace palpate::localization {
 
