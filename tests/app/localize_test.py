@@ -134,6 +134,8 @@ class Localize(CliTest):
         self.refuse("x,y,z,nx\n0,0,0,1\n", "ny")
         self.refuse(csv([[0, 0, "nan", 0, 0, 1]]), "contacts.csv:2", "nan", "z")
         self.refuse(csv([[0, 0, 0, 0, 0, 1], [0, 0, 0, 0, 0, 0]]), "contacts.csv:3", "length 0")
+        self.refuse(csv([[0, 0, 0, 0, 0, 2]]), "contacts.csv:2", "length 2")
+        self.refuse("x,y,z,point_sigm\n0,0,0,1\n", "'point_sigm'", "known: x, y, z", "'point_sigma'?")
         self.refuse(csv([[0, 0, 0, 0, 0]]), "contacts.csv:2", "5 values for 6 columns")
         self.refuse(csv([[0, 0, 0, 0, "?", 1]]), "'?'")
 
