@@ -120,6 +120,15 @@ class Localize(CliTest):
         self.assertEqual(result["status"], "no_pose")
         self.assertIn("reversed", result["hint"])
 
+    def test_a_table_at_another_height_is_named(self):
+        rows = contacts_on_box(18)
+        result = self.localize(rows, "--table", str(SHIFT[2] + 0.1), code=NO_SOLUTION)
+        self.assertIn("without --table one does", result["hint"])
+        self.assertIn("0.6 m", result["hint"])
+        rows = [[2 * v for v in row[:3]] + row[3:] for row in rows]  # of a box twice as large
+        result = self.localize(rows, "--table", "0", code=NO_SOLUTION)
+        self.assertIn("with --table or without: another object", result["hint"])
+
     def test_ten_thousand_contacts(self):
         result = self.localize(contacts_on_box(10000))
         self.assertEqual(result["status"], "certain")
