@@ -72,13 +72,28 @@ std::vector<tactile::Contact> flipped(std::vector<tactile::Contact> contacts) {
 std::string hint_for(const geometry::ObjectModel& model, lo::Evidence evidence, RandomStream random,
                      const LocalizeOptions& options) {
   if (evidence.contacts.empty()) return "there are no contacts";
-  evidence.contacts = flipped(std::move(evidence.contacts));
-  const auto posterior = lo::localize(model, evidence, random, options.search);
-  if (posterior.status == lo::PoseStatus::no_pose) {
+  const auto one_explains = [&](const lo::Evidence& changed) {
+    return lo::localize(model, changed, random, options.search).status != lo::PoseStatus::no_pose;
+  };
+  lo::Evidence reversed = evidence;
+  reversed.contacts = flipped(std::move(reversed.contacts));
+  if (one_explains(reversed)) {
+    return "no pose explains these contacts, but with all normals reversed one does; they must "
+           "point out of the object";
+  }
+  if (!evidence.table) {
     return "no pose explains these contacts: another object, or more noise than stated";
   }
-  return "no pose explains these contacts, but with all normals reversed one does; they must point "
-         "out of the object";
+  const double height = evidence.table->T_frame_table.translation().z();
+  evidence.table.reset();
+  if (one_explains(evidence)) {
+    return fmt::format(
+        "no pose explains these contacts on the table, but without --table one does; {} m must be "
+        "the height of the table in the contacts' frame, z up",
+        height);
+  }
+  return "no pose explains these contacts, with --table or without: another object, or more noise "
+         "than stated";
 }
 
 /// Contacts felt at the same time are of one grasp, whose place in the world is uncertain.

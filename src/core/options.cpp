@@ -75,9 +75,12 @@ std::string_view last_part(std::string_view key) { return key.substr(key.rfind('
 /// option in a section where it does not stand, "grasp.friction" for "friction".
 double key_distance(std::string_view key, std::string_view known) {
   constexpr double kOtherSection = 0.1;  // so that one of the section that was given comes first
+  constexpr double kAlike = 0.7;         // of last parts; two letters exchanged in "way" make 0.67
   const double whole = spelling_distance(key, known);
   if (key.find('.') != std::string_view::npos) {
-    return std::min(whole, kOtherSection + spelling_distance(last_part(key), last_part(known)));
+    const double last = spelling_distance(last_part(key), last_part(known));
+    // The section alone makes no likeness: world.object_scale is not world.biotacs.
+    return last > kAlike ? 1 : std::min(whole, kOtherSection + last);
   }
   return std::min({whole, spelling_distance(key, known.substr(0, known.rfind('.'))),
                    spelling_distance(key, last_part(known))});

@@ -2,23 +2,53 @@
 #include "palpate/localization/contacts_io.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/csv_table.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
 #include "palpate/core/plausible.hpp"
+#include "palpate/core/spelling.hpp"
 #include "palpate/hand/description.hpp"
 #include "palpate/hand/shadow.hpp"
 
 namespace palpate::localization {
 namespace {
 
-constexpr double kMinNormal = 1e-6;
+constexpr double kLengthTolerance = 0.01;  // of a normal's length, for rounded components
+
+const std::vector<std::string> kContactColumns = {
+    "x",           "y",
+    "z",  // the point
+    "nx",          "ny",
+    "nz",                           // the normal
+    "point_sigma", "normal_sigma",  // its own errors
+    "group",       "t",
+    "finger",  // which, when and by what
+    "fx",          "fy",
+    "fz",  // the force
+    "sigma_deg",   "error_deg",
+    "flags"};  // besides in palpate sense's file of a finger; unread
+const std::vector<std::string> kPlaneColumns = {"nx", "ny", "nz", "height", "sigma"};
+
+/// A column that is misspelt must not be passed over. One without a name is: tables of Python often
+/// begin with their row numbers. @throws BadInput
+void check_columns(const CsvTable& table, std::string_view source,
+                   const std::vector<std::string>& known) {
+  for (const std::string_view name : table.names()) {
+    if (name.empty() || std::ranges::find(known, name) != known.end()) continue;
+    throw BadInput(fmt::format("{}:1: unknown column '{}' (known: {}){}", source, name,
+                               fmt::join(known, ", "), did_you_mean(name, known)));
+  }
+}
+
 /// Where the header has what of a contact.
 struct ContactColumns {
   explicit ContactColumns(const CsvTable& table)
@@ -44,8 +74,8 @@ struct ContactColumns {
 
 Eigen::Vector3d unit_normal_of(const CsvTable& row, const CsvTable::Columns& columns) {
   const Eigen::Vector3d n = row.finite(columns);
-  if (!(n.norm() > kMinNormal)) {
-    throw BadInput(fmt::format("{}: a normal of length {}", row.where(), n.norm()));
+  if (!(std::abs(n.norm() - 1) <= kLengthTolerance)) {
+    throw BadInput(fmt::format("{}: a normal of length {:.4g}, not 1", row.where(), n.norm()));
   }
   return n.normalized();
 }
@@ -112,6 +142,7 @@ std::vector<tactile::Contact> parse_contacts(std::string_view text, std::string_
                                              const ContactNoise& noise) {
   CsvTable table(text, std::string(source));
   const ContactColumns columns(table);
+  check_columns(table, source, kContactColumns);
   std::vector<tactile::Contact> contacts;
   while (table.next()) contacts.push_back(contact_of(table, columns, noise));
   std::stable_sort(contacts.begin(), contacts.end(),
@@ -130,6 +161,7 @@ std::vector<PlaneContact> read_plane_contacts(const std::filesystem::path& path)
   const CsvTable::Columns normal = row.require_xyz("n");
   const std::size_t height = row.require("height");
   const auto sigma = row.find("sigma");
+  check_columns(row, path.string(), kPlaneColumns);
   std::vector<PlaneContact> planes;
   while (row.next()) {
     PlaneContact plane{unit_normal_of(row, normal), row.finite(height)};

@@ -120,6 +120,15 @@ class Localize(CliTest):
         self.assertEqual(result["status"], "no_pose")
         self.assertIn("reversed", result["hint"])
 
+    def test_a_table_at_another_height_is_named(self):
+        rows = contacts_on_box(18)
+        result = self.localize(rows, "--table", str(SHIFT[2] + 0.1), code=NO_SOLUTION)
+        self.assertIn("without --table one does", result["hint"])
+        self.assertIn("0.6 m", result["hint"])
+        rows = [[2 * v for v in row[:3]] + row[3:] for row in rows]  # of a box twice as large
+        result = self.localize(rows, "--table", "0", code=NO_SOLUTION)
+        self.assertIn("with --table or without: another object", result["hint"])
+
     def test_ten_thousand_contacts(self):
         result = self.localize(contacts_on_box(10000))
         self.assertEqual(result["status"], "certain")
@@ -134,6 +143,8 @@ class Localize(CliTest):
         self.refuse("x,y,z,nx\n0,0,0,1\n", "ny")
         self.refuse(csv([[0, 0, "nan", 0, 0, 1]]), "contacts.csv:2", "nan", "z")
         self.refuse(csv([[0, 0, 0, 0, 0, 1], [0, 0, 0, 0, 0, 0]]), "contacts.csv:3", "length 0")
+        self.refuse(csv([[0, 0, 0, 0, 0, 2]]), "contacts.csv:2", "length 2")
+        self.refuse("x,y,z,point_sigm\n0,0,0,1\n", "'point_sigm'", "known: x, y, z", "'point_sigma'?")
         self.refuse(csv([[0, 0, 0, 0, 0]]), "contacts.csv:2", "5 values for 6 columns")
         self.refuse(csv([[0, 0, 0, 0, "?", 1]]), "'?'")
 

@@ -156,6 +156,9 @@ TEST(Options, UnknownKeyNamesTheNearestAndTheLine) {
   EXPECT_EQ(toml_error("[[lift]]\nway = 0.2\n"),
             "run.toml:1: unknown option lift; did you mean lift.way?");
   EXPECT_EQ(setting_error("zzz=0.2"), "unknown option zzz");
+  Renewed sections;  // the section alone is no likeness
+  EXPECT_EQ(error_message([&] { apply_setting("estimation.depth=1", sections); }),
+            "unknown option estimation.depth");
 }
 
 TEST(Options, WrongTypeIsNamed) {

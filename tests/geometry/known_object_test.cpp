@@ -74,6 +74,9 @@ TEST(KnownObject, BuiltInsAreWatertightCentredAndComplete) {
 TEST(KnownObject, UnknownNamesAreAnsweredWithTheBuiltIns) {
   EXPECT_TRUE(contains(complaint("mugg"), "did you mean 'mug'"));
   EXPECT_TRUE(contains(complaint("botle"), "did you mean 'bottle'"));
+  EXPECT_TRUE(contains(complaint("Generated:5"), "did you mean 'generated:5'"));
+  EXPECT_TRUE(contains(complaint("generate:17"), "did you mean 'generated:17'"));
+  EXPECT_FALSE(contains(complaint("Generated:x"), "did you mean"));
   const std::string far = complaint("no/such/file.ply");
   EXPECT_TRUE(contains(far, "no/such/file.ply"));
   EXPECT_TRUE(contains(far, "mug, bottle, box, bracket, duck"));

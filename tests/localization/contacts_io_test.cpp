@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <utility>
 
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
@@ -13,9 +14,9 @@ namespace palpate::localization {
 namespace {
 
 TEST(ParseContacts, ReadsColumnsInAnyOrder) {
-  const auto contacts = parse_contacts(
-      "nz,ny,nx,x,y,z,finger,t,fx,fy,fz,note\r\n2,0,0,0.1,0.2,0.3,MF,1.5,0,0,-1,9\r\n", "c.csv",
-      {0.002, 0.1});
+  const auto contacts =
+      parse_contacts(",nz,ny,nx,x,y,z,finger,t,fx,fy,fz\r\n7,1,0,0,0.1,0.2,0.3,MF,1.5,0,0,-1\r\n",
+                     "c.csv", {0.002, 0.1});
   ASSERT_EQ(contacts.size(), 1U);
   EXPECT_TRUE(contacts[0].p.isApprox(Eigen::Vector3d(0.1, 0.2, 0.3)));
   EXPECT_TRUE(contacts[0].n.isApprox(Eigen::Vector3d::UnitZ()));
@@ -39,7 +40,7 @@ TEST(ParseContacts, NormalsAndOwnErrorsAreOptional) {
   EXPECT_EQ(bare[0].group, -1);
   const auto told = parse_contacts(
       "x,y,z,nx,ny,nz,point_sigma,normal_sigma,group\n"
-      "1,0,0,0,2,0,0.003,0.2,\n1,0,0,,,,,,4\n",
+      "1,0,0,0,0.995,0,0.003,0.2,\n1,0,0,,,,,,4\n",
       "c", {0.002, 0.1});
   ASSERT_EQ(told.size(), 2U);
   EXPECT_TRUE(told[0].n.isApprox(Eigen::Vector3d::UnitY()));
@@ -80,6 +81,34 @@ TEST(ParseContacts, NamesWhatIsWrong) {
             std::string::npos);
 }
 
+TEST(ParseContacts, RefusesColumnsThatItDoesNotKnow) {
+  const std::string misspelt = refusal("x,y,z,point_sigm\n0,0,0,0.001\n");
+  EXPECT_NE(misspelt.find("c.csv:1: unknown column 'point_sigm' (known: x, y, z, nx"),
+            std::string::npos)
+      << misspelt;
+  EXPECT_NE(misspelt.find("; did you mean 'point_sigma'?"), std::string::npos) << misspelt;
+  const std::string foreign = refusal("x,y,z,temperature\n0,0,0,20\n");
+  EXPECT_NE(foreign.find("'temperature'"), std::string::npos) << foreign;
+  EXPECT_EQ(foreign.find("did you mean"), std::string::npos) << foreign;
+}
+
+TEST(ParseContacts, ReadsWhatTheProgramWritesOfAFinger) {
+  EXPECT_EQ(refusal("t,x,y,z,fx,fy,fz,nx,ny,nz,sigma_deg,error_deg,flags\n"
+                    "0,0,0,0,0,0,-1,0,0,1,3,2,edge\n"),
+            "");
+}
+
+TEST(ParseContacts, RefusesNormalsThatAreNotUnit) {
+  const std::string header = "x,y,z,nx,ny,nz\n";
+  EXPECT_EQ(refusal(header + "0,0,0,0.58,0.58,0.58\n"), "");  // rounded
+  for (const auto& [cells, length] : {std::pair{"0,0,2", "2"}, {"0,0.985,0", "0.985"}}) {
+    EXPECT_NE(refusal(header + "0,0,0,0,0,1\n0,0,0," + cells + "\n")
+                  .find(std::string("c.csv:3: a normal of length ") + length + ", not 1"),
+              std::string::npos)
+        << cells;
+  }
+}
+
 /// Reads a text as a file of planes.
 std::vector<PlaneContact> planes(const std::string& text) {
   const auto path = std::filesystem::temp_directory_path() / "palpate_plane_contacts_test.csv";
@@ -99,7 +128,7 @@ std::string refusal_of_planes(const std::string& text) {
 }
 
 TEST(ReadPlaneContacts, ReadsPlanes) {
-  const auto read = planes("height,sigma,nx,ny,nz,at\n0.1,,0,0,2,7\n-0.2,0.003,1,0,0,8\n");
+  const auto read = planes("height,sigma,nx,ny,nz\n0.1,,0,0,1\n-0.2,0.003,1,0,0\n");
   ASSERT_EQ(read.size(), 2U);
   EXPECT_TRUE(read[0].normal.isApprox(Eigen::Vector3d::UnitZ()));
   EXPECT_EQ(read[0].height, 0.1);
@@ -112,6 +141,12 @@ TEST(ReadPlaneContacts, NamesWhatIsWrong) {
   const std::string header = "nx,ny,nz,height,sigma\n";
   EXPECT_NE(refusal_of_planes("nx,ny,nz\n0,0,1\n").find("height"), std::string::npos);
   EXPECT_NE(refusal_of_planes(header + "0,0,0,0,\n").find(":2: a normal of length 0"),
+            std::string::npos);
+  EXPECT_NE(refusal_of_planes(header + "0,0,2,0.1,\n").find(":2: a normal of length 2, not 1"),
+            std::string::npos);
+  EXPECT_NE(refusal_of_planes("nx,ny,nz,height,sigm\n0,0,1,0.1,0.01\n")
+                .find("unknown column 'sigm' (known: nx, ny, nz, height, sigma); did you mean "
+                      "'sigma'?"),
             std::string::npos);
   EXPECT_NE(refusal_of_planes(header + "0,0,1,1e20,\n").find(":2: a height in m of 1e+20"),
             std::string::npos);

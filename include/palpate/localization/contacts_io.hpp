@@ -16,14 +16,16 @@ struct ContactNoise {
 };
 
 /// Contacts of a CSV text with the columns x,y,z (m) and, optionally, nx,ny,nz (outward normal of
-/// the object, made a unit vector; empty cells: none), point_sigma (m), normal_sigma (rad; empty:
-/// as `noise` says), group (an integer: at least one contact of a group touches; empty: this one
-/// does), t (s), finger (a name or an index) and fx,fy,fz (N), in any order; other columns are
-/// skipped. Rows are put in the order of t.
+/// the object, of unit length within 1 %; empty cells: none), point_sigma (m), normal_sigma (rad;
+/// empty: as `noise` says), group (an integer: at least one contact of a group touches; empty: this
+/// one does), t (s), finger (a name or an index) and fx,fy,fz (N), in any order. Skipped are
+/// columns without a name and sigma_deg, error_deg and flags, which `palpate sense` writes. Rows
+/// are put in the order of t.
 ///
 /// @param source  named in errors, as in "contacts.csv:3: ..."
-/// @throws BadInput for a missing column, a row of another length, a value that is no finite
-///         number, a normal without direction, a sigma that is not positive or a group below 0
+/// @throws BadInput for a missing or unknown column, a row of another length, a value that is no
+///         finite number, a normal of another length, a sigma that is not positive or a group below
+///         0
 std::vector<tactile::Contact> parse_contacts(std::string_view text, std::string_view source,
                                              const ContactNoise& noise = {});
 
@@ -32,12 +34,12 @@ std::vector<tactile::Contact> read_contacts(const std::filesystem::path& path,
                                             const ContactNoise& noise = {});
 
 /// Planes that the held object was let down on, of a CSV with the columns nx,ny,nz (normal to the
-/// object's side, made a unit vector), height (of the plane over the frame's origin, along the
-/// normal, m) and, optionally, sigma (of the height, m; empty: PlaneContact's own), in any order;
-/// other columns are skipped.
+/// object's side, of unit length within 1 %), height (of the plane over the frame's origin, along
+/// the normal, m) and, optionally, sigma (of the height, m; empty: PlaneContact's own), in any
+/// order; columns without a name are skipped.
 ///
-/// @throws BadInput for a missing column, a value that is no finite number, a normal without
-///         direction, an implausible height or a sigma that is not positive
+/// @throws BadInput for a missing or unknown column, a value that is no finite number, a normal of
+///         another length, an implausible height or a sigma that is not positive
 std::vector<PlaneContact> read_plane_contacts(const std::filesystem::path& path);
 
 }  // namespace palpate::localization

@@ -52,11 +52,21 @@ KnownObject bunny() {
   return make_known_object(kBunny, load_mesh(file), 0.20);
 }
 
+/// The object that a misspelt name likely means: "; did you mean 'mug'?", or 'generated:5' for
+/// Generated:5 and generate:5.
+std::string suggestion_for(const std::string& name) {
+  std::vector<std::string> names = built_in_objects();
+  if (const auto colon = name.find(':'); colon != std::string::npos) {
+    const std::string generated = "generated" + name.substr(colon);
+    if (generated_seed(generated)) names.push_back(generated);
+  }
+  return did_you_mean(name, names);
+}
+
 [[noreturn]] void refuse_name(const std::string& name) {
-  const auto& known = built_in_objects();
   throw BadInput(
       fmt::format("'{}' is neither a mesh file nor a built-in object ({}, generated:SEED){}", name,
-                  fmt::join(known, ", "), did_you_mean(name, known)));
+                  fmt::join(built_in_objects(), ", "), suggestion_for(name)));
 }
 
 /// @throws BadInput, naming the object, if its mesh cannot be repaired

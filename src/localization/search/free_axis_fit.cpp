@@ -65,6 +65,7 @@ std::vector<PoseFamily::Match> matches_within(const PoseFamily& family,
                                               const PoseFamily::Symmetries& symmetries) {
   std::vector<PoseFamily::Match> result;
   for (const PosePoint& pose : poses) {
+    if (!family.contains(pose, symmetries)) continue;  // most, at little cost
     auto match = family.match(pose, symmetries);
     if (relative_error(match.error) <= 1) result.push_back(std::move(match));
   }

@@ -23,6 +23,39 @@ double rotation_between(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b
   return 2 * std::atan2(between.vec().norm(), std::abs(between.w()));
 }
 
+/// How far turns of an object of revolution about its line are from a family about a free axis: for
+/// each turn a bound of its error of rotation, which is at least the swing, what remains when a
+/// turn about the free axis has been taken off.
+class Swings {
+ public:
+  Swings(const Eigen::Quaterniond& pose, const Eigen::Quaterniond& family,
+         const Eigen::Vector3d& axis, const SymmetryGroup::Turns& turns) {
+    // The turn by an angle t is cos(t/2) + sin(t/2) line.
+    const Eigen::Quaterniond even = pose * turns.first * family.conjugate();
+    const Eigen::Quaterniond odd = pose * turns.line * turns.first * family.conjugate();
+    const Eigen::Vector2d a(even.w(), even.vec().dot(axis)), b(odd.w(), odd.vec().dot(axis));
+    middle_ = (a.squaredNorm() + b.squaredNorm()) / 2;
+    cosine_ = (a.squaredNorm() - b.squaredNorm()) / 2;
+    sine_ = a.dot(b);
+  }
+
+  /// The squared cosine of half a swing, rounding allowed for; about 0 from pi on.
+  static double least(double swing) {
+    constexpr double kRounding = 1e-6;
+    const double cosine = std::cos(std::min(swing, pi) / 2);
+    return cosine * cosine - kRounding;
+  }
+  /// That of the swing after a turn.
+  double of(const SymmetryGroup::Turns::Turn& turn) const {
+    return middle_ + cosine_ * turn.cosine + sine_ * turn.sine;
+  }
+  /// Of any turn at most.
+  double most() const { return middle_ + std::hypot(cosine_, sine_); }
+
+ private:
+  double middle_, cosine_, sine_;
+};
+
 }  // namespace
 
 PosePoint PoseFamily::at(double angle) const {
@@ -45,10 +78,40 @@ PoseFamily::Match PoseFamily::match_image(const PosePoint& image) const {
 PoseFamily::Match PoseFamily::match(const PosePoint& pose, const Symmetries& symmetries) const {
   if (!axis_)
     return match_image({pose.q * symmetries.nearest(pose.q.conjugate() * pose_.q), pose.t});
+  if (!symmetries.turns().empty()) return match_turns(pose, symmetries);
   Match best = match_image(pose);
   for (const Eigen::Quaterniond& symmetry : symmetries.rotations()) {
     Match other = match_image({pose.q * symmetry, pose.t});
     if (relative_error(other.error) < relative_error(best.error)) best = std::move(other);
+  }
+  return best;
+}
+
+/// As of all listed rotations in their order, without those that are too far by their swing.
+PoseFamily::Match PoseFamily::match_turns(const PosePoint& pose,
+                                          const Symmetries& symmetries) const {
+  using Turn = SymmetryGroup::Turns::Turn;
+  Match best = match_image(pose);
+  double least = relative_error(best.error);
+  std::optional<std::size_t> place;  // of the best; of equal ones the first
+  const auto compare = [&](const Turn& turn) {
+    Match other = match_image({pose.q * symmetries.rotations()[turn.index], pose.t});
+    const double error = relative_error(other.error);
+    if (error > least || (error == least && !(place && turn.index < *place))) return;
+    best = std::move(other);
+    least = error;
+    place = turn.index;
+  };
+  for (const auto& listed : symmetries.turns()) {
+    const Swings swings(pose.q, pose_.q, axis_->direction, listed);
+    const auto swing = [&](const Turn& turn) { return swings.of(turn); };
+    if (listed.turns.empty()) continue;
+    compare(*std::ranges::max_element(listed.turns, {}, swing));
+    // The limit of the nearest turn serves for all: a few more are compared than need be.
+    const double limit = Swings::least(least * PoseTolerance{}.rotation);
+    for (const Turn& turn : listed.turns) {
+      if (swings.of(turn) >= limit) compare(turn);
+    }
   }
   return best;
 }
@@ -61,8 +124,16 @@ bool PoseFamily::contains(const PosePoint& pose, const Symmetries& symmetries,
     const Eigen::Quaterniond between = pose.q.conjugate() * pose_.q;
     return std::abs(between.dot(symmetries.nearest(between))) >= least;
   }
-  return std::ranges::any_of(symmetries.rotations(), [&](const Eigen::Quaterniond& s) {
+  const auto holds = [&](const Eigen::Quaterniond& s) {
     return relative_error(match_image({pose.q * s, pose.t}).error, tolerance) <= 1;
+  };
+  if (symmetries.turns().empty()) return std::ranges::any_of(symmetries.rotations(), holds);
+  const double least = Swings::least(tolerance.rotation);
+  return std::ranges::any_of(symmetries.turns(), [&](const SymmetryGroup::Turns& listed) {
+    const Swings swings(pose.q, pose_.q, axis_->direction, listed);
+    return swings.most() >= least && std::ranges::any_of(listed.turns, [&](const auto& turn) {
+             return swings.of(turn) >= least && holds(symmetries.rotations()[turn.index]);
+           });
   });
 }
 

@@ -59,6 +59,7 @@ class PoseFamily {
 
  private:
   Match match_image(const PosePoint& image) const;
+  Match match_turns(const PosePoint& pose, const Symmetries& symmetries) const;
 
   PosePoint pose_;
   std::optional<FreeAxis> axis_;

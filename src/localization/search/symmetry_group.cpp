@@ -41,6 +41,10 @@ Eigen::Quaterniond turn_about(const Eigen::Vector3d& axis, const Eigen::Quaterni
   return turn;
 }
 
+Eigen::Quaterniond half_turn(const Eigen::Vector3d& axis) {
+  return {0, axis.x(), axis.y(), axis.z()};
+}
+
 }  // namespace
 
 SymmetryGroup::SymmetryGroup(std::vector<Eigen::Quaterniond> rotations)
@@ -63,6 +67,22 @@ void SymmetryGroup::recognize_continuous() {
   const auto flip = std::ranges::find_if(
       rotations_, [&](const Eigen::Quaterniond& q) { return axis.dot(q * axis) < 0; });
   if (flip != rotations_.end()) flip_ = *flip;
+  list_turns();
+}
+
+void SymmetryGroup::list_turns() {
+  std::vector<Turns> lists = {{half_turn(*line_), Eigen::Quaterniond::Identity(), {}}};
+  if (flip_) lists.push_back({half_turn(*line_), *flip_, {}});
+  for (std::size_t i = 0; i < rotations_.size(); ++i) {
+    const Eigen::Quaterniond& q = rotations_[i];
+    Turns& list = lists[line_->dot(q * *line_) < 0 ? 1 : 0];
+    const Eigen::Quaterniond rest = q * list.first.conjugate();
+    const Eigen::Quaterniond turn = turn_about(*line_, rest);
+    if (std::abs(turn.dot(rest)) < 1 - kIdentity) return;  // it tilts the line
+    const double angle = 2 * std::atan2(turn.vec().dot(*line_), turn.w());
+    list.turns.push_back({i, std::cos(angle), std::sin(angle)});
+  }
+  turns_ = std::move(lists);
 }
 
 Eigen::Quaterniond SymmetryGroup::nearest_turn(const Eigen::Quaterniond& rotation) const {

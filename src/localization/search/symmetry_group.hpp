@@ -29,14 +29,29 @@ class SymmetryGroup {
   /// As listed.
   const std::vector<Eigen::Quaterniond>& rotations() const { return rotations_; }
 
+  /// Listed rotations that are turns about one line after a common first rotation.
+  struct Turns {
+    struct Turn {
+      std::size_t index;    ///< in rotations()
+      double cosine, sine;  ///< of its angle
+    };
+    Eigen::Quaterniond line;   ///< the line's direction as a half turn
+    Eigen::Quaterniond first;  ///< none, or the turn of the line that comes before
+    std::vector<Turn> turns;
+  };
+  /// All listed rotations of a shape of revolution; none of other shapes.
+  const std::vector<Turns>& turns() const { return turns_; }
+
  private:
   void recognize_continuous();
+  void list_turns();
   Eigen::Quaterniond nearest_turn(const Eigen::Quaterniond& rotation) const;
 
   std::vector<Eigen::Quaterniond> rotations_;
   bool all_ = false;                        // rotations
   std::optional<Eigen::Vector3d> line_;     // all turns about it
   std::optional<Eigen::Quaterniond> flip_;  // that turns the line round
+  std::vector<Turns> turns_;
 };
 
 }  // namespace palpate::localization
