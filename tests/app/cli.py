@@ -56,7 +56,7 @@ class CliTest(unittest.TestCase):
         environment = dict(os.environ, PALPATE_CACHE=str(self.cache))
         return subprocess.run(
             [PROGRAM, *arguments], cwd=self.folder, env=environment, capture_output=True,
-            text=True, timeout=300,
+            text=True, timeout=900,
         )  # fmt: skip
 
     def run_json(self, *arguments):
