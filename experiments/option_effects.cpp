@@ -91,9 +91,10 @@ struct Course {
   std::string end;  ///< all that the trial came to; the error's message if it was refused
 };
 
+/// Without its outcome in words, which may tell how long planning took.
 std::string describe(const skills::PhaseReport& phase) {
-  return fmt::format("{} {} {} {} {}", phase.name, phase.outcome, phase.robot_seconds,
-                     phase.peak_force, phase.contacts);
+  return fmt::format("{} {} {} {}", phase.name, phase.robot_seconds, phase.peak_force,
+                     phase.contacts);
 }
 
 /// @param usual  ends the trial after the first phase that is not as in this one

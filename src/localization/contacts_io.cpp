@@ -24,18 +24,10 @@ namespace {
 
 constexpr double kLengthTolerance = 0.01;  // of a normal's length, for rounded components
 
+// The last three are of the file that `palpate sense` writes for a finger, and are not read.
 const std::vector<std::string> kContactColumns = {
-    "x",           "y",
-    "z",  // the point
-    "nx",          "ny",
-    "nz",                           // the normal
-    "point_sigma", "normal_sigma",  // its own errors
-    "group",       "t",
-    "finger",  // which, when and by what
-    "fx",          "fy",
-    "fz",  // the force
-    "sigma_deg",   "error_deg",
-    "flags"};  // besides in palpate sense's file of a finger; unread
+    "x", "y",      "z",  "nx", "ny", "nz",        "point_sigma", "normal_sigma", "group",
+    "t", "finger", "fx", "fy", "fz", "sigma_deg", "error_deg",   "flags"};
 const std::vector<std::string> kPlaneColumns = {"nx", "ny", "nz", "height", "sigma"};
 
 /// A column that is misspelt must not be passed over. One without a name is: tables of Python often
