@@ -35,10 +35,6 @@ const std::vector<Job> kJobs = {
     {"biotac", "box", {"touch.source=biotac"}},
     {"slippery", "bottle", {"world.hand_friction=0.3"}},
     {"side", "bottle", {"explore.touches=0", "start.stable_pose=2"}},
-    {"rolls",
-     "duck",
-     {"palpation.certain=1", "palpation.min_gain_rate=0", "palpation.max=0",
-      "palpation.table_touches=0"}},
 };
 
 /// Few touches: whether an option has an effect shows in a short pick, too.

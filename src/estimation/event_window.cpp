@@ -15,7 +15,7 @@ double duration_of(TouchEvent mark, const EstimationOptions& options) {
     case TouchEvent::held:
       return options.window;
     default:
-      return 0.15;  // fingers that have closed, probed or rolled
+      return 0.15;  // fingers that have closed or probed
   }
 }
 

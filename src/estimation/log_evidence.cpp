@@ -164,16 +164,6 @@ void add_probe(const hand::Description& hand, const EventLog& log, std::size_t p
   }
 }
 
-/// Adds what the fingers touched when they had rolled the object aside.
-void add_rolled(const hand::Description& hand, const EventLog& log, std::size_t rolled,
-                std::size_t present, const EstimationOptions& options, Evidence& evidence) {
-  Fingers all;
-  all.fill(true);
-  const auto window = event_window(log, TouchEvent::rolled, rolled, options);
-  add_carried(mean_contacts(window, hand, options.errors), all,
-              in_hand_motion(hand, log, rolled, present, options.errors).T, options, evidence);
-}
-
 /// Adds where the table was when the held object touched it, carried along with the object to the
 /// present. Each later touch may have turned it in the hand.
 void add_table_touches(const hand::Description& hand, const EventLog& log, std::size_t present,
@@ -260,9 +250,6 @@ Evidence evidence_in_hand(const hand::Description& hand, const EventLog& log,
   if (log.at(TouchEvent::closed)) {
     for (const std::size_t probe : log.all(TouchEvent::probed)) {
       add_probe(hand, log, probe, present, options, evidence);
-    }
-    for (const std::size_t rolled : log.all(TouchEvent::rolled)) {
-      add_rolled(hand, log, rolled, present, options, evidence);
     }
     add_table_touches(hand, log, present, options, evidence);
   }

@@ -179,12 +179,9 @@ PosePrior after_motion(const HeldObject& held, const localization::Posterior& be
 
 /// Whether it has been moved on purpose since the hand closed, up to the instant.
 bool moved_since(const HeldObject& held) {
-  for (const TouchEvent mark : {TouchEvent::rolled, TouchEvent::table_touched}) {
-    for (const std::size_t reading : held.log.all(mark)) {
-      if (reading > held.closed && reading <= held.at) return true;
-    }
-  }
-  return false;
+  return std::ranges::any_of(held.log.all(TouchEvent::table_touched), [&](std::size_t reading) {
+    return reading > held.closed && reading <= held.at;
+  });
 }
 
 }  // namespace

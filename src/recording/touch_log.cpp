@@ -17,8 +17,8 @@ namespace {
 constexpr std::string_view kMarkPrefix = "mark ";
 
 /// Names until 2026-11-23.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 2> kFormerNames = {
-    {{"felt", "height_probed"}, {"sweep", "guarded_move"}}};
+constexpr std::array<std::pair<std::string_view, std::string_view>, 3> kFormerNames = {
+    {{"felt", "height_probed"}, {"sweep", "guarded_move"}, {"rolled", "probed"}}};
 
 std::string present_name(std::string name) {
   for (const auto& [former, present] : kFormerNames) {

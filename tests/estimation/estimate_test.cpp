@@ -154,21 +154,6 @@ TEST(EstimateHeldPose, AHandThatHasOpenedKnowsWhatItHeldBefore) {
   EXPECT_LT(error.translation, 0.003);
 }
 
-TEST(EstimateHeldPose, CountsWhatTheFingersTouchedWithTheObjectRolledAside) {
-  const auto& s = scene();
-  ASSERT_TRUE(s.picked.held);
-  const auto once = held_pose(s.log, s.locate_options, PickedBox::kSeed);
-  EventLog rolled = s.log;
-  rolled.moments.push_back({TouchEvent::rolled, *s.log.at(TouchEvent::held)});
-  const auto twice = held_pose(rolled, s.locate_options, PickedBox::kSeed);
-  EXPECT_GT(twice.contacts.size(), once.contacts.size());
-  rolled.moments.push_back(
-      {TouchEvent::opened, *s.log.at(TouchEvent::held)});  // of the grasp before
-  rolled.moments.push_back({TouchEvent::held, *s.log.at(TouchEvent::held)});
-  const auto anew = held_pose(rolled, s.locate_options, PickedBox::kSeed);
-  EXPECT_EQ(anew.contacts.size(), once.contacts.size());
-}
-
 TEST(EstimateHeldPose, HasAPoseAtAnyInstant) {
   const auto& s = scene();
   ASSERT_TRUE(s.picked.held);

@@ -24,7 +24,6 @@ TEST(EventWindow, EndsAtTheEventAndIsAsLongAsTheHandStoodStill) {
   EXPECT_EQ(length(TouchEvent::touched), 10u);
   EXPECT_EQ(length(TouchEvent::closed), 15u);
   EXPECT_EQ(length(TouchEvent::probed), 15u);
-  EXPECT_EQ(length(TouchEvent::rolled), 15u);
   EXPECT_EQ(length(TouchEvent::held), 40u);
 }
 

@@ -99,7 +99,6 @@ TEST(PriorAfterLift, WhatTouchedTheTableMayHaveTurnedInTheHand) {
   const double still = turn_after(TouchEvent::probed, 10);
   const double moved = still + 8 * std::pow(EstimationOptions().motion_angle_sigma, 2);  // 3^2 - 1
   EXPECT_NEAR(turn_after(TouchEvent::table_touched, 10), moved, 1e-9);
-  EXPECT_NEAR(turn_after(TouchEvent::rolled, 10), moved, 1e-9);
   EXPECT_NEAR(turn_after(TouchEvent::table_touched, 18), still, 1e-9) << "after the instant";
 }
 

@@ -11,7 +11,7 @@ inline TrialOptions quick_options() {
   options.pick.explore.touches = 4;
   options.pick.lift.hold = 0.5;
   options.pick.palpation.max = 2;
-  options.pick.palpation.rolls = options.pick.palpation.regrasps = 0;
+  options.pick.palpation.regrasps = 0;
   options.pick.palpation.certain = options.pick.palpation.doubtful = 1;  // whatever is known
   options.pick.palpation.table_touches = 0;
   options.pick.palpation.min_gain_rate = 0;

@@ -225,19 +225,6 @@ TEST(Trial, PutsDownWhatHangsToGraspItAnew) {
   EXPECT_NE(std::find(down, names.end(), "lift"), names.end());
 }
 
-TEST(Trial, RollsTheObjectAsideAndBack) {
-  TrialOptions options = quick_options();
-  options.pick.palpation.max = 0;
-  options.pick.palpation.rolls = 1;
-  const Trial trial = run_trial(model("bunny"), options, kSeed + 3);
-  EXPECT_TRUE(trial.metrics.lifted);
-  const auto& phases = trial.result.phases;
-  EXPECT_TRUE(std::any_of(phases.begin(), phases.end(), [](const skills::PhaseReport& phase) {
-    return phase.name == "probe" && phase.outcome.find("1 roll,") != std::string::npos &&
-           phase.robot_seconds > 2;
-  }));
-}
-
 TEST(Trial, TouchesTheTableWithWhatItHolds) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "pick.h5";

@@ -22,7 +22,7 @@ const geometry::ObjectModel& box() {
 evaluation::TrialOptions quick_options() {
   evaluation::TrialOptions options = evaluation::TrialOptions::ideal();
   options.pick.explore.touches = options.pick.explore.max_touches = 6;
-  options.pick.palpation.max = options.pick.palpation.rolls = options.pick.palpation.regrasps = 0;
+  options.pick.palpation.max = options.pick.palpation.regrasps = 0;
   options.pick.palpation.table_touches = 0;
   options.pick.lift.hold = 0.5;
   options.pick.estimation.search.proposals = 20000;

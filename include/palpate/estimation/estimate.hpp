@@ -119,9 +119,8 @@ class PoseEstimator {
   localization::Posterior resting(const hand::Description& hand, const EventLog& log);
 
   /// The pose in the hand at an instant. Contacts are those of the held object, with those that
-  /// probes have found and those that it had rolled aside; the table supported it when the fingers
-  /// had closed; the measured height weighs its stable poses. All is expressed in the hand's base,
-  /// in which the object rests.
+  /// probes have found; the table supported it when the fingers had closed; the measured height
+  /// weighs its stable poses. All is expressed in the hand's base, in which the object rests.
   /// @param at  reading of the log; all of the log counts, before and after it
   /// @return status no_pose for no instant, as EventLog::at() gives for what has not happened
   HeldPoseEstimate held(const hand::Description& hand, const EventLog& log,

@@ -22,14 +22,13 @@ enum class TouchEvent {
   placed,         ///< the object stands where it was put; the hand is about to let go
   probed,         ///< a finger has closed on another spot of the object that the others hold
   on_table,       ///< fingertips rest on the bare table
-  rolled,         ///< the fingers have rolled the object aside, and are about to roll it back
   opened,         ///< the hand has opened around the object, which has stayed where it was
   table_touched,  ///< the held object has been let down until it touched the table
   fallen,         ///< what has been sensed fell before, or was moved: it may rest in no stable pose
 };
-inline constexpr std::array<std::string_view, 14> kTouchEventNames = {
-    "height_probed", "guarded_move", "touched",  "missed", "closed", "held",          "released",
-    "placed",        "probed",       "on_table", "rolled", "opened", "table_touched", "fallen"};
+inline constexpr std::array<std::string_view, 13> kTouchEventNames = {
+    "height_probed", "guarded_move", "touched",  "missed", "closed",        "held",  "released",
+    "placed",        "probed",       "on_table", "opened", "table_touched", "fallen"};
 
 /// All that was sensed, and when what was reached: everything that the pose estimate depends on.
 struct EventLog {

@@ -13,12 +13,11 @@
 #include "skills/probe/hidden_spin.hpp"
 #include "skills/probe/probe_finger.hpp"
 #include "skills/probe/probe_regrasp.hpp"
-#include "skills/probe/probe_roll.hpp"
 
 namespace palpate::skills {
 namespace {
 
-constexpr double kStepSeconds = 10;     // s that a touch or a roll takes at most, and back
+constexpr double kStepSeconds = 10;     // s that a touch takes at most, and back
 constexpr double kRegraspSeconds = 14;  // s, of an object on the table
 constexpr double kLiftSeconds = 6;      // s more, where it is to be put down and lifted again
 constexpr double kMinWeight = 0.5;      // of the object's weight, that must still hang
@@ -39,7 +38,6 @@ GraspTool tool_of(const Executor& robot) {
 /// What could be done next, each with what it promises.
 struct Choices {
   std::optional<FingerProbes::Move> touch;
-  std::optional<Roll> roll;
   std::optional<InformativeGrasp> grasp;
 
   /// Leaves the one that tells most a second.
@@ -48,10 +46,9 @@ struct Choices {
       return choice && choice->expected_gain.rate() >= min_gain_rate ? choice->expected_gain.rate()
                                                                      : -1.0;
     };
-    const double best = std::max({rate(touch), rate(roll), rate(grasp)});
-    if (rate(touch) < std::max(best, 0.0)) touch.reset();
-    if (touch || rate(roll) < std::max(best, 0.0)) roll.reset();
-    if (touch || roll || rate(grasp) < std::max(best, 0.0)) grasp.reset();
+    const double best = std::max({rate(touch), rate(grasp), 0.0});
+    if (rate(touch) < best) touch.reset();
+    if (touch || rate(grasp) < best) grasp.reset();
   }
 };
 
@@ -73,18 +70,16 @@ class Probing {
   PhaseEnd run(double last_start) {
     state_.next_grasp.reset();
     const double before = probability();
-    while (holds_ && !slipped_ && &object_ == &estimator_.object() && probability() > 0 &&
+    while (holds_ && &object_ == &estimator_.object() && probability() > 0 &&
            probability() <= options_.certain && robot_.time() < last_start) {
       const Choices next = choices();
       if (next.grasp) state_.next_grasp = next.grasp->plan;
-      if (!next.touch && !next.roll) break;
-      carry_out(next);
+      if (!next.touch) break;
+      touch(*next.touch);
     }
-    return {
-        !lost() && !slipped_,
-        fmt::format("{} touch{}, {} roll{}, probability {:.2f} -> {:.2f}{}", touches_,
-                    touches_ == 1 ? "" : "es", rolls_, rolls_ == 1 ? "" : "s", before,
-                    probability(), state_.next_grasp ? "; another grasp is more informative" : "")};
+    return {!lost(), fmt::format("{} touch{}, probability {:.2f} -> {:.2f}{}", touches_,
+                                 touches_ == 1 ? "" : "es", before, probability(),
+                                 state_.next_grasp ? "; another grasp is more informative" : "")};
   }
 
  private:
@@ -108,10 +103,6 @@ class Probing {
       auto& information = next.touch->expected_gain.information;
       information =
           std::min(information, localization::entropy(localization::poses_of(posterior()), {0, 0}));
-    }
-    if (hangs() && rolls_ < options_.rolls) {
-      const auto contacts = contacts_at(robot_, robot_.log().readings.size() - 1);
-      next.roll = most_informative_roll(robot_, object_, posterior(), contacts);
     }
     if (worth_regrasping()) next.grasp = other_grasp();
     next.keep_best(options_.min_gain_rate);
@@ -143,16 +134,10 @@ class Probing {
     return most_informative_grasp(object_, standing, tool_of(robot_), options);
   }
 
-  /// Touches or rolls, and estimates the pose again.
-  void carry_out(const Choices& next) {
-    if (next.touch) {
-      holds_ = fingers_.make(robot_, *next.touch);
-      ++touches_;
-    } else {
-      slipped_ = !roll(robot_, object_, posterior(), *next.roll, estimator_.options().errors,
-                       estimator_.seed());
-      ++rolls_;
-    }
+  /// Touches the object, and estimates the pose again.
+  void touch(const FingerProbes::Move& move) {
+    holds_ = fingers_.make(robot_, move);
+    ++touches_;
     if (hangs()) robot_.wait(estimator_.options().window);  // which the estimate averages
     robot_.mark(instant_);
     state_.estimate = estimator_.held(robot_.model(), robot_.log(), robot_.log().at(instant_));
@@ -166,8 +151,8 @@ class Probing {
   const GraspOptions& grasp_;
   estimation::TouchEvent instant_;
   FingerProbes fingers_;
-  int touches_ = 0, rolls_ = 0;
-  bool holds_ = true, slipped_ = false;
+  int touches_ = 0;
+  bool holds_ = true;
 };
 
 }  // namespace

@@ -9,7 +9,6 @@ namespace palpate::skills {
 
 struct PalpationOptions {
   int max = 3;            ///< touches of single fingers at most; 0: none
-  int rolls = 2;          ///< at most, of the object that hangs in the hand
   int regrasps = 2;       ///< at most, in all
   int table_touches = 4;  ///< of the held object and the table, at most; 0: none
   /// Weight of a pose up to which the closed hand palpates before it lifts; a better one is refined
@@ -28,12 +27,11 @@ struct PalpationOptions {
   double balance = 0.15;         ///< imbalance that the other fingers' forces may have
   double friction = 0.5;         ///< that their balance counts on
 
-  [[nodiscard]] bool none() const { return max == 0 && rolls == 0 && regrasps == 0; }
+  [[nodiscard]] bool none() const { return max == 0 && regrasps == 0; }
 
   template <class Visitor>
   void visit(Visitor&& v) {
     v("max", max, 0, 64, "number of touches of single fingers at most; 0: none");
-    v("rolls", rolls, 0, 64, "number of rolls of the lifted object between the fingers at most");
     v("regrasps", regrasps, 0, 16,
       "number of regrasps from other sides at most, to distinguish poses");
     v("table_touches", table_touches, 0, 16,
@@ -64,7 +62,6 @@ struct PalpationOptions {
 /// the phase does what should tell most about the poses in question, a second of the robot's time:
 ///
 /// - a finger that the others can do without touches another spot, and comes back;
-/// - where the object hangs in the hand, the fingers roll it aside, and back;
 /// - the object is let go and grasped from another side. Then the phase ends; the grasp is left to
 ///   who runs it (PickState::next_grasp).
 class PalpationPhase : public Phase {
