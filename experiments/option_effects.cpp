@@ -24,17 +24,21 @@ using evaluation::TrialOptions;
 struct Job {
   std::string name, object;
   std::vector<std::string> settings;
+  std::vector<std::string> sections;  ///< beginnings of keys of which it tries all values first
 };
 
 const std::vector<Job> kJobs = {
-    {"spot", "box", {"place.target=0.15,0.1,0.5"}},
-    {"unsure", "mug", {"place.target=0.15,0.1,0.5"}},
-    {"fixture", "box", {"place.target=fixture"}},
-    {"regrasp", "box", {"place.target=stable_pose", "place.strategy=regrasp"}},
-    {"fingers", "box", {"place.target=0.15,0.1,0.5", "place.strategy=fingers"}},
-    {"biotac", "box", {"touch.source=biotac"}},
-    {"slippery", "bottle", {"world.hand_friction=0.3"}},
-    {"side", "bottle", {"explore.touches=0", "start.stable_pose=2"}},
+    {"spot", "box", {"place.target=0.15,0.1,0.5"}, {"place.", "start.", "world.", "safety."}},
+    {"unsure", "mug", {"place.target=0.15,0.1,0.5"}, {"lower.", "withdraw.", "palpation."}},
+    {"fixture", "box", {"place.target=fixture"}, {"place.fixture."}},
+    {"regrasp",
+     "box",
+     {"place.target=stable_pose", "place.strategy=regrasp"},
+     {"place.regrasp.", "place.stable_pose"}},
+    {"fingers", "box", {"place.target=0.15,0.1,0.5", "place.strategy=fingers"}, {"place.fingers."}},
+    {"biotac", "box", {"touch.source=biotac"}, {"touch.biotac"}},
+    {"slippery", "bottle", {"world.hand_friction=0.3"}, {}},
+    {"side", "bottle", {"explore.touches=0", "start.stable_pose=2"}, {"grasp.side"}},
 };
 
 /// Few touches: whether an option has an effect shows in a short pick, too.
@@ -131,10 +135,12 @@ class Effects {
     }
   }
 
-  /// Jobs that the key names with all values, then each value in all jobs.
+  /// All values in the jobs of the key's section, the last first, then each value in all jobs.
   [[nodiscard]] Effect of(const std::string& key) const {
-    for (std::size_t j = 0; j < models_.size(); ++j) {
-      if (key.find(kJobs[j].name) == std::string::npos) continue;
+    for (std::size_t j = models_.size(); j-- > 0;) {
+      const bool serves = std::ranges::any_of(
+          kJobs[j].sections, [&](const auto& section) { return key.starts_with(section); });
+      if (!serves) continue;
       for (const std::string& value : others(key, kJobs[j])) {
         if (differs(j, key + "=" + value)) return {kJobs[j].name, value};
       }

@@ -88,9 +88,9 @@ struct Hold {
     return command;
   }
 
-  PhaseReport probe() {
+  PhaseReport probe(estimation::TouchEvent instant = estimation::TouchEvent::closed) {
     estimation::PoseEstimator estimator(object, locate, 1);
-    PalpationPhase phase(estimator, options, grasp);
+    PalpationPhase phase(estimator, options, grasp, instant);
     return run_phase(phase, robot, state);
   }
 
@@ -127,6 +127,15 @@ TEST(PalpationPhase, TouchesAnotherSpotAndReturns) {
   EXPECT_EQ(moved, 1);
   EXPECT_GT(hold.robot.log().at(estimation::TouchEvent::closed),
             hold.robot.log().at(estimation::TouchEvent::probed));
+}
+
+TEST(PalpationPhase, NoFingerLetsGoOfWhatHangs) {
+  Hold hold;
+  hold.robot.mark(estimation::TouchEvent::held);
+  hold.probe(estimation::TouchEvent::held);
+  EXPECT_EQ(hold.probes(), 0u);
+  hold.probe();
+  EXPECT_GT(hold.probes(), 0u);
 }
 
 TEST(PalpationPhase, LeavesAPoseAloneThatIsCertain) {

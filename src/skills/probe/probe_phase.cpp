@@ -96,7 +96,7 @@ class Probing {
   /// What is worth most of what has not been done too often yet.
   [[nodiscard]] Choices choices() const {
     Choices next;
-    if (touches_ < options_.max) {
+    if (!hangs() && touches_ < options_.max) {
       next.touch = fingers_.choose(robot_, posterior(), RandomStream(estimator_.seed(), "probe"));
     }
     if (next.touch) {  // of draws, which also differ by each pose's own error
@@ -134,11 +134,10 @@ class Probing {
     return most_informative_grasp(object_, standing, tool_of(robot_), options);
   }
 
-  /// Touches the object, and estimates the pose again.
+  /// Touches the object that stands on the table, and estimates the pose again.
   void touch(const FingerProbes::Move& move) {
     holds_ = fingers_.make(robot_, move);
     ++touches_;
-    if (hangs()) robot_.wait(estimator_.options().window);  // which the estimate averages
     robot_.mark(instant_);
     state_.estimate = estimator_.held(robot_.model(), robot_.log(), robot_.log().at(instant_));
   }

@@ -8,7 +8,7 @@
 namespace palpate::skills {
 
 struct PalpationOptions {
-  int max = 3;            ///< touches of single fingers at most; 0: none
+  int max = 3;            ///< touches of single fingers at most, before the lift; 0: none
   int regrasps = 2;       ///< at most, in all
   int table_touches = 4;  ///< of the held object and the table, at most; 0: none
   /// Weight of a pose up to which the closed hand palpates before it lifts; a better one is refined
@@ -31,7 +31,7 @@ struct PalpationOptions {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("max", max, 0, 64, "number of touches of single fingers at most; 0: none");
+    v("max", max, 0, 64, "number of touches of single fingers before the lift at most; 0: none");
     v("regrasps", regrasps, 0, 16,
       "number of regrasps from other sides at most, to distinguish poses");
     v("table_touches", table_touches, 0, 16,
@@ -61,7 +61,7 @@ struct PalpationOptions {
 /// Feels more of the object in the hand while its best pose is in doubt. Of all that could be done
 /// the phase does what should tell most about the poses in question, a second of the robot's time:
 ///
-/// - a finger that the others can do without touches another spot, and comes back;
+/// - before the lift, a finger that the others can do without touches another spot, and comes back;
 /// - the object is let go and grasped from another side. Then the phase ends; the grasp is left to
 ///   who runs it (PickState::next_grasp).
 class PalpationPhase : public Phase {
