@@ -88,6 +88,10 @@ void apply_place(const ObjectArguments& arguments, evaluation::StartOptions& sta
                     "from 0 to {}",
                     arguments.at, kReach, kRoughest));
   }
+  if (start.uncertainty != evaluation::StartOptions{}.uncertainty && start.uncertainty != r) {
+    throw BadInput(fmt::format("--at {}: start.uncertainty is set to {}; give R in one of them",
+                               arguments.at, start.uncertainty));
+  }
   start.x = x;
   start.y = y;
   start.uncertainty = r;

@@ -99,6 +99,8 @@ class BadInput(CliTest):
     def test_a_place_and_a_mass_that_cannot_be(self):
         for at in ["0.1", "0.1,0.2,0.3", "9,0", "here", "0.1,0,0.01,2"]:
             self.assert_bad_option(["--at", at], "--at", at)
+        self.assert_bad_option(["--at", "0,0,0.02", "--set", "start.uncertainty=0.05"],
+                               "--at 0,0,0.02", "start.uncertainty is set to 0.05")
         for command in ["pick", "eval"]:
             self.assert_refused(USAGE, [command, "--mass", "-1", "--out", "new"], "--mass")
 
