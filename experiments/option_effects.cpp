@@ -29,7 +29,12 @@ struct Job {
 
 const std::vector<Job> kJobs = {
     {"spot", "box", {"place.target=0.15,0.1,0.5"}, {"place.", "start.", "world.", "safety."}},
-    {"unsure", "mug", {"place.target=0.15,0.1,0.5"}, {"lower.", "withdraw.", "palpation."}},
+    {"unsure", "mug", {"place.target=0.15,0.1,0.5"}, {"palpation."}},
+    {"hanging",
+     "box",
+     {"estimate_before_lift=false", "palpation.certain=1", "palpation.min_gain_rate=0",
+      "palpation.table_touches=0"},
+     {"lower.", "withdraw."}},
     {"fixture", "box", {"place.target=fixture"}, {"place.fixture."}},
     {"regrasp",
      "box",
@@ -41,9 +46,13 @@ const std::vector<Job> kJobs = {
     {"side", "bottle", {"explore.touches=0", "start.stable_pose=2"}, {"grasp.side"}},
 };
 
-/// Few touches: whether an option has an effect shows in a short pick, too.
-const std::vector<std::string> kShort = {"calibrate.touches=6", "explore.touches=4",
-                                         "explore.max_touches=6", "explore.refining=1"};
+/// Few touches and short searches: whether an option has an effect shows in a short pick, too.
+const std::vector<std::string> kShort = {"calibrate.touches=6",
+                                         "explore.touches=4",
+                                         "explore.max_touches=6",
+                                         "explore.refining=1",
+                                         "estimation.search.proposals=20000",
+                                         "estimation.search.particles=400"};
 
 TrialOptions options_of(const Job& job) {
   TrialOptions options;
