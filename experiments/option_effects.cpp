@@ -61,7 +61,7 @@ TrialOptions options_of(const Job& job) {
   return options;
 }
 
-constexpr std::size_t kValues = 5;  // of a field that are tried, at most
+constexpr std::size_t kValues = 6;  // of a field that are tried, at most
 
 /// Other values that the field may have.
 struct OtherValues {
@@ -79,7 +79,7 @@ struct OtherValues {
                high = std::min(static_cast<double>(option.high), low + 1e4);
     std::vector<std::string> others;
     for (const double other :
-         {low, 2 * value, value / 2, (low + 3 * value) / 4, (low + high) / 2}) {
+         {low, 2 * value, value / 2, (low + 3 * value) / 4, (low + high) / 2, high}) {
       const double rounded = std::is_integral_v<Number> ? std::round(other) : other;
       if (rounded != value && rounded >= low && rounded <= high) {
         others.push_back(fmt::format("{}", rounded));
