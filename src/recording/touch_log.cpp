@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::string_view kMarkPrefix = "mark ";
 
-/// Names until 2026-11-23.
+/// Names in recordings of earlier programs.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 3> kFormerNames = {
     {{"felt", "height_probed"}, {"sweep", "guarded_move"}, {"rolled", "probed"}}};
 

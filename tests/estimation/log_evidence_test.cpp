@@ -7,6 +7,7 @@
 
 #include "hand/descriptions.hpp"
 #include "palpate/core/assets.hpp"
+#include "palpate/hand/shadow.hpp"
 #include "palpate/simulation/hand/load_hand.hpp"
 
 namespace palpate::estimation {
@@ -78,6 +79,33 @@ TEST(EvidenceInHand, IsLessSureOfTouchesOfTheTableAfterWhichTheObjectMayHaveTurn
   ASSERT_EQ(evidence.planes.size(), 2u);
   EXPECT_NEAR(evidence.planes[0].sigma, 0.005, 1e-12);
   EXPECT_NEAR(evidence.planes[1].sigma, 0.003, 1e-12);
+}
+
+/// A hand that closed and moved the first finger to another spot, which it touches.
+EventLog one_probe(const hand::Description& hand) {
+  EventLog log = one_touch();
+  const auto knuckle = hand::shadow_hand().joint("FFJ3");
+  for (std::size_t i = 10; i < log.readings.size(); ++i) log.readings[i].joints[knuckle] = 0.5;
+  for (std::size_t i = 26; i < log.readings.size(); ++i) {
+    log.readings[i].joints = log.readings[0].joints;
+  }
+  EXPECT_EQ(hand.finger_count(), hand::kShadowFingers);
+  log.moments = {{TouchEvent::closed, 5}, {TouchEvent::probed, 25}, {TouchEvent::closed, 29}};
+  return log;
+}
+
+TEST(EvidenceInHand, CountsWhatAProbeTouchedUntilTheHandOpens) {
+  static const auto hand = simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
+  EventLog log = one_probe(hand);
+  EventLog without = log;
+  std::erase_if(without.moments,
+                [](const auto& moment) { return moment.mark == TouchEvent::probed; });
+  const auto count = [&](const EventLog& one) {
+    return evidence_in_hand(hand, one, {29, false}, 0.2, {}).contacts.size();
+  };
+  EXPECT_EQ(count(log), count(without) + 1);
+  log.moments.insert(log.moments.end() - 1, {TouchEvent::opened, 27});
+  EXPECT_EQ(count(log), count(without));
 }
 
 }  // namespace
