@@ -84,8 +84,8 @@ struct RemoteHand::Impl {
     return trajectory;
   }
 
-  /// Positions have no stamp, by which a command that comes twice were known: it is sent once, when
-  /// there is somebody who hears it.
+  /// Positions have no stamp, by which a command that comes twice were known: they are sent when
+  /// there is somebody who hears them.
   void send_first(const hand::HandCommand& command) {
     const auto start = Clock::now();
     const auto waits = [&](bool heard, double limit) {
@@ -99,8 +99,10 @@ struct RemoteHand::Impl {
     send(command);
   }
 
+  /// Positions for as long as no reading has come: the first is where the hand is, and does no harm
+  /// if it comes twice.
   void send_again(const hand::HandCommand& command) {
-    if (!positions) send(command);
+    if (!positions || !last) send(command);
   }
 
   void receive() {

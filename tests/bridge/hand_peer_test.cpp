@@ -7,8 +7,10 @@
 
 #include "bridge/bridge_fixture.hpp"
 #include "bridge/hand_commands.hpp"
+#include "bridge/stream_readers.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/ros2/cdr.hpp"
+#include "palpate/ros2/robot_messages.hpp"
 #include "recording/toy_recording.hpp"
 
 namespace palpate::bridge {
@@ -93,6 +95,31 @@ TEST_F(HandPeer, PositionsOnTopicsOfOtherNamesCommandItToo) {
   for (int i = 1; i <= 20; ++i) EXPECT_EQ(remote.step(command(i)).torques[0], 0.01 * i);
   EXPECT_EQ(remote.repeats(), 0U);
   EXPECT_EQ(server.malformed(), 0U);
+}
+
+/// As where robot and program find each other topic by topic, so that parts of an answer are lost.
+TEST_F(HandPeer, PositionsAreSentAgainUntilAnAnswerIsWhole) {
+  std::jthread robot([this](const std::stop_token& stop) {
+    RawReader commands(there_, CommandTopics{}.positions, ros2::Float64MultiArray::kType, {});
+    const ros2::RobotInterface interface;
+    Writer<ros2::JointState> joints(there_, interface.joint_states, sensor_qos());
+    Writer<ros2::TFMessage> tf(there_, interface.tf, sensor_qos());
+    auto reading = hand::resting_reading(hand_);
+    int heard = 0;
+    while (!stop.stop_requested()) {
+      there_.wait(0.1);
+      commands.take([&](std::string_view, std::uint64_t) {
+        reading.time += hand::kTick;
+        const auto stamp = 1'000'000'000 + ros2::nanoseconds_of(reading.time);
+        const auto answer = ros2::messages_of(reading, hand_, interface, stamp);
+        if (++heard > 1) tf.write(answer.tf);
+        joints.write(answer.joints);
+      });
+    }
+  });
+  RemoteHand remote(here_, hand_, {}, {}, {.patience = 0.01, .connect = 60, .positions = true});
+  EXPECT_NO_THROW(remote.step(command(1)));
+  EXPECT_GE(remote.counts().blind, 1U);
 }
 
 TEST_F(HandPeer, WhoDiesIsSilentAndIsTakenUpAgain) {

@@ -31,7 +31,7 @@ struct RemoteHandOptions {
 /// step() answers a reading newer than the last or, after `timeout`, the last one again with its
 /// old time, which the executor's gate counts as late. The command is repeated then: one that was
 /// lost is made good, one that arrived is known by its stamp. Positions have none, and are not
-/// repeated.
+/// repeated once a reading has come.
 class RemoteHand : public hand::Hand {
  public:
   /// Keeps references to participant and description.
