@@ -24,7 +24,8 @@ using evaluation::TrialOptions;
 struct Job {
   std::string name, object;
   std::vector<std::string> settings;
-  std::vector<std::string> sections;  ///< beginnings of keys of which it tries all values first
+  std::vector<std::string> sections;  ///< beginnings of keys that it tries before other jobs
+  bool only_these = false;            ///< it is slow, and tries no others
 };
 
 const std::vector<Job> kJobs = {
@@ -41,9 +42,10 @@ const std::vector<Job> kJobs = {
      {"place.target=stable_pose", "place.strategy=regrasp"},
      {"place.regrasp.", "place.stable_pose"}},
     {"fingers", "box", {"place.target=0.15,0.1,0.5", "place.strategy=fingers"}, {"place.fingers."}},
-    {"biotac", "box", {"touch.source=biotac"}, {"touch.biotac"}},
+    {"biotac", "box", {"touch.source=biotac"}, {"touch."}, true},
     {"slippery", "bottle", {"world.hand_friction=0.3"}, {}},
     {"side", "bottle", {"explore.touches=0", "start.stable_pose=2"}, {"grasp.side"}},
+    {"doubtful", "mug", {"place.target=0.15,0.1,0.5", "palpation.certain=0"}, {"place.certain"}},
 };
 
 /// Few touches and short searches: whether an option has an effect shows in a short pick, too.
@@ -60,8 +62,6 @@ TrialOptions options_of(const Job& job) {
   for (const std::string& setting : job.settings) apply_setting(setting, options);
   return options;
 }
-
-constexpr std::size_t kValues = 6;  // of a field that are tried, at most
 
 /// Other values that the field may have.
 struct OtherValues {
@@ -97,7 +97,8 @@ void drop_wall_times(nlohmann::json& j) {
 /// What a job does with the usual options, or with one that is changed.
 struct Course {
   std::vector<std::string> phases;
-  std::string end;  ///< all that the trial came to; the error's message if it was refused
+  std::string end;  ///< all that the trial came to
+  bool refused = false;
 };
 
 /// Without its outcome in words, which may tell how long planning took.
@@ -124,8 +125,8 @@ Course run(const geometry::ObjectModel& object, const TrialOptions& options, std
         evaluation::run_trial(object, options, seed, nullptr, observer, stop.get_token()));
     drop_wall_times(record);
     course.end = record.dump();
-  } catch (const BadInput& error) {
-    course.end = error.what();
+  } catch (const BadInput&) {
+    course.refused = true;
   }
   return course;
 }
@@ -144,28 +145,31 @@ class Effects {
     }
   }
 
-  /// All values in the jobs of the key's section, the last first, then each value in all jobs.
+  /// All values in one job after the other: first in those of the key's section, the last of them
+  /// first.
   [[nodiscard]] Effect of(const std::string& key) const {
-    for (std::size_t j = models_.size(); j-- > 0;) {
-      const bool serves = std::ranges::any_of(
-          kJobs[j].sections, [&](const auto& section) { return key.starts_with(section); });
-      if (!serves) continue;
-      for (const std::string& value : others(key, kJobs[j])) {
-        if (differs(j, key + "=" + value)) return {kJobs[j].name, value};
+    std::vector<std::size_t> order;
+    for (std::size_t j = 0; j < models_.size(); ++j) {
+      if (serves(kJobs[j], key)) {
+        order.insert(order.begin(), j);
+      } else if (!kJobs[j].only_these) {
+        order.push_back(j);
       }
     }
-    for (std::size_t i = 0; i < kValues; ++i) {
-      for (std::size_t j = 0; j < models_.size(); ++j) {
-        const std::vector<std::string> values = others(key, kJobs[j]);
-        if (i < values.size() && differs(j, key + "=" + values[i])) {
-          return {kJobs[j].name, values[i]};
-        }
+    for (const std::size_t j : order) {
+      for (const std::string& value : others(key, kJobs[j])) {
+        if (differs(j, key + "=" + value)) return {kJobs[j].name, value};
       }
     }
     return {};
   }
 
  private:
+  static bool serves(const Job& job, const std::string& key) {
+    return std::ranges::any_of(job.sections,
+                               [&](const auto& section) { return key.starts_with(section); });
+  }
+
   [[nodiscard]] bool differs(std::size_t job, const std::string& setting) const {
     TrialOptions options = options_of(kJobs[job]);
     try {
@@ -174,6 +178,7 @@ class Effects {
       return false;
     }
     const Course course = run(models_[job], options, seed_, &usual_[job]);
+    if (course.refused) return false;
     return course.phases != usual_[job].phases || course.end != usual_[job].end;
   }
 

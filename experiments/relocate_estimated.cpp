@@ -59,7 +59,7 @@ std::vector<std::string> felt_row(const Subject& subject, const std::string& nam
 }
 
 void relocate_estimated(const experiment::Options& options) {
-  const std::vector<Subject> subjects = {{"mug", "relocate-near"}, {"box", "relocate-box"}};
+  const std::vector<Subject> subjects = {{"mug", "relocate-robust"}, {"box", "relocate-box"}};
   const std::vector<Case> cases = {{"explored, then felt in the grasp"},
                                    {"explored, then carried by the palm", true, false},
                                    {"rough place, then felt in the grasp", false, true},
