@@ -85,7 +85,7 @@ class RelocateEnv(gymnasium.Env):
 
     Raises ValueError for an object or an option that there is not: `solver`, `mass_scale`,
     `friction_scale`, `size`, `mass`, `horizon`, `scale_low`, `scale_high`, `at_ends`,
-    `object_bias`, `encoder_noise`.
+    `object_bias`, `observation_period`, `encoder_noise`.
     """
 
     metadata = {"render_modes": ["rgb_array"], "render_fps": 100}

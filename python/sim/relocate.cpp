@@ -136,7 +136,8 @@ class RelocateTasks {
     tasks_[index].reset(start);
     starts_[index] = start;
     steps_[index] = {};
-    steps_[index].distance = (tasks_[index].observation().tail<3>() - start.object_bias).norm();
+    const Eigen::Vector3d object = tasks_[index].positions().segment<3>(kRelocateJoints);
+    steps_[index].distance = (object - start.target).norm();
   }
 
   RelocateOptions options_;
@@ -199,7 +200,7 @@ void bind_states(nb::class_<RelocateTasks>& tasks) {
                                 [&](std::size_t i) { return self.tasks()[i].observation(); });
           },
           "(N, 39): 30 joint positions (m, rad); palm - object; palm - target; object - target, m, "
-          "world axes. The object's place is off by object_bias.")
+          "world axes. The object's place is off by object_bias, and late by observation_period.")
       .def_prop_ro(
           "velocities",
           [](const RelocateTasks& self) {

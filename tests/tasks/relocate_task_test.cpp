@@ -157,6 +157,29 @@ TEST(RelocateTask, ABiasIsInWhatIsObservedAndNotInTheWorld) {
   EXPECT_THROW(task.reset(start), BadInput);
 }
 
+/// The place at rest until two fingertips touch; then that of a period ago, moved with the palm.
+TEST(RelocateTask, ASparseObservationIsLateAndGoesWithThePalm) {
+  const Eigen::Vector3d place(0, 0, 0.03), pushed(0.02, 0, 0.03);
+  const auto at = [](double z) { return Eigen::Vector3d(0, 0, z); };
+  SparseObservation seen;
+  seen.reset(place, at(0.1), 2);
+  for (int i = 0; i < 4; ++i) seen.update(pushed, at(0.1), 1);  // one finger tells nothing
+  EXPECT_EQ(seen.position(), place);
+  seen.update(pushed, at(0.1), 2);
+  seen.update(pushed, at(0.1), 2);  // observed, on its way
+  EXPECT_EQ(seen.position(), place);
+  seen.update(pushed, at(0.1), 2);
+  seen.update(pushed, at(0.1), 2);
+  EXPECT_EQ(seen.position(), pushed);
+  seen.update(pushed + at(0.05), at(0.15), 2);
+  EXPECT_TRUE(seen.position().isApprox(pushed + at(0.05), 1e-12));
+  seen.update(pushed, at(0.2), 0);  // lost
+  EXPECT_TRUE(seen.position().isApprox(pushed + at(0.05), 1e-12));
+  seen.reset(place, at(0.1), 0);
+  seen.update(pushed, at(0.1), 0);
+  EXPECT_EQ(seen.position(), pushed);
+}
+
 TEST(RelocateTask, NoisyEncodersTellTheVelocityRoughly) {
   const RelocateModel model(relocate_primitive_mug());
   RelocateTask exact(model), noisy(model);

@@ -21,6 +21,8 @@ constexpr int kIterations = 20;
 constexpr double kWristDamping = 0.05, kWristArmature = 0.001;
 constexpr mjtSize kMemory = mjtSize{1} << 26;  // bytes, for all contacts of dozens of convex parts
 constexpr const char* kObject = "relocated";
+constexpr std::array kTipGeoms = {"C_thdistal", "C_ffdistal", "C_mfdistal", "C_rfdistal",
+                                  "C_lfdistal"};
 
 std::string one_line(std::string text) {
   std::replace(text.begin(), text.end(), '\n', ' ');
@@ -153,6 +155,7 @@ void find_parts(RelocateScene& scene) {
     scene.hand.push_back(model.body_rootid[body] == arm);
     scene.held.push_back(body == scene.object);
   }
+  for (const char* tip : kTipGeoms) scene.tips.push_back(mj_name2id(&model, mjOBJ_GEOM, tip));
 }
 
 void check(const RelocatePhysics& physics) {

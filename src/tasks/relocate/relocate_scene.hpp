@@ -20,6 +20,7 @@ struct RelocateScene {
   int substeps = 0;        ///< of physics, each control step of 10 ms
   std::vector<char> hand;  ///< for each geom, whether it is the hand's
   std::vector<char> held;  ///< for each geom, whether it is the object's
+  std::vector<int> tips;   ///< geoms of the fingertips, in the order of the Shadow hand's fingers
 };
 
 /// What is kept in the model for drawing it.

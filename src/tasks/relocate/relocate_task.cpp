@@ -104,6 +104,17 @@ bool RelocateTask::Impl::contact() const {
   });
 }
 
+int RelocateTask::Impl::touching_tips() const {
+  const auto touches = [&](int tip) {
+    return std::any_of(data->contact, data->contact + data->ncon, [&](const mjContact& c) {
+      const int other = c.geom[0] == tip ? c.geom[1] : c.geom[0];
+      return (c.geom[0] == tip || c.geom[1] == tip) && other >= 0 &&
+             scene().held[static_cast<std::size_t>(other)] != 0;
+    });
+  };
+  return static_cast<int>(std::ranges::count_if(scene().tips, touches));
+}
+
 RelocateJoints RelocateTask::Impl::noisy_joints() {
   RelocateJoints q = RelocateJoints::Map(data->qpos);
   for (double& value : q) value += start.encoder_noise * encoder_noise.normal();
@@ -139,12 +150,13 @@ void RelocateTask::reset(const RelocateStart& start) {
   impl_->encoder_noise = RandomStream(start.encoder_seed, "encoders");
   impl_->read = impl_->noisy_joints();
   impl_->velocity.setZero();
+  impl_->seen.reset(impl_->object(), impl_->palm(), start.observation_period);
 }
 
 RelocateObservation RelocateTask::observation() const {
   RelocateObservation result;
   const Eigen::Vector3d palm = impl_->palm(), target = impl_->start.target;
-  const Eigen::Vector3d object = impl_->object() + impl_->start.object_bias;
+  const Eigen::Vector3d object = impl_->seen.position() + impl_->start.object_bias;
   result << RelocateJoints::Map(impl_->data->qpos), palm - object, palm - target, object - target;
   return result;
 }
@@ -164,6 +176,8 @@ RelocateStep RelocateTask::step(const RelocateAction& action) {
         action.cwiseMax(-1).cwiseMin(1).cwiseProduct(impl_->model.action_half_range());
     for (int i = 0; i < impl_->scene().substeps; ++i) mj_step(impl_->scene().model.get(), &data);
     impl_->read_encoders();
+    impl_->seen.update(impl_->object(), impl_->palm(),
+                       impl_->start.observation_period > 0 ? impl_->touching_tips() : 0);
   }
   const Eigen::Vector3d palm = impl_->palm(), object = impl_->object();
   const Eigen::Vector3d target = impl_->start.target;

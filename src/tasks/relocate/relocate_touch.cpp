@@ -31,9 +31,6 @@ constexpr std::array<Twin, hand::kShadowJoints> kTwins = {{
     {"LFJ4", 20, 1},  {"LFJ3", 21, 1}, {"LFJ2", 22, 1}, {"LFJ1", 23, 1},  {"LFJ0", 24, 1},
 }};
 
-constexpr std::array<const char*, hand::kShadowFingers> kTipGeoms = {
-    "C_thdistal", "C_ffdistal", "C_mfdistal", "C_rfdistal", "C_lfdistal"};
-
 simulation::NamedJoint twin_of(const std::string& name) {
   for (std::size_t i = 0; i < kTwins.size(); ++i) {
     if (kTwins[i].name == name) return {static_cast<int>(i), kTwins[i].sign};
@@ -47,13 +44,7 @@ int forearm(const RelocateModel& model) {
   return simulation::find_id(compiled(model), mjOBJ_BODY, "forearm");
 }
 
-std::vector<int> tips_of(const RelocateModel& model) {
-  std::vector<int> tips;
-  for (const char* geom : kTipGeoms) {
-    tips.push_back(simulation::find_id(compiled(model), mjOBJ_GEOM, geom));
-  }
-  return tips;
-}
+const std::vector<int>& tips_of(const RelocateModel& model) { return model.impl().scene.tips; }
 
 /// Where the arm's joints put the forearm: slides along its resting axes, then hinges about its
 /// own.

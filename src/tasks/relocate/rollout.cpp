@@ -9,6 +9,7 @@
 
 #include "palpate/core/error.hpp"
 #include "palpate/core/parallel.hpp"
+#include "tasks/relocate/relocate_scene.hpp"
 
 namespace palpate::relocate {
 namespace {
@@ -71,6 +72,8 @@ RelocateStart episode_start(const EpisodeOptions& options, std::uint64_t seed, s
   RelocateStart start = sample_relocate_start(random, scale);
   RandomStream sensors = random.fork("sensors");
   start.object_bias = options.object_bias * sensors.normal3().normalized();
+  start.observation_period =
+      static_cast<int>(std::lround(options.observation_period / kControlStep));
   start.encoder_noise = options.encoder_noise;
   start.encoder_seed = sensors.bits();
   return start;

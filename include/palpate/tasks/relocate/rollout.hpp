@@ -44,8 +44,9 @@ struct EpisodeOptions {
   int horizon = 99;         ///< steps of 10 ms
   double scale_low = 0.25;  ///< the randomness scale is drawn again for each episode
   double scale_high = 0.25;
-  double at_ends = 0;        ///< share of the episodes whose scale is one of the two, evenly
-  double object_bias = 0;    ///< m, error of the object's place as observed, some way an episode
+  double at_ends = 0;      ///< share of the episodes whose scale is one of the two, evenly
+  double object_bias = 0;  ///< m, error of the object's place as observed, some way an episode
+  double observation_period = 0;  ///< s between, and delay of, what is told of the object in grasp
   double encoder_noise = 0;  ///< m, rad, of the encoders that tell the velocities; 0: the true ones
 
   template <class Visitor>
@@ -57,6 +58,9 @@ struct EpisodeOptions {
       "share of the episodes whose scale is the least or the largest");
     v("object_bias", object_bias, 0.0, 0.1,
       "m, error of the observed object's position, constant within an episode");
+    v("observation_period", observation_period, 0.0, 10.0,
+      "s, between two observations of the object in the grasp, and delay of each, as by touch; 0: "
+      "always the true position");
     v("encoder_noise", encoder_noise, 0.0, 0.1,
       "m, rad, noise of the encoders from which velocities are derived");
   }
