@@ -24,6 +24,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 IMAGES = ROOT / "docs" / "images"
 MADE = IMAGES / "made.json"
 RENDERER = ("src/simulation/rendering/*.?pp", "apps/palpate/posterior_film.cpp")
+PLOTS = ("src/plotting/*.?pp", "include/palpate/plotting/*.?pp")
 PAGE = ("viewer/*",)
 BROWSER = (
     "chromium --headless=new --no-sandbox --disable-gpu-sandbox --use-angle=swiftshader "
@@ -35,7 +36,7 @@ BROWSER = (
 class Set(NamedTuple):
     commands: tuple  # {work} is the set's folder; "palpate" is the program
     pictures: dict   # name in docs/images: path in {work}
-    follows: tuple = ()  # sources that must not have changed since
+    follows: tuple   # sources that must not have changed since
     long: bool = False
 
 
@@ -54,9 +55,11 @@ def policy_set(policy):
 
 
 def experiment_set(name, seed, *figures):
+    """Follows the experiment and what draws its plots, not the library that it measures."""
     return Set(
         (f"./dev experiment {name} --seed {seed} --out {{work}}",),
         {f"{figure}.svg": f"{figure}.svg" for figure in figures},
+        (f"experiments/{name}.cpp", f"experiments/common/{name}.?pp", *PLOTS),
         long=True,
     )
 
@@ -83,6 +86,8 @@ def training_set(seed):
             "--episodes 100 --seed 9100 --out {work}/compared",
         ),
         pictures,
+        ("configs/relocate_dapg.toml", "apps/palpate/train_curves.cpp", *PLOTS, *RENDERER[:1],
+         "apps/palpate/render.cpp"),
         long=True,
     )
 
@@ -108,7 +113,9 @@ def human_set(iterations):
         pictures[f"relocate-human-{seed}-first.svg"] = f"dapg-{seed}/return.svg"
         pictures[f"relocate-human-{seed}-last.svg"] = f"dapg2-{seed}/return.svg"
         pictures[f"relocate-human-{seed}-faithful.svg"] = f"dapg3-{seed}/return.svg"
-    return Set(tuple(commands), pictures, long=True)
+    follows = ("configs/relocate_human.toml", "configs/relocate_human_demos.toml",
+               "apps/palpate/train_curves.cpp", *PLOTS)  # fmt: skip
+    return Set(tuple(commands), pictures, follows, long=True)
 
 
 SETS = {
@@ -152,6 +159,7 @@ SETS = {
         ),
         {f"relocate-published-{n}.png": f"drawn/{i}-{n}.png"
          for n, i in {"reach": 1, "carry": 2, "hold": 3}.items()},
+        (*RENDERER[:1], "apps/palpate/render.cpp"),
         long=True,
     ),
 }

@@ -5,8 +5,8 @@ than the sources that draw it.
 usage: pictures.py REPOSITORY
 
 A picture must be named by a page, be of a set of docs/site/pictures.py, and have the hash that was
-noted when it was made. Where a set follows sources, their hash must be the noted one as well: after
-a change of the renderer or the replay page, `./dev pictures SET` makes the set again.
+noted when it was made; only sketches have no note. The hash of the sources that a set follows must
+be the noted one as well: after a change of what draws it, `./dev pictures SET` makes the set again.
 """
 
 import json
@@ -46,8 +46,6 @@ def faults_of_sets(pictures, made):
     for name, chosen in pictures.SETS.items():
         again = f"run ./dev pictures {name}"
         noted = made.get(name)
-        if chosen.long and not noted:
-            continue  # made before notes were kept
         if not noted or noted["commands"] != list(chosen.commands):
             yield f"{name}: not made by its present commands; {again}"
             continue
@@ -55,7 +53,10 @@ def faults_of_sets(pictures, made):
             file = pictures.IMAGES / picture
             if file.exists() and pictures.hash_of(file) != noted["pictures"].get(picture):
                 yield f"docs/images/{picture}: not what the command made; {again}"
-        if noted["follows"] != pictures.hash_of_sources(chosen.follows):
+        now = pictures.hash_of_sources(chosen.follows)
+        if not now:
+            yield f"{name}: follows no sources"
+        elif noted["follows"] != now:
             yield f"{name}: older than {' '.join(chosen.follows)}; {again}"
 
 
