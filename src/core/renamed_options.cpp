@@ -28,7 +28,7 @@ constexpr std::array<Rename, 11> kRenamedKeys{{
 }};
 
 /// Parts of keys, between dots.
-constexpr std::array<Rename, 40> kRenamedParts{{
+constexpr std::array<Rename, 44> kRenamedParts{{
     {"felt", "tracking"},
     {"feel", "height_probe"},
     {"locate", "estimation"},
@@ -45,6 +45,10 @@ constexpr std::array<Rename, 40> kRenamedParts{{
     {"most_touches", "max_touches"},
     {"most", "max"},
     {"least", "min"},
+    {"most_points", "max_points"},
+    {"most_force", "max_force"},
+    {"least_gap", "min_gap"},
+    {"least_log_std", "min_log_std"},
     {"least_depth", "min_depth"},
     {"least_press", "min_press"},
     {"most_imbalance", "max_wrench_residual"},

@@ -108,9 +108,10 @@ localization::PosePrior HeldPoseFollower::prior() const {
     return localization::prior_from(moved, periods * motion_covariance(turn, way));
   };
   localization::PosePrior prior;
-  localization::append(after(options_.turn_sigma, options_.way_sigma), 1 - options_.slip_share,
-                       prior);
-  localization::append(after(options_.slip_turn, options_.slip_way), options_.slip_share, prior);
+  localization::append(after(options_.rotation_sigma, options_.translation_sigma),
+                       1 - options_.slip_share, prior);
+  localization::append(after(options_.slip_rotation, options_.slip_translation),
+                       options_.slip_share, prior);
   localization::spread_elsewhere(kUnfollowed, prior);
   return prior;
 }

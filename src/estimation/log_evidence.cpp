@@ -190,7 +190,7 @@ localization::ForceBalance balance_of(const std::vector<tactile::Contact>& conta
   for (const auto& contact : contacts) balance.pushes.push_back({contact.p, contact.n, contact.f});
   balance.weight = -kGravity * mass * T_world_base.linear().row(2).transpose();
   balance.force_sigma = kForceSigma;
-  balance.twist = options.twist;
+  balance.torsional_friction_radius = options.torsional_friction_radius;
   return balance;
 }
 

@@ -75,8 +75,8 @@ localization::PosePrior OnlineTracker::expected() const {
   const double periods =
       static_cast<double>(palm_.size() - 1 - since) / static_cast<double>(ticks(options_.period));
   Vector6d variance;
-  variance << Eigen::Vector3d::Constant(std::pow(options_.turn_sigma, 2)),
-      Eigen::Vector3d::Constant(std::pow(options_.way_sigma, 2));
+  variance << Eigen::Vector3d::Constant(std::pow(options_.rotation_sigma, 2)),
+      Eigen::Vector3d::Constant(std::pow(options_.translation_sigma, 2));
   const Matrix6d covariance = (std::max(1.0, periods) * variance).asDiagonal();
   const Eigen::Isometry3d T_base_world = log_.readings.back().base.pose().inverse();
   localization::PosePrior prior;

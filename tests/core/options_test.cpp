@@ -260,6 +260,29 @@ TEST(Options, AnEarlierNameIsAnErrorThatSaysTheNewOne) {
             "run.toml:2: option locate.window is now estimation.window");
 }
 
+/// Options whose names began with most_ and least_.
+struct Limits {
+  double max_points = 1, min_log_std = 1, max_force = 1, min_gap = 1;
+
+  template <class Visitor>
+  void visit(Visitor&& v) {
+    v("max_points", max_points, 0.0, 10.0, "points");
+    v("min_log_std", min_log_std, 0.0, 10.0, "log");
+    v("max_force", max_force, 0.0, 10.0, "N");
+    v("min_gap", min_gap, 0.0, 10.0, "m");
+  }
+};
+
+TEST(Options, LimitsThatWereMostOrLeastAreNamed) {
+  for (const auto& [former, present] :
+       {std::pair{"most_points", "max_points"}, std::pair{"least_log_std", "min_log_std"},
+        std::pair{"most_force", "max_force"}, std::pair{"least_gap", "min_gap"}}) {
+    Limits options;
+    EXPECT_EQ(error_message([&] { apply_setting(std::string(former) + "=2", options); }),
+              std::string("option ") + former + " is now " + present);
+  }
+}
+
 TEST(Options, AnEarlierNameIsReadWhereItIsAccepted) {
   Renewed options;
   parse_toml("[locate]\nwindow = 1\n[explore]\nmost_touches = 3", "old.h5", options,

@@ -143,7 +143,7 @@ TEST(ReorientInHand, EndsWhereItComesNoNearer) {
   ReorientOptions options;
   options.sampling.samples = 0;
   options.speed = 0.001;  // less than can be told
-  options.way_speed = 1e-4;
+  options.linear_speed = 1e-4;
   options.patience = 1;
   const auto result = reorient_in_hand(*scene.robot, scene.object, posterior, goal, options, kSeed);
   EXPECT_EQ(result.end, ReorientEnd::out_of_time);

@@ -108,7 +108,7 @@ class Turning {
     if (steps < options_.tightenings) return Vector6d::Zero();
     const Eigen::Isometry3d T_base_world = robot_.command().base.pose().inverse();
     return shortened(way_between(T_base_world * tracked(), T_base_world * goal_),
-                     options_.speed * options_.period, options_.way_speed * options_.period);
+                     options_.speed * options_.period, options_.linear_speed * options_.period);
   }
 
   /// Remembers where the fingertips touch, for those that will not in the next look: they go along
@@ -218,7 +218,7 @@ class Turning {
     if (!well_known(tracker_.posterior().modes.front(), options_)) return ReorientEnd::drift;
     const auto error = left();
     const double distance =
-        std::max(error.rotation / options_.done_angle, error.translation / options_.done_way);
+        std::max(error.rotation / options_.done_angle, error.translation / options_.done_distance);
     if (distance < 1) return ReorientEnd::reached;
     stalled_ = distance < nearest_ ? 0 : stalled_ + 1;
     nearest_ = std::min(nearest_, distance);
@@ -248,7 +248,7 @@ class Turning {
 
 bool well_known(const localization::Mode& mode, const ReorientOptions& options) {
   return largest_deviation(mode.covariance.topLeftCorner<3, 3>()) <= options.drift_angle &&
-         largest_deviation(mode.covariance.bottomRightCorner<3, 3>()) <= options.drift_way;
+         largest_deviation(mode.covariance.bottomRightCorner<3, 3>()) <= options.drift_distance;
 }
 
 std::string_view to_string(ReorientEnd end) { return kEndNames[static_cast<std::size_t>(end)]; }
