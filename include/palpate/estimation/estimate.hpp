@@ -12,7 +12,7 @@ struct EstimationOptions {
   /// Rough place of the object on the table before it is touched, m. Not an option of the program.
   Eigen::Vector2d place = Eigen::Vector2d::Zero();
   tactile::ContactErrorModel errors;
-  double window = 0.5;                  ///< s of readings, before the mark, that are averaged
+  double window = 0.5;                  ///< s of readings, before the event, that are averaged
   double probed_height_sigma = 0.005;   ///< of the measured height, m
   double resting_height_sigma = 0.001;  ///< of the resting object, m
   double resting_tilt_sigma = 0.02;     ///< of the resting object from its stable pose, rad

@@ -175,7 +175,7 @@ class Turning {
         mending_lead(looks_++ < options_.tightenings ? options_.tighten_gain : options_.force_gain);
     tracker_.update(frame());
     view_.T_base_object = robot_.reading().base.pose().inverse() * tracked();
-    return evaluator();
+    return ending();
   }
 
   /// Contacts in the world, and how fast the object has moved there since the last look: as it did
@@ -207,7 +207,7 @@ class Turning {
     return frame;
   }
 
-  std::optional<ReorientEnd> evaluator() {
+  std::optional<ReorientEnd> ending() {
     hand::PerFinger<bool> touches{};
     for (const auto& contact : view_.contacts) {
       touches[static_cast<std::size_t>(contact.finger)] = true;
