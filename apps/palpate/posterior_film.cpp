@@ -35,7 +35,7 @@ std::vector<Ghost> ghosts_of(const std::vector<evaluation::CrediblePose>& poses)
 
 evaluation::TrialOptions options_of(const recording::Recording& recording) {
   evaluation::TrialOptions options;
-  parse_toml(recording.header.config_toml, "the recording", options, Renamed::accepted);
+  parse_toml(recording.header.config_toml, "the recording", options, Earlier::accepted);
   return options;
 }
 

@@ -31,7 +31,7 @@ std::string value_of(const Metadata& metadata, const std::string& key) {
 evaluation::TrialOptions options_of(const Metadata& metadata, const std::string& path,
                                     const CommonOptions& common) {
   evaluation::TrialOptions options;
-  parse_toml(value_of(metadata, "config_toml"), path, options, Renamed::accepted);
+  parse_toml(value_of(metadata, "config_toml"), path, options, Earlier::accepted);
   const evaluation::TrialOptions recorded = options;
   if (!common.config.empty()) load_toml(common.config, options);
   for (const auto& assignment : common.set) apply_setting(assignment, options);

@@ -21,7 +21,10 @@ constexpr double kFloorOfFew = 1e-6;  // PosePrior::floor with these
 OnlineTracker::OnlineTracker(const geometry::ObjectModel& object, const hand::Description& hand,
                              const localization::Posterior& resting,
                              const OnlineTrackerOptions& options, std::uint64_t seed)
-    : object_(object), hand_(hand), options_(options), random_(seed, "felt place") {
+    : object_(object),
+      hand_(hand),
+      options_(options),
+      random_(seed, "felt place") {  // the text seeds the stream
   if (resting.residual_mass() >= 1)
     throw BadInput("no pose from which an object could be followed");
   known_.posterior = coming_.posterior = resting;

@@ -286,10 +286,37 @@ TEST(Options, LimitsThatWereMostOrLeastAreNamed) {
 TEST(Options, AnEarlierNameIsReadWhereItIsAccepted) {
   Renewed options;
   parse_toml("[locate]\nwindow = 1\n[explore]\nmost_touches = 3", "old.h5", options,
-             Renamed::accepted);
+             Earlier::accepted);
   EXPECT_EQ(options.estimation.window, 1);
   EXPECT_EQ(options.explore.max_touches, 3);
-  EXPECT_THROW(parse_toml("[locate]\nwidow = 1", "old.h5", options, Renamed::accepted), BadInput);
+  EXPECT_THROW(parse_toml("[locate]\nwidow = 1", "old.h5", options, Earlier::accepted), BadInput);
+}
+
+TEST(Options, OneThatIsGoneIsAnErrorThatSaysWhy) {
+  const std::string postures = " is gone: the postures are those of the hand's description";
+  EXPECT_EQ(
+      setting_error("palpation.rolls=2"),
+      "option palpation.rolls is gone: a held object is no longer rolled between the fingers");
+  EXPECT_EQ(setting_error("grasp.top.pitch=2"), "option grasp.top.pitch" + postures);
+  EXPECT_EQ(setting_error("expert.grasp.side.contact_torque.thumb=1"),
+            "option expert.grasp.side.contact_torque.thumb" + postures);
+  EXPECT_EQ(toml_error("table = true\n[expert.forward_model.noise]\npoint = 0.001"),
+            "run.toml:3: option expert.forward_model.noise.point is gone: the forward model has "
+            "neither noise nor errors");
+  EXPECT_EQ(setting_error("place.fingers.reorient.world.hand=shadow"),
+            "option place.fingers.reorient.world.hand is gone: the forward model is of the hand "
+            "that the robot has");
+  EXPECT_EQ(
+      setting_error("locate.errors.link=0.1"),
+      "option locate.errors.link is gone: the hand's description has the errors of its links");
+}
+
+TEST(Options, OneThatIsGoneIsPassedOverWhereItIsAccepted) {
+  Pick options;
+  parse_toml("attempts = 4\n[palpation]\nrolls = 2\n[expert.forward_model.error]\nmass = 0",
+             "old.h5", options, Earlier::accepted);
+  EXPECT_EQ(options.attempts, 4);
+  EXPECT_THROW(parse_toml("[palpation]\nrols = 2", "old.h5", options, Earlier::accepted), BadInput);
 }
 
 TEST(Options, ExpertsHaveASectionOfTheirOwnBehindTheOthers) {
@@ -317,7 +344,7 @@ TEST(Options, AnExpertsEarlierNameIsAnErrorThatSaysTheNewOne) {
             "option settle is now expert.settle");
   EXPECT_EQ(error_message([&] { parse_toml("[inner]\nway = 0.2", "run.toml", options); }),
             "run.toml:2: option inner.way is now expert.inner.way");
-  parse_toml("[inner]\nway = 0.2", "old.h5", options, Renamed::accepted);
+  parse_toml("[inner]\nway = 0.2", "old.h5", options, Earlier::accepted);
   EXPECT_EQ(options.inner.way, 0.2);
 }
 
